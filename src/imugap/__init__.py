@@ -1,0 +1,38 @@
+"""Find where simulated and measured inertial sensors disagree, name what is missing, add it, show the gap shrink.
+
+This page is the contract of every module of the package.
+
+Tables
+------
+Log
+    ``pandas.DataFrame``, index ``time`` [s] strictly increasing, any subset (at least one, in this order) of
+    ``gyro_x gyro_y gyro_z`` [rad/s] and ``accel_x accel_y accel_z`` [m/s^2], and optionally ``temperature`` [degC].
+    Checked once, at reading (:mod:`imugap.log`); the sampling interval comes from the index and from nowhere else.
+Effect
+    A frozen value such as ``WhiteNoise(density=1e-4)`` (:mod:`imugap.effects`): one physical cause of error.
+ErrorModel
+    An immutable sum of effects for each axis (:mod:`imugap.model`); simulates, and round-trips to YAML.
+Trajectory
+    ``pandas.DataFrame``, index ``time`` [s], columns ``north east down`` [m], ``vel_n vel_e vel_d`` [m/s],
+    ``roll pitch heading`` [rad] (:mod:`imugap.strapdown`).
+
+Units
+-----
+SI and radians everywhere inside. Anything else is converted at the door (:mod:`imugap.units`), and a name that holds
+another unit says so in a suffix (``rate_deg_per_s``). Densities are square roots of two-sided power spectral
+densities per hertz: white noise ``N`` [unit/sqrt(Hz)] has ``S(f) = N^2``, random walk ``K`` [unit/s/sqrt(Hz)] has
+``S(f) = K^2/(2 pi f)^2``, flicker ``B`` [unit] has ``S(f) = B^2/(2 pi |f|)``.
+
+Frames and signs
+----------------
+``b`` body: the axes of the log. ``n`` navigation: north, east, down. ``e`` Earth (WGS-84). ``mat_nb`` turns a vector
+given in ``b`` into ``n``. Accelerometers sense specific force: a body at rest with z down reads ``accel_z = -g``.
+Errors are always *measured - true* (``error = output - input``); a drift is *navigated - true*.
+
+Randomness
+----------
+Every random stream has a name (:mod:`imugap.stream`): the seed and a tuple of labels. Adding a run, an axis, an
+effect or a model disturbs no other stream.
+"""
+
+__version__ = "0.1.0"

@@ -1,0 +1,112 @@
+"""The canonical log: a table of one device over time, checked once, at reading.
+
+Index ``time`` [s], strictly increasing; columns from :data:`AXES` (rad/s, m/s^2, in this order, any subset) and
+optionally ``temperature`` [degC]. What a log *is* lives here; how foreign files become one is :mod:`imugap.readers`.
+"""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+GYRO = ("gyro_x", "gyro_y", "gyro_z")
+ACCEL = ("accel_x", "accel_y", "accel_z")
+AXES = GYRO + ACCEL
+TEMPERATURE = "temperature"
+COLUMNS = (*AXES, TEMPERATURE)
+
+
+class LogError(ValueError):
+    """A log that is not what it should be: which file, where in it, what was expected, what was found."""
+
+    def __init__(self, source: str | Path, place: str, expected: str, found: str) -> None:
+        """Compose the message from its four parts; each stays readable as an attribute."""
+        self.source, self.place, self.expected, self.found = str(source), place, expected, found
+        super().__init__(f"{source}: {place}: expected {expected}; found {found}")
+
+    def __reduce__(self):
+        """Survive pickling between processes."""
+        return type(self), (self.source, self.place, self.expected, self.found)
+
+
+def from_samples(samples: dict[str, np.ndarray], interval_s: float, start_s: float = 0.0) -> pd.DataFrame:
+    """Make a log from evenly sampled columns.
+
+    Parameters
+    ----------
+    samples
+        Column name to array of shape (n,), SI units.
+    interval_s
+        Sampling interval [s].
+    start_s
+        Time of the first sample [s].
+    """
+    count = len(next(iter(samples.values())))
+    time = pd.Index(start_s + interval_s * np.arange(count), name="time")
+    return check(pd.DataFrame({name: samples[name] for name in COLUMNS if name in samples}, index=time))
+
+
+def check(log: pd.DataFrame, source: str | Path = "log") -> pd.DataFrame:
+    """Return ``log`` if it keeps the contract; otherwise raise a :class:`LogError` that says where it does not."""
+    unknown = [name for name in log.columns if name not in COLUMNS]
+    if unknown:
+        raise LogError(source, "columns", f"a subset of {', '.join(COLUMNS)}", ", ".join(map(str, unknown)))
+    if not axes(log):
+        raise LogError(source, "columns", f"at least one of {', '.join(AXES)}", "none of them")
+    if list(log.columns) != [name for name in COLUMNS if name in log.columns]:
+        raise LogError(source, "columns", f"the order {', '.join(COLUMNS)}", ", ".join(log.columns))
+    if log.index.name != "time":
+        raise LogError(source, "index", "time [s]", repr(log.index.name))
+    if len(log) < 2:
+        raise LogError(source, "rows", "at least 2 samples", str(len(log)))
+    time = log.index.to_numpy()
+    backward = np.flatnonzero(~(np.diff(time) > 0))
+    if len(backward):
+        row = int(backward[0]) + 1
+        raise LogError(source, f"row {row}", "time that increases", f"{time[row]} s after {time[row - 1]} s")
+    for name in log.columns:
+        bad = np.flatnonzero(~np.isfinite(log[name].to_numpy()))
+        if len(bad):
+            place = f"row {bad[0]}, column {name}"
+            raise LogError(source, place, "a finite number", f"{log[name].iloc[bad[0]]} ({len(bad)} such rows)")
+    return log
+
+
+def axes(log: pd.DataFrame) -> tuple[str, ...]:
+    """Return the inertial axes that the log has, in canonical order."""
+    return tuple(name for name in AXES if name in log.columns)
+
+
+def interval(log: pd.DataFrame) -> float:
+    """Return the sampling interval [s]: the mean step among those within half of the median step.
+
+    Quantised stamps average out, and lost samples (steps of two intervals and more) do not count.
+    """
+    steps = np.diff(log.index.to_numpy())
+    median = np.median(steps)
+    regular = steps[np.abs(steps - median) <= 0.5 * median]
+    return float(regular.mean())
+
+
+def rate(log: pd.DataFrame) -> float:
+    """Return the sampling rate [Hz]."""
+    return 1.0 / interval(log)
+
+
+def duration(log: pd.DataFrame) -> float:
+    """Return the time that the log covers [s], the last sample's interval included."""
+    return float(log.index[-1] - log.index[0]) + interval(log)
+
+
+def write(log: pd.DataFrame, path: str | Path) -> None:
+    """Write the log as Parquet, under a temporary name first, so that no half-written log is ever found."""
+    path = Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    partial = path.with_name(path.name + ".partial")
+    log.to_parquet(partial)
+    partial.rename(path)
+
+
+def load(path: str | Path, columns: list[str] | None = None) -> pd.DataFrame:
+    """Load a canonical Parquet log that this package wrote (already checked); ``columns`` saves memory."""
+    return pd.read_parquet(path, columns=columns)

@@ -1,0 +1,20 @@
+"""Named random streams: the same seed and labels give the same numbers, whatever else is drawn."""
+
+from zlib import crc32
+
+import numpy as np
+
+
+def stream(seed: int, *labels: object) -> np.random.Generator:
+    """Return the generator that belongs to ``seed`` and ``labels``.
+
+    A label is identified by its text, so ``stream(1, "run", 2)`` and ``stream(1, "run", "2")`` are the same stream.
+    Labels are encoded one by one: ``("ab", "c")`` and ``("a", "bc")`` differ, and so do ``("a",)`` and ``("a", "")``.
+    """
+    words = [word for label in labels for word in _words(str(label))]
+    return np.random.default_rng([seed, len(labels), *words])
+
+
+def _words(text: str) -> tuple[int, int]:
+    data = text.encode()
+    return crc32(data), len(data)

@@ -1,0 +1,47 @@
+"""Conversion at the door: multiply by a factor to come in (SI), divide by it to go out (datasheet units).
+
+The table holds every unit that a file, a published table or a data sheet of this study uses. Standard gravity is the
+conventional value 9.80665 m/s^2 (BIPM, SI brochure, 9th ed.), used only to convert units, never as local gravity.
+"""
+
+from math import pi
+
+STANDARD_GRAVITY = 9.80665
+
+FACTORS: dict[str, float] = {
+    "1": 1.0,
+    "s": 1.0,
+    "m": 1.0,
+    "degC": 1.0,
+    "rad": 1.0,
+    "rad/s": 1.0,
+    "m/s^2": 1.0,
+    "deg": pi / 180,
+    "deg/s": pi / 180,
+    "deg/h": pi / 180 / 3600,
+    "deg/sqrt(h)": pi / 180 / 60,
+    "deg/h/sqrt(h)": pi / 180 / 3600 / 60,
+    "g": STANDARD_GRAVITY,
+    "mg": 1e-3 * STANDARD_GRAVITY,
+    "ug": 1e-6 * STANDARD_GRAVITY,
+    "m/s/sqrt(h)": 1 / 60,
+    "m/s/h/sqrt(h)": 1 / 3600 / 60,
+    "%": 1e-2,
+}
+
+
+def to_si(value, unit: str):
+    """Convert ``value`` (number or array) given in ``unit`` to SI."""
+    return value * factor(unit)
+
+
+def from_si(value, unit: str):
+    """Convert ``value`` (number or array) given in SI to ``unit``."""
+    return value / factor(unit)
+
+
+def factor(unit: str) -> float:
+    """Return how many SI units one ``unit`` is; an unknown unit is a ValueError that lists the known ones."""
+    if unit not in FACTORS:
+        raise ValueError(f"unit: expected one of {', '.join(FACTORS)}; found {unit!r}")
+    return FACTORS[unit]
