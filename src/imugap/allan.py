@@ -1,0 +1,176 @@
+"""Overlapping Allan deviation of rate data, its confidence intervals, and the coefficients read from its tangents."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+from allantools import ci
+from numba import njit
+from scipy.stats import chi2
+
+from imugap.effects.bias_instability import FLOOR
+
+POINTS_PER_DECADE = 10
+SLOPE_TOLERANCE = 0.1
+"""Largest distance of the local slope from the nominal one at which a tangent is read."""
+REGION_DECADES = 0.5
+"""Shortest range of tau over which the slope must hold."""
+WINDOW = 3
+"""Half width, in points, of the window over which a local slope is taken."""
+
+
+def factors(count: int, points_per_decade: int = POINTS_PER_DECADE) -> np.ndarray:
+    """Return averaging factors n, evenly spaced on a log axis from 1 to count/4, each integer once."""
+    decades = np.log10(max(count // 4, 1))
+    grid = np.logspace(0, decades, int(decades * points_per_decade) + 1)
+    return np.unique(np.rint(grid).astype(np.int64))
+
+
+def variance(sequence: np.ndarray, averaging: np.ndarray) -> np.ndarray:
+    """Return the overlapping Allan variance of rate samples (Farrell et al. 2022, eqs. 12-13; IEEE 952).
+
+    Parameters
+    ----------
+    sequence
+        Samples (means over their interval), shape (n,).
+    averaging
+        Averaging factors, shape (m,), each at most n/2.
+    """
+    angle = np.zeros(len(sequence) + 1)
+    np.cumsum(sequence - sequence.mean(), out=angle[1:])
+    return np.array([_second_differences(angle, n) for n in averaging])
+
+
+@njit(cache=True, fastmath=True)
+def _second_differences(angle, n):
+    total = 0.0
+    terms = len(angle) - 2 * n
+    for k in range(terms):
+        difference = angle[k + 2 * n] - 2 * angle[k + n] + angle[k]
+        total += difference * difference
+    return total / (2.0 * n * n * terms)
+
+
+def curve(sequence: np.ndarray, interval: float, level: float = 0.95) -> pd.DataFrame:
+    """Return the Allan deviation with chi-square intervals.
+
+    The equivalent degrees of freedom are those of Greenhall and Riley (2003), for the power law that the local slope
+    of the curve itself shows.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Index ``tau`` [s]; columns ``deviation``, ``low``, ``high`` [unit of the sequence], ``error`` (relative
+        standard deviation of the estimate, Farrell et al. 2022, eq. 15), ``slope`` (local d log sigma/d log tau),
+        ``edf``.
+    """
+    averaging = factors(len(sequence))
+    deviation = np.sqrt(variance(np.asarray(sequence, float), averaging))
+    if not deviation.all():
+        raise ValueError("Allan deviation: expected samples that vary; found a constant sequence")
+    slope = local_slope(averaging, deviation)
+    exponent = np.clip(np.rint(-1 - 2 * slope), -2, 2).astype(int)
+    edf = np.array([_edf(a, n, len(sequence)) for a, n in zip(exponent, averaging, strict=True)])
+    low, high = (deviation * np.sqrt(edf / chi2.ppf(p, edf)) for p in ((1 + level) / 2, (1 - level) / 2))
+    columns = {
+        "deviation": deviation,
+        "low": low,
+        "high": high,
+        "error": np.sqrt(0.5 / (len(sequence) / averaging - 1)),
+        "slope": slope,
+        "edf": edf,
+    }
+    return pd.DataFrame(columns, index=pd.Index(averaging * interval, name="tau"))
+
+
+def local_slope(tau: np.ndarray, deviation: np.ndarray) -> np.ndarray:
+    """Return d log sigma/d log tau at each tau: least squares over a window of neighbouring points."""
+    x, y = np.log(tau), np.log(deviation)
+    spans = [slice(max(i - WINDOW, 0), i + WINDOW + 1) for i in range(len(x))]
+    return np.array([np.polyfit(x[span], y[span], 1)[0] for span in spans])
+
+
+def _edf(exponent: int, averaging: int, count: int) -> float:
+    return float(ci.edf_greenhall(alpha=exponent, d=2, m=int(averaging), N=count + 1, overlapping=True))
+
+
+@dataclass(frozen=True)
+class Law:
+    """A power law of the Allan deviation: sigma(tau) = coefficient x gain x tau^slope."""
+
+    symbol: str
+    slope: float
+    gain: float
+    unit: str
+
+    def deviation(self, coefficient: float, tau: np.ndarray) -> np.ndarray:
+        """Return sigma(tau)."""
+        return coefficient * self.gain * np.asarray(tau, float) ** self.slope
+
+
+LAWS = {
+    law.symbol: law
+    for law in (
+        Law("N", -0.5, 1.0, "{u}/sqrt(Hz)"),
+        Law("B", 0.0, float(FLOOR), "{u}"),
+        Law("K", 0.5, 3**-0.5, "{u}/s/sqrt(Hz)"),
+    )
+}
+"""White noise, bias instability and random walk (Farrell et al. 2022, section on parameter extraction; IEEE 952)."""
+
+
+@dataclass(frozen=True)
+class Tangent:
+    """A coefficient read from an Allan deviation curve.
+
+    Attributes
+    ----------
+    value, low, high
+        Coefficient with its interval, SI.
+    tau_low, tau_high
+        Range over which it was read [s].
+    holds
+        Whether the law's slope holds there. If not, ``value`` is an upper bound: the tangent touches the curve from
+        below, where the law can explain all of it and no more; ``low`` is then 0.
+    """
+
+    value: float
+    low: float
+    high: float
+    tau_low: float
+    tau_high: float
+    holds: bool
+
+
+def tangent(asd: pd.DataFrame, law: Law, level: float = 0.95) -> Tangent:
+    """Read the coefficient of ``law`` from a curve of :func:`curve`, on the longest range where its slope holds."""
+    known = asd[_slope_error(asd) < SLOPE_TOLERANCE]
+    coefficient = known["deviation"] / law.deviation(1.0, known.index)
+    region = _longest(known.index.to_numpy(), (np.abs(known["slope"] - law.slope) < SLOPE_TOLERANCE).to_numpy())
+    if region is None:
+        touch = coefficient.idxmin()
+        value, edf = coefficient[touch], known["edf"][touch]
+        return Tangent(value, 0.0, _limit(value, edf, (1 - level) / 2), touch, touch, False)
+    value = float(np.sqrt(np.average(coefficient[region] ** 2, weights=known["edf"][region])))
+    edf = known["edf"][region].max()
+    low, high = (_limit(value, edf, p) for p in ((1 + level) / 2, (1 - level) / 2))
+    return Tangent(value, low, high, known.index[region][0], known.index[region][-1], True)
+
+
+def _slope_error(asd: pd.DataFrame) -> pd.Series:
+    """Return the standard error of the local slope, from the two ends of its window."""
+    ends = np.hypot(asd["error"], asd["error"].shift(-WINDOW, fill_value=np.inf))
+    return ends * POINTS_PER_DECADE / (2 * WINDOW * np.log(10))
+
+
+def _longest(tau: np.ndarray, holds: np.ndarray) -> slice | None:
+    """Return the longest run of true points, or None if it covers less than the shortest range."""
+    edges = np.flatnonzero(np.diff(np.r_[False, holds, False]))
+    runs = [slice(a, b) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+    span = {run.start: np.log10(tau[run.stop - 1] / tau[run.start]) for run in runs}
+    best = max(runs, key=lambda run: span[run.start], default=None)
+    return best if best and span[best.start] >= REGION_DECADES else None
+
+
+def _limit(value: float, edf: float, probability: float) -> float:
+    return float(value * np.sqrt(edf / chi2.ppf(probability, edf)))

@@ -1,0 +1,20 @@
+"""Constant bias."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from imugap.effects.effect import AdditiveEffect, Conditions, parameter
+
+
+@dataclass(frozen=True)
+class Bias(AdditiveEffect):
+    """A constant offset (IEEE 1554: fixed bias)."""
+
+    name: ClassVar[str] = "bias"
+    value: float = parameter("{u}", "offset of the output", low=-np.inf)
+
+    def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
+        """Return the offset at every sample."""
+        return np.full(len(conditions), self.value)

@@ -1,0 +1,114 @@
+"""What every effect is: a frozen value with described parameters that acts on a sequence at its stage of the chain."""
+
+from dataclasses import Field, dataclass, field, fields
+from enum import IntEnum
+from math import isfinite
+from typing import ClassVar
+
+import numpy as np
+
+
+class Stage(IntEnum):
+    """Where in the chain from the physical input to the stored number an effect acts."""
+
+    ERROR = 1
+    """Adds to the error, whatever else is in it."""
+    SEQUENCE = 2
+    """Transforms the whole error sequence once it is complete."""
+    OUTPUT = 3
+    """Acts on the output, i.e. on input plus error."""
+
+
+@dataclass(frozen=True)
+class Conditions:
+    """What an effect may depend on besides its parameters and its random stream.
+
+    Attributes
+    ----------
+    time
+        Time of the samples since power-on [s], shape (n,).
+    interval
+        Sampling interval [s].
+    temperature
+        Temperature of the device [degC], shape (n,), or None where it is not known.
+    """
+
+    time: np.ndarray
+    interval: float
+    temperature: np.ndarray | None = None
+
+    def __len__(self) -> int:
+        """Return the number of samples."""
+        return len(self.time)
+
+
+def parameter(unit: str, meaning: str, low: float = 0.0, high: float = np.inf, **kwargs) -> Field:
+    """Declare a parameter of an effect: SI unit (``{u}`` stands for the unit of the axis), meaning, physical limits."""
+    return field(metadata={"unit": unit, "meaning": meaning, "low": low, "high": high}, **kwargs)
+
+
+@dataclass(frozen=True)
+class Effect:
+    """One physical cause of error on one axis.
+
+    A subclass is a frozen dataclass in a file of its own. It gives its ``name`` (controlled vocabulary), its
+    parameters (:func:`parameter`) and :meth:`apply`; effects of the ERROR stage derive from
+    :class:`AdditiveEffect`, those with a spectrum from :class:`StochasticEffect`.
+    """
+
+    name: ClassVar[str]
+    stage: ClassVar[Stage]
+
+    def __post_init__(self) -> None:
+        """Check every parameter against its physical limits."""
+        for item in fields(self):
+            value, low, high = getattr(self, item.name), item.metadata["low"], item.metadata["high"]
+            if not (isfinite(value) and low <= value <= high):
+                raise ValueError(f"{self.name}.{item.name}: expected a number in [{low:g}, {high:g}]; found {value}")
+
+    def apply(self, sequence: np.ndarray, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
+        """Return what becomes of ``sequence``, shape (n,): the error up to this stage, or the output (OUTPUT stage)."""
+        raise NotImplementedError
+
+    def parameters(self) -> dict[str, float]:
+        """Return the parameters by name, in SI units."""
+        return {item.name: getattr(self, item.name) for item in fields(self)}
+
+    @classmethod
+    def units(cls, axis_unit: str) -> dict[str, str]:
+        """Return the SI unit of each parameter for an axis measured in ``axis_unit``."""
+        return {item.name: item.metadata["unit"].replace("{u}", axis_unit) for item in fields(cls)}
+
+    def __add__(self, other):
+        """Compose: ``WhiteNoise(1e-4) + RandomWalk(2e-6)`` is the error of an axis."""
+        from imugap.model import AxisModel
+
+        return AxisModel((self,)) + other
+
+
+@dataclass(frozen=True)
+class AdditiveEffect(Effect):
+    """An effect that adds a sequence of its own to the error."""
+
+    stage: ClassVar[Stage] = Stage.ERROR
+
+    def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
+        """Draw the sequence that this effect adds, shape (n,)."""
+        raise NotImplementedError
+
+    def apply(self, sequence: np.ndarray, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
+        """Add a drawn sequence."""
+        return sequence + self.sample(conditions, rng)
+
+
+@dataclass(frozen=True)
+class StochasticEffect(AdditiveEffect):
+    """An additive random process with a spectrum."""
+
+    def psd(self, frequency: np.ndarray) -> np.ndarray:
+        """Return the two-sided power spectral density [unit^2/Hz] at ``frequency`` [Hz] of the continuous process."""
+        raise NotImplementedError
+
+    def allan_variance(self, tau: np.ndarray) -> np.ndarray:
+        """Return the Allan variance [unit^2] at averaging times ``tau`` [s] of the continuous process."""
+        raise NotImplementedError

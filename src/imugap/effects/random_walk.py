@@ -1,0 +1,34 @@
+"""Rate or acceleration random walk."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from imugap.effects.effect import Conditions, StochasticEffect, parameter
+from imugap.statespace import StateSpace
+
+
+@dataclass(frozen=True)
+class RandomWalk(StochasticEffect):
+    """Wiener process: S(f) = K^2/(2 pi f)^2, sigma^2(tau) = K^2 tau/3 (IEEE 952, rate random walk)."""
+
+    name: ClassVar[str] = "random_walk"
+    density_k: float = parameter("{u}/s/sqrt(Hz)", "K, square root of the two-sided PSD of the driving noise")
+
+    def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
+        """Sum independent increments of standard deviation K sqrt(interval), from zero at power-on."""
+        step = self.density_k * np.sqrt(conditions.interval)
+        return np.cumsum(step * rng.standard_normal(len(conditions)))
+
+    def psd(self, frequency: np.ndarray) -> np.ndarray:
+        """Return K^2/(2 pi f)^2 (Farrell et al. 2022, eq. 19)."""
+        return (self.density_k / (2 * np.pi * np.asarray(frequency, float))) ** 2
+
+    def allan_variance(self, tau: np.ndarray) -> np.ndarray:
+        """Return K^2 tau/3 (IEEE 952)."""
+        return self.density_k**2 * np.asarray(tau, float) / 3
+
+    def state_space(self) -> StateSpace:
+        """Return one integrating state."""
+        return StateSpace.first_order(decay=0.0, driving_psd=self.density_k**2, variance=0.0)

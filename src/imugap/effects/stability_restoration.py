@@ -1,0 +1,24 @@
+"""The statistical restoration of He et al. 2023."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from imugap.effects.effect import Conditions, Effect, Stage, parameter
+from imugap.stability import bias_stability
+
+
+@dataclass(frozen=True)
+class StabilityRestoration(Effect):
+    """Scaling of the error about its mean to a prescribed bias stability (He et al. 2023, eqs. 16-18)."""
+
+    name: ClassVar[str] = "stability_restoration"
+    stage: ClassVar[Stage] = Stage.SEQUENCE
+    stability: float = parameter("{u}", "bias stability that the sequence is given")
+    period: float = parameter("s", "averaging period of the bias stability", low=np.finfo(float).tiny)
+
+    def apply(self, sequence: np.ndarray, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
+        """Return Q Bs/Bs_real + mean (1 - Bs/Bs_real) (eq. 18)."""
+        ratio = self.stability / bias_stability(sequence, conditions.interval, self.period)
+        return ratio * sequence + (1 - ratio) * sequence.mean()

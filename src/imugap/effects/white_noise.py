@@ -1,0 +1,33 @@
+"""White noise: angle or velocity random walk."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from imugap.effects.effect import Conditions, StochasticEffect, parameter
+from imugap.statespace import StateSpace
+
+
+@dataclass(frozen=True)
+class WhiteNoise(StochasticEffect):
+    """White noise of the rate: S(f) = N^2, sigma^2(tau) = N^2/tau (IEEE 952, angle random walk)."""
+
+    name: ClassVar[str] = "white_noise"
+    density: float = parameter("{u}/sqrt(Hz)", "N, square root of the two-sided PSD")
+
+    def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
+        """Draw interval means: independent, standard deviation N/sqrt(interval)."""
+        return self.density / np.sqrt(conditions.interval) * rng.standard_normal(len(conditions))
+
+    def psd(self, frequency: np.ndarray) -> np.ndarray:
+        """Return N^2 (Farrell et al. 2022, eq. 17)."""
+        return np.full_like(np.asarray(frequency, float), self.density**2)
+
+    def allan_variance(self, tau: np.ndarray) -> np.ndarray:
+        """Return N^2/tau (IEEE 952)."""
+        return self.density**2 / np.asarray(tau, float)
+
+    def state_space(self) -> StateSpace:
+        """Return a model without states."""
+        return StateSpace.white(self.density**2)

@@ -1,0 +1,134 @@
+"""Error models: an immutable sum of effects for each axis; the same object simulates, estimates and filters."""
+
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from difflib import get_close_matches
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import yaml
+
+from imugap import log as canonical
+from imugap.effects import CATALOGUE
+from imugap.effects.effect import Conditions, Effect, Stage, StochasticEffect
+from imugap.statespace import StateSpace
+from imugap.stream import stream
+
+
+@dataclass(frozen=True)
+class AxisModel:
+    """The error of one axis: a sum of effects, kept in the order of the signal chain."""
+
+    effects: tuple[Effect, ...] = ()
+
+    def __post_init__(self) -> None:
+        """Sort by stage; within a stage the given order stays."""
+        object.__setattr__(self, "effects", tuple(sorted(self.effects, key=lambda effect: effect.stage)))
+
+    def __add__(self, other: "Effect | AxisModel") -> "AxisModel":
+        """Add an effect or all effects of another axis model."""
+        more = other.effects if isinstance(other, AxisModel) else (other,)
+        return AxisModel(self.effects + more)
+
+    def __iter__(self) -> Iterator[Effect]:
+        """Iterate over the effects."""
+        return iter(self.effects)
+
+    def simulate(self, ideal: np.ndarray, conditions: Conditions, seed: int, *labels: object) -> np.ndarray:
+        """Return the output, shape (n,), for the error-free input ``ideal``; each effect draws from its own stream."""
+        count: Counter = Counter()
+        error, output = np.zeros(len(conditions)), None
+        for effect in self.effects:
+            count[effect.name] += 1
+            rng = stream(seed, *labels, effect.name, count[effect.name])
+            if effect.stage < Stage.OUTPUT:
+                error = effect.apply(error, conditions, rng)
+            else:
+                output = effect.apply(ideal + error if output is None else output, conditions, rng)
+        return ideal + error if output is None else output
+
+    def stochastic(self) -> tuple[StochasticEffect, ...]:
+        """Return the effects that have a spectrum."""
+        return tuple(effect for effect in self.effects if isinstance(effect, StochasticEffect))
+
+    def psd(self, frequency: np.ndarray) -> np.ndarray:
+        """Return the two-sided PSD [unit^2/Hz] of the stochastic effects at ``frequency`` [Hz]."""
+        return sum((effect.psd(frequency) for effect in self.stochastic()), np.zeros(np.shape(frequency)))
+
+    def allan_variance(self, tau: np.ndarray) -> np.ndarray:
+        """Return the Allan variance [unit^2] of the stochastic effects at ``tau`` [s]."""
+        return sum((effect.allan_variance(tau) for effect in self.stochastic()), np.zeros(np.shape(tau)))
+
+    def state_space(self) -> StateSpace:
+        """Return the state space of the stochastic effects."""
+        return sum((effect.state_space() for effect in self.stochastic()), StateSpace.white(0.0))
+
+
+@dataclass(frozen=True)
+class ErrorModel:
+    """The errors of a device: an :class:`AxisModel` for each axis (canonical names)."""
+
+    axes: Mapping[str, AxisModel]
+
+    def __getitem__(self, axis: str) -> AxisModel:
+        """Return the model of one axis."""
+        return self.axes[axis]
+
+    def simulate(self, ideal: pd.DataFrame, seed: int, *labels: object) -> pd.DataFrame:
+        """Return the log that the device would have written for the error-free log ``ideal``.
+
+        Axes without a model pass unchanged. The temperature, where ``ideal`` has one, drives the effects.
+        """
+        time = ideal.index.to_numpy()
+        temperature = ideal[canonical.TEMPERATURE].to_numpy() if canonical.TEMPERATURE in ideal else None
+        conditions = Conditions(time, canonical.interval(ideal), temperature)
+        measured = {
+            axis: self.axes[axis].simulate(ideal[axis].to_numpy(), conditions, seed, *labels, axis)
+            for axis in canonical.axes(ideal)
+            if axis in self.axes
+        }
+        return ideal.assign(**measured)
+
+    def to_mapping(self) -> dict[str, list[dict[str, dict[str, float]]]]:
+        """Return plain data: axis -> list of {effect name: {parameter: value}}."""
+        return {
+            axis: [{effect.name: {key: float(v) for key, v in effect.parameters().items()}} for effect in model]
+            for axis, model in self.axes.items()
+        }
+
+    @classmethod
+    def from_mapping(cls, mapping: Mapping) -> "ErrorModel":
+        """Build from plain data; an unknown axis, effect or parameter is a ValueError that names the nearest."""
+        axes = {}
+        for axis, items in mapping.items():
+            _known(axis, canonical.AXES, "axis")
+            named = [(name, values) for item in items for name, values in item.items()]
+            axes[axis] = AxisModel(tuple(_effect(axis, name, values) for name, values in named))
+        return cls(axes)
+
+    def write(self, path: str | Path) -> None:
+        """Write as YAML."""
+        Path(path).write_text(yaml.safe_dump(self.to_mapping(), sort_keys=False))
+
+    @classmethod
+    def read(cls, path: str | Path) -> "ErrorModel":
+        """Read from YAML."""
+        try:
+            return cls.from_mapping(yaml.safe_load(Path(path).read_text()))
+        except (AttributeError, TypeError, ValueError, yaml.YAMLError) as error:
+            raise ValueError(f"{path}: {error}") from error
+
+
+def _effect(axis: str, name: str, values: Mapping | None) -> Effect:
+    _known(name, CATALOGUE, f"{axis}: effect")
+    for key in values or {}:
+        _known(key, CATALOGUE[name].units(""), f"{axis}: parameter of {name}")
+    return CATALOGUE[name](**(values or {}))
+
+
+def _known(name: str, known, what: str) -> None:
+    if name not in known:
+        near = get_close_matches(str(name), list(known), 1) or [", ".join(known)]
+        raise ValueError(f"{what}: expected {near[0]}; found {name!r}")
