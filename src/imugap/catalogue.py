@@ -8,7 +8,7 @@ same layout where there is one, downloaded otherwise, and appear under their nam
 import csv
 import shutil
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import pooch
@@ -16,6 +16,8 @@ import yaml
 from jsonschema import Draft202012Validator
 
 from imugap.log import ACCEL, GYRO, TEMPERATURE
+
+CHUNK_BYTES = 65536
 
 
 class CatalogueError(ValueError):
@@ -57,7 +59,7 @@ class DataSet:
     licence: str
     source: str
     remarks: str
-    files: tuple[RawFile, ...]
+    files: tuple[RawFile, ...] = ()
 
     @property
     def runs(self) -> tuple[int, ...]:
@@ -94,20 +96,150 @@ def load(tables: str | Path, schemas: str | Path) -> dict[str, DataSet]:
     dict
         Name to :class:`DataSet`, in the order of the table.
     """
-    files: dict[str, list[RawFile]] = {}
-    table = Path(tables) / "datasets.csv"
-    for line, row in _rows(table, Path(schemas) / "datasets.schema.yaml"):
-        if row["dataset"] in files:
-            raise CatalogueError(f"{table}: line {line}, column dataset: {row['dataset']!r} is there twice")
-        files[row["dataset"]] = []
-    rows = [row for _, row in _rows(table, Path(schemas) / "datasets.schema.yaml")]
-    table = Path(tables) / "files.csv"
-    for line, row in _rows(table, Path(schemas) / "files.schema.yaml"):
-        if row["dataset"] not in files:
-            raise CatalogueError(f"{table}: line {line}, column dataset: {row['dataset']!r} is not in datasets.csv")
-        file = RawFile(row["dataset"], row["file"], _runs(row["run"]), row["bytes"], row["sha256"], row["url"])
-        taken = {run for other in files[file.dataset] for run in other.runs}
-        if not file.runs or taken & set(file.runs):
-            raise CatalogueError(f"{table}: line {line}, column run: expected runs not yet taken; found {row['run']!r}")
-        files[file.dataset].append(file)
-    return {row["dataset"]: _data_set(row, tuple(files[row["dataset"]])) for row in rows}
+    tables, schemas = Path(tables), Path(schemas)
+    sets: dict[str, DataSet] = {}
+    for place, row in _rows(tables / "datasets.csv", schemas / "datasets.schema.yaml"):
+        if row["dataset"] in sets:
+            raise CatalogueError(f"{place}, column dataset: expected a new name; found {row['dataset']!r} again")
+        sets[row["dataset"]] = _data_set(row)
+    for place, row in _rows(tables / "files.csv", schemas / "files.schema.yaml"):
+        if row["dataset"] not in sets:
+            raise CatalogueError(
+                f"{place}, column dataset: expected one of {', '.join(sets)}; found {row['dataset']!r}"
+            )
+        owner, file = sets[row["dataset"]], _raw_file(row)
+        if not file.runs or set(file.runs) & set(owner.runs):
+            raise CatalogueError(f"{place}, column run: expected increasing, still free runs; found {row['run']!r}")
+        sets[owner.name] = replace(owner, files=(*owner.files, file))
+    empty = [name for name, owner in sets.items() if not owner.files]
+    if empty:
+        raise CatalogueError(f"{tables / 'files.csv'}: expected a file for every data set; found none for {empty[0]!r}")
+    return sets
+
+
+def available(dataset: DataSet, folder: str | Path, mirror: str | Path | None = None) -> bool:
+    """Tell whether every file of ``dataset`` is in ``folder`` or in ``mirror``."""
+    return all(_found(file, folder, mirror) for file in dataset.files)
+
+
+def locate(file: RawFile, folder: str | Path, mirror: str | Path | None = None) -> Path:
+    """Return where ``file`` is: in ``folder`` first, else in ``mirror``, else a :class:`FetchError`."""
+    found = _found(file, folder, mirror)
+    if found is None:
+        raise FetchError(_by_hand(file, folder, "not found"))
+    return found
+
+
+def fetch(file: RawFile, folder: str | Path, mirror: str | Path | None = None) -> Path:
+    """Get ``file`` into ``folder`` and return its path; do nothing when it is there already and whole.
+
+    The file grows under the name ``<file>.partial`` and gets its own name only when its checksum is right. A download
+    that breaks off is continued by the next call where the server allows it. A file that is there already but has
+    another checksum is reported and left alone: somebody put it there.
+
+    Parameters
+    ----------
+    folder
+        Where raw logs live (``data/raw``); the file goes to ``<folder>/<dataset>/<file>``.
+    mirror
+        A folder of the same layout to copy from, if it has the file, before any network is asked.
+    """
+    target = file.place(folder)
+    if target.exists():
+        if (fault := _fault(target, file)) is not None:
+            raise FetchError(_by_hand(file, folder, f"{target} is another file ({fault}); it was left alone"))
+        return target
+    target.parent.mkdir(parents=True, exist_ok=True)
+    partial = target.with_name(target.name + ".partial")
+    source = _found(file, folder, mirror)
+    try:
+        if source is not None:
+            shutil.copyfile(source, partial)
+        elif not partial.exists() or partial.stat().st_size < file.size_bytes:
+            _download(file.url, partial)
+    except OSError as error:  # requests' errors are OSErrors too
+        raise FetchError(_by_hand(file, folder, f"{type(error).__name__}: {error}")) from error
+    if (fault := _fault(partial, file)) is not None:
+        partial.unlink()
+        raise FetchError(_by_hand(file, folder, f"{source or file.url} gave another file ({fault}); it was removed"))
+    return partial.rename(target)
+
+
+def _found(file: RawFile, folder: str | Path, mirror: str | Path | None) -> Path | None:
+    places = [file.place(root) for root in (folder, mirror) if root]
+    return next((place for place in places if place.is_file()), None)
+
+
+def _download(url: str, partial: Path) -> None:
+    """Append to ``partial`` what it lacks of ``url``, or start it afresh if the server sends everything."""
+    with partial.open("ab") as output:
+
+        def start_afresh(response, **_) -> None:
+            if response.status_code == 200:  # 206 would be the range asked for
+                output.truncate(0)
+
+        # identity: a range of a compressed stream is no range of the file
+        headers = {"Range": f"bytes={output.tell()}-", "Accept-Encoding": "identity"}
+        download = pooch.HTTPDownloader(
+            progressbar=True, chunk_size=CHUNK_BYTES, headers=headers, hooks={"response": start_afresh}
+        )
+        download(url, output, None)
+
+
+def _fault(path: Path, file: RawFile) -> str | None:
+    """Say how the file at ``path`` differs from the catalogued one; None if it does not."""
+    found = pooch.file_hash(str(path), alg="sha256")
+    if found == file.sha256:
+        return None
+    return f"expected sha256 {file.sha256}, {file.size_bytes} bytes; found {found}, {path.stat().st_size} bytes"
+
+
+def _by_hand(file: RawFile, folder: str | Path, reason: str) -> str:
+    return (
+        f"{file.name}: {reason}. To place it by hand, get {file.url} "
+        f"({file.size_bytes} bytes, sha256 {file.sha256}) and put it at {file.place(folder)}"
+    )
+
+
+def _rows(table: Path, schema_path: Path) -> Iterator[tuple[str, dict]]:
+    """Yield (table and line, row) for each row that its schema accepts; empty cells are left out."""
+    schema = yaml.safe_load(schema_path.read_text(encoding="utf-8"))
+    validator = Draft202012Validator(schema)
+    with table.open(newline="", encoding="utf-8") as handle:
+        reader = csv.DictReader(handle)
+        for cells in reader:
+            place = f"{table}: line {reader.line_num}"
+            row = {name: _typed(text, schema["properties"].get(name, {})) for name, text in cells.items() if text}
+            for error in validator.iter_errors(row):
+                column = f", column {error.path[0]}" if error.path else ""
+                raise CatalogueError(f"{place}{column}: {error.message}")
+            yield place, row
+
+
+def _typed(text: str, schema: dict) -> str | int | float:
+    try:
+        return {"integer": int, "number": float}.get(schema.get("type"), str)(text)
+    except ValueError:
+        return text  # the validator says what was expected
+
+
+def _raw_file(row: dict) -> RawFile:
+    first, _, last = row["run"].partition("-")
+    runs = tuple(range(int(first), int(last or first) + 1))
+    return RawFile(row["dataset"], row["file"], runs, row["bytes"], row["sha256"], row["url"])
+
+
+def _data_set(row: dict) -> DataSet:
+    return DataSet(
+        name=row["dataset"],
+        title=row["title"],
+        kind=row["kind"],
+        rate_hz=row["rate_hz"],
+        columns=tuple(row["columns"].split()),
+        gyro_unit=row.get("gyro_unit"),
+        accel_unit=row.get("accel_unit"),
+        frame=row["frame"],
+        licence=row["licence"],
+        source=row["source"],
+        remarks=row["remarks"],
+    )

@@ -103,8 +103,7 @@ def nbk(of: AxisIndices) -> AxisModel:
 
 
 CONTENDERS: dict[str, Callable[[AxisIndices], AxisModel]] = {
-    builder.__name__: builder
-    for builder in (bias_only, white, rate_random_walk, method_a, method_b, restoration, nbk)
+    builder.__name__: builder for builder in (bias_only, white, rate_random_walk, method_a, method_b, restoration, nbk)
 }
 
 TITLES = {
@@ -132,7 +131,7 @@ def fit(name: str, indices: pd.DataFrame, curves: pd.DataFrame, period: float) -
     """
     axes = {}
     for axis, group in indices.groupby("axis", sort=False):
-        value = group.set_index("index")["value"]
+        value = group.set_index("symbol")["value"]
         curve = curves[curves["axis"] == axis].set_index("tau")
         of = AxisIndices(
             value["bias"], value["stability"], value.get("repeatability", 0.0), value["N"], value["B"], value["K"],

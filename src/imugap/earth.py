@@ -30,7 +30,7 @@ SOMIGLIANA_K = SEMI_MINOR_AXIS * POLAR_GRAVITY / (SEMI_MAJOR_AXIS * EQUATORIAL_G
 CENTRIFUGAL_RATIO = ROTATION_RATE**2 * SEMI_MAJOR_AXIS**2 * SEMI_MINOR_AXIS / GRAVITATIONAL_CONSTANT
 
 
-@njit(cache=True)
+@njit(cache=True, forceinline=True)
 def normal_gravity(latitude, height):
     """Return normal gravity [m/s^2], along the ellipsoid's normal, positive down.
 
@@ -45,7 +45,7 @@ def normal_gravity(latitude, height):
     return surface * (1 - ratio * (decrease - 3 * ratio))
 
 
-@njit(cache=True)
+@njit(cache=True, forceinline=True)
 def curvature_radii(latitude):
     """Return the radii of curvature of the ellipsoid [m]: meridian, transverse (Groves eqs. 2.105 and 2.106)."""
     inverse_square = 1 / (1 - ECCENTRICITY_SQUARED * np.sin(latitude) ** 2)
@@ -53,20 +53,20 @@ def curvature_radii(latitude):
     return transverse * (1 - ECCENTRICITY_SQUARED) * inverse_square, transverse
 
 
-@njit(cache=True)
+@njit(cache=True, forceinline=True)
 def metres_per_radian(latitude, height):
     """Return the way along north for a radian of latitude and along east for one of longitude [m/rad] (Groves 2.111)."""
     meridian, transverse = curvature_radii(latitude)
     return meridian + height, (transverse + height) * np.cos(latitude)
 
 
-@njit(cache=True)
+@njit(cache=True, forceinline=True)
 def earth_rate_n(latitude):
     """Return the rate of ``e`` relative to inertial space in ``n`` [rad/s]: north, east, down (Groves eq. 2.123)."""
     return ROTATION_RATE * np.cos(latitude), 0.0 * latitude, -ROTATION_RATE * np.sin(latitude)
 
 
-@njit(cache=True)
+@njit(cache=True, forceinline=True)
 def transport_rate_n(latitude, height, vel_n, vel_e):
     """Return the rate of ``n`` relative to ``e`` in ``n`` [rad/s]: north, east, down (Groves eq. 5.44).
 
@@ -74,4 +74,4 @@ def transport_rate_n(latitude, height, vel_n, vel_e):
     """
     meridian, transverse = curvature_radii(latitude)
     north = vel_e / (transverse + height)
-    return north, -vel_n / (meridian + height), -north * np.tan(latitude)
+    return north, -vel_n / (meridian + height), -north * np.sin(latitude) / np.cos(latitude)

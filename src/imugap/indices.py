@@ -1,6 +1,6 @@
 """Performance indices of a device from static runs (IEEE 952, IEEE 1554, JJF 1535-2015; He et al. 2023, eqs. 5-9).
 
-A table of indices has one row per axis and index, columns ``axis``, ``index`` (symbol, see :data:`INDICES`), ``value``,
+A table of indices has one row per axis and index, columns ``axis``, ``symbol`` (of :data:`INDICES`), ``value``,
 ``low``, ``high`` (95 % interval), all SI, and ``holds``: whether the value is a reading (True) or an upper bound.
 """
 
@@ -67,15 +67,15 @@ def of_run(table: pd.DataFrame, ideal: pd.Series, period: float, symbols: tuple[
         error = table[axis].to_numpy() - ideal[axis]
         found = {"bias": _bias, "stability": _stability}
         rows += [
-            {"axis": axis, "index": symbol, "holds": True} | estimate(error, interval, period)
+            {"axis": axis, "symbol": symbol, "holds": True} | estimate(error, interval, period)
             for symbol, estimate in found.items()
             if symbol in symbols
         ]
         laws = [law for law in allan.LAWS.values() if law.symbol in symbols]
         if laws:
             asd = allan.curve(error, interval, LEVEL)
-            rows += [{"axis": axis, "index": law.symbol} | vars(allan.tangent(asd, law, LEVEL)) for law in laws]
-    return pd.DataFrame(rows, columns=["axis", "index", "value", "low", "high", "holds", "tau_low", "tau_high"])
+            rows += [{"axis": axis, "symbol": law.symbol} | vars(allan.tangent(asd, law, LEVEL)) for law in laws]
+    return pd.DataFrame(rows, columns=["axis", "symbol", "value", "low", "high", "holds", "tau_low", "tau_high"])
 
 
 def over_runs(runs: pd.DataFrame) -> pd.DataFrame:
@@ -88,7 +88,7 @@ def over_runs(runs: pd.DataFrame) -> pd.DataFrame:
     if runs["run"].nunique() == 1:
         return runs.drop(columns=["run", "tau_low", "tau_high"]).assign(runs=1)
     rows = []
-    for (axis, symbol), group in runs.groupby(["axis", "index"], sort=False):
+    for (axis, symbol), group in runs.groupby(["axis", "symbol"], sort=False):
         values = group["value"].to_numpy()
         holds = bool(group["holds"].mean() > 0.5)
         half = _student(len(values)) * values.std(ddof=1) / np.sqrt(len(values))
@@ -108,7 +108,7 @@ def repeatability(biases: np.ndarray, level: float = LEVEL) -> tuple[float, floa
 
 
 def _row(axis: str, symbol: str, value: float, low: float, high: float, holds: bool, runs: int) -> dict:
-    return {"axis": axis, "index": symbol, "value": value, "low": low, "high": high, "holds": holds, "runs": runs}
+    return {"axis": axis, "symbol": symbol, "value": value, "low": low, "high": high, "holds": holds, "runs": runs}
 
 
 def _bias(error: np.ndarray, interval: float, period: float) -> dict[str, float]:

@@ -13,7 +13,7 @@ import numpy as np
 from numba import njit
 from scipy.spatial.transform import Rotation
 
-kernel = njit(cache=True, fastmath={"contract"})
+kernel = njit(cache=True, fastmath={"contract"}, forceinline=True)
 """Compile a kernel. Contraction to fused multiply-add is the only liberty: it rounds less and keeps NaN."""
 
 SERIES_LIMIT = 1.0

@@ -1,0 +1,270 @@
+"""The clock of a run relative to that of another run of the same device, from two independent kinds of evidence.
+
+A log without time stamps has only samples. If a run was sampled at ``r`` times the interval of the reference, every
+analogue frequency appears at ``r`` times as many cycles per sample, and two things move together:
+
+lines
+    Narrow spectral lines of the surroundings (machines, building). Precise, but a line may move by itself, and then
+    the harmonics of one machine move in proportion, exactly as they do under a clock.
+roll-off
+    The smooth spectrum of the gyro noise, shaped inside the device before it is sampled. It does not know of the
+    surroundings. A filter that is clocked with the sampling does not move, and says ``r = 1`` whatever the clock.
+
+Only their agreement supports the reading that the clock differs. ``power`` tells that reading from a device whose
+filter was set differently: sampling keeps the variance of the noise (``power`` = 1), whereas a filter of ``r`` times
+the bandwidth, behind the same sensor, passes ``r`` times the variance.
+"""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from math import ceil, exp, isnan, log, nan, sqrt
+
+import numpy as np
+import pandas as pd
+from scipy import ndimage, optimize, signal, special, stats
+
+from imugap.log import GYRO, LogError, axes
+
+BLOCKS = 16
+SHORTEST = 1000  # samples in a block
+LEVEL = 0.01  # of the tests that evidence exists and that two kinds of it agree
+COVERAGE = 0.95  # of the intervals
+
+LOWEST = 200  # periods in a block of the slowest line
+STEP = 0.002  # of log frequency, grid on which lines are detected
+HEIGHT = 6.0  # of a line over its background [standard deviations]
+WINDOW = 0.02  # of log frequency, within which a line is followed from block to block
+REACH = 0.35  # largest |log ratio| looked for
+SPAN = 4.0  # of log frequency, over which lines may lie; for their chance to meet
+TOLERANCE = 0.004  # of log frequency, within which two pairs of lines have the same ratio
+
+EDGES = np.linspace(0.03, 0.5, 61)  # bins of the smooth spectrum [cycles/sample], above flicker noise and most lines
+TRIM = 0.95  # share of the ordinates of a bin that is averaged: the highest may be lines
+MISFIT = 2.0  # reduced chi-squared up to which one filter is said to shape both spectra
+ALIASES = np.arange(-20, 21)[:, None]
+
+
+@dataclass(frozen=True)
+class Spectra:
+    """Periodograms of one run: ``power`` (axes, blocks, 1 + length // 2), blocks of ``length`` samples."""
+
+    axes: tuple[str, ...]
+    length: int
+    power: np.ndarray
+
+    @cached_property
+    def lines(self) -> np.ndarray:
+        """Log frequency [log cycles/sample] of every line that keeps within the window, shape (lines, blocks)."""
+        found = sorted(
+            ((*peak, axis) for axis, power in enumerate(self.power) for peak in _detect(power)), reverse=True
+        )
+        centres, tracks = [], []
+        for _, centre, axis in found:
+            if all(abs(centre - other) > WINDOW for other in centres):
+                centres.append(centre)
+                tracks.append(_follow(self.power[axis], centre))
+        tracks = np.array(tracks).reshape(-1, BLOCKS) - log(self.length)
+        return tracks[tracks.std(axis=1, ddof=1) < 0.3 * WINDOW]  # noise alone, or a broad hump, gives 0.58 WINDOW
+
+    @cached_property
+    def smooth(self) -> dict[str, np.ndarray]:
+        """Log power of each gyro axis in the bins of :data:`EDGES`, lines trimmed, shape (blocks, bins)."""
+        bins = np.split(np.arange(self.power.shape[-1]), np.ceil(EDGES * self.length).astype(int))[1:-1]
+        return {
+            name: np.log([np.sort(power[:, b])[:, : ceil(TRIM * len(b))].mean(axis=1) for b in bins]).T
+            for name, power in zip(self.axes, self.power, strict=True)
+            if name in GYRO
+        }
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """Log of the ratio of intervals with its standard deviation; ``track`` (blocks,) is its course within the run."""
+
+    log_ratio: float = nan
+    sd: float = nan
+    track: np.ndarray = field(default_factory=lambda: np.full(BLOCKS, nan))
+
+    def __bool__(self) -> bool:
+        """Tell whether there is any evidence."""
+        return not isnan(self.log_ratio)
+
+    @property
+    def interval(self) -> tuple[float, float, float]:
+        """Ratio, and its lower and upper limit (Student, as many degrees of freedom as a run has blocks, less one)."""
+        half = stats.t.ppf((1 + COVERAGE) / 2, BLOCKS - 1) * self.sd
+        return exp(self.log_ratio), exp(self.log_ratio - half), exp(self.log_ratio + half)
+
+    @property
+    def drift(self) -> tuple[float, float]:
+        """Relative change of the interval over the run, by a straight line through the blocks, and its p-value."""
+        line = stats.linregress(np.linspace(0, 1, BLOCKS), self.track) if self else None
+        return (float(line.slope), float(line.pvalue)) if line else (nan, nan)
+
+
+@dataclass(frozen=True)
+class Clock:
+    """The sampling interval of a run over that of the reference; ``power`` is the ratio of their noise variances."""
+
+    lines: Evidence
+    rolloff: Evidence
+    power: float = nan
+
+    @property
+    def agreement(self) -> float:
+        """p-value of the hypothesis that lines and roll-off have one ratio; NaN unless there are both."""
+        gap = abs(self.lines.log_ratio - self.rolloff.log_ratio) / sqrt(self.lines.sd**2 + self.rolloff.sd**2)
+        return float(2 * stats.t.sf(gap, BLOCKS - 1))
+
+    @property
+    def combined(self) -> Evidence:
+        """Mean of what there is, weighted by inverse variance; none if the two kinds disagree."""
+        found = [] if self.agreement < LEVEL else [evidence for evidence in (self.lines, self.rolloff) if evidence]
+        return _mean(found)
+
+    @property
+    def verdict(self) -> str:
+        """``no evidence``, ``conflict``, ``same clock``, ``different clock``, or ``unconfirmed`` (one kind only)."""
+        if not self.lines and not self.rolloff:
+            return "no evidence"
+        if self.agreement < LEVEL:
+            return "conflict"
+        _, low, high = self.combined.interval
+        if low <= 1 <= high:
+            return "same clock"
+        return "different clock" if self.lines and self.rolloff else "unconfirmed"
+
+    def row(self) -> pd.Series:
+        """Return everything as one row of a table."""
+        kinds = {"lines": self.lines, "rolloff": self.rolloff, "combined": self.combined}
+        row = {}
+        for kind, evidence in kinds.items():
+            row |= zip((kind, f"{kind}_low", f"{kind}_high"), evidence.interval, strict=True)
+        for kind in ("lines", "rolloff"):
+            row |= zip((f"{kind}_drift", f"{kind}_drift_p"), kinds[kind].drift, strict=True)
+        return pd.Series(row | {"power": self.power, "agreement_p": self.agreement, "verdict": self.verdict})
+
+
+def spectra(log: pd.DataFrame) -> Spectra:
+    """Return the periodograms of a log at rest: :data:`BLOCKS` blocks, straight line removed, Hann window."""
+    names, length = axes(log), len(log) // BLOCKS
+    if length < SHORTEST:
+        raise LogError("log", "rows", f"at least {BLOCKS * SHORTEST} samples", str(len(log)))
+    power = np.empty((len(names), BLOCKS, length // 2 + 1), dtype=np.float32)
+    window = signal.windows.hann(length, sym=False)
+    for axis, name in enumerate(names):
+        blocks = log[name].to_numpy(dtype=float)[: BLOCKS * length].reshape(BLOCKS, length)
+        power[axis] = np.abs(np.fft.rfft(signal.detrend(blocks) * window)) ** 2
+    return Spectra(names, length, power)
+
+
+def relative_interval(reference: Spectra, run: Spectra) -> Clock:
+    """Estimate the sampling interval of ``run`` in units of that of ``reference`` (runs at rest of one device)."""
+    stretches = [_stretch(reference.smooth[name], run.smooth[name]) for name in run.smooth if name in reference.smooth]
+    found = [stretch for stretch in stretches if stretch[0]]
+    power = exp(np.mean([power for _, power in found])) if found else nan
+    return Clock(_match(reference.lines, run.lines), _mean([evidence for evidence, _ in found]), power)
+
+
+def _mean(found: list[Evidence]) -> Evidence:
+    """Return the mean by inverse variance, its deviation enlarged if they scatter more than they should (Birge)."""
+    if not found:
+        return Evidence()
+    values, weights = np.array([e.log_ratio for e in found]), np.array([e.sd**-2 for e in found])
+    mean = np.average(values, weights=weights)
+    birge = max(1.0, weights @ (values - mean) ** 2 / max(1, len(found) - 1))
+    return Evidence(float(mean), sqrt(birge / weights.sum()), np.average([e.track for e in found], 0, weights))
+
+
+def _detect(power: np.ndarray) -> list[tuple[float, float]]:
+    """Return height [standard deviations] and log frequency [log periods per block] of the lines of one axis.
+
+    The mean over blocks of the log power (so that a knock in one block does not count) on a grid of log frequency,
+    less its running median. The log of the mean of ``m`` ordinates has variance trigamma(m); the Hann window makes
+    ``m`` neighbours count for 2/3 of it.
+    """
+    grid = np.arange(log(LOWEST), log(power.shape[1] - 1), STEP)
+    edges = np.exp(grid)
+    totals = np.cumsum(power, axis=1, dtype=float)
+    totals = [np.interp(edges - 0.5, np.arange(len(total)), total) for total in totals]
+    level = np.log(np.diff(totals) / np.diff(edges)).mean(axis=0)
+    scale = np.sqrt(special.polygamma(1, np.maximum(1, np.diff(edges) / 1.5)) / BLOCKS)
+    height = (level - ndimage.median_filter(level, size=round(4 * WINDOW / STEP) + 1)) / scale
+    peaks, _ = signal.find_peaks(height, height=HEIGHT, distance=round(WINDOW / STEP))
+    return [(float(height[peak]), float(grid[peak] + STEP / 2)) for peak in peaks]
+
+
+def _follow(power: np.ndarray, centre: float) -> np.ndarray:
+    """Return the log frequency [log periods per block] of the highest ordinate near ``centre`` in each block.
+
+    A parabola through the log of the highest ordinate and its neighbours interpolates.
+    """
+    low, high = ceil(exp(centre - WINDOW)), ceil(exp(centre + WINDOW))
+    top = low + power[:, low:high].argmax(axis=1)
+    left, middle, right = np.log(power[np.arange(BLOCKS), np.minimum(top + [[-1], [0], [1]], power.shape[1] - 1)])
+    bend = np.minimum(left - 2 * middle + right, -1e-9)
+    return np.log(top + np.clip(0.5 * (left - right) / bend, -0.5, 0.5))
+
+
+def _match(reference: np.ndarray, run: np.ndarray) -> Evidence:
+    """Find the ratio that most lines of two runs, each (lines, blocks), have in common, and estimate it.
+
+    Under the null the lines of the run lie anywhere on the log axis: each meets one of the reference with probability
+    ``share``, and the number of hits is binomial at each of the ratios tried. So one line alone proves nothing.
+
+    The source of a line wanders, slowly: the mean of a run is taken to be as uncertain as one of its blocks.
+    """
+    gaps = np.median(run, axis=1) - np.median(reference, axis=1)[:, None]
+    tried = gaps[np.abs(gaps) <= REACH]
+    if not len(tried):
+        return Evidence()
+    misses = np.abs(gaps - tried[:, None, None])
+    hits = (misses <= TOLERANCE).any(axis=1).sum(axis=1)
+    best = np.lexsort((np.minimum(misses, TOLERANCE).sum(axis=(1, 2)), -hits))[0]
+    share = min(1.0, 2 * TOLERANCE * len(reference) / SPAN)
+    if REACH / TOLERANCE * stats.binom.sf(hits[best] - 1, len(run), share) > LEVEL:
+        return Evidence()
+    first, second = np.nonzero(misses[best] <= TOLERANCE)
+    weights = 1 / (reference[first].var(axis=1, ddof=1) + run[second].var(axis=1, ddof=1))
+    before, after = (np.average(lines, 0, weights) for lines in (reference[first], run[second]))
+    sd = sqrt(before.var(ddof=1) + after.var(ddof=1))
+    return Evidence(float(after.mean() - before.mean()), sd, after - after.mean())
+
+
+def _stretch(reference: np.ndarray, run: np.ndarray) -> tuple[Evidence, float]:
+    """Fit one filter to the log spectra of one axis, each (blocks, bins); also the log ratio of their noise powers.
+
+    Parameters: two levels, log width, shape and log ratio. No evidence if either spectrum is flat, if the filter does
+    not fit both (a resonance, a vibration), or if the ratio is not determined. The ratio is linear in small changes
+    of the spectra: applied to the blocks, that gives its course, and the scatter of the blocks its deviation.
+    """
+    spectra = np.stack([reference, run])
+    means, sd = spectra.mean(axis=1), np.sqrt(spectra.var(axis=1, ddof=1).mean(axis=1, keepdims=True) / BLOCKS)
+    flat = (((means - means.mean(axis=1, keepdims=True)) / sd) ** 2).sum(axis=1)
+    power = float(np.diff(np.log(np.exp(means).mean(axis=1)))[0])
+
+    def residual(parameters: np.ndarray) -> np.ndarray:
+        *levels, width, shape, ratio = parameters
+        model = [level + _folded(exp(width + k * ratio), shape) for k, level in enumerate(levels)]
+        return ((model - means) / sd).ravel()
+
+    bounds = ([-np.inf, -np.inf, log(0.02), -1.0, -2 * REACH], [np.inf, np.inf, log(2.0), 2.0, 2 * REACH])
+    fit = optimize.least_squares(residual, [*means[:, 0], log(0.4), 0.1, 0.0], bounds=bounds, x_scale=0.1)
+    misfit = 2 * fit.cost / (means.size - len(fit.x))
+    gain = np.linalg.pinv(fit.jac)[-1].reshape(means.shape) / sd
+    tracks = np.einsum("rbf,rf->rb", spectra - means[:, None], gain)
+    deviation = sqrt(tracks.var(axis=1, ddof=1).sum() / BLOCKS * max(1.0, misfit))
+    if stats.chi2.sf(flat.min(), means.shape[1] - 1) > LEVEL or misfit > MISFIT or deviation > REACH / 10:
+        return Evidence(), power
+    return Evidence(float(fit.x[-1]), deviation, tracks[1]), power
+
+
+def _folded(width: float, shape: float) -> np.ndarray:
+    """Return the log of the sampled spectrum ``sum_k H((nu + k) / width)`` of a filter, (bins,).
+
+    ``H(x) = (1 + shape x^2)^(-1/shape)``: a single pole for 1, a Gauss curve for 0 (its limit, which averaging filters
+    come near to), a sharp edge below 0.
+    """
+    shape = shape if abs(shape) > 1e-4 else 1e-4
+    square = (((EDGES[1:] + EDGES[:-1]) / 2 + ALIASES) / width) ** 2
+    return special.logsumexp(-np.log1p(np.maximum(shape * square, 1e-12 - 1)) / shape, axis=0)

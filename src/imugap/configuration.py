@@ -1,0 +1,49 @@
+"""Configuration against a closed schema: defaults filled in, and errors that name the key that was meant."""
+
+from collections.abc import Iterator
+from difflib import get_close_matches
+from pathlib import Path
+
+import yaml
+from jsonschema import Draft202012Validator, ValidationError, validators
+
+
+class ConfigurationError(ValueError):
+    """A configuration that does not fit its schema; the message has one line per fault."""
+
+
+def configure(values: dict, schema: str | Path) -> dict:
+    """Return ``values`` completed with the defaults of ``schema`` (a YAML file); faults are a ConfigurationError."""
+    completed = yaml.safe_load(yaml.safe_dump(values)) or {}
+    validator = _Completing(yaml.safe_load(Path(schema).read_text()))
+    faults = [_explain(error) for error in validator.iter_errors(completed)]
+    if faults:
+        raise ConfigurationError("\n".join(["the configuration does not fit:", *faults]))
+    return completed
+
+
+def _with_defaults(validator, properties: dict, instance, schema: dict) -> Iterator[ValidationError]:
+    if isinstance(instance, dict):
+        for key, description in properties.items():
+            if "default" in description:
+                instance.setdefault(key, yaml.safe_load(yaml.safe_dump(description["default"])))
+    yield from Draft202012Validator.VALIDATORS["properties"](validator, properties, instance, schema)
+
+
+_Completing = validators.extend(Draft202012Validator, {"properties": _with_defaults})
+
+
+def _explain(error: ValidationError) -> str:
+    place = ".".join(map(str, error.absolute_path))
+    if error.validator != "additionalProperties":
+        return f"  {place}: {error.message}"
+    known = list(error.schema.get("properties", {}))
+    return "\n".join(
+        _unknown(".".join(filter(None, [place, key])), key, known) for key in error.instance if key not in known
+    )
+
+
+def _unknown(path: str, key: str, known: list[str]) -> str:
+    near = get_close_matches(key, known, 1)
+    hint = f"did you mean {near[0]!r}?" if near else f"known keys: {', '.join(known)}"
+    return f"  {path}: no such key; {hint}"

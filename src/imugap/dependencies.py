@@ -1,0 +1,36 @@
+"""Which modules of this package a script runs: what a workflow has to watch besides the script itself."""
+
+import ast
+from pathlib import Path
+
+PACKAGE = Path(__file__).parent
+
+
+def modules_of(script: str | Path, package: str | Path = PACKAGE) -> list[Path]:
+    """Return the files of ``package`` that ``script`` imports, directly or through one another, sorted."""
+    package = Path(package)
+    found: set[Path] = set()
+    pending = [Path(script)]
+    while pending:
+        new = _imported(pending.pop(), package) - found
+        found |= new
+        pending += new
+    return sorted(found)
+
+
+def _imported(source: Path, package: Path) -> set[Path]:
+    names: set[str] = set()
+    for node in ast.walk(ast.parse(source.read_text())):
+        if isinstance(node, ast.Import):
+            names |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.level == 0:
+            names |= {node.module} | {f"{node.module}.{alias.name}" for alias in node.names}
+    return {file for name in names if name.split(".")[0] == package.name for file in _files(name, package)}
+
+
+def _files(name: str, package: Path) -> list[Path]:
+    """Return the files that importing the dotted ``name`` runs: each package on the way, and the module."""
+    parts = name.split(".")[1:]
+    packages = [package.joinpath(*parts[:depth], "__init__.py") for depth in range(len(parts) + 1)]
+    module = package.joinpath(*parts).with_suffix(".py")
+    return [file for file in (*packages, module) if file.is_file()]

@@ -1,0 +1,120 @@
+"""Free-inertial drift of static logs, and how far simulated drifts are from measured ones (He et al. 2023, eqs. 19-21).
+
+A *drift* is navigated minus true for a device at rest: an array of shape (starts, epochs, 9), columns
+:data:`imugap.strapdown.COLUMNS` with the heading unwrapped. The starts are :data:`STARTS`: ``raw`` navigates the log as
+it is, as the source does; ``calibrated`` first takes off the mean error over the calibration time ahead of the start.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+from imugap import log, strapdown
+from imugap.site import Site
+
+STARTS = ("raw", "calibrated")
+QUANTITIES = {"east": strapdown.COLUMNS.index("east"), "north": 0, "heading": strapdown.COLUMNS.index("heading")}
+"""The compared quantities and their columns: positions [m], heading [rad]."""
+
+
+@dataclass(frozen=True)
+class Course:
+    """How static logs are navigated.
+
+    Attributes
+    ----------
+    site
+        Where the device rests; its gravity and, if the heading is known, the Earth rate are the true input.
+    full
+        Whether Earth rate, transport rate and ellipsoid are in the mechanisation, or the local form is used.
+    calibration_s, length_s, epoch_s
+        Rest ahead of the start, length of the navigation, step of the stored drift [s].
+    """
+
+    site: Site
+    full: bool
+    calibration_s: float
+    length_s: float
+    epoch_s: float
+
+    def epochs(self) -> np.ndarray:
+        """Return the times of the stored drift since the start [s]."""
+        return self.epoch_s * np.arange(round(self.length_s / self.epoch_s) + 1)
+
+    def ideal(self, interval: float) -> pd.DataFrame:
+        """Return the error-free log of calibration and navigation."""
+        count = round((self.calibration_s + self.length_s) / interval) + 1
+        return log.from_samples({axis: np.full(count, value) for axis, value in self.site.ideal().items()}, interval)
+
+    def drift(self, table: pd.DataFrame) -> np.ndarray:
+        """Navigate the log of a device at rest from both starts; return its drift, shape (2, epochs, 9)."""
+        interval = log.interval(table)
+        start, count = round(self.calibration_s / interval), round(self.length_s / interval) + 1
+        samples = table[list(log.AXES)].to_numpy()[: start + count]
+        if len(samples) < start + count:
+            expected = f"{self.calibration_s + self.length_s:g} s to navigate"
+            raise log.LogError("log", "duration", expected, f"{log.duration(table):g} s")
+        bias = samples[:start].mean(axis=0) - self.site.ideal().to_numpy()
+        moving = np.stack([samples[start:], samples[start:] - bias])
+        place = self.site
+        mechanisation = (
+            strapdown.Ellipsoid(place.latitude, 0.0, place.height) if self.full else strapdown.Local(place.gravity)
+        )
+        attitude = np.array([0.0, 0.0, place.heading or 0.0])
+        path = strapdown.navigate(
+            moving[..., :3], moving[..., 3:], interval, strapdown.State(attitude=tuple(attitude)), mechanisation,
+            round(self.epoch_s / interval),
+        )  # fmt: skip
+        path[..., 8] = np.unwrap(path[..., 8], axis=-1)
+        path[..., 6:] -= attitude
+        return path
+
+
+def differences(measured: np.ndarray, simulated: np.ndarray) -> np.ndarray:
+    """Return d = measured - simulated (eq. 19) for every run and trial, shape (runs, trials, epochs, quantities)."""
+    return measured[:, None] - simulated[None]
+
+
+def errors(measured: np.ndarray, simulated: np.ndarray, at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return e_abs = max |d| and e_rel = e_abs/|measured(end)| (eqs. 20-21) for navigations that end at epochs ``at``.
+
+    Parameters
+    ----------
+    measured
+        Drifts of the runs, shape (runs, epochs, quantities).
+    simulated
+        Drifts of the trials, shape (trials, epochs, quantities).
+    at
+        Indices of the last epoch, shape (horizons,).
+
+    Returns
+    -------
+    tuple of numpy.ndarray
+        Both of shape (runs, trials, horizons, quantities).
+    """
+    largest = np.empty((len(measured), len(simulated), len(at), measured.shape[-1]))
+    for run, drift in enumerate(measured):
+        running = np.maximum.accumulate(np.abs(drift - simulated), axis=1)
+        largest[run] = running[:, at]
+    return largest, largest / np.abs(measured[:, None][:, :, at])
+
+
+def crps(observed: np.ndarray, ensemble: np.ndarray) -> np.ndarray:
+    """Return the continuous ranked probability score of an ensemble, a proper score in the unit of the observation.
+
+    The fair form E|X - y| - E|X - X'|/2 over distinct members (Ferro 2014, eq. 6): its expectation does not depend on
+    the ensemble size, and no ensemble does better on average than the distribution that the observations come from.
+
+    Parameters
+    ----------
+    observed
+        Shape (runs, ...).
+    ensemble
+        Shape (trials, ...).
+    """
+    trials = len(ensemble)
+    ordered = np.sort(ensemble, axis=0)
+    weights = 2 * np.arange(1, trials + 1) - trials - 1
+    spread = np.tensordot(weights, ordered, axes=1) / (trials * (trials - 1))
+    return np.array([np.abs(ensemble - value).mean(axis=0) for value in observed]) - spread

@@ -1,0 +1,246 @@
+"""Figures of the static chapter: each function draws one figure from tables and returns it."""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+
+from imugap import log
+from imugap.allan import LAWS
+from imugap.contenders import TITLES
+from imugap.indices import INDICES
+from imugap.units import from_si
+
+COLOURS = {
+    "bias_only": "#999999",
+    "white": "#56B4E9",
+    "rate_random_walk": "#E69F00",
+    "method_a": "#D55E00",
+    "method_b": "#CC79A7",
+    "restoration": "#0072B2",
+    "nbk": "#009E73",
+}
+"""One colour per contender in every figure (Okabe and Ito's palette); the device is black."""
+AXIS_TITLES = {axis: f"{'Gyroscope' if axis in log.GYRO else 'Accelerometer'} {axis[-1]}" for axis in log.AXES}
+ALLAN_UNITS = {"gyro": ("deg/h", "deg/h"), "accel": ("ug", "µg")}
+STYLE = {
+    "font.size": 8,
+    "axes.titlesize": 8,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "grid.color": "#dddddd",
+    "grid.linewidth": 0.5,
+    "lines.linewidth": 1.0,
+    "legend.frameon": False,
+    "legend.fontsize": 7,
+    "svg.hashsalt": "imugap",
+    "savefig.bbox": "tight",
+    "figure.dpi": 120,
+}
+WIDTH = 7.2
+"""Width of a full-width figure [inch]."""
+
+
+def save(figure: Figure, path: str | Path) -> None:
+    """Write the figure as SVG, the same bytes for the same figure."""
+    with mpl.rc_context(STYLE):
+        figure.savefig(path, metadata={"Date": None})
+
+
+def _grid(rows: int, columns: int, height: float, **kwargs) -> tuple[Figure, np.ndarray]:
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(WIDTH, height), layout="constrained")
+        return figure, figure.subplots(rows, columns, squeeze=False, **kwargs)
+
+
+def _allan_grid() -> tuple[Figure, dict[str, mpl.axes.Axes]]:
+    figure, grid = _grid(2, 3, 4.6, sharex=True, sharey="row")
+    panels = dict(zip(log.AXES, grid.flat, strict=True))
+    for axis, panel in panels.items():
+        panel.set(title=AXIS_TITLES[axis], xscale="log", yscale="log")
+    for row, kind in zip(grid, ALLAN_UNITS, strict=True):
+        row[0].set_ylabel(f"Allan deviation [{ALLAN_UNITS[kind][1]}]")
+    for panel in grid[-1]:
+        panel.set_xlabel("averaging time τ [s]")
+    return figure, panels
+
+
+def _allan_unit(axis: str) -> str:
+    return ALLAN_UNITS[axis.split("_")[0]][0]
+
+
+def allan(curves: pd.DataFrame, tangents: pd.DataFrame) -> Figure:
+    """Draw the Allan deviations of all runs with the tangents that were read.
+
+    Parameters
+    ----------
+    curves
+        Columns ``run``, ``axis``, ``tau``, ``deviation``, ``low``, ``high``; SI.
+    tangents
+        Rows of :func:`imugap.indices.of_run` with a column ``run``; readings of the first run are drawn.
+    """
+    figure, panels = _allan_grid()
+    runs = sorted(curves["run"].unique())
+    for axis, panel in panels.items():
+        unit = _allan_unit(axis)
+        for run in runs:
+            one = curves[(curves["axis"] == axis) & (curves["run"] == run)]
+            tau, deviation, low, high = (one[c].to_numpy() for c in ("tau", "deviation", "low", "high"))
+            first = run == runs[0]
+            style = {"color": "black"} if first else {"color": "#888888", "lw": 0.6}
+            panel.plot(tau, from_si(deviation, unit), **style, zorder=3 if first else 2)
+            if first:
+                panel.fill_between(tau, from_si(low, unit), from_si(high, unit), color="#bbbbbb", lw=0, zorder=1)
+        read = tangents[(tangents["axis"] == axis) & (tangents["run"] == runs[0]) & tangents["symbol"].isin(LAWS)]
+        for row, colour in zip(read.itertuples(), ("#D55E00", "#0072B2", "#009E73"), strict=True):
+            _draw_tangent(panel, row, colour, unit)
+    handles, labels = next(iter(panels.values())).get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=5)
+    return figure
+
+
+def _draw_tangent(panel: mpl.axes.Axes, row, colour: str, unit: str) -> None:
+    """Draw a reading over its range, thick, prolonged thin by half a decade; a bound as a dotted line with its point."""
+    law = LAWS[row.symbol]
+    reach = np.array([row.tau_low / 10**0.5, row.tau_high * 10**0.5])
+    label = f"{law.symbol}, slope {law.slope:+.1f}".replace("+0.0", "0")
+    if row.holds:
+        panel.plot(reach, from_si(law.deviation(row.value, reach), unit), color=colour, lw=0.8, ls="--", zorder=4)
+        span = np.array([row.tau_low, row.tau_high])
+        panel.plot(span, from_si(law.deviation(row.value, span), unit), color=colour, lw=2.5, alpha=0.6, label=label)
+    else:
+        panel.plot(reach, from_si(law.deviation(row.value, reach), unit), color=colour, lw=0.9, ls=":", zorder=4)
+        touch = law.deviation(row.value, row.tau_low)
+        panel.plot(row.tau_low, from_si(touch, unit), ".", color=colour, ms=5, zorder=5, label=f"{label} (bound)")
+
+
+def models(device: pd.DataFrame, simulated: pd.DataFrame) -> Figure:
+    """Draw the Allan deviation of every contender against the device.
+
+    Parameters
+    ----------
+    device
+        Curves of the runs: columns ``run``, ``axis``, ``tau``, ``deviation``; SI.
+    simulated
+        Curves of simulated runs: columns ``contender``, ``axis``, ``tau``, ``low``, ``median``, ``high``; SI.
+    """
+    figure, panels = _allan_grid()
+    for axis, panel in panels.items():
+        unit = _allan_unit(axis)
+        for name, one in simulated[simulated["axis"] == axis].groupby("contender", sort=False):
+            tau, low, median, high = (one[c].to_numpy() for c in ("tau", "low", "median", "high"))
+            panel.plot(tau, from_si(median, unit), color=COLOURS[name], label=TITLES[name])
+            panel.fill_between(tau, from_si(low, unit), from_si(high, unit), color=COLOURS[name], alpha=0.15, lw=0)
+        for run, one in device[device["axis"] == axis].groupby("run"):
+            label = "device (each run)" if run == device["run"].min() else None
+            panel.plot(one["tau"], from_si(one["deviation"], unit), color="black", lw=0.6, label=label, zorder=5)
+    handles, labels = next(iter(panels.values())).get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=4)
+    return figure
+
+
+def drift(time: np.ndarray, paths: Mapping[str, np.ndarray]) -> Figure:
+    """Draw attitude, velocity and position drift of measured runs (He et al. 2023, figure 2).
+
+    Parameters
+    ----------
+    time
+        Epochs [s], shape (epochs,).
+    paths
+        Start to drifts, shape (runs, epochs, 9), columns of :data:`imugap.strapdown.COLUMNS`.
+    """
+    groups = {
+        "attitude [°]": (6, ("roll", "pitch", "heading"), np.rad2deg),
+        "velocity [m/s]": (3, ("north", "east", "down"), np.asarray),
+        "position [m]": (0, ("north", "east", "down"), np.asarray),
+    }
+    figure, grid = _grid(len(paths), 3, 2.1 * len(paths), sharex=True)
+    for row, (start, path) in zip(grid, paths.items(), strict=True):
+        for panel, (title, (first, names, convert)) in zip(row, groups.items(), strict=True):
+            for k, (name, colour) in enumerate(zip(names, ("#D55E00", "#0072B2", "#009E73"), strict=True)):
+                shown = convert(path[:, :, first + k])
+                panel.plot(time, shown[0], color=colour, label=name)
+                panel.plot(time, shown[1:].T, color=colour, lw=0.4, alpha=0.6)
+            panel.set(title=f"{start}: {title}", xlim=(0, time[-1]))
+            panel.legend(loc="best")
+    for panel in grid[-1]:
+        panel.set_xlabel("time [s]")
+    return figure
+
+
+def differences(time: np.ndarray, gaps: Mapping[str, np.ndarray], drawn: int) -> Figure:
+    """Draw measured minus simulated drift of each contender (He et al. 2023, figure 3).
+
+    Parameters
+    ----------
+    time
+        Epochs [s], shape (epochs,).
+    gaps
+        Contender to d of one run, shape (trials, epochs, 3): east [m], north [m], heading [rad].
+    drawn
+        Number of trials drawn as lines; the band holds 90 % of all.
+    """
+    rows = {"east [m]": np.asarray, "north [m]": np.asarray, "heading [°]": np.rad2deg}
+    figure, grid = _grid(3, len(gaps), 4.6, sharex=True, sharey="row")
+    for column, (name, gap) in zip(grid.T, gaps.items(), strict=True):
+        for k, (panel, (label, convert)) in enumerate(zip(column, rows.items(), strict=True)):
+            shown = convert(gap[:, :, k])
+            low, high = np.quantile(shown, [0.05, 0.95], axis=0)
+            panel.fill_between(time, low, high, color=COLOURS[name], alpha=0.3, lw=0)
+            panel.plot(time, shown[:drawn].T, color=COLOURS[name], lw=0.6)
+            panel.axhline(0, color="black", lw=0.5)
+            if column is grid.T[0]:
+                panel.set_ylabel(f"d {label}")
+        column[0].set_title(TITLES[name], fontsize=7)
+        column[-1].set(xlabel="time [s]", xlim=(0, time[-1]))
+    return figure
+
+
+def ranking(scores: pd.DataFrame, column: str, label: str) -> Figure:
+    """Draw a score of every contender over the navigation length, per start (rows) and quantity (columns).
+
+    Parameters
+    ----------
+    scores
+        Columns ``start``, ``contender``, ``quantity``, ``horizon`` [s] and ``column``, SI.
+    """
+    starts, quantities = scores["start"].unique(), scores["quantity"].unique()
+    figure, grid = _grid(len(starts), len(quantities), 2.3 * len(starts), sharex=True)
+    for row, start in zip(grid, starts, strict=True):
+        for panel, quantity in zip(row, quantities, strict=True):
+            one = scores[(scores["start"] == start) & (scores["quantity"] == quantity)]
+            unit, shown = ("°", np.rad2deg) if quantity == "heading" else ("m", np.asarray)
+            for name, line in one.groupby("contender", sort=False):
+                panel.plot(
+                    line["horizon"], shown(line[column]), color=COLOURS[name], marker=".", ms=3, label=TITLES[name]
+                )
+            panel.set(title=f"{start}: {quantity}", xscale="log", yscale="log", ylabel=f"{label} [{unit}]")
+    for panel in grid[-1]:
+        panel.set_xlabel("navigation length [s]")
+    handles, labels = grid[0, 0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=4)
+    return figure
+
+
+def repeatability(means: pd.DataFrame) -> Figure:
+    """Draw the mean of every power cycle with its interval.
+
+    Parameters
+    ----------
+    means
+        Columns ``axis``, ``run``, ``value``, ``low``, ``high``; SI.
+    """
+    axes = means["axis"].unique()
+    figure, grid = _grid(1, len(axes), 2.2, sharex=True)
+    for panel, axis in zip(grid[0], axes, strict=True):
+        one = means[means["axis"] == axis]
+        unit = INDICES["bias"].unit(axis)
+        value, low, high = (from_si(one[c].to_numpy(), unit) for c in ("value", "low", "high"))
+        panel.errorbar(one["run"], value, [value - low, high - value], fmt="o", ms=3, lw=0.8, color="#0072B2")
+        panel.axhline(value.mean(), color="black", lw=0.6)
+        panel.set(title=AXIS_TITLES[axis], xlabel="power cycle", ylabel=f"mean [{unit}]")
+    return figure

@@ -1,0 +1,21 @@
+"""The log file of a job: everything that it prints, warns and raises."""
+
+import sys
+import traceback
+from collections.abc import Iterator
+from contextlib import contextmanager, redirect_stderr, redirect_stdout
+from pathlib import Path
+
+
+@contextmanager
+def journal(path: str | Path) -> Iterator[None]:
+    """Send output and warnings of the block to the file at ``path``, and an exception to the file and onwards."""
+    path = Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with path.open("w", buffering=1) as file, redirect_stdout(file), redirect_stderr(file):
+        try:
+            yield
+        except BaseException:
+            traceback.print_exc(file=file)
+            raise
+        print("done", file=sys.stdout)

@@ -1,0 +1,64 @@
+"""Tables of the paper: the numbers as CSV, and what the page shows as LaTeX and as JSON for Typst."""
+
+import json
+from collections.abc import Sequence
+from math import floor, isfinite, log10
+from pathlib import Path
+
+import pandas as pd
+
+TEX = {"√h": r"$\sqrt{\mathrm{h}}$", "√Hz": r"$\sqrt{\mathrm{Hz}}$", "≤": r"$\le$", "²": r"$^2$", "°": r"$^\circ$"}
+TEX |= {"σ": r"$\sigma$", "τ": r"$\tau$", "–": "--", "—": "---", "µ": r"$\mu$", "×": r"$\times$", "−": "$-$"}
+ESCAPED = {"%": r"\%", "_": r"\_", "&": r"\&", "#": r"\#"}
+
+
+def write(stem: str | Path, data: pd.DataFrame, shown: pd.DataFrame) -> None:
+    """Write ``stem.csv`` (``data``: tidy numbers, full precision), ``stem.tex`` and ``stem.json`` (``shown``: text)."""
+    stem = Path(stem)
+    stem.parent.mkdir(parents=True, exist_ok=True)
+    data.to_csv(stem.with_suffix(".csv"), index=False)
+    cells = [[str(cell) for cell in row] for row in shown.itertuples(index=False)]
+    heads = [str(head) for head in shown.columns]
+    page = {"columns": heads, "rows": cells}
+    stem.with_suffix(".json").write_text(json.dumps(page, ensure_ascii=False, indent=1) + "\n")
+    stem.with_suffix(".tex").write_text(_tabular(heads, cells))
+
+
+def number(value: float, digits: int = 3) -> str:
+    """Return ``value`` with ``digits`` significant digits, without an exponent where that stays readable."""
+    if not isfinite(value):
+        return "—"
+    if value == 0:
+        return "0"
+    magnitude = floor(log10(abs(value)))
+    if not -4 <= magnitude <= 6:
+        return f"{value:.{digits - 1}e}"
+    return fixed(value, digits - 1 - magnitude)
+
+
+def fixed(value: float, decimals: int) -> str:
+    """Return ``value`` rounded to ``decimals`` places, which may be negative."""
+    return f"{round(value, decimals) + 0.0:.{max(decimals, 0)}f}"
+
+
+def interval(value: float, low: float, high: float) -> str:
+    """Return ``value [low, high]``, all to two significant digits of the interval's half width."""
+    if not (isfinite(low) and isfinite(high)) or high <= low:
+        return number(value)
+    decimals = min(1 - floor(log10((high - low) / 2)), 8)
+    return f"{fixed(value, decimals)} [{fixed(low, decimals)}, {fixed(high, decimals)}]"
+
+
+def _tabular(heads: Sequence[str], cells: Sequence[Sequence[str]]) -> str:
+    lines = [r"\begin{tabular}{l" + "r" * (len(heads) - 1) + "}", r"\toprule", _line(heads), r"\midrule"]
+    return "\n".join([*lines, *map(_line, cells), r"\bottomrule", r"\end{tabular}"]) + "\n"
+
+
+def _line(cells: Sequence[str]) -> str:
+    return " & ".join(map(_tex, cells)) + r" \\"
+
+
+def _tex(text: str) -> str:
+    for plain, escaped in (ESCAPED | TEX).items():
+        text = text.replace(plain, escaped)
+    return text
