@@ -17,7 +17,7 @@ the bandwidth, behind the same sensor, passes ``r`` times the variance.
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from math import ceil, exp, isnan, log, nan, sqrt
+from math import ceil, exp, floor, isnan, log, nan, sqrt
 
 import numpy as np
 import pandas as pd
@@ -35,7 +35,6 @@ STEP = 0.002  # of log frequency, grid on which lines are detected
 HEIGHT = 6.0  # of a line over its background [standard deviations]
 WINDOW = 0.02  # of log frequency, within which a line is followed from block to block
 REACH = 0.35  # largest |log ratio| looked for
-SPAN = 4.0  # of log frequency, over which lines may lie; for their chance to meet
 TOLERANCE = 0.004  # of log frequency, within which two pairs of lines have the same ratio
 
 EDGES = np.linspace(0.03, 0.5, 61)  # bins of the smooth spectrum [cycles/sample], above flicker noise and most lines
@@ -55,14 +54,13 @@ class Spectra:
     @cached_property
     def lines(self) -> np.ndarray:
         """Log frequency [log cycles/sample] of every line that keeps within the window, shape (lines, blocks)."""
-        found = sorted(
-            ((*peak, axis) for axis, power in enumerate(self.power) for peak in _detect(power)), reverse=True
-        )
+        found = [(height, centre, axis) for axis, power in enumerate(self.power) for height, centre in _detect(power)]
         centres, tracks = [], []
-        for _, centre, axis in found:
+        for _, centre, _ in sorted(found, reverse=True):
             if all(abs(centre - other) > WINDOW for other in centres):
+                near = sorted({axis for _, other, axis in found if abs(centre - other) <= WINDOW})
                 centres.append(centre)
-                tracks.append(_follow(self.power[axis], centre))
+                tracks.append(_follow(self.power[near], centre))
         tracks = np.array(tracks).reshape(-1, BLOCKS) - log(self.length)
         return tracks[tracks.std(axis=1, ddof=1) < 0.3 * WINDOW]  # noise alone, or a broad hump, gives 0.58 WINDOW
 
@@ -163,7 +161,7 @@ def relative_interval(reference: Spectra, run: Spectra) -> Clock:
     stretches = [_stretch(reference.smooth[name], run.smooth[name]) for name in run.smooth if name in reference.smooth]
     found = [stretch for stretch in stretches if stretch[0]]
     power = exp(np.mean([power for _, power in found])) if found else nan
-    return Clock(_match(reference.lines, run.lines), _mean([evidence for evidence, _ in found]), power)
+    return Clock(_match(reference, run), _mean([evidence for evidence, _ in found]), power)
 
 
 def _mean(found: list[Evidence]) -> Evidence:
@@ -197,36 +195,39 @@ def _detect(power: np.ndarray) -> list[tuple[float, float]]:
 def _follow(power: np.ndarray, centre: float) -> np.ndarray:
     """Return the log frequency [log periods per block] of the highest ordinate near ``centre`` in each block.
 
-    A parabola through the log of the highest ordinate and its neighbours interpolates.
+    ``power`` (axes, blocks, ordinates) is summed over the axes, each in units of its median near the line; a parabola
+    through the log of the highest ordinate and its neighbours interpolates.
     """
-    low, high = ceil(exp(centre - WINDOW)), ceil(exp(centre + WINDOW))
-    top = low + power[:, low:high].argmax(axis=1)
-    left, middle, right = np.log(power[np.arange(BLOCKS), np.minimum(top + [[-1], [0], [1]], power.shape[1] - 1)])
+    first, last = floor(exp(centre - WINDOW)), min(ceil(exp(centre + WINDOW)), power.shape[-1] - 1)
+    part = power[:, :, first : last + 1]
+    part = np.log((part / np.median(part, axis=(1, 2), keepdims=True)).sum(axis=0))
+    top = 1 + part[:, 1:-1].argmax(axis=1)
+    left, middle, right = (part[np.arange(BLOCKS), top + k] for k in (-1, 0, 1))
     bend = np.minimum(left - 2 * middle + right, -1e-9)
-    return np.log(top + np.clip(0.5 * (left - right) / bend, -0.5, 0.5))
+    return np.log(first + top + np.clip(0.5 * (left - right) / bend, -0.5, 0.5))
 
 
-def _match(reference: np.ndarray, run: np.ndarray) -> Evidence:
-    """Find the ratio that most lines of two runs, each (lines, blocks), have in common, and estimate it.
+def _match(reference: Spectra, run: Spectra) -> Evidence:
+    """Find the ratio that most lines of two runs have in common, and estimate it.
 
     Under the null the lines of the run lie anywhere on the log axis: each meets one of the reference with probability
     ``share``, and the number of hits is binomial at each of the ratios tried. So one line alone proves nothing.
 
     The source of a line wanders, slowly: the mean of a run is taken to be as uncertain as one of its blocks.
     """
-    gaps = np.median(run, axis=1) - np.median(reference, axis=1)[:, None]
+    gaps = np.median(run.lines, axis=1) - np.median(reference.lines, axis=1)[:, None]
     tried = gaps[np.abs(gaps) <= REACH]
     if not len(tried):
         return Evidence()
     misses = np.abs(gaps - tried[:, None, None])
     hits = (misses <= TOLERANCE).any(axis=1).sum(axis=1)
     best = np.lexsort((np.minimum(misses, TOLERANCE).sum(axis=(1, 2)), -hits))[0]
-    share = min(1.0, 2 * TOLERANCE * len(reference) / SPAN)
-    if REACH / TOLERANCE * stats.binom.sf(hits[best] - 1, len(run), share) > LEVEL:
+    share = min(1.0, 2 * TOLERANCE * len(reference.lines) / log(run.length / 2 / LOWEST))
+    if REACH / TOLERANCE * stats.binom.sf(hits[best] - 1, len(run.lines), share) > LEVEL:
         return Evidence()
     first, second = np.nonzero(misses[best] <= TOLERANCE)
-    weights = 1 / (reference[first].var(axis=1, ddof=1) + run[second].var(axis=1, ddof=1))
-    before, after = (np.average(lines, 0, weights) for lines in (reference[first], run[second]))
+    pairs = np.stack([reference.lines[first], run.lines[second]])
+    before, after = np.average(pairs, axis=1, weights=1 / pairs.var(axis=2, ddof=1).sum(axis=0))
     sd = sqrt(before.var(ddof=1) + after.var(ddof=1))
     return Evidence(float(after.mean() - before.mean()), sd, after - after.mean())
 
@@ -241,7 +242,7 @@ def _stretch(reference: np.ndarray, run: np.ndarray) -> tuple[Evidence, float]:
     spectra = np.stack([reference, run])
     means, sd = spectra.mean(axis=1), np.sqrt(spectra.var(axis=1, ddof=1).mean(axis=1, keepdims=True) / BLOCKS)
     flat = (((means - means.mean(axis=1, keepdims=True)) / sd) ** 2).sum(axis=1)
-    power = float(np.diff(np.log(np.exp(means).mean(axis=1)))[0])
+    power = float(np.diff(np.log(np.exp(means) @ np.diff([0.0, *EDGES[1:]])))[0])  # flat below the lowest bin
 
     def residual(parameters: np.ndarray) -> np.ndarray:
         *levels, width, shape, ratio = parameters
@@ -252,11 +253,12 @@ def _stretch(reference: np.ndarray, run: np.ndarray) -> tuple[Evidence, float]:
     fit = optimize.least_squares(residual, [*means[:, 0], log(0.4), 0.1, 0.0], bounds=bounds, x_scale=0.1)
     misfit = 2 * fit.cost / (means.size - len(fit.x))
     gain = np.linalg.pinv(fit.jac)[-1].reshape(means.shape) / sd
-    tracks = np.einsum("rbf,rf->rb", spectra - means[:, None], gain)
-    deviation = sqrt(tracks.var(axis=1, ddof=1).sum() / BLOCKS * max(1.0, misfit))
+    scatter = np.einsum("rbf,rf->rb", spectra - means[:, None], gain).var(axis=1, ddof=1).sum()
+    deviation = sqrt(scatter / BLOCKS * max(1.0, misfit))
     if stats.chi2.sf(flat.min(), means.shape[1] - 1) > LEVEL or misfit > MISFIT or deviation > REACH / 10:
         return Evidence(), power
-    return Evidence(float(fit.x[-1]), deviation, tracks[1]), power
+    course = np.linalg.pinv(fit.jac.reshape(*means.shape, -1)[1][:, [1, -1]])[-1] / sd[1]  # width and shape are given
+    return Evidence(float(fit.x[-1]), deviation, (run - means[1]) @ course), power
 
 
 def _folded(width: float, shape: float) -> np.ndarray:

@@ -38,6 +38,17 @@ class Course:
     length_s: float
     epoch_s: float
 
+    @classmethod
+    def from_mapping(cls, site: dict, navigation: dict) -> "Course":
+        """Build from the configuration of a site and of the navigation."""
+        return cls(
+            Site.from_mapping(site),
+            navigation["mechanisation"] == "ellipsoid",
+            navigation["calibration_s"],
+            max(navigation["horizons_s"]),
+            navigation["epoch_s"],
+        )
+
     def epochs(self) -> np.ndarray:
         """Return the times of the stored drift since the start [s]."""
         return self.epoch_s * np.arange(round(self.length_s / self.epoch_s) + 1)

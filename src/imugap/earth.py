@@ -1,7 +1,7 @@
 """The Earth as the navigator sees it: WGS-84 ellipsoid, normal gravity, rates of the navigation frame.
 
-Every function is compiled and takes floats or arrays that broadcast, so that the kernels of :mod:`imugap.strapdown` and
-an analysis of a whole table share one formula. Latitude [rad] is geodetic, height [m] is ellipsoidal, vectors are
+Every function is compiled and takes floats or arrays that broadcast: the kernels of :mod:`imugap.strapdown` and the
+analysis of a whole table share one formula. Latitude [rad] is geodetic, height [m] is ellipsoidal, vectors are
 (north, east, down).
 
 Sources: NIMA TR8350.2, Department of Defense World Geodetic System 1984, 3rd ed., amended (tables 3.1-3.4, section 4);
@@ -34,9 +34,9 @@ CENTRIFUGAL_RATIO = ROTATION_RATE**2 * SEMI_MAJOR_AXIS**2 * SEMI_MINOR_AXIS / GR
 def normal_gravity(latitude, height):
     """Return normal gravity [m/s^2], along the ellipsoid's normal, positive down.
 
-    Somigliana's closed form on the ellipsoid (TR8350.2 eq. 4-1, Groves eq. 2.134), continued upwards to the second order
-    in height (TR8350.2 eq. 4-3, Groves eq. 2.139). The north component above the ellipsoid, about
-    8e-9 m/s^2 per metre of height (Groves eq. 2.140), is left out.
+    Somigliana's closed form on the ellipsoid (TR8350.2 eq. 4-1, Groves eq. 2.134), continued upwards to the second
+    order in height (TR8350.2 eq. 4-3, Groves eq. 2.139). The north component above the ellipsoid, at most
+    8.1e-9 m/s^2 per metre of height (Groves eq. 2.140), is left out.
     """
     sine_squared = np.sin(latitude) ** 2
     surface = EQUATORIAL_GRAVITY * (1 + SOMIGLIANA_K * sine_squared) / np.sqrt(1 - ECCENTRICITY_SQUARED * sine_squared)
@@ -55,7 +55,7 @@ def curvature_radii(latitude):
 
 @njit(cache=True, forceinline=True)
 def metres_per_radian(latitude, height):
-    """Return the way along north for a radian of latitude and along east for one of longitude [m/rad] (Groves 2.111)."""
+    """Return the metres north per radian of latitude, and east per radian of longitude (Groves eq. 2.111)."""
     meridian, transverse = curvature_radii(latitude)
     return meridian + height, (transverse + height) * np.cos(latitude)
 

@@ -1,4 +1,4 @@
-"""What a log is worth before anyone repairs it: stamps, gaps, stuck and clipped samples, value lattice, knocks, gravity.
+"""What a log is worth before anyone repairs it: stamps, stuck and clipped samples, value lattice, knocks, gravity.
 
 The report is made on the table as read (:func:`imugap.readers.read_table`), unchecked. Nothing is called abnormal by
 a threshold on counts: each flag is the probability, under a law that the healthy log itself sets (how often
@@ -20,7 +20,7 @@ IMPROBABLE = 1e-6
 HIGH_PASS_S = 1.0
 GRAVITY_RATIO = 1.25
 MAD_TO_SD = 1.482602218505602
-ROUND_OFF = (1e-13, 2e-7)  # of doubles after unit conversion, of single floats, relative to the largest value
+ROUND_OFF = (2e-7, 1e-13)  # of single floats, of doubles after unit conversion, relative to the largest value
 SINUSOID_EDGE = 2**-0.5  # share of the last of the last two levels
 
 
@@ -43,7 +43,7 @@ class Timing:
 
 @dataclass(frozen=True)
 class Gravity:
-    """The mean specific force of a log: its norm [m/s^2], how far that is from standard gravity, and its likely unit."""
+    """The mean specific force of a log: its norm and deviation from standard gravity [m/s^2], and its likely unit."""
 
     norm: float
     deviation: float
@@ -106,17 +106,16 @@ def report(table: pd.DataFrame) -> Report:
     stamps = table.index.to_numpy(float)
     regularity = timing(stamps)
     time = pd.Series(stamps).ffill().bfill().to_numpy()
-    limit = -ndtri(IMPROBABLE / (2 * len(names) * len(table)))
-    reports, scores = [], {}
+    reports, outliers = [], {}
     for name in names:
         values = table[name].to_numpy(float)
         values = np.where(np.isfinite(values), values, np.nan)
         levels, counts = np.unique(values[~np.isnan(values)], return_counts=True)
         step = lattice(levels, len(values))
-        scores[name] = outlier_scores(values, regularity.interval_s, step)
-        outliers = int(np.count_nonzero(np.abs(scores[name]) > limit))
-        reports.append(_axis(name, values, time, levels, counts, step, outliers))
-    return Report(regularity, gravity(table), tuple(reports), events(scores, time, limit))
+        scores = np.abs(outlier_scores(values, regularity.interval_s, step))
+        outliers[name] = np.where(scores > outlier_limit(scores), scores, 0.0)
+        reports.append(_axis(name, values, time, levels, counts, step, outliers[name]))
+    return Report(regularity, gravity(table), tuple(reports), events(outliers, time))
 
 
 def timing(time: np.ndarray) -> Timing:
@@ -170,8 +169,8 @@ def gravity_unit(norm: float) -> str | None:
 def lattice(levels: np.ndarray, samples: int) -> float | None:
     """Return the greatest common step of the distinct values ``levels``, sorted, shape (m,), of so many ``samples``.
 
-    Euclid's algorithm on all the differences at once. Differences below the round-off of the numbers (double, then
-    single precision) are none. None, that is continuous, if most samples differ from all others, or if the step
+    Euclid's algorithm on all the differences at once. Differences below the round-off of the numbers (single, then
+    double precision) are none. None, that is continuous, if most samples differ from all others, or if the step
     does not stand a hundredfold above the round-off.
     """
     if 2 * len(levels) > samples:
@@ -241,33 +240,52 @@ def outlier_scores(values: np.ndarray, interval_s: float | None, step: float | N
     return high / scale if scale > 0 else np.zeros_like(high)
 
 
-def events(scores: dict[str, np.ndarray], time: np.ndarray, limit: float) -> tuple[Event, ...]:
-    """Merge samples beyond ``limit`` on any axis, less than :data:`HIGH_PASS_S` apart, into events.
+def outlier_limit(scores: np.ndarray) -> float:
+    """Return the score that not even one of so many samples exceeds by chance; ``scores`` >= 0, shape (n,).
+
+    Not the Gaussian limit alone: real accelerometers have heavier tails. The tail is taken as exponential beyond the
+    last hundredth of the scores, with the median excess there (Pickands 1975, peaks over threshold), which a knock
+    does not move; ``n/100 exp(-(limit - threshold)/scale) = IMPROBABLE``.
+    """
+    count = min(max(len(scores) // 100, 30), len(scores) - 1)
+    tail = np.partition(scores, -count - 1)[-count - 1 :]
+    threshold = tail[0]
+    scale = np.median(tail[1:] - threshold) / np.log(2)
+    return max(threshold + scale * np.log(count / IMPROBABLE), -ndtri(IMPROBABLE / (2 * len(scores))))
+
+
+def events(outliers: dict[str, np.ndarray], time: np.ndarray) -> tuple[Event, ...]:
+    """Merge outliers on any axis, no more than :data:`HIGH_PASS_S` apart, into events.
 
     Parameters
     ----------
-    scores
-        Axis to :func:`outlier_scores`, shape (n,).
+    outliers
+        Axis to scores, 0 where there is no outlier, shape (n,).
     time
         Stamps [s], shape (n,).
-    limit
-        Score beyond which a sample is an outlier.
     """
-    names = list(scores)
-    rows = np.flatnonzero(np.any([np.abs(score) > limit for score in scores.values()], axis=0))
-    sizes = np.abs([scores[name][rows] for name in names])
+    names = list(outliers)
+    rows = np.flatnonzero(np.any(list(outliers.values()), axis=0))
+    if not len(rows):
+        return ()
+    sizes = np.array([outliers[name][rows] for name in names])
     cuts = np.flatnonzero(np.abs(np.diff(time[rows])) > HIGH_PASS_S) + 1
     found = []
-    for group in np.split(np.arange(len(rows)), cuts) if len(rows) else []:
-        axis, _ = np.unravel_index(sizes[:, group].argmax(), (len(names), len(group)))
+    for group in np.split(np.arange(len(rows)), cuts):
+        largest = sizes[:, group].max(axis=1)
         start, end = time[rows[group[[0, -1]]]]
-        found.append(Event(float(start), float(end), names[axis], float(sizes[:, group].max())))
+        found.append(Event(float(start), float(end), names[largest.argmax()], float(largest.max())))
     return tuple(found)
 
 
 def _axis(name, values, time, levels, counts, step, outliers) -> Axis:
     finite = ~np.isnan(values)
-    known = {"axis": name, "nan": int(np.count_nonzero(~finite)), "lattice": step, "outliers": outliers}
+    known = {
+        "axis": name,
+        "nan": int(np.count_nonzero(~finite)),
+        "lattice": step,
+        "outliers": np.count_nonzero(outliers),
+    }
     if not len(levels):
         return Axis(**known)
     longest, first, expected, chance = repeats(values[finite])

@@ -1,10 +1,10 @@
 """Rotations: compiled scalar kernels for the navigation loops, and SciPy's ``Rotation`` for everything else.
 
-Inside a kernel a vector is a tuple of 3 floats, a quaternion a tuple ``(x, y, z, w)``, scalar last as in SciPy, a matrix
-a tuple of 3 rows; any indexable, an array too, is taken, and tuples are returned, because they live in registers.
-``quat_nb`` and ``mat_nb`` turn a vector given in ``b`` into ``n``; quaternions multiply in Hamilton's convention, as
-matrices do. Euler angles are (roll, pitch, heading) [rad]: ``n`` turned by heading about down, then by pitch about the new
-y, then by roll about the new x, gives ``b`` (ZYX, Groves 2013 section 2.2.1).
+Inside a kernel a vector is a tuple of 3 floats, a quaternion a tuple ``(x, y, z, w)``, scalar last as in SciPy, and a
+matrix a tuple of 3 rows. Any indexable is taken, an array too; tuples are returned, because they live in registers.
+``quat_nb`` and ``mat_nb`` turn a vector given in ``b`` into ``n``; quaternions multiply in Hamilton's convention, in
+the order of matrices. Euler angles are (roll, pitch, heading) [rad]: ``n`` turned by heading about down, then by pitch
+about the new y, then by roll about the new x, gives ``b`` (ZYX; Groves 2013, section 2.2.1).
 """
 
 from math import factorial
@@ -14,14 +14,17 @@ from numba import njit
 from scipy.spatial.transform import Rotation
 
 kernel = njit(cache=True, fastmath={"contract"}, forceinline=True)
-"""Compile a kernel. Contraction to fused multiply-add is the only liberty: it rounds less and keeps NaN."""
+"""Compile a kernel and inline it wherever a kernel calls it: a call would pass its tuples through memory.
+
+Contraction to fused multiply-add is the only liberty taken with the arithmetic: it rounds less, and it keeps NaN.
+"""
 
 SERIES_LIMIT = 1.0
 """Square of the largest rotation angle [rad^2] for which the power series below are summed.
 
-An alternating series with falling terms errs by less than its first omitted term. At 1 rad that is, relative to the sum,
-5e-17 for ``HALF_SINE`` (7 terms), 7e-19 for ``HALF_COSINE`` (8) and 5e-17 for ``SINE_DEFECT`` (8), all below the unit
-roundoff 1.1e-16; with one term fewer each would exceed it. Above 1 rad the closed form of the last one,
+An alternating series with falling terms errs by less than its first omitted term. At 1 rad that is, relative to the
+sum, 5e-17 for ``HALF_SINE`` (7 terms), 8e-19 for ``HALF_COSINE`` (8) and 5e-17 for ``SINE_DEFECT`` (8): below the unit
+roundoff of 1.1e-16, which one term fewer would exceed in each. Above 1 rad the closed form of the last one,
 (x - sin x)/x^3, loses less than 3 bits by cancellation.
 """
 HALF_SINE = tuple((-1) ** k / (2 ** (2 * k + 1) * factorial(2 * k + 1)) for k in range(7))

@@ -113,10 +113,10 @@ def increments(gyro, accel, gyro_before, accel_before, dt, dt_before):
     """Return the rotation vector [rad] and the velocity increment [m/s] of one sample, both in ``b`` at its start.
 
     ``gyro`` [rad/s] and ``accel`` [m/s^2] are the means over ``dt`` [s], ``*_before`` those of the sample before. A
-    constant rate and a constant specific force in ``b`` are integrated exactly. What their change adds is, if both are
-    linear in time over the two intervals, ``k w0 x w`` for the rotation vector (coning) and ``k (w0 x f + f0 x w)`` for
-    the velocity (sculling), ``k = dt^3/6/(dt + dt0)``: for equal intervals 1/12 of the products of the increments, as in
-    Savage (1998) and Ignagni (1996).
+    constant rate and a constant specific force in ``b`` are integrated exactly. Rate and force that are linear in time
+    over the two intervals add ``k w0 x w`` to the rotation vector (coning) and ``k (w0 x f + f0 x w)`` to the velocity
+    (sculling), to the lowest order, with ``k = dt^3/6/(dt + dt0)``: for equal intervals 1/12 of the products of the
+    increments, as in Savage (1998, parts 1 and 2) and Ignagni (1996).
     """
     weight = dt * dt * dt / (6 * (dt + dt_before))
     coning = cross(gyro_before, gyro)
@@ -242,11 +242,10 @@ def navigate(
     quat_nb = tuple(from_euler(state.attitude).as_quat().tolist())
     start = state.position, state.velocity, quat_nb
     gravity, origin = (mechanisation.gravity, None) if isinstance(mechanisation, Local) else (0.0, mechanisation.origin)
-    count = gyro.shape[-2]
-    runs = zip(gyro.reshape(-1, count, 3), accel.reshape(-1, count, 3), strict=True)
-    path = np.empty((*gyro.shape[:-2], -(-count // every), len(COLUMNS)))
-    for (rates, forces), rows in zip(runs, path.reshape(-1, *path.shape[-2:]), strict=True):
-        _integrate(rates, forces, dt, start, gravity, origin, every, rows)
+    count, runs = gyro.shape[-2], gyro.shape[:-2]
+    path = np.empty((*runs, -(-count // every), len(COLUMNS)))
+    for run in np.ndindex(runs):
+        _integrate(gyro[run], accel[run], dt, start, gravity, origin, every, path[run])
     return path
 
 
@@ -270,8 +269,8 @@ def _check_samples(gyro: np.ndarray, accel: np.ndarray, dt: float | np.ndarray, 
 def trajectory(log: pd.DataFrame, state: State, mechanisation: Mechanisation, every: int = 1) -> pd.DataFrame:
     """Navigate a log with six axes from ``state`` at the time of its first sample; return a Trajectory.
 
-    The index is every ``every``-th time of the log, the first row is ``state`` itself. Intervals come from the time stamps,
-    however irregular. With :class:`Ellipsoid` the columns :data:`GEODETIC` [rad, rad, m] follow.
+    The index is every ``every``-th time of the log, the first row is ``state`` itself. The intervals come from the time
+    stamps, however irregular. With :class:`Ellipsoid` the columns :data:`GEODETIC` [rad, rad, m] follow.
     """
     gyro, accel = _samples(log, GYRO), _samples(log, ACCEL)
     time = log.index.to_numpy()
@@ -284,7 +283,10 @@ def trajectory(log: pd.DataFrame, state: State, mechanisation: Mechanisation, ev
 
 
 def level(accel_mean: np.ndarray) -> tuple[float, float]:
-    """Return roll and pitch [rad] of a body at rest from its mean specific force [m/s^2], shape (3,) (Groves eq. 5.101)."""
+    """Return roll and pitch [rad] of a body at rest from its mean specific force [m/s^2], shape (3,).
+
+    Groves eq. 5.101: the specific force at rest points up.
+    """
     x, y, z = np.asarray(accel_mean, dtype=float)
     if not 0 < x * x + y * y + z * z < np.inf:
         raise ValueError(f"accel_mean: expected a finite specific force other than zero; found {accel_mean}")

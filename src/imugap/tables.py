@@ -24,6 +24,11 @@ def write(stem: str | Path, data: pd.DataFrame, shown: pd.DataFrame) -> None:
     stem.with_suffix(".tex").write_text(_tabular(heads, cells))
 
 
+def unit(name: str) -> str:
+    """Return the unit ``name`` (of :data:`imugap.units.FACTORS`) as a page shows it."""
+    return name.replace("sqrt(h)", "√h").replace("ug", "µg").replace("deg", "°")
+
+
 def number(value: float, digits: int = 3) -> str:
     """Return ``value`` with ``digits`` significant digits, without an exponent where that stays readable."""
     if not isfinite(value):
@@ -33,7 +38,7 @@ def number(value: float, digits: int = 3) -> str:
     magnitude = floor(log10(abs(value)))
     if not -4 <= magnitude <= 6:
         return f"{value:.{digits - 1}e}"
-    return fixed(value, digits - 1 - magnitude)
+    return fixed(value, max(digits - 1 - magnitude, 0))
 
 
 def fixed(value: float, decimals: int) -> str:

@@ -1,0 +1,23 @@
+from snakemake.utils import min_version
+
+min_version("9.10")
+
+
+configfile: "workflow/config/study.yaml"
+
+
+include: "workflow/rules/common.smk"
+include: "workflow/rules/data.smk"
+include: "workflow/rules/static.smk"
+include: "workflow/rules/models.smk"
+include: "workflow/rules/navigation.smk"
+include: "workflow/rules/audit.smk"
+include: "workflow/rules/speed.smk"
+include: "workflow/rules/paper.smk"
+
+
+rule all:
+    default_target: True
+    input:
+        "paper/paper.pdf",
+        "results/notebooks/static.html",

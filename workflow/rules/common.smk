@@ -1,0 +1,55 @@
+import os
+from pathlib import Path
+
+import yaml
+from imugap.catalogue import available, load, locate
+from imugap.configuration import configure
+from imugap.contenders import CONTENDERS
+from imugap.dependencies import modules_of
+
+config.update(configure(config, "workflow/schemas/study.schema.yaml"))
+
+CATALOGUE = load("data", "workflow/schemas")
+RAW = "data/raw"
+MIRROR = os.environ.get("IMUGAP_MIRROR") or config["mirror"]
+PRESENT = [name for name in CATALOGUE if available(CATALOGUE[name], RAW, MIRROR)]
+RUNS = {
+    "bench": config["devices"]["bench"],
+    "adis16405": config["devices"]["adis16405"] if "adis16405" in PRESENT else [],
+    "own": list(range(1, len(config["own_logs"]) + 1)),
+}
+DEVICES = [device for device, runs in RUNS.items() if runs]
+POWER_CYCLES = config["power_cycles"] if "memsense_turnon" in PRESENT else []
+SITES = config["sites"] | {"bench": yaml.safe_load(Path("data/bench.yaml").read_text())["site"]}
+OMITTED = [name for name in CATALOGUE if name not in PRESENT]
+
+
+wildcard_constraints:
+    device="bench|adis16405|own|memsense_turnon",
+    run=r"\d+",
+    contender="|".join(CONTENDERS),
+
+
+def library(script):
+    """Name the modules of the library that a script of the workflow runs, so that their change reruns its rule."""
+    return [str(path) for path in modules_of(f"workflow/scripts/{script}.py", "src/imugap")]
+
+
+def of_runs(name):
+    """Name the file ``name`` of every run of the device."""
+    return lambda wildcards: expand(f"results/{wildcards.device}/{{run}}/{name}", run=RUNS[wildcards.device])
+
+
+def raw_log(wildcards):
+    """Name the raw log of a run: generated, given by the user, or of the catalogue (fetched or in the mirror)."""
+    run = int(wildcards.run)
+    if wildcards.device == "bench":
+        return f"{RAW}/bench/run{run}.parquet"
+    if wildcards.device == "own":
+        return config["own_logs"][run - 1]
+    return str(locate(CATALOGUE[wildcards.device].file(run), RAW, MIRROR))
+
+
+def site(wildcards):
+    """Give the site of a device: where it stood and, if known, its heading."""
+    return SITES[wildcards.device]

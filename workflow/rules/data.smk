@@ -1,0 +1,84 @@
+rule fetch:
+    """Get the raw logs of the catalogue into data/raw, from the mirror if one is named, else by download."""
+    params:
+        mirror=MIRROR,
+        folder=RAW,
+    log:
+        "logs/fetch.log",
+    script:
+        "../scripts/fetch.py"
+
+
+rule bench_log:
+    """Generate the raw log of one static run of the virtual bench."""
+    input:
+        recipe="data/bench.yaml",
+        code=library("bench_log"),
+    output:
+        "data/raw/bench/run{run}.parquet",
+    log:
+        "logs/bench_log/{run}.log",
+    benchmark:
+        "benchmarks/bench_log/{run}.tsv"
+    params:
+        seed=config["seed"],
+        duration_s=config["bench"]["duration_s"],
+        rate_hz=config["bench"]["rate_hz"],
+    script:
+        "../scripts/bench_log.py"
+
+
+rule bench_truth:
+    """Write the truth of the virtual bench, which only scoring reads."""
+    input:
+        recipe="data/bench.yaml",
+        code=library("bench_truth"),
+    output:
+        "results/bench/truth.json",
+    log:
+        "logs/bench_truth.log",
+    benchmark:
+        "benchmarks/bench_truth.tsv"
+    script:
+        "../scripts/bench_truth.py"
+
+
+rule ingest:
+    """Turn a raw log into a canonical log, with a report on its integrity."""
+    input:
+        raw=raw_log,
+        tables=["data/datasets.csv", "data/files.csv"],
+        code=library("ingest"),
+    output:
+        log="results/{device}/{run}/log.parquet",
+        integrity="results/{device}/{run}/integrity.json",
+    log:
+        "logs/ingest/{device}_{run}.log",
+    benchmark:
+        "benchmarks/ingest/{device}_{run}.tsv"
+    script:
+        "../scripts/ingest.py"
+
+
+rule integrity_table:
+    """Collect the integrity reports of a device."""
+    input:
+        reports=of_runs("integrity.json"),
+        code=library("integrity_table"),
+    output:
+        report(
+            "paper/tables/integrity_{device}.csv",
+            caption="../report/integrity.rst",
+            category="Data",
+            labels={"table": "integrity", "device": "{device}"},
+        ),
+        "paper/tables/integrity_{device}.json",
+        "paper/tables/integrity_{device}.tex",
+    log:
+        "logs/integrity_table/{device}.log",
+    benchmark:
+        "benchmarks/integrity_table/{device}.tsv"
+    params:
+        runs=lambda wildcards: RUNS[wildcards.device],
+    script:
+        "../scripts/integrity_table.py"

@@ -1,0 +1,68 @@
+rule fit_models:
+    """Build every contender from the indices of a device."""
+    input:
+        indices="results/{device}/indices.csv",
+        allan="results/{device}/allan.csv",
+        code=library("fit_models"),
+    output:
+        expand("results/{{device}}/models/{contender}.yaml", contender=CONTENDERS),
+    log:
+        "logs/fit_models/{device}.log",
+    benchmark:
+        "benchmarks/fit_models/{device}.tsv"
+    params:
+        contenders=list(CONTENDERS),
+        period_s=config["bias_stability_period_s"],
+    script:
+        "../scripts/fit_models.py"
+
+
+rule model_allan:
+    """Simulate a contender over the length of the device's runs and take the Allan deviation of each trial."""
+    input:
+        model="results/{device}/models/{contender}.yaml",
+        log=lambda wildcards: f"results/{wildcards.device}/{RUNS[wildcards.device][0]}/log.parquet",
+        code=library("model_allan"),
+    output:
+        "results/{device}/model_allan/{contender}.csv",
+    log:
+        "logs/model_allan/{device}_{contender}.log",
+    benchmark:
+        "benchmarks/model_allan/{device}_{contender}.tsv"
+    params:
+        seed=config["seed"],
+        trials=config["allan_trials"],
+    script:
+        "../scripts/model_allan.py"
+
+
+rule models_figure:
+    """Draw the Allan deviation of every contender against the device, and tabulate where they part."""
+    input:
+        device="results/{device}/allan.csv",
+        models=expand(
+            "results/{{device}}/model_allan/{contender}.csv",
+            contender=[name for name in CONTENDERS if name != "bias_only"],
+        ),
+        code=library("models_figure"),
+    output:
+        report(
+            "paper/figures/models_{device}.svg",
+            caption="../report/models.rst",
+            category="Error models",
+            labels={"figure": "Allan deviation of the models", "device": "{device}"},
+        ),
+        report(
+            "paper/tables/models_{device}.csv",
+            caption="../report/models.rst",
+            category="Error models",
+            labels={"table": "where models and device part", "device": "{device}"},
+        ),
+        "paper/tables/models_{device}.json",
+        "paper/tables/models_{device}.tex",
+    log:
+        "logs/models_figure/{device}.log",
+    benchmark:
+        "benchmarks/models_figure/{device}.tsv"
+    script:
+        "../scripts/models_figure.py"

@@ -1,0 +1,150 @@
+COURSE = {key: config["navigation"][key] for key in ("mechanisation", "calibration_s", "horizons_s", "epoch_s")}
+
+
+rule measured_drift:
+    """Navigate every run of a device without aid."""
+    input:
+        logs=of_runs("log.parquet"),
+        code=library("measured_drift"),
+    output:
+        "results/{device}/drift/measured.npz",
+    log:
+        "logs/measured_drift/{device}.log",
+    benchmark:
+        "benchmarks/measured_drift/{device}.tsv"
+    params:
+        site=site,
+        course=COURSE,
+    script:
+        "../scripts/measured_drift.py"
+
+
+rule simulated_drift:
+    """Simulate a contender at rest many times and navigate every trial without aid."""
+    input:
+        model="results/{device}/models/{contender}.yaml",
+        measured="results/{device}/drift/measured.npz",
+        code=library("simulated_drift"),
+    output:
+        "results/{device}/drift/{contender}.npz",
+    log:
+        "logs/simulated_drift/{device}_{contender}.log",
+    benchmark:
+        "benchmarks/simulated_drift/{device}_{contender}.tsv"
+    params:
+        site=site,
+        course=COURSE,
+        seed=config["seed"],
+        trials=config["navigation"]["trials"],
+    script:
+        "../scripts/simulated_drift.py"
+
+
+rule drift_scores:
+    """Score the simulated drifts of every contender against the measured ones at every navigation length."""
+    input:
+        measured="results/{device}/drift/measured.npz",
+        simulated=expand("results/{{device}}/drift/{contender}.npz", contender=CONTENDERS),
+        code=library("drift_scores"),
+    output:
+        errors="results/{device}/drift_errors.parquet",
+        scores="results/{device}/drift_scores.csv",
+    log:
+        "logs/drift_scores/{device}.log",
+    benchmark:
+        "benchmarks/drift_scores/{device}.tsv"
+    params:
+        contenders=list(CONTENDERS),
+        horizons_s=config["navigation"]["horizons_s"],
+    script:
+        "../scripts/drift_scores.py"
+
+
+rule drift_figures:
+    """Draw the measured drift (figure 2 of the source) and its distance from the simulated drifts (figure 3)."""
+    input:
+        measured="results/{device}/drift/measured.npz",
+        simulated=expand("results/{{device}}/drift/{contender}.npz", contender=CONTENDERS),
+        code=library("drift_figures"),
+    output:
+        drift=report(
+            "paper/figures/drift_{device}.svg",
+            caption="../report/drift.rst",
+            category="Navigation",
+            labels={"figure": "free-inertial drift", "device": "{device}"},
+        ),
+        raw=report(
+            "paper/figures/differences_raw_{device}.svg",
+            caption="../report/differences.rst",
+            category="Navigation",
+            labels={"figure": "measured - simulated, raw", "device": "{device}"},
+        ),
+        calibrated=report(
+            "paper/figures/differences_calibrated_{device}.svg",
+            caption="../report/differences.rst",
+            category="Navigation",
+            labels={"figure": "measured - simulated, calibrated", "device": "{device}"},
+        ),
+    log:
+        "logs/drift_figures/{device}.log",
+    benchmark:
+        "benchmarks/drift_figures/{device}.tsv"
+    params:
+        contenders=list(CONTENDERS),
+        length_s=config["navigation"]["table_horizon_s"],
+        drawn=config["navigation"]["published_trials"],
+    script:
+        "../scripts/drift_figures.py"
+
+
+rule drift_tables:
+    """Tabulate the five-trial comparison as the source has it, the distributions, and how the ranking depends on length."""
+    input:
+        errors="results/{device}/drift_errors.parquet",
+        scores="results/{device}/drift_scores.csv",
+        code=library("drift_tables"),
+    output:
+        multiext("paper/tables/five_trials_{device}", ".json", ".tex"),
+        multiext("paper/tables/distribution_{device}", ".json", ".tex"),
+        multiext("paper/tables/ranking_{device}", ".json", ".tex"),
+        five=report(
+            "paper/tables/five_trials_{device}.csv",
+            caption="../report/five_trials.rst",
+            category="Navigation",
+            labels={"table": "five trials", "device": "{device}"},
+        ),
+        distribution=report(
+            "paper/tables/distribution_{device}.csv",
+            caption="../report/distribution.rst",
+            category="Navigation",
+            labels={"table": "distribution over trials", "device": "{device}"},
+        ),
+        ranking=report(
+            "paper/tables/ranking_{device}.csv",
+            caption="../report/ranking.rst",
+            category="Navigation",
+            labels={"table": "ranking over length", "device": "{device}"},
+        ),
+        figure=report(
+            "paper/figures/ranking_{device}.svg",
+            caption="../report/ranking.rst",
+            category="Navigation",
+            labels={"figure": "ranking over length", "device": "{device}"},
+        ),
+        crps=report(
+            "paper/figures/crps_{device}.svg",
+            caption="../report/crps.rst",
+            category="Navigation",
+            labels={"figure": "proper score over length", "device": "{device}"},
+        ),
+        numbers="paper/numbers/navigation_{device}.json",
+    log:
+        "logs/drift_tables/{device}.log",
+    benchmark:
+        "benchmarks/drift_tables/{device}.tsv"
+    params:
+        table_horizon_s=config["navigation"]["table_horizon_s"],
+        published_trials=config["navigation"]["published_trials"],
+        seed=config["seed"],
+    script:
+        "../scripts/drift_tables.py"

@@ -1,0 +1,166 @@
+rule indices:
+    """Estimate the performance indices and the Allan deviation of one run."""
+    input:
+        log="results/{device}/{run}/log.parquet",
+        code=library("indices"),
+    output:
+        indices="results/{device}/{run}/indices.csv",
+        allan="results/{device}/{run}/allan.csv",
+    log:
+        "logs/indices/{device}_{run}.log",
+    benchmark:
+        "benchmarks/indices/{device}_{run}.tsv"
+    params:
+        site=site,
+        period_s=config["bias_stability_period_s"],
+    script:
+        "../scripts/indices.py"
+
+
+rule device_indices:
+    """Combine the indices and the Allan curves of all runs of a device."""
+    input:
+        indices=of_runs("indices.csv"),
+        allan=of_runs("allan.csv"),
+        code=library("device_indices"),
+    output:
+        runs="results/{device}/indices_runs.csv",
+        indices="results/{device}/indices.csv",
+        allan="results/{device}/allan.csv",
+    log:
+        "logs/device_indices/{device}.log",
+    benchmark:
+        "benchmarks/device_indices/{device}.tsv"
+    params:
+        runs=lambda wildcards: RUNS[wildcards.device],
+    script:
+        "../scripts/device_indices.py"
+
+
+rule indices_table:
+    """Tabulate the performance indices of a device in data-sheet units, SI beside."""
+    input:
+        indices="results/{device}/indices.csv",
+        code=library("indices_table"),
+    output:
+        report(
+            "paper/tables/indices_{device}.csv",
+            caption="../report/indices.rst",
+            category="Performance indices",
+            labels={"table": "indices", "device": "{device}"},
+        ),
+        "paper/tables/indices_{device}.json",
+        "paper/tables/indices_{device}.tex",
+    log:
+        "logs/indices_table/{device}.log",
+    benchmark:
+        "benchmarks/indices_table/{device}.tsv"
+    script:
+        "../scripts/indices_table.py"
+
+
+rule allan_figure:
+    """Draw the Allan deviation of six axes with bands and the tangents that were read."""
+    input:
+        allan="results/{device}/allan.csv",
+        indices="results/{device}/indices_runs.csv",
+        code=library("allan_figure"),
+    output:
+        report(
+            "paper/figures/allan_{device}.svg",
+            caption="../report/allan.rst",
+            category="Performance indices",
+            labels={"figure": "Allan deviation", "device": "{device}"},
+        ),
+    log:
+        "logs/allan_figure/{device}.log",
+    benchmark:
+        "benchmarks/allan_figure/{device}.tsv"
+    script:
+        "../scripts/allan_figure.py"
+
+
+rule bench_score:
+    """Compare the indices of the virtual bench with its truth."""
+    input:
+        indices="results/bench/indices.csv",
+        truth="results/bench/truth.json",
+        code=library("bench_score"),
+    output:
+        report(
+            "paper/tables/bench_score.csv",
+            caption="../report/bench_score.rst",
+            category="Performance indices",
+            labels={"table": "indices against truth", "device": "bench"},
+        ),
+        "paper/tables/bench_score.json",
+        "paper/tables/bench_score.tex",
+    log:
+        "logs/bench_score.log",
+    benchmark:
+        "benchmarks/bench_score.tsv"
+    script:
+        "../scripts/bench_score.py"
+
+
+rule clock:
+    """Measure the sampling interval of every run relative to the first, and what it does to the indices."""
+    input:
+        logs=of_runs("log.parquet"),
+        indices="results/{device}/indices_runs.csv",
+        code=library("clock"),
+    output:
+        report(
+            "paper/figures/clock_{device}.svg",
+            caption="../report/clock.rst",
+            category="Data",
+            labels={"figure": "sampling clock", "device": "{device}"},
+        ),
+        report(
+            "paper/tables/clock_{device}.csv",
+            caption="../report/clock.rst",
+            category="Data",
+            labels={"table": "sampling clock", "device": "{device}"},
+        ),
+        "paper/tables/clock_{device}.json",
+        "paper/tables/clock_{device}.tex",
+        "paper/numbers/clock_{device}.json",
+    log:
+        "logs/clock/{device}.log",
+    benchmark:
+        "benchmarks/clock/{device}.tsv"
+    params:
+        runs=lambda wildcards: RUNS[wildcards.device],
+    script:
+        "../scripts/clock.py"
+
+
+rule turn_on:
+    """Compare the scatter of the bias over power cycles with what noise within a cycle explains."""
+    input:
+        logs=expand("results/memsense_turnon/{run}/log.parquet", run=POWER_CYCLES),
+        code=library("turn_on"),
+    output:
+        report(
+            "paper/figures/turn_on.svg",
+            caption="../report/turn_on.rst",
+            category="Performance indices",
+            labels={"figure": "turn-on bias", "device": "memsense_turnon"},
+        ),
+        report(
+            "paper/tables/turn_on.csv",
+            caption="../report/turn_on.rst",
+            category="Performance indices",
+            labels={"table": "turn-on bias", "device": "memsense_turnon"},
+        ),
+        "paper/tables/turn_on.json",
+        "paper/tables/turn_on.tex",
+    log:
+        "logs/turn_on.log",
+    benchmark:
+        "benchmarks/turn_on.tsv"
+    params:
+        runs=POWER_CYCLES,
+        period_s=config["bias_stability_period_s"],
+    script:
+        "../scripts/turn_on.py"

@@ -1,0 +1,50 @@
+"""Compare the indices of the virtual bench with its truth."""
+
+import json
+from pathlib import Path
+
+import pandas as pd
+
+from imugap import tables
+from imugap.figures import AXIS_TITLES
+from imugap.indices import INDICES
+from imugap.journal import journal
+from imugap.units import from_si
+
+TRUTH = {
+    "bias": ("bias", "value"),
+    "repeatability": ("turn_on_bias", "std"),
+    "N": ("white_noise", "density"),
+    "B": ("bias_instability", "density_b"),
+    "K": ("random_walk", "density_k"),
+}
+"""Index to the effect and the parameter of the recipe that it estimates; the bias stability has no single one."""
+
+
+def score(indices, model):
+    """Return the indices with their true values and whether the interval (or the bound) holds the truth."""
+    effects = {axis: {name: values for item in items for name, values in item.items()} for axis, items in model.items()}
+    known = indices[indices["symbol"].isin(TRUTH)].copy()
+    known["truth"] = [effects[row.axis][TRUTH[row.symbol][0]][TRUTH[row.symbol][1]] for row in known.itertuples()]
+    known["inside"] = (known["low"] <= known["truth"]) & (known["truth"] <= known["high"])
+    return known
+
+
+def page(data):
+    """Lay the table out: a row per axis and index."""
+    rows = []
+    for row in data.itertuples():
+        unit = INDICES[row.symbol].unit(row.axis)
+        value, low, high, truth = (from_si(v, unit) for v in (row.value, row.low, row.high, row.truth))
+        shown = tables.interval(value, low, high) if row.holds else f"≤ {tables.number(high)}"
+        axis = AXIS_TITLES[row.axis]
+        verdict = "inside" if row.inside else "outside"
+        rows.append([axis, INDICES[row.symbol].title, tables.unit(unit), tables.number(truth), shown, verdict])
+    return pd.DataFrame(rows, columns=["axis", "index", "unit", "truth", "estimate", "truth is"])
+
+
+if __name__ == "__main__":
+    with journal(snakemake.log[0]):
+        model = json.loads(Path(snakemake.input.truth).read_text())["model"]
+        data = score(pd.read_csv(snakemake.input.indices), model)
+        tables.write(snakemake.output[0].removesuffix(".csv"), data, page(data))

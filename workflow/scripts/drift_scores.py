@@ -1,0 +1,53 @@
+"""Score simulated drifts against measured ones."""
+
+import numpy as np
+import pandas as pd
+
+from imugap.drift import QUANTITIES, STARTS, crps, errors
+from imugap.journal import journal
+
+
+def scores(contender, start, measured, simulated, horizons, at):
+    """Return e_abs and e_rel of every run and trial, and the scores of the ensemble, at every horizon."""
+    e_abs, e_rel = errors(measured, simulated, at)
+    runs, trials = range(len(measured)), range(len(simulated))
+    index = pd.MultiIndex.from_product(
+        [[contender], [start], runs, trials, horizons, QUANTITIES],
+        names=["contender", "start", "run", "trial", "horizon", "quantity"],
+    )
+    each = pd.DataFrame({"e_abs": e_abs.ravel(), "e_rel": e_rel.ravel()}, index=index).reset_index()
+    low, high = np.quantile(simulated[:, at], [0.05, 0.95], axis=0)
+    ends = measured[:, at]
+    inside = ((low <= ends) & (ends <= high)).mean(axis=0)
+    index = pd.MultiIndex.from_product([[contender], [start], horizons, QUANTITIES])
+    index.names = ["contender", "start", "horizon", "quantity"]
+    proper = crps(ends, simulated[:, at])
+    columns = {
+        "crps": proper.mean(axis=0),
+        "crps_error": proper.std(axis=0, ddof=1) / np.sqrt(len(measured)) if len(measured) > 1 else np.nan * inside,
+        "inside_90": inside,
+        "median_e_abs": np.median(e_abs, axis=(0, 1)),
+        "e_abs_5": np.quantile(e_abs, 0.05, axis=(0, 1)),
+        "e_abs_95": np.quantile(e_abs, 0.95, axis=(0, 1)),
+        "measured": np.abs(ends).mean(axis=0),
+    }
+    return each, pd.DataFrame({k: np.ravel(v) for k, v in columns.items()}, index=index).reset_index()
+
+
+def main(measured_path, simulated_paths, params, errors_path, scores_path):
+    """Write the errors of all trials and the scores of all ensembles."""
+    measured = np.load(measured_path)
+    at = np.searchsorted(measured["time"], np.array(params.horizons_s) - 1e-9)
+    found = []
+    for contender, path in zip(params.contenders, simulated_paths, strict=True):
+        simulated = np.load(path)["drift"]
+        for k, start in enumerate(STARTS):
+            drift = measured["drift"][k][..., list(QUANTITIES.values())]
+            found.append(scores(contender, start, drift, simulated[k], params.horizons_s, at))
+    pd.concat([each for each, _ in found]).to_parquet(errors_path, index=False)
+    pd.concat([summary for _, summary in found]).to_csv(scores_path, index=False)
+
+
+if __name__ == "__main__":
+    with journal(snakemake.log[0]):
+        main(snakemake.input.measured, snakemake.input.simulated, snakemake.params, *snakemake.output)

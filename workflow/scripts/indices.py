@@ -1,0 +1,23 @@
+"""Estimate the indices and the Allan deviation of one run."""
+
+import pandas as pd
+
+from imugap import allan, log
+from imugap.indices import INDICES, of_run
+from imugap.journal import journal
+from imugap.site import Site
+
+
+def main(path, site, period, indices, curves):
+    """Write the indices of the run and its Allan curves, one block of rows per axis."""
+    table = log.load(path, columns=list(log.AXES))
+    ideal = Site.from_mapping(site).ideal()
+    symbols = tuple(symbol for symbol in INDICES if symbol != "repeatability")
+    of_run(table, ideal, period, symbols).to_csv(indices, index=False)
+    asd = {axis: allan.curve(table[axis].to_numpy(), log.interval(table)) for axis in log.axes(table)}
+    pd.concat(asd, names=["axis"]).to_csv(curves)
+
+
+if __name__ == "__main__":
+    with journal(snakemake.log[0]):
+        main(snakemake.input.log, snakemake.params.site, snakemake.params.period_s, *snakemake.output)

@@ -1,0 +1,43 @@
+"""Tabulate the indices of a device."""
+
+import pandas as pd
+
+from imugap import tables
+from imugap.figures import AXIS_TITLES
+from imugap.indices import INDICES
+from imugap.journal import journal
+from imugap.units import from_si
+
+
+def in_datasheet_units(indices):
+    """Add the data-sheet unit and the values in it."""
+    units = [INDICES[row.symbol].unit(row.axis) for row in indices.itertuples()]
+    converted = {
+        f"{name}_datasheet": [from_si(v, u) for v, u in zip(indices[name], units, strict=True)]
+        for name in ("value", "low", "high")
+    }
+    return indices.assign(datasheet_unit=units, **converted)
+
+
+def page(data):
+    """Lay the table out: a row per index, a column per axis, gyroscopes above accelerometers."""
+    rows = []
+    for kind in ("gyro", "accel"):
+        part = data[data["axis"].str.startswith(kind)]
+        for symbol, group in part.groupby("symbol", sort=False):
+            unit = tables.unit(group["datasheet_unit"].iloc[0])
+            cells = {row.axis[-1]: cell(row) for row in group.itertuples()}
+            rows.append({"index": INDICES[symbol].title, "unit": unit, **cells})
+    return pd.DataFrame(rows).rename(columns={axis: f"{axis}" for axis in AXIS_TITLES})
+
+
+def cell(row):
+    """Show a reading with its interval, a bound with its sign."""
+    value, low, high = row.value_datasheet, row.low_datasheet, row.high_datasheet
+    return tables.interval(value, low, high) if row.holds else f"≤ {tables.number(high)}"
+
+
+if __name__ == "__main__":
+    with journal(snakemake.log[0]):
+        data = in_datasheet_units(pd.read_csv(snakemake.input.indices))
+        tables.write(snakemake.output[0].removesuffix(".csv"), data, page(data))

@@ -1,0 +1,37 @@
+"""Take the Allan deviation of simulated runs of a contender."""
+
+import numpy as np
+import pandas as pd
+
+from imugap import allan, log
+from imugap.journal import journal
+from imugap.model import ErrorModel
+
+
+def main(model_path, log_path, contender, params, path):
+    """Write median and 90 % band over the trials, per axis and tau."""
+    model, like = ErrorModel.read(model_path), log.load(log_path, columns=[log.AXES[0]])
+    interval, count = log.interval(like), len(like)
+    ideal = log.from_samples({axis: np.zeros(count) for axis in model.axes}, interval)
+    averaging = allan.factors(count)
+    if all(not axis.stochastic() for axis in model.axes.values()):
+        pd.DataFrame(columns=["contender", "axis", "tau", "low", "median", "high"]).to_csv(path, index=False)
+        return
+    trials = np.empty((params.trials, len(model.axes), len(averaging)))
+    for trial in range(params.trials):
+        simulated = model.simulate(ideal, params.seed, "model_allan", contender, trial)
+        for k, axis in enumerate(model.axes):
+            trials[trial, k] = np.sqrt(allan.variance(simulated[axis].to_numpy(), averaging))
+    low, median, high = np.quantile(trials, [0.05, 0.5, 0.95], axis=0)
+    bands = [
+        pd.DataFrame({"contender": contender, "axis": axis, "tau": averaging * interval,
+                      "low": low[k], "median": median[k], "high": high[k]})
+        for k, axis in enumerate(model.axes)
+    ]  # fmt: skip
+    pd.concat(bands).to_csv(path, index=False)
+
+
+if __name__ == "__main__":
+    with journal(snakemake.log[0]):
+        wildcards = snakemake.wildcards
+        main(snakemake.input.model, snakemake.input.log, wildcards.contender, snakemake.params, snakemake.output[0])

@@ -1,0 +1,29 @@
+"""Simulate a contender at rest and navigate every trial."""
+
+import numpy as np
+
+from imugap.drift import QUANTITIES, Course
+from imugap.journal import journal
+from imugap.model import ErrorModel
+from tqdm import trange
+
+
+def main(model_path, measured, contender, params, path):
+    """Write the drifts of the compared quantities, shape (starts, trials, epochs, quantities), and their epochs."""
+    model, plan = ErrorModel.read(model_path), Course.from_mapping(params.site, params.course)
+    ideal = plan.ideal(float(np.load(measured)["interval"]))
+    columns = list(QUANTITIES.values())
+    drifts = np.stack(
+        [
+            plan.drift(model.simulate(ideal, params.seed, "drift", contender, trial))[..., columns]
+            for trial in trange(params.trials)
+        ],
+        axis=1,
+    )
+    np.savez(path, time=plan.epochs(), drift=drifts)
+
+
+if __name__ == "__main__":
+    with journal(snakemake.log[0]):
+        wildcards = snakemake.wildcards
+        main(snakemake.input.model, snakemake.input.measured, wildcards.contender, snakemake.params, snakemake.output[0])
