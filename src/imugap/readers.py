@@ -10,6 +10,7 @@ import difflib
 import warnings
 from itertools import islice
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
@@ -18,10 +19,12 @@ import pyarrow.csv
 import rdata
 import scipy.io
 
-from imugap.catalogue import DataSet
 from imugap.integrity import gravity_unit
 from imugap.log import ACCEL, COLUMNS, GYRO, LogError, check
 from imugap.units import from_si, to_si
+
+if TYPE_CHECKING:  # at run time the catalogue would load its validator for nothing
+    from imugap.catalogue import DataSet
 
 KNOWN = ("time", *COLUMNS)
 FASTEST_GYRO_DEG_PER_S = 4000.0
@@ -62,7 +65,7 @@ def read_table(path: str | Path) -> pd.DataFrame:
     return table.set_index("time")[[name for name in COLUMNS if name in table.columns]]
 
 
-def read_raw(path: str | Path, dataset: DataSet, run: int) -> pd.DataFrame:
+def read_raw(path: str | Path, dataset: "DataSet", run: int) -> pd.DataFrame:
     """Read one run of a catalogue file as a canonical log, in SI units.
 
     Without a time column the samples are spaced evenly at the nominal rate of ``dataset``.

@@ -142,15 +142,25 @@ def rotate(quat, vector):
 
 
 @kernel
+def wrap(angle):
+    """Return an angle [rad] in (-pi, pi]; one that is there already comes back to the bit."""
+    return angle - 2 * np.pi * np.ceil((angle - np.pi) / (2 * np.pi))
+
+
+@kernel
 def euler_from_quat(quat_nb):
     """Return roll, pitch, heading [rad] of a unit quaternion; roll and heading in (-pi, pi], pitch in [-pi/2, pi/2].
 
-    At pitch +-90 deg only heading -+ roll is defined. The pitch comes from an arctangent, which stays accurate there.
+    From the half sum and the half difference of roll and heading, which stay defined one at a time when the pitch
+    reaches +-90 deg: the three angles always make the rotation again (Bernardes and Viollet, PLoS ONE 17 (2022)
+    e0276302; for ZYX the pairs are (w - y, x + z) and (w + y, x - z)).
     """
-    mat = mat_from_quat(quat_nb)
-    roll = np.arctan2(mat[2][1], mat[2][2])
-    pitch = np.arctan2(-mat[2][0], np.sqrt(mat[2][1] * mat[2][1] + mat[2][2] * mat[2][2]))
-    return roll, pitch, np.arctan2(mat[1][0], mat[0][0])
+    x, y, z, w = quat_nb[0], quat_nb[1], quat_nb[2], quat_nb[3]
+    half_sum, half_difference = np.arctan2(x + z, w - y), np.arctan2(x - z, w + y)
+    rising = np.sqrt((w + y) * (w + y) + (x - z) * (x - z))
+    falling = np.sqrt((w - y) * (w - y) + (x + z) * (x + z))
+    pitch = 2 * np.arctan2(rising, falling) - 0.5 * np.pi
+    return wrap(half_sum + half_difference), pitch, wrap(half_sum - half_difference)
 
 
 def from_euler(euler: np.ndarray) -> Rotation:

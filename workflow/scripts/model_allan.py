@@ -14,9 +14,6 @@ def main(model_path, log_path, contender, params, path):
     interval, count = log.interval(like), len(like)
     ideal = log.from_samples({axis: np.zeros(count) for axis in model.axes}, interval)
     averaging = allan.factors(count)
-    if all(not axis.stochastic() for axis in model.axes.values()):
-        pd.DataFrame(columns=["contender", "axis", "tau", "low", "median", "high"]).to_csv(path, index=False)
-        return
     trials = np.empty((params.trials, len(model.axes), len(averaging)))
     for trial in range(params.trials):
         simulated = model.simulate(ideal, params.seed, "model_allan", contender, trial)

@@ -1,0 +1,166 @@
+"""Audit of the tables printed by He et al. (2023): do they agree with one another and with physics?
+
+Inputs are the printed tables as data frames (``data/published``); outputs are findings, each computed from them.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+from imugap import strapdown
+from imugap.units import STANDARD_GRAVITY, to_si
+
+PERIOD_S = 1.0
+"""Averaging period of the printed bias stability."""
+WALK_S = 189.0
+"""Length of the printed walk, from the text of section 3.2."""
+WALK_TOLERANCE_DEG = 1.0
+"""Heading that the white noise of the gyroscope may add over the walk, generously."""
+ROUNDING = 1e-3
+"""Relative difference that the printed digits explain."""
+METHODS = ("method_a", "method_b", "restoration")
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One check: what is compared, the printed and the implied value as text, whether they can both be true."""
+
+    check: str
+    printed: str
+    implied: str
+    consistent: bool
+
+
+def stability_against_floor(table1: pd.DataFrame) -> list[Finding]:
+    """Compare the printed bias stability with the floor N/sqrt(P) that the printed white noise implies."""
+    findings = []
+    for row in table1.itertuples():
+        stability = to_si(row.bias_stability_1s, row.bias_stability_unit)
+        floor = to_si(row.random_walk, row.random_walk_unit) / np.sqrt(PERIOD_S)
+        unit, shown = ("deg/h", "°/h") if row.sensor == "gyro" else ("ug", "µg")
+        printed, implied = stability / to_si(1, unit), floor / to_si(1, unit)
+        findings.append(
+            Finding(
+                f"{row.sensor} {row.axis}: bias stability at 1 s, at least the white-noise floor",
+                f"{printed:.2f} {shown}",
+                f"≥ {implied:.2f} {shown}",
+                bool(stability >= floor),
+            )
+        )
+    return findings
+
+
+def final_drifts(table2: pd.DataFrame) -> pd.DataFrame:
+    """Return the final measured drift that each printed pair of e_abs and e_rel implies, quantity by method."""
+    values = table2.set_index("quantity")[list(METHODS)]
+    absolute, relative = values.filter(like="_abs_", axis=0), values.filter(like="_rel_", axis=0)
+    return pd.DataFrame(
+        absolute.to_numpy() / relative.to_numpy() * 100, index=["east", "north", "heading"], columns=list(METHODS)
+    )
+
+
+def agreement_of_final_drifts(table2: pd.DataFrame) -> list[Finding]:
+    """Check that all methods imply the same final drift, since the measured log is the same (within the rounding).
+
+    Where one does not, say whether it is the final drift of another quantity, i.e. a wrong divisor.
+    """
+    drifts = final_drifts(table2)
+    usual = drifts.median(axis=1)
+    units = {"east": "m", "north": "m", "heading": "°"}
+    results = []
+    for (quantity, method), drift in drifts.stack().items():
+        name, unit = method.replace("_", " "), units[quantity]
+        check = f"{quantity}, {name}: final drift e_abs/e_rel, against that of the other methods"
+        agrees = bool(abs(drift / usual[quantity] - 1) < ROUNDING)
+        results.append(Finding(check, f"{drift:.2f} {unit}", f"{usual[quantity]:.2f} {unit}", agrees))
+        twins = [other for other in usual.index if not agrees and abs(drift / usual[other] - 1) < ROUNDING]
+        for twin in twins:
+            check = f"{quantity}, {name}: the divisor of e_rel is the final drift of the quantity itself, not {twin}"
+            results.append(Finding(check, f"{drift:.2f} {unit}", f"{twin}: {usual[twin]:.2f} {units[twin]}", False))
+    return results
+
+
+def lengths(table1: pd.DataFrame, table2: pd.DataFrame) -> pd.Series:
+    """Return the navigation lengths [s] after which the printed biases alone drift as far as table 2 implies.
+
+    Horizontal distance and heading are taken, which the unknown initial heading does not change. NaN where the drift is
+    not reached within an hour.
+    """
+    bias = [to_si(row.bias, row.bias_unit) for row in table1.itertuples()]
+    rate, seconds = 100.0, 3600.0
+    samples = np.tile(bias, (int(rate * seconds), 1)) - [0, 0, 0, 0, 0, STANDARD_GRAVITY]
+    mechanisation = strapdown.Local(STANDARD_GRAVITY)
+    path = strapdown.navigate(samples[:, :3], samples[:, 3:], 1 / rate, strapdown.State(), mechanisation, 10)
+    final = final_drifts(table2).median(axis=1)
+    reached = {
+        "horizontal": np.hypot(path[:, 0], path[:, 1]) >= np.hypot(final["east"], final["north"]),
+        "heading": np.abs(np.unwrap(path[:, 8])) >= np.deg2rad(final["heading"]),
+    }
+    return pd.Series({name: np.argmax(hit) * 10 / rate if hit.any() else np.nan for name, hit in reached.items()})
+
+
+def agreement_of_lengths(table1: pd.DataFrame, table2: pd.DataFrame) -> Finding:
+    """Check that position and heading imply the same length of the static navigation."""
+    length = lengths(table1, table2)
+    return Finding(
+        "length of the static navigation that the printed biases imply, from position and from heading",
+        f"{length['horizontal']:.0f} s",
+        f"{length['heading']:.1f} s",
+        bool(0.8 < length["heading"] / length["horizontal"] < 1.25),
+    )
+
+
+def heading_of_walk(table1: pd.DataFrame, table3: pd.DataFrame) -> list[Finding]:
+    """Compare the heading error of the walk with what the printed z-gyro bias alone would cause."""
+    bias = table1[(table1["sensor"] == "gyro") & (table1["axis"] == "z")].iloc[0]
+    turned = float(np.rad2deg(to_si(bias["bias"], bias["bias_unit"]) * WALK_S))
+    heading = table3.set_index("quantity").loc["end_heading_error"]
+    left = abs(heading["uncompensated"] - turned)
+    return [
+        Finding(
+            "walk: heading error without compensation is what the printed z-gyro bias alone adds up to",
+            f"{heading['uncompensated']:.2f}°",
+            f"{turned:.2f}°",
+            left < WALK_TOLERANCE_DEG,
+        ),
+        Finding(
+            "walk: heading error after restoration, whose mean term takes that bias off",
+            f"{heading['restoration']:.2f}°",
+            f"{left:.2f}°",
+            bool(abs(heading["restoration"] - left) < WALK_TOLERANCE_DEG),
+        ),
+    ]
+
+
+def reductions(table3: pd.DataFrame) -> list[Finding]:
+    """Recompute the printed reductions of table 3."""
+    rows = table3.set_index("quantity")
+    findings = []
+    for quantity in ("end_position_error", "end_heading_error"):
+        value, printed = rows.loc[quantity], rows.loc[f"{quantity}_reduction"]
+        for method in METHODS:
+            implied = 100 * (1 - value[method] / value["uncompensated"])
+            findings.append(
+                Finding(
+                    f"table 3, {quantity.replace('_', ' ')}: reduction by {method.replace('_', ' ')}",
+                    f"{printed[method]:.3f} %",
+                    f"{implied:.3f} %",
+                    bool(abs(printed[method] - implied) < 0.1),
+                )
+            )
+    return findings
+
+
+def findings(table1: pd.DataFrame, table2: pd.DataFrame, table3: pd.DataFrame) -> pd.DataFrame:
+    """Return every finding as a table, columns ``check``, ``printed``, ``implied``, ``consistent``."""
+    repeatability = "repeatability" in " ".join(table1.columns)
+    everything = [
+        *stability_against_floor(table1),
+        Finding("bias repeatability, which eq. 14 draws from", "not printed", "needed", repeatability),
+        *agreement_of_final_drifts(table2),
+        agreement_of_lengths(table1, table2),
+        *heading_of_walk(table1, table3),
+        *reductions(table3),
+    ]
+    return pd.DataFrame([vars(finding) for finding in everything])

@@ -1,0 +1,55 @@
+PUBLISHED = {
+    "indices": "data/published/he2023_table1_performance_indices.csv",
+    "static": "data/published/he2023_table2_static_navigation.csv",
+    "walk": "data/published/he2023_table3_pedestrian_compensation.csv",
+}
+
+
+rule audit:
+    """Check the published tables against one another and against physics."""
+    input:
+        **PUBLISHED,
+        code=library("audit"),
+    output:
+        report(
+            "paper/tables/audit.csv",
+            caption="../report/audit.rst",
+            category="Published claims",
+            labels={"table": "audit", "device": "source"},
+        ),
+        "paper/tables/audit.json",
+        "paper/tables/audit.tex",
+    log:
+        "logs/audit.log",
+    benchmark:
+        "benchmarks/audit.tsv"
+    script:
+        "../scripts/audit.py"
+
+
+rule claims:
+    """Confront the published claims with the results here."""
+    input:
+        **PUBLISHED,
+        five=expand("paper/tables/five_trials_{device}.csv", device=DEVICES),
+        ranking=expand("paper/tables/ranking_{device}.csv", device=DEVICES),
+        scores=expand("results/{device}/drift_scores.csv", device=DEVICES),
+        code=library("claims"),
+    output:
+        report(
+            "paper/tables/claims.csv",
+            caption="../report/claims.rst",
+            category="Published claims",
+            labels={"table": "claims", "device": "all"},
+        ),
+        "paper/tables/claims.json",
+        "paper/tables/claims.tex",
+    log:
+        "logs/claims.log",
+    benchmark:
+        "benchmarks/claims.tsv"
+    params:
+        devices=DEVICES,
+        table_horizon_s=config["navigation"]["table_horizon_s"],
+    script:
+        "../scripts/claims.py"

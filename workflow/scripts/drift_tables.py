@@ -1,0 +1,121 @@
+"""Tabulate the drift comparison: five trials as published, distributions, ranking over the navigation length."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from imugap import figures, tables
+from imugap.contenders import TITLES
+from imugap.drift import QUANTITIES
+from imugap.journal import journal
+from imugap.stream import stream
+
+SOURCE = ("method_a", "method_b", "restoration")
+DRAWS = 2000
+UNITS = {"east": ("m", 1.0), "north": ("m", 1.0), "heading": ("°", 180 / np.pi)}
+
+
+def five_trials(errors, count):
+    """Return mean e_abs and e_rel over the first ``count`` trials, for the first run and over all runs."""
+    few = errors[(errors["start"] == "raw") & (errors["trial"] < count)]
+    parts = {"1": few[few["run"] == 0], "all": few}
+    means = [part.groupby(["contender", "quantity"], sort=False)[["e_abs", "e_rel"]].mean() for part in parts.values()]
+    return pd.concat(means, keys=parts, names=["runs"]).reset_index()
+
+
+def five_trials_page(data):
+    """Lay out as the source's table 2: a row per model, absolute and relative error per quantity."""
+    rows = []
+    for (runs, contender), group in data.groupby(["runs", "contender"], sort=False):
+        row = {"run": runs, "model": TITLES[contender]}
+        for one in group.itertuples():
+            unit, scale = UNITS[one.quantity]
+            row[f"{one.quantity} [{unit}]"] = tables.number(one.e_abs * scale)
+            row[f"{one.quantity} [%]"] = tables.number(one.e_rel * 100)
+        rows.append(row)
+    return pd.DataFrame(rows)
+
+
+def distribution_page(scores):
+    """Lay out median and 90 % range of e_abs, the proper score, and the share of runs inside the 90 % band."""
+    rows = []
+    for (start, contender), group in scores.groupby(["start", "contender"], sort=False):
+        row = {"start": start, "model": TITLES[contender]}
+        for one in group.itertuples():
+            unit, scale = UNITS[one.quantity]
+            values = (tables.number(v * scale) for v in (one.median_e_abs, one.e_abs_5, one.e_abs_95))
+            row[f"e_abs {one.quantity} [{unit}]"] = "{} [{}, {}]".format(*values)
+        for one in group.itertuples():
+            unit, scale = UNITS[one.quantity]
+            row[f"CRPS {one.quantity} [{unit}]"] = tables.number(one.crps * scale)
+        row["inside 90 %"] = f"{100 * group['inside_90'].mean():.0f} %"
+        rows.append(row)
+    return pd.DataFrame(rows).sort_values("start", ascending=False, kind="stable")
+
+
+def chance_of_first(errors, count, seed):
+    """Return how often a table of ``count`` trials on the first run ranks each of the source's methods first."""
+    rows = []
+    first = errors[(errors["run"] == 0) & errors["contender"].isin(SOURCE)]
+    for (start, horizon, quantity), group in first.groupby(["start", "horizon", "quantity"], sort=False):
+        rng = stream(seed, "five-trial tables", start, horizon, quantity)
+        values = np.array([group.loc[group["contender"] == name, "e_abs"] for name in SOURCE])
+        picked = rng.integers(values.shape[1], size=(len(SOURCE), DRAWS, count))
+        means = np.array([value[pick].mean(axis=1) for value, pick in zip(values, picked, strict=True)])
+        share = np.bincount(means.argmin(axis=0), minlength=len(SOURCE)) / DRAWS
+        rows.append({"start": start, "horizon": horizon, "quantity": quantity, **dict(zip(SOURCE, share, strict=True))})
+    return pd.DataFrame(rows)
+
+
+def ranking_page(scores, chances):
+    """Lay out the best model by each score, and the chance that a five-trial table puts restoration first."""
+    rows = []
+    for (start, horizon), group in scores.groupby(["start", "horizon"], sort=False):
+        row = {"start": start, "length [s]": f"{horizon:g}"}
+        for quantity in QUANTITIES:
+            one = group[group["quantity"] == quantity].set_index("contender")
+            row[f"e_abs {quantity}"] = TITLES[one["median_e_abs"].idxmin()]
+            row[f"CRPS {quantity}"] = TITLES[one["crps"].idxmin()]
+        chance = chances[(chances["start"] == start) & (chances["horizon"] == horizon)].set_index("quantity")
+        shares = [f"{100 * chance.loc[quantity, 'restoration']:.0f}" for quantity in QUANTITIES]
+        row["restoration first [%]"] = " / ".join(shares)
+        rows.append(row)
+    return pd.DataFrame(rows)
+
+
+def main(errors, scores, params, output):
+    """Write the three tables, the two figures and the numbers of the text."""
+    at_table = scores[scores["horizon"] == params.table_horizon_s]
+    five = five_trials(errors[errors["horizon"] == params.table_horizon_s], params.published_trials)
+    tables.write(output.five.removesuffix(".csv"), five, five_trials_page(five))
+    tables.write(output.distribution.removesuffix(".csv"), at_table, distribution_page(at_table))
+    chances = chance_of_first(errors, params.published_trials, params.seed)
+    tables.write(output.ranking.removesuffix(".csv"), chances, ranking_page(scores, chances))
+    figures.save(figures.ranking(scores, "median_e_abs", "median e_abs"), output.figure)
+    figures.save(figures.ranking(scores, "crps", "CRPS"), output.crps)
+    Path(output.numbers).write_text(json.dumps(numbers(at_table, chances, params), indent=1) + "\n")
+
+
+def numbers(at_table, chances, params):
+    """Collect what the text of the paper quotes."""
+    key = at_table.set_index(["start", "contender", "quantity"])
+    at = chances[(chances["start"] == "raw") & (chances["horizon"] == params.table_horizon_s)]
+    over = chances[chances["start"] == "raw"]
+    return {
+        "table_horizon_s": params.table_horizon_s,
+        "trials": params.published_trials,
+        "restoration_first_percent": {row.quantity: f"{100 * row.restoration:.0f}" for row in at.itertuples()},
+        "restoration_first_range_percent": [f"{100 * f(over['restoration']):.0f}" for f in (min, max)],
+        "median_e_abs": {
+            name: {q: tables.number(key.loc[("raw", name, q), "median_e_abs"] * UNITS[q][1]) for q in QUANTITIES}
+            for name in TITLES
+        },
+    }
+
+
+if __name__ == "__main__":
+    with journal(snakemake.log[0]):
+        frames = pd.read_parquet(snakemake.input.errors), pd.read_csv(snakemake.input.scores)
+        main(*frames, snakemake.params, snakemake.output)

@@ -1,0 +1,48 @@
+"""Draw the Allan deviation of every contender against the device, and tabulate where they part."""
+
+import numpy as np
+import pandas as pd
+
+from imugap import figures, tables
+from imugap.contenders import TITLES
+from imugap.journal import journal
+
+
+def agreement(device, simulated):
+    """Compare the first run's interval with the band of each contender at every tau the two share.
+
+    ``verdict`` is 0 where they overlap, +1 where the device lies above the model, -1 where it lies below.
+    """
+    first = device[device["run"] == device["run"].min()]
+    both = simulated.merge(first, on=["axis", "tau"], suffixes=("_model", "_device"))
+    above = (both["low_device"] > both["high_model"]).astype(int)
+    below = (both["high_device"] < both["low_model"]).astype(int)
+    return both.assign(verdict=above - below)[["contender", "axis", "tau", "low_device", "high_device",
+                                               "low_model", "high_model", "verdict"]]  # fmt: skip
+
+
+def reproduced(group):
+    """Show the longest range of tau without a disagreement."""
+    tau, fits = group["tau"].to_numpy(), (group["verdict"] == 0).to_numpy()
+    edges = np.flatnonzero(np.diff(np.r_[False, fits, False])).reshape(-1, 2)
+    if not len(edges):
+        return "nowhere"
+    start, stop = max(edges, key=lambda edge: np.log(tau[edge[1] - 1] / tau[edge[0]]))
+    return f"{tables.number(tau[start], 2)}–{tables.number(tau[stop - 1], 2)} s"
+
+
+def page(data):
+    """Lay the table out: a row per contender, a column per axis."""
+    cells = data.groupby(["contender", "axis"], sort=False)[["tau", "verdict"]].apply(reproduced).unstack("axis")
+    cells = cells.loc[list(dict.fromkeys(data["contender"])), list(dict.fromkeys(data["axis"]))]
+    cells.columns = [figures.AXIS_TITLES[axis] for axis in cells.columns]
+    return cells.rename(index=TITLES).rename_axis("model").reset_index()
+
+
+if __name__ == "__main__":
+    with journal(snakemake.log[0]):
+        device = pd.read_csv(snakemake.input.device)
+        simulated = pd.concat([pd.read_csv(path) for path in snakemake.input.models])
+        figures.save(figures.models(device, simulated), snakemake.output[0])
+        data = agreement(device, simulated)
+        tables.write(snakemake.output[1].removesuffix(".csv"), data, page(data))
