@@ -1,5 +1,6 @@
 import os
 import tempfile
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -43,6 +44,14 @@ def at_rest(count=200, gravity=9.81, rate=0.01):
     return from_samples(samples, 0.01)
 
 
+def attempt(path, repair=False):
+    """Read; None where the file is refused. Any other exception passes."""
+    try:
+        return read(path, repair)
+    except LogError:
+        return None
+
+
 finite = st.floats(-30, 30, allow_nan=False, width=64)
 
 
@@ -79,11 +88,8 @@ def test_a_truncated_csv_is_an_error_or_the_first_rows(log, data):
         log.to_csv(path)
         content = path.read_bytes()
         path.write_bytes(content[: data.draw(st.integers(0, len(content)))])
-        try:
-            found = read(path)
-        except LogError as error:
-            assert str(path) in str(error)
-        else:
+        found = attempt(path)
+        if found is not None:
             pd.testing.assert_frame_equal(found, log.iloc[: len(found)], check_exact=True)
 
 
@@ -97,10 +103,9 @@ def test_a_corrupt_file_is_an_error_or_a_sound_log(log, suffix, repair, data):
         for _ in range(data.draw(st.integers(1, 4))):
             content[data.draw(st.integers(0, len(content) - 1))] = data.draw(st.integers(0, 255))
         path.write_bytes(content)
-        try:
-            check(read(path, repair), path)
-        except LogError as error:
-            assert str(path) in str(error)
+        found = attempt(path, repair)
+        if found is not None:
+            check(found)
 
 
 @settings(deadline=None)
@@ -262,7 +267,7 @@ def test_every_raw_format_is_converted_and_evenly_sampled(tmp_path, sets, suffix
 
 
 def test_a_time_column_and_any_order_of_columns_are_respected(tmp_path, sets):
-    dataset = catalogue.replace(sets["adis16405"], columns=("accel_x", "time", "gyro_z"))
+    dataset = replace(sets["adis16405"], columns=("accel_x", "time", "gyro_z"))
     samples = np.array([[1.0, 0.5, 180.0], [2.0, 0.7, 90.0], [3.0, 0.8, 0.0]])
     log = read_raw(write_recording(tmp_path / "raw.npy", samples), dataset, 1)
     assert list(log.columns) == ["gyro_z", "accel_x"]

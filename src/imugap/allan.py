@@ -11,8 +11,10 @@ from scipy.stats import chi2
 from imugap.effects.bias_instability import FLOOR
 
 POINTS_PER_DECADE = 10
-SLOPE_TOLERANCE = 0.1
-"""Largest distance of the local slope from the nominal one at which a tangent is read."""
+SLOPE_TOLERANCE = 0.02
+"""Largest distance of the local slope from the nominal one, or two standard errors, at which a tangent is read."""
+SLOPE_ERROR = 0.1
+"""Largest standard error of a local slope that still tells one law from another."""
 REGION_DECADES = 0.5
 """Shortest range of tau over which the slope must hold."""
 WINDOW = 3
@@ -130,8 +132,11 @@ class Tangent:
     tau_low, tau_high
         Range over which it was read [s].
     holds
-        Whether the law's slope holds there. If not, ``value`` is an upper bound: the tangent touches the curve from
-        below, where the law can explain all of it and no more; ``low`` is then 0.
+        Whether the law's slope holds there. If not, the law has an upper bound only: its line may not lie above the
+        curve anywhere. It is read at the one ``tau``, among those where the curve is known well enough to tell a
+        slope, at which the curve's upper limit is lowest in terms of the law (beyond, the lowest of many uncertain
+        limits would be too low).
+        ``value`` is what the curve itself allows there, ``high`` its upper limit, ``low`` is 0.
     """
 
     value: float
@@ -144,17 +149,18 @@ class Tangent:
 
 def tangent(asd: pd.DataFrame, law: Law, level: float = 0.95) -> Tangent:
     """Read the coefficient of ``law`` from a curve of :func:`curve`, on the longest range where its slope holds."""
-    known = asd[_slope_error(asd) < SLOPE_TOLERANCE]
-    coefficient = known["deviation"] / law.deviation(1.0, known.index)
-    region = _longest(known.index.to_numpy(), (np.abs(known["slope"] - law.slope) < SLOPE_TOLERANCE).to_numpy())
+    coefficient = asd["deviation"] / law.deviation(1.0, asd.index)
+    error = _slope_error(asd)
+    near = (np.abs(asd["slope"] - law.slope) < np.maximum(SLOPE_TOLERANCE, 2 * error)) & (error < SLOPE_ERROR)
+    region = _longest(asd.index.to_numpy(), near.to_numpy())
     if region is None:
-        touch = coefficient.idxmin()
-        value, edf = coefficient[touch], known["edf"][touch]
-        return Tangent(value, 0.0, _limit(value, edf, (1 - level) / 2), touch, touch, False)
-    value = float(np.sqrt(np.average(coefficient[region] ** 2, weights=known["edf"][region])))
-    edf = known["edf"][region].max()
+        limit = (asd["high"] / law.deviation(1.0, asd.index))[error < SLOPE_ERROR]
+        touch = limit.idxmin()
+        return Tangent(float(coefficient[touch]), 0.0, float(limit[touch]), touch, touch, False)
+    value = float(np.sqrt(np.average(coefficient[region] ** 2, weights=asd["edf"][region])))
+    edf = asd["edf"][region].max()
     low, high = (_limit(value, edf, p) for p in ((1 + level) / 2, (1 - level) / 2))
-    return Tangent(value, low, high, known.index[region][0], known.index[region][-1], True)
+    return Tangent(value, low, high, asd.index[region][0], asd.index[region][-1], True)
 
 
 def _slope_error(asd: pd.DataFrame) -> pd.Series:

@@ -165,6 +165,12 @@ def fetch(file: RawFile, folder: str | Path, mirror: str | Path | None = None) -
     return partial.rename(target)
 
 
+def verify(file: RawFile, path: str | Path) -> None:
+    """Raise a :class:`FetchError` unless the file at ``path`` is the one that the catalogue names."""
+    if (fault := _fault(Path(path), file)) is not None:
+        raise FetchError(f"{path}: {fault}")
+
+
 def _found(file: RawFile, folder: str | Path, mirror: str | Path | None) -> Path | None:
     places = [file.place(root) for root in (folder, mirror) if root]
     return next((place for place in places if place.is_file()), None)

@@ -17,7 +17,7 @@ the bandwidth, behind the same sensor, passes ``r`` times the variance.
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from math import ceil, exp, floor, isnan, log, nan, sqrt
+from math import ceil, exp, floor, isnan, nan, sqrt
 
 import numpy as np
 import pandas as pd
@@ -61,7 +61,7 @@ class Spectra:
                 near = sorted({axis for _, other, axis in found if abs(centre - other) <= WINDOW})
                 centres.append(centre)
                 tracks.append(_follow(self.power[near], centre))
-        tracks = np.array(tracks).reshape(-1, BLOCKS) - log(self.length)
+        tracks = np.array(tracks).reshape(-1, BLOCKS) - np.log(self.length)
         return tracks[tracks.std(axis=1, ddof=1) < 0.3 * WINDOW]  # noise alone, or a broad hump, gives 0.58 WINDOW
 
     @cached_property
@@ -94,6 +94,12 @@ class Evidence:
         return exp(self.log_ratio), exp(self.log_ratio - half), exp(self.log_ratio + half)
 
     @property
+    def contains_one(self) -> bool:
+        """Tell whether the interval of the ratio contains 1."""
+        _, low, high = self.interval
+        return low <= 1 <= high
+
+    @property
     def drift(self) -> tuple[float, float]:
         """Relative change of the interval over the run, by a straight line through the blocks, and its p-value."""
         line = stats.linregress(np.linspace(0, 1, BLOCKS), self.track) if self else None
@@ -122,15 +128,15 @@ class Clock:
 
     @property
     def verdict(self) -> str:
-        """``no evidence``, ``conflict``, ``same clock``, ``different clock``, or ``unconfirmed`` (one kind only)."""
+        """``no evidence``, ``conflict``, ``same clock``, ``different clock``, or ``unconfirmed``: not by each kind."""
         if not self.lines and not self.rolloff:
             return "no evidence"
         if self.agreement < LEVEL:
             return "conflict"
-        _, low, high = self.combined.interval
-        if low <= 1 <= high:
+        if self.combined.contains_one:
             return "same clock"
-        return "different clock" if self.lines and self.rolloff else "unconfirmed"
+        both = self.lines and self.rolloff and not (self.lines.contains_one or self.rolloff.contains_one)
+        return "different clock" if both else "unconfirmed"
 
     def row(self) -> pd.Series:
         """Return everything as one row of a table."""
@@ -181,7 +187,7 @@ def _detect(power: np.ndarray) -> list[tuple[float, float]]:
     less its running median. The log of the mean of ``m`` ordinates has variance trigamma(m); the Hann window makes
     ``m`` neighbours count for 2/3 of it.
     """
-    grid = np.arange(log(LOWEST), log(power.shape[1] - 1), STEP)
+    grid = np.arange(np.log(LOWEST), np.log(power.shape[1] - 1), STEP)
     edges = np.exp(grid)
     totals = np.cumsum(power, axis=1, dtype=float)
     totals = [np.interp(edges - 0.5, np.arange(len(total)), total) for total in totals]
@@ -222,7 +228,7 @@ def _match(reference: Spectra, run: Spectra) -> Evidence:
     misses = np.abs(gaps - tried[:, None, None])
     hits = (misses <= TOLERANCE).any(axis=1).sum(axis=1)
     best = np.lexsort((np.minimum(misses, TOLERANCE).sum(axis=(1, 2)), -hits))[0]
-    share = min(1.0, 2 * TOLERANCE * len(reference.lines) / log(run.length / 2 / LOWEST))
+    share = min(1.0, 2 * TOLERANCE * len(reference.lines) / np.log(run.length / 2 / LOWEST))
     if REACH / TOLERANCE * stats.binom.sf(hits[best] - 1, len(run.lines), share) > LEVEL:
         return Evidence()
     first, second = np.nonzero(misses[best] <= TOLERANCE)
@@ -235,38 +241,50 @@ def _match(reference: Spectra, run: Spectra) -> Evidence:
 def _stretch(reference: np.ndarray, run: np.ndarray) -> tuple[Evidence, float]:
     """Fit one filter to the log spectra of one axis, each (blocks, bins); also the log ratio of their noise powers.
 
-    Parameters: two levels, log width, shape and log ratio. No evidence if either spectrum is flat, if the filter does
-    not fit both (a resonance, a vibration), or if the ratio is not determined. The ratio is linear in small changes
-    of the spectra: applied to the blocks, that gives its course, and the scatter of the blocks its deviation.
+    The two families of :func:`_folded` are fitted and averaged by likelihood, so that the ratio is no surer than the
+    shape. No evidence if either spectrum is flat or no filter fits both (a resonance, a vibration).
     """
     spectra = np.stack([reference, run])
     means, sd = spectra.mean(axis=1), np.sqrt(spectra.var(axis=1, ddof=1).mean(axis=1, keepdims=True) / BLOCKS)
-    flat = (((means - means.mean(axis=1, keepdims=True)) / sd) ** 2).sum(axis=1)
+    flat = (((means - means.mean(axis=1, keepdims=True)) / sd) ** 2).sum(axis=1).min()
     power = float(np.diff(np.log(np.exp(means) @ np.diff([0.0, *EDGES[1:]])))[0])  # flat below the lowest bin
+    cost, ratio, sds, courses = (
+        np.array(x) for x in zip(*(_fit(spectra, means, sd, edge) for edge in (1, 2)), strict=True)
+    )
+    weights = np.exp((cost.min() - cost) / 2)
+    mean = np.average(ratio, weights=weights)
+    deviation = sqrt(np.average(sds**2 + (ratio - mean) ** 2, weights=weights))
+    none = stats.chi2.sf(flat, means.shape[1] - 1) > LEVEL or cost.min() > MISFIT * means.size or deviation > REACH / 10
+    return Evidence() if none else Evidence(float(mean), deviation, np.average(courses, axis=0, weights=weights)), power
+
+
+def _fit(spectra: np.ndarray, means: np.ndarray, sd: np.ndarray, edge: int) -> tuple[float, float, float, np.ndarray]:
+    """Fit two levels, log width, shape and log ratio to ``means``, those of ``spectra`` (runs, blocks, bins).
+
+    Returned are chi-squared, the log ratio, its standard deviation and its course. The ratio is linear in small
+    changes of the spectra: applied to the blocks, that gives its course, and their scatter its deviation.
+    """
 
     def residual(parameters: np.ndarray) -> np.ndarray:
         *levels, width, shape, ratio = parameters
-        model = [level + _folded(exp(width + k * ratio), shape) for k, level in enumerate(levels)]
+        model = [level + _folded(exp(width + k * ratio), shape, edge) for k, level in enumerate(levels)]
         return ((model - means) / sd).ravel()
 
-    bounds = ([-np.inf, -np.inf, log(0.02), -1.0, -2 * REACH], [np.inf, np.inf, log(2.0), 2.0, 2 * REACH])
-    fit = optimize.least_squares(residual, [*means[:, 0], log(0.4), 0.1, 0.0], bounds=bounds, x_scale=0.1)
-    misfit = 2 * fit.cost / (means.size - len(fit.x))
-    gain = np.linalg.pinv(fit.jac)[-1].reshape(means.shape) / sd
-    scatter = np.einsum("rbf,rf->rb", spectra - means[:, None], gain).var(axis=1, ddof=1).sum()
-    deviation = sqrt(scatter / BLOCKS * max(1.0, misfit))
-    if stats.chi2.sf(flat.min(), means.shape[1] - 1) > LEVEL or misfit > MISFIT or deviation > REACH / 10:
-        return Evidence(), power
-    course = np.linalg.pinv(fit.jac.reshape(*means.shape, -1)[1][:, [1, -1]])[-1] / sd[1]  # width and shape are given
-    return Evidence(float(fit.x[-1]), deviation, (run - means[1]) @ course), power
+    bounds = ([-np.inf, -np.inf, -4.0, -1.0, -2 * REACH], [np.inf, np.inf, 0.7, 2.0, 2 * REACH])
+    fit = optimize.least_squares(residual, [*means[:, 0], -1.0, 0.1, 0.0], bounds=bounds, x_scale=0.1)
+    changes = (spectra - means[:, None]) / sd[:, None]
+    shifts = np.einsum("rbf,rf->rb", changes, np.linalg.pinv(fit.jac)[-1].reshape(means.shape))
+    deviation = sqrt(shifts.var(axis=1, ddof=1).sum() / BLOCKS * max(1.0, 2 * fit.cost / means.size))
+    given = fit.jac.reshape(*means.shape, -1)[1][:, [1, -1]]  # of the run alone, once width and shape are known
+    return 2 * fit.cost, float(fit.x[-1]), deviation, changes[1] @ np.linalg.pinv(given)[-1]
 
 
-def _folded(width: float, shape: float) -> np.ndarray:
+def _folded(width: float, shape: float, edge: int) -> np.ndarray:
     """Return the log of the sampled spectrum ``sum_k H((nu + k) / width)`` of a filter, (bins,).
 
-    ``H(x) = (1 + shape x^2)^(-1/shape)``: a single pole for 1, a Gauss curve for 0 (its limit, which averaging filters
-    come near to), a sharp edge below 0.
+    ``H(x) = (1 + shape x^(2 edge))^(-1/shape)``. With edge 1: a single pole for shape 1, a Gauss curve for 0 (its
+    limit, which averaging filters come near to), a sharp edge below 0; with edge 2: a Butterworth filter for shape 1.
     """
     shape = shape if abs(shape) > 1e-4 else 1e-4
-    square = (((EDGES[1:] + EDGES[:-1]) / 2 + ALIASES) / width) ** 2
-    return special.logsumexp(-np.log1p(np.maximum(shape * square, 1e-12 - 1)) / shape, axis=0)
+    distance = (((EDGES[1:] + EDGES[:-1]) / 2 + ALIASES) / width) ** (2 * edge)
+    return special.logsumexp(-np.log1p(np.maximum(shape * distance, 1e-12 - 1)) / shape, axis=0)

@@ -73,5 +73,5 @@ def transport_rate_n(latitude, height, vel_n, vel_e):
     ``vel_n`` and ``vel_e`` are the velocity relative to the Earth [m/s]. The down component has a pole at the poles.
     """
     meridian, transverse = curvature_radii(latitude)
-    north = vel_e / (transverse + height)
-    return north, -vel_n / (meridian + height), -north * np.sin(latitude) / np.cos(latitude)
+    north = vel_e * (1 / (transverse + height))
+    return north, -vel_n * (1 / (meridian + height)), -north * (np.sin(latitude) / np.cos(latitude))

@@ -44,17 +44,26 @@ STYLE = {
 WIDTH = 7.2
 """Width of a full-width figure [inch]."""
 
+mpl.rcParams.update(STYLE)
+
 
 def save(figure: Figure, path: str | Path) -> None:
     """Write the figure as SVG, the same bytes for the same figure."""
-    with mpl.rc_context(STYLE):
-        figure.savefig(path, metadata={"Date": None})
+    figure.savefig(path, metadata={"Date": None})
 
 
 def _grid(rows: int, columns: int, height: float, **kwargs) -> tuple[Figure, np.ndarray]:
-    with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(WIDTH, height), layout="constrained")
-        return figure, figure.subplots(rows, columns, squeeze=False, **kwargs)
+    figure = Figure(figsize=(WIDTH, height), layout="constrained")
+    return figure, figure.subplots(rows, columns, squeeze=False, **kwargs)
+
+
+def _legend_below(figure: Figure, columns: int) -> None:
+    """Put one legend below the panels that names everything drawn in any of them once."""
+    found = {}
+    for panel in figure.axes:
+        for handle, label in zip(*panel.get_legend_handles_labels(), strict=True):
+            found.setdefault(label, handle)
+    figure.legend(found.values(), found.keys(), loc="outside lower center", ncols=columns)
 
 
 def _allan_grid() -> tuple[Figure, dict[str, mpl.axes.Axes]]:
@@ -98,13 +107,12 @@ def allan(curves: pd.DataFrame, tangents: pd.DataFrame) -> Figure:
         read = tangents[(tangents["axis"] == axis) & (tangents["run"] == runs[0]) & tangents["symbol"].isin(LAWS)]
         for row, colour in zip(read.itertuples(), ("#D55E00", "#0072B2", "#009E73"), strict=True):
             _draw_tangent(panel, row, colour, unit)
-    handles, labels = next(iter(panels.values())).get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=5)
+    _legend_below(figure, 5)
     return figure
 
 
 def _draw_tangent(panel: mpl.axes.Axes, row, colour: str, unit: str) -> None:
-    """Draw a reading over its range, thick, prolonged thin by half a decade; a bound as a dotted line with its point."""
+    """Draw a reading thick over its range, prolonged thin by half a decade; a bound as a dotted line with its point."""
     law = LAWS[row.symbol]
     reach = np.array([row.tau_low / 10**0.5, row.tau_high * 10**0.5])
     label = f"{law.symbol}, slope {law.slope:+.1f}".replace("+0.0", "0")
@@ -138,8 +146,7 @@ def models(device: pd.DataFrame, simulated: pd.DataFrame) -> Figure:
         for run, one in device[device["axis"] == axis].groupby("run"):
             label = "device (each run)" if run == device["run"].min() else None
             panel.plot(one["tau"], from_si(one["deviation"], unit), color="black", lw=0.6, label=label, zorder=5)
-    handles, labels = next(iter(panels.values())).get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=4)
+    _legend_below(figure, 4)
     return figure
 
 
@@ -186,15 +193,15 @@ def differences(time: np.ndarray, gaps: Mapping[str, np.ndarray], drawn: int) ->
     """
     rows = {"east [m]": np.asarray, "north [m]": np.asarray, "heading [°]": np.rad2deg}
     figure, grid = _grid(3, len(gaps), 4.6, sharex=True, sharey="row")
+    for panel, label in zip(grid[:, 0], rows, strict=True):
+        panel.set_ylabel(f"d {label}")
     for column, (name, gap) in zip(grid.T, gaps.items(), strict=True):
-        for k, (panel, (label, convert)) in enumerate(zip(column, rows.items(), strict=True)):
+        for k, (panel, convert) in enumerate(zip(column, rows.values(), strict=True)):
             shown = convert(gap[:, :, k])
             low, high = np.quantile(shown, [0.05, 0.95], axis=0)
             panel.fill_between(time, low, high, color=COLOURS[name], alpha=0.3, lw=0)
             panel.plot(time, shown[:drawn].T, color=COLOURS[name], lw=0.6)
             panel.axhline(0, color="black", lw=0.5)
-            if column is grid.T[0]:
-                panel.set_ylabel(f"d {label}")
         column[0].set_title(TITLES[name], fontsize=7)
         column[-1].set(xlabel="time [s]", xlim=(0, time[-1]))
     return figure
@@ -221,8 +228,7 @@ def ranking(scores: pd.DataFrame, column: str, label: str) -> Figure:
             panel.set(title=f"{start}: {quantity}", xscale="log", yscale="log", ylabel=f"{label} [{unit}]")
     for panel in grid[-1]:
         panel.set_xlabel("navigation length [s]")
-    handles, labels = grid[0, 0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=4)
+    _legend_below(figure, 4)
     return figure
 
 
@@ -243,4 +249,35 @@ def repeatability(means: pd.DataFrame) -> Figure:
         panel.errorbar(one["run"], value, [value - low, high - value], fmt="o", ms=3, lw=0.8, color="#0072B2")
         panel.axhline(value.mean(), color="black", lw=0.6)
         panel.set(title=AXIS_TITLES[axis], xlabel="power cycle", ylabel=f"mean [{unit}]")
+    return figure
+
+
+def clock(clocks: pd.DataFrame, spread: pd.DataFrame) -> Figure:
+    """Draw the relative sampling interval of each run by each kind of evidence, and the scatter of N it explains.
+
+    Parameters
+    ----------
+    clocks
+        One row of :meth:`imugap.clock.Clock.row` per run, with a column ``run``.
+    spread
+        Index axis; columns ``nominal``, ``corrected``: relative scatter of N over the runs.
+    """
+    figure, grid = _grid(1, 2, 2.4, width_ratios=[2, 1])
+    left, right = grid[0]
+    kinds = {"lines": "spectral lines", "rolloff": "roll-off of the gyro noise", "combined": "combined"}
+    for shift, (kind, label), colour in zip(
+        (-0.15, 0, 0.15), kinds.items(), ("#D55E00", "#0072B2", "black"), strict=True
+    ):
+        value, low, high = (clocks[c].to_numpy(float) for c in (kind, f"{kind}_low", f"{kind}_high"))
+        place = clocks["run"].to_numpy(float) + shift
+        left.errorbar(place, value, [value - low, high - value], fmt="o", ms=3, lw=1, color=colour, label=label)
+    left.axhline(1, color="black", lw=0.6)
+    left.set(xlabel="run", ylabel="sampling interval / run 1", xticks=clocks["run"].to_list())
+    left.legend()
+    place = np.arange(len(spread))
+    right.bar(place - 0.2, 100 * spread["nominal"], 0.4, color="#999999", label="nominal interval")
+    right.bar(place + 0.2, 100 * spread["corrected"], 0.4, color="#0072B2", label="measured interval")
+    right.set(xticks=place, xticklabels=[axis[-1] for axis in spread.index], ylabel="scatter of N over runs [%]")
+    right.set_xlabel("gyroscope")
+    right.legend()
     return figure

@@ -105,7 +105,7 @@ def report(table: pd.DataFrame) -> Report:
         raise ValueError(f"table: expected an inertial axis and 2 samples or more; found {len(names)}, {len(table)}")
     stamps = table.index.to_numpy(float)
     regularity = timing(stamps)
-    time = pd.Series(stamps).ffill().bfill().to_numpy()
+    time = _filled(np.where(np.isfinite(stamps), stamps, np.nan))
     reports, outliers = [], {}
     for name in names:
         values = table[name].to_numpy(float)
@@ -206,11 +206,10 @@ def repeats(values: np.ndarray) -> tuple[int, int, float, float]:
     lengths = np.diff(edges) - 1
     longest, first = int(lengths.max()), int(edges[lengths.argmax()])
     at_level = values[:-1] == values[first]
-    chances = []
-    for hits, trials in ((equal & at_level, at_level), (equal, np.ones_like(equal))):
-        chances.append((np.count_nonzero(hits) - longest + 1, np.count_nonzero(trials) - longest + 2))
-    (level_hits, level_trials), (hits, trials) = chances
-    chance = level_hits / level_trials if level_trials > 100 else hits / trials
+    hits, trials = np.count_nonzero(equal & at_level), np.count_nonzero(at_level)
+    if trials - longest < 100:
+        hits, trials = np.count_nonzero(equal), len(equal)
+    chance = (hits - longest + 1) / (trials - longest + 2)
     return longest, first, float(np.log(len(values)) / -np.log(chance)), float(len(values) * chance**longest)
 
 
@@ -232,8 +231,8 @@ def outlier_scores(values: np.ndarray, interval_s: float | None, step: float | N
     High-passed by the centred mean over :data:`HIGH_PASS_S`; NaN repeats the sample before it. The scale is the
     median absolute deviation, and not less than what rounding to the lattice ``step`` leaves.
     """
-    filled = pd.Series(values).ffill().bfill().fillna(0.0).to_numpy()
-    width = max(3, round(HIGH_PASS_S / interval_s)) if interval_s else 3
+    filled = _filled(values)
+    width = int(np.clip(HIGH_PASS_S / interval_s, 3, max(3, len(values)))) if interval_s else 3
     high = filled - uniform_filter1d(filled, width, mode="nearest")
     high -= np.median(high)
     scale = max(MAD_TO_SD * np.median(np.abs(high)), (step or 0.0) / np.sqrt(12))
@@ -276,6 +275,11 @@ def events(outliers: dict[str, np.ndarray], time: np.ndarray) -> tuple[Event, ..
         start, end = time[rows[group[[0, -1]]]]
         found.append(Event(float(start), float(end), names[largest.argmax()], float(largest.max())))
     return tuple(found)
+
+
+def _filled(values: np.ndarray) -> np.ndarray:
+    """Let every NaN repeat the number before it (after it at the start)."""
+    return pd.Series(values).ffill().bfill().fillna(0.0).to_numpy()
 
 
 def _axis(name, values, time, levels, counts, step, outliers) -> Axis:

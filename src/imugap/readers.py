@@ -110,7 +110,7 @@ def _csv_table(path: Path) -> pd.DataFrame:
         ended = handle.read() in (b"\n", b"\r")
     if not ended:
         raise _cut_off(path)
-    names = [name.strip() for name in next(csv.reader([header]), [])]
+    names = [name.strip() for name in next(csv.reader([header], skipinitialspace=True), [])]
     _require_names(names, path, "line 1")
     options = pa.csv.ConvertOptions(column_types=dict.fromkeys(names, pa.float64()))
     reading = pa.csv.ReadOptions(column_names=names, skip_rows=1)

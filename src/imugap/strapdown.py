@@ -148,29 +148,29 @@ def ellipsoid_step(position, velocity, quat_nb, rotvec, delta_v, dt, origin):
     """Return position [m], velocity [m/s] and attitude after one epoch of the :class:`Ellipsoid` mechanisation.
 
     ``rotvec`` [rad] and ``delta_v`` [m/s] come from :func:`increments`, ``origin`` from :attr:`Ellipsoid.origin`.
-    Gravity, Earth rate, transport rate and Coriolis acceleration (Groves eqs. 5.44 and 5.53) are taken at the middle of
-    the epoch, to where position and velocity are carried with the specific force of this very epoch; ``n`` turns by
-    half of its rotation vector, to first order, under the velocity increment (Savage 1998, part 2).
+    All that depends on place and velocity (gravity, the rates of Groves eqs. 2.123 and 5.44, the Coriolis acceleration
+    of eq. 5.53) is taken at the middle of the epoch, to where this very epoch's accelerations carry the velocity.
+    Under the velocity increment ``n`` turns by half of its rotation vector (Savage 1998, part 2).
     """
     latitude0, height0, metres_north0, metres_east0 = origin
-    push = rotate(quat_nb, delta_v)
     latitude = latitude0 + (position[0] + 0.5 * dt * velocity[0]) / metres_north0
     height = height0 - (position[2] + 0.5 * dt * velocity[2])
-    gravity = earth.normal_gravity(latitude, height)
-    middle = add_scaled(velocity, 0.5, (push[0], push[1], push[2] + gravity * dt))
-
     rate_ie = earth.earth_rate_n(latitude)
-    rate_en = earth.transport_rate_n(latitude, height, middle[0], middle[1])
-    rate_in = add_scaled(rate_ie, 1.0, rate_en)
-    after = add_scaled(velocity, 1.0, push)
-    after = add_scaled(after, -0.5 * dt, cross(rate_in, push))
-    after = add_scaled(after, -dt, cross(add_scaled(rate_in, 1.0, rate_ie), middle))
-    after = after[0], after[1], after[2] + gravity * dt
+    rate_in = add_scaled(rate_ie, 1.0, earth.transport_rate_n(latitude, height, velocity[0], velocity[1]))
 
+    push = rotate(quat_nb, delta_v)
+    push = add_scaled(push, -0.5 * dt, cross(rate_in, push))
+    push = push[0], push[1], push[2] + earth.normal_gravity(latitude, height) * dt
+    coriolis = cross(add_scaled(rate_in, 1.0, rate_ie), velocity)
+    middle = add_scaled(add_scaled(velocity, 0.5, push), -0.5 * dt, coriolis)
+
+    rate_in = add_scaled(rate_ie, 1.0, earth.transport_rate_n(latitude, height, middle[0], middle[1]))
+    coriolis = cross(add_scaled(rate_in, 1.0, rate_ie), middle)
+    after = add_scaled(add_scaled(velocity, 1.0, push), -dt, coriolis)
     metres_north, metres_east = earth.metres_per_radian(latitude, height)
     position = (
-        position[0] + 0.5 * dt * (velocity[0] + after[0]) * (metres_north0 / metres_north),
-        position[1] + 0.5 * dt * (velocity[1] + after[1]) * (metres_east0 / metres_east),
+        position[0] + 0.5 * dt * (velocity[0] + after[0]) * metres_north0 * (1 / metres_north),
+        position[1] + 0.5 * dt * (velocity[1] + after[1]) * metres_east0 * (1 / metres_east),
         position[2] + 0.5 * dt * (velocity[2] + after[2]),
     )
     turn_n = quat_from_rotvec((-dt * rate_in[0], -dt * rate_in[1], -dt * rate_in[2]))

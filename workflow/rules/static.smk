@@ -99,6 +99,8 @@ rule bench_score:
         "logs/bench_score.log",
     benchmark:
         "benchmarks/bench_score.tsv"
+    params:
+        rate_hz=config["bench"]["rate_hz"],
     script:
         "../scripts/bench_score.py"
 

@@ -3,6 +3,7 @@
 import json
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 
 from imugap import tables
@@ -21,11 +22,18 @@ TRUTH = {
 """Index to the effect and the parameter of the recipe that it estimates; the bias stability has no single one."""
 
 
-def score(indices, model):
+def true_value(effects, symbol, interval):
+    """Return the true value of an index; rounding to the lattice adds white noise of variance step^2/12 per sample."""
+    name, parameter = TRUTH[symbol]
+    value = effects[name][parameter]
+    return np.hypot(value, effects["resolution"]["step"] * np.sqrt(interval / 12)) if symbol == "N" else value
+
+
+def score(indices, model, interval):
     """Return the indices with their true values and whether the interval (or the bound) holds the truth."""
     effects = {axis: {name: values for item in items for name, values in item.items()} for axis, items in model.items()}
     known = indices[indices["symbol"].isin(TRUTH)].copy()
-    known["truth"] = [effects[row.axis][TRUTH[row.symbol][0]][TRUTH[row.symbol][1]] for row in known.itertuples()]
+    known["truth"] = [true_value(effects[row.axis], row.symbol, interval) for row in known.itertuples()]
     known["inside"] = (known["low"] <= known["truth"]) & (known["truth"] <= known["high"])
     return known
 
@@ -46,5 +54,5 @@ def page(data):
 if __name__ == "__main__":
     with journal(snakemake.log[0]):
         model = json.loads(Path(snakemake.input.truth).read_text())["model"]
-        data = score(pd.read_csv(snakemake.input.indices), model)
+        data = score(pd.read_csv(snakemake.input.indices), model, 1 / snakemake.params.rate_hz)
         tables.write(snakemake.output[0].removesuffix(".csv"), data, page(data))

@@ -1,11 +1,11 @@
 """Simulate a contender at rest and navigate every trial."""
 
 import numpy as np
+from tqdm import trange
 
 from imugap.drift import QUANTITIES, Course
 from imugap.journal import journal
 from imugap.model import ErrorModel
-from tqdm import trange
 
 
 def main(model_path, measured, contender, params, path):
@@ -26,4 +26,6 @@ def main(model_path, measured, contender, params, path):
 if __name__ == "__main__":
     with journal(snakemake.log[0]):
         wildcards = snakemake.wildcards
-        main(snakemake.input.model, snakemake.input.measured, wildcards.contender, snakemake.params, snakemake.output[0])
+        main(
+            snakemake.input.model, snakemake.input.measured, wildcards.contender, snakemake.params, snakemake.output[0]
+        )

@@ -1,0 +1,29 @@
+rule speed:
+    """Time the kernels against their peers, and the chain from raw logs to indices; alone on the machine."""
+    input:
+        raw=[
+            str(locate(CATALOGUE["adis16405"].file(run), RAW, MIRROR))
+            for run in RUNS["adis16405"]
+        ],
+        code=library("speed"),
+    output:
+        report(
+            "paper/tables/speed.csv",
+            caption="../report/speed.rst",
+            category="Speed",
+            labels={"table": "speed", "device": "all"},
+        ),
+        "paper/tables/speed.json",
+        "paper/tables/speed.tex",
+    log:
+        "logs/speed.log",
+    benchmark:
+        "benchmarks/speed.tsv"
+    params:
+        runs=RUNS["adis16405"],
+        samples=config["speed"]["samples"],
+        repeats=config["speed"]["repeats"],
+        period_s=config["bias_stability_period_s"],
+    threads: workflow.cores
+    script:
+        "../scripts/speed.py"

@@ -1,0 +1,73 @@
+"""Measure the sampling interval of every run relative to the first, and what it does to the indices."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from imugap import figures, log, tables
+from imugap.clock import relative_interval, spectra
+from imugap.journal import journal
+
+
+def measure(paths, runs):
+    """Return one row per run: the ratio by each kind of evidence and the verdict."""
+    reference, rows = None, {}
+    for run, path in zip(runs, paths, strict=True):
+        found = spectra(log.load(path, columns=list(log.AXES)))
+        reference = reference or found
+        if run != runs[0]:
+            rows[run] = relative_interval(reference, found).row()
+    return pd.DataFrame(rows).T.rename_axis("run").reset_index()
+
+
+def scatter(indices, clocks):
+    """Return the relative scatter of N (gyro) over the runs, as nominal and corrected: N goes as sqrt(interval)."""
+    ratio = clocks.set_index("run")["combined"].astype(float).fillna(1.0)
+    white = indices[(indices["symbol"] == "N") & indices["axis"].isin(log.GYRO)].copy()
+    white["corrected"] = white["value"] * np.sqrt(white["run"].map(ratio).fillna(1.0))
+    spread = white.groupby("axis", sort=False)[["value", "corrected"]].agg(lambda x: x.std(ddof=1) / x.mean())
+    return spread.rename(columns={"value": "nominal"})
+
+
+def page(clocks):
+    """Lay out the clock table."""
+    shown = [
+        {
+            "run": row.run,
+            "from lines": tables.interval(row.lines, row.lines_low, row.lines_high),
+            "from the noise's roll-off": tables.interval(row.rolloff, row.rolloff_low, row.rolloff_high),
+            "p (agree)": tables.number(row.agreement_p, 2),
+            "combined": tables.interval(row.combined, row.combined_low, row.combined_high),
+            "noise power": tables.number(row.power),
+            "verdict": row.verdict,
+        }
+        for row in clocks.itertuples()
+    ]
+    return pd.DataFrame(shown)
+
+
+def numbers(clocks, spread):
+    """Collect what the text quotes: the extreme ratio, its effect on densities and drift, the scatter of N."""
+    ratios = clocks.set_index("run")["combined"].astype(float).dropna()
+    extreme = ratios.iloc[(ratios - 1).abs().argmax()] if len(ratios) else np.nan
+    return {
+        "different": [int(run) for run in clocks.loc[clocks["verdict"] == "different clock", "run"]],
+        "extreme_ratio": tables.number(extreme),
+        "density_percent": tables.number(abs(np.sqrt(extreme) - 1) * 100, 2),
+        "walk_percent": tables.number(abs(1 / np.sqrt(extreme) - 1) * 100, 2),
+        "position_percent": tables.number(abs(extreme**2 - 1) * 100, 2),
+        "scatter_nominal_percent": [tables.number(100 * value, 2) for value in spread["nominal"]],
+        "scatter_corrected_percent": [tables.number(100 * value, 2) for value in spread["corrected"]],
+    }
+
+
+if __name__ == "__main__":
+    with journal(snakemake.log[0]):
+        figure, table, *_, quoted = snakemake.output
+        clocks = measure(snakemake.input.logs, snakemake.params.runs)
+        spread = scatter(pd.read_csv(snakemake.input.indices), clocks)
+        figures.save(figures.clock(clocks, spread), figure)
+        tables.write(table.removesuffix(".csv"), clocks, page(clocks))
+        Path(quoted).write_text(json.dumps(numbers(clocks, spread), indent=1) + "\n")

@@ -1,0 +1,29 @@
+"""Turn a raw log into a canonical one and report on its integrity."""
+
+import json
+from dataclasses import asdict
+from pathlib import Path
+
+from imugap import catalogue, integrity, log, readers
+from imugap.journal import journal
+
+
+def main(raw, device, run, log_path, report_path):
+    """Read by the catalogue where the device is in it, else as a canonical log; write the log and its report."""
+    dataset = catalogue.load("data", "workflow/schemas").get(device)
+    if dataset:
+        catalogue.verify(dataset.file(run), raw)
+        table = readers.read_raw(raw, dataset, run)
+        report = integrity.report(table)
+    else:
+        report = integrity.report(readers.read_table(raw))
+        table = readers.read(raw)
+    facts = report.facts() | {"axes": [asdict(axis) for axis in report.axes]}
+    Path(report_path).write_text(json.dumps(facts, indent=1) + "\n")
+    log.write(table, log_path)
+
+
+if __name__ == "__main__":
+    with journal(snakemake.log[0]):
+        wildcards, output = snakemake.wildcards, snakemake.output
+        main(snakemake.input.raw, wildcards.device, int(wildcards.run), output.log, output.integrity)

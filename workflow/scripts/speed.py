@@ -1,0 +1,77 @@
+"""Time the kernels against their peers and limits, in one run on one machine."""
+
+import resource
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
+from time import perf_counter, process_time
+
+import allantools
+import numpy as np
+import pandas as pd
+
+from imugap import allan, catalogue, log, readers, tables
+from imugap.indices import INDICES, of_run
+from imugap.journal import journal
+from imugap.strapdown import Ellipsoid, Local, State, navigate
+from imugap.stream import stream
+
+INTERVAL = 0.01
+
+
+def median_time(work, repeats):
+    """Return the median processor time of ``work`` [s] after one call that compiles."""
+    work()
+    times = []
+    for _ in range(repeats):
+        start = process_time()
+        work()
+        times.append(process_time() - start)
+    return float(np.median(times))
+
+
+def kernels(samples, repeats):
+    """Time the strapdown kernel in both forms, and the Allan deviation against allantools on the same taus."""
+    rng = stream(0, "speed")
+    gyro, accel = 0.1 * rng.standard_normal((samples, 3)), rng.standard_normal((samples, 3)) - [0, 0, 9.8]
+    device = np.concatenate([gyro, accel], axis=1)
+    forms = {"strapdown, local": Local(9.8), "strapdown, ellipsoid": Ellipsoid(0.8, 0.0, 100.0)}
+    rows = []
+    for name, form in forms.items():
+        spent = median_time(lambda form=form: navigate(gyro, accel, INTERVAL, State(), form, samples - 1), repeats)
+        rows.append([name, f"{samples} samples, one core", spent, "million samples/s", samples / spent / 1e6])
+    averaging = allan.factors(samples)
+    own = median_time(lambda: [allan.variance(axis, averaging) for axis in device.T], repeats)
+    taus = averaging * INTERVAL
+    peer = median_time(lambda: [allantools.oadev(a, 1 / INTERVAL, "freq", taus=taus) for a in device.T], repeats)
+    what = f"{samples} × 6, {len(averaging)} averaging times, one core"
+    rows.append(["Allan deviation, here", what, own, "times faster than allantools", peer / own])
+    rows.append(["Allan deviation, allantools", what, peer, "", np.nan])
+    return rows
+
+
+def indices_of(path, run, period):
+    """Go from one raw file to the indices of its run; return the peak memory of the process [MB]."""
+    table = readers.read_raw(path, catalogue.load("data", "workflow/schemas")["adis16405"], run)
+    of_run(table, pd.Series(0.0, index=list(log.AXES)), period, tuple(s for s in INDICES if s != "repeatability"))
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+
+
+def chain(paths, runs, period):
+    """Time the chain from raw .rda to indices, two processes at a time, imports included."""
+    start = perf_counter()
+    with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
+        peaks = list(pool.map(indices_of, paths, runs, [period] * len(runs)))
+    spent = perf_counter() - start
+    what = f"{len(runs)} runs, two processes"
+    return [["raw .rda to indices", what, spent, "MB at most in a process", max(peaks)]]
+
+
+if __name__ == "__main__":
+    with journal(snakemake.log[0]):
+        params = snakemake.params
+        rows = kernels(params.samples, params.repeats)
+        if snakemake.input.raw:
+            rows += chain(snakemake.input.raw, params.runs, params.period_s)
+        data = pd.DataFrame(rows, columns=["what", "task", "seconds", "measure", "value"])
+        shown = data.assign(**{name: data[name].map(tables.number) for name in ("seconds", "value")})
+        tables.write(snakemake.output[0].removesuffix(".csv"), data, shown)

@@ -1,0 +1,38 @@
+"""Write what the text says of the study itself."""
+
+import json
+import platform
+from importlib.metadata import version
+from pathlib import Path
+
+import pandas as pd
+
+from imugap import catalogue, tables
+from imugap.contenders import CONTENDERS, TITLES
+from imugap.journal import journal
+
+PACKAGES = ("imugap", "numpy", "scipy", "pandas", "numba", "matplotlib", "allantools", "snakemake")
+
+
+def omission(dataset):
+    """Tell of a data set that is left out what a reader needs to get it."""
+    return {"name": dataset.name, "title": dataset.title, "source": dataset.source, "files": len(dataset.files)}
+
+
+if __name__ == "__main__":
+    with journal(snakemake.log[0]):
+        params, sets = snakemake.params, catalogue.load("data", "workflow/schemas")
+        study = {
+            "devices": list(params.runs),
+            "runs": {device: len(runs) for device, runs in params.runs.items()},
+            "power_cycles": len(params.power_cycles),
+            "omitted": [omission(sets[name]) for name in params.omitted],
+            "contenders": [TITLES[name] for name in CONTENDERS],
+            "config": params.config,
+            "versions": {name: version(name) for name in PACKAGES} | {"Python": platform.python_version()},
+        }
+        Path(snakemake.output[0]).write_text(json.dumps(study, indent=1) + "\n")
+        data = pd.DataFrame([vars(one) | {"files": len(one.files), "runs": len(one.runs)} for one in sets.values()])
+        shown = data[["name", "title", "rate_hz", "runs", "gyro_unit", "accel_unit", "frame", "licence"]].fillna("—")
+        shown["here"] = ["left out" if name in params.omitted else "yes" for name in shown["name"]]
+        tables.write(snakemake.output[1].removesuffix(".csv"), data, shown.rename(columns={"rate_hz": "rate [Hz]"}))
