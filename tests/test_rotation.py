@@ -73,6 +73,8 @@ def test_matrix_is_that_of_scipy(q):
 def test_euler_angles_are_those_of_scipy(q):
     euler = rotation.euler_from_quat(q)
     assert abs(euler[1]) <= np.pi / 2
+    assert -np.pi < euler[0] <= np.pi
+    assert -np.pi < euler[2] <= np.pi
     assert angle_between(quat_by_hand(euler), q) < 1e-14
 
 

@@ -15,6 +15,7 @@ filter was set differently: sampling keeps the variance of the noise (``power`` 
 the bandwidth, behind the same sensor, passes ``r`` times the variance.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import ceil, exp, floor, isnan, nan, sqrt
@@ -40,7 +41,7 @@ TOLERANCE = 0.004  # of log frequency, within which two pairs of lines have the 
 EDGES = np.linspace(0.03, 0.5, 61)  # bins of the smooth spectrum [cycles/sample], above flicker noise and most lines
 TRIM = 0.95  # share of the ordinates of a bin that is averaged: the highest may be lines
 MISFIT = 2.0  # reduced chi-squared up to which one filter is said to shape both spectra
-ALIASES = np.arange(-20, 21)[:, None]
+ALIASES = np.arange(-10, 11)[:, None]
 
 
 @dataclass(frozen=True)
@@ -241,16 +242,16 @@ def _match(reference: Spectra, run: Spectra) -> Evidence:
 def _stretch(reference: np.ndarray, run: np.ndarray) -> tuple[Evidence, float]:
     """Fit one filter to the log spectra of one axis, each (blocks, bins); also the log ratio of their noise powers.
 
-    The two families of :func:`_folded` are fitted and averaged by likelihood, so that the ratio is no surer than the
-    shape. No evidence if either spectrum is flat or no filter fits both (a resonance, a vibration).
+    Families of filters are fitted and averaged by likelihood: the ratio is no surer than the shape, of which samples
+    tell little. No evidence if either spectrum is flat or no filter fits both (a resonance, a vibration).
     """
     spectra = np.stack([reference, run])
     means, sd = spectra.mean(axis=1), np.sqrt(spectra.var(axis=1, ddof=1).mean(axis=1, keepdims=True) / BLOCKS)
     flat = (((means - means.mean(axis=1, keepdims=True)) / sd) ** 2).sum(axis=1).min()
     power = float(np.diff(np.log(np.exp(means) @ np.diff([0.0, *EDGES[1:]])))[0])  # flat below the lowest bin
-    cost, ratio, sds, courses = (
-        np.array(x) for x in zip(*(_fit(spectra, means, sd, edge) for edge in (1, 2)), strict=True)
-    )
+    starts = (_poles, 0.5), (_butterworth, 0.5), (_averages, 0.0), (_averages, 0.7)  # one average, or two in a row
+    fits = [_fit(spectra, means, sd, *start) for start in starts]
+    cost, ratio, sds, courses = (np.array(each) for each in zip(*fits, strict=True))
     weights = np.exp((cost.min() - cost) / 2)
     mean = np.average(ratio, weights=weights)
     deviation = sqrt(np.average(sds**2 + (ratio - mean) ** 2, weights=weights))
@@ -258,8 +259,8 @@ def _stretch(reference: np.ndarray, run: np.ndarray) -> tuple[Evidence, float]:
     return Evidence() if none else Evidence(float(mean), deviation, np.average(courses, axis=0, weights=weights)), power
 
 
-def _fit(spectra: np.ndarray, means: np.ndarray, sd: np.ndarray, edge: int) -> tuple[float, float, float, np.ndarray]:
-    """Fit two levels, log width, shape and log ratio to ``means``, those of ``spectra`` (runs, blocks, bins).
+def _fit(spectra: np.ndarray, means: np.ndarray, sd: np.ndarray, family: Callable, shape: float) -> tuple:
+    """Fit two levels, log width, shape and log ratio to ``means``, those of ``spectra`` (2, blocks, bins).
 
     Returned are chi-squared, the log ratio, its standard deviation and its course. The ratio is linear in small
     changes of the spectra: applied to the blocks, that gives its course, and their scatter its deviation.
@@ -267,11 +268,11 @@ def _fit(spectra: np.ndarray, means: np.ndarray, sd: np.ndarray, edge: int) -> t
 
     def residual(parameters: np.ndarray) -> np.ndarray:
         *levels, width, shape, ratio = parameters
-        model = [level + _folded(exp(width + k * ratio), shape, edge) for k, level in enumerate(levels)]
+        model = [level + _folded(family, exp(width + k * ratio), shape) for k, level in enumerate(levels)]
         return ((model - means) / sd).ravel()
 
-    bounds = ([-np.inf, -np.inf, -4.0, -1.0, -2 * REACH], [np.inf, np.inf, 0.7, 2.0, 2 * REACH])
-    fit = optimize.least_squares(residual, [*means[:, 0], -1.0, 0.1, 0.0], bounds=bounds, x_scale=0.1)
+    bounds = ([-np.inf, -np.inf, -4.0, -1.0, -2 * REACH], [np.inf, np.inf, 1.0, 2.0, 2 * REACH])
+    fit = optimize.least_squares(residual, [*means[:, 0], -0.3, shape, 0.0], bounds=bounds, x_scale=0.1)
     changes = (spectra - means[:, None]) / sd[:, None]
     shifts = np.einsum("rbf,rf->rb", changes, np.linalg.pinv(fit.jac)[-1].reshape(means.shape))
     deviation = sqrt(shifts.var(axis=1, ddof=1).sum() / BLOCKS * max(1.0, 2 * fit.cost / means.size))
@@ -279,12 +280,23 @@ def _fit(spectra: np.ndarray, means: np.ndarray, sd: np.ndarray, edge: int) -> t
     return 2 * fit.cost, float(fit.x[-1]), deviation, changes[1] @ np.linalg.pinv(given)[-1]
 
 
-def _folded(width: float, shape: float, edge: int) -> np.ndarray:
-    """Return the log of the sampled spectrum ``sum_k H((nu + k) / width)`` of a filter, (bins,).
+def _folded(family: Callable, width: float, shape: float) -> np.ndarray:
+    """Return the log of the sampled spectrum ``sum_k H((nu + k) / width)`` of a filter, (bins,)."""
+    distance = np.abs((EDGES[1:] + EDGES[:-1]) / 2 + ALIASES) / width
+    return special.logsumexp(family(distance, shape), axis=0)
 
-    ``H(x) = (1 + shape x^(2 edge))^(-1/shape)``. With edge 1: a single pole for shape 1, a Gauss curve for 0 (its
-    limit, which averaging filters come near to), a sharp edge below 0; with edge 2: a Butterworth filter for shape 1.
-    """
+
+def _poles(x: np.ndarray, shape: float, power: int = 2) -> np.ndarray:
+    """Log of ``(1 + shape x^power)^(-1/shape)``: one pole for shape 1, a Gauss curve for 0, a sharp edge below."""
     shape = shape if abs(shape) > 1e-4 else 1e-4
-    distance = (((EDGES[1:] + EDGES[:-1]) / 2 + ALIASES) / width) ** (2 * edge)
-    return special.logsumexp(-np.log1p(np.maximum(shape * distance, 1e-12 - 1)) / shape, axis=0)
+    return -np.log1p(np.maximum(shape * x**power, 1e-12 - 1)) / shape
+
+
+def _butterworth(x: np.ndarray, shape: float) -> np.ndarray:
+    """Log of ``(1 + shape x^4)^(-1/shape)``: a Butterworth filter of second order for shape 1."""
+    return _poles(x, shape, power=4)
+
+
+def _averages(x: np.ndarray, shape: float) -> np.ndarray:
+    """Log of ``|sinc x|^(2 exp(shape))``: moving averages, ``exp(shape)`` of them in a row."""
+    return 2 * exp(shape) * np.log(np.maximum(np.abs(np.sinc(x)), 1e-9))

@@ -288,7 +288,7 @@ def _axis(name, values, time, levels, counts, step, outliers) -> Axis:
         "axis": name,
         "nan": int(np.count_nonzero(~finite)),
         "lattice": step,
-        "outliers": np.count_nonzero(outliers),
+        "outliers": int(np.count_nonzero(outliers)),
     }
     if not len(levels):
         return Axis(**known)
@@ -298,10 +298,10 @@ def _axis(name, values, time, levels, counts, step, outliers) -> Axis:
         longest_repeat=longest,
         expected_repeat=expected,
         repeat_s=float(time[finite][first]) if longest else None,
-        stuck=chance < IMPROBABLE,
+        stuck=bool(chance < IMPROBABLE),
         minimum=float(levels[0]),
         minimum_count=int(counts[0]),
         maximum=float(levels[-1]),
         maximum_count=int(counts[-1]),
-        saturated=clipped(counts),
+        saturated=bool(clipped(counts)),
     )

@@ -20,7 +20,9 @@ RUNS = {
 }
 DEVICES = [device for device, runs in RUNS.items() if runs]
 POWER_CYCLES = config["power_cycles"] if "memsense_turnon" in PRESENT else []
-SITES = config["sites"] | {"bench": yaml.safe_load(Path("data/bench.yaml").read_text())["site"]}
+SITES = config["sites"] | {
+    "bench": yaml.safe_load(Path("data/bench.yaml").read_text())["site"]
+}
 OMITTED = [name for name in CATALOGUE if name not in PRESENT]
 
 
@@ -32,12 +34,16 @@ wildcard_constraints:
 
 def library(script):
     """Name the modules of the library that a script of the workflow runs, so that their change reruns its rule."""
-    return [str(path) for path in modules_of(f"workflow/scripts/{script}.py", "src/imugap")]
+    return [
+        str(path) for path in modules_of(f"workflow/scripts/{script}.py", "src/imugap")
+    ]
 
 
 def of_runs(name):
     """Name the file ``name`` of every run of the device."""
-    return lambda wildcards: expand(f"results/{wildcards.device}/{{run}}/{name}", run=RUNS[wildcards.device])
+    return lambda wildcards: expand(
+        f"results/{wildcards.device}/{{run}}/{name}", run=RUNS[wildcards.device]
+    )
 
 
 def raw_log(wildcards):

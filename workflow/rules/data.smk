@@ -1,10 +1,10 @@
 rule fetch:
+    log:
+        "logs/fetch.log",
     """Get the raw logs of the catalogue into data/raw, from the mirror if one is named, else by download."""
     params:
         mirror=MIRROR,
         folder=RAW,
-    log:
-        "logs/fetch.log",
     script:
         "../scripts/fetch.py"
 

@@ -1,4 +1,7 @@
-COURSE = {key: config["navigation"][key] for key in ("mechanisation", "calibration_s", "horizons_s", "epoch_s")}
+COURSE = {
+    key: config["navigation"][key]
+    for key in ("mechanisation", "calibration_s", "horizons_s", "epoch_s")
+}
 
 
 rule measured_drift:
@@ -44,7 +47,9 @@ rule drift_scores:
     """Score the simulated drifts of every contender against the measured ones at every navigation length."""
     input:
         measured="results/{device}/drift/measured.npz",
-        simulated=expand("results/{{device}}/drift/{contender}.npz", contender=CONTENDERS),
+        simulated=expand(
+            "results/{{device}}/drift/{contender}.npz", contender=CONTENDERS
+        ),
         code=library("drift_scores"),
     output:
         errors="results/{device}/drift_errors.parquet",
@@ -64,7 +69,9 @@ rule drift_figures:
     """Draw the measured drift (figure 2 of the source) and its distance from the simulated drifts (figure 3)."""
     input:
         measured="results/{device}/drift/measured.npz",
-        simulated=expand("results/{{device}}/drift/{contender}.npz", contender=CONTENDERS),
+        simulated=expand(
+            "results/{{device}}/drift/{contender}.npz", contender=CONTENDERS
+        ),
         code=library("drift_figures"),
     output:
         drift=report(
@@ -83,7 +90,10 @@ rule drift_figures:
             "paper/figures/differences_calibrated_{device}.svg",
             caption="../report/differences.rst",
             category="Navigation",
-            labels={"figure": "measured - simulated, calibrated", "device": "{device}"},
+            labels={
+                "figure": "measured - simulated, calibrated",
+                "device": "{device}",
+            },
         ),
     log:
         "logs/drift_figures/{device}.log",

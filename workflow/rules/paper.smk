@@ -15,6 +15,18 @@ TABLES = [
     "distribution",
     "ranking",
 ]
+CHAPTERS = expand(
+    "paper/chapters/{name}.typ",
+    name=[
+        "question",
+        "data",
+        "indices",
+        "models",
+        "navigation",
+        "claims",
+        "reproduce",
+    ],
+)
 CLOCKED = [device for device in DEVICES if len(RUNS[device]) > 1]
 
 
@@ -54,11 +66,8 @@ rule paper:
         "paper/tables/speed.json",
         "paper/numbers/study.json",
         main="paper/main.typ",
-        source=glob_wildcards("paper/chapters/{chapter}.typ").chapter
-        and expand(
-            "paper/chapters/{chapter}.typ",
-            chapter=sorted(glob_wildcards("paper/chapters/{chapter}.typ").chapter),
-        ),
+        chapters=CHAPTERS,
+        style="paper/style.typ",
         bibliography="paper/references.bib",
     output:
         report("paper/paper.pdf", caption="../report/paper.rst", category="Paper"),

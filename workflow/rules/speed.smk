@@ -19,11 +19,11 @@ rule speed:
         "logs/speed.log",
     benchmark:
         "benchmarks/speed.tsv"
+    threads: workflow.cores
     params:
         runs=RUNS["adis16405"],
         samples=config["speed"]["samples"],
         repeats=config["speed"]["repeats"],
         period_s=config["bias_stability_period_s"],
-    threads: workflow.cores
     script:
         "../scripts/speed.py"
