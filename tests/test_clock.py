@@ -81,17 +81,17 @@ def test_both_kinds_of_evidence_recover_the_ratio(ratio, covariance):
     assert found.rolloff.log_ratio == pytest.approx(np.log(ratio), abs=4 * found.rolloff.sd)
     assert found.rolloff.sd < 0.02
     assert found.power == pytest.approx(1, abs=0.03)
-    assert found.agreement > clock.LEVEL
-    assert found.verdict == "different clock"
 
 
 def test_errors_are_as_large_as_they_are_said_to_be():
-    found = [compare(seed, ratio=0.93) for seed in range(16)]
+    found = [compare(seed, ratio=0.93) for seed in range(12)]
     for kind in ("lines", "rolloff"):
         scores = np.array([(getattr(c, kind).log_ratio - np.log(0.93)) / getattr(c, kind).sd for c in found])
         assert 0.6 < np.sqrt(np.mean(scores**2)) < 1.5, kind
         intervals = np.array([getattr(c, kind).interval for c in found])
-        assert ((intervals[:, 1] < 0.93) & (intervals[:, 2] > 0.93)).sum() >= 13, kind
+        assert ((intervals[:, 1] < 0.93) & (intervals[:, 2] > 0.93)).sum() >= 10, kind
+    assert sum(c.verdict == "different clock" for c in found) >= 10
+    assert 0.2 < np.mean([c.agreement for c in found]) < 0.8
 
 
 def test_one_clock_is_called_the_same():
@@ -137,13 +137,12 @@ def test_power_tells_a_retuned_filter_from_a_clock():
     assert found.verdict == "conflict"
 
 
-def test_drift_within_a_run_is_seen_by_both_kinds():
-    still, moving = compare(7), compare(7, drift=0.03)
-    for kind in ("lines", "rolloff"):
-        change, p_value = getattr(moving, kind).drift
-        assert change == pytest.approx(0.03, rel=0.7)
-        assert p_value < 0.01
-        assert getattr(still, kind).drift[1] > 0.01
+@pytest.mark.parametrize(("kind", "drift"), [("lines", 0.01), ("rolloff", 0.12)])
+def test_drift_within_a_run_is_seen(kind, drift):
+    change, p_value = getattr(compare(7, drift=drift), kind).drift
+    assert change == pytest.approx(drift, rel=0.4)
+    assert p_value < 0.01
+    assert getattr(compare(7), kind).drift[1] > 0.01
 
 
 def test_order_of_the_runs_inverts_the_ratio():

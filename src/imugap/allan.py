@@ -45,12 +45,12 @@ def variance(sequence: np.ndarray, averaging: np.ndarray) -> np.ndarray:
 
 @njit(cache=True, fastmath=True)
 def _second_differences(angle, n):
+    late, middle, early = angle[2 * n :], angle[n:-n], angle[: -2 * n]  # slices let the compiler use vector registers
     total = 0.0
-    terms = len(angle) - 2 * n
-    for k in range(terms):
-        difference = angle[k + 2 * n] - 2 * angle[k + n] + angle[k]
+    for k in range(len(early)):
+        difference = late[k] - 2 * middle[k] + early[k]
         total += difference * difference
-    return total / (2.0 * n * n * terms)
+    return total / (2.0 * n * n * len(early))
 
 
 def curve(sequence: np.ndarray, interval: float, level: float = 0.95) -> pd.DataFrame:

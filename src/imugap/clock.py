@@ -10,6 +10,10 @@ roll-off
     The smooth spectrum of the gyro noise, shaped inside the device before it is sampled. It does not know of the
     surroundings. A filter that is clocked with the sampling does not move, and says ``r = 1`` whatever the clock.
 
+The roll-off that a run shows is folded: the power beyond half its sampling rate is in it, and a stretch of the curve as
+it stands would be wrong. So a filter is fitted to both runs, with all its aliases. The shape of that filter is the
+main uncertainty, since the samples tell little of it.
+
 Only their agreement supports the reading that the clock differs. ``power`` tells that reading from a device whose
 filter was set differently: sampling keeps the variance of the noise (``power`` = 1), whereas a filter of ``r`` times
 the bandwidth, behind the same sensor, passes ``r`` times the variance.
@@ -165,10 +169,10 @@ def spectra(log: pd.DataFrame) -> Spectra:
 
 def relative_interval(reference: Spectra, run: Spectra) -> Clock:
     """Estimate the sampling interval of ``run`` in units of that of ``reference`` (runs at rest of one device)."""
-    stretches = [_stretch(reference.smooth[name], run.smooth[name]) for name in run.smooth if name in reference.smooth]
-    found = [stretch for stretch in stretches if stretch[0]]
-    power = exp(np.mean([power for _, power in found])) if found else nan
-    return Clock(_match(reference, run), _mean([evidence for evidence, _ in found]), power)
+    pairs = [
+        np.stack([reference.smooth[name], smooth]) for name, smooth in run.smooth.items() if name in reference.smooth
+    ]
+    return Clock(_match(reference, run), *_rolloff(pairs))
 
 
 def _mean(found: list[Evidence]) -> Evidence:
@@ -218,7 +222,8 @@ def _match(reference: Spectra, run: Spectra) -> Evidence:
     """Find the ratio that most lines of two runs have in common, and estimate it.
 
     Under the null the lines of the run lie anywhere on the log axis: each meets one of the reference with probability
-    ``share``, and the number of hits is binomial at each of the ratios tried. So one line alone proves nothing.
+    ``share``, and the number of hits is binomial at each of the ratios tried. So one line alone proves nothing; but
+    the harmonics of any two machines do match, at the ratio of their speeds.
 
     The source of a line wanders, slowly: the mean of a run is taken to be as uncertain as one of its blocks.
     """
@@ -239,45 +244,64 @@ def _match(reference: Spectra, run: Spectra) -> Evidence:
     return Evidence(float(after.mean() - before.mean()), sd, after - after.mean())
 
 
-def _stretch(reference: np.ndarray, run: np.ndarray) -> tuple[Evidence, float]:
-    """Fit one filter to the log spectra of one axis, each (blocks, bins); also the log ratio of their noise powers.
+def _rolloff(pairs: list[np.ndarray]) -> tuple[Evidence, float]:
+    """Estimate the ratio from the log spectra of each axis, (2, blocks, bins); also the ratio of the noise powers.
 
-    Families of filters are fitted and averaged by likelihood: the ratio is no surer than the shape, of which samples
-    tell little. No evidence if either spectrum is flat or no filter fits both (a resonance, a vibration).
+    Families of filters are averaged by likelihood: the ratio is no surer than the shape, which is common to the axes.
+    An axis does not count if a spectrum of it is flat or no filter fits both of them (a resonance, a vibration).
     """
-    spectra = np.stack([reference, run])
-    means, sd = spectra.mean(axis=1), np.sqrt(spectra.var(axis=1, ddof=1).mean(axis=1, keepdims=True) / BLOCKS)
-    flat = (((means - means.mean(axis=1, keepdims=True)) / sd) ** 2).sum(axis=1).min()
-    power = float(np.diff(np.log(np.exp(means) @ np.diff([0.0, *EDGES[1:]])))[0])  # flat below the lowest bin
-    starts = (_poles, 0.5), (_butterworth, 0.5), (_averages, 0.0), (_averages, 0.7)  # one average, or two in a row
-    fits = [_fit(spectra, means, sd, *start) for start in starts]
-    cost, ratio, sds, courses = (np.array(each) for each in zip(*fits, strict=True))
-    weights = np.exp((cost.min() - cost) / 2)
-    mean = np.average(ratio, weights=weights)
-    deviation = sqrt(np.average(sds**2 + (ratio - mean) ** 2, weights=weights))
-    none = stats.chi2.sf(flat, means.shape[1] - 1) > LEVEL or cost.min() > MISFIT * means.size or deviation > REACH / 10
-    return Evidence() if none else Evidence(float(mean), deviation, np.average(courses, axis=0, weights=weights)), power
+    pairs = [pair for pair in pairs if not _flat(pair)]
+    fits = [[_fit(pair, *start) for pair in pairs] for start in STARTS]
+    misfit = np.array([[chi2 for chi2, _ in family] for family in fits])
+    used = [axis for axis, pair in enumerate(pairs) if misfit[:, axis].min() < MISFIT * pair[:, 0].size]
+    if not used:
+        return Evidence(), nan
+    families = [_mean([family[axis][1] for axis in used]) for family in fits]
+    weights = np.exp((misfit[:, used].sum(axis=1).min() - misfit[:, used].sum(axis=1)) / 2)
+    ratios, sds = np.array([family.log_ratio for family in families]), np.array([family.sd for family in families])
+    mean = np.average(ratios, weights=weights)
+    deviation = sqrt(np.average(sds**2 + (ratios - mean) ** 2, weights=weights))
+    course = np.average([family.track for family in families], axis=0, weights=weights)
+    share = np.diff([0.0, *EDGES[1:]])  # flat below the lowest bin
+    power = exp(np.mean([np.diff(np.log(np.exp(pairs[axis].mean(axis=1)) @ share)) for axis in used]))
+    return (Evidence(float(mean), deviation, course), power) if deviation < REACH / 10 else (Evidence(), nan)
 
 
-def _fit(spectra: np.ndarray, means: np.ndarray, sd: np.ndarray, family: Callable, shape: float) -> tuple:
-    """Fit two levels, log width, shape and log ratio to ``means``, those of ``spectra`` (2, blocks, bins).
+def _errors(pair: np.ndarray) -> np.ndarray:
+    """Return the standard deviation of the mean over blocks, pooled over the bins, (2, 1)."""
+    return np.sqrt(pair.var(axis=1, ddof=1).mean(axis=1, keepdims=True) / BLOCKS)
 
-    Returned are chi-squared, the log ratio, its standard deviation and its course. The ratio is linear in small
-    changes of the spectra: applied to the blocks, that gives its course, and their scatter its deviation.
+
+def _flat(pair: np.ndarray) -> bool:
+    """Tell whether one of two spectra, (2, blocks, bins), has no shape at all."""
+    means = pair.mean(axis=1)
+    chi2 = (((means - means.mean(axis=1, keepdims=True)) / _errors(pair)) ** 2).sum(axis=1)
+    return bool(stats.chi2.sf(chi2.min(), means.shape[1] - 1) > LEVEL)
+
+
+def _fit(pair: np.ndarray, family: Callable, shape: float) -> tuple[float, Evidence]:
+    """Fit log width, shape and log ratio to the means over blocks, the levels set aside; also return chi-squared.
+
+    The ratio is linear in small changes of the spectra: applied to the blocks, that gives its course within the run,
+    and their scatter its deviation.
     """
+    means, sd = pair.mean(axis=1), _errors(pair)
 
     def residual(parameters: np.ndarray) -> np.ndarray:
-        *levels, width, shape, ratio = parameters
-        model = [level + _folded(family, exp(width + k * ratio), shape) for k, level in enumerate(levels)]
-        return ((model - means) / sd).ravel()
+        width, shape, ratio = parameters
+        gap = np.stack([_folded(family, exp(width), shape), _folded(family, exp(width + ratio), shape)]) - means
+        return ((gap - gap.mean(axis=1, keepdims=True)) / sd).ravel()
 
-    bounds = ([-np.inf, -np.inf, -4.0, -1.0, -2 * REACH], [np.inf, np.inf, 1.0, 2.0, 2 * REACH])
-    fit = optimize.least_squares(residual, [*means[:, 0], -0.3, shape, 0.0], bounds=bounds, x_scale=0.1)
-    changes = (spectra - means[:, None]) / sd[:, None]
+    starts = [(width, shape, 0.0) for width in np.arange(-3.0, 1.0, 0.25)]
+    start = min(starts, key=lambda parameters: (residual(parameters) ** 2).sum())
+    fit = optimize.least_squares(
+        residual, start, bounds=([-4.0, -1.0, -2 * REACH], [1.0, 2.0, 2 * REACH]), x_scale="jac"
+    )
+    changes = (pair - means[:, None]) / sd[:, None]
     shifts = np.einsum("rbf,rf->rb", changes, np.linalg.pinv(fit.jac)[-1].reshape(means.shape))
     deviation = sqrt(shifts.var(axis=1, ddof=1).sum() / BLOCKS * max(1.0, 2 * fit.cost / means.size))
-    given = fit.jac.reshape(*means.shape, -1)[1][:, [1, -1]]  # of the run alone, once width and shape are known
-    return 2 * fit.cost, float(fit.x[-1]), deviation, changes[1] @ np.linalg.pinv(given)[-1]
+    slope = fit.jac[means.shape[1] :, -1]  # of the run alone, once width and shape are known
+    return 2 * fit.cost, Evidence(float(fit.x[-1]), deviation, changes[1] @ slope / (slope @ slope))
 
 
 def _folded(family: Callable, width: float, shape: float) -> np.ndarray:
@@ -300,3 +324,6 @@ def _butterworth(x: np.ndarray, shape: float) -> np.ndarray:
 def _averages(x: np.ndarray, shape: float) -> np.ndarray:
     """Log of ``|sinc x|^(2 exp(shape))``: moving averages, ``exp(shape)`` of them in a row."""
     return 2 * exp(shape) * np.log(np.maximum(np.abs(np.sinc(x)), 1e-9))
+
+
+STARTS = ((_poles, 0.5), (_butterworth, 1.0), (_averages, 0.0), (_averages, 0.7))  # one average, and two in a row

@@ -1,6 +1,7 @@
 """Which modules of this package a script runs: what a workflow has to watch besides the script itself."""
 
 import ast
+from hashlib import sha256
 from pathlib import Path
 
 PACKAGE = Path(__file__).parent
@@ -16,6 +17,16 @@ def modules_of(script: str | Path, package: str | Path = PACKAGE) -> list[Path]:
         found |= new
         pending += new
     return sorted(found)
+
+
+def digest(package: str | Path = PACKAGE) -> str:
+    """Return a short digest of all modules of ``package``.
+
+    A compiled kernel that is inlined into another module's kernel is cached with that module's file, and an edit of its
+    own file would go unnoticed: caches are kept apart by this digest.
+    """
+    sources = sorted(Path(package).rglob("*.py"))
+    return sha256(b"".join(source.read_bytes() for source in sources)).hexdigest()[:16]
 
 
 def _imported(source: Path, package: Path) -> set[Path]:

@@ -193,8 +193,11 @@ def differences(time: np.ndarray, gaps: Mapping[str, np.ndarray], drawn: int) ->
     """
     rows = {"east [m]": np.asarray, "north [m]": np.asarray, "heading [°]": np.rad2deg}
     figure, grid = _grid(3, len(gaps), 4.6, sharex=True, sharey="row")
-    for panel, label in zip(grid[:, 0], rows, strict=True):
-        panel.set_ylabel(f"d {label}")
+    for k, (row, (label, convert)) in enumerate(zip(grid, rows.items(), strict=True)):
+        row[0].set_ylabel(f"d {label}")
+        linear = max(float(convert(np.median([np.abs(gap[:, -1, k]).max() for gap in gaps.values()]))), 1e-12) / 10
+        for panel in row:
+            panel.set_yscale("symlog", linthresh=linear)
     for column, (name, gap) in zip(grid.T, gaps.items(), strict=True):
         for k, (panel, convert) in enumerate(zip(column, rows.values(), strict=True)):
             shown = convert(gap[:, :, k])
@@ -208,24 +211,29 @@ def differences(time: np.ndarray, gaps: Mapping[str, np.ndarray], drawn: int) ->
 
 
 def ranking(scores: pd.DataFrame, column: str, label: str) -> Figure:
-    """Draw a score of every contender over the navigation length, per start (rows) and quantity (columns).
+    """Draw a score of every contender over that of the bare bias, against the navigation length.
+
+    Rows are starts, columns quantities; below 1 the model is better than no noise model at all.
 
     Parameters
     ----------
     scores
-        Columns ``start``, ``contender``, ``quantity``, ``horizon`` [s] and ``column``, SI.
+        Columns ``start``, ``contender``, ``quantity``, ``horizon`` [s] and ``column``.
+    column, label
+        The score and its name.
     """
     starts, quantities = scores["start"].unique(), scores["quantity"].unique()
     figure, grid = _grid(len(starts), len(quantities), 2.3 * len(starts), sharex=True)
     for row, start in zip(grid, starts, strict=True):
         for panel, quantity in zip(row, quantities, strict=True):
             one = scores[(scores["start"] == start) & (scores["quantity"] == quantity)]
-            unit, shown = ("°", np.rad2deg) if quantity == "heading" else ("m", np.asarray)
-            for name, line in one.groupby("contender", sort=False):
-                panel.plot(
-                    line["horizon"], shown(line[column]), color=COLOURS[name], marker=".", ms=3, label=TITLES[name]
-                )
-            panel.set(title=f"{start}: {quantity}", xscale="log", yscale="log", ylabel=f"{label} [{unit}]")
+            lines = one.pivot(index="horizon", columns="contender", values=column)
+            for name in one["contender"].unique():
+                ratio = lines[name] / lines["bias_only"]
+                panel.plot(lines.index, ratio, color=COLOURS[name], marker=".", ms=3, label=TITLES[name])
+            panel.set(title=f"{start}: {quantity}", xscale="log", yscale="log")
+    for panel in grid[:, 0]:
+        panel.set_ylabel(f"{label} / that of bias only")
     for panel in grid[-1]:
         panel.set_xlabel("navigation length [s]")
     _legend_below(figure, 4)

@@ -5,7 +5,7 @@ import yaml
 from imugap.catalogue import available, load, locate
 from imugap.configuration import configure
 from imugap.contenders import CONTENDERS
-from imugap.dependencies import modules_of
+from imugap.dependencies import digest, modules_of
 
 config.update(configure(config, "workflow/schemas/study.schema.yaml"))
 
@@ -30,6 +30,9 @@ wildcard_constraints:
     device="bench|adis16405|own|memsense_turnon",
     run=r"\d+",
     contender="|".join(CONTENDERS),
+
+
+os.environ.setdefault("NUMBA_CACHE_DIR", f".snakemake/numba/{digest('src/imugap')}")
 
 
 def library(script):

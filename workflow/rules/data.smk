@@ -1,7 +1,7 @@
 rule fetch:
+    """Get the raw logs of the catalogue: from the mirror if one is named, else by download."""
     log:
         "logs/fetch.log",
-    """Get the raw logs of the catalogue into data/raw, from the mirror if one is named, else by download."""
     params:
         mirror=MIRROR,
         folder=RAW,

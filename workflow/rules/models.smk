@@ -60,6 +60,7 @@ rule models_figure:
         ),
         "paper/tables/models_{device}.json",
         "paper/tables/models_{device}.tex",
+        "paper/numbers/models_{device}.json",
     log:
         "logs/models_figure/{device}.log",
     benchmark:

@@ -112,6 +112,7 @@ rule drift_tables:
     input:
         errors="results/{device}/drift_errors.parquet",
         scores="results/{device}/drift_scores.csv",
+        static="data/published/he2023_table2_static_navigation.csv",
         code=library("drift_tables"),
     output:
         multiext("paper/tables/five_trials_{device}", ".json", ".tex"),

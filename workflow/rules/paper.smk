@@ -57,6 +57,7 @@ rule paper:
         expand("paper/figures/{name}_{device}.svg", name=FIGURES, device=DEVICES),
         expand("paper/tables/{name}_{device}.json", name=TABLES, device=DEVICES),
         expand("paper/numbers/navigation_{device}.json", device=DEVICES),
+        expand("paper/numbers/models_{device}.json", device=DEVICES),
         expand("paper/numbers/clock_{device}.json", device=CLOCKED),
         ["paper/tables/bench_score.json"] if "bench" in DEVICES else [],
         ["paper/tables/turn_on.json"] if POWER_CYCLES else [],

@@ -53,6 +53,7 @@ def numbers(clocks, spread):
     ratios = clocks.set_index("run")["combined"].astype(float).dropna()
     extreme = ratios.iloc[(ratios - 1).abs().argmax()] if len(ratios) else np.nan
     return {
+        "evidence": bool((clocks["verdict"] != "no evidence").any()),
         "different": [int(run) for run in clocks.loc[clocks["verdict"] == "different clock", "run"]],
         "extreme_ratio": tables.number(extreme),
         "density_percent": tables.number(abs(np.sqrt(extreme) - 1) * 100, 2),

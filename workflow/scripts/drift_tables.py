@@ -25,11 +25,21 @@ def five_trials(errors, count):
     return pd.concat(means, keys=parts, names=["runs"]).reset_index()
 
 
+def printed(static):
+    """Return the printed table 2 in the columns of :func:`five_trials`, SI."""
+    values = static.set_index("quantity")[list(SOURCE)]
+    absolute, relative = values.filter(like="_abs_", axis=0), values.filter(like="_rel_", axis=0)
+    scale = np.array([1 / UNITS[quantity][1] for quantity in QUANTITIES])[:, None]
+    index = pd.MultiIndex.from_product([["He et al."], QUANTITIES, SOURCE], names=["runs", "quantity", "contender"])
+    columns = {"e_abs": (absolute * scale).to_numpy().ravel(), "e_rel": relative.to_numpy().ravel() / 100}
+    return pd.DataFrame(columns, index=index).reset_index()
+
+
 def five_trials_page(data):
     """Lay out as the source's table 2: a row per model, absolute and relative error per quantity."""
     rows = []
     for (runs, contender), group in data.groupby(["runs", "contender"], sort=False):
-        row = {"run": runs, "model": TITLES[contender]}
+        row = {"runs": runs, "model": TITLES[contender]}
         for one in group.itertuples():
             unit, scale = UNITS[one.quantity]
             row[f"{one.quantity} [{unit}]"] = tables.number(one.e_abs * scale)
@@ -85,22 +95,32 @@ def ranking_page(scores, chances):
     return pd.DataFrame(rows)
 
 
-def main(errors, scores, params, output):
+def main(errors, scores, static, params, output):
     """Write the three tables, the two figures and the numbers of the text."""
     at_table = scores[scores["horizon"] == params.table_horizon_s]
     five = five_trials(errors[errors["horizon"] == params.table_horizon_s], params.published_trials)
+    five = pd.concat([five, printed(static)])
     tables.write(output.five.removesuffix(".csv"), five, five_trials_page(five))
     tables.write(output.distribution.removesuffix(".csv"), at_table, distribution_page(at_table))
     chances = chance_of_first(errors, params.published_trials, params.seed)
     tables.write(output.ranking.removesuffix(".csv"), chances, ranking_page(scores, chances))
     figures.save(figures.ranking(scores, "median_e_abs", "median e_abs"), output.figure)
     figures.save(figures.ranking(scores, "crps", "CRPS"), output.crps)
-    Path(output.numbers).write_text(json.dumps(numbers(at_table, chances, params), indent=1) + "\n")
+    Path(output.numbers).write_text(json.dumps(numbers(scores, at_table, chances, params), indent=1) + "\n")
 
 
-def numbers(at_table, chances, params):
+def first_places(scores, column):
+    """Say how often each model has the smallest score over all lengths and quantities, per start, most often first."""
+    said = {}
+    for start, group in scores.groupby("start", sort=False):
+        best = group.loc[group.groupby(["horizon", "quantity"])[column].idxmin(), "contender"].value_counts(sort=True)
+        said[start] = ", ".join(f"{TITLES[name]} {count}" for name, count in best.items())
+    return said
+
+
+def numbers(scores, at_table, chances, params):
     """Collect what the text of the paper quotes."""
-    key = at_table.set_index(["start", "contender", "quantity"])
+    inside = at_table.groupby(["start", "contender"], sort=False)["inside_90"].mean()
     at = chances[(chances["start"] == "raw") & (chances["horizon"] == params.table_horizon_s)]
     over = chances[chances["start"] == "raw"]
     return {
@@ -108,14 +128,17 @@ def numbers(at_table, chances, params):
         "trials": params.published_trials,
         "restoration_first_percent": {row.quantity: f"{100 * row.restoration:.0f}" for row in at.itertuples()},
         "restoration_first_range_percent": [f"{100 * f(over['restoration']):.0f}" for f in (min, max)],
-        "median_e_abs": {
-            name: {q: tables.number(key.loc[("raw", name, q), "median_e_abs"] * UNITS[q][1]) for q in QUANTITIES}
-            for name in TITLES
+        "cases": scores["horizon"].nunique() * scores["quantity"].nunique(),
+        "first_by_e_abs": first_places(scores, "median_e_abs"),
+        "first_by_crps": first_places(scores, "crps"),
+        "inside_percent": {
+            start: {name: f"{100 * inside[start, name]:.0f}" for name in TITLES} for start in scores["start"].unique()
         },
     }
 
 
 if __name__ == "__main__":
     with journal(snakemake.log[0]):
-        frames = pd.read_parquet(snakemake.input.errors), pd.read_csv(snakemake.input.scores)
+        source = snakemake.input
+        frames = pd.read_parquet(source.errors), pd.read_csv(source.scores), pd.read_csv(source.static)
         main(*frames, snakemake.params, snakemake.output)

@@ -1,5 +1,8 @@
 """Draw the Allan deviation of every contender against the device, and tabulate where they part."""
 
+import json
+from pathlib import Path
+
 import numpy as np
 import pandas as pd
 
@@ -39,6 +42,14 @@ def page(data):
     return cells.rename(index=TITLES).rename_axis("model").reset_index()
 
 
+def numbers(data):
+    """Collect what the text quotes: the share of averaging times and axes that each contender reproduces."""
+    share = data.assign(fits=data["verdict"] == 0).groupby("contender", sort=False)["fits"].mean().sort_values()
+    percent = {name: f"{100 * value:.0f}" for name, value in share.items()}
+    return {"share_percent": percent, "best": TITLES[share.index[-1]], "second": TITLES[share.index[-2]],
+            "best_percent": percent[share.index[-1]], "second_percent": percent[share.index[-2]]}  # fmt: skip
+
+
 if __name__ == "__main__":
     with journal(snakemake.log[0]):
         device = pd.read_csv(snakemake.input.device)
@@ -46,3 +57,4 @@ if __name__ == "__main__":
         figures.save(figures.models(device, simulated), snakemake.output[0])
         data = agreement(device, simulated)
         tables.write(snakemake.output[1].removesuffix(".csv"), data, page(data))
+        Path(snakemake.output[-1]).write_text(json.dumps(numbers(data), indent=1) + "\n")

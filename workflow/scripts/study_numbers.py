@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from imugap import catalogue, tables
+from imugap import allan, catalogue, tables
 from imugap.contenders import CONTENDERS, TITLES
 from imugap.journal import journal
 
@@ -29,6 +29,7 @@ if __name__ == "__main__":
             "omitted": [omission(sets[name]) for name in params.omitted],
             "contenders": [TITLES[name] for name in CONTENDERS],
             "config": params.config,
+            "reading": {"tolerance": allan.SLOPE_TOLERANCE, "decades": allan.REGION_DECADES},
             "versions": {name: version(name) for name in PACKAGES} | {"Python": platform.python_version()},
         }
         Path(snakemake.output[0]).write_text(json.dumps(study, indent=1) + "\n")
