@@ -144,7 +144,14 @@ def test_fit_builds_each_axis_from_its_own_indices():
     rows = [
         {"axis": axis, "symbol": symbol, "value": scale * value}
         for axis, scale in (("gyro_x", 1.0), ("accel_z", 2.0))
-        for symbol, value in {"bias": 1.0, "stability": 0.1, "repeatability": 0.3, "N": 0.2, "B": 0.05, "K": 0.01}.items()
+        for symbol, value in {
+            "bias": 1.0,
+            "stability": 0.1,
+            "repeatability": 0.3,
+            "N": 0.2,
+            "B": 0.05,
+            "K": 0.01,
+        }.items()
     ]
     curves = pd.DataFrame({"axis": ["gyro_x", "accel_z"], "tau": 1.0, "deviation": 1.0, "error": 0.1})
     model = fit("restoration", pd.DataFrame(rows), curves, 4.0)

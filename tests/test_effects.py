@@ -313,7 +313,7 @@ def test_units_follow_the_axis():
 
 @pytest.mark.xfail(strict=True, raises=TypeError, reason="YAML reads 1e-4 as text; the message names no parameter")
 def test_text_in_place_of_a_number_names_the_parameter():
-    with pytest.raises(ValueError, match="white_noise.density"):
+    with pytest.raises(ValueError, match=r"white_noise\.density"):
         WhiteNoise("1e-4")
 
 

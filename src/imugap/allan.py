@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 from allantools import ci
 from numba import njit
+from scipy.optimize import nnls
 from scipy.stats import chi2
 
 from imugap.effects.bias_instability import FLOOR
@@ -157,10 +158,26 @@ def tangent(asd: pd.DataFrame, law: Law, level: float = 0.95) -> Tangent:
         limit = (asd["high"] / law.deviation(1.0, asd.index))[error < SLOPE_ERROR]
         touch = limit.idxmin()
         return Tangent(float(coefficient[touch]), 0.0, float(limit[touch]), touch, touch, False)
-    value = float(np.sqrt(np.average(coefficient[region] ** 2, weights=asd["edf"][region])))
+    value, inflation = _separated(asd[region], law)
     edf = asd["edf"][region].max()
-    low, high = (_limit(value, edf, p) for p in ((1 + level) / 2, (1 - level) / 2))
+    low, high = (value * (_limit(1.0, edf, p)) ** inflation for p in ((1 + level) / 2, (1 - level) / 2))
     return Tangent(value, low, high, asd.index[region][0], asd.index[region][-1], True)
+
+
+def _separated(asd: pd.DataFrame, law: Law) -> tuple[float, float]:
+    """Return the coefficient of ``law`` where it dominates, freed from what the other laws add there.
+
+    Non-negative least squares of the Allan variance, which is linear in the squared coefficients, with weights from the
+    degrees of freedom; and the factor by which not knowing the other laws widens the relative standard error.
+    """
+    laws = [law, *(other for other in LAWS.values() if other is not law)]
+    shares = np.array([other.deviation(1.0, asd.index) ** 2 for other in laws]).T / asd[["deviation"]].to_numpy() ** 2
+    weighted = shares * np.sqrt(asd[["edf"]].to_numpy())
+    scale = np.linalg.norm(weighted, axis=0)
+    design = weighted / scale
+    squares, _ = nnls(design, np.sqrt(asd["edf"].to_numpy()))
+    inflation = np.sqrt(np.linalg.inv(design.T @ design)[0, 0])
+    return float(np.sqrt(squares[0] / scale[0])), float(inflation)
 
 
 def _slope_error(asd: pd.DataFrame) -> pd.Series:
