@@ -49,6 +49,11 @@ def white(of: AxisIndices) -> AxisModel:
     return Bias(of.bias) + WhiteNoise(of.white)
 
 
+def white_turn_on(of: AxisIndices) -> AxisModel:
+    """Return white noise + a bias drawn per run: restoration without its scaling, to tell what the scaling adds."""
+    return white(of) + TurnOnBias(of.repeatability)
+
+
 def rate_random_walk(of: AxisIndices) -> AxisModel:
     """Return white noise + random walk (eq. 11), started at the bias.
 
@@ -103,12 +108,14 @@ def nbk(of: AxisIndices) -> AxisModel:
 
 
 CONTENDERS: dict[str, Callable[[AxisIndices], AxisModel]] = {
-    builder.__name__: builder for builder in (bias_only, white, rate_random_walk, method_a, method_b, restoration, nbk)
+    builder.__name__: builder
+    for builder in (bias_only, white, white_turn_on, rate_random_walk, method_a, method_b, restoration, nbk)
 }
 
 TITLES = {
     "bias_only": "Bias only",
     "white": "White noise",
+    "white_turn_on": "White + turn-on",
     "rate_random_walk": "Random walk + white",
     "method_a": "Method A",
     "method_b": "Method B",

@@ -39,13 +39,13 @@ class Course:
     epoch_s: float
 
     @classmethod
-    def from_mapping(cls, site: dict, navigation: dict) -> "Course":
-        """Build from the configuration of a site and of the navigation."""
+    def from_mapping(cls, site: dict, navigation: dict, length_s: float) -> "Course":
+        """Build from the configuration of a site and of the navigation, and the length to navigate [s]."""
         return cls(
             Site.from_mapping(site),
             navigation["mechanisation"] == "ellipsoid",
             navigation["calibration_s"],
-            max(navigation["horizons_s"]),
+            length_s,
             navigation["epoch_s"],
         )
 

@@ -17,6 +17,7 @@ from imugap.units import from_si
 COLOURS = {
     "bias_only": "#999999",
     "white": "#56B4E9",
+    "white_turn_on": "#F0E442",
     "rate_random_walk": "#E69F00",
     "method_a": "#D55E00",
     "method_b": "#CC79A7",

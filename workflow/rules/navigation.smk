@@ -1,6 +1,12 @@
 COURSE = {
     key: config["navigation"][key]
-    for key in ("mechanisation", "calibration_s", "horizons_s", "epoch_s")
+    for key in (
+        "mechanisation",
+        "calibration_s",
+        "horizons_s",
+        "table_horizon_s",
+        "epoch_s",
+    )
 }
 
 

@@ -24,6 +24,7 @@ CHAPTERS = expand(
         "models",
         "navigation",
         "claims",
+        "conclusion",
         "reproduce",
     ],
 )
@@ -34,6 +35,7 @@ rule study_numbers:
     """Write what the text says of the study itself: devices, sections left out, choices, versions."""
     input:
         tables=["data/datasets.csv", "data/files.csv"],
+        navigation=expand("paper/numbers/navigation_{device}.json", device=DEVICES),
         code=library("study_numbers"),
     output:
         "paper/numbers/study.json",

@@ -37,13 +37,14 @@ def scores(contender, start, measured, simulated, horizons, at):
 def main(measured_path, simulated_paths, params, errors_path, scores_path):
     """Write the errors of all trials and the scores of all ensembles."""
     measured = np.load(measured_path)
-    at = np.searchsorted(measured["time"], np.array(params.horizons_s) - 1e-9)
+    horizons = [length for length in params.horizons_s if length <= measured["time"][-1]]
+    at = np.searchsorted(measured["time"], np.array(horizons) - 1e-9)
     found = []
     for contender, path in zip(params.contenders, simulated_paths, strict=True):
         simulated = np.load(path)["drift"]
         for k, start in enumerate(STARTS):
             drift = measured["drift"][k][..., list(QUANTITIES.values())]
-            found.append(scores(contender, start, drift, simulated[k], params.horizons_s, at))
+            found.append(scores(contender, start, drift, simulated[k], horizons, at))
     pd.concat([each for each, _ in found]).to_parquet(errors_path, index=False)
     pd.concat([summary for _, summary in found]).to_csv(scores_path, index=False)
 

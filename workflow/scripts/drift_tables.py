@@ -13,6 +13,7 @@ from imugap.journal import journal
 from imugap.stream import stream
 
 SOURCE = ("method_a", "method_b", "restoration")
+SPREADLESS = ("bias_only", "white")
 DRAWS = 2000
 UNITS = {"east": ("m", 1.0), "north": ("m", 1.0), "heading": ("°", 180 / np.pi)}
 
@@ -59,7 +60,9 @@ def distribution_page(scores):
             row[f"e_abs {one.quantity} [{unit}]"] = "{} [{}, {}]".format(*values)
         for one in group.itertuples():
             unit, scale = UNITS[one.quantity]
-            row[f"CRPS {one.quantity} [{unit}]"] = tables.number(one.crps * scale)
+            row[f"CRPS {one.quantity} [{unit}]"] = (
+                f"{tables.number(one.crps * scale)} ± {tables.number(one.crps_error * scale, 2)}"
+            )
         row["inside 90 %"] = f"{100 * group['inside_90'].mean():.0f} %"
         rows.append(row)
     return pd.DataFrame(rows).sort_values("start", ascending=False, kind="stable")
@@ -118,6 +121,19 @@ def first_places(scores, column):
     return said
 
 
+def count_first(scores, column, names):
+    """Count the lengths, quantities and starts in which one of ``names`` has the smallest score."""
+    best = scores.loc[scores.groupby(["start", "horizon", "quantity"])[column].idxmin(), "contender"]
+    return int(best.isin(names).sum())
+
+
+def crps_ratio(scores, of, over):
+    """Show median and extremes, over lengths and quantities, of the CRPS of one model over that of another, per start."""
+    table = scores.pivot(index=["start", "horizon", "quantity"], columns="contender", values="crps")
+    grouped = (table[of] / table[over]).groupby("start", sort=False)
+    return {start: "{:.2f} ({:.2f} to {:.2f})".format(*ratio.quantile([0.5, 0, 1])) for start, ratio in grouped}
+
+
 def numbers(scores, at_table, chances, params):
     """Collect what the text of the paper quotes."""
     inside = at_table.groupby(["start", "contender"], sort=False)["inside_90"].mean()
@@ -129,6 +145,12 @@ def numbers(scores, at_table, chances, params):
         "restoration_first_percent": {row.quantity: f"{100 * row.restoration:.0f}" for row in at.itertuples()},
         "restoration_first_range_percent": [f"{100 * f(over['restoration']):.0f}" for f in (min, max)],
         "cases": scores["horizon"].nunique() * scores["quantity"].nunique(),
+        "spreadless": {
+            "e_abs": count_first(scores, "median_e_abs", SPREADLESS),
+            "crps": count_first(scores, "crps", SPREADLESS),
+        },
+        "restoration_over_turn_on": crps_ratio(scores, "restoration", "white_turn_on"),
+        "nbk_over_restoration": crps_ratio(scores, "nbk", "restoration"),
         "first_by_e_abs": first_places(scores, "median_e_abs"),
         "first_by_crps": first_places(scores, "crps"),
         "inside_percent": {

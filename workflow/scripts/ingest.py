@@ -18,6 +18,8 @@ def main(raw, device, run, log_path, report_path):
     else:
         report = integrity.report(readers.read_table(raw))
         table = readers.read(raw)
+        if log.axes(table) != log.AXES:
+            raise log.LogError(raw, "columns", f"all of {', '.join(log.AXES)}", ", ".join(table.columns))
     facts = report.facts() | {"axes": [asdict(axis) for axis in report.axes]}
     Path(report_path).write_text(json.dumps(facts, indent=1) + "\n")
     log.write(table, log_path)

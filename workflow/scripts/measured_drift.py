@@ -7,12 +7,22 @@ from imugap.drift import Course
 from imugap.journal import journal
 
 
+def reachable(tables, course):
+    """Return the longest navigation length that every run covers after the calibration, at least that of the table."""
+    shortest = min(log.duration(table) for table in tables)
+    lengths = [length for length in course["horizons_s"] if course["calibration_s"] + length < shortest]
+    if course["table_horizon_s"] not in lengths:
+        expected = f"more than {course['calibration_s'] + course['table_horizon_s']} s in every run"
+        raise log.LogError("log", "duration", expected, f"{shortest:g} s in the shortest")
+    return max(lengths)
+
+
 def main(paths, site, course, path):
     """Write the drifts, shape (starts, runs, epochs, 9), and their epochs."""
-    plan = Course.from_mapping(site, course)
-    drifts = np.stack([plan.drift(log.load(one, columns=list(log.AXES))) for one in paths], axis=1)
-    interval = log.interval(log.load(paths[0], columns=[log.AXES[0]]))
-    np.savez(path, time=plan.epochs(), drift=drifts, interval=interval)
+    tables = [log.load(one, columns=list(log.AXES)) for one in paths]
+    plan = Course.from_mapping(site, course, reachable(tables, course))
+    drifts = np.stack([plan.drift(table) for table in tables], axis=1)
+    np.savez(path, time=plan.epochs(), drift=drifts, interval=log.interval(tables[0]))
 
 
 if __name__ == "__main__":

@@ -10,8 +10,9 @@ from imugap.model import ErrorModel
 
 def main(model_path, measured, contender, params, path):
     """Write the drifts of the compared quantities, shape (starts, trials, epochs, quantities), and their epochs."""
-    model, plan = ErrorModel.read(model_path), Course.from_mapping(params.site, params.course)
-    ideal = plan.ideal(float(np.load(measured)["interval"]))
+    like = np.load(measured)
+    model, plan = ErrorModel.read(model_path), Course.from_mapping(params.site, params.course, float(like["time"][-1]))
+    ideal = plan.ideal(float(like["interval"]))
     columns = list(QUANTITIES.values())
     drifts = np.stack(
         [
