@@ -128,7 +128,7 @@ def count_first(scores, column, names):
 
 
 def crps_ratio(scores, of, over):
-    """Show median and extremes, over lengths and quantities, of the CRPS of one model over that of another, per start."""
+    """Show median and extremes over lengths and quantities of the CRPS of one model over another's, per start."""
     table = scores.pivot(index=["start", "horizon", "quantity"], columns="contender", values="crps")
     grouped = (table[of] / table[over]).groupby("start", sort=False)
     return {start: "{:.2f} ({:.2f} to {:.2f})".format(*ratio.quantile([0.5, 0, 1])) for start, ratio in grouped}
