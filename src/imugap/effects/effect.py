@@ -112,3 +112,18 @@ class StochasticEffect(AdditiveEffect):
     def allan_variance(self, tau: np.ndarray) -> np.ndarray:
         """Return the Allan variance [unit^2] at averaging times ``tau`` [s] of the continuous process."""
         raise NotImplementedError
+
+    def sampled_psd(self, frequency: np.ndarray, interval: float) -> np.ndarray:
+        """Return the two-sided PSD [unit^2/Hz], aliases included, of what :meth:`sample` draws.
+
+        ``frequency`` [Hz] lies within (0, 1/(2 interval)]; the integral over both sides is the variance of a sample.
+        """
+        raise NotImplementedError
+
+    def sampled_allan_variance(self, averaging: np.ndarray, interval: float) -> np.ndarray:
+        """Return the Allan variance [unit^2] of what :meth:`sample` draws, exactly, at averaging factors ``averaging``.
+
+        It is the expectation of :func:`imugap.allan.variance`; the continuous :meth:`allan_variance` is its limit for
+        averaging times far above the interval.
+        """
+        raise NotImplementedError

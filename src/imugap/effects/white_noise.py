@@ -28,6 +28,14 @@ class WhiteNoise(StochasticEffect):
         """Return N^2/tau (IEEE 952)."""
         return self.density**2 / np.asarray(tau, float)
 
+    def sampled_psd(self, frequency: np.ndarray, interval: float) -> np.ndarray:
+        """Return N^2."""
+        return self.psd(frequency)
+
+    def sampled_allan_variance(self, averaging: np.ndarray, interval: float) -> np.ndarray:
+        """Return N^2/(n interval)."""
+        return self.allan_variance(np.asarray(averaging) * interval)
+
     def state_space(self) -> StateSpace:
         """Return a model without states."""
         return StateSpace.white(self.density**2)
