@@ -12,7 +12,7 @@ import yaml
 
 from imugap import log as canonical
 from imugap.effects import CATALOGUE
-from imugap.effects.effect import Conditions, Effect, Stage, StochasticEffect
+from imugap.effects.effect import AllanEffect, Conditions, Effect, Stage, StochasticEffect
 from imugap.statespace import StateSpace
 from imugap.stream import stream
 
@@ -57,9 +57,22 @@ class AxisModel:
         """Return the two-sided PSD [unit^2/Hz] of the stochastic effects at ``frequency`` [Hz]."""
         return sum((effect.psd(frequency) for effect in self.stochastic()), np.zeros(np.shape(frequency)))
 
+    def sampled_psd(self, frequency: np.ndarray, interval: float) -> np.ndarray:
+        """Return the two-sided PSD [unit^2/Hz], aliases included, of the samples of the stochastic effects."""
+        zero = np.zeros(np.shape(frequency))
+        return sum((effect.sampled_psd(frequency, interval) for effect in self.stochastic()), zero)
+
     def allan_variance(self, tau: np.ndarray) -> np.ndarray:
-        """Return the Allan variance [unit^2] of the stochastic effects at ``tau`` [s]."""
-        return sum((effect.allan_variance(tau) for effect in self.stochastic()), np.zeros(np.shape(tau)))
+        """Return the Allan variance [unit^2] at ``tau`` [s] of the effects that have one, stochastic or ramp."""
+        return sum((effect.allan_variance(tau) for effect in self._with_allan()), np.zeros(np.shape(tau)))
+
+    def sampled_allan_variance(self, averaging: np.ndarray, interval: float) -> np.ndarray:
+        """Return the Allan variance [unit^2] of their samples, exactly, at averaging factors ``averaging``."""
+        zero = np.zeros(np.shape(averaging))
+        return sum((effect.sampled_allan_variance(averaging, interval) for effect in self._with_allan()), zero)
+
+    def _with_allan(self) -> tuple[AllanEffect, ...]:
+        return tuple(effect for effect in self.effects if isinstance(effect, AllanEffect))
 
     def state_space(self) -> StateSpace:
         """Return the state space of the stochastic effects."""

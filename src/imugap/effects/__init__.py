@@ -2,9 +2,11 @@
 
 from imugap.effects.bias import Bias
 from imugap.effects.bias_instability import BiasInstability
-from imugap.effects.effect import AdditiveEffect, Conditions, Effect, Stage, StochasticEffect
+from imugap.effects.effect import AdditiveEffect, AllanEffect, Conditions, Effect, Stage, StochasticEffect
 from imugap.effects.gauss_markov import GaussMarkov
+from imugap.effects.quantization import Quantization
 from imugap.effects.random_walk import RandomWalk
+from imugap.effects.rate_ramp import RateRamp
 from imugap.effects.resolution import Resolution
 from imugap.effects.stability_restoration import StabilityRestoration
 from imugap.effects.temperature import Temperature
@@ -17,7 +19,9 @@ CATALOGUE: dict[str, type[Effect]] = {
         Bias,
         BiasInstability,
         GaussMarkov,
+        Quantization,
         RandomWalk,
+        RateRamp,
         Resolution,
         StabilityRestoration,
         Temperature,
@@ -26,5 +30,5 @@ CATALOGUE: dict[str, type[Effect]] = {
     )
 }
 
-__all__ = ["CATALOGUE", "AdditiveEffect", "Conditions", "Effect", "Stage", "StochasticEffect"]
+__all__ = ["CATALOGUE", "AdditiveEffect", "AllanEffect", "Conditions", "Effect", "Stage", "StochasticEffect"]
 __all__ += [effect.__name__ for effect in CATALOGUE.values()]

@@ -1,10 +1,13 @@
 """Flicker noise: bias instability."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import ClassVar
 
 import numpy as np
+from numpy.polynomial.legendre import leggauss
 from scipy.fft import irfft, next_fast_len, rfftfreq
+from scipy.integrate import quad
 
 from imugap.effects.effect import Conditions, StochasticEffect, parameter
 
@@ -41,3 +44,38 @@ class BiasInstability(StochasticEffect):
     def allan_variance(self, tau: np.ndarray) -> np.ndarray:
         """Return 2 ln 2/pi B^2, whatever tau (IEEE 952)."""
         return np.full_like(np.asarray(tau, float), (FLOOR * self.density_b) ** 2)
+
+    def sampled_psd(self, frequency: np.ndarray, interval: float) -> np.ndarray:
+        """Return B^2/(2 pi |f|): the synthesis fills this spectrum up to half the sampling rate; nothing is aliased.
+
+        The power of a run sits on lines 1/(4 duration) apart, half that of the last where it is at 1/(2 interval).
+        """
+        return self.psd(frequency)
+
+    def sampled_allan_variance(self, averaging: np.ndarray, interval: float) -> np.ndarray:
+        """Return the Allan variance of samples with this spectrum, to a relative 1e-11.
+
+        It is the limit of a long run. The lines of a run of L samples leave out pi/6 (n/(4 L))^2 B^2: 0.5 % of the
+        variance at n = L/4, 0.03 % at n = L/16.
+        """
+        shape = [_band_limited(int(n)) for n in np.ravel(averaging)]
+        return self.density_b**2 * np.reshape(shape, np.shape(averaging))
+
+
+LOBES = 400
+NODES, WEIGHTS = (0.5 * np.array(rule) for rule in leggauss(14))
+
+
+@lru_cache(maxsize=4096)
+def _band_limited(n: int) -> float:
+    """Return the Allan variance, over B^2, of flicker noise that ends at half the sampling rate.
+
+    (2/pi) int_0^(n pi/2) sin^4 v/(v (n sin(v/n))^2) dv, from the gain 2 sin^4(n u)/(n sin u)^2, u = pi f interval, of
+    the Allan variance: lobe by lobe, and beyond :data:`LOBES` half lobes with the mean 3/8 of sin^4, which changes it
+    by less than 1e-11.
+    """
+    half_lobes = min(n, LOBES)
+    v = np.pi / 2 * (np.arange(half_lobes)[:, None] + 0.5 + NODES)
+    near = np.pi / 2 * np.sum(WEIGHTS * np.sin(v) ** 4 / (v * (n * np.sin(v / n)) ** 2))
+    far = quad(lambda t: (n * np.sin(np.exp(t) / n)) ** -2.0, np.log(half_lobes * np.pi / 2), np.log(n * np.pi / 2))[0]
+    return float(2 / np.pi * (near + 3 / 8 * far))

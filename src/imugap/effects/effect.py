@@ -53,7 +53,8 @@ class Effect:
 
     A subclass is a frozen dataclass in a file of its own. It gives its ``name`` (controlled vocabulary), its
     parameters (:func:`parameter`) and :meth:`apply`; effects of the ERROR stage derive from
-    :class:`AdditiveEffect`, those with a spectrum from :class:`StochasticEffect`.
+    :class:`AdditiveEffect`, those with an Allan variance from :class:`AllanEffect`, those with a spectrum as well
+    from :class:`StochasticEffect`.
     """
 
     name: ClassVar[str]
@@ -102,22 +103,11 @@ class AdditiveEffect(Effect):
 
 
 @dataclass(frozen=True)
-class StochasticEffect(AdditiveEffect):
-    """An additive random process with a spectrum."""
-
-    def psd(self, frequency: np.ndarray) -> np.ndarray:
-        """Return the two-sided power spectral density [unit^2/Hz] at ``frequency`` [Hz] of the continuous process."""
-        raise NotImplementedError
+class AllanEffect(AdditiveEffect):
+    """An additive effect, random or not, whose Allan variance follows from its parameters alone."""
 
     def allan_variance(self, tau: np.ndarray) -> np.ndarray:
         """Return the Allan variance [unit^2] at averaging times ``tau`` [s] of the continuous process."""
-        raise NotImplementedError
-
-    def sampled_psd(self, frequency: np.ndarray, interval: float) -> np.ndarray:
-        """Return the two-sided PSD [unit^2/Hz], aliases included, of what :meth:`sample` draws.
-
-        ``frequency`` [Hz] lies within (0, 1/(2 interval)]; the integral over both sides is the variance of a sample.
-        """
         raise NotImplementedError
 
     def sampled_allan_variance(self, averaging: np.ndarray, interval: float) -> np.ndarray:
@@ -125,5 +115,21 @@ class StochasticEffect(AdditiveEffect):
 
         It is the expectation of :func:`imugap.allan.variance`; the continuous :meth:`allan_variance` is its limit for
         averaging times far above the interval.
+        """
+        raise NotImplementedError
+
+
+@dataclass(frozen=True)
+class StochasticEffect(AllanEffect):
+    """An additive random process with a spectrum."""
+
+    def psd(self, frequency: np.ndarray) -> np.ndarray:
+        """Return the two-sided power spectral density [unit^2/Hz] at ``frequency`` [Hz] of the continuous process."""
+        raise NotImplementedError
+
+    def sampled_psd(self, frequency: np.ndarray, interval: float) -> np.ndarray:
+        """Return the two-sided PSD [unit^2/Hz], aliases included, of what :meth:`sample` draws.
+
+        ``frequency`` [Hz] lies within (0, 1/(2 interval)]; the integral over both sides is the variance of a sample.
         """
         raise NotImplementedError

@@ -4,13 +4,20 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
+from numpy.polynomial.polynomial import polyval
 from scipy.signal import lfilter
+from scipy.special import factorial
 
 from imugap.effects.effect import Conditions, StochasticEffect, parameter
 from imugap.statespace import StateSpace
 
 FLAT_TOP = 1.89
 """Averaging time, in correlation times, at which the Allan deviation is largest (Farrell et al. 2022, eq. 37)."""
+ORDER = np.arange(3, 21)
+BRACKET = np.r_[0.0, (-1.0) ** ORDER * (4 - 2.0**ORDER) / factorial(ORDER)]
+"""Taylor coefficients of (2 x - 3 + 4 exp(-x) - exp(-2 x))/x^2."""
+SINH = np.r_[0.0, (ORDER % 2) / factorial(ORDER)]
+"""Taylor coefficients of (sinh x - x)/x^2."""
 
 
 @dataclass(frozen=True)
@@ -38,17 +45,39 @@ class GaussMarkov(StochasticEffect):
         return self.driving_psd / ((2 * np.pi * np.asarray(frequency, float)) ** 2 + self.correlation_time**-2)
 
     def allan_variance(self, tau: np.ndarray) -> np.ndarray:
-        """Return S_B T^2/tau (1 - T/(2 tau) (3 - 4 exp(-tau/T) + exp(-2 tau/T))) (Farrell et al. 2022, eq. 36).
+        """Return S_B T^2/tau (1 - T/(2 tau) (3 - 4 exp(-tau/T) + exp(-2 tau/T))) (Farrell et al. 2022, eq. 36)."""
+        return self.std**2 * _bracket(np.asarray(tau, float) / self.correlation_time)
 
-        For tau << T the closed form cancels; its series in x = tau/T takes over:
-        2 std^2 (x/3 - x^2/4 + 7 x^3/60 - x^4/24).
+    def sampled_psd(self, frequency: np.ndarray, interval: float) -> np.ndarray:
+        """Return interval std^2 (1 - p^2)/|1 - p exp(-2 pi i f interval)|^2, p = exp(-interval/T)."""
+        x = interval / self.correlation_time
+        sine = np.sin(np.pi * np.asarray(frequency, float) * interval)
+        return interval * self.std**2 * -np.expm1(-2 * x) / (np.expm1(-x) ** 2 + 4 * np.exp(-x) * sine**2)
+
+    def sampled_allan_variance(self, averaging: np.ndarray, interval: float) -> np.ndarray:
+        """Return std^2/(n (1 - p))^2 (n (1 - p^2) - p (3 - 4 p^n + p^(2n))), p = exp(-interval/T).
+
+        It is the variance of the sum of n samples less the covariance of neighbouring sums, over n^2; with x =
+        interval/T written (x/(1 - p))^2 (discretisation/n + p bracket(n x)), two positive terms that do not cancel.
         """
-        x = np.asarray(tau, float) / self.correlation_time
-        series = x / 3 - x**2 / 4 + 7 * x**3 / 60 - x**4 / 24
-        large = np.maximum(x, 1e-2)
-        closed = (1 - (3 - 4 * np.exp(-large) + np.exp(-2 * large)) / (2 * large)) / large
-        return 2 * self.std**2 * np.where(x < 1e-2, series, closed)
+        x, n = interval / self.correlation_time, np.asarray(averaging, float)
+        sampled = _discretisation(x) / n + np.exp(-x) * _bracket(n * x)
+        return (self.std * x / np.expm1(-x)) ** 2 * sampled
 
     def state_space(self) -> StateSpace:
         """Return one decaying state that starts stationary."""
         return StateSpace.first_order(1 / self.correlation_time, self.driving_psd, self.std**2)
+
+
+def _bracket(x: np.ndarray) -> np.ndarray:
+    """Return (2 x - 3 + 4 exp(-x) - exp(-2 x))/x^2; below 1/2, where this cancels, its Taylor series."""
+    large = np.maximum(x, 0.5)
+    closed = (2 * large - 3 + 4 * np.exp(-large) - np.exp(-2 * large)) / large**2
+    return np.where(x < 0.5, polyval(np.minimum(x, 0.5), BRACKET), closed)
+
+
+def _discretisation(x: float) -> float:
+    """Return (1 - exp(-2 x) - 2 x exp(-x))/x^2 = 2 exp(-x) (sinh x - x)/x^2; below 1/2 by the series of the latter."""
+    if x < 0.5:
+        return float(2 * np.exp(-x) * polyval(x, SINH))
+    return float((-np.expm1(-2 * x) - 2 * x * np.exp(-x)) / x**2)

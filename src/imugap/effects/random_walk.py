@@ -29,6 +29,15 @@ class RandomWalk(StochasticEffect):
         """Return K^2 tau/3 (IEEE 952)."""
         return self.density_k**2 * np.asarray(tau, float) / 3
 
+    def sampled_psd(self, frequency: np.ndarray, interval: float) -> np.ndarray:
+        """Return (K interval/(2 sin(pi f interval)))^2: that of the increments over the gain of a difference."""
+        return (self.density_k * interval / (2 * np.sin(np.pi * np.asarray(frequency, float) * interval))) ** 2
+
+    def sampled_allan_variance(self, averaging: np.ndarray, interval: float) -> np.ndarray:
+        """Return K^2 interval (2 n^2 + 1)/(6 n): means differ by increments weighted 1, 2 .. n .. 2, 1, over n."""
+        n = np.asarray(averaging, float)
+        return self.density_k**2 * interval * (2 * n**2 + 1) / (6 * n)
+
     def state_space(self) -> StateSpace:
         """Return one integrating state."""
         return StateSpace.first_order(decay=0.0, driving_psd=self.density_k**2, variance=0.0)

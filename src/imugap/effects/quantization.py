@@ -1,0 +1,42 @@
+"""Quantization of the integrated signal: of the angle or velocity that the rate samples are differences of."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from imugap.effects.effect import Conditions, StochasticEffect, parameter
+
+
+@dataclass(frozen=True)
+class Quantization(StochasticEffect):
+    """Rounding of the integrated signal: sigma(tau) = sqrt(3) Q/tau (IEEE 952, quantization noise).
+
+    The angle or velocity has a white error e of standard deviation Q (lsb/sqrt(12) if multiples of lsb are what it is
+    rounded to); the rate has (e_k - e_(k-1))/interval. Rounding of the rate word itself is
+    :class:`~imugap.effects.resolution.Resolution`.
+    """
+
+    name: ClassVar[str] = "quantization"
+    density_q: float = parameter("{u}*s", "Q, standard deviation of the rounding error of the integrated signal")
+
+    def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
+        """Difference independent errors, uniform within half a least significant bit."""
+        half = np.sqrt(3) * self.density_q
+        return np.diff(rng.uniform(-half, half, len(conditions) + 1)) / conditions.interval
+
+    def psd(self, frequency: np.ndarray) -> np.ndarray:
+        """Refuse: the density (2 pi f)^2 interval Q^2 of the continuous process depends on the sampling interval."""
+        raise NotImplementedError("quantization: expected a sampling interval (sampled_psd); found none (psd)")
+
+    def allan_variance(self, tau: np.ndarray) -> np.ndarray:
+        """Return 3 Q^2/tau^2 (IEEE 952)."""
+        return 3 * self.density_q**2 / np.asarray(tau, float) ** 2
+
+    def sampled_psd(self, frequency: np.ndarray, interval: float) -> np.ndarray:
+        """Return 4 Q^2/interval sin^2(pi f interval) (IEEE 952)."""
+        return 4 * self.density_q**2 / interval * np.sin(np.pi * np.asarray(frequency, float) * interval) ** 2
+
+    def sampled_allan_variance(self, averaging: np.ndarray, interval: float) -> np.ndarray:
+        """Return 3 Q^2/(n interval)^2: exact, as a second difference of the angle holds e - 2 e + e."""
+        return self.allan_variance(np.asarray(averaging) * interval)

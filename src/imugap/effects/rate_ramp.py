@@ -1,0 +1,28 @@
+"""Rate or acceleration ramp."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from imugap.effects.effect import AllanEffect, Conditions, parameter
+
+
+@dataclass(frozen=True)
+class RateRamp(AllanEffect):
+    """Trend R t since power-on, which has no spectrum: sigma(tau) = R tau/sqrt(2) (IEEE 952, rate ramp)."""
+
+    name: ClassVar[str] = "rate_ramp"
+    slope: float = parameter("{u}/s", "R, change of the bias per second", low=-np.inf)
+
+    def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
+        """Return R t."""
+        return self.slope * conditions.time
+
+    def allan_variance(self, tau: np.ndarray) -> np.ndarray:
+        """Return R^2 tau^2/2 (IEEE 952)."""
+        return (self.slope * np.asarray(tau, float)) ** 2 / 2
+
+    def sampled_allan_variance(self, averaging: np.ndarray, interval: float) -> np.ndarray:
+        """Return R^2 (n interval)^2/2: means over neighbouring n samples are n intervals apart."""
+        return self.allan_variance(np.asarray(averaging) * interval)
