@@ -1,0 +1,485 @@
+"""Maximal-overlap wavelet variance: plain, robust, with its intervals, and what a model implies for it.
+
+Level j of the transform (MODWT) with Daubechies' extremal-phase filter of width L has filters of
+``(2^j - 1)(L - 1) + 1`` samples and passes 2^-(j+1) to 2^-j cycles per sample. It compares means over 2^(j-1) samples:
+the Haar (width 2) wavelet variance of level j is half the overlapping Allan variance at n = 2^(j-1). Coefficients are
+zero-mean and stationary where L/2 differences make the sequence so (Percival & Walden 2000, section 8.2). Only those
+that no end of the sequence touches enter. Arrays over levels start at level 1.
+"""
+
+from collections.abc import Iterator
+from functools import lru_cache
+from math import comb
+
+import numpy as np
+import pandas as pd
+from numba import njit
+from numpy.polynomial.legendre import leggauss
+from numpy.polynomial.polynomial import polyval
+from scipy.fft import fft, ifft, next_fast_len
+from scipy.interpolate import BarycentricInterpolator
+from scipy.optimize import brentq
+from scipy.stats import chi2, norm
+from scipy.stats import t as student
+
+from imugap.effects.effect import StochasticEffect
+from imugap.model import AxisModel
+
+WIDTHS = (2, 4, 6, 8)
+"""Widths of the filters D2 (Haar), D4, D6, D8."""
+EFFICIENCY = 0.6
+"""Efficiency, at the Gaussian, of the robust estimate: as gmwm and wv have it."""
+STEP = np.log(1.5)
+"""Step of log s^2 in the search for the robust estimate; at the Gaussian the two roots lie seven steps apart."""
+BLOCK = 8192
+"""Samples of a block that stays in the processor's cache."""
+
+
+@lru_cache
+def filters(width: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return the wavelet and the scaling filter of the MODWT, each shape (width,); the scaling filter sums to 1.
+
+    Spectral factorisation (Daubechies 1988): the squared gain of the scaling filter is cos^L times the polynomial in
+    y = sin^2 = (2 - z - 1/z)/4 of :func:`_gains`; of each pair of roots z, 1/z the one inside the unit circle is
+    taken. The wavelet filter is h_l = (-1)^l g_(L-1-l) (Percival & Walden 2000, eq. 75a, section 4.8).
+    """
+    if width not in WIDTHS:
+        raise ValueError(f"wavelet: expected a width among {', '.join(map(str, WIDTHS))}; found {width}")
+    middle = 1 - 2 * np.roots(_binomials(width)[::-1]).astype(complex)
+    root = middle + np.sqrt(middle**2 - 1)
+    inside = np.where(np.abs(root) < 1, root, 1 / root)
+    scaling = np.poly(np.r_[-np.ones(width // 2), inside]).real
+    scaling /= scaling.sum()
+    wavelet = scaling[::-1] * (-1.0) ** np.arange(width)
+    scaling.flags.writeable = wavelet.flags.writeable = False
+    return wavelet, scaling
+
+
+def length(level: int, width: int = 2) -> int:
+    """Return the number of samples that a coefficient of ``level`` looks at (Percival & Walden 2000, eq. 96a)."""
+    return (2**level - 1) * (width - 1) + 1
+
+
+def depth(count: int, width: int = 2) -> int:
+    """Return the deepest level of which ``count`` samples leave a coefficient that neither end touches."""
+    return int(np.log2((count - 1) // (width - 1) + 1))
+
+
+def free(count: int, levels: int, width: int = 2) -> np.ndarray:
+    """Return the number M_j of coefficients of each level that no end touches, shape (levels,)."""
+    return np.array([count - length(level, width) + 1 for level in range(1, levels + 1)])
+
+
+def squared_gain(cycles: np.ndarray, level: int, width: int = 2) -> np.ndarray:
+    """Return |H_j|^2 at ``cycles`` [1/sample]: |H|^2 at 2^(j-1) f times |G|^2 at all 2^l f, l < j - 1."""
+    gain = _gains(2.0 ** (level - 1) * cycles, width)[0]
+    for octave in range(level - 1):
+        gain = gain * _gains(2.0**octave * cycles, width)[1]
+    return gain
+
+
+def modwt(sequence: np.ndarray, levels: int, width: int = 2) -> tuple[np.ndarray, np.ndarray]:
+    """Return the coefficients W_j, shape (levels, n), and the smooth V_J, shape (n,), of the periodic sequence.
+
+    Their energies add up to that of the sequence (Percival & Walden 2000, section 5.4); coefficient t of level j, for t
+    from ``length(j) - 1``, depends on samples t - length(j) + 1 to t.
+    """
+    pairs = list(_pyramid(sequence, levels, width))
+    return np.array([wavelet for wavelet, _ in pairs]), pairs[-1][1]
+
+
+def variance(sequence: np.ndarray, levels: int | None = None, width: int = 2) -> np.ndarray:
+    """Return the unbiased wavelet variance [unit^2] of each level, shape (levels,) (Percival & Walden 2000, eq. 306b).
+
+    ``levels`` is the deepest possible one where it is not given.
+    """
+    levels = depth(len(sequence), width) if levels is None else levels
+    if width == 2:
+        return _haar(np.asarray(sequence, float), levels)
+    return np.array([_mean_square(coefficients) for coefficients in _free(sequence, levels, width)])
+
+
+def robust_variance(
+    sequence: np.ndarray, levels: int | None = None, width: int = 2, efficiency: float = EFFICIENCY
+) -> np.ndarray:
+    """Return the wavelet variance of each level [unit^2], shape (levels,), that outliers have a bounded effect on.
+
+    The scale s of the coefficients at which the mean of r^2 (1 - (r/c)^2)^4, r = W/s, |r| < c, is what it is for
+    Gaussian coefficients (Tukey's biweight; Mondal & Percival 2012, Guerrier & Molinari 2016). c is set by the
+    ``efficiency`` for independent Gaussian coefficients relative to their mean square. Where no scale does that (few
+    coefficients, or most of them zero), the one that comes nearest.
+    """
+    levels = depth(len(sequence), width) if levels is None else levels
+    return np.array([_biweight_scale(coefficients, efficiency) for coefficients in _free(sequence, levels, width)])
+
+
+def limits(variance: np.ndarray, edf: np.ndarray, level: float = 0.95) -> tuple[np.ndarray, np.ndarray]:
+    """Return the limits [unit^2] of the chi-square interval (Percival & Walden 2000, section 8.4)."""
+    low, high = (edf * variance / chi2.ppf(p, edf) for p in ((1 + level) / 2, (1 - level) / 2))
+    return low, high
+
+
+def edf_octave(count: int, levels: int, width: int = 2) -> np.ndarray:
+    """Return equivalent degrees of freedom M_j/2^j, at least 1, of each level (Percival & Walden 2000, eta_3).
+
+    Those of a spectrum that is flat over the octave of the level; gmwm and wv use them.
+    """
+    return np.maximum(free(count, levels, width) / 2.0 ** np.arange(1, levels + 1), 1.0)
+
+
+def edf_sample(sequence: np.ndarray, levels: int, width: int = 2) -> np.ndarray:
+    """Return equivalent degrees of freedom of each level from its own coefficients (Percival & Walden 2000, eta_1).
+
+    M nu^4 over half the sum of the squared autocovariances. To be trusted where there are 128 coefficients or more.
+    """
+    edf = []
+    for coefficients in _free(sequence, levels, width):
+        count = len(coefficients)
+        power = np.abs(fft(coefficients, next_fast_len(2 * count))) ** 2 / count
+        edf.append(2 * count * _mean_square(coefficients) ** 2 / np.mean(power**2))
+    return np.array(edf)
+
+
+def edf_model(model: AxisModel | StochasticEffect, interval: float, count: int, levels: int, width: int = 2):
+    """Return equivalent degrees of freedom 2 nu^4/var, shape (levels,), of the samples of a model [interval s]."""
+    return 2 * implied(model, interval, levels, width) ** 2 / np.diag(covariance(model, interval, count, levels, width))
+
+
+def curve(
+    sequence: np.ndarray, interval: float, width: int = 2, efficiency: float = 1.0, level: float = 0.95
+) -> pd.DataFrame:
+    """Return the wavelet variance of all levels with chi-square intervals on eta_3 degrees of freedom, as gmwm does.
+
+    An ``efficiency`` below 1 asks for the robust variance; it divides the degrees of freedom by what that costs.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Index ``level``; columns ``tau`` [s] (averaging time 2^(j-1) intervals, as of the Allan deviation),
+        ``variance``, ``low``, ``high`` [unit^2], ``edf``.
+    """
+    levels = depth(len(sequence), width)
+    robust = efficiency < 1
+    estimate = robust_variance(sequence, levels, width, efficiency) if robust else variance(sequence, levels, width)
+    edf = efficiency * edf_octave(len(sequence), levels, width)
+    low, high = limits(estimate, edf, level)
+    index = pd.RangeIndex(1, levels + 1, name="level")
+    columns = {"tau": 2.0 ** (index - 1) * interval, "variance": estimate, "low": low, "high": high, "edf": edf}
+    return pd.DataFrame(columns, index=index)
+
+
+def level_means(sequence: np.ndarray, width: int = 2) -> pd.DataFrame:
+    """Return, for each level with two coefficients or more, a test of whether the coefficients have mean zero.
+
+    It takes every 2^j-th coefficient: these are the coefficients of the orthogonal transform, nearly uncorrelated for
+    white noise, random walks and what lies between, whereas the mean of all coefficients telescopes to the ends of the
+    sequence. Their mean over its standard error follows Student's law.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Index ``level``; columns ``mean``, ``error`` [unit], ``p`` (two-sided).
+    """
+    rows = []
+    for level, coefficients in enumerate(_free(sequence, depth(len(sequence), width), width), 1):
+        apart = coefficients[:: 2**level]
+        if len(apart) < 2:
+            break
+        mean, error = apart.mean(), apart.std(ddof=1) / np.sqrt(len(apart))
+        rows.append((level, mean, error, 2 * student.sf(abs(mean) / error, len(apart) - 1)))
+    return pd.DataFrame(rows, columns=["level", "mean", "error", "p"]).set_index("level")
+
+
+def deepest(sequence: np.ndarray, width: int = 2, size: float = 0.05) -> int:
+    """Return the deepest level to use: the last before the coefficients of one have a mean that noise does not explain.
+
+    ``size`` is the probability (Bonferroni over the levels) that a sequence without trend loses a level.
+    """
+    p = level_means(sequence, width)["p"]
+    trend = p.index[p < size / len(p)]
+    return int(trend[0]) - 1 if len(trend) else len(p)
+
+
+def implied(model: AxisModel | StochasticEffect, interval: float, levels: int, width: int = 2) -> np.ndarray:
+    """Return the wavelet variance [unit^2] of each level, shape (levels,), of the samples of a model [interval s].
+
+    Haar: half the sampled Allan variance. Wider filters: the integral of |H_j|^2 and the sampled PSD, to rounding; a
+    ramp adds nothing, since they see no straight line.
+    """
+    filters(width)
+    if width == 2:
+        return model.sampled_allan_variance(2 ** np.arange(levels), interval) / 2
+    spectrum = _per_sample(model, interval)(_octaves(levels))
+    result = np.empty(levels)
+    for level in range(levels):
+        result[level] = _passed(spectrum, width)
+        spectrum = _fold(spectrum, width)
+    return result
+
+
+def covariance(model: AxisModel | StochasticEffect, interval: float, count: int, levels: int, width: int = 2):
+    """Return the covariance of the wavelet variances, shape (levels, levels), of ``count`` Gaussian samples.
+
+    With s_ij the cross-covariance of the coefficients of levels i and j, it is 2/(M_i M_j) times the sum of s_ij^2 over
+    all pairs of coefficients (Isserlis). A pair of deep levels has the share of all lags that fits into the sequence;
+    it is counted on every 2^h-th smooth V_h once there are more than :data:`EXACT` samples (1 % at the deepest). Of a
+    level too shallow for that, all lags are taken to fit. Rounding errors are not Gaussian: their wavelet variances
+    scatter less than this.
+    """
+    psd = _per_sample(model, interval)
+    result = _over_all_lags(psd, count, levels, width)
+    halvings = max(0, int(np.ceil(np.log2(count / EXACT))))
+    first = halvings + 4 if halvings else 0  # below, every 2^halvings-th coefficient is too few
+    if levels > first:
+        share = _share(psd, count, levels, width, halvings)
+        result[first:, first:] *= share[first - halvings :, first - halvings :]
+    return result
+
+
+EXACT = 2**14
+CHUNK = 2**15
+NODES = 24
+OCTAVES_BELOW = 45
+"""Octaves of the spectrum below the deepest level: what lies still lower moves no wavelet variance by 1e-12."""
+
+
+def _binomials(width: int) -> np.ndarray:
+    return np.array([comb(width // 2 - 1 + k, k) for k in range(width // 2)], float)
+
+
+def _gains(cycles: np.ndarray, width: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return the squared gains of the wavelet and the scaling filter (Percival & Walden 2000, eq. 105a)."""
+    angle = np.pi * (cycles % 1)
+    return _squared(np.sin(angle) ** 2, np.cos(angle) ** 2, width)
+
+
+def _squared(sine: np.ndarray, cosine: np.ndarray, width: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return the squared gains at squared sine and cosine of pi f."""
+    binomials = _binomials(width)
+    return sine ** (width // 2) * polyval(cosine, binomials), cosine ** (width // 2) * polyval(sine, binomials)
+
+
+def _pyramid(sequence: np.ndarray, levels: int, width: int) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """Return wavelet and scaling coefficients of level after level (Percival & Walden 2000, section 5.5)."""
+    high, low = filters(width)
+    if not 1 <= levels <= depth(len(sequence), width):
+        limit = depth(len(sequence), width)
+        raise ValueError(f"wavelet: expected 1 to {limit} levels of {len(sequence)} samples; found {levels}")
+    smooth = np.asarray(sequence, float)
+    for level in range(levels):
+        reach = (width - 1) * 2**level
+        wavelet, following = np.empty_like(smooth), np.empty_like(smooth)
+        _filter_pair(np.concatenate([smooth[-reach:], smooth]), 2**level, high, low, wavelet, following)
+        smooth = following
+        yield wavelet, smooth
+
+
+def _free(sequence: np.ndarray, levels: int, width: int) -> Iterator[np.ndarray]:
+    for level, (wavelet, _) in enumerate(_pyramid(sequence, levels, width), 1):
+        yield wavelet[length(level, width) - 1 :]
+
+
+@njit(cache=True, fastmath=True)
+def _filter_pair(padded, step, high, low, wavelet, scaling):
+    for start in range(0, len(wavelet), BLOCK):
+        w, v = wavelet[start : start + BLOCK], scaling[start : start + BLOCK]
+        w[:] = 0.0
+        v[:] = 0.0
+        for tap in range(len(high)):
+            first = start + (len(high) - 1 - tap) * step
+            part = padded[first : first + len(w)]
+            for k in range(len(w)):
+                w[k] += high[tap] * part[k]
+                v[k] += low[tap] * part[k]
+
+
+@njit(cache=True, fastmath=True)
+def _mean_square(values):
+    total = 0.0
+    for value in values:
+        total += value * value
+    return total / len(values)
+
+
+@njit(cache=True, fastmath=True)
+def _haar(sequence, levels):
+    """Return the mean squares of the Haar coefficients, which are second differences of the cumulative sum.
+
+    Each block of the sum passes through all levels while it is in the cache; slices let the compiler use vector
+    registers.
+    """
+    mean = sequence.mean()
+    angle = np.zeros(len(sequence) + 1)
+    for k in range(len(sequence)):
+        angle[k + 1] = angle[k] + (sequence[k] - mean)
+    total = np.zeros(levels)
+    for start in range(0, len(angle), BLOCK):
+        stop = min(start + BLOCK, len(angle))
+        for level in range(levels):
+            n = 1 << level
+            first = max(start, 2 * n)
+            if first < stop:
+                total[level] += _second_differences(angle[first:stop], angle[first - n :], angle[first - 2 * n :])
+    for level in range(levels):
+        n = 1 << level
+        total[level] /= 4.0 * n * n * (len(angle) - 2 * n)
+    return total
+
+
+@njit(cache=True, fastmath=True)
+def _second_differences(late, middle, early):
+    total = 0.0
+    for k in range(len(late)):
+        difference = late[k] - 2 * middle[k] + early[k]
+        total += difference * difference
+    return total
+
+
+def _biweight_scale(coefficients: np.ndarray, efficiency: float) -> float:
+    """Return the largest root s^2, downwards from where all coefficients count to where outliers no longer do."""
+    if not coefficients.any():
+        return 0.0
+    cut = _cut(efficiency)
+    target = _biweight_moments(cut)[0]
+    squares = coefficients**2
+
+    def excess(log_scale: float) -> float:
+        return _biweight_mean(squares, np.exp(-log_scale), cut**-2) - target
+
+    grid = np.log(3 * squares.mean()) - STEP * np.arange(100)  # at the first the excess is negative
+    values = []
+    for log_scale in grid:
+        values.append(excess(log_scale))
+        if values[-1] > 0:
+            return float(np.exp(brentq(excess, log_scale, log_scale + STEP, xtol=1e-11)))
+    return float(np.exp(grid[np.argmax(values)]))
+
+
+@njit(cache=True, fastmath=True)
+def _biweight_mean(squares, per_scale, per_cut):
+    total = 0.0
+    for square in squares:
+        ratio = square * per_scale
+        weight = max(1.0 - ratio * per_cut, 0.0)
+        total += ratio * weight * weight * weight * weight
+    return total / len(squares)
+
+
+@lru_cache
+def _cut(efficiency: float) -> float:
+    """Return c, in standard deviations, that has this efficiency."""
+    if not 0.3 <= efficiency <= 0.99:
+        raise ValueError(f"robust wavelet variance: expected an efficiency in [0.3, 0.99]; found {efficiency}")
+    return float(brentq(lambda cut: _biweight_moments(cut)[1] - efficiency, 2.0, 20.0))
+
+
+def _biweight_moments(cut: float) -> tuple[float, float]:
+    """Return, for a Gaussian r, the mean of psi = r^2 (1 - (r/c)^2)^4 and the efficiency (E r psi')^2/(2 var psi).
+
+    By parts, E r psi' = E (r^2 - 1) psi.
+    """
+    node, weight = leggauss(200)
+    r = cut * (node + 1) / 2
+    weight = cut * weight * norm.pdf(r)  # both sides
+    psi = r**2 * (1 - (r / cut) ** 2) ** 4
+    mean = weight @ psi
+    return float(mean), float((weight @ ((r**2 - 1) * psi)) ** 2 / (2 * (weight @ psi**2 - mean**2)))
+
+
+def _per_sample(model, interval: float):
+    """Return the sampled PSD as a function of cycles per sample: its integral over one cycle is the variance."""
+    return lambda cycles: model.sampled_psd(cycles / interval, interval) / interval
+
+
+def _octaves(levels: int) -> np.ndarray:
+    """Return quadrature nodes [cycles per sample], one row for each octave downwards from 1/4 to 1/2."""
+    top = (3 + leggauss(NODES)[0]) / 8
+    return top * 2.0 ** -np.arange(levels + OCTAVES_BELOW)[:, None]
+
+
+def _passed(spectrum: np.ndarray, width: int) -> float:
+    """Return the variance that the wavelet filter of level 1 lets pass, of a spectrum on :func:`_octaves`."""
+    cycles = _octaves(len(spectrum) - OCTAVES_BELOW)
+    weight = leggauss(NODES)[1] * 2.0 ** -np.arange(len(spectrum))[:, None] / 8
+    return float(2 * np.sum(weight * _gains(cycles, width)[0] * spectrum))
+
+
+def _fold(spectrum: np.ndarray, width: int) -> np.ndarray:
+    """Return the spectrum of every other scaling coefficient of level 1, on one octave less.
+
+    S'(f) = (|G(f/2)|^2 S(f/2) + |G(1/2 - f/2)|^2 S(1/2 - f/2))/2, and |G(1/2 - f)|^2 = |H(f)|^2. The halves f/2 are
+    nodes of the next octave; 1/2 - f/2 lies in the top one.
+    """
+    half = _octaves(len(spectrum) - OCTAVES_BELOW)[1:]
+    high, low = _gains(half, width)
+    top = BarycentricInterpolator((3 + leggauss(NODES)[0]) / 8, spectrum[0])
+    return (low * spectrum[1:] + high * top(0.5 - half)) / 2
+
+
+def _over_all_lags(psd, count: int, levels: int, width: int) -> np.ndarray:
+    """Return 2/max(M_i, M_j) int |H_i|^2 |H_j|^2 S^2 df, shape (levels, levels) (Percival & Walden 2000, section 8.3).
+
+    The integral is the sum of s_ij^2 over all lags, which each of the min(M_i, M_j) coefficients is given.
+    """
+    total = np.zeros((levels, levels))
+    for start in range(0, count, CHUNK):
+        cycles = (np.arange(start, min(start + CHUNK, count)) + 0.5) / (2 * count)
+        smooth, sine, cosine = psd(cycles), np.sin(np.pi * cycles) ** 2, np.cos(np.pi * cycles) ** 2
+        density = np.empty((levels, len(cycles)))
+        for level in range(levels):
+            high, low = _squared(sine, cosine, width)
+            density[level] = high * smooth
+            smooth = low * smooth
+            sine, cosine = 4 * sine * cosine, (cosine - sine) ** 2  # of twice the frequency
+        total += np.einsum("ik,jk->ij", density, density)
+    number = free(count, levels, width)
+    return 2 * total / count / np.maximum.outer(number, number)
+
+
+def _share(psd, count: int, levels: int, width: int, halvings: int) -> np.ndarray:
+    """Return the share of the sum over all lags that the sequence has pairs for, for levels above ``halvings``."""
+    samples = (count - length(halvings, width)) // 2**halvings + 1
+    deep = levels - halvings
+    period = next_fast_len(4 * samples)
+    cycles = (np.arange(period) + 0.5) / period  # between the harmonics: the spectrum may be infinite at 0
+    spectrum = _smooth_spectrum(psd, np.minimum(cycles, 1 - cycles), halvings, width)
+    gain = _transfer(cycles, deep, width)
+    lag = np.arange(-samples + 1, samples)
+    number = free(samples, deep, width)
+    first = samples - number
+    result = np.empty((deep, deep))
+    for i in range(deep):
+        for j in range(i, deep):
+            density = gain[i] * gain[j].conj() * spectrum
+            cross = (ifft(density)[lag] * np.exp(1j * np.pi * lag / period)).real
+            pairs = np.minimum(samples, samples - lag) - np.maximum(first[j], first[i] - lag)
+            all_lags = np.mean(np.abs(density) ** 2)
+            result[i, j] = result[j, i] = np.maximum(pairs, 0) @ cross**2 / (number[j] * all_lags)
+    return result
+
+
+def _smooth_spectrum(psd, cycles: np.ndarray, halvings: int, width: int) -> np.ndarray:
+    """Return the spectrum, at ``cycles`` of its own sampling, of every 2^halvings-th scaling coefficient."""
+    if not halvings:
+        return psd(cycles)
+    spectrum = psd(_octaves(halvings))
+    for _ in range(halvings):
+        spectrum = _fold(spectrum, width)
+    octave = np.ceil(-np.log2(cycles)).astype(int) - 2
+    result = np.empty(len(cycles))
+    for k in range(octave.max() + 1):
+        inside = octave == k
+        result[inside] = BarycentricInterpolator((3 + leggauss(NODES)[0]) / 8, spectrum[k])(cycles[inside] * 2.0**k)
+    return result
+
+
+def _transfer(cycles: np.ndarray, levels: int, width: int) -> np.ndarray:
+    """Return the transfer functions H_j, shape (levels, n)."""
+    high, low = filters(width)
+    result = np.empty((levels, len(cycles)), complex)
+    smooth = np.ones(len(cycles))
+    for level in range(levels):
+        delay = np.exp(-2j * np.pi * ((2.0**level * cycles) % 1))
+        result[level] = smooth * polyval(delay, high)
+        smooth = smooth * polyval(delay, low)
+    return result
