@@ -1,4 +1,5 @@
 from dataclasses import FrozenInstanceError, fields
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -19,7 +20,9 @@ from imugap.effects import (
     BiasInstability,
     Conditions,
     GaussMarkov,
+    Quantization,
     RandomWalk,
+    RateRamp,
     Resolution,
     StabilityRestoration,
     Stage,
@@ -30,6 +33,7 @@ from imugap.effects import (
 )
 from imugap.effects.bias_instability import FLOOR
 from imugap.effects.gauss_markov import FLAT_TOP
+from imugap.model import AxisModel
 from imugap.stability import bias_stability
 from imugap.stream import stream
 
@@ -38,6 +42,9 @@ PUBLISHED = pd.read_csv(
 )
 PROCESSES = (WhiteNoise(0.3), RandomWalk(0.2), GaussMarkov(0.7, 0.2), BiasInstability(0.4))
 NAMES = [process.name for process in PROCESSES]
+SAMPLED = (*PROCESSES, Quantization(0.003))
+"""All processes: quantization has a spectrum only once it is sampled."""
+SAMPLED_NAMES = [process.name for process in SAMPLED]
 RUNS = 300
 
 
@@ -84,7 +91,7 @@ def test_allan_variance_is_the_spectral_integral(process, tau):
     assert process.allan_variance(tau) == pytest.approx(spectral_integral(process.psd, tau), rel=2e-4)
 
 
-@pytest.mark.parametrize("process", PROCESSES, ids=NAMES)
+@pytest.mark.parametrize("process", SAMPLED, ids=SAMPLED_NAMES)
 @pytest.mark.parametrize("interval", [0.01, 0.005])
 def test_sampled_sequences_have_the_allan_variance_of_the_closed_form(process, interval):
     averaging = np.array([16, 40, 100, 250])  # samples, or the sampled process is not the averaged one
@@ -116,13 +123,13 @@ def test_spectrum_is_even_and_scales_with_the_square_of_the_density(process):
     np.testing.assert_allclose(doubled.allan_variance(frequency), 4 * process.allan_variance(frequency), rtol=1e-9)
 
 
-@pytest.mark.parametrize("process", PROCESSES, ids=NAMES)
+@pytest.mark.parametrize("process", SAMPLED, ids=SAMPLED_NAMES)
 def test_zero_density_is_silence(process):
     silent = type(process)(**process.parameters() | {fields(process)[0].name: 0.0})
     np.testing.assert_array_equal(silent.sample(conditions(50), stream(1)), np.zeros(50))
 
 
-@pytest.mark.parametrize("process", PROCESSES, ids=NAMES)
+@pytest.mark.parametrize("process", SAMPLED, ids=SAMPLED_NAMES)
 @pytest.mark.parametrize("count", [1, 2, 7, 100])
 def test_a_sample_has_the_length_of_the_run(process, count):
     assert process.sample(conditions(count), stream(1)).shape == (count,)
@@ -319,4 +326,155 @@ def test_text_in_place_of_a_number_names_the_parameter():
 
 @pytest.mark.parametrize("process", [e for e in CATALOGUE.values() if issubclass(e, StochasticEffect)])
 def test_stochastic_effects_are_all_put_to_the_test(process):
-    assert process.name in NAMES
+    assert process.name in SAMPLED_NAMES
+
+
+def autocovariance(process, count, interval=0.01):
+    """Covariance matrix of the samples of a process that has one."""
+    lag = np.abs(np.subtract.outer(np.arange(count), np.arange(count)))
+    time = interval * (1 + np.minimum.outer(np.arange(count), np.arange(count)))
+    return {
+        "white_noise": lambda p: p.density**2 / interval * (lag == 0),
+        "random_walk": lambda p: p.density_k**2 * time,
+        "gauss_markov": lambda p: p.std**2 * np.exp(-lag * interval / p.correlation_time),
+        "quantization": lambda p: (p.density_q / interval) ** 2 * (2.0 * (lag == 0) - (lag == 1)),
+    }[process.name](process)
+
+
+def sampled_spectral_integral(process, n, interval=0.01):
+    """Allan variance from the sampled PSD: gain 2 sin^4(n u)/(n sin u)^2, u = pi f interval, lobe by lobe."""
+    density = lambda u: float(process.sampled_psd(u / (np.pi * interval), interval))  # noqa: E731
+    gain = lambda u: 2 * np.sin(n * u) ** 4 / (n * np.sin(u)) ** 2  # noqa: E731
+    edges = np.linspace(0, np.pi / 2, n + 1)
+    lobes = [quad(lambda u: density(u) * gain(u), a, b)[0] for a, b in pairwise(edges)]
+    return 2 * sum(lobes) / (np.pi * interval)
+
+
+@pytest.mark.parametrize("process", SAMPLED, ids=SAMPLED_NAMES)
+def test_samples_have_exactly_the_sampled_allan_variance(process):
+    averaging = np.array([1, 2, 3, 7, 30])
+    found = np.array([allan.variance(sequence, averaging) for sequence in draws(process, 500, 600, "sampled")])
+    for column, expected in zip(found.T, process.sampled_allan_variance(averaging, 0.01), strict=True):
+        assert inside(column, expected)
+
+
+@pytest.mark.parametrize("process", SAMPLED, ids=SAMPLED_NAMES)
+@pytest.mark.parametrize("band", [slice(8, 16), slice(100, 200), slice(300, 400), slice(480, 510)], ids=str)
+def test_samples_have_exactly_the_sampled_spectrum_up_to_the_end(process, band):
+    count, interval = 1024, 0.01
+    steps = np.diff(draws(process, RUNS, count + 1, "sampled psd"), axis=1)
+    taper = np.hanning(count)
+    power = np.abs(np.fft.rfft(steps * taper)) ** 2 * interval / np.sum(taper**2)
+    frequency = np.fft.rfftfreq(count, interval)[band]
+    expected = process.sampled_psd(frequency, interval) * 4 * np.sin(np.pi * frequency * interval) ** 2
+    assert inside((power[:, band] / expected).mean(axis=1), 1.0)
+
+
+@pytest.mark.parametrize("process", SAMPLED, ids=SAMPLED_NAMES)
+@pytest.mark.parametrize("n", [1, 2, 5, 64, 500])
+def test_sampled_allan_variance_is_the_integral_of_the_sampled_spectrum(process, n):
+    assert process.sampled_allan_variance(n, 0.01) == pytest.approx(sampled_spectral_integral(process, n), rel=1e-9)
+
+
+@pytest.mark.parametrize("process", [p for p in SAMPLED if p.name != "bias_instability"], ids=lambda p: p.name)
+@pytest.mark.parametrize("n", [1, 2, 5, 60])
+def test_sampled_allan_variance_is_the_quadratic_form_of_the_covariance(process, n):
+    weights = np.repeat([-1.0, 1.0], n) / n
+    expected = weights @ autocovariance(process, 2 * n) @ weights / 2
+    assert process.sampled_allan_variance(n, 0.01) == pytest.approx(expected, rel=1e-10)
+
+
+@pytest.mark.parametrize("process", [WhiteNoise(0.3), GaussMarkov(0.7, 0.2), Quantization(0.003)], ids=lambda p: p.name)
+def test_sampled_spectrum_integrates_to_the_variance_of_a_sample(process):
+    power = 2 * quad(lambda f: float(process.sampled_psd(f, 0.01)), 0, 50, limit=200)[0]
+    assert power == pytest.approx(autocovariance(process, 1)[0, 0], rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    "process", [RandomWalk(0.2), GaussMarkov(0.7, 0.2), BiasInstability(0.4)], ids=lambda p: p.name
+)
+def test_sampled_allan_variance_tends_to_the_continuous_one_with_the_square_of_the_interval(process):
+    excess = [process.sampled_allan_variance(n, 1.0 / n) - process.allan_variance(1.0) for n in (100, 200, 400)]
+    assert abs(excess[0]) < 1e-3 * process.allan_variance(1.0)
+    for coarse, fine in pairwise(excess):  # of flicker with log(n)/n^2
+        assert 3.5 < coarse / fine < 4.05
+
+
+@pytest.mark.parametrize("n", [1, 3, 1000])
+@pytest.mark.parametrize("ratio", [1e-12, 1e-9, 1e-5])
+def test_sampled_gauss_markov_survives_cancellation_where_it_is_a_random_walk(n, ratio):
+    process = GaussMarkov(1.0, 0.01 / ratio)
+    walk = RandomWalk(np.sqrt(process.driving_psd))
+    expected = pytest.approx(walk.sampled_allan_variance(n, 0.01), rel=2 * n * ratio + 1e-12)
+    assert process.sampled_allan_variance(n, 0.01) == expected
+
+
+def test_sampled_gauss_markov_has_no_step_where_its_series_take_over():
+    shorter, longer = (GaussMarkov(1.0, 0.02 * (1 + k * 1e-13)) for k in (-1, 1))
+    for averaging in (np.array([1]), np.array([2, 7])):
+        found = [process.sampled_allan_variance(averaging, 0.01) for process in (shorter, longer)]
+        np.testing.assert_allclose(*found, rtol=2e-12)
+
+
+class OneAtATime:
+    """A source of "random" numbers that are zero but for one: samples are linear in them."""
+
+    def __init__(self, chosen):
+        self.chosen, self.drawn = chosen, 0
+
+    def standard_normal(self, count):
+        numbers = np.zeros(count)
+        if 0 <= self.chosen - self.drawn < count:
+            numbers[self.chosen - self.drawn] = 1.0
+        self.drawn += count
+        return numbers
+
+
+@pytest.mark.parametrize("n", [64, 32, 16])
+def test_flicker_of_a_run_lacks_only_the_power_below_its_first_line(n):
+    count, weights = 256, np.repeat([-1.0, 1.0], n) / n
+    responses = [BiasInstability(1.0).sample(conditions(count), OneAtATime(k)) for k in range(4 * count)]
+    exact = np.sum((np.array(responses)[:, 5 : 5 + 2 * n] @ weights) ** 2) / 2
+    missing = BiasInstability(1.0).sampled_allan_variance(n, 0.01) - exact
+    assert missing == pytest.approx(np.pi / 6 * (n / (4 * count)) ** 2, rel=0.05)
+
+
+def test_quantization_is_what_rounding_of_the_angle_does_to_the_rate():
+    lsb, rng = 1e-3, stream(7, "angle")
+    rate = 0.5 + rng.standard_normal((200, 500))
+    angle = np.cumsum(rate, axis=1) * 0.01
+    rounded = np.rint(angle / lsb) * lsb
+    errors = np.diff(rounded - angle, axis=1) / 0.01
+    process = Quantization(lsb / np.sqrt(12))
+    for n in (1, 4, 50):
+        found = np.array([allan.variance(sequence, np.array([n]))[0] for sequence in errors])
+        assert inside(found, process.sampled_allan_variance(n, 0.01)), n
+    assert np.abs(process.sample(conditions(1000), stream(7, "bound"))).max() <= lsb / 0.01
+
+
+def test_quantization_has_the_slope_and_gain_of_ieee_952():
+    tau = np.array([1.0, 10.0])
+    np.testing.assert_allclose(np.sqrt(Quantization(2.0).allan_variance(tau)), np.sqrt(3) * 2.0 / tau, rtol=1e-14)
+
+
+def test_quantization_has_no_spectrum_without_an_interval():
+    with pytest.raises(NotImplementedError, match="expected a sampling interval"):
+        Quantization(1.0).psd(np.ones(2))
+
+
+def test_ramp_has_the_allan_variance_of_ieee_952_at_every_averaging_time():
+    ramp, averaging = RateRamp(-0.3), np.array([1, 2, 17, 400])
+    sequence = ramp.sample(conditions(1000), stream(1))
+    assert sequence[-1] == pytest.approx(-0.3 * 9.99)
+    np.testing.assert_allclose(allan.variance(sequence, averaging), (0.3 * averaging * 0.01) ** 2 / 2, rtol=1e-8)
+    np.testing.assert_allclose(ramp.sampled_allan_variance(averaging, 0.01), ramp.allan_variance(averaging * 0.01))
+
+
+def test_a_model_sums_what_its_effects_say_of_their_samples():
+    ramp = RateRamp(0.1)
+    model = AxisModel((*SAMPLED, ramp, Bias(1.0), Resolution(0.1)))
+    averaging, frequency = np.array([1, 8, 64]), np.array([0.1, 1.0, 50.0])
+    expected = sum(effect.sampled_allan_variance(averaging, 0.01) for effect in (*SAMPLED, ramp))
+    np.testing.assert_allclose(model.sampled_allan_variance(averaging, 0.01), expected, rtol=1e-13)
+    expected = sum(effect.sampled_psd(frequency, 0.01) for effect in SAMPLED)
+    np.testing.assert_allclose(model.sampled_psd(frequency, 0.01), expected, rtol=1e-13)
