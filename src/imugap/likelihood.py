@@ -103,25 +103,36 @@ def _end_point(index: np.ndarray, count: int) -> np.ndarray:
 
 @dataclass(frozen=True, eq=False)
 class Cosines:
-    """All that the likelihood needs of a sequence: sums over bins of z_k^2 and a_k z_k, z its cosine coefficients."""
+    """All that the likelihood needs of a sequence: sums over bins of z_k^2 and a_k z_k, z its cosine coefficients.
+
+    With ``ramp`` a ramp is unknown besides the mean; the one that fits best by least squares is taken out beforehand,
+    because its coefficients alternate within a bin (the likelihood is the same without and with it).
+    """
 
     grid: Grid
     power: np.ndarray
     cross: np.ndarray
+    ramp: bool
 
     @classmethod
-    def of(cls, sequence: np.ndarray, interval: float, highest: float = np.inf) -> "Cosines":
+    def of(cls, sequence: np.ndarray, interval: float, highest: float = np.inf, ramp: bool = False) -> "Cosines":
         """Transform ``sequence``, shape (n,), sampled every ``interval`` [s]; keep what is below ``highest`` [Hz]."""
         sequence = np.asarray(sequence, float)
+        if not np.ptp(sequence) > 0:
+            raise ValueError("likelihood: expected finite samples that vary; found constant or missing ones")
         grid = Grid.of(len(sequence), interval, highest)
-        coefficients = dct(sequence - sequence.mean(), norm="ortho")
+        centred = sequence - sequence.mean()
+        if ramp:
+            steps = np.arange(len(sequence)) - (len(sequence) - 1) / 2
+            centred -= (steps @ centred) / (steps @ steps) * steps
+        coefficients = dct(centred, norm="ortho")
         weighted = coefficients * _end_point(np.arange(len(sequence)), len(sequence))
         last = int(grid.number.sum())
         power, cross = [], []
         for first, edges in zip((2, 1), grid.edges, strict=True):
             power.append(np.add.reduceat(coefficients[first : last + 1 : 2] ** 2, edges))
             cross.append(np.add.reduceat(weighted[first : last + 1 : 2], edges))
-        return cls(grid, np.concatenate(power), np.concatenate(cross))
+        return cls(grid, np.concatenate(power), np.concatenate(cross), ramp)
 
 
 @dataclass(frozen=True, eq=False)
@@ -200,14 +211,12 @@ def parameters(model: AxisModel) -> tuple[Composition, np.ndarray]:
 
 def log_likelihood(model: AxisModel, sequence: np.ndarray, interval: float, ramp: bool = False) -> float:
     """Return the log-density of the contrasts of ``sequence``, shape (n,), free of its mean (and of a ramp)."""
-    cosines = Cosines.of(sequence, interval)
+    cosines = Cosines.of(sequence, interval, ramp=ramp)
     composition, theta = parameters(model)
-    return value_and_gradient(theta, composition.shapes(cosines.grid), cosines, ramp)[0]
+    return value_and_gradient(theta, composition.shapes(cosines.grid), cosines)[0]
 
 
-def value_and_gradient(
-    theta: np.ndarray, shapes: np.ndarray, cosines: Cosines, ramp: bool = False
-) -> tuple[float, np.ndarray, np.ndarray]:
+def value_and_gradient(theta: np.ndarray, shapes: np.ndarray, cosines: Cosines) -> tuple[float, np.ndarray, np.ndarray]:
     """Return the log-likelihood, its gradient in the log parameters and Whittle's approximation of its information.
 
     Parameters
@@ -216,15 +225,13 @@ def value_and_gradient(
         Log parameters and spectral shapes (:class:`Composition`).
     cosines
         Statistics of the sequence.
-    ramp
-        Whether a ramp is unknown besides the mean.
     """
     grid = cosines.grid
-    spectrum = decompose(theta, shapes, grid.square, grid.count, grid.interval, ramp)
+    spectrum = decompose(theta, shapes, grid.square, grid.count, grid.interval, cosines.ramp)
     value, gradient, information = _evaluate(
         *spectrum, grid.number, grid.leverage, grid.odd, cosines.power, cosines.cross
     )
-    if ramp:
+    if cosines.ramp:
         value += 0.5 * np.log(2 * np.pi * np.sum((grid.leverage * spectrum[2][-1] ** 2)[grid.odd :]))
     return value - 0.5 * np.log(2 * np.pi) * grid.number.sum(), gradient, information
 
@@ -363,8 +370,8 @@ def _filter(sequence, transition, process, output, white, covariance):
     gain, work = np.zeros(states), np.empty((states, states))
     log_determinant, sums, steady, k, variance = 0.0, np.zeros(3), False, 0, 1.0
     while not steady and k < len(sequence):
-        variance, change = _riccati(covariance, gain, work, transition, process, output, white)
-        steady = change < STEADY
+        variance, change, size = _riccati(covariance, gain, work, transition, process, output, white)
+        steady = change < STEADY * size or not states
         log_determinant += np.log(variance)
         sums += _advance(sequence[k : k + 1], transition, gain, output, predicted) / variance
         k += 1
@@ -375,7 +382,7 @@ def _filter(sequence, transition, process, output, white, covariance):
 
 @njit(cache=True)
 def _riccati(covariance, gain, work, transition, process, output, white):
-    """Advance the covariance and the gain in place; return the innovation variance and the gain's relative change."""
+    """Advance the covariance and the gain in place; return the innovation variance, the gain's change and size."""
     states = len(output)
     variance = white
     for i in range(states):
@@ -384,7 +391,7 @@ def _riccati(covariance, gain, work, transition, process, output, white):
             work[i, j] = 0.0
             for k in range(states):
                 work[i, j] += transition[i, k] * covariance[k, j]
-    change, size = 0.0, np.finfo(np.float64).tiny
+    change, size = 0.0, 0.0
     for i in range(states):
         latest = 0.0
         for j in range(states):
@@ -395,7 +402,7 @@ def _riccati(covariance, gain, work, transition, process, output, white):
             covariance[i, j] = process[i, j] - gain[i] * variance * gain[j]
             for k in range(states):
                 covariance[i, j] += work[i, k] * transition[j, k]
-    return variance, change / size
+    return variance, change, size
 
 
 @njit(cache=True)
