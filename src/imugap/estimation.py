@@ -40,7 +40,10 @@ class Verdict(StrEnum):
 
     IDENTIFIED = "identified"
     UPPER_BOUND = "upper bound"
-    """Zero is within the interval: the log does not show that the process exists, only that it is no larger."""
+    """Zero is within the interval: the log does not show that the process exists, only that it is no larger.
+
+    The upper end keeps the level of two sides, so that the bound errs on the safe side.
+    """
     LOWER_BOUND = "lower bound"
     """Infinity is within the interval, as of a correlation time that the log is too short to see the end of."""
     UNDETERMINED = "undetermined"
@@ -121,21 +124,22 @@ def fit(
     level
         Confidence level of the intervals.
     """
-    problem = Problem(Composition.of(*kinds), Cosines.of(sequence, interval, highest), ramp)
+    problem = Problem(Composition.of(*kinds), Cosines.of(sequence, interval, highest, ramp))
     best, value, converged = problem.maximise()
-    for _ in range(CLIMBS):
-        ends, beyond = problem.profiles(best, value, np.sqrt(chi2.ppf(level, 1)))
-        if beyond is None:
-            break
-        best, value, converged = problem.climb(beyond)  # a profile found a higher hill
+    target = np.sqrt(chi2.ppf(level, 1))
+    ends, beyond = problem.profiles(best, value, target)
+    while beyond is not None:  # a profile found a higher hill
+        best, value, converged = problem.climb(beyond)
+        ends, beyond = problem.profiles(best, value, target)
     return problem.result(best, value, converged, ends)
 
 
 class Problem:
     """The likelihood of one log under one composition, ready to be climbed and profiled."""
 
-    def __init__(self, composition: Composition, cosines: Cosines, ramp: bool) -> None:
-        self.composition, self.cosines, self.ramp = composition, cosines, ramp
+    def __init__(self, composition: Composition, cosines: Cosines) -> None:
+        """Take the processes and the statistics of the log."""
+        self.composition, self.cosines = composition, cosines
         self.shapes = composition.shapes(cosines.grid)
         self.low, self.high = self._limits()
 
@@ -151,13 +155,19 @@ class Problem:
 
     def __call__(self, theta: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
         """Return log-likelihood, gradient and information, with a parabolic wall outside the limits."""
-        value, gradient, information = value_and_gradient(theta, self.shapes, self.cosines, self.ramp)
+        value, gradient, information = value_and_gradient(theta, self.shapes, self.cosines)
         outside = theta - np.clip(theta, self.low, self.high)
         return value - outside @ outside / 2, gradient - outside, information + np.diag((outside != 0) * 1.0)
 
     def maximise(self) -> tuple[np.ndarray, float, bool]:
         """Return the highest of the hills that start at the best grid points."""
-        return max((self.climb(start) for start in self.starts()), key=lambda hill: hill[1])
+        best, value, converged = max((self.climb(start) for start in self.starts()), key=lambda hill: hill[1])
+        return self._ordered(best), value, converged
+
+    def _ordered(self, theta: np.ndarray) -> np.ndarray:
+        """Return the same point with the Gauss-Markov processes ordered by correlation time."""
+        processes = theta[len(self.shapes) :].reshape(-1, 2)
+        return np.r_[theta[: len(self.shapes)], processes[np.argsort(processes[:, 1])].ravel()]
 
     def starts(self) -> list[np.ndarray]:
         """Return the best start values: densities by multiplicative updates on a grid of correlation times.
@@ -170,7 +180,7 @@ class Problem:
         ranked = []
         for chosen in combinations(times, markov):
             rows = [GaussMarkov(1.0, time).sampled_psd(grid.frequency, grid.interval) for time in chosen]
-            basis = np.concatenate([self.shapes, np.reshape(rows, (markov, -1)) / grid.interval])
+            basis = np.concatenate([self.shapes, np.reshape(rows, (markov, len(grid.index))) / grid.interval])
             weights = self.cosines.power.sum() / (basis @ grid.number)
             for _ in range(UPDATES):
                 total = weights @ basis
@@ -188,20 +198,20 @@ class Problem:
 
         With ``normal`` the climb stays on the plane normal' theta = constant.
         """
-        value, gradient, expected = self(theta)
-        information, damping = expected, 1e-3
+        value, gradient, information = self(theta)
+        damping = 1e-3
         for _ in range(ITERATIONS):
             step = _step(gradient, information, damping, normal)
             if gradient @ step < FLAT:
                 return theta, value, True
             trial = self(theta + step)
-            change = gradient - trial[1]
-            if trial[0] > value:
-                theta, (value, gradient, expected) = theta + step, trial
-                damping = max(damping / 10, 1e-4)
-            else:
-                damping *= 10
-            information = _secant(expected, step, change)
+            share = (trial[0] - value) / (gradient @ step - step @ information @ step / 2)
+            if share > 0:
+                theta, (value, gradient, information) = theta + step, trial
+            if share > 0.5:
+                damping = max(damping / 2, 1e-4)
+            elif share < 0.25:
+                damping *= 3
         return theta, value, False
 
     def profiles(
@@ -263,7 +273,7 @@ class Problem:
     def result(self, best: np.ndarray, value: float, converged: bool, ends: list[tuple[float, float]]) -> Fit:
         """Return the estimates with verdicts; a process without which the likelihood is no lower gets density zero."""
         covariance = np.linalg.inv(
-            fisher(best, self.shapes, self.cosines.grid, self.ramp) + 1e-12 * np.eye(len(best))
+            fisher(best, self.shapes, self.cosines.grid, self.cosines.ramp) + 1e-12 * np.eye(len(best))
         )
         absent = np.array([self._absent(best, value, index) for index in range(len(best))])
         estimates = []
@@ -287,9 +297,7 @@ class Problem:
         return bool(self(without)[0] > value - ABSENT)
 
 
-def _step(
-    gradient: np.ndarray, information: np.ndarray, damping: float, normal: np.ndarray | None
-) -> np.ndarray:
+def _step(gradient: np.ndarray, information: np.ndarray, damping: float, normal: np.ndarray | None) -> np.ndarray:
     """Return the damped scoring step, on the plane of ``normal``, no component longer than LONGEST_STEP."""
     scale = np.sqrt(np.diag(information) + 1e-3)
     matrix = information / np.outer(scale, scale)
@@ -302,17 +310,7 @@ def _step(
     return solution * min(1.0, LONGEST_STEP / max(np.abs(solution).max(), 1e-300))
 
 
-def _secant(information: np.ndarray, step: np.ndarray, change: np.ndarray) -> np.ndarray:
-    """Return the expected information with the curvature found along the last step (one BFGS update)."""
-    along, found = information @ step, change @ step
-    if found < 1e-3 * (along @ step):
-        return information
-    return information - np.outer(along, along) / (along @ step) + np.outer(change, change) / found
-
-
-def _next(
-    inner: tuple[float, float], outer: tuple[float, float] | None, target: float, limit: float
-) -> float:
+def _next(inner: tuple[float, float], outer: tuple[float, float] | None, target: float, limit: float) -> float:
     """Return the next distance to try: linear in the root between two points, else outwards, up to the limit."""
     if outer is not None:
         share = (target - inner[1]) / (outer[1] - inner[1])
