@@ -2,7 +2,7 @@ from pathlib import Path
 
 import pytest
 
-from imugap.dependencies import PACKAGE, modules_of
+from imugap.dependencies import PACKAGE, digest, modules_of
 
 SCRIPTS = Path(__file__).parents[1] / "workflow" / "scripts"
 SOURCES = {
@@ -79,6 +79,14 @@ def test_every_script_depends_on_files_that_exist_each_once_and_sorted(script):
     modules = modules_of(script)
     assert all(path.is_file() for path in modules)
     assert modules == sorted(set(modules))
+
+
+def test_the_digest_changes_with_any_module_and_with_nothing_else(package):
+    before = digest(package)
+    (package.parent / "beside.py").write_text("new")
+    assert digest(package) == before
+    (package / "deep" / "inner.py").write_text("import numpy as np\n")
+    assert digest(package) != before
 
 
 def test_no_module_uses_relative_imports():

@@ -119,7 +119,7 @@ def test_epochs_belong_to_the_stored_drift_at_any_rate():
 
 def test_course_reads_the_configuration():
     navigation = {"mechanisation": "ellipsoid", "calibration_s": 30, "horizons_s": [60, 10], "epoch_s": 2}
-    found = Course.from_mapping({"latitude_deg": 40.0, "height_m": 50.0}, navigation)
+    found = Course.from_mapping({"latitude_deg": 40.0, "height_m": 50.0}, navigation, 60)
     assert found == Course(UNKNOWN, True, 30, 60, 2)
     np.testing.assert_array_equal(found.epochs(), np.arange(0, 61, 2))
 

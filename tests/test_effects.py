@@ -219,7 +219,7 @@ def test_bias_is_its_value_at_every_sample():
 
 
 def test_turn_on_bias_is_held_within_a_run_and_has_its_deviation_over_runs():
-    sequences = draws(TurnOnBias(0.2), 2000, 3, "runs")
+    sequences = draws(TurnOnBias(0.2), 10_000, 3, "runs")
     np.testing.assert_array_equal(sequences, sequences[:, :1] * np.ones(3))
     assert sharp_std(sequences[:, 0], 0.2)
 

@@ -8,7 +8,16 @@ from pathlib import Path
 import pandas as pd
 
 TEX = {"√h": r"$\sqrt{\mathrm{h}}$", "√Hz": r"$\sqrt{\mathrm{Hz}}$", "≤": r"$\le$", "²": r"$^2$", "°": r"$^\circ$"}
-TEX |= {"σ": r"$\sigma$", "τ": r"$\tau$", "–": "--", "—": "---", "µ": r"$\mu$", "±": r"$\pm$", "×": r"$\times$", "−": "$-$"}
+TEX |= {
+    "σ": r"$\sigma$",
+    "τ": r"$\tau$",
+    "–": "--",
+    "—": "---",
+    "µ": r"$\mu$",
+    "±": r"$\pm$",
+    "×": r"$\times$",
+    "−": "$-$",
+}
 ESCAPED = {"%": r"\%", "_": r"\_", "&": r"\&", "#": r"\#"}
 
 
