@@ -8,7 +8,7 @@ from pathlib import Path
 import pandas as pd
 
 from imugap import integrity, log, readers
-from imugap.indices import INDICES, of_run, over_runs
+from imugap.indices import INDICES, of_run, over_runs, shortest
 from imugap.model import ErrorModel
 from imugap.units import from_si
 
@@ -39,7 +39,7 @@ def indices(options: argparse.Namespace) -> None:
     ideal["accel_z"] = -options.gravity
     symbols = tuple(symbol for symbol in INDICES if symbol != "repeatability")
     runs = {
-        run: of_run(table, ideal, options.period, _shown_by(symbols, table))
+        run: of_run(table, ideal, options.period, _shown_by(symbols, table, options.period))
         for run, table in enumerate(tables, start=1)
     }
     found = over_runs(pd.concat(runs, names=["run"]).reset_index("run").reset_index(drop=True))
@@ -68,12 +68,12 @@ def simulate(options: argparse.Namespace) -> None:
         log.write(measured, options.out)
 
 
-def _shown_by(symbols: tuple[str, ...], table: pd.DataFrame) -> tuple[str, ...]:
+def _shown_by(symbols: tuple[str, ...], table: pd.DataFrame, period: float) -> tuple[str, ...]:
     """Return the indices that a log of this length can show, and say which it cannot."""
-    able = tuple(symbol for symbol in symbols if log.duration(table) >= INDICES[symbol].minimum_s)
+    able = tuple(symbol for symbol in symbols if log.duration(table) >= shortest(symbol, period))
     for symbol in symbols:
         if symbol not in able:
-            needed = f"{INDICES[symbol].minimum_s:g} s; found {log.duration(table):g} s"
+            needed = f"{shortest(symbol, period):g} s; found {log.duration(table):g} s"
             print(f"imugap: {INDICES[symbol].title}: expected at least {needed}", file=sys.stderr)
     return able
 

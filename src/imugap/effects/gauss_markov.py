@@ -6,7 +6,7 @@ from typing import ClassVar
 import numpy as np
 from scipy.signal import lfilter
 
-from imugap.effects.effect import Conditions, StochasticEffect, parameter
+from imugap.effects.effect import TINY, Conditions, StochasticEffect, parameter
 from imugap.statespace import StateSpace
 
 FLAT_TOP = 1.89
@@ -19,7 +19,7 @@ class GaussMarkov(StochasticEffect):
 
     name: ClassVar[str] = "gauss_markov"
     std: float = parameter("{u}", "stationary standard deviation")
-    correlation_time: float = parameter("s", "T", low=np.finfo(float).tiny)
+    correlation_time: float = parameter("s", "T", low=TINY)
 
     @property
     def driving_psd(self) -> float:
