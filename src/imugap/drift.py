@@ -69,24 +69,23 @@ class Course:
         ideal = place.ideal()
         return ideal if self.full else ideal.where(~ideal.index.isin(log.GYRO), 0.0)
 
-    def _regular(self, table: pd.DataFrame) -> float:
-        """Return the interval of a log that has no gaps and a whole number of intervals in an epoch."""
-        interval = log.interval(table)
-        largest = np.diff(table.index.to_numpy()).max()
+    def _check_steps(self, time: np.ndarray, interval: float) -> None:
+        """Refuse gaps, and an epoch that is not a whole number of intervals (within one in a thousand)."""
+        largest = np.diff(time).max()
         if largest > 1.5 * interval:
             raise log.LogError("log", "time", f"steps of {interval:g} s to navigate", f"one of {largest:g} s")
-        if abs(self.epoch_s / interval - round(self.epoch_s / interval)) > 1e-3:
+        steps = self.epoch_s / interval
+        if abs(steps / max(round(steps), 1) - 1) > 1e-3:
             raise ValueError(f"epoch_s: expected a multiple of the interval {interval:g} s; found {self.epoch_s} s")
-        return interval
 
     def drift(self, table: pd.DataFrame) -> np.ndarray:
         """Navigate the log of a device at rest from both starts; return its drift, shape (2, epochs, 9)."""
-        interval = self._regular(table)
+        interval = log.interval(table)
         start, count = round(self.calibration_s / interval), round(self.length_s / interval) + 1
+        if len(table) < start + count:
+            raise log.LogError("log", "rows", f"{start + count} samples to navigate", str(len(table)))
+        self._check_steps(table.index.to_numpy()[: start + count], interval)
         samples = table[list(log.AXES)].to_numpy()[: start + count]
-        if len(samples) < start + count:
-            expected = f"{self.calibration_s + self.length_s:g} s to navigate"
-            raise log.LogError("log", "duration", expected, f"{log.duration(table):g} s")
         error = samples[:start].mean(axis=0) - self.rest().to_numpy()
         moving = np.stack([samples[start:], samples[start:] - error])
         place = self.site

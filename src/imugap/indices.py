@@ -82,8 +82,9 @@ def over_runs(runs: pd.DataFrame) -> pd.DataFrame:
     """Return the indices of the device from those of its runs (a table of :func:`of_run` with a column ``run``).
 
     Values are means over the runs with Student intervals; the repeatability (eq. 9) has a chi-square interval. A
-    coefficient that is read in most of the runs is the mean of these readings, ``runs`` says of how many; else all runs
-    bound it, and the bound is the mean of theirs. A single run keeps its own intervals and has no repeatability.
+    coefficient that is read in most of the runs is the mean of these readings, ``runs`` says of how many (one keeps the
+    interval of its run); else all runs bound it, and the bound is the mean of theirs. A single run keeps its own
+    intervals and has no repeatability.
     """
     if runs["run"].nunique() == 1:
         return runs.drop(columns=["run", "tau_low", "tau_high"]).assign(runs=1)
@@ -92,7 +93,12 @@ def over_runs(runs: pd.DataFrame) -> pd.DataFrame:
         if group["holds"].mean() <= 0.5:
             rows.append(_row(axis, symbol, group["value"].mean(), 0.0, group["high"].mean(), False, len(group)))
             continue
-        values = group.loc[group["holds"], "value"].to_numpy()
+        read = group[group["holds"]]
+        if len(read) == 1:
+            one = read.iloc[0]
+            rows.append(_row(axis, symbol, one["value"], one["low"], one["high"], True, 1))
+            continue
+        values = read["value"].to_numpy()
         half = _student(len(values)) * values.std(ddof=1) / np.sqrt(len(values))
         rows.append(_row(axis, symbol, values.mean(), values.mean() - half, values.mean() + half, True, len(values)))
         if symbol == "bias":
@@ -133,13 +139,15 @@ def _student(count: int) -> float:
     return float(t.ppf((1 + LEVEL) / 2, count - 1))
 
 
-def shortest(symbol: str, period: float) -> float:
-    """Return the length [s] of the shortest log that shows an index."""
-    return max(INDICES[symbol].minimum_s, 2 * BATCHES * period if symbol == "stability" else 0.0)
+def shortest(symbol: str, period: float, interval: float) -> float:
+    """Return the length [s] of the shortest log that shows an index, for its period and sampling interval [s]."""
+    needed = {"stability": 2 * BATCHES * period} | dict.fromkeys(allan.LAWS, allan.SHORTEST * interval)
+    return max(INDICES[symbol].minimum_s, needed.get(symbol, 0.0))
 
 
 def _long_enough(table: pd.DataFrame, period: float, symbols: tuple[str, ...]) -> None:
     for symbol in symbols:
-        if log.duration(table) < shortest(symbol, period):
-            expected = f"at least {shortest(symbol, period):g} s for the {INDICES[symbol].title}"
+        needed = shortest(symbol, period, log.interval(table))
+        if log.duration(table) < needed:
+            expected = f"at least {needed:g} s for the {INDICES[symbol].title}"
             raise log.LogError("log", "duration", expected, f"{log.duration(table):g} s")

@@ -9,6 +9,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from imugap.atomic import atomic
+
 GYRO = ("gyro_x", "gyro_y", "gyro_z")
 ACCEL = ("accel_x", "accel_y", "accel_z")
 AXES = GYRO + ACCEL
@@ -109,16 +111,13 @@ def duration(log: pd.DataFrame) -> float:
 
 
 def write(log: pd.DataFrame, path: str | Path) -> None:
-    """Write the log as Parquet, under a temporary name first, so that no half-written log is ever found."""
-    path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    partial = path.with_name(path.name + ".partial")
-    try:
-        log.to_parquet(partial)
-    except BaseException:
-        partial.unlink(missing_ok=True)
-        raise
-    partial.rename(path)
+    """Write the log as Parquet or, where the name ends so, as CSV; no half-written log is ever found."""
+    writers = {".parquet": log.to_parquet, ".csv": log.to_csv}
+    suffix = Path(path).suffix
+    if suffix not in writers:
+        raise LogError(path, "file name", f"one that ends in {' or '.join(writers)}", suffix or "no ending")
+    with atomic(path) as partial:
+        writers[suffix](partial)
 
 
 def load(path: str | Path, columns: list[str] | None = None) -> pd.DataFrame:

@@ -124,7 +124,7 @@ class ErrorModel:
         try:
             return cls.from_mapping(yaml.safe_load(Path(path).read_text()))
         except (AttributeError, TypeError, ValueError, yaml.YAMLError) as error:
-            raise ValueError(f"{path}: {error}") from error
+            raise ValueError(f"{path}: {' '.join(str(error).split())}") from error
 
 
 def _effect(axis: str, name: str, values: Mapping | None) -> Effect:

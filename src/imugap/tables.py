@@ -49,13 +49,12 @@ def unit(name: str) -> str:
 
 
 def number(value: float, digits: int = 3) -> str:
-    """Return ``value`` with ``digits`` significant digits, without an exponent where that stays readable."""
+    """Return ``value`` with ``digits`` significant digits, but all before the point; an exponent where it gets long."""
     if not isfinite(value):
         return "—"
     if value == 0:
         return "0"
-    value = float(f"{value:.{digits - 1}e}")
-    magnitude = floor(log10(abs(value)))
+    magnitude = floor(log10(abs(float(f"{value:.{digits - 1}e}"))))
     if not -4 <= magnitude <= 6:
         return f"{value:.{digits - 1}e}"
     return fixed(value, max(digits - 1 - magnitude, 0))
