@@ -1,4 +1,5 @@
 from pathlib import Path
+from shutil import copytree
 
 import pytest
 
@@ -53,10 +54,11 @@ def test_a_script_runs_what_it_imports_directly_or_not(package, text, modules):
     assert found(package, text) == modules
 
 
-@pytest.mark.xfail(strict=True, reason="relative imports are passed over in silence")
-def test_relative_imports_are_followed(package):
-    (package / "late.py").write_text("from . import alone\n")
-    assert "alone.py" in found(package, "import lib.late\n")
+@pytest.mark.parametrize("statement", ["from . import alone", "from .alone import os", "from ..lib import alone"])
+def test_relative_imports_are_refused_with_their_line(package, statement):
+    (package / "late.py").write_text(f"import os\n{statement}\n")
+    with pytest.raises(ValueError, match=r"late\.py, line 2: expected an absolute import"):
+        found(package, "import lib.late\n")
 
 
 def names(script):
@@ -87,6 +89,12 @@ def test_the_digest_changes_with_any_module_and_with_nothing_else(package):
     assert digest(package) == before
     (package / "deep" / "inner.py").write_text("import numpy as np\n")
     assert digest(package) != before
+
+
+def test_the_digest_is_that_of_the_sources_wherever_they_are(package, tmp_path):
+    elsewhere = copytree(package, tmp_path / "elsewhere" / "lib")
+    assert digest(elsewhere) == digest(package)
+    assert digest() == digest(PACKAGE) != digest(package)
 
 
 def test_no_module_uses_relative_imports():
