@@ -4,7 +4,7 @@ import allantools
 import numpy as np
 import pandas as pd
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import binom
 
@@ -16,7 +16,7 @@ from imugap.stream import stream
 NBS14 = pd.read_csv(Path(__file__).parent / "reference" / "nbs14.csv", comment="#")
 NINE = np.array([892.0, 809, 823, 798, 671, 644, 883, 903, 677])
 PURE = {"N": WhiteNoise(1.0), "B": BiasInstability(1.0), "K": RandomWalk(1.0)}
-RUNS = 300
+RUNS = 400
 
 
 def thousand():
@@ -77,6 +77,7 @@ def test_variance_is_that_of_allantools(kind):
 
 
 @given(st.integers(10, 300), st.floats(-1e3, 1e3), st.floats(1e-6, 1e6))
+@settings(deadline=None)  # the first call compiles
 def test_variance_is_blind_to_the_bias_and_quadratic_in_the_scale(count, offset, scale):
     data = stream(43, count).standard_normal(count)
     averaging = factors(count)
@@ -142,7 +143,6 @@ def test_intervals_cover_the_truth_as_often_as_they_say(curves, symbol, shortest
 
 
 @pytest.mark.slow
-@pytest.mark.xfail(strict=True, reason="edf follow the noise of the local slope: 75 % at a quarter of the run")
 def test_intervals_cover_the_truth_at_the_longest_averaging_times(curves):
     tau = curves["N"][0].index.to_numpy()
     held = np.array([(asd["low"] <= tau**-0.5) & (tau**-0.5 <= asd["high"]) for asd in curves["N"]])
@@ -151,7 +151,14 @@ def test_intervals_cover_the_truth_at_the_longest_averaging_times(curves):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("symbol", "bias"), [("N", 0.0), ("B", 0.02), ("K", 0.01)])
+@pytest.mark.parametrize(
+    ("symbol", "bias"),
+    [
+        ("N", 0.0),
+        ("B", 0.02),
+        ("K", 0.01),
+    ],
+)
 def test_tangent_recovers_the_coefficient_of_a_pure_law(curves, symbol, bias):
     """Flicker and walk are point samples: above their law by 1/(2 n^2) and its like at the shortest tau of a region."""
     readings = [tangent(asd, LAWS[symbol]) for asd in curves[symbol]]
@@ -163,17 +170,20 @@ def test_tangent_recovers_the_coefficient_of_a_pure_law(curves, symbol, bias):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "symbol",
-    [
-        "N",
-        pytest.param("B", marks=pytest.mark.xfail(strict=True, reason="the largest edf of the region: 74 % cover")),
-        pytest.param("K", marks=pytest.mark.xfail(strict=True, reason="the largest edf of the region: 86 % cover")),
-    ],
-)
-def test_intervals_of_tangents_cover_the_truth_as_often_as_they_say(curves, symbol):
+@pytest.mark.parametrize("symbol", LAWS)
+def test_intervals_of_tangents_cover_the_truth_at_least_as_often_as_they_say(curves, symbol):
     readings = [tangent(asd, LAWS[symbol]) for asd in curves[symbol]]
-    assert covered([reading.low <= 1 <= reading.high for reading in readings if reading.holds])
+    held = [reading.low <= 1 <= reading.high for reading in readings if reading.holds]
+    assert np.sum(held) >= binom.ppf(5e-5, len(held), 0.95)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("symbol", LAWS)
+def test_intervals_of_tangents_are_about_as_wide_as_the_readings_scatter(curves, symbol):
+    readings = [tangent(asd, LAWS[symbol]) for asd in curves[symbol]]
+    scatter = np.std([reading.value for reading in readings if reading.holds])
+    said = np.mean([reading.high - reading.low for reading in readings if reading.holds]) / (2 * 1.96)
+    assert 0.8 < said / scatter < 1.8
 
 
 @pytest.mark.slow
@@ -246,10 +256,23 @@ def test_a_law_has_to_hold_over_the_shortest_range(decades, holds):
     assert tangent(ideal_curve(sigma, TAU), LAWS["K"]).holds == holds
 
 
-@pytest.mark.xfail(strict=True, raises=ValueError, reason="no slope is known: the lowest of no limits is asked for")
-def test_a_short_log_gives_a_bound():
-    found = tangent(curve(stream(47).standard_normal(60), 1.0), LAWS["K"])
-    assert not found.holds
+@pytest.mark.parametrize("law", LAWS.values(), ids=LAWS)
+def test_the_shortest_log_gives_a_reading_or_a_bound(law):
+    found = tangent(curve(stream(47).standard_normal(allan.SHORTEST), 1.0), law)
+    assert 0 <= found.low <= found.value <= found.high < np.inf
+    assert found.low == 0 or found.holds
+
+
+def test_a_log_too_short_to_know_a_slope_is_refused():
+    with pytest.raises(ValueError, match=f"expected at least {allan.SHORTEST} samples; found {allan.SHORTEST - 1}"):
+        curve(stream(47).standard_normal(allan.SHORTEST - 1), 1.0)
+
+
+def test_at_the_longest_averaging_times_the_law_that_was_shown_last_goes_on():
+    """White noise whose last local slopes look like other laws keeps the degrees of freedom of white noise."""
+    found = [curve(stream(47, run).standard_normal(4096), 1.0).iloc[-1] for run in range(20)]
+    assert any(abs(last["slope"] + 0.5) > 0.25 for last in found)
+    assert [last["edf"] for last in found] == pytest.approx([allan._edf(0, 1024, 4096)] * len(found))
 
 
 def test_points_per_decade_is_what_the_slope_error_assumes():

@@ -66,7 +66,7 @@ def test_rate_random_walk_grows_by_k_each_second():
     assert effect(model, Bias).value == 0.4
 
 
-@pytest.mark.parametrize("name", ["white", "rate_random_walk", "method_a", "method_b"])
+@pytest.mark.parametrize("name", ["white", "white_turn_on", "rate_random_walk", "method_a", "method_b"])
 def test_fast_noise_has_the_white_density(name):
     sequence = errors(name, indices(walk=1e-6, stability=1e-6, flicker=1e-6), "white")
     assert sharp_std(np.diff(sequence)[::2], 0.05 * np.sqrt(2 / INTERVAL))
@@ -78,7 +78,7 @@ def test_contenders_without_a_turn_on_bias_start_from_the_mean_bias(name):
     np.testing.assert_allclose(starts, 0.4, atol=1e-6)
 
 
-@pytest.mark.parametrize("name", ["restoration", "nbk"])
+@pytest.mark.parametrize("name", ["white_turn_on", "restoration", "nbk"])
 def test_contenders_with_a_turn_on_bias_spread_by_the_repeatability(name):
     offset = np.array(
         [effect(CONTENDERS[name](indices()), TurnOnBias).sample(HOUR, stream(65, name, run))[0] for run in range(RUNS)]
@@ -92,6 +92,15 @@ def test_restored_sequence_has_exactly_the_prescribed_stability(stability, perio
     at = Conditions(HOUR.time[:2003], INTERVAL)
     sequence = errors("restoration", indices(stability=stability, period=period), "exact", at)
     assert bias_stability(sequence, INTERVAL, period) == pytest.approx(stability, rel=1e-9)
+
+
+def test_white_with_turn_on_is_the_restoration_without_its_scaling():
+    assert CONTENDERS["restoration"](indices()).effects[:-1] == (
+        Bias(0.4),
+        TurnOnBias(0.2),
+        WhiteNoise(0.05),
+    )
+    assert set(CONTENDERS["white_turn_on"](indices())) == set(CONTENDERS["restoration"](indices()).effects[:-1])
 
 
 def test_restoration_shifts_the_allan_curve_in_parallel_and_makes_no_slow_drift():

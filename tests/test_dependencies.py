@@ -1,8 +1,9 @@
 from pathlib import Path
+from shutil import copytree
 
 import pytest
 
-from imugap.dependencies import PACKAGE, modules_of
+from imugap.dependencies import PACKAGE, digest, modules_of
 
 SCRIPTS = Path(__file__).parents[1] / "workflow" / "scripts"
 SOURCES = {
@@ -53,10 +54,11 @@ def test_a_script_runs_what_it_imports_directly_or_not(package, text, modules):
     assert found(package, text) == modules
 
 
-@pytest.mark.xfail(strict=True, reason="relative imports are passed over in silence")
-def test_relative_imports_are_followed(package):
-    (package / "late.py").write_text("from . import alone\n")
-    assert "alone.py" in found(package, "import lib.late\n")
+@pytest.mark.parametrize("statement", ["from . import alone", "from .alone import os", "from ..lib import alone"])
+def test_relative_imports_are_refused_with_their_line(package, statement):
+    (package / "late.py").write_text(f"import os\n{statement}\n")
+    with pytest.raises(ValueError, match=r"late\.py, line 2: expected an absolute import"):
+        found(package, "import lib.late\n")
 
 
 def names(script):
@@ -79,6 +81,20 @@ def test_every_script_depends_on_files_that_exist_each_once_and_sorted(script):
     modules = modules_of(script)
     assert all(path.is_file() for path in modules)
     assert modules == sorted(set(modules))
+
+
+def test_the_digest_changes_with_any_module_and_with_nothing_else(package):
+    before = digest(package)
+    (package.parent / "beside.py").write_text("new")
+    assert digest(package) == before
+    (package / "deep" / "inner.py").write_text("import numpy as np\n")
+    assert digest(package) != before
+
+
+def test_the_digest_is_that_of_the_sources_wherever_they_are(package, tmp_path):
+    elsewhere = copytree(package, tmp_path / "elsewhere" / "lib")
+    assert digest(elsewhere) == digest(package)
+    assert digest() == digest(PACKAGE) != digest(package)
 
 
 def test_no_module_uses_relative_imports():

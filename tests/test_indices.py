@@ -3,9 +3,9 @@ import pandas as pd
 import pytest
 from scipy.stats import binom
 
-from imugap import log
+from imugap import allan, log
 from imugap.effects import BiasInstability, Conditions, RandomWalk, WhiteNoise
-from imugap.indices import INDICES, of_run, over_runs, repeatability
+from imugap.indices import BATCHES, INDICES, of_run, over_runs, repeatability, shortest
 from imugap.stream import stream
 from imugap.units import factor
 
@@ -113,11 +113,30 @@ def test_a_log_just_long_enough_for_an_index_passes(symbol):
     of_run(table(simulated(count, WhiteNoise(1.0))), ideal(), 1.0, (symbol,))
 
 
-@pytest.mark.filterwarnings("ignore:invalid value", "ignore:Mean of empty")
-@pytest.mark.xfail(strict=True, reason="the shortest log does not depend on the averaging period: the interval is NaN")
 def test_fewer_periods_than_batches_are_refused():
     with pytest.raises(log.LogError, match="stability"):
         found(simulated(3000, WhiteNoise(1.0)), "stability", period=5.0)
+
+
+@pytest.mark.parametrize("period", [0.1, 1.0, 5.0, 60.0])
+def test_the_shortest_log_for_the_stability_has_two_periods_in_every_batch(period):
+    needed = shortest("stability", period, 0.1)
+    assert needed == max(INDICES["stability"].minimum_s, 2 * BATCHES * period)
+    count = round(needed / 0.1)
+    row = found(simulated(count, WhiteNoise(1.0), interval=0.1), "stability", period=period, interval=0.1).iloc[0]
+    assert 0 <= row["low"] < row["value"] < row["high"]
+    with pytest.raises(log.LogError, match=f"expected at least {needed:g} s for the bias stab"):
+        found(simulated(count - 1, WhiteNoise(1.0), interval=0.1), "stability", period=period, interval=0.1)
+
+
+@pytest.mark.parametrize("symbol", [symbol for symbol in INDICES if symbol != "stability"])
+def test_the_period_of_the_stability_lengthens_no_other_index(symbol):
+    assert shortest(symbol, 1e4, 0.01) == INDICES[symbol].minimum_s
+
+
+@pytest.mark.parametrize("symbol", ["N", "B", "K"])
+def test_a_slow_log_has_to_have_enough_samples_for_a_curve(symbol):
+    assert shortest(symbol, 1.0, 100.0) == 100.0 * allan.SHORTEST
 
 
 def test_repeatability_is_the_deviation_over_runs():
@@ -167,10 +186,21 @@ def test_a_value_is_a_reading_only_if_most_runs_read_it(holds, reading):
     assert (row["low"] == 0) == (not reading)
 
 
-@pytest.mark.xfail(strict=True, reason="bounds of runs where the law does not hold are averaged into the reading")
 def test_bounds_do_not_enter_the_mean_of_readings():
     row = over_runs(runs([1.0, 1.0, 10.0], "K", (True, True, False))).iloc[0]
     assert row["value"] == pytest.approx(1.0)
+    assert row["runs"] == 2
+
+
+def test_all_runs_bound_what_most_do_not_read():
+    row = over_runs(runs([1.0, 4.0, 10.0], "K", (True, False, False))).iloc[0]
+    assert row[["value", "low", "high", "runs"]].tolist() == [5.0, 0.0, 6.0, 3]
+
+
+@pytest.mark.filterwarnings("ignore:Degrees of freedom", "ignore:invalid value")
+def test_a_reading_of_a_single_run_among_several_keeps_its_own_interval():
+    rows = over_runs(pd.concat([runs([1.0, 2.0]), runs([5.0], "K")])).set_index("symbol")
+    assert rows.loc["K", ["value", "low", "high"]].tolist() == [5.0, 4.0, 6.0]
 
 
 def test_units_of_the_indices_are_convertible():

@@ -2,7 +2,7 @@ from math import atan2, degrees, pi, radians
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from imugap.log import ACCEL, AXES, GYRO
@@ -13,12 +13,14 @@ latitudes, headings = st.floats(-1.5, 1.5), st.floats(-pi + 1e-6, pi - 1e-6)
 
 
 @given(latitudes, headings)
+@settings(deadline=None)  # the first call compiles
 def test_a_device_at_rest_turns_with_the_earth(latitude, heading):
     rate = Site(latitude, 0.0, heading).ideal()[list(GYRO)]
     assert np.linalg.norm(rate) == pytest.approx(7.292115e-5, rel=1e-12)
 
 
 @given(latitudes, headings)
+@settings(deadline=None)  # the first call compiles
 def test_gyrocompassing_finds_heading_and_latitude(latitude, heading):
     x, y, z = Site(latitude, 0.0, heading).ideal()[list(GYRO)]
     assert atan2(-y, x) == pytest.approx(heading, abs=1e-9)

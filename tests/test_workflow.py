@@ -68,3 +68,9 @@ def test_own_logs_become_a_device():
     found = snakemake("--dry-run", "--config", "own_logs=[README.md,LICENSE]", "devices={bench: [], adis16405: []}")
     assert "results/own/2/log.parquet" in found.stdout
     assert "results/bench" not in found.stdout.replace("results/bench/truth", "")
+
+
+def test_a_table_length_that_is_no_navigation_length_is_refused():
+    found = snakemake("--dry-run", "--config", "navigation={horizons_s: [10, 60], table_horizon_s: 30}")
+    assert found.returncode != 0
+    assert "navigation.table_horizon_s: expected one of horizons_s" in found.stdout + found.stderr

@@ -6,7 +6,6 @@ import numpy as np
 import pandas as pd
 from allantools import ci
 from numba import njit
-from scipy.optimize import nnls
 from scipy.stats import chi2
 
 from imugap.effects.bias_instability import FLOOR
@@ -18,6 +17,10 @@ SLOPE_ERROR = 0.1
 """Largest standard error of a local slope that still tells one law from another."""
 REGION_DECADES = 0.5
 """Shortest range of tau over which the slope must hold."""
+ITERATIONS = 3
+"""Rounds of weighting by the fitted variance."""
+SHORTEST = 256
+"""Fewest samples of a curve: below, no slope is known at any tau."""
 WINDOW = 3
 """Half width, in points, of the window over which a local slope is taken."""
 
@@ -58,7 +61,7 @@ def curve(sequence: np.ndarray, interval: float, level: float = 0.95) -> pd.Data
     """Return the Allan deviation with chi-square intervals.
 
     The equivalent degrees of freedom are those of Greenhall and Riley (2003), for the power law that the local slope
-    of the curve itself shows.
+    of the curve itself shows; where the slope is too uncertain to show one, the last law that was shown goes on.
 
     Returns
     -------
@@ -67,19 +70,23 @@ def curve(sequence: np.ndarray, interval: float, level: float = 0.95) -> pd.Data
         standard deviation of the estimate, Farrell et al. 2022, eq. 15), ``slope`` (local d log sigma/d log tau),
         ``edf``.
     """
+    if len(sequence) < SHORTEST:
+        raise ValueError(f"Allan deviation: expected at least {SHORTEST} samples; found {len(sequence)}")
     averaging = factors(len(sequence))
     deviation = np.sqrt(variance(np.asarray(sequence, float), averaging))
     if not deviation.all():
         raise ValueError("Allan deviation: expected samples that vary; found a constant sequence")
     slope = local_slope(averaging, deviation)
-    exponent = np.clip(np.rint(-1 - 2 * slope), -2, 2).astype(int)
+    error = np.sqrt(0.5 / (len(sequence) / averaging - 1))
+    exponent = pd.Series(np.clip(np.rint(-1 - 2 * slope), -2, 2))
+    exponent = exponent.where(_slope_error(pd.Series(error)) < SLOPE_ERROR).ffill().astype(int)
     edf = np.array([_edf(a, n, len(sequence)) for a, n in zip(exponent, averaging, strict=True)])
     low, high = (deviation * np.sqrt(edf / chi2.ppf(p, edf)) for p in ((1 + level) / 2, (1 - level) / 2))
     columns = {
         "deviation": deviation,
         "low": low,
         "high": high,
-        "error": np.sqrt(0.5 / (len(sequence) / averaging - 1)),
+        "error": error,
         "slope": slope,
         "edf": edf,
     }
@@ -151,7 +158,7 @@ class Tangent:
 def tangent(asd: pd.DataFrame, law: Law, level: float = 0.95) -> Tangent:
     """Read the coefficient of ``law`` from a curve of :func:`curve`, on the longest range where its slope holds."""
     coefficient = asd["deviation"] / law.deviation(1.0, asd.index)
-    error = _slope_error(asd)
+    error = _slope_error(asd["error"])
     near = (np.abs(asd["slope"] - law.slope) < np.maximum(SLOPE_TOLERANCE, 2 * error)) & (error < SLOPE_ERROR)
     region = _longest(asd.index.to_numpy(), near.to_numpy())
     if region is None:
@@ -167,22 +174,30 @@ def tangent(asd: pd.DataFrame, law: Law, level: float = 0.95) -> Tangent:
 def _separated(asd: pd.DataFrame, law: Law) -> tuple[float, float]:
     """Return the coefficient of ``law`` where it dominates, freed from what the other laws add there.
 
-    Non-negative least squares of the Allan variance, which is linear in the squared coefficients, with weights from the
-    degrees of freedom; and the factor by which not knowing the other laws widens the relative standard error.
+    Least squares of the Allan variance, which is linear in the squared coefficients, with weights from the degrees of
+    freedom and the fitted variance; and the factor by which not knowing the other laws widens the relative standard
+    error.
     """
     laws = [law, *(other for other in LAWS.values() if other is not law)]
-    shares = np.array([other.deviation(1.0, asd.index) ** 2 for other in laws]).T / asd[["deviation"]].to_numpy() ** 2
-    weighted = shares * np.sqrt(asd[["edf"]].to_numpy())
-    scale = np.linalg.norm(weighted, axis=0)
-    design = weighted / scale
-    squares, _ = nnls(design, np.sqrt(asd["edf"].to_numpy()))
-    inflation = np.sqrt(np.linalg.inv(design.T @ design)[0, 0])
-    return float(np.sqrt(squares[0] / scale[0])), float(inflation)
+    shares = np.array([other.deviation(1.0, asd.index) ** 2 for other in laws]).T
+    observed, weight = asd["deviation"].to_numpy() ** 2, np.sqrt(asd["edf"].to_numpy())
+    expected = observed
+    for _ in range(ITERATIONS):
+        design = shares * (weight / expected)[:, None]
+        scale = np.linalg.norm(design, axis=0)
+        squares = np.linalg.lstsq(design / scale, observed * weight / expected)[0] / scale
+        expected = np.where(shares @ squares > 0, shares @ squares, observed)
+    normal = (design / scale).T @ (design / scale)
+    return float(np.sqrt(max(squares[0], 0.0))), float(np.sqrt(np.linalg.inv(normal)[0, 0]))
 
 
-def _slope_error(asd: pd.DataFrame) -> pd.Series:
-    """Return the standard error of the local slope, from the two ends of its window."""
-    ends = np.hypot(asd["error"], asd["error"].shift(-WINDOW, fill_value=np.inf))
+def _slope_error(error: pd.Series) -> pd.Series:
+    """Return the standard error of the local slopes from the relative errors of the curve.
+
+    Centre and far end of the window are taken as independent: neighbouring points share most of their data, so the
+    points between them add little.
+    """
+    ends = np.hypot(error, error.shift(-WINDOW, fill_value=np.inf))
     return ends * POINTS_PER_DECADE / (2 * WINDOW * np.log(10))
 
 

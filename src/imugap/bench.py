@@ -42,11 +42,14 @@ class Bench:
     def read(cls, path: str | Path) -> "Bench":
         """Read a recipe (YAML with ``model``, ``site`` and ``temperature``)."""
         recipe = yaml.safe_load(Path(path).read_text())
-        return cls(
-            ErrorModel.from_mapping(recipe["model"]),
-            Site.from_mapping(recipe["site"]),
-            Room(**recipe["temperature"]),
-        )
+        try:
+            return cls(
+                ErrorModel.from_mapping(recipe["model"]),
+                Site.from_mapping(recipe["site"]),
+                Room(**recipe["temperature"]),
+            )
+        except (KeyError, TypeError, ValueError) as error:
+            raise ValueError(f"{path}: expected a recipe with model, site and temperature; found {error}") from error
 
     def run(self, number: int, interval: float, duration: float, seed: int) -> pd.DataFrame:
         """Return the log of static run ``number``: six axes and the temperature, ``duration`` [s] long."""

@@ -3,12 +3,13 @@
 import argparse
 import json
 import sys
-from pathlib import Path
+from math import inf
 
 import pandas as pd
 
 from imugap import integrity, log, readers
-from imugap.indices import INDICES, of_run, over_runs
+from imugap.atomic import atomic
+from imugap.indices import INDICES, of_run, over_runs, shortest
 from imugap.model import ErrorModel
 from imugap.units import from_si
 
@@ -39,7 +40,7 @@ def indices(options: argparse.Namespace) -> None:
     ideal["accel_z"] = -options.gravity
     symbols = tuple(symbol for symbol in INDICES if symbol != "repeatability")
     runs = {
-        run: of_run(table, ideal, options.period, _shown_by(symbols, table))
+        run: of_run(table, ideal, options.period, _shown_by(symbols, table, options.period))
         for run, table in enumerate(tables, start=1)
     }
     found = over_runs(pd.concat(runs, names=["run"]).reset_index("run").reset_index(drop=True))
@@ -53,7 +54,8 @@ def indices(options: argparse.Namespace) -> None:
         .to_string(index=False)
     )
     if options.out:
-        _replace(options.out, found.to_csv(index=False))
+        with atomic(options.out) as partial:
+            found.to_csv(partial, index=False)
 
 
 def simulate(options: argparse.Namespace) -> None:
@@ -62,34 +64,34 @@ def simulate(options: argparse.Namespace) -> None:
     model = ErrorModel.read(options.model)
     ideal = {axis: [-options.gravity if axis == "accel_z" else 0.0] * count for axis in log.AXES if axis in model.axes}
     measured = model.simulate(log.from_samples(ideal, 1 / options.rate), options.seed, "simulate")
-    if Path(options.out).suffix == ".csv":
-        _replace(options.out, measured.to_csv())
-    else:
-        log.write(measured, options.out)
+    log.write(measured, options.out)
 
 
-def _shown_by(symbols: tuple[str, ...], table: pd.DataFrame) -> tuple[str, ...]:
+def _shown_by(symbols: tuple[str, ...], table: pd.DataFrame, period: float) -> tuple[str, ...]:
     """Return the indices that a log of this length can show, and say which it cannot."""
-    able = tuple(symbol for symbol in symbols if log.duration(table) >= INDICES[symbol].minimum_s)
+    needed = {symbol: shortest(symbol, period, log.interval(table)) for symbol in symbols}
+    able = tuple(symbol for symbol in symbols if log.duration(table) >= needed[symbol])
     for symbol in symbols:
         if symbol not in able:
-            needed = f"{INDICES[symbol].minimum_s:g} s; found {log.duration(table):g} s"
-            print(f"imugap: {INDICES[symbol].title}: expected at least {needed}", file=sys.stderr)
+            found = f"{needed[symbol]:g} s; found {log.duration(table):g} s"
+            print(f"imugap: {INDICES[symbol].title}: expected at least {found}", file=sys.stderr)
+    if not able:
+        raise ValueError(f"log: expected at least {min(needed.values()):g} s; found {log.duration(table):g} s")
     return able
 
 
-def _replace(path: str, text: str) -> None:
-    """Write under a temporary name, then rename."""
-    target = Path(path)
-    partial = target.with_name(target.name + ".partial")
-    partial.write_text(text)
-    partial.rename(target)
+def _positive(text: str) -> float:
+    """Read an option that is a finite number above zero."""
+    value = float(text)
+    if not 0 < value < inf:
+        raise argparse.ArgumentTypeError(f"expected a finite number > 0; found {text}")
+    return value
 
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="imugap", description=__doc__)
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
-    gravity = {"type": float, "default": 9.80665, "help": "local gravity [m/s^2] (default %(default)s)"}
+    gravity = {"type": _positive, "default": 9.80665, "help": "local gravity [m/s^2] (default %(default)s)"}
 
     one = commands.add_parser("check", help="report on stamps, gaps, stuck and saturated samples, lattice, gravity")
     one.add_argument("log", nargs="+", help="canonical CSV or Parquet log")
@@ -97,15 +99,15 @@ def _parser() -> argparse.ArgumentParser:
 
     one = commands.add_parser("indices", help="performance indices of static runs of one device")
     one.add_argument("log", nargs="+", help="canonical CSV or Parquet log, one per run")
-    one.add_argument("--period", type=float, default=1.0, help="averaging period of the bias stability [s]")
+    one.add_argument("--period", type=_positive, default=1.0, help="averaging period of the bias stability [s]")
     one.add_argument("--gravity", **gravity)
     one.add_argument("--out", help="CSV file for the indices in SI units")
     one.set_defaults(run=indices)
 
     one = commands.add_parser("simulate", help="static log of a device with an error model")
     one.add_argument("model", help="error model (YAML)")
-    one.add_argument("--duration", type=float, required=True, help="length [s]")
-    one.add_argument("--rate", type=float, required=True, help="sampling rate [Hz]")
+    one.add_argument("--duration", type=_positive, required=True, help="length [s]")
+    one.add_argument("--rate", type=_positive, required=True, help="sampling rate [Hz]")
     one.add_argument("--gravity", **gravity)
     one.add_argument("--seed", type=int, default=0)
     one.add_argument("--out", required=True, help="Parquet or CSV file")

@@ -39,11 +39,11 @@ def _explain(error: ValidationError) -> str:
         return f"  {place}: {error.message}"
     known = list(error.schema.get("properties", {}))
     return "\n".join(
-        _unknown(".".join(filter(None, [place, key])), key, known) for key in error.instance if key not in known
+        _unknown(".".join(filter(None, [place, str(key)])), key, known) for key in error.instance if key not in known
     )
 
 
 def _unknown(path: str, key: str, known: list[str]) -> str:
-    near = get_close_matches(key, known, 1)
+    near = get_close_matches(str(key).lower(), known, 1)
     hint = f"did you mean {near[0]!r}?" if near else f"known keys: {', '.join(known)}"
     return f"  {path}: no such key; {hint}"

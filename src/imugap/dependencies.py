@@ -34,7 +34,9 @@ def _imported(source: Path, package: Path) -> set[Path]:
     for node in ast.walk(ast.parse(source.read_text())):
         if isinstance(node, ast.Import):
             names |= {alias.name for alias in node.names}
-        elif isinstance(node, ast.ImportFrom) and node.level == 0:
+        elif isinstance(node, ast.ImportFrom) and node.level > 0:
+            raise ValueError(f"{source}, line {node.lineno}: expected an absolute import; found a relative one")
+        elif isinstance(node, ast.ImportFrom):
             names |= {node.module} | {f"{node.module}.{alias.name}" for alias in node.names}
     return {file for name in names if name.split(".")[0] == package.name for file in _files(name, package)}
 

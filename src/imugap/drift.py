@@ -2,10 +2,11 @@
 
 A *drift* is navigated minus true for a device at rest: an array of shape (starts, epochs, 9), columns
 :data:`imugap.strapdown.COLUMNS` with the heading unwrapped. The starts are :data:`STARTS`: ``raw`` navigates the log as
-it is, as the source does; ``calibrated`` first takes off the mean error over the calibration time ahead of the start.
+it is, as the source does; ``calibrated`` first takes off the mean over the calibration time ahead of the start, save
+for the input with which the mechanisation stays at rest.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pandas as pd
@@ -58,16 +59,35 @@ class Course:
         count = round((self.calibration_s + self.length_s) / interval) + 1
         return log.from_samples({axis: np.full(count, value) for axis, value in self.site.ideal().items()}, interval)
 
+    def rest(self) -> pd.Series:
+        """Return the input with which the mechanisation stays at rest, per axis, SI.
+
+        The local form stays without any rate, the full one at the Earth rate (for a heading of north, where it is not
+        known). It is what a calibration of a device at rest aims at, whatever the device really senses.
+        """
+        place = self.site if self.site.heading is not None else replace(self.site, heading=0.0)
+        ideal = place.ideal()
+        return ideal if self.full else ideal.where(~ideal.index.isin(log.GYRO), 0.0)
+
+    def _check_steps(self, time: np.ndarray, interval: float) -> None:
+        """Refuse gaps, and an epoch that is not a whole number of intervals (within one in a thousand)."""
+        largest = np.diff(time).max()
+        if largest > 1.5 * interval:
+            raise log.LogError("log", "time", f"steps of {interval:g} s to navigate", f"one of {largest:g} s")
+        steps = self.epoch_s / interval
+        if abs(steps / max(round(steps), 1) - 1) > 1e-3:
+            raise ValueError(f"epoch_s: expected a multiple of the interval {interval:g} s; found {self.epoch_s} s")
+
     def drift(self, table: pd.DataFrame) -> np.ndarray:
         """Navigate the log of a device at rest from both starts; return its drift, shape (2, epochs, 9)."""
         interval = log.interval(table)
         start, count = round(self.calibration_s / interval), round(self.length_s / interval) + 1
+        if len(table) < start + count:
+            raise log.LogError("log", "rows", f"{start + count} samples to navigate", str(len(table)))
+        self._check_steps(table.index.to_numpy()[: start + count], interval)
         samples = table[list(log.AXES)].to_numpy()[: start + count]
-        if len(samples) < start + count:
-            expected = f"{self.calibration_s + self.length_s:g} s to navigate"
-            raise log.LogError("log", "duration", expected, f"{log.duration(table):g} s")
-        bias = samples[:start].mean(axis=0) - self.site.ideal().to_numpy()
-        moving = np.stack([samples[start:], samples[start:] - bias])
+        error = samples[:start].mean(axis=0) - self.rest().to_numpy()
+        moving = np.stack([samples[start:], samples[start:] - error])
         place = self.site
         mechanisation = (
             strapdown.Ellipsoid(place.latitude, 0.0, place.height) if self.full else strapdown.Local(place.gravity)

@@ -196,9 +196,9 @@ def differences(time: np.ndarray, gaps: Mapping[str, np.ndarray], drawn: int) ->
     figure, grid = _grid(3, len(gaps), 4.6, sharex=True, sharey="row")
     for k, (row, (label, convert)) in enumerate(zip(grid, rows.items(), strict=True)):
         row[0].set_ylabel(f"d {label}")
-        linear = max(float(convert(np.median([np.abs(gap[:, -1, k]).max() for gap in gaps.values()]))), 1e-12) / 10
+        usual = convert(np.median([np.abs(gap[:, -1, k]).max() for gap in gaps.values()]))
         for panel in row:
-            panel.set_yscale("symlog", linthresh=linear)
+            panel.set_yscale("symlog", linthresh=10.0 ** np.floor(np.log10(usual)))
     for column, (name, gap) in zip(grid.T, gaps.items(), strict=True):
         for k, (panel, convert) in enumerate(zip(column, rows.values(), strict=True)):
             shown = convert(gap[:, :, k])
@@ -206,7 +206,7 @@ def differences(time: np.ndarray, gaps: Mapping[str, np.ndarray], drawn: int) ->
             panel.fill_between(time, low, high, color=COLOURS[name], alpha=0.3, lw=0)
             panel.plot(time, shown[:drawn].T, color=COLOURS[name], lw=0.6)
             panel.axhline(0, color="black", lw=0.5)
-        column[0].set_title(TITLES[name], fontsize=7)
+        column[0].set_title(TITLES[name].replace(" + white", "\n+ white"))
         column[-1].set(xlabel="time [s]", xlim=(0, time[-1]))
     return figure
 
@@ -257,7 +257,7 @@ def repeatability(means: pd.DataFrame) -> Figure:
         value, low, high = (from_si(one[c].to_numpy(), unit) for c in ("value", "low", "high"))
         panel.errorbar(one["run"], value, [value - low, high - value], fmt="o", ms=3, lw=0.8, color="#0072B2")
         panel.axhline(value.mean(), color="black", lw=0.6)
-        panel.set(title=AXIS_TITLES[axis], xlabel="power cycle", ylabel=f"mean [{unit}]")
+        panel.set(title=AXIS_TITLES[axis], xlabel="power cycle", ylabel=f"mean [{unit}]", xticks=one["run"].iloc[::2])
     return figure
 
 

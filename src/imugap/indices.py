@@ -60,7 +60,7 @@ def of_run(table: pd.DataFrame, ideal: pd.Series, period: float, symbols: tuple[
     symbols
         Indices asked for; the repeatability needs several runs and is left to :func:`over_runs`.
     """
-    _long_enough(table, symbols)
+    _long_enough(table, period, symbols)
     interval = log.interval(table)
     rows = []
     for axis in log.axes(table):
@@ -81,19 +81,26 @@ def of_run(table: pd.DataFrame, ideal: pd.Series, period: float, symbols: tuple[
 def over_runs(runs: pd.DataFrame) -> pd.DataFrame:
     """Return the indices of the device from those of its runs (a table of :func:`of_run` with a column ``run``).
 
-    Values are means over the runs with Student intervals; the repeatability (eq. 9) has a chi-square interval. A value
-    counts as a reading only if it is one in most of the runs. A single run keeps its own intervals and has no
-    repeatability.
+    Values are means over the runs with Student intervals; the repeatability (eq. 9) has a chi-square interval. A
+    coefficient that is read in most of the runs is the mean of these readings, ``runs`` says of how many (one keeps the
+    interval of its run); else all runs bound it, and the bound is the mean of theirs. A single run keeps its own
+    intervals and has no repeatability.
     """
     if runs["run"].nunique() == 1:
         return runs.drop(columns=["run", "tau_low", "tau_high"]).assign(runs=1)
     rows = []
     for (axis, symbol), group in runs.groupby(["axis", "symbol"], sort=False):
-        values = group["value"].to_numpy()
-        holds = bool(group["holds"].mean() > 0.5)
+        if group["holds"].mean() <= 0.5:
+            rows.append(_row(axis, symbol, group["value"].mean(), 0.0, group["high"].mean(), False, len(group)))
+            continue
+        read = group[group["holds"]]
+        if len(read) == 1:
+            one = read.iloc[0]
+            rows.append(_row(axis, symbol, one["value"], one["low"], one["high"], True, 1))
+            continue
+        values = read["value"].to_numpy()
         half = _student(len(values)) * values.std(ddof=1) / np.sqrt(len(values))
-        low = values.mean() - half if holds else 0.0
-        rows.append(_row(axis, symbol, values.mean(), low, values.mean() + half, holds, len(values)))
+        rows.append(_row(axis, symbol, values.mean(), values.mean() - half, values.mean() + half, True, len(values)))
         if symbol == "bias":
             rows.append(_row(axis, "repeatability", *repeatability(values), True, len(values)))
     return pd.DataFrame(rows)
@@ -132,8 +139,15 @@ def _student(count: int) -> float:
     return float(t.ppf((1 + LEVEL) / 2, count - 1))
 
 
-def _long_enough(table: pd.DataFrame, symbols: tuple[str, ...]) -> None:
+def shortest(symbol: str, period: float, interval: float) -> float:
+    """Return the length [s] of the shortest log that shows an index, for its period and sampling interval [s]."""
+    needed = {"stability": 2 * BATCHES * period} | dict.fromkeys(allan.LAWS, allan.SHORTEST * interval)
+    return max(INDICES[symbol].minimum_s, needed.get(symbol, 0.0))
+
+
+def _long_enough(table: pd.DataFrame, period: float, symbols: tuple[str, ...]) -> None:
     for symbol in symbols:
-        if log.duration(table) < INDICES[symbol].minimum_s:
-            expected = f"at least {INDICES[symbol].minimum_s:g} s for the {INDICES[symbol].title}"
+        needed = shortest(symbol, period, log.interval(table))
+        if log.duration(table) < needed:
+            expected = f"at least {needed:g} s for the {INDICES[symbol].title}"
             raise log.LogError("log", "duration", expected, f"{log.duration(table):g} s")

@@ -9,6 +9,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from imugap.atomic import atomic
+
 GYRO = ("gyro_x", "gyro_y", "gyro_z")
 ACCEL = ("accel_x", "accel_y", "accel_z")
 AXES = GYRO + ACCEL
@@ -59,7 +61,16 @@ def check(log: pd.DataFrame, source: str | Path = "log") -> pd.DataFrame:
         raise LogError(source, "index", "time [s]", repr(log.index.name))
     if len(log) < 2:
         raise LogError(source, "rows", "at least 2 samples", str(len(log)))
+    text = [
+        str(name)
+        for name in ("time", *log.columns)
+        if (log.index if name == "time" else log[name]).dtype.kind not in "iuf"
+    ]
+    if text:
+        raise LogError(source, f"column {text[0]}", "numbers", "text or other objects")
     time = log.index.to_numpy()
+    if not np.isfinite(time).all():
+        raise LogError(source, f"row {np.argmin(np.isfinite(time))}", "a finite time", f"{time[~np.isfinite(time)][0]}")
     backward = np.flatnonzero(~(np.diff(time) > 0))
     if len(backward):
         row = int(backward[0]) + 1
@@ -80,7 +91,8 @@ def axes(log: pd.DataFrame) -> tuple[str, ...]:
 def interval(log: pd.DataFrame) -> float:
     """Return the sampling interval [s]: the mean step among those within half of the median step.
 
-    Quantised stamps average out, and lost samples (steps of two intervals and more) do not count.
+    Stamps quantised to a third of the interval or finer average out, and lost samples (steps of two intervals and more)
+    do not count.
     """
     steps = np.diff(log.index.to_numpy())
     median = np.median(steps)
@@ -99,12 +111,13 @@ def duration(log: pd.DataFrame) -> float:
 
 
 def write(log: pd.DataFrame, path: str | Path) -> None:
-    """Write the log as Parquet, under a temporary name first, so that no half-written log is ever found."""
-    path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    partial = path.with_name(path.name + ".partial")
-    log.to_parquet(partial)
-    partial.rename(path)
+    """Write the log as Parquet or, where the name ends so, as CSV; no half-written log is ever found."""
+    writers = {".parquet": log.to_parquet, ".csv": log.to_csv}
+    suffix = Path(path).suffix
+    if suffix not in writers:
+        raise LogError(path, "file name", f"one that ends in {' or '.join(writers)}", suffix or "no ending")
+    with atomic(path) as partial:
+        writers[suffix](partial)
 
 
 def load(path: str | Path, columns: list[str] | None = None) -> pd.DataFrame:

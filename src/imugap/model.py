@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path
+from types import MappingProxyType
 
 import numpy as np
 import pandas as pd
@@ -29,8 +30,9 @@ class AxisModel:
 
     def __add__(self, other: "Effect | AxisModel") -> "AxisModel":
         """Add an effect or all effects of another axis model."""
-        more = other.effects if isinstance(other, AxisModel) else (other,)
-        return AxisModel(self.effects + more)
+        if isinstance(other, Effect):
+            return AxisModel((*self.effects, other))
+        return AxisModel(self.effects + other.effects) if isinstance(other, AxisModel) else NotImplemented
 
     def __iter__(self) -> Iterator[Effect]:
         """Iterate over the effects."""
@@ -85,6 +87,10 @@ class ErrorModel:
 
     axes: Mapping[str, AxisModel]
 
+    def __post_init__(self) -> None:
+        """Keep a copy that nobody can change."""
+        object.__setattr__(self, "axes", MappingProxyType(dict(self.axes)))
+
     def __getitem__(self, axis: str) -> AxisModel:
         """Return the model of one axis."""
         return self.axes[axis]
@@ -131,17 +137,28 @@ class ErrorModel:
         try:
             return cls.from_mapping(yaml.safe_load(Path(path).read_text()))
         except (AttributeError, TypeError, ValueError, yaml.YAMLError) as error:
-            raise ValueError(f"{path}: {error}") from error
+            raise ValueError(f"{path}: {' '.join(str(error).split())}") from error
 
 
 def _effect(axis: str, name: str, values: Mapping | None) -> Effect:
     _known(name, CATALOGUE, f"{axis}: effect")
     for key in values or {}:
         _known(key, CATALOGUE[name].units(""), f"{axis}: parameter of {name}")
-    return CATALOGUE[name](**(values or {}))
+    try:
+        return CATALOGUE[name](**{key: _number(value) for key, value in (values or {}).items()})
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"{axis}: {name}: {error}") from error
+
+
+def _number(value):
+    """Return what YAML took for text because it has an exponent without a point (1e-4) as the number that it is."""
+    try:
+        return float(value)
+    except (TypeError, ValueError):
+        return value
 
 
 def _known(name: str, known, what: str) -> None:
     if name not in known:
-        near = get_close_matches(str(name), list(known), 1) or [", ".join(known)]
+        near = get_close_matches(str(name).lower(), list(known), 1) or [", ".join(known)]
         raise ValueError(f"{what}: expected {near[0]}; found {name!r}")

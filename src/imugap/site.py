@@ -42,8 +42,7 @@ class Site:
         """Return the error-free reading of a level device at rest, per axis, SI (z down)."""
         rate = np.zeros(3)
         if self.heading is not None:
-            north, east, down = earth.earth_rate_n(self.latitude)
-            assert east == 0
+            north, _, down = earth.earth_rate_n(self.latitude)
             rate = np.array([north * cos(self.heading), -north * sin(self.heading), down])
         return pd.Series([*rate, 0.0, 0.0, -self.gravity], index=list(AXES))
 

@@ -1,6 +1,7 @@
 """Continuous-time linear models driven by white noise, their exact discretisation, spectrum and simulation."""
 
 from dataclasses import dataclass
+from math import ceil, log2
 
 import numpy as np
 from numba import njit
@@ -61,15 +62,22 @@ class StateSpace:
         return np.einsum("...i,ij,...j->...", gain, self.process_psd, gain.conj()).real + self.output_psd
 
     def discretise(self, interval: float) -> tuple[np.ndarray, np.ndarray]:
-        """Return (Phi, Qd) over ``interval`` [s], exactly (Van Loan 1978, eqs. 2.8-2.10)."""
+        """Return (Phi, Qd) over ``interval`` [s], exactly (Van Loan 1978, eqs. 2.8-2.10).
+
+        The exponential grows with interval x dynamics: it is taken over a fraction 2^-k of the interval and doubled.
+        """
         states = len(self.output)
+        doublings = max(0, ceil(log2(max(np.abs(self.dynamics).sum(initial=0.0) * interval, 1.0))))
         block = np.zeros((2 * states, 2 * states))
         block[:states, :states] = -self.dynamics
         block[:states, states:] = self.process_psd
         block[states:, states:] = self.dynamics.T
-        exponential = expm(block * interval)
+        exponential = expm(block * interval / 2**doublings)
         transition = np.ascontiguousarray(exponential[states:, states:].T)
         noise = transition @ exponential[:states, states:]
+        for _ in range(doublings):
+            noise = transition @ noise @ transition.T + noise
+            transition = transition @ transition
         return transition, (noise + noise.T) / 2
 
     def simulate(self, count: int, interval: float, rng: np.random.Generator) -> np.ndarray:

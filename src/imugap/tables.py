@@ -1,27 +1,46 @@
 """Tables of the paper: the numbers as CSV, and what the page shows as LaTeX and as JSON for Typst."""
 
 import json
+import re
 from collections.abc import Sequence
 from math import floor, isfinite, log10
 from pathlib import Path
 
 import pandas as pd
 
-TEX = {"√h": r"$\sqrt{\mathrm{h}}$", "√Hz": r"$\sqrt{\mathrm{Hz}}$", "≤": r"$\le$", "²": r"$^2$", "°": r"$^\circ$"}
-TEX |= {"σ": r"$\sigma$", "τ": r"$\tau$", "–": "--", "—": "---", "µ": r"$\mu$", "±": r"$\pm$", "×": r"$\times$", "−": "$-$"}
-ESCAPED = {"%": r"\%", "_": r"\_", "&": r"\&", "#": r"\#"}
+TEX = {
+    "√h": r"$\sqrt{\mathrm{h}}$",
+    "√Hz": r"$\sqrt{\mathrm{Hz}}$",
+    "≤": r"$\le$",
+    "≥": r"$\ge$",
+    "²": r"$^2$",
+    "°": r"$^\circ$",
+}
+TEX |= {
+    "σ": r"$\sigma$",
+    "τ": r"$\tau$",
+    "–": "--",
+    "—": "---",
+    "µ": r"$\mu$",
+    "±": r"$\pm$",
+    "×": r"$\times$",
+    "−": "$-$",
+}
+ESCAPED = {character: "\\" + character for character in "%_&#${}"}
+ESCAPED |= {"\\": r"\textbackslash{}", "^": r"\^{}", "~": r"\~{}"}
+SPECIAL = re.compile("|".join(map(re.escape, TEX | ESCAPED)))
 
 
 def write(stem: str | Path, data: pd.DataFrame, shown: pd.DataFrame) -> None:
     """Write ``stem.csv`` (``data``: tidy numbers, full precision), ``stem.tex`` and ``stem.json`` (``shown``: text)."""
     stem = Path(stem)
     stem.parent.mkdir(parents=True, exist_ok=True)
-    data.to_csv(stem.with_suffix(".csv"), index=False)
+    data.to_csv(f"{stem}.csv", index=False)
     cells = [[str(cell) for cell in row] for row in shown.itertuples(index=False)]
     heads = [str(head) for head in shown.columns]
     page = {"columns": heads, "rows": cells}
-    stem.with_suffix(".json").write_text(json.dumps(page, ensure_ascii=False, indent=1) + "\n")
-    stem.with_suffix(".tex").write_text(_tabular(heads, cells))
+    Path(f"{stem}.json").write_text(json.dumps(page, ensure_ascii=False, indent=1) + "\n")
+    Path(f"{stem}.tex").write_text(_tabular(heads, cells))
 
 
 def unit(name: str) -> str:
@@ -30,12 +49,12 @@ def unit(name: str) -> str:
 
 
 def number(value: float, digits: int = 3) -> str:
-    """Return ``value`` with ``digits`` significant digits, without an exponent where that stays readable."""
+    """Return ``value`` with ``digits`` significant digits, but all before the point; an exponent where it gets long."""
     if not isfinite(value):
         return "—"
     if value == 0:
         return "0"
-    magnitude = floor(log10(abs(value)))
+    magnitude = floor(log10(abs(float(f"{value:.{digits - 1}e}"))))
     if not -4 <= magnitude <= 6:
         return f"{value:.{digits - 1}e}"
     return fixed(value, max(digits - 1 - magnitude, 0))
@@ -50,7 +69,9 @@ def interval(value: float, low: float, high: float) -> str:
     """Return ``value [low, high]``, all to two significant digits of the interval's half width."""
     if not (isfinite(low) and isfinite(high)) or high <= low:
         return number(value)
-    decimals = min(1 - floor(log10((high - low) / 2)), 8)
+    decimals = 1 - floor(log10((high - low) / 2))
+    if decimals > 8:
+        return f"{value:.2e} [{low:.2e}, {high:.2e}]"
     return f"{fixed(value, decimals)} [{fixed(low, decimals)}, {fixed(high, decimals)}]"
 
 
@@ -64,6 +85,4 @@ def _line(cells: Sequence[str]) -> str:
 
 
 def _tex(text: str) -> str:
-    for plain, escaped in (ESCAPED | TEX).items():
-        text = text.replace(plain, escaped)
-    return text
+    return SPECIAL.sub(lambda found: (TEX | ESCAPED)[found.group()], text)

@@ -3,11 +3,14 @@ from pathlib import Path
 
 import yaml
 from imugap.catalogue import available, load, locate
-from imugap.configuration import configure
+from imugap.configuration import ConfigurationError, configure
 from imugap.contenders import CONTENDERS
 from imugap.dependencies import digest, modules_of
 
 config.update(configure(config, "workflow/schemas/study.schema.yaml"))
+
+if config["navigation"]["table_horizon_s"] not in config["navigation"]["horizons_s"]:
+    raise ConfigurationError("navigation.table_horizon_s: expected one of horizons_s")
 
 CATALOGUE = load("data", "workflow/schemas")
 RAW = "data/raw"

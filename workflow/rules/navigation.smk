@@ -8,6 +8,8 @@ COURSE = {
         "epoch_s",
     )
 }
+CONTROLS = ("bias_only", "white_turn_on")
+DRAWN = [name for name in CONTENDERS if name not in CONTROLS]
 
 
 rule measured_drift:
@@ -75,9 +77,7 @@ rule drift_figures:
     """Draw the measured drift (figure 2 of the source) and its distance from the simulated drifts (figure 3)."""
     input:
         measured="results/{device}/drift/measured.npz",
-        simulated=expand(
-            "results/{{device}}/drift/{contender}.npz", contender=CONTENDERS
-        ),
+        simulated=expand("results/{{device}}/drift/{contender}.npz", contender=DRAWN),
         code=library("drift_figures"),
     output:
         drift=report(
@@ -106,7 +106,7 @@ rule drift_figures:
     benchmark:
         "benchmarks/drift_figures/{device}.tsv"
     params:
-        contenders=list(CONTENDERS),
+        contenders=DRAWN,
         length_s=config["navigation"]["table_horizon_s"],
         drawn=config["navigation"]["published_trials"],
     script:

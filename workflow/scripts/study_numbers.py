@@ -37,6 +37,8 @@ if __name__ == "__main__":
         }
         Path(snakemake.output[0]).write_text(json.dumps(study, indent=1) + "\n")
         data = pd.DataFrame([vars(one) | {"files": len(one.files), "runs": len(one.runs)} for one in sets.values()])
-        shown = data[["name", "title", "rate_hz", "runs", "gyro_unit", "accel_unit", "frame", "licence"]].fillna("—")
+        heads = {"name": "name", "title": "title", "rate_hz": "rate [Hz]", "runs": "runs", "gyro_unit": "gyro",
+                 "accel_unit": "accel", "frame": "frame", "licence": "licence"}  # fmt: skip
+        shown = data[list(heads)].rename(columns=heads).fillna("—")
         shown["here"] = ["left out" if name in params.omitted else "yes" for name in shown["name"]]
-        tables.write(snakemake.output[1].removesuffix(".csv"), data, shown.rename(columns={"rate_hz": "rate [Hz]"}))
+        tables.write(snakemake.output[1].removesuffix(".csv"), data, shown)

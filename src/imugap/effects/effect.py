@@ -3,9 +3,15 @@
 from dataclasses import Field, dataclass, field, fields
 from enum import IntEnum
 from math import isfinite
+from numbers import Real
 from typing import ClassVar
 
 import numpy as np
+
+from imugap.statespace import StateSpace
+
+TINY = float(np.finfo(float).tiny)
+"""Lower limit of parameters that have to be positive."""
 
 
 class Stage(IntEnum):
@@ -64,8 +70,9 @@ class Effect:
         """Check every parameter against its physical limits."""
         for item in fields(self):
             value, low, high = getattr(self, item.name), item.metadata["low"], item.metadata["high"]
-            if not (isfinite(value) and low <= value <= high):
-                raise ValueError(f"{self.name}.{item.name}: expected a number in [{low:g}, {high:g}]; found {value}")
+            if not (isinstance(value, Real) and isfinite(value) and low <= value <= high):
+                span = "> 0" if low == TINY else f"in [{low:g}, {high:g}]"
+                raise ValueError(f"{self.name}.{item.name}: expected a finite number {span}; found {value!r}")
 
     def apply(self, sequence: np.ndarray, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
         """Return what becomes of ``sequence``, shape (n,): the error up to this stage, or the output (OUTPUT stage)."""
@@ -121,7 +128,11 @@ class AllanEffect(AdditiveEffect):
 
 @dataclass(frozen=True)
 class StochasticEffect(AllanEffect):
-    """An additive random process with a spectrum."""
+    """An additive random process with a spectrum.
+
+    Unless its own page says otherwise, what is drawn are values at the sample times, not means over the intervals:
+    for slow processes the difference is of the order of interval/tau at averaging time tau.
+    """
 
     def psd(self, frequency: np.ndarray) -> np.ndarray:
         """Return the two-sided power spectral density [unit^2/Hz] at ``frequency`` [Hz] of the continuous process."""
@@ -133,3 +144,7 @@ class StochasticEffect(AllanEffect):
         ``frequency`` [Hz] lies within (0, 1/(2 interval)]; the integral over both sides is the variance of a sample.
         """
         raise NotImplementedError
+
+    def state_space(self) -> StateSpace:
+        """Return the process as a linear model driven by white noise; ValueError if none is of finite order."""
+        raise ValueError(f"{self.name}: expected a process with a state space of finite order; it has none")

@@ -8,7 +8,7 @@ from numpy.polynomial.polynomial import polyval
 from scipy.signal import lfilter
 from scipy.special import factorial
 
-from imugap.effects.effect import Conditions, StochasticEffect, parameter
+from imugap.effects.effect import TINY, Conditions, StochasticEffect, parameter
 from imugap.statespace import StateSpace
 
 FLAT_TOP = 1.89
@@ -26,7 +26,7 @@ class GaussMarkov(StochasticEffect):
 
     name: ClassVar[str] = "gauss_markov"
     std: float = parameter("{u}", "stationary standard deviation")
-    correlation_time: float = parameter("s", "T", low=np.finfo(float).tiny)
+    correlation_time: float = parameter("s", "T", low=TINY)
 
     @property
     def driving_psd(self) -> float:

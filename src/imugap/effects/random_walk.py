@@ -17,9 +17,10 @@ class RandomWalk(StochasticEffect):
     density_k: float = parameter("{u}/s/sqrt(Hz)", "K, square root of the two-sided PSD of the driving noise")
 
     def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
-        """Sum independent increments of standard deviation K sqrt(interval), from zero at power-on."""
-        step = self.density_k * np.sqrt(conditions.interval)
-        return np.cumsum(step * rng.standard_normal(len(conditions)))
+        """Sum independent increments of standard deviation K sqrt(interval), from zero at the first sample."""
+        increments = self.density_k * np.sqrt(conditions.interval) * rng.standard_normal(len(conditions))
+        increments[0] = 0.0
+        return np.cumsum(increments)
 
     def psd(self, frequency: np.ndarray) -> np.ndarray:
         """Return K^2/(2 pi f)^2 (Farrell et al. 2022, eq. 19)."""

@@ -5,7 +5,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from imugap.effects.effect import Conditions, Effect, Stage, parameter
+from imugap.effects.effect import TINY, Conditions, Effect, Stage, parameter
 
 
 @dataclass(frozen=True)
@@ -14,7 +14,7 @@ class Resolution(Effect):
 
     name: ClassVar[str] = "resolution"
     stage: ClassVar[Stage] = Stage.OUTPUT
-    step: float = parameter("{u}", "distance of neighbouring output values", low=np.finfo(float).tiny)
+    step: float = parameter("{u}", "distance of neighbouring output values", low=TINY)
 
     def apply(self, sequence: np.ndarray, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
         """Round to the nearest multiple of the step."""

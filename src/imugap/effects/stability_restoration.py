@@ -5,7 +5,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from imugap.effects.effect import Conditions, Effect, Stage, parameter
+from imugap.effects.effect import TINY, Conditions, Effect, Stage, parameter
 from imugap.stability import bias_stability
 
 
@@ -16,9 +16,12 @@ class StabilityRestoration(Effect):
     name: ClassVar[str] = "stability_restoration"
     stage: ClassVar[Stage] = Stage.SEQUENCE
     stability: float = parameter("{u}", "bias stability that the sequence is given")
-    period: float = parameter("s", "averaging period of the bias stability", low=np.finfo(float).tiny)
+    period: float = parameter("s", "averaging period of the bias stability", low=TINY)
 
     def apply(self, sequence: np.ndarray, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
         """Return Q Bs/Bs_real + mean (1 - Bs/Bs_real) (eq. 18)."""
-        ratio = self.stability / bias_stability(sequence, conditions.interval, self.period)
+        real = bias_stability(sequence, conditions.interval, self.period)
+        if real == 0:
+            raise ValueError("stability_restoration: expected an error that varies; found a constant one")
+        ratio = self.stability / real
         return ratio * sequence + (1 - ratio) * sequence.mean()
