@@ -166,3 +166,10 @@ def test_what_is_no_run_list_is_refused(value):
 def test_a_numeric_key_is_a_fault_like_any_other():
     with pytest.raises(ConfigurationError, match="no such key"):
         configure({1: 2}, SCHEMA)
+
+
+def test_numbers_that_come_as_text_are_numbers_and_paths_stay_text():
+    found = configure({"navigation": {"trials": "20", "horizons_s": ["10", "60.5"]}, "own_logs": ["run1.csv"]}, SCHEMA)
+    assert found["navigation"]["trials"] == 20
+    assert found["navigation"]["horizons_s"] == [10, 60.5]
+    assert found["own_logs"] == ["run1.csv"]

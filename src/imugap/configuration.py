@@ -1,5 +1,6 @@
 """Configuration against a closed schema: defaults filled in, and errors that name the key that was meant."""
 
+import re
 from collections.abc import Iterator
 from difflib import get_close_matches
 from pathlib import Path
@@ -7,19 +8,35 @@ from pathlib import Path
 import yaml
 from jsonschema import Draft202012Validator, ValidationError, validators
 
+SCALAR = re.compile(r"true|false|null|[-+]?[0-9]+([.][0-9]*)?", re.IGNORECASE)
+"""Text that YAML reads as something else than text."""
+
 
 class ConfigurationError(ValueError):
     """A configuration that does not fit its schema; the message has one line per fault."""
 
 
 def configure(values: dict, schema: str | Path) -> dict:
-    """Return ``values`` completed with the defaults of ``schema`` (a YAML file); faults are a ConfigurationError."""
-    completed = yaml.safe_load(yaml.safe_dump(values)) or {}
+    """Return ``values`` completed with the defaults of ``schema`` (a YAML file); faults are a ConfigurationError.
+
+    Numbers inside nested values of the command line come as text (``--config 'navigation={trials: 20}'``); they are
+    taken as the numbers that they are.
+    """
+    completed = _numbers(values)
     validator = _Completing(yaml.safe_load(Path(schema).read_text()))
     faults = [_explain(error) for error in validator.iter_errors(completed)]
     if faults:
         raise ConfigurationError("\n".join(["the configuration does not fit:", *faults]))
     return completed
+
+
+def _numbers(value):
+    """Return a copy of nested values in which text that is a number, true, false or null is that."""
+    if isinstance(value, dict):
+        return {key: _numbers(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_numbers(item) for item in value]
+    return yaml.safe_load(value) if isinstance(value, str) and SCALAR.fullmatch(value) else value
 
 
 def _with_defaults(validator, properties: dict, instance, schema: dict) -> Iterator[ValidationError]:
