@@ -165,6 +165,15 @@ def test_an_option_that_has_to_be_positive_is_refused(here, capsys, option, valu
     assert names(here) == {"model.yaml"}
 
 
+@pytest.mark.parametrize("value", ["0", "-1", "nan", "inf"])
+@pytest.mark.parametrize("option", ["--period", "--gravity"])
+def test_an_option_of_the_indices_that_has_to_be_positive_is_refused(here, capsys, option, value):
+    with pytest.raises(SystemExit, match="2"):
+        cli.main(["indices", "run.csv", f"{option}={value}", "--out", "out.csv"])
+    assert f"argument {option}: expected a finite number > 0; found {value}" in capsys.readouterr().err
+    assert names(here) == {"model.yaml"}
+
+
 def test_a_log_too_short_for_every_index_is_refused(here, capsys):
     simulate("run.csv", duration=5)
     assert cli.main(["indices", "run.csv"]) == 1

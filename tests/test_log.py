@@ -140,6 +140,13 @@ def test_loading_some_columns_keeps_the_time(tmp_path):
     assert check(some).equals(table()[["accel_z"]])
 
 
+@pytest.mark.parametrize(("name", "found"), [("run.txt", ".txt"), ("run", "no ending"), ("run.CSV", ".CSV")])
+def test_an_ending_that_is_neither_parquet_nor_csv_is_refused_and_nothing_written(tmp_path, name, found):
+    with pytest.raises(LogError, match=rf"expected one that ends in \.parquet or \.csv; found {found}"):
+        log.write(table(), tmp_path / "deep" / name)
+    assert not list(tmp_path.iterdir())
+
+
 def test_an_interrupted_write_leaves_the_old_log(tmp_path, monkeypatch):
     path = tmp_path / "run.parquet"
     log.write(table(), path)

@@ -58,13 +58,15 @@ def test_bench_indices_cover_the_truth_as_often_as_they_say():
     assert score["inside"].mean() > 0.8
 
 
-def test_measured_clocks_of_the_real_device():
+@pytest.mark.parametrize(("run", "low", "high"), [(3, 0.94, 0.975), (4, 0.94, 0.97), (5, 0.82, 0.86)])
+def test_measured_clocks_of_the_real_device(run, low, high):
     if "adis16405" not in devices():
         pytest.skip("the files of adis16405 are not here")
     clock = read("clock_adis16405").set_index("run")
-    assert 0.82 < clock.loc[5, "combined"] < 0.86
-    assert 0.94 < clock.loc[4, "combined"] < 0.97
-    assert (clock.loc[[4, 5], "verdict"] == "different clock").all()
+    if run not in clock.index:
+        pytest.skip("the run is not part of this study")
+    assert low < clock.loc[run, "combined"] < high
+    assert clock.loc[run, "verdict"] == "different clock"
 
 
 def test_restoration_never_wins_by_its_slow_drift():
