@@ -13,7 +13,7 @@ def atomic(path: str | Path) -> Iterator[Path]:
     partial = path.with_name(path.name + ".partial")
     try:
         yield partial
+        partial.rename(path)
     except BaseException:
         partial.unlink(missing_ok=True)
         raise
-    partial.rename(path)
