@@ -123,6 +123,9 @@ TITLES = {
     "nbk": "N + B + K",
 }
 
+SOURCE = ("method_a", "method_b", "restoration")
+"""The contenders that the source compares in its tables."""
+
 
 def fit(name: str, indices: pd.DataFrame, curves: pd.DataFrame, period: float) -> ErrorModel:
     """Build contender ``name`` for a device.

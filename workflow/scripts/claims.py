@@ -3,10 +3,9 @@
 import pandas as pd
 
 from imugap import tables
+from imugap.contenders import SOURCE
 from imugap.drift import QUANTITIES
 from imugap.journal import journal
-
-SOURCE = ("method_a", "method_b", "restoration")
 
 
 def smallest(five):

@@ -7,12 +7,11 @@ import numpy as np
 import pandas as pd
 
 from imugap import figures, tables
-from imugap.contenders import TITLES
+from imugap.contenders import SOURCE, TITLES
 from imugap.drift import QUANTITIES
 from imugap.journal import journal
 from imugap.stream import stream
 
-SOURCE = ("method_a", "method_b", "restoration")
 SPREADLESS = ("bias_only", "white")
 DRAWS = 2000
 UNITS = {"east": ("m", 1.0), "north": ("m", 1.0), "heading": ("°", 180 / np.pi)}
