@@ -6,12 +6,20 @@ min_version("9.10")
 configfile: "workflow/config/study.yaml"
 
 
+report: "workflow/report/study.rst"
+
+
 include: "workflow/rules/common.smk"
 include: "workflow/rules/data.smk"
 include: "workflow/rules/static.smk"
 include: "workflow/rules/models.smk"
 include: "workflow/rules/navigation.smk"
 include: "workflow/rules/audit.smk"
+include: "workflow/rules/tutorial.smk"
+include: "workflow/rules/estimation.smk"
+include: "workflow/rules/planar.smk"
+include: "workflow/rules/attitude.smk"
+include: "workflow/rules/export.smk"
 include: "workflow/rules/speed.smk"
 include: "workflow/rules/paper.smk"
 
@@ -21,3 +29,4 @@ rule all:
     input:
         "paper/paper.pdf",
         "results/notebooks/static.html",
+        "results/notebooks/estimation.html",

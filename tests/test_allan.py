@@ -1,3 +1,4 @@
+from itertools import permutations
 from pathlib import Path
 
 import allantools
@@ -10,12 +11,29 @@ from scipy.stats import binom
 
 from imugap import allan
 from imugap.allan import LAWS, curve, factors, local_slope, tangent, variance
-from imugap.effects import BiasInstability, Conditions, RandomWalk, WhiteNoise
+from imugap.effects import (
+    BiasInstability,
+    Conditions,
+    GaussMarkov,
+    Quantization,
+    RandomWalk,
+    RateRamp,
+    WhiteNoise,
+)
+from imugap.model import AxisModel
 from imugap.stream import stream
 
 NBS14 = pd.read_csv(Path(__file__).parent / "reference" / "nbs14.csv", comment="#")
 NINE = np.array([892.0, 809, 823, 798, 671, 644, 883, 903, 677])
-PURE = {"N": WhiteNoise(1.0), "B": BiasInstability(1.0), "K": RandomWalk(1.0)}
+PURE = {
+    "Q": Quantization(1.0),
+    "N": WhiteNoise(1.0),
+    "B": BiasInstability(1.0),
+    "K": RandomWalk(1.0),
+    "R": RateRamp(1.0),
+}
+SHOWN = {symbol: AxisModel((effect,)) for symbol, effect in PURE.items()} | {"R": RateRamp(1.0) + RandomWalk(1.0)}
+"""Logs that show one law: a ramp needs a noise, or there is nothing to be uncertain of."""
 RUNS = 400
 
 
@@ -28,9 +46,9 @@ def thousand():
     return np.array(chain) / 2147483647
 
 
-def sampled(count, *effects, label=0):
-    """One sequence of a sum of effects at 1 Hz."""
-    at = Conditions(np.arange(float(count)), 1.0)
+def sampled(count, *effects, label=0, interval=1.0):
+    """One sequence of a sum of effects."""
+    at = Conditions(interval * np.arange(count), interval)
     return sum(effect.sample(at, stream(41, label, effect)) for effect in effects)
 
 
@@ -48,10 +66,8 @@ TAU = np.logspace(0, 5, 51)
 
 @pytest.fixture(scope="module")
 def curves():
-    """Curves of many runs of each pure law."""
-    return {
-        symbol: [curve(sampled(4096, effect, label=run), 1.0) for run in range(RUNS)] for symbol, effect in PURE.items()
-    }
+    """Curves of many runs of each law."""
+    return {symbol: [curve(sampled(4096, *of, label=run), 1.0) for run in range(RUNS)] for symbol, of in SHOWN.items()}
 
 
 def covered(inside):
@@ -133,13 +149,45 @@ def test_a_constant_sequence_is_refused():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("symbol", "shortest"), [("N", 1), ("B", 10), ("K", 10)])
+@pytest.mark.parametrize(("symbol", "shortest"), [("Q", 1), ("N", 1), ("B", 10), ("K", 10), ("R", 10)])
 def test_intervals_cover_the_truth_as_often_as_they_say(curves, symbol, shortest):
     tau = curves[symbol][0].index.to_numpy()
-    truth = np.sqrt(PURE[symbol].allan_variance(tau))
+    truth = np.sqrt(SHOWN[symbol].sampled_allan_variance(tau.astype(int), 1.0))
     held = np.array([(asd["low"] <= truth) & (truth <= asd["high"]) for asd in curves[symbol]])
     for column in np.flatnonzero((tau >= shortest) & (tau <= 130)):
         assert covered(held[:, column]), tau[column]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "model",
+    [
+        Quantization(1.0) + WhiteNoise(0.0),
+        Quantization(3.0) + WhiteNoise(1.0),
+        WhiteNoise(1.0) + RateRamp(0.02),
+        RandomWalk(1.0) + RateRamp(1.0),
+        WhiteNoise(1.0) + RandomWalk(0.02) + RateRamp(0.02),
+    ],
+    ids=["Q", "Q + N", "N + R", "K + R", "N + K + R"],
+)
+def test_degrees_of_freedom_of_the_steep_laws_are_those_of_the_scatter(model):
+    """At every averaging time, 2 sigma^4/edf is the variance of the estimate, within what 500 runs can tell of it.
+
+    The median over the runs: where a run shows a walk that is not there, its degrees of freedom are too few.
+    """
+    count, runs = 8192, 500
+    found = [curve(sampled(count, *model, label=run), 1.0) for run in range(runs)]
+    averaging = found[0].index.to_numpy().astype(int)
+    expected = model.sampled_allan_variance(averaging, 1.0)
+    scatter = np.mean([(asd["deviation"] ** 2 / expected - 1) ** 2 for asd in found], axis=0)
+    ratio = scatter / np.median([2 / asd["edf"] for asd in found], axis=0)
+    assert np.all(np.abs(ratio[averaging <= count / 16] - 1) < 4 * np.sqrt(3 / runs))
+
+
+def test_a_ramp_alone_is_known_exactly():
+    asd = curve(0.3 * np.arange(5000.0), 1.0)
+    assert np.all(asd["high"] / asd["low"] < 1 + 1e-4)
+    assert tangent(asd, LAWS["R"]).value == pytest.approx(0.3, rel=1e-6)
 
 
 @pytest.mark.slow
@@ -151,22 +199,18 @@ def test_intervals_cover_the_truth_at_the_longest_averaging_times(curves):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("symbol", "bias"),
-    [
-        ("N", 0.0),
-        ("B", 0.02),
-        ("K", 0.01),
-    ],
-)
-def test_tangent_recovers_the_coefficient_of_a_pure_law(curves, symbol, bias):
-    """Flicker and walk are point samples: above their law by 1/(2 n^2) and its like at the shortest tau of a region."""
+@pytest.mark.parametrize("symbol", LAWS)
+def test_tangent_recovers_the_coefficient_of_a_law(curves, symbol):
+    """What the other laws add cannot be negative, which takes up to 0.7 of its scatter off a reading.
+
+    Flicker and walk are point samples: above their law by 1/(2 n^2) and its like at the shortest tau of a region.
+    """
     readings = [tangent(asd, LAWS[symbol]) for asd in curves[symbol]]
     values = np.array([reading.value for reading in readings if reading.holds])
-    error = values.std(ddof=1) / np.sqrt(len(values))
+    scatter = values.std(ddof=1)
     assert len(values) > 0.95 * RUNS
-    assert error < 0.005
-    assert abs(values.mean() - 1) < 4 * error + bias
+    assert scatter < 0.06
+    assert abs(values.mean() - 1) < (0.7 + 4 / np.sqrt(RUNS)) * scatter
 
 
 @pytest.mark.slow
@@ -187,10 +231,31 @@ def test_intervals_of_tangents_are_about_as_wide_as_the_readings_scatter(curves,
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("pure", "absent"), [("N", "B"), ("N", "K"), ("B", "N"), ("B", "K"), ("K", "N"), ("K", "B")])
-def test_an_absent_law_is_refused(curves, pure, absent):
-    refused = [not tangent(asd, LAWS[absent]).holds for asd in curves[pure]]
+@pytest.mark.parametrize(("shown", "absent"), list(permutations(LAWS, 2)))
+def test_an_absent_law_is_refused(curves, shown, absent):
+    refused = [not tangent(asd, LAWS[absent]).holds for asd in curves[shown]]
     assert np.mean(refused) > 0.99
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("time", [10.0, 50.0, 200.0])
+def test_no_law_is_read_on_a_gauss_markov_process_that_the_log_sees_the_end_of(time):
+    """Its flank looks like a walk, its top like flicker; beyond the top the slope falls, which it does for neither.
+
+    At 50 s the log ends about the top: flicker is read in some runs, and in a longer log it would not be.
+    """
+    model = WhiteNoise(1.0) + GaussMarkov(1.0, time)
+    curves = [curve(sampled(108_000, *model, label=run, interval=0.1), 0.1) for run in range(60)]
+    read = {symbol: np.mean([tangent(asd, law).holds for asd in curves]) for symbol, law in LAWS.items()}
+    assert read["N"] == 1
+    assert read["Q"] == read["K"] == read["R"] == 0
+    assert read["B"] <= (0.2 if time == 50 else 0)
+
+
+def test_no_law_that_lasts_is_read_where_the_slope_falls_again():
+    top = np.sqrt(GaussMarkov(1.0, 300.0).allan_variance(TAU))
+    found = {symbol: tangent(ideal_curve(top, TAU), law) for symbol, law in LAWS.items()}
+    assert [symbol for symbol, reading in found.items() if reading.holds] == ["N"]  # of the falling flank
 
 
 @pytest.mark.slow
@@ -252,8 +317,8 @@ def test_each_law_is_the_closed_form_of_its_effect(symbol):
 
 @pytest.mark.parametrize(("decades", "holds"), [(0.4, False), (2.0, True)])
 def test_a_law_has_to_hold_over_the_shortest_range(decades, holds):
-    sigma = 0.1 * np.sqrt(np.clip(TAU / 100, 1, 10**decades))
-    assert tangent(ideal_curve(sigma, TAU), LAWS["K"]).holds == holds
+    sigma = np.clip((TAU / 100) ** -0.5, 10 ** (-decades / 2), 1)
+    assert tangent(ideal_curve(sigma, TAU), LAWS["N"]).holds == holds
 
 
 @pytest.mark.parametrize("law", LAWS.values(), ids=LAWS)

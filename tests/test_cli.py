@@ -5,10 +5,15 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
 from imugap import cli, log, readers
+from imugap.conventions import Rule, Triad
+from imugap.export import Target, export
 from imugap.indices import INDICES
 from imugap.model import ErrorModel
+from imugap.stream import stream
 
 MODEL = """
 gyro_x: [{white_noise: {density: 1e-4}}, {bias: {value: 1.0e-3}}]
@@ -114,6 +119,23 @@ def nothing(path):
     """Leave no file."""
 
 
+def still(path):
+    log.from_samples({"gyro_x": np.sin(np.arange(3000.0)), "accel_y": np.full(3000, 0.1)}, 0.01).to_csv(path)
+
+
+def noisy(path, count=3000):
+    rng = stream(1, "noisy")
+    log.from_samples({axis: rng.normal(0, 1e-3, count) for axis in ("gyro_x", "accel_y")}, 0.01).to_csv(path)
+
+
+def brief(path):
+    noisy(path, 100)
+
+
+def holed(path):
+    Path(path).write_text("time,gyro_x\n0.0,0.1\n0.1,nan\n0.2,0.1\n")
+
+
 FAULTS = {
     "time goes back": (unsorted, ["check", "bad.csv"], "bad.csv: line 5, column time"),
     "cut off": (half, ["check", "bad.csv"], "bad.csv: line 3"),
@@ -125,6 +147,57 @@ FAULTS = {
         lambda path: Path("bad.yaml").write_text("gyro_x: [{white_nois: {density: 1}}]"),
         ["simulate", "bad.yaml", "--duration", "1", "--rate", "9"],
         "bad.yaml: gyro_x: effect: expected white_noise; found 'white_nois'",
+    ),
+    "no such target": (
+        nothing,
+        ["export", "model.yaml", "--to", "kaliber", "--rate", "100"],
+        "target: expected kalibr; found 'kaliber'",
+    ),
+    "not enough axes": (
+        nothing,
+        ["export", "model.yaml", "--to", "kalibr", "--rate", "100"],
+        "model: expected all of .*; found none of gyro_y, accel_x, accel_y",
+    ),
+    "absurd duration": (
+        nothing,
+        ["simulate", "model.yaml", "--duration", "1e15", "--rate", "1e3"],
+        r"simulate: expected a duration and rate of at most \S+ samples; found 1e\+18",
+    ),
+    "endless duration": (
+        nothing,
+        ["simulate", "model.yaml", "--duration", "1e200", "--rate", "1e200"],
+        r"simulate: expected a duration and rate of at most \S+ samples; found inf",
+    ),
+    "constant axis": (
+        still,
+        ["estimate", "bad.csv", "--terms", "white_noise"],
+        "accel_y: likelihood: expected finite samples that vary; found constant",
+    ),
+    "NaN": (holed, ["estimate", "bad.csv"], "bad.csv: line 3, column gyro_x: expected a finite number; found nan"),
+    "too short": (brief, ["estimate", "bad.csv"], "gyro_x: choice: expected at least 256 samples; found 100"),
+    "unknown term": (
+        noisy,
+        ["estimate", "bad.csv", "--terms", "white_noise,gaus_markov"],
+        "terms: expected gauss_markov; found 'gaus_markov'",
+    ),
+    "no term": (noisy, ["estimate", "bad.csv", "--terms", ""], "terms: expected one of .*; found ''"),
+    "term twice": (
+        noisy,
+        ["estimate", "bad.csv", "--terms", "white_noise,white_noise"],
+        "terms: expected only gauss_markov more than once; found white_noise",
+    ),
+    "unknown axis": (noisy, ["estimate", "bad.csv", "--axis", "gyro_X"], "axis: expected gyro_x; found 'gyro_X'"),
+    "axis that the log lacks": (noisy, ["estimate", "bad.csv", "--axis", "accel_z"], "axis: expected accel_y; found"),
+    "two for Allan": (
+        noisy,
+        ["estimate", "bad.csv", "--method", "allan", "--terms", "gauss_markov,gauss_markov"],
+        "terms: expected at most one gauss_markov for the method allan",
+    ),
+    "robust likelihood": (noisy, ["estimate", "bad.csv", "--robust"], "robust: expected the method wavelet"),
+    "figure of another format": (
+        noisy,
+        ["estimate", "bad.csv", "--figure", "out.png"],
+        "out.png: file name: expected one that ends in .svg",
     ),
     "one sample": (nothing, ["simulate", "model.yaml", "--duration", "0.1", "--rate", "9"], "at least 2 samples"),
 }
@@ -141,7 +214,7 @@ def lines(capsys):
 
 
 @pytest.mark.parametrize("fault", FAULTS)
-def test_bad_input_is_one_line_and_exit_code_1_and_leaves_no_file(here, capsys, fault):
+def test_bad_input_is_one_line_and_exit_code_1_and_leaves_no_file(here, judge, capsys, fault):
     make, arguments, message = FAULTS[fault]
     make("bad.csv")
     before = names(here)
@@ -157,7 +230,9 @@ def test_a_file_that_is_no_yaml_is_one_line(here, capsys):
     assert len(lines(capsys)) == 1
 
 
-@pytest.mark.parametrize(("option", "value"), [("--rate", "0"), ("--duration", "inf"), ("--gravity", "-1")])
+@pytest.mark.parametrize(
+    ("option", "value"), [("--rate", "0"), ("--rate", "abc"), ("--duration", "inf"), ("--gravity", "-1")]
+)
 def test_an_option_that_has_to_be_positive_is_refused(here, capsys, option, value):
     with pytest.raises(SystemExit, match="2"):
         cli.main(["simulate", "model.yaml", *DUE, option, value, "--out", "out.csv"])
@@ -174,6 +249,67 @@ def test_an_option_of_the_indices_that_has_to_be_positive_is_refused(here, capsy
     assert names(here) == {"model.yaml"}
 
 
+def estimate(*options):
+    return cli.main(["estimate", "run.csv", "--out", "out.json", *options])
+
+
+def test_estimates_are_written_in_every_form(here, capsys, judge, validated):
+    simulate("run.csv", duration=60)
+    assert estimate("--table", "out.csv", "--figure", "out.svg", "--model", "found.yaml") == 0
+    records = validated(Path("out.json").read_text())
+    assert [record["axis"] for record in records] == ["gyro_x", "gyro_z", "accel_z"]
+    found = ErrorModel.read("found.yaml")
+    table = pd.read_csv("out.csv").set_index(["axis", "effect", "parameter"])
+    for record, density in zip(records, (1e-4, 2e-4, 1e-3), strict=True):
+        (term,) = record["terms"]
+        white = term["parameters"]["density"]
+        assert term["name"] == "white_noise"
+        assert white["low"] < density < white["high"]
+        assert table.loc[(record["axis"], "white_noise", "density"), "value"] == white["value"]
+        assert [effect.parameters() for effect in found[record["axis"]]] == [{"density": white["value"]}]
+    assert "<svg" in Path("out.svg").read_text()
+    out, err = capsys.readouterr()
+    assert err == ""
+    assert out.count(judge) == 3
+    assert names(here) == {"model.yaml", "run.csv", "out.json", "out.csv", "out.svg", "found.yaml"}
+
+
+@settings(max_examples=15, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(st.sets(st.sampled_from(log.AXES), min_size=1), st.sampled_from(["run.csv", "run.parquet"]))
+def test_any_subset_of_axes_is_estimated(here, judge, validated, axes, name):
+    rng = stream(2, "subset")
+    log.write(log.from_samples({axis: rng.normal(0, 1e-3, 300) for axis in axes}, 0.01), name)
+    assert cli.main(["estimate", name, "--terms", "white_noise,gauss_markov", "--out", "out.json"]) == 0
+    records = validated(Path("out.json").read_text())
+    assert [record["axis"] for record in records] == [axis for axis in log.AXES if axis in axes]
+
+
+def test_axes_asked_for_come_in_that_order_and_once(here, judge, validated):
+    simulate("run.csv")
+    assert estimate("--terms", "white_noise", "--axis", "gyro_z", "gyro_x", "gyro_z") == 0
+    assert [record["axis"] for record in validated(Path("out.json").read_text())] == ["gyro_z", "gyro_x"]
+
+
+def test_lost_samples_are_said(here, judge, capsys):
+    simulate("run.csv")
+    readers.read("run.csv").drop(index=1.0).to_csv("run.csv")
+    assert estimate("--terms", "white_noise") == 0
+    assert "expected evenly spaced samples; found 1 gaps, the first at 0.98 s" in capsys.readouterr().err
+
+
+def test_estimates_are_written_all_or_none(here, judge, capsys, monkeypatch):
+    simulate("run.csv")
+    before = names(here)
+
+    def broken(*_, **__):
+        raise OSError("disk full")
+
+    monkeypatch.setattr(pd.DataFrame, "to_csv", broken)
+    assert estimate("--terms", "white_noise", "--model", "found.yaml", "--table", "out.csv") == 1
+    assert lines(capsys) == ["imugap: disk full"]
+    assert names(here) == before
+
+
 def test_a_log_too_short_for_every_index_is_refused(here, capsys):
     simulate("run.csv", duration=5)
     assert cli.main(["indices", "run.csv"]) == 1
@@ -184,6 +320,14 @@ def test_a_slow_log_shows_what_it_can(here, capsys):
     simulate("run.csv", duration=100, rate=1)
     assert cli.main(["indices", "run.csv"]) == 0
     assert "stability" in capsys.readouterr().out
+
+
+def test_an_export_is_that_of_the_library(here):
+    options = ["--to", "imugap", "--rate", "100", "--horizon", "5", "--triad", "worst", "--correlation-time", "60"]
+    assert cli.main(["export", "model.yaml", *options, "--out", "filter.yaml"]) == 0
+    rule = Rule(100.0, 5.0, 60.0, Triad.WORST)
+    assert Path("filter.yaml").read_text() == export(ErrorModel.read("model.yaml"), Target.IMUGAP, rule)
+    assert names(here) == {"model.yaml", "filter.yaml"}
 
 
 def test_an_ending_that_is_not_read_is_not_written(here):

@@ -335,7 +335,7 @@ def autocovariance(process, count, interval=0.01):
         "white_noise": lambda p: p.density**2 / interval * (lag == 0),
         "random_walk": lambda p: p.density_k**2 * time,
         "gauss_markov": lambda p: p.std**2 * np.exp(-lag * interval / p.correlation_time),
-        "quantization": lambda p: (p.density_q / interval) ** 2 * (2.0 * (lag == 0) - (lag == 1)),
+        "quantization": lambda p: (p.q / interval) ** 2 * (2.0 * (lag == 0) - (lag == 1)),
     }[process.name](process)
 
 

@@ -6,7 +6,17 @@ from scipy.linalg import null_space, toeplitz
 from scipy.stats import multivariate_normal
 
 from imugap.effects import BiasInstability, Conditions, GaussMarkov, RandomWalk, WhiteNoise
-from imugap.likelihood import Composition, Cosines, Grid, innovations, log_likelihood, parameters, value_and_gradient
+from imugap.likelihood import (
+    Composition,
+    Cosines,
+    Grid,
+    innovations,
+    log_likelihood,
+    parameters,
+    slope,
+    slope_density,
+    value_and_gradient,
+)
 from imugap.model import AxisModel
 from imugap.stream import stream
 
@@ -134,6 +144,69 @@ def test_gradient_is_that_of_the_value(model, ramp, count):
     differences = [(value(theta + h) - value(theta - h)) / 2e-5 for h in step]
     gradient = value_and_gradient(theta, shapes, cosines)[1]
     np.testing.assert_allclose(gradient, differences, rtol=1e-5, atol=1e-5)
+
+
+@models
+@ramps
+def test_independent_logs_add_up(model, ramp):
+    composition, theta = parameters(model)
+    logs = [Cosines.of(simulate(model, 300, "log", run), INTERVAL, ramp=ramp) for run in range(3)]
+    shapes = composition.shapes(logs[0].grid)
+    apart = zip(*(value_and_gradient(theta, shapes, log) for log in logs), strict=True)
+    for whole, parts in zip(value_and_gradient(theta, shapes, *logs), apart, strict=True):
+        np.testing.assert_allclose(whole, sum(parts), rtol=1e-9, atol=1e-9)
+
+
+@models
+@pytest.mark.parametrize("count", [7, 60, 101])
+def test_slope_is_that_of_generalised_least_squares(model, count):
+    time = INTERVAL * (np.arange(count) - (count - 1) / 2)
+    sequence = simulate(model, count, "slope") + 0.7 * time
+    basis = contrasts(count, False)
+    inverse = np.linalg.inv(basis.T @ covariance(model, count) @ basis)
+    along = basis.T @ time
+    precision = along @ inverse @ along
+    cosines = Cosines.of(sequence, INTERVAL, ramp=True)
+    composition, theta = parameters(model)
+    value, variance = slope(theta, composition.shapes(cosines.grid), cosines)
+    assert value == pytest.approx(along @ inverse @ (basis.T @ sequence) / precision, rel=1e-8)
+    assert variance == pytest.approx(1 / precision, rel=1e-8)
+
+
+@models
+@pytest.mark.parametrize("tilt", [0.0, 3.0])
+def test_slope_density_makes_likelihoods_with_and_without_a_ramp_comparable(model, tilt):
+    """Their sum is the dense density of the contrasts of the mean, the variance of a random slope at its best."""
+    count = 60
+    time = INTERVAL * (np.arange(count) - (count - 1) / 2)
+    sequence = simulate(model, count, "density") + tilt * time
+    basis = contrasts(count, False)
+    along, plain = basis.T @ time, basis.T @ covariance(model, count) @ basis
+    densities = [
+        multivariate_normal(None, plain + variance * np.outer(along, along)).logpdf(basis.T @ sequence)
+        for variance in np.r_[0.0, np.geomspace(1e-6, 1e3, 2000)]
+    ]
+    cosines = Cosines.of(sequence, INTERVAL, ramp=True)
+    composition, theta = parameters(model)
+    shapes = composition.shapes(cosines.grid)
+    added = slope_density(*slope(theta, shapes, cosines), cosines.grid)
+    found = value_and_gradient(theta, shapes, cosines)[0] + added
+    assert found == pytest.approx(max(densities), abs=1e-4)
+    assert found > densities[0] - 1e-9
+
+
+@settings(deadline=None, max_examples=30)
+@given(st.floats(-10, 10), st.floats(-10, 10))
+def test_less_a_ramp_is_without_it(tilt, taken):
+    count = 5000
+    time = INTERVAL * (np.arange(count) - (count - 1) / 2)
+    sequence = simulate(MODELS["white"], count, "less") + tilt * time
+    found = Cosines.of(sequence, INTERVAL, ramp=True).less(taken)
+    expected = Cosines.of(sequence - taken * time, INTERVAL)
+    assert not found.ramp
+    for name in ("power", "cross"):
+        scale = np.abs(getattr(expected, name)).max()
+        np.testing.assert_allclose(getattr(found, name), getattr(expected, name), atol=1e-6 * scale)
 
 
 def test_every_coefficient_is_counted_once():

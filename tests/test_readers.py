@@ -10,9 +10,10 @@ import scipy.io
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from imugap import catalogue
+from imugap import catalogue, reference
 from imugap.log import COLUMNS, LogError, check, from_samples, interval, write
-from imugap.readers import read, read_raw, read_table
+from imugap.readers import read, read_raw, read_reference, read_table
+from imugap.rotation import to_euler
 from imugap.stream import stream
 from imugap.units import to_si
 
@@ -309,6 +310,56 @@ def test_a_mat_file_of_two_arrays_is_ambiguous(tmp_path, sets):
         read_raw(tmp_path / "raw.mat", sets["adis16405"], 1)
 
 
+def write_trial(path, count=50, **arrays):
+    """Write a file as those of ``broad`` are, with some arrays replaced (None: absent)."""
+    rng = stream(7, "trial")
+    known = {
+        "imu_gyr": rng.standard_normal((count, 3)),
+        "imu_acc": rng.standard_normal((count, 3)),
+        "opt_quat": np.tile([1.0, 0.0, 0.0, 0.0], (count, 1)),
+        "movement": np.zeros((count, 1), np.uint8),
+        "info": "text",
+    } | arrays
+    scipy.io.savemat(path, {name: value for name, value in known.items() if value is not None})
+    return path
+
+
+def test_arrays_are_taken_by_name(tmp_path, sets):
+    gyro = stream(8, "gyro").standard_normal((50, 3))
+    table = read_raw(write_trial(tmp_path / "trial.mat", imu_gyr=gyro), sets["broad"], 6)
+    np.testing.assert_allclose(table[["gyro_x", "gyro_y", "gyro_z"]], gyro)
+    assert table.shape == (50, 6)
+    with pytest.raises(LogError, match="expected an array imu_acc, found none"):
+        read_raw(write_trial(tmp_path / "trial.mat", imu_acc=None), sets["broad"], 6)
+
+
+def test_a_reference_turns_to_north_east_down_and_leaves_out_what_was_lost(tmp_path, sets):
+    """A body whose axes point east, north, up has heading 90 deg and lies on its back."""
+    quats, moving = np.tile([1.0, 0.0, 0.0, 0.0], (50, 1)), np.zeros((50, 1), np.uint8)
+    quats[10:20], moving[30:] = np.nan, 1
+    path = write_trial(tmp_path / "trial.mat", opt_quat=quats, movement=moving)
+    known = read_reference(path, sets["broad"], 6)
+    assert list(known.columns) == [*reference.QUATERNION, reference.MOVING]
+    assert len(known) == 40
+    assert known.index[10] == pytest.approx(20 * 0.0035)
+    np.testing.assert_allclose(np.abs(to_euler(reference.rotations(known))), np.tile([np.pi, 0, np.pi / 2], (40, 1)))
+    assert (to_euler(reference.rotations(known))[:, 2] > 0).all()
+    assert reference.motion(known) == pytest.approx((30 * 0.0035, 49 * 0.0035))
+
+
+@pytest.mark.parametrize(
+    ("arrays", "found"),
+    [
+        ({"opt_quat": np.full((50, 4), np.nan)}, "50 rows of NaN"),
+        ({"opt_quat": np.ones((50, 3))}, "4 in all"),
+        ({"movement": None}, "expected an array movement, found none"),
+    ],
+)
+def test_a_reference_that_is_none_is_named(tmp_path, sets, arrays, found):
+    with pytest.raises(LogError, match=found):
+        read_reference(write_trial(tmp_path / "trial.mat", **arrays), sets["broad"], 6)
+
+
 needs_mirror = pytest.mark.skipif(
     not (MIRROR and Path(MIRROR).is_dir()), reason="IMUGAP_MIRROR names no folder of real logs"
 )
@@ -332,3 +383,17 @@ def test_the_real_turn_on_means_scatter_as_published(sets):
     path = dataset.files[0].place(MIRROR)
     means = np.degrees([read_raw(path, dataset, run).mean().to_numpy() for run in dataset.runs])
     np.testing.assert_allclose(means.std(axis=0, ddof=1), [0.0008, 0.0006, 0.0022], atol=1e-4)
+
+
+@needs_mirror
+@pytest.mark.parametrize("run", [1, 6, 10, 24])
+def test_the_real_trials_rest_level_with_z_up_and_agree_with_their_reference(sets, run):
+    dataset = sets["broad"]
+    path = dataset.file(run).place(MIRROR)
+    table, known = read_raw(path, dataset, run), read_reference(path, dataset, run)
+    first, last = reference.rests(table, known, 3.0)
+    assert first["accel_z"].mean() == pytest.approx(9.87, abs=0.05)
+    for rest in (first, last):
+        up = reference.rotations(known.loc[rest.index[0] : rest.index[-1]]).inv().apply([0, 0, -1]).mean(axis=0)
+        force = rest[["accel_x", "accel_y", "accel_z"]].mean().to_numpy()
+        assert np.degrees(np.arccos(up @ force / np.linalg.norm(force) / np.linalg.norm(up))) < 0.3

@@ -7,6 +7,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from imugap.units import to_si
+
 ROOT = Path(__file__).parents[1]
 TABLES = ROOT / "paper" / "tables"
 
@@ -78,3 +80,61 @@ def test_restoration_never_wins_by_its_slow_drift():
         for axis, group in restored.groupby("axis"):
             ratio = (group["median"].to_numpy() / white.loc[white["axis"] == axis, "median"].to_numpy())[:20]
             assert ratio.std() / ratio.mean() < 0.02
+
+
+def test_computed_covariance_says_one_for_the_right_filter_and_more_for_the_others():
+    ends = read("planar").dropna(subset="computed_ratio").set_index("filter")
+    assert ends.loc["N + B + K", "computed_ratio"].to_numpy() == pytest.approx(1.0, rel=1e-6)
+    assert ends.drop(index="N + B + K")["computed_ratio"].min() > 1
+
+
+def test_conversions_of_one_device_agree_with_one_another():
+    """A density is one number in every unit, and what a tool takes per sample is it times a root of the rate."""
+    table = read("conversion").set_index(["tool", "device", "parameter"]).sort_index()
+    for device in devices():
+        of = {tool: table.loc[(tool, device)]["value"] for tool in table.index.get_level_values("tool").unique()}
+        rate = table.xs(device, level="device")["rate_hz"].iloc[0]
+        white = of["Kalibr, OpenVINS"]["gyroscope_noise_density"]
+        assert to_si(of["KF-GINS"]["arw"], "deg/sqrt(h)") == pytest.approx(white)
+        assert of["VINS-Mono, VINS-Fusion"]["gyr_n"] == pytest.approx(np.sqrt(2 * rate) * white)
+        assert of["ROS sensor_msgs/Imu"]["angular_velocity_covariance"] == pytest.approx(rate * white**2)
+
+
+@pytest.mark.parametrize("method", ["indirect_full", "likelihood"])
+def test_efficient_methods_come_near_the_bound_with_honest_intervals(method):
+    found = read("monte_carlo")
+    known = found[(found["method"] == method) & (found["bound"] < 0.2)]
+    assert len(known) > 6
+    spread = 3.5 / np.sqrt(2 * known["runs"])  # of a root mean square of normal errors, at the worst of a dozen
+    assert (known["efficiency"] < 1.1 * (1 + spread)).all()
+    assert (known["efficiency"] > 0.9 * (1 - spread)).all()
+    assert (known["coverage_high"] > 0.92).all()
+    assert (known["coverage_low"] < 0.98).all()
+
+
+def test_a_random_walk_that_cannot_be_known_is_not_given_as_certain():
+    found = read("monte_carlo")
+    hidden = found[(found["parameter"] == "density_k") & (found["bound"] > 0.8)]
+    assert (hidden["identified"] < 0.8).all()
+
+
+def test_every_fit_of_the_peer_is_reached():
+    if "adis16405" not in devices():
+        pytest.skip("the files of adis16405 are not here")
+    fits = read("peers")
+    assert (fits["here"] <= fits["minimum"] * (1 + 1e-6)).all()
+
+
+@pytest.mark.parametrize("device", devices())
+def test_samples_of_the_continuous_models_have_the_allan_deviation_of_their_spectra(device):
+    curves = pd.read_csv(ROOT / f"results/{device}/tutorial/allan.csv").dropna()
+    short = curves[curves["tau"] < curves["tau"].max() / 250]
+    apart = np.log(short["mean"] / short["deviation"]).abs()
+    assert apart.median() < 0.01
+    assert apart.max() < 0.1
+
+
+def test_laws_that_are_there_are_read_more_often_than_those_that_are_not():
+    rates = read("false_readings").groupby("there")["rate"].mean()
+    assert rates[False] < 0.02
+    assert rates[True] > 0.5

@@ -15,6 +15,13 @@ ErrorModel
 Trajectory
     ``pandas.DataFrame``, index ``time`` [s], columns ``north east down`` [m], ``vel_n vel_e vel_d`` [m/s],
     ``roll pitch heading`` [rad] (:mod:`imugap.strapdown`).
+Reference
+    ``pandas.DataFrame``, index ``time`` [s], columns ``quat_x quat_y quat_z quat_w`` (unit quaternion ``quat_nb``,
+    scalar last) and ``moving`` (whether the body is meant to move); only instants at which the attitude is known
+    (:mod:`imugap.reference`).
+Solution
+    What a filter says of attitude and sensor errors over time, with covariances and innovations
+    (:mod:`imugap.attitude`).
 
 Units
 -----
@@ -27,7 +34,8 @@ Frames and signs
 ----------------
 ``b`` body: the axes of the log. ``n`` navigation: north, east, down. ``e`` Earth (WGS-84). ``mat_nb`` turns a vector
 given in ``b`` into ``n``. Accelerometers sense specific force: a body at rest with z down reads ``accel_z = -g``.
-Errors are always *measured - true* (``error = output - input``); a drift is *navigated - true*.
+Errors are always *measured - true* (``error = output - input``); a drift is *navigated - true*; the error of an
+attitude is the rotation vector in ``n`` that turns the true into the estimated one.
 
 Randomness
 ----------

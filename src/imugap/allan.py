@@ -1,11 +1,13 @@
 """Overlapping Allan deviation of rate data, its confidence intervals, and the coefficients read from its tangents."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
 from allantools import ci
 from numba import njit
+from scipy.optimize import nnls
 from scipy.stats import chi2
 
 from imugap.effects.bias_instability import FLOOR
@@ -17,10 +19,16 @@ SLOPE_ERROR = 0.1
 """Largest standard error of a local slope that still tells one law from another."""
 REGION_DECADES = 0.5
 """Shortest range of tau over which the slope must hold."""
+FEWEST = 2.0
+"""Fewest degrees of freedom of a reading: with fewer, the squared coefficient scatters by more than itself."""
 ITERATIONS = 3
 """Rounds of weighting by the fitted variance."""
 SHORTEST = 256
 """Fewest samples of a curve: below, no slope is known at any tau."""
+STEEP = 0.75
+"""Local slope half-way between those of N and Q, or of K and R: beyond, Q or R makes most of the variance."""
+TINY = 1e-12
+"""Relative variance below which noise counts as none."""
 WINDOW = 3
 """Half width, in points, of the window over which a local slope is taken."""
 
@@ -42,9 +50,15 @@ def variance(sequence: np.ndarray, averaging: np.ndarray) -> np.ndarray:
     averaging
         Averaging factors, shape (m,), each at most n/2.
     """
+    angle = _angle(sequence)
+    return np.array([_second_differences(angle, n) for n in averaging])
+
+
+def _angle(sequence: np.ndarray) -> np.ndarray:
+    """Return the integral of the samples less their mean, in intervals, from zero: one value more than samples."""
     angle = np.zeros(len(sequence) + 1)
     np.cumsum(sequence - sequence.mean(), out=angle[1:])
-    return np.array([_second_differences(angle, n) for n in averaging])
+    return angle
 
 
 @njit(cache=True, fastmath=True)
@@ -61,7 +75,8 @@ def curve(sequence: np.ndarray, interval: float, level: float = 0.95) -> pd.Data
     """Return the Allan deviation with chi-square intervals.
 
     The equivalent degrees of freedom are those of Greenhall and Riley (2003), for the power law that the local slope
-    of the curve itself shows; where the slope is too uncertain to show one, the last law that was shown goes on.
+    of the curve itself shows; where the slope is too uncertain to show one, the last law that was shown goes on. Where
+    Q or R makes most of the curve somewhere, they are those of a sum of laws.
 
     Returns
     -------
@@ -78,9 +93,11 @@ def curve(sequence: np.ndarray, interval: float, level: float = 0.95) -> pd.Data
         raise ValueError("Allan deviation: expected samples that vary; found a constant sequence")
     slope = local_slope(averaging, deviation)
     error = np.sqrt(0.5 / (len(sequence) / averaging - 1))
-    exponent = pd.Series(np.clip(np.rint(-1 - 2 * slope), -2, 2))
-    exponent = exponent.where(_slope_error(pd.Series(error)) < SLOPE_ERROR).ffill().astype(int)
-    edf = np.array([_edf(a, n, len(sequence)) for a, n in zip(exponent, averaging, strict=True)])
+    shown = pd.Series(slope).where(_slope_error(pd.Series(error)) < SLOPE_ERROR).ffill().to_numpy()
+    if np.abs(shown).max() > STEEP:
+        edf = _degrees_of_sum(sequence, averaging, deviation, error)
+    else:
+        edf = _degrees(shown, averaging, len(sequence))
     low, high = (deviation * np.sqrt(edf / chi2.ppf(p, edf)) for p in ((1 + level) / 2, (1 - level) / 2))
     columns = {
         "deviation": deviation,
@@ -100,18 +117,65 @@ def local_slope(tau: np.ndarray, deviation: np.ndarray) -> np.ndarray:
     return np.array([np.polyfit(x[span], y[span], 1)[0] for span in spans])
 
 
+def _degrees(slope: np.ndarray, averaging: np.ndarray, count: int) -> np.ndarray:
+    """Return the degrees of freedom of N, B or K, whichever has the nearest slope, shape (m,)."""
+    exponent = np.clip(np.rint(-1 - 2 * slope), -2, 0).astype(int)
+    return np.array([_edf(a, n, count) for a, n in zip(exponent, averaging, strict=True)])
+
+
 def _edf(exponent: int, averaging: int, count: int) -> float:
     return float(ci.edf_greenhall(alpha=exponent, d=2, m=int(averaging), N=count + 1, overlapping=True))
 
 
+def _degrees_of_sum(
+    sequence: np.ndarray, averaging: np.ndarray, deviation: np.ndarray, error: np.ndarray
+) -> np.ndarray:
+    """Return the degrees of freedom of a curve that shows Q or R: those of the sum of Q, N, K and R nearest to it.
+
+    The ramp is D, the mean difference of neighbouring means. About it, non-negative least squares tells Q, N and K
+    apart. Relative to its square, a sum of noises scatters with the sum over lags of its squared correlation over
+    M = count - 2n + 1: of Q, with -2/3 and 1/6 at lags n and 2n, 35/18 - n/M (Greenhall and Riley 2003) less
+    3/5 - n/(3M), because rounding errors are uniform (kurtosis 9/5); of Q times another, nearly 5/3 - 2n/(3M). The
+    ramp multiplies the variance of D, which is the share ``mean`` of that of a difference.
+    """
+    number = len(sequence) - 2 * averaging + 1
+    ratio = averaging / number
+    sums = np.r_[0.0, np.cumsum(_angle(sequence))]
+    late, middle, early = (sums[n + number] - sums[n] for n in (2 * averaging, averaging, 0 * averaging))
+    ramp = ((late - 2 * middle + early) / (averaging * number)) ** 2 / 2
+    mean = np.array([2 / 3 * ratio / number, 2 / 3 * ratio**2, 3 / 2 * ratio - 7 / 10 * ratio**2])
+    unit = np.array([LAWS[symbol].deviation(1.0, averaging) ** 2 for symbol in ("Q", "N", "K")])
+    about = np.maximum(deviation**2 - ramp, TINY * deviation**2)
+    design = unit * (1 - mean) / (about * error)
+    scale = design.max(axis=1, keepdims=True)
+    noise = nnls((design / scale).T, 1 / error)[0][:, None] / scale * unit
+    relative = np.minimum(noise / deviation**2, noise / noise.sum(axis=0))
+    rounding, white, walk = relative
+    slow = white + walk
+    slope = walk / np.maximum(slow, TINY) - 0.5
+    within = (rounding**2 * (121 / 90 - 2 / 3 * ratio) + 2 * rounding * slow * (5 / 3 - 2 / 3 * ratio)) / number
+    within += slow**2 / _degrees(slope, averaging, len(sequence))
+    with_ramp = 2 * (1 - relative.sum(axis=0)) * (relative * mean).sum(axis=0)
+    return 1 / np.maximum(within + with_ramp, TINY)
+
+
 @dataclass(frozen=True)
 class Law:
-    """A power law of the Allan deviation: sigma(tau) = coefficient x gain x tau^slope."""
+    """A power law of the Allan deviation: sigma(tau) = coefficient x gain x tau^slope.
+
+    Attributes
+    ----------
+    memory
+        Decades h of averaging time over which the correlation of the errors of a curve that the law dominates,
+        1/(1 + (log10(n/m)/h)^2) as simulated logs show, falls to a half. Infinite where they are nearly those of one
+        number: of the mean square of the rounding errors (Q), of the mean slope of the noise (R).
+    """
 
     symbol: str
     slope: float
     gain: float
     unit: str
+    memory: float
 
     def deviation(self, coefficient: float, tau: np.ndarray) -> np.ndarray:
         """Return sigma(tau)."""
@@ -121,12 +185,14 @@ class Law:
 LAWS = {
     law.symbol: law
     for law in (
-        Law("N", -0.5, 1.0, "{u}/sqrt(Hz)"),
-        Law("B", 0.0, float(FLOOR), "{u}"),
-        Law("K", 0.5, 3**-0.5, "{u}/s/sqrt(Hz)"),
+        Law("Q", -1.0, 3**0.5, "{u}*s", memory=np.inf),
+        Law("N", -0.5, 1.0, "{u}/sqrt(Hz)", memory=0.32),
+        Law("B", 0.0, float(FLOOR), "{u}", memory=0.44),
+        Law("K", 0.5, 3**-0.5, "{u}/s/sqrt(Hz)", memory=0.93),
+        Law("R", 1.0, 2**-0.5, "{u}/s", memory=np.inf),
     )
 }
-"""White noise, bias instability and random walk (Farrell et al. 2022, section on parameter extraction; IEEE 952)."""
+"""Quantization, white noise, bias instability, random walk and ramp (Farrell et al. 2022, figure 3; IEEE 952)."""
 
 
 @dataclass(frozen=True)
@@ -140,11 +206,11 @@ class Tangent:
     tau_low, tau_high
         Range over which it was read [s].
     holds
-        Whether the law's slope holds there. If not, the law has an upper bound only: its line may not lie above the
-        curve anywhere. It is read at the one ``tau``, among those where the curve is known well enough to tell a
-        slope, at which the curve's upper limit is lowest in terms of the law (beyond, the lowest of many uncertain
-        limits would be too low).
-        ``value`` is what the curve itself allows there, ``high`` its upper limit, ``low`` is 0.
+        Whether the law's slope holds there, and no sum of other laws explains it as well. If not, the law has an upper
+        bound only: its line may not lie above the curve anywhere. It is read at the one ``tau``, among those where the
+        curve is known well enough to tell a slope, at which the curve's upper limit is lowest in terms of the law
+        (beyond, the lowest of many uncertain limits would be too low). ``value`` is what the curve itself allows there,
+        ``high`` its upper limit, ``low`` is 0.
     """
 
     value: float
@@ -157,38 +223,64 @@ class Tangent:
 
 def tangent(asd: pd.DataFrame, law: Law, level: float = 0.95) -> Tangent:
     """Read the coefficient of ``law`` from a curve of :func:`curve`, on the longest range where its slope holds."""
-    coefficient = asd["deviation"] / law.deviation(1.0, asd.index)
-    error = _slope_error(asd["error"])
-    near = (np.abs(asd["slope"] - law.slope) < np.maximum(SLOPE_TOLERANCE, 2 * error)) & (error < SLOPE_ERROR)
-    region = _longest(asd.index.to_numpy(), near.to_numpy())
-    if region is None:
-        limit = (asd["high"] / law.deviation(1.0, asd.index))[error < SLOPE_ERROR]
-        touch = limit.idxmin()
-        return Tangent(float(coefficient[touch]), 0.0, float(limit[touch]), touch, touch, False)
-    value, inflation = _separated(asd[region], law)
-    edf = asd["edf"][region].max()
-    low, high = (value * (_limit(1.0, edf, p)) ** inflation for p in ((1 + level) / 2, (1 - level) / 2))
+    region = _region(asd, law)
+    value, edf = 0.0, 0.0
+    if region is not None:
+        value, edf = _separated(asd[region], [law, *(other for other in _present(asd) if other is not law)])
+    if edf < FEWEST or not value:
+        known = asd[_slope_error(asd["error"]) < SLOPE_ERROR]
+        unit = law.deviation(1.0, known.index)
+        touch = int(np.argmin(known["high"] / unit))
+        value, limit = (float(known[column].iloc[touch] / unit[touch]) for column in ("deviation", "high"))
+        return Tangent(value, 0.0, limit, known.index[touch], known.index[touch], False)
+    low, high = (_limit(value, edf, p) for p in ((1 + level) / 2, (1 - level) / 2))
     return Tangent(value, low, high, asd.index[region][0], asd.index[region][-1], True)
 
 
-def _separated(asd: pd.DataFrame, law: Law) -> tuple[float, float]:
-    """Return the coefficient of ``law`` where it dominates, freed from what the other laws add there.
+def _present(asd: pd.DataFrame) -> list[Law]:
+    """Return N, B and K, which any device is taken to have, and Q and R where they make most of the curve somewhere."""
+    slope = asd["slope"][_slope_error(asd["error"]) < SLOPE_ERROR]
+    shown = {"Q": slope.min() < -STEEP, "R": slope.max() > STEEP}
+    return [law for law in LAWS.values() if shown.get(law.symbol, True)]
 
-    Least squares of the Allan variance, which is linear in the squared coefficients, with weights from the degrees of
-    freedom and the fitted variance; and the factor by which not knowing the other laws widens the relative standard
-    error.
+
+def _region(asd: pd.DataFrame, law: Law) -> slice | None:
+    """Return the points of the longest range over which the slope of ``law`` holds, if there is one.
+
+    The slope of a sum of power laws never falls with the averaging time. After a range that seems to belong to B, K or
+    R it may therefore not fall; where it does, the range is a flank or the top of a correlated process. (Ahead of a
+    range it may: what a device filters out at the shortest times belongs to none of the laws.)
     """
-    laws = [law, *(other for other in LAWS.values() if other is not law)]
-    shares = np.array([other.deviation(1.0, asd.index) ** 2 for other in laws]).T
-    observed, weight = asd["deviation"].to_numpy() ** 2, np.sqrt(asd["edf"].to_numpy())
+    error = _slope_error(asd["error"])
+    near = (np.abs(asd["slope"] - law.slope) < np.maximum(SLOPE_TOLERANCE, 2 * error)) & (error < SLOPE_ERROR)
+    region = _longest(asd.index.to_numpy(), near.to_numpy())
+    if region is None or law.slope < 0:
+        return region
+    below = law.slope - asd["slope"] > np.maximum(SLOPE_ERROR, 3 * error)
+    return None if (below & (error < SLOPE_ERROR))[region.stop :].any() else region
+
+
+def _separated(asd: pd.DataFrame, laws: Sequence[Law]) -> tuple[float, float]:
+    """Return the coefficient of the first law where it dominates, freed from what the others add, and its edf.
+
+    Non-negative least squares of the Allan variance, which is linear in the squared coefficients, with weights from the
+    degrees of freedom and the fitted variance. The degrees of freedom are those of least squares without the sign,
+    which scatter more; where the errors of all points are those of one number, the least of the points.
+    """
+    shares = np.array([law.deviation(1.0, asd.index) ** 2 for law in laws]).T
+    observed, weight = asd["deviation"].to_numpy() ** 2, np.sqrt(asd["edf"].to_numpy() / 2)
     expected = observed
     for _ in range(ITERATIONS):
         design = shares * (weight / expected)[:, None]
         scale = np.linalg.norm(design, axis=0)
-        squares = np.linalg.lstsq(design / scale, observed * weight / expected)[0] / scale
+        squares = nnls(design / scale, observed * weight / expected)[0] / scale
         expected = np.where(shares @ squares > 0, shares @ squares, observed)
-    normal = (design / scale).T @ (design / scale)
-    return float(np.sqrt(max(squares[0], 0.0))), float(np.sqrt(np.linalg.inv(normal)[0, 0]))
+    if np.isinf(laws[0].memory):
+        return float(np.sqrt(squares[0])), float(asd["edf"].min())
+    row = np.linalg.pinv(design / scale)[0] / scale[0]
+    decades = np.log10(asd.index.to_numpy())
+    correlation = 1 / (1 + (np.subtract.outer(decades, decades) / laws[0].memory) ** 2)
+    return float(np.sqrt(squares[0])), float(2 * squares[0] ** 2 / (row @ correlation @ row))
 
 
 def _slope_error(error: pd.Series) -> pd.Series:

@@ -38,7 +38,7 @@ def _parity(parity: int, spectrum: tuple[np.ndarray, ...], grid: Grid) -> np.nda
     result = (ratio * number) @ ratio.T
     if not ranks:
         return result
-    core, _ = core_matrix(diagonal, columns, weights[parity], grid.leverage, grid.leverage, first, last, ranks)
+    core, _ = core_matrix(diagonal, columns, weights[parity], grid.leverage, grid.leverage[None], first, last, ranks)
     inverse, u = np.linalg.inv(core), columns[:ranks, bins]
     result += 2 * (ratio * (lever * np.einsum("im,ij,jm->m", u, inverse, u))) @ ratio.T
     pulls = inverse @ np.einsum("am,im,bm->iab", u, ratio * lever, u)

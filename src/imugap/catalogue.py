@@ -53,6 +53,8 @@ class DataSet:
     kind: str
     rate_hz: float
     columns: tuple[str, ...]
+    arrays: tuple[str, ...]
+    reference: tuple[str, ...]
     gyro_unit: str | None
     accel_unit: str | None
     frame: str
@@ -242,6 +244,8 @@ def _data_set(row: dict) -> DataSet:
         kind=row["kind"],
         rate_hz=row["rate_hz"],
         columns=tuple(row["columns"].split()),
+        arrays=tuple(row.get("arrays", "").split()),
+        reference=tuple(row.get("reference", "").split()),
         gyro_unit=row.get("gyro_unit"),
         accel_unit=row.get("accel_unit"),
         frame=row["frame"],

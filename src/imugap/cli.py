@@ -2,16 +2,27 @@
 
 import argparse
 import json
+import os
 import sys
+from collections.abc import Callable, Mapping
+from contextlib import ExitStack
 from math import inf
+from pathlib import Path
 
+import numpy as np
 import pandas as pd
 
-from imugap import integrity, log, readers
+from imugap import findings, integrity, log, readers
 from imugap.atomic import atomic
+from imugap.conventions import HOUR, Rule, Triad
+from imugap.export import Target
+from imugap.export import export as exported
 from imugap.indices import INDICES, of_run, over_runs, shortest
 from imugap.model import ErrorModel
 from imugap.units import from_si
+
+AUTO = "auto"
+"""The value of ``--terms`` that lets the log decide."""
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -58,13 +69,51 @@ def indices(options: argparse.Namespace) -> None:
             found.to_csv(partial, index=False)
 
 
+def estimate(options: argparse.Namespace) -> None:
+    """Estimate the stochastic effects on each axis of a log; print them and write them to ``--out``."""
+    kinds = None if options.terms == AUTO else findings.kinds_of([name.strip() for name in options.terms.split(",")])
+    inquiry = findings.Inquiry(kinds, findings.Method(options.method), options.highest, options.robust)
+    if options.figure and Path(options.figure).suffix != ".svg":
+        raise ValueError(f"{options.figure}: file name: expected one that ends in .svg; found another")
+    table = readers.read(options.log)
+    asked = options.axis or log.axes(table)
+    axes = [findings.nearest(axis, log.axes(table), "axis") for axis in dict.fromkeys(asked)]
+    _say_gaps(table)
+    interval = log.interval(table)
+    found = [findings.find(axis, table[axis].to_numpy(), interval, inquiry) for axis in axes]
+    shown = findings.table(found)
+    writers = {options.out: lambda path: path.write_text(findings.to_json(found))}
+    if options.table:
+        writers[options.table] = lambda path: shown.to_csv(path, index=False)
+    if options.model:
+        writers[options.model] = ErrorModel({one.axis: one.fit.model for one in found}).write
+    if options.figure:
+        from imugap.figures import estimation, save  # a figure takes longer to import than the rest
+
+        figure = estimation.fitted(findings.curves(table, interval, found))
+        writers[options.figure] = lambda path: save(figure, path)
+    _write_together(writers)
+    print(shown.drop(columns=["method", "error"]).to_string(index=False))
+    for one in found:
+        print(f"{one.axis}: {one.verdict()}")
+
+
 def simulate(options: argparse.Namespace) -> None:
     """Write the static log that a device with the given error model would have written."""
-    count = round(options.duration * options.rate)
     model = ErrorModel.read(options.model)
-    ideal = {axis: [-options.gravity if axis == "accel_z" else 0.0] * count for axis in log.AXES if axis in model.axes}
+    count = _count(options.duration * options.rate, len(model.axes))
+    still = {axis: -options.gravity if axis == "accel_z" else 0.0 for axis in log.AXES if axis in model.axes}
+    ideal = {axis: np.full(count, value) for axis, value in still.items()}
     measured = model.simulate(log.from_samples(ideal, 1 / options.rate), options.seed, "simulate")
     log.write(measured, options.out)
+
+
+def export(options: argparse.Namespace) -> None:
+    """Write an error model as a filter or a simulator takes it."""
+    rule = Rule(options.rate, options.horizon, options.correlation_time, Triad(options.triad))
+    text = exported(ErrorModel.read(options.model), Target.of(options.to), rule)
+    with atomic(options.out) as partial:
+        partial.write_text(text)
 
 
 def _shown_by(symbols: tuple[str, ...], table: pd.DataFrame, period: float) -> tuple[str, ...]:
@@ -80,9 +129,36 @@ def _shown_by(symbols: tuple[str, ...], table: pd.DataFrame, period: float) -> t
     return able
 
 
+def _say_gaps(table: pd.DataFrame) -> None:
+    """Say where samples are lost: the estimates take them as evenly spaced."""
+    timing = integrity.timing(table.index.to_numpy())
+    if timing.gaps:
+        found = f"{timing.gaps} gaps, the first at {timing.first_gap_s:g} s, the longest {timing.largest_gap_s:g} s"
+        print(f"imugap: log: expected evenly spaced samples; found {found}", file=sys.stderr)
+
+
+def _write_together(writers: Mapping[str, Callable[[Path], object]]) -> None:
+    """Write several files, or none if one of them fails."""
+    with ExitStack() as stack:
+        for path, write in writers.items():
+            write(stack.enter_context(atomic(path)))
+
+
+def _count(samples: float, axes: int) -> int:
+    """Return the number of samples of a log that this machine can hold: its columns, and as many again to draw them."""
+    memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    most = memory // (2 * 8 * (axes + 1))
+    if samples > most:
+        raise ValueError(f"simulate: expected a duration and rate of at most {most:.3g} samples; found {samples:.3g}")
+    return round(samples)
+
+
 def _positive(text: str) -> float:
     """Read an option that is a finite number above zero."""
-    value = float(text)
+    try:
+        value = float(text)
+    except ValueError:
+        value = 0.0
     if not 0 < value < inf:
         raise argparse.ArgumentTypeError(f"expected a finite number > 0; found {text}")
     return value
@@ -104,6 +180,29 @@ def _parser() -> argparse.ArgumentParser:
     one.add_argument("--out", help="CSV file for the indices in SI units")
     one.set_defaults(run=indices)
 
+    one = commands.add_parser(
+        "estimate",
+        help="stochastic effects on each axis of a static log, with intervals",
+        description="Estimate the stochastic effects on each axis of a static log. The JSON file is a list of one "
+        "object per axis, in SI units; a limit that the log does not set is null.",
+    )
+    one.add_argument("log", help="canonical CSV or Parquet log")
+    one.add_argument("--axis", nargs="+", help="axes (default all that the log has)")
+    one.add_argument(
+        "--terms",
+        default=AUTO,
+        help=f"effects, separated by commas, among {', '.join(kind.name for kind in findings.TERMS)} (gauss_markov may "
+        f"be repeated), or {AUTO}: those that the log shows (default %(default)s)",
+    )
+    one.add_argument("--method", choices=[*findings.Method], default=findings.Method.LIKELIHOOD.value)
+    one.add_argument("--highest", type=_positive, default=inf, help="leave the log out of account above [Hz]")
+    one.add_argument("--robust", action="store_true", help="bound the effect of outliers (method wavelet)")
+    one.add_argument("--table", help="CSV file for the estimates")
+    one.add_argument("--figure", help="SVG file: Allan deviation of log and model")
+    one.add_argument("--model", help="YAML file for the error model")
+    one.add_argument("--out", required=True, help="JSON file for the estimates")
+    one.set_defaults(run=estimate)
+
     one = commands.add_parser("simulate", help="static log of a device with an error model")
     one.add_argument("model", help="error model (YAML)")
     one.add_argument("--duration", type=_positive, required=True, help="length [s]")
@@ -112,4 +211,22 @@ def _parser() -> argparse.ArgumentParser:
     one.add_argument("--seed", type=int, default=0)
     one.add_argument("--out", required=True, help="Parquet or CSV file")
     one.set_defaults(run=simulate)
+
+    one = commands.add_parser("export", help="error model as a filter or a simulator takes it")
+    one.add_argument("model", help="error model (YAML)")
+    one.add_argument("--to", required=True, help=", ".join(Target))
+    one.add_argument("--rate", type=_positive, required=True, help="sampling rate [Hz]")
+    one.add_argument(
+        "--horizon", type=_positive, default=10.0,
+        help="averaging time at which the Allan variance of the slow part is kept [s] (default %(default)s)",
+    )  # fmt: skip
+    one.add_argument(
+        "--correlation-time", type=_positive,
+        help=f"of the slow process, where the target has one [s] (default: its own if it is alone, or {HOUR:g})",
+    )  # fmt: skip
+    one.add_argument(
+        "--triad", choices=list(Triad), default=Triad.MEAN_SQUARE, help="three axes to one number (default %(default)s)"
+    )
+    one.add_argument("--out", required=True, help="file to write")
+    one.set_defaults(run=export)
     return parser

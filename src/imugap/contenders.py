@@ -112,17 +112,6 @@ CONTENDERS: dict[str, Callable[[AxisIndices], AxisModel]] = {
     for builder in (bias_only, white, white_turn_on, rate_random_walk, method_a, method_b, restoration, nbk)
 }
 
-TITLES = {
-    "bias_only": "Bias only",
-    "white": "White noise",
-    "white_turn_on": "White + turn-on",
-    "rate_random_walk": "Random walk + white",
-    "method_a": "Method A",
-    "method_b": "Method B",
-    "restoration": "Restoration",
-    "nbk": "N + B + K",
-}
-
 SOURCE = ("method_a", "method_b", "restoration")
 """The contenders that the source compares in its tables."""
 

@@ -24,6 +24,7 @@ likelihood is Whittle's in the cosine basis, whose leakage is that of a sequence
 """
 
 from dataclasses import dataclass, fields
+from functools import cached_property
 
 import numpy as np
 from numba import njit
@@ -82,7 +83,7 @@ class Grid:
         """Return the frequency of each bin [Hz]."""
         return self.index / (2 * self.count * self.interval)
 
-    @property
+    @cached_property
     def square(self) -> np.ndarray:
         """Return s = sin^2(pi k/(2n)) of each bin."""
         return np.sin(np.pi * self.index / (2 * self.count)) ** 2
@@ -106,13 +107,15 @@ class Cosines:
     """All that the likelihood needs of a sequence: sums over bins of z_k^2 and a_k z_k, z its cosine coefficients.
 
     With ``ramp`` a ramp is unknown besides the mean; the one that fits best by least squares is taken out beforehand,
-    because its coefficients alternate within a bin (the likelihood is the same without and with it).
+    because its coefficients alternate within a bin (the likelihood is the same without and with it). ``slope`` is what
+    was taken out [unit/s].
     """
 
     grid: Grid
     power: np.ndarray
     cross: np.ndarray
     ramp: bool
+    slope: float = 0.0
 
     @classmethod
     def of(cls, sequence: np.ndarray, interval: float, highest: float = np.inf, ramp: bool = False) -> "Cosines":
@@ -122,9 +125,11 @@ class Cosines:
             raise ValueError("likelihood: expected finite samples that vary; found constant or missing ones")
         grid = Grid.of(len(sequence), interval, highest)
         centred = sequence - sequence.mean()
+        slope = 0.0
         if ramp:
-            steps = np.arange(len(sequence)) - (len(sequence) - 1) / 2
-            centred -= (steps @ centred) / (steps @ steps) * steps
+            time = interval * (np.arange(len(sequence)) - (len(sequence) - 1) / 2)
+            slope = float((time @ centred) / (time @ time))
+            centred -= slope * time
         coefficients = dct(centred, norm="ortho")
         weighted = coefficients * _end_point(np.arange(len(sequence)), len(sequence))
         last = int(grid.number.sum())
@@ -132,7 +137,17 @@ class Cosines:
         for first, edges in zip((2, 1), grid.edges, strict=True):
             power.append(np.add.reduceat(coefficients[first : last + 1 : 2] ** 2, edges))
             cross.append(np.add.reduceat(weighted[first : last + 1 : 2], edges))
-        return cls(grid, np.concatenate(power), np.concatenate(cross), ramp)
+        return cls(grid, np.concatenate(power), np.concatenate(cross), ramp, slope)
+
+    def less(self, slope: float) -> "Cosines":
+        """Return the statistics of the sequence less a ramp of known ``slope`` [unit/s]; of the sequence with ``ramp``.
+
+        Beyond the single bins the coefficients of a ramp no longer matter.
+        """
+        ramp = (self.slope - slope) * ramp_column(self.grid.square, self.grid.interval)
+        ramp[: self.grid.odd] = 0.0
+        cross = self.cross + ramp * self.grid.leverage
+        return Cosines(self.grid, self.power + ramp * (self.cross + cross), cross, False)
 
 
 @dataclass(frozen=True, eq=False)
@@ -216,24 +231,71 @@ def log_likelihood(model: AxisModel, sequence: np.ndarray, interval: float, ramp
     return value_and_gradient(theta, composition.shapes(cosines.grid), cosines)[0]
 
 
-def value_and_gradient(theta: np.ndarray, shapes: np.ndarray, cosines: Cosines) -> tuple[float, np.ndarray, np.ndarray]:
+def value_and_gradient(theta: np.ndarray, shapes: np.ndarray, *logs: Cosines) -> tuple[float, np.ndarray, np.ndarray]:
     """Return the log-likelihood, its gradient in the log parameters and Whittle's approximation of its information.
 
     Parameters
     ----------
     theta, shapes
         Log parameters and spectral shapes (:class:`Composition`).
-    cosines
-        Statistics of the sequence.
+    logs
+        Statistics of independent sequences on one grid, each with a mean (and a ramp) of its own.
+    """
+    value, gradient, information = density(theta, shapes, *statistics(*logs))
+    return value + constant(*logs), gradient, information
+
+
+def statistics(*logs: Cosines) -> tuple:
+    """Return what :func:`density` needs of logs on one grid, in its order."""
+    grid = logs[0].grid
+    power, cross = sum(log.power for log in logs), np.array([log.cross for log in logs])
+    return grid.square, grid.count, grid.interval, logs[0].ramp, grid.number, grid.leverage, grid.odd, power, cross
+
+
+def constant(*logs: Cosines) -> float:
+    """Return the part of the log-likelihood that no parameter changes."""
+    grid = logs[0].grid
+    one = -0.5 * np.log(2 * np.pi) * grid.number.sum()
+    if logs[0].ramp:
+        one += 0.5 * np.log(2 * np.pi * _ramp_norm(grid))
+    return len(logs) * float(one)
+
+
+def _ramp_norm(grid: Grid) -> float:
+    """Return the sum of the squared coefficients of the ramp of unit slope [s^2]."""
+    return float(np.sum((grid.leverage * ramp_column(grid.square, grid.interval) ** 2)[grid.odd :]))
+
+
+def slope(theta: np.ndarray, shapes: np.ndarray, cosines: Cosines) -> tuple[float, float]:
+    """Return the slope [unit/s] that fits a sequence with ``ramp`` best by generalised least squares, and its variance.
+
+    Both are those of the model with log parameters ``theta``: with the ramp x and the covariance V of the contrasts z,
+    x'V^-1 z / x'V^-1 x and 1/x'V^-1 x.
     """
     grid = cosines.grid
-    spectrum = decompose(theta, shapes, grid.square, grid.count, grid.interval, cosines.ramp)
-    value, gradient, information = _evaluate(
-        *spectrum, grid.number, grid.leverage, grid.odd, cosines.power, cosines.cross
-    )
-    if cosines.ramp:
-        value += 0.5 * np.log(2 * np.pi * np.sum((grid.leverage * spectrum[2][-1] ** 2)[grid.odd :]))
-    return value - 0.5 * np.log(2 * np.pi) * grid.number.sum(), gradient, information
+    diagonal, _, columns, _, weights, _ = decompose(theta, shapes, grid.square, grid.count, grid.interval, True)
+    last, ranks = len(diagonal), len(columns)
+    cross = cosines.cross[None]
+    core, seen = core_matrix(diagonal, columns, weights[1], grid.leverage, cross, grid.odd, last, ranks)
+    inverse = np.linalg.inv(core)
+    return cosines.slope - float(inverse[-1] @ seen[0]), -float(inverse[-1, -1])
+
+
+def slope_density(value: float, variance: float, grid: Grid) -> float:
+    """Return the log-density of the contrast along a ramp for an estimate ``value`` of the slope.
+
+    The likelihood with ``ramp`` leaves this contrast out; with it added, it is the log-density of all contrasts free of
+    the mean, as without a ramp. The slope is taken as a normal deviate of mean zero whose variance, like that of any
+    other process, makes the density greatest: -log(2 pi e c^2)/2 for a contrast c beyond its standard deviation.
+    """
+    square = value**2 / variance
+    return -0.5 * float(np.log(2 * np.pi * variance * max(square, 1.0) * _ramp_norm(grid)) + min(square, 1.0))
+
+
+@njit(cache=True)
+def ramp_column(square, interval):
+    """Return the coefficients of the ramp of unit slope at odd k over a_k."""
+    return -interval / (2 * square)
 
 
 @njit(cache=True)
@@ -276,47 +338,57 @@ def decompose(theta, shapes, square, count, interval, ramp):
             weights[parity, i] = np.log(2 * variance * gap**2 * ends) - steps
             weight_slopes[parity, i] = steps * (1 - 2 * decay / gap + sign * count * np.exp(-count * steps) / ends)
     if ramp:
-        columns[markov] = 1 / square
+        columns[markov] = ramp_column(square, interval)
     return diagonal, diagonal_slopes, columns, column_slopes, weights, weight_slopes
 
 
 @njit(cache=True)
-def _evaluate(
-    diagonal, diagonal_slopes, columns, column_slopes, weights, weight_slopes, number, leverage, odd, power, cross
-):
-    """Return log-density without its constant, gradient, and sum_k dlog d_k dlog d_k'/2."""
-    size, markov = len(diagonal_slopes), len(column_slopes)
+def density(theta, shapes, square, count, interval, ramp, number, leverage, odd, power, cross):
+    """Return log-density without its :func:`constant`, gradient, and sum_k dlog d_k dlog d_k'/2.
+
+    ``power``, shape (m,), is the sum over logs, ``cross``, shape (logs, m), of each.
+    """
+    spectrum = decompose(theta, shapes, square, count, interval, ramp)
+    diagonal, diagonal_slopes, columns, column_slopes, weights, weight_slopes = spectrum
+    size, markov, logs = len(diagonal_slopes), len(column_slopes), len(cross)
     value, gradient, information = 0.0, np.zeros(size), np.zeros((size, size))
     for parity in range(2):
         first, last = (odd, len(diagonal)) if parity else (0, odd)
         ranks = len(columns) if parity else markov  # the ramp is odd
         core, seen = core_matrix(diagonal, columns, weights[parity], leverage, cross, first, last, ranks)
         inverse = np.ascontiguousarray(np.linalg.inv(core)) if ranks else core
-        solved = inverse @ seen
-        value -= 0.5 * (np.log(np.abs(np.linalg.det(core))) if ranks else 0.0)
-        value -= 0.5 * (seen @ solved + weights[parity].sum())
+        solved = seen @ inverse
+        value -= 0.5 * logs * (np.log(np.abs(np.linalg.det(core))) if ranks else 0.0)
+        value -= 0.5 * (np.sum(seen * solved) + logs * weights[parity].sum())
         for m in range(first, last):
-            d = diagonal[m]
-            value -= 0.5 * (number[m] * np.log(d) + power[m] / d)
-            pulled, spread = 0.0, 0.0
+            d, freedom = diagonal[m], logs * number[m]
+            value -= 0.5 * (freedom * np.log(d) + power[m] / d)
+            spread, residual = 0.0, power[m]
             for i in range(ranks):
-                pulled += solved[i] * columns[i, m]
                 for j in range(ranks):
                     spread += columns[i, m] * inverse[i, j] * columns[j, m]
-            residual = (power[m] + pulled * (2 * cross[m] + pulled * leverage[m])) / d**2
-            push = 0.5 * (residual - number[m] / d - leverage[m] * spread / d**2)
+            for log in range(logs if ranks else 0):
+                pulled = 0.0
+                for i in range(ranks):
+                    pulled += solved[log, i] * columns[i, m]
+                rest = cross[log, m] + pulled * leverage[m]
+                residual += pulled * (cross[log, m] + rest)
+                for i in range(markov):
+                    gradient[size - 2 * markov + 2 * i + 1] -= rest * solved[log, i] / d * column_slopes[i, m]
+            push = 0.5 * (residual / d - freedom - logs * leverage[m] * spread / d) / d
             for j in range(size):
                 gradient[j] += push * diagonal_slopes[j, m]
+                share = 0.5 * freedom * diagonal_slopes[j, m] / d**2
                 for k in range(j + 1):
-                    information[j, k] += 0.5 * number[m] * diagonal_slopes[j, m] * diagonal_slopes[k, m] / d**2
+                    information[j, k] += share * diagonal_slopes[k, m]
             for i in range(markov):
                 mixed = 0.0
                 for j in range(ranks):
                     mixed += columns[j, m] * inverse[j, i]
-                pull = (leverage[m] * mixed - (cross[m] + pulled * leverage[m]) * solved[i]) / d
-                gradient[size - 2 * markov + 2 * i + 1] += pull * column_slopes[i, m]
+                gradient[size - 2 * markov + 2 * i + 1] += logs * leverage[m] * mixed / d * column_slopes[i, m]
         for i in range(markov):
-            push = 0.5 * ((inverse[i, i] - solved[i] ** 2) * np.exp(-weights[parity, i]) - 1)
+            squares = logs * inverse[i, i] - np.sum(solved[:, i] ** 2)
+            push = 0.5 * (squares * np.exp(-weights[parity, i]) - logs)
             gradient[size - 2 * markov + 2 * i] += 2 * push
             gradient[size - 2 * markov + 2 * i + 1] += push * weight_slopes[parity, i]
     for j in range(size):
@@ -326,14 +398,18 @@ def _evaluate(
 
 @njit(cache=True)
 def core_matrix(diagonal, columns, weights, leverage, cross, first, last, ranks):
-    """Return 1/b - U' D^-1 U (1/b = 0 for the diffuse ramp) and U' D^-1 z of one parity: bins first to last."""
-    core, seen = np.zeros((ranks, ranks)), np.zeros(ranks)
+    """Return 1/b - U' D^-1 U (1/b = 0 for the diffuse ramp) and U' D^-1 z of one parity: bins first to last.
+
+    ``cross`` has shape (logs, m); so have the products, shape (logs, ranks).
+    """
+    core, seen = np.zeros((ranks, ranks)), np.zeros((len(cross), ranks))
     for i in range(len(weights)):
         core[i, i] = np.exp(-weights[i])
     for m in range(first, last):
         for i in range(ranks):
             scaled = columns[i, m] / diagonal[m]
-            seen[i] += scaled * cross[m]
+            for log in range(len(cross)):
+                seen[log, i] += scaled * cross[log, m]
             for j in range(ranks):
                 core[i, j] -= leverage[m] * scaled * columns[j, m]
     return core, seen

@@ -8,6 +8,7 @@ the fastest reader there is; the slow look, line by line, is only for telling wh
 import csv
 import difflib
 import warnings
+from functools import partial
 from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -18,7 +19,9 @@ import pyarrow as pa
 import pyarrow.csv
 import rdata
 import scipy.io
+from scipy.spatial.transform import Rotation
 
+from imugap import reference
 from imugap.integrity import gravity_unit
 from imugap.log import ACCEL, COLUMNS, GYRO, LogError, check
 from imugap.units import from_si, to_si
@@ -71,7 +74,8 @@ def read_raw(path: str | Path, dataset: "DataSet", run: int) -> pd.DataFrame:
     Without a time column the samples are spaced evenly at the nominal rate of ``dataset``.
     """
     path, file = Path(path), dataset.file(run)
-    samples = _decoded(path, RECORDINGS, f"{file.size_bytes} bytes")
+    decoders = {".mat": partial(_side_by_side, names=dataset.arrays)} if dataset.arrays else RECORDINGS
+    samples = _decoded(path, decoders, f"{file.size_bytes} bytes")
     if samples.ndim == 3 and len(samples) == len(file.runs):
         samples = samples[file.runs.index(run)].T
     width = len(dataset.columns)
@@ -82,6 +86,27 @@ def read_raw(path: str | Path, dataset: "DataSet", run: int) -> pd.DataFrame:
     table = {name: to_si(values.astype(float), unit) for name, values, unit in converted}
     time = pd.Index(table.pop("time", np.arange(len(samples)) / dataset.rate_hz), name="time")
     return check(pd.DataFrame({name: table[name] for name in COLUMNS if name in table}, index=time), path)
+
+
+def read_reference(path: str | Path, dataset: "DataSet", run: int) -> pd.DataFrame:
+    """Read the reference attitude of one run of a catalogue file, evenly spaced at the nominal rate of ``dataset``.
+
+    Returns
+    -------
+    DataFrame
+        A Reference (:mod:`imugap.reference`) without the instants at which it was lost.
+    """
+    path, file = Path(path), dataset.file(run)
+    decoders = {".mat": partial(_side_by_side, names=dataset.reference)}
+    samples = _decoded(path, decoders, f"{file.size_bytes} bytes")
+    if samples.shape[1] != 5:
+        raise LogError(path, f"arrays {', '.join(dataset.reference)}", "4 and 1 columns", f"{samples.shape[1]} in all")
+    known = np.isfinite(samples).all(axis=1)
+    if not known.any():
+        raise LogError(path, f"array {dataset.reference[0]}", "quaternions", f"{len(samples)} rows of NaN")
+    time = np.flatnonzero(known) / dataset.rate_hz
+    quat_ub = Rotation.from_quat(samples[known][:, [1, 2, 3, 0]])
+    return reference.from_rotations(time, reference.ENU_TO_NED * quat_ub, samples[known, 4] != 0)
 
 
 def _decoded(path: Path, decoders: dict, whole: str) -> pd.DataFrame | np.ndarray:
@@ -145,6 +170,14 @@ def _npy(path: Path) -> np.ndarray:
 
 def _mat(path: Path) -> np.ndarray:
     return _only({name: value for name, value in scipy.io.loadmat(path).items() if not name.startswith("__")})
+
+
+def _side_by_side(path: Path, names: tuple[str, ...]) -> np.ndarray:
+    objects = scipy.io.loadmat(path, variable_names=names)
+    absent = [name for name in names if name not in objects]
+    if absent:
+        raise ValueError(f"expected an array {absent[0]}, found none")
+    return np.hstack([objects[name] for name in names]).astype(float)
 
 
 def _only(objects: dict) -> np.ndarray:

@@ -171,3 +171,21 @@ def from_euler(euler: np.ndarray) -> Rotation:
 def to_euler(rotation_nb: Rotation) -> np.ndarray:
     """Return the angles (roll, pitch, heading) [rad], shape (3,) or (n, 3), of rotations ``b`` to ``n``."""
     return rotation_nb.as_euler("ZYX")[..., ::-1]
+
+
+def rate_from_euler(euler: np.ndarray, derivative: np.ndarray) -> np.ndarray:
+    """Return the rate of ``b`` relative to ``n`` in ``b`` [rad/s] (Groves 2013, eq. 2.58), shape (..., 3).
+
+    ``euler`` are roll, pitch, heading [rad], ``derivative`` their derivatives [rad/s].
+    """
+    roll, pitch = euler[..., 0], euler[..., 1]
+    droll, dpitch, dheading = np.moveaxis(derivative, -1, 0)
+    level = dheading * np.cos(pitch)
+    return np.stack(
+        [
+            droll - dheading * np.sin(pitch),
+            dpitch * np.cos(roll) + level * np.sin(roll),
+            -dpitch * np.sin(roll) + level * np.cos(roll),
+        ],
+        axis=-1,
+    )

@@ -26,6 +26,9 @@ TEX |= {
     "×": r"$\times$",
     "−": "$-$",
 }
+TEX |= {"√": r"$\surd$", "³": r"$^3$", "Δ": r"$\Delta$", "₀": r"$_0$"}
+UNITS = {"sqrt(h)": "√h", "sqrt(Hz)": "√Hz", "ug": "µg", "deg": "°", "^2": "²", "^3": "³"}
+SHOWN = re.compile("|".join(map(re.escape, UNITS)))
 ESCAPED = {character: "\\" + character for character in "%_&#${}"}
 ESCAPED |= {"\\": r"\textbackslash{}", "^": r"\^{}", "~": r"\~{}"}
 SPECIAL = re.compile("|".join(map(re.escape, TEX | ESCAPED)))
@@ -45,7 +48,7 @@ def write(stem: str | Path, data: pd.DataFrame, shown: pd.DataFrame) -> None:
 
 def unit(name: str) -> str:
     """Return the unit ``name`` (of :data:`imugap.units.FACTORS`) as a page shows it."""
-    return name.replace("sqrt(h)", "√h").replace("ug", "µg").replace("deg", "°")
+    return SHOWN.sub(lambda found: UNITS[found.group()], name)
 
 
 def number(value: float, digits: int = 3) -> str:

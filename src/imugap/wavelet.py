@@ -9,73 +9,28 @@ that no end of the sequence touches enter. Arrays over levels start at level 1.
 
 from collections.abc import Iterator
 from functools import lru_cache
-from math import comb
 
 import numpy as np
 import pandas as pd
 from numba import njit
 from numpy.polynomial.legendre import leggauss
-from numpy.polynomial.polynomial import polyval
-from scipy.fft import fft, ifft, next_fast_len
-from scipy.interpolate import BarycentricInterpolator
+from scipy.fft import fft, next_fast_len
 from scipy.optimize import brentq
 from scipy.stats import chi2, norm
 from scipy.stats import t as student
 
+from imugap import cascade
+from imugap.daubechies import check, depth, filters, free, length
+from imugap.effects import RateRamp
 from imugap.effects.effect import StochasticEffect
 from imugap.model import AxisModel
 
-WIDTHS = (2, 4, 6, 8)
-"""Widths of the filters D2 (Haar), D4, D6, D8."""
 EFFICIENCY = 0.6
 """Efficiency, at the Gaussian, of the robust estimate: as gmwm and wv have it."""
 STEP = np.log(1.5)
 """Step of log s^2 in the search for the robust estimate; at the Gaussian the two roots lie seven steps apart."""
 BLOCK = 8192
 """Samples of a block that stays in the processor's cache."""
-
-
-@lru_cache
-def filters(width: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return the wavelet and the scaling filter of the MODWT, each shape (width,); the scaling filter sums to 1.
-
-    Spectral factorisation (Daubechies 1988): the squared gain of the scaling filter is cos^L times the polynomial in
-    y = sin^2 = (2 - z - 1/z)/4 of :func:`_gains`; of each pair of roots z, 1/z the one inside the unit circle is
-    taken. The wavelet filter is h_l = (-1)^l g_(L-1-l) (Percival & Walden 2000, eq. 75a, section 4.8).
-    """
-    _check(width)
-    middle = 1 - 2 * np.roots(_binomials(width)[::-1]).astype(complex)
-    root = middle + np.sqrt(middle**2 - 1)
-    inside = np.where(np.abs(root) < 1, root, 1 / root)
-    scaling = np.poly(np.r_[-np.ones(width // 2), inside]).real
-    scaling /= scaling.sum()
-    wavelet = scaling[::-1] * (-1.0) ** np.arange(width)
-    scaling.flags.writeable = wavelet.flags.writeable = False
-    return wavelet, scaling
-
-
-def length(level: int, width: int = 2) -> int:
-    """Return the number of samples that a coefficient of ``level`` looks at (Percival & Walden 2000, eq. 96a)."""
-    return (2**level - 1) * (width - 1) + 1
-
-
-def depth(count: int, width: int = 2) -> int:
-    """Return the deepest level of which ``count`` samples leave a coefficient that neither end touches."""
-    _check(width)
-    return int(np.log2((count - 1) // (width - 1) + 1))
-
-
-def free(count: int, levels: int, width: int = 2) -> np.ndarray:
-    """Return the number M_j of coefficients of each level that no end touches, shape (levels,)."""
-    return np.array([count - length(level, width) + 1 for level in range(1, levels + 1)])
-
-
-def squared_gain(cycles: np.ndarray, level: int, width: int = 2) -> np.ndarray:
-    """Return |H_j|^2 at ``cycles`` [1/sample]: |H|^2 at 2^(j-1) f times |G|^2 at all 2^l f, l < j - 1."""
-    gain = _gains(2.0 ** (level - 1) * cycles, width)[0]
-    for octave in range(level - 1):
-        gain = gain * _gains(2.0**octave * cycles, width)[1]
-    return gain
 
 
 def modwt(sequence: np.ndarray, levels: int, width: int = 2) -> tuple[np.ndarray, np.ndarray]:
@@ -112,6 +67,12 @@ def robust_variance(
     """
     levels = _levels(len(sequence), levels, width)
     return np.array([_biweight_scale(coefficients, efficiency) for coefficients in _free(sequence, levels, width)])
+
+
+def estimated(sequence: np.ndarray, levels: int, width: int = 2, efficiency: float = 1.0) -> np.ndarray:
+    """Return the wavelet variance [unit^2] of each level, shape (levels,); robust for an ``efficiency`` below 1."""
+    robust = efficiency < 1
+    return robust_variance(sequence, levels, width, efficiency) if robust else variance(sequence, levels, width)
 
 
 def limits(variance: np.ndarray, edf: np.ndarray, level: float = 0.95) -> tuple[np.ndarray, np.ndarray]:
@@ -161,8 +122,7 @@ def curve(
         ``variance``, ``low``, ``high`` [unit^2], ``edf``.
     """
     levels = depth(len(sequence), width)
-    robust = efficiency < 1
-    estimate = robust_variance(sequence, levels, width, efficiency) if robust else variance(sequence, levels, width)
+    estimate = estimated(sequence, levels, width, efficiency)
     edf = efficiency * edf_octave(len(sequence), levels, width)
     low, high = limits(estimate, edf, level)
     index = pd.RangeIndex(1, levels + 1, name="level")
@@ -208,15 +168,10 @@ def implied(model: AxisModel | StochasticEffect, interval: float, levels: int, w
     Haar: half the sampled Allan variance. Wider filters: the integral of |H_j|^2 and the sampled PSD, to rounding; a
     ramp adds nothing, since they see no straight line.
     """
-    _check(width)
+    check(width)
     if width == 2:
         return model.sampled_allan_variance(2 ** np.arange(levels), interval) / 2
-    spectrum = _per_sample(model, interval)(_octaves(levels))
-    result = np.empty(levels)
-    for level in range(levels):
-        result[level] = _passed(spectrum, width)
-        spectrum = _fold(spectrum, width)
-    return result
+    return cascade.passed(_per_sample(model, interval), levels, width)
 
 
 def covariance(model: AxisModel | StochasticEffect, interval: float, count: int, levels: int, width: int = 2):
@@ -224,30 +179,36 @@ def covariance(model: AxisModel | StochasticEffect, interval: float, count: int,
 
     With s_ij the cross-covariance of the coefficients of levels i and j, it is 2/(M_i M_j) times the sum of s_ij^2 over
     all pairs of coefficients (Isserlis). A pair of deep levels has the share of all lags that fits into the sequence;
-    it is counted on every 2^h-th smooth V_h once there are more than :data:`EXACT` samples (1 % at the deepest). Of a
-    level too shallow for that, all lags are taken to fit. Rounding errors are not Gaussian: their wavelet variances
-    scatter less than this.
+    once there are more than :data:`EXACT` samples it is counted on a smooth. Of a level too shallow for that, half as
+    many lags are lost as of the next deeper one (0.05 % of the variance, 0.2 % between levels). A ramp gives the
+    coefficients a mean m_j and adds 4 m_i m_j times the covariance of their means, at the deep levels. Rounding errors
+    are not Gaussian: their wavelet variances scatter less than this.
     """
-    psd = _per_sample(model, interval)
-    result = _over_all_lags(psd, count, levels, width)
+    psd, number = _per_sample(model, interval), free(count, levels, width)
+    result = 2 * cascade.overlap(psd, levels, width) / np.maximum.outer(number, number)
     halvings = max(0, int(np.ceil(np.log2(count / EXACT))))
-    first = halvings + 4 if halvings else 0  # below, every 2^halvings-th coefficient is too few
-    if levels > first:
-        share = _share(psd, count, levels, width, halvings)
-        result[first:, first:] *= share[first - halvings :, first - halvings :]
+    first = halvings + cascade.APART if halvings else 0
+    if levels <= first:
+        return result
+    share, means = cascade.counted(psd, count, levels, width, halvings)
+    lost = np.zeros((levels, levels))
+    lost[first:, first:] = 1 - share
+    for level in range(first - 1, -1, -1):
+        lost[level, :-1] = lost[:-1, level] = lost[level + 1, 1:] / 2
+    trend = np.sqrt(_ramp(model, interval, levels, width)[first:])
+    result *= 1 - lost
+    result[first:, first:] += 4 * np.outer(trend, trend) * means
     return result
 
 
-EXACT = 2**14
-CHUNK = 2**15
-NODES = 24
-OCTAVES_BELOW = 45
-"""Octaves of the spectrum below the deepest level: what lies still lower moves no wavelet variance by 1e-12."""
+EXACT = 2**11
+"""Samples up to which pairs of coefficients are counted one by one."""
 
 
-def _check(width: int) -> None:
-    if width not in WIDTHS:
-        raise ValueError(f"wavelet: expected a width among {', '.join(map(str, WIDTHS))}; found {width}")
+def _ramp(model: AxisModel | StochasticEffect, interval: float, levels: int, width: int) -> np.ndarray:
+    """Return the part of the wavelet variances that a ramp has."""
+    slope = sum(effect.slope for effect in getattr(model, "effects", ()) if isinstance(effect, RateRamp))
+    return implied(RateRamp(float(slope)), interval, levels) if width == 2 else np.zeros(levels)
 
 
 def _levels(count: int, levels: int | None, width: int) -> int:
@@ -255,22 +216,6 @@ def _levels(count: int, levels: int | None, width: int) -> int:
     if not 1 <= (limit if levels is None else levels) <= limit:
         raise ValueError(f"wavelet: expected 1 to {limit} levels of {count} samples; found {levels}")
     return limit if levels is None else levels
-
-
-def _binomials(width: int) -> np.ndarray:
-    return np.array([comb(width // 2 - 1 + k, k) for k in range(width // 2)], float)
-
-
-def _gains(cycles: np.ndarray, width: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return the squared gains of the wavelet and the scaling filter (Percival & Walden 2000, eq. 105a)."""
-    angle = np.pi * (cycles % 1)
-    return _squared(np.sin(angle) ** 2, np.cos(angle) ** 2, width)
-
-
-def _squared(sine: np.ndarray, cosine: np.ndarray, width: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return the squared gains at squared sine and cosine of pi f."""
-    binomials = _binomials(width)
-    return sine ** (width // 2) * polyval(cosine, binomials), cosine ** (width // 2) * polyval(sine, binomials)
 
 
 def _pyramid(sequence: np.ndarray, levels: int, width: int) -> Iterator[tuple[np.ndarray, np.ndarray]]:
@@ -400,97 +345,3 @@ def _biweight_moments(cut: float) -> tuple[float, float]:
 def _per_sample(model, interval: float):
     """Return the sampled PSD as a function of cycles per sample: its integral over one cycle is the variance."""
     return lambda cycles: model.sampled_psd(cycles / interval, interval) / interval
-
-
-def _octaves(levels: int) -> np.ndarray:
-    """Return quadrature nodes [cycles per sample], one row for each octave downwards from 1/4 to 1/2."""
-    top = (3 + leggauss(NODES)[0]) / 8
-    return top * 2.0 ** -np.arange(levels + OCTAVES_BELOW)[:, None]
-
-
-def _passed(spectrum: np.ndarray, width: int) -> float:
-    """Return the variance that the wavelet filter of level 1 lets pass, of a spectrum on :func:`_octaves`."""
-    cycles = _octaves(len(spectrum) - OCTAVES_BELOW)
-    weight = leggauss(NODES)[1] * 2.0 ** -np.arange(len(spectrum))[:, None] / 8
-    return float(2 * np.sum(weight * _gains(cycles, width)[0] * spectrum))
-
-
-def _fold(spectrum: np.ndarray, width: int) -> np.ndarray:
-    """Return the spectrum of every other scaling coefficient of level 1, on one octave less.
-
-    S'(f) = (|G(f/2)|^2 S(f/2) + |G(1/2 - f/2)|^2 S(1/2 - f/2))/2, and |G(1/2 - f)|^2 = |H(f)|^2. The halves f/2 are
-    nodes of the next octave; 1/2 - f/2 lies in the top one.
-    """
-    half = _octaves(len(spectrum) - OCTAVES_BELOW)[1:]
-    high, low = _gains(half, width)
-    top = BarycentricInterpolator((3 + leggauss(NODES)[0]) / 8, spectrum[0])
-    return (low * spectrum[1:] + high * top(0.5 - half)) / 2
-
-
-def _over_all_lags(psd, count: int, levels: int, width: int) -> np.ndarray:
-    """Return 2/max(M_i, M_j) int |H_i|^2 |H_j|^2 S^2 df, shape (levels, levels) (Percival & Walden 2000, section 8.3).
-
-    The integral is the sum of s_ij^2 over all lags, which each of the min(M_i, M_j) coefficients is given.
-    """
-    total = np.zeros((levels, levels))
-    for start in range(0, count, CHUNK):
-        cycles = (np.arange(start, min(start + CHUNK, count)) + 0.5) / (2 * count)
-        smooth, sine, cosine = psd(cycles), np.sin(np.pi * cycles) ** 2, np.cos(np.pi * cycles) ** 2
-        density = np.empty((levels, len(cycles)))
-        for level in range(levels):
-            high, low = _squared(sine, cosine, width)
-            density[level] = high * smooth
-            smooth = low * smooth
-            sine, cosine = 4 * sine * cosine, (cosine - sine) ** 2  # of twice the frequency
-        total += np.einsum("ik,jk->ij", density, density)
-    number = free(count, levels, width)
-    return 2 * total / count / np.maximum.outer(number, number)
-
-
-def _share(psd, count: int, levels: int, width: int, halvings: int) -> np.ndarray:
-    """Return the share of the sum over all lags that the sequence has pairs for, for levels above ``halvings``."""
-    samples = (count - length(halvings, width)) // 2**halvings + 1
-    deep = levels - halvings
-    period = next_fast_len(4 * samples)
-    cycles = (np.arange(period) + 0.5) / period  # between the harmonics: the spectrum may be infinite at 0
-    spectrum = _smooth_spectrum(psd, np.minimum(cycles, 1 - cycles), halvings, width)
-    gain = _transfer(cycles, deep, width)
-    lag = np.arange(-samples + 1, samples)
-    number = free(samples, deep, width)
-    first = samples - number
-    result = np.empty((deep, deep))
-    for i in range(deep):
-        for j in range(i, deep):
-            density = gain[i] * gain[j].conj() * spectrum
-            cross = (ifft(density)[lag] * np.exp(1j * np.pi * lag / period)).real
-            pairs = np.minimum(samples, samples - lag) - np.maximum(first[j], first[i] - lag)
-            all_lags = np.mean(np.abs(density) ** 2)
-            result[i, j] = result[j, i] = np.maximum(pairs, 0) @ cross**2 / (number[j] * all_lags)
-    return result
-
-
-def _smooth_spectrum(psd, cycles: np.ndarray, halvings: int, width: int) -> np.ndarray:
-    """Return the spectrum, at ``cycles`` of its own sampling, of every 2^halvings-th scaling coefficient."""
-    if not halvings:
-        return psd(cycles)
-    spectrum = psd(_octaves(halvings))
-    for _ in range(halvings):
-        spectrum = _fold(spectrum, width)
-    octave = np.ceil(-np.log2(cycles)).astype(int) - 2
-    result = np.empty(len(cycles))
-    for k in range(octave.max() + 1):
-        inside = octave == k
-        result[inside] = BarycentricInterpolator((3 + leggauss(NODES)[0]) / 8, spectrum[k])(cycles[inside] * 2.0**k)
-    return result
-
-
-def _transfer(cycles: np.ndarray, levels: int, width: int) -> np.ndarray:
-    """Return the transfer functions H_j, shape (levels, n)."""
-    high, low = filters(width)
-    result = np.empty((levels, len(cycles)), complex)
-    smooth = np.ones(len(cycles))
-    for level in range(levels):
-        delay = np.exp(-2j * np.pi * ((2.0**level * cycles) % 1))
-        result[level] = smooth * polyval(delay, high)
-        smooth = smooth * polyval(delay, low)
-    return result

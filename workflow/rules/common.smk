@@ -5,6 +5,7 @@ import yaml
 from imugap.catalogue import available, load, locate
 from imugap.configuration import ConfigurationError, configure
 from imugap.contenders import CONTENDERS
+from imugap.datasheet import TRUTHS
 from imugap.dependencies import digest, modules_of
 
 config.update(configure(config, "workflow/schemas/study.schema.yaml"))
@@ -23,14 +24,17 @@ RUNS = {
 }
 DEVICES = [device for device, runs in RUNS.items() if runs]
 POWER_CYCLES = config["power_cycles"] if "memsense_turnon" in PRESENT else []
+TRIALS = config["attitude"]["trials"] if "broad" in PRESENT else []
 SITES = config["sites"] | {
     "bench": yaml.safe_load(Path("data/bench.yaml").read_text())["site"]
 }
 OMITTED = [name for name in CATALOGUE if name not in PRESENT]
+# The products that the chapters of the paper show: the rules of each chapter add theirs.
+PAPER = []
 
 
 wildcard_constraints:
-    device="bench|adis16405|own|memsense_turnon",
+    device="bench|adis16405|own|memsense_turnon|broad",
     run=r"\d+",
     contender="|".join(CONTENDERS),
 
@@ -43,6 +47,11 @@ def library(script):
     return [
         str(path) for path in modules_of(f"workflow/scripts/{script}.py", "src/imugap")
     ]
+
+
+def of_devices(*patterns):
+    """Name files of every device of the study."""
+    return expand(patterns, device=DEVICES)
 
 
 def of_runs(name):

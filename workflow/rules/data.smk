@@ -70,7 +70,7 @@ rule integrity_table:
             "paper/tables/integrity_{device}.csv",
             caption="../report/integrity.rst",
             category="Data",
-            labels={"table": "integrity", "device": "{device}"},
+            labels={"result": "integrity (table), {device}"},
         ),
         "paper/tables/integrity_{device}.json",
         "paper/tables/integrity_{device}.tex",
@@ -82,3 +82,6 @@ rule integrity_table:
         runs=lambda wildcards: RUNS[wildcards.device],
     script:
         "../scripts/integrity_table.py"
+
+
+PAPER += of_devices("paper/tables/integrity_{device}.json")

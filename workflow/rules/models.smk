@@ -50,13 +50,13 @@ rule models_figure:
             "paper/figures/models_{device}.svg",
             caption="../report/models.rst",
             category="Error models",
-            labels={"figure": "Allan deviation of the models", "device": "{device}"},
+            labels={"result": "Allan deviation of the models (figure), {device}"},
         ),
         report(
             "paper/tables/models_{device}.csv",
             caption="../report/models.rst",
             category="Error models",
-            labels={"table": "where models and device part", "device": "{device}"},
+            labels={"result": "where models and device part (table), {device}"},
         ),
         "paper/tables/models_{device}.json",
         "paper/tables/models_{device}.tex",
@@ -67,3 +67,10 @@ rule models_figure:
         "benchmarks/models_figure/{device}.tsv"
     script:
         "../scripts/models_figure.py"
+
+
+PAPER += of_devices(
+    "paper/figures/models_{device}.svg",
+    "paper/tables/models_{device}.json",
+    "paper/numbers/models_{device}.json",
+)

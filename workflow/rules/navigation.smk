@@ -84,22 +84,19 @@ rule drift_figures:
             "paper/figures/drift_{device}.svg",
             caption="../report/drift.rst",
             category="Navigation",
-            labels={"figure": "free-inertial drift", "device": "{device}"},
+            labels={"result": "free-inertial drift (figure), {device}"},
         ),
         raw=report(
             "paper/figures/differences_raw_{device}.svg",
             caption="../report/differences.rst",
             category="Navigation",
-            labels={"figure": "measured - simulated, raw", "device": "{device}"},
+            labels={"result": "measured - simulated, raw (figure), {device}"},
         ),
         calibrated=report(
             "paper/figures/differences_calibrated_{device}.svg",
             caption="../report/differences.rst",
             category="Navigation",
-            labels={
-                "figure": "measured - simulated, calibrated",
-                "device": "{device}",
-            },
+            labels={"result": "measured - simulated, calibrated (figure), {device}"},
         ),
     log:
         "logs/drift_figures/{device}.log",
@@ -128,31 +125,31 @@ rule drift_tables:
             "paper/tables/five_trials_{device}.csv",
             caption="../report/five_trials.rst",
             category="Navigation",
-            labels={"table": "five trials", "device": "{device}"},
+            labels={"result": "five trials (table), {device}"},
         ),
         distribution=report(
             "paper/tables/distribution_{device}.csv",
             caption="../report/distribution.rst",
             category="Navigation",
-            labels={"table": "distribution over trials", "device": "{device}"},
+            labels={"result": "distribution over trials (table), {device}"},
         ),
         ranking=report(
             "paper/tables/ranking_{device}.csv",
             caption="../report/ranking.rst",
             category="Navigation",
-            labels={"table": "ranking over length", "device": "{device}"},
+            labels={"result": "ranking over length (table), {device}"},
         ),
         figure=report(
             "paper/figures/ranking_{device}.svg",
             caption="../report/ranking.rst",
             category="Navigation",
-            labels={"figure": "ranking over length", "device": "{device}"},
+            labels={"result": "ranking over length (figure), {device}"},
         ),
         crps=report(
             "paper/figures/crps_{device}.svg",
             caption="../report/crps.rst",
             category="Navigation",
-            labels={"figure": "proper score over length", "device": "{device}"},
+            labels={"result": "proper score over length (figure), {device}"},
         ),
         numbers="paper/numbers/navigation_{device}.json",
     log:
@@ -165,3 +162,16 @@ rule drift_tables:
         seed=config["seed"],
     script:
         "../scripts/drift_tables.py"
+
+
+PAPER += of_devices(
+    "paper/figures/drift_{device}.svg",
+    "paper/figures/differences_raw_{device}.svg",
+    "paper/figures/differences_calibrated_{device}.svg",
+    "paper/figures/ranking_{device}.svg",
+    "paper/figures/crps_{device}.svg",
+    "paper/tables/five_trials_{device}.json",
+    "paper/tables/distribution_{device}.json",
+    "paper/tables/ranking_{device}.json",
+    "paper/numbers/navigation_{device}.json",
+)

@@ -1,36 +1,3 @@
-FIGURES = [
-    "allan",
-    "models",
-    "drift",
-    "differences_raw",
-    "differences_calibrated",
-    "ranking",
-    "crps",
-]
-TABLES = [
-    "integrity",
-    "indices",
-    "models",
-    "five_trials",
-    "distribution",
-    "ranking",
-]
-CHAPTERS = expand(
-    "paper/chapters/{name}.typ",
-    name=[
-        "question",
-        "data",
-        "indices",
-        "models",
-        "navigation",
-        "claims",
-        "conclusion",
-        "reproduce",
-    ],
-)
-CLOCKED = [device for device in DEVICES if len(RUNS[device]) > 1]
-
-
 rule study_numbers:
     """Write what the text says of the study itself: devices, sections left out, choices, versions."""
     input:
@@ -56,20 +23,11 @@ rule study_numbers:
 rule paper:
     """Compile the paper; it types no number."""
     input:
-        expand("paper/figures/{name}_{device}.svg", name=FIGURES, device=DEVICES),
-        expand("paper/tables/{name}_{device}.json", name=TABLES, device=DEVICES),
-        expand("paper/numbers/navigation_{device}.json", device=DEVICES),
-        expand("paper/numbers/models_{device}.json", device=DEVICES),
-        expand("paper/numbers/clock_{device}.json", device=CLOCKED),
-        ["paper/tables/bench_score.json"] if "bench" in DEVICES else [],
-        ["paper/tables/turn_on.json"] if POWER_CYCLES else [],
+        PAPER,
         "paper/tables/datasets.json",
-        "paper/tables/audit.json",
-        "paper/tables/claims.json",
-        "paper/tables/speed.json",
         "paper/numbers/study.json",
         main="paper/main.typ",
-        chapters=CHAPTERS,
+        chapters=sorted(map(str, Path("paper/chapters").glob("*.typ"))),
         style="paper/style.typ",
         bibliography="paper/references.bib",
     output:
@@ -92,7 +50,7 @@ rule notebook:
             "results/notebooks/{name}.html",
             caption="../report/notebook.rst",
             category="Notebooks",
-            labels={"notebook": "{name}"},
+            labels={"result": "{name}"},
         ),
     log:
         "logs/notebook/{name}.log",

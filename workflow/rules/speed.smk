@@ -5,13 +5,14 @@ rule speed:
             str(locate(CATALOGUE["adis16405"].file(run), RAW, MIRROR))
             for run in RUNS["adis16405"]
         ],
+        recipe="data/indirect.yaml",
         code=library("speed"),
     output:
         report(
             "paper/tables/speed.csv",
             caption="../report/speed.rst",
             category="Speed",
-            labels={"table": "speed", "device": "all"},
+            labels={"result": "speed (table)"},
         ),
         "paper/tables/speed.json",
         "paper/tables/speed.tex",
@@ -25,6 +26,10 @@ rule speed:
         runs=RUNS["adis16405"],
         samples=config["speed"]["samples"],
         repeats=config["speed"]["repeats"],
+        fits=config["speed"]["fits"],
         period_s=config["bias_stability_period_s"],
     script:
         "../scripts/speed.py"
+
+
+PAPER += ["paper/tables/speed.json"]

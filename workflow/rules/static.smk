@@ -47,7 +47,7 @@ rule indices_table:
             "paper/tables/indices_{device}.csv",
             caption="../report/indices.rst",
             category="Performance indices",
-            labels={"table": "indices", "device": "{device}"},
+            labels={"result": "indices (table), {device}"},
         ),
         "paper/tables/indices_{device}.json",
         "paper/tables/indices_{device}.tex",
@@ -70,7 +70,7 @@ rule allan_figure:
             "paper/figures/allan_{device}.svg",
             caption="../report/allan.rst",
             category="Performance indices",
-            labels={"figure": "Allan deviation", "device": "{device}"},
+            labels={"result": "Allan deviation (figure), {device}"},
         ),
     log:
         "logs/allan_figure/{device}.log",
@@ -91,7 +91,7 @@ rule bench_score:
             "paper/tables/bench_score.csv",
             caption="../report/bench_score.rst",
             category="Performance indices",
-            labels={"table": "indices against truth", "device": "bench"},
+            labels={"result": "indices against truth (table), bench"},
         ),
         "paper/tables/bench_score.json",
         "paper/tables/bench_score.tex",
@@ -116,13 +116,13 @@ rule clock:
             "paper/figures/clock_{device}.svg",
             caption="../report/clock.rst",
             category="Data",
-            labels={"figure": "sampling clock", "device": "{device}"},
+            labels={"result": "sampling clock (figure), {device}"},
         ),
         report(
             "paper/tables/clock_{device}.csv",
             caption="../report/clock.rst",
             category="Data",
-            labels={"table": "sampling clock", "device": "{device}"},
+            labels={"result": "sampling clock (table), {device}"},
         ),
         "paper/tables/clock_{device}.json",
         "paper/tables/clock_{device}.tex",
@@ -147,13 +147,13 @@ rule turn_on:
             "paper/figures/turn_on.svg",
             caption="../report/turn_on.rst",
             category="Performance indices",
-            labels={"figure": "turn-on bias", "device": "memsense_turnon"},
+            labels={"result": "turn-on bias (figure), memsense_turnon"},
         ),
         report(
             "paper/tables/turn_on.csv",
             caption="../report/turn_on.rst",
             category="Performance indices",
-            labels={"table": "turn-on bias", "device": "memsense_turnon"},
+            labels={"result": "turn-on bias (table), memsense_turnon"},
         ),
         "paper/tables/turn_on.json",
         "paper/tables/turn_on.tex",
@@ -166,3 +166,14 @@ rule turn_on:
         period_s=config["bias_stability_period_s"],
     script:
         "../scripts/turn_on.py"
+
+
+PAPER += of_devices(
+    "paper/figures/allan_{device}.svg",
+    "paper/tables/indices_{device}.json",
+)
+PAPER += [
+    f"paper/numbers/clock_{device}.json" for device in DEVICES if len(RUNS[device]) > 1
+]
+PAPER += ["paper/tables/bench_score.json"] if "bench" in DEVICES else []
+PAPER += ["paper/tables/turn_on.json"] if POWER_CYCLES else []

@@ -8,6 +8,7 @@ import pandas as pd
 
 from imugap import figures, log, tables
 from imugap.clock import relative_interval, spectra
+from imugap.figures import static
 from imugap.journal import journal
 
 
@@ -69,6 +70,6 @@ if __name__ == "__main__":
         figure, table, *_, quoted = snakemake.output
         clocks = measure(snakemake.input.logs, snakemake.params.runs)
         spread = scatter(pd.read_csv(snakemake.input.indices), clocks)
-        figures.save(figures.clock(clocks, spread), figure)
+        figures.save(static.clock(clocks, spread), figure)
         tables.write(table.removesuffix(".csv"), clocks, page(clocks))
         Path(quoted).write_text(json.dumps(numbers(clocks, spread), indent=1) + "\n")

@@ -4,6 +4,7 @@ import numpy as np
 
 from imugap import figures
 from imugap.drift import QUANTITIES, STARTS, differences
+from imugap.figures import static
 from imugap.journal import journal
 
 
@@ -12,14 +13,14 @@ def main(measured_path, simulated_paths, params, output):
     measured = np.load(measured_path)
     shown = measured["time"] <= params.length_s
     time, drift = measured["time"][shown], measured["drift"][:, :, shown]
-    figures.save(figures.drift(time, dict(zip(STARTS, drift, strict=True))), output.drift)
+    figures.save(static.drift(time, dict(zip(STARTS, drift, strict=True))), output.drift)
     ensembles = {
         name: np.load(path)["drift"][:, :, shown] for name, path in zip(params.contenders, simulated_paths, strict=True)
     }
     columns = list(QUANTITIES.values())
     for k, start in enumerate(STARTS):
         gaps = {name: differences(drift[k, :1][..., columns], one[k])[0] for name, one in ensembles.items()}
-        figures.save(figures.differences(time, gaps, params.drawn), output[start])
+        figures.save(static.differences(time, gaps, params.drawn), output[start])
 
 
 if __name__ == "__main__":

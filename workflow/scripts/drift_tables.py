@@ -7,8 +7,10 @@ import numpy as np
 import pandas as pd
 
 from imugap import figures, tables
-from imugap.contenders import SOURCE, TITLES
+from imugap.contenders import SOURCE
 from imugap.drift import QUANTITIES
+from imugap.figures import static
+from imugap.figures.static import TITLES
 from imugap.journal import journal
 from imugap.stream import stream
 
@@ -25,9 +27,9 @@ def five_trials(errors, count):
     return pd.concat(means, keys=parts, names=["runs"]).reset_index()
 
 
-def printed(static):
+def printed(table_2):
     """Return the printed table 2 in the columns of :func:`five_trials`, SI."""
-    values = static.set_index("quantity")[list(SOURCE)]
+    values = table_2.set_index("quantity")[list(SOURCE)]
     absolute, relative = values.filter(like="_abs_", axis=0), values.filter(like="_rel_", axis=0)
     scale = np.array([1 / UNITS[quantity][1] for quantity in QUANTITIES])[:, None]
     index = pd.MultiIndex.from_product([["He et al."], QUANTITIES, SOURCE], names=["runs", "quantity", "contender"])
@@ -98,17 +100,17 @@ def ranking_page(scores, chances):
     return pd.DataFrame(rows)
 
 
-def main(errors, scores, static, params, output):
+def main(errors, scores, table_2, params, output):
     """Write the three tables, the two figures and the numbers of the text."""
     at_table = scores[scores["horizon"] == params.table_horizon_s]
     five = five_trials(errors[errors["horizon"] == params.table_horizon_s], params.published_trials)
-    five = pd.concat([five, printed(static)])
+    five = pd.concat([five, printed(table_2)])
     tables.write(output.five.removesuffix(".csv"), five, five_trials_page(five))
     tables.write(output.distribution.removesuffix(".csv"), at_table, distribution_page(at_table))
     chances = chance_of_first(errors, params.published_trials, params.seed)
     tables.write(output.ranking.removesuffix(".csv"), chances, ranking_page(scores, chances))
-    figures.save(figures.ranking(scores, "median_e_abs", "median e_abs"), output.figure)
-    figures.save(figures.ranking(scores, "crps", "CRPS"), output.crps)
+    figures.save(static.ranking(scores, "median_e_abs", "median e_abs"), output.figure)
+    figures.save(static.ranking(scores, "crps", "CRPS"), output.crps)
     Path(output.numbers).write_text(json.dumps(numbers(scores, at_table, chances, params), indent=1) + "\n")
 
 

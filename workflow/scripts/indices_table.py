@@ -3,7 +3,6 @@
 import pandas as pd
 
 from imugap import tables
-from imugap.figures import AXIS_TITLES
 from imugap.indices import INDICES
 from imugap.journal import journal
 from imugap.units import from_si
@@ -22,13 +21,13 @@ def in_datasheet_units(indices):
 def page(data):
     """Lay the table out: a row per index, a column per axis, gyroscopes above accelerometers."""
     rows = []
-    for kind in ("gyro", "accel"):
+    for kind, sensor in {"gyro": "gyroscope", "accel": "accelerometer"}.items():
         part = data[data["axis"].str.startswith(kind)]
         for symbol, group in part.groupby("symbol", sort=False):
             unit = tables.unit(group["datasheet_unit"].iloc[0])
             cells = {row.axis[-1]: cell(row) for row in group.itertuples()}
-            rows.append({"index": INDICES[symbol].title, "unit": unit, **cells})
-    return pd.DataFrame(rows).rename(columns={axis: f"{axis}" for axis in AXIS_TITLES})
+            rows.append({"sensor": sensor, "index": INDICES[symbol].title, "unit": unit, **cells})
+    return pd.DataFrame(rows)
 
 
 def cell(row):

@@ -7,7 +7,8 @@ import numpy as np
 import pandas as pd
 
 from imugap import figures, tables
-from imugap.contenders import TITLES
+from imugap.figures import static
+from imugap.figures.static import TITLES
 from imugap.journal import journal
 
 
@@ -54,7 +55,7 @@ if __name__ == "__main__":
     with journal(snakemake.log[0]):
         device = pd.read_csv(snakemake.input.device)
         simulated = pd.concat([pd.read_csv(path) for path in snakemake.input.models])
-        figures.save(figures.models(device, simulated), snakemake.output[0])
+        figures.save(static.models(device, simulated), snakemake.output[0])
         data = agreement(device, simulated)
         tables.write(snakemake.output[1].removesuffix(".csv"), data, page(data))
         Path(snakemake.output[-1]).write_text(json.dumps(numbers(data), indent=1) + "\n")

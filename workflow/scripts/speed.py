@@ -8,8 +8,10 @@ from time import perf_counter, process_time
 import allantools
 import numpy as np
 import pandas as pd
+from numba import njit
 
-from imugap import allan, catalogue, log, readers, tables
+from imugap import allan, catalogue, indirect, log, maximum_likelihood, readers, tables, wavelet
+from imugap.experiment import Experiment
 from imugap.indices import INDICES, of_run
 from imugap.journal import journal
 from imugap.strapdown import Ellipsoid, Local, State, navigate
@@ -49,6 +51,59 @@ def kernels(samples, repeats):
     return rows
 
 
+@njit
+def plain(sequence, levels):
+    """Return the Haar wavelet variance of all levels by the loop that one would write first: the limit to beat."""
+    total = np.zeros(len(sequence) + 1)
+    for k in range(len(sequence)):
+        total[k + 1] = total[k] + sequence[k]
+    result = np.zeros(levels)
+    for level in range(levels):
+        n = 2**level
+        for k in range(len(sequence) - 2 * n + 1):
+            result[level] += (total[k + 2 * n] - 2 * total[k + n] + total[k]) ** 2
+        result[level] /= 4.0 * n * n * (len(sequence) - 2 * n + 1)
+    return result
+
+
+def wavelets(samples, repeats):
+    """Time the wavelet variance of all levels against the plain loop and the octaves of allantools."""
+    sequence = stream(0, "speed", "wavelet").standard_normal(samples)
+    levels = wavelet.depth(samples)
+    own = median_time(lambda: wavelet.variance(sequence), repeats)
+    loop = median_time(lambda: plain(sequence, levels), repeats)
+    peer = median_time(lambda: allantools.oadev(sequence, data_type="freq", taus="octave"), repeats)
+    what = f"{samples} samples, {levels} levels, one core"
+    return [
+        ["wavelet variance, here", what, own, "of the time of the plain loop", own / loop],
+        ["wavelet variance, plain compiled loop", what, loop, "", np.nan],
+        ["Allan deviation in octaves, allantools", what, peer, "times the time here", peer / own],
+    ]
+
+
+def fits_of(experiment, method, runs):
+    """Fit simulated logs, of which only the fits are timed; return the time spent [s]."""
+    sequences = [experiment.simulate(0, "speed", run) for run in runs]
+    method(sequences[0], experiment.interval, experiment.kinds)
+    start = perf_counter()
+    for sequence in sequences:
+        method(sequence, experiment.interval, experiment.kinds)
+    return perf_counter() - start
+
+
+def fits(recipe, number):
+    """Time fits of four parameters with intervals in two processes."""
+    experiment = Experiment.read(recipe)
+    rows = []
+    for name, method in {"likelihood": maximum_likelihood.fit, "indirect, full weights": indirect.fit}.items():
+        with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
+            halves = [range(0, number, 2), range(1, number, 2)]
+            spent = max(pool.map(fits_of, [experiment] * 2, [method] * 2, halves))
+        what = f"{number} logs of {experiment.count} samples, four parameters, two processes"
+        rows.append([f"fits with intervals, {name}", what, spent, "ms per fit and process", 2e3 * spent / number])
+    return rows
+
+
 def indices_of(path, run, period):
     """Go from one raw file to the indices of its run; return the peak memory of the process [MB]."""
     table = readers.read_raw(path, catalogue.load("data", "workflow/schemas")["adis16405"], run)
@@ -69,7 +124,8 @@ def chain(paths, runs, period):
 if __name__ == "__main__":
     with journal(snakemake.log[0]):
         params = snakemake.params
-        rows = kernels(params.samples, params.repeats)
+        rows = kernels(params.samples, params.repeats) + wavelets(params.samples, params.repeats)
+        rows += fits(snakemake.input.recipe, params.fits)
         if snakemake.input.raw:
             rows += chain(snakemake.input.raw, params.runs, params.period_s)
         data = pd.DataFrame(rows, columns=["what", "task", "seconds", "measure", "value"])

@@ -8,7 +8,8 @@ from pathlib import Path
 import pandas as pd
 
 from imugap import allan, catalogue, tables
-from imugap.contenders import CONTENDERS, TITLES
+from imugap.contenders import CONTENDERS
+from imugap.figures.static import TITLES
 from imugap.journal import journal
 
 PACKAGES = ("imugap", "numpy", "scipy", "pandas", "numba", "matplotlib", "allantools", "snakemake")

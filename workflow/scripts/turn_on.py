@@ -5,7 +5,7 @@ import pandas as pd
 from scipy.stats import chi2
 
 from imugap import figures, log, tables
-from imugap.figures import AXIS_TITLES
+from imugap.figures import AXIS_TITLES, static
 from imugap.indices import INDICES, of_run, repeatability
 from imugap.journal import journal
 from imugap.units import from_si
@@ -56,6 +56,6 @@ if __name__ == "__main__":
             run: cycle(path, period) for run, path in zip(snakemake.params.runs, snakemake.input.logs, strict=True)
         }
         cycles = pd.concat(found, names=["run"]).reset_index("run")
-        figures.save(figures.repeatability(cycles[cycles["symbol"] == "bias"]), snakemake.output[0])
+        figures.save(static.repeatability(cycles[cycles["symbol"] == "bias"]), snakemake.output[0])
         data = compare(cycles)
         tables.write(snakemake.output[1].removesuffix(".csv"), data, page(data))

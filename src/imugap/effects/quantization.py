@@ -18,11 +18,11 @@ class Quantization(StochasticEffect):
     """
 
     name: ClassVar[str] = "quantization"
-    density_q: float = parameter("{u}*s", "Q, standard deviation of the rounding error of the integrated signal")
+    q: float = parameter("{u}*s", "Q, standard deviation of the rounding error of the integrated signal")
 
     def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
         """Difference independent errors, uniform within half a least significant bit."""
-        half = np.sqrt(3) * self.density_q
+        half = np.sqrt(3) * self.q
         return np.diff(rng.uniform(-half, half, len(conditions) + 1)) / conditions.interval
 
     def psd(self, frequency: np.ndarray) -> np.ndarray:
@@ -31,11 +31,11 @@ class Quantization(StochasticEffect):
 
     def allan_variance(self, tau: np.ndarray) -> np.ndarray:
         """Return 3 Q^2/tau^2 (IEEE 952)."""
-        return 3 * self.density_q**2 / np.asarray(tau, float) ** 2
+        return 3 * self.q**2 / np.asarray(tau, float) ** 2
 
     def sampled_psd(self, frequency: np.ndarray, interval: float) -> np.ndarray:
         """Return 4 Q^2/interval sin^2(pi f interval) (IEEE 952)."""
-        return 4 * self.density_q**2 / interval * np.sin(np.pi * np.asarray(frequency, float) * interval) ** 2
+        return 4 * self.q**2 / interval * np.sin(np.pi * np.asarray(frequency, float) * interval) ** 2
 
     def sampled_allan_variance(self, averaging: np.ndarray, interval: float) -> np.ndarray:
         """Return 3 Q^2/(n interval)^2: exact, as a second difference of the angle holds e - 2 e + e."""

@@ -1,18 +1,28 @@
 """Figures of the static chapter: each function draws one figure from tables and returns it."""
 
 from collections.abc import Mapping
-from pathlib import Path
 
 import matplotlib as mpl
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from imugap import log
 from imugap.allan import LAWS
-from imugap.contenders import TITLES
+from imugap.figures import AXIS_TITLES, allan_panels, allan_unit, legend_below, panels_of
 from imugap.indices import INDICES
 from imugap.units import from_si
+
+TITLES = {
+    "bias_only": "Bias only",
+    "white": "White noise",
+    "white_turn_on": "White + turn-on",
+    "rate_random_walk": "RRW + white",
+    "method_a": "Method A",
+    "method_b": "Method B",
+    "restoration": "Restoration",
+    "nbk": "N + B + K",
+}
+"""One name per contender in every table and figure."""
 
 COLOURS = {
     "bias_only": "#999999",
@@ -25,62 +35,7 @@ COLOURS = {
     "nbk": "#009E73",
 }
 """One colour per contender in every figure (Okabe and Ito's palette); the device is black."""
-AXIS_TITLES = {axis: f"{'Gyroscope' if axis in log.GYRO else 'Accelerometer'} {axis[-1]}" for axis in log.AXES}
-ALLAN_UNITS = {"gyro": ("deg/h", "deg/h"), "accel": ("ug", "µg")}
-STYLE = {
-    "font.size": 8,
-    "axes.titlesize": 8,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.grid": True,
-    "grid.color": "#dddddd",
-    "grid.linewidth": 0.5,
-    "lines.linewidth": 1.0,
-    "legend.frameon": False,
-    "legend.fontsize": 7,
-    "svg.hashsalt": "imugap",
-    "savefig.bbox": "tight",
-    "figure.dpi": 120,
-}
-WIDTH = 7.2
-"""Width of a full-width figure [inch]."""
-
-mpl.rcParams.update(STYLE)
-
-
-def save(figure: Figure, path: str | Path) -> None:
-    """Write the figure as SVG, the same bytes for the same figure."""
-    figure.savefig(path, metadata={"Date": None})
-
-
-def _grid(rows: int, columns: int, height: float, **kwargs) -> tuple[Figure, np.ndarray]:
-    figure = Figure(figsize=(WIDTH, height), layout="constrained")
-    return figure, figure.subplots(rows, columns, squeeze=False, **kwargs)
-
-
-def _legend_below(figure: Figure, columns: int) -> None:
-    """Put one legend below the panels that names everything drawn in any of them once."""
-    found = {}
-    for panel in figure.axes:
-        for handle, label in zip(*panel.get_legend_handles_labels(), strict=True):
-            found.setdefault(label, handle)
-    figure.legend(found.values(), found.keys(), loc="outside lower center", ncols=columns)
-
-
-def _allan_grid() -> tuple[Figure, dict[str, mpl.axes.Axes]]:
-    figure, grid = _grid(2, 3, 4.6, sharex=True, sharey="row")
-    panels = dict(zip(log.AXES, grid.flat, strict=True))
-    for axis, panel in panels.items():
-        panel.set(title=AXIS_TITLES[axis], xscale="log", yscale="log")
-    for row, kind in zip(grid, ALLAN_UNITS, strict=True):
-        row[0].set_ylabel(f"Allan deviation [{ALLAN_UNITS[kind][1]}]")
-    for panel in grid[-1]:
-        panel.set_xlabel("averaging time τ [s]")
-    return figure, panels
-
-
-def _allan_unit(axis: str) -> str:
-    return ALLAN_UNITS[axis.split("_")[0]][0]
+LAW_COLOURS = {"N": "#D55E00", "B": "#0072B2", "K": "#009E73"}
 
 
 def allan(curves: pd.DataFrame, tangents: pd.DataFrame) -> Figure:
@@ -93,10 +48,10 @@ def allan(curves: pd.DataFrame, tangents: pd.DataFrame) -> Figure:
     tangents
         Rows of :func:`imugap.indices.of_run` with a column ``run``; readings of the first run are drawn.
     """
-    figure, panels = _allan_grid()
+    figure, panels = allan_panels()
     runs = sorted(curves["run"].unique())
     for axis, panel in panels.items():
-        unit = _allan_unit(axis)
+        unit = allan_unit(axis)
         for run in runs:
             one = curves[(curves["axis"] == axis) & (curves["run"] == run)]
             tau, deviation, low, high = (one[c].to_numpy() for c in ("tau", "deviation", "low", "high"))
@@ -105,10 +60,10 @@ def allan(curves: pd.DataFrame, tangents: pd.DataFrame) -> Figure:
             panel.plot(tau, from_si(deviation, unit), **style, zorder=3 if first else 2)
             if first:
                 panel.fill_between(tau, from_si(low, unit), from_si(high, unit), color="#bbbbbb", lw=0, zorder=1)
-        read = tangents[(tangents["axis"] == axis) & (tangents["run"] == runs[0]) & tangents["symbol"].isin(LAWS)]
-        for row, colour in zip(read.itertuples(), ("#D55E00", "#0072B2", "#009E73"), strict=True):
-            _draw_tangent(panel, row, colour, unit)
-    _legend_below(figure, 5)
+        read = tangents[(tangents["axis"] == axis) & (tangents["run"] == runs[0])]
+        for row in read[read["symbol"].isin(LAW_COLOURS)].itertuples():
+            _draw_tangent(panel, row, LAW_COLOURS[row.symbol], unit)
+    legend_below(figure, 5)
     return figure
 
 
@@ -137,9 +92,9 @@ def models(device: pd.DataFrame, simulated: pd.DataFrame) -> Figure:
     simulated
         Curves of simulated runs: columns ``contender``, ``axis``, ``tau``, ``low``, ``median``, ``high``; SI.
     """
-    figure, panels = _allan_grid()
+    figure, panels = allan_panels()
     for axis, panel in panels.items():
-        unit = _allan_unit(axis)
+        unit = allan_unit(axis)
         for name, one in simulated[simulated["axis"] == axis].groupby("contender", sort=False):
             tau, low, median, high = (one[c].to_numpy() for c in ("tau", "low", "median", "high"))
             panel.plot(tau, from_si(median, unit), color=COLOURS[name], label=TITLES[name])
@@ -147,7 +102,7 @@ def models(device: pd.DataFrame, simulated: pd.DataFrame) -> Figure:
         for run, one in device[device["axis"] == axis].groupby("run"):
             label = "device (each run)" if run == device["run"].min() else None
             panel.plot(one["tau"], from_si(one["deviation"], unit), color="black", lw=0.6, label=label, zorder=5)
-    _legend_below(figure, 4)
+    legend_below(figure, 4)
     return figure
 
 
@@ -166,7 +121,7 @@ def drift(time: np.ndarray, paths: Mapping[str, np.ndarray]) -> Figure:
         "velocity [m/s]": (3, ("north", "east", "down"), np.asarray),
         "position [m]": (0, ("north", "east", "down"), np.asarray),
     }
-    figure, grid = _grid(len(paths), 3, 2.1 * len(paths), sharex=True)
+    figure, grid = panels_of(len(paths), 3, 2.1 * len(paths), sharex=True)
     for row, (start, path) in zip(grid, paths.items(), strict=True):
         for panel, (title, (first, names, convert)) in zip(row, groups.items(), strict=True):
             for k, (name, colour) in enumerate(zip(names, ("#D55E00", "#0072B2", "#009E73"), strict=True)):
@@ -193,7 +148,7 @@ def differences(time: np.ndarray, gaps: Mapping[str, np.ndarray], drawn: int) ->
         Number of trials drawn as lines; the band holds 90 % of all.
     """
     rows = {"east [m]": np.asarray, "north [m]": np.asarray, "heading [°]": np.rad2deg}
-    figure, grid = _grid(3, len(gaps), 4.6, sharex=True, sharey="row")
+    figure, grid = panels_of(3, len(gaps), 4.6, sharex=True, sharey="row")
     for k, (row, (label, convert)) in enumerate(zip(grid, rows.items(), strict=True)):
         row[0].set_ylabel(f"d {label}")
         usual = convert(np.median([np.abs(gap[:, -1, k]).max() for gap in gaps.values()]))
@@ -224,7 +179,7 @@ def ranking(scores: pd.DataFrame, column: str, label: str) -> Figure:
         The score and its name.
     """
     starts, quantities = scores["start"].unique(), scores["quantity"].unique()
-    figure, grid = _grid(len(starts), len(quantities), 2.3 * len(starts), sharex=True)
+    figure, grid = panels_of(len(starts), len(quantities), 2.3 * len(starts), sharex=True)
     for row, start in zip(grid, starts, strict=True):
         for panel, quantity in zip(row, quantities, strict=True):
             one = scores[(scores["start"] == start) & (scores["quantity"] == quantity)]
@@ -237,7 +192,7 @@ def ranking(scores: pd.DataFrame, column: str, label: str) -> Figure:
         panel.set_ylabel(f"{label} / that of bias only")
     for panel in grid[-1]:
         panel.set_xlabel("navigation length [s]")
-    _legend_below(figure, 4)
+    legend_below(figure, 4)
     return figure
 
 
@@ -250,7 +205,7 @@ def repeatability(means: pd.DataFrame) -> Figure:
         Columns ``axis``, ``run``, ``value``, ``low``, ``high``; SI.
     """
     axes = means["axis"].unique()
-    figure, grid = _grid(1, len(axes), 2.2, sharex=True)
+    figure, grid = panels_of(1, len(axes), 2.2, sharex=True)
     for panel, axis in zip(grid[0], axes, strict=True):
         one = means[means["axis"] == axis]
         unit = INDICES["bias"].unit(axis)
@@ -271,7 +226,7 @@ def clock(clocks: pd.DataFrame, spread: pd.DataFrame) -> Figure:
     spread
         Index axis; columns ``nominal``, ``corrected``: relative scatter of N over the runs.
     """
-    figure, grid = _grid(1, 2, 2.4, width_ratios=[2, 1])
+    figure, grid = panels_of(1, 2, 2.4, width_ratios=[2, 1])
     left, right = grid[0]
     kinds = {"lines": "spectral lines", "rolloff": "roll-off of the gyro noise", "combined": "combined"}
     for shift, (kind, label), colour in zip(
@@ -288,5 +243,6 @@ def clock(clocks: pd.DataFrame, spread: pd.DataFrame) -> Figure:
     right.bar(place + 0.2, 100 * spread["corrected"], 0.4, color="#0072B2", label="measured interval")
     right.set(xticks=place, xticklabels=[axis[-1] for axis in spread.index], ylabel="scatter of N over runs [%]")
     right.set_xlabel("gyroscope")
-    right.legend()
+    right.set_ylim(0, 1.35 * right.get_ylim()[1])
+    right.legend(loc="upper left")
     return figure

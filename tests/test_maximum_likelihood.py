@@ -3,9 +3,10 @@ import pandas as pd
 import pytest
 
 from imugap.bound import bound
-from imugap.effects import BiasInstability, Conditions, GaussMarkov, RandomWalk, WhiteNoise
-from imugap.estimation import Verdict, fit
+from imugap.effects import BiasInstability, Conditions, GaussMarkov, Quantization, RandomWalk, RateRamp, WhiteNoise
+from imugap.estimate import Verdict
 from imugap.likelihood import log_likelihood
+from imugap.maximum_likelihood import fit
 from imugap.model import AxisModel
 
 INTERVAL, COUNT = 0.1, 108_000
@@ -37,13 +38,13 @@ def test_estimates_are_those_of_the_highest_likelihood():
     sequence = simulate(of, 20_000, "top")
     found = fit(sequence, INTERVAL, kinds(of))
     assert found.converged
-    assert found.log_likelihood == pytest.approx(log_likelihood(found.model, sequence, INTERVAL))
+    assert found.objective == pytest.approx(log_likelihood(found.model, sequence, INTERVAL))
     for effect in found.model:
         others = [other for other in found.model if other is not effect]
         for key, value in effect.parameters().items():
             for factor in (0.97, 1.03):
                 moved = type(effect)(**(effect.parameters() | {key: value * factor}))
-                assert log_likelihood(AxisModel((*others, moved)), sequence, INTERVAL) < found.log_likelihood
+                assert log_likelihood(AxisModel((*others, moved)), sequence, INTERVAL) < found.objective
 
 
 def test_intervals_end_where_the_profile_has_fallen_by_half_the_quantile():
@@ -103,6 +104,48 @@ def test_ramp_is_not_taken_for_a_walk():
     assert fit(tilted, INTERVAL, kinds(of)).model.effects[1].density_k > 5e-4
     walk = fit(tilted, INTERVAL, kinds(of), ramp=True).estimates[1]
     assert walk.low < 1e-4 < walk.high
+
+
+def test_slope_is_estimated_with_the_model():
+    of = WhiteNoise(5e-3) + RandomWalk(1e-4) + RateRamp(1e-3)
+    found = fit(simulate(of, 20_000, "slope"), INTERVAL, (WhiteNoise, RandomWalk), ramp=True)
+    row = found.table().loc[("rate_ramp", 1, "slope")]
+    assert row["verdict"] == Verdict.IDENTIFIED
+    assert row["low"] < 1e-3 < row["high"]
+    assert found.model.effects[-1] == RateRamp(row["value"])
+    assert row["error"] * row["value"] < (row["high"] - row["low"]) / (2 * 1.96)  # wider than with a known model
+
+
+def test_slope_of_no_ramp_is_bounded():
+    found = fit(simulate(AxisModel((WhiteNoise(5e-3),)), 20_000, "level"), INTERVAL, (WhiteNoise,), ramp=True)
+    row = found.table().loc[("rate_ramp", 1, "slope")]
+    assert row["verdict"] == Verdict.UPPER_BOUND
+    assert row["low"] < 0 < row["high"]
+    expected = 5e-3 * np.sqrt(12 / 2000.0**3)  # of white noise alone
+    assert (row["high"] - row["low"]) / (2 * 1.96 * expected) == pytest.approx(1, rel=0.03)
+
+
+def test_a_composition_is_fitted_at_least_as_well_as_its_parts():
+    """Flicker and quantization beside processes that need neither, and a process that has to stand for white noise."""
+    of = WhiteNoise(5e-3) + GaussMarkov(3e-3, 3.0) + GaussMarkov(3e-3, 100.0)
+    sequence = simulate(of, 20_000, "parts")
+    small = fit(sequence, INTERVAL, kinds(of)).objective
+    for extra in (BiasInstability, Quantization):
+        assert fit(sequence, INTERVAL, (extra, *kinds(of))).objective > small - 1e-3
+    three = fit(sequence, INTERVAL, (BiasInstability, *[GaussMarkov] * 3)).objective
+    assert three > small - 1.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("density", [0.0, 5e-5, 1e-3])
+def test_intervals_of_the_slope_cover(density):
+    """At least the level, within three binomial standard errors of 150 runs; a weak walk makes them cautious."""
+    runs, of = 150, WhiteNoise(5e-3) + RandomWalk(density) + RateRamp(1e-4)
+    fits = [
+        fit(simulate(of, 4000, "cover", density, run), INTERVAL, (WhiteNoise, RandomWalk), True) for run in range(runs)
+    ]
+    covered = np.mean([one.estimates[-1].low < 1e-4 < one.estimates[-1].high for one in fits])
+    assert covered > 0.95 - 3 * np.sqrt(0.95 * 0.05 / runs)
 
 
 def test_flicker_is_estimated():

@@ -1,0 +1,348 @@
+"""How the tools that people use name the noise of an inertial sensor, and what they take the numbers for.
+
+Every convention was read in the code that uses the numbers, not only in the comment beside them: the value given here
+is the one with which the tool propagates the covariance (or draws the noise) of the model. ``source`` names repository
+and file.
+
+A tool has white noise and at most one slow process. What a model has beyond that is reduced (:class:`Reduced`): the
+white noises to one, and random walk, Gauss-Markov and flicker processes together to one process of the tool's kind with
+the same Allan variance at one averaging time, the horizon. For a Gauss-Markov process far slower than the horizon this
+is a random walk with K^2 = S_B = 2 std^2/T; a random walk keeps its K.
+"""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, fields
+from enum import StrEnum
+from math import hypot, inf, sqrt
+
+import numpy as np
+
+from imugap.effects import Bias, BiasInstability, Effect, GaussMarkov, RandomWalk, TurnOnBias, WhiteNoise
+from imugap.model import AxisModel
+
+SLOW = (RandomWalk, GaussMarkov, BiasInstability)
+"""Effects that are reduced to the one slow process of a tool."""
+KEPT = (WhiteNoise, Bias, TurnOnBias, *SLOW)
+HOUR = 3600.0
+LONGEST = 100.0
+"""The floor of the Allan deviation is looked for up to this many horizons."""
+
+
+class Triad(StrEnum):
+    """How three axes become the one number that a tool takes for them."""
+
+    MEAN_SQUARE = "rms"
+    """Root mean square: the variance summed over the axes is kept."""
+    WORST = "worst"
+    """The largest: no axis is underestimated (what allan_variance_ros does)."""
+
+
+@dataclass(frozen=True)
+class Rule:
+    """How a model is reduced to what a tool can hold.
+
+    Attributes
+    ----------
+    rate
+        Sampling rate [Hz].
+    horizon
+        Averaging time [s] at which the Allan variance of the slow part is kept: about as long as the tool has to rely
+        on the sensor alone.
+    correlation_time
+        Correlation time [s] of the slow process, where the tool has a Gauss-Markov process. None leaves an axis whose
+        only slow process is one Gauss-Markov process its own, and gives any other :data:`HOUR`.
+    triad
+        How three axes become one number.
+    """
+
+    rate: float
+    horizon: float = 10.0
+    correlation_time: float | None = None
+    triad: Triad = Triad.MEAN_SQUARE
+
+    def __post_init__(self) -> None:
+        """Refuse times and rates that are not positive."""
+        for name in ("rate", "horizon", "correlation_time"):
+            value = getattr(self, name)
+            if value is not None and not 0 < value < inf:
+                raise ValueError(f"{name}: expected a finite number > 0; found {value}")
+
+
+@dataclass(frozen=True)
+class Reduced:
+    """What a tool can hold of the error of an axis, or of three axes together; SI.
+
+    Attributes
+    ----------
+    white
+        N.
+    walk
+        K of the random walk that stands for the slow part.
+    markov, correlation_time
+        Standard deviation and T of the Gauss-Markov process that stands for it.
+    floor
+        Smallest Allan deviation of the model.
+    bias, turn_on
+        Fixed bias, and standard deviation from power-on to power-on.
+    """
+
+    white: float
+    walk: float
+    markov: float
+    correlation_time: float
+    floor: float
+    bias: float
+    turn_on: float
+
+
+def reduced(axis: str, model: AxisModel, rule: Rule) -> Reduced:
+    """Reduce the model of an axis; a model without white noise, without which no tool starts, is a ValueError."""
+    white = hypot(*(effect.density for effect in _of(model, WhiteNoise)))
+    if not white:
+        raise ValueError(f"{axis}: expected white noise; found {', '.join(e.name for e in model) or 'no effect'}")
+    processes = [effect for effect in _of(model, SLOW) if effect.allan_variance(rule.horizon) > 0]
+    slow = sum(float(effect.allan_variance(rule.horizon)) for effect in processes)
+    alone = len(processes) == 1 and isinstance(processes[0], GaussMarkov)
+    time = rule.correlation_time or (processes[0].correlation_time if alone else HOUR)
+    tau = np.geomspace(1 / rule.rate, LONGEST * rule.horizon, 400)
+    return Reduced(
+        white=white,
+        walk=sqrt(slow / float(RandomWalk(1.0).allan_variance(rule.horizon))),
+        markov=sqrt(slow / float(GaussMarkov(1.0, time).allan_variance(rule.horizon))),
+        correlation_time=time,
+        floor=float(np.sqrt(model.allan_variance(tau).min())),
+        bias=sum(effect.value for effect in _of(model, Bias)),
+        turn_on=hypot(*(effect.std for effect in _of(model, TurnOnBias))),
+    )
+
+
+def combined(axes: Iterable[Reduced], triad: Triad) -> Reduced:
+    """Return one set of numbers for several axes; the biases, which have a sign, are averaged."""
+    axes = tuple(axes)
+    spread = {item.name: [getattr(one, item.name) for one in axes] for item in fields(Reduced)}
+    bias = float(np.mean(spread.pop("bias")))
+    join = max if triad is Triad.WORST else lambda values: float(np.sqrt(np.mean(np.square(values))))
+    return Reduced(bias=bias, **{name: join(values) for name, values in spread.items()})
+
+
+def left_out(model: AxisModel) -> list[Effect]:
+    """Return the effects that no tool here can hold."""
+    return [effect for effect in model if not isinstance(effect, KEPT)]
+
+
+def _of(model: AxisModel, kind: type | tuple[type, ...]) -> list:
+    return [effect for effect in model if isinstance(effect, kind)]
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A number that a tool takes.
+
+    Attributes
+    ----------
+    name, meaning, unit, formula
+        As the tool names it; what it is; unit (of :mod:`imugap.units`); how it follows from N, K, sigma and T.
+    value
+        The number from the reduced model, SI.
+    """
+
+    name: str
+    meaning: str
+    unit: str
+    formula: str
+    value: Callable[[Reduced, Rule], float]
+
+
+@dataclass(frozen=True)
+class Convention:
+    """The numbers that a tool takes for gyroscopes and accelerometers, and the files in which this was read."""
+
+    tool: str
+    source: str
+    gyro: tuple[Parameter, ...]
+    accel: tuple[Parameter, ...]
+
+    def parameters(self) -> tuple[Parameter, ...]:
+        """Return all parameters, gyroscopes first."""
+        return self.gyro + self.accel
+
+
+def _white(of: Reduced, rule: Rule) -> float:
+    return of.white
+
+
+def _walk(of: Reduced, rule: Rule) -> float:
+    return of.walk
+
+
+def _markov(of: Reduced, rule: Rule) -> float:
+    return of.markov
+
+
+def _sample(of: Reduced, rule: Rule) -> float:
+    return of.white * sqrt(rule.rate)
+
+
+def _start(of: Reduced, rule: Rule) -> float:
+    return hypot(of.turn_on, of.markov)
+
+
+def _densities(gyro_n: str, gyro_w: str, accel_n: str, accel_w: str) -> dict[str, tuple[Parameter, ...]]:
+    """Return the parameters of a tool that takes the densities themselves."""
+    meanings = ("white noise, density", "random walk of the bias, density")
+    rows = {
+        "gyro": ((gyro_n, "rad/s/sqrt(Hz)"), (gyro_w, "rad/s^2/sqrt(Hz)")),
+        "accel": ((accel_n, "m/s^2/sqrt(Hz)"), (accel_w, "m/s^3/sqrt(Hz)")),
+    }
+    return {
+        kind: tuple(
+            Parameter(name, meaning, unit, formula, value)
+            for (name, unit), meaning, formula, value in zip(of, meanings, "NK", (_white, _walk), strict=True)
+        )
+        for kind, of in rows.items()
+    }
+
+
+KALIBR = Convention(
+    "Kalibr, OpenVINS",
+    "ethz-asl/kalibr: kalibr_common/ConfigReader.py (N/sqrt(dt) per sample, random walk > 0), wiki IMU Noise Model; "
+    "rpng/open_vins: ov_msckf/src/state/Propagator.cpp (Qc = N^2/dt, G = dt)",
+    **_densities(
+        "gyroscope_noise_density", "gyroscope_random_walk", "accelerometer_noise_density", "accelerometer_random_walk"
+    ),
+)
+ORB_SLAM3 = Convention(
+    "ORB-SLAM3",
+    "UZ-SLAMLab/ORB_SLAM3: src/Tracking.cc (times and over sqrt(IMU.Frequency)), src/ImuTypes.cc",
+    **_densities("IMU.NoiseGyro", "IMU.GyroWalk", "IMU.NoiseAcc", "IMU.AccWalk"),
+)
+
+
+def _vins(kind: str, unit: str, derivative: str) -> tuple[Parameter, ...]:
+    """Return the parameters of VINS for one triad.
+
+    Its step of interval dt adds dt^2 n^2 (1/4 + 1/4) to the variance of the integral, for the midpoint of two samples
+    that it takes for independent of those of the next step, and dt^2 w^2 to that of the bias. With N^2 dt and K^2 dt
+    there, n is N sqrt(2/dt), sqrt(2) times the standard deviation of a sample, and w is K/sqrt(dt).
+    """
+    return (
+        Parameter(
+            f"{kind}_n", "white noise, of a sample; times sqrt 2 for its midpoint rule", unit, "N √(2/Δt)",
+            lambda of, rule: sqrt(2) * _sample(of, rule),
+        ),
+        Parameter(
+            f"{kind}_w", "noise of the derivative of the bias, of a sample", derivative, "K/√Δt",
+            lambda of, rule: of.walk * sqrt(rule.rate),
+        ),
+    )  # fmt: skip
+
+
+VINS = Convention(
+    "VINS-Mono, VINS-Fusion",
+    "HKUST-Aerial-Robotics/VINS-Mono and VINS-Fusion: vins_estimator/src/factor/integration_base.h (noise, V)",
+    _vins("gyr", "rad/s", "rad/s^2"),
+    _vins("acc", "m/s^2", "m/s^3"),
+)
+
+
+def _imu_utils(kind: str, unit: str) -> tuple[Parameter, ...]:
+    return (
+        Parameter(f"{kind}_n", "white noise, of a sample (its README says density)", unit, "N/√Δt", _sample),
+        Parameter(
+            f"{kind}_w", "lowest Allan deviation (its README says random walk)", unit, "min σ(τ)",
+            lambda of, rule: of.floor,
+        ),
+    )  # fmt: skip
+
+
+IMU_UTILS = Convention(
+    "imu_utils (what it prints)",
+    "gaowenliang/imu_utils: src/gyr_lib/fitallan_gyr.cpp, src/imu_an.cpp, README.md; its issue 36",
+    _imu_utils("gyr", "rad/s"),
+    _imu_utils("acc", "m/s^2"),
+)
+
+
+def _variance(name: str, unit: str) -> tuple[Parameter, ...]:
+    return (Parameter(name, "variance of a sample (diagonal)", unit, "N²/Δt", lambda of, rule: _sample(of, rule) ** 2),)
+
+
+ROS = Convention(
+    "ROS sensor_msgs/Imu",
+    "ros2/common_interfaces: sensor_msgs/msg/Imu.msg (row major; first element -1: no estimate)",
+    _variance("angular_velocity_covariance", "(rad/s)^2"),
+    _variance("linear_acceleration_covariance", "(m/s^2)^2"),
+)
+
+
+def _gazebo(prefix: str, unit: str, driving: str) -> tuple[Parameter, ...]:
+    return (
+        Parameter(f"{prefix}stddev", "white noise, of a sample", unit, "N/√Δt", _sample),
+        Parameter(f"{prefix}bias_mean", "bias at the start; its sign is drawn", unit, "bias", lambda of, rule: of.bias),
+        Parameter(f"{prefix}bias_stddev", "its spread over runs", unit, "√(σ₀² + σ²)", _start),
+        Parameter(
+            f"{prefix}dynamic_bias_stddev", "density of the noise that drives the bias", driving, "σ √(2/T)",
+            lambda of, rule: of.markov * sqrt(2 / of.correlation_time),
+        ),
+        Parameter(
+            f"{prefix}dynamic_bias_correlation_time", "correlation time of the bias", "s", "T",
+            lambda of, rule: of.correlation_time,
+        ),
+    )  # fmt: skip
+
+
+GAZEBO = Convention(
+    "Gazebo",
+    "gazebosim/gz-sensors: src/GaussianNoiseModel.cc; gazebosim/sdformat: noise.sdf",
+    _gazebo("angular_velocity ", "rad/s", "rad/s^2/sqrt(Hz)"),
+    _gazebo("linear_acceleration ", "m/s^2", "m/s^3/sqrt(Hz)"),
+)
+
+
+def _hector(prefix: str, unit: str, driving: str) -> tuple[Parameter, ...]:
+    """Return the parameters of hector_gazebo for one triad.
+
+    Its step adds dt N(0, 2 drift^2 driftFrequency) to the bias, where the process of standard deviation drift would
+    take sqrt(dt): what comes out has the standard deviation drift sqrt(dt).
+    """
+    return (
+        Parameter(f"{prefix}GaussianNoise", "white noise, of a sample", unit, "N/√Δt", _sample),
+        Parameter(
+            f"{prefix}Drift", "bias; its driving noise takes dt for sqrt dt", driving, "σ/√Δt",
+            lambda of, rule: of.markov * sqrt(rule.rate),
+        ),
+        Parameter(
+            f"{prefix}DriftFrequency", "one over the correlation time of the bias", "1/s", "1/T",
+            lambda of, rule: 1 / of.correlation_time,
+        ),
+    )  # fmt: skip
+
+
+HECTOR = Convention(
+    "hector_gazebo",
+    "tu-darmstadt-ros-pkg/hector_gazebo: hector_gazebo_plugins/include/hector_gazebo_plugins/sensor_model.h",
+    _hector("rate", "rad/s", "rad/s^2/sqrt(Hz)"),
+    _hector("accel", "m/s^2", "m/s^3/sqrt(Hz)"),
+)
+
+
+def _kf_gins(white: str, slow: str, start: str, bias: str, units: tuple[str, str]) -> tuple[Parameter, ...]:
+    return (
+        Parameter(white, "white noise, density", units[0], "N", _white),
+        Parameter(slow, "bias, Gauss-Markov: standard deviation", units[1], "σ", _markov),
+        Parameter(start, "bias at the start: standard deviation", units[1], "√(σ₀² + σ²)", _start),
+        Parameter(bias, "bias at the start", units[1], "bias", lambda of, rule: of.bias),
+    )
+
+
+KF_GINS = Convention(
+    "KF-GINS",
+    "i2Nav-WHU/KF-GINS: dataset/kf-gins.yaml, src/kf_gins.cpp (units), src/kf-gins/gi_engine.cpp (Qc = 2 std^2/T)",
+    _kf_gins("arw", "gbstd", "initbgstd", "initgyrbias", ("deg/sqrt(h)", "deg/h")),
+    (
+        *_kf_gins("vrw", "abstd", "initbastd", "initaccbias", ("m/s/sqrt(h)", "mGal")),
+        Parameter("corrtime", "correlation time of all biases", "h", "T", lambda of, rule: of.correlation_time),
+    ),
+)
+
+CONVENTIONS = (KALIBR, ORB_SLAM3, VINS, IMU_UTILS, ROS, GAZEBO, HECTOR, KF_GINS)

@@ -1,0 +1,74 @@
+"""Figures of the paper: the look that they share; one module per chapter draws them."""
+
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.figure import Figure
+
+from imugap import log
+
+AXIS_TITLES = {axis: f"{'Gyroscope' if axis in log.GYRO else 'Accelerometer'} {axis[-1]}" for axis in log.AXES}
+ALLAN_UNITS = {"gyro": ("deg/h", "deg/h"), "accel": ("ug", "µg")}
+STYLE = {
+    "font.size": 8,
+    "axes.titlesize": 8,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "grid.color": "#dddddd",
+    "grid.linewidth": 0.5,
+    "lines.linewidth": 1.0,
+    "legend.frameon": False,
+    "legend.fontsize": 7,
+    "svg.hashsalt": "imugap",
+    "savefig.bbox": "tight",
+    "figure.dpi": 120,
+}
+WIDTH = 7.2
+"""Width of a full-width figure [inch]."""
+
+mpl.rcParams.update(STYLE)
+
+
+def save(figure: Figure, path: str | Path) -> None:
+    """Write the figure as SVG, the same bytes for the same figure."""
+    figure.savefig(path, format="svg", metadata={"Date": None})
+
+
+def panels_of(rows: int, columns: int, height: float, **kwargs) -> tuple[Figure, np.ndarray]:
+    """Return a full-width figure of ``height`` [inch] and its panels, shape (rows, columns)."""
+    figure = Figure(figsize=(WIDTH, height), layout="constrained")
+    return figure, figure.subplots(rows, columns, squeeze=False, **kwargs)
+
+
+def legend_below(figure: Figure, columns: int) -> None:
+    """Put one legend below the panels that names everything drawn in any of them once."""
+    found = {}
+    for panel in figure.axes:
+        for handle, label in zip(*panel.get_legend_handles_labels(), strict=True):
+            found.setdefault(label, handle)
+    figure.legend(found.values(), found.keys(), loc="outside lower center", ncols=columns)
+
+
+def allan_panels() -> tuple[Figure, dict[str, mpl.axes.Axes]]:
+    """Return a figure for Allan deviations of the six axes and its panels by axis."""
+    figure, grid = panels_of(2, 3, 4.6, sharex=True, sharey="row")
+    panels = dict(zip(log.AXES, grid.flat, strict=True))
+    for axis, panel in panels.items():
+        panel.set(title=AXIS_TITLES[axis], xscale="log", yscale="log")
+    for row, kind in zip(grid, ALLAN_UNITS, strict=True):
+        row[0].set_ylabel(f"Allan deviation [{ALLAN_UNITS[kind][1]}]")
+    for panel in grid[-1]:
+        panel.set_xlabel("averaging time τ [s]")
+    return figure, panels
+
+
+def allan_unit(axis: str) -> str:
+    """Return the unit (:mod:`imugap.units`) in which the Allan deviation of an axis is shown."""
+    return ALLAN_UNITS[axis.split("_")[0]][0]
+
+
+def allan_label(axis: str) -> str:
+    """Return the label of the Allan deviation of an axis."""
+    return f"Allan deviation [{ALLAN_UNITS[axis.split('_')[0]][1]}]"

@@ -1,0 +1,315 @@
+FLIGHTS = range(1, config["attitude"]["flights"] + 1)
+RECIPE = yaml.safe_load(Path("data/flight.yaml").read_text())
+
+
+def of_trials(name):
+    """Name the file ``name`` of every trial."""
+    return expand(f"results/broad/{{run}}/{name}", run=TRIALS)
+
+
+def assumptions(site, motion):
+    """Give what the filter takes for granted besides the error model."""
+    return {
+        "site": site,
+        "memory_s": config["attitude"]["acceleration_s"][motion],
+        "bias_std": config["attitude"]["bias_std"],
+    }
+
+
+rule flight_log:
+    """Simulate one flight and, ahead of it, a static log of the same device."""
+    input:
+        recipe="data/flight.yaml",
+        code=library("flight_log"),
+    output:
+        static=temp("data/raw/flight/{run}/static.parquet"),
+        flight="data/raw/flight/{run}/flight.parquet",
+    log:
+        "logs/flight_log/{run}.log",
+    benchmark:
+        "benchmarks/flight_log/{run}.tsv"
+    params:
+        seed=config["seed"],
+        minutes=max(config["attitude"]["static_minutes"]),
+    script:
+        "../scripts/flight_log.py"
+
+
+rule flight_truth:
+    """Write the true trajectory of the flight, which only scoring reads, and the true model, a control."""
+    input:
+        recipe="data/flight.yaml",
+        code=library("flight_truth"),
+    output:
+        trajectory="results/flight/truth.parquet",
+        models="results/flight/truth.yaml",
+    log:
+        "logs/flight_truth.log",
+    benchmark:
+        "benchmarks/flight_truth.tsv"
+    script:
+        "../scripts/flight_truth.py"
+
+
+rule flight_fit:
+    """Estimate the error model of the flying device from its static log, by every scheme and length."""
+    input:
+        log="data/raw/flight/{run}/static.parquet",
+        code=library("flight_fit"),
+    output:
+        estimates="results/flight/{run}/estimates.csv",
+        models="results/flight/{run}/models.yaml",
+    log:
+        "logs/flight_fit/{run}.log",
+    benchmark:
+        "benchmarks/flight_fit/{run}.tsv"
+    params:
+        minutes=config["attitude"]["static_minutes"],
+    script:
+        "../scripts/flight_fit.py"
+
+
+rule flight_attitude:
+    """Filter every flight with the model of every scheme."""
+    input:
+        logs=expand("data/raw/flight/{run}/flight.parquet", run=FLIGHTS),
+        models=expand("results/flight/{run}/models.yaml", run=FLIGHTS),
+        code=library("flight_attitude"),
+    output:
+        "results/flight/attitude.parquet",
+    log:
+        "logs/flight_attitude.log",
+    benchmark:
+        "benchmarks/flight_attitude.tsv"
+    params:
+        heading_deg=RECIPE["course"]["heading_deg"],
+        launch_s=RECIPE["course"]["launch_s"],
+        assumptions=assumptions(RECIPE["site"], "flight"),
+    script:
+        "../scripts/flight_attitude.py"
+
+
+use rule flight_attitude as flight_control with:
+    input:
+        logs=expand("data/raw/flight/{run}/flight.parquet", run=FLIGHTS),
+        models=["results/flight/truth.yaml"],
+        code=library("flight_attitude"),
+    output:
+        "results/flight/control.parquet",
+    log:
+        "logs/flight_control.log",
+    benchmark:
+        "benchmarks/flight_control.tsv"
+
+
+rule flight_scores:
+    """Compare the filtered attitudes with the truth."""
+    input:
+        attitude="results/flight/attitude.parquet",
+        control="results/flight/control.parquet",
+        truth="results/flight/truth.parquet",
+        code=library("flight_scores"),
+    output:
+        scores="results/flight/scores.csv",
+        differences="results/flight/differences.csv",
+        errors="results/flight/errors.parquet",
+    log:
+        "logs/flight_scores.log",
+    benchmark:
+        "benchmarks/flight_scores.tsv"
+    params:
+        seed=config["seed"],
+    script:
+        "../scripts/flight_scores.py"
+
+
+rule flight_page:
+    """Draw and tabulate the simulated flights: attitude and error, table 5 of the source, estimated parameters."""
+    input:
+        scores="results/flight/scores.csv",
+        differences="results/flight/differences.csv",
+        errors="results/flight/errors.parquet",
+        truth="results/flight/truth.parquet",
+        model="results/flight/truth.yaml",
+        estimates=expand("results/flight/{run}/estimates.csv", run=FLIGHTS),
+        published="data/published/liu2016_results.csv",
+        code=library("flight_page"),
+    output:
+        multiext("paper/tables/attitude_flight", ".json", ".tex"),
+        multiext("paper/tables/attitude_parameters", ".json", ".tex"),
+        flight=report(
+            "paper/figures/attitude_flight.svg",
+            caption="../report/attitude_flight.rst",
+            category="Attitude",
+            labels={"result": "one flight (figure)"},
+        ),
+        runs=report(
+            "paper/figures/attitude_runs.svg",
+            caption="../report/attitude_runs.rst",
+            category="Attitude",
+            labels={"result": "all flights (figure)"},
+        ),
+        table=report(
+            "paper/tables/attitude_flight.csv",
+            caption="../report/attitude_table.rst",
+            category="Attitude",
+            labels={"result": "errors in flight (table)"},
+        ),
+        parameters=report(
+            "paper/tables/attitude_parameters.csv",
+            caption="../report/attitude_parameters.rst",
+            category="Attitude",
+            labels={"result": "estimated parameters (table)"},
+        ),
+        numbers="paper/numbers/attitude_flight.json",
+    log:
+        "logs/flight_page.log",
+    benchmark:
+        "benchmarks/flight_page.tsv"
+    params:
+        seed=config["seed"],
+        trials=TRIALS,
+        course=RECIPE["course"],
+        rate_hz=RECIPE["rate_hz"],
+    script:
+        "../scripts/flight_page.py"
+
+
+rule trial_reference:
+    """Read the optical reference attitude of a trial."""
+    input:
+        raw=lambda wildcards: str(
+            locate(CATALOGUE["broad"].file(int(wildcards.run)), RAW, MIRROR)
+        ),
+        tables=["data/datasets.csv", "data/files.csv"],
+        code=library("trial_reference"),
+    output:
+        "results/broad/{run}/reference.parquet",
+    log:
+        "logs/trial_reference/{run}.log",
+    benchmark:
+        "benchmarks/trial_reference/{run}.tsv"
+    script:
+        "../scripts/trial_reference.py"
+
+
+rule trial_fit:
+    """Estimate the error model of the device from both rests of every trial, by every scheme."""
+    input:
+        logs=of_trials("log.parquet"),
+        references=of_trials("reference.parquet"),
+        code=library("trial_fit"),
+    output:
+        estimates="results/broad/estimates.csv",
+        models="results/broad/models.yaml",
+    log:
+        "logs/trial_fit.log",
+    benchmark:
+        "benchmarks/trial_fit.tsv"
+    params:
+        trials=TRIALS,
+        margin_s=config["attitude"]["rest_margin_s"],
+    script:
+        "../scripts/trial_fit.py"
+
+
+rule trial_attitude:
+    """Filter the motion of every trial with the model of every scheme, without and with a margin for motion."""
+    input:
+        logs=of_trials("log.parquet"),
+        references=of_trials("reference.parquet"),
+        models="results/broad/models.yaml",
+        code=library("trial_attitude"),
+    output:
+        "results/broad/attitude.parquet",
+    log:
+        "logs/trial_attitude.log",
+    benchmark:
+        "benchmarks/trial_attitude.tsv"
+    params:
+        trials=TRIALS,
+        margin_s=config["attitude"]["rest_margin_s"],
+        motion_margin=config["attitude"]["motion_margin"],
+        assumptions=assumptions(SITES["broad"], "broad"),
+    script:
+        "../scripts/trial_attitude.py"
+
+
+rule trial_scores:
+    """Measure how log and reference lie to one another, and compare the filtered attitudes with the reference."""
+    input:
+        logs=of_trials("log.parquet"),
+        references=of_trials("reference.parquet"),
+        attitude="results/broad/attitude.parquet",
+        code=library("trial_scores"),
+    output:
+        alignment="results/broad/alignment.csv",
+        scores="results/broad/scores.csv",
+        differences="results/broad/differences.csv",
+        errors="results/broad/errors.parquet",
+    log:
+        "logs/trial_scores.log",
+    benchmark:
+        "benchmarks/trial_scores.tsv"
+    params:
+        trials=TRIALS,
+        seed=config["seed"],
+        margin_s=config["attitude"]["rest_margin_s"],
+    script:
+        "../scripts/trial_scores.py"
+
+
+rule trial_page:
+    """Draw and tabulate the real trials: alignment, what the rests tell, errors."""
+    input:
+        alignment="results/broad/alignment.csv",
+        estimates="results/broad/estimates.csv",
+        scores="results/broad/scores.csv",
+        differences="results/broad/differences.csv",
+        errors="results/broad/errors.parquet",
+        code=library("trial_page"),
+    output:
+        multiext("paper/tables/attitude_alignment", ".json", ".tex"),
+        multiext("paper/tables/attitude_rests", ".json", ".tex"),
+        multiext("paper/tables/attitude_trials", ".json", ".tex"),
+        figure=report(
+            "paper/figures/attitude_trials.svg",
+            caption="../report/attitude_trials.rst",
+            category="Attitude",
+            labels={"result": "trials (figure)"},
+        ),
+        alignment=report(
+            "paper/tables/attitude_alignment.csv",
+            caption="../report/attitude_alignment.rst",
+            category="Attitude",
+            labels={"result": "log against reference (table)"},
+        ),
+        rests=report(
+            "paper/tables/attitude_rests.csv",
+            caption="../report/attitude_rests.rst",
+            category="Attitude",
+            labels={"result": "what a rest tells (table)"},
+        ),
+        trials=report(
+            "paper/tables/attitude_trials.csv",
+            caption="../report/attitude_trials_table.rst",
+            category="Attitude",
+            labels={"result": "errors of the trials (table)"},
+        ),
+        numbers="paper/numbers/attitude_trials.json",
+    log:
+        "logs/trial_page.log",
+    benchmark:
+        "benchmarks/trial_page.tsv"
+    script:
+        "../scripts/trial_page.py"
+
+
+PAPER += multiext("paper/figures/attitude", "_flight.svg", "_runs.svg")
+PAPER += multiext("paper/tables/attitude", "_flight.json", "_parameters.json")
+PAPER += ["paper/numbers/attitude_flight.json"]
+if TRIALS:
+    PAPER += ["paper/figures/attitude_trials.svg", "paper/numbers/attitude_trials.json"]
+    PAPER += multiext(
+        "paper/tables/attitude", "_alignment.json", "_rests.json", "_trials.json"
+    )

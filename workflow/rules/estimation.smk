@@ -1,0 +1,286 @@
+TIMES = config["estimation"]["correlation_times_s"]
+
+
+rule monte_carlo:
+    """Simulate the source's device many times and estimate its parameters by every method."""
+    input:
+        recipe="data/indirect.yaml",
+        code=library("monte_carlo"),
+    output:
+        "results/indirect/monte_carlo_{time}.parquet",
+    log:
+        "logs/monte_carlo/{time}.log",
+    benchmark:
+        "benchmarks/monte_carlo/{time}.tsv"
+    wildcard_constraints:
+        time=r"\d+",
+    params:
+        seed=config["seed"],
+        runs=config["estimation"]["runs"],
+        printed=config["estimation"]["printed_runs"],
+    script:
+        "../scripts/monte_carlo.py"
+
+
+rule monte_carlo_tables:
+    """Tabulate five runs as the source does, and beside them what many runs say of every method."""
+    input:
+        recipe="data/indirect.yaml",
+        published="data/published/liu2016_results.csv",
+        estimates=expand("results/indirect/monte_carlo_{time}.parquet", time=TIMES),
+        code=library("monte_carlo_tables"),
+    output:
+        five=report(
+            "paper/tables/indirect_five_runs.csv",
+            caption="../report/indirect_five_runs.rst",
+            category="Estimation",
+            labels={"result": "five runs (table)"},
+        ),
+        summary=report(
+            "paper/tables/monte_carlo.csv",
+            caption="../report/monte_carlo.rst",
+            category="Estimation",
+            labels={"result": "bias, error, coverage (table)"},
+        ),
+        figure=report(
+            "paper/figures/monte_carlo.svg",
+            caption="../report/monte_carlo.rst",
+            category="Estimation",
+            labels={"result": "distribution of the correlation time (figure)"},
+        ),
+        numbers="paper/numbers/monte_carlo.json",
+        others=[
+            "paper/tables/indirect_five_runs.json",
+            "paper/tables/indirect_five_runs.tex",
+            "paper/tables/monte_carlo.json",
+            "paper/tables/monte_carlo.tex",
+        ],
+    log:
+        "logs/monte_carlo_tables.log",
+    benchmark:
+        "benchmarks/monte_carlo_tables.tsv"
+    params:
+        times=TIMES,
+        printed=config["estimation"]["printed_runs"],
+        seed=config["seed"],
+    script:
+        "../scripts/monte_carlo_tables.py"
+
+
+rule iterations:
+    """Follow the iterations of indirect inference on one run (figure 2 of the source)."""
+    input:
+        recipe="data/indirect.yaml",
+        code=library("iterations"),
+    output:
+        report(
+            "paper/figures/iterations.svg",
+            caption="../report/iterations.rst",
+            category="Estimation",
+            labels={"result": "iterations (figure)"},
+        ),
+    log:
+        "logs/iterations.log",
+    benchmark:
+        "benchmarks/iterations.tsv"
+    params:
+        seed=config["seed"],
+    script:
+        "../scripts/iterations.py"
+
+
+rule bounds:
+    """Tabulate the Cramer-Rao bound of every parameter for models and lengths of log."""
+    input:
+        recipe="data/indirect.yaml",
+        code=library("bounds"),
+    output:
+        report(
+            "paper/figures/bounds.svg",
+            caption="../report/bounds.rst",
+            category="Estimation",
+            labels={"result": "Cramer-Rao bound (figure)"},
+        ),
+        report(
+            "paper/tables/bounds.csv",
+            caption="../report/bounds.rst",
+            category="Estimation",
+            labels={"result": "Cramer-Rao bound (table)"},
+        ),
+        "paper/tables/bounds.json",
+        "paper/tables/bounds.tex",
+    log:
+        "logs/bounds.log",
+    benchmark:
+        "benchmarks/bounds.tsv"
+    params:
+        times=TIMES,
+        lengths_s=config["estimation"]["lengths_s"],
+    script:
+        "../scripts/bounds.py"
+
+
+rule contamination:
+    """Estimate from logs with gross outliers, by plain and by robust wavelet variances."""
+    input:
+        recipe="data/indirect.yaml",
+        code=library("contamination"),
+    output:
+        report(
+            "paper/figures/contamination.svg",
+            caption="../report/contamination.rst",
+            category="Estimation",
+            labels={"result": "contamination (figure)"},
+        ),
+        report(
+            "paper/tables/contamination.csv",
+            caption="../report/contamination.rst",
+            category="Estimation",
+            labels={"result": "contamination (table)"},
+        ),
+        "paper/tables/contamination.json",
+        "paper/tables/contamination.tex",
+        "paper/numbers/contamination.json",
+    log:
+        "logs/contamination.log",
+    benchmark:
+        "benchmarks/contamination.tsv"
+    params:
+        seed=config["seed"],
+        contamination=config["estimation"]["contamination"],
+    script:
+        "../scripts/contamination.py"
+
+
+rule estimates:
+    """Estimate the source's models of gyroscopes and accelerometers from one run, by every method."""
+    input:
+        log="results/{device}/{run}/log.parquet",
+        code=library("estimates"),
+    output:
+        "results/{device}/{run}/estimates.csv",
+    log:
+        "logs/estimates/{device}_{run}.log",
+    benchmark:
+        "benchmarks/estimates/{device}_{run}.tsv"
+    params:
+        rate_hz=config["estimation"]["rate_hz"],
+    script:
+        "../scripts/estimates.py"
+
+
+rule estimates_tables:
+    """Tabulate the estimates of a device over its runs (tables 3 and 4 of the source)."""
+    input:
+        estimates=of_runs("estimates.csv"),
+        code=library("estimates_tables"),
+    output:
+        gyro=report(
+            "paper/tables/estimates_gyro_{device}.csv",
+            caption="../report/estimates.rst",
+            category="Estimation",
+            labels={"result": "gyroscopes (table), {device}"},
+        ),
+        accel=report(
+            "paper/tables/estimates_accel_{device}.csv",
+            caption="../report/estimates.rst",
+            category="Estimation",
+            labels={"result": "accelerometers (table), {device}"},
+        ),
+        others=expand(
+            "paper/tables/estimates_{kind}_{{device}}.{suffix}",
+            kind=["gyro", "accel"],
+            suffix=["json", "tex"],
+        ),
+        numbers="paper/numbers/estimates_{device}.json",
+    log:
+        "logs/estimates_tables/{device}.log",
+    benchmark:
+        "benchmarks/estimates_tables/{device}.tsv"
+    params:
+        runs=lambda wildcards: RUNS[wildcards.device],
+    script:
+        "../scripts/estimates_tables.py"
+
+
+rule choice:
+    """Choose the effects of every axis of a device from one run, and say where the best model fails."""
+    input:
+        log="results/{device}/{run}/log.parquet",
+        code=library("choice"),
+    output:
+        "results/{device}/{run}/choice.json",
+        "results/{device}/{run}/goodness.csv",
+    log:
+        "logs/choice/{device}_{run}.log",
+    benchmark:
+        "benchmarks/choice/{device}_{run}.tsv"
+    script:
+        "../scripts/choice.py"
+
+
+rule choice_table:
+    """Tabulate the effects chosen for every axis of a device, and draw where the models fail."""
+    input:
+        choice=lambda wildcards: f"results/{wildcards.device}/{RUNS[wildcards.device][0]}/choice.json",
+        goodness=lambda wildcards: f"results/{wildcards.device}/{RUNS[wildcards.device][0]}/goodness.csv",
+        code=library("choice_table"),
+    output:
+        report(
+            "paper/figures/goodness_{device}.svg",
+            caption="../report/goodness.rst",
+            category="Estimation",
+            labels={"result": "goodness of fit (figure), {device}"},
+        ),
+        report(
+            "paper/tables/choice_{device}.csv",
+            caption="../report/choice.rst",
+            category="Estimation",
+            labels={"result": "chosen effects (table), {device}"},
+        ),
+        "paper/tables/choice_{device}.json",
+        "paper/tables/choice_{device}.tex",
+    log:
+        "logs/choice_table/{device}.log",
+    benchmark:
+        "benchmarks/choice_table/{device}.tsv"
+    script:
+        "../scripts/choice_table.py"
+
+
+rule peers:
+    """Fit the models that gmwm was run with, by its own objective: what is reached, and how fast."""
+    input:
+        log="results/adis16405/1/log.parquet",
+        peer="data/published/gmwm_objective.csv",
+        code=library("peers"),
+    output:
+        report(
+            "paper/tables/peers.csv",
+            caption="../report/peers.rst",
+            category="Estimation",
+            labels={"result": "against gmwm (table)"},
+        ),
+        "paper/tables/peers.json",
+        "paper/tables/peers.tex",
+        "paper/numbers/peers.json",
+    log:
+        "logs/peers.log",
+    benchmark:
+        "benchmarks/peers.tsv"
+    script:
+        "../scripts/peers.py"
+
+
+PAPER += of_devices(
+    "paper/figures/goodness_{device}.svg",
+    "paper/tables/choice_{device}.json",
+    "paper/tables/estimates_gyro_{device}.json",
+    "paper/numbers/estimates_{device}.json",
+)
+PAPER += expand(
+    "paper/figures/{name}.svg",
+    name=["iterations", "bounds", "monte_carlo", "contamination"],
+)
+PAPER += ["paper/numbers/monte_carlo.json", "paper/numbers/contamination.json"]
+PAPER += ["paper/numbers/peers.json"] if "adis16405" in DEVICES else []

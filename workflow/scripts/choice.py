@@ -1,0 +1,37 @@
+"""Choose the effects of every axis of one run, and say where the best model fails."""
+
+import json
+from pathlib import Path
+
+import pandas as pd
+
+from imugap import goodness, log, readers
+from imugap.choice import choose, title
+from imugap.journal import journal
+
+
+def chosen(table):
+    """Return, for each axis, what was chosen, what the log cannot tell from it, and the goodness of fit by octave."""
+    interval = log.interval(table)
+    found, octaves = {}, []
+    for axis in log.axes(table):
+        sequence = table[axis].to_numpy()
+        choice = choose(sequence, interval)
+        fits = goodness.of(choice.fit.model, sequence, interval)
+        found[axis] = {
+            "effects": title(choice.kinds),
+            "estimates": choice.fit.table().reset_index().to_dict("records"),
+            "alternatives": [title(other) for other in choice.alternatives],
+            "verdict": fits.verdict,
+            "p_value": fits.p_value,
+        }
+        error = (fits.table["ratio"] - 1) / fits.table["deviation"]
+        octaves.append(fits.table.reset_index().assign(axis=axis, error=error.to_numpy()))
+    return found, pd.concat(octaves, ignore_index=True)
+
+
+if __name__ == "__main__":
+    with journal(snakemake.log[0]):
+        found, octaves = chosen(readers.read(snakemake.input.log))
+        Path(snakemake.output[0]).write_text(json.dumps(found, indent=1, default=float) + "\n")
+        octaves.to_csv(snakemake.output[1], index=False)

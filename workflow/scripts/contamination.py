@@ -1,0 +1,82 @@
+"""Estimate from logs with gross outliers, by plain and by robust wavelet variances and by likelihood."""
+
+import json
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from imugap import figures, tables
+from imugap import indirect as inference
+from imugap.bound import bound
+from imugap.experiment import Experiment
+from imugap.figures import indirect
+from imugap.journal import journal
+from imugap.methods import METHODS
+from imugap.replication import row, summary
+from imugap.stream import stream
+from imugap.wavelet import EFFICIENCY
+
+COMPARED = {
+    "indirect_full": METHODS["indirect_full"],
+    "indirect_robust": partial(inference.fit, efficiency=EFFICIENCY),
+    "likelihood": METHODS["likelihood"],
+}
+
+
+def contaminated(sequence, choice, seed, run):
+    """Add normal outliers of ``size`` white-noise deviations to a share of the samples."""
+    rng = stream(seed, "outliers", run)
+    hit = rng.random(len(sequence)) < choice["share"]
+    white = np.std(np.diff(sequence)) / np.sqrt(2)
+    return sequence + hit * choice["size"] * white * rng.standard_normal(len(sequence))
+
+
+def estimates(experiment, choice, seed):
+    """Return the estimates of all runs, clean and contaminated, by the compared methods."""
+    found = []
+    for run in range(choice["runs"]):
+        clean = experiment.simulate(seed, "contamination", run)
+        logs = {"clean": clean, "contaminated": contaminated(clean, choice, seed, run)}
+        for (log, sequence), (name, method) in ((a, b) for a in logs.items() for b in COMPARED.items()):
+            fit = method(sequence, experiment.interval, experiment.kinds)
+            found.append(row(fit, method=name, run=run, log=log))
+    return pd.concat(found, ignore_index=True)
+
+
+def page(data):
+    """Lay the table out: a row per parameter and method, clean and contaminated side by side."""
+    rows = []
+    for (effect, parameter, method), group in data.groupby(["effect", "parameter", "method"], sort=False):
+        if parameter == "driving_psd":
+            continue
+        cells = {"parameter": indirect.SYMBOLS[effect, parameter], "method": indirect.TITLES[method]}
+        for one in group.itertuples():
+            cells[f"bias, {one.log} [%]"] = (
+                f"{tables.number(100 * one.bias, 2)} ± {tables.number(100 * one.bias_error, 1)}"
+            )
+            cells[f"RMSE, {one.log} [%]"] = tables.number(100 * one.rmse, 2)
+            cells[f"coverage, {one.log} [%]"] = f"{100 * one.coverage:.0f}"
+        rows.append(cells)
+    return pd.DataFrame(rows)
+
+
+if __name__ == "__main__":
+    with journal(snakemake.log[0]):
+        experiment, params = Experiment.read(snakemake.input.recipe), snakemake.params
+        found = estimates(experiment, params.contamination, params.seed)
+        truth, limits = experiment.truth(), bound(experiment.model, experiment.interval, experiment.count)
+        data = pd.concat(
+            summary(group, truth, limits, params.seed).assign(log=log)
+            for log, group in found.groupby("log", sort=False)
+        )
+        figures.save(indirect.contamination(data), snakemake.output[0])
+        tables.write(snakemake.output[1].removesuffix(".csv"), data, page(data))
+        dirty = data[data["log"] == "contaminated"].set_index(["parameter", "method"])
+        said = {
+            "white": {name: tables.number(100 * value, 2) for name, value in dirty["bias"]["density"].items()},
+            "time": {name: tables.number(100 * v, 2) for name, v in dirty["rmse"]["correlation_time"].items()},
+        }
+        said |= params.contamination
+        Path(snakemake.output[-1]).write_text(json.dumps(said, indent=1) + "\n")

@@ -1,0 +1,30 @@
+"""Estimate the source's models of gyroscopes and accelerometers from one run, by every method."""
+
+import pandas as pd
+
+from imugap import log, readers
+from imugap.effects import GaussMarkov, RandomWalk, WhiteNoise
+from imugap.journal import journal
+from imugap.methods import METHODS
+from imugap.replication import row
+
+MODELS = {"gyro": (WhiteNoise, GaussMarkov), "accel": (WhiteNoise, RandomWalk)}
+
+
+def estimates(table, rate):
+    """Return the estimates of all axes by all methods, from means at ``rate`` [Hz]."""
+    factor = max(round(1 / (log.interval(table) * rate)), 1)
+    found = []
+    for axis in log.axes(table):
+        kinds = MODELS[axis.split("_")[0]]
+        samples = table[axis].to_numpy()
+        means = samples[: len(samples) // factor * factor].reshape(-1, factor).mean(axis=1)
+        for name, method in METHODS.items():
+            found.append(row(method(means, factor * log.interval(table), kinds), method=name, axis=axis))
+    return pd.concat(found, ignore_index=True)
+
+
+if __name__ == "__main__":
+    with journal(snakemake.log[0]):
+        table = readers.read(snakemake.input.log)
+        estimates(table, snakemake.params.rate_hz).to_csv(snakemake.output[0], index=False)

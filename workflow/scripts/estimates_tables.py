@@ -1,0 +1,76 @@
+"""Tabulate the estimates of a device over its runs (tables 3 and 4 of the source)."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from imugap import tables
+from imugap.effects import CATALOGUE
+from imugap.estimate import Verdict
+from imugap.figures import AXIS_TITLES
+from imugap.figures.indirect import SYMBOLS, TITLES
+from imugap.journal import journal
+from imugap.units import from_si
+
+DATASHEET = {
+    ("gyro", "density"): "deg/sqrt(h)",
+    ("gyro", "std"): "deg/h",
+    ("accel", "density"): "m/s/sqrt(h)",
+    ("accel", "density_k"): "m/s/h/sqrt(h)",
+}
+
+
+def page(data, kind):
+    """Lay the table out: a row per axis and method; first run with its interval, and the scatter over the runs."""
+    rows = []
+    part = data[data["axis"].str.startswith(kind) & (data["parameter"] != "driving_psd")]
+    for (axis, method), group in part.groupby(["axis", "method"], sort=False):
+        cells = {"axis": AXIS_TITLES[axis], "method": TITLES[method]}
+        for (effect, parameter), runs in group.groupby(["effect", "parameter"], sort=False):
+            unit = DATASHEET.get((kind, parameter), CATALOGUE[effect].units("")[parameter])
+            shown = {
+                name: [from_si(v, unit) if (kind, parameter) in DATASHEET else v for v in runs[name]]
+                for name in ("value", "low", "high")
+            }
+            head = f"{SYMBOLS[effect, parameter]} [{tables.unit(unit)}]"
+            cells[head] = cell(runs["verdict"].iloc[0], *(column[0] for column in shown.values()))
+            known = np.array(shown["value"])[(runs["verdict"] == Verdict.IDENTIFIED).to_numpy()]
+            spread = f"{100 * known.std(ddof=1) / known.mean():.0f}" if len(known) > 1 else "—"
+            cells[f"{SYMBOLS[effect, parameter]}: runs, scatter [%]"] = f"{len(known)}/{len(runs)}, {spread}"
+        rows.append(cells)
+    return pd.DataFrame(rows)
+
+
+def cell(verdict, value, low, high):
+    """Show a value with its interval, or the bound that the log sets."""
+    match verdict:
+        case Verdict.IDENTIFIED:
+            return tables.interval(value, low, high)
+        case Verdict.UPPER_BOUND:
+            return f"≤ {tables.number(high, 2)}"
+        case Verdict.LOWER_BOUND:
+            return f"≥ {tables.number(low, 2)}"
+    return "—"
+
+
+def numbers(data):
+    """Count how often each method pins down the correlation time of a gyroscope."""
+    times = data[data["parameter"] == "correlation_time"]
+    shares = (times["verdict"] == Verdict.IDENTIFIED).groupby(times["method"], sort=False).agg(["sum", "count"])
+    return {name: {"identified": int(row["sum"]), "of": int(row["count"])} for name, row in shares.iterrows()}
+
+
+if __name__ == "__main__":
+    with journal(snakemake.log[0]):
+        output = snakemake.output
+        frames = [
+            pd.read_csv(path).assign(run=run)
+            for path, run in zip(snakemake.input.estimates, snakemake.params.runs, strict=True)
+        ]
+        data = pd.concat(frames, ignore_index=True)
+        for kind in ("gyro", "accel"):
+            part = data[data["axis"].str.startswith(kind)]
+            tables.write(output[kind].removesuffix(".csv"), part, page(data, kind))
+        Path(output.numbers).write_text(json.dumps(numbers(data), indent=1) + "\n")

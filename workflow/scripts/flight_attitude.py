@@ -1,0 +1,37 @@
+"""Filter every flight with every model that it has."""
+
+from itertools import cycle
+from math import radians
+from pathlib import Path
+
+import pandas as pd
+import yaml
+
+from imugap import log
+from imugap.attitude import Assumptions, Start, fuse
+from imugap.journal import journal
+from imugap.model import ErrorModel
+
+STEP_S = 0.1
+"""Step of the stored attitudes."""
+
+
+def attitude(flown, lift_s, heading, model, assumptions):
+    """Return the attitude of the flight proper, from 0 s; up to ``lift_s`` the aircraft rests, then it is launched."""
+    rest, ahead = flown[flown.index <= lift_s], flown[flown.index > lift_s]
+    return fuse(ahead, model, Start.at_rest(rest, heading), assumptions).table(STEP_S).loc[0:]
+
+
+if __name__ == "__main__":
+    with journal(snakemake.log[0]):
+        params, found = snakemake.params, {}
+        assumptions = Assumptions.from_mapping(**params.assumptions)
+        models = [yaml.safe_load(Path(path).read_text()) for path in snakemake.input.models]
+        for run, (path, of_run) in enumerate(zip(snakemake.input.logs, cycle(models), strict=False), start=1):
+            flown = log.load(path)
+            for minutes, of_length in of_run.items():
+                for scheme, mapping in of_length.items():
+                    model = ErrorModel.from_mapping(mapping)
+                    key, heading = (run, minutes, scheme), radians(params.heading_deg)
+                    found[key] = attitude(flown, -params.launch_s, heading, model, assumptions)
+        pd.concat(found, names=["run", "minutes", "scheme"]).to_parquet(snakemake.output[0])

@@ -1,0 +1,22 @@
+"""Follow the iterations of indirect inference on one run (figure 2 of the source)."""
+
+from imugap import figures
+from imugap.experiment import Experiment
+from imugap.figures import indirect
+from imugap.indirect import Weighting, fit, simulated
+from imugap.journal import journal
+
+if __name__ == "__main__":
+    with journal(snakemake.log[0]):
+        experiment = Experiment.read(snakemake.input.recipe)
+        sequence = experiment.simulate(snakemake.params.seed, "iterations")
+        histories = {
+            f"indirect_{weighting.value}": fit(
+                sequence, experiment.interval, experiment.kinds, weighting=weighting
+            ).history
+            for weighting in Weighting
+        }
+        histories["indirect_simulated"] = simulated(
+            sequence, experiment.interval, experiment.kinds, snakemake.params.seed
+        ).history
+        figures.save(indirect.iterations(histories, experiment.truth()), snakemake.output[0])

@@ -1,0 +1,32 @@
+"""Simulate the source's device many times and estimate its parameters by every method."""
+
+import pandas as pd
+
+from imugap import indirect
+from imugap.experiment import Experiment
+from imugap.journal import journal
+from imugap.methods import METHODS
+from imugap.replication import row
+
+
+def estimates(experiment, time, seed, runs, printed):
+    """Return the estimates of all runs by all methods, of the first ones by simulated wavelet variances as well."""
+    found = []
+    for run in range(runs):
+        sequence = experiment.simulate(seed, "monte carlo", time, run)
+        for name, method in METHODS.items():
+            fit = method(sequence, experiment.interval, experiment.kinds)
+            found.append(row(fit, method=name, run=run, time=time))
+        if run < printed:
+            fit = indirect.simulated(sequence, experiment.interval, experiment.kinds, seed)
+            found.append(row(fit, method="indirect_simulated", run=run, time=time))
+    return pd.concat(found, ignore_index=True)
+
+
+if __name__ == "__main__":
+    with journal(snakemake.log[0]):
+        time, params = int(snakemake.wildcards.time), snakemake.params
+        experiment = Experiment.read(snakemake.input.recipe).at(time)
+        estimates(experiment, time, params.seed, params.runs, params.printed).to_parquet(
+            snakemake.output[0], index=False
+        )

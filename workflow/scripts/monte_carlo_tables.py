@@ -1,0 +1,118 @@
+"""Tabulate five runs as the source does, and beside them what many runs say of every method."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from imugap import figures, tables
+from imugap.bound import bound
+from imugap.experiment import Experiment
+from imugap.figures import indirect
+from imugap.journal import journal
+from imugap.methods import METHODS
+from imugap.replication import summary
+
+TIME = ("gauss_markov", 1, "correlation_time")
+
+
+def summaries(experiments, estimates, seed):
+    """Return the summary of every correlation time."""
+    found = []
+    for time, experiment in experiments.items():
+        limits = bound(experiment.model, experiment.interval, experiment.count)
+        rows = summary(estimates[estimates["time"] == time], experiment.truth(), limits, seed)
+        found.append(rows.assign(time=time))
+    return pd.concat(found, ignore_index=True)
+
+
+def five_page(data):
+    """Lay the runs out as the source does: a row per run and method, values over the truth less one in percent."""
+    shown = data[data["parameter"] != "driving_psd"]
+    heads = [indirect.SYMBOLS[row.effect, row.parameter] + " [%]" for row in shown.itertuples()]
+    cells = [tables.number(100 * error, 2) for error in shown["error"]]
+    wide = shown.assign(head=heads, cell=cells).pivot_table(
+        index=["run", "method"], columns="head", values="cell", aggfunc="first", sort=False
+    )
+    wide = wide.reset_index()
+    return wide.assign(run=wide["run"] + 1, method=wide["method"].map(indirect.TITLES))
+
+
+def summary_page(data):
+    """Lay the summary out: a row per correlation time, parameter and method."""
+    rows = []
+    for row in data[data["parameter"] != "driving_psd"].itertuples():
+        rows.append(
+            {
+                "T [s]": row.time,
+                "parameter": indirect.SYMBOLS[row.effect, row.parameter],
+                "method": indirect.TITLES[row.method],
+                "bias [%]": f"{tables.number(100 * row.bias, 2)} ± {tables.number(100 * row.bias_error, 1)}",
+                "RMSE [%]": tables.number(100 * row.rmse, 2),
+                "bound [%]": tables.number(100 * row.bound, 2),
+                "RMSE / bound": tables.interval(row.efficiency, row.efficiency_low, row.efficiency_high),
+                "coverage [%]": tables.interval(
+                    *(100 * c for c in (row.coverage, row.coverage_low, row.coverage_high))
+                ),
+                "identified [%]": f"{100 * row.identified:.0f}",
+                "failed": row.failed,
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def numbers(estimates, truth, published, printed):
+    """Judge the printed errors of the correlation time against the distribution of one run's error."""
+    row = published.set_index("quantity").loc["relative_error_of_correlation_time"]
+    claims = {name: float(row[name]) for name in ("allan", "indirect")}
+    found = {"allan_printed": f"{claims['allan']:.2f}", "indirect_printed": f"{claims['indirect']:.3f}", "times": []}
+    for time, true in truth.items():
+        at = estimates[(estimates["time"] == time) & (estimates["parameter"] == TIME[2])]
+        error = (at.assign(error=100 * (at["value"] / true - 1).abs())).pivot(
+            index="run", columns="method", values="error"
+        )
+        pair = error[["allan", "indirect_full"]].replace(np.inf, np.nan)
+        found["times"].append(
+            {
+                "time": time,
+                "runs": len(error),
+                "allan_median": tables.number(pair["allan"].median(), 2),
+                "indirect_median": tables.number(pair["indirect_full"].median(), 2),
+                "likelihood_median": tables.number(error["likelihood"].median(), 2),
+                "allan_within": f"{100 * (pair['allan'] <= claims['allan']).mean():.0f}",
+                "indirect_within": f"{100 * (pair['indirect_full'] <= claims['indirect']).mean():.0f}",
+                "indirect_wins": f"{100 * (pair['indirect_full'] < pair['allan'].fillna(np.inf)).mean():.0f}",
+                "five_wins": f"{100 * _majority(pair, printed):.0f}",
+            }
+        )
+    return found
+
+
+def _majority(pair, printed):
+    """Return how often the mean error of a block of ``printed`` runs is smaller by indirect inference."""
+    block = np.arange(len(pair)) // printed
+    means = pair.groupby(block).mean()
+    return (means["indirect_full"] < means["allan"]).mean()
+
+
+if __name__ == "__main__":
+    with journal(snakemake.log[0]):
+        source, params, output = snakemake.input, snakemake.params, snakemake.output
+        experiments = {time: Experiment.read(source.recipe).at(time) for time in params.times}
+        truths = {time: experiment.truth() for time, experiment in experiments.items()}
+        estimates = pd.concat(pd.read_parquet(path) for path in source.estimates)
+        middle = params.times[len(params.times) // 2]
+        five = estimates[(estimates["time"] == middle) & (estimates["run"] < params.printed)]
+        true = [truths[middle][row.effect, row.ordinal, row.parameter] for row in five.itertuples()]
+        five = five.assign(truth=true, error=five["value"] / true - 1)
+        tables.write(output.five.removesuffix(".csv"), five, five_page(five))
+        estimates = estimates[estimates["method"].isin(METHODS)]  # those that all runs were estimated by
+        found = summaries(experiments, estimates, params.seed)
+        tables.write(output.summary.removesuffix(".csv"), found, summary_page(found))
+        limits = {time: bound(one.model, one.interval, one.count) for time, one in experiments.items()}
+        figures.save(indirect.distributions(estimates, truths, limits), output.figure)
+        said = numbers(
+            estimates, {t: one[TIME] for t, one in truths.items()}, pd.read_csv(source.published), params.printed
+        )
+        Path(output.numbers).write_text(json.dumps(said | {"middle": middle}, indent=1) + "\n")

@@ -1,0 +1,84 @@
+"""Lay out the two-dimensional example: figures, table, numbers of the text."""
+
+import json
+from pathlib import Path
+
+import pandas as pd
+import yaml
+
+from imugap import figures, tables
+from imugap.augmentation import augmentation
+from imugap.datasheet import MODELS
+from imugap.figures import planar
+from imugap.journal import journal
+from imugap.planar import QUANTITIES, SCOPES, VEHICLE, Example
+from imugap.units import from_si
+
+SHOWN = {
+    "gyro": {"white": "deg/sqrt(h)", "flicker": "deg/h", "walk": "deg/h/sqrt(h)", "turn_on": "deg/h"},
+    "accel": {"white": "m/s/sqrt(h)", "flicker": "mg", "walk": "m/s/h/sqrt(h)", "turn_on": "mg"},
+}
+"""Units in which the text gives the figures of a sensor."""
+
+
+def inside(nees):
+    """Return the share of epochs at which the mean NEES lies inside its two-sided band, per case, filter and scope."""
+    within = (nees["nees"] >= nees["low"]) & (nees["nees"] <= nees["high"])
+    return within.groupby([nees["case"], nees["filter"], nees["scope"]], sort=False).mean()
+
+
+def page(ends, shares, states):
+    """Lay the table out: a row per truth and filter."""
+    rows = []
+    for (case, title), group in ends.groupby(["case", "filter"], sort=False):
+        one = group.set_index("quantity")
+        row = {"truth": planar.CASES[case].removeprefix("truth: "), "filter": title, "states": states[title]}
+        row["position error [m]"] = tables.interval(*one.loc["position", ["actual", "actual_low", "actual_high"]])
+        for quantity in QUANTITIES:
+            row[quantity] = tables.interval(*one.loc[quantity, ["ratio", "low", "high"]])
+        for scope in SCOPES:
+            row[f"NEES, {scope} [%]"] = f"{100 * shares[case, title, scope]:.0f}"
+        rows.append(row)
+    return pd.DataFrame(rows)
+
+
+def numbers(ends, shares, example, runs):
+    """Collect what the text quotes: per case and model, the position error and what it is of the predicted one."""
+    of = ends.set_index(["case", "filter", "quantity"])
+    known = ends.dropna(subset="computed_ratio")
+    agree = (known["low"] <= known["computed_ratio"]) & (known["computed_ratio"] <= known["high"])
+    said = {
+        case: {
+            title: {
+                "ratio": {name: tables.number(of.loc[(case, title, name), "ratio"], 2) for name in QUANTITIES},
+                "position_m": tables.number(of.loc[(case, title, "position"), "actual"], 2),
+                "inside_percent": [f"{100 * shares[case, title, scope]:.0f}" for scope in SCOPES],
+            }
+            for title in MODELS
+        }
+        for case in planar.CASES
+    }
+    sensors = {
+        name: {key: tables.number(from_si(getattr(sheet, key), unit), 2) for key, unit in units.items()}
+        for (name, units), sheet in zip(SHOWN.items(), example.sheets, strict=False)
+    }
+    return {"runs": runs, "case": said, "agree": int(agree.sum()), "compared": len(known), "sensors": sensors}
+
+
+if __name__ == "__main__":
+    with journal(snakemake.log[0]):
+        source, output = snakemake.input, snakemake.output
+        example, recipe = Example.read(source.recipe), yaml.safe_load(Path(source.recipe).read_text())
+        read = {name: pd.concat(map(pd.read_parquet, source[name])) for name in ("spread", "ends", "nees")}
+        outages = recipe["drive"]["outages_s"]
+        for case, path in zip(planar.CASES, (output.gauss_markov, output.flicker), strict=True):
+            figures.save(planar.spread(read["spread"][read["spread"]["case"] == case], outages), path)
+        figures.save(planar.consistency(read["nees"], example.drive), output.consistency)
+        shares = inside(read["nees"])
+        states = {
+            title: len(VEHICLE) + sum(len(augmentation(model).output) for model in example.models(slow))
+            for title, slow in MODELS.items()
+        }
+        tables.write(output.table.removesuffix(".csv"), read["ends"], page(read["ends"], shares, states))
+        found = numbers(read["ends"], shares, example, snakemake.params.runs) | {"drive": recipe["drive"]}
+        Path(output.numbers).write_text(json.dumps(found, indent=1) + "\n")

@@ -1,0 +1,75 @@
+"""Navigate the two-dimensional example with every filter, and compare what the filters believe with what they do."""
+
+import numpy as np
+import pandas as pd
+
+from imugap.consistency import nees_band, root_mean_square
+from imugap.datasheet import MODELS, TRUTHS, Slow
+from imugap.journal import journal
+from imugap.planar import QUANTITIES, SCOPES, Example, covariances, monte_carlo
+
+
+def spread(drive, errors, computed):
+    """Return actual, predicted and computed standard deviation of each quantity over time."""
+    rows = []
+    for quantity, columns in QUANTITIES.items():
+        own = list(columns)
+        actual, low, high = root_mean_square(errors.error[..., own])
+        predicted = np.sqrt(errors.variance[..., own].mean(axis=(0, -1)))
+        rows.append(pd.DataFrame({
+            "quantity": quantity, "time": drive.epochs(), "predicted": predicted, "actual": actual, "low": low,
+            "high": high, "computed": np.sqrt(computed[1][:, own].mean(axis=-1)),
+        }))  # fmt: skip
+    return pd.concat(rows)
+
+
+def ends(drive, errors, computed):
+    """Return actual over predicted standard deviation at the ends of the outages, and the actual one [SI]."""
+    at, rows = drive.ends(), []
+    for quantity, columns in QUANTITIES.items():
+        where = np.ix_(range(len(errors.error)), at, list(columns))
+        error, variance = errors.error[where], errors.variance[where]
+        runs = len(error)
+        ratio, low, high = root_mean_square((error / np.sqrt(variance)).reshape(runs, -1))
+        actual, actual_low, actual_high = root_mean_square(error.reshape(runs, -1))
+        predicted, true = (one[np.ix_(at, list(columns))] for one in computed)
+        rows.append({
+            "quantity": quantity, "ratio": ratio, "low": low, "high": high,
+            "computed_ratio": np.sqrt((true / predicted).mean()), "actual": actual, "actual_low": actual_low,
+            "actual_high": actual_high, "computed": np.sqrt(true.mean()),
+        })  # fmt: skip
+    return pd.DataFrame(rows)
+
+
+def consistency(drive, errors):
+    """Return the mean NEES over time with its two-sided band."""
+    rows = []
+    for k, (scope, states) in enumerate(SCOPES.items()):
+        low, high = nees_band(states, len(errors.nees))
+        rows.append(pd.DataFrame({
+            "scope": scope, "states": states, "time": drive.epochs(), "nees": errors.nees[..., k].mean(axis=0),
+            "low": low, "high": high,
+        }))  # fmt: skip
+    return pd.concat(rows)
+
+
+def main(example, case, params, output):
+    """Write the three tables; the computed covariance is missing where the truth has no state space."""
+    truth, drive = example.models(TRUTHS[case]), example.drive
+    found = {"spread": [], "ends": [], "nees": []}
+    for title, slow in MODELS.items():
+        modelled = example.models(slow)
+        errors = monte_carlo(drive, truth, modelled, example.start_std, params.runs, params.seed, "planar", case)
+        computed = np.full((2, *errors.error.shape[1:]), np.nan)
+        if Slow.FLICKER not in TRUTHS[case]:
+            computed = covariances(drive, truth, modelled, example.start_std)
+        tables = spread(drive, errors, computed), ends(drive, errors, computed), consistency(drive, errors)
+        for rows, table in zip(found.values(), tables, strict=True):
+            rows.append(table.assign(case=case, filter=title))
+    for name, rows in found.items():
+        pd.concat(rows).to_parquet(output[name], index=False)
+
+
+if __name__ == "__main__":
+    with journal(snakemake.log[0]):
+        main(Example.read(snakemake.input.recipe), snakemake.wildcards.case, snakemake.params, snakemake.output)

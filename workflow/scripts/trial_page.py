@@ -1,0 +1,138 @@
+"""Lay out the real trials: the figure, log against reference, what the rests tell, errors, numbers of the text."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from imugap import figures, tables
+from imugap.catalogue import load
+from imugap.estimate import Verdict
+from imugap.figures import attitude
+from imugap.journal import journal
+from imugap.log import GYRO
+from imugap.reference import ERROR
+from imugap.units import from_si
+
+MODELS = {"rest": "of the rest", "margin": "with a margin"}
+ANGLES = {"north": "tilt about north", "east": "tilt about east", "down": "heading"}
+ESTIMATES = {
+    ("gyro", "density"): ("gyroscope N [°/√h]", "deg/sqrt(h)"),
+    ("gyro", "std"): ("gyroscope σ [°/h]", "deg/h"),
+    ("gyro", "correlation_time"): ("gyroscope T [s]", "s"),
+    ("accel", "density"): ("accelerometer N [m/s/√h]", "m/s/sqrt(h)"),
+    ("accel", "density_k"): ("accelerometer K [m/s/h/√h]", "m/s/h/sqrt(h)"),
+}
+
+
+def names():
+    """Return the name of each trial from that of its file."""
+    files = load("data", "workflow/schemas")["broad"].files
+    return {file.runs[0]: " ".join(file.name.removesuffix(".mat").split("_")[2:-1]) for file in files}
+
+
+def alignment_page(data, titles):
+    """Lay the alignment out: a row per trial."""
+    rows = []
+    for trial, one in data.groupby("trial", sort=False):
+        found = one.set_index("quantity")[["value", "low", "high"]]
+        row = {"trial": titles[trial], "lag [ms]": tables.interval(*(1e3 * found.loc["lag"]))}
+        for kind, head in {"frame": "axes {} [°]", "change": "bias change {} [°/s]"}.items():
+            for axis in "xyz":
+                row[head.format(axis)] = tables.interval(*from_si(found.loc[f"{kind}_{axis}"], "deg"))
+        for axis in ("north", "east"):
+            row[f"level {axis} [°]"] = tables.number(from_si(found.loc[f"tilt_{axis}", "value"], "deg"), 2)
+        rows.append(row)
+    return pd.DataFrame(rows)
+
+
+def rests(estimates):
+    """Return per parameter and scheme the share identified, the median, and how far two rests of a trial disagree.
+
+    The disagreement is the factor exp(rms log(last/first)) over axes and trials, zeros left out.
+    """
+    known = estimates[estimates["parameter"] != "driving_psd"].copy()
+    known["kind"] = np.where(known["axis"].isin(GYRO), "gyro", "accel")
+    known["identified"] = known["verdict"] == Verdict.IDENTIFIED
+    rows = []
+    for (kind, parameter, scheme), one in known.groupby(["kind", "parameter", "scheme"], sort=False):
+        both = one.pivot(index=["trial", "axis"], columns="rest", values="value").replace(0.0, np.nan).dropna()
+        apart = np.log(both["last"] / both["first"]) if len(both) else pd.Series(dtype=float)
+        rows.append({"kind": kind, "parameter": parameter, "scheme": scheme, "fits": len(one),
+                     "identified": int(one["identified"].sum()), "median": one["value"].median(),
+                     "pairs": len(both), "disagreement": np.exp(np.sqrt((apart**2).mean()))})  # fmt: skip
+    return pd.DataFrame(rows)
+
+
+def rests_page(data):
+    """Lay the table out: a row per parameter, three columns per scheme."""
+    known = data.set_index(["kind", "parameter", "scheme"])
+    rows = []
+    for (kind, parameter), (title, unit) in ESTIMATES.items():
+        row = {"parameter": title}
+        for scheme in known.index.unique("scheme"):
+            one, name = known.loc[(kind, parameter, scheme)], attitude.TITLES[scheme]
+            row[f"{name}: median"] = tables.number(from_si(one["median"], unit), 2)
+            row["identified" + " " * len(row)] = f"{one['identified']:.0f} of {one['fits']:.0f}"
+            row["rests differ by" + " " * len(row)] = f"×{tables.number(one['disagreement'], 2)}"
+        rows.append(row)
+    return pd.DataFrame(rows).rename(columns=str.strip)
+
+
+def trials_page(scores, differences, titles):
+    """Lay the errors out: a row per trial, model and angle."""
+    rms = scores.set_index(["trial", "model", "angle", "scheme"])["rms"]
+    rows = []
+    for one in differences.itertuples():
+        key = one.trial, one.model, one.angle
+        errors = [tables.number(from_si(rms[(*key, scheme)], "deg")) for scheme in attitude.TITLES if scheme != "truth"]
+        gap = tables.interval(*(from_si(from_si(value, "deg"), "deg") for value in (one.value, one.low, one.high)))
+        said = "too few blocks" if np.isinf(one.high) else ("beyond chance" if one.differs else "chance")
+        rows.append([titles[one.trial], MODELS[one.model], ANGLES[one.angle], *errors, gap, one.blocks, said])
+    heads = [f"{title}: rms [°]" for scheme, title in attitude.TITLES.items() if scheme != "truth"]
+    heads = ["trial", "model", "error", *heads, "variance, 2 less 1 [°²]", "blocks", "2 against 1"]
+    return pd.DataFrame(rows, columns=heads)
+
+
+def numbers(alignment, scores, differences, told):
+    """Collect what the text quotes."""
+    lag = alignment[alignment["quantity"] == "lag"]["value"]
+    change = alignment[alignment["quantity"].str.startswith("change")]["value"].abs()
+    axes = alignment[alignment["quantity"].str.startswith("frame")]["value"].abs()
+    said = {
+        "lag_ms": [tables.number(1e3 * end, 2) for end in (lag.min(), lag.max())],
+        "largest_change_deg_per_s": tables.number(from_si(change.max(), "deg"), 2),
+        "largest_axes_deg": tables.number(from_si(axes.max(), "deg"), 2),
+        "models": {},
+    }
+    tilt = scores[scores["angle"].isin(ERROR[:2])].assign(square=lambda one: one["rms"] ** 2)
+    tilt = np.sqrt(tilt.groupby(["model", "scheme", "trial"])["square"].sum())
+    nees = scores.groupby(["model", "scheme", "trial"])["nees"].first()
+    heading = scores[scores["angle"] == "down"].groupby("model")["rms"]
+    for model in MODELS:
+        alone = differences[differences["model"] == model]
+        said["models"][model] = {
+            "tilt_deg": [tables.number(from_si(end(tilt[model]), "deg"), 2) for end in (min, max)],
+            "heading_deg": [tables.number(from_si(end[model], "deg"), 2) for end in (heading.min(), heading.max())],
+            "nees": [tables.number(end(nees[model]), 2) for end in (min, max)],
+            "cases": len(alone), "better": int((alone["high"] < 0).sum()), "worse": int((alone["low"] > 0).sum()),
+            "mute": int(np.isinf(alone["high"]).sum()),
+        }  # fmt: skip
+    times = told[(told["parameter"] == "correlation_time")]
+    said["identified_times"] = f"{times['identified'].sum()} of {times['fits'].sum()}"
+    return said
+
+
+if __name__ == "__main__":
+    with journal(snakemake.log[0]):
+        source, output, titles = snakemake.input, snakemake.output, names()
+        alignment, scores, differences = (pd.read_csv(source[name]) for name in ("alignment", "scores", "differences"))
+        errors = pd.read_parquet(source.errors)
+        chosen = {trial: titles[trial] for trial in errors["trial"].unique()}
+        figures.save(attitude.trials(errors, chosen, list(MODELS)), output.figure)
+        tables.write(output.alignment.removesuffix(".csv"), alignment, alignment_page(alignment, titles))
+        told = rests(pd.read_csv(source.estimates))
+        tables.write(output.rests.removesuffix(".csv"), told, rests_page(told))
+        tables.write(output.trials.removesuffix(".csv"), differences, trials_page(scores, differences, titles))
+        Path(output.numbers).write_text(json.dumps(numbers(alignment, scores, differences, told), indent=1) + "\n")

@@ -1,0 +1,80 @@
+"""Recompute the tutorial's worked example."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from imugap import figures, spectrum, tables
+from imugap.effects import GaussMarkov, RandomWalk, WhiteNoise
+from imugap.figures import tutorial as chapter
+from imugap.journal import journal
+from imugap.model import AxisModel
+from imugap.worked_example import Example, checks
+
+TAU = np.geomspace(0.1, 1000, 161)
+NAMES = {WhiteNoise: "N", RandomWalk: "K", GaussMarkov: "B as read"}
+
+
+def lines(example):
+    """Return the Allan deviation (eq. 16) of the sums, and of the parts as they are read."""
+    models = {"N + B + K, as read": example.model(), "N + K": example.white_and_walk(),
+              "N + B + K, B at most": example.freed()}  # fmt: skip
+    models |= {NAMES[type(part)]: AxisModel((part,)) for part in example.model()}
+    found = {title: spectrum.allan_variance(model.state_space().psd, TAU) for title, model in models.items()}
+    return {title: pd.Series(np.sqrt(variance), index=TAU) for title, variance in found.items()}
+
+
+def page(found):
+    """Lay the table out: printed value, recomputed value with its range, verdict."""
+    rows = []
+    for one in found:
+        digits = len(str(round(one.printed / (2 * one.half_digit))))
+        printed, value, low, high = (
+            tables.number(number, digits + extra)
+            for number, extra in ((one.printed, 0), (one.recomputed, 1), (one.low, 1), (one.high, 1))
+        )
+        rows.append(
+            [one.quantity, one.unit.replace("^2", "²"), printed, value, f"{low} to {high}", one.agreement.value]
+        )
+    return pd.DataFrame(rows, columns=["quantity", "unit", "printed", "recomputed", "within the digits", "verdict"])
+
+
+def numbers(example, found):
+    """Collect what the text quotes; lengths of the y axis in mm/s^2."""
+    (floor,) = example("accelerometer", "floor")
+    (alone,), (together,) = (
+        [one for one in found if one.quantity.startswith(start)]
+        for start in ("floor: N and K alone", "floor: N, K and the B")
+    )
+    place = next(one for one in found if one.quantity.startswith("place of the floor"))
+    density, driving = (
+        next(one for one in found if one.quantity.startswith(f"{name}: what N and K")) for name in ("B", "S_B")
+    )
+    lowest = np.sqrt(example.white_and_walk().allan_variance(place.recomputed))
+    return {
+        "floor": f"{1e3 * floor:.2f}",
+        "alone": f"{1e3 * alone.recomputed:.3f}",
+        "alone_range": [f"{1e3 * alone.low:.3f}", f"{1e3 * alone.high:.3f}"],
+        "together": f"{1e3 * together.recomputed:.2f}",
+        "excess_percent": f"{100 * (together.recomputed / floor - 1):.0f}",
+        "place": f"{place.recomputed:.0f}",
+        "lowest": f"{1e3 * lowest:.3f}",
+        "density_printed": f"{1e3 * density.printed:.2f}",
+        "density_most": f"{1e3 * density.high:.2f}",
+        "density_factor": f"{density.printed / density.high:.0f}",
+        "driving_factor": f"{driving.printed / driving.high:.0f}",
+    }
+
+
+if __name__ == "__main__":
+    with journal(snakemake.log[0]):
+        printed = pd.read_csv(snakemake.input.printed)
+        found, example = checks(printed), Example.of(printed)
+        (height,), ((low, _),) = example("accelerometer", "floor"), example.ranges("accelerometer", "floor")
+        floor = (*example("accelerometer", "floor_tau"), height, height - low)
+        figures.save(chapter.worked_example(lines(example), floor, example.digits(TAU)), snakemake.output[0])
+        data = pd.DataFrame([vars(one) | {"agreement": one.agreement} for one in found])
+        tables.write(snakemake.output[1].removesuffix(".csv"), data, page(found))
+        Path(snakemake.output[-1]).write_text(json.dumps(numbers(example, found), indent=1) + "\n")
