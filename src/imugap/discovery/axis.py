@@ -1,0 +1,302 @@
+"""A description of one axis and its fit: systematic terms, random processes, stretches of another variance.
+
+The mean is fitted by generalised least squares under the spectrum, the spectrum by Whittle's likelihood to what the
+mean leaves, in turn until neither moves; both in the basis of the cosine transform.
+"""
+
+from collections.abc import Sequence as Several
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from scipy.fft import dct, idct
+
+from imugap.discovery import scans
+from imugap.discovery.noise import Noise, NoiseFit
+from imugap.discovery.noise import fit as fit_noise
+from imugap.discovery.sequence import Sequence
+from imugap.effects import VarianceChange
+from imugap.effects.effect import Effect, StochasticEffect
+
+ROUNDS = 8
+"""Turns between mean and spectrum."""
+SETTLED = 0.02
+"""Change of log-likelihood below which the turns end."""
+HALVINGS = 6
+
+
+@dataclass(frozen=True)
+class Term:
+    """A systematic effect and which of its parameters a fit adjusts."""
+
+    effect: Effect
+    free: tuple[str, ...]
+
+    def moved(self, step: np.ndarray) -> "Term":
+        """Return the term with its free parameters changed by ``step``, kept within their physical limits."""
+        limits = {item: self.effect.limits()[item] for item in self.free}
+        values = {
+            item: float(np.clip(getattr(self.effect, item) + change, *limits[item]))
+            for item, change in zip(self.free, step, strict=True)
+        }
+        return Term(replace(self.effect, **values), self.free)
+
+
+@dataclass(frozen=True)
+class Description:
+    """What is said to be on an axis besides an offset."""
+
+    terms: tuple[Term, ...]
+    noise: Noise
+    changes: tuple[VarianceChange, ...] = ()
+
+    def with_term(self, term: Term) -> "Description":
+        """Return the description with one term more."""
+        return replace(self, terms=(*self.terms, term))
+
+    def without_term(self, index: int) -> "Description":
+        """Return the description without one term."""
+        return replace(self, terms=self.terms[:index] + self.terms[index + 1 :])
+
+    def effects(self) -> tuple[Effect, ...]:
+        """Return all effects."""
+        return (*(term.effect for term in self.terms), *self.noise, *self.changes)
+
+    def size(self) -> int:
+        """Return the number of adjusted parameters."""
+        return sum(len(term.free) for term in self.terms) + len(self.noise.parameters()) + 3 * len(self.changes)
+
+
+@dataclass(frozen=True, eq=False)
+class AxisFit:
+    """A description at its maximum of likelihood on a sequence.
+
+    Attributes
+    ----------
+    sequence, description
+        The data and the fitted description.
+    log_likelihood
+        Log-density of the samples, free of their offset.
+    noise
+        Fit of the random part.
+    covariance
+        Covariance of the free parameters of the terms, in their order.
+    """
+
+    sequence: Sequence
+    description: Description
+    log_likelihood: float
+    noise: NoiseFit
+    covariance: np.ndarray
+
+    @cached_property
+    def scale(self) -> np.ndarray | float:
+        """Return the factor of the standard deviation over time that the changes of variance make."""
+        return scale(self.sequence, self.description.changes)
+
+    @cached_property
+    def variance(self) -> np.ndarray:
+        """Return the variance of each cosine coefficient k = 1..n-1."""
+        bins = self.sequence.bins
+        return bins.spread(self.description.noise.variance(bins.frequency, bins.interval))
+
+    @cached_property
+    def residual(self) -> np.ndarray:
+        """Return what the systematic terms leave, of equal variance over time, shape (n,)."""
+        return residual(self.sequence, self.description)
+
+    @cached_property
+    def coefficients(self) -> np.ndarray:
+        """Return the residual's cosine coefficients over their standard deviations, k = 1..n-1."""
+        return cosines(self.residual) / np.sqrt(self.variance)
+
+    @cached_property
+    def whitened(self) -> np.ndarray:
+        """Return the residual made white, shape (n,): of unit variance if the description is right."""
+        return idct(np.r_[0.0, self.coefficients], norm="ortho")
+
+    def whiten(self, columns: np.ndarray) -> np.ndarray:
+        """Return columns, shape (n, m), in the basis and scale of :attr:`coefficients`, shape (n - 1, m)."""
+        scaled = columns / np.reshape(self.scale, (-1, 1))
+        return cosines(scaled) / np.sqrt(self.variance)[:, None]
+
+    @cached_property
+    def basis(self) -> np.ndarray:
+        """Return an orthonormal basis of the directions that the terms can move the mean in, whitened."""
+        return _basis(self.whiten(jacobian(self.description.terms, self.sequence)))
+
+    def has(self, kind: type[Effect]) -> bool:
+        """Return whether an effect of a kind is described."""
+        return any(isinstance(effect, kind) for effect in self.description.effects())
+
+    @cached_property
+    def _excess(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return excess and variance of the power per coefficient in each bin."""
+        bins = self.sequence.bins
+        variance = self.description.noise.variance(bins.frequency, bins.interval)
+        return bins.sums(self.coefficients**2) / bins.number * variance - variance, variance
+
+    def _room(self, effect: StochasticEffect) -> tuple[float, float]:
+        bins, (excess, variance) = self.sequence.bins, self._excess
+        shape = Noise((effect,), self.description.noise.output_filter).variance(bins.frequency, bins.interval)
+        weight = bins.number * shape / variance**2
+        return float(weight @ excess), float(weight @ shape)
+
+    def room(self, effect: StochasticEffect) -> float:
+        """Return the factor of an effect's amplitude at which the spectrum, to first order, has most room for it.
+
+        Zero where the likelihood falls as soon as the effect is there.
+        """
+        score, information = self._room(effect)
+        return float(np.sqrt(max(score, 0.0) / information))
+
+    def gain_of(self, effect: StochasticEffect) -> float:
+        """Return the gain of log-likelihood, to second order, of adding an effect of the given size."""
+        score, information = self._room(effect)
+        return 0.5 * score - 0.25 * information
+
+    @cached_property
+    def lines(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return frequencies [Hz] and gains of log-likelihood of a sinusoid at each."""
+        return scans.lines(self.whitened, self.sequence.conditions.interval)
+
+    @cached_property
+    def steps(self) -> np.ndarray:
+        """Return the gain of log-likelihood of a step of the mean at each sample."""
+        return scans.steps(self.coefficients, self.variance)
+
+    @cached_property
+    def stretch(self) -> tuple[float, int, int]:
+        """Return gain, first sample and last sample + 1 of the stretch whose variance differs most."""
+        return scans.stretches(self.whitened)
+
+    def gains(self, columns: np.ndarray) -> np.ndarray:
+        """Return the gain of log-likelihood of each whitened column alone, shape (m,), the terms free to move."""
+        rest = columns - self.basis @ (self.basis.T @ columns)
+        norm = np.einsum("ij,ij->j", rest, rest)
+        lost = norm < 1e-6 * np.einsum("ij,ij->j", columns, columns)
+        return np.where(lost, 0.0, 0.5 * (rest.T @ self.coefficients) ** 2 / np.where(lost, 1.0, norm))
+
+    def joint_gain(self, columns: np.ndarray) -> tuple[float, int]:
+        """Return the gain of log-likelihood of whitened columns together and their rank beyond the terms."""
+        rest = columns - self.basis @ (self.basis.T @ columns)
+        norms = np.linalg.norm(columns, axis=0)
+        kept = np.linalg.norm(rest, axis=0) > 1e-3 * norms
+        basis = _basis(rest[:, kept] / norms[kept])
+        return float(0.5 * np.sum((basis.T @ self.coefficients) ** 2)), basis.shape[1]
+
+
+def cosines(values: np.ndarray) -> np.ndarray:
+    """Return the orthonormal cosine coefficients k = 1..n-1 of columns."""
+    return dct(values, axis=0, norm="ortho")[1:]
+
+
+def scale(sequence: Sequence, changes: Several[VarianceChange]) -> np.ndarray | float:
+    """Return the factor of the standard deviation at each sample, shape (n,), or 1."""
+    if not changes:
+        return 1.0
+    factor = np.ones(len(sequence.values))
+    for change in changes:
+        factor[change.within(sequence.conditions.time)] *= np.sqrt(change.ratio)
+    return factor
+
+
+def residual(sequence: Sequence, description: Description) -> np.ndarray:
+    """Return the samples less the systematic terms and their mean, over the scale of the changes of variance."""
+    rest = sequence.values.copy()
+    for term in description.terms:
+        rest -= term.effect.sample(sequence.conditions, None)
+    factor = scale(sequence, description.changes)
+    return (rest - np.average(rest, weights=np.broadcast_to(factor, rest.shape) ** -2.0)) / factor
+
+
+def jacobian(terms: Several[Term], sequence: Sequence) -> np.ndarray:
+    """Return the derivatives of the mean in the free parameters, shape (n, parameters)."""
+    columns = [column for term in terms for column in _slopes(term, sequence)]
+    return np.array(columns).T if columns else np.empty((len(sequence.values), 0))
+
+
+def _slopes(term: Term, sequence: Sequence) -> list[np.ndarray]:
+    slopes = term.effect.slopes(sequence.conditions)
+    return [slopes[name] for name in term.free]
+
+
+def _basis(columns: np.ndarray) -> np.ndarray:
+    """Return an orthonormal basis of the span of columns, shape (n, rank)."""
+    if not columns.shape[1]:
+        return columns
+    norms = np.linalg.norm(columns, axis=0)
+    scaled = columns / np.where(norms > 0, norms, 1.0)
+    values, vectors = np.linalg.eigh(scaled.T @ scaled)
+    kept = values > 1e-9 * len(values)
+    return scaled @ (vectors[:, kept] / np.sqrt(values[kept]))
+
+
+def fit(sequence: Sequence, start: Description) -> AxisFit:
+    """Fit a description to a sequence, from the values that it comes with."""
+    description, last = start, -np.inf
+    for _ in range(ROUNDS):
+        rest = residual(sequence, description)
+        noise = fit_noise(description.noise, sequence.bins, sequence.bins.sums(cosines(rest) ** 2))
+        description = replace(description, noise=noise.noise)
+        value = noise.log_likelihood - _jacobian_of_scale(sequence, description)
+        if value < last + SETTLED or not description.terms:
+            break
+        last = value
+        description = _mean_moved(sequence, description)
+    return AxisFit(sequence, description, value, noise, _covariance(sequence, description))
+
+
+def _jacobian_of_scale(sequence: Sequence, description: Description) -> float:
+    return float(np.sum(np.log(scale(sequence, description.changes)) * np.ones(len(sequence.values))))
+
+
+def _mean_moved(sequence: Sequence, description: Description) -> Description:
+    """Return the description after steps of Gauss and Newton of its terms under its spectrum."""
+    bins = sequence.bins
+    root = np.sqrt(bins.spread(description.noise.variance(bins.frequency, bins.interval)))
+    factor = np.reshape(scale(sequence, description.changes), (-1, 1))
+    rest = cosines(residual(sequence, description)) / root
+    for _ in range(HALVINGS):
+        columns = cosines(jacobian(description.terms, sequence) / factor) / root[:, None]
+        norms = np.linalg.norm(columns, axis=0)
+        norms[norms == 0] = 1.0
+        step = np.linalg.lstsq((columns / norms).T @ (columns / norms), (columns / norms).T @ rest, rcond=1e-10)[0]
+        moved, after = _line_search(sequence, description, step / norms, root, rest)
+        gained = 0.5 * (rest @ rest - after @ after)
+        if gained <= 0:
+            break
+        description, rest = moved, after
+        if gained < SETTLED:
+            break
+    return description
+
+
+def _line_search(
+    sequence: Sequence, description: Description, step: np.ndarray, root: np.ndarray, rest: np.ndarray
+) -> tuple[Description, np.ndarray]:
+    for _ in range(HALVINGS):
+        first, terms = 0, []
+        for term in description.terms:
+            terms.append(term.moved(step[first : first + len(term.free)]))
+            first += len(term.free)
+        moved = replace(description, terms=tuple(terms))
+        after = cosines(residual(sequence, moved)) / root
+        if after @ after < rest @ rest:
+            return moved, after
+        step = step / 3
+    return description, rest
+
+
+def _covariance(sequence: Sequence, description: Description) -> np.ndarray:
+    """Return the covariance of the terms' free parameters, the spectrum taken as known."""
+    if not description.terms:
+        return np.empty((0, 0))
+    bins = sequence.bins
+    root = np.sqrt(bins.spread(description.noise.variance(bins.frequency, bins.interval)))
+    factor = np.reshape(scale(sequence, description.changes), (-1, 1))
+    columns = cosines(jacobian(description.terms, sequence) / factor) / root[:, None]
+    norms = np.linalg.norm(columns, axis=0)
+    norms[norms == 0] = np.inf
+    inverse = np.linalg.pinv((columns / norms).T @ (columns / norms), rcond=1e-12, hermitian=True)
+    return inverse / np.outer(norms, norms)

@@ -1,0 +1,233 @@
+"""Random part of an axis: sums of spectra, fitted to the cosine coefficients of what the mean leaves.
+
+In the cosine basis (DCT-II) the coefficients of white noise and of a random walk are independent with the variances
+S(f_k)/interval, f_k = k/(2 n interval); for other processes this is Whittle's approximation, whose leakage is that of
+a sequence without jumps at its ends (:mod:`imugap.likelihood`).
+"""
+
+from dataclasses import dataclass, fields, replace
+from functools import cached_property
+
+import numpy as np
+
+from imugap.effects import OutputFilter
+from imugap.effects.effect import StochasticEffect
+
+SINGLE = 64
+"""Lowest and highest coefficients that are kept one by one."""
+WIDTH = 0.03
+"""Relative width of the bins above, and towards half the sampling rate, where filters end."""
+USED = 0.98
+"""Share of the frequencies that are used: of a low-pass filter, the zero at half the sampling rate is out of sight."""
+STEP = 1e-4
+"""Step of a log parameter in a difference quotient."""
+ITERATIONS = 60
+LONGEST_STEP = 1.5
+"""Largest change of a log parameter in one iteration."""
+FLAT = 1e-5
+"""Predicted gain of log-likelihood at which a climb ends."""
+FAINT = 1e-7
+"""Share of the power, in every bin, below which a process counts as absent."""
+
+
+@dataclass(frozen=True, eq=False)
+class Bins:
+    """Neighbouring cosine coefficients k = 1..n-1 of a sequence, summed.
+
+    Attributes
+    ----------
+    count, interval
+        Number of samples n and sampling interval [s].
+    edges
+        First coefficient (from 0 for k = 1) of each bin.
+    """
+
+    count: int
+    interval: float
+
+    @property
+    def last(self) -> int:
+        """Return the number of coefficients that are used, those near half the sampling rate left out."""
+        return int(USED * (self.count - 1))
+
+    @cached_property
+    def edges(self) -> np.ndarray:
+        """Return the first coefficient (0 for k = 1) of each bin."""
+        last = self.last
+        if last <= 4 * SINGLE:
+            return np.arange(last)
+        return np.unique(np.concatenate([_widening(last // 2), last - _widening(last - last // 2)[1:]]))
+
+    @cached_property
+    def number(self) -> np.ndarray:
+        """Return the number of coefficients in each bin."""
+        return np.diff(np.r_[self.edges, self.last]).astype(float)
+
+    @cached_property
+    def frequency(self) -> np.ndarray:
+        """Return the mean frequency of each bin [Hz]."""
+        first = self.edges + 1
+        return (first + (self.number - 1) / 2) / (2 * self.count * self.interval)
+
+    def sums(self, values: np.ndarray) -> np.ndarray:
+        """Return the sums over bins of ``values``, shape (n - 1,)."""
+        return np.add.reduceat(values[: self.last], self.edges)
+
+    def spread(self, values: np.ndarray) -> np.ndarray:
+        """Return a value per bin as a value per coefficient, shape (n - 1,), straight between the bins' means.
+
+        The coefficients that are kept one by one keep their own.
+        """
+        k = np.arange(1, self.count)
+        means = self.edges + 1 + (self.number - 1) / 2
+        return np.exp(np.interp(np.log(k), np.log(means), np.log(values)))
+
+
+def _widening(count: int) -> np.ndarray:
+    """Return edges from 0 up to ``count``: single at first, then wider and wider."""
+    bins = int(np.ceil(np.log(count / SINGLE) / WIDTH))
+    return np.r_[0:SINGLE, np.rint(np.geomspace(SINGLE, count, bins + 1)).astype(int)]
+
+
+@dataclass(frozen=True)
+class Noise:
+    """The random effects of an axis and the filter behind them.
+
+    Attributes
+    ----------
+    effects
+        Random processes with a sampled spectrum.
+    output_filter
+        Low-pass filter of the output, or None.
+    """
+
+    effects: tuple[StochasticEffect, ...]
+    output_filter: OutputFilter | None = None
+
+    def variance(self, frequency: np.ndarray, interval: float) -> np.ndarray:
+        """Return the variance of a cosine coefficient at ``frequency`` [Hz]: S/interval times the filter's gain."""
+        total = sum(effect.sampled_psd(frequency, interval) for effect in self.effects) / interval
+        return total if self.output_filter is None else total * self.output_filter.gain(frequency, interval)
+
+    def __iter__(self):
+        """Iterate over all effects, the filter last."""
+        return iter(self.effects if self.output_filter is None else (*self.effects, self.output_filter))
+
+    def parameters(self) -> tuple[tuple[int, str], ...]:
+        """Return (index of the effect, parameter) of all that a fit adjusts."""
+        free = [(i, item.name) for i, effect in enumerate(self) for item in fields(effect) if item.type is not int]
+        return tuple(free)
+
+    def theta(self) -> np.ndarray:
+        """Return the logarithms of the parameters."""
+        effects = list(self)
+        return np.log([getattr(effects[i], name) for i, name in self.parameters()])
+
+    def at(self, theta: np.ndarray) -> "Noise":
+        """Return the same effects with log parameters ``theta``."""
+        effects = list(self)
+        for (i, name), value in zip(self.parameters(), np.exp(theta).tolist(), strict=True):
+            effects[i] = replace(effects[i], **{name: value})
+        if self.output_filter is None:
+            return Noise(tuple(effects))
+        return Noise(tuple(effects[:-1]), effects[-1])
+
+
+@dataclass(frozen=True, eq=False)
+class NoiseFit:
+    """Random effects at the maximum of Whittle's likelihood.
+
+    Attributes
+    ----------
+    noise
+        The effects.
+    log_likelihood
+        Log-density of the coefficients.
+    information
+        Expected information of the log parameters, in the order of :meth:`Noise.parameters`.
+    """
+
+    noise: Noise
+    log_likelihood: float
+    information: np.ndarray
+
+
+def log_likelihood(variance: np.ndarray, power: np.ndarray, number: np.ndarray) -> float:
+    """Return the log-density of coefficients with sums of squares ``power`` and variances ``variance`` per bin."""
+    return float(-0.5 * np.sum(number * np.log(2 * np.pi * variance) + power / variance))
+
+
+def fit(start: Noise, bins: Bins, power: np.ndarray) -> NoiseFit:
+    """Climb Whittle's likelihood from ``start`` by damped Fisher scoring.
+
+    Parameters
+    ----------
+    power
+        Sums of the squared cosine coefficients over the bins, shape (bins,).
+    """
+    noise, damping = start, 1e-3
+    theta = noise.theta()
+    low, high = _limits(noise, bins, power)
+    theta = np.clip(theta, low, high)
+    value, gradient, information = _expand(noise, theta, bins, power)
+    for _ in range(ITERATIONS):
+        scale = np.diag(information) + 1e-9
+        free = ~(((theta <= low) & (gradient < 0)) | ((theta >= high) & (gradient > 0)))
+        step = np.zeros(len(theta))
+        damped = (information + np.diag(damping * scale))[np.ix_(free, free)]
+        step[free] = np.linalg.solve(damped, gradient[free])
+        step *= min(1.0, LONGEST_STEP / max(np.abs(step).max(initial=0.0), 1e-300))
+        trial = np.clip(theta + step, low, high)
+        gain = gradient @ (trial - theta)
+        if gain < FLAT:
+            break
+        expanded = _expand(noise, trial, bins, power)
+        if expanded[0] > value:
+            theta, (value, gradient, information), damping = trial, expanded, max(damping / 5, 1e-9)
+        else:
+            damping = min(max(damping * 8, 1e-3), 1e9)
+    return NoiseFit(noise.at(theta), value, information)
+
+
+def _limits(noise: Noise, bins: Bins, power: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the limits of the log parameters: powers by the power there is, times by the log, cutoffs by the rate."""
+    effects, low, high = list(noise), [], []
+    level = power / bins.number
+    for i, name in noise.parameters():
+        effect, value = effects[i], getattr(effects[i], name)
+        if isinstance(effect, OutputFilter):
+            low.append(np.log(1e-3 / bins.interval))
+            high.append(np.log(0.499 / bins.interval))
+            continue
+        if _scales(effect, name):
+            share = effect.sampled_psd(bins.frequency, bins.interval) / bins.interval
+            ratio = 0.5 * np.log(np.median(level / share)), 0.5 * np.log((level / share).max())
+            low.append(np.log(value) + 0.5 * np.log(FAINT * (level / share).min()))
+            high.append(np.log(value) + max(ratio) + 3.0)
+        else:
+            duration = bins.count * bins.interval
+            span = (bins.interval / 3, 30 * duration) if "time" in name else (0.1 / duration, 1 / bins.interval)
+            low.append(np.log(span[0]))
+            high.append(np.log(span[1]))
+    return np.array(low), np.array(high)
+
+
+def _scales(effect: StochasticEffect, name: str) -> bool:
+    """Return whether the spectrum goes with the square of this parameter."""
+    f, interval = np.array([0.01, 0.1]), 1.0
+    doubled = replace(effect, **{name: 2 * getattr(effect, name)})
+    return bool(np.allclose(doubled.sampled_psd(f, interval), 4 * effect.sampled_psd(f, interval), rtol=1e-9))
+
+
+def _expand(noise: Noise, theta: np.ndarray, bins: Bins, power: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
+    """Return log-likelihood, gradient and expected information in the log parameters."""
+    variance = noise.at(theta).variance(bins.frequency, bins.interval)
+    slopes = np.empty((len(theta), len(variance)))
+    for j in range(len(theta)):
+        step = np.zeros(len(theta))
+        step[j] = STEP
+        above = noise.at(theta + step).variance(bins.frequency, bins.interval)
+        slopes[j] = (above - noise.at(theta - step).variance(bins.frequency, bins.interval)) / (2 * STEP * variance)
+    excess = power / variance - bins.number
+    gradient = 0.5 * slopes @ excess
+    return log_likelihood(variance, power, bins.number), gradient, 0.5 * (slopes * bins.number) @ slopes.T

@@ -1,0 +1,98 @@
+"""Where in a residual an event or a line sits: matched filters over all places at once."""
+
+import numpy as np
+from scipy.fft import idct, next_fast_len, rfft
+from scipy.signal import find_peaks
+
+EDGE = 8
+"""Samples at each end at which no step is looked for."""
+BLOCKS = 400
+"""Blocks of the search for stretches of another variance."""
+
+
+def steps(coefficients: np.ndarray, variance: np.ndarray) -> np.ndarray:
+    """Return the gain of log-likelihood of a step of the mean at each sample, shape (n,); zero near the ends.
+
+    The step at sample t has the cosine coefficients -sqrt(2/n) sin(pi k t/n)/(2 sin(pi k/(2 n))), so that with the
+    spectrum S its matched filter is a sum of the samples weighted by 1/S, and its norm a cosine transform. The other
+    terms are taken as known.
+    """
+    n = len(coefficients) + 1
+    k = np.arange(1, n)
+    weighted = idct(np.r_[0.0, coefficients / np.sqrt(variance)], norm="ortho")
+    matched = np.r_[0.0, -np.cumsum(weighted)[:-1]]
+    share = 2 / n / (4 * np.sin(np.pi * k / (2 * n)) ** 2) / variance
+    padded = np.zeros(2 * n)
+    padded[2 * k % (2 * n)] += share
+    cosine = np.real(rfft(padded))[:n]
+    norm = 0.5 * (share.sum() - cosine)
+    gains = np.zeros(n)
+    inner = slice(EDGE, n - EDGE)
+    gains[inner] = 0.5 * matched[inner] ** 2 / np.maximum(norm[inner], 1e-300)
+    return gains
+
+
+def lines(whitened: np.ndarray, interval: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return frequencies [Hz] and the gain of log-likelihood of a sinusoid at each.
+
+    The whitened residual is transformed over twice its length, so that a line between two frequencies of the log
+    loses at most a tenth of its power.
+    """
+    n = len(whitened)
+    length = next_fast_len(2 * n, real=True)
+    power = np.abs(rfft(whitened, length)) ** 2 / n
+    frequency = np.arange(len(power)) / (length * interval)
+    inner = (frequency > 1.5 / (n * interval)) & (
+        frequency < (0.5 - 1.0 / n) / interval
+    )
+    return frequency[inner], power[inner]
+
+
+def peaks(gains: np.ndarray, count: int, apart: int) -> np.ndarray:
+    """Return the places of the highest peaks, highest first."""
+    found, _ = find_peaks(np.r_[0.0, gains, 0.0], distance=max(apart, 1))
+    return (found - 1)[np.argsort(-gains[found - 1])][:count]
+
+
+def stretches(whitened: np.ndarray) -> tuple[float, int, int]:
+    """Return the largest gain of log-likelihood that one stretch of another variance makes, and its first and last + 1.
+
+    Stretches of whole blocks first, then the ends to the sample.
+    """
+    n = len(whitened)
+    width = max(n // BLOCKS, 8)
+    blocks = n // width
+    energy = np.r_[0.0, np.cumsum(whitened[: blocks * width].reshape(blocks, width) ** 2 @ np.ones(width))]
+    first, last = np.triu_indices(blocks + 1, 1)
+    gain = _change_gain(energy[last] - energy[first], (last - first) * width, energy[-1], blocks * width)
+    best = int(np.argmax(gain))
+    start, stop = int(first[best]) * width, int(last[best]) * width
+    squares = np.r_[0.0, np.cumsum(whitened**2)]
+    for _ in range(2):
+        start = _refined(squares, start, stop, width, side=0)
+        stop = _refined(squares, start, stop, width, side=1)
+    gain = _change_gain(squares[stop] - squares[start], stop - start, squares[-1], n)
+    return float(gain), start, stop
+
+
+def _refined(squares: np.ndarray, start: int, stop: int, width: int, side: int) -> int:
+    n = len(squares) - 1
+    end = (start, stop)[side]
+    if end in (0, n):
+        return end
+    trial = np.arange(max(end - width, 0 if side == 0 else start + 2), min(end + width, stop - 2 if side == 0 else n) + 1)
+    inside = squares[stop] - squares[trial] if side == 0 else squares[trial] - squares[start]
+    count = stop - trial if side == 0 else trial - start
+    return int(trial[np.argmax(_change_gain(inside, count, squares[-1], n))])
+
+
+def _change_gain(inside, count, total, n):
+    """Return the gain of two variances over one: sums of squares inside a stretch of ``count`` of ``n`` samples."""
+    outside, rest = np.maximum(total - inside, 1e-300), n - count
+    with np.errstate(divide="ignore", invalid="ignore"):
+        gain = 0.5 * (
+            n * np.log(total / n)
+            - count * np.log(np.maximum(inside, 1e-300) / count)
+            - np.where(rest > 0, rest * np.log(outside / np.maximum(rest, 1)), 0.0)
+        )
+    return np.where((rest < 8) | (count < 8), 0.0, gain)
