@@ -13,22 +13,42 @@ from scipy.optimize import minimize_scalar
 from scipy.stats import chi2
 
 import imugap.effects
-from imugap import allan
+from imugap import allan, log
 from imugap.effects import (
     CATALOGUE,
+    AdditiveEffect,
     Bias,
     BiasInstability,
+    BiasStep,
+    ClockScale,
+    CommonMode,
     Conditions,
     GaussMarkov,
+    GSensitivity,
+    LeverArm,
+    Misalignment,
+    Outliers,
+    OutputFilter,
     Quantization,
+    RandomTelegraph,
     RandomWalk,
     RateRamp,
     Resolution,
+    SampleLoss,
+    Saturation,
+    ScaleFactor,
+    Sinusoid,
     StabilityRestoration,
-    Stage,
+    StanceMotion,
     StochasticEffect,
+    StuckSamples,
     Temperature,
+    TimeOffset,
+    TimestampJitter,
     TurnOnBias,
+    VarianceChange,
+    VibrationRectification,
+    WarmUp,
     WhiteNoise,
 )
 from imugap.effects.bias_instability import FLOOR
@@ -40,16 +60,68 @@ from imugap.stream import stream
 PUBLISHED = pd.read_csv(
     Path(__file__).parent / "reference" / "farrell2022_gauss_markov.csv", comment="#", index_col="quantity"
 )
-PROCESSES = (WhiteNoise(0.3), RandomWalk(0.2), GaussMarkov(0.7, 0.2), BiasInstability(0.4))
+PROCESSES = (
+    WhiteNoise(0.3),
+    RandomWalk(0.2),
+    GaussMarkov(0.7, 0.2),
+    BiasInstability(0.4),
+    RandomTelegraph(1.4, 2.5),
+    CommonMode(0.3, -0.5),
+)
 NAMES = [process.name for process in PROCESSES]
 SAMPLED = (*PROCESSES, Quantization(0.003))
 """All processes: quantization has a spectrum only once it is sampled."""
 SAMPLED_NAMES = [process.name for process in SAMPLED]
 RUNS = 300
+EXAMPLES = {
+    effect.name: effect
+    for effect in (
+        *SAMPLED,
+        Bias(-0.3),
+        TurnOnBias(0.2),
+        RateRamp(-0.3),
+        Sinusoid(3.0, 0.5, 1.0),
+        Outliers(0.05, 2.0),
+        BiasStep(0.2, -0.4),
+        WarmUp(0.8, 0.1),
+        Temperature(0.02, 24.0, 1e-3, -0.1),
+        VarianceChange(0.1, 0.3, 4.0),
+        StabilityRestoration(0.1, 0.05),
+        OutputFilter(10.0, 3),
+        Saturation(0.2),
+        Resolution(0.05),
+        StuckSamples(0.1, 3.0),
+        SampleLoss(0.1, 3.0),
+        TimestampJitter(1e-3),
+        ClockScale(1.01),
+        ScaleFactor(0.01, -0.02, 0.03),
+        Misalignment(0.01, -0.02, 0.0),
+        GSensitivity(1e-3, -2e-3, 3e-3),
+        VibrationRectification(0.04),
+        LeverArm(0.1, -0.2, 0.3),
+        TimeOffset(2e-3),
+        StanceMotion(0.01, -0.002),
+    )
+}
+"""One of every effect, at home on gyro_z, accel_z or time."""
 
 
 def conditions(count, interval=0.01, temperature=None):
     return Conditions(interval * np.arange(count), interval, temperature)
+
+
+def motion(count, interval=0.01):
+    """An error-free log of every axis at its own frequency, around its own mean."""
+    time = interval * np.arange(count)
+    phases = [2 * np.pi * (0.3 + 0.1 * k) * time + k for k in range(6)]
+    columns = {axis: 0.3 * k + (1 + k) * np.sin(phases[k]) for k, axis in enumerate(log.AXES)}
+    return log.from_samples(columns | {"temperature": 20 + 5 * time**2}, interval)
+
+
+def moving(count, axis, interval=0.01):
+    """Conditions of an axis under motion."""
+    ideal = motion(count, interval)
+    return Conditions(ideal.index.to_numpy(), interval, ideal["temperature"].to_numpy(), axis, ideal)
 
 
 def draws(effect, runs, count, *labels, interval=0.01):
@@ -274,6 +346,7 @@ def test_catalogue_has_one_effect_per_file():
     files = {path.stem for path in Path(imugap.effects.__file__).parent.glob("*.py")} - {"__init__", "effect"}
     assert set(CATALOGUE) == files
     assert all(name == effect.name for name, effect in CATALOGUE.items())
+    assert set(EXAMPLES) == set(CATALOGUE)
 
 
 @pytest.mark.parametrize("effect", CATALOGUE.values(), ids=CATALOGUE)
@@ -288,8 +361,9 @@ def test_every_parameter_says_its_unit_and_meaning(effect):
 def test_every_parameter_refuses_what_is_no_number_within_its_limits(effect):
     valid = {item.name: 1.0 for item in fields(effect)}
     for item in fields(effect):
-        low = item.metadata["low"]
-        for bad in (np.nan, np.inf, -np.inf, *([low - 1] if np.isfinite(low) else [])):
+        low, high = item.metadata["low"], item.metadata["high"]
+        outside = [low - 1, high + 1, *([1.5] if item.metadata["whole"] else [])]
+        for bad in (np.nan, np.inf, -np.inf, *filter(np.isfinite, outside)):
             with pytest.raises(ValueError, match=rf"{effect.name}\.{item.name}: expected .* found {bad}"):
                 effect(**valid | {item.name: bad})
 
@@ -303,13 +377,14 @@ def test_an_effect_is_a_frozen_value(effect):
         setattr(effect(**values), fields(effect)[0].name, 2.0)
 
 
-@pytest.mark.parametrize("effect", [e for e in CATALOGUE.values() if e.stage == Stage.ERROR], ids=lambda e: e.name)
+@pytest.mark.parametrize(
+    "effect", [e for e in EXAMPLES.values() if isinstance(e, AdditiveEffect)], ids=lambda e: e.name
+)
 def test_an_additive_effect_adds_what_it_samples(effect):
-    made = effect(**{item.name: 1.0 for item in fields(effect)})
-    at = conditions(40, temperature=np.linspace(20, 30, 40))
+    at = moving(40, "accel_z" if effect.name == "lever_arm" else "gyro_z")
     before = stream(2, "before").standard_normal(40)
-    added = made.apply(before, at, stream(2, "effect")) - before
-    np.testing.assert_allclose(added, made.sample(at, stream(2, "effect")), atol=1e-12)
+    added = effect.apply(before, at, stream(2, "effect")) - before
+    np.testing.assert_allclose(added, effect.sample(at, stream(2, "effect")), atol=1e-12)
 
 
 def test_units_follow_the_axis():
@@ -335,6 +410,8 @@ def autocovariance(process, count, interval=0.01):
         "white_noise": lambda p: p.density**2 / interval * (lag == 0),
         "random_walk": lambda p: p.density_k**2 * time,
         "gauss_markov": lambda p: p.std**2 * np.exp(-lag * interval / p.correlation_time),
+        "random_telegraph": lambda p: p.step**2 / 4 * np.exp(-2 * p.rate * lag * interval),
+        "common_mode": lambda p: (p.density * p.loading) ** 2 / interval * (lag == 0),
         "quantization": lambda p: (p.q / interval) ** 2 * (2.0 * (lag == 0) - (lag == 1)),
     }[process.name](process)
 
@@ -382,7 +459,10 @@ def test_sampled_allan_variance_is_the_quadratic_form_of_the_covariance(process,
     assert process.sampled_allan_variance(n, 0.01) == pytest.approx(expected, rel=1e-10)
 
 
-@pytest.mark.parametrize("process", [WhiteNoise(0.3), GaussMarkov(0.7, 0.2), Quantization(0.003)], ids=lambda p: p.name)
+STATIONARY = [process for process in SAMPLED if process.name not in ("random_walk", "bias_instability")]
+
+
+@pytest.mark.parametrize("process", STATIONARY, ids=lambda p: p.name)
 def test_sampled_spectrum_integrates_to_the_variance_of_a_sample(process):
     power = 2 * quad(lambda f: float(process.sampled_psd(f, 0.01)), 0, 50, limit=200)[0]
     assert power == pytest.approx(autocovariance(process, 1)[0, 0], rel=1e-9)

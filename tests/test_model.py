@@ -14,11 +14,13 @@ from imugap.effects import (
     BiasInstability,
     Conditions,
     GaussMarkov,
+    Misalignment,
     RandomWalk,
     Resolution,
     StabilityRestoration,
     Temperature,
     TurnOnBias,
+    VarianceChange,
     WhiteNoise,
 )
 from imugap.model import AxisModel, ErrorModel
@@ -31,19 +33,39 @@ ADDITIVE = (Bias(0.1), TurnOnBias(0.1), WhiteNoise(0.02), RandomWalk(0.01), Gaus
 
 def numbers(item):
     low, high = item.metadata["low"], item.metadata["high"]
+    if item.metadata["whole"]:
+        return st.integers(int(low), int(high))
     limits = {"min_value": low} if isfinite(low) else {}
     limits |= {"max_value": high} if isfinite(high) else {}
     return st.floats(**limits, allow_nan=False, allow_infinity=False)
 
 
-def effects():
-    """Any effect of the catalogue with any parameters that it takes."""
-    made = [st.builds(effect, **{item.name: numbers(item) for item in fields(effect)}) for effect in CATALOGUE.values()]
-    return st.one_of(made)
+def homely(effect, axis):
+    """Values of an effect that has a place on the axis."""
+    drawn = {item.name: numbers(item) for item in fields(effect)}
+    if effect is VarianceChange:
+        times = st.tuples(drawn["start"], drawn["stop"]).map(sorted)
+        return st.builds(lambda times, ratio: VarianceChange(*times, ratio), times, drawn["ratio"])
+    return st.builds(effect, **drawn | ({axis[-1]: st.just(0.0)} if effect is Misalignment else {}))
 
 
-axis_models = st.lists(effects(), max_size=6).map(lambda items: AxisModel(tuple(items)))
-models = st.dictionaries(st.sampled_from(log.AXES), axis_models).map(ErrorModel)
+def place(effect, axis):
+    """Whether an effect has a place on the axis."""
+    least = effect(**{item.name: max(item.metadata["low"], 0.0) for item in fields(effect)})
+    try:
+        least.check_axis(axis)
+    except ValueError:
+        return False
+    return True
+
+
+def axis_models(axis):
+    """Any model of the axis from effects of the catalogue that have a place there."""
+    made = [homely(effect, axis) for effect in CATALOGUE.values() if place(effect, axis)]
+    return st.lists(st.one_of(made), max_size=6).map(lambda items: AxisModel(tuple(items)))
+
+
+models = st.fixed_dictionaries({}, optional={axis: axis_models(axis) for axis in (*log.AXES, log.TIME)}).map(ErrorModel)
 
 
 def still(axes=log.AXES, count=400):
@@ -74,7 +96,7 @@ def test_plain_data_gives_the_model_back_and_is_plain(model):
             {"accel_z": [{"random_walk": {"density": 1.0}}]},
             "accel_z: parameter of random_walk: expected density_k; found 'density'",
         ),
-        ({"qqqq": []}, "axis: expected gyro_x, gyro_y, gyro_z, accel_x, accel_y, accel_z; found 'qqqq'"),
+        ({"qqqq": []}, "axis: expected gyro_x, gyro_y, gyro_z, accel_x, accel_y, accel_z, time; found 'qqqq'"),
     ],
 )
 def test_a_misspelt_name_meets_the_nearest(mapping, message):

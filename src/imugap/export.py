@@ -171,7 +171,7 @@ def _kf_gins(model: ErrorModel, rule: Rule) -> str:
 def _own(model: ErrorModel, rule: Rule) -> str:
     """Write the model and, per axis, Phi, Qd, H, Rd of its discrete state space and the covariance at power-on."""
     axes = {}
-    for axis, one in model.axes.items():
+    for axis, one in model.sensors.items():
         try:
             space = augmentation(one)
         except ValueError as error:

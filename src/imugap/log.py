@@ -15,6 +15,8 @@ GYRO = ("gyro_x", "gyro_y", "gyro_z")
 ACCEL = ("accel_x", "accel_y", "accel_z")
 AXES = GYRO + ACCEL
 TEMPERATURE = "temperature"
+TIME = "time"
+"""Name of the index; the errors of the clock stand under it in an error model."""
 COLUMNS = (*AXES, TEMPERATURE)
 
 
@@ -44,7 +46,7 @@ def from_samples(samples: dict[str, np.ndarray], interval_s: float, start_s: flo
         Time of the first sample [s].
     """
     count = len(next(iter(samples.values())))
-    time = pd.Index(start_s + interval_s * np.arange(count), name="time")
+    time = pd.Index(start_s + interval_s * np.arange(count), name=TIME)
     return check(pd.DataFrame({name: samples[name] for name in COLUMNS if name in samples}, index=time))
 
 
@@ -57,14 +59,12 @@ def check(log: pd.DataFrame, source: str | Path = "log") -> pd.DataFrame:
         raise LogError(source, "columns", f"at least one of {', '.join(AXES)}", "none of them")
     if list(log.columns) != [name for name in COLUMNS if name in log.columns]:
         raise LogError(source, "columns", f"the order {', '.join(COLUMNS)}", ", ".join(log.columns))
-    if log.index.name != "time":
+    if log.index.name != TIME:
         raise LogError(source, "index", "time [s]", repr(log.index.name))
     if len(log) < 2:
         raise LogError(source, "rows", "at least 2 samples", str(len(log)))
     text = [
-        str(name)
-        for name in ("time", *log.columns)
-        if (log.index if name == "time" else log[name]).dtype.kind not in "iuf"
+        str(name) for name in (TIME, *log.columns) if (log.index if name == TIME else log[name]).dtype.kind not in "iuf"
     ]
     if text:
         raise LogError(source, f"column {text[0]}", "numbers", "text or other objects")
@@ -86,6 +86,11 @@ def check(log: pd.DataFrame, source: str | Path = "log") -> pd.DataFrame:
 def axes(log: pd.DataFrame) -> tuple[str, ...]:
     """Return the inertial axes that the log has, in canonical order."""
     return tuple(name for name in AXES if name in log.columns)
+
+
+def triad(axis: str) -> tuple[str, ...]:
+    """Return the three axes of the triad that ``axis`` belongs to."""
+    return GYRO if axis in GYRO else ACCEL
 
 
 def interval(log: pd.DataFrame) -> float:

@@ -2,7 +2,7 @@
 
 from collections import Counter
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from pathlib import Path
 from types import MappingProxyType
@@ -38,14 +38,21 @@ class AxisModel:
         """Iterate over the effects."""
         return iter(self.effects)
 
-    def simulate(self, ideal: np.ndarray, conditions: Conditions, seed: int, *labels: object) -> np.ndarray:
-        """Return the output, shape (n,), for the error-free input ``ideal``; each effect draws from its own stream."""
+    def streams(
+        self, seed: int, *labels: object, axis: str | None = None
+    ) -> Iterator[tuple[Effect, np.random.Generator]]:
+        """Iterate over the effects with the random stream of each; a shared one has no axis in its name."""
         count: Counter = Counter()
-        error, output = np.zeros(len(conditions)), None
         for effect in self.effects:
             count[effect.name] += 1
-            rng = stream(seed, *labels, effect.name, count[effect.name])
-            if effect.stage < Stage.OUTPUT:
+            own = () if axis is None or effect.shared else (axis,)
+            yield effect, stream(seed, *labels, *own, effect.name, count[effect.name])
+
+    def simulate(self, ideal: np.ndarray, conditions: Conditions, seed: int, *labels: object) -> np.ndarray:
+        """Return the output, shape (n,), for the error-free input ``ideal``; each effect draws from its own stream."""
+        error, output = np.zeros(len(conditions)), None
+        for effect, rng in self.streams(seed, *labels, axis=conditions.axis):
+            if effect.stage < Stage.FILTER:
                 error = effect.apply(error, conditions, rng)
             else:
                 output = effect.apply(ideal + error if output is None else output, conditions, rng)
@@ -83,32 +90,46 @@ class AxisModel:
 
 @dataclass(frozen=True)
 class ErrorModel:
-    """The errors of a device: an :class:`AxisModel` for each axis (canonical names)."""
+    """The errors of a device: an :class:`AxisModel` for each axis (canonical names), and for the clock (``time``)."""
 
     axes: Mapping[str, AxisModel]
 
     def __post_init__(self) -> None:
-        """Keep a copy that nobody can change."""
+        """Keep a copy that nobody can change; every effect has to be at home on its axis."""
         object.__setattr__(self, "axes", MappingProxyType(dict(self.axes)))
+        for axis, model in self.axes.items():
+            for effect in model:
+                try:
+                    effect.check_axis(axis)
+                except ValueError as error:
+                    raise ValueError(f"{axis}: {error}") from error
 
     def __getitem__(self, axis: str) -> AxisModel:
         """Return the model of one axis."""
         return self.axes[axis]
 
+    @property
+    def sensors(self) -> dict[str, AxisModel]:
+        """Return the models of the sensor axes, without that of the clock."""
+        return {axis: model for axis, model in self.axes.items() if axis != canonical.TIME}
+
     def simulate(self, ideal: pd.DataFrame, seed: int, *labels: object) -> pd.DataFrame:
         """Return the log that the device would have written for the error-free log ``ideal``.
 
-        Axes without a model pass unchanged. The temperature, where ``ideal`` has one, drives the effects.
+        Axes without a model pass unchanged. The temperature, where ``ideal`` has one, drives the effects. The errors
+        of the clock come last.
         """
-        time = ideal.index.to_numpy()
         temperature = ideal[canonical.TEMPERATURE].to_numpy() if canonical.TEMPERATURE in ideal else None
-        conditions = Conditions(time, canonical.interval(ideal), temperature)
+        everywhere = Conditions(ideal.index.to_numpy(), canonical.interval(ideal), temperature, ideal=ideal)
         measured = {
-            axis: self.axes[axis].simulate(ideal[axis].to_numpy(), conditions, seed, *labels, axis)
+            axis: self.axes[axis].simulate(ideal[axis].to_numpy(), replace(everywhere, axis=axis), seed, *labels)
             for axis in canonical.axes(ideal)
             if axis in self.axes
         }
-        return ideal.assign(**measured)
+        kept = ideal.assign(**measured)
+        for effect, rng in self.axes.get(canonical.TIME, AxisModel()).streams(seed, *labels, axis=canonical.TIME):
+            kept = effect.keep(kept, rng)
+        return kept
 
     def to_mapping(self) -> dict[str, list[dict[str, dict[str, float]]]]:
         """Return plain data: axis -> list of {effect name: {parameter: value}}."""
@@ -122,7 +143,7 @@ class ErrorModel:
         """Build from plain data; an unknown axis, effect or parameter is a ValueError that names the nearest."""
         axes = {}
         for axis, items in mapping.items():
-            _known(axis, canonical.AXES, "axis")
+            _known(axis, (*canonical.AXES, canonical.TIME), "axis")
             named = [(name, values) for item in items for name, values in item.items()]
             axes[axis] = AxisModel(tuple(_effect(axis, name, values) for name, values in named))
         return cls(axes)

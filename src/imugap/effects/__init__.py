@@ -2,15 +2,35 @@
 
 from imugap.effects.bias import Bias
 from imugap.effects.bias_instability import BiasInstability
-from imugap.effects.effect import AdditiveEffect, AllanEffect, Conditions, Effect, Stage, StochasticEffect
+from imugap.effects.bias_step import BiasStep
+from imugap.effects.clock_scale import ClockScale
+from imugap.effects.common_mode import CommonMode
+from imugap.effects.effect import AdditiveEffect, AllanEffect, ClockEffect, Conditions, Effect, Stage, StochasticEffect
+from imugap.effects.g_sensitivity import GSensitivity
 from imugap.effects.gauss_markov import GaussMarkov
+from imugap.effects.lever_arm import LeverArm
+from imugap.effects.misalignment import Misalignment
+from imugap.effects.outliers import Outliers
+from imugap.effects.output_filter import OutputFilter
 from imugap.effects.quantization import Quantization
+from imugap.effects.random_telegraph import RandomTelegraph
 from imugap.effects.random_walk import RandomWalk
 from imugap.effects.rate_ramp import RateRamp
 from imugap.effects.resolution import Resolution
+from imugap.effects.sample_loss import SampleLoss
+from imugap.effects.saturation import Saturation
+from imugap.effects.scale_factor import ScaleFactor
+from imugap.effects.sinusoid import Sinusoid
 from imugap.effects.stability_restoration import StabilityRestoration
+from imugap.effects.stance_motion import StanceMotion
+from imugap.effects.stuck_samples import StuckSamples
 from imugap.effects.temperature import Temperature
+from imugap.effects.time_offset import TimeOffset
+from imugap.effects.timestamp_jitter import TimestampJitter
 from imugap.effects.turn_on_bias import TurnOnBias
+from imugap.effects.variance_change import VarianceChange
+from imugap.effects.vibration_rectification import VibrationRectification
+from imugap.effects.warm_up import WarmUp
 from imugap.effects.white_noise import WhiteNoise
 
 CATALOGUE: dict[str, type[Effect]] = {
@@ -18,17 +38,37 @@ CATALOGUE: dict[str, type[Effect]] = {
     for effect in (
         Bias,
         BiasInstability,
+        BiasStep,
+        ClockScale,
+        CommonMode,
+        GSensitivity,
         GaussMarkov,
+        LeverArm,
+        Misalignment,
+        Outliers,
+        OutputFilter,
         Quantization,
+        RandomTelegraph,
         RandomWalk,
         RateRamp,
         Resolution,
+        SampleLoss,
+        Saturation,
+        ScaleFactor,
+        Sinusoid,
         StabilityRestoration,
+        StanceMotion,
+        StuckSamples,
         Temperature,
+        TimeOffset,
+        TimestampJitter,
         TurnOnBias,
+        VarianceChange,
+        VibrationRectification,
+        WarmUp,
         WhiteNoise,
     )
 }
 
-__all__ = ["CATALOGUE", "AdditiveEffect", "AllanEffect", "Conditions", "Effect", "Stage", "StochasticEffect"]
-__all__ += [effect.__name__ for effect in CATALOGUE.values()]
+__all__ = ["CATALOGUE", "AdditiveEffect", "AllanEffect", "ClockEffect", "Conditions", "Effect", "Stage"]
+__all__ += ["StochasticEffect", *(effect.__name__ for effect in CATALOGUE.values())]

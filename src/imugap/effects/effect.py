@@ -1,5 +1,6 @@
 """What every effect is: a frozen value with described parameters that acts on a sequence at its stage of the chain."""
 
+from collections.abc import Sequence
 from dataclasses import Field, dataclass, field, fields
 from enum import IntEnum
 from math import isfinite
@@ -7,7 +8,9 @@ from numbers import Real
 from typing import ClassVar
 
 import numpy as np
+import pandas as pd
 
+from imugap.log import TIME
 from imugap.statespace import StateSpace
 
 TINY = float(np.finfo(float).tiny)
@@ -15,14 +18,28 @@ TINY = float(np.finfo(float).tiny)
 
 
 class Stage(IntEnum):
-    """Where in the chain from the physical input to the stored number an effect acts."""
+    """Where in the chain from the physical input to the stored log an effect acts."""
 
-    ERROR = 1
+    NOISE = 1
+    """The white noise of the sensing element."""
+    MODULATION = 2
+    """Scales the noise."""
+    ERROR = 3
     """Adds to the error, whatever else is in it."""
-    SEQUENCE = 2
+    SEQUENCE = 4
     """Transforms the whole error sequence once it is complete."""
-    OUTPUT = 3
-    """Acts on the output, i.e. on input plus error."""
+    FILTER = 5
+    """The filter before the output. From here on effects act on the output, i.e. on input plus error."""
+    RANGE = 6
+    """The full scale of the output."""
+    WORD = 7
+    """The word in which a value is stored."""
+    TRANSFER = 8
+    """The way of the words from the device to the log."""
+    CLOCK = 9
+    """The rows and stamps of the log, which all axes share: the pseudo-axis :data:`imugap.log.TIME`."""
+    STANCE = 10
+    """Acts on no log: on what a filter takes for known while the device stands."""
 
 
 @dataclass(frozen=True)
@@ -37,20 +54,42 @@ class Conditions:
         Sampling interval [s].
     temperature
         Temperature of the device [degC], shape (n,), or None where it is not known.
+    axis
+        Canonical name of the axis, or None where it is not known.
+    ideal
+        Error-free log of all axes, or None where it is not known.
     """
 
     time: np.ndarray
     interval: float
     temperature: np.ndarray | None = None
+    axis: str | None = None
+    ideal: pd.DataFrame | None = None
 
     def __len__(self) -> int:
         """Return the number of samples."""
         return len(self.time)
 
+    def own_axis(self, effect: "Effect") -> str:
+        """Return the axis, on which ``effect`` has to be at home; ValueError where it is not, or none is known."""
+        if self.axis is None:
+            raise ValueError(f"{effect.name}: expected conditions with an axis; found none")
+        effect.check_axis(self.axis)
+        return self.axis
 
-def parameter(unit: str, meaning: str, low: float = 0.0, high: float = np.inf, **kwargs) -> Field:
+    def input(self, effect: "Effect", axes: Sequence[str]) -> np.ndarray:
+        """Return the error-free signals of ``axes``, shape (n, len(axes)); ValueError where ``effect`` misses one."""
+        if self.ideal is None:
+            raise ValueError(f"{effect.name}: expected conditions with an error-free log; found none")
+        missing = [axis for axis in axes if axis not in self.ideal]
+        if missing:
+            raise ValueError(f"{effect.name}: expected an error-free log with {', '.join(missing)}; found none")
+        return self.ideal[list(axes)].to_numpy(float)
+
+
+def parameter(unit: str, meaning: str, low: float = 0.0, high: float = np.inf, whole: bool = False, **kwargs) -> Field:
     """Declare a parameter of an effect: SI unit (``{u}`` stands for the unit of the axis), meaning, physical limits."""
-    return field(metadata={"unit": unit, "meaning": meaning, "low": low, "high": high}, **kwargs)
+    return field(metadata={"unit": unit, "meaning": meaning, "low": low, "high": high, "whole": whole}, **kwargs)
 
 
 @dataclass(frozen=True)
@@ -58,24 +97,34 @@ class Effect:
     """One physical cause of error on one axis.
 
     A subclass is a frozen dataclass in a file of its own. It gives its ``name`` (controlled vocabulary), its
-    parameters (:func:`parameter`) and :meth:`apply`; effects of the ERROR stage derive from
-    :class:`AdditiveEffect`, those with an Allan variance from :class:`AllanEffect`, those with a spectrum as well
-    from :class:`StochasticEffect`.
+    parameters (:func:`parameter`) and :meth:`apply`; effects that add derive from :class:`AdditiveEffect`, those
+    with an Allan variance from :class:`AllanEffect`, those with a spectrum as well from :class:`StochasticEffect`,
+    and those of the CLOCK stage from :class:`ClockEffect`.
     """
 
     name: ClassVar[str]
     stage: ClassVar[Stage]
+    shared: ClassVar[bool] = False
+    """Whether all axes with the effect draw from one random stream."""
 
     def __post_init__(self) -> None:
         """Check every parameter against its physical limits."""
         for item in fields(self):
             value, low, high = getattr(self, item.name), item.metadata["low"], item.metadata["high"]
-            if not (isinstance(value, Real) and isfinite(value) and low <= value <= high):
+            whole = item.metadata["whole"]
+            inside = isinstance(value, Real) and isfinite(value) and low <= value <= high
+            if not inside or (whole and value != int(value)):
                 span = "> 0" if low == TINY else f"in [{low:g}, {high:g}]"
-                raise ValueError(f"{self.name}.{item.name}: expected a finite number {span}; found {value!r}")
+                kind = "whole" if whole else "finite"
+                raise ValueError(f"{self.name}.{item.name}: expected a {kind} number {span}; found {value!r}")
+
+    def check_axis(self, axis: str) -> None:
+        """Raise a ValueError if the effect has no place on ``axis``."""
+        if axis == TIME:
+            raise ValueError(f"{self.name}: expected a sensor axis; found the pseudo-axis {TIME}")
 
     def apply(self, sequence: np.ndarray, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
-        """Return what becomes of ``sequence``, shape (n,): the error up to this stage, or the output (OUTPUT stage)."""
+        """Return what becomes of ``sequence``, shape (n,): the error up to this stage, or the output."""
         raise NotImplementedError
 
     def parameters(self) -> dict[str, float]:
@@ -148,3 +197,23 @@ class StochasticEffect(AllanEffect):
     def state_space(self) -> StateSpace:
         """Return the process as a linear model driven by white noise; ValueError if none is of finite order."""
         raise ValueError(f"{self.name}: expected a process with a state space of finite order; it has none")
+
+
+@dataclass(frozen=True)
+class ClockEffect(Effect):
+    """An effect on the rows or stamps of a whole log, at home on the pseudo-axis :data:`imugap.log.TIME`."""
+
+    stage: ClassVar[Stage] = Stage.CLOCK
+
+    def keep(self, log: pd.DataFrame, rng: np.random.Generator) -> pd.DataFrame:
+        """Return the log that is kept of ``log``."""
+        raise NotImplementedError
+
+    def apply(self, sequence: np.ndarray, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
+        """Refuse: the sequence of one axis has no stamps."""
+        raise ValueError(f"{self.name}: expected a whole log (the pseudo-axis {TIME}); found the sequence of one axis")
+
+    def check_axis(self, axis: str) -> None:
+        """Raise a ValueError unless ``axis`` is the pseudo-axis."""
+        if axis != TIME:
+            raise ValueError(f"{self.name}: expected the pseudo-axis {TIME}; found {axis}")

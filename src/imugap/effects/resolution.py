@@ -13,7 +13,7 @@ class Resolution(Effect):
     """Output rounded to a lattice of values (least significant bit of the output word)."""
 
     name: ClassVar[str] = "resolution"
-    stage: ClassVar[Stage] = Stage.OUTPUT
+    stage: ClassVar[Stage] = Stage.WORD
     step: float = parameter("{u}", "distance of neighbouring output values", low=TINY)
 
     def apply(self, sequence: np.ndarray, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:

@@ -5,7 +5,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from imugap.effects.effect import Conditions, StochasticEffect, parameter
+from imugap.effects.effect import Conditions, Stage, StochasticEffect, parameter
 from imugap.statespace import StateSpace
 
 
@@ -14,6 +14,7 @@ class WhiteNoise(StochasticEffect):
     """White noise of the rate: S(f) = N^2, sigma^2(tau) = N^2/tau (IEEE 952, angle random walk)."""
 
     name: ClassVar[str] = "white_noise"
+    stage: ClassVar[Stage] = Stage.NOISE
     density: float = parameter("{u}/sqrt(Hz)", "N, square root of the two-sided PSD")
 
     def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:

@@ -1,0 +1,52 @@
+"""Noise common to several axes."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from imugap.effects.effect import Conditions, StochasticEffect, parameter
+from imugap.effects.white_noise import WhiteNoise
+from imugap.statespace import StateSpace
+
+
+@dataclass(frozen=True)
+class CommonMode(StochasticEffect):
+    """White noise of one source, a supply or a vibration, which all axes with this effect share.
+
+    Their errors are coherent. Each axis by itself has the signature of :attr:`equivalent`.
+    """
+
+    name: ClassVar[str] = "common_mode"
+    shared: ClassVar[bool] = True
+    density: float = parameter("{u}/sqrt(Hz)", "square root of the two-sided PSD at a loading of 1")
+    loading: float = parameter("1", "signed share of the common noise that the axis takes", -np.inf, default=1.0)
+
+    @property
+    def equivalent(self) -> WhiteNoise:
+        """Return the white noise of the same spectrum, of density x abs(loading)."""
+        return WhiteNoise(self.density * abs(self.loading))
+
+    def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
+        """Draw the common noise and take the share of the axis."""
+        return self.loading * WhiteNoise(self.density).sample(conditions, rng)
+
+    def psd(self, frequency: np.ndarray) -> np.ndarray:
+        """Return (density loading)^2."""
+        return self.equivalent.psd(frequency)
+
+    def allan_variance(self, tau: np.ndarray) -> np.ndarray:
+        """Return (density loading)^2/tau."""
+        return self.equivalent.allan_variance(tau)
+
+    def sampled_psd(self, frequency: np.ndarray, interval: float) -> np.ndarray:
+        """Return (density loading)^2."""
+        return self.equivalent.sampled_psd(frequency, interval)
+
+    def sampled_allan_variance(self, averaging: np.ndarray, interval: float) -> np.ndarray:
+        """Return (density loading)^2/(n interval)."""
+        return self.equivalent.sampled_allan_variance(averaging, interval)
+
+    def state_space(self) -> StateSpace:
+        """Return a model of one axis without states; the coherence of the axes is not in it."""
+        return self.equivalent.state_space()

@@ -1,0 +1,22 @@
+"""Outliers."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from imugap.effects.effect import AdditiveEffect, Conditions, parameter
+
+
+@dataclass(frozen=True)
+class Outliers(AdditiveEffect):
+    """Rare samples with an additional error N(0, std^2): the contaminated normal law of Tukey (1960)."""
+
+    name: ClassVar[str] = "outliers"
+    probability: float = parameter("1", "probability that a sample has the additional error", high=1.0)
+    std: float = parameter("{u}", "standard deviation of the additional error")
+
+    def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
+        """Draw the additional error; samples without one have zero."""
+        hit = rng.random(len(conditions)) < self.probability
+        return np.where(hit, self.std * rng.standard_normal(len(conditions)), 0.0)

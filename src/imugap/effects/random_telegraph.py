@@ -1,0 +1,49 @@
+"""Random telegraph noise."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from imugap.effects.effect import TINY, Conditions, StochasticEffect, parameter
+from imugap.effects.gauss_markov import GaussMarkov
+
+
+@dataclass(frozen=True)
+class RandomTelegraph(StochasticEffect):
+    """Two values, +-step/2, between which a Poisson process switches (Machlup 1954).
+
+    Its autocovariance step^2/4 exp(-2 rate |lag|), so all of its second-order signature, is that of
+    :attr:`equivalent`; it is not Gaussian.
+    """
+
+    name: ClassVar[str] = "random_telegraph"
+    step: float = parameter("{u}", "distance of the two values")
+    rate: float = parameter("1/s", "mean number of switches per second", low=TINY)
+
+    @property
+    def equivalent(self) -> GaussMarkov:
+        """Return the Gauss-Markov process of the same autocovariance: std step/2, correlation time 1/(2 rate)."""
+        return GaussMarkov(self.step / 2, 1 / (2 * self.rate))
+
+    def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
+        """Draw the first value evenly, then the number of switches between stamps: exact for a Poisson process."""
+        switches = np.cumsum(rng.poisson(self.rate * np.diff(conditions.time)) % 2)
+        sign = rng.choice([-1.0, 1.0]) * np.where(np.r_[0, switches] % 2, -1.0, 1.0)
+        return self.step / 2 * sign
+
+    def psd(self, frequency: np.ndarray) -> np.ndarray:
+        """Return the PSD of the equivalent: step^2 rate/(4 rate^2 + (2 pi f)^2) (Machlup 1954)."""
+        return self.equivalent.psd(frequency)
+
+    def allan_variance(self, tau: np.ndarray) -> np.ndarray:
+        """Return that of the equivalent."""
+        return self.equivalent.allan_variance(tau)
+
+    def sampled_psd(self, frequency: np.ndarray, interval: float) -> np.ndarray:
+        """Return that of the equivalent."""
+        return self.equivalent.sampled_psd(frequency, interval)
+
+    def sampled_allan_variance(self, averaging: np.ndarray, interval: float) -> np.ndarray:
+        """Return that of the equivalent."""
+        return self.equivalent.sampled_allan_variance(averaging, interval)

@@ -1,0 +1,25 @@
+"""Motion of the foot at stance."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from imugap.effects.effect import Conditions, Effect, Stage, parameter
+
+
+@dataclass(frozen=True)
+class StanceMotion(Effect):
+    """A foot that is not quite still at stance: its velocity there is N(bias, std^2) and not zero.
+
+    It is an error of zero-velocity measurements, to be added where a filter makes them, and leaves every log alone.
+    """
+
+    name: ClassVar[str] = "stance_motion"
+    stage: ClassVar[Stage] = Stage.STANCE
+    std: float = parameter("m/s", "standard deviation of the velocity at stance")
+    bias: float = parameter("m/s", "mean velocity at stance", low=-np.inf)
+
+    def apply(self, sequence: np.ndarray, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
+        """Return the output as it is."""
+        return sequence
