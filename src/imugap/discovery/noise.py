@@ -115,7 +115,9 @@ class Noise:
 
     def parameters(self) -> tuple[tuple[int, str], ...]:
         """Return (index of the effect, parameter) of all that a fit adjusts."""
-        free = [(i, item.name) for i, effect in enumerate(self) for item in fields(effect) if item.type is not int]
+        free = [
+            (i, item.name) for i, effect in enumerate(self) for item in fields(effect) if not item.metadata["whole"]
+        ]
         return tuple(free)
 
     def theta(self) -> np.ndarray:

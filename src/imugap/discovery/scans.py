@@ -42,9 +42,7 @@ def lines(whitened: np.ndarray, interval: float) -> tuple[np.ndarray, np.ndarray
     length = next_fast_len(2 * n, real=True)
     power = np.abs(rfft(whitened, length)) ** 2 / n
     frequency = np.arange(len(power)) / (length * interval)
-    inner = (frequency > 1.5 / (n * interval)) & (
-        frequency < (0.5 - 1.0 / n) / interval
-    )
+    inner = (frequency > 1.5 / (n * interval)) & (frequency < (0.5 - 1.0 / n) / interval)
     return frequency[inner], power[inner]
 
 
@@ -80,7 +78,9 @@ def _refined(squares: np.ndarray, start: int, stop: int, width: int, side: int) 
     end = (start, stop)[side]
     if end in (0, n):
         return end
-    trial = np.arange(max(end - width, 0 if side == 0 else start + 2), min(end + width, stop - 2 if side == 0 else n) + 1)
+    trial = np.arange(
+        max(end - width, 0 if side == 0 else start + 2), min(end + width, stop - 2 if side == 0 else n) + 1
+    )
     inside = squares[stop] - squares[trial] if side == 0 else squares[trial] - squares[start]
     count = stop - trial if side == 0 else trial - start
     return int(trial[np.argmax(_change_gain(inside, count, squares[-1], n))])

@@ -5,8 +5,8 @@ from functools import cached_property
 
 import numpy as np
 
-from imugap.effects.effect import Conditions
 from imugap.discovery.noise import Bins
+from imugap.effects.effect import Conditions
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,15 +1,22 @@
 """Step of the bias."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from imugap.effects.effect import AdditiveEffect, Conditions, parameter
+from imugap.effects.effect import Conditions, Start, SystematicEffect, parameter
+
+if TYPE_CHECKING:
+    from imugap.discovery.axis import AxisFit
+
+PLACES = 300.0
+"""Independent places of a step in a long log, on the safe side."""
 
 
 @dataclass(frozen=True)
-class BiasStep(AdditiveEffect):
+class BiasStep(SystematicEffect):
     """A bias that is there from a certain time on."""
 
     name: ClassVar[str] = "bias_step"
@@ -19,3 +26,13 @@ class BiasStep(AdditiveEffect):
     def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
         """Return zero before the step and the step from its time on."""
         return np.where(conditions.time >= self.time, self.step, 0.0)
+
+    def slopes(self, conditions: Conditions) -> dict[str, np.ndarray]:
+        """Return what a unit step adds."""
+        return {"step": np.where(conditions.time >= self.time, 1.0, 0.0)}
+
+    @classmethod
+    def starts(cls, fit: "AxisFit") -> Iterator[Start]:
+        """Yield a step where the matched filter of all steps is highest."""
+        time = fit.sequence.conditions.time[np.argmax(fit.steps)]
+        yield Start(cls(float(time), 0.0), ("step",), trials=PLACES)

@@ -1,17 +1,20 @@
 """What every effect is: a frozen value with described parameters that acts on a sequence at its stage of the chain."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import Field, dataclass, field, fields
 from enum import IntEnum
 from math import isfinite
 from numbers import Real
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 import pandas as pd
 
 from imugap.log import TIME
 from imugap.statespace import StateSpace
+
+if TYPE_CHECKING:
+    from imugap.discovery.axis import AxisFit
 
 TINY = float(np.finfo(float).tiny)
 """Lower limit of parameters that have to be positive."""
@@ -93,6 +96,25 @@ def parameter(unit: str, meaning: str, low: float = 0.0, high: float = np.inf, w
 
 
 @dataclass(frozen=True)
+class Start:
+    """Where the fit of an effect that may be missing starts.
+
+    Attributes
+    ----------
+    effect
+        The effect at start values.
+    free
+        Names of the parameters that the fit adjusts.
+    trials
+        Number of independent places or shapes among which it was chosen.
+    """
+
+    effect: "Effect"
+    free: tuple[str, ...]
+    trials: float = 1.0
+
+
+@dataclass(frozen=True)
 class Effect:
     """One physical cause of error on one axis.
 
@@ -136,6 +158,16 @@ class Effect:
         """Return the SI unit of each parameter for an axis measured in ``axis_unit``."""
         return {item.name: item.metadata["unit"].replace("{u}", axis_unit) for item in fields(cls)}
 
+    @classmethod
+    def limits(cls) -> dict[str, tuple[float, float]]:
+        """Return the physical limits of each parameter."""
+        return {item.name: (item.metadata["low"], item.metadata["high"]) for item in fields(cls)}
+
+    @classmethod
+    def starts(cls, fit: "AxisFit") -> Iterator[Start]:
+        """Yield where fits start of an effect of this kind that ``fit`` may miss; none unless a subclass tells."""
+        return iter(())
+
     def __add__(self, other):
         """Compose: ``WhiteNoise(1e-4) + RandomWalk(2e-6)`` is the error of an axis."""
         from imugap.model import AxisModel
@@ -156,6 +188,15 @@ class AdditiveEffect(Effect):
     def apply(self, sequence: np.ndarray, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
         """Add a drawn sequence."""
         return sequence + self.sample(conditions, rng)
+
+
+@dataclass(frozen=True)
+class SystematicEffect(AdditiveEffect):
+    """An effect that adds the same sequence whenever the conditions are the same; it draws nothing."""
+
+    def slopes(self, conditions: Conditions) -> dict[str, np.ndarray]:
+        """Return the derivative of :meth:`sample` in each parameter that a fit may adjust, arrays of shape (n,)."""
+        raise NotImplementedError
 
 
 @dataclass(frozen=True)
@@ -193,6 +234,18 @@ class StochasticEffect(AllanEffect):
         ``frequency`` [Hz] lies within (0, 1/(2 interval)]; the integral over both sides is the variance of a sample.
         """
         raise NotImplementedError
+
+    @classmethod
+    def starts(cls, fit: "AxisFit") -> Iterator[Start]:
+        """Yield the size at which the residual's spectrum, near the fit, has most room for the process.
+
+        Only for processes of one density, of which there is one of a kind; others say themselves where they start.
+        """
+        names = tuple(cls.limits())
+        if len(names) == 1 and not any(type(effect) is cls for effect in fit.description.noise):
+            size = fit.room(cls(1.0))
+            if size > 0:
+                yield Start(cls(size), names)
 
     def state_space(self) -> StateSpace:
         """Return the process as a linear model driven by white noise; ValueError if none is of finite order."""

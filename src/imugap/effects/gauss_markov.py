@@ -1,14 +1,15 @@
 """First-order Gauss-Markov process."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from numpy.polynomial.polynomial import polyval
 from scipy.signal import lfilter
 from scipy.special import factorial
 
-from imugap.effects.effect import TINY, Conditions, StochasticEffect, parameter
+from imugap.effects.effect import TINY, Conditions, Start, StochasticEffect, parameter
 from imugap.statespace import StateSpace
 
 FLAT_TOP = 1.89
@@ -18,6 +19,14 @@ BRACKET = np.r_[0.0, (-1.0) ** ORDER * (4 - 2.0**ORDER) / factorial(ORDER)]
 """Taylor coefficients of (2 x - 3 + 4 exp(-x) - exp(-2 x))/x^2."""
 SINH = np.r_[0.0, (ORDER % 2) / factorial(ORDER)]
 """Taylor coefficients of (sinh x - x)/x^2."""
+
+if TYPE_CHECKING:
+    from imugap.discovery.axis import AxisFit
+
+MOST = 3
+"""Processes on one axis that a search looks for."""
+TIMES, STARTS = 16, 2
+"""Correlation times at which it looks, and from which it starts."""
 
 
 @dataclass(frozen=True)
@@ -39,6 +48,20 @@ class GaussMarkov(StochasticEffect):
         noise = self.std * rng.standard_normal(len(conditions))
         noise[1:] *= np.sqrt(-np.expm1(-2 * conditions.interval / self.correlation_time))
         return lfilter([1.0], [1.0, -decay], noise)
+
+    @classmethod
+    def starts(cls, fit: "AxisFit") -> Iterator[Start]:
+        """Yield the correlation times, from a grid, at which the residual's spectrum has most room."""
+        if sum(type(effect) is cls for effect in fit.description.noise) >= MOST:
+            return
+        conditions = fit.sequence.conditions
+        times = np.geomspace(conditions.interval, conditions.interval * len(conditions) / 2, TIMES)
+        rooms = np.array([fit.room(cls(1.0, time)) for time in times])
+        gains = [fit.gain_of(cls(room, time)) for room, time in zip(rooms, times, strict=True)]
+        for index in np.argsort(gains)[: -STARTS - 1 : -1]:
+            if rooms[index] > 0:
+                start = cls(float(rooms[index]), float(times[index]))
+                yield Start(start, ("std", "correlation_time"), trials=TIMES / 2)
 
     def psd(self, frequency: np.ndarray) -> np.ndarray:
         """Return S_B/(w^2 + 1/T^2) (Farrell et al. 2022, eq. 35)."""

@@ -1,12 +1,19 @@
 """Low-pass filter of the output."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from scipy.signal import butter, sosfilt, sosfilt_zi
 
-from imugap.effects.effect import TINY, Conditions, Effect, Stage, parameter
+from imugap.effects.effect import TINY, Conditions, Effect, Stage, Start, parameter
+
+if TYPE_CHECKING:
+    from imugap.discovery.axis import AxisFit
+
+ORDERS = (1, 2, 3, 4)
+"""Orders that a search tries."""
 
 
 @dataclass(frozen=True)
@@ -32,6 +39,13 @@ class OutputFilter(Effect):
         self._check(interval)
         warped = np.tan(np.pi * np.asarray(frequency, float) * interval) / np.tan(np.pi * self.cutoff * interval)
         return 1 / (1 + np.abs(warped) ** (2 * self.order))
+
+    @classmethod
+    def starts(cls, fit: "AxisFit") -> Iterator[Start]:
+        """Yield filters of a few orders, where there is none yet."""
+        if fit.description.noise.output_filter is None:
+            for order in ORDERS:
+                yield Start(cls(0.3 / fit.sequence.conditions.interval, order), ("cutoff",), trials=len(ORDERS))
 
     def _check(self, interval: float) -> None:
         if self.cutoff * interval >= 0.5:

@@ -1,15 +1,19 @@
 """Rate or acceleration ramp."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from imugap.effects.effect import AllanEffect, Conditions, parameter
+from imugap.effects.effect import AllanEffect, Conditions, Start, SystematicEffect, parameter
+
+if TYPE_CHECKING:
+    from imugap.discovery.axis import AxisFit
 
 
 @dataclass(frozen=True)
-class RateRamp(AllanEffect):
+class RateRamp(SystematicEffect, AllanEffect):
     """Trend R t since power-on, which has no spectrum: sigma(tau) = R tau/sqrt(2) (IEEE 952, rate ramp)."""
 
     name: ClassVar[str] = "rate_ramp"
@@ -18,6 +22,16 @@ class RateRamp(AllanEffect):
     def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
         """Return R t."""
         return self.slope * conditions.time
+
+    def slopes(self, conditions: Conditions) -> dict[str, np.ndarray]:
+        """Return the time, for the slope."""
+        return {"slope": conditions.time}
+
+    @classmethod
+    def starts(cls, fit: "AxisFit") -> Iterator[Start]:
+        """Yield a flat ramp, where there is none yet."""
+        if not fit.has(cls):
+            yield Start(cls(0.0), ("slope",))
 
     def allan_variance(self, tau: np.ndarray) -> np.ndarray:
         """Return R^2 tau^2/2 (IEEE 952)."""

@@ -1,16 +1,20 @@
 """Spectral line."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from scipy.special import diric
 
-from imugap.effects.effect import TINY, AllanEffect, Conditions, parameter
+from imugap.effects.effect import TINY, AllanEffect, Conditions, Start, SystematicEffect, parameter
+
+if TYPE_CHECKING:
+    from imugap.discovery.axis import AxisFit
 
 
 @dataclass(frozen=True)
-class Sinusoid(AllanEffect):
+class Sinusoid(SystematicEffect, AllanEffect):
     """Sinusoid amplitude cos(2 pi f t + phase) (IEEE 952, sinusoidal noise).
 
     Its Allan variance is the mean over a random phase; a run that is long against the period has it, whatever its
@@ -25,6 +29,21 @@ class Sinusoid(AllanEffect):
     def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
         """Return the sinusoid at the sample times."""
         return self.amplitude * np.cos(2 * np.pi * self.frequency * conditions.time + self.phase)
+
+    def slopes(self, conditions: Conditions) -> dict[str, np.ndarray]:
+        """Return the derivatives in frequency, amplitude and phase."""
+        angle = 2 * np.pi * self.frequency * conditions.time + self.phase
+        sine = -self.amplitude * np.sin(angle)
+        return {"frequency": 2 * np.pi * conditions.time * sine, "amplitude": np.cos(angle), "phase": sine}
+
+    @classmethod
+    def starts(cls, fit: "AxisFit") -> Iterator[Start]:
+        """Yield the highest line of the whitened residual's spectrum."""
+        frequency, gains = fit.lines
+        highest = float(frequency[np.argmax(gains)])
+        wave = 2 * np.mean(fit.residual * np.exp(-2j * np.pi * highest * fit.sequence.conditions.time))
+        effect = cls(highest, float(abs(wave)), float(np.angle(wave)))
+        yield Start(effect, ("frequency", "amplitude", "phase"), trials=len(gains) / 2)
 
     def allan_variance(self, tau: np.ndarray) -> np.ndarray:
         """Return amplitude^2 sin^4(pi f tau)/(pi f tau)^2 (IEEE 952)."""

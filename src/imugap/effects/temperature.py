@@ -1,15 +1,22 @@
 """Sensitivity of the bias to temperature."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from imugap.effects.effect import AdditiveEffect, Conditions, parameter
+from imugap.effects.effect import Conditions, Start, SystematicEffect, parameter
+
+if TYPE_CHECKING:
+    from imugap.discovery.axis import AxisFit
+
+LAWS = (("coefficient",), ("coefficient", "quadratic"), ("coefficient", "rate"))
+"""Parameters that a search adjusts together."""
 
 
 @dataclass(frozen=True)
-class Temperature(AdditiveEffect):
+class Temperature(SystematicEffect):
     """Bias that follows the temperature's distance d from a reference (IEEE 1554: bias temperature sensitivity).
 
     Bias = coefficient d + quadratic d^2 + rate dT/dt.
@@ -30,3 +37,19 @@ class Temperature(AdditiveEffect):
         if self.rate == 0:
             return static
         return static + self.rate * np.gradient(conditions.temperature, conditions.time)
+
+    def slopes(self, conditions: Conditions) -> dict[str, np.ndarray]:
+        """Return d, d^2 and dT/dt."""
+        distance = conditions.temperature - self.reference
+        rate = np.gradient(conditions.temperature, conditions.time)
+        return {"coefficient": distance, "quadratic": distance**2, "rate": rate}
+
+    @classmethod
+    def starts(cls, fit: "AxisFit") -> Iterator[Start]:
+        """Yield the linear, the quadratic and the rate-dependent law, where the temperature is known and varies."""
+        temperature = fit.sequence.conditions.temperature
+        if temperature is None or np.ptp(temperature) == 0 or fit.has(cls):
+            return
+        start = cls(0.0, float(np.mean(temperature)))
+        for free in LAWS:
+            yield Start(start, free, trials=len(LAWS))

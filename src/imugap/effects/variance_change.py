@@ -1,11 +1,18 @@
 """Change of the noise level."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from imugap.effects.effect import Conditions, Effect, Stage, parameter
+from imugap.effects.effect import Conditions, Effect, Stage, Start, parameter
+
+if TYPE_CHECKING:
+    from imugap.discovery.axis import AxisFit
+
+STRETCHES = 3e4
+"""Independent stretches of a long log, on the safe side."""
 
 
 @dataclass(frozen=True)
@@ -27,7 +34,21 @@ class VarianceChange(Effect):
         if self.stop < self.start:
             raise ValueError(f"{self.name}.stop: expected a time >= start = {self.start!r}; found {self.stop!r}")
 
+    def within(self, time: np.ndarray) -> np.ndarray:
+        """Return which times [s] are in the stretch."""
+        return (time >= self.start) & (time < self.stop)
+
     def apply(self, sequence: np.ndarray, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
         """Scale the noise by sqrt(ratio) during the change."""
-        changed = (conditions.time >= self.start) & (conditions.time < self.stop)
-        return np.where(changed, np.sqrt(self.ratio), 1.0) * sequence
+        return np.where(self.within(conditions.time), np.sqrt(self.ratio), 1.0) * sequence
+
+    @classmethod
+    def starts(cls, fit: "AxisFit") -> Iterator[Start]:
+        """Yield the stretch of the whitened residual whose variance differs most."""
+        gain, first, last = fit.stretch
+        if gain <= 0:
+            return
+        time, squares = fit.sequence.conditions.time, fit.whitened**2
+        inside, outside = squares[first:last].mean(), np.r_[squares[:first], squares[last:]].mean()
+        stop = time[last] if last < len(time) else time[-1] + fit.sequence.conditions.interval
+        yield Start(cls(float(time[first]), float(stop), float(inside / outside)), ("ratio",), trials=STRETCHES)

@@ -1,15 +1,22 @@
 """Warm-up."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from imugap.effects.effect import TINY, AdditiveEffect, Conditions, parameter
+from imugap.effects.effect import TINY, Conditions, Start, SystematicEffect, parameter
+
+if TYPE_CHECKING:
+    from imugap.discovery.axis import AxisFit
+
+CONSTANTS = 14
+"""Time constants at which a search looks."""
 
 
 @dataclass(frozen=True)
-class WarmUp(AdditiveEffect):
+class WarmUp(SystematicEffect):
     """Exponential approach to the final bias, amplitude exp(-t/T) from power-on at t = 0."""
 
     name: ClassVar[str] = "warm_up"
@@ -19,3 +26,20 @@ class WarmUp(AdditiveEffect):
     def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
         """Return amplitude exp(-t/T)."""
         return self.amplitude * np.exp(-conditions.time / self.time_constant)
+
+    def slopes(self, conditions: Conditions) -> dict[str, np.ndarray]:
+        """Return the derivatives in amplitude and time constant."""
+        aged = conditions.time / self.time_constant
+        decay = np.exp(-aged)
+        return {"amplitude": decay, "time_constant": self.amplitude * decay * aged / self.time_constant}
+
+    @classmethod
+    def starts(cls, fit: "AxisFit") -> Iterator[Start]:
+        """Yield the time constant, from a grid, whose exponential fits the residual best."""
+        if fit.has(cls):
+            return
+        conditions = fit.sequence.conditions
+        grid = np.geomspace(10 * conditions.interval, conditions.interval * len(conditions) / 2, CONSTANTS)
+        columns = np.exp(-conditions.time[:, None] / grid)
+        best = grid[np.argmax(fit.gains(fit.whiten(columns)))]
+        yield Start(cls(0.0, float(best)), ("amplitude", "time_constant"), trials=CONSTANTS / 2)
