@@ -34,5 +34,6 @@ class BiasStep(SystematicEffect):
     @classmethod
     def starts(cls, fit: "AxisFit") -> Iterator[Start]:
         """Yield a step where the matched filter of all steps is highest."""
-        time = fit.sequence.conditions.time[np.argmax(fit.steps)]
-        yield Start(cls(float(time), 0.0), ("step",), trials=PLACES)
+        highest = np.argmax(fit.steps)
+        time = float(fit.sequence.conditions.time[highest])
+        yield Start(cls(time, 0.0), ("step",), trials=PLACES, gain=float(fit.steps[highest]))

@@ -107,11 +107,14 @@ class Start:
         Names of the parameters that the fit adjusts.
     trials
         Number of independent places or shapes among which it was chosen.
+    gain
+        Gain of log-likelihood that is expected before the fit, everything else held; infinite where not known.
     """
 
     effect: "Effect"
     free: tuple[str, ...]
     trials: float = 1.0
+    gain: float = np.inf
 
 
 @dataclass(frozen=True)
@@ -245,7 +248,7 @@ class StochasticEffect(AllanEffect):
         if len(names) == 1 and not any(type(effect) is cls for effect in fit.description.noise):
             size = fit.room(cls(1.0))
             if size > 0:
-                yield Start(cls(size), names)
+                yield Start(cls(size), names, gain=fit.gain_of(cls(size)))
 
     def state_space(self) -> StateSpace:
         """Return the process as a linear model driven by white noise; ValueError if none is of finite order."""

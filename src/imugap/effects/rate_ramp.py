@@ -31,7 +31,8 @@ class RateRamp(SystematicEffect, AllanEffect):
     def starts(cls, fit: "AxisFit") -> Iterator[Start]:
         """Yield a flat ramp, where there is none yet."""
         if not fit.has(cls):
-            yield Start(cls(0.0), ("slope",))
+            gain = fit.gains(fit.whiten(fit.sequence.conditions.time[:, None]))[0]
+            yield Start(cls(0.0), ("slope",), gain=float(gain))
 
     def allan_variance(self, tau: np.ndarray) -> np.ndarray:
         """Return R^2 tau^2/2 (IEEE 952)."""

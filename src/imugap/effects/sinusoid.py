@@ -43,7 +43,7 @@ class Sinusoid(SystematicEffect, AllanEffect):
         highest = float(frequency[np.argmax(gains)])
         wave = 2 * np.mean(fit.residual * np.exp(-2j * np.pi * highest * fit.sequence.conditions.time))
         effect = cls(highest, float(abs(wave)), float(np.angle(wave)))
-        yield Start(effect, ("frequency", "amplitude", "phase"), trials=len(gains) / 2)
+        yield Start(effect, ("frequency", "amplitude", "phase"), trials=len(gains) / 2, gain=float(gains.max()))
 
     def allan_variance(self, tau: np.ndarray) -> np.ndarray:
         """Return amplitude^2 sin^4(pi f tau)/(pi f tau)^2 (IEEE 952)."""

@@ -41,5 +41,6 @@ class WarmUp(SystematicEffect):
         conditions = fit.sequence.conditions
         grid = np.geomspace(10 * conditions.interval, conditions.interval * len(conditions) / 2, CONSTANTS)
         columns = np.exp(-conditions.time[:, None] / grid)
-        best = grid[np.argmax(fit.gains(fit.whiten(columns)))]
-        yield Start(cls(0.0, float(best)), ("amplitude", "time_constant"), trials=CONSTANTS / 2)
+        gains = fit.gains(fit.whiten(columns))
+        start = cls(0.0, float(grid[np.argmax(gains)]))
+        yield Start(start, ("amplitude", "time_constant"), trials=CONSTANTS / 2, gain=float(gains.max()))
