@@ -756,6 +756,11 @@ def test_lost_samples_leave_the_others_with_their_stamps():
     assert abs(gaps.mean() - 5.0) < 4 * error
 
 
+def test_a_loss_that_leaves_no_log_is_refused():
+    with pytest.raises(ValueError, match="sample_loss: expected at least 2 samples that are left; found 1"):
+        SampleLoss(1.0, 1e9).keep(motion(50), stream(11, "nothing"))
+
+
 def test_jitter_displaces_stamps_by_its_deviation_and_no_sample():
     table = motion(5000)
     kept = TimestampJitter(5e-4).keep(table, stream(11, "jitter"))
