@@ -657,7 +657,7 @@ def test_temperature_has_a_curvature_and_a_rate_term():
 
 def test_variance_change_scales_the_white_noise_and_nothing_else():
     at = conditions(12_000)
-    slow = GaussMarkov(0.7, 0.2) + Bias(0.4)
+    slow = GaussMarkov(7.0, 0.2) + Bias(4.0)
     model = slow + WhiteNoise(0.3) + VarianceChange(40.0, 80.0, 4.0)
     noise = model.simulate(np.zeros(12_000), at, 1) - slow.simulate(np.zeros(12_000), at, 1)
     assert sharp_std(noise[4000:8000], 2 * 0.3 / np.sqrt(0.01))
@@ -743,6 +743,11 @@ def test_stuck_samples_repeat_the_last_value_for_their_length():
     begins = repeated[1:] & ~repeated[:-1]
     assert shares(begins[~repeated[:-1]], 0.02)
     assert shares(~repeated[1:][repeated[:-1]], 1 / 5.0)
+
+
+def test_certainly_stuck_samples_repeat_every_other_value():
+    stuck = StuckSamples(1.0, 1.0).apply(np.arange(5.0), conditions(5), stream(1))
+    np.testing.assert_array_equal(stuck, [0, 0, 2, 2, 4])
 
 
 def test_lost_samples_leave_the_others_with_their_stamps():
@@ -853,6 +858,16 @@ def test_vibration_rectification_is_the_coefficient_times_the_power_of_the_vibra
     assert inside(found[:, 200], expected * 100 / 101)  # centred: 50 samples on either side
     assert inside(found[:, 0], expected * 50 / 51)
     assert inside(found[:, -1], expected * 50 / 51)
+
+
+def test_vibration_rectification_of_a_shock_lasts_for_its_window():
+    shock = np.zeros(9)
+    shock[4] = 1.0
+    ideal = log.from_samples({"accel_x": shock, "accel_y": np.zeros(9), "accel_z": np.full(9, -9.8)}, 0.25)
+    sequence = VibrationRectification(1.0).sample(
+        Conditions(ideal.index.to_numpy(), 0.25, None, "gyro_x", ideal), stream(1)
+    )
+    np.testing.assert_allclose(sequence, [0, 0, *[0.2 * 0.8] * 5, 0, 0], atol=1e-12)
 
 
 def test_vibration_rectification_of_a_constant_force_is_zero():
