@@ -19,5 +19,8 @@ class SampleLoss(ClockEffect):
     length: float = parameter("1", "mean number of lost samples of a gap", low=1.0)
 
     def keep(self, log: pd.DataFrame, rng: np.random.Generator) -> pd.DataFrame:
-        """Return the rows that are not lost; the first is never."""
-        return log[~stretches(len(log), self.probability, self.length, rng)]
+        """Return the rows that are not lost; the first is never, and a single one is no log."""
+        kept = log[~stretches(len(log), self.probability, self.length, rng)]
+        if len(kept) < 2:
+            raise ValueError(f"{self.name}: expected at least 2 samples that are left; found {len(kept)}")
+        return kept
