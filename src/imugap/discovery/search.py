@@ -89,15 +89,16 @@ class Search:
     def explore(self, before: AxisFit) -> AxisFit:
         """Return the fit to which nothing is to be added."""
         for _ in range(LIMIT):
-            trials = sorted(self.trials(before, HOPE), key=lambda trial: trial.log_p)
+            bar = HOPE if self.added(before.description) else self.log_alpha
+            trials = sorted((one for one in self.trials(before, bar) if one.log_p < bar), key=lambda one: one.log_p)
             wide = self.cleaned(before)
-            if wide is not None and wide.log_p < min([self.log_alpha, *(trial.log_p for trial in trials)]):
+            if wide is not None and wide.log_p < min([self.log_alpha, *(one.log_p for one in trials)]):
                 before = self.settled(wide.fit)
                 continue
             if trials and trials[0].log_p < self.log_alpha:
                 before = self.settled(trials[0].fit)
                 continue
-            hopes = (self.settled(trial.fit) for trial in trials[:HOPES] if self.added(before.description))
+            hopes = (self.settled(trial.fit) for trial in trials[:HOPES])
             proven = next((after for after in hopes if self._proven(after, before)), None)
             if proven is None:
                 break
@@ -111,12 +112,11 @@ class Search:
             self.weighed(after, key)[0] < self.log_alpha for key in keys
         )
 
-    def trials(self, before: AxisFit, log_p: float | None = None) -> Iterator[Trial]:
-        """Yield every proposal that may come below ``log_p`` (by default what a proposal has to), fitted."""
-        bar = self.log_alpha if log_p is None else log_p
+    def trials(self, before: AxisFit, bar: float) -> Iterator[Trial]:
+        """Yield every proposal, fitted, whose log-probability may come below ``bar``."""
         for kind in self.catalogue:
             for start in kind.starts(before):
-                if _log_chance(SLACK * start.gain + SLACK, len(start.free)) + np.log(start.trials) < bar:
+                if log_chance(SLACK * start.gain + SLACK, len(start.free)) + np.log(start.trials) < bar:
                     yield self.judged(start, before)
 
     def cleaned(self, before: AxisFit) -> Trial | None:
@@ -124,21 +124,19 @@ class Search:
         if before.description.outliers is not None:
             return None
         found = tails(before.whitened)
-        if _log_chance(found.gain, 2) + np.log(TAILS) > self.log_alpha or not found.flagged.any():
+        if log_chance(found.gain, 2) + np.log(TAILS) > self.log_alpha or not found.flagged.any():
             return None
         unit = float(np.sqrt(before.variance.mean()))
         named = replace(before.description, outliers=Outliers(found.probability, found.excess * unit))
         sequence = before.sequence.mended(found.flagged, stream(0, "mended", before.sequence.conditions.axis))
         self.tails[named.outliers] = found
-        return Trial(
-            Outliers.name, self.fitted(sequence, named), found.gain, _log_chance(found.gain, 2) + np.log(TAILS)
-        )
+        return Trial(Outliers.name, self.fitted(sequence, named), found.gain, log_chance(found.gain, 2) + np.log(TAILS))
 
     def judged(self, start: Start, before: AxisFit) -> Trial:
         """Fit a proposal and judge it against the fit without it."""
         after = self.fitted(before.sequence, with_effect(before.description, start))
         gain = after.log_likelihood - before.log_likelihood
-        log_p = _log_chance(gain, len(start.free)) + np.log(start.trials)
+        log_p = log_chance(gain, len(start.free)) + np.log(start.trials)
         return Trial(start.effect.name, after, gain, min(log_p, 0.0))
 
     def settled(self, found: AxisFit) -> AxisFit:
@@ -165,14 +163,14 @@ class Search:
         """Return the log-probability of one effect's gain by chance, its rivals, and the fit without it."""
         if key.part == "outliers":
             gain = self.tails[found.description.outliers].gain
-            return _log_chance(gain, 2) + np.log(TAILS), [], found
+            return log_chance(gain, 2) + np.log(TAILS), [], found
         without = self.fitted(found.sequence, removed(found.description, key))
-        name, trials = at(found.description, key).name, list(self.trials(without))
+        name, trials = at(found.description, key).name, list(self.trials(without, self.log_alpha))
         gain = found.log_likelihood - without.log_likelihood
         more = max(found.description.size() - without.description.size(), 1)
         same = [trial for trial in trials if trial.name == name]
-        places = max((trial.log_p - _log_chance(trial.gain, more) for trial in same), default=0.0)
-        own = min([_log_chance(gain, more) + places, *(trial.log_p for trial in same)])
+        places = max((trial.log_p - log_chance(trial.gain, more) for trial in same), default=0.0)
+        own = min([log_chance(gain, more) + places, *(trial.log_p for trial in same)])
         return own, [trial for trial in trials if trial.name != name], without
 
     def added(self, description: Description) -> list["Key"]:
@@ -234,7 +232,7 @@ def with_effect(description: Description, start: Start) -> Description:
     return replace(description, noise=replace(noise, effects=(*noise.effects, effect)))
 
 
-def _log_chance(gain: float, more: int) -> float:
+def log_chance(gain: float, more: int) -> float:
     """Return the log-probability of a gain of log-likelihood by chance (Wilks 1938), its asymptote far out."""
     if not 0 < gain < np.inf:
         return 0.0 if gain <= 0 else -np.inf

@@ -201,6 +201,10 @@ class SystematicEffect(AdditiveEffect):
         """Return the derivative of :meth:`sample` in each parameter that a fit may adjust, arrays of shape (n,)."""
         raise NotImplementedError
 
+    def near_misses(self, conditions: Conditions) -> np.ndarray:
+        """Return columns, shape (n, m), in which what is nearly this effect, but is not, differs from it."""
+        return np.empty((len(conditions), 0))
+
 
 @dataclass(frozen=True)
 class AllanEffect(AdditiveEffect):
