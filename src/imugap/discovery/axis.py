@@ -13,7 +13,7 @@ import numpy as np
 from scipy.fft import dct, idct
 
 from imugap.discovery import scans
-from imugap.discovery.noise import Noise, NoiseFit
+from imugap.discovery.noise import Noise, NoiseFit, log_likelihood
 from imugap.discovery.noise import fit as fit_noise
 from imugap.discovery.sequence import Sequence
 from imugap.effects import Outliers, VarianceChange
@@ -242,6 +242,14 @@ def fit(sequence: Sequence, start: Description) -> AxisFit:
         last = value
         description = _mean_moved(sequence, description)
     return AxisFit(sequence, description, value, noise, _covariance(sequence, description))
+
+
+def log_score(sequence: Sequence, description: Description) -> float:
+    """Return the log-density of a sequence, free of its offset, under a description with values from elsewhere."""
+    bins = sequence.bins
+    power = bins.sums(cosines(residual(sequence, description)) ** 2)
+    variance = description.noise.variance(bins.frequency, bins.interval)
+    return log_likelihood(variance, power, bins.number) - _jacobian_of_scale(sequence, description)
 
 
 def _jacobian_of_scale(sequence: Sequence, description: Description) -> float:
