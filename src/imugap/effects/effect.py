@@ -90,6 +90,28 @@ class Conditions:
         return self.ideal[list(axes)].to_numpy(float)
 
 
+@dataclass(frozen=True, eq=False)
+class Evidence:
+    """An effect seen in the samples or stamps themselves.
+
+    Attributes
+    ----------
+    effect
+        The effect at the estimated parameters.
+    intervals
+        Lower and upper limit of each parameter, 95 %.
+    log_p
+        Logarithm of the probability that chance makes as much of it.
+    flawed
+        Samples that carry no error of the sensor because of it, shape (n,).
+    """
+
+    effect: "Effect"
+    intervals: dict[str, tuple[float, float]]
+    log_p: float
+    flawed: np.ndarray
+
+
 def parameter(unit: str, meaning: str, low: float = 0.0, high: float = np.inf, whole: bool = False, **kwargs) -> Field:
     """Declare a parameter of an effect: SI unit (``{u}`` stands for the unit of the axis), meaning, physical limits."""
     return field(metadata={"unit": unit, "meaning": meaning, "low": low, "high": high, "whole": whole}, **kwargs)
