@@ -1,0 +1,114 @@
+"""Global envelope of a curve: how far its largest deviation is from those of replicates of the model.
+
+The studentised maximum deviation (Myllymaki et al. 2017, J. R. Stat. Soc. B 79, 381-404), whose tail is taken as a
+generalised Pareto law so that few replicates tell small probabilities (Knijnenburg et al. 2009, Bioinformatics 25,
+i161-i168).
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from imugap.discovery.views.curve import Curve
+
+TAIL = 0.25
+"""Share of the replicates that are in the tail."""
+LEAST = 0.2
+"""Smallest spread of a location, over the median one: some counts hardly vary."""
+APART = 2
+"""Locations that may lie between two parts of one place."""
+
+
+@dataclass(frozen=True, eq=False)
+class Envelope:
+    """Replicates of a curve under the model.
+
+    Attributes
+    ----------
+    replicates
+        Their statistics, shape (b, m).
+    signed
+        Whether small values are as far off as large ones.
+    """
+
+    replicates: np.ndarray
+    signed: bool
+
+    @cached_property
+    def mean(self) -> np.ndarray:
+        """Return the mean of the replicates at each location."""
+        return self.replicates.mean(axis=0)
+
+    @cached_property
+    def spread(self) -> np.ndarray:
+        """Return their standard deviation at each location; for gains, whose law is known, one for all locations."""
+        return self._limited(self.replicates.var(axis=0, ddof=1))
+
+    def _limited(self, variance: np.ndarray) -> np.ndarray:
+        spread = np.sqrt(np.maximum(variance, 0.0))
+        usual = np.median(spread, axis=-1, keepdims=True)
+        return np.maximum(spread, LEAST * usual) if self.signed else np.broadcast_to(usual, spread.shape)
+
+    def _evidence(self, deviation: np.ndarray, degrees: int) -> np.ndarray:
+        """Return studentised deviations on a scale on which their tail is exponential.
+
+        Those of gains are so already. A signed one is Student's t; (d/2) log(1 + t^2/d) with its d degrees of freedom
+        is, far out, exponential of scale 1.
+        """
+        return degrees / 2 * np.log1p(deviation**2 / degrees) if self.signed else deviation
+
+    def deviation(self, statistic: np.ndarray) -> np.ndarray:
+        """Return how far a curve is beyond the replicates at each location, on an exponential scale."""
+        return self._evidence((statistic - self.mean) / self.spread, len(self.replicates) - 1)
+
+    @cached_property
+    def maxima(self) -> np.ndarray:
+        """Return the largest deviation of each replicate from the others, in increasing order, shape (b,)."""
+        b, x = len(self.replicates), self.replicates
+        mean = (b * self.mean - x) / (b - 1)
+        variance = (b * (x**2).mean(axis=0) - x**2 - (b - 1) * mean**2) / (b - 2)
+        deviation = (x - mean) / self._limited(variance)
+        return np.sort(self._evidence(deviation, b - 2).max(axis=1))
+
+    @cached_property
+    def _tail(self) -> tuple[float, float, int]:
+        """Return threshold and mean excess of the tail, and how many replicates are in it."""
+        number = max(round(TAIL * len(self.maxima)), 1)
+        threshold = self.maxima[-number - 1]
+        return float(threshold), float(np.mean(self.maxima[-number:] - threshold)), number
+
+    def p_value(self, largest: float | np.ndarray) -> np.ndarray:
+        """Return the probability that a curve of the model deviates as much anywhere.
+
+        In the tail the excess over a threshold that k of b replicates exceed is exponential; with its scale estimated
+        by their mean excess, a new one follows the generalised Pareto law of shape 1/k.
+        """
+        threshold, scale, number = self._tail
+        b = len(self.maxima)
+        rank = (1 + b - np.searchsorted(self.maxima, largest)) / (b + 1)
+        excess = np.maximum(np.asarray(largest) - threshold, 0.0)
+        tail = (number + 1) / (b + 1) * (1 + excess / (number * scale)) ** -float(number)
+        return np.where(np.asarray(largest) > threshold, tail, rank)
+
+    def critical(self, probability: float) -> float:
+        """Return the largest deviation that has this probability."""
+        threshold, scale, number = self._tail
+        b = len(self.maxima)
+        share = (number + 1) / (b + 1)
+        if probability >= share:
+            return float(self.maxima[max(int(np.ceil(b + 1 - probability * (b + 1))) - 1, 0)])
+        return threshold + number * scale * ((probability / share) ** (-1 / number) - 1)
+
+    def places(self, curve: Curve, level: float) -> list[tuple[float, float, float]]:
+        """Return (low, high, p-value) of each range of locations beyond the envelope of a level."""
+        deviation = self.deviation(curve.statistic)
+        beyond = np.flatnonzero((deviation >= self.critical(level)) & (deviation > 0))
+        if not len(beyond):
+            return []
+        found = []
+        for run in np.split(beyond, np.flatnonzero(np.diff(beyond) > APART + 1) + 1):
+            peak = run[np.argmax(deviation[run])]
+            first, last = (peak, peak) if curve.point else (run[0], run[-1])
+            found.append((float(curve.low[first]), float(curve.high[last]), float(self.p_value(deviation[peak]))))
+        return found

@@ -1,0 +1,179 @@
+"""Where measured data leave the model: all views of all axes against replicates of the fitted model, refitted."""
+
+from collections import defaultdict
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import combinations
+
+import numpy as np
+
+from imugap.discovery import views
+from imugap.discovery.axis import AxisFit, fit
+from imugap.discovery.envelope import Envelope
+from imugap.discovery.finding import Gap
+from imugap.discovery.sequence import Sequence
+from imugap.effects import CommonMode, WhiteNoise
+from imugap.effects.effect import Effect
+from imugap.model import AxisModel
+from imugap.stream import stream
+
+REPLICATES = 99
+
+
+@dataclass(frozen=True, eq=False)
+class Verdict:
+    """One view of one axis, or of two: its curve, the replicates', and the probability of the curve by chance."""
+
+    curve: views.Curve
+    envelope: Envelope
+
+    @cached_property
+    def p_value(self) -> float:
+        """Return the probability of as large a deviation anywhere in the view if the model is right."""
+        return float(self.envelope.p_value(self.envelope.deviation(self.curve.statistic).max()))
+
+    def gaps(self, level: float) -> list[Gap]:
+        """Return the places beyond the envelope of a level."""
+        curve = self.curve
+        return [
+            Gap(curve.view, curve.axis, low, high, curve.unit, p) for low, high, p in self.envelope.places(curve, level)
+        ]
+
+
+@dataclass(frozen=True, eq=False)
+class Twins:
+    """Axes of one log whose views have the same law, so that they share replicates.
+
+    Attributes
+    ----------
+    fits
+        The fits of the axes.
+    known
+        Effects on the output, such as a resolution, that act after those of the description.
+    over
+        What the views of conditions are taken over.
+    """
+
+    fits: tuple[AxisFit, ...]
+    known: tuple[Effect, ...]
+    over: tuple[views.Binning, ...]
+
+    def replicate(self, seed: int, index: int) -> AxisFit:
+        """Simulate the fitted description of the first axis, with its repairs, and fit it again."""
+        sequence, description = self.fits[0].sequence, self.fits[0].description
+        conditions, labels = sequence.conditions, ("gaps", index)
+        error = AxisModel(description.effects()).simulate(np.zeros(len(conditions)), conditions, seed, *labels)
+        if self.known:
+            level = np.mean(sequence.values)
+            base = level if conditions.ideal is None else level + conditions.ideal[conditions.axis].to_numpy(float)
+            error = AxisModel(self.known).simulate(base + error, conditions, seed, *labels) - base
+        clean = Sequence(error, conditions, np.zeros(len(conditions), bool))
+        return fit(clean.mended(sequence.flawed, stream(seed, *labels, "mended")), description)
+
+    def concern(self, axis: str) -> tuple[views.Binning, ...]:
+        """Return what an axis' residual is looked at over."""
+        return tuple(item for item in self.over if item.concerns(axis))
+
+
+def twins(fits: Mapping[str, AxisFit], known: Mapping[str, tuple[Effect, ...]]) -> list[Twins]:
+    """Return the axes grouped: those with nothing but white noise and the same flaws together, others alone."""
+    groups: dict[object, list[str]] = defaultdict(list)
+    for axis, found in fits.items():
+        plain = all(isinstance(effect, WhiteNoise) for effect in found.description.effects())
+        shared = plain and not known.get(axis)
+        groups[found.sequence.flawed.tobytes() if shared else axis].append(axis)
+    over = views.binnings(next(iter(fits.values())).sequence)
+    return [
+        Twins(
+            tuple(fits[axis] for axis in group),
+            known.get(group[0], ()),
+            tuple(item for item in over if any(item.concerns(axis) for axis in group)),
+        )
+        for group in groups.values()
+    ]
+
+
+def verdicts(
+    fits: Mapping[str, AxisFit],
+    seed: int,
+    replicates: int = REPLICATES,
+    known: Mapping[str, tuple[Effect, ...]] | None = None,
+) -> list[Verdict]:
+    """Return every view of every axis, and of every two axes, against replicates of the fitted model.
+
+    Parameters
+    ----------
+    fits
+        Axis to fit, all of one log.
+    known
+        Axis to effects on its output that the descriptions leave out, such as a resolution.
+    """
+    groups = twins(fits, known or {})
+    statistics: dict[object, list[np.ndarray]] = defaultdict(list)
+    common = [pair for pair in combinations(fits, 2) if all(fits[axis].has(CommonMode) for axis in pair)]
+    newest = None
+    for index in range(replicates):
+        last, drawn = newest, {}
+        for number, group in enumerate(groups):
+            found = group.replicate(seed, index)
+            drawn |= {member.sequence.conditions.axis: found for member in group.fits}
+            for key, curve in views.curves(found, group.over).items():
+                statistics[number, *key].append(curve.statistic)
+        newest = next(iter(drawn.values()))
+        if last is not None:
+            statistics["independent"].append(views.of_coherence(newest, last).statistic)
+        for pair in common:
+            statistics[pair].append(views.of_coherence(*(drawn[axis] for axis in pair)).statistic)
+    return _alone(groups, statistics) + _pairs(fits, statistics)
+
+
+def _alone(groups: list[Twins], statistics: Mapping) -> list[Verdict]:
+    found = []
+    for number, group in enumerate(groups):
+        for member in group.fits:
+            over = group.concern(member.sequence.conditions.axis)
+            for key, curve in views.curves(member, over).items():
+                found.append(Verdict(curve, Envelope(np.array(statistics[number, *key]), curve.signed)))
+    return found
+
+
+def _pairs(fits: Mapping[str, AxisFit], statistics: Mapping) -> list[Verdict]:
+    """Return the verdicts on two axes each; where nothing is common, against pairs of independent replicates."""
+    found = []
+    for pair in combinations(fits, 2):
+        curve = views.of_coherence(*(fits[axis] for axis in pair))
+        rows = statistics[pair if pair in statistics else "independent"]
+        found.append(Verdict(curve, Envelope(np.array(rows), curve.signed)))
+    return found
+
+
+def threshold(p_values: np.ndarray, alpha: float) -> float:
+    """Return the largest p-value that counts at a false discovery rate (Benjamini and Hochberg 1995); 0 if none does."""
+    ordered = np.sort(p_values)
+    passed = np.flatnonzero(ordered <= alpha * np.arange(1, len(ordered) + 1) / len(ordered))
+    return float(alpha * (passed[-1] + 1) / len(ordered)) if len(passed) else 0.0
+
+
+def gaps(
+    fits: Mapping[str, AxisFit],
+    alpha: float,
+    seed: int,
+    replicates: int = REPLICATES,
+    known: Mapping[str, tuple[Effect, ...]] | None = None,
+) -> tuple[Gap, ...]:
+    """Return the places where the data leave the model, at a false discovery rate over views and axes, surest first.
+
+    Parameters
+    ----------
+    fits
+        Axis to fit, all of one log.
+    alpha
+        Share of views that may be named by chance.
+    known
+        Axis to effects on its output that the descriptions leave out, such as a resolution.
+    """
+    judged = verdicts(fits, seed, replicates, known)
+    level = threshold(np.array([verdict.p_value for verdict in judged]), alpha)
+    named = [gap for verdict in judged if verdict.p_value <= level for gap in verdict.gaps(level)]
+    return tuple(sorted(named, key=lambda gap: gap.p_value))

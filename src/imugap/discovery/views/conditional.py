@@ -1,0 +1,110 @@
+"""Views over what the residual may depend on: temperature, its rate, and in motion the error-free input."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.fft import idct
+from scipy.ndimage import uniform_filter1d
+
+from imugap import log
+from imugap.discovery.axis import AxisFit
+from imugap.discovery.sequence import Sequence
+from imugap.discovery.views.curve import Curve
+
+CELLS = 24
+"""Cells of equal numbers of samples."""
+SMOOTH = 200
+"""Share 1/n of a log over which the temperature is averaged before its rate is taken."""
+TOP = 10
+"""Halvings of the share of samples nearest to full scale."""
+
+
+@dataclass(frozen=True, eq=False)
+class Binning:
+    """The samples of a log, sorted into cells of a quantity.
+
+    Attributes
+    ----------
+    view, source
+        Name of the view, and of the axis whose input the quantity is; empty if it is none's.
+    unit
+        Unit of the quantity.
+    low, high
+        Range of each cell, shape (m,).
+    index
+        Cell of each sample, shape (n,).
+    sign
+        Sign that a sample's residual is taken with, shape (n,), or 1.
+    """
+
+    view: str
+    source: str
+    unit: str
+    low: np.ndarray
+    high: np.ndarray
+    index: np.ndarray
+    sign: np.ndarray | float = 1.0
+
+    @cached_property
+    def number(self) -> np.ndarray:
+        """Return the number of samples in each cell."""
+        return np.bincount(self.index, minlength=len(self.low))
+
+    def concerns(self, axis: str) -> bool:
+        """Return whether the residual of ``axis`` is looked at over this quantity."""
+        return self.view not in ("time_shift", "full_scale") or self.source == axis
+
+    def curve(self, axis: str, score: np.ndarray, scale: float) -> Curve:
+        """Return the sum of an axis' score in each cell, over its spread if the samples were independent."""
+        total = np.bincount(self.index, score * self.sign, minlength=len(self.low))
+        names = axis if self.source in ("", axis) else f"{axis},{self.source}"
+        return Curve(self.view, names, self.low, self.high, self.unit, total / (scale * np.sqrt(self.number)))
+
+
+def binned(
+    view: str, source: str, unit: str, values: np.ndarray, shares: np.ndarray, sign: np.ndarray | float = 1.0
+) -> Binning | None:
+    """Return samples binned at quantiles of their values, or None where there is one value only."""
+    edges = np.unique(np.quantile(values, shares))
+    inner = edges[1:-1]
+    index = np.searchsorted(inner, values, side="right")
+    used = np.unique(index)
+    if len(used) < 2:
+        return None
+    low, high = np.r_[edges[0], inner][used], np.r_[inner, edges[-1]][used]
+    return Binning(view, source, unit, low, high, np.searchsorted(used, index), sign)
+
+
+def binnings(sequence: Sequence) -> tuple[Binning, ...]:
+    """Return what the residuals of a log are looked at over: temperature, and the error-free input of each axis."""
+    conditions, found = sequence.conditions, []
+    shares = np.linspace(0, 1, CELLS + 1)
+    if conditions.temperature is not None:
+        smooth = uniform_filter1d(conditions.temperature, max(len(conditions) // SMOOTH, 1), mode="nearest")
+        found.append(binned("temperature", "", "degC", conditions.temperature, shares))
+        found.append(binned("temperature_rate", "", "degC/s", np.gradient(smooth, conditions.interval), shares))
+    if conditions.ideal is not None:
+        for axis in log.axes(conditions.ideal):
+            found += _inputs(axis, conditions.ideal[axis].to_numpy(float), conditions.interval, shares)
+    return tuple(item for item in found if item is not None)
+
+
+def _inputs(axis: str, values: np.ndarray, interval: float, shares: np.ndarray) -> list[Binning | None]:
+    """Return the cells of an axis' input, of its derivative, and of its size towards full scale."""
+    view, unit = ("rate", "rad/s") if axis in log.GYRO else ("specific_force", "m/s^2")
+    slower = {"rad/s": "rad/s^2", "m/s^2": "m/s^3"}[unit]
+    top = np.r_[0.0, 1 - 0.5 ** np.arange(1, TOP), 1.0]
+    return [
+        binned(view, axis, unit, values, shares),
+        binned("time_shift", axis, slower, np.gradient(values, interval), shares),
+        binned("full_scale", axis, unit, np.abs(values), top, np.sign(values)),
+    ]
+
+
+def of_conditions(fit: AxisFit, over: tuple[Binning, ...]) -> list[Curve]:
+    """Return the score of the residual's mean in each cell: the residual over the noise's covariance, summed."""
+    root = np.sqrt(fit.variance)
+    score = idct(np.r_[0.0, fit.coefficients / root], norm="ortho")
+    scale = float(np.sqrt(np.mean(1 / fit.variance)))
+    return [item.curve(fit.sequence.conditions.axis, score, scale) for item in over]

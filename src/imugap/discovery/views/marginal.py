@@ -1,0 +1,28 @@
+"""View of the values: how often the whitened residual lies where, against the normal law."""
+
+import numpy as np
+from scipy.stats import norm
+
+from imugap.discovery.axis import AxisFit
+from imugap.discovery.views.curve import Curve
+
+CELL = 0.25
+"""Width of a cell [standard deviations]."""
+EXPECTED = 5.0
+"""Samples that the outermost, open cells are to hold."""
+
+
+def of_marginal(fit: AxisFit) -> Curve:
+    """Return the counts in cells of the whitened residual against the normal law's (Anscombe 1948, score).
+
+    The unit of the location is the standard deviation; the first and the last cell are open.
+    """
+    values = fit.whitened[~fit.sequence.flawed]
+    reach = CELL * max(int(norm.isf(min(EXPECTED / len(values), 0.25)) / CELL), 1)
+    edges = np.arange(-reach, reach + CELL / 2, CELL)
+    index = np.clip(np.floor((values + reach) / CELL), -1, len(edges) - 1).astype(np.int64) + 1
+    counts = np.bincount(index, minlength=len(edges) + 1)
+    expected = len(values) * np.diff(np.r_[0.0, norm.cdf(edges), 1.0])
+    statistic = 2 * (np.sqrt(counts + 0.375) - np.sqrt(expected + 0.375))
+    low, high = np.r_[min(values.min(), -reach), edges], np.r_[edges, max(values.max(), reach)]
+    return Curve("marginal", fit.sequence.conditions.axis, low, high, "1", statistic)

@@ -1,0 +1,89 @@
+"""Views over averaging time and frequency: Allan variance, bands of power, lines, coherence of two axes."""
+
+from functools import lru_cache
+
+import numpy as np
+from scipy.fft import dct
+
+from imugap import allan
+from imugap.discovery.axis import AxisFit
+from imugap.discovery.views.curve import Curve, blocks, chi_score, highest
+
+PER_DECADE = 6
+"""Averaging times per decade."""
+WIDTH = 0.08
+"""Relative width of the bands of power."""
+FEWEST = 24
+"""Fewest coefficients in a band of coherence."""
+CELLS = 512
+"""Cells of frequency; each tells its highest line."""
+
+
+def of_allan(fit: AxisFit) -> Curve:
+    """Return the Allan variance of the residual against the one that the fitted spectrum implies, over tau [s]."""
+    interval = fit.sequence.conditions.interval
+    averaging = allan.factors(len(fit.residual), PER_DECADE)
+    ratio = allan.variance(fit.residual, averaging) / implied(fit.variance, averaging)
+    degrees = np.maximum(0.75 * len(fit.residual) / averaging - 1, 1.0)
+    tau = averaging * interval
+    return Curve("allan", fit.sequence.conditions.axis, tau, tau, "s", chi_score(ratio, degrees))
+
+
+def implied(variance: np.ndarray, averaging: np.ndarray) -> np.ndarray:
+    """Return the Allan variance at averaging factors of a process with the given variances of cosine coefficients.
+
+    With the autocovariance c_j, the cosine transform of the spectrum, the sum of n samples has the variance
+    V_n = sum over |j| < n of (n - |j|) c_j, and the Allan variance is (4 V_n - V_2n)/(2 n^2).
+    """
+    count = len(variance) + 1
+    covariance = dct(np.r_[0.0, variance, variance[-1]], type=1)[:count] / (2 * count)
+    increments = 2 * np.cumsum(covariance) - covariance[0]
+    of_sum = np.r_[0.0, np.cumsum(increments)]
+    return (4 * of_sum[averaging] - of_sum[2 * averaging]) / (2.0 * averaging**2)
+
+
+@lru_cache(maxsize=16)
+def bands(last: int, width: float, fewest: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return the first coefficient (0 for k = 1) of each band up to ``last``, and the number in each."""
+    steps = np.geomspace(fewest, last, max(int(np.log(last / fewest) / width), 1) + 1)
+    first = np.unique(np.r_[0, np.rint(steps)[:-1].astype(int)])
+    return first, np.diff(np.r_[first, last])
+
+
+def _range(fit: AxisFit, first: np.ndarray, number: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the lowest and highest frequency [Hz] of bands."""
+    resolution = 1 / (2 * len(fit.residual) * fit.sequence.conditions.interval)
+    return (first + 1) * resolution, (first + number) * resolution
+
+
+def of_spectrum(fit: AxisFit) -> Curve:
+    """Return the power in bands over the modelled one, over frequency [Hz]."""
+    first, number = bands(fit.sequence.bins.last, WIDTH, 1)
+    power = np.add.reduceat(fit.coefficients[: fit.sequence.bins.last] ** 2, first)
+    low, high = _range(fit, first, number)
+    return Curve("spectrum", fit.sequence.conditions.axis, low, high, "Hz", chi_score(power / number, number))
+
+
+def of_line(fit: AxisFit) -> Curve:
+    """Return the highest line of each cell of frequency [Hz]: gain of log-likelihood less its median by chance."""
+    frequency, gains = fit.lines
+    first = blocks(len(gains), CELLS, 16)
+    peaks, at = highest(gains, first)
+    chance = np.log(np.diff(np.r_[first, len(gains)]))
+    half = 0.5 / (len(fit.residual) * fit.sequence.conditions.interval)
+    where = frequency[at]
+    return Curve(
+        "line", fit.sequence.conditions.axis, where - half, where + half, "Hz", peaks - chance, signed=False, point=True
+    )
+
+
+def of_coherence(one: AxisFit, other: AxisFit) -> Curve:
+    """Return the correlation of two axes' whitened residuals in bands, over frequency [Hz] (Fisher 1921, score)."""
+    last = one.sequence.bins.last
+    first, number = bands(last, WIDTH, FEWEST)
+    a, b = one.coefficients[:last], other.coefficients[:last]
+    power = np.add.reduceat(a**2, first) * np.add.reduceat(b**2, first)
+    score = np.arctanh(np.add.reduceat(a * b, first) / np.sqrt(power)) * np.sqrt(number - 1)
+    low, high = _range(one, first, number)
+    names = f"{one.sequence.conditions.axis},{other.sequence.conditions.axis}"
+    return Curve("coherence", names, low, high, "Hz", score)

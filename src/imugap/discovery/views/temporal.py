@@ -1,0 +1,55 @@
+"""Views over time: mean, variance, largest values, change points."""
+
+import numpy as np
+from scipy.stats import norm
+
+from imugap.discovery.axis import AxisFit
+from imugap.discovery.views.curve import Curve, blocks, chi_score, highest
+
+BLOCKS, SHORTEST = 128, 16
+"""Most blocks of a log and fewest samples of one."""
+
+
+def _range(fit: AxisFit, first: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return begin and end [s] of blocks."""
+    time = fit.sequence.conditions.time
+    return time[first], time[np.r_[first[1:], len(time)] - 1]
+
+
+def _sums(fit: AxisFit, values: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the first sample of each block, the sum of the values there, and their number, replacements left out."""
+    first = blocks(len(values), BLOCKS, SHORTEST)
+    kept = ~fit.sequence.flawed
+    return first, np.add.reduceat(values * kept, first), np.add.reduceat(kept.astype(float), first)
+
+
+def of_mean(fit: AxisFit) -> Curve:
+    """Return the means of blocks of the whitened residual over time [s]."""
+    first, total, number = _sums(fit, fit.whitened)
+    statistic = total / np.sqrt(np.maximum(number, 1))
+    return Curve("mean", fit.sequence.conditions.axis, *_range(fit, first), "s", statistic)
+
+
+def of_variance(fit: AxisFit) -> Curve:
+    """Return the mean squares of blocks of the whitened residual over time [s]."""
+    first, total, number = _sums(fit, fit.whitened**2)
+    statistic = np.where(number > 0, chi_score(total / np.maximum(number, 1), np.maximum(number, 1)), 0.0)
+    return Curve("variance", fit.sequence.conditions.axis, *_range(fit, first), "s", statistic)
+
+
+def of_extremes(fit: AxisFit) -> Curve:
+    """Return the largest whitened residual of each block over time [s], as Gumbel's variable of a normal law."""
+    first = blocks(len(fit.whitened), BLOCKS, SHORTEST)
+    peaks, at = highest(np.abs(fit.whitened) * ~fit.sequence.flawed, first)
+    usual = norm.isf(0.5 / np.diff(np.r_[first, len(fit.whitened)]))
+    time = fit.sequence.conditions.time[at]
+    statistic = usual * (peaks - usual)
+    return Curve("extremes", fit.sequence.conditions.axis, time, time, "s", statistic, signed=False)
+
+
+def of_change(fit: AxisFit) -> Curve:
+    """Return the gain of log-likelihood of the best step of the mean in each block, over time [s]."""
+    first = blocks(len(fit.steps), BLOCKS, SHORTEST)
+    peaks, at = highest(fit.steps, first)
+    time = fit.sequence.conditions.time[at]
+    return Curve("change", fit.sequence.conditions.axis, time, time, "s", peaks, signed=False, point=True)
