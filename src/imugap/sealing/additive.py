@@ -202,7 +202,7 @@ class RateRamp(Waveform):
 
 @dataclass(frozen=True)
 class BiasStep(Waveform):
-    """Jump of the mean at share x of the log. Limit: the matched test, in white noise 2.33 N/sqrt(duration x (1 - x))."""
+    """Jump of the mean at share x of the log. Limit: the matched test, in white noise 2.33 N/sqrt(T x (1 - x))."""
 
     name: ClassVar[str] = "bias_step"
     scaled: ClassVar = ("step",)

@@ -1,7 +1,9 @@
 """Everything that can be hidden: the names of the controlled vocabulary, and what is in no vocabulary."""
 
 from imugap.sealing import additive, output
+from imugap.sealing.inertial import INERTIAL
 from imugap.sealing.kind import Kind
+from imugap.sealing.unknown import UNKNOWN
 
 NAMED: dict[str, type[Kind]] = {
     kind.name: kind
@@ -27,7 +29,9 @@ NAMED: dict[str, type[Kind]] = {
         output.TimestampJitter,
         additive.TurnOnBias,
         output.ClockScale,
+        output.Saturation,
+        *INERTIAL,
     )
 }
-UNNAMED: dict[str, type[Kind]] = {}
+UNNAMED: dict[str, type[Kind]] = {kind.name: kind for kind in UNKNOWN}
 EVERY = NAMED | UNNAMED
