@@ -197,5 +197,5 @@ def sign(rng: np.random.Generator) -> float:
 def direction(rng: np.random.Generator, free: Sequence[bool] = (True, True, True)) -> tuple[float, float, float]:
     """Draw a unit vector with zeros where it is not ``free``."""
     vector = rng.standard_normal(3) * np.asarray(free)
-    x, y, z = vector / np.linalg.norm(vector)
+    x, y, z = vector / np.linalg.norm(vector) + 0.0
     return float(x), float(y), float(z)
