@@ -70,8 +70,7 @@ def plan(seed: int, cases: int, shares: Mapping[str, float], recipe: Mapping) ->
         for kind, count in _counts(cases, shares).items()
         for number, effects in zip(range(count), _effects(Hides(kind), recipe, seed), strict=False)
     ]
-    width = max(4, len(str(cases)))
-    return [replace(drawn[old], name=f"c{new:0{width}}") for new, old in enumerate(rng.permutation(cases), start=1)]
+    return [replace(drawn[old], name=f"c{new:04}") for new, old in enumerate(rng.permutation(cases), start=1)]
 
 
 def _counts(cases: int, shares: Mapping[str, float]) -> dict[str, int]:
