@@ -277,8 +277,7 @@ class Outliers(Additive):
     def limit(self, scenes: Sequence[Scene]) -> float:
         """Return the std at which n times the divergence is 2.71."""
         (scene,) = scenes
-        gain = lambda std: scene.count * self.divergence(std / scene.std)  # noqa: E731
-        return limits.reach(gain, 1e-2 * scene.std, 1e4 * scene.std)
+        return scene.std * limits.reach(lambda std: scene.count * self.divergence(std), 1e-2, 1e4)
 
     def divergence(self, std: float) -> float:
         """Return the divergence per sample for ``std`` in units of that of the noise, by the trapezoidal rule."""

@@ -160,7 +160,7 @@ class Modulation(Kind):
 
 @dataclass(frozen=True)
 class Output(Kind):
-    """An effect that acts on what the axis gives out; ``order`` says which of them comes first."""
+    """An effect that acts on what the axis gives out; the one of lowest ``rank`` comes first."""
 
     rank: ClassVar[int]
 

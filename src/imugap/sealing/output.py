@@ -7,6 +7,7 @@ from typing import ClassVar
 import numpy as np
 import pandas as pd
 from scipy.fft import irfft, next_fast_len, rfft, rfftfreq
+from scipy.stats import norm
 
 from imugap.sealing import limits
 from imugap.sealing.kind import Kind, Modulation, Output, Ranges, Scene, Stamp, between
@@ -239,7 +240,7 @@ class TimestampJitter(Stamp):
 
     def limit(self, scenes: Sequence[Scene]) -> float:
         """Return half a tick over the quantile of the largest displacement."""
-        return float(self.tick / 2 / limits.norm.isf(np.log(2) / (2 * scenes[0].count)))
+        return float(self.tick / 2 / norm.isf(np.log(2) / (2 * scenes[0].count)))
 
     def parameters(self) -> dict[str, float]:
         """Return the standard deviation; the tick is no parameter of the vocabulary."""
