@@ -200,11 +200,25 @@ def scale(sequence: Sequence, changes: Several[VarianceChange]) -> np.ndarray | 
 
 def residual(sequence: Sequence, description: Description) -> np.ndarray:
     """Return the samples less the systematic terms and their mean, over the scale of the changes of variance."""
+    rest = _rest(sequence, description)
+    return (rest - _level(rest, sequence, description)) / scale(sequence, description.changes)
+
+
+def offset(sequence: Sequence, description: Description) -> float:
+    """Return the mean of the samples less the systematic terms, the noisier stretches of less weight."""
+    return float(_level(_rest(sequence, description), sequence, description))
+
+
+def _rest(sequence: Sequence, description: Description) -> np.ndarray:
     rest = sequence.values.copy()
     for term in description.terms:
         rest -= term.effect.sample(sequence.conditions, None)
-    factor = scale(sequence, description.changes)
-    return (rest - np.average(rest, weights=np.broadcast_to(factor, rest.shape) ** -2.0)) / factor
+    return rest
+
+
+def _level(rest: np.ndarray, sequence: Sequence, description: Description) -> float:
+    weights = np.broadcast_to(scale(sequence, description.changes), rest.shape) ** -2.0
+    return np.average(rest, weights=weights)
 
 
 def jacobian(terms: Several[Term], sequence: Sequence) -> np.ndarray:

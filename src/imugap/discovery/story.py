@@ -1,0 +1,167 @@
+"""What happens on one axis: from the start model through the search to names, doubts and intervals."""
+
+from collections.abc import Sequence as Several
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.fft import next_fast_len
+
+from imugap.discovery.axis import AxisFit, Description, Term, fit, log_score, offset
+from imugap.discovery.doubt import Doubt, doubts
+from imugap.discovery.finding import Finding, Interval
+from imugap.discovery.noise import Noise
+from imugap.discovery.parameters import axis_unit, intervals
+from imugap.discovery.search import Key, Search, at, removed
+from imugap.discovery.sequence import Sequence
+from imugap.discovery.telegraph import compare
+from imugap.effects import Bias, GaussMarkov, OutputFilter, Sinusoid, VarianceChange, WhiteNoise
+from imugap.effects.effect import Effect, StochasticEffect, SystematicEffect
+from imugap.model import AxisModel
+
+CERTAIN = -690.0
+"""Logarithm of the least probability that is told from zero."""
+
+
+@dataclass(frozen=True, eq=False)
+class Story:
+    """The discovery on one axis.
+
+    Attributes
+    ----------
+    before
+        Fit of the start model to the held-in part.
+    after
+        Fit of the named effects to the held-in part.
+    whole
+        The same to the whole log, with what only its last part shows.
+    findings
+        The effects that were named.
+    withheld
+        Name and reason of what was seen but fits no name.
+    """
+
+    before: AxisFit
+    after: AxisFit
+    whole: AxisFit
+    findings: tuple[Finding, ...]
+    withheld: tuple[tuple[str, Doubt], ...]
+
+
+def described(effects: Several[Effect], sequence: Sequence) -> Description:
+    """Return the start model of an axis as a description: what a fit can adjust of it; a bias is the offset."""
+    random = tuple(effect for effect in effects if isinstance(effect, StochasticEffect))
+    filters = [effect for effect in effects if isinstance(effect, OutputFilter)]
+    terms = tuple(_term(effect, sequence) for effect in effects if isinstance(effect, SystematicEffect))
+    changes = tuple(effect for effect in effects if isinstance(effect, VarianceChange))
+    return Description(terms, Noise(random or (_white(sequence),), *filters[:1]), changes)
+
+
+def _white(sequence: Sequence) -> WhiteNoise:
+    """Return white noise of the size of the differences of neighbours."""
+    spread = np.std(np.diff(sequence.values)) / np.sqrt(2)
+    return WhiteNoise(float(max(spread, 1e-12) * np.sqrt(sequence.conditions.interval)))
+
+
+def _term(effect: SystematicEffect, sequence: Sequence) -> Term:
+    if isinstance(effect, Sinusoid):
+        turns = np.exp(-2j * np.pi * effect.frequency * sequence.conditions.time)
+        effect = replace(effect, phase=float(np.angle(np.mean((sequence.values - sequence.values.mean()) * turns))))
+    return Term(effect, tuple(effect.slopes(sequence.conditions)))
+
+
+def part(sequence: Sequence, first: int, last: int) -> Sequence:
+    """Return samples ``first`` to ``last``, a few less where that makes transforms fast."""
+    while next_fast_len(last - first, real=True) != last - first:
+        last -= 1
+    conditions, span = sequence.conditions, slice(first, last)
+    return Sequence(
+        sequence.values[span],
+        replace(
+            conditions,
+            time=conditions.time[span],
+            temperature=None if conditions.temperature is None else conditions.temperature[span],
+            ideal=None if conditions.ideal is None else conditions.ideal.iloc[span],
+        ),
+        sequence.flawed[span],
+    )
+
+
+def told(
+    sequence: Sequence, start: Several[Effect], catalogue: tuple[type[Effect], ...], log_alpha: float, split: int
+) -> Story:
+    """Discover on one axis; the samples from ``split`` on are held out."""
+    held_in, held_out = part(sequence, 0, split), part(sequence, split, len(sequence.values))
+    whole = part(sequence, 0, len(sequence.values))
+    before = fit(held_in, described(start, held_in))
+    search = Search(before.description, catalogue, log_alpha)
+    after = _told_apart(search, search.explore(before))
+    late = Search(before.description, catalogue, log_alpha)
+    everything = _told_apart(late, late.explore(fit(whole, replace(after.description, outliers=None))))
+    doubtful = doubts(late, everything)
+    held = doubts(search, after)
+    sure = _without(everything, list(doubtful))
+    named = [key for key in late.added(everything.description) if key not in doubtful]
+    findings = tuple(_finding(late, everything, key, held_out) for key in named)
+    withheld = tuple((at(everything.description, key).name, doubt) for key, doubt in doubtful.items())
+    return Story(before, _without(after, list(held)), sure, findings, withheld)
+
+
+def _told_apart(search: Search, found: AxisFit) -> AxisFit:
+    """Return the fit with telegraph noise in the place of what the samples show to have two values."""
+    for key in search.added(found.description):
+        effect = at(found.description, key)
+        if isinstance(effect, GaussMarkov):
+            verdict = compare(found, effect)
+            if verdict.gain > -search.log_alpha / 2:
+                found = _exchanged(found, key.index, verdict.effect)
+    return found
+
+
+def _exchanged(found: AxisFit, index: int, effect: StochasticEffect) -> AxisFit:
+    noise = found.description.noise
+    effects = (*noise.effects[:index], effect, *noise.effects[index + 1 :])
+    return fit(found.sequence, replace(found.description, noise=replace(noise, effects=effects)))
+
+
+def _without(found: AxisFit, keys: list[Key]) -> AxisFit:
+    """Return the fit without some of its effects."""
+    description = found.description
+    for key in sorted(keys, key=lambda key: -key.index):
+        description = replace(description, outliers=None) if key.part == "outliers" else removed(description, key)
+    return fit(found.sequence, description) if keys else found
+
+
+def _finding(search: Search, found: AxisFit, key: Key, held_out: Sequence) -> Finding:
+    """Return one effect with its intervals, its gain on held-out data, and what cannot be told from it."""
+    axis = found.sequence.conditions.axis
+    effect = at(found.description, key)
+    own, rivals, without = search.weighed(found, key)
+    near = found.log_likelihood + search.log_alpha / 2
+    alternatives = {}
+    for rival in rivals:
+        if rival.fit.log_likelihood > near:
+            gain = rival.fit.log_likelihood - found.log_likelihood
+            alternatives[rival.name] = max(gain, alternatives.get(rival.name, -np.inf))
+    if key.part == "outliers":
+        parameters, gain = _of_outliers(search, found), search.tails[effect].gain
+    else:
+        parameters = intervals(found, without, key)
+        gain = log_score(held_out, found.description) - log_score(held_out, without.description)
+    return Finding({axis: effect}, parameters, max(float(own), CERTAIN), float(gain), tuple(alternatives.items()))
+
+
+def _of_outliers(search: Search, found: AxisFit) -> dict[str, Interval]:
+    effect = found.description.outliers
+    tails = search.tails[effect]
+    share, excess = tails.intervals
+    unit = effect.std / tails.excess
+    ends = tuple(end * unit for end in excess)
+    return {
+        "probability": Interval(effect.probability, *share, "1"),
+        "std": Interval(effect.std, *ends, axis_unit(found.sequence.conditions.axis)),
+    }
+
+
+def model_of(found: AxisFit) -> AxisModel:
+    """Return the fitted description as a model of the axis, its offset as a bias."""
+    return AxisModel((Bias(offset(found.sequence, found.description)), *found.description.effects()))
