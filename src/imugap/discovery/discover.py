@@ -1,0 +1,269 @@
+"""Discovery on the logs of a device: where, which, add, show."""
+
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+import pandas as pd
+
+from imugap.discovery.common import shared
+from imugap.discovery.distance import Distances, distribution, navigation
+from imugap.discovery.finding import Finding, Gap
+from imugap.discovery.gaps import REPLICATES, gaps
+from imugap.discovery.parameters import axis_unit
+from imugap.discovery.record import Record, prepare
+from imugap.discovery.runs import clocks, turn_on
+from imugap.discovery.story import Story, model_of, told
+from imugap.discovery.uncertain import Uncertain
+from imugap.effects import CATALOGUE, CommonMode, TurnOnBias, WhiteNoise
+from imugap.effects.effect import Effect, Stage
+from imugap.log import AXES, TIME, from_samples
+from imugap.model import AxisModel, ErrorModel
+
+HELD_IN = 0.8
+"""Share of a log that names and parameters come from, where no test log is given."""
+Progress = Callable[[str], None]
+
+
+@dataclass(frozen=True, eq=False)
+class Discovery:
+    """What was found on a device.
+
+    Attributes
+    ----------
+    start, final
+        Error models before and after.
+    gaps
+        Where the start model and the held-in part disagree.
+    findings
+        The effects that were added, surest first.
+    unexplained
+        Where the final model and the log still disagree.
+    withheld
+        (axis, name, reason) of what was seen but not named.
+    distances
+        Between measured and simulated held-out data, by name of the distance.
+    records, stories
+        The log and the discovery on each axis of it.
+    """
+
+    start: ErrorModel
+    final: ErrorModel
+    gaps: tuple[Gap, ...]
+    findings: tuple[Finding, ...]
+    unexplained: tuple[Gap, ...]
+    withheld: tuple[tuple[str, str, str], ...]
+    distances: Mapping[str, Distances]
+    record: Record
+    stories: Mapping[str, Story]
+
+
+@dataclass(frozen=True)
+class Question:
+    """How discovery is asked.
+
+    Attributes
+    ----------
+    start
+        Model that the simulator has now; None for a constant bias and white noise fitted to the log.
+    alpha
+        Probability that a log with nothing hidden gets any name.
+    seed
+        Of all simulations.
+    catalogue
+        Kinds of effects that may be missing.
+    replicates, simulations
+        Of the bootstrap of gaps, and of the distances.
+    workers
+        Processes that work at a time.
+    """
+
+    start: ErrorModel | None = None
+    alpha: float = 0.01
+    seed: int = 0
+    catalogue: tuple[type[Effect], ...] = tuple(CATALOGUE.values())
+    replicates: int = REPLICATES
+    simulations: int = 60
+    workers: int = 1
+
+    def log_alpha(self, axes: int) -> float:
+        """Return the logarithm of the probability that one proposal of one axis is taken by chance."""
+        return float(np.log(self.alpha / axes / len(self.catalogue)))
+
+
+def discover(
+    logs: Sequence[pd.DataFrame],
+    question: Question,
+    tests: Sequence[pd.DataFrame] = (),
+    reference: pd.DataFrame | None = None,
+    progress: Progress = lambda stage: None,
+) -> Discovery:
+    """Find where a simulator and a device disagree, name what is missing and show that the gap shrinks.
+
+    Parameters
+    ----------
+    logs
+        Runs of one device, as :func:`imugap.readers.read_table` gives them. Effects within a run are discovered on
+        the first; all are compared with each other.
+    tests
+        Further runs, on which distances are taken; without them it is the last part of the first log.
+    reference
+        Error-free log of the first run, for a device in motion.
+    progress
+        Told of each stage.
+    """
+    known = ErrorModel({}) if question.start is None else question.start
+    progress("integrity")
+    record = prepare(logs[0], reference, question.seed, question.start)
+    log_alpha = question.log_alpha(len(record.sequences))
+    progress("search")
+    stories = _stories(record, known, question, log_alpha)
+    befores = {axis: story.before for axis, story in stories.items()}
+    wholes = {axis: story.whole for axis, story in stories.items()}
+    progress("gaps")
+    outputs = {axis: _outputs(known, axis) for axis in stories}
+    where = gaps(befores, question.alpha, question.seed, question.replicates, outputs)
+    common = tuple(one.finding(f"{axis_unit(one.axes[0])}/sqrt(Hz)") for one in shared(wholes, log_alpha))
+    own = tuple(finding for story in stories.values() for finding in story.findings)
+    findings = _ordered((*record.findings, *own, *common, *_between_runs(logs, record, known, question, log_alpha)))
+    progress("gaps that remain")
+    left = _left(stories, record, common, question, outputs)
+    start, after = _models(stories, known, record, findings)
+    progress("distances")
+    distances = _distances(record, stories, start, after, question, reference is not None)
+    withheld = tuple((axis, name, why.reason) for axis, story in stories.items() for name, why in story.withheld)
+    return Discovery(start, after, (*record.gaps, *where), findings, left, withheld, distances, record, stories)
+
+
+def _ordered(findings: Sequence[Finding]) -> tuple[Finding, ...]:
+    """Return the findings, those of the record first as they were, the others surest first."""
+    return tuple(
+        sorted(findings, key=lambda finding: (next(iter(finding.effects.values())).stage < Stage.RANGE, finding.log_p))
+    )
+
+
+def _stories(record: Record, known: ErrorModel, question: Question, log_alpha: float) -> dict[str, Story]:
+    tasks = [
+        (
+            sequence,
+            tuple(known.axes.get(axis, AxisModel())),
+            question.catalogue,
+            log_alpha,
+            int(HELD_IN * len(sequence.values)),
+        )
+        for axis, sequence in record.sequences.items()
+    ]
+    if question.workers == 1:
+        return dict(zip(record.sequences, (told(*task) for task in tasks), strict=True))
+    with ProcessPoolExecutor(question.workers) as pool:
+        return dict(zip(record.sequences, pool.map(told, *zip(*tasks, strict=True)), strict=True))
+
+
+def _outputs(model: ErrorModel, axis: str) -> tuple[Effect, ...]:
+    """Return the effects of an axis that act on the output behind the filter."""
+    return tuple(effect for effect in model.axes.get(axis, AxisModel()) if effect.stage > Stage.FILTER)
+
+
+def _found_outputs(record: Record, axis: str, known: tuple[Effect, ...]) -> tuple[Effect, ...]:
+    return known + tuple(finding.effects[axis] for finding in record.findings if axis in finding.effects)
+
+
+def _between_runs(
+    logs: Sequence[pd.DataFrame], record: Record, known: ErrorModel, question: Question, log_alpha: float
+) -> tuple[Finding, ...]:
+    """Return what differs between the runs."""
+    if len(logs) < 2:
+        return ()
+    from imugap.discovery.axis import fit
+    from imugap.discovery.story import described, part
+
+    records = [record, *(prepare(log, None, question.seed, question.start) for log in logs[1:])]
+    fits = []
+    for one in records:
+        whole = {axis: part(sequence, 0, len(sequence.values)) for axis, sequence in one.sequences.items()}
+        fits.append(
+            {
+                axis: fit(sequence, described(tuple(known.axes.get(axis, AxisModel())), sequence))
+                for axis, sequence in whole.items()
+            }
+        )
+    return (*turn_on(fits, log_alpha), *clocks(fits, log_alpha))
+
+
+def _left(
+    stories: Mapping[str, Story], record: Record, common: tuple[Finding, ...], question: Question, outputs: Mapping
+) -> tuple[Gap, ...]:
+    """Return where the final model leaves the log; axes whose noise is shared are not held against each other."""
+    fits = {axis: story.whole for axis, story in stories.items()}
+    known = {axis: _found_outputs(record, axis, outputs[axis]) for axis in fits}
+    together = {frozenset(pair) for finding in common for pair in _pairs(finding.axes)}
+    found = gaps(fits, question.alpha, question.seed + 1, question.replicates, known)
+    return tuple(gap for gap in found if frozenset(gap.axis.split(",")) not in together)
+
+
+def _pairs(axes: Sequence[str]) -> list[tuple[str, str]]:
+    return [(one, other) for one in axes for other in axes if one < other]
+
+
+def _models(
+    stories: Mapping[str, Story], known: ErrorModel, record: Record, findings: tuple[Finding, ...]
+) -> tuple[ErrorModel, ErrorModel]:
+    """Return the start model as fitted and the final model."""
+    start = {axis: AxisModel((*model_of(story.before), *_outputs(known, axis))) for axis, story in stories.items()}
+    final = {axis: AxisModel((*model_of(story.whole), *_outputs(known, axis))) for axis, story in stories.items()}
+    inner = {effect for story in stories.values() for finding in story.findings for effect in finding.effects.values()}
+    for finding in findings:
+        for axis, effect in finding.effects.items():
+            if effect not in inner:
+                final[axis] = _with(final.get(axis, AxisModel()), effect)
+    return ErrorModel(start), ErrorModel(final)
+
+
+def _with(model: AxisModel, effect: Effect) -> AxisModel:
+    """Return the model with an effect more; noise that is shared is no longer the axis' own."""
+    if isinstance(effect, CommonMode):
+        own = [
+            replace(one, density=float(np.sqrt(max(one.density**2 - (effect.density * effect.loading) ** 2, 0.0))))
+            if isinstance(one, WhiteNoise)
+            else one
+            for one in model
+        ]
+        return AxisModel((*own, effect))
+    return AxisModel((*model, effect))
+
+
+def _distances(
+    record: Record, stories: Mapping[str, Story], start: ErrorModel, after: ErrorModel, question: Question, moving: bool
+) -> dict[str, Distances]:
+    """Return the distances on the last part of the log, the parameters from the part before it."""
+    sequences = record.sequences
+    conditions = next(iter(sequences.values())).conditions
+    split = float(conditions.time[int(HELD_IN * len(conditions))])
+    errors = {axis: sequence.values for axis, sequence in sequences.items()}
+    measured = from_samples(errors, conditions.interval)
+    if conditions.temperature is not None:
+        measured = measured.assign(temperature=conditions.temperature)
+    drop = partial(_at_rest, stories=stories)
+    before = Uncertain(drop(start), {axis: story.before for axis, story in stories.items()})
+    final = Uncertain(drop(after), {axis: story.after for axis, story in stories.items()})
+    reference = None
+    if moving:
+        reference = conditions.ideal[list(errors)].set_axis(measured.index)
+        measured = measured.add(reference, fill_value=0.0)[list(measured.columns)]
+    found = {
+        "distribution": distribution(measured, split, before, final, question.seed, question.simulations, reference)
+    }
+    if not moving and all(axis in errors for axis in AXES):
+        found["navigation"] = navigation(measured, split, before, final, question.seed, question.simulations)
+    return found
+
+
+def _at_rest(model: ErrorModel, stories: Mapping[str, Story]) -> ErrorModel:
+    """Return the model of an even log: without its clock, and without what differs only between runs."""
+    kept = {
+        axis: AxisModel(tuple(effect for effect in model[axis] if not isinstance(effect, TurnOnBias)))
+        for axis in stories
+    }
+    return ErrorModel({axis: one for axis, one in kept.items() if axis != TIME})
