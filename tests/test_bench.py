@@ -93,7 +93,14 @@ def test_runs_meet_the_room_at_different_phases(runs):
 
 
 def test_truth_is_the_recipe(bench):
-    assert bench.truth()["model"] == yaml.safe_load(RECIPE.read_text())["model"]
+    truth, recipe = bench.truth()["model"], yaml.safe_load(RECIPE.read_text())["model"]
+    assert list(truth) == list(recipe)
+    for axis, items in recipe.items():
+        found = {name: values for item in truth[axis] for name, values in item.items()}
+        written = {name: values for item in items for name, values in item.items()}
+        assert len(truth[axis]) == len(items)
+        assert {name: {key: found[name][key] for key in values} for name, values in written.items()} == written
+        assert not any(found[name][key] for name in found for key in found[name].keys() - written[name].keys())
 
 
 def test_site_of_the_recipe_knows_its_heading(bench):

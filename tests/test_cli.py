@@ -148,6 +148,11 @@ FAULTS = {
         ["simulate", "bad.yaml", "--duration", "1", "--rate", "9"],
         "bad.yaml: gyro_x: effect: expected white_noise; found 'white_nois'",
     ),
+    "no sensor": (
+        lambda path: Path("bad.yaml").write_text("time: [{clock_scale: {ratio: 1.1}}]"),
+        ["simulate", "bad.yaml", "--duration", "1", "--rate", "9"],
+        "bad.yaml: expected a model of at least one sensor axis; found none",
+    ),
     "no such target": (
         nothing,
         ["export", "model.yaml", "--to", "kaliber", "--rate", "100"],

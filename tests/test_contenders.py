@@ -97,9 +97,9 @@ def test_restored_sequence_has_exactly_the_prescribed_stability(stability, perio
 
 def test_white_with_turn_on_is_the_restoration_without_its_scaling():
     assert CONTENDERS["restoration"](indices()).effects[:-1] == (
+        WhiteNoise(0.05),
         Bias(0.4),
         TurnOnBias(0.2),
-        WhiteNoise(0.05),
     )
     assert set(CONTENDERS["white_turn_on"](indices())) == set(CONTENDERS["restoration"](indices()).effects[:-1])
 
@@ -166,8 +166,8 @@ def test_fit_builds_each_axis_from_its_own_indices():
     curves = pd.DataFrame({"axis": ["gyro_x", "accel_z"], "tau": 1.0, "deviation": 1.0, "error": 0.1})
     model = fit("restoration", pd.DataFrame(rows), curves, 4.0)
     parameters = {name: [item.parameters() for item in model[name]] for name in ("gyro_x", "accel_z")}
-    assert parameters["gyro_x"] == [{"value": 1.0}, {"std": 0.3}, {"density": 0.2}, {"stability": 0.1, "period": 4.0}]
-    assert parameters["accel_z"] == [{"value": 2.0}, {"std": 0.6}, {"density": 0.4}, {"stability": 0.2, "period": 4.0}]
+    assert parameters["gyro_x"] == [{"density": 0.2}, {"value": 1.0}, {"std": 0.3}, {"stability": 0.1, "period": 4.0}]
+    assert parameters["accel_z"] == [{"density": 0.4}, {"value": 2.0}, {"std": 0.6}, {"stability": 0.2, "period": 4.0}]
 
 
 def test_fit_of_a_single_run_has_no_turn_on_bias():

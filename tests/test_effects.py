@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 from scipy.linalg import toeplitz
 from scipy.optimize import minimize_scalar
-from scipy.stats import chi2
+from scipy.spatial.transform import Rotation
+from scipy.stats import binom, chi2, norm
 
 import imugap.effects
 from imugap import allan, log
@@ -556,3 +557,406 @@ def test_a_model_sums_what_its_effects_say_of_their_samples():
     np.testing.assert_allclose(model.sampled_allan_variance(averaging, 0.01), expected, rtol=1e-13)
     expected = sum(effect.sampled_psd(frequency, 0.01) for effect in SAMPLED)
     np.testing.assert_allclose(model.sampled_psd(frequency, 0.01), expected, rtol=1e-13)
+
+
+def shares(hits, probability, alpha=1e-4):
+    """Whether the share of independent hits agrees with their probability, two-sided."""
+    low, high = binom.ppf([alpha / 2, 1 - alpha / 2], hits.size, probability)
+    return low <= hits.sum() <= high
+
+
+@pytest.mark.parametrize("frequency", [0.7, 12.3, 49.0, 73.0])
+def test_sinusoid_has_the_allan_variance_of_the_mean_over_its_phase(frequency):
+    averaging = np.array([1, 2, 7, 50])
+    phases = np.linspace(0, 2 * np.pi, 12, endpoint=False)
+    runs = [Sinusoid(frequency, 0.5, phase).sample(conditions(400), stream(1)) for phase in phases]
+    found = np.mean([allan.variance(run, averaging) for run in runs], axis=0)
+    expected = Sinusoid(frequency, 0.5).sampled_allan_variance(averaging, 0.01)
+    np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-15)
+
+
+def test_sinusoid_has_the_lobes_of_ieee_952():
+    line, tau = Sinusoid(2.0, 0.5), np.array([1e-4, 0.1, 0.25, 0.5, 1.3])
+    expected = (0.5 * np.sin(2 * np.pi * tau) ** 2 / (2 * np.pi * tau)) ** 2
+    np.testing.assert_allclose(line.allan_variance(tau), expected, rtol=1e-9, atol=1e-30)
+    assert line.allan_variance(0.5) == pytest.approx(0, abs=1e-25)
+    fine = line.sampled_allan_variance(np.array([25_000]), 1e-5)
+    np.testing.assert_allclose(fine, line.allan_variance(np.array([0.25])), rtol=1e-8)
+
+
+def test_sinusoid_has_its_amplitude_frequency_and_phase():
+    sequence = Sinusoid(5.0, 0.5, 1.0).sample(conditions(1000), stream(1))
+    line = np.fft.rfft(sequence) / 500
+    expected = np.zeros(501, complex)
+    expected[50] = 0.5 * np.exp(1j)
+    np.testing.assert_allclose(line, expected, atol=1e-12)
+
+
+@pytest.mark.parametrize("interval", [0.01, 1.0])
+def test_a_sinusoid_at_the_sampling_rate_is_a_constant(interval):
+    line = Sinusoid(1 / interval, 1.0)
+    np.testing.assert_allclose(line.sampled_allan_variance(np.array([1, 10]), interval), 0, atol=1e-20)
+
+
+def test_telegraph_has_two_values_and_starts_at_either():
+    sequences = draws(RandomTelegraph(1.4, 2.5), 4000, 3, "values")
+    assert set(np.unique(sequences)) == {-0.7, 0.7}
+    assert shares(sequences[:, 0] > 0, 0.5)
+
+
+def test_telegraph_switches_between_uneven_stamps_as_a_poisson_process_does():
+    time = np.array([0.0, 0.01, 0.3, 0.5, 4.0])
+    at = Conditions(time, 0.01)
+    process = RandomTelegraph(2.0, 2.5)
+    signs = np.array([process.sample(at, stream(11, "uneven", run)) for run in range(8000)])
+    for k, gap in enumerate(np.diff(time)):
+        assert shares(signs[:, k] != signs[:, k + 1], (1 - np.exp(-2 * 2.5 * gap)) / 2), gap
+
+
+def test_telegraph_is_no_gaussian_process_and_has_no_state_space():
+    with pytest.raises(ValueError, match="random_telegraph: expected a process with a state space"):
+        RandomTelegraph(1.0, 1.0).state_space()
+
+
+def test_outliers_come_with_their_probability_and_deviation():
+    sequence = Outliers(0.05, 2.0).sample(conditions(100_000), stream(11, "outliers"))
+    hit = sequence != 0
+    assert shares(hit, 0.05)
+    assert sharp_std(sequence[hit], 2.0)
+    squares = np.square(sequence)
+    assert inside(squares, 0.05 * 2.0**2)
+
+
+@pytest.mark.parametrize("probability", [0.0, 1.0])
+def test_outliers_at_the_limits_of_their_probability(probability):
+    hit = Outliers(probability, 1.0).sample(conditions(100), stream(1)) != 0
+    assert np.all(hit == (probability == 1))
+
+
+def test_bias_step_is_there_from_its_time_on():
+    at = Conditions(np.array([0.0, 0.1, 0.2, 0.3]), 0.1)
+    np.testing.assert_array_equal(BiasStep(0.2, -0.4).sample(at, stream(1)), [0.0, 0.0, -0.4, -0.4])
+
+
+def test_warm_up_relaxes_from_its_amplitude_with_its_time_constant():
+    at = conditions(400)
+    sequence = WarmUp(-0.8, 0.5).sample(at, stream(1))
+    assert sequence[0] == -0.8
+    np.testing.assert_allclose(np.gradient(sequence, at.time)[1:-1], -sequence[1:-1] / 0.5, rtol=1e-4)
+
+
+def test_temperature_has_a_curvature_and_a_rate_term():
+    temperature = 20 + 0.5 * np.arange(5)
+    at = conditions(5, interval=0.1, temperature=temperature)
+    curved = Temperature(0.0, 21.0, quadratic=2.0).sample(at, stream(1))
+    np.testing.assert_allclose(curved, [2.0, 0.5, 0.0, 0.5, 2.0], atol=1e-14)
+    np.testing.assert_allclose(Temperature(0.0, rate=0.3).sample(at, stream(1)), np.full(5, 1.5), rtol=1e-12)
+    whole = Temperature(1.5, 21.0, 2.0, 0.3).sample(at, stream(1))
+    np.testing.assert_allclose(whole, Temperature(1.5, 21.0).sample(at, stream(1)) + curved + 1.5, rtol=1e-12)
+
+
+def test_variance_change_scales_the_white_noise_and_nothing_else():
+    at = conditions(12_000)
+    slow = GaussMarkov(7.0, 0.2) + Bias(4.0)
+    model = slow + WhiteNoise(0.3) + VarianceChange(40.0, 80.0, 4.0)
+    noise = model.simulate(np.zeros(12_000), at, 1) - slow.simulate(np.zeros(12_000), at, 1)
+    assert sharp_std(noise[4000:8000], 2 * 0.3 / np.sqrt(0.01))
+    assert sharp_std(np.r_[noise[:4000], noise[8000:]], 0.3 / np.sqrt(0.01))
+
+
+def test_variance_change_includes_its_begin_and_not_its_end():
+    at = Conditions(np.array([0.0, 1.0, 2.0, 3.0]), 1.0)
+    np.testing.assert_array_equal(VarianceChange(1.0, 3.0, 0.0).apply(np.ones(4), at, stream(1)), [1, 0, 0, 1])
+
+
+def test_a_change_that_ends_before_it_begins_is_refused():
+    with pytest.raises(ValueError, match=r"variance_change\.stop: expected a time >= start = 2\.0; found 1\.0"):
+        VarianceChange(2.0, 1.0, 4.0)
+
+
+def test_common_mode_takes_its_loading_with_the_sign():
+    one, other = (CommonMode(0.3, loading).sample(conditions(50), stream(1)) for loading in (1.0, -2.0))
+    np.testing.assert_allclose(other, -2 * one, rtol=1e-14)
+
+
+def test_common_mode_is_white_noise_to_a_filter_of_one_axis():
+    assert CommonMode(0.3, -0.5).state_space().output_psd == pytest.approx(0.15**2)
+
+
+@pytest.mark.parametrize("order", [1, 2, 5, 8])
+@pytest.mark.parametrize("cutoff", [0.5, 10.0, 45.0])
+def test_filter_has_the_gain_that_it_says(cutoff, order):
+    effect, count = OutputFilter(cutoff, order), 40_000
+    pulse = np.zeros(count)
+    pulse[1] = 1.0  # the filter starts in the steady state of the first value
+    response = effect.apply(pulse, conditions(count), stream(1))
+    frequency = np.fft.rfftfreq(count, 0.01)
+    np.testing.assert_allclose(np.abs(np.fft.rfft(response)) ** 2, effect.gain(frequency, 0.01), atol=1e-9)
+    assert effect.gain(cutoff, 0.01) == pytest.approx(0.5, rel=1e-12)
+    assert effect.gain(0.0, 0.01) == 1.0
+
+
+@pytest.mark.parametrize("order", [1, 4])
+def test_filter_colours_white_noise_by_its_gain(order):
+    count, interval, noise, effect = 1024, 0.01, WhiteNoise(0.3), OutputFilter(10.0, order)
+    at, taper = conditions(count, interval), np.hanning(count)
+    white = draws(noise, RUNS, count, "filter", order, interval=interval)
+    power = np.abs(np.fft.rfft([effect.apply(one, at, stream(1)) * taper for one in white])) ** 2
+    frequency = np.fft.rfftfreq(count, interval)
+    for band in (slice(8, 40), slice(95, 110), slice(180, 220)):
+        expected = noise.sampled_psd(frequency[band], interval) * effect.gain(frequency[band], interval)
+        relative = power[:, band] * interval / np.sum(taper**2) / expected
+        assert inside(relative.mean(axis=1), 1.0), band
+
+
+def test_filter_starts_in_its_steady_state():
+    np.testing.assert_allclose(
+        OutputFilter(3.0, 4).apply(np.full(200, 9.8), conditions(200), stream(1)), 9.8, rtol=1e-9
+    )
+
+
+@pytest.mark.parametrize("cutoff", [50.0, 80.0])
+def test_a_cutoff_beyond_half_the_rate_is_refused(cutoff):
+    message = r"output_filter\.cutoff: expected less than half the rate, 50 Hz; found"
+    with pytest.raises(ValueError, match=message):
+        OutputFilter(cutoff).apply(np.zeros(9), conditions(9), stream(1))
+    with pytest.raises(ValueError, match=message):
+        OutputFilter(cutoff).gain(1.0, 0.01)
+
+
+def test_saturation_puts_the_tails_on_its_limits_and_leaves_the_rest():
+    values = stream(11, "saturation").standard_normal(50_000)
+    clipped = Saturation(1.5).apply(values, conditions(len(values)), stream(1))
+    assert shares(clipped == 1.5, norm.sf(1.5))
+    assert shares(clipped == -1.5, norm.sf(1.5))
+    within = np.abs(values) < 1.5
+    np.testing.assert_array_equal(clipped[within], values[within])
+    variance = 1 - 2 * (1.5 * norm.pdf(1.5) + norm.sf(1.5)) + 2 * 1.5**2 * norm.sf(1.5)
+    assert inside(clipped**2, variance)
+
+
+def test_stuck_samples_repeat_the_last_value_for_their_length():
+    values = stream(11, "stuck").standard_normal(100_000)
+    stuck = StuckSamples(0.02, 5.0).apply(values, conditions(len(values)), stream(12, "stuck"))
+    repeated = np.r_[False, np.diff(stuck) == 0]
+    np.testing.assert_array_equal(stuck[~repeated], values[~repeated])
+    begins = repeated[1:] & ~repeated[:-1]
+    assert shares(begins[~repeated[:-1]], 0.02)
+    assert shares(~repeated[1:][repeated[:-1]], 1 / 5.0)
+
+
+def test_certainly_stuck_samples_repeat_every_other_value():
+    stuck = StuckSamples(1.0, 1.0).apply(np.arange(5.0), conditions(5), stream(1))
+    np.testing.assert_array_equal(stuck, [0, 0, 2, 2, 4])
+
+
+def test_lost_samples_leave_the_others_with_their_stamps():
+    table = motion(20_000)
+    kept = SampleLoss(0.02, 5.0).keep(table, stream(11, "loss"))
+    assert kept.equals(table.loc[kept.index])
+    steps = np.rint(np.diff(kept.index) / 0.01)
+    assert shares(steps > 1, 0.02)
+    gaps = steps[steps > 1] - 1
+    error = np.sqrt(5.0 * 4.0 / len(gaps))
+    assert abs(gaps.mean() - 5.0) < 4 * error
+
+
+def test_a_loss_that_leaves_no_log_is_refused():
+    with pytest.raises(ValueError, match="sample_loss: expected at least 2 samples that are left; found 1"):
+        SampleLoss(1.0, 1e9).keep(motion(50), stream(11, "nothing"))
+
+
+def test_jitter_displaces_stamps_by_its_deviation_and_no_sample():
+    table = motion(5000)
+    kept = TimestampJitter(5e-4).keep(table, stream(11, "jitter"))
+    assert sharp_std(kept.index.to_numpy() - table.index.to_numpy(), 5e-4)
+    np.testing.assert_array_equal(kept.to_numpy(), table.to_numpy())
+    assert log.check(kept) is kept
+
+
+@pytest.mark.parametrize("std", [0.01, 1.0])
+def test_jitter_beyond_the_interval_keeps_the_order(std):
+    kept = TimestampJitter(std).keep(motion(2000), stream(11, "order"))
+    assert np.all(np.diff(kept.index) > 0)
+    assert kept.index.name == "time"
+
+
+class Still:
+    """A source of "random" numbers that puts two stamps on the same place."""
+
+    def standard_normal(self, count):
+        return np.r_[1.0, 0.0, np.zeros(count - 2)]
+
+
+def test_jitter_parts_stamps_that_coincide():
+    table = log.from_samples({"gyro_x": np.arange(4.0)}, 1.0)
+    kept = TimestampJitter(1.0).keep(table, Still())
+    np.testing.assert_array_equal(kept.index, [1.0, np.nextafter(1.0, 2.0), 2.0, 3.0])
+
+
+def test_clock_scale_multiplies_the_stamps_and_touches_no_sample():
+    table = motion(100)
+    kept = ClockScale(1.01).keep(table, stream(1))
+    assert log.rate(kept) == pytest.approx(100 / 1.01)
+    np.testing.assert_array_equal(kept.to_numpy(), table.to_numpy())
+    assert kept.index.name == "time"
+
+
+@pytest.mark.parametrize("effect", [SampleLoss(0.1, 2.0), TimestampJitter(0.1), ClockScale(1.1)], ids=lambda e: e.name)
+def test_an_effect_of_the_clock_refuses_a_sequence(effect):
+    with pytest.raises(ValueError, match=rf"{effect.name}: expected a whole log"):
+        AxisModel((effect,)).simulate(np.zeros(9), conditions(9), 1)
+
+
+def held(axis, **values):
+    """Conditions of an axis under constant inputs."""
+    columns = {name: np.full(200, values.get(name, 0.0)) for name in log.AXES}
+    ideal = log.from_samples(columns, 0.01)
+    return Conditions(ideal.index.to_numpy(), 0.01, None, axis, ideal)
+
+
+@pytest.mark.parametrize(("u", "expected"), [(2.0, 0.02 + 0.06 + 0.4), (-2.0, -0.02 + 0.06 + 0.4), (0.0, 0.0)])
+def test_scale_factor_depends_on_the_own_input(u, expected):
+    sequence = ScaleFactor(0.01, 0.03, 0.1).sample(held("gyro_y", gyro_y=u, gyro_x=5.0), stream(1))
+    np.testing.assert_allclose(sequence, expected, rtol=1e-12, atol=1e-15)
+
+
+def test_misalignment_takes_its_share_of_the_other_axes_of_the_triad():
+    at = held("accel_y", accel_x=1.0, accel_y=50.0, accel_z=2.0, gyro_x=100.0)
+    np.testing.assert_allclose(Misalignment(x=0.01, z=-0.02).sample(at, stream(1)), 0.01 - 0.04, rtol=1e-12)
+
+
+def test_misalignment_to_the_own_axis_is_refused():
+    with pytest.raises(ValueError, match=r"misalignment\.x: expected 0 on its own axis gyro_x; found 0\.1"):
+        Misalignment(x=0.1).sample(held("gyro_x"), stream(1))
+
+
+def test_misalignment_needs_only_the_axes_that_it_leans_to():
+    ideal = log.from_samples({"gyro_x": np.zeros(5), "gyro_y": np.ones(5)}, 0.01)
+    at = Conditions(ideal.index.to_numpy(), 0.01, None, "gyro_x", ideal)
+    np.testing.assert_allclose(Misalignment(y=0.1).sample(at, stream(1)), 0.1)
+    np.testing.assert_array_equal(Misalignment().sample(at, stream(1)), np.zeros(5))
+    with pytest.raises(ValueError, match="misalignment: expected an error-free log with gyro_z; found none"):
+        Misalignment(z=0.1).sample(at, stream(1))
+
+
+def test_g_sensitivity_is_linear_in_the_specific_force():
+    at = held("gyro_x", accel_x=1.0, accel_y=2.0, accel_z=-9.8)
+    expected = 1e-3 - 2e-3 * 2 - 3e-3 * 9.8
+    np.testing.assert_allclose(GSensitivity(1e-3, -2e-3, 3e-3).sample(at, stream(1)), expected, rtol=1e-12)
+
+
+def test_vibration_rectification_is_the_coefficient_times_the_power_of_the_vibration():
+    runs, count, std = 200, 401, np.array([0.5, 1.0, 2.0])
+    found = np.empty((runs, count))
+    for run in range(runs):
+        force = std * stream(11, "vibration", run).standard_normal((count, 3)) + [0.0, 3.0, -9.8]
+        ideal = log.from_samples(dict(zip(log.ACCEL, force.T, strict=True)), 0.01)
+        at = Conditions(ideal.index.to_numpy(), 0.01, None, "accel_z", ideal)
+        found[run] = VibrationRectification(0.04).sample(at, stream(1))
+    expected = 0.04 * np.sum(std**2)
+    assert inside(found[:, 200], expected * 100 / 101)  # centred: 50 samples on either side
+    assert inside(found[:, 0], expected * 50 / 51)
+    assert inside(found[:, -1], expected * 50 / 51)
+
+
+def test_vibration_rectification_of_a_shock_lasts_for_its_window():
+    shock = np.zeros(9)
+    shock[4] = 1.0
+    ideal = log.from_samples({"accel_x": shock, "accel_y": np.zeros(9), "accel_z": np.full(9, -9.8)}, 0.25)
+    sequence = VibrationRectification(1.0).sample(
+        Conditions(ideal.index.to_numpy(), 0.25, None, "gyro_x", ideal), stream(1)
+    )
+    np.testing.assert_allclose(sequence, [0, 0, *[0.2 * 0.8] * 5, 0, 0], atol=1e-12)
+
+
+def test_vibration_rectification_of_a_constant_force_is_zero():
+    np.testing.assert_allclose(
+        VibrationRectification(1.0).sample(held("gyro_x", accel_z=-9.8), stream(1)), 0, atol=1e-12
+    )
+
+
+def test_lever_arm_is_the_acceleration_of_the_point_that_turns_with_the_body():
+    interval, axis, arm = 1e-3, np.array([1.0, -2.0, 2.0]) / 3, np.array([0.1, -0.2, 0.3])
+    time = interval * np.arange(2000)
+    angle = 0.8 * np.sin(3 * time)
+    rate = 0.8 * 3 * np.cos(3 * time)[:, None] * axis
+    turns = Rotation.from_rotvec(angle[:, None] * axis)
+    acceleration = np.gradient(np.gradient(turns.apply(arm), time, axis=0), time, axis=0)
+    expected = turns.inv().apply(acceleration)
+    columns = dict(zip(log.GYRO, rate.T, strict=True)) | {name: np.zeros(len(time)) for name in log.ACCEL}
+    ideal = log.from_samples(columns, interval)
+    for k, name in enumerate(log.ACCEL):
+        at = Conditions(time, interval, None, name, ideal)
+        found = LeverArm(*arm).sample(at, stream(1))
+        np.testing.assert_allclose(found[5:-5], expected[5:-5, k], atol=1e-4)
+
+
+def test_lever_arm_on_a_turntable_is_centripetal():
+    sampled = {name: LeverArm(0.2, 0.0, 0.1).sample(held(name, gyro_z=3.0), stream(1)) for name in log.ACCEL}
+    np.testing.assert_allclose(sampled["accel_x"], -(3.0**2) * 0.2, rtol=1e-12)
+    np.testing.assert_allclose(sampled["accel_y"], 0.0, atol=1e-14)
+    np.testing.assert_allclose(sampled["accel_z"], 0.0, atol=1e-14)
+
+
+@pytest.mark.parametrize("offset", [0.0034, -0.0127])
+def test_time_offset_delays_the_input(offset):
+    at = moving(1000, "gyro_y")
+    moved = TimeOffset(offset).sample(at, stream(1)) + at.ideal["gyro_y"].to_numpy()
+    expected = 0.3 + 2 * np.sin(2 * np.pi * 0.4 * (at.time - offset) + 1)
+    np.testing.assert_allclose(moved[5:-5], expected[5:-5], atol=1e-6)
+
+
+def test_time_offset_of_whole_samples_shifts_and_holds_the_end():
+    at = moving(50, "accel_x")
+    input = at.ideal["accel_x"].to_numpy()
+    late = TimeOffset(0.03).sample(at, stream(1)) + input
+    np.testing.assert_allclose(late, np.r_[np.full(3, input[0]), input[:-3]], atol=1e-9)
+    early = TimeOffset(-0.03).sample(at, stream(1)) + input
+    np.testing.assert_allclose(early, np.r_[input[3:], np.full(3, input[-1])], atol=1e-9)
+
+
+def test_stance_motion_leaves_the_log_alone():
+    values = stream(1).standard_normal(9)
+    np.testing.assert_array_equal(StanceMotion(0.1, 0.2).apply(values, conditions(9), stream(1)), values)
+
+
+MOVED = (
+    ScaleFactor(0.1),
+    Misalignment(x=0.1),
+    GSensitivity(0.1, 0.1, 0.1),
+    LeverArm(0.1, 0.1, 0.1),
+    TimeOffset(0.1),
+)
+
+
+@pytest.mark.parametrize("effect", MOVED, ids=lambda effect: effect.name)
+def test_an_effect_of_the_input_says_what_it_misses(effect):
+    axis = "accel_z" if effect.name == "lever_arm" else "gyro_z"
+    with pytest.raises(ValueError, match=rf"{effect.name}: expected conditions with an axis; found none"):
+        effect.sample(conditions(9), stream(1))
+    with pytest.raises(ValueError, match=rf"{effect.name}: expected conditions with an error-free log; found none"):
+        effect.sample(Conditions(np.arange(9.0), 1.0, None, axis), stream(1))
+    poor = log.from_samples({"accel_y": np.zeros(9)}, 1.0)
+    with pytest.raises(ValueError, match=rf"{effect.name}: expected an error-free log with .*; found none"):
+        effect.sample(Conditions(np.arange(9.0), 1.0, None, axis, poor), stream(1))
+
+
+def test_vibration_rectification_needs_all_three_components():
+    poor = log.from_samples({"accel_x": np.zeros(9), "accel_y": np.zeros(9)}, 1.0)
+    with pytest.raises(
+        ValueError, match="vibration_rectification: expected an error-free log with accel_z; found none"
+    ):
+        VibrationRectification(1.0).sample(Conditions(np.arange(9.0), 1.0, None, "gyro_x", poor), stream(1))
+
+
+@pytest.mark.parametrize("axis", ["accel_x", "time"])
+def test_g_sensitivity_is_one_of_gyroscopes(axis):
+    with pytest.raises(ValueError, match=rf"g_sensitivity: expected one of gyro_x, gyro_y, gyro_z; found {axis}"):
+        GSensitivity(0.0, 0.0, 0.0).check_axis(axis)
+
+
+@pytest.mark.parametrize("axis", ["gyro_x", "time"])
+def test_lever_arm_is_one_of_accelerometers(axis):
+    with pytest.raises(ValueError, match=rf"lever_arm: expected one of accel_x, accel_y, accel_z; found {axis}"):
+        LeverArm(0.0, 0.0, 0.0).check_axis(axis)

@@ -16,6 +16,7 @@ from imugap.effects import (
     Quantization,
     RandomWalk,
     Resolution,
+    SampleLoss,
     TurnOnBias,
     WhiteNoise,
 )
@@ -200,3 +201,10 @@ def test_flicker_has_no_filter_of_its_own_but_goes_to_a_tool():
 def test_an_unknown_target_meets_the_nearest(name, near):
     with pytest.raises(ValueError, match=f"target: expected {near}.*; found '{name}'"):
         Target.of(name)
+
+
+def test_errors_of_the_clock_are_named_as_left_out():
+    text = export(ErrorModel({**FITTED.axes, "time": AxisModel((SampleLoss(0.1, 2.0),))}), Target.IMUGAP, RULE)
+    assert "# Not in the state space: time sample_loss" in text
+    assert list(numbers(text)["axes"]) == list(log.AXES)
+    assert ErrorModel.from_mapping(numbers(text)["model"])["time"] == AxisModel((SampleLoss(0.1, 2.0),))

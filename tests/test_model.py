@@ -12,19 +12,32 @@ from imugap.effects import (
     CATALOGUE,
     Bias,
     BiasInstability,
+    ClockScale,
+    CommonMode,
     Conditions,
     GaussMarkov,
+    LeverArm,
     Misalignment,
+    OutputFilter,
+    RandomTelegraph,
     RandomWalk,
     Resolution,
+    SampleLoss,
+    Saturation,
+    ScaleFactor,
     StabilityRestoration,
+    Stage,
+    StanceMotion,
+    StuckSamples,
     Temperature,
+    TimestampJitter,
     TurnOnBias,
     VarianceChange,
     WhiteNoise,
 )
 from imugap.model import AxisModel, ErrorModel
 from imugap.stability import bias_stability
+from imugap.stream import stream
 
 AT = Conditions(0.01 * np.arange(600), 0.01, np.linspace(20, 30, 600))
 IDEAL = np.full(600, 0.5)
@@ -243,3 +256,148 @@ def test_spectra_and_allan_variances_of_the_effects_add():
     np.testing.assert_allclose(model.state_space().psd(at), model.psd(at), rtol=1e-10)
     variances = sum(effect.allan_variance(at) for effect in stochastic)
     np.testing.assert_allclose(model.allan_variance(at), variances, rtol=1e-14)
+
+
+SHUFFLED = (
+    StuckSamples(0.3, 2.0),
+    Resolution(0.1),
+    Saturation(0.72),
+    OutputFilter(5.0, 2),
+    StabilityRestoration(0.01, 0.1),
+    Bias(0.1),
+    VarianceChange(1.0, 2.0, 4.0),
+    WhiteNoise(0.1),
+)
+
+
+def test_effects_act_in_the_order_of_the_signal_chain():
+    stages = [effect.stage for effect in AxisModel(SHUFFLED)]
+    assert stages == list(Stage)[: len(stages)]
+    output = AxisModel(SHUFFLED).simulate(IDEAL, AT, 1)
+    expected = IDEAL.copy()
+    error = np.zeros(len(AT))
+    for effect in reversed(SHUFFLED):
+        rng = stream(1, effect.name, 1)
+        if effect.stage <= Stage.SEQUENCE:
+            error = effect.apply(error, AT, rng)
+            expected = IDEAL + error
+        else:
+            expected = effect.apply(expected, AT, rng)
+    np.testing.assert_array_equal(output, expected)
+
+
+def test_a_word_beyond_the_limit_is_the_rounded_limit():
+    output = (Bias(5.0) + Resolution(0.1) + Saturation(0.72)).simulate(IDEAL, AT, 1)
+    np.testing.assert_allclose(output, 0.7, rtol=1e-12)
+
+
+def test_the_filter_smooths_the_signal_and_not_the_word():
+    signal = np.where(AT.time < 3, 0.0, 1.0)
+    output = (OutputFilter(1.0) + Resolution(0.25)).simulate(signal, AT, 1)
+    assert set(output) == {0.0, 0.25, 0.5, 0.75, 1.0}
+
+
+def common(loadings, own=None):
+    extra = () if own is None else (WhiteNoise(own),)
+    return ErrorModel({axis: AxisModel((CommonMode(0.3, loading), *extra)) for axis, loading in loadings.items()})
+
+
+def test_axes_with_common_noise_differ_by_their_loading_only():
+    measured = common({"gyro_x": 1.0, "gyro_z": -2.0, "accel_y": 0.0}).simulate(still(), 1, "run") - still()
+    assert measured["gyro_x"].std() > 1
+    np.testing.assert_allclose(measured["gyro_z"], -2 * measured["gyro_x"], rtol=1e-9, atol=1e-12)
+    np.testing.assert_array_equal(measured["accel_y"], np.zeros(400))
+
+
+def test_axes_with_common_and_own_noise_are_coherent_by_the_share_of_the_common():
+    measured = common({"gyro_x": 1.0, "gyro_z": -2.0}, own=0.3).simulate(still(count=20_000), 1)
+    found = np.corrcoef(measured["gyro_x"], measured["gyro_z"])[0, 1]
+    expected = -2 / np.sqrt(2 * 5)
+    assert abs(np.arctanh(found) - np.arctanh(expected)) < 4 / np.sqrt(20_000)
+    for axis, loading in (("gyro_x", 1.0), ("gyro_z", -2.0)):
+        power = 0.09 * (1 + loading**2) / 0.01
+        assert abs(measured[axis].var() / power - 1) < 4 * np.sqrt(2 / 20_000)
+
+
+def test_common_noise_of_other_runs_and_seeds_is_another():
+    model = common({"gyro_x": 1.0})
+    first = model.simulate(still(count=4000), 1, "run", 1)["gyro_x"]
+    for seed, labels in ((2, ("run", 1)), (1, ("run", 2))):
+        other = model.simulate(still(count=4000), seed, *labels)["gyro_x"]
+        assert abs(np.corrcoef(first, other)[0, 1]) < 5 / np.sqrt(4000)
+
+
+def test_common_noise_does_not_depend_on_which_axes_share_it():
+    alone = common({"gyro_z": 1.5}).simulate(still(), 1)["gyro_z"]
+    among = common({"gyro_x": 1.0, "gyro_z": 1.5, "accel_x": 2.0}).simulate(still(), 1)["gyro_z"]
+    np.testing.assert_array_equal(alone, among)
+
+
+def test_two_common_noises_of_an_axis_are_independent():
+    twice = ErrorModel({"gyro_x": CommonMode(1.0) + CommonMode(1.0), "gyro_y": AxisModel((CommonMode(1.0),))})
+    measured = twice.simulate(still(count=4000), 1) - still(count=4000)
+    second = measured["gyro_x"] - measured["gyro_y"]
+    assert abs(np.corrcoef(second, measured["gyro_y"])[0, 1]) < 5 / np.sqrt(4000)
+    assert second.std() / measured["gyro_y"].std() == pytest.approx(1, rel=5 / np.sqrt(4000))
+
+
+CLOCK = AxisModel((SampleLoss(0.05, 3.0), TimestampJitter(1e-4), ClockScale(1.02)))
+
+
+def test_errors_of_the_clock_come_last_and_disturb_no_axis():
+    noise = {"gyro_x": WhiteNoise(1.0) + RandomTelegraph(1.0, 2.0) + StuckSamples(0.1, 2.0)}
+    plain = ErrorModel(noise).simulate(still(count=4000), 1, "run")
+    measured = ErrorModel(noise | {"time": CLOCK}).simulate(still(count=4000), 1, "run")
+    rows = np.rint(measured.index.to_numpy() / 0.01 / 1.02).astype(int)
+    assert 0.5 < len(measured) / 4000 < 0.95
+    np.testing.assert_array_equal(measured.to_numpy(), plain.to_numpy()[rows])
+    assert np.abs(measured.index - 1.02 * 0.01 * rows).max() < 1e-3
+    assert log.check(measured) is measured
+
+
+def test_errors_of_the_clock_have_streams_of_their_own():
+    one = ErrorModel({"time": AxisModel((TimestampJitter(1e-4),))}).simulate(still(count=4000), 1).index
+    both = ErrorModel({"time": TimestampJitter(1e-4) + ClockScale(2.0)}).simulate(still(count=4000), 1).index
+    twice = ErrorModel({"time": TimestampJitter(1e-4) + TimestampJitter(1e-4)}).simulate(still(count=4000), 1).index
+    np.testing.assert_allclose(both, 2 * one, rtol=1e-14)
+    first, second = one - still(count=4000).index, twice - one
+    assert abs(np.corrcoef(first, second)[0, 1]) < 5 / np.sqrt(4000)
+
+
+@pytest.mark.parametrize(
+    ("axis", "effect", "message"),
+    [
+        ("gyro_x", ClockScale(1.1), "gyro_x: clock_scale: expected the pseudo-axis time; found gyro_x"),
+        ("time", WhiteNoise(1.0), "time: white_noise: expected a sensor axis; found the pseudo-axis time"),
+        ("time", StanceMotion(1.0, 0.0), "time: stance_motion: expected a sensor axis; found the pseudo-axis time"),
+        ("gyro_x", LeverArm(0.1, 0.0, 0.0), "gyro_x: lever_arm: expected one of accel_x, .*; found gyro_x"),
+        ("accel_y", Misalignment(y=0.1), "accel_y: misalignment.y: expected 0 on its own axis accel_y; found 0.1"),
+    ],
+)
+def test_an_effect_away_from_home_is_refused(tmp_path, axis, effect, message):
+    with pytest.raises(ValueError, match=f"^{message}$"):
+        ErrorModel({axis: AxisModel((effect,))})
+    path = tmp_path / "model.yaml"
+    path.write_text(yaml.safe_dump({axis: [{effect.name: effect.parameters()}]}))
+    with pytest.raises(ValueError, match=rf"model\.yaml: {message}$"):
+        ErrorModel.read(path)
+
+
+def test_a_model_fills_the_conditions_of_its_effects():
+    ideal = still() + 1
+    model = ErrorModel({"gyro_y": AxisModel((ScaleFactor(0.1),)), "accel_x": AxisModel((Misalignment(z=0.01),))})
+    measured = model.simulate(ideal, 1)
+    np.testing.assert_allclose(measured["gyro_y"], 2 * 1.1, rtol=1e-12)
+    np.testing.assert_allclose(measured["accel_x"], 4 + 0.06, rtol=1e-12)
+
+
+def test_errors_of_the_input_see_the_ideal_one_whatever_the_other_axes_have():
+    ideal, lean = still() + 1, AxisModel((Misalignment(x=0.01),))
+    alone = ErrorModel({"gyro_z": lean}).simulate(ideal, 1)["gyro_z"]
+    among = ErrorModel({"gyro_x": AxisModel((Bias(5.0),)), "gyro_z": lean}).simulate(ideal, 1)["gyro_z"]
+    np.testing.assert_array_equal(alone, among)
+
+
+def test_the_sensors_of_a_model_are_all_but_its_clock():
+    model = ErrorModel({"gyro_x": AxisModel((Bias(1.0),)), "time": CLOCK})
+    assert model.sensors == {"gyro_x": model["gyro_x"]}

@@ -11,7 +11,9 @@ Log
 Effect
     A frozen value such as ``WhiteNoise(density=1e-4)`` (:mod:`imugap.effects`): one physical cause of error.
 ErrorModel
-    An immutable sum of effects for each axis (:mod:`imugap.model`); simulates, and round-trips to YAML.
+    An immutable sum of effects for each axis (:mod:`imugap.model`); simulates, and round-trips to YAML. Effects act in
+    the order of the signal chain (:class:`imugap.effects.effect.Stage`); those on the rows and stamps of the log stand
+    under the pseudo-axis ``time``.
 Trajectory
     ``pandas.DataFrame``, index ``time`` [s], columns ``north east down`` [m], ``vel_n vel_e vel_d`` [m/s],
     ``roll pitch heading`` [rad] (:mod:`imugap.strapdown`).

@@ -101,6 +101,8 @@ def estimate(options: argparse.Namespace) -> None:
 def simulate(options: argparse.Namespace) -> None:
     """Write the static log that a device with the given error model would have written."""
     model = ErrorModel.read(options.model)
+    if not model.sensors:
+        raise ValueError(f"{options.model}: expected a model of at least one sensor axis; found none")
     count = _count(options.duration * options.rate, len(model.sensors))
     still = {axis: -options.gravity if axis == "accel_z" else 0.0 for axis in log.AXES if axis in model.axes}
     ideal = {axis: np.full(count, value) for axis, value in still.items()}

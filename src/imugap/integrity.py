@@ -166,8 +166,10 @@ def gravity_unit(norm: float) -> str | None:
     return next((unit for unit, ratio in ratios.items() if 1 / GRAVITY_RATIO <= ratio <= GRAVITY_RATIO), None)
 
 
-def lattice(levels: np.ndarray, samples: int) -> float | None:
+def lattice(levels: np.ndarray, samples: int, grain: float = 0.0) -> float | None:
     """Return the greatest common step of the distinct values ``levels``, sorted, shape (m,), of so many ``samples``.
+
+    The levels are exact to ``grain``, the last decimal of a text, or to the round-off where that is more.
 
     Euclid's algorithm on all the differences at once. Differences below the round-off of the numbers (single, then
     double precision) are none. None, that is continuous, if most samples differ from all others, or if the step
@@ -177,7 +179,7 @@ def lattice(levels: np.ndarray, samples: int) -> float | None:
         return None
     steps = np.diff(levels)
     for relative in ROUND_OFF:
-        round_off = relative * np.abs(levels).max(initial=0.0)
+        round_off = max(relative * np.abs(levels).max(initial=0.0), grain)
         apart = steps[steps > round_off]
         step = apart.min(initial=np.inf)
         while 100 * round_off < step < np.inf:

@@ -7,15 +7,16 @@ mean leaves, in turn until neither moves; both in the basis of the cosine transf
 from collections.abc import Sequence as Several
 from dataclasses import dataclass, replace
 from functools import cached_property
+from math import exp
 
 import numpy as np
 from scipy.fft import dct, idct
 
 from imugap.discovery import scans
-from imugap.discovery.noise import Noise, NoiseFit
+from imugap.discovery.noise import Noise, NoiseFit, log_likelihood
 from imugap.discovery.noise import fit as fit_noise
 from imugap.discovery.sequence import Sequence
-from imugap.effects import VarianceChange
+from imugap.effects import Outliers, VarianceChange
 from imugap.effects.effect import Effect, StochasticEffect
 
 ROUNDS = 8
@@ -34,12 +35,15 @@ class Term:
 
     def moved(self, step: np.ndarray) -> "Term":
         """Return the term with its free parameters changed by ``step``, kept within their physical limits."""
-        limits = {item: self.effect.limits()[item] for item in self.free}
-        values = {
-            item: float(np.clip(getattr(self.effect, item) + change, *limits[item]))
-            for item, change in zip(self.free, step, strict=True)
-        }
+        values = {item: self._moved(item, change) for item, change in zip(self.free, step.tolist(), strict=True)}
         return Term(replace(self.effect, **values), self.free)
+
+    def _moved(self, name: str, change: float) -> float:
+        """Return a parameter after a change; one that has to be positive changes by a factor, of e at most."""
+        value, (low, high) = getattr(self.effect, name), self.effect.limits()[name]
+        if low > 0:
+            return min(value * exp(min(max(change / value, -1.0), 1.0)), high)
+        return min(max(value + change, low), high)
 
 
 @dataclass(frozen=True)
@@ -49,18 +53,11 @@ class Description:
     terms: tuple[Term, ...]
     noise: Noise
     changes: tuple[VarianceChange, ...] = ()
-
-    def with_term(self, term: Term) -> "Description":
-        """Return the description with one term more."""
-        return replace(self, terms=(*self.terms, term))
-
-    def without_term(self, index: int) -> "Description":
-        """Return the description without one term."""
-        return replace(self, terms=self.terms[:index] + self.terms[index + 1 :])
+    outliers: Outliers | None = None
 
     def effects(self) -> tuple[Effect, ...]:
         """Return all effects."""
-        return (*(term.effect for term in self.terms), *self.noise, *self.changes)
+        return (*(term.effect for term in self.terms), *self.noise, *self.changes, *filter(None, [self.outliers]))
 
     def size(self) -> int:
         """Return the number of adjusted parameters."""
@@ -247,8 +244,18 @@ def fit(sequence: Sequence, start: Description) -> AxisFit:
     return AxisFit(sequence, description, value, noise, _covariance(sequence, description))
 
 
+def log_score(sequence: Sequence, description: Description) -> float:
+    """Return the log-density of a sequence, free of its offset, under a description with values from elsewhere."""
+    bins = sequence.bins
+    power = bins.sums(cosines(residual(sequence, description)) ** 2)
+    variance = description.noise.variance(bins.frequency, bins.interval)
+    return log_likelihood(variance, power, bins.number) - _jacobian_of_scale(sequence, description)
+
+
 def _jacobian_of_scale(sequence: Sequence, description: Description) -> float:
-    return float(np.sum(np.log(scale(sequence, description.changes)) * np.ones(len(sequence.values))))
+    """Return the logarithm of what the scale does to the density of the coefficients that are used."""
+    bins = sequence.bins
+    return bins.last * float(np.mean(np.log(scale(sequence, description.changes))))
 
 
 def _mean_moved(sequence: Sequence, description: Description) -> Description:

@@ -7,6 +7,7 @@ a sequence without jumps at its ends (:mod:`imugap.likelihood`).
 
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
+from math import isfinite
 
 import numpy as np
 
@@ -201,7 +202,11 @@ def _limits(noise: Noise, bins: Bins, power: np.ndarray) -> tuple[np.ndarray, np
             low.append(np.log(1e-3 / bins.interval))
             high.append(np.log(0.499 / bins.interval))
             continue
-        if _scales(effect, name):
+        least, most = effect.limits()[name]
+        if isfinite(most):
+            low.append(np.log(least))
+            high.append(np.log(most))
+        elif _scales(effect, name):
             share = effect.sampled_psd(bins.frequency, bins.interval) / bins.interval
             ratio = 0.5 * np.log(np.median(level / share)), 0.5 * np.log((level / share).max())
             low.append(np.log(value) + 0.5 * np.log(FAINT * (level / share).min()))

@@ -1,51 +1,56 @@
 """What is missing on one axis: effects are added, exchanged and removed until none improves the description.
 
-Every effect of the catalogue proposes itself (:meth:`imugap.effects.Effect.proposals`); each proposal is fitted
-together with all that is there, and the one that chance explains least is taken. After an addition each effect is
-taken out again and exchanged for every other, so that what came first by masquerade does not stay.
+Every effect of the catalogue proposes itself (:meth:`imugap.effects.effect.Effect.starts`); each proposal is fitted
+together with all that is there, and the one that chance explains least is taken. After an addition each effect that
+was added is taken out again and exchanged for every other, so that what came first by masquerade does not stay.
 """
 
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy.special import gammaln
 from scipy.stats import chi2
 
 from imugap.discovery.axis import AxisFit, Description, Term, fit
-from imugap.effects import OutputFilter, VarianceChange
+from imugap.discovery.sequence import Sequence
+from imugap.discovery.tails import Tails, tails
+from imugap.effects import Outliers, OutputFilter, VarianceChange
 from imugap.effects.effect import Effect, Start, SystematicEffect
+from imugap.stream import stream
 
+TAILS = 100.0
+"""Independent shapes of tails, on the safe side."""
 LIMIT = 12
 """Additions to one axis."""
 FAR = 300.0
 """Gain of log-likelihood above which the probability of a chance is its asymptote."""
 MARGIN = 2.0
-"""Gain of evidence that an exchange has to make."""
+"""Gain of evidence (natural logarithm) that an exchange has to make."""
+HOPE, HOPES = -1.0, 4
+"""Log-probability of chance below which, and number of, effects that are added on trial where nothing is certain.
 
-
-@dataclass(frozen=True)
-class Proposal:
-    """An effect that may be missing.
-
-    Attributes
-    ----------
-    name
-        Its name.
-    description
-        The whole description with it, at start values.
-    trials
-        Number of independent places or shapes among which it was chosen.
-    """
-
-    name: str
-    description: Description
-    trials: float = 1.0
+They stay if the exchange of what is there makes all of it certain: an effect that stands for two others hides both.
+"""
+SLACK = 2.0
+"""How many times the gain that an effect expects before the fit it may make after it."""
 
 
 @dataclass(frozen=True, eq=False)
 class Trial:
-    """A fitted proposal: its gain of log-likelihood over the description without it, and the chance of that gain."""
+    """A description with one effect more, fitted.
+
+    Attributes
+    ----------
+    name
+        Name of the effect.
+    fit
+        The fit with it.
+    gain
+        Gain of log-likelihood over the fit without it.
+    log_p
+        Logarithm of the probability of that gain by chance (likelihood ratio, Bonferroni over the trials).
+    """
 
     name: str
     fit: AxisFit
@@ -53,35 +58,172 @@ class Trial:
     log_p: float
 
 
-def judged(proposal: Proposal, before: AxisFit) -> Trial:
-    """Fit a proposal and judge it against the fit without it (likelihood ratio, Bonferroni over its trials)."""
-    after = fit(before.sequence, proposal.description)
-    gain = after.log_likelihood - before.log_likelihood
-    more = max(after.description.size() - before.description.size(), 1)
-    return Trial(proposal.name, after, gain, min(_log_chance(gain, more) + np.log(proposal.trials), 0.0))
+@dataclass(frozen=True, eq=False)
+class Search:
+    """The search on one axis.
+
+    Attributes
+    ----------
+    start
+        What the start model describes; it stays.
+    catalogue
+        Kinds of effects that may be missing.
+    log_alpha
+        Logarithm of the probability that a proposal is taken by chance.
+    """
+
+    start: Description
+    catalogue: tuple[type[Effect], ...]
+    log_alpha: float
+    memory: dict[Description, AxisFit] = field(default_factory=dict)
+    """Fits by the description that they started from."""
+    tails: dict[Outliers, Tails] = field(default_factory=dict)
+    """What outliers were found by; the samples without them say no more about them."""
+
+    def fitted(self, sequence: Sequence, start: Description) -> AxisFit:
+        """Return the fit from a start, made once."""
+        if start not in self.memory:
+            self.memory[start] = fit(sequence, start)
+        return self.memory[start]
+
+    def explore(self, before: AxisFit) -> AxisFit:
+        """Return the fit to which nothing is to be added."""
+        for _ in range(LIMIT):
+            bar = HOPE if self.added(before.description) else self.log_alpha
+            trials = sorted((one for one in self.trials(before, bar) if one.log_p < bar), key=lambda one: one.log_p)
+            wide = self.cleaned(before)
+            if wide is not None and wide.log_p < min([self.log_alpha, *(one.log_p for one in trials)]):
+                before = self.settled(wide.fit)
+                continue
+            if trials and trials[0].log_p < self.log_alpha:
+                before = self.settled(trials[0].fit)
+                continue
+            hopes = (self.settled(trial.fit) for trial in trials[:HOPES])
+            proven = next((after for after in hopes if self._proven(after, before)), None)
+            if proven is None:
+                break
+            before = proven
+        return before
+
+    def _proven(self, after: AxisFit, before: AxisFit) -> bool:
+        """Return whether a fit has more effects than before, each of which chance does not explain."""
+        keys = self.added(after.description)
+        return len(keys) > len(self.added(before.description)) and all(
+            self.weighed(after, key)[0] < self.log_alpha for key in keys
+        )
+
+    def trials(self, before: AxisFit, bar: float) -> Iterator[Trial]:
+        """Yield every proposal, fitted, whose log-probability may come below ``bar``."""
+        for kind in self.catalogue:
+            for start in kind.starts(before):
+                if log_chance(SLACK * start.gain + SLACK, len(start.free)) + np.log(start.trials) < bar:
+                    yield self.judged(start, before)
+
+    def cleaned(self, before: AxisFit) -> Trial | None:
+        """Return the fit to the samples without outliers, and what speaks for outliers; None where they are known."""
+        if before.description.outliers is not None:
+            return None
+        found = tails(before.whitened)
+        if log_chance(found.gain, 2) + np.log(TAILS) > self.log_alpha or not found.flagged.any():
+            return None
+        unit = float(np.sqrt(before.variance.mean()))
+        named = replace(before.description, outliers=Outliers(found.probability, found.excess * unit))
+        sequence = before.sequence.mended(found.flagged, stream(0, "mended", before.sequence.conditions.axis))
+        self.tails[named.outliers] = found
+        return Trial(Outliers.name, self.fitted(sequence, named), found.gain, log_chance(found.gain, 2) + np.log(TAILS))
+
+    def judged(self, start: Start, before: AxisFit) -> Trial:
+        """Fit a proposal and judge it against the fit without it."""
+        after = self.fitted(before.sequence, with_effect(before.description, start))
+        gain = after.log_likelihood - before.log_likelihood
+        log_p = log_chance(gain, len(start.free)) + np.log(start.trials)
+        return Trial(start.effect.name, after, gain, min(log_p, 0.0))
+
+    def settled(self, found: AxisFit) -> AxisFit:
+        """Return the fit after the removal or exchange of every added effect that is superfluous or another one."""
+        for _ in range(LIMIT):
+            keys = [key for key in self.added(found.description) if key.part != "outliers"]
+            if len(keys) < 2:
+                return found
+            changed = next((other for key in keys if (other := self._improved(found, key)) is not None), None)
+            if changed is None:
+                return found
+            found = changed
+        return found
+
+    def _improved(self, found: AxisFit, key: "Key") -> AxisFit | None:
+        """Return a fit without the effect at ``key``, or with another in its place, if it is better."""
+        own, trials, without = self.weighed(found, key)
+        if own > self.log_alpha:
+            return without
+        best = min(trials, key=lambda trial: trial.log_p, default=None)
+        return best.fit if best is not None and best.log_p < own - MARGIN else None
+
+    def weighed(self, found: AxisFit, key: "Key") -> tuple[float, list[Trial], AxisFit]:
+        """Return the log-probability of one effect's gain by chance, its rivals, and the fit without it."""
+        if key.part == "outliers":
+            gain = self.tails[found.description.outliers].gain
+            return log_chance(gain, 2) + np.log(TAILS), [], found
+        without = self.fitted(found.sequence, removed(found.description, key))
+        name, trials = at(found.description, key).name, list(self.trials(without, self.log_alpha))
+        gain = found.log_likelihood - without.log_likelihood
+        more = max(found.description.size() - without.description.size(), 1)
+        same = [trial for trial in trials if trial.name == name]
+        places = max((trial.log_p - log_chance(trial.gain, more) for trial in same), default=0.0)
+        own = min([log_chance(gain, more) + places, *(trial.log_p for trial in same)])
+        return own, [trial for trial in trials if trial.name != name], without
+
+    def added(self, description: Description) -> list["Key"]:
+        """Return where the effects are that the start model does not have."""
+        keys = [Key("term", i) for i in range(len(self.start.terms), len(description.terms))]
+        keys += [Key("noise", i) for i in range(len(self.start.noise.effects), len(description.noise.effects))]
+        if description.noise.output_filter is not None and self.start.noise.output_filter is None:
+            keys.append(Key("filter", 0))
+        if description.outliers is not None and self.start.outliers is None:
+            keys.append(Key("outliers", 0))
+        return keys + [Key("change", i) for i in range(len(self.start.changes), len(description.changes))]
 
 
-def _log_chance(gain: float, more: int) -> float:
-    """Return the log-probability of a gain of log-likelihood by chance (Wilks), by its asymptote where it underflows."""
-    if gain <= 0:
-        return 0.0
-    if gain < FAR:
-        return float(chi2.logsf(2 * gain, more))
-    return float(-gain + (more / 2 - 1) * np.log(gain) - gammaln(more / 2))
+@dataclass(frozen=True)
+class Key:
+    """Where in a description an effect is: its part and its index there."""
+
+    part: str
+    index: int
 
 
-def proposals(before: AxisFit, catalogue: Iterable[type[Effect]]) -> Iterator[Proposal]:
-    """Yield what each effect of the catalogue proposes for the residual of a fit."""
-    for kind in catalogue:
-        for start in kind.starts(before):
-            yield Proposal(kind.name, with_effect(before.description, start), start.trials)
+def at(description: Description, key: Key) -> Effect:
+    """Return the effect at ``key``."""
+    if key.part == "term":
+        return description.terms[key.index].effect
+    if key.part == "noise":
+        return description.noise.effects[key.index]
+    if key.part == "outliers":
+        return description.outliers
+    return description.noise.output_filter if key.part == "filter" else description.changes[key.index]
+
+
+def removed(description: Description, key: Key) -> Description:
+    """Return the description without the effect at ``key``."""
+    if key.part == "term":
+        return replace(description, terms=_without(description.terms, key.index))
+    if key.part == "change":
+        return replace(description, changes=_without(description.changes, key.index))
+    noise = description.noise
+    if key.part == "filter":
+        return replace(description, noise=replace(noise, output_filter=None))
+    return replace(description, noise=replace(noise, effects=_without(noise.effects, key.index)))
+
+
+def _without(items: tuple, index: int) -> tuple:
+    return items[:index] + items[index + 1 :]
 
 
 def with_effect(description: Description, start: Start) -> Description:
     """Return the description with an effect more, in the part of it where its kind belongs."""
     effect = start.effect
     if isinstance(effect, SystematicEffect):
-        return description.with_term(Term(effect, start.free))
+        return replace(description, terms=(*description.terms, Term(effect, start.free)))
     if isinstance(effect, VarianceChange):
         return replace(description, changes=(*description.changes, effect))
     noise = description.noise
@@ -90,22 +232,10 @@ def with_effect(description: Description, start: Start) -> Description:
     return replace(description, noise=replace(noise, effects=(*noise.effects, effect)))
 
 
-def explore(before: AxisFit, catalogue: tuple[type[Effect], ...], log_alpha: float, fixed: int = 0) -> list[Trial]:
-    """Return the effects that are added, in order, each judged when it came; the last one holds the final fit.
-
-    Parameters
-    ----------
-    before
-        Fit of the start description.
-    log_alpha
-        Logarithm of the probability that any one proposal is taken by chance.
-    """
-    history: list[Trial] = []
-    for _ in range(LIMIT):
-        trials = [judged(proposal, before) for proposal in proposals(before, catalogue)]
-        best = min(trials, key=lambda trial: trial.log_p, default=None)
-        if best is None or best.log_p > log_alpha:
-            break
-        history.append(best)
-        before = best.fit
-    return history
+def log_chance(gain: float, more: int) -> float:
+    """Return the log-probability of a gain of log-likelihood by chance (Wilks 1938), its asymptote far out."""
+    if not 0 < gain < np.inf:
+        return 0.0 if gain <= 0 else -np.inf
+    if gain < FAR:
+        return float(chi2.logsf(2 * gain, more))
+    return float(-gain + (more / 2 - 1) * np.log(gain) - gammaln(more / 2))

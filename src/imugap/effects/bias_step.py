@@ -13,6 +13,8 @@ if TYPE_CHECKING:
 
 PLACES = 300.0
 """Independent places of a step in a long log, on the safe side."""
+DECAY = 0.05
+"""Decay, over the duration, of what is nearly a step."""
 
 
 @dataclass(frozen=True)
@@ -31,8 +33,16 @@ class BiasStep(SystematicEffect):
         """Return what a unit step adds."""
         return {"step": np.where(conditions.time >= self.time, 1.0, 0.0)}
 
+    def near_misses(self, conditions: Conditions) -> np.ndarray:
+        """Return trends before and after the step, and a decay after it."""
+        late = conditions.time - self.time
+        duration = conditions.time[-1] - conditions.time[0]
+        decay = np.where(late >= 0, np.exp(-np.maximum(late, 0.0) / (DECAY * duration)), 0.0)
+        return np.column_stack([np.minimum(late, 0.0), np.maximum(late, 0.0), decay])
+
     @classmethod
     def starts(cls, fit: "AxisFit") -> Iterator[Start]:
         """Yield a step where the matched filter of all steps is highest."""
-        time = fit.sequence.conditions.time[np.argmax(fit.steps)]
-        yield Start(cls(float(time), 0.0), ("step",), trials=PLACES)
+        highest = np.argmax(fit.steps)
+        time = float(fit.sequence.conditions.time[highest])
+        yield Start(cls(time, 0.0), ("step",), trials=PLACES, gain=float(fit.steps[highest]))

@@ -90,6 +90,28 @@ class Conditions:
         return self.ideal[list(axes)].to_numpy(float)
 
 
+@dataclass(frozen=True, eq=False)
+class Evidence:
+    """An effect seen in the samples or stamps themselves.
+
+    Attributes
+    ----------
+    effect
+        The effect at the estimated parameters.
+    intervals
+        Lower and upper limit of each parameter, 95 %.
+    log_p
+        Logarithm of the probability that chance makes as much of it.
+    flawed
+        Samples that carry no error of the sensor because of it, shape (n,).
+    """
+
+    effect: "Effect"
+    intervals: dict[str, tuple[float, float]]
+    log_p: float
+    flawed: np.ndarray
+
+
 def parameter(unit: str, meaning: str, low: float = 0.0, high: float = np.inf, whole: bool = False, **kwargs) -> Field:
     """Declare a parameter of an effect: SI unit (``{u}`` stands for the unit of the axis), meaning, physical limits."""
     return field(metadata={"unit": unit, "meaning": meaning, "low": low, "high": high, "whole": whole}, **kwargs)
@@ -107,11 +129,14 @@ class Start:
         Names of the parameters that the fit adjusts.
     trials
         Number of independent places or shapes among which it was chosen.
+    gain
+        Gain of log-likelihood that is expected before the fit, everything else held; infinite where not known.
     """
 
     effect: "Effect"
     free: tuple[str, ...]
     trials: float = 1.0
+    gain: float = np.inf
 
 
 @dataclass(frozen=True)
@@ -198,6 +223,10 @@ class SystematicEffect(AdditiveEffect):
         """Return the derivative of :meth:`sample` in each parameter that a fit may adjust, arrays of shape (n,)."""
         raise NotImplementedError
 
+    def near_misses(self, conditions: Conditions) -> np.ndarray:
+        """Return columns, shape (n, m), in which what is nearly this effect, but is not, differs from it."""
+        return np.empty((len(conditions), 0))
+
 
 @dataclass(frozen=True)
 class AllanEffect(AdditiveEffect):
@@ -245,7 +274,7 @@ class StochasticEffect(AllanEffect):
         if len(names) == 1 and not any(type(effect) is cls for effect in fit.description.noise):
             size = fit.room(cls(1.0))
             if size > 0:
-                yield Start(cls(size), names)
+                yield Start(cls(size), names, gain=fit.gain_of(cls(size)))
 
     def state_space(self) -> StateSpace:
         """Return the process as a linear model driven by white noise; ValueError if none is of finite order."""

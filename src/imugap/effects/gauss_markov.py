@@ -61,7 +61,7 @@ class GaussMarkov(StochasticEffect):
         for index in np.argsort(gains)[: -STARTS - 1 : -1]:
             if rooms[index] > 0:
                 start = cls(float(rooms[index]), float(times[index]))
-                yield Start(start, ("std", "correlation_time"), trials=TIMES / 2)
+                yield Start(start, ("std", "correlation_time"), trials=TIMES / 2, gain=gains[index])
 
     def psd(self, frequency: np.ndarray) -> np.ndarray:
         """Return S_B/(w^2 + 1/T^2) (Farrell et al. 2022, eq. 35)."""

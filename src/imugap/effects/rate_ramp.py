@@ -27,11 +27,17 @@ class RateRamp(SystematicEffect, AllanEffect):
         """Return the time, for the slope."""
         return {"slope": conditions.time}
 
+    def near_misses(self, conditions: Conditions) -> np.ndarray:
+        """Return curvature and torsion: powers two and three of the time."""
+        centred = np.linspace(-1.0, 1.0, len(conditions))
+        return np.column_stack([centred**2, centred**3])
+
     @classmethod
     def starts(cls, fit: "AxisFit") -> Iterator[Start]:
         """Yield a flat ramp, where there is none yet."""
         if not fit.has(cls):
-            yield Start(cls(0.0), ("slope",))
+            gain = fit.gains(fit.whiten(fit.sequence.conditions.time[:, None]))[0]
+            yield Start(cls(0.0), ("slope",), gain=float(gain))
 
     def allan_variance(self, tau: np.ndarray) -> np.ndarray:
         """Return R^2 tau^2/2 (IEEE 952)."""

@@ -5,19 +5,53 @@ from typing import ClassVar
 
 import numpy as np
 import pandas as pd
+from scipy.stats import norm
 
-from imugap.effects.effect import ClockEffect, parameter
-from imugap.stretch import stretches
+from imugap.effects.effect import ClockEffect, Conditions, Evidence, parameter
+from imugap.integrity import IMPROBABLE
+from imugap.stamps import Stamps
+from imugap.stretch import counted, stretches
 
 
 @dataclass(frozen=True)
 class SampleLoss(ClockEffect):
-    """Gaps: rows are missing, the stamps of the others are right (:func:`imugap.stretch.stretches`)."""
+    """Gaps: rows are missing, the stamps of the others are right (:func:`imugap.stretch.stretches`).
+
+    Samples that are lost on one axis alone are NaN: there the effect stands on the axis.
+    """
 
     name: ClassVar[str] = "sample_loss"
     probability: float = parameter("1", "probability that a gap begins at a sample", high=1.0)
     length: float = parameter("1", "mean number of lost samples of a gap", low=1.0)
 
     def keep(self, log: pd.DataFrame, rng: np.random.Generator) -> pd.DataFrame:
-        """Return the rows that are not lost; the first is never."""
-        return log[~stretches(len(log), self.probability, self.length, rng)]
+        """Return the rows that are not lost; the first is never, and a single one is no log."""
+        kept = log[~stretches(len(log), self.probability, self.length, rng)]
+        if len(kept) < 2:
+            raise ValueError(f"{self.name}: expected at least 2 samples that are left; found {len(kept)}")
+        return kept
+
+    def apply(self, sequence: np.ndarray, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
+        """Put NaN in place of what is lost."""
+        return np.where(stretches(len(sequence), self.probability, self.length, rng), np.nan, sequence)
+
+    def check_axis(self, axis: str) -> None:
+        """Accept every axis, and the pseudo-axis."""
+
+    @classmethod
+    def found(cls, stamps: Stamps) -> Evidence | None:
+        """Return the gaps between stamps, or None."""
+        if not stamps.even or not stamps.lost.any():
+            return None
+        spread = np.sqrt(2 * max(stamps.variance, 1e-8 * stamps.interval**2))
+        evidence = cls.of(stamps.lost, float(norm.logsf(0.5 * stamps.interval / spread)))
+        return evidence if evidence.log_p < np.log(IMPROBABLE) else None
+
+    @classmethod
+    def of(cls, lost: np.ndarray, log_p: float = -np.inf) -> Evidence:
+        """Return what lost samples, shape (n,), say, with the log-probability that a gap is none."""
+        edges = np.flatnonzero(np.diff(np.r_[False, lost, False].astype(int)))
+        runs = edges[1::2] - edges[::2]
+        estimate = counted(runs, max(int(np.count_nonzero(~lost)) - 1, len(runs)))
+        intervals = {"probability": estimate.probability[1:], "length": estimate.length[1:]}
+        return Evidence(cls(estimate.probability[0], estimate.length[0]), intervals, len(runs) * log_p, lost)

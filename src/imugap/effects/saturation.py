@@ -4,8 +4,18 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
+from scipy.stats import binom
 
-from imugap.effects.effect import TINY, Conditions, Effect, Stage, parameter
+from imugap.effects.effect import TINY, Conditions, Effect, Evidence, Stage, parameter
+from imugap.grain import grain, spacing
+from imugap.integrity import IMPROBABLE
+
+TAIL = 100
+"""Samples below the extreme value that tell what it should hold."""
+LEVELS = 4
+"""Steps of a lattice that they cover at least."""
+FLAT = 3
+"""Samples of a single stay at the extreme value that no chance repeat makes."""
 
 
 @dataclass(frozen=True)
@@ -19,3 +29,67 @@ class Saturation(Effect):
     def apply(self, sequence: np.ndarray, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
         """Clip to +-limit."""
         return np.clip(sequence, -self.limit, self.limit)
+
+    @classmethod
+    def found(cls, values: np.ndarray, conditions: Conditions) -> Evidence | None:
+        """Return the full scale that the output ``values``, shape (n,), NaN where lost, runs against, or None.
+
+        The tail next to the extreme value is taken as exponential; that of every law with a log-concave density
+        falls faster still. One side suffices.
+        """
+        known = np.isfinite(values)
+        if np.count_nonzero(known) < TAIL:
+            return None
+        step, _ = spacing(values[known])
+        step = max(step, float(grain(values[known]).max()))
+        sides = {sign: _log_chance(sign * values[known], step) for sign in (1, -1)}
+        clipped = [sign for sign, log_p in sides.items() if log_p < np.log(IMPROBABLE)]
+        if not clipped:
+            return None
+        limit = float(max(np.max(sign * values[known]) for sign in clipped))
+        flawed = np.any([known & (sign * values == np.max(sign * values[known])) for sign in clipped], axis=0)
+        intervals = {"limit": (limit - step / 2, limit + step / 2)}
+        return Evidence(cls(limit), intervals, float(min(sides.values())), flawed)
+
+
+def _log_chance(values: np.ndarray, step: float) -> float:
+    """Return the log-probability that an open range holds as many samples at the highest of ``values``, shape (n,)."""
+    top = values.max()
+    at = values == top
+    stays = np.count_nonzero(np.diff(at.astype(int), prepend=0) == 1)
+    repeats = np.count_nonzero(values[1:] == values[:-1]) - (np.count_nonzero(at) - stays)
+    if top <= 0 or at.all() or (stays == 1 and (np.count_nonzero(at) < FLAT or repeats)):
+        return 0.0
+    entries = top - values[:-1][at[1:] & ~at[:-1]]
+    if np.median(entries) < 1.5 * step:
+        return 0.0
+    below = np.sort(top - values[~at])
+    reach = max(below[min(TAIL, len(below)) - 1], LEVELS * step)
+    inside = below[below <= reach * (1 + 1e-9)]
+    levels = max(int(np.rint(reach / step)), 1)
+    slope = _slope(inside / reach) / reach
+    share = 1 / (1 + _geometric(slope * step, levels))
+    near = values >= top - reach * (1 + 1e-9)
+    visits = np.count_nonzero(np.diff(near.astype(int), prepend=0) == 1)
+    size = visits / np.count_nonzero(near)
+    return float(
+        binom.logsf(
+            np.floor(np.count_nonzero(at) * size) - 1, np.ceil((len(inside) + np.count_nonzero(at)) * size), share
+        )
+    )
+
+
+def _slope(distance: np.ndarray) -> float:
+    """Return by how much the log-density grows over the unit interval, at least: two standard deviations below."""
+    mean = distance.mean()
+    slope = float(np.clip(12 * (mean - 0.5), -50.0, 50.0))
+    for _ in range(30):
+        expected = 1 / -np.expm1(-slope) - 1 / slope if abs(slope) > 1e-3 else 0.5 + slope / 12
+        spread = 1 / slope**2 - np.exp(-slope) / np.expm1(-slope) ** 2 if abs(slope) > 1e-3 else 1 / 12
+        slope = float(np.clip(slope + (mean - expected) / max(spread, 1e-6), -50.0, 50.0))
+    return max(slope - 2 / np.sqrt(len(distance) * max(spread, 1e-6)), 0.0)
+
+
+def _geometric(rate: float, count: int) -> float:
+    """Return the sum of exp(rate k) over k = 1..count."""
+    return float(count) if rate < 1e-9 else float(np.exp(rate) * np.expm1(rate * count) / np.expm1(rate))

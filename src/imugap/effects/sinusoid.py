@@ -12,6 +12,9 @@ from imugap.effects.effect import TINY, AllanEffect, Conditions, Start, Systemat
 if TYPE_CHECKING:
     from imugap.discovery.axis import AxisFit
 
+HIGHEST = 0.48
+"""Highest frequency times interval of a harmonic."""
+
 
 @dataclass(frozen=True)
 class Sinusoid(SystematicEffect, AllanEffect):
@@ -36,6 +39,15 @@ class Sinusoid(SystematicEffect, AllanEffect):
         sine = -self.amplitude * np.sin(angle)
         return {"frequency": 2 * np.pi * conditions.time * sine, "amplitude": np.cos(angle), "phase": sine}
 
+    def near_misses(self, conditions: Conditions) -> np.ndarray:
+        """Return a line whose amplitude and phase change linearly and quadratically, and its next two harmonics."""
+        angle = 2 * np.pi * self.frequency * conditions.time + self.phase
+        centred = np.linspace(-1.0, 1.0, len(conditions))
+        wave = np.exp(1j * angle)
+        drifting = [centred * wave, (centred**2 - 1 / 3) * wave]
+        harmonics = [wave**k for k in (2, 3) if k * self.frequency * conditions.interval < HIGHEST]
+        return np.column_stack([part for column in (*drifting, *harmonics) for part in (column.real, column.imag)])
+
     @classmethod
     def starts(cls, fit: "AxisFit") -> Iterator[Start]:
         """Yield the highest line of the whitened residual's spectrum."""
@@ -43,7 +55,7 @@ class Sinusoid(SystematicEffect, AllanEffect):
         highest = float(frequency[np.argmax(gains)])
         wave = 2 * np.mean(fit.residual * np.exp(-2j * np.pi * highest * fit.sequence.conditions.time))
         effect = cls(highest, float(abs(wave)), float(np.angle(wave)))
-        yield Start(effect, ("frequency", "amplitude", "phase"), trials=len(gains) / 2)
+        yield Start(effect, ("frequency", "amplitude", "phase"), trials=len(gains) / 2, gain=float(gains.max()))
 
     def allan_variance(self, tau: np.ndarray) -> np.ndarray:
         """Return amplitude^2 sin^4(pi f tau)/(pi f tau)^2 (IEEE 952)."""

@@ -4,9 +4,19 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
+from scipy.stats import poisson
 
-from imugap.effects.effect import Conditions, Effect, Stage, parameter
-from imugap.stretch import stretches
+from imugap.effects.effect import Conditions, Effect, Evidence, Stage, parameter
+from imugap.grain import grain, spacing
+from imugap.integrity import IMPROBABLE
+from imugap.stretch import counted, disentangled, stretches
+
+STEEP = 1.27
+"""Log ratio of differences of one and of two steps above which the lattice is too coarse for the noise."""
+SHAPE = 0.05
+"""Relative uncertainty of the chance of a repeat because noise is not normal."""
+RARE = 0.01
+"""Share of repeats by chance below which each is taken for a flaw."""
 
 
 @dataclass(frozen=True)
@@ -22,3 +32,52 @@ class StuckSamples(Effect):
         """Put the last value that was not in a stretch in place of those that are."""
         stuck = stretches(len(sequence), self.probability, self.length, rng)
         return sequence[np.maximum.accumulate(np.where(stuck, 0, np.arange(len(sequence))))]
+
+    @classmethod
+    def found(cls, values: np.ndarray, conditions: Conditions) -> Evidence | None:
+        """Return the stretches of repeats in the output ``values``, NaN where lost, or None.
+
+        ``values`` has shape (n,), or (n, axes) for repeats of all axes at once. How often noise repeats itself on a
+        lattice follows from how often it goes one step and two: the logarithm of a normal density is a parabola.
+        """
+        columns = values.reshape(len(values), -1)
+        known = np.flatnonzero(np.isfinite(columns).all(axis=1))
+        if len(known) < 2:
+            return None
+        chances = [_chance(column[known]) for column in columns.T]
+        if None in chances:
+            return None
+        same = np.all(columns[known[1:]] == columns[known[:-1]], axis=1)
+        first = np.flatnonzero(np.r_[True, ~same])
+        runs = np.diff(np.r_[first, len(known)]) - 1
+        chance, spread = float(np.prod([c for c, _ in chances])), float(np.hypot.reduce([s for _, s in chances]))
+        if not runs.any():
+            return None
+        if chance * len(known) < RARE * np.count_nonzero(runs):
+            estimate = counted(runs[runs > 0], max(len(first) - 1, 1))
+            log_p = float(poisson.logsf(np.count_nonzero(runs) - 1, max(chance, 1e-12) * len(known)))
+        else:
+            estimate = disentangled(*np.unique(runs, return_counts=True), chance, spread)
+            log_p = estimate.log_p
+        if log_p > np.log(IMPROBABLE):
+            return None
+        flawed = np.zeros(len(values), bool)
+        repeats = np.repeat(runs >= estimate.least, runs + 1)
+        repeats[first] = False
+        flawed[known[repeats]] = True
+        probability, length = estimate.probability, estimate.length
+        intervals = {"probability": probability[1:], "length": (max(length[1], 1.0), length[2])}
+        return Evidence(cls(probability[0], max(length[0], 1.0)), intervals, log_p, flawed)
+
+
+def _chance(values: np.ndarray) -> tuple[float, float] | None:
+    """Return how often noise repeats a value, and the uncertainty of its logarithm; None on too coarse a lattice."""
+    step, _ = spacing(values)
+    steps = np.diff(values) / np.maximum(np.maximum(grain(values)[1:], grain(values)[:-1]), step)
+    one, two = (np.count_nonzero(np.abs(np.abs(steps) - k) < 0.5) for k in (1, 2))
+    if one < 30:
+        return (one + 1) / 2 / len(steps), 1.0
+    if two == 0 or np.log(one / two) > STEEP:
+        return None
+    share = one / 2 * max(one / two, 1.0) ** (1 / 3) / len(steps)
+    return share, float(np.sqrt(16 / 9 / one + 1 / 9 / two + SHAPE**2))

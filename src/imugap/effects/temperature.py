@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
+from scipy.ndimage import uniform_filter1d
 
 from imugap.effects.effect import Conditions, Start, SystematicEffect, parameter
 
@@ -13,6 +14,8 @@ if TYPE_CHECKING:
 
 LAWS = (("coefficient",), ("coefficient", "quadratic"), ("coefficient", "rate"))
 """Parameters that a search adjusts together."""
+SMOOTH = 50
+"""Share of the log over which the change of the temperature is smoothed: 1/50."""
 
 
 @dataclass(frozen=True)
@@ -43,6 +46,12 @@ class Temperature(SystematicEffect):
         distance = conditions.temperature - self.reference
         rate = np.gradient(conditions.temperature, conditions.time)
         return {"coefficient": distance, "quadratic": distance**2, "rate": rate}
+
+    def near_misses(self, conditions: Conditions) -> np.ndarray:
+        """Return the cube and, for hysteresis, the sign of the temperature's slow change with and without it."""
+        distance = conditions.temperature - np.mean(conditions.temperature)
+        rate = uniform_filter1d(np.gradient(conditions.temperature), max(len(distance) // SMOOTH, 1))
+        return np.column_stack([distance**3, np.tanh(rate / np.std(rate)), distance * np.tanh(rate / np.std(rate))])
 
     @classmethod
     def starts(cls, fit: "AxisFit") -> Iterator[Start]:

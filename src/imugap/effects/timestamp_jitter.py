@@ -5,8 +5,17 @@ from typing import ClassVar
 
 import numpy as np
 import pandas as pd
+from scipy.stats import chi2
 
-from imugap.effects.effect import ClockEffect, parameter
+from imugap.effects.effect import ClockEffect, Evidence, parameter
+from imugap.stamps import LEAST, Stamps
+
+ROUNDED = 2.0
+"""Variance of the stamps, in variances of their rounding, below which there is no other cause."""
+COLOURED = 0.15
+"""Correlation of neighbouring displacements above which a clock wanders instead."""
+BOUNDED = 2.3
+"""Kurtosis below which displacements are the rounding of another clock (uniform: 1.8, normal: 3)."""
 
 
 @dataclass(frozen=True)
@@ -25,3 +34,28 @@ class TimestampJitter(ClockEffect):
         for row in np.flatnonzero(np.diff(stamps) <= 0) + 1:
             stamps[row] = np.nextafter(stamps[row - 1], np.inf)
         return log.set_axis(pd.Index(stamps, name=log.index.name))
+
+    @classmethod
+    def found(cls, stamps: Stamps) -> Evidence | None:
+        """Return the jitter of stamps that scatter beyond their rounding, each on its own, or None."""
+        if not stamps.even or stamps.scatter.size < LEAST:
+            return None
+        excess = stamps.variance - stamps.rounding_variance
+        if stamps.variance < ROUNDED * stamps.rounding_variance or not independent(stamps.scatter):
+            return None
+        limits = stamps.variance * stamps.freedom / chi2.ppf([0.975, 0.025], stamps.freedom) - stamps.rounding_variance
+        low, high = (float(np.sqrt(max(limit, 0.0))) for limit in limits)
+        log_p = float(chi2.logsf(stamps.variance * stamps.freedom / stamps.rounding_variance, stamps.freedom))
+        return Evidence(cls(float(np.sqrt(excess))), {"std": (low, high)}, log_p, np.zeros(len(stamps.time), bool))
+
+
+def independent(scatter: np.ndarray) -> bool:
+    """Tell whether displacements, shape (windows, rows), are each drawn anew from a law with tails.
+
+    Neighbours are uncorrelated, so that the steps of the stamps have the correlation -1/2; those of a clock that
+    wanders are not. A line is fitted to each window of m rows, which leaves the correlation -4/m at most.
+    """
+    variance = np.mean(scatter**2)
+    correlation = [np.mean(scatter[:, lag:] * scatter[:, :-lag]) / variance for lag in (1, 2, 3)]
+    allowed = COLOURED + 3 / np.sqrt(scatter.size)
+    return bool(np.mean(scatter**4) / variance**2 > BOUNDED and np.all(np.abs(correlation) < allowed))

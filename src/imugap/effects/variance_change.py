@@ -11,7 +11,7 @@ from imugap.effects.effect import Conditions, Effect, Stage, Start, parameter
 if TYPE_CHECKING:
     from imugap.discovery.axis import AxisFit
 
-STRETCHES = 3e4
+STRETCHES = 1e5
 """Independent stretches of a long log, on the safe side."""
 
 
@@ -51,4 +51,5 @@ class VarianceChange(Effect):
         time, squares = fit.sequence.conditions.time, fit.whitened**2
         inside, outside = squares[first:last].mean(), np.r_[squares[:first], squares[last:]].mean()
         stop = time[last] if last < len(time) else time[-1] + fit.sequence.conditions.interval
-        yield Start(cls(float(time[first]), float(stop), float(inside / outside)), ("ratio",), trials=STRETCHES)
+        effect = cls(float(time[first]), float(stop), float(inside / outside))
+        yield Start(effect, ("ratio",), trials=STRETCHES, gain=gain)

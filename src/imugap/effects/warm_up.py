@@ -33,6 +33,11 @@ class WarmUp(SystematicEffect):
         decay = np.exp(-aged)
         return {"amplitude": decay, "time_constant": self.amplitude * decay * aged / self.time_constant}
 
+    def near_misses(self, conditions: Conditions) -> np.ndarray:
+        """Return decays of two other time constants and a trend."""
+        decays = [np.exp(-conditions.time / (factor * self.time_constant)) for factor in (0.3, 3.0)]
+        return np.column_stack([*decays, conditions.time])
+
     @classmethod
     def starts(cls, fit: "AxisFit") -> Iterator[Start]:
         """Yield the time constant, from a grid, whose exponential fits the residual best."""
@@ -41,5 +46,6 @@ class WarmUp(SystematicEffect):
         conditions = fit.sequence.conditions
         grid = np.geomspace(10 * conditions.interval, conditions.interval * len(conditions) / 2, CONSTANTS)
         columns = np.exp(-conditions.time[:, None] / grid)
-        best = grid[np.argmax(fit.gains(fit.whiten(columns)))]
-        yield Start(cls(0.0, float(best)), ("amplitude", "time_constant"), trials=CONSTANTS / 2)
+        gains = fit.gains(fit.whiten(columns))
+        start = cls(0.0, float(grid[np.argmax(gains)]))
+        yield Start(start, ("amplitude", "time_constant"), trials=CONSTANTS / 2, gain=float(gains.max()))

@@ -1,0 +1,156 @@
+"""Is a name right, or only the nearest one in the catalogue? Each effect is held against its own near misses.
+
+A right description leaves nothing in the directions in which its effects could be slightly something else: a line
+that drifts, a trend that bends, a spectrum of another slope, a stretch whose variance is not constant. Where chance
+does not explain what is left there, the name is withheld and the place reported as unexplained.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.stats import chi2
+
+from imugap.discovery.axis import AxisFit
+from imugap.discovery.noise import STEP, Noise
+from imugap.discovery.power_law import PowerLaw
+from imugap.discovery.search import Key, Search, at, log_chance
+from imugap.effects import BiasInstability, BiasStep, GaussMarkov, RandomWalk, Sinusoid, VarianceChange
+from imugap.effects.effect import StochasticEffect
+
+LEVEL = np.log(1e-3)
+"""Log-probability of chance below which a name is in doubt."""
+SHARE = 0.05
+"""Share of the variance of a band above which an effect answers for the band."""
+BANDS = 24
+BLOCKS = 12
+"""Blocks of a stretch of another variance, and of the rest, that have to agree."""
+MANY = {BiasStep: 3, VarianceChange: 3, Sinusoid: 5}
+"""Number of effects of a kind on one axis above which they are not what they are called."""
+SLOW = (BiasInstability, GaussMarkov, RandomWalk)
+
+
+@dataclass(frozen=True)
+class Doubt:
+    """Why a name is withheld, and the log-probability that chance makes as much of it."""
+
+    reason: str
+    log_p: float
+
+
+def doubts(search: Search, fit: AxisFit) -> dict[Key, Doubt]:
+    """Return the added effects of a fit whose names are in doubt; with one in doubt, all of its part of the model."""
+    keys = search.added(fit.description)
+    found = {key: doubt for key in keys if (doubt := _doubt(search, fit, key)) is not None}
+    for kind, most in MANY.items():
+        same = [key for key in keys if isinstance(at(fit.description, key), kind)]
+        if len(same) > most:
+            found |= {key: Doubt(f"{len(same)} of them", -np.inf) for key in same}
+    for part in {key.part for key in found}:
+        worst = min((found[key] for key in found if key.part == part), key=lambda doubt: doubt.log_p)
+        found |= {key: worst for key in keys if key.part == part and key not in found}
+    return found
+
+
+def _doubt(search: Search, fit: AxisFit, key: Key) -> Doubt | None:
+    tests = {"term": _bends, "noise": _another_spectrum, "change": _uneven, "outliers": _clustered, "filter": _nothing}
+    doubt = tests[key.part](search, fit, key)
+    return doubt if doubt is not None and doubt.log_p < LEVEL else None
+
+
+def _nothing(search: Search, fit: AxisFit, key: Key) -> None:
+    """Have no doubt: the catalogue's filters stand for all low-pass filters."""
+
+
+def _bends(search: Search, fit: AxisFit, key: Key) -> Doubt | None:
+    columns = fit.description.terms[key.index].effect.near_misses(fit.sequence.conditions)
+    if not columns.shape[1]:
+        return None
+    gain, rank = fit.joint_gain(fit.whiten(columns))
+    return Doubt("the mean is not quite of its shape", log_chance(gain, rank)) if rank else None
+
+
+def _clustered(search: Search, fit: AxisFit, key: Key) -> Doubt:
+    return Doubt("they come in clusters", search.tails[fit.description.outliers].clustered)
+
+
+def _uneven(search: Search, fit: AxisFit, key: Key) -> Doubt:
+    """Compare the energies of blocks within the stretch."""
+    inside = fit.description.changes[key.index].within(fit.sequence.conditions.time)
+    squares = fit.whitened[inside] ** 2
+    blocks = np.array([block.mean() for block in np.array_split(squares, min(BLOCKS, len(squares) // 8))])
+    scatter = len(squares) / len(blocks) / 2 * np.sum((blocks / blocks.mean() - 1) ** 2)
+    return Doubt("the variance changes within the stretch", float(chi2.logsf(scatter, len(blocks) - 1)))
+
+
+def _another_spectrum(search: Search, fit: AxisFit, key: Key) -> Doubt | None:
+    """Test slope and shape of the spectrum where the process answers for it, and against one power law for all."""
+    effect = at(fit.description, key)
+    bins = fit.sequence.bins
+    share = _share(fit, effect)
+    slope = _score(fit, share * np.log(bins.frequency / bins.frequency[0]))
+    doubts = [Doubt("its spectrum has another slope", slope), _off_in_bands(fit, share)]
+    law = _power_law(search, fit)
+    return min([*doubts, *([law] if law is not None else [])], key=lambda doubt: doubt.log_p)
+
+
+def _share(fit: AxisFit, effect: StochasticEffect) -> np.ndarray:
+    """Return the share of an effect in the variance of each bin."""
+    bins, noise = fit.sequence.bins, fit.description.noise
+    own = Noise((effect,), noise.output_filter).variance(bins.frequency, bins.interval)
+    return own / noise.variance(bins.frequency, bins.interval)
+
+
+def _score(fit: AxisFit, direction: np.ndarray) -> float:
+    """Return the log-probability of the score of the log-spectrum in a direction, the parameters free to follow."""
+    bins, noise = fit.sequence.bins, fit.description.noise
+    theta, variance = noise.theta(), noise.variance(bins.frequency, bins.interval)
+    slopes = [
+        (noise.at(theta + step).variance(bins.frequency, bins.interval) / variance - 1) / STEP
+        for step in STEP * np.eye(len(theta))
+    ]
+    weighted = np.sqrt(bins.number / 2)
+    basis = np.linalg.qr((np.array(slopes) * weighted).T)[0]
+    rest = direction * weighted - basis @ (basis.T @ (direction * weighted))
+    excess = (bins.sums(fit.coefficients**2) / bins.number - 1) * weighted
+    norm = rest @ rest
+    return log_chance(0.5 * float(rest @ excess) ** 2 / norm, 1) if norm > 1e-6 else 0.0
+
+
+def _off_in_bands(fit: AxisFit, share: np.ndarray) -> Doubt:
+    """Compare the power of bands that the effect answers for with the fit."""
+    bins = fit.sequence.bins
+    mine = np.flatnonzero(share > SHARE)
+    if len(mine) < 2:
+        return Doubt("its spectrum has another shape", 0.0)
+    edges = np.unique(np.geomspace(bins.frequency[mine[0]], bins.frequency[mine[-1]] * 1.001, BANDS + 1))
+    band = np.digitize(bins.frequency[mine], edges)
+    number = np.bincount(band, bins.number[mine])
+    power = np.bincount(band, bins.sums(fit.coefficients**2)[mine])
+    used = number >= 8
+    deviation = (power[used] / number[used] - 1) * np.sqrt(number[used] / 2)
+    normal = np.sign(deviation) * np.sqrt(2 * _divergence(power[used], number[used]))
+    free = max(int(used.sum()) - len(fit.description.noise.parameters()), 1)
+    return Doubt("its spectrum has another shape", float(chi2.logsf(np.sum(normal**2), free)))
+
+
+def _divergence(power: np.ndarray, number: np.ndarray) -> np.ndarray:
+    """Return the gain of log-likelihood of a free variance in each band."""
+    ratio = power / number
+    return 0.5 * number * (ratio - 1 - np.log(ratio))
+
+
+def _power_law(search: Search, fit: AxisFit) -> Doubt | None:
+    """Weigh one power law against all added slow processes together."""
+    first = len(search.start.noise.effects)
+    noise = fit.description.noise
+    slow = [effect for effect in noise.effects[first:] if isinstance(effect, SLOW)]
+    if not slow:
+        return None
+    kept = tuple(effect for effect in noise.effects if not any(effect is one for one in slow))
+    without = search.fitted(fit.sequence, replace(fit.description, noise=replace(noise, effects=kept)))
+    size = max(without.room(PowerLaw(1.0, 1.5)), 1e-12 * float(np.sqrt(without.variance.mean())))
+    law = replace(without.description, noise=replace(noise, effects=(*kept, PowerLaw(size, 1.5))))
+    other = search.fitted(fit.sequence, law)
+    named = log_chance(fit.log_likelihood - without.log_likelihood, sum(len(one.parameters()) for one in slow))
+    unnamed = log_chance(other.log_likelihood - without.log_likelihood, 2)
+    return Doubt("one power law explains all slow noise better", min(unnamed - named, 0.0))

@@ -1,0 +1,98 @@
+"""Values and 95 % intervals of the effects of a fitted axis."""
+
+import numpy as np
+
+from imugap.discovery.axis import AxisFit, Term
+from imugap.discovery.finding import Interval
+from imugap.discovery.search import Key, at
+from imugap.effects import BiasStep, VarianceChange
+from imugap.log import GYRO
+
+NORMAL = 1.959963984540054
+"""Quantile of the normal law for 95 %, two-sided."""
+DROP = 1.9207
+"""Drop of log-likelihood at the ends of a 95 % interval of one parameter (chi-square, one degree of freedom)."""
+WIDEST = 20.0
+"""Standard deviation of a log parameter above which nothing is known of it."""
+
+
+def intervals(fit: AxisFit, without: AxisFit, key: Key) -> dict[str, Interval]:
+    """Return the parameters of the effect at ``key``; ``without`` is the fit without it."""
+    effect, axis = at(fit.description, key), fit.sequence.conditions.axis
+    units = effect.units(axis_unit(axis))
+    if key.part == "term":
+        ends = _term(fit, key.index)
+        if isinstance(effect, BiasStep):
+            ends["time"] = _stretch_of(without.steps, fit.sequence.conditions.time, effect.time)
+    elif key.part == "change":
+        ends = _change(fit, effect)
+    else:
+        ends = _random(fit, key)
+    return {
+        name: Interval(value, *map(float, ends.get(name, (value, value))), units[name])
+        for name, value in effect.parameters().items()
+    }
+
+
+def axis_unit(axis: str) -> str:
+    """Return the SI unit of an axis."""
+    return "rad/s" if axis in GYRO else "m/s^2"
+
+
+def _term(fit: AxisFit, index: int) -> dict[str, tuple[float, float]]:
+    first = sum(len(term.free) for term in fit.description.terms[:index])
+    term: Term = fit.description.terms[index]
+    errors = np.sqrt(np.maximum(np.diag(fit.covariance), 0.0))[first : first + len(term.free)]
+    values = {name: getattr(term.effect, name) for name in term.free}
+    limits = term.effect.limits()
+    return {
+        name: tuple(float(np.clip(values[name] + side * NORMAL * error, *limits[name])) for side in (-1, 1))
+        for name, error in zip(term.free, errors, strict=True)
+    }
+
+
+def _random(fit: AxisFit, key: Key) -> dict[str, tuple[float, float]]:
+    """Return intervals, in logarithms, from the expected information."""
+    noise = fit.description.noise
+    index = len(noise.effects) if key.part == "filter" else key.index
+    information = fit.noise.information
+    covariance = np.linalg.pinv(information, rcond=1e-12, hermitian=True)
+    ends = {}
+    for j, (i, name) in enumerate(noise.parameters()):
+        if i == index:
+            value = getattr(list(noise)[i], name)
+            error = np.sqrt(max(covariance[j, j], 0.0))
+            known = information[j, j] > 0 and error < WIDEST
+            factor = np.exp(NORMAL * error) if known else np.inf
+            ends[name] = (value / factor, value * factor)
+    return ends
+
+
+def _change(fit: AxisFit, change: VarianceChange) -> dict[str, tuple[float, float]]:
+    """Return the ratio's interval from the numbers of samples, and the ends from the likelihood of their places."""
+    time = fit.sequence.conditions.time
+    inside = change.within(time)
+    count = inside.sum()
+    error = np.sqrt(2 / count + 2 / max(len(time) - count, 1))
+    raw = fit.residual**2 * np.square(fit.scale)
+    low, high = raw[~inside].mean(), raw[inside].mean()
+    slope = 0.5 * (raw * (1 / low - 1 / high) - np.log(high / low))
+    climb = np.r_[0.0, np.cumsum(slope)]
+    first, last = np.searchsorted(time, [change.start, change.stop])
+    extended = np.r_[time, time[-1] + fit.sequence.conditions.interval]
+    return {
+        "ratio": (change.ratio * np.exp(-NORMAL * error), change.ratio * np.exp(NORMAL * error)),
+        "start": _stretch_of(-climb, extended, extended[first]),
+        "stop": _stretch_of(climb, extended, extended[last]),
+    }
+
+
+def _stretch_of(gain: np.ndarray, time: np.ndarray, best: float) -> tuple[float, float]:
+    """Return the contiguous times around the best at which the gain has not dropped to the end of the interval."""
+    index = int(np.clip(np.searchsorted(time, best), 0, len(gain) - 1))
+    low = gain < gain[index] - DROP
+    left, right = np.flatnonzero(low[:index]), np.flatnonzero(low[index:])
+    return (
+        float(time[left[-1] + 1] if len(left) else time[0]),
+        float(time[index + right[0] - 1] if len(right) else time[-1]),
+    )

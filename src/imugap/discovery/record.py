@@ -1,0 +1,240 @@
+"""What a log says before any statistics: stamps, lost, stuck and clipped samples, lattice of the values.
+
+These flaws are effects like others, and are named here, since they would disturb all that comes after; what is left
+are even sequences, one for each axis.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+from scipy.interpolate import CubicSpline
+
+from imugap import log as canonical
+from imugap.discovery.finding import Finding, Gap, Interval
+from imugap.discovery.sequence import Sequence
+from imugap.effects import Resolution, SampleLoss, Saturation, StuckSamples, TimestampJitter
+from imugap.effects.effect import Conditions, Effect, Evidence
+from imugap.effects.timestamp_jitter import ROUNDED
+from imugap.log import ACCEL, GYRO, LogError
+from imugap.model import AxisModel, ErrorModel
+from imugap.stamps import LEAST, Stamps, stamps
+from imugap.stream import stream
+
+CERTAIN = -1e6
+"""Logarithm of the least probability that is told from zero."""
+ALIGNED = 1e-6
+"""Distance, in intervals, within which a stamp of the reference is that of a sample."""
+TOGETHER = 0.5
+"""Share of the repeats of an axis that the others have to share for a common cause."""
+
+
+@dataclass(frozen=True, eq=False)
+class Record:
+    """A log made ready for discovery.
+
+    Attributes
+    ----------
+    sequences
+        Error of each axis, even in time from 0 = power-on on; flawed samples are replaced and marked. Where there is a
+        resolution the values stay on its lattice (:meth:`imugap.effects.Resolution.found`).
+    findings
+        The effects that were named on the way; each is at home on the axes under which it stands.
+    gaps
+        Where log and start model disagree, in the views ``stamps`` and ``values``, named or not.
+    """
+
+    sequences: dict[str, Sequence]
+    findings: tuple[Finding, ...]
+    gaps: tuple[Gap, ...]
+
+
+def prepare(
+    log: pd.DataFrame, reference: pd.DataFrame | None = None, seed: int = 0, start: ErrorModel | None = None
+) -> Record:
+    """Find and take out what must not come into statistics.
+
+    Parameters
+    ----------
+    log
+        Table as :func:`imugap.readers.read_table` gives it: stamps may be missing, repeated or reversed, values NaN.
+    reference
+        Error-free log, or None for a log at rest; the time that it does not cover is left out.
+    seed
+        Of what replaces flawed samples.
+    start
+        Model whose effects are known: they are taken out, but are no news.
+    """
+    known = ErrorModel({}) if start is None else start
+    rows = _rows(log, reference)
+    clock = stamps(rows.index.to_numpy(float))
+    jitter, loss = TimestampJitter.found(clock), SampleLoss.found(clock)
+    time = clock.grid if jitter is None else clock.line
+    everywhere = _conditions(rows, clock, time, reference)
+    news = _News(known, float(time[0]))
+    for evidence in (jitter, loss):
+        if evidence is not None:
+            news.add(canonical.TIME, evidence, "stamps", time[0], time[-1])
+    news.irregular(clock, jitter)
+    outputs = {axis: _on_grid(rows[axis], clock) for axis in canonical.axes(rows)}
+    at = {axis: _at(everywhere, axis) for axis in outputs}
+    gone = clock.lost
+    flawed = {axis: _values(news, axis, values, at[axis], gone) for axis, values in outputs.items()}
+    _stuck(news, outputs, at, flawed)
+    sequences = {axis: _sequence(values, at[axis], flawed[axis], seed) for axis, values in outputs.items()}
+    return Record(sequences, news.findings(), tuple(news.gaps))
+
+
+class _News:
+    """Evidence as it comes in: what the start model does not know becomes a gap and a finding."""
+
+    def __init__(self, known: ErrorModel, origin: float) -> None:
+        self.known, self.origin, self.gaps = known, origin, []
+        self.evidence: dict[type[Effect], dict[str, Evidence]] = {}
+
+    def add(self, axis: str, evidence: Evidence, view: str, low: float, high: float, unit: str = "s") -> None:
+        kind = type(evidence.effect)
+        if any(isinstance(effect, kind) for effect in self.known.axes.get(axis, AxisModel())):
+            return
+        self.evidence.setdefault(kind, {})[axis] = evidence
+        self.place(view, axis, low, high, unit, evidence.log_p)
+
+    def place(self, view: str, axis: str, low: float, high: float, unit: str, log_p: float) -> None:
+        shift = self.origin if unit == "s" else 0.0
+        p_value = float(np.exp(max(log_p, CERTAIN)))
+        self.gaps.append(Gap(view, axis, float(low - shift), float(high - shift), unit, p_value))
+
+    def irregular(self, clock: Stamps, jitter: Evidence | None) -> None:
+        """Tell of stamps that are out of order, or scatter in a way that has no name."""
+        bad = np.flatnonzero(~clock.advancing)
+        if len(bad):
+            near = clock.time[clock.advancing]
+            spots = np.interp(bad, np.flatnonzero(clock.advancing), near)
+            self.place("stamps", canonical.TIME, spots[0], spots[-1], "s", CERTAIN)
+        scattered = clock.scatter.size >= LEAST and clock.variance > ROUNDED * clock.rounding_variance
+        if clock.even and scattered and jitter is None:
+            first, last = clock.time[clock.advancing][[0, -1]]
+            self.place("stamps", canonical.TIME, first, last, "s", CERTAIN)
+
+    def findings(self) -> tuple[Finding, ...]:
+        """Return one finding for each kind of effect."""
+        return tuple(_finding(found) for found in self.evidence.values())
+
+
+def _finding(found: dict[str, Evidence]) -> Finding:
+    """Return what is found of one kind of effect; a parameter that differs between axes carries the axis."""
+    effects = {axis: evidence.effect for axis, evidence in found.items()}
+    parameters = {}
+    for axis, evidence in found.items():
+        units = evidence.effect.units(_unit(axis))
+        for name, value in evidence.effect.parameters().items():
+            common = len({effect.parameters()[name] for effect in effects.values()}) == 1
+            label = name if common else f"{name}_{axis}"
+            low, high = evidence.intervals[name]
+            parameters[label] = Interval(value, float(low), float(high), units[name])
+    return Finding(effects, parameters, max(float(min(evidence.log_p for evidence in found.values())), CERTAIN))
+
+
+def _unit(axis: str) -> str:
+    return {canonical.TIME: "s"}.get(axis, "rad/s" if axis in GYRO else "m/s^2")
+
+
+def _rows(log: pd.DataFrame, reference: pd.DataFrame | None) -> pd.DataFrame:
+    """Return the rows that hold a value, within the time of the reference."""
+    names = list(canonical.axes(log))
+    if not names:
+        raise LogError("log", "columns", f"at least one of {', '.join(canonical.AXES)}", "none of them")
+    log = log.replace([np.inf, -np.inf], np.nan)
+    held = log[names].notna().any(axis=1).to_numpy()
+    if reference is not None:
+        missing = [name for name in names if name not in reference]
+        if missing:
+            raise LogError("reference", "columns", f"those of the log, {', '.join(names)}", f"no {missing[0]}")
+        time = log.index.to_numpy(float)
+        held &= ~((time < reference.index[0]) | (time > reference.index[-1]))
+    if np.count_nonzero(held) < 2:
+        raise LogError("log", "rows", "at least 2 that hold a value", str(np.count_nonzero(held)))
+    return log[held]
+
+
+def _on_grid(column: pd.Series, clock: Stamps) -> np.ndarray:
+    """Return a column at every sample of the clock, NaN where it has no value."""
+    values = np.full(clock.count, np.nan)
+    values[clock.slots[clock.kept]] = column.to_numpy(float)[clock.kept]
+    return values
+
+
+def _conditions(rows: pd.DataFrame, clock: Stamps, time: np.ndarray, reference: pd.DataFrame | None) -> Conditions:
+    even = clock.interval * np.arange(clock.count)
+    temperature = None
+    if canonical.TEMPERATURE in rows:
+        temperature = _on_grid(rows[canonical.TEMPERATURE], clock)
+        measured = np.isfinite(temperature)
+        temperature = np.interp(even, even[measured], temperature[measured]) if measured.any() else None
+    ideal = None if reference is None else _interpolated(reference, time, clock.interval).set_axis(even)
+    return Conditions(even, clock.interval, temperature, ideal=ideal)
+
+
+def _interpolated(reference: pd.DataFrame, time: np.ndarray, interval: float) -> pd.DataFrame:
+    """Return the reference at the stamps: as it is where the stamps are its own, else by cubic splines."""
+    names, own = list(canonical.axes(reference)), reference.index.to_numpy(float)
+    nearest = np.clip(np.searchsorted(own, time - ALIGNED * interval), 0, len(own) - 1)
+    values = reference[names].to_numpy(float)
+    if np.all(np.abs(own[nearest] - time) < ALIGNED * interval):
+        values = values[nearest]
+    else:
+        values = CubicSpline(own, values)(np.clip(time, own[0], own[-1]))
+    return pd.DataFrame(values, columns=names, index=pd.Index(time, name=canonical.TIME))
+
+
+def _at(everywhere: Conditions, axis: str) -> Conditions:
+    return Conditions(everywhere.time, everywhere.interval, everywhere.temperature, axis, everywhere.ideal)
+
+
+def _values(news: _News, axis: str, values: np.ndarray, conditions: Conditions, gone: np.ndarray) -> np.ndarray:
+    """Add what the values of one axis show, and return which are flawed, shape (n,); ``gone`` have no row at all."""
+    lost = np.isnan(values)
+    if lost.all():
+        return lost
+    elsewhere = lost & ~gone
+    if elsewhere.any():
+        news.add(axis, SampleLoss.of(elsewhere), "values", *conditions.time[elsewhere][[0, -1]] + news.origin)
+    resolution = Resolution.found(values, conditions)
+    if resolution is not None:
+        news.add(axis, resolution, "values", np.nanmin(values), np.nanmax(values), _unit(axis))
+    saturation = Saturation.found(values, conditions)
+    if saturation is None:
+        return lost
+    reached = np.abs(values[saturation.flawed])
+    news.add(axis, saturation, "values", reached.min(), reached.max(), _unit(axis))
+    return lost | saturation.flawed
+
+
+def _stuck(news, outputs, at, flawed) -> None:
+    """Add repeats, of all axes at once where they share them, else of each axis alone; mark them."""
+    free = {axis: np.where(flawed[axis], np.nan, values) for axis, values in outputs.items()}
+    alone = {axis: StuckSamples.found(values, at[axis]) for axis, values in free.items()}
+    for axes in (tuple(outputs), *(tuple(axis for axis in outputs if axis in triad) for triad in (GYRO, ACCEL))):
+        if len(axes) < 2:
+            continue
+        together = StuckSamples.found(np.column_stack([free[axis] for axis in axes]), at[axes[0]])
+        if together is None:
+            continue
+        shared = np.count_nonzero(together.flawed)
+        counts = [np.count_nonzero(alone[axis].flawed) for axis in axes if alone[axis] is not None]
+        if shared >= TOGETHER * max(counts, default=0):
+            alone |= dict.fromkeys(axes, together)
+            break
+    for axis, evidence in alone.items():
+        if evidence is not None:
+            news.add(axis, evidence, "values", *(at[axis].time[evidence.flawed][[0, -1]] + news.origin))
+            flawed[axis] = flawed[axis] | evidence.flawed
+
+
+def _sequence(values: np.ndarray, conditions: Conditions, flawed: np.ndarray, seed: int) -> Sequence:
+    if conditions.ideal is not None:
+        values = values - conditions.ideal[conditions.axis].to_numpy(float)
+    whole = Sequence(np.where(np.isfinite(values), values, 0.0), conditions, np.zeros(len(values), bool))
+    if flawed.all():
+        return whole
+    return whole.mended(flawed, stream(seed, "mended", conditions.axis))

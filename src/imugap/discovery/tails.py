@@ -1,0 +1,125 @@
+"""Single samples far off: a mixture of two normal laws in what should be one (Tukey 1960)."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import expit, logit
+from scipy.stats import poisson
+
+STARTS = ((1e-4, 20.0), (1e-3, 8.0), (1e-2, 4.0), (0.1, 2.0))
+"""Shares of the wide law, and its width over that of the narrow one, from which the mixture is fitted."""
+BINS = 1000
+"""Bins of the squares below the largest, and number of the largest, that are kept one by one."""
+ROUNDS = 500
+SETTLED = 1e-4
+"""Gain of log-likelihood below which the mixture is fitted."""
+FLAGGED = 0.5
+"""Posterior probability above which a sample counts as an outlier."""
+
+
+@dataclass(frozen=True, eq=False)
+class Tails:
+    """Two normal laws of zero mean in a sequence.
+
+    Attributes
+    ----------
+    probability
+        Share of the wide one.
+    narrow, wide
+        Their standard deviations.
+    gain
+        Gain of log-likelihood over one normal law.
+    posterior
+        Probability of each sample to come from the wide one, shape (n,).
+    intervals
+        95 % intervals of the probability and of the excess sqrt(wide^2 - narrow^2).
+    """
+
+    probability: float
+    narrow: float
+    wide: float
+    gain: float
+    posterior: np.ndarray
+    intervals: tuple[tuple[float, float], tuple[float, float]]
+
+    @property
+    def excess(self) -> float:
+        """Return the standard deviation of what outliers add."""
+        return float(np.sqrt(max(self.wide**2 - self.narrow**2, 0.0)))
+
+    @property
+    def flagged(self) -> np.ndarray:
+        """Return which samples are outliers rather than not."""
+        return self.posterior > FLAGGED
+
+    @property
+    def clustered(self) -> float:
+        """Return the log-probability of as many neighbouring pairs of outliers if they came independently."""
+        flagged = self.flagged
+        pairs = int(np.sum(flagged[1:] & flagged[:-1]))
+        return float(poisson.logsf(pairs - 1, flagged.mean() * flagged.sum()))
+
+
+def tails(sequence: np.ndarray) -> Tails:
+    """Fit the mixture by expectation and maximisation, from several starts; ``sequence`` has zero mean, shape (n,)."""
+    squares = sequence**2
+    binned = _binned(squares)
+    robust = np.median(np.abs(sequence)) / 0.6745
+    best = max(
+        (_climb(*binned, share, robust, factor * robust) for share, factor in STARTS), key=lambda found: found[0]
+    )
+    _, share, narrow, wide = best
+    value = float(binned[1] @ np.logaddexp(*_log_densities(binned[0], share, narrow, wide)))
+    single = -0.5 * len(squares) * (np.log(squares.mean()) + 1)
+    low, high = _log_densities(squares, share, narrow, wide)
+    return Tails(share, narrow, wide, value - single, expit(high - low), _intervals(*binned, *best[1:]))
+
+
+def _binned(squares: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return means of the squares within bins of equal numbers, the largest one by one, and the numbers."""
+    ordered = np.sort(squares)
+    single = min(len(squares) // 2, BINS)
+    edges = np.unique(np.linspace(0, len(squares) - single, BINS).astype(int)[:-1])
+    edges = np.r_[edges, np.arange(len(squares) - single, len(squares))]
+    number = np.diff(np.r_[edges, len(squares)])
+    return np.add.reduceat(ordered, edges) / number, number.astype(float)
+
+
+def _log_densities(squares, share, narrow, wide):
+    low = np.log1p(-share) - np.log(narrow) - squares / (2 * narrow**2)
+    return low, np.log(share) - np.log(wide) - squares / (2 * wide**2)
+
+
+def _climb(squares, number, share, narrow, wide):
+    last, total = -np.inf, number.sum()
+    for _ in range(ROUNDS):
+        low, high = _log_densities(squares, share, narrow, wide)
+        value = float(number @ np.logaddexp(low, high))
+        if value - last < SETTLED:
+            break
+        last, weight = value, number * expit(high - low)
+        hit = max(weight.sum(), 1e-9)
+        share = float(np.clip(hit / total, 1e-9, 0.5))
+        wide = float(np.sqrt((weight @ squares) / hit))
+        narrow = float(np.sqrt(((number - weight) @ squares) / (total - hit)))
+        wide = max(wide, narrow * (1 + 1e-6))
+    return value, share, narrow, wide
+
+
+def _intervals(squares, number, share, narrow, wide):
+    """Return 95 % intervals of share and excess from the observed information in logit and logs."""
+
+    def cost(theta):
+        low, high = _log_densities(squares, expit(theta[0]), np.exp(theta[1]), np.exp(theta[2]))
+        return -float(number @ np.logaddexp(low, high))
+
+    top, step = np.array([logit(share), np.log(narrow), np.log(wide)]), 1e-3
+    units = np.eye(3) * step
+    hessian = [
+        [(cost(top + a + b) - cost(top + a - b) - cost(top - a + b) + cost(top - a - b)) / (4 * step**2) for b in units]
+        for a in units
+    ]
+    error = np.sqrt(np.abs(np.diag(np.linalg.pinv(np.array(hessian), hermitian=True))))
+    odds = [expit(logit(share) + side * 1.96 * error[0]) for side in (-1, 1)]
+    ends = [np.sqrt(max((wide * np.exp(side * 1.96 * error[2])) ** 2 - narrow**2, 0.0)) for side in (-1, 1)]
+    return (float(odds[0]), float(odds[1])), (float(ends[0]), float(ends[1]))

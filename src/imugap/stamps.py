@@ -1,0 +1,182 @@
+"""The stamps of a log as they are: which sample of an even clock each row is, whatever its stamp says.
+
+A stamp may be rounded, scattered, repeated, reversed or missing, and rows may be lost. The phase of the clock is
+followed through blocks of rows, so that neither a slightly wrong interval nor a wandering clock loses count.
+"""
+
+from bisect import bisect_left
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import pandas as pd
+from scipy.optimize import isotonic_regression
+
+from imugap import log as canonical
+from imugap.grain import grain
+from imugap.log import LogError
+
+BLOCK = 128
+"""Rows over which the phase of the clock is averaged."""
+COARSE = 1 / 3
+"""Rounding of the stamps, in intervals, above which steps of one interval are not told from others one by one."""
+WINDOW = 64
+"""Rows in which the stamps are compared with an even clock."""
+LEAST = 4 * WINDOW
+"""Rows below which nothing is said of the scatter of stamps."""
+
+
+@dataclass(frozen=True, eq=False)
+class Stamps:
+    """Rows of a log on an even clock.
+
+    Attributes
+    ----------
+    time
+        Stamps as read [s], shape (n,); may be NaN.
+    interval
+        Interval of the clock [s].
+    slots
+        Number of the sample that each row is, shape (n,), increasing; -1 for a row that repeats another.
+    advancing
+        Which stamps are numbers and in order, shape (n,).
+    rounding
+        Distance of neighbouring storable stamps, shape (n,) [s]; zero where there is no stamp.
+    even
+        Whether the clock can be seen in the stamps at all; if not, rows are samples one by one.
+    """
+
+    time: np.ndarray
+    interval: float
+    slots: np.ndarray
+    advancing: np.ndarray
+    rounding: np.ndarray
+    even: bool
+
+    @property
+    def kept(self) -> np.ndarray:
+        """Return which rows hold a sample of their own, shape (n,)."""
+        return self.slots >= 0
+
+    @cached_property
+    def count(self) -> int:
+        """Return the number of samples from the first row to the last, lost ones included."""
+        return int(self.slots.max()) + 1
+
+    @cached_property
+    def lost(self) -> np.ndarray:
+        """Return which samples have no row, shape (count,)."""
+        lost = np.ones(self.count, bool)
+        lost[self.slots[self.kept]] = False
+        return lost
+
+    @cached_property
+    def grid(self) -> np.ndarray:
+        """Return the time of each sample by the stamps around it, shape (count,) [s]."""
+        rows = self.kept & self.advancing
+        return np.interp(np.arange(self.count), self.slots[rows], self.time[rows])
+
+    @cached_property
+    def line(self) -> np.ndarray:
+        """Return the time of each sample on the straight line through all stamps, shape (count,) [s]."""
+        rows = self.kept & self.advancing
+        slope, start = np.polyfit(self.slots[rows], self.time[rows] - self.time[rows][0], 1)
+        return self.time[rows][0] + start + slope * np.arange(self.count)
+
+    @cached_property
+    def scatter(self) -> np.ndarray:
+        """Return how far stamps lie off the line through those of their window, shape (windows, WINDOW) [s]."""
+        rows = np.flatnonzero(self.kept & self.advancing)
+        windows = len(rows) // WINDOW
+        rows = rows[: windows * WINDOW].reshape(windows, WINDOW)
+        slots = self.slots[rows] - self.slots[rows].mean(axis=1, keepdims=True)
+        time = self.time[rows] - self.time[rows[:, :1]]
+        time -= time.mean(axis=1, keepdims=True)
+        slope = (slots * time).sum(axis=1, keepdims=True) / (slots**2).sum(axis=1, keepdims=True)
+        return time - slope * slots
+
+    @property
+    def freedom(self) -> int:
+        """Return the degrees of freedom of :attr:`scatter`."""
+        return self.scatter.size - 2 * len(self.scatter)
+
+    @property
+    def variance(self) -> float:
+        """Return the variance of the stamps about an even clock [s^2]."""
+        return float(np.sum(self.scatter**2) / self.freedom)
+
+    @property
+    def rounding_variance(self) -> float:
+        """Return the variance that rounding alone gives the stamps [s^2], at most."""
+        return float(np.mean(self.rounding[self.advancing] ** 2) / 12)
+
+
+def stamps(time: np.ndarray) -> Stamps:
+    """Find the even clock behind stamps ``time`` [s], shape (n,); a LogError where time does not advance."""
+    time = np.where(np.isfinite(time), time, np.nan)
+    advancing = _advancing(time)
+    good = time[advancing]
+    if len(good) < 2:
+        raise LogError("log", "index", "a time that advances", f"{len(good)} stamps in order")
+    rounding = np.zeros(len(time))
+    rounding[advancing] = grain(good)
+    steps = np.diff(good)
+    even = np.count_nonzero(~advancing) <= len(time) / 4
+    if not even:
+        interval = (good[-1] - good[0]) / max(len(time) - 1, 1)
+        return Stamps(time, float(interval), np.arange(len(time)), advancing, rounding, even)
+    interval = canonical.interval(pd.DataFrame(index=good))
+    if rounding.max() > COARSE * interval:
+        reach = min(WINDOW, len(steps))
+        interval = float(np.median(good[reach:] - good[:-reach]) / reach)
+    slots = np.full(len(time), -1)
+    slots[advancing] = _slots(good, interval)
+    return Stamps(time, interval, _filled(slots, advancing), advancing, rounding, even)
+
+
+def _advancing(time: np.ndarray) -> np.ndarray:
+    """Return which stamps belong to the longest increasing run of stamps, shape (n,)."""
+    advancing = np.isfinite(time)
+    rows = np.flatnonzero(advancing)
+    if np.all(np.diff(time[rows]) > 0):
+        return advancing
+    tops: list[float] = []
+    ranks = np.empty(len(rows), int)
+    for i, stamp in enumerate(time[rows].tolist()):
+        ranks[i] = bisect_left(tops, stamp)
+        tops[ranks[i] : ranks[i] + 1] = [stamp]
+    advancing[:] = False
+    rank, above = len(tops) - 1, np.inf
+    for i in range(len(rows) - 1, -1, -1):
+        if ranks[i] == rank and time[rows[i]] < above:
+            advancing[rows[i]] = True
+            rank, above = rank - 1, time[rows[i]]
+    return advancing
+
+
+def _slots(time: np.ndarray, interval: float) -> np.ndarray:
+    """Return the number of the sample at each increasing stamp, shape (n,), from 0."""
+    cycles = (time - time[0]) / interval
+    edges = np.arange(0, max(len(time) - BLOCK // 2, 1), BLOCK)
+    turns = np.add.reduceat(np.exp(2j * np.pi * cycles), edges)
+    sizes = np.diff(np.r_[edges, len(time)])
+    phase = np.unwrap(np.angle(turns) / (2 * np.pi), period=1.0)
+    late = np.rint(cycles - np.interp(np.arange(len(time)), edges + (sizes - 1) / 2, phase)) - np.arange(len(time))
+    for end, inner in ((0, late[:5]), (-1, late[-5:])):
+        if abs(late[end] - np.median(inner)) == 1:
+            late[end] = np.median(inner)
+    order = np.rint(isotonic_regression(late).x) + np.arange(len(time))
+    return (order - order[0]).astype(int)
+
+
+def _filled(slots: np.ndarray, advancing: np.ndarray) -> np.ndarray:
+    """Return the slots with rows without a stamp of their own put after the row before them, if there is room."""
+    if advancing.all():
+        return slots
+    rows = np.flatnonzero(advancing)
+    before = np.searchsorted(rows, np.arange(len(slots)), "right") - 1
+    inner = (before >= 0) & (before < len(rows) - 1) & ~advancing
+    place = slots[rows[before[inner]]] + np.flatnonzero(inner) - rows[before[inner]]
+    filled = slots.copy()
+    filled[inner] = np.where(place < slots[rows[before[inner] + 1]], place, -1)
+    return filled

@@ -1,0 +1,80 @@
+BLIND_CASES = [f"c{number:04}" for number in range(1, config["blind"]["cases"] + 1)]
+
+
+rule blind_seal:
+    """Draw the cases of the blind benchmark: logs with something hidden in them, and the keys in a folder of their own."""
+    input:
+        recipe="data/blind.yaml",
+        schema="workflow/schemas/blind.schema.yaml",
+        code=library("blind_seal"),
+    output:
+        cases=directory(expand("results/blind/cases/{case}", case=BLIND_CASES)),
+        key=expand("results/blind/keys/{case}.json", case=BLIND_CASES),
+    log:
+        "logs/blind_seal.log",
+    benchmark:
+        "benchmarks/blind_seal.tsv"
+    resources:
+        mem_mb=2000,
+        runtime=30,
+    params:
+        cases=config["blind"]["cases"],
+        seed=config["blind"]["seed"],
+    script:
+        "../scripts/blind_seal.py"
+
+
+rule blind_discover:
+    """Name what is missing from the model of a sealed case, from its logs alone."""
+    input:
+        case="results/blind/cases/{case}",
+        code=library("blind_discover"),
+    output:
+        report="results/blind/discovered/{case}/report.json",
+        seconds="results/blind/discovered/{case}/seconds.json",
+    log:
+        "logs/blind_discover/{case}.log",
+    benchmark:
+        "benchmarks/blind_discover/{case}.tsv"
+    wildcard_constraints:
+        case=r"c\d+",
+    group:
+        "blind_discover"
+    resources:
+        mem_mb=3000,
+        runtime=10,
+    params:
+        seed=config["seed"],
+    script:
+        "../scripts/blind_discover.py"
+
+
+rule blind_score:
+    """Compare the reports of the blind benchmark with the keys."""
+    input:
+        key=expand("results/blind/keys/{case}.json", case=BLIND_CASES),
+        reports=expand("results/blind/discovered/{case}/report.json", case=BLIND_CASES),
+        seconds=expand("results/blind/discovered/{case}/seconds.json", case=BLIND_CASES),
+        code=library("blind_score"),
+    output:
+        cases="results/blind/cases.csv",
+        effects="results/blind/effects.csv",
+        parameters="results/blind/parameters.csv",
+        detection="results/blind/detection.csv",
+        false_alarms="results/blind/false_alarms.csv",
+        confusion="results/blind/confusion.csv",
+        naming="results/blind/naming.csv",
+        coverage="results/blind/coverage.csv",
+        closed="results/blind/closed.csv",
+        run_time="results/blind/run_time.csv",
+    log:
+        "logs/blind_score.log",
+    benchmark:
+        "benchmarks/blind_score.tsv"
+    resources:
+        mem_mb=1000,
+        runtime=10,
+    params:
+        clear_size=config["blind"]["clear_size"],
+    script:
+        "../scripts/blind_score.py"

@@ -1,0 +1,34 @@
+"""Score the blind benchmark."""
+
+import json
+from pathlib import Path
+
+from imugap import blind
+from imugap.journal import journal
+
+
+def main(source, clear_size, output):
+    """Read keys, reports and run times; write the scores case by case and what they come to."""
+    keys = [blind.read_key(path) for path in source.key]
+    reports = [blind.read_report(path) for path in source.reports]
+    scores = blind.score(keys, reports, [json.loads(Path(path).read_text())["seconds"] for path in source.seconds])
+    tables = {
+        # run times differ from run to run: apart from them, the tables are the same on every machine
+        "cases": scores.cases.drop(columns="seconds"),
+        "run_time": scores.cases[["case", "rate_hz", "duration_s", "seconds"]],
+        "effects": scores.effects,
+        "parameters": scores.parameters,
+        "detection": blind.detection(scores.effects),
+        "false_alarms": blind.false_alarms(scores.cases),
+        "confusion": blind.confusion(scores.effects, clear_size).reset_index(),
+        "naming": blind.naming(scores.effects, clear_size),
+        "coverage": blind.coverage(scores.parameters),
+        "closed": blind.closed(scores, clear_size),
+    }
+    for name, table in tables.items():
+        table.to_csv(output[name], index=False)
+
+
+if __name__ == "__main__":
+    with journal(snakemake.log[0]):
+        main(snakemake.input, snakemake.params.clear_size, dict(snakemake.output.items()))
