@@ -104,11 +104,26 @@ class Envelope:
         """Return (low, high, p-value) of each range of locations beyond the envelope of a level."""
         deviation = self.deviation(curve.statistic)
         beyond = np.flatnonzero((deviation >= self.critical(level)) & (deviation > 0))
-        if not len(beyond):
-            return []
-        found = []
-        for run in np.split(beyond, np.flatnonzero(np.diff(beyond) > APART + 1) + 1):
-            peak = run[np.argmax(deviation[run])]
-            first, last = (peak, peak) if curve.point else (run[0], run[-1])
-            found.append((float(curve.low[first]), float(curve.high[last]), float(self.p_value(deviation[peak]))))
-        return found
+        groups = _runs(beyond, deviation, curve.point) if curve.windows is None else _apart(beyond, deviation, curve)
+        return [
+            (float(curve.low[group].min()), float(curve.high[group].max()), float(self.p_value(deviation[group].max())))
+            for group in groups
+        ]
+
+
+def _runs(beyond: np.ndarray, deviation: np.ndarray, point: bool) -> list[np.ndarray]:
+    """Return the locations beyond in runs of neighbours; of each its peak only, if that is the place."""
+    runs = np.split(beyond, np.flatnonzero(np.diff(beyond) > APART + 1) + 1) if len(beyond) else []
+    return [run[[np.argmax(deviation[run])]] if point else run for run in runs]
+
+
+def _apart(beyond: np.ndarray, deviation: np.ndarray, curve: Curve) -> list[np.ndarray]:
+    """Return the windows that deviate most and do not overlap; those next to each other together."""
+    first, last = curve.windows
+    taken = np.empty(0, int)
+    for window in beyond[np.argsort(-deviation[beyond])]:
+        if np.all((first[taken] >= last[window]) | (last[taken] <= first[window])):
+            taken = np.append(taken, window)
+    ordered = taken[np.argsort(first[taken])]
+    between = first[ordered[1:]] - last[ordered[:-1]]
+    return np.split(ordered, np.flatnonzero(between > APART) + 1) if len(ordered) else []

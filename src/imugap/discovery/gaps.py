@@ -149,7 +149,7 @@ def _pairs(fits: Mapping[str, AxisFit], statistics: Mapping) -> list[Verdict]:
 
 
 def threshold(p_values: np.ndarray, alpha: float) -> float:
-    """Return the largest p-value that counts at a false discovery rate (Benjamini and Hochberg 1995); 0 if none does."""
+    """Return the largest p-value that counts at a false discovery rate (Benjamini and Hochberg 1995), or 0."""
     ordered = np.sort(p_values)
     passed = np.flatnonzero(ordered <= alpha * np.arange(1, len(ordered) + 1) / len(ordered))
     return float(alpha * (passed[-1] + 1) / len(ordered)) if len(passed) else 0.0

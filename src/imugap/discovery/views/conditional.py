@@ -10,7 +10,7 @@ from scipy.ndimage import uniform_filter1d
 from imugap import log
 from imugap.discovery.axis import AxisFit
 from imugap.discovery.sequence import Sequence
-from imugap.discovery.views.curve import Curve
+from imugap.discovery.views.curve import Curve, pooled, spans, windows
 
 CELLS = 24
 """Cells of equal numbers of samples."""
@@ -48,18 +48,20 @@ class Binning:
 
     @cached_property
     def number(self) -> np.ndarray:
-        """Return the number of samples in each cell."""
-        return np.bincount(self.index, minlength=len(self.low))
+        """Return the number of samples in each window of cells."""
+        return pooled(np.bincount(self.index, minlength=len(self.low)))
 
     def concerns(self, axis: str) -> bool:
         """Return whether the residual of ``axis`` is looked at over this quantity."""
         return self.view not in ("time_shift", "full_scale") or self.source == axis
 
     def curve(self, axis: str, score: np.ndarray, scale: float) -> Curve:
-        """Return the sum of an axis' score in each cell, over its spread if the samples were independent."""
-        total = np.bincount(self.index, score * self.sign, minlength=len(self.low))
+        """Return the sums of an axis' score in windows of cells, over their spread if the samples were independent."""
+        total = pooled(np.bincount(self.index, score * self.sign, minlength=len(self.low)))
         names = axis if self.source in ("", axis) else f"{axis},{self.source}"
-        return Curve(self.view, names, self.low, self.high, self.unit, total / (scale * np.sqrt(self.number)))
+        low, high = spans(self.low, self.high)
+        statistic = total / (scale * np.sqrt(self.number))
+        return Curve(self.view, names, low, high, self.unit, statistic, windows=windows(len(self.low)))
 
 
 def binned(

@@ -1,6 +1,7 @@
 """The curve of a view: one statistic at each of many locations."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -22,6 +23,8 @@ class Curve:
         Whether small values are as far off as large ones.
     point
         Whether a place is the location where the curve peaks, not all the neighbours that stand out with it.
+    windows
+        First cell and last cell + 1 of each location, where locations are windows that overlap; else None.
     """
 
     view: str
@@ -32,12 +35,42 @@ class Curve:
     statistic: np.ndarray
     signed: bool = True
     point: bool = False
+    windows: tuple[np.ndarray, np.ndarray] | None = None
 
 
 def chi_score(mean_square: np.ndarray, degrees: np.ndarray) -> np.ndarray:
     """Return the normal score of a mean of ``degrees`` squared normal values (Wilson and Hilferty 1931)."""
     spread = 2 / (9 * degrees)
     return (np.cbrt(mean_square) - (1 - spread)) / np.sqrt(spread)
+
+
+@lru_cache(maxsize=32)
+def windows(cells: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return first cell and last cell + 1 of windows of 1, 2, 4 .. cells, up to half of them, half a window apart.
+
+    What is weak in each cell but goes on over many shows in the wide ones.
+    """
+    first, last = [], []
+    width = 1
+    while width <= max(cells // 2, 1):
+        begin = np.arange(0, cells - width + 1, max(width // 2, 1))
+        first.append(begin)
+        last.append(begin + width)
+        width *= 2
+    return np.concatenate(first), np.concatenate(last)
+
+
+def pooled(sums: np.ndarray) -> np.ndarray:
+    """Return the sums over all windows of the sums of each cell."""
+    first, last = windows(len(sums))
+    total = np.concatenate([np.zeros(1), np.cumsum(sums)])
+    return total[last] - total[first]
+
+
+def spans(low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the range of each window of cells."""
+    first, last = windows(len(low))
+    return low[first], high[last - 1]
 
 
 def blocks(count: int, most: int, shortest: int) -> np.ndarray:

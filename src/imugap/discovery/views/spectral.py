@@ -7,7 +7,7 @@ from scipy.fft import dct
 
 from imugap import allan
 from imugap.discovery.axis import AxisFit
-from imugap.discovery.views.curve import Curve, blocks, chi_score, highest
+from imugap.discovery.views.curve import Curve, blocks, chi_score, highest, pooled, spans, windows
 
 PER_DECADE = 6
 """Averaging times per decade."""
@@ -57,11 +57,13 @@ def _range(fit: AxisFit, first: np.ndarray, number: np.ndarray) -> tuple[np.ndar
 
 
 def of_spectrum(fit: AxisFit) -> Curve:
-    """Return the power in bands over the modelled one, over frequency [Hz]."""
+    """Return the power in bands, and in windows of bands, over the modelled one, over frequency [Hz]."""
     first, number = bands(fit.sequence.bins.last, WIDTH, 1)
     power = np.add.reduceat(fit.coefficients[: fit.sequence.bins.last] ** 2, first)
-    low, high = _range(fit, first, number)
-    return Curve("spectrum", fit.sequence.conditions.axis, low, high, "Hz", chi_score(power / number, number))
+    low, high = spans(*_range(fit, first, number))
+    total, number = pooled(power), pooled(number)
+    axis, cells = fit.sequence.conditions.axis, windows(len(first))
+    return Curve("spectrum", axis, low, high, "Hz", chi_score(total / number, number), windows=cells)
 
 
 def of_line(fit: AxisFit) -> Curve:
@@ -82,8 +84,8 @@ def of_coherence(one: AxisFit, other: AxisFit) -> Curve:
     last = one.sequence.bins.last
     first, number = bands(last, WIDTH, FEWEST)
     a, b = one.coefficients[:last], other.coefficients[:last]
-    power = np.add.reduceat(a**2, first) * np.add.reduceat(b**2, first)
-    score = np.arctanh(np.add.reduceat(a * b, first) / np.sqrt(power)) * np.sqrt(number - 1)
-    low, high = _range(one, first, number)
+    product, square, other_square = (pooled(np.add.reduceat(part, first)) for part in (a * b, a**2, b**2))
+    score = np.arctanh(product / np.sqrt(square * other_square)) * np.sqrt(pooled(number) - 1)
+    low, high = spans(*_range(one, first, number))
     names = f"{one.sequence.conditions.axis},{other.sequence.conditions.axis}"
-    return Curve("coherence", names, low, high, "Hz", score)
+    return Curve("coherence", names, low, high, "Hz", score, windows=windows(len(first)))

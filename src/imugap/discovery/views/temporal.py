@@ -4,7 +4,7 @@ import numpy as np
 from scipy.stats import norm
 
 from imugap.discovery.axis import AxisFit
-from imugap.discovery.views.curve import Curve, blocks, chi_score, highest
+from imugap.discovery.views.curve import Curve, blocks, chi_score, highest, pooled, spans, windows
 
 BLOCKS, SHORTEST = 128, 16
 """Most blocks of a log and fewest samples of one."""
@@ -17,24 +17,29 @@ def _range(fit: AxisFit, first: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _sums(fit: AxisFit, values: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the first sample of each block, the sum of the values there, and their number, replacements left out."""
+    """Return the first sample of each block, and over windows of blocks the values' sum and number, flaws left out."""
     first = blocks(len(values), BLOCKS, SHORTEST)
     kept = ~fit.sequence.flawed
-    return first, np.add.reduceat(values * kept, first), np.add.reduceat(kept.astype(float), first)
+    number = pooled(np.add.reduceat(kept.astype(float), first))
+    return first, pooled(np.add.reduceat(values * kept, first)), np.maximum(number, 1.0)
+
+
+def _windowed(view: str, fit: AxisFit, first: np.ndarray, statistic: np.ndarray) -> Curve:
+    low, high = spans(*_range(fit, first))
+    axis = fit.sequence.conditions.axis
+    return Curve(view, axis, low, high, "s", statistic, windows=windows(len(first)))
 
 
 def of_mean(fit: AxisFit) -> Curve:
     """Return the means of blocks of the whitened residual over time [s]."""
     first, total, number = _sums(fit, fit.whitened)
-    statistic = total / np.sqrt(np.maximum(number, 1))
-    return Curve("mean", fit.sequence.conditions.axis, *_range(fit, first), "s", statistic)
+    return _windowed("mean", fit, first, total / np.sqrt(number))
 
 
 def of_variance(fit: AxisFit) -> Curve:
     """Return the mean squares of blocks of the whitened residual over time [s]."""
     first, total, number = _sums(fit, fit.whitened**2)
-    statistic = np.where(number > 0, chi_score(total / np.maximum(number, 1), np.maximum(number, 1)), 0.0)
-    return Curve("variance", fit.sequence.conditions.axis, *_range(fit, first), "s", statistic)
+    return _windowed("variance", fit, first, chi_score(total / number, number))
 
 
 def of_extremes(fit: AxisFit) -> Curve:

@@ -1,0 +1,211 @@
+"""How far a measured log is from simulated ones on held-out data: before, after, and the floor.
+
+The *before* and *after* are the distances to ensembles of the start and of the final model, the *floor* the distance
+of simulations of the final model from each other. Each is in units of the scatter of the model's own simulations: a
+model that claims to know more than it does is far away, not close.
+Logs are taken as evenly sampled; errors of the clock are left out.
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from math import radians
+
+import numpy as np
+import pandas as pd
+from scipy.fft import dct
+
+from imugap import allan, drift, log
+from imugap.discovery.finding import Interval
+from imugap.discovery.uncertain import Uncertain
+from imugap.discovery.views.curve import blocks
+from imugap.discovery.views.spectral import bands
+from imugap.effects import Bias
+from imugap.model import AxisModel, ErrorModel
+from imugap.site import Site
+from imugap.stream import stream
+
+COUNT = 60
+"""Simulations of each model."""
+BLOCKS, SHORTEST = 16, 16
+"""Blocks of the held-out part, and fewest samples of one."""
+WIDTH, PER_DECADE = 0.3, 4
+"""Relative width of bands of frequency; averaging times per decade."""
+SHARES = np.array([0.001, 0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99, 0.999])
+"""Shares of the samples at whose quantiles the values are compared."""
+HORIZONS = np.array([1 / 16, 1 / 8, 1 / 4, 1 / 2, 1])
+"""Shares of the held-out part after which drifts are compared."""
+LEAST = 0.1
+"""Smallest scatter of an entry, over the median one of its view: some quantiles of a coarse lattice do not vary."""
+LEVEL = 0.95
+ANYWHERE = Site(radians(45.0), 0.0)
+"""Where a device stands if nobody says: only the gravity of the place matters."""
+
+Model = ErrorModel | Uncertain
+Vector = Callable[[pd.DataFrame], list[np.ndarray]]
+"""From a whole log to vectors, one for each view of each axis."""
+
+
+@dataclass(frozen=True)
+class Distances:
+    """Distances of the measured log to the start and to the final model, and what the final model makes by itself.
+
+    Of before and after, the value is the median over the simulations and the interval holds 95 % of them. The floor
+    is that median for each simulation of the final model against the others: its median and 95 % interval. If the
+    final model is right, the value of *after* lies in the floor's interval in 95 % of the cases.
+    """
+
+    before: Interval
+    after: Interval
+    floor: Interval
+
+
+def distribution(
+    measured: pd.DataFrame,
+    split: float,
+    before: Model,
+    after: Model,
+    seed: int,
+    count: int = COUNT,
+    reference: pd.DataFrame | None = None,
+) -> Distances:
+    """Return the distances over views of the error: Allan variance, spectrum, block means and variances, quantiles.
+
+    Parameters
+    ----------
+    measured
+        The whole log.
+    split
+        Time [s] of the log at which the held-out part begins.
+    before, after
+        Start and final model, with or without the uncertainty of their parameters.
+    reference
+        Error-free log at the same times, for a device in motion; a device at rest needs none.
+    """
+    held_in, axes = _split(measured, split), log.axes(measured)
+
+    def vector(table: pd.DataFrame) -> list[np.ndarray]:
+        errors = table[list(axes)] if reference is None else table[list(axes)] - reference[list(axes)].to_numpy()
+        columns = (errors[axis].to_numpy(float) for axis in axes)
+        return [part for values in columns for part in _views(values[held_in:], values[:held_in].mean())]
+
+    return _distances(measured, vector, before, after, Simulations(held_in, seed, count, reference))
+
+
+def navigation(
+    measured: pd.DataFrame,
+    split: float,
+    before: Model,
+    after: Model,
+    seed: int,
+    count: int = COUNT,
+    site: Site = ANYWHERE,
+) -> Distances:
+    """Return the distances over the free-inertial position drift of a device at rest through the held-out part.
+
+    The biases are the means of the held-in part; the drift is taken at :data:`HORIZONS`. Parameters as those of
+    :func:`distribution`; all six axes have to be there.
+    """
+    held_in, interval = _split(measured, split), log.interval(measured)
+    length = (len(measured) - held_in - 1) // 16 * 16
+    course = drift.Course(site, False, held_in * interval, length * interval, length // 16 * interval)
+    at = np.rint(16 * HORIZONS).astype(int)
+
+    def vector(table: pd.DataFrame) -> list[np.ndarray]:
+        even = log.from_samples({axis: table[axis].to_numpy(float) for axis in log.AXES}, interval)
+        return list(course.drift(even)[drift.STARTS.index("calibrated"), at, :3])
+
+    return _distances(measured, vector, before, after, Simulations(held_in, seed, count))
+
+
+def _split(measured: pd.DataFrame, split: float) -> int:
+    """Return the number of samples of the held-in part."""
+    held_in = int(np.searchsorted(measured.index.to_numpy(), split))
+    fewest = 4 * SHORTEST
+    if min(held_in, len(measured) - held_in) < fewest:
+        raise ValueError(f"split: expected {fewest} samples on either side; found {held_in} before {split:g} s")
+    return held_in
+
+
+@dataclass(frozen=True, eq=False)
+class Simulations:
+    """How a log is simulated again and again.
+
+    Attributes
+    ----------
+    held_in
+        Number of samples of the held-in part, whose mean tells the level of a device at rest.
+    seed, count
+        Seed and number of simulations.
+    reference
+        Error-free log, or None for a device at rest.
+    """
+
+    held_in: int
+    seed: int
+    count: int
+    reference: pd.DataFrame | None = None
+
+    def of(self, measured: pd.DataFrame, model: Model, name: str) -> Iterator[pd.DataFrame]:
+        """Simulate the whole log, the held-out part as what follows on the held-in one."""
+        for index in range(self.count):
+            labels = ("distance", name, index)
+            rng = stream(self.seed, *labels, "parameters")
+            drawn = model.draw(rng) if isinstance(model, Uncertain) else model
+            sensors = ErrorModel({axis: drawn.axes.get(axis, AxisModel()) for axis in log.axes(measured)})
+            yield sensors.simulate(self._ideal(measured, sensors), self.seed, *labels)
+
+    def _ideal(self, measured: pd.DataFrame, model: ErrorModel) -> pd.DataFrame:
+        """Return the error-free log: the reference, or the level of the held-in part less the model's biases."""
+        table = measured.copy() if self.reference is None else self.reference.set_axis(measured.index)
+        if self.reference is None:
+            for axis in log.axes(measured):
+                biases = sum(effect.value for effect in model[axis] if isinstance(effect, Bias))
+                table[axis] = measured[axis].iloc[: self.held_in].mean() - biases
+        if log.TEMPERATURE in measured:
+            table[log.TEMPERATURE] = measured[log.TEMPERATURE]
+        return table.set_axis(pd.Index(measured.index - measured.index[0], name=log.TIME))
+
+
+def _views(values: np.ndarray, level: float) -> list[np.ndarray]:
+    """Return what views say of the held-out values of one axis, ``level`` being the mean of the held-in ones."""
+    first = blocks(len(values), BLOCKS, SHORTEST)
+    number = np.diff(np.r_[first, len(values)])
+    means = np.add.reduceat(values - level, first) / number
+    squares = np.add.reduceat((values - level - np.repeat(means, number)) ** 2, first) / number
+    edges, widths = bands(len(values) - 1, WIDTH, 1)
+    power = np.add.reduceat(dct(values - values.mean(), norm="ortho")[1:] ** 2, edges) / widths
+    averaging = allan.factors(len(values), PER_DECADE)
+    quantiles = np.quantile(values - level, SHARES)
+    tiny = np.finfo(float).tiny
+    logs = [np.log(np.maximum(part, tiny)) for part in (allan.variance(values, averaging), power, squares)]
+    return [*logs, means, quantiles]
+
+
+def _distances(
+    measured: pd.DataFrame, vector: Vector, before: Model, after: Model, simulations: Simulations
+) -> Distances:
+    own = vector(measured)
+    start = [vector(table) for table in simulations.of(measured, before, "before")]
+    final = [vector(table) for table in simulations.of(measured, after, "after")]
+    floor = [np.median(_apart(one, final[:i] + final[i + 1 :])) for i, one in enumerate(final)]
+    return Distances(_interval(_apart(own, start)), _interval(_apart(own, final)), _interval(floor))
+
+
+def _apart(one: list[np.ndarray], ensemble: list[list[np.ndarray]]) -> np.ndarray:
+    """Return the root mean square, over views, of the standardised difference from each member, shape (count,).
+
+    Differences are divided by sqrt(2) times the scatter of the entry among the members, so that two members are
+    about 1 apart. A mean over the entries of a view comes first: each view of each axis weighs the same.
+    """
+    squares = []
+    for part, rows in zip(one, map(np.array, zip(*ensemble, strict=True)), strict=True):
+        spread = rows.std(axis=0, ddof=1)
+        spread = np.maximum(spread, LEAST * np.median(spread) + np.finfo(float).tiny)
+        squares.append(np.mean(((part - rows) / spread) ** 2, axis=1) / 2)
+    return np.sqrt(np.mean(squares, axis=0))
+
+
+def _interval(values: list[float] | np.ndarray) -> Interval:
+    """Return the median and the interval that another value of the same law falls into with :data:`LEVEL`."""
+    low, middle, high = np.quantile(values, [(1 - LEVEL) / 2, 0.5, (1 + LEVEL) / 2], method="weibull")
+    return Interval(float(middle), float(low), float(high), "1")
