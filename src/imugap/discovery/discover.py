@@ -8,6 +8,7 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
+from imugap.discovery.axis import AxisFit, fit
 from imugap.discovery.common import shared
 from imugap.discovery.distance import Distances, distribution, navigation
 from imugap.discovery.finding import Finding, Gap
@@ -15,11 +16,11 @@ from imugap.discovery.gaps import REPLICATES, gaps
 from imugap.discovery.parameters import axis_unit
 from imugap.discovery.record import Record, prepare
 from imugap.discovery.runs import clocks, turn_on
-from imugap.discovery.story import Story, model_of, told
+from imugap.discovery.story import Story, described, model_of, part, told
 from imugap.discovery.uncertain import Uncertain
 from imugap.effects import CATALOGUE, CommonMode, TurnOnBias, WhiteNoise
 from imugap.effects.effect import Effect, Stage
-from imugap.log import AXES, TIME, from_samples
+from imugap.log import AXES, from_samples
 from imugap.model import AxisModel, ErrorModel
 
 HELD_IN = 0.8
@@ -127,18 +128,19 @@ def discover(
     where = gaps(befores, question.alpha, question.seed, question.replicates, outputs)
     common = tuple(one.finding(f"{axis_unit(one.axes[0])}/sqrt(Hz)") for one in shared(wholes, log_alpha))
     own = tuple(finding for story in stories.values() for finding in story.findings)
-    findings = _ordered((*record.findings, *own, *common, *_between_runs(logs, record, known, question, log_alpha)))
+    outside = (*record.findings, *common, *_between_runs(logs, record, known, question, log_alpha))
+    findings = _ordered((*own, *outside))
     progress("gaps that remain")
     left = _left(stories, record, common, question, outputs)
-    start, after = _models(stories, known, record, findings)
+    start, final = _model(befores, known), _model(wholes, known, outside)
     progress("distances")
-    distances = _distances(record, stories, start, after, question, reference is not None)
+    apart = _distances(record, stories, start, partial(_model, known=known, findings=outside), question)
     withheld = tuple((axis, name, why.reason) for axis, story in stories.items() for name, why in story.withheld)
-    return Discovery(start, after, (*record.gaps, *where), findings, left, withheld, distances, record, stories)
+    return Discovery(start, final, (*record.gaps, *where), findings, left, withheld, apart, record, stories)
 
 
 def _ordered(findings: Sequence[Finding]) -> tuple[Finding, ...]:
-    """Return the findings, those of the record first as they were, the others surest first."""
+    """Return the findings, those of integrity first, the others surest first."""
     return tuple(
         sorted(findings, key=lambda finding: (next(iter(finding.effects.values())).stage < Stage.RANGE, finding.log_p))
     )
@@ -176,9 +178,6 @@ def _between_runs(
     """Return what differs between the runs."""
     if len(logs) < 2:
         return ()
-    from imugap.discovery.axis import fit
-    from imugap.discovery.story import described, part
-
     records = [record, *(prepare(log, None, question.seed, question.start) for log in logs[1:])]
     fits = []
     for one in records:
@@ -207,18 +206,13 @@ def _pairs(axes: Sequence[str]) -> list[tuple[str, str]]:
     return [(one, other) for one in axes for other in axes if one < other]
 
 
-def _models(
-    stories: Mapping[str, Story], known: ErrorModel, record: Record, findings: tuple[Finding, ...]
-) -> tuple[ErrorModel, ErrorModel]:
-    """Return the start model as fitted and the final model."""
-    start = {axis: AxisModel((*model_of(story.before), *_outputs(known, axis))) for axis, story in stories.items()}
-    final = {axis: AxisModel((*model_of(story.whole), *_outputs(known, axis))) for axis, story in stories.items()}
-    inner = {effect for story in stories.values() for finding in story.findings for effect in finding.effects.values()}
+def _model(fits: Mapping[str, AxisFit], known: ErrorModel, findings: Sequence[Finding] = ()) -> ErrorModel:
+    """Return the fits of all axes as a model, with what was found outside of them."""
+    axes = {axis: AxisModel((*model_of(fit), *_outputs(known, axis))) for axis, fit in fits.items()}
     for finding in findings:
         for axis, effect in finding.effects.items():
-            if effect not in inner:
-                final[axis] = _with(final.get(axis, AxisModel()), effect)
-    return ErrorModel(start), ErrorModel(final)
+            axes[axis] = _with(axes.get(axis, AxisModel()), effect)
+    return ErrorModel(axes)
 
 
 def _with(model: AxisModel, effect: Effect) -> AxisModel:
@@ -235,35 +229,33 @@ def _with(model: AxisModel, effect: Effect) -> AxisModel:
 
 
 def _distances(
-    record: Record, stories: Mapping[str, Story], start: ErrorModel, after: ErrorModel, question: Question, moving: bool
+    record: Record, stories: Mapping[str, Story], start: ErrorModel, model: Callable, question: Question
 ) -> dict[str, Distances]:
-    """Return the distances on the last part of the log, the parameters from the part before it."""
-    sequences = record.sequences
-    conditions = next(iter(sequences.values())).conditions
+    """Return the distances on the last part of the log, the parameters from the part before it.
+
+    Where only the last part shows an effect, the parameters of its axis come from the whole log.
+    """
+    conditions = next(iter(record.sequences.values())).conditions
     split = float(conditions.time[int(HELD_IN * len(conditions))])
-    errors = {axis: sequence.values for axis, sequence in sequences.items()}
-    measured = from_samples(errors, conditions.interval)
+    fits = {axis: story.after if story.early else story.whole for axis, story in stories.items()}
+    before = Uncertain(_in_run(start), {axis: story.before for axis, story in stories.items()})
+    after = Uncertain(_in_run(model(fits)), fits)
+    errors = {axis: sequence.values for axis, sequence in record.sequences.items()}
+    measured, reference = from_samples(errors, conditions.interval), None
+    if conditions.ideal is not None:
+        reference = conditions.ideal[list(errors)].set_axis(measured.index)
+        measured = measured + reference
     if conditions.temperature is not None:
         measured = measured.assign(temperature=conditions.temperature)
-    drop = partial(_at_rest, stories=stories)
-    before = Uncertain(drop(start), {axis: story.before for axis, story in stories.items()})
-    final = Uncertain(drop(after), {axis: story.after for axis, story in stories.items()})
-    reference = None
-    if moving:
-        reference = conditions.ideal[list(errors)].set_axis(measured.index)
-        measured = measured.add(reference, fill_value=0.0)[list(measured.columns)]
-    found = {
-        "distribution": distribution(measured, split, before, final, question.seed, question.simulations, reference)
-    }
-    if not moving and all(axis in errors for axis in AXES):
-        found["navigation"] = navigation(measured, split, before, final, question.seed, question.simulations)
+    asked = measured, split, before, after, question.seed, question.simulations
+    found = {"distribution": distribution(*asked, reference)}
+    if reference is None and all(axis in errors for axis in AXES):
+        found["navigation"] = navigation(*asked)
     return found
 
 
-def _at_rest(model: ErrorModel, stories: Mapping[str, Story]) -> ErrorModel:
-    """Return the model of an even log: without its clock, and without what differs only between runs."""
-    kept = {
-        axis: AxisModel(tuple(effect for effect in model[axis] if not isinstance(effect, TurnOnBias)))
-        for axis in stories
-    }
-    return ErrorModel({axis: one for axis, one in kept.items() if axis != TIME})
+def _in_run(model: ErrorModel) -> ErrorModel:
+    """Return the model of one even run: without its clock, and without what differs only between runs."""
+    sensors = model.sensors.items()
+    kept = {axis: tuple(effect for effect in one if not isinstance(effect, TurnOnBias)) for axis, one in sensors}
+    return ErrorModel({axis: AxisModel(effects) for axis, effects in kept.items()})

@@ -46,6 +46,12 @@ class Story:
     findings: tuple[Finding, ...]
     withheld: tuple[tuple[str, Doubt], ...]
 
+    @property
+    def early(self) -> bool:
+        """Return whether the held-in part shows every effect that the whole log shows."""
+        before, after = (sorted(e.name for e in one.description.effects()) for one in (self.after, self.whole))
+        return before == after
+
 
 def described(effects: Several[Effect], sequence: Sequence) -> Description:
     """Return the start model of an axis as a description: what a fit can adjust of it; a bias is the offset."""

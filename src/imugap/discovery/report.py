@@ -1,0 +1,96 @@
+"""What discovery found, as plain data, as tables and in words."""
+
+from collections.abc import Iterable
+from dataclasses import asdict
+from math import exp, isfinite
+
+import pandas as pd
+
+from imugap.discovery.discover import Discovery
+from imugap.discovery.finding import Finding, Gap, Interval
+
+SCHEMA = "imugap/discovery/1"
+SMALLEST = -690.0
+"""Logarithm of the least probability that is written as a number above zero."""
+
+
+def to_mapping(found: Discovery, logs: list[dict]) -> dict:
+    """Return the report as plain data; ``logs`` are path, sha256, rate and duration of each log."""
+    report = {
+        "schema": SCHEMA,
+        "log": logs,
+        "start_model": found.start.to_mapping(),
+        "final_model": found.final.to_mapping(),
+        "gaps": [asdict(gap) for gap in found.gaps],
+        "effects": [_effect(finding) for finding in found.findings],
+        "unexplained": [asdict(gap) for gap in found.unexplained],
+        "withheld": [dict(zip(("axis", "name", "reason"), one, strict=True)) for one in found.withheld],
+    }
+    for key, name in (("distance", "distribution"), ("navigation_distance", "navigation")):
+        apart = found.distances.get(name)
+        triple = ("before", "after", "floor")
+        report[key] = None if apart is None else {one: _ends(getattr(apart, one)) for one in triple}
+    return report
+
+
+def _effect(finding: Finding) -> dict:
+    return {
+        "name": finding.name,
+        "axes": list(finding.axes),
+        "parameters": {name: _ends(one) | {"unit": one.unit} for name, one in finding.parameters.items()},
+        "p_value": exp(max(finding.log_p, SMALLEST)),
+        "log_score_gain": finding.log_score_gain,
+        "alternatives": [{"name": name, "log_score_gain": gain} for name, gain in finding.alternatives],
+    }
+
+
+def _ends(interval: Interval) -> dict[str, float | None]:
+    """Return value and ends; an end at infinity is null."""
+    ends = {"value": interval.value, "low": interval.low, "high": interval.high}
+    return {key: float(value) if isfinite(value) else None for key, value in ends.items()}
+
+
+def gap_table(gaps: Iterable[Gap], left: Iterable[Gap]) -> pd.DataFrame:
+    """Return the places, found with the start model and left by the final one."""
+    columns = ["view", "axis", "low", "high", "unit", "p_value", "model"]
+    rows = [asdict(gap) | {"model": model} for model, some in (("start", gaps), ("final", left)) for gap in some]
+    return pd.DataFrame(rows, columns=columns)
+
+
+def candidate_table(found: Discovery) -> pd.DataFrame:
+    """Return what was named, what could not be told from it, and what was withheld with the reason."""
+    columns = ["axes", "name", "status", "log_p", "log_score_gain", "reason"]
+    rows = []
+    for one in found.findings:
+        axes = " ".join(one.axes)
+        rows.append((axes, one.name, "named", one.log_p, one.log_score_gain, ""))
+        rows += [(axes, name, f"alternative to {one.name}", None, gain, "") for name, gain in one.alternatives]
+    rows += [(axis, name, "withheld", None, None, reason) for axis, name, reason in found.withheld]
+    return pd.DataFrame(rows, columns=columns)
+
+
+def verdict(found: Discovery) -> str:
+    """Return the answer in plain words."""
+    lines = [_sentence(finding) for finding in found.findings] or ["Nothing is missing that the log can show."]
+    lines += [f"{axis}: something like {name}, but {reason}; not named." for axis, name, reason in found.withheld]
+    if found.unexplained:
+        places = "; ".join(dict.fromkeys(place(gap) for gap in found.unexplained))
+        lines.append(f"Still unexplained: {places}.")
+    for name, apart in found.distances.items():
+        numbers = f"{apart.before.value:.3g} before, {apart.after.value:.3g} after"
+        lines.append(f"Distance in {name}: {numbers}; floor {apart.floor.low:.3g} to {apart.floor.high:.3g}.")
+    return "\n".join(lines)
+
+
+def _sentence(finding: Finding) -> str:
+    values = ", ".join(f"{name} {one.value:.4g} {one.unit}".rstrip(" 1") for name, one in finding.parameters.items())
+    told = f"{', '.join(finding.axes)}: {finding.name} ({values})"
+    if finding.alternatives:
+        told += f"; the log cannot tell it from {', '.join(name for name, _ in finding.alternatives)}"
+    return told + "."
+
+
+def place(gap: Gap) -> str:
+    """Return a place in words, e.g. "gyro_y, line, 49.98 Hz"."""
+    where = f"{gap.low:.4g}" if gap.low == gap.high else f"{gap.low:.4g} to {gap.high:.4g}"
+    return f"{gap.axis}, {gap.view}, {where} {gap.unit}"
