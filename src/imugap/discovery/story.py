@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.fft import next_fast_len
+from threadpoolctl import threadpool_limits
 
 from imugap.discovery.axis import AxisFit, Description, Term, fit, log_score, offset
 from imugap.discovery.doubt import Doubt, doubts
@@ -95,7 +96,15 @@ def part(sequence: Sequence, first: int, last: int) -> Sequence:
 def told(
     sequence: Sequence, start: Several[Effect], catalogue: tuple[type[Effect], ...], log_alpha: float, split: int
 ) -> Story:
-    """Discover on one axis; the samples from ``split`` on are held out."""
+    """Discover on one axis; the samples from ``split`` on are held out.
+
+    One thread is enough for vectors of this length, and axes are worked on side by side.
+    """
+    with threadpool_limits(1):
+        return _told(sequence, start, catalogue, log_alpha, split)
+
+
+def _told(sequence, start, catalogue, log_alpha, split) -> Story:
     held_in, held_out = part(sequence, 0, split), part(sequence, split, len(sequence.values))
     whole = part(sequence, 0, len(sequence.values))
     before = fit(held_in, described(start, held_in))
