@@ -25,7 +25,7 @@ LIMIT = 12
 """Additions to one axis."""
 FAR = 300.0
 """Gain of log-likelihood above which the probability of a chance is its asymptote."""
-MARGIN = 2.0
+MARGIN = 0.5
 """Gain of evidence (natural logarithm) that an exchange has to make."""
 HOPE, HOPES = -1.0, 4
 """Log-probability of chance below which, and number of, effects that are added on trial where nothing is certain.
@@ -96,7 +96,8 @@ class Search:
                 before = self.settled(wide.fit)
                 continue
             if trials and trials[0].log_p < self.log_alpha:
-                before = self.settled(trials[0].fit)
+                first = not self.added(before.description)
+                before = trials[0].fit if first else self.settled(trials[0].fit)
                 continue
             hopes = (self.settled(trial.fit) for trial in trials[:HOPES])
             proven = next((after for after in hopes if self._proven(after, before)), None)
@@ -143,8 +144,6 @@ class Search:
         """Return the fit after the removal or exchange of every added effect that is superfluous or another one."""
         for _ in range(LIMIT):
             keys = [key for key in self.added(found.description) if key.part != "outliers"]
-            if len(keys) < 2:
-                return found
             changed = next((other for key in keys if (other := self._improved(found, key)) is not None), None)
             if changed is None:
                 return found
