@@ -57,8 +57,9 @@ class StuckSamples(Effect):
             estimate = counted(runs[runs > 0], max(len(first) - 1, 1))
             log_p = float(poisson.logsf(np.count_nonzero(runs) - 1, max(chance, 1e-12) * len(known)))
         else:
-            estimate = disentangled(*np.unique(runs, return_counts=True), chance, spread)
-            log_p = estimate.log_p
+            lengths, counts = np.unique(runs, return_counts=True)
+            estimate = disentangled(lengths, counts, chance, spread, np.log(IMPROBABLE))
+            log_p = 0.0 if estimate is None else estimate.log_p
         if log_p > np.log(IMPROBABLE):
             return None
         flawed = np.zeros(len(values), bool)
@@ -73,7 +74,8 @@ class StuckSamples(Effect):
 def _chance(values: np.ndarray) -> tuple[float, float] | None:
     """Return how often noise repeats a value, and the uncertainty of its logarithm; None on too coarse a lattice."""
     step, _ = spacing(values)
-    steps = np.diff(values) / np.maximum(np.maximum(grain(values)[1:], grain(values)[:-1]), step)
+    fine = np.maximum(grain(values), step)
+    steps = np.diff(values) / np.maximum(fine[1:], fine[:-1])
     one, two = (np.count_nonzero(np.abs(np.abs(steps) - k) < 0.5) for k in (1, 2))
     if one < 30:
         return (one + 1) / 2 / len(steps), 1.0
