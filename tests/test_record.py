@@ -140,38 +140,136 @@ def test_nothing_is_named_in_a_thousand_logs_where_nothing_is_hidden():
     assert check_silence(range(120, 1120)) > 200
 
 
-def covered(truth, name, cases, **device_of):
-    """In how many of so many logs the interval of each parameter holds the truth, and their mean relative widths."""
-    hits, widths = dict.fromkeys(truth, 0), dict.fromkeys(truth, 0.0)
-    for case in range(cases):
-        found = parameters(prepared(**device_of, seed=100 + case), name)
-        for key, value in truth.items():
-            hits[key] += found[key].low <= value <= found[key].high
-            widths[key] += (found[key].high - found[key].low) / value / cases
-    return hits, widths
-
-
 CASES = 100
 LEAST = int(binom.ppf(1e-4, CASES, 0.95))
 
 
 @pytest.mark.parametrize(
-    ("effect", "arguments", "width"),
-    [
-        (StuckSamples(0.02, 3.0), {}, 0.5),
-        (SampleLoss(0.02, 3.0), {"clock": True}, 0.5),
-        (TimestampJitter(1e-3), {"clock": True}, 0.05),
-    ],
-    ids=["stuck", "loss", "jitter"],
+    ("effect", "width"),
+    [(StuckSamples(0.02, 3.0), 0.5), (StuckSamples(0.01, 1.0), 0.6), (SampleLoss(0.02, 3.0), 0.5)]
+    + [(TimestampJitter(1e-3), 0.05), (TimestampJitter(2e-3), 0.05)],
+    ids=["stuck", "single", "loss", "jitter", "strong jitter"],
 )
-def test_intervals_hold_the_truth_and_are_no_wider_than_they_must(effect, arguments, width):
-    device_of = {"clock": (effect,)} if arguments else {}
-    hits, widths = np.zeros(2), np.zeros(2)
-    truth = effect.parameters()
+def test_intervals_hold_the_truth_and_are_no_wider_than_they_must(effect, width):
+    hits, widths = dict.fromkeys(effect.parameters(), 0), dict.fromkeys(effect.parameters(), 0.0)
+    clock = effect.stage > StuckSamples.stage
     for case in range(CASES):
-        effects = () if arguments else (effect,)
-        found = parameters(prepared(*effects, seed=100 + case, **device_of), effect.name)
-        hits[: len(truth)] += [found[key].low <= value <= found[key].high for key, value in truth.items()]
-        widths[: len(truth)] += [(found[key].high - found[key].low) / value / CASES for key, value in truth.items()]
-    assert np.all(hits[: len(truth)] >= LEAST)
-    assert np.all(widths[: len(truth)] < width)
+        record = prepared(*(() if clock else (effect,)), clock=(effect,) if clock else (), seed=100 + case)
+        found = parameters(record, effect.name)
+        assert {name for _, name in names(record)} == {effect.name}
+        for key, value in effect.parameters().items():
+            hits[key] += found[key].low <= value <= found[key].high
+            widths[key] += (found[key].high - found[key].low) / value / CASES
+    assert min(hits.values()) >= LEAST
+    assert max(widths.values()) < width
+
+
+def test_a_resolution_is_exact_and_fine_decimals_are_the_file():
+    for step in (0.03, 0.0873, 0.3):
+        assert parameters(prepared(Resolution(step)), "resolution")["step"].value == pytest.approx(step, rel=1e-6)
+    table = device().simulate(still(5000), 3).round(3)
+    assert names(prepare(table)) == set()  # 0.001 is a hundredth of the deviation
+
+
+def test_a_lattice_written_as_decimals_is_still_one():
+    table = device(Resolution(np.radians(0.5))).simulate(still(5000), 3).round(6)
+    found = parameters(prepare(table), "resolution")["step"]
+    assert found.value == pytest.approx(np.radians(0.5), rel=1e-4)
+    assert found.low < np.radians(0.5) < found.high
+
+
+@pytest.mark.parametrize("step", [None, 0.03])
+@pytest.mark.parametrize("offset", [0.0, 0.15])
+def test_a_full_scale_is_found_on_one_side_or_both(step, offset):
+    lattice = () if step is None else (Resolution(step),)
+    record = prepared(Bias(offset), Saturation(0.24), *lattice)
+    assert ("gyro_x", "saturation") in names(record)
+    assert "stuck_samples" not in {name for _, name in names(record)}
+    assert parameters(record, "saturation")["limit"].value == pytest.approx(0.24, rel=1e-9)
+    assert record.sequences["gyro_x"].flawed.any()
+
+
+@pytest.mark.parametrize("step", [None, 0.02])
+def test_stuck_samples_are_marked_and_replaced(step):
+    lattice = () if step is None else (Resolution(step),)
+    record = prepared(StuckSamples(0.005, 20.0), *lattice)
+    sequence = record.sequences["gyro_x"]
+    assert ("gyro_x", "stuck_samples") in names(record)
+    assert 0.05 < sequence.flawed.mean() < 0.14  # 0.091
+    assert np.mean(np.diff(sequence.values) == 0) < (0.001 if step is None else 0.08)
+
+
+def test_repeats_of_all_axes_at_once_are_one_finding():
+    axes = ("gyro_x", "gyro_y", "accel_z")
+    table = device(Resolution(0.03), axes=axes).simulate(still(5000, axes), 4)
+    rows = np.arange(len(table))
+    rows[1::100] -= 1
+    record = prepare(table.iloc[rows].set_axis(table.index))
+    found = parameters(record, "stuck_samples")
+    assert {axis for axis, name in names(record) if name == "stuck_samples"} == set(axes)
+    assert found["probability"].low < 0.01 < found["probability"].high
+
+
+def test_rows_without_a_value_are_lost_on_their_axis():
+    axes = ("gyro_x", "gyro_y")
+    table = device(axes=axes).simulate(still(5000, axes), 5)
+    table.iloc[100:1000:50, 0] = np.nan
+    record = prepare(table)
+    assert names(record) == {("gyro_x", "sample_loss")}
+    assert record.sequences["gyro_x"].flawed.sum() == 18
+    assert not record.sequences["gyro_y"].flawed.any()
+    assert np.isfinite(record.sequences["gyro_x"].values).all()
+
+
+def test_repeated_reversed_and_missing_stamps_are_described():
+    table = device().simulate(still(5000), 6)
+    time = table.index.to_numpy().copy()
+    time[100], time[2000], time[3000] = time[99], time[1000], np.nan
+    record = prepare(table.set_axis(pd.Index(time, name="time")))
+    assert names(record) == set()
+    assert [gap.view for gap in record.gaps] == ["stamps"]
+    np.testing.assert_array_equal(record.sequences["gyro_x"].values, table["gyro_x"])
+
+
+def test_a_clock_that_wanders_has_no_jitter():
+    table = device().simulate(still(5000), 7)
+    time = table.index.to_numpy() + np.cumsum(1e-4 * stream(7, "wander").standard_normal(5000))
+    record = prepare(table.set_axis(pd.Index(time, name="time")))
+    assert names(record) == set()
+    assert [gap.view for gap in record.gaps] == ["stamps"]
+    assert len(record.sequences["gyro_x"].values) == 5000
+
+
+def test_known_effects_are_no_news_but_still_taken_out():
+    clipped = device(Saturation(0.24)).simulate(still(5000), 8)
+    record = prepare(clipped, start=ErrorModel({"gyro_x": AxisModel((Saturation(0.24),))}))
+    assert (record.findings, record.gaps) == ((), ())
+    assert record.sequences["gyro_x"].flawed.any()
+
+
+def test_findings_can_be_simulated():
+    clock = (SampleLoss(0.02, 3.0), TimestampJitter(1e-3))
+    record = prepared(Saturation(0.24), StuckSamples(0.02, 3.0), Resolution(0.03), clock=clock)
+    assert {name for _, name in names(record)} > {"saturation", "resolution", "sample_loss", "timestamp_jitter"}
+    effects = {axis: AxisModel() for axis, _ in names(record)}
+    for finding in record.findings:
+        for axis, effect in finding.effects.items():
+            effects[axis] = effects[axis] + effect
+    assert len(ErrorModel(effects).simulate(still(1000), 1)) < 1000
+
+
+def test_the_error_is_what_the_reference_leaves():
+    time = 0.01 * np.arange(5000)
+    moving = log.from_samples({"gyro_x": np.sin(3 * time)}, 0.01)
+    measured = device(clock=(SampleLoss(0.02, 3.0), TimestampJitter(1e-3))).simulate(moving, 9)
+    sequence = prepare(measured, moving).sequences["gyro_x"]
+    assert sequence.conditions.time[0] == 0.0
+    assert sequence.values[~sequence.flawed].std() == pytest.approx(SD, rel=0.05)
+    assert np.abs(sequence.conditions.ideal["gyro_x"]).max() == pytest.approx(1.0, abs=1e-3)
+
+
+def test_a_log_without_time_or_axes_is_refused():
+    with pytest.raises(LogError, match="a time that advances"):
+        prepare(pd.DataFrame({"gyro_x": np.ones(9)}, index=np.zeros(9)))
+    with pytest.raises(LogError, match="columns"):
+        prepare(pd.DataFrame({"temperature": np.ones(9)}, index=np.arange(9.0)))

@@ -11,8 +11,10 @@ NODES, WEIGHTS = np.polynomial.hermite_e.hermegauss(9)
 """Levels of normal noise, in standard deviations, and their shares."""
 TINY = 1e-9
 """Least probability that a stretch ends."""
-WIDEST = 4.0
-"""Largest narrowness k of the chance of a repeat over the levels."""
+NARROW = 0.4
+"""Standard deviation of the logarithm of the narrowness k of the chance of a repeat over the levels."""
+LARGE = 2.0
+"""Largest logarithm of k."""
 
 
 def stretches(count: int, probability: float, length: float, rng: np.random.Generator) -> np.ndarray:
@@ -98,7 +100,7 @@ def disentangled(
     A run ends with a sample that differs from the one before, which is free. From there on a chain of two states,
     free and stuck, goes through the repeats: a free sample repeats by chance, a stuck one always. The chance is that
     of its level, ``p exp(-k x^2/2)`` for x ~ N(0, 1): k is 1 for white noise, less for neighbours that are alike, and
-    more where the variance changes.
+    more where the variance changes; its logarithm is N(0, NARROW^2) before the runs are seen.
 
     Parameters
     ----------
@@ -113,7 +115,7 @@ def disentangled(
     """
 
     def cost(theta: np.ndarray) -> float:
-        prior = 0.5 * ((theta[0] - np.log(chance)) / spread) ** 2
+        prior = 0.5 * ((theta[0] - np.log(chance)) / spread) ** 2 + 0.5 * (theta[1] / NARROW) ** 2
         begin, end = expit(theta[2:]) if len(theta) > 2 else (0.0, 1.0)
         return prior - counts @ _log_runs(lengths, begin, end, *_levels(theta))
 
@@ -141,16 +143,14 @@ def _least(cost, starts: list[list[float]]):
 
 def _levels(theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return chances of a repeat at several levels and the share of runs that begin there, shape (levels,)."""
-    narrow = WIDEST * expit(theta[1])
+    narrow = np.exp(min(theta[1], LARGE))
     highest = np.exp(theta[0]) * np.sqrt(1 + narrow)
     chances = np.minimum(highest * np.exp(-0.5 * narrow * NODES**2), 1 - 1e-6)
     shares = WEIGHTS * (1 - chances)
     return chances, shares / shares.sum()
 
 
-def _log_runs(
-    repeats: np.ndarray, begin: float, end: float, chances: np.ndarray, shares: np.ndarray
-) -> np.ndarray:
+def _log_runs(repeats: np.ndarray, begin: float, end: float, chances: np.ndarray, shares: np.ndarray) -> np.ndarray:
     """Return the log-probability of so many repeats until the next sample that differs, from a free sample on."""
     chance, length = chances[:, None], repeats[None, :]
     a, b, c, d = (1 - begin) * chance, begin, end * chance, 1 - end
