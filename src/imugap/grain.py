@@ -67,26 +67,23 @@ def decimal(step: float) -> bool:
 
 def _decimal(values: np.ndarray) -> np.ndarray:
     """Return the grain of non-negative numbers written as decimal text, shape (n,); zero where they are none."""
-    positive = values[values > 0]
-    if not len(positive):
+    some = values[:: max(len(values) // SAMPLE, 1)]
+    if not values.any():
         return np.zeros(len(values))
-    top = int(np.floor(np.log10(positive.max()))) + 1
-    decades = np.floor(np.log10(np.where(values > 0, values, positive.max())) + 1e-12).astype(int)
-    common = _first(values, (10.0**k for k in range(top, top - DIGITS, -1)))
-    own = _first(values, (10.0 ** (decades + 1 - digits) for digits in range(1, DIGITS)))
-    return np.maximum(common, own)
+    top = int(np.floor(np.log10(values.max()))) + 1
+    shifts = range(DIGITS)
+    common = next((k for k in shifts if _fits(some, top - k) and _fits(values, top - k)), None)
+    own = next((k for k in shifts[1:] if _fits(some, _decades(some) - k) and _fits(values, _decades(values) - k)), None)
+    result = np.zeros(len(values)) if common is None else np.full(len(values), 10.0 ** (top - common))
+    return result if own is None else np.maximum(result, 10.0 ** (_decades(values) - own))
 
 
-def _first(values: np.ndarray, grains) -> np.ndarray | float:
-    """Return the first of the grains (scalar, or one per value) that all values are multiples of, or zero."""
-    some = slice(None, None, max(len(values) // SAMPLE, 1))
-    for each in grains:
-        at = np.broadcast_to(each, values.shape)
-        if _multiples(values[some], at[some]) and _multiples(values, at):
-            return each
-    return 0.0
+def _decades(values: np.ndarray) -> np.ndarray:
+    """Return the number of digits before the point of non-negative numbers, as floats; that of the largest for zero."""
+    return np.floor(np.log10(np.where(values > 0, values, max(values.max(), 1e-300))) + 1e-12) + 1
 
 
-def _multiples(values: np.ndarray, grains: np.ndarray) -> bool:
-    ratio = values / grains
+def _fits(values: np.ndarray, exponents: np.ndarray | int) -> bool:
+    """Tell whether all values are multiples of powers of ten."""
+    ratio = values / 10.0**exponents
     return bool(np.all(np.abs(ratio - np.rint(ratio)) <= 8 * np.finfo(float).eps * np.maximum(ratio, 1.0)))

@@ -18,6 +18,12 @@ from imugap.log import LogError
 
 BLOCK = 128
 """Rows over which the phase of the clock is averaged."""
+BLOCKS = 40
+"""Blocks that tell the interval."""
+DETUNED = 5e-4 * np.arange(-40, 41)
+"""Relative errors of the interval that are tried."""
+DOUBTFUL = 0.2
+"""Distance from a sample, in intervals, from which on the first or last stamp may belong to its neighbour."""
 COARSE = 1 / 3
 """Rounding of the stamps, in intervals, above which steps of one interval are not told from others one by one."""
 WINDOW = 64
@@ -120,18 +126,37 @@ def stamps(time: np.ndarray) -> Stamps:
         raise LogError("log", "index", "a time that advances", f"{len(good)} stamps in order")
     rounding = np.zeros(len(time))
     rounding[advancing] = grain(good)
-    steps = np.diff(good)
-    even = np.count_nonzero(~advancing) <= len(time) / 4
-    if not even:
-        interval = (good[-1] - good[0]) / max(len(time) - 1, 1)
-        return Stamps(time, float(interval), np.arange(len(time)), advancing, rounding, even)
-    interval = canonical.interval(pd.DataFrame(index=good))
-    if rounding.max() > COARSE * interval:
-        reach = min(WINDOW, len(steps))
-        interval = float(np.median(good[reach:] - good[:-reach]) / reach)
+    if np.count_nonzero(~advancing) > len(time) / 4:
+        interval = (good[-1] - good[0]) / (len(time) - 1)
+        return Stamps(time, float(interval), np.arange(len(time)), advancing, rounding, even=False)
+    nominal = _nominal(good, float(rounding.max()))
     slots = np.full(len(time), -1)
-    slots[advancing] = _slots(good, interval)
-    return Stamps(time, interval, _filled(slots, advancing), advancing, rounding, even)
+    slots[advancing] = _slots(good, _tuned(good, nominal))
+    mean = float(np.polyfit(slots[advancing], good - good[0], 1)[0])
+    interval = nominal if abs(mean - nominal) * slots.max() < nominal / 2 else mean
+    return Stamps(time, interval, _filled(slots, advancing), advancing, rounding, even=True)
+
+
+def _nominal(time: np.ndarray, rounding: float) -> float:
+    """Return the interval [s] of increasing stamps, shape (n,): the mean over many where rounding hides one of them."""
+    interval = canonical.interval(pd.DataFrame(index=time))
+    if rounding < COARSE * interval or len(time) < 2 * WINDOW:
+        return interval
+    spans = time[WINDOW:] - time[:-WINDOW]
+    low, middle, high = np.quantile(spans, [0.05, 0.5, 0.95])
+    return float(middle / WINDOW) if high - low < 2.5 * rounding else interval
+
+
+def _tuned(time: np.ndarray, interval: float) -> float:
+    """Return the interval [s] near the given one at which the phases of the stamps of a block agree best."""
+    blocks = len(time) // BLOCK
+    if not blocks:
+        return interval
+    chosen = np.unique(np.linspace(0, blocks - 1, min(blocks, BLOCKS)).astype(int))
+    parts = time[: blocks * BLOCK].reshape(blocks, BLOCK)[chosen]
+    parts = (parts - parts[:, :1]) / interval
+    agreement = [np.abs(np.exp(2j * np.pi * parts / (1 + change)).mean(axis=1)).mean() for change in DETUNED]
+    return interval * (1 + float(DETUNED[np.argmax(agreement)]))
 
 
 def _advancing(time: np.ndarray) -> np.ndarray:
@@ -161,9 +186,10 @@ def _slots(time: np.ndarray, interval: float) -> np.ndarray:
     turns = np.add.reduceat(np.exp(2j * np.pi * cycles), edges)
     sizes = np.diff(np.r_[edges, len(time)])
     phase = np.unwrap(np.angle(turns) / (2 * np.pi), period=1.0)
-    late = np.rint(cycles - np.interp(np.arange(len(time)), edges + (sizes - 1) / 2, phase)) - np.arange(len(time))
+    cycles -= np.interp(np.arange(len(time)), edges + (sizes - 1) / 2, phase)
+    late = np.rint(cycles) - np.arange(len(time))
     for end, inner in ((0, late[:5]), (-1, late[-5:])):
-        if abs(late[end] - np.median(inner)) == 1:
+        if abs(late[end] - np.median(inner)) == 1 and abs(cycles[end] - np.rint(cycles[end])) > DOUBTFUL:
             late[end] = np.median(inner)
     order = np.rint(isotonic_regression(late).x) + np.arange(len(time))
     return (order - order[0]).astype(int)

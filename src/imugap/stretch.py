@@ -3,9 +3,18 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import minimize, minimize_scalar
-from scipy.special import expit, logit
+from scipy.optimize import minimize
+from scipy.special import expit, logit, logsumexp
 from scipy.stats import beta, chi2
+
+NODES, WEIGHTS = np.polynomial.hermite_e.hermegauss(9)
+"""Levels of normal noise, in standard deviations, and their shares."""
+TINY = 1e-9
+"""Least probability that a stretch ends."""
+NARROW = 0.4
+"""Standard deviation of the logarithm of the narrowness k of the chance of a repeat over the levels."""
+LARGE = 2.0
+"""Largest logarithm of k."""
 
 
 def stretches(count: int, probability: float, length: float, rng: np.random.Generator) -> np.ndarray:
@@ -83,53 +92,74 @@ def _binomial(hits: int, trials: int) -> tuple[float, float, float]:
     return hits / trials, float(low), float(high)
 
 
-def disentangled(lengths: np.ndarray, counts: np.ndarray, chance: float, spread: float) -> Estimate:
+def disentangled(
+    lengths: np.ndarray, counts: np.ndarray, chance: float, spread: float, log_alpha: float
+) -> Estimate | None:
     """Estimate from runs of repeats of which chance makes some; maximum of the posterior and its curvature.
 
     A run ends with a sample that differs from the one before, which is free. From there on a chain of two states,
-    free and stuck, goes through the repeats: a free sample repeats by ``chance``, a stuck one always.
+    free and stuck, goes through the repeats: a free sample repeats by chance, a stuck one always. The chance is that
+    of its level, ``p exp(-k x^2/2)`` for x ~ N(0, 1): k is 1 for white noise, less for neighbours that are alike, and
+    more where the variance changes; its logarithm is N(0, NARROW^2) before the runs are seen.
 
     Parameters
     ----------
     lengths, counts
         Numbers of repeats in a row, zero included, and how often each is found, shape (m,).
     chance
-        Probability that a free sample repeats the one before.
+        Mean probability that a free sample repeats the one before.
     spread
         Standard deviation of the logarithm of ``chance``.
+    log_alpha
+        Logarithm of the probability above which there are no stretches: None is returned.
     """
 
     def cost(theta: np.ndarray) -> float:
-        prior = 0.5 * ((theta[2] - np.log(chance)) / spread) ** 2
-        return prior - counts @ _log_run(lengths, expit(theta[0]), expit(theta[1]), np.exp(min(theta[2], -1e-6)))
+        prior = 0.5 * ((theta[0] - np.log(chance)) / spread) ** 2 + 0.5 * (theta[1] / NARROW) ** 2
+        begin, end = expit(theta[2:]) if len(theta) > 2 else (0.0, 1.0)
+        return prior - counts @ _log_runs(lengths, begin, end, *_levels(theta))
 
-    def null(log_chance: float) -> float:
-        return 0.5 * ((log_chance - np.log(chance)) / spread) ** 2 - counts @ (
-            lengths * log_chance + np.log1p(-np.exp(log_chance))
-        )
-
-    without = minimize_scalar(null, bounds=(np.log(chance) - 5 * spread - 1, -1e-6), method="bounded").fun
+    plain = _least(cost, [[np.log(chance), 0.0]])
     total = counts.sum()
-    starts = [(logit(share), logit(1 / mean), np.log(chance)) for share in (30 / total, 3e-3) for mean in (1.5, 8, 60)]
-    fits = [minimize(cost, start, method="Nelder-Mead", options={"xatol": 1e-4, "fatol": 1e-4}) for start in starts]
-    best = min(fits, key=lambda fit: fit.fun)
-    errors = 1.96 * np.sqrt(np.diag(np.linalg.pinv(_curvature(cost, best.x)))[:2])
-    begin, end = ([float(expit(x + k * e)) for k in (0, -1, 1)] for x, e in zip(best.x[:2], errors, strict=True))
-    log_p = float(min(chi2.logsf(2 * max(without - best.fun, 0.0), 2), 0.0))
-    free = lengths * best.x[2] + np.log1p(-np.exp(best.x[2])) + (lengths + 1) * np.log1p(-begin[0])
-    stuck = free - _log_run(lengths, begin[0], end[0], np.exp(best.x[2])) < np.log(0.5)
+    if chi2.logsf(2 * max(plain.fun + counts @ np.log(counts / total), 0.0), 2) > log_alpha:
+        return None
+    starts = [[*plain.x, logit(share), logit(1 / mean)] for share, mean in ((30 / total, 1.5), (3e-3, 5), (3e-3, 50))]
+    best = _least(cost, starts)
+    errors = 1.96 * np.sqrt(np.maximum(np.diag(np.linalg.pinv(_curvature(cost, best.x)))[2:], 0.0))
+    begin, end = ([float(expit(x + k * e)) for k in (0, -1, 1)] for x, e in zip(best.x[2:], errors, strict=True))
+    log_p = float(min(chi2.logsf(2 * max(plain.fun - best.fun, 0.0), 2), 0.0))
+    free = _log_runs(lengths, 0.0, 1.0, *_levels(best.x)) + (lengths + 1) * np.log1p(-begin[0])
+    stuck = free - _log_runs(lengths, begin[0], end[0], *_levels(best.x)) < np.log(0.5)
     least = int(lengths[stuck].min()) if stuck.any() else int(lengths.max()) + 1
-    return Estimate(tuple(begin), (1 / end[0], 1 / end[2], 1 / end[1]), log_p, least)
+    return Estimate(tuple(begin), tuple(1 / max(end[k], TINY) for k in (0, 2, 1)), log_p, least)
 
 
-def _log_run(repeats: np.ndarray, begin: float, end: float, chance: float) -> np.ndarray:
+def _least(cost, starts: list[list[float]]):
+    """Return the best of the minima that a simplex finds from several starts."""
+    options = {"xatol": 1e-3, "fatol": 1e-3, "maxiter": 600}
+    fits = [minimize(cost, start, method="Nelder-Mead", options=options) for start in starts]
+    return min(fits, key=lambda fit: fit.fun)
+
+
+def _levels(theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return chances of a repeat at several levels and the share of runs that begin there, shape (levels,)."""
+    narrow = np.exp(min(theta[1], LARGE))
+    highest = np.exp(theta[0]) * np.sqrt(1 + narrow)
+    chances = np.minimum(highest * np.exp(-0.5 * narrow * NODES**2), 1 - 1e-6)
+    shares = WEIGHTS * (1 - chances)
+    return chances, shares / shares.sum()
+
+
+def _log_runs(repeats: np.ndarray, begin: float, end: float, chances: np.ndarray, shares: np.ndarray) -> np.ndarray:
     """Return the log-probability of so many repeats until the next sample that differs, from a free sample on."""
+    chance, length = chances[:, None], repeats[None, :]
     a, b, c, d = (1 - begin) * chance, begin, end * chance, 1 - end
     root = np.sqrt((a - d) ** 2 + 4 * b * c) + 1e-12
     high, low = (a + d + root) / 2, (a + d - root) / 2
-    last = np.array([(1 - begin) * (1 - chance), end * (1 - chance)])
-    first, second = (a - low) * last[0] + b * last[1], (a - high) * last[0] + b * last[1]
-    return repeats * np.log(high) + np.log(np.maximum((first - second * (low / high) ** repeats) / root, 1e-300))
+    differs = (1 - begin) * (1 - chance), end * (1 - chance)
+    first, second = ((a - other) * differs[0] + b * differs[1] for other in (low, high))
+    log_run = length * np.log(high) + np.log(np.maximum((first - second * (low / high) ** length) / root, 1e-300))
+    return logsumexp(log_run, axis=0, b=shares[:, None])
 
 
 def _curvature(cost, at: np.ndarray, step: float = 0.02) -> np.ndarray:

@@ -25,6 +25,8 @@ CERTAIN = -1e6
 """Logarithm of the least probability that is told from zero."""
 ALIGNED = 1e-6
 """Distance, in intervals, within which a stamp of the reference is that of a sample."""
+TAILED = 2.1
+"""Largest displacement of a stamp, in standard deviations, that the ticks of another clock leave (uniform: 1.73)."""
 TOGETHER = 0.5
 """Share of the repeats of an axis that the others have to share for a common cause."""
 
@@ -112,7 +114,8 @@ class _News:
             spots = np.interp(bad, np.flatnonzero(clock.advancing), near)
             self.place("stamps", canonical.TIME, spots[0], spots[-1], "s", CERTAIN)
         scattered = clock.scatter.size >= LEAST and clock.variance > ROUNDED * clock.rounding_variance
-        if clock.even and scattered and jitter is None:
+        tailed = scattered and np.abs(clock.scatter).max() > TAILED * np.sqrt(clock.variance)
+        if clock.even and tailed and jitter is None:
             first, last = clock.time[clock.advancing][[0, -1]]
             self.place("stamps", canonical.TIME, first, last, "s", CERTAIN)
 

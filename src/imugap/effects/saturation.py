@@ -15,7 +15,9 @@ TAIL = 100
 LEVELS = 4
 """Steps of a lattice that they cover at least."""
 FLAT = 3
-"""Samples of a single stay at the extreme value that no chance repeat makes."""
+"""Samples at the extreme value, of values without a lattice, below which nothing is said."""
+MANY = 10
+"""Samples at the extreme value of a lattice below which a heavy tail may hold them."""
 
 
 @dataclass(frozen=True)
@@ -41,24 +43,26 @@ class Saturation(Effect):
         if np.count_nonzero(known) < TAIL:
             return None
         step, _ = spacing(values[known])
-        step = max(step, float(grain(values[known]).max()))
-        sides = {sign: _log_chance(sign * values[known], step) for sign in (1, -1)}
+        fine = max(step, float(grain(values[known]).max()))
+        sides = {sign: _log_chance(sign * values[known], fine, bool(step)) for sign in (1, -1)}
         clipped = [sign for sign, log_p in sides.items() if log_p < np.log(IMPROBABLE)]
         if not clipped:
             return None
         limit = float(max(np.max(sign * values[known]) for sign in clipped))
         flawed = np.any([known & (sign * values == np.max(sign * values[known])) for sign in clipped], axis=0)
-        intervals = {"limit": (limit - step / 2, limit + step / 2)}
+        intervals = {"limit": (limit - fine / 2, limit + fine / 2)}
         return Evidence(cls(limit), intervals, float(min(sides.values())), flawed)
 
 
-def _log_chance(values: np.ndarray, step: float) -> float:
+def _log_chance(values: np.ndarray, step: float, lattice: bool) -> float:
     """Return the log-probability that an open range holds as many samples at the highest of ``values``, shape (n,)."""
     top = values.max()
     at = values == top
     stays = np.count_nonzero(np.diff(at.astype(int), prepend=0) == 1)
     repeats = np.count_nonzero(values[1:] == values[:-1]) - (np.count_nonzero(at) - stays)
     if top <= 0 or at.all() or (stays == 1 and (np.count_nonzero(at) < FLAT or repeats)):
+        return 0.0
+    if np.count_nonzero(at) < (MANY if lattice else FLAT):
         return 0.0
     entries = top - values[:-1][at[1:] & ~at[:-1]]
     if np.median(entries) < 1.5 * step:
@@ -67,7 +71,7 @@ def _log_chance(values: np.ndarray, step: float) -> float:
     reach = max(below[min(TAIL, len(below)) - 1], LEVELS * step)
     inside = below[below <= reach * (1 + 1e-9)]
     levels = max(int(np.rint(reach / step)), 1)
-    slope = _slope(inside / reach) / reach
+    slope = _slope((inside - step / 2) / reach) / reach
     share = 1 / (1 + _geometric(slope * step, levels))
     near = values >= top - reach * (1 + 1e-9)
     visits = np.count_nonzero(np.diff(near.astype(int), prepend=0) == 1)

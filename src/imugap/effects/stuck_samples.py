@@ -15,6 +15,10 @@ STEEP = 1.27
 """Log ratio of differences of one and of two steps above which the lattice is too coarse for the noise."""
 SHAPE = 0.05
 """Relative uncertainty of the chance of a repeat because noise is not normal."""
+FEW = 30
+"""Steps between neighbours of a lattice below which the nearest neighbours, whatever their step, tell more."""
+SPARSE = 0.3
+"""Relative uncertainty of the chance of a repeat then."""
 RARE = 0.01
 """Share of repeats by chance below which each is taken for a flaw."""
 
@@ -57,8 +61,9 @@ class StuckSamples(Effect):
             estimate = counted(runs[runs > 0], max(len(first) - 1, 1))
             log_p = float(poisson.logsf(np.count_nonzero(runs) - 1, max(chance, 1e-12) * len(known)))
         else:
-            estimate = disentangled(*np.unique(runs, return_counts=True), chance, spread)
-            log_p = estimate.log_p
+            lengths, counts = np.unique(runs, return_counts=True)
+            estimate = disentangled(lengths, counts, chance, spread, np.log(IMPROBABLE))
+            log_p = 0.0 if estimate is None else estimate.log_p
         if log_p > np.log(IMPROBABLE):
             return None
         flawed = np.zeros(len(values), bool)
@@ -73,11 +78,14 @@ class StuckSamples(Effect):
 def _chance(values: np.ndarray) -> tuple[float, float] | None:
     """Return how often noise repeats a value, and the uncertainty of its logarithm; None on too coarse a lattice."""
     step, _ = spacing(values)
-    steps = np.diff(values) / np.maximum(np.maximum(grain(values)[1:], grain(values)[:-1]), step)
+    fine = np.maximum(grain(values), step)
+    steps = np.diff(values) / np.maximum(fine[1:], fine[:-1])
     one, two = (np.count_nonzero(np.abs(np.abs(steps) - k) < 0.5) for k in (1, 2))
-    if one < 30:
-        return (one + 1) / 2 / len(steps), 1.0
+    apart = np.abs(steps[steps != 0])
+    if one < FEW:
+        near = np.partition(apart, FEW)[FEW] if len(apart) > FEW else np.inf
+        return FEW / 2 / near / len(steps), SPARSE
     if two == 0 or np.log(one / two) > STEEP:
         return None
-    share = one / 2 * max(one / two, 1.0) ** (1 / 3) / len(steps)
-    return share, float(np.sqrt(16 / 9 / one + 1 / 9 / two + SHAPE**2))
+    expected = one / 2 * max(one / two, 1.0) ** (1 / 3)
+    return expected / (len(apart) + expected), float(np.sqrt(16 / 9 / one + 1 / 9 / two + SHAPE**2))

@@ -1,0 +1,275 @@
+import numpy as np
+import pandas as pd
+import pytest
+from scipy.signal import butter, lfilter
+from scipy.stats import binom
+
+from imugap import log
+from imugap.discovery.record import prepare
+from imugap.effects import (
+    Bias,
+    Resolution,
+    SampleLoss,
+    Saturation,
+    StuckSamples,
+    TimestampJitter,
+    WhiteNoise,
+)
+from imugap.log import LogError
+from imugap.model import AxisModel, ErrorModel
+from imugap.stream import stream
+
+SD = 0.1
+NOISE = WhiteNoise(SD * 0.1)
+"""Deviation 0.1 at 100 Hz."""
+
+
+def still(count, axes=("gyro_x",), interval=0.01):
+    return log.from_samples({axis: np.zeros(count) for axis in axes}, interval)
+
+
+def device(*effects, clock=(), axes=("gyro_x",)):
+    """Noise and effects, the same on all axes."""
+    return ErrorModel({axis: AxisModel((NOISE, *effects)) for axis in axes} | {"time": AxisModel(clock)})
+
+
+def prepared(*effects, clock=(), axes=("gyro_x",), count=5000, seed=1):
+    return prepare(device(*effects, clock=clock, axes=axes).simulate(still(count, axes), seed, "record"))
+
+
+def names(record):
+    """The effects that are named, with their axes."""
+    return {(axis, effect.name) for found in record.findings for axis, effect in found.effects.items()}
+
+
+def parameters(record, name):
+    """The parameters of the one finding of a name."""
+    (finding,) = [found for found in record.findings if next(iter(found.effects.values())).name == name]
+    return finding.parameters
+
+
+COLOURS = ("white", "walk", "flicker", "filtered", "swing", "tailed", "uniform")
+
+
+def coloured(kind, count, rng):
+    """Noise of unit deviation or so without any flaw."""
+    white = rng.standard_normal(count)
+    if kind == "walk":
+        return white + rng.choice([0.01, 0.05, 0.2]) * np.cumsum(rng.standard_normal(count))
+    if kind == "flicker":
+        shape = np.sqrt(np.r_[1.0, np.fft.rfftfreq(2 * count)[1:]])
+        slow = np.fft.irfft(np.fft.rfft(rng.standard_normal(2 * count)) / shape)[:count]
+        return white + slow / slow.std()
+    if kind == "filtered":
+        low = lfilter(*butter(2, rng.choice([0.1, 0.3, 0.6])), white)
+        return low / low.std()
+    if kind == "swing":
+        return 0.3 * white + 3 * np.sin(2 * np.pi * rng.uniform(0.001, 0.2) * np.arange(count))
+    return {"tailed": rng.standard_t(5, count), "uniform": rng.uniform(-1, 1, count)}.get(kind, white)
+
+
+def written(values, rng):
+    """The values as a device or a file rounds them, and the step if it is none of the file."""
+    form = rng.choice(["as they are", "lattice", "decimals", "digits", "degrees", "single"])
+    if form == "lattice":
+        step = rng.uniform(0.3, 3.0) * values.std()
+        return step * np.rint(values / step), step
+    if form == "degrees":
+        step = np.radians(rng.choice([1e-3, 1 / 16.4, 1 / 131, 0.05]))
+        return step * np.rint(values / step), step
+    if form == "decimals":
+        digits = int(rng.integers(3, 10))
+        return np.round(values, digits), 10.0**-digits
+    if form == "digits":
+        digits = int(rng.integers(4, 10))
+        step = 10.0 ** (np.floor(np.log10(np.abs(values).max())) - digits + 1)
+        return np.array([float(f"{value:.{digits - 1}e}") for value in values]), step
+    return (values.astype(np.float32).astype(float) if form == "single" else values), 0.0
+
+
+def ticking(count, rng):
+    """Stamps of an even clock as a device or a file rounds them."""
+    interval = 1 / rng.choice([50, 100, 104, 119, 200, 249.756, 400, 800, 952])
+    time = interval * np.arange(count)
+    forms = {
+        "exact": lambda: time,
+        "summed": lambda: np.cumsum(np.full(count, interval)),
+        "decimals": lambda: np.round(time, int(rng.integers(3, 10))),
+        "ticks": lambda: np.round(np.rint(time * 32768) / 32768, int(rng.choice([6, 9]))),
+        "single": lambda: time.astype(np.float32).astype(float),
+        "epoch": lambda: 1.7e9 + time,
+    }
+    return forms[rng.choice(list(forms))]()
+
+
+def healthy(*labels):
+    """A log with nothing hidden, and the steps of its axes."""
+    rng = stream(9, "healthy", *labels)
+    count, columns, steps = int(rng.choice([2000, 5000])), {}, {}
+    for axis in rng.choice(log.AXES, 2, replace=False):
+        values = coloured(rng.choice(COLOURS), count, rng) * 10 ** rng.uniform(-3, 0) + rng.choice([0.0, 0.3, -9.81])
+        columns[axis], steps[axis] = written(values, rng)
+    table = pd.DataFrame(columns, index=pd.Index(ticking(count, rng), name="time"))
+    return table[[axis for axis in log.AXES if axis in columns]], steps
+
+
+def check_silence(cases):
+    """No name but that of a lattice that is there, no gap of the stamps."""
+    named = 0
+    for case in cases:
+        table, steps = healthy(case)
+        record = prepare(table)
+        for axis, name in names(record):
+            assert name == "resolution", (case, axis, name)
+            assert parameters_of(record, axis).step == pytest.approx(steps[axis], rel=1e-3), (case, axis)
+            named += 1
+        assert not [gap for gap in record.gaps if gap.view == "stamps"], case
+    return named
+
+
+def parameters_of(record, axis):
+    return next(found.effects[axis] for found in record.findings if axis in found.effects)
+
+
+def test_nothing_is_named_where_nothing_is_hidden():
+    assert check_silence(range(120)) > 20  # lattices are there to be named
+
+
+@pytest.mark.slow
+def test_nothing_is_named_in_a_thousand_logs_where_nothing_is_hidden():
+    assert check_silence(range(120, 1120)) > 200
+
+
+CASES = 100
+LEAST = int(binom.ppf(1e-4, CASES, 0.95))
+
+
+@pytest.mark.parametrize(
+    ("effect", "width"),
+    [(StuckSamples(0.02, 3.0), 0.5), (StuckSamples(0.01, 1.0), 0.6), (SampleLoss(0.02, 3.0), 0.5)]
+    + [(TimestampJitter(1e-3), 0.05), (TimestampJitter(2e-3), 0.05)],
+    ids=["stuck", "single", "loss", "jitter", "strong jitter"],
+)
+def test_intervals_hold_the_truth_and_are_no_wider_than_they_must(effect, width):
+    hits, widths = dict.fromkeys(effect.parameters(), 0), dict.fromkeys(effect.parameters(), 0.0)
+    clock = effect.stage > StuckSamples.stage
+    for case in range(CASES):
+        record = prepared(*(() if clock else (effect,)), clock=(effect,) if clock else (), seed=100 + case)
+        found = parameters(record, effect.name)
+        assert {name for _, name in names(record)} == {effect.name}
+        for key, value in effect.parameters().items():
+            hits[key] += found[key].low <= value <= found[key].high
+            widths[key] += (found[key].high - found[key].low) / value / CASES
+    assert min(hits.values()) >= LEAST
+    assert max(widths.values()) < width
+
+
+def test_a_resolution_is_exact_and_fine_decimals_are_the_file():
+    for step in (0.03, 0.0873, 0.3):
+        assert parameters(prepared(Resolution(step)), "resolution")["step"].value == pytest.approx(step, rel=1e-6)
+    table = device().simulate(still(5000), 3).round(3)
+    assert names(prepare(table)) == set()  # 0.001 is a hundredth of the deviation
+
+
+def test_a_lattice_written_as_decimals_is_still_one():
+    table = device(Resolution(np.radians(0.5))).simulate(still(5000), 3).round(6)
+    found = parameters(prepare(table), "resolution")["step"]
+    assert found.value == pytest.approx(np.radians(0.5), rel=1e-4)
+    assert found.low < np.radians(0.5) < found.high
+
+
+@pytest.mark.parametrize("step", [None, 0.03])
+@pytest.mark.parametrize("offset", [0.0, 0.15])
+def test_a_full_scale_is_found_on_one_side_or_both(step, offset):
+    lattice = () if step is None else (Resolution(step),)
+    record = prepared(Bias(offset), Saturation(0.24), *lattice)
+    assert ("gyro_x", "saturation") in names(record)
+    assert "stuck_samples" not in {name for _, name in names(record)}
+    assert parameters(record, "saturation")["limit"].value == pytest.approx(0.24, rel=1e-9)
+    assert record.sequences["gyro_x"].flawed.any()
+
+
+@pytest.mark.parametrize("step", [None, 0.02])
+def test_stuck_samples_are_marked_and_replaced(step):
+    lattice = () if step is None else (Resolution(step),)
+    record = prepared(StuckSamples(0.005, 20.0), *lattice)
+    sequence = record.sequences["gyro_x"]
+    assert ("gyro_x", "stuck_samples") in names(record)
+    assert 0.05 < sequence.flawed.mean() < 0.14  # 0.091
+    assert np.mean(np.diff(sequence.values) == 0) < (0.001 if step is None else 0.08)
+
+
+def test_repeats_of_all_axes_at_once_are_one_finding():
+    axes = ("gyro_x", "gyro_y", "accel_z")
+    table = device(Resolution(0.03), axes=axes).simulate(still(5000, axes), 4)
+    rows = np.arange(len(table))
+    rows[1::100] -= 1
+    record = prepare(table.iloc[rows].set_axis(table.index))
+    found = parameters(record, "stuck_samples")
+    assert {axis for axis, name in names(record) if name == "stuck_samples"} == set(axes)
+    assert found["probability"].low < 0.01 < found["probability"].high
+
+
+def test_rows_without_a_value_are_lost_on_their_axis():
+    axes = ("gyro_x", "gyro_y")
+    table = device(axes=axes).simulate(still(5000, axes), 5)
+    table.iloc[100:1000:50, 0] = np.nan
+    record = prepare(table)
+    assert names(record) == {("gyro_x", "sample_loss")}
+    assert record.sequences["gyro_x"].flawed.sum() == 18
+    assert not record.sequences["gyro_y"].flawed.any()
+    assert np.isfinite(record.sequences["gyro_x"].values).all()
+
+
+def test_repeated_reversed_and_missing_stamps_are_described():
+    table = device().simulate(still(5000), 6)
+    time = table.index.to_numpy().copy()
+    time[100], time[2000], time[3000] = time[99], time[1000], np.nan
+    record = prepare(table.set_axis(pd.Index(time, name="time")))
+    assert names(record) == set()
+    assert [gap.view for gap in record.gaps] == ["stamps"]
+    np.testing.assert_array_equal(record.sequences["gyro_x"].values, table["gyro_x"])
+
+
+def test_a_clock_that_wanders_has_no_jitter():
+    table = device().simulate(still(5000), 7)
+    time = table.index.to_numpy() + np.cumsum(1e-4 * stream(7, "wander").standard_normal(5000))
+    record = prepare(table.set_axis(pd.Index(time, name="time")))
+    assert names(record) == set()
+    assert [gap.view for gap in record.gaps] == ["stamps"]
+    assert len(record.sequences["gyro_x"].values) == 5000
+
+
+def test_known_effects_are_no_news_but_still_taken_out():
+    clipped = device(Saturation(0.24)).simulate(still(5000), 8)
+    record = prepare(clipped, start=ErrorModel({"gyro_x": AxisModel((Saturation(0.24),))}))
+    assert (record.findings, record.gaps) == ((), ())
+    assert record.sequences["gyro_x"].flawed.any()
+
+
+def test_findings_can_be_simulated():
+    clock = (SampleLoss(0.02, 3.0), TimestampJitter(1e-3))
+    record = prepared(Saturation(0.24), StuckSamples(0.02, 3.0), Resolution(0.03), clock=clock)
+    assert {name for _, name in names(record)} > {"saturation", "resolution", "sample_loss", "timestamp_jitter"}
+    effects = {axis: AxisModel() for axis, _ in names(record)}
+    for finding in record.findings:
+        for axis, effect in finding.effects.items():
+            effects[axis] = effects[axis] + effect
+    assert len(ErrorModel(effects).simulate(still(1000), 1)) < 1000
+
+
+def test_the_error_is_what_the_reference_leaves():
+    time = 0.01 * np.arange(5000)
+    moving = log.from_samples({"gyro_x": np.sin(3 * time)}, 0.01)
+    measured = device(clock=(SampleLoss(0.02, 3.0), TimestampJitter(1e-3))).simulate(moving, 9)
+    sequence = prepare(measured, moving).sequences["gyro_x"]
+    assert sequence.conditions.time[0] == 0.0
+    assert sequence.values[~sequence.flawed].std() == pytest.approx(SD, rel=0.05)
+    assert np.abs(sequence.conditions.ideal["gyro_x"]).max() == pytest.approx(1.0, abs=1e-3)
+
+
+def test_a_log_without_time_or_axes_is_refused():
+    with pytest.raises(LogError, match="a time that advances"):
+        prepare(pd.DataFrame({"gyro_x": np.ones(9)}, index=np.zeros(9)))
+    with pytest.raises(LogError, match="columns"):
+        prepare(pd.DataFrame({"temperature": np.ones(9)}, index=np.arange(9.0)))
