@@ -89,15 +89,15 @@ class Envelope:
         rank = (1 + b - np.searchsorted(self.maxima, largest)) / (b + 1)
         excess = np.maximum(np.asarray(largest) - threshold, 0.0)
         tail = (number + 1) / (b + 1) * (1 + excess / (number * scale)) ** -float(number)
-        return np.where(np.asarray(largest) > threshold, tail, rank)
+        return np.where(np.asarray(largest) >= threshold, tail, rank)
 
     def critical(self, probability: float) -> float:
-        """Return the largest deviation that has this probability."""
+        """Return the deviation that a curve of the model reaches anywhere with this probability, or a smaller one."""
         threshold, scale, number = self._tail
         b = len(self.maxima)
         share = (number + 1) / (b + 1)
-        if probability >= share:
-            return float(self.maxima[max(int(np.ceil(b + 1 - probability * (b + 1))) - 1, 0)])
+        if probability > share:
+            return float(self.maxima[int(np.ceil((b + 1) * (1 - probability) - 1e-9))])
         return threshold + number * scale * ((probability / share) ** (-1 / number) - 1)
 
     def places(self, curve: Curve, level: float) -> list[tuple[float, float, float]]:

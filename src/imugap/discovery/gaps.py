@@ -2,7 +2,7 @@
 
 from collections import defaultdict
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import combinations
 
@@ -13,7 +13,8 @@ from imugap.discovery.axis import AxisFit, fit
 from imugap.discovery.envelope import Envelope
 from imugap.discovery.finding import Gap
 from imugap.discovery.sequence import Sequence
-from imugap.effects import CommonMode, WhiteNoise
+from imugap.discovery.tails import tails
+from imugap.effects import CommonMode, Resolution, WhiteNoise
 from imugap.effects.effect import Effect
 from imugap.model import AxisModel
 from imugap.stream import stream
@@ -63,17 +64,33 @@ class Twins:
         """Simulate the fitted description of the first axis, with its repairs, and fit it again."""
         sequence, description = self.fits[0].sequence, self.fits[0].description
         conditions, labels = sequence.conditions, ("gaps", index)
-        error = AxisModel(description.effects()).simulate(np.zeros(len(conditions)), conditions, seed, *labels)
+        effects = unrounded(description.effects(), self.known, conditions.interval)
+        error = AxisModel(effects).simulate(np.zeros(len(conditions)), conditions, seed, *labels)
         if self.known:
             level = np.mean(sequence.values)
             base = level if conditions.ideal is None else level + conditions.ideal[conditions.axis].to_numpy(float)
             error = AxisModel(self.known).simulate(base + error, conditions, seed, *labels) - base
         clean = Sequence(error, conditions, np.zeros(len(conditions), bool))
-        return fit(clean.mended(sequence.flawed, stream(seed, *labels, "mended")), description)
+        rng = stream(seed, *labels, "mended")
+        found = fit(clean.mended(sequence.flawed, rng), description)
+        if description.outliers is None:
+            return found
+        return fit(found.sequence.mended(tails(found.whitened).flagged, rng), description)
 
     def concern(self, axis: str) -> tuple[views.Binning, ...]:
         """Return what an axis' residual is looked at over."""
         return tuple(item for item in self.over if item.concerns(axis))
+
+
+def unrounded(effects: tuple[Effect, ...], known: tuple[Effect, ...], interval: float) -> tuple[Effect, ...]:
+    """Return effects fitted to rounded values, the white noise without the variance step^2/12 of the rounding."""
+    rounding = interval * sum(effect.step**2 / 12 for effect in known if isinstance(effect, Resolution))
+    return tuple(
+        replace(effect, density=float(np.sqrt(max(effect.density**2 - rounding, 0.0))))
+        if isinstance(effect, WhiteNoise)
+        else effect
+        for effect in effects
+    )
 
 
 def twins(fits: Mapping[str, AxisFit], known: Mapping[str, tuple[Effect, ...]]) -> list[Twins]:

@@ -33,7 +33,8 @@ def implied(variance: np.ndarray, averaging: np.ndarray) -> np.ndarray:
     """Return the Allan variance at averaging factors of a process with the given variances of cosine coefficients.
 
     With the autocovariance c_j, the cosine transform of the spectrum, the sum of n samples has the variance
-    V_n = sum over |j| < n of (n - |j|) c_j, and the Allan variance is (4 V_n - V_2n)/(2 n^2).
+    V_n = sum over |j| < n of (n - |j|) c_j, and the Allan variance is (4 V_n - V_2n)/(2 n^2). Power below the first
+    coefficient is left out: of a random walk a share 3 n/(4 count), of white noise next to nothing.
     """
     count = len(variance) + 1
     covariance = dct(np.r_[0.0, variance, variance[-1]], type=1)[:count] / (2 * count)

@@ -1,0 +1,162 @@
+"""Gaps: uniform p-values where nothing is hidden, a place where something is."""
+
+from collections import defaultdict
+
+import numpy as np
+import pytest
+from scipy.stats import binomtest, kstest
+
+from imugap.discovery.axis import Description, Term, fit
+from imugap.discovery.gaps import gaps, threshold, twins, verdicts
+from imugap.discovery.noise import Noise
+from imugap.discovery.sequence import Sequence
+from imugap.effects import (
+    BiasInstability,
+    BiasStep,
+    CommonMode,
+    Outliers,
+    OutputFilter,
+    RandomWalk,
+    Resolution,
+    Sinusoid,
+    Temperature,
+    VarianceChange,
+    WhiteNoise,
+)
+from imugap.effects.effect import Conditions
+from imugap.model import AxisModel
+
+COUNT, INTERVAL = 12000, 0.02
+WHITE = WhiteNoise(1e-3)
+
+
+def fits(hidden, start=None, count=COUNT, seed=1):
+    """Return fits of a start description (white noise) to axes with effects that it may miss."""
+    time = INTERVAL * np.arange(count)
+    temperature = 25 + 8 * (1 - np.exp(-4 * time / time[-1])) + 1.5 * np.sin(14 * time / time[-1])
+    found = {}
+    for axis, effects in hidden.items():
+        conditions = Conditions(time, INTERVAL, temperature, axis)
+        values = AxisModel((WHITE, *effects)).simulate(np.zeros(count), conditions, seed, "gaps test")
+        described = (start or {}).get(axis, Description((), Noise((WHITE,))))
+        found[axis] = fit(Sequence(values, conditions, np.zeros(count, bool)), described)
+    return found
+
+
+@pytest.mark.parametrize(
+    ("p_values", "level"),
+    [
+        ([0.2, 0.5, 0.9], 0.0),
+        ([0.001, 0.5, 0.9], 0.01 / 3),
+        ([0.009, 0.006, 0.0099], 0.01),
+        ([0.9, 0.002, 0.004, 0.006], 0.0075),
+    ],
+)
+def test_false_discovery_threshold(p_values, level):
+    assert threshold(np.array(p_values), 0.01) == pytest.approx(level)
+
+
+@pytest.mark.parametrize(
+    ("effect", "view", "low", "high"),
+    [
+        (Sinusoid(7.3, 1e-3, 1.0), "line", 7.3, 7.3),
+        (BiasStep(150.0, 3e-3), "change", 148.0, 152.0),
+        (VarianceChange(60.0, 120.0, 1.5), "variance", 60.0, 120.0),
+        (RandomWalk(3e-4), "allan", 4.0, 60.0),
+        (Temperature(5e-4), "temperature", 25.0, 35.0),
+    ],
+)
+def test_what_is_hidden_is_found_on_its_axis(effect, view, low, high):
+    found = gaps(fits({"gyro_x": (), "gyro_y": (effect,)}), 0.01, seed=1)
+    places = [gap for gap in found if gap.view == view]
+    assert {gap.axis for gap in found} <= {"gyro_y", "gyro_x,gyro_y"}
+    assert places
+    assert places[0].axis == "gyro_y"
+    assert places[0].p_value < 1e-4
+    assert places[0].low <= high
+    assert places[0].high >= low
+    assert [gap.p_value for gap in found] == sorted(gap.p_value for gap in found)
+
+
+@pytest.mark.parametrize(
+    ("effect", "description"),
+    [
+        (
+            Sinusoid(7.3, 1e-3, 1.0),
+            Description((Term(Sinusoid(7.3, 9e-4, 1.1), ("frequency", "amplitude", "phase")),), Noise((WHITE,))),
+        ),
+        (BiasStep(150.0, 3e-3), Description((Term(BiasStep(150.0, 0.0), ("step",)),), Noise((WHITE,)))),
+        (RandomWalk(3e-4), Description((), Noise((WHITE, RandomWalk(1e-4))))),
+        (OutputFilter(8.0, 2), Description((), Noise((WHITE,), OutputFilter(10.0, 2)))),
+        (VarianceChange(60.0, 120.0, 2.0), Description((), Noise((WHITE,)), (VarianceChange(60.0, 120.0, 2.0),))),
+    ],
+)
+def test_what_is_described_is_no_gap(effect, description):
+    assert gaps(fits({"gyro_y": (effect,)}), 0.01, seed=1)
+    assert gaps(fits({"gyro_y": (effect,)}, {"gyro_y": description}), 0.01, seed=1) == ()
+
+
+def test_known_resolution_is_no_gap():
+    coarse = Resolution(0.01)
+    found = fits({"gyro_x": (coarse,)})
+    assert {gap.view for gap in gaps(found, 0.01, seed=1)} == {"marginal"}
+    assert gaps(found, 0.01, seed=1, known={"gyro_x": (coarse,)}) == ()
+
+
+def test_outliers_that_are_described_are_replaced_in_replicates_too():
+    spikes = Outliers(1e-3, 0.1)
+    found = fits({"gyro_x": (spikes,)})
+    assert {"extremes", "marginal"} <= {gap.view for gap in gaps(found, 0.01, seed=1)}
+    sequence = found["gyro_x"].sequence
+    flagged = np.abs(sequence.values) > 0.03
+    mended = sequence.mended(flagged, np.random.default_rng(1))
+    described = fit(mended, Description((), Noise((WHITE,)), (), spikes))
+    assert not [gap for gap in gaps({"gyro_x": described}, 0.01, seed=1) if gap.view == "variance"]
+
+
+def test_common_mode_is_a_gap_between_axes_until_it_is_described():
+    hidden = {"gyro_x": (CommonMode(1e-3, 0.5),), "gyro_y": (CommonMode(1e-3, 0.5),), "gyro_z": ()}
+    found = gaps(fits(hidden), 0.01, seed=1)
+    assert {(gap.view, gap.axis) for gap in found} == {("coherence", "gyro_x,gyro_y")}
+    described = Description((), Noise((WHITE, CommonMode(1e-3, 0.5))))
+    assert gaps(fits(hidden, {"gyro_x": described, "gyro_y": described}), 0.01, seed=1) == ()
+
+
+def test_axes_of_white_noise_share_replicates():
+    walk = {"gyro_z": Description((), Noise((WHITE, RandomWalk(1e-4))))}
+    found = fits({"gyro_x": (), "gyro_y": (), "gyro_z": (RandomWalk(1e-4),)}, walk, count=2000)
+    groups = [[member.sequence.conditions.axis for member in group.fits] for group in twins(found, {})]
+    assert groups == [["gyro_x", "gyro_y"], ["gyro_z"]]
+    known = [len(group.fits) for group in twins(found, {"gyro_x": (Resolution(0.01),)})]
+    assert known == [1, 1, 1]
+
+
+def test_the_seed_decides():
+    found = fits({"gyro_x": ()}, count=2000)
+    first, again, other = ([verdict.p_value for verdict in verdicts(found, seed, replicates=20)] for seed in (1, 1, 2))
+    assert first == again
+    assert first != other
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "model",
+    [(WHITE,), (WHITE, BiasInstability(1e-3)), (WHITE, RandomWalk(5e-4))],
+    ids=["white", "flicker", "walk"],
+)
+def test_p_values_are_uniform_and_gaps_rare_where_nothing_is_hidden(model):
+    logs, p_values, empty = 50, defaultdict(list), 0
+    start = dict.fromkeys(("gyro_x", "gyro_y"), Description((), Noise(model)))
+    for seed in range(logs):
+        found = fits(dict.fromkeys(start, model[1:]), start, count=1500, seed=seed)
+        judged = verdicts(found, seed, replicates=59)
+        for verdict in judged:
+            p_values[verdict.curve.view].append(verdict.p_value)
+        empty += threshold(np.array([verdict.p_value for verdict in judged]), 0.1) == 0
+    for found in p_values.values():
+        assert kstest(found, "uniform").pvalue > 0.001 / len(p_values)
+    every = np.concatenate(list(p_values.values()))
+    # views of one log are dependent: half as many independent ones, on the safe side
+    for level in (0.5, 0.1, 0.02):
+        assert binomtest(int(np.sum(every <= level) / 2), len(every) // 2, level).pvalue > 1e-3
+    assert binomtest(logs - empty, logs, 0.1).pvalue > 1e-3
