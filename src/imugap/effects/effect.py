@@ -89,6 +89,10 @@ class Conditions:
             raise ValueError(f"{effect.name}: expected an error-free log with {', '.join(missing)}; found none")
         return self.ideal[list(axes)].to_numpy(float)
 
+    def knows(self, axes: Sequence[str]) -> bool:
+        """Return whether the own axis and the error-free signals of ``axes`` are known."""
+        return self.axis is not None and self.ideal is not None and set(axes) <= set(self.ideal)
+
 
 def parameter(unit: str, meaning: str, low: float = 0.0, high: float = np.inf, whole: bool = False, **kwargs) -> Field:
     """Declare a parameter of an effect: SI unit (``{u}`` stands for the unit of the axis), meaning, physical limits."""
@@ -200,6 +204,17 @@ class SystematicEffect(AdditiveEffect):
     def slopes(self, conditions: Conditions) -> dict[str, np.ndarray]:
         """Return the derivative of :meth:`sample` in each parameter that a fit may adjust, arrays of shape (n,)."""
         raise NotImplementedError
+
+    def proposed(self, fit: "AxisFit", free: tuple[str, ...], trials: float = 1.0) -> Iterator[Start]:
+        """Yield the start from here with ``free`` parameters if the data tell them from each other and the terms.
+
+        The expected gain is that of the linear effect of these parameters.
+        """
+        slopes = self.slopes(fit.sequence.conditions)
+        columns = np.column_stack([slopes[name] for name in free])
+        gain, rank = fit.joint_gain(fit.whiten(columns))
+        if rank == len(free):
+            yield Start(self, free, trials, gain)
 
 
 @dataclass(frozen=True)
