@@ -1,11 +1,11 @@
 """What every effect is: a frozen value with described parameters that acts on a sequence at its stage of the chain."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import Field, dataclass, field, fields
 from enum import IntEnum
 from math import isfinite
 from numbers import Real
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, ClassVar, TypeVar
 
 import numpy as np
 import pandas as pd
@@ -16,6 +16,7 @@ from imugap.statespace import StateSpace
 if TYPE_CHECKING:
     from imugap.discovery.axis import AxisFit
 
+Made = TypeVar("Made")
 TINY = float(np.finfo(float).tiny)
 """Lower limit of parameters that have to be positive."""
 
@@ -68,6 +69,7 @@ class Conditions:
     temperature: np.ndarray | None = None
     axis: str | None = None
     ideal: pd.DataFrame | None = None
+    _made: dict = field(init=False, repr=False, compare=False, default_factory=dict)
 
     def __len__(self) -> int:
         """Return the number of samples."""
@@ -80,7 +82,7 @@ class Conditions:
         effect.check_axis(self.axis)
         return self.axis
 
-    def input(self, effect: "Effect", axes: Sequence[str]) -> np.ndarray:
+    def input(self, effect: "Effect | type[Effect]", axes: Sequence[str]) -> np.ndarray:
         """Return the error-free signals of ``axes``, shape (n, len(axes)); ValueError where ``effect`` misses one."""
         if self.ideal is None:
             raise ValueError(f"{effect.name}: expected conditions with an error-free log; found none")
@@ -88,6 +90,12 @@ class Conditions:
         if missing:
             raise ValueError(f"{effect.name}: expected an error-free log with {', '.join(missing)}; found none")
         return self.ideal[list(axes)].to_numpy(float)
+
+    def once(self, make: Callable[["Conditions"], Made]) -> Made:
+        """Return ``make(self)``, made at the first call: what a fit asks for at every step."""
+        if make not in self._made:
+            self._made[make] = make(self)
+        return self._made[make]
 
     def knows(self, axes: Sequence[str]) -> bool:
         """Return whether the own axis and the error-free signals of ``axes`` are known."""

@@ -36,10 +36,7 @@ class LeverArm(SystematicEffect):
     def slopes(self, conditions: Conditions) -> dict[str, np.ndarray]:
         """Return what arms of one metre along x, y and z add along the own axis."""
         component = ACCEL.index(conditions.own_axis(self))
-        rate = conditions.input(self, GYRO)
-        change = CubicSpline(conditions.time, rate)(conditions.time, 1)
-        added = [np.cross(rate, np.cross(rate, arm)) + np.cross(change, arm) for arm in np.eye(3)]
-        return {name: field[:, component] for name, field in zip(("x", "y", "z"), added, strict=True)}
+        return dict(zip(("x", "y", "z"), conditions.once(_fields)[:, :, component], strict=True))
 
     @classmethod
     def starts(cls, fit: "AxisFit") -> Iterator[Start]:
@@ -47,3 +44,10 @@ class LeverArm(SystematicEffect):
         conditions = fit.sequence.conditions
         if conditions.axis in ACCEL and conditions.knows(GYRO) and not fit.has(cls):
             yield from cls(0.0, 0.0, 0.0).proposed(fit, ("x", "y", "z"))
+
+
+def _fields(conditions: Conditions) -> np.ndarray:
+    """Return the specific force that arms of one metre along x, y and z add, shape (3 arms, n, 3 components)."""
+    rate = conditions.input(LeverArm, GYRO)
+    change = CubicSpline(conditions.time, rate)(conditions.time, 1)
+    return np.array([np.cross(rate, np.cross(rate, arm)) + np.cross(change, arm) for arm in np.eye(3)])

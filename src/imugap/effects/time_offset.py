@@ -25,15 +25,17 @@ class TimeOffset(SystematicEffect):
 
     def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
         """Interpolate by a cubic spline; before the first and after the last sample the input is held."""
-        u, time = conditions.input(self, [conditions.own_axis(self)])[:, 0], conditions.time
-        return CubicSpline(time, u)(np.clip(time - self.offset, time[0], time[-1])) - u
+        conditions.own_axis(self)
+        course, time = conditions.once(_course), conditions.time
+        return course(np.clip(time - self.offset, time[0], time[-1])) - course(time)
 
     def slopes(self, conditions: Conditions) -> dict[str, np.ndarray]:
         """Return the derivative of the input, earlier by the offset, with the sign of a delay."""
-        u, time = conditions.input(self, [conditions.own_axis(self)])[:, 0], conditions.time
+        conditions.own_axis(self)
+        time = conditions.time
         earlier = time - self.offset
         held = (earlier < time[0]) | (earlier > time[-1])
-        return {"offset": np.where(held, 0.0, -CubicSpline(time, u)(earlier, 1))}
+        return {"offset": np.where(held, 0.0, -conditions.once(_course)(earlier, 1))}
 
     @classmethod
     def starts(cls, fit: "AxisFit") -> Iterator[Start]:
@@ -55,3 +57,8 @@ class TimeOffset(SystematicEffect):
         size = slope @ slope
         step = (slope @ rest) ** 2 / size if size > 0 else 0.0
         return float(0.5 * (fit.coefficients @ fit.coefficients - rest @ rest + step))
+
+
+def _course(conditions: Conditions) -> CubicSpline:
+    """Return the input of the own axis between its samples."""
+    return CubicSpline(conditions.time, conditions.input(TimeOffset, [conditions.axis])[:, 0])

@@ -33,13 +33,17 @@ class VibrationRectification(SystematicEffect):
 
     def slopes(self, conditions: Conditions) -> dict[str, np.ndarray]:
         """Return the variance of the specific force."""
-        force = pd.DataFrame(conditions.input(self, ACCEL))
-        length = 2 * round(WINDOW / 2 / conditions.interval) + 1
-        power = force.rolling(length, center=True, min_periods=1).var(ddof=0).sum(axis=1)
-        return {"coefficient": power.to_numpy()}
+        return {"coefficient": conditions.once(_power)}
 
     @classmethod
     def starts(cls, fit: "AxisFit") -> Iterator[Start]:
         """Yield the coefficient, where the specific force is known and its variance varies."""
         if fit.sequence.conditions.knows(ACCEL) and not fit.has(cls):
             yield from cls(0.0).proposed(fit, ("coefficient",))
+
+
+def _power(conditions: Conditions) -> np.ndarray:
+    """Return the variance of the specific force in a window around each sample, summed over its components."""
+    force = pd.DataFrame(conditions.input(VibrationRectification, ACCEL))
+    length = 2 * round(WINDOW / 2 / conditions.interval) + 1
+    return force.rolling(length, center=True, min_periods=1).var(ddof=0).sum(axis=1).to_numpy()
