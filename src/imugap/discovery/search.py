@@ -116,7 +116,7 @@ class Search:
         bar = self.log_alpha if log_p is None else log_p
         for kind in self.catalogue:
             for start in kind.starts(before):
-                if _log_chance(SLACK * start.gain + SLACK, len(start.free)) + np.log(start.trials) < bar:
+                if log_chance(SLACK * start.gain + SLACK, len(start.free)) + np.log(start.trials) < bar:
                     yield self.judged(start, before)
 
     def cleaned(self, before: AxisFit) -> Trial | None:
@@ -124,21 +124,19 @@ class Search:
         if before.description.outliers is not None:
             return None
         found = tails(before.whitened)
-        if _log_chance(found.gain, 2) + np.log(TAILS) > self.log_alpha or not found.flagged.any():
+        if log_chance(found.gain, 2) + np.log(TAILS) > self.log_alpha or not found.flagged.any():
             return None
         unit = float(np.sqrt(before.variance.mean()))
         named = replace(before.description, outliers=Outliers(found.probability, found.excess * unit))
         sequence = before.sequence.mended(found.flagged, stream(0, "mended", before.sequence.conditions.axis))
         self.tails[named.outliers] = found
-        return Trial(
-            Outliers.name, self.fitted(sequence, named), found.gain, _log_chance(found.gain, 2) + np.log(TAILS)
-        )
+        return Trial(Outliers.name, self.fitted(sequence, named), found.gain, log_chance(found.gain, 2) + np.log(TAILS))
 
     def judged(self, start: Start, before: AxisFit) -> Trial:
         """Fit a proposal and judge it against the fit without it."""
         after = self.fitted(before.sequence, with_effect(before.description, start))
         gain = after.log_likelihood - before.log_likelihood
-        log_p = _log_chance(gain, len(start.free)) + np.log(start.trials)
+        log_p = log_chance(gain, len(start.free)) + np.log(start.trials)
         return Trial(start.effect.name, after, gain, min(log_p, 0.0))
 
     def settled(self, found: AxisFit) -> AxisFit:
@@ -153,6 +151,14 @@ class Search:
             found = changed
         return found
 
+    def pruned(self, found: AxisFit) -> AxisFit:
+        """Return the fit without the added effects that chance explains."""
+        for key in self.added(found.description):
+            own, _, without = self.weighed(found, key)
+            if own > self.log_alpha:
+                return self.pruned(without)
+        return found
+
     def _improved(self, found: AxisFit, key: "Key") -> AxisFit | None:
         """Return a fit without the effect at ``key``, or with another in its place, if it is better."""
         own, trials, without = self.weighed(found, key)
@@ -165,14 +171,14 @@ class Search:
         """Return the log-probability of one effect's gain by chance, its rivals, and the fit without it."""
         if key.part == "outliers":
             gain = self.tails[found.description.outliers].gain
-            return _log_chance(gain, 2) + np.log(TAILS), [], found
+            return log_chance(gain, 2) + np.log(TAILS), [], found
         without = self.fitted(found.sequence, removed(found.description, key))
         name, trials = at(found.description, key).name, list(self.trials(without))
         gain = found.log_likelihood - without.log_likelihood
         more = max(found.description.size() - without.description.size(), 1)
         same = [trial for trial in trials if trial.name == name]
-        places = max((trial.log_p - _log_chance(trial.gain, more) for trial in same), default=0.0)
-        own = min([_log_chance(gain, more) + places, *(trial.log_p for trial in same)])
+        places = max((trial.log_p - log_chance(trial.gain, more) for trial in same), default=0.0)
+        own = min([log_chance(gain, more) + places, *(trial.log_p for trial in same)])
         return own, [trial for trial in trials if trial.name != name], without
 
     def added(self, description: Description) -> list["Key"]:
@@ -234,7 +240,7 @@ def with_effect(description: Description, start: Start) -> Description:
     return replace(description, noise=replace(noise, effects=(*noise.effects, effect)))
 
 
-def _log_chance(gain: float, more: int) -> float:
+def log_chance(gain: float, more: int) -> float:
     """Return the log-probability of a gain of log-likelihood by chance (Wilks 1938), its asymptote far out."""
     if not 0 < gain < np.inf:
         return 0.0 if gain <= 0 else -np.inf

@@ -143,6 +143,8 @@ class Effect:
     stage: ClassVar[Stage]
     shared: ClassVar[bool] = False
     """Whether all axes with the effect draw from one random stream."""
+    common: ClassVar[tuple[str, ...]] = ()
+    """Axes of a device that have the effect together, by one value of its parameters; none where each has its own."""
 
     def __post_init__(self) -> None:
         """Check every parameter against its physical limits."""

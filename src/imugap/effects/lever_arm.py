@@ -19,6 +19,7 @@ class LeverArm(SystematicEffect):
     """Accelerometer at r from the point whose specific force is meant: it senses w x (w x r) + dw/dt x r on top."""
 
     name: ClassVar[str] = "lever_arm"
+    common: ClassVar[tuple[str, ...]] = ACCEL
     x: float = parameter("m", "r along x", low=-np.inf)
     y: float = parameter("m", "r along y", low=-np.inf)
     z: float = parameter("m", "r along z", low=-np.inf)

@@ -8,6 +8,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from imugap.effects.effect import Conditions, Start, SystematicEffect, parameter
+from imugap.log import AXES
 
 if TYPE_CHECKING:
     from imugap.discovery.axis import AxisFit
@@ -21,6 +22,7 @@ class TimeOffset(SystematicEffect):
     """Input u that arrives late by an offset: u(t - offset) - u(t)."""
 
     name: ClassVar[str] = "time_offset"
+    common: ClassVar[tuple[str, ...]] = AXES
     offset: float = parameter("s", "delay of the input", low=-np.inf)
 
     def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
