@@ -1,4 +1,4 @@
-from dataclasses import FrozenInstanceError, fields
+from dataclasses import FrozenInstanceError, fields, replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -53,6 +53,7 @@ from imugap.effects import (
     WhiteNoise,
 )
 from imugap.effects.bias_instability import FLOOR
+from imugap.effects.effect import SystematicEffect
 from imugap.effects.gauss_markov import FLAT_TOP
 from imugap.model import AxisModel
 from imugap.stability import bias_stability
@@ -914,6 +915,37 @@ def test_time_offset_of_whole_samples_shifts_and_holds_the_end():
     np.testing.assert_allclose(late, np.r_[np.full(3, input[0]), input[:-3]], atol=1e-9)
     early = TimeOffset(-0.03).sample(at, stream(1)) + input
     np.testing.assert_allclose(early, np.r_[input[3:], np.full(3, input[-1])], atol=1e-9)
+
+
+SYSTEMATIC = [effect for effect in EXAMPLES.values() if isinstance(effect, SystematicEffect)]
+STEP_SHARE = 1e-5
+
+
+@pytest.mark.parametrize("effect", SYSTEMATIC, ids=lambda effect: effect.name)
+def test_slopes_are_the_limits_of_difference_quotients(effect):
+    at = moving(400, "accel_z" if effect.name == "lever_arm" else "gyro_z")
+    for name, slope in effect.slopes(at).items():
+        value = getattr(effect, name)
+        step = STEP_SHARE * abs(value)
+        ends = [replace(effect, **{name: value + side * step}).sample(at, None) for side in (1, -1)]
+        quotient = (ends[0] - ends[1]) / (2 * step)
+        np.testing.assert_allclose(slope, quotient, rtol=1e-6, atol=1e-6 * np.abs(slope).max(), err_msg=name)
+
+
+def test_systematic_effects_are_all_put_to_the_test():
+    assert {type(effect) for effect in SYSTEMATIC} == {
+        kind for kind in CATALOGUE.values() if issubclass(kind, SystematicEffect)
+    }
+
+
+def test_misalignment_has_no_slope_to_its_own_axis():
+    assert set(Misalignment().slopes(moving(9, "accel_y"))) == {"x", "z"}
+
+
+def test_a_delay_has_no_slope_where_the_input_is_held():
+    slope = TimeOffset(0.03).slopes(moving(50, "accel_x"))["offset"]
+    np.testing.assert_array_equal(slope[:3], 0.0)
+    assert np.all(slope[3:] != 0)
 
 
 def test_stance_motion_leaves_the_log_alone():

@@ -167,16 +167,20 @@ class AxisFit:
         """Return gain, first sample and last sample + 1 of the stretch whose variance differs most."""
         return scans.stretches(self.whitened)
 
+    def beyond(self, columns: np.ndarray) -> np.ndarray:
+        """Return what the terms leave of whitened columns, shape (n - 1, m)."""
+        return columns - self.basis @ (self.basis.T @ columns)
+
     def gains(self, columns: np.ndarray) -> np.ndarray:
         """Return the gain of log-likelihood of each whitened column alone, shape (m,), the terms free to move."""
-        rest = columns - self.basis @ (self.basis.T @ columns)
+        rest = self.beyond(columns)
         norm = np.einsum("ij,ij->j", rest, rest)
         lost = norm < 1e-6 * np.einsum("ij,ij->j", columns, columns)
         return np.where(lost, 0.0, 0.5 * (rest.T @ self.coefficients) ** 2 / np.where(lost, 1.0, norm))
 
     def joint_gain(self, columns: np.ndarray) -> tuple[float, int]:
         """Return the gain of log-likelihood of whitened columns together and their rank beyond the terms."""
-        rest = columns - self.basis @ (self.basis.T @ columns)
+        rest = self.beyond(columns)
         norms = np.linalg.norm(columns, axis=0)
         kept = np.linalg.norm(rest, axis=0) > 1e-3 * norms
         basis = _basis(rest[:, kept] / norms[kept])

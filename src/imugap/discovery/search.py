@@ -150,6 +150,14 @@ class Search:
             found = changed
         return found
 
+    def pruned(self, found: AxisFit) -> AxisFit:
+        """Return the fit without the added effects that chance explains."""
+        for key in self.added(found.description):
+            own, _, without = self.weighed(found, key)
+            if own > self.log_alpha:
+                return self.pruned(without)
+        return found
+
     def _improved(self, found: AxisFit, key: "Key") -> AxisFit | None:
         """Return a fit without the effect at ``key``, or with another in its place, if it is better."""
         own, trials, without = self.weighed(found, key)

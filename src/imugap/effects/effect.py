@@ -1,11 +1,11 @@
 """What every effect is: a frozen value with described parameters that acts on a sequence at its stage of the chain."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import Field, dataclass, field, fields
 from enum import IntEnum
 from math import isfinite
 from numbers import Real
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, ClassVar, TypeVar
 
 import numpy as np
 import pandas as pd
@@ -16,6 +16,7 @@ from imugap.statespace import StateSpace
 if TYPE_CHECKING:
     from imugap.discovery.axis import AxisFit
 
+Made = TypeVar("Made")
 TINY = float(np.finfo(float).tiny)
 """Lower limit of parameters that have to be positive."""
 
@@ -68,6 +69,7 @@ class Conditions:
     temperature: np.ndarray | None = None
     axis: str | None = None
     ideal: pd.DataFrame | None = None
+    _made: dict = field(init=False, repr=False, compare=False, default_factory=dict)
 
     def __len__(self) -> int:
         """Return the number of samples."""
@@ -80,7 +82,7 @@ class Conditions:
         effect.check_axis(self.axis)
         return self.axis
 
-    def input(self, effect: "Effect", axes: Sequence[str]) -> np.ndarray:
+    def input(self, effect: "Effect | type[Effect]", axes: Sequence[str]) -> np.ndarray:
         """Return the error-free signals of ``axes``, shape (n, len(axes)); ValueError where ``effect`` misses one."""
         if self.ideal is None:
             raise ValueError(f"{effect.name}: expected conditions with an error-free log; found none")
@@ -88,6 +90,16 @@ class Conditions:
         if missing:
             raise ValueError(f"{effect.name}: expected an error-free log with {', '.join(missing)}; found none")
         return self.ideal[list(axes)].to_numpy(float)
+
+    def once(self, make: Callable[["Conditions"], Made]) -> Made:
+        """Return ``make(self)``, made at the first call: what a fit asks for at every step."""
+        if make not in self._made:
+            self._made[make] = make(self)
+        return self._made[make]
+
+    def knows(self, axes: Sequence[str]) -> bool:
+        """Return whether the own axis and the error-free signals of ``axes`` are known."""
+        return self.axis is not None and self.ideal is not None and set(axes) <= set(self.ideal)
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,6 +165,8 @@ class Effect:
     stage: ClassVar[Stage]
     shared: ClassVar[bool] = False
     """Whether all axes with the effect draw from one random stream."""
+    common: ClassVar[tuple[str, ...]] = ()
+    """Axes of a device that have the effect together, by one value of its parameters; none where each has its own."""
 
     def __post_init__(self) -> None:
         """Check every parameter against its physical limits."""
@@ -226,6 +240,17 @@ class SystematicEffect(AdditiveEffect):
     def near_misses(self, conditions: Conditions) -> np.ndarray:
         """Return columns, shape (n, m), in which what is nearly this effect, but is not, differs from it."""
         return np.empty((len(conditions), 0))
+
+    def proposed(self, fit: "AxisFit", free: tuple[str, ...], trials: float = 1.0) -> Iterator[Start]:
+        """Yield the start from here with ``free`` parameters if the data tell them from each other and the terms.
+
+        The expected gain is that of the linear effect of these parameters.
+        """
+        slopes = self.slopes(fit.sequence.conditions)
+        columns = np.column_stack([slopes[name] for name in free])
+        gain, rank = fit.joint_gain(fit.whiten(columns))
+        if rank == len(free):
+            yield Start(self, free, trials, gain)
 
 
 @dataclass(frozen=True)

@@ -1,16 +1,20 @@
 """Sensitivity of a gyroscope to specific force."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from imugap.effects.effect import AdditiveEffect, Conditions, parameter
+from imugap.effects.effect import Conditions, Start, SystematicEffect, parameter
 from imugap.log import ACCEL, GYRO
+
+if TYPE_CHECKING:
+    from imugap.discovery.axis import AxisFit
 
 
 @dataclass(frozen=True)
-class GSensitivity(AdditiveEffect):
+class GSensitivity(SystematicEffect):
     """Rate error proportional to the specific force (IEEE 528: acceleration-sensitive drift rate)."""
 
     name: ClassVar[str] = "g_sensitivity"
@@ -27,3 +31,18 @@ class GSensitivity(AdditiveEffect):
         """Return the sum of the components of the specific force, each times its sensitivity."""
         conditions.own_axis(self)
         return conditions.input(self, ACCEL) @ np.array([self.x, self.y, self.z])
+
+    def slopes(self, conditions: Conditions) -> dict[str, np.ndarray]:
+        """Return the components of the specific force."""
+        conditions.own_axis(self)
+        return dict(zip(("x", "y", "z"), conditions.input(self, ACCEL).T, strict=True))
+
+    @classmethod
+    def starts(cls, fit: "AxisFit") -> Iterator[Start]:
+        """Yield the sensitivities to the components that vary, where the specific force is known."""
+        conditions, start = fit.sequence.conditions, cls(0.0, 0.0, 0.0)
+        if conditions.axis not in GYRO or not conditions.knows(ACCEL) or fit.has(cls):
+            return
+        free = tuple(name for name, slope in start.slopes(conditions).items() if np.ptp(slope) > 0)
+        if free:
+            yield from start.proposed(fit, free)

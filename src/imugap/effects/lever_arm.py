@@ -1,19 +1,25 @@
 """Lever arm of an accelerometer."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 
-from imugap.effects.effect import AdditiveEffect, Conditions, parameter
+from imugap.effects.effect import Conditions, Start, SystematicEffect, parameter
 from imugap.log import ACCEL, GYRO
+
+if TYPE_CHECKING:
+    from imugap.discovery.axis import AxisFit
 
 
 @dataclass(frozen=True)
-class LeverArm(AdditiveEffect):
+class LeverArm(SystematicEffect):
     """Accelerometer at r from the point whose specific force is meant: it senses w x (w x r) + dw/dt x r on top."""
 
     name: ClassVar[str] = "lever_arm"
+    common: ClassVar[tuple[str, ...]] = ACCEL
     x: float = parameter("m", "r along x", low=-np.inf)
     y: float = parameter("m", "r along y", low=-np.inf)
     z: float = parameter("m", "r along z", low=-np.inf)
@@ -24,9 +30,25 @@ class LeverArm(AdditiveEffect):
             raise ValueError(f"{self.name}: expected one of {', '.join(ACCEL)}; found {axis}")
 
     def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
-        """Return the component along the own axis; dw/dt by central differences."""
+        """Return the component along the own axis; dw/dt is that of a cubic spline."""
+        slopes = self.slopes(conditions)
+        return self.x * slopes["x"] + self.y * slopes["y"] + self.z * slopes["z"]
+
+    def slopes(self, conditions: Conditions) -> dict[str, np.ndarray]:
+        """Return what arms of one metre along x, y and z add along the own axis."""
         component = ACCEL.index(conditions.own_axis(self))
-        arm = np.array([self.x, self.y, self.z])
-        rate = conditions.input(self, GYRO)
-        change = np.gradient(rate, conditions.time, axis=0)
-        return (np.cross(rate, np.cross(rate, arm)) + np.cross(change, arm))[:, component]
+        return dict(zip(("x", "y", "z"), conditions.once(_fields)[:, :, component], strict=True))
+
+    @classmethod
+    def starts(cls, fit: "AxisFit") -> Iterator[Start]:
+        """Yield the arm, where the angular rate is known and tells its components from each other."""
+        conditions = fit.sequence.conditions
+        if conditions.axis in ACCEL and conditions.knows(GYRO) and not fit.has(cls):
+            yield from cls(0.0, 0.0, 0.0).proposed(fit, ("x", "y", "z"))
+
+
+def _fields(conditions: Conditions) -> np.ndarray:
+    """Return the specific force that arms of one metre along x, y and z add, shape (3 arms, n, 3 components)."""
+    rate = conditions.input(LeverArm, GYRO)
+    change = CubicSpline(conditions.time, rate)(conditions.time, 1)
+    return np.array([np.cross(rate, np.cross(rate, arm)) + np.cross(change, arm) for arm in np.eye(3)])

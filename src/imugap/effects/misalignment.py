@@ -1,16 +1,20 @@
 """Misalignment of the input axis."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from imugap.effects.effect import AdditiveEffect, Conditions, parameter
+from imugap.effects.effect import Conditions, Start, SystematicEffect, parameter
 from imugap.log import triad
+
+if TYPE_CHECKING:
+    from imugap.discovery.axis import AxisFit
 
 
 @dataclass(frozen=True)
-class Misalignment(AdditiveEffect):
+class Misalignment(SystematicEffect):
     """Small angles by which the input axis leans to the other axes of its triad (IEEE 528: misalignment).
 
     The parameter of the own axis is zero.
@@ -33,3 +37,19 @@ class Misalignment(AdditiveEffect):
         angles = dict(zip(triad(conditions.own_axis(self)), (self.x, self.y, self.z), strict=True))
         leaning = {axis: angle for axis, angle in angles.items() if angle}
         return conditions.input(self, list(leaning)) @ np.array(list(leaning.values()))
+
+    def slopes(self, conditions: Conditions) -> dict[str, np.ndarray]:
+        """Return the inputs of the other axes of the triad."""
+        own = conditions.own_axis(self)
+        others = [axis for axis in triad(own) if axis != own]
+        return {axis[-1]: column for axis, column in zip(others, conditions.input(self, others).T, strict=True)}
+
+    @classmethod
+    def starts(cls, fit: "AxisFit") -> Iterator[Start]:
+        """Yield the angles to the axes with an input, where the inputs of the triad are known."""
+        conditions = fit.sequence.conditions
+        if conditions.axis is None or not conditions.knows(triad(conditions.axis)) or fit.has(cls):
+            return
+        free = tuple(name for name, slope in cls().slopes(conditions).items() if np.ptp(slope) > 0)
+        if free:
+            yield from cls().proposed(fit, free)

@@ -1,15 +1,22 @@
 """Scale factor errors."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from imugap.effects.effect import AdditiveEffect, Conditions, parameter
+from imugap.effects.effect import Conditions, Start, SystematicEffect, parameter
+
+if TYPE_CHECKING:
+    from imugap.discovery.axis import AxisFit
+
+LAWS = (("error",), ("error", "asymmetry"), ("error", "nonlinearity"))
+"""Parameters that a search adjusts together."""
 
 
 @dataclass(frozen=True)
-class ScaleFactor(AdditiveEffect):
+class ScaleFactor(SystematicEffect):
     """Error that depends on the input u of the own axis (IEEE 528: scale factor error, asymmetry, nonlinearity)."""
 
     name: ClassVar[str] = "scale_factor"
@@ -21,3 +28,16 @@ class ScaleFactor(AdditiveEffect):
         """Return error u + asymmetry abs(u) + nonlinearity u^2."""
         u = conditions.input(self, [conditions.own_axis(self)])[:, 0]
         return self.error * u + self.asymmetry * np.abs(u) + self.nonlinearity * u**2
+
+    def slopes(self, conditions: Conditions) -> dict[str, np.ndarray]:
+        """Return u, abs(u) and u^2."""
+        u = conditions.input(self, [conditions.own_axis(self)])[:, 0]
+        return {"error": u, "asymmetry": np.abs(u), "nonlinearity": u**2}
+
+    @classmethod
+    def starts(cls, fit: "AxisFit") -> Iterator[Start]:
+        """Yield the error alone, with an asymmetry, and with a nonlinearity, where the input is known."""
+        conditions = fit.sequence.conditions
+        if conditions.knows([conditions.axis]) and not fit.has(cls):
+            for free in LAWS:
+                yield from cls(0.0).proposed(fit, free, trials=len(LAWS))

@@ -1,22 +1,66 @@
 """Delay of an axis."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from imugap.effects.effect import AdditiveEffect, Conditions, parameter
+from imugap.effects.effect import Conditions, Start, SystematicEffect, parameter
+from imugap.log import AXES
+
+if TYPE_CHECKING:
+    from imugap.discovery.axis import AxisFit
+
+REACH = 5
+"""Samples, either way, within which a search for a delay starts."""
 
 
 @dataclass(frozen=True)
-class TimeOffset(AdditiveEffect):
+class TimeOffset(SystematicEffect):
     """Input u that arrives late by an offset: u(t - offset) - u(t)."""
 
     name: ClassVar[str] = "time_offset"
+    common: ClassVar[tuple[str, ...]] = AXES
     offset: float = parameter("s", "delay of the input", low=-np.inf)
 
     def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
         """Interpolate by a cubic spline; before the first and after the last sample the input is held."""
-        u, time = conditions.input(self, [conditions.own_axis(self)])[:, 0], conditions.time
-        return CubicSpline(time, u)(np.clip(time - self.offset, time[0], time[-1])) - u
+        conditions.own_axis(self)
+        course, time = conditions.once(_course), conditions.time
+        return course(np.clip(time - self.offset, time[0], time[-1])) - course(time)
+
+    def slopes(self, conditions: Conditions) -> dict[str, np.ndarray]:
+        """Return the derivative of the input, earlier by the offset, with the sign of a delay."""
+        conditions.own_axis(self)
+        time = conditions.time
+        earlier = time - self.offset
+        held = (earlier < time[0]) | (earlier > time[-1])
+        return {"offset": np.where(held, 0.0, -conditions.once(_course)(earlier, 1))}
+
+    @classmethod
+    def starts(cls, fit: "AxisFit") -> Iterator[Start]:
+        """Yield the best of the delays by whole samples, none included, and what a step from there gains at best."""
+        conditions = fit.sequence.conditions
+        if not conditions.knows([conditions.axis]) or fit.has(cls):
+            return
+        whole = [cls(float(k * conditions.interval)) for k in range(-REACH, REACH + 1)]
+        gain, best = max(((one._reached(fit), one) for one in whole), key=lambda found: found[0])
+        if gain > 0:
+            yield Start(best, ("offset",), gain=gain)
+
+    def _reached(self, fit: "AxisFit") -> float:
+        """Return the gain of log-likelihood of this delay, to second order moved to where it is highest near by."""
+        conditions = fit.sequence.conditions
+        columns = np.column_stack([self.sample(conditions, None), self.slopes(conditions)["offset"]])
+        moved, slope = fit.beyond(fit.whiten(columns)).T
+        rest = fit.coefficients - moved
+        size = slope @ slope
+        step = (slope @ rest) ** 2 / size if size > 0 else 0.0
+        return float(0.5 * (fit.coefficients @ fit.coefficients - rest @ rest + step))
+
+
+def _course(conditions: Conditions) -> CubicSpline:
+    """Return the input of the own axis between its samples."""
+    return CubicSpline(conditions.time, conditions.input(TimeOffset, [conditions.axis])[:, 0])
