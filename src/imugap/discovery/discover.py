@@ -1,6 +1,6 @@
 """Discovery on the logs of a device: where, which, add, show."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
 from functools import partial
@@ -10,13 +10,15 @@ import pandas as pd
 
 from imugap.discovery.axis import AxisFit, fit
 from imugap.discovery.common import shared
+from imugap.discovery.device import Joint, joined
 from imugap.discovery.distance import Distances, distribution, navigation
-from imugap.discovery.finding import Finding, Gap
+from imugap.discovery.finding import Finding, Gap, Interval
 from imugap.discovery.gaps import REPLICATES, gaps
-from imugap.discovery.parameters import axis_unit
+from imugap.discovery.parameters import NORMAL, axis_unit
 from imugap.discovery.record import Record, prepare
 from imugap.discovery.runs import clocks, turn_on
-from imugap.discovery.story import Story, described, model_of, part, told
+from imugap.discovery.search import log_chance
+from imugap.discovery.story import Story, Tale, concluded, described, model_of, part, told
 from imugap.discovery.uncertain import Uncertain
 from imugap.effects import CATALOGUE, CommonMode, TurnOnBias, WhiteNoise
 from imugap.effects.effect import Effect, Stage
@@ -120,7 +122,8 @@ def discover(
     record = prepare(logs[0], reference, question.seed, question.start)
     log_alpha = question.log_alpha(len(record.sequences))
     progress("search")
-    stories = _stories(record, known, question, log_alpha)
+    tales, joints = _together(_tales(record, known, question, log_alpha))
+    stories = _each(concluded, [(tale,) for tale in tales.values()], tales, question.workers)
     befores = {axis: story.before for axis, story in stories.items()}
     wholes = {axis: story.whole for axis, story in stories.items()}
     progress("gaps")
@@ -129,7 +132,7 @@ def discover(
     common = tuple(one.finding(f"{axis_unit(one.axes[0])}/sqrt(Hz)") for one in shared(wholes, log_alpha))
     own = tuple(finding for story in stories.values() for finding in story.findings)
     outside = (*record.findings, *common, *_between_runs(logs, record, known, question, log_alpha))
-    findings = _ordered((*own, *outside))
+    findings = _ordered((*own, *map(_of_joint, joints), *outside))
     progress("gaps that remain")
     left = _left(stories, record, common, question, outputs)
     start, final = _model(befores, known), _model(wholes, known, outside)
@@ -146,21 +149,46 @@ def _ordered(findings: Sequence[Finding]) -> tuple[Finding, ...]:
     )
 
 
-def _stories(record: Record, known: ErrorModel, question: Question, log_alpha: float) -> dict[str, Story]:
-    tasks = [
-        (
-            sequence,
-            tuple(known.axes.get(axis, AxisModel())),
-            question.catalogue,
-            log_alpha,
-            int(HELD_IN * len(sequence.values)),
-        )
+def _each(task: Callable, arguments: Sequence[tuple], axes: Iterable[str], workers: int) -> dict:
+    """Return what a task makes of the arguments of each axis, several axes at a time."""
+    if workers == 1:
+        return dict(zip(axes, (task(*one) for one in arguments), strict=True))
+    with ProcessPoolExecutor(workers) as pool:
+        return dict(zip(axes, pool.map(task, *zip(*arguments, strict=True)), strict=True))
+
+
+def _tales(record: Record, known: ErrorModel, question: Question, log_alpha: float) -> dict[str, Tale]:
+    arguments = [
+        (sequence, tuple(known.axes.get(axis, ())), question.catalogue, log_alpha, int(HELD_IN * len(sequence.values)))
         for axis, sequence in record.sequences.items()
     ]
-    if question.workers == 1:
-        return dict(zip(record.sequences, (told(*task) for task in tasks), strict=True))
-    with ProcessPoolExecutor(question.workers) as pool:
-        return dict(zip(record.sequences, pool.map(told, *zip(*tasks, strict=True)), strict=True))
+    return _each(told, arguments, record.sequences, question.workers)
+
+
+def _together(tales: dict[str, Tale]) -> tuple[dict[str, Tale], tuple[Joint, ...]]:
+    """Return the tales with what axes have by one value joined, and what that is."""
+    early = joined(
+        {axis: tale.after for axis, tale in tales.items()}, {axis: tale.early for axis, tale in tales.items()}
+    )
+    late = joined({axis: tale.whole for axis, tale in tales.items()}, {axis: tale.late for axis, tale in tales.items()})
+    changed = {
+        axis: replace(
+            tale, after=early.fits[axis], early=early.searches[axis], whole=late.fits[axis], late=late.searches[axis]
+        )
+        for axis, tale in tales.items()
+    }
+    return changed, late.joints
+
+
+def _of_joint(joint: Joint) -> Finding:
+    """Return an effect of one value on several axes as a finding."""
+    errors = NORMAL * np.sqrt(np.diag(joint.pool.covariance))
+    units = joint.effect.units(axis_unit(joint.axes[0]))
+    parameters = {
+        name: Interval(value, value - error, value + error, units[name])
+        for name, value, error in zip(joint.free, joint.pool.value.tolist(), errors.tolist(), strict=True)
+    }
+    return Finding(dict.fromkeys(joint.axes, joint.effect), parameters, log_chance(joint.pool.gain, len(joint.free)))
 
 
 def _outputs(model: ErrorModel, axis: str) -> tuple[Effect, ...]:
@@ -237,7 +265,7 @@ def _distances(
     """
     conditions = next(iter(record.sequences.values())).conditions
     split = float(conditions.time[int(HELD_IN * len(conditions))])
-    fits = {axis: story.after if story.early else story.whole for axis, story in stories.items()}
+    fits = {axis: story.after if story.settled else story.whole for axis, story in stories.items()}
     before = Uncertain(_in_run(start), {axis: story.before for axis, story in stories.items()})
     after = Uncertain(_in_run(model(fits)), fits)
     errors = {axis: sequence.values for axis, sequence in record.sequences.items()}

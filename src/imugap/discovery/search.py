@@ -80,6 +80,10 @@ class Search:
     tails: dict[Outliers, Tails] = field(default_factory=dict)
     """What outliers were found by; the samples without them say no more about them."""
 
+    def forgetful(self) -> "Search":
+        """Return the search without the fits that it made on the way."""
+        return replace(self, memory={})
+
     def fitted(self, sequence: Sequence, start: Description) -> AxisFit:
         """Return the fit from a start, made once."""
         if start not in self.memory:

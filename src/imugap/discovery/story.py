@@ -24,6 +24,30 @@ CERTAIN = -690.0
 
 
 @dataclass(frozen=True, eq=False)
+class Tale:
+    """The search on one axis.
+
+    Attributes
+    ----------
+    before
+        Fit of the start model to the held-in part.
+    after, early
+        Fit to the held-in part with what was added, and the search that added it.
+    whole, late
+        The same of the whole log, with what only its last part shows.
+    held_out
+        The last part.
+    """
+
+    before: AxisFit
+    after: AxisFit
+    early: Search
+    whole: AxisFit
+    late: Search
+    held_out: Sequence
+
+
+@dataclass(frozen=True, eq=False)
 class Story:
     """The discovery on one axis.
 
@@ -48,7 +72,7 @@ class Story:
     withheld: tuple[tuple[str, Doubt], ...]
 
     @property
-    def early(self) -> bool:
+    def settled(self) -> bool:
         """Return whether the held-in part shows every effect that the whole log shows."""
         before, after = (sorted(e.name for e in one.description.effects()) for one in (self.after, self.whole))
         return before == after
@@ -95,31 +119,31 @@ def part(sequence: Sequence, first: int, last: int) -> Sequence:
 
 def told(
     sequence: Sequence, start: Several[Effect], catalogue: tuple[type[Effect], ...], log_alpha: float, split: int
-) -> Story:
-    """Discover on one axis; the samples from ``split`` on are held out.
+) -> Tale:
+    """Search one axis; the samples from ``split`` on are held out.
 
     One thread is enough for vectors of this length, and axes are worked on side by side.
     """
     with threadpool_limits(1):
-        return _told(sequence, start, catalogue, log_alpha, split)
+        held_in, held_out = part(sequence, 0, split), part(sequence, split, len(sequence.values))
+        before = fit(held_in, described(start, held_in))
+        early, late = (Search(before.description, catalogue, log_alpha) for _ in range(2))
+        after = _told_apart(early, early.explore(before))
+        whole = part(sequence, 0, len(sequence.values))
+        again = late.settled(fit(whole, replace(after.description, outliers=None)))
+        found = _told_apart(late, late.explore(again))
+        return Tale(before, after, early.forgetful(), found, late.forgetful(), held_out)
 
 
-def _told(sequence, start, catalogue, log_alpha, split) -> Story:
-    held_in, held_out = part(sequence, 0, split), part(sequence, split, len(sequence.values))
-    whole = part(sequence, 0, len(sequence.values))
-    before = fit(held_in, described(start, held_in))
-    search = Search(before.description, catalogue, log_alpha)
-    after = _told_apart(search, search.explore(before))
-    late = Search(before.description, catalogue, log_alpha)
-    again = late.settled(fit(whole, replace(after.description, outliers=None)))
-    everything = _told_apart(late, late.explore(again))
-    doubtful = doubts(late, everything)
-    held = doubts(search, after)
-    sure = _without(everything, list(doubtful))
-    named = [key for key in late.added(everything.description) if key not in doubtful]
-    findings = tuple(_finding(late, everything, key, held_out) for key in named)
-    withheld = tuple((at(everything.description, key).name, doubt) for key, doubt in doubtful.items())
-    return Story(before, _without(after, list(held)), sure, findings, withheld)
+def concluded(tale: Tale) -> Story:
+    """Return what a search says: names with intervals, and what is withheld."""
+    with threadpool_limits(1):
+        doubtful = doubts(tale.late, tale.whole)
+        named = [key for key in tale.late.added(tale.whole.description) if key not in doubtful]
+        findings = tuple(_finding(tale.late, tale.whole, key, tale.held_out) for key in named)
+        withheld = tuple((at(tale.whole.description, key).name, doubt) for key, doubt in doubtful.items())
+        after = _without(tale.after, list(doubts(tale.early, tale.after)))
+        return Story(tale.before, after, _without(tale.whole, list(doubtful)), findings, withheld)
 
 
 def _told_apart(search: Search, found: AxisFit) -> AxisFit:
