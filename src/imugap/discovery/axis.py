@@ -133,6 +133,12 @@ class AxisFit:
         variance = self.description.noise.variance(bins.frequency, bins.interval)
         return bins.sums(self.coefficients**2) / bins.number * variance - variance, variance
 
+    @cached_property
+    def top(self) -> float:
+        """Return by how many standard deviations the power of the upper fifth of frequencies exceeds the fit."""
+        upper = self.coefficients[int(0.78 * len(self.coefficients)) : self.sequence.bins.last]
+        return float((np.mean(upper**2) - 1) * np.sqrt(len(upper) / 2))
+
     def _room(self, effect: StochasticEffect) -> tuple[float, float]:
         bins, (excess, variance) = self.sequence.bins, self._excess
         shape = Noise((effect,), self.description.noise.output_filter).variance(bins.frequency, bins.interval)

@@ -27,6 +27,8 @@ LONGEST_STEP = 1.5
 """Largest change of a log parameter in one iteration."""
 FLAT = 1e-5
 """Predicted gain of log-likelihood at which a climb ends."""
+LOUD = 20.0
+"""Largest amplitude, over that which alone would make the highest power there is."""
 FAINT = 1e-7
 """Share of the power, in every bin, below which a process counts as absent."""
 
@@ -168,11 +170,10 @@ def fit(start: Noise, bins: Bins, power: np.ndarray) -> NoiseFit:
     power
         Sums of the squared cosine coefficients over the bins, shape (bins,).
     """
-    noise, damping = start, 1e-3
-    theta = noise.theta()
-    low, high = _limits(noise, bins, power)
-    theta = np.clip(theta, low, high)
-    value, gradient, information = _expand(noise, theta, bins, power)
+    spectra = _Spectra(start, bins)
+    low, high = _limits(start, bins, power)
+    theta, damping = np.clip(start.theta(), low, high), 1e-3
+    value, gradient, information = spectra.expand(theta, power)
     for _ in range(ITERATIONS):
         scale = np.diag(information) + 1e-9
         free = ~(((theta <= low) & (gradient < 0)) | ((theta >= high) & (gradient > 0)))
@@ -184,39 +185,111 @@ def fit(start: Noise, bins: Bins, power: np.ndarray) -> NoiseFit:
         gain = gradient @ (trial - theta)
         if gain < FLAT:
             break
-        expanded = _expand(noise, trial, bins, power)
+        expanded = spectra.expand(trial, power)
         if expanded[0] > value:
             theta, (value, gradient, information), damping = trial, expanded, max(damping / 5, 1e-9)
         else:
             damping = min(max(damping * 8, 1e-3), 1e9)
-    return NoiseFit(noise.at(theta), value, information)
+    return NoiseFit(start.at(theta), value, information)
+
+
+@dataclass(frozen=True, eq=False)
+class _Process:
+    """A random effect as a function of its log parameters, of which ``size`` only scales its spectrum.
+
+    ``places`` are those of its parameters in the vector; ``unit`` is its spectrum at unit size, where nothing else
+    shapes it.
+    """
+
+    effect: StochasticEffect
+    names: tuple[str, ...]
+    places: tuple[int, ...]
+    size: str
+    unit: np.ndarray | None
+
+    def shape(self, theta: np.ndarray, bins: Bins) -> np.ndarray:
+        """Return the variance of a coefficient at unit size, shape (bins,)."""
+        if self.unit is not None:
+            return self.unit
+        values = {name: float(np.exp(theta[i])) for name, i in zip(self.names, self.places, strict=True)}
+        effect = replace(self.effect, **(values | {self.size: 1.0}))
+        return effect.sampled_psd(bins.frequency, bins.interval) / bins.interval
+
+
+class _Spectra:
+    """Variances of the coefficients and their derivatives as functions of the log parameters."""
+
+    def __init__(self, noise: Noise, bins: Bins) -> None:
+        self.noise, self.bins, self.processes = noise, bins, []
+        for i, effect in enumerate(noise.effects):
+            mine = [(name, j) for j, (index, name) in enumerate(noise.parameters()) if index == i]
+            names, places = zip(*mine, strict=True)
+            size = next(name for name in names if _scales(effect, name))
+            process = _Process(effect, names, places, size, None)
+            if len(names) == 1:
+                process = replace(process, unit=process.shape(np.zeros(places[0] + 1), bins))
+            self.processes.append(process)
+
+    def expand(self, theta: np.ndarray, power: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
+        """Return log-likelihood, gradient and expected information in the log parameters."""
+        total, slopes = np.zeros(len(power)), np.zeros((len(theta), len(power)))
+        for process in self.processes:
+            self._add(process, theta, total, slopes)
+        slopes /= total
+        if self.noise.output_filter is not None:
+            gain, slope = self._filter(theta[-1])
+            total, slopes[-1] = total * gain, slope
+        gradient = 0.5 * slopes @ (power / total - self.bins.number)
+        information = 0.5 * (slopes * self.bins.number) @ slopes.T
+        return log_likelihood(total, power, self.bins.number), gradient, information
+
+    def _add(self, process: _Process, theta: np.ndarray, total: np.ndarray, slopes: np.ndarray) -> None:
+        """Add the variances of a process and their derivatives in place."""
+        factor = np.exp(2 * theta[process.places[process.names.index(process.size)]])
+        variance = factor * process.shape(theta, self.bins)
+        total += variance
+        for name, place in zip(process.names, process.places, strict=True):
+            if name == process.size:
+                slopes[place] = 2 * variance
+                continue
+            ends = []
+            for side in (-STEP, STEP):
+                moved = theta.copy()
+                moved[place] += side
+                ends.append(process.shape(moved, self.bins))
+            slopes[place] = factor * (ends[1] - ends[0]) / (2 * STEP)
+
+    def _filter(self, log_cutoff: float) -> tuple[np.ndarray, np.ndarray]:
+        """Return gain of the filter and the derivative of its logarithm in the log cutoff."""
+        gains = [
+            replace(self.noise.output_filter, cutoff=float(np.exp(log_cutoff + side))).gain(
+                self.bins.frequency, self.bins.interval
+            )
+            for side in (-STEP, 0.0, STEP)
+        ]
+        return gains[1], np.log(gains[2] / gains[0]) / (2 * STEP)
 
 
 def _limits(noise: Noise, bins: Bins, power: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the limits of the log parameters: powers by the power there is, times by the log, cutoffs by the rate."""
-    effects, low, high = list(noise), [], []
-    level = power / bins.number
+    effects, limits = list(noise), []
+    level, duration = power / bins.number, bins.count * bins.interval
     for i, name in noise.parameters():
-        effect, value = effects[i], getattr(effects[i], name)
+        effect, (least, most) = effects[i], effects[i].limits()[name]
         if isinstance(effect, OutputFilter):
-            low.append(np.log(1e-3 / bins.interval))
-            high.append(np.log(0.499 / bins.interval))
-            continue
-        least, most = effect.limits()[name]
-        if isfinite(most):
-            low.append(np.log(least))
-            high.append(np.log(most))
+            limits.append((1e-3 / bins.interval, 0.499 / bins.interval))
+        elif isfinite(most):
+            limits.append((least, most))
         elif _scales(effect, name):
-            share = effect.sampled_psd(bins.frequency, bins.interval) / bins.interval
-            ratio = 0.5 * np.log(np.median(level / share)), 0.5 * np.log((level / share).max())
-            low.append(np.log(value) + 0.5 * np.log(FAINT * (level / share).min()))
-            high.append(np.log(value) + max(ratio) + 3.0)
+            ratio = level / (effect.sampled_psd(bins.frequency, bins.interval) / bins.interval)
+            value = getattr(effect, name)
+            limits.append((value * np.sqrt(FAINT * ratio.min()), value * np.sqrt(ratio.max()) * LOUD))
+        elif effect.units("")[name] == "s":
+            limits.append((bins.interval / 3, 30 * duration))
         else:
-            duration = bins.count * bins.interval
-            span = (bins.interval / 3, 30 * duration) if "time" in name else (0.1 / duration, 1 / bins.interval)
-            low.append(np.log(span[0]))
-            high.append(np.log(span[1]))
-    return np.array(low), np.array(high)
+            limits.append((0.1 / duration, 1 / bins.interval))
+    low, high = np.log(limits).T
+    return low, high
 
 
 def _scales(effect: StochasticEffect, name: str) -> bool:
@@ -224,17 +297,3 @@ def _scales(effect: StochasticEffect, name: str) -> bool:
     f, interval = np.array([0.01, 0.1]), 1.0
     doubled = replace(effect, **{name: 2 * getattr(effect, name)})
     return bool(np.allclose(doubled.sampled_psd(f, interval), 4 * effect.sampled_psd(f, interval), rtol=1e-9))
-
-
-def _expand(noise: Noise, theta: np.ndarray, bins: Bins, power: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
-    """Return log-likelihood, gradient and expected information in the log parameters."""
-    variance = noise.at(theta).variance(bins.frequency, bins.interval)
-    slopes = np.empty((len(theta), len(variance)))
-    for j in range(len(theta)):
-        step = np.zeros(len(theta))
-        step[j] = STEP
-        above = noise.at(theta + step).variance(bins.frequency, bins.interval)
-        slopes[j] = (above - noise.at(theta - step).variance(bins.frequency, bins.interval)) / (2 * STEP * variance)
-    excess = power / variance - bins.number
-    gradient = 0.5 * slopes @ excess
-    return log_likelihood(variance, power, bins.number), gradient, 0.5 * (slopes * bins.number) @ slopes.T

@@ -27,7 +27,7 @@ FAR = 300.0
 """Gain of log-likelihood above which the probability of a chance is its asymptote."""
 MARGIN = 0.5
 """Gain of evidence (natural logarithm) that an exchange has to make."""
-HOPE, HOPES = -1.0, 4
+HOPE, HOPES = -4.0, 2
 """Log-probability of chance below which, and number of, effects that are added on trial where nothing is certain.
 
 They stay if the exchange of what is there makes all of it certain: an effect that stands for two others hides both.
@@ -157,32 +157,35 @@ class Search:
     def pruned(self, found: AxisFit) -> AxisFit:
         """Return the fit without the added effects that chance explains."""
         for key in self.added(found.description):
-            own, _, without = self.weighed(found, key)
+            own, without = self.weighed(found, key)
             if own > self.log_alpha:
                 return self.pruned(without)
         return found
 
     def _improved(self, found: AxisFit, key: "Key") -> AxisFit | None:
         """Return a fit without the effect at ``key``, or with another in its place, if it is better."""
-        own, trials, without = self.weighed(found, key)
+        own, without = self.weighed(found, key)
         if own > self.log_alpha:
             return without
-        best = min(trials, key=lambda trial: trial.log_p, default=None)
+        best = min(self.rivals(found, key, without), key=lambda trial: trial.log_p, default=None)
         return best.fit if best is not None and best.log_p < own - MARGIN else None
 
-    def weighed(self, found: AxisFit, key: "Key") -> tuple[float, list[Trial], AxisFit]:
-        """Return the log-probability of one effect's gain by chance, its rivals, and the fit without it."""
+    def weighed(self, found: AxisFit, key: "Key") -> tuple[float, AxisFit]:
+        """Return the log-probability that chance makes the gain of one effect, and the fit without it."""
         if key.part == "outliers":
-            gain = self.tails[found.description.outliers].gain
-            return log_chance(gain, 2) + np.log(TAILS), [], found
+            return log_chance(self.tails[found.description.outliers].gain, 2) + np.log(TAILS), found
         without = self.fitted(found.sequence, removed(found.description, key))
-        name, trials = at(found.description, key).name, list(self.trials(without, self.log_alpha))
-        gain = found.log_likelihood - without.log_likelihood
+        effect = at(found.description, key)
+        trials = max((start.trials for start in type(effect).starts(without)), default=1.0)
         more = max(found.description.size() - without.description.size(), 1)
-        same = [trial for trial in trials if trial.name == name]
-        places = max((trial.log_p - log_chance(trial.gain, more) for trial in same), default=0.0)
-        own = min([log_chance(gain, more) + places, *(trial.log_p for trial in same)])
-        return own, [trial for trial in trials if trial.name != name], without
+        return log_chance(found.log_likelihood - without.log_likelihood, more) + np.log(trials), without
+
+    def rivals(self, found: AxisFit, key: "Key", without: AxisFit) -> list[Trial]:
+        """Return every other effect in the place of one, fitted."""
+        if key.part == "outliers":
+            return []
+        name = at(found.description, key).name
+        return [trial for trial in self.trials(without, self.log_alpha) if trial.name != name]
 
     def added(self, description: Description) -> list["Key"]:
         """Return where the effects are that the start model does not have."""

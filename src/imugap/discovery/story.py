@@ -175,10 +175,10 @@ def _finding(search: Search, found: AxisFit, key: Key, held_out: Sequence) -> Fi
     """Return one effect with its intervals, its gain on held-out data, and what cannot be told from it."""
     axis = found.sequence.conditions.axis
     effect = at(found.description, key)
-    own, rivals, without = search.weighed(found, key)
+    own, without = search.weighed(found, key)
     near = found.log_likelihood + search.log_alpha / 2
     alternatives = {}
-    for rival in rivals:
+    for rival in search.rivals(found, key, without):
         if rival.fit.log_likelihood > near:
             gain = rival.fit.log_likelihood - found.log_likelihood
             alternatives[rival.name] = max(gain, alternatives.get(rival.name, -np.inf))

@@ -12,6 +12,8 @@ from imugap.effects.effect import TINY, Conditions, Effect, Stage, Start, parame
 if TYPE_CHECKING:
     from imugap.discovery.axis import AxisFit
 
+DEFICIT = -2.5
+"""Standard deviations by which the power near half the rate is too low where a search tries a filter."""
 ORDERS = (1, 2, 3, 4)
 """Orders that a search tries."""
 
@@ -43,7 +45,7 @@ class OutputFilter(Effect):
     @classmethod
     def starts(cls, fit: "AxisFit") -> Iterator[Start]:
         """Yield filters of a few orders, where there is none yet."""
-        if fit.description.noise.output_filter is None:
+        if fit.description.noise.output_filter is None and fit.top < DEFICIT:
             for order in ORDERS:
                 yield Start(cls(0.3 / fit.sequence.conditions.interval, order), ("cutoff",), trials=len(ORDERS))
 
