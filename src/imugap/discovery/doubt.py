@@ -140,11 +140,11 @@ def _divergence(power: np.ndarray, number: np.ndarray) -> np.ndarray:
 
 
 def _power_law(search: Search, fit: AxisFit) -> Doubt | None:
-    """Weigh one power law against all added slow processes together."""
+    """Weigh one power law against two or more added slow processes: if it does better, so few effects say less."""
     first = len(search.start.noise.effects)
     noise = fit.description.noise
     slow = [effect for effect in noise.effects[first:] if isinstance(effect, SLOW)]
-    if not slow:
+    if len(slow) < 2:
         return None
     kept = tuple(effect for effect in noise.effects if not any(effect is one for one in slow))
     without = search.fitted(fit.sequence, replace(fit.description, noise=replace(noise, effects=kept)))
@@ -153,4 +153,4 @@ def _power_law(search: Search, fit: AxisFit) -> Doubt | None:
     other = search.fitted(fit.sequence, law)
     named = log_chance(fit.log_likelihood - without.log_likelihood, sum(len(one.parameters()) for one in slow))
     unnamed = log_chance(other.log_likelihood - without.log_likelihood, 2)
-    return Doubt("one power law explains all slow noise better", min(unnamed - named, 0.0))
+    return Doubt("one power law explains all slow noise better", LEVEL + unnamed - named)

@@ -1,0 +1,226 @@
+import numpy as np
+import pytest
+
+from imugap.discovery import scans
+from imugap.discovery.axis import Description, Term, cosines, fit, jacobian
+from imugap.discovery.common import shared
+from imugap.discovery.doubt import doubts
+from imugap.discovery.gaps import gaps
+from imugap.discovery.noise import Noise, _Spectra
+from imugap.discovery.runs import turn_on
+from imugap.discovery.search import Search
+from imugap.discovery.sequence import Sequence
+from imugap.discovery.story import concluded, told
+from imugap.discovery.tails import tails
+from imugap.discovery.telegraph import compare
+from imugap.effects import (
+    CATALOGUE,
+    BiasInstability,
+    BiasStep,
+    CommonMode,
+    GaussMarkov,
+    Outliers,
+    OutputFilter,
+    Quantization,
+    RandomTelegraph,
+    RandomWalk,
+    RateRamp,
+    Sinusoid,
+    TurnOnBias,
+    VarianceChange,
+    WarmUp,
+    WhiteNoise,
+)
+from imugap.effects.effect import Conditions
+from imugap.model import AxisModel
+from imugap.stream import stream
+
+COUNT, INTERVAL = 24_000, 0.04
+WHITE = WhiteNoise(1e-3)
+LOG_ALPHA = np.log(0.01 / 6 / 28)
+
+
+def sequence(*effects, count=COUNT, axis="gyro_x", label="search"):
+    conditions = Conditions(INTERVAL * np.arange(count), INTERVAL, axis=axis)
+    values = AxisModel((WHITE, *effects)).simulate(np.zeros(count), conditions, 1, label)
+    return Sequence(values, conditions, np.zeros(count, bool))
+
+
+def plain(data):
+    return fit(data, Description((), Noise((WHITE,))))
+
+
+def told_of(*effects, **kwargs):
+    data = sequence(*effects, **kwargs)
+    return concluded(told(data, (), tuple(CATALOGUE.values()), LOG_ALPHA, int(0.8 * len(data.values))))
+
+
+def names(story):
+    return sorted(finding.name for finding in story.findings)
+
+
+def test_gain_of_every_step_is_that_of_its_column():
+    found = fit(sequence(BiasInstability(3e-4), count=4000), Description((), Noise((WHITE, BiasInstability(3e-4)))))
+    gains = scans.steps(found.coefficients, found.variance)
+    for place in (50, 777, 2000, 3500):
+        column = (np.arange(4000) >= place).astype(float)
+        assert gains[place] == pytest.approx(found.gains(found.whiten(column[:, None]))[0], rel=1e-6)
+
+
+def test_power_of_lines_in_noise_is_exponential():
+    _, power = scans.lines(stream(3, "lines").standard_normal(20_000), 0.01)
+    assert abs(power[::2].mean() - 1) < 4 / np.sqrt(len(power) / 2)
+    assert abs(np.mean(power[::2] > 3) - np.exp(-3)) < 4 * np.sqrt(np.exp(-3) / (len(power) / 2))
+
+
+def test_stretch_of_another_variance_is_the_best_of_all():
+    w = stream(4, "stretch").standard_normal(4000)
+    w[1200:1800] *= 1.5
+    gain, first, last = scans.stretches(w)
+    assert abs(first - 1200) < 40
+    assert abs(last - 1800) < 40
+    inside, outside = np.mean(w[first:last] ** 2), np.mean(np.r_[w[:first], w[last:]] ** 2)
+    count = last - first
+    by_hand = 0.5 * (4000 * np.log(np.mean(w**2)) - count * np.log(inside) - (4000 - count) * np.log(outside))
+    assert gain == pytest.approx(by_hand, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    "noise",
+    [
+        Noise((WHITE, BiasInstability(2e-4), RandomWalk(1e-5))),
+        Noise((WHITE, GaussMarkov(3e-4, 8.0), Quantization(1e-5)), OutputFilter(6.0, 2)),
+        Noise((WHITE, RandomTelegraph(1e-3, 0.1))),
+    ],
+)
+def test_gradient_of_the_spectral_likelihood(noise):
+    data = sequence(GaussMarkov(3e-4, 5.0), count=5000)
+    power = data.bins.sums(cosines(data.values) ** 2)
+    spectra, theta = _Spectra(noise, data.bins), noise.theta()
+    _, gradient, information = spectra.expand(theta, power)
+    for step in 1e-5 * np.eye(len(theta)):
+        above, below = spectra.expand(theta + step, power)[0], spectra.expand(theta - step, power)[0]
+        assert (above - below) / 2e-5 == pytest.approx(gradient @ step / 1e-5, rel=1e-4, abs=1e-3)
+    assert np.all(np.linalg.eigvalsh(information) > 0)
+
+
+def test_ramp_in_white_noise_is_that_of_least_squares():
+    data = sequence(RateRamp(1e-6))
+    found = fit(data, Description((Term(RateRamp(0.0), ("slope",)),), Noise((WHITE,))))
+    slope = np.polynomial.polynomial.polyfit(data.conditions.time, data.values, 1)[1]
+    assert found.description.terms[0].effect.slope == pytest.approx(slope, rel=1e-6)
+    error = np.sqrt(12 * found.variance[0] / COUNT) / (COUNT * INTERVAL)
+    assert np.sqrt(found.covariance[0, 0]) == pytest.approx(error, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    "effect",
+    [Sinusoid(1.3, 2e-3, 0.4), WarmUp(2e-3, 90.0), BiasStep(300.0, 1e-3), RateRamp(1e-6)],
+    ids=lambda e: e.name,
+)
+def test_slopes_are_difference_quotients(effect):
+    data = sequence(count=2000)
+    free = tuple(effect.slopes(data.conditions))
+    columns = jacobian((Term(effect, free),), data)
+    for name, column in zip(free, columns.T, strict=True):
+        step = 1e-6 * max(abs(getattr(effect, name)), 1e-3)
+        above, below = (
+            type(effect)(**(effect.parameters() | {name: getattr(effect, name) + side})).sample(data.conditions, None)
+            for side in (step, -step)
+        )
+        np.testing.assert_allclose((above - below) / (2 * step), column, rtol=1e-4, atol=1e-6 * np.abs(column).max())
+
+
+def test_tails_of_a_mixture():
+    rng = stream(5, "tails")
+    hit = rng.random(50_000) < 0.004
+    found = tails(rng.standard_normal(50_000) * np.where(hit, np.sqrt(1 + 6.0**2), 1.0))
+    (low, high), (least, most) = found.intervals
+    assert low < 0.004 < high
+    assert least < 6.0 < most
+    assert found.gain > 50
+
+
+def test_two_values_are_told_from_a_continuum():
+    for effect, sign in ((RandomTelegraph(2e-3, 0.05), 1), (GaussMarkov(1e-3, 10.0), -1)):
+        found = fit(sequence(effect), Description((), Noise((WHITE, GaussMarkov(1e-3, 10.0)))))
+        assert sign * compare(found, found.description.noise.effects[1]).gain > 20
+
+
+def test_noise_that_axes_share():
+    sharing = ("gyro_x", "gyro_y", "accel_z")
+    effects = {axis: [CommonMode(5e-4, loading)] for axis, loading in zip(sharing, (1.0, -0.8, 0.6), strict=True)}
+    fits = {
+        axis: plain(sequence(*effects.get(axis, []), axis=axis)) for axis in ("gyro_x", "gyro_y", "gyro_z", "accel_z")
+    }
+    (found,) = shared(fits, LOG_ALPHA)
+    assert found.axes == sharing
+    np.testing.assert_array_less(np.abs(found.densities - [5e-4, -4e-4, 3e-4]), 4 * found.errors)
+    assert shared({axis: plain(sequence(axis=axis, label="alone")) for axis in sharing}, LOG_ALPHA) == ()
+
+
+def test_turn_on_bias_of_several_runs():
+    fits = [{"gyro_x": plain(sequence(TurnOnBias(1e-3), count=4000, label=f"run{run}"))} for run in range(8)]
+    (finding,) = turn_on(fits, LOG_ALPHA)
+    assert finding.parameters["std"].low < 1e-3 < finding.parameters["std"].high
+    same = [{"gyro_x": plain(sequence(count=4000, label=f"run{run}"))} for run in range(8)]
+    assert turn_on(same, LOG_ALPHA) == ()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "effect",
+    [
+        RateRamp(2e-6),
+        WarmUp(2e-3, 60.0),
+        BiasStep(400.0, 1e-3),
+        Sinusoid(2.7, 7e-4, 1.0),
+        BiasInstability(1e-3),
+        RandomWalk(1e-4),
+        GaussMarkov(1e-3, 10.0),
+        RandomTelegraph(2e-3, 0.05),
+        Quantization(1e-4),
+        OutputFilter(5.0, 2),
+        VarianceChange(200.0, 350.0, 1.6),
+        Outliers(2e-3, 4e-2),
+    ],
+    ids=lambda effect: effect.name,
+)
+def test_an_effect_is_named_with_its_size(effect):
+    story = told_of(effect)
+    assert names(story) == [effect.name]
+    for name, interval in story.findings[0].parameters.items():
+        if name in ("phase", "order", "time", "start", "stop"):
+            continue
+        wide = 2.0 * (interval.high - interval.low)
+        assert interval.low - wide < getattr(effect, name) < interval.high + wide
+
+
+@pytest.mark.slow
+def test_a_pair_that_masquerades_as_one():
+    assert names(told_of(BiasInstability(5e-4), RateRamp(4e-6))) == ["bias_instability", "rate_ramp"]
+
+
+@pytest.mark.slow
+def test_nothing_hidden_is_called_nothing():
+    stories = [told_of(count=6000, label=f"nothing{run}") for run in range(12)]
+    assert sum(bool(story.findings) for story in stories) == 0
+
+
+def test_a_line_that_drifts_is_a_place_without_a_name():
+    data = sequence(count=12_000)
+    time = data.conditions.time
+    chirp = 1.5e-3 * np.cos(2 * np.pi * (0.5 * time + 2.0 * time**2 / (2 * time[-1])))
+    moving = Sequence(data.values + chirp, data.conditions, data.flawed)
+    story = concluded(told(moving, (), tuple(CATALOGUE.values()), LOG_ALPHA, 9600))
+    assert names(story) == []
+    places = [gap for gap in gaps({"gyro_x": story.whole}, 0.01, 0, 39) if gap.view == "spectrum"]
+    assert any(gap.low < 2.5 and gap.high > 0.5 for gap in places)
+
+
+def test_a_steady_line_is_not_in_doubt():
+    data = sequence(Sinusoid(0.8, 5e-4, 0.3), count=12_000)
+    search = Search(plain(data).description, tuple(CATALOGUE.values()), LOG_ALPHA)
+    found = search.explore(plain(data))
+    assert [effect.name for effect in found.description.effects()] == ["sinusoid", "white_noise"]
+    assert doubts(search, found) == {}
