@@ -992,3 +992,19 @@ def test_g_sensitivity_is_one_of_gyroscopes(axis):
 def test_lever_arm_is_one_of_accelerometers(axis):
     with pytest.raises(ValueError, match=rf"lever_arm: expected one of accel_x, accel_y, accel_z; found {axis}"):
         LeverArm(0.0, 0.0, 0.0).check_axis(axis)
+
+
+def test_samples_lost_on_one_axis_are_nan_there():
+    kept = SampleLoss(0.1, 3.0).apply(np.ones(20_000), conditions(20_000), stream(8, "lost"))
+    assert np.isnan(kept).mean() == pytest.approx(0.1 / (0.1 + 1 / 3), rel=0.1)
+    assert np.all(kept[np.isfinite(kept)] == 1.0)
+
+
+def test_no_effect_is_found_in_plain_noise_and_each_in_its_own():
+    noise, at = stream(8, "noise").standard_normal(5000), conditions(5000)
+    for effect in (Resolution(0.2), Saturation(2.0), StuckSamples(0.01, 3.0)):
+        assert type(effect).found(noise, at) is None
+        found = type(effect).found(effect.apply(noise, at, stream(8, effect.name)), at)
+        for name, value in effect.parameters().items():
+            low, high = found.intervals[name]
+            assert low < value < high, (effect, name)

@@ -146,8 +146,13 @@ LEAST = int(binom.ppf(1e-4, CASES, 0.95))
 
 @pytest.mark.parametrize(
     ("effect", "width"),
-    [(StuckSamples(0.02, 3.0), 0.5), (StuckSamples(0.01, 1.0), 0.6), (SampleLoss(0.02, 3.0), 0.5)]
-    + [(TimestampJitter(1e-3), 0.05), (TimestampJitter(2e-3), 0.05)],
+    [
+        (StuckSamples(0.02, 3.0), 0.5),
+        (StuckSamples(0.01, 1.0), 0.6),
+        (SampleLoss(0.02, 3.0), 0.5),
+        (TimestampJitter(1e-3), 0.05),
+        (TimestampJitter(2e-3), 0.05),
+    ],
     ids=["stuck", "single", "loss", "jitter", "strong jitter"],
 )
 def test_intervals_hold_the_truth_and_are_no_wider_than_they_must(effect, width):
@@ -178,14 +183,14 @@ def test_a_lattice_written_as_decimals_is_still_one():
     assert found.low < np.radians(0.5) < found.high
 
 
-@pytest.mark.parametrize("step", [None, 0.03])
+@pytest.mark.parametrize("step", [None, 0.02])
 @pytest.mark.parametrize("offset", [0.0, 0.15])
 def test_a_full_scale_is_found_on_one_side_or_both(step, offset):
     lattice = () if step is None else (Resolution(step),)
-    record = prepared(Bias(offset), Saturation(0.24), *lattice)
+    record = prepared(Bias(offset), Saturation(0.18), *lattice)
     assert ("gyro_x", "saturation") in names(record)
     assert "stuck_samples" not in {name for _, name in names(record)}
-    assert parameters(record, "saturation")["limit"].value == pytest.approx(0.24, rel=1e-9)
+    assert parameters(record, "saturation")["limit"].value == pytest.approx(0.18, rel=1e-9)
     assert record.sequences["gyro_x"].flawed.any()
 
 
@@ -249,7 +254,7 @@ def test_known_effects_are_no_news_but_still_taken_out():
 
 def test_findings_can_be_simulated():
     clock = (SampleLoss(0.02, 3.0), TimestampJitter(1e-3))
-    record = prepared(Saturation(0.24), StuckSamples(0.02, 3.0), Resolution(0.03), clock=clock)
+    record = prepared(Saturation(0.18), StuckSamples(0.02, 3.0), Resolution(0.02), clock=clock)
     assert {name for _, name in names(record)} > {"saturation", "resolution", "sample_loss", "timestamp_jitter"}
     effects = {axis: AxisModel() for axis, _ in names(record)}
     for finding in record.findings:

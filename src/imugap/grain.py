@@ -46,8 +46,9 @@ def spacing(values: np.ndarray) -> tuple[float, float]:
     fine = float(grain(levels).max())
     for coarse in (fine, 0.0):
         step = lattice(levels, 2 * len(levels), coarse)
-        if step is not None and _holds(levels, step, max(coarse, 16 * np.spacing(np.abs(levels).max()))):
-            return step, max(coarse, np.spacing(step)) * step / float(np.ptp(levels))
+        exact = max(coarse, 16 * float(np.spacing(np.abs(levels).max())))
+        if step is not None and _holds(levels, step, exact):
+            return step, max(exact * step / float(np.ptp(levels)), 4 * float(np.spacing(step)))
     return 0.0, 0.0
 
 

@@ -22,6 +22,8 @@ BLOCKS = 40
 """Blocks that tell the interval."""
 DETUNED = 5e-4 * np.arange(-40, 41)
 """Relative errors of the interval that are tried."""
+BLURRED = 0.8
+"""Rounding of the stamps, in intervals of which it is no divisor, above which they show no clock."""
 DOUBTFUL = 0.2
 """Distance from a sample, in intervals, from which on the first or last stamp may belong to its neighbour."""
 COARSE = 1 / 3
@@ -130,6 +132,9 @@ def stamps(time: np.ndarray) -> Stamps:
         interval = (good[-1] - good[0]) / (len(time) - 1)
         return Stamps(time, float(interval), np.arange(len(time)), advancing, rounding, even=False)
     nominal = _nominal(good, float(rounding.max()))
+    ratio = nominal / rounding.max()
+    if ratio < 1 / BLURRED and abs(ratio - np.rint(ratio)) > 1e-3:
+        return Stamps(time, nominal, np.arange(len(time)), advancing, rounding, even=False)
     slots = np.full(len(time), -1)
     slots[advancing] = _slots(good, _tuned(good, nominal))
     mean = float(np.polyfit(slots[advancing], good - good[0], 1)[0])
@@ -165,6 +170,7 @@ def _advancing(time: np.ndarray) -> np.ndarray:
     rows = np.flatnonzero(advancing)
     if np.all(np.diff(time[rows]) > 0):
         return advancing
+    rows = rows[np.r_[True, np.diff(time[rows]) != 0]]
     tops: list[float] = []
     ranks = np.empty(len(rows), int)
     for i, stamp in enumerate(time[rows].tolist()):

@@ -154,7 +154,7 @@ def _rows(log: pd.DataFrame, reference: pd.DataFrame | None) -> pd.DataFrame:
         if missing:
             raise LogError("reference", "columns", f"those of the log, {', '.join(names)}", f"no {missing[0]}")
         time = log.index.to_numpy(float)
-        held &= ~((time < reference.index[0]) | (time > reference.index[-1]))
+        held = held & ~((time < reference.index[0]) | (time > reference.index[-1]))
     if np.count_nonzero(held) < 2:
         raise LogError("log", "rows", "at least 2 that hold a value", str(np.count_nonzero(held)))
     return log[held]
