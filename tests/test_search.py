@@ -210,7 +210,7 @@ def test_nothing_hidden_is_called_nothing():
 def test_a_line_that_drifts_is_a_place_without_a_name():
     data = sequence(count=12_000)
     time = data.conditions.time
-    chirp = 1.5e-3 * np.cos(2 * np.pi * (0.5 * time + 2.0 * time**2 / (2 * time[-1])))
+    chirp = 2.5e-3 * np.cos(2 * np.pi * (0.5 * time + 2.0 * time**2 / (2 * time[-1])))
     moving = Sequence(data.values + chirp, data.conditions, data.flawed)
     story = concluded(told(moving, (), tuple(CATALOGUE.values()), LOG_ALPHA, 9600))
     assert names(story) == []
