@@ -124,7 +124,7 @@ def test_drawn_models_scatter_as_their_fit_says():
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", ["known", "estimated", "navigation"])
 def test_the_right_model_lands_in_the_floor_in_95_percent_of_cases(kind):
-    axes, count, logs = (log.AXES if kind == "navigation" else ("gyro_x",)), 2000, 120
+    axes, count, logs = (log.AXES if kind == "navigation" else ("gyro_x",)), 1200, 60
     true = model(RandomWalk(5e-3), axes=axes)
     described = Description((), Noise((WHITE, RandomWalk(5e-3))))
     inside = 0
@@ -132,9 +132,9 @@ def test_the_right_model_lands_in_the_floor_in_95_percent_of_cases(kind):
         measured = true.simulate(rest(count, axes), 7, seed)
         after = true
         if kind == "estimated":
-            found = fitted(measured, 1200, described)
+            found = fitted(measured, 720, described)
             after = Uncertain(ErrorModel({"gyro_x": AxisModel(found.description.effects())}), {"gyro_x": found})
         compare = navigation if kind == "navigation" else distribution
-        found = compare(measured, 24.0, true, after, seed, count=40)
+        found = compare(measured, 14.4, true, after, seed, count=39)
         inside += found.floor.low <= found.after.value <= found.floor.high
     assert binomtest(inside, logs, 0.95).pvalue > 0.002
