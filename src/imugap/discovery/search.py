@@ -126,7 +126,7 @@ class Search:
 
     def cleaned(self, before: AxisFit) -> Trial | None:
         """Return the fit to the samples without outliers, and what speaks for outliers; None where they are known."""
-        if before.description.outliers is not None:
+        if before.description.outliers is not None or before.sequence.coarse:
             return None
         found = tails(before.whitened)
         if log_chance(found.gain, 2) + np.log(TAILS) > self.log_alpha or not found.flagged.any():

@@ -8,6 +8,9 @@ import numpy as np
 from imugap.discovery.noise import Bins
 from imugap.effects.effect import Conditions
 
+COARSE = 1 / 3
+"""Share of one value above which a lattice of values is coarse: its step is the standard deviation or more."""
+
 
 @dataclass(frozen=True, eq=False)
 class Sequence:
@@ -31,6 +34,12 @@ class Sequence:
     def bins(self) -> Bins:
         """Return the bins of its cosine coefficients."""
         return Bins(len(self.values), self.conditions.interval)
+
+    @cached_property
+    def coarse(self) -> bool:
+        """Return whether the values sit on so few levels that their law says nothing of tails."""
+        _, counts = np.unique(self.values, return_counts=True)
+        return bool(counts.max() > COARSE * len(self.values))
 
     def mended(self, flawed: np.ndarray, rng: np.random.Generator) -> "Sequence":
         """Return the sequence with further samples replaced by their surroundings.

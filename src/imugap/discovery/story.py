@@ -8,17 +8,27 @@ from scipy.fft import next_fast_len
 from threadpoolctl import threadpool_limits
 
 from imugap.discovery.axis import AxisFit, Description, Term, fit, log_score, offset
-from imugap.discovery.doubt import Doubt, doubts
+from imugap.discovery.doubt import SLOW, Doubt, doubts
 from imugap.discovery.finding import Finding, Interval
 from imugap.discovery.noise import Noise
 from imugap.discovery.parameters import axis_unit, intervals
 from imugap.discovery.search import Key, Search, at, removed
 from imugap.discovery.sequence import Sequence
 from imugap.discovery.telegraph import compare
-from imugap.effects import Bias, GaussMarkov, OutputFilter, Sinusoid, VarianceChange, WhiteNoise
+from imugap.effects import (
+    Bias,
+    BiasStep,
+    OutputFilter,
+    RandomTelegraph,
+    Sinusoid,
+    VarianceChange,
+    WhiteNoise,
+)
 from imugap.effects.effect import Effect, StochasticEffect, SystematicEffect
 from imugap.model import AxisModel
 
+SWITCHES, ALIKE = 3, 0.4
+"""Steps to and fro at least, and largest difference of their sizes over the largest, that are telegraph noise."""
 CERTAIN = -690.0
 """Logarithm of the least probability that is told from zero."""
 
@@ -138,29 +148,53 @@ def told(
 def concluded(tale: Tale) -> Story:
     """Return what a search says: names with intervals, and what is withheld."""
     with threadpool_limits(1):
-        doubtful = doubts(tale.late, tale.whole)
-        named = [key for key in tale.late.added(tale.whole.description) if key not in doubtful]
-        findings = tuple(_finding(tale.late, tale.whole, key, tale.held_out) for key in named)
-        withheld = tuple((at(tale.whole.description, key).name, doubt) for key, doubt in doubtful.items())
+        search, whole = tale.late, _two_valued(tale.whole)
+        doubtful = doubts(search, whole)
+        named = [key for key in search.added(whole.description) if key not in doubtful]
+        findings = tuple(_finding(search, whole, key, tale.held_out) for key in named)
+        withheld = tuple((at(whole.description, key).name, doubt) for key, doubt in doubtful.items())
         after = _without(tale.after, list(doubts(tale.early, tale.after)))
-        return Story(tale.before, after, _without(tale.whole, list(doubtful)), findings, withheld)
+        return Story(tale.before, after, _without(whole, list(doubtful)), findings, withheld)
+
+
+def _two_valued(found: AxisFit) -> AxisFit:
+    """Return the fit with the telegraph noise that the samples, not their spectrum alone, make most likely."""
+    noise = found.description.noise
+    effects = tuple(compare(found, (one,)).effect if isinstance(one, RandomTelegraph) else one for one in noise.effects)
+    return replace(found, description=replace(found.description, noise=replace(noise, effects=effects)))
 
 
 def _told_apart(search: Search, found: AxisFit) -> AxisFit:
     """Return the fit with telegraph noise in the place of what the samples show to have two values."""
-    for key in search.added(found.description):
-        effect = at(found.description, key)
-        if isinstance(effect, GaussMarkov):
-            verdict = compare(found, effect)
-            if verdict.gain > -search.log_alpha / 2:
-                found = _exchanged(found, key.index, verdict.effect)
-    return found
+    found = _switching(search, found)
+    keys = [key for key in search.added(found.description) if isinstance(at(found.description, key), SLOW)]
+    if not keys:
+        return found
+    verdict = compare(found, tuple(at(found.description, key) for key in keys))
+    if verdict.gain < -search.log_alpha / 2:
+        return found
+    noise = _without(found, keys).description.noise
+    effects = replace(noise, effects=(*noise.effects, verdict.effect))
+    return fit(found.sequence, replace(found.description, noise=effects))
 
 
-def _exchanged(found: AxisFit, index: int, effect: StochasticEffect) -> AxisFit:
-    noise = found.description.noise
-    effects = (*noise.effects[:index], effect, *noise.effects[index + 1 :])
-    return fit(found.sequence, replace(found.description, noise=replace(noise, effects=effects)))
+def _switching(search: Search, found: AxisFit) -> AxisFit:
+    """Return the fit with telegraph noise in the place of steps to and fro of one size."""
+    added = search.added(found.description)
+    steps = [key for key in added if isinstance(at(found.description, key), BiasStep)]
+    sizes = [at(found.description, key) for key in steps]
+    jumps = np.array([effect.step for effect in sorted(sizes, key=lambda effect: effect.time)])
+    if (
+        len(jumps) < SWITCHES
+        or np.any(np.diff(np.sign(jumps)) == 0)
+        or np.ptp(np.abs(jumps)) > ALIKE * np.abs(jumps).max()
+    ):
+        return found
+    rest = _without(found, steps).description
+    duration = found.sequence.conditions.interval * len(found.sequence.values)
+    effect = RandomTelegraph(float(np.abs(jumps).mean()), len(jumps) / duration)
+    noise = replace(rest.noise, effects=(*rest.noise.effects, effect))
+    return fit(found.sequence, replace(rest, noise=noise))
 
 
 def _without(found: AxisFit, keys: list[Key]) -> AxisFit:
@@ -182,7 +216,15 @@ def _finding(search: Search, found: AxisFit, key: Key, held_out: Sequence) -> Fi
         if rival.fit.log_likelihood > near:
             gain = rival.fit.log_likelihood - found.log_likelihood
             alternatives[rival.name] = max(gain, alternatives.get(rival.name, -np.inf))
-    if key.part == "outliers":
+    if isinstance(effect, RandomTelegraph):
+        alternatives.pop("gauss_markov", None)
+        verdict, units = compare(found, (effect,)), effect.units(axis_unit(axis))
+        parameters = {
+            name: Interval(value, *ends, units[name])
+            for (name, value), ends in zip(effect.parameters().items(), verdict.intervals, strict=True)
+        }
+        gain = verdict.gain
+    elif key.part == "outliers":
         parameters, gain = _of_outliers(search, found), search.tails[effect].gain
     else:
         parameters = intervals(found, without, key)

@@ -9,9 +9,12 @@ from scipy.optimize import minimize
 from imugap.discovery.axis import AxisFit
 from imugap.discovery.noise import Noise
 from imugap.effects import GaussMarkov, RandomTelegraph
+from imugap.effects.effect import StochasticEffect
 
 FINE = 12
 """Blocks per correlation time."""
+LONG = 20.0
+"""Correlation times in a log, where nothing tells more."""
 MOST = 60_000
 """Blocks at most."""
 
@@ -35,38 +38,39 @@ class Verdict:
     intervals: tuple[tuple[float, float], tuple[float, float]]
 
 
-def compare(fit: AxisFit, process: GaussMarkov) -> Verdict:
-    """Weigh telegraph noise against a Gauss-Markov process of a fit; the noise besides is taken as white."""
-    interval = fit.sequence.conditions.interval
-    width = max(int(process.correlation_time / FINE / interval), len(fit.residual) // MOST, 1)
-    blocks = len(fit.residual) // width
-    means = fit.residual[: blocks * width].reshape(blocks, width).mean(axis=1)
+def compare(fit: AxisFit, slow: tuple[StochasticEffect, ...]) -> Verdict:
+    """Weigh telegraph noise against Gauss-Markov noise in the place of the slow processes of a fit.
+
+    A Gauss-Markov process with a long correlation time stands for a random walk too. The noise besides is white on
+    the scale of the blocks.
+    """
+    interval, count = fit.sequence.conditions.interval, len(fit.residual)
+    time = min([one.correlation_time for one in slow if isinstance(one, GaussMarkov)], default=interval * count / LONG)
+    width = max(int(time / FINE / interval), count // MOST, 1)
+    means = fit.residual[: count // width * width].reshape(-1, width).mean(axis=1)
+    rest = Noise(tuple(one for one in fit.description.noise.effects if one not in slow))
     step = width * interval
-    rest = Noise(tuple(one for one in fit.description.noise.effects if one is not process))
-    frequency = np.array([0.25 / step])
-    white = np.sqrt(float(rest.variance(frequency, interval)[0]) / width)
+    white = float(np.sqrt(rest.variance(np.array([0.25 / step]), interval)[0] / width))
+    std = float(np.sqrt(max(means.var() - white**2, 0.01 * means.var())))
 
     def telegraph(theta):
-        return -_two_values(means, np.exp(theta[0]) / 2, np.exp(theta[1]) * step, np.exp(theta[2]), theta[3] * scale)
+        return -_two_values(means, np.exp(theta[0]) / 2, np.exp(theta[1]) * step, np.exp(theta[2]), theta[3] * std)
 
     def markov(theta):
-        decay = np.exp(-step / np.exp(theta[1]))
-        return -_continuum(means, np.exp(theta[0]), decay, np.exp(theta[2]), theta[3] * scale)
+        return -_continuum(means, np.exp(theta[0]), np.exp(-step / np.exp(theta[1])), np.exp(theta[2]), theta[3] * std)
 
-    scale = process.std
-    smooth = minimize(
-        markov, [np.log(process.std), np.log(process.correlation_time), np.log(white), 0.0], method="Nelder-Mead"
-    )
-    starts = [
-        [np.log(2 * process.std), np.log(0.5 / process.correlation_time * factor), np.log(white), 0.0]
-        for factor in (0.5, 1.0, 2.0)
-    ]
-    options = {"maxiter": 2000, "xatol": 1e-4, "fatol": 1e-4}
-    best = min((minimize(telegraph, start, method="Nelder-Mead", options=options) for start in starts), key=_value)
+    smooth = _lowest(markov, [[np.log(std), np.log(time * f), np.log(white), 0.0] for f in (1.0, 8.0)])
+    best = _lowest(telegraph, [[np.log(2 * std), np.log(0.5 / time * f), np.log(white), 0.0] for f in (0.3, 1.0, 3.0)])
     error = _errors(telegraph, best.x)
-    ends = [tuple(np.exp(best.x[i] + side * 1.96 * error[i]) for side in (-1, 1)) for i in (0, 1)]
+    ends = [tuple(float(np.exp(best.x[i] + side * 1.96 * error[i])) for side in (-1, 1)) for i in (0, 1)]
     effect = RandomTelegraph(float(np.exp(best.x[0])), float(np.exp(best.x[1])))
     return Verdict(float(smooth.fun - best.fun), effect, (ends[0], ends[1]))
+
+
+def _lowest(cost, starts):
+    """Return the lowest of the minima that starts lead to."""
+    options = {"maxiter": 2000, "xatol": 1e-4, "fatol": 1e-4}
+    return min((minimize(cost, start, method="Nelder-Mead", options=options) for start in starts), key=_value)
 
 
 def _value(result) -> float:
