@@ -15,6 +15,8 @@ FINE = 12
 """Blocks per correlation time."""
 LONG = 20.0
 """Correlation times in a log, where nothing tells more."""
+QUIET, DEEP = 1e-3, 10.0
+"""White noise over the slow process: least share at the start, and logarithm of the least share at all."""
 MOST = 60_000
 """Blocks at most."""
 
@@ -52,15 +54,25 @@ def compare(fit: AxisFit, slow: tuple[StochasticEffect, ...]) -> Verdict:
     step = width * interval
     white = float(np.sqrt(rest.variance(np.array([0.25 / step]), interval)[0] / width))
     std = float(np.sqrt(max(means.var() - white**2, 0.01 * means.var())))
+    least = np.log(std) - DEEP
 
     def telegraph(theta):
-        return -_two_values(means, np.exp(theta[0]) / 2, np.exp(theta[1]) * step, np.exp(theta[2]), theta[3] * std)
+        return -_two_values(
+            means, np.exp(theta[0]) / 2, np.exp(theta[1]) * step, np.exp(max(theta[2], least)), theta[3] * std
+        )
 
     def markov(theta):
-        return -_continuum(means, np.exp(theta[0]), np.exp(-step / np.exp(theta[1])), np.exp(theta[2]), theta[3] * std)
+        return -_continuum(
+            means, np.exp(theta[0]), np.exp(-step / np.exp(theta[1])), np.exp(max(theta[2], least)), theta[3] * std
+        )
 
-    smooth = _lowest(markov, [[np.log(std), np.log(time * f), np.log(white), 0.0] for f in (1.0, 8.0)])
-    best = _lowest(telegraph, [[np.log(2 * std), np.log(0.5 / time * f), np.log(white), 0.0] for f in (0.3, 1.0, 3.0)])
+    smooth = _lowest(
+        markov, [[np.log(std), np.log(time * f), np.log(max(white, QUIET * std)), 0.0] for f in (1.0, 8.0)]
+    )
+    best = _lowest(
+        telegraph,
+        [[np.log(2 * std), np.log(0.5 / time * f), np.log(max(white, QUIET * std)), 0.0] for f in (0.3, 1.0, 3.0)],
+    )
     error = _errors(telegraph, best.x)
     ends = [tuple(float(np.exp(best.x[i] + side * 1.96 * error[i])) for side in (-1, 1)) for i in (0, 1)]
     effect = RandomTelegraph(float(np.exp(best.x[0])), float(np.exp(best.x[1])))
