@@ -12,6 +12,7 @@ from imugap.bound import fisher
 from imugap.effects import GaussMarkov, RateRamp
 from imugap.estimate import Estimate, Fit, Verdict, verdict
 from imugap.likelihood import Composition, Cosines, Grid, Quantity, constant, density, slope, statistics
+from imugap.matrix import invert
 from imugap.profile import end
 
 Objective = Callable[[np.ndarray], tuple[float, np.ndarray, np.ndarray]]
@@ -314,21 +315,37 @@ def _densities(basis, power, number):
     The updates raise Whittle's likelihood, whose terms are Itakura-Saito distances (Fevotte, Bertin, Durrieu 2009,
     Neural Computation 21, 793-830).
     """
-    weights = power.sum() / (basis @ number)
+    rows, bins = basis.shape
+    weights, whole = np.zeros(rows), 0.0
+    for m in range(bins):
+        whole += power[m]
+        for i in range(rows):
+            weights[i] += basis[i, m] * number[m]
+    for i in range(rows):
+        weights[i] = whole / weights[i]
     for _ in range(UPDATES):
-        total = weights @ basis
-        weights *= np.sqrt(basis @ (power / total**2) / (basis @ (number / total)))
+        seen, expected = np.zeros(rows), np.zeros(rows)
+        for m in range(bins):
+            total = 0.0
+            for i in range(rows):
+                total += weights[i] * basis[i, m]
+            for i in range(rows):
+                seen[i] += basis[i, m] * power[m] / total**2
+                expected[i] += basis[i, m] * number[m] / total
+        for i in range(rows):
+            weights[i] *= np.sqrt(seen[i] / expected[i])
     return np.sqrt(weights)
 
 
 @njit(cache=True)
 def _walled(theta, terrain):
-    low, high = terrain[:2]
     value, gradient, information = density(theta, *terrain[2:])
-    outside = theta - np.minimum(np.maximum(theta, low), high)
     for k in range(len(theta)):
-        information[k, k] += outside[k] != 0
-    return value - outside @ outside / 2, gradient - outside, information
+        outside = theta[k] - min(max(theta[k], terrain[0][k]), terrain[1][k])
+        value -= outside**2 / 2
+        gradient[k] -= outside
+        information[k, k] += outside != 0
+    return value, gradient, information
 
 
 @njit(cache=True)
@@ -336,11 +353,11 @@ def _climb(theta, normal, terrain):
     value, gradient, information = _walled(theta, terrain)
     damping = 1e-3
     for _ in range(ITERATIONS):
-        step = _step(gradient, information, damping, normal)
-        if gradient @ step < FLAT:
+        step, ahead, bend = _step(gradient, information, damping, normal)
+        if ahead < FLAT:
             return theta, value, True
         trial, slopes, curvature = _walled(theta + step, terrain)
-        share = (trial - value) / (gradient @ step - step @ information @ step / 2)
+        share = (trial - value) / (ahead - bend / 2)
         if share > 0:
             theta, value, gradient, information = theta + step, trial, slopes, curvature
         if share > 0.5:
@@ -352,12 +369,33 @@ def _climb(theta, normal, terrain):
 
 @njit(cache=True)
 def _step(gradient, information, damping, normal):
-    """Return the damped scoring step, on the plane of ``normal`` if it is not zero, no part beyond LONGEST_STEP."""
-    scale = np.sqrt(np.diag(information) + 1e-3)
-    matrix = information / np.outer(scale, scale)
-    np.fill_diagonal(matrix, 1 + damping)
-    step = np.linalg.solve(matrix, gradient / scale) / scale
-    if normal.any():
-        across = np.linalg.solve(matrix, normal / scale) / scale
-        step -= across * (normal @ step) / (normal @ across)
-    return step * min(1.0, LONGEST_STEP / max(np.abs(step).max(), 1e-300))
+    """Return the damped scoring step, its gain by slope, and its curvature.
+
+    It is on the plane of ``normal`` if that is not zero; no part is beyond LONGEST_STEP.
+    """
+    size = len(gradient)
+    scale, matrix = np.empty(size), np.empty((size, size))
+    for i in range(size):
+        scale[i] = np.sqrt(information[i, i] + 1e-3)
+    for i in range(size):
+        for j in range(size):
+            matrix[i, j] = information[i, j] / (scale[i] * scale[j]) if i != j else 1 + damping
+    inverse, _ = invert(matrix)
+    step, across, off, norm = np.zeros(size), np.zeros(size), 0.0, 0.0
+    for i in range(size):
+        for j in range(size):
+            step[i] += inverse[i, j] * gradient[j] / (scale[i] * scale[j])
+            across[i] += inverse[i, j] * normal[j] / (scale[i] * scale[j])
+        off, norm = off + normal[i] * step[i], norm + normal[i] * across[i]
+    longest = LONGEST_STEP
+    for i in range(size):
+        step[i] -= across[i] * off / norm if norm > 0 else 0.0
+        longest = max(longest, abs(step[i]))
+    ahead, bend = 0.0, 0.0
+    for i in range(size):
+        step[i] *= LONGEST_STEP / longest
+        ahead += gradient[i] * step[i]
+    for i in range(size):
+        for j in range(size):
+            bend += step[i] * information[i, j] * step[j]
+    return step, ahead, bend
