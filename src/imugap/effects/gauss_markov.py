@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
+from numba import njit
 from numpy.polynomial.polynomial import polyval
-from scipy.signal import lfilter
 from scipy.special import factorial
 
 from imugap.effects.effect import TINY, Conditions, StochasticEffect, parameter
@@ -38,7 +38,7 @@ class GaussMarkov(StochasticEffect):
         decay = np.exp(-conditions.interval / self.correlation_time)
         noise = self.std * rng.standard_normal(len(conditions))
         noise[1:] *= np.sqrt(-np.expm1(-2 * conditions.interval / self.correlation_time))
-        return lfilter([1.0], [1.0, -decay], noise)
+        return _recurse(decay, noise)
 
     def psd(self, frequency: np.ndarray) -> np.ndarray:
         """Return S_B/(w^2 + 1/T^2) (Farrell et al. 2022, eq. 35)."""
@@ -67,6 +67,15 @@ class GaussMarkov(StochasticEffect):
     def state_space(self) -> StateSpace:
         """Return one decaying state that starts stationary."""
         return StateSpace.first_order(1 / self.correlation_time, self.driving_psd, self.std**2)
+
+
+@njit(cache=True)
+def _recurse(decay, noise):
+    """Return z_k = decay z_(k-1) + noise_k, z_0 = noise_0."""
+    result = noise.copy()
+    for k in range(1, len(noise)):
+        result[k] += decay * result[k - 1]
+    return result
 
 
 def _bracket(x: np.ndarray) -> np.ndarray:
