@@ -6,8 +6,9 @@ from imugap.bound import bound
 from imugap.effects import BiasInstability, Conditions, GaussMarkov, Quantization, RandomWalk, RateRamp, WhiteNoise
 from imugap.estimate import Verdict
 from imugap.likelihood import log_likelihood
-from imugap.maximum_likelihood import fit
+from imugap.maximum_likelihood import fit, quantile
 from imugap.model import AxisModel
+from imugap.stream import stream
 
 INTERVAL, COUNT = 0.1, 108_000
 """Liu, Ren and Li 2016: 3 h at 10 Hz."""
@@ -137,15 +138,37 @@ def test_a_composition_is_fitted_at_least_as_well_as_its_parts():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("density", [0.0, 5e-5, 1e-3])
+@pytest.mark.parametrize("density", [0.0, 5e-5, 1e-4, 1e-3])
 def test_intervals_of_the_slope_cover(density):
-    """At least the level, within three binomial standard errors of 150 runs; a weak walk makes them cautious."""
+    """At least the level, within three binomial standard errors of 150 runs; a weak walk makes them cautious.
+
+    At most as wide as a walk would make them that white noise of this length just hides, and no wider than with a
+    known model where the walk is plain (12 and 6/5: variances of the slope beside white noise and random walk).
+    """
     runs, of = 150, WhiteNoise(5e-3) + RandomWalk(density) + RateRamp(1e-4)
     fits = [
         fit(simulate(of, 4000, "cover", density, run), INTERVAL, (WhiteNoise, RandomWalk), True) for run in range(runs)
     ]
-    covered = np.mean([one.estimates[-1].low < 1e-4 < one.estimates[-1].high for one in fits])
+    slopes = [one.estimates[-1] for one in fits]
+    covered = np.mean([one.low < 1e-4 < one.high for one in slopes])
     assert covered > 0.95 - 3 * np.sqrt(0.95 * 0.05 / runs)
+    hidden = 1.5e-4  # the spectra, N^2 and K^2/(2 pi f)^2, cross at two periods in the length of the log
+    walk = density if density > hidden else np.hypot(density, hidden)
+    known = np.sqrt(12 * 5e-3**2 / 400**3 + 1.2 * walk**2 / 400)
+    width = np.median([one.high - one.low for one in slopes]) / (2 * 1.96 * known)
+    assert width < 1.1
+    assert density < hidden or width > 0.9
+
+
+def test_quantile_of_a_mixture():
+    rng = stream(11, "mixture")
+    weights, means, deviations = np.array([0.2, 0.5, 0.3]), np.array([-1.0, 0.0, 2.0]), np.array([3.0, 0.5, 1.0])
+    of = rng.choice(3, 200_000, p=weights)
+    drawn = means[of] + deviations[of] * rng.standard_normal(len(of))
+    for probability in (0.025, 0.5, 0.975):
+        share = np.mean(drawn < quantile(probability, weights, means, deviations))
+        assert abs(share - probability) < 4 * np.sqrt(probability * (1 - probability) / len(of))
+    assert quantile(0.975, np.ones(1), np.array([5.0]), np.array([2.0])) == pytest.approx(5 + 2 * 1.959964)
 
 
 def test_flicker_is_estimated():

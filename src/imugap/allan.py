@@ -8,7 +8,7 @@ import pandas as pd
 from allantools import ci
 from numba import njit
 from scipy.optimize import nnls
-from scipy.stats import chi2
+from scipy.special import chdtri
 
 from imugap.effects.bias_instability import FLOOR
 
@@ -98,7 +98,7 @@ def curve(sequence: np.ndarray, interval: float, level: float = 0.95) -> pd.Data
         edf = _degrees_of_sum(sequence, averaging, deviation, error)
     else:
         edf = _degrees(shown, averaging, len(sequence))
-    low, high = (deviation * np.sqrt(edf / chi2.ppf(p, edf)) for p in ((1 + level) / 2, (1 - level) / 2))
+    low, high = (deviation * np.sqrt(edf / chdtri(edf, 1 - p)) for p in ((1 + level) / 2, (1 - level) / 2))
     columns = {
         "deviation": deviation,
         "low": low,
@@ -303,4 +303,4 @@ def _longest(tau: np.ndarray, holds: np.ndarray) -> slice | None:
 
 
 def _limit(value: float, edf: float, probability: float) -> float:
-    return float(value * np.sqrt(edf / chi2.ppf(probability, edf)))
+    return float(value * np.sqrt(edf / chdtri(edf, 1 - probability)))

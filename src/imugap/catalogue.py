@@ -9,11 +9,10 @@ import csv
 import shutil
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from hashlib import file_digest
 from pathlib import Path
 
-import pooch
 import yaml
-from jsonschema import Draft202012Validator
 
 from imugap.log import ACCEL, GYRO, TEMPERATURE
 
@@ -180,6 +179,8 @@ def _found(file: RawFile, folder: str | Path, mirror: str | Path | None) -> Path
 
 def _download(url: str, partial: Path) -> None:
     """Append to ``partial`` what it lacks of ``url``, or start it afresh if the server sends everything."""
+    import pooch
+
     with partial.open("ab") as output:
 
         def start_afresh(response, **_) -> None:
@@ -196,7 +197,8 @@ def _download(url: str, partial: Path) -> None:
 
 def _fault(path: Path, file: RawFile) -> str | None:
     """Say how the file at ``path`` differs from the catalogued one; None if it does not."""
-    found = pooch.file_hash(str(path), alg="sha256")
+    with path.open("rb") as content:
+        found = file_digest(content, "sha256").hexdigest()
     if found == file.sha256:
         return None
     return f"expected sha256 {file.sha256}, {file.size_bytes} bytes; found {found}, {path.stat().st_size} bytes"
@@ -211,6 +213,8 @@ def _by_hand(file: RawFile, folder: str | Path, reason: str) -> str:
 
 def _rows(table: Path, schema_path: Path) -> Iterator[tuple[str, dict]]:
     """Yield (table and line, row) for each row that its schema accepts; empty cells are left out."""
+    from jsonschema import Draft202012Validator  # takes a second, and most that import this module load no table
+
     schema = yaml.safe_load(schema_path.read_text(encoding="utf-8"))
     validator = Draft202012Validator(schema)
     with table.open(newline="", encoding="utf-8") as handle:

@@ -25,7 +25,7 @@ from itertools import combinations
 
 import numpy as np
 import pandas as pd
-from scipy.stats import chi2
+from scipy.special import chdtri
 
 from imugap.effects import BiasInstability, GaussMarkov, Quantization, RandomWalk, RateRamp, WhiteNoise
 from imugap.estimate import Fit
@@ -100,7 +100,7 @@ def cost(level: float) -> float:
       limit is 5.4 there.
     """
     p = (1 - level) / (len(TERMS) - 1)
-    return float(chi2.isf(2 * p, 1)) / 2
+    return float(chdtri(1, 2 * p)) / 2
 
 
 def choose(sequence: np.ndarray, interval: float, highest: float = np.inf, level: float = 0.95) -> Choice:

@@ -5,7 +5,7 @@ two-sided: a filter that believes too little of itself is as inconsistent as one
 """
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.special import chdtri
 
 
 def nees_band(states: int, runs: int, confidence: float = 0.95) -> tuple[float, float]:
@@ -14,7 +14,7 @@ def nees_band(states: int, runs: int, confidence: float = 0.95) -> tuple[float, 
     The sum over independent runs is chi-square with ``states`` x ``runs`` degrees of freedom.
     """
     tail = (1 - confidence) / 2
-    low, high = chi2.ppf([tail, 1 - tail], states * runs) / runs
+    low, high = chdtri(states * runs, [1 - tail, tail]) / runs
     return float(low), float(high)
 
 
@@ -39,5 +39,5 @@ def root_mean_square(errors: np.ndarray, confidence: float = 0.95) -> tuple[np.n
     mean = squares.mean(axis=0)
     freedom = 2 * len(squares) * mean**2 / squares.var(axis=0, ddof=1)
     tail = (1 - confidence) / 2
-    low, high = (mean * freedom / chi2.ppf(quantile, freedom) for quantile in (1 - tail, tail))
+    low, high = (mean * freedom / chdtri(freedom, 1 - quantile) for quantile in (1 - tail, tail))
     return np.sqrt(mean), np.sqrt(low), np.sqrt(high)

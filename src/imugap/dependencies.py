@@ -1,6 +1,7 @@
 """Which modules of this package a script runs: what a workflow has to watch besides the script itself."""
 
 import ast
+from functools import cache
 from hashlib import sha256
 from pathlib import Path
 
@@ -29,7 +30,8 @@ def digest(package: str | Path = PACKAGE) -> str:
     return sha256(b"".join(source.read_bytes() for source in sources)).hexdigest()[:16]
 
 
-def _imported(source: Path, package: Path) -> set[Path]:
+@cache
+def _imported(source: Path, package: Path) -> frozenset[Path]:
     names: set[str] = set()
     for node in ast.walk(ast.parse(source.read_text())):
         if isinstance(node, ast.Import):
@@ -38,7 +40,7 @@ def _imported(source: Path, package: Path) -> set[Path]:
             raise ValueError(f"{source}, line {node.lineno}: expected an absolute import; found a relative one")
         elif isinstance(node, ast.ImportFrom):
             names |= {node.module} | {f"{node.module}.{alias.name}" for alias in node.names}
-    return {file for name in names if name.split(".")[0] == package.name for file in _files(name, package)}
+    return frozenset(file for name in names if name.split(".")[0] == package.name for file in _files(name, package))
 
 
 def _files(name: str, package: Path) -> list[Path]:

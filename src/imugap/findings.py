@@ -9,7 +9,7 @@ from math import isfinite
 
 import numpy as np
 import pandas as pd
-from scipy.stats import chi2
+from scipy.special import chdtri
 
 from imugap import allan, goodness, indirect, maximum_likelihood, piecewise
 from imugap.choice import TERMS, Choice, Kinds, choose, title
@@ -199,7 +199,7 @@ def curves(log: pd.DataFrame, interval: float, findings: Sequence[Finding], leve
         measured = allan.curve(log[one.axis].to_numpy(), interval)
         factors, edf = np.rint(measured.index / interval).astype(int), measured["edf"]
         model = np.sqrt(one.fit.model.sampled_allan_variance(factors, interval))
-        low, high = (model * np.sqrt(chi2.ppf(p, edf) / edf) for p in ((1 - level) / 2, (1 + level) / 2))
+        low, high = (model * np.sqrt(chdtri(edf, 1 - p) / edf) for p in ((1 - level) / 2, (1 + level) / 2))
         columns = {"axis": one.axis, "deviation": measured["deviation"], "model": model, "low": low, "high": high}
         parts.append(pd.DataFrame(columns, index=measured.index).reset_index())
     return pd.concat(parts, ignore_index=True)

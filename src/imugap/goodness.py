@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
-from scipy.stats import chi2
+from scipy.special import chdtr, chdtrc
 
 from imugap import wavelet
 from imugap.bound import fisher
@@ -122,7 +122,7 @@ def _slope(composition: Composition, theta: np.ndarray, step: np.ndarray, analys
 
 def _probability(ratio: np.ndarray, edf: np.ndarray) -> np.ndarray:
     """Return the two-sided probability of a ratio whose law is that of a chi-square variance."""
-    return np.minimum(2 * np.minimum(chi2.cdf(edf * ratio, edf), chi2.sf(edf * ratio, edf)), 1 - 1e-16)
+    return np.minimum(2 * np.minimum(chdtr(edf, edf * ratio), chdtrc(edf, edf * ratio)), 1 - 1e-16)
 
 
 def _verdict(off: pd.DataFrame, p_value: float) -> str:

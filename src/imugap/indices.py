@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
-from scipy.stats import chi2, t
+from scipy.special import chdtri, stdtrit
 
 from imugap import allan, log
 from imugap.stability import bias_stability, period_means
@@ -110,7 +110,7 @@ def repeatability(biases: np.ndarray, level: float = LEVEL) -> tuple[float, floa
     """Return the standard deviation of the runs' biases (eq. 9) and its chi-square interval."""
     freedom = len(biases) - 1
     value = biases.std(ddof=1)
-    low, high = (value * np.sqrt(freedom / chi2.ppf(p, freedom)) for p in ((1 + level) / 2, (1 - level) / 2))
+    low, high = (value * np.sqrt(freedom / chdtri(freedom, 1 - p)) for p in ((1 + level) / 2, (1 - level) / 2))
     return float(value), float(low), float(high)
 
 
@@ -136,7 +136,7 @@ def _stability(error: np.ndarray, interval: float, period: float) -> dict[str, f
 
 
 def _student(count: int) -> float:
-    return float(t.ppf((1 + LEVEL) / 2, count - 1))
+    return float(stdtrit(count - 1, (1 + LEVEL) / 2))
 
 
 def shortest(symbol: str, period: float, interval: float) -> float:

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pandas as pd
-from scipy.stats import chi2
+from scipy.special import chdtri
 
 from imugap import wavelet
 from imugap.binding import Binding
@@ -243,7 +243,7 @@ def _result(
     spread = Spread.of(problem, centre, weights)
     estimates = []
     for quantity, hold in zip(composition.quantities(), _holds(composition), strict=True):
-        ends = [_end(problem, centre, weights, quantity, hold, side, chi2.ppf(level, 1)) for side in (-1, 1)]
+        ends = [_end(problem, centre, weights, quantity, hold, side, chdtri(1, 1 - level)) for side in (-1, 1)]
         power = 2 if hold.what is Held.SQUARE else 1
         value, low, high = (float(end ** (1 / power)) for end in (hold.of(point), *ends))
         error = spread.of_quantity(quantity, hold)[1]

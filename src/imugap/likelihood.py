@@ -31,6 +31,7 @@ from numba import njit
 from scipy.fft import dct
 
 from imugap.effects import GaussMarkov
+from imugap.matrix import invert
 from imugap.model import AxisModel
 
 SINGLE = 64
@@ -317,8 +318,10 @@ def decompose(theta, shapes, square, count, interval, ramp):
     columns, column_slopes = np.empty((markov + ramp, bins)), np.empty((markov, bins))
     weights, weight_slopes = np.empty((2, markov)), np.empty((2, markov))
     for j in range(densities):
-        diagonal_slopes[j] = 2 * np.exp(2 * theta[j]) * shapes[j]
-        diagonal += diagonal_slopes[j] / 2
+        squared = np.exp(2 * theta[j])
+        for m in range(bins):
+            diagonal_slopes[j, m] = 2 * squared * shapes[j, m]
+            diagonal[m] += squared * shapes[j, m]
     for i in range(markov):
         j = densities + 2 * i
         variance, steps = np.exp(2 * theta[j]), interval * np.exp(-theta[j + 1])  # steps: dt/T
@@ -338,7 +341,8 @@ def decompose(theta, shapes, square, count, interval, ramp):
             weights[parity, i] = np.log(2 * variance * gap**2 * ends) - steps
             weight_slopes[parity, i] = steps * (1 - 2 * decay / gap + sign * count * np.exp(-count * steps) / ends)
     if ramp:
-        columns[markov] = ramp_column(square, interval)
+        for m in range(bins):
+            columns[markov, m] = ramp_column(square[m], interval)
     return diagonal, diagonal_slopes, columns, column_slopes, weights, weight_slopes
 
 
@@ -356,10 +360,16 @@ def density(theta, shapes, square, count, interval, ramp, number, leverage, odd,
         first, last = (odd, len(diagonal)) if parity else (0, odd)
         ranks = len(columns) if parity else markov  # the ramp is odd
         core, seen = core_matrix(diagonal, columns, weights[parity], leverage, cross, first, last, ranks)
-        inverse = np.ascontiguousarray(np.linalg.inv(core)) if ranks else core
-        solved = seen @ inverse
-        value -= 0.5 * logs * (np.log(np.abs(np.linalg.det(core))) if ranks else 0.0)
-        value -= 0.5 * (np.sum(seen * solved) + logs * weights[parity].sum())
+        inverse, log_determinant = invert(core)
+        solved = np.zeros((logs, ranks))
+        for log in range(logs):
+            for i in range(ranks):
+                for j in range(ranks):
+                    solved[log, i] += inverse[i, j] * seen[log, j]
+                value -= 0.5 * seen[log, i] * solved[log, i]
+        for i in range(markov):
+            log_determinant += weights[parity, i]
+        value -= 0.5 * logs * log_determinant
         for m in range(first, last):
             d, freedom = diagonal[m], logs * number[m]
             value -= 0.5 * (freedom * np.log(d) + power[m] / d)
@@ -387,12 +397,15 @@ def density(theta, shapes, square, count, interval, ramp, number, leverage, odd,
                     mixed += columns[j, m] * inverse[j, i]
                 gradient[size - 2 * markov + 2 * i + 1] += logs * leverage[m] * mixed / d * column_slopes[i, m]
         for i in range(markov):
-            squares = logs * inverse[i, i] - np.sum(solved[:, i] ** 2)
+            squares = logs * inverse[i, i]
+            for log in range(logs):
+                squares -= solved[log, i] ** 2
             push = 0.5 * (squares * np.exp(-weights[parity, i]) - logs)
             gradient[size - 2 * markov + 2 * i] += 2 * push
             gradient[size - 2 * markov + 2 * i + 1] += push * weight_slopes[parity, i]
     for j in range(size):
-        information[j, j:] = information[j:, j]
+        for k in range(j):
+            information[k, j] = information[j, k]
     return value, gradient, information
 
 

@@ -5,13 +5,14 @@ from itertools import combinations
 
 import numpy as np
 from numba import njit
-from scipy.stats import chi2
-from scipy.stats import t as student
+from scipy.optimize import brentq
+from scipy.special import chdtri, ndtr, ndtri
 
 from imugap.bound import fisher
 from imugap.effects import GaussMarkov, RateRamp
 from imugap.estimate import Estimate, Fit, Verdict, verdict
 from imugap.likelihood import Composition, Cosines, Grid, Quantity, constant, density, slope, statistics
+from imugap.matrix import invert
 from imugap.profile import end
 
 Objective = Callable[[np.ndarray], tuple[float, np.ndarray, np.ndarray]]
@@ -33,8 +34,10 @@ EXCEED = 7.0
 """Log distance above it at which a density counts as unbounded."""
 HIGHER = 0.01
 """Difference of log-likelihood by which a hill is higher."""
-STEP = 1e-3
-"""Step of a log parameter for a numerical derivative."""
+SPACING = 0.3
+"""Largest spacing of a log density over which the slope of a ramp is integrated."""
+FALL = 8.0
+"""Fall of the log-likelihood beyond which a parameter need not be followed."""
 ABSENT = 1e-3
 """Loss of log-likelihood below which leaving out a process is no loss."""
 
@@ -112,7 +115,7 @@ class Problem:
         top, value, converged = self.climb(start)
         best = self._ordered(top)
         try:
-            ends = self.profiles(best, value, chi2.ppf(level, 1))
+            ends = self.profiles(best, value, chdtri(1, 1 - level))
         except HigherHillError as found:
             return self.settle(found.theta, level)
         return self.result(best, value, converged, ends, level)
@@ -236,40 +239,73 @@ class Problem:
         return Fit(model, tuple(estimates), value, converged)
 
     def slope(self, best: np.ndarray, covariance: np.ndarray, level: float) -> Estimate:
-        """Return the slope of the ramp with Student's interval.
+        """Return the slope of the ramp, with an interval that does not take the model for known.
 
-        The degrees of freedom are Satterthwaite's, 2 over the variance of the log of the slope's variance (the
-        delta method on the ``covariance`` of the log parameters; Kenward and Roger 1997, Biometrics 53, 983-997), and
-        not below one: few coefficients may be all that tells a slow process from a ramp.
+        Given the model the slope is a normal deviate about its generalised least squares. How much a weak process adds
+        to its variance the log may hardly tell, least of all where the process seems absent. The interval is therefore
+        that of a mixture over the sizes that a process may have, and the widest over the processes.
+        """
+        first = len(self.shapes)
+        sizes = [*range(first), *range(first, len(best), 2)]
+        mixtures = [self._slopes(best, index, np.sqrt(covariance[index, index])) for index in sizes]
+        low = min(quantile((1 - level) / 2, *mixture) for mixture in mixtures)
+        high = max(quantile((1 + level) / 2, *mixture) for mixture in mixtures)
+        value, variance = slope(best, self.shapes, self.parts[0])
+        known = Verdict.IDENTIFIED if low * high > 0 else Verdict.UPPER_BOUND
+        return Estimate(RateRamp.name, 1, "slope", value, low, high, float(np.sqrt(variance) / abs(value)), known)
+
+    def _slopes(self, best: np.ndarray, index: int, error: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return weights, means and deviations of the slope along the profile of the density (or std) ``index``.
+
+        The weights are the likelihood times a prior that is flat in the standard deviation that the process adds to
+        the slope: for a random walk, in its density (Gelman 2006, Bayesian Analysis 1, 515-533). ``error`` is that of
+        the log density.
         """
         (log,) = self.parts
+        below, above = (self._ridge(best, index, side * min(SPACING, error / 1.5)) for side in (-1, 1))
+        points = [*reversed(below), best, *above]
+        heights = np.array([self(point)[0] for point in points])
+        means, variances = np.array([slope(point, self.shapes, log) for point in points]).T
+        without = slope(self._without(best, index), self.shapes, log)[1]
+        added, deviations = np.sqrt(np.maximum(variances - without, 0.0)), np.sqrt(variances)
+        prior = np.abs(np.gradient(added)) + 1e-9 * deviations  # not zero for a process that adds nothing
+        weights = prior * np.exp(heights - heights.max())
+        return weights / weights.sum(), means, deviations
 
-        def log_variance(theta: np.ndarray) -> float:
-            return np.log(slope(theta, self.shapes, log)[1])
+    def _ridge(self, best: np.ndarray, index: int, step: float) -> list[np.ndarray]:
+        """Return the highest points at steps of log parameter ``index`` from ``best``, as far as they may matter."""
+        normal, lowest, points = np.eye(len(best))[index], self(best)[0] - FALL, [best]
+        end = self.low[index] if step < 0 else self.high[index]
+        for _ in range(int(max((end - best[index]) / step, 0.0))):
+            theta, height, _ = self.climb(points[-1] + step * normal, normal)
+            points.append(theta)
+            if height < lowest:
+                break
+        return points[1:]
 
-        moves = STEP * np.eye(len(best))
-        gradient = np.array([log_variance(best + move) - log_variance(best - move) for move in moves]) / (2 * STEP)
-        freedom = max(2 / max(gradient @ covariance @ gradient, 1e-9), 1.0)
-        value, variance = slope(best, self.shapes, log)
-        half = student.ppf((1 + level) / 2, freedom) * np.sqrt(variance)
-        low, high = value - half, value + half
-        known = Verdict.IDENTIFIED if low * high > 0 else Verdict.UPPER_BOUND
-        error = np.sqrt(variance) / abs(value)
-        return Estimate(RateRamp.name, 1, "slope", value, float(low), float(high), float(error), known)
+    def _without(self, best: np.ndarray, index: int) -> np.ndarray:
+        """Return the point with log parameter ``index`` at its lower limit."""
+        without = best.copy()
+        without[index] = self.low[index]
+        return without
 
     def _absent(self, best: np.ndarray, value: float, index: int) -> bool:
         """Return whether leaving out the process with density ``index`` is no loss (never for a correlation time)."""
         first = len(self.shapes)
         if index >= first and (index - first) % 2:
             return False
-        without = best.copy()
-        without[index] = self.low[index]
-        return bool(self(without)[0] > value - ABSENT)
+        return bool(self(self._without(best, index))[0] > value - ABSENT)
 
 
 def correlation_times(grid: Grid, number: int) -> np.ndarray:
     """Return start values [s], shape (number,), from half an interval, nearly white, to a third of the log."""
     return np.geomspace(grid.interval / 2, grid.count * grid.interval / 3, number)
+
+
+def quantile(probability: float, weights: np.ndarray, means: np.ndarray, deviations: np.ndarray) -> float:
+    """Return the quantile of a mixture of normal deviates; all shapes (points,), the weights sum to one."""
+    reach = means + ndtri(probability) * deviations
+    return brentq(lambda x: weights @ ndtr((x - means) / deviations) - probability, reach.min(), reach.max())
 
 
 @njit(cache=True)
@@ -279,21 +315,37 @@ def _densities(basis, power, number):
     The updates raise Whittle's likelihood, whose terms are Itakura-Saito distances (Fevotte, Bertin, Durrieu 2009,
     Neural Computation 21, 793-830).
     """
-    weights = power.sum() / (basis @ number)
+    rows, bins = basis.shape
+    weights, whole = np.zeros(rows), 0.0
+    for m in range(bins):
+        whole += power[m]
+        for i in range(rows):
+            weights[i] += basis[i, m] * number[m]
+    for i in range(rows):
+        weights[i] = whole / weights[i]
     for _ in range(UPDATES):
-        total = weights @ basis
-        weights *= np.sqrt(basis @ (power / total**2) / (basis @ (number / total)))
+        seen, expected = np.zeros(rows), np.zeros(rows)
+        for m in range(bins):
+            total = 0.0
+            for i in range(rows):
+                total += weights[i] * basis[i, m]
+            for i in range(rows):
+                seen[i] += basis[i, m] * power[m] / total**2
+                expected[i] += basis[i, m] * number[m] / total
+        for i in range(rows):
+            weights[i] *= np.sqrt(seen[i] / expected[i])
     return np.sqrt(weights)
 
 
 @njit(cache=True)
 def _walled(theta, terrain):
-    low, high = terrain[:2]
     value, gradient, information = density(theta, *terrain[2:])
-    outside = theta - np.minimum(np.maximum(theta, low), high)
     for k in range(len(theta)):
-        information[k, k] += outside[k] != 0
-    return value - outside @ outside / 2, gradient - outside, information
+        outside = theta[k] - min(max(theta[k], terrain[0][k]), terrain[1][k])
+        value -= outside**2 / 2
+        gradient[k] -= outside
+        information[k, k] += outside != 0
+    return value, gradient, information
 
 
 @njit(cache=True)
@@ -301,11 +353,11 @@ def _climb(theta, normal, terrain):
     value, gradient, information = _walled(theta, terrain)
     damping = 1e-3
     for _ in range(ITERATIONS):
-        step = _step(gradient, information, damping, normal)
-        if gradient @ step < FLAT:
+        step, ahead, bend = _step(gradient, information, damping, normal)
+        if ahead < FLAT:
             return theta, value, True
         trial, slopes, curvature = _walled(theta + step, terrain)
-        share = (trial - value) / (gradient @ step - step @ information @ step / 2)
+        share = (trial - value) / (ahead - bend / 2)
         if share > 0:
             theta, value, gradient, information = theta + step, trial, slopes, curvature
         if share > 0.5:
@@ -317,12 +369,33 @@ def _climb(theta, normal, terrain):
 
 @njit(cache=True)
 def _step(gradient, information, damping, normal):
-    """Return the damped scoring step, on the plane of ``normal`` if it is not zero, no part beyond LONGEST_STEP."""
-    scale = np.sqrt(np.diag(information) + 1e-3)
-    matrix = information / np.outer(scale, scale)
-    np.fill_diagonal(matrix, 1 + damping)
-    step = np.linalg.solve(matrix, gradient / scale) / scale
-    if normal.any():
-        across = np.linalg.solve(matrix, normal / scale) / scale
-        step -= across * (normal @ step) / (normal @ across)
-    return step * min(1.0, LONGEST_STEP / max(np.abs(step).max(), 1e-300))
+    """Return the damped scoring step, its gain by slope, and its curvature.
+
+    It is on the plane of ``normal`` if that is not zero; no part is beyond LONGEST_STEP.
+    """
+    size = len(gradient)
+    scale, matrix = np.empty(size), np.empty((size, size))
+    for i in range(size):
+        scale[i] = np.sqrt(information[i, i] + 1e-3)
+    for i in range(size):
+        for j in range(size):
+            matrix[i, j] = information[i, j] / (scale[i] * scale[j]) if i != j else 1 + damping
+    inverse, _ = invert(matrix)
+    step, across, off, norm = np.zeros(size), np.zeros(size), 0.0, 0.0
+    for i in range(size):
+        for j in range(size):
+            step[i] += inverse[i, j] * gradient[j] / (scale[i] * scale[j])
+            across[i] += inverse[i, j] * normal[j] / (scale[i] * scale[j])
+        off, norm = off + normal[i] * step[i], norm + normal[i] * across[i]
+    longest = LONGEST_STEP
+    for i in range(size):
+        step[i] -= across[i] * off / norm if norm > 0 else 0.0
+        longest = max(longest, abs(step[i]))
+    ahead, bend = 0.0, 0.0
+    for i in range(size):
+        step[i] *= LONGEST_STEP / longest
+        ahead += gradient[i] * step[i]
+    for i in range(size):
+        for j in range(size):
+            bend += step[i] * information[i, j] * step[j]
+    return step, ahead, bend

@@ -9,7 +9,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 import pandas as pd
-from scipy.stats import norm
+from scipy.special import ndtri
 
 from imugap import allan
 from imugap.allan import LAWS, Tangent
@@ -199,5 +199,5 @@ def _bound(asd: pd.DataFrame, level: float) -> list[Estimate]:
 def _estimate(effect: str, parameter: str, value: float, low: float, high: float, level: float) -> Estimate:
     """Return an estimate whose error is the half width of its interval in logarithms, in standard deviations."""
     with np.errstate(divide="ignore"):
-        error = float(np.diff(np.log([low, high]))[0] / (2 * norm.ppf((1 + level) / 2))) if high > 0 else np.inf
+        error = float(np.diff(np.log([low, high]))[0] / (2 * ndtri((1 + level) / 2))) if high > 0 else np.inf
     return Estimate(effect, 1, parameter, float(value), float(low), float(high), error, verdict(low, high))

@@ -17,6 +17,7 @@ from numba import njit
 from imugap.augmentation import Chain, augmentation, residual
 from imugap.datasheet import DataSheet, Slow
 from imugap.effects import Conditions, WhiteNoise
+from imugap.matrix import invert
 from imugap.model import AxisModel
 from imugap.statespace import StateSpace
 from imugap.stream import stream
@@ -291,7 +292,7 @@ def _predict(covariance, state, sample, interval, chain_transition, chain_noise)
 def _gain(covariance, variance):
     """Return the gain for a fix of both coordinates with ``variance`` each, shape (states, 2)."""
     innovation = covariance[:2, :2] + variance * np.eye(2)
-    return np.ascontiguousarray(covariance[:, :2]) @ np.linalg.inv(innovation)
+    return np.ascontiguousarray(covariance[:, :2]) @ invert(innovation)[0]
 
 
 @njit(cache=True)
@@ -336,8 +337,8 @@ def _filter(
         error[4] = (error[4] + np.pi) % (2 * np.pi) - np.pi
         spread = shown @ covariance @ shown.T
         errors[epoch], variances[epoch] = error, np.diag(spread)
-        nees[epoch, 0] = error[:5] @ np.linalg.solve(np.ascontiguousarray(spread[:5, :5]), error[:5])
-        nees[epoch, 1] = error @ np.linalg.solve(spread, error)
+        nees[epoch, 0] = error[:5] @ invert(spread[:5, :5])[0] @ error[:5]
+        nees[epoch, 1] = error @ invert(spread)[0] @ error
     return errors, variances, nees
 
 

@@ -17,8 +17,7 @@ import numpy as np
 import pandas as pd
 import pyarrow as pa
 import pyarrow.csv
-import rdata
-import scipy.io
+from scipy.io import loadmat
 from scipy.spatial.transform import Rotation
 
 from imugap import reference
@@ -158,6 +157,8 @@ def _parquet_table(path: Path) -> pd.DataFrame:
 
 
 def _rda(path: Path) -> np.ndarray:
+    import rdata  # takes half a second, and most logs are in other formats
+
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # the R class of the object has no Python constructor, and needs none
         objects = rdata.read_rda(path)
@@ -169,11 +170,11 @@ def _npy(path: Path) -> np.ndarray:
 
 
 def _mat(path: Path) -> np.ndarray:
-    return _only({name: value for name, value in scipy.io.loadmat(path).items() if not name.startswith("__")})
+    return _only({name: value for name, value in loadmat(path).items() if not name.startswith("__")})
 
 
 def _side_by_side(path: Path, names: tuple[str, ...]) -> np.ndarray:
-    objects = scipy.io.loadmat(path, variable_names=names)
+    objects = loadmat(path, variable_names=names)
     absent = [name for name in names if name not in objects]
     if absent:
         raise ValueError(f"expected an array {absent[0]}, found none")

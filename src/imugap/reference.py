@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 from scipy.optimize import minimize_scalar
 from scipy.spatial.transform import Rotation, Slerp
-from scipy.stats import t as student
+from scipy.special import stdtrit
 
 from imugap.log import GYRO, interval
 from imugap.rotation import to_euler
@@ -107,7 +107,7 @@ def alignment(log: pd.DataFrame, reference: pd.DataFrame, level: float = 0.95) -
         raise ValueError(f"alignment: expected 3 blocks of {BLOCK_S:g} s in motion or more; found {len(chosen)}")
     found = np.array([_fit(angle, early[one], late[one], rate[one]) for one in chosen])
     middle = found.mean(axis=0)
-    half = student.ppf((1 + level) / 2, len(found) - 1) * found.std(axis=0, ddof=1) / np.sqrt(len(found))
+    half = stdtrit(len(found) - 1, (1 + level) / 2) * found.std(axis=0, ddof=1) / np.sqrt(len(found))
     columns = {"value": middle, "low": middle - half, "high": middle + half}
     return pd.DataFrame(columns, index=pd.Index(MEASURED, name="quantity"))
 

@@ -16,8 +16,7 @@ from numba import njit
 from numpy.polynomial.legendre import leggauss
 from scipy.fft import fft, next_fast_len
 from scipy.optimize import brentq
-from scipy.stats import chi2, norm
-from scipy.stats import t as student
+from scipy.special import chdtri, stdtr
 
 from imugap import cascade
 from imugap.daubechies import check, depth, filters, free, length
@@ -77,7 +76,7 @@ def estimated(sequence: np.ndarray, levels: int, width: int = 2, efficiency: flo
 
 def limits(variance: np.ndarray, edf: np.ndarray, level: float = 0.95) -> tuple[np.ndarray, np.ndarray]:
     """Return the limits [unit^2] of the chi-square interval (Percival & Walden 2000, section 8.4)."""
-    low, high = (edf * variance / chi2.ppf(p, edf) for p in ((1 + level) / 2, (1 - level) / 2))
+    low, high = (edf * variance / chdtri(edf, 1 - p) for p in ((1 + level) / 2, (1 - level) / 2))
     return low, high
 
 
@@ -148,7 +147,7 @@ def level_means(sequence: np.ndarray, width: int = 2) -> pd.DataFrame:
         if len(apart) < 2:
             break
         mean, error = apart.mean(), apart.std(ddof=1) / np.sqrt(len(apart))
-        rows.append((level, mean, error, 2 * student.sf(abs(mean) / error, len(apart) - 1)))
+        rows.append((level, mean, error, 2 * stdtr(len(apart) - 1, -abs(mean) / error)))
     return pd.DataFrame(rows, columns=["level", "mean", "error", "p"]).set_index("level")
 
 
@@ -336,7 +335,7 @@ def _biweight_moments(cut: float) -> tuple[float, float]:
     """
     node, weight = leggauss(200)
     r = cut * (node + 1) / 2
-    weight = cut * weight * norm.pdf(r)  # both sides
+    weight = cut * weight * np.exp(-(r**2) / 2) / np.sqrt(2 * np.pi)  # both sides
     psi = r**2 * (1 - (r / cut) ** 2) ** 4
     mean = weight @ psi
     return float(mean), float((weight @ ((r**2 - 1) * psi)) ** 2 / (2 * (weight @ psi**2 - mean**2)))

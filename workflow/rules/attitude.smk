@@ -2,20 +2,6 @@ FLIGHTS = range(1, config["attitude"]["flights"] + 1)
 RECIPE = yaml.safe_load(Path("data/flight.yaml").read_text())
 
 
-def of_trials(name):
-    """Name the file ``name`` of every trial."""
-    return expand(f"results/broad/{{run}}/{name}", run=TRIALS)
-
-
-def assumptions(site, motion):
-    """Give what the filter takes for granted besides the error model."""
-    return {
-        "site": site,
-        "memory_s": config["attitude"]["acceleration_s"][motion],
-        "bias_std": config["attitude"]["bias_std"],
-    }
-
-
 rule flight_log:
     """Simulate one flight and, ahead of it, a static log of the same device."""
     input:

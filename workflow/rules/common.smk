@@ -61,6 +61,11 @@ def of_runs(name):
     )
 
 
+def of_trials(name):
+    """Name the file ``name`` of every trial."""
+    return expand(f"results/broad/{{run}}/{name}", run=TRIALS)
+
+
 def raw_log(wildcards):
     """Name the raw log of a run: generated, given by the user, or of the catalogue (fetched or in the mirror)."""
     run = int(wildcards.run)
@@ -74,3 +79,12 @@ def raw_log(wildcards):
 def site(wildcards):
     """Give the site of a device: where it stood and, if known, its heading."""
     return SITES[wildcards.device]
+
+
+def assumptions(site, motion):
+    """Give what the filter takes for granted besides the error model."""
+    return {
+        "site": site,
+        "memory_s": config["attitude"]["acceleration_s"][motion],
+        "bias_std": config["attitude"]["bias_std"],
+    }

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
+from numba import njit
 from numpy.polynomial.polynomial import polyval
-from scipy.signal import lfilter
 from scipy.special import factorial
 
 from imugap.effects.effect import TINY, Conditions, Start, StochasticEffect, parameter
@@ -47,7 +47,7 @@ class GaussMarkov(StochasticEffect):
         decay = np.exp(-conditions.interval / self.correlation_time)
         noise = self.std * rng.standard_normal(len(conditions))
         noise[1:] *= np.sqrt(-np.expm1(-2 * conditions.interval / self.correlation_time))
-        return lfilter([1.0], [1.0, -decay], noise)
+        return _recurse(decay, noise)
 
     @classmethod
     def starts(cls, fit: "AxisFit") -> Iterator[Start]:
@@ -90,6 +90,15 @@ class GaussMarkov(StochasticEffect):
     def state_space(self) -> StateSpace:
         """Return one decaying state that starts stationary."""
         return StateSpace.first_order(1 / self.correlation_time, self.driving_psd, self.std**2)
+
+
+@njit(cache=True)
+def _recurse(decay, noise):
+    """Return z_k = decay z_(k-1) + noise_k, z_0 = noise_0."""
+    result = noise.copy()
+    for k in range(1, len(noise)):
+        result[k] += decay * result[k - 1]
+    return result
 
 
 def _bracket(x: np.ndarray) -> np.ndarray:
