@@ -100,6 +100,16 @@ def test_frame_and_lag_and_vertical_are_recovered():
     np.testing.assert_allclose(found.gravity, TRUE.gravity, atol=2e-3)
 
 
+def test_an_arm_and_glimpses_far_off_do_not_tilt_the_vertical():
+    device, track = recorded(noise=1e-3)
+    rate = device[list(log.GYRO)].to_numpy()
+    change, arm = np.gradient(rate, INTERVAL, axis=0), [0.02, -0.01, 0.03]
+    device[list(log.ACCEL)] += np.cross(rate, np.cross(rate, arm)) + np.cross(change, arm)
+    track.loc[30.0:30.02, "north"] += 0.05
+    found = aligned(device, track, reference_of(track), GRAVITY)
+    np.testing.assert_allclose(found.gravity, TRUE.gravity, atol=5e-3)
+
+
 def test_an_error_of_the_sensor_is_what_remains():
     device, track = recorded()
     wrong = device.assign(gyro_y=device["gyro_y"] * 1.01, accel_z=device["accel_z"] + 0.3)

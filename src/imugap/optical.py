@@ -21,6 +21,12 @@ from imugap.log import AXES, GYRO, TIME, interval
 from imugap.reference import QUATERNION, alignment, rotations
 from imugap.strapdown import POSITION
 
+BLOCK = 28
+"""Samples over which means are taken before the vertical is fitted: of second differences, the ends remain."""
+FAR = 4.0
+"""Multiple of the median misfit beyond which a block does not count."""
+ROUNDS = 8
+
 
 @dataclass(frozen=True, eq=False)
 class Sighted:
@@ -101,8 +107,8 @@ def aligned(log: pd.DataFrame, track: pd.DataFrame, reference: pd.DataFrame, gra
     """Return how a log lies to its track.
 
     Lag and rotation come from the angular rates in motion (:func:`imugap.reference.alignment`); then gravity, of the
-    given size [m/s^2], gets the direction that fits the specific forces best, a bias and a scale factor of each
-    accelerometer free.
+    given size [m/s^2], gets the direction that fits the specific forces best; biases, scale factors, an arm and a delay
+    of the accelerometers are free, so that none of them tilts it, and glimpses far off do not count.
 
     Parameters
     ----------
@@ -113,14 +119,12 @@ def aligned(log: pd.DataFrame, track: pd.DataFrame, reference: pd.DataFrame, gra
     rotation = Rotation.from_rotvec(values[["frame_x", "frame_y", "frame_z"]].to_numpy(copy=True))
     level = Alignment(float(values["lag"]), rotation, np.zeros(3))
     raw, _, measured = _together(log, track, level)
-    turn = _middle(track, level).reindex(raw.index)
     seen = np.isfinite(raw.to_numpy()).all(axis=1)
-    gap = (measured - raw.to_numpy())[seen, len(GYRO) :]
-    down = -rotations(turn[seen]).inv().as_matrix()
-    own = np.einsum("ni,ij->nij", measured[seen, len(GYRO) :], np.eye(3))
-    design = np.concatenate([down, np.broadcast_to(np.eye(3), own.shape), own], axis=2).reshape(-1, 9)
-    found = np.linalg.lstsq(design, gap.ravel())[0][:3]
-    return Alignment(level.lag, rotation, gravity * found / np.linalg.norm(found))
+    down = np.full((len(raw), 3, 3), np.nan)
+    down[seen] = -rotations(_middle(track, level).loc[raw.index[seen]]).inv().as_matrix()
+    gap = (measured - raw.to_numpy())[:, len(GYRO) :]
+    found = _trimmed(np.concatenate([down, _nuisances(measured, interval(raw))], axis=2), gap)
+    return Alignment(level.lag, rotation, gravity * found[:3] / np.linalg.norm(found[:3]))
 
 
 def _together(
@@ -142,6 +146,36 @@ def _middle(track: pd.DataFrame, alignment: Alignment) -> pd.DataFrame:
     rotation = Rotation.from_quat(np.where(seen[:, None], quat, [0.0, 0.0, 0.0, 1.0])) * alignment.rotation.inv()
     half = Rotation.from_rotvec((rotation[:-1].inv() * rotation[1:]).as_rotvec() / 2)
     return pd.DataFrame((rotation[:-1] * half).as_quat(), index=track.index[1:], columns=list(QUATERNION))
+
+
+def _nuisances(measured: np.ndarray, step: float) -> np.ndarray:
+    """Return what biases, scale factors, an arm and a delay of the accelerometers add, shape (n, 3, 10)."""
+    rate, force = measured[:, : len(GYRO)], measured[:, len(GYRO) :]
+    change = np.gradient(measured, step, axis=0)
+    arms = [np.cross(rate, np.cross(rate, arm)) + np.cross(change[:, : len(GYRO)], arm) for arm in np.eye(3)]
+    own = np.einsum("ni,ij->nij", force, np.eye(3))
+    delay = change[:, len(GYRO) :, None]
+    return np.concatenate([np.broadcast_to(np.eye(3), own.shape), own, np.stack(arms, axis=-1), delay], axis=2)
+
+
+def _trimmed(design: np.ndarray, gap: np.ndarray) -> np.ndarray:
+    """Return the least-squares solution over means of blocks, those far off left out in turn.
+
+    Parameters
+    ----------
+    design, gap
+        Arrays of shape (n, 3, k) and (n, 3); a block with a NaN does not count.
+    """
+    size = len(gap) // BLOCK * BLOCK
+    design, gap = (one[:size].reshape(-1, BLOCK, *one.shape[1:]).mean(axis=1) for one in (design, gap))
+    whole = np.isfinite(design).all(axis=(1, 2)) & np.isfinite(gap).all(axis=1)
+    design, gap = design[whole], gap[whole]
+    near = np.ones(len(gap), bool)
+    for _ in range(ROUNDS):
+        found = np.linalg.lstsq(design[near].reshape(-1, design.shape[2]), gap[near].ravel())[0]
+        left = np.linalg.norm(gap - design @ found, axis=1)
+        near = left < FAR * np.median(left)
+    return found
 
 
 def _thinned(values: np.ndarray, factor: int) -> np.ndarray:
