@@ -98,24 +98,30 @@ class AxisFit:
         return bins.spread(self.description.noise.variance(bins.frequency, bins.interval))
 
     @cached_property
+    def _root(self) -> np.ndarray:
+        """Return the standard deviation of each coefficient, infinite where it is not used."""
+        return _roots(self.sequence, self.description)
+
+    @cached_property
     def residual(self) -> np.ndarray:
         """Return what the systematic terms leave, of equal variance over time, shape (n,)."""
         return residual(self.sequence, self.description)
 
     @cached_property
     def coefficients(self) -> np.ndarray:
-        """Return the residual's cosine coefficients over their standard deviations, k = 1..n-1."""
-        return cosines(self.residual) / np.sqrt(self.variance)
+        """Return the residual's cosine coefficients over their standard deviations, k = 1..n-1; zero if not used."""
+        return cosines(self.residual) / self._root
 
     @cached_property
     def whitened(self) -> np.ndarray:
         """Return the residual made white, shape (n,): of unit variance if the description is right."""
-        return idct(np.r_[0.0, self.coefficients], norm="ortho")
+        full = np.sqrt(len(self.coefficients) / self.sequence.bins.last)
+        return full * idct(np.r_[0.0, self.coefficients], norm="ortho")
 
     def whiten(self, columns: np.ndarray) -> np.ndarray:
         """Return columns, shape (n, m), in the basis and scale of :attr:`coefficients`, shape (n - 1, m)."""
         scaled = columns / np.reshape(self.scale, (-1, 1))
-        return cosines(scaled) / np.sqrt(self.variance)[:, None]
+        return cosines(scaled) / self._root[:, None]
 
     @cached_property
     def basis(self) -> np.ndarray:
@@ -166,7 +172,7 @@ class AxisFit:
     @cached_property
     def steps(self) -> np.ndarray:
         """Return the gain of log-likelihood of a step of the mean at each sample."""
-        return scans.steps(self.coefficients, self.variance)
+        return scans.steps(self.coefficients, self._root**2)
 
     @cached_property
     def stretch(self) -> tuple[float, int, int]:
@@ -284,8 +290,7 @@ def _jacobian_of_scale(sequence: Sequence, description: Description) -> float:
 
 def _mean_moved(sequence: Sequence, description: Description) -> Description:
     """Return the description after steps of Gauss and Newton of its terms under its spectrum."""
-    bins = sequence.bins
-    root = np.sqrt(bins.spread(description.noise.variance(bins.frequency, bins.interval)))
+    root = _roots(sequence, description)
     factor = np.reshape(scale(sequence, description.changes), (-1, 1))
     rest = cosines(residual(sequence, description)) / root
     for _ in range(HALVINGS):
@@ -301,6 +306,14 @@ def _mean_moved(sequence: Sequence, description: Description) -> Description:
         if gained < SETTLED:
             break
     return description
+
+
+def _roots(sequence: Sequence, description: Description) -> np.ndarray:
+    """Return the standard deviation of each coefficient, infinite where it is not used."""
+    bins = sequence.bins
+    root = np.sqrt(bins.spread(description.noise.variance(bins.frequency, bins.interval)))
+    root[bins.last :] = np.inf
+    return root
 
 
 def _line_search(
@@ -323,8 +336,7 @@ def _covariance(sequence: Sequence, description: Description) -> np.ndarray:
     """Return the covariance of the terms' free parameters, the spectrum taken as known."""
     if not description.terms:
         return np.empty((0, 0))
-    bins = sequence.bins
-    root = np.sqrt(bins.spread(description.noise.variance(bins.frequency, bins.interval)))
+    root = _roots(sequence, description)
     factor = np.reshape(scale(sequence, description.changes), (-1, 1))
     columns = cosines(jacobian(description.terms, sequence) / factor) / root[:, None]
     norms = np.linalg.norm(columns, axis=0)

@@ -91,7 +91,7 @@ def _group(
 
 def _white(fit: AxisFit) -> float:
     """Return the density of the noise near half the sampling rate."""
-    return float(np.sqrt(fit.variance[-1] * fit.sequence.conditions.interval))
+    return float(np.sqrt(fit.variance[fit.sequence.bins.last - 1] * fit.sequence.conditions.interval))
 
 
 def _loadings(block: np.ndarray, rounds: int = 200) -> np.ndarray:

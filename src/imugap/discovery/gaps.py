@@ -70,7 +70,7 @@ class Twins:
             level = np.mean(sequence.values)
             base = level if conditions.ideal is None else level + conditions.ideal[conditions.axis].to_numpy(float)
             error = AxisModel(self.known).simulate(base + error, conditions, seed, *labels) - base
-        clean = Sequence(error, conditions, np.zeros(len(conditions), bool))
+        clean = Sequence(error, conditions, np.zeros(len(conditions), bool), sequence.share)
         rng = stream(seed, *labels, "mended")
         found = fit(clean.mended(sequence.flawed, rng), description)
         if description.outliers is None:

@@ -10,6 +10,7 @@ from functools import cached_property
 from math import isfinite
 
 import numpy as np
+from scipy.fft import dct
 
 from imugap.effects import OutputFilter
 from imugap.effects.effect import StochasticEffect
@@ -19,7 +20,9 @@ SINGLE = 64
 WIDTH = 0.03
 """Relative width of the bins above, and towards half the sampling rate, where filters end."""
 USED = 0.98
-"""Share of the frequencies that are used: of a low-pass filter, the zero at half the sampling rate is out of sight."""
+"""Share of the frequencies that are used at most: half the sampling rate itself, where filters have a zero, is not."""
+QUIET, WINDOW = 1e-4, 1 / 200
+"""Power, over the median, below which leakage from the ends of a log may be all there is; share of a mean over it."""
 STEP = 1e-4
 """Step of a log parameter in a difference quotient."""
 ITERATIONS = 60
@@ -33,6 +36,15 @@ FAINT = 1e-7
 """Share of the power, in every bin, below which a process counts as absent."""
 
 
+def usable(values: np.ndarray) -> float:
+    """Return the share of frequencies, from the lowest on, up to which samples have power beyond leakage."""
+    power = dct(values - values.mean(), norm="ortho")[1:] ** 2
+    width = max(int(WINDOW * len(power)), 1)
+    means = power[: len(power) // width * width].reshape(-1, width).mean(axis=1)
+    loud = np.flatnonzero(means > QUIET * np.median(means))
+    return float(min(USED, (loud[-1] + 1) * width / len(power))) if len(loud) else USED
+
+
 @dataclass(frozen=True, eq=False)
 class Bins:
     """Neighbouring cosine coefficients k = 1..n-1 of a sequence, summed.
@@ -41,17 +53,18 @@ class Bins:
     ----------
     count, interval
         Number of samples n and sampling interval [s].
-    edges
-        First coefficient (from 0 for k = 1) of each bin.
+    share
+        Share of the frequencies that are used, from the lowest on.
     """
 
     count: int
     interval: float
+    share: float = USED
 
     @property
     def last(self) -> int:
-        """Return the number of coefficients that are used, those near half the sampling rate left out."""
-        return int(USED * (self.count - 1))
+        """Return the number of coefficients that are used."""
+        return int(self.share * (self.count - 1))
 
     @cached_property
     def edges(self) -> np.ndarray:

@@ -4,7 +4,7 @@ These flaws are effects like others, and are named here, since they would distur
 are even sequences, one for each axis.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pandas as pd
@@ -12,6 +12,7 @@ from scipy.interpolate import CubicSpline
 
 from imugap import log as canonical
 from imugap.discovery.finding import Finding, Gap, Interval
+from imugap.discovery.noise import usable
 from imugap.discovery.sequence import Sequence
 from imugap.effects import Resolution, SampleLoss, Saturation, StuckSamples, TimestampJitter
 from imugap.effects.effect import Conditions, Effect, Evidence
@@ -240,4 +241,5 @@ def _sequence(values: np.ndarray, conditions: Conditions, flawed: np.ndarray, se
     whole = Sequence(np.where(np.isfinite(values), values, 0.0), conditions, np.zeros(len(values), bool))
     if flawed.all():
         return whole
-    return whole.mended(flawed, stream(seed, "mended", conditions.axis))
+    mended = whole.mended(flawed, stream(seed, "mended", conditions.axis))
+    return replace(mended, share=usable(mended.values))

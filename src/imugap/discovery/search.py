@@ -131,7 +131,7 @@ class Search:
         found = tails(before.whitened)
         if log_chance(found.gain, 2) + np.log(TAILS) > self.log_alpha or not found.flagged.any():
             return None
-        unit = float(np.sqrt(before.variance.mean()))
+        unit = float(np.sqrt(before.variance[: before.sequence.bins.last].mean()))
         named = replace(before.description, outliers=Outliers(found.probability, found.excess * unit))
         sequence = before.sequence.mended(found.flagged, stream(0, "mended", before.sequence.conditions.axis))
         self.tails[named.outliers] = found

@@ -5,7 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
-from imugap.discovery.noise import Bins
+from imugap.discovery.noise import USED, Bins
 from imugap.effects.effect import Conditions
 
 COARSE = 1 / 3
@@ -24,16 +24,19 @@ class Sequence:
         Time since the start of the log [s], interval, temperature, error-free input and name of the axis.
     flawed
         Which samples are replacements, shape (n,).
+    share
+        Share of the frequencies, from the lowest on, that has power beyond leakage.
     """
 
     values: np.ndarray
     conditions: Conditions
     flawed: np.ndarray
+    share: float = USED
 
     @cached_property
     def bins(self) -> Bins:
         """Return the bins of its cosine coefficients."""
-        return Bins(len(self.values), self.conditions.interval)
+        return Bins(len(self.values), self.conditions.interval, self.share)
 
     @cached_property
     def coarse(self) -> bool:

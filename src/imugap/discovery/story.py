@@ -124,6 +124,7 @@ def part(sequence: Sequence, first: int, last: int) -> Sequence:
             ideal=None if conditions.ideal is None else conditions.ideal.iloc[span],
         ),
         sequence.flawed[span],
+        sequence.share,
     )
 
 
@@ -149,7 +150,7 @@ def concluded(tale: Tale) -> Story:
     """Return what a search says: names with intervals, and what is withheld."""
     with threadpool_limits(1):
         search, whole = tale.late, _two_valued(tale.whole)
-        doubtful = doubts(search, whole)
+        doubtful = doubts(search, tale.whole)
         named = [key for key in search.added(whole.description) if key not in doubtful]
         findings = tuple(_finding(search, whole, key, tale.held_out) for key in named)
         withheld = tuple((at(whole.description, key).name, doubt) for key, doubt in doubtful.items())
