@@ -1,7 +1,7 @@
 """Files that are there whole or not at all."""
 
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 
@@ -17,3 +17,10 @@ def atomic(path: str | Path) -> Iterator[Path]:
     except BaseException:
         partial.unlink(missing_ok=True)
         raise
+
+
+def write_together(writers: Mapping[str | Path, Callable[[Path], object]]) -> None:
+    """Write several files, or none if one of them fails; each writer is given a temporary path."""
+    with ExitStack() as stack:
+        for path, write in writers.items():
+            write(stack.enter_context(atomic(path)))

@@ -4,19 +4,19 @@ import argparse
 import json
 import os
 import sys
-from collections.abc import Callable, Mapping
-from contextlib import ExitStack
 from math import inf
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
+from tqdm import tqdm
 
 from imugap import findings, integrity, log, readers
-from imugap.atomic import atomic
+from imugap.atomic import atomic, write_together
 from imugap.conventions import HOUR, Rule, Triad
 from imugap.export import Target
 from imugap.export import export as exported
+from imugap.extension import catalogue
 from imugap.indices import INDICES, of_run, over_runs, shortest
 from imugap.model import ErrorModel
 from imugap.units import from_si
@@ -92,7 +92,7 @@ def estimate(options: argparse.Namespace) -> None:
 
         figure = estimation.fitted(findings.curves(table, interval, found))
         writers[options.figure] = lambda path: save(figure, path)
-    _write_together(writers)
+    write_together(writers)
     print(shown.drop(columns=["method", "error"]).to_string(index=False))
     for one in found:
         print(f"{one.axis}: {one.verdict()}")
@@ -100,7 +100,7 @@ def estimate(options: argparse.Namespace) -> None:
 
 def simulate(options: argparse.Namespace) -> None:
     """Write the static log that a device with the given error model would have written."""
-    model = ErrorModel.read(options.model)
+    model = ErrorModel.read(options.model, catalogue(options.effects))
     if not model.sensors:
         raise ValueError(f"{options.model}: expected a model of at least one sensor axis; found none")
     count = _count(options.duration * options.rate, len(model.sensors))
@@ -108,6 +108,25 @@ def simulate(options: argparse.Namespace) -> None:
     ideal = {axis: np.full(count, value) for axis, value in still.items()}
     measured = model.simulate(log.from_samples(ideal, 1 / options.rate), options.seed, "simulate")
     log.write(measured, options.out)
+
+
+def discover(options: argparse.Namespace) -> None:
+    """Find where a simulator and a device disagree and name what is missing; write the folder ``--out``."""
+    from imugap.discovery import dossier, report  # discovery takes longer to import than the rest
+    from imugap.discovery.discover import Question
+    from imugap.discovery.inquiry import Files
+
+    reference, model = (None if path is None else Path(path) for path in (options.reference, options.model))
+    files = Files(tuple(map(Path, options.log)), tuple(map(Path, options.test)), reference, model, options.effects)
+    question = Question(alpha=options.alpha, seed=options.seed, workers=options.workers)
+    with tqdm(bar_format="{l_bar}{bar}| {n_fmt}/{total_fmt} [{elapsed}]", leave=False) as bar:
+
+        def progress(step: str, done: int, steps: int) -> None:
+            bar.total, bar.n = steps, done
+            bar.set_description(step)
+
+        inquiry = dossier.compose(files, question, options.out, progress)
+    print(report.verdict(inquiry.found))
 
 
 def export(options: argparse.Namespace) -> None:
@@ -139,13 +158,6 @@ def _say_gaps(table: pd.DataFrame) -> None:
         print(f"imugap: log: expected evenly spaced samples; found {found}", file=sys.stderr)
 
 
-def _write_together(writers: Mapping[str, Callable[[Path], object]]) -> None:
-    """Write several files, or none if one of them fails."""
-    with ExitStack() as stack:
-        for path, write in writers.items():
-            write(stack.enter_context(atomic(path)))
-
-
 def _count(samples: float, axes: int) -> int:
     """Return the number of samples of a log that this machine can hold: its columns, and as many again to draw them."""
     memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
@@ -164,6 +176,21 @@ def _positive(text: str) -> float:
     if not 0 < value < inf:
         raise argparse.ArgumentTypeError(f"expected a finite number > 0; found {text}")
     return value
+
+
+def _share(text: str) -> float:
+    """Read an option that is a probability."""
+    value = _positive(text)
+    if value >= 1:
+        raise argparse.ArgumentTypeError(f"expected a probability < 1; found {text}")
+    return value
+
+
+def _count_of(text: str) -> int:
+    """Read an option that is a whole number above zero."""
+    if not text.isdecimal() or int(text) == 0:
+        raise argparse.ArgumentTypeError(f"expected a whole number > 0; found {text}")
+    return int(text)
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -205,8 +232,28 @@ def _parser() -> argparse.ArgumentParser:
     one.add_argument("--out", required=True, help="JSON file for the estimates")
     one.set_defaults(run=estimate)
 
+    one = commands.add_parser(
+        "discover",
+        help="where a simulator and a device disagree, what is missing from the model, and how far the gap shrinks",
+        description="Find where logs of a device and simulations of its error model disagree, name the effects that "
+        "are missing, add them, and show that the gap shrinks on data that no fit has seen.",
+    )
+    one.add_argument("log", nargs="+", help="canonical CSV or Parquet log, one per run of the device")
+    one.add_argument("--test", nargs="+", default=[], help="further runs for the distances (default: end of the log)")
+    one.add_argument("--reference", help="error-free log of the first run, for a device in motion")
+    one.add_argument("--model", help="start model (YAML; default constant bias and white noise)")
+    one.add_argument("--effects", help="module whose effects join the catalogue")
+    one.add_argument(
+        "--alpha", type=_share, default=0.01, help="probability of any name where nothing is missing (default 0.01)"
+    )
+    one.add_argument("--seed", type=int, default=0)
+    one.add_argument("--workers", type=_count_of, default=2, help="processes (default %(default)s)")
+    one.add_argument("--out", required=True, help="folder for report, model, tables and figures")
+    one.set_defaults(run=discover)
+
     one = commands.add_parser("simulate", help="static log of a device with an error model")
     one.add_argument("model", help="error model (YAML)")
+    one.add_argument("--effects", help="module whose effects join the catalogue")
     one.add_argument("--duration", type=_positive, required=True, help="length [s]")
     one.add_argument("--rate", type=_positive, required=True, help="sampling rate [Hz]")
     one.add_argument("--gravity", **gravity)

@@ -139,13 +139,13 @@ class ErrorModel:
         }
 
     @classmethod
-    def from_mapping(cls, mapping: Mapping) -> "ErrorModel":
+    def from_mapping(cls, mapping: Mapping, catalogue: Mapping[str, type[Effect]] = CATALOGUE) -> "ErrorModel":
         """Build from plain data; an unknown axis, effect or parameter is a ValueError that names the nearest."""
         axes = {}
         for axis, items in mapping.items():
             _known(axis, (*canonical.AXES, canonical.TIME), "axis")
             named = [(name, values) for item in items for name, values in item.items()]
-            axes[axis] = AxisModel(tuple(_effect(axis, name, values) for name, values in named))
+            axes[axis] = AxisModel(tuple(_effect(axis, name, values, catalogue) for name, values in named))
         return cls(axes)
 
     def write(self, path: str | Path) -> None:
@@ -153,20 +153,20 @@ class ErrorModel:
         Path(path).write_text(yaml.safe_dump(self.to_mapping(), sort_keys=False))
 
     @classmethod
-    def read(cls, path: str | Path) -> "ErrorModel":
-        """Read from YAML."""
+    def read(cls, path: str | Path, catalogue: Mapping[str, type[Effect]] = CATALOGUE) -> "ErrorModel":
+        """Read from YAML; ``catalogue`` holds the kinds of effects by name."""
         try:
-            return cls.from_mapping(yaml.safe_load(Path(path).read_text()))
+            return cls.from_mapping(yaml.safe_load(Path(path).read_text()), catalogue)
         except (AttributeError, TypeError, ValueError, yaml.YAMLError) as error:
             raise ValueError(f"{path}: {' '.join(str(error).split())}") from error
 
 
-def _effect(axis: str, name: str, values: Mapping | None) -> Effect:
-    _known(name, CATALOGUE, f"{axis}: effect")
+def _effect(axis: str, name: str, values: Mapping | None, catalogue: Mapping[str, type[Effect]]) -> Effect:
+    _known(name, catalogue, f"{axis}: effect")
     for key in values or {}:
-        _known(key, CATALOGUE[name].units(""), f"{axis}: parameter of {name}")
+        _known(key, catalogue[name].units(""), f"{axis}: parameter of {name}")
     try:
-        return CATALOGUE[name](**{key: _number(value) for key, value in (values or {}).items()})
+        return catalogue[name](**{key: _number(value) for key, value in (values or {}).items()})
     except (TypeError, ValueError) as error:
         raise ValueError(f"{axis}: {name}: {error}") from error
 

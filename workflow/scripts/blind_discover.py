@@ -4,20 +4,23 @@ import json
 from pathlib import Path
 from time import perf_counter
 
-from imugap.discovery import discover
+from imugap.discovery.discover import Question
+from imugap.discovery.inquiry import Files, ask
 from imugap.journal import journal
 
 
 def main(case, seed, out):
     """Discover on the logs of the folder ``case``, with its reference and its start model where it has them."""
-    logs = sorted(path for path in case.glob("*.parquet") if path.stem != "reference")
+    logs = tuple(sorted(path for path in case.glob("*.parquet") if path.stem != "reference"))
     given = {"reference": case / "reference.parquet", "model": case / "model.yaml"}
-    discover(logs, out=out, seed=seed, **{name: path for name, path in given.items() if path.exists()})
+    files = Files(logs, **{name: path for name, path in given.items() if path.exists()})
+    report = ask(files, Question(seed=seed)).report()
+    out.write_text(json.dumps(report, indent=1, allow_nan=False) + "\n")
 
 
 if __name__ == "__main__":
     with journal(snakemake.log[0]):
         begin = perf_counter()
-        main(Path(snakemake.input.case), snakemake.params.seed, Path(snakemake.output.report).parent)
+        main(Path(snakemake.input.case), snakemake.params.seed, Path(snakemake.output.report))
         seconds = perf_counter() - begin
         Path(snakemake.output.seconds).write_text(json.dumps({"seconds": seconds}) + "\n")

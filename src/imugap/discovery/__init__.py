@@ -1,4 +1,5 @@
 """Find where simulation and measurement disagree, name the missing effect, add it, show the gap shrink.
 
-:func:`discover` works on files and writes a report; :func:`imugap.discovery.discover.discover` on tables.
+:func:`imugap.discovery.dossier.compose` works on files and writes a folder; :func:`imugap.discovery.discover.discover`
+works on tables.
 """

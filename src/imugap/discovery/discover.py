@@ -2,18 +2,20 @@
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
+from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
 import pandas as pd
 
+from imugap import log as canonical
 from imugap.discovery.axis import AxisFit, fit
 from imugap.discovery.common import shared
 from imugap.discovery.device import Joint, joined
-from imugap.discovery.distance import Distances, distribution, navigation
+from imugap.discovery.distance import Apart, Distances, Drifts, distribution, drifts, together
 from imugap.discovery.finding import Finding, Gap, Interval
-from imugap.discovery.gaps import REPLICATES, gaps
+from imugap.discovery.gaps import REPLICATES, Verdict, named, verdicts
 from imugap.discovery.parameters import NORMAL, axis_unit
 from imugap.discovery.record import Record, prepare
 from imugap.discovery.runs import clocks, turn_on
@@ -22,12 +24,17 @@ from imugap.discovery.story import Story, Tale, concluded, described, model_of, 
 from imugap.discovery.uncertain import Uncertain
 from imugap.effects import CATALOGUE, CommonMode, TurnOnBias, WhiteNoise
 from imugap.effects.effect import Effect, Stage
-from imugap.log import AXES, from_samples
+from imugap.log import AXES, TEMPERATURE, from_samples
 from imugap.model import AxisModel, ErrorModel
 
 HELD_IN = 0.8
 """Share of a log that names and parameters come from, where no test log is given."""
-Progress = Callable[[str], None]
+LEVELLED = 0.2
+"""Share of a test log that tells the level of a device at rest."""
+OTHER_STEPS = 4
+"""Steps besides the two of each axis."""
+Progress = Callable[[str, int, int], None]
+"""Called with the name of a step as it begins, how many steps are done, and how many there are."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,7 +55,12 @@ class Discovery:
         (axis, name, reason) of what was seen but not named.
     distances
         Between measured and simulated held-out data, by name of the distance.
-    records, stories
+    drifts
+        Navigation of the held-out data, measured and simulated, of each log that is compared; none for a device in
+        motion or without all six axes.
+    before, after
+        Every view of the log against replicates of the start model (held-in part) and of the final one (whole log).
+    record, stories
         The log and the discovery on each axis of it.
     """
 
@@ -59,6 +71,9 @@ class Discovery:
     unexplained: tuple[Gap, ...]
     withheld: tuple[tuple[str, str, str], ...]
     distances: Mapping[str, Distances]
+    drifts: tuple[Drifts, ...]
+    before: tuple[Verdict, ...]
+    after: tuple[Verdict, ...]
     record: Record
     stories: Mapping[str, Story]
 
@@ -101,7 +116,7 @@ def discover(
     question: Question,
     tests: Sequence[pd.DataFrame] = (),
     reference: pd.DataFrame | None = None,
-    progress: Progress = lambda stage: None,
+    progress: Progress = lambda step, done, steps: None,
 ) -> Discovery:
     """Find where a simulator and a device disagree, name what is missing and show that the gap shrinks.
 
@@ -115,31 +130,49 @@ def discover(
     reference
         Error-free log of the first run, for a device in motion.
     progress
-        Told of each stage.
+        Told of each step.
     """
     known = ErrorModel({}) if question.start is None else question.start
-    progress("integrity")
+    steps = _Steps(progress, OTHER_STEPS + 2 * len(canonical.axes(logs[0])))
+    steps.begin("integrity")
     record = prepare(logs[0], reference, question.seed, question.start)
     log_alpha = question.log_alpha(len(record.sequences))
-    progress("search")
-    tales, joints = _together(_tales(record, known, question, log_alpha))
-    stories = _each(concluded, [(tale,) for tale in tales.values()], tales, question.workers)
+    tales, joints = _together(_tales(record, known, question, log_alpha, steps))
+    stories = _each(concluded, [(tale,) for tale in tales.values()], tales, question.workers, steps, "names")
     befores = {axis: story.before for axis, story in stories.items()}
     wholes = {axis: story.whole for axis, story in stories.items()}
-    progress("gaps")
+    steps.begin("gaps")
     outputs = {axis: _outputs(known, axis) for axis in stories}
-    where = gaps(befores, question.alpha, question.seed, question.replicates, outputs)
+    seen = verdicts(befores, question.seed, question.replicates, outputs)
+    where = named(seen, question.alpha)
     common = tuple(one.finding(f"{axis_unit(one.axes[0])}/sqrt(Hz)") for one in shared(wholes, log_alpha))
     own = tuple(finding for story in stories.values() for finding in story.findings)
     outside = (*record.findings, *common, *_between_runs(logs, record, known, question, log_alpha))
     findings = _ordered((*own, *map(_of_joint, joints), *outside))
-    progress("gaps that remain")
-    left = _left(stories, record, common, question, outputs)
+    steps.begin("gaps that remain")
+    later, left = _left(stories, record, common, question, outputs)
     start, final = _model(befores, known), _model(wholes, known, outside)
-    progress("distances")
-    apart = _distances(record, stories, start, partial(_model, known=known, findings=outside), question)
+    steps.begin("distances")
+    model = partial(_model, known=known, findings=outside)
+    held_out = [_tested(test, stories, start, final, question) for test in tests]
+    apart, paths = _distances(held_out or [_held_out(record, stories, start, model)], question)
     withheld = tuple((axis, name, why.reason) for axis, story in stories.items() for name, why in story.withheld)
-    return Discovery(start, final, (*record.gaps, *where), findings, left, withheld, apart, record, stories)
+    places = (*record.gaps, *where)
+    steps.begin("done")
+    return Discovery(start, final, places, findings, left, withheld, apart, paths, tuple(seen), later, record, stories)
+
+
+@dataclass
+class _Steps:
+    """Counts the steps as they begin."""
+
+    progress: Progress
+    count: int
+    done: int = 0
+
+    def begin(self, name: str) -> None:
+        self.progress(name, self.done, self.count)
+        self.done += 1
 
 
 def _ordered(findings: Sequence[Finding]) -> tuple[Finding, ...]:
@@ -149,20 +182,26 @@ def _ordered(findings: Sequence[Finding]) -> tuple[Finding, ...]:
     )
 
 
-def _each(task: Callable, arguments: Sequence[tuple], axes: Iterable[str], workers: int) -> dict:
+def _each(
+    task: Callable, arguments: Sequence[tuple], axes: Iterable[str], workers: int, steps: _Steps, step: str
+) -> dict:
     """Return what a task makes of the arguments of each axis, several axes at a time."""
-    if workers == 1:
-        return dict(zip(axes, (task(*one) for one in arguments), strict=True))
-    with ProcessPoolExecutor(workers) as pool:
-        return dict(zip(axes, pool.map(task, *zip(*arguments, strict=True)), strict=True))
+    found = {}
+    with ExitStack() as stack:
+        every = map if workers == 1 else stack.enter_context(ProcessPoolExecutor(workers)).map
+        results = iter(every(task, *zip(*arguments, strict=True)))
+        for axis in axes:
+            steps.begin(step)
+            found[axis] = next(results)
+    return found
 
 
-def _tales(record: Record, known: ErrorModel, question: Question, log_alpha: float) -> dict[str, Tale]:
+def _tales(record: Record, known: ErrorModel, question: Question, log_alpha: float, steps: _Steps) -> dict[str, Tale]:
     arguments = [
         (sequence, tuple(known.axes.get(axis, ())), question.catalogue, log_alpha, int(HELD_IN * len(sequence.values)))
         for axis, sequence in record.sequences.items()
     ]
-    return _each(told, arguments, record.sequences, question.workers)
+    return _each(told, arguments, record.sequences, question.workers, steps, "search")
 
 
 def _together(tales: dict[str, Tale]) -> tuple[dict[str, Tale], tuple[Joint, ...]]:
@@ -221,13 +260,17 @@ def _between_runs(
 
 def _left(
     stories: Mapping[str, Story], record: Record, common: tuple[Finding, ...], question: Question, outputs: Mapping
-) -> tuple[Gap, ...]:
-    """Return where the final model leaves the log; axes whose noise is shared are not held against each other."""
+) -> tuple[tuple[Verdict, ...], tuple[Gap, ...]]:
+    """Return all views of the final model, and where it leaves the log.
+
+    Axes whose noise is shared are not held against each other.
+    """
     fits = {axis: story.whole for axis, story in stories.items()}
     known = {axis: _found_outputs(record, axis, outputs[axis]) for axis in fits}
-    together = {frozenset(pair) for finding in common for pair in _pairs(finding.axes)}
-    found = gaps(fits, question.alpha, question.seed + 1, question.replicates, known)
-    return tuple(gap for gap in found if frozenset(gap.axis.split(",")) not in together)
+    alike = {frozenset(pair) for finding in common for pair in _pairs(finding.axes)}
+    judged = verdicts(fits, question.seed + 1, question.replicates, known)
+    left = tuple(gap for gap in named(judged, question.alpha) if frozenset(gap.axis.split(",")) not in alike)
+    return tuple(one for one in judged if frozenset(one.curve.axis.split(",")) not in alike), left
 
 
 def _pairs(axes: Sequence[str]) -> list[tuple[str, str]]:
@@ -256,18 +299,50 @@ def _with(model: AxisModel, effect: Effect) -> AxisModel:
     return AxisModel((*model, effect))
 
 
-def _distances(
-    record: Record, stories: Mapping[str, Story], start: ErrorModel, model: Callable, question: Question
-) -> dict[str, Distances]:
-    """Return the distances on the last part of the log, the parameters from the part before it.
+@dataclass(frozen=True, eq=False)
+class _Compared:
+    """A log with the models that it is compared with: what is simulated counts from ``split`` [s] on."""
+
+    measured: pd.DataFrame
+    split: float
+    before: Uncertain
+    after: Uncertain
+    reference: pd.DataFrame | None
+
+    def distribution(self, seed: int, count: int) -> Apart:
+        return distribution(self.measured, self.split, self.before, self.after, seed, count, self.reference)
+
+    def drifts(self, seed: int, count: int) -> Drifts:
+        return drifts(self.measured, self.split, self.before, self.after, seed, count)
+
+    @property
+    def navigable(self) -> bool:
+        return self.reference is None and all(axis in self.measured for axis in AXES)
+
+
+def _held_out(record: Record, stories: Mapping[str, Story], start: ErrorModel, model: Callable) -> _Compared:
+    """Return the last part of the log with models whose parameters come from the part before it.
 
     Where only the last part shows an effect, the parameters of its axis come from the whole log.
     """
-    conditions = next(iter(record.sequences.values())).conditions
-    split = float(conditions.time[int(HELD_IN * len(conditions))])
     fits = {axis: story.after if story.settled else story.whole for axis, story in stories.items()}
     before = Uncertain(_in_run(start), {axis: story.before for axis, story in stories.items()})
-    after = Uncertain(_in_run(model(fits)), fits)
+    return _compared(record, HELD_IN, before, Uncertain(_in_run(model(fits)), fits))
+
+
+def _tested(
+    test: pd.DataFrame, stories: Mapping[str, Story], start: ErrorModel, final: ErrorModel, question: Question
+) -> _Compared:
+    """Return a further run with the models of the first one."""
+    record = prepare(test[[name for name in test if name in stories or name == TEMPERATURE]], seed=question.seed)
+    before = Uncertain(_in_run(start), {axis: story.before for axis, story in stories.items()})
+    after = Uncertain(_in_run(final), {axis: story.whole for axis, story in stories.items()})
+    return _compared(record, LEVELLED, before, after)
+
+
+def _compared(record: Record, share: float, before: Uncertain, after: Uncertain) -> _Compared:
+    conditions = next(iter(record.sequences.values())).conditions
+    split = float(conditions.time[int(share * len(conditions))])
     errors = {axis: sequence.values for axis, sequence in record.sequences.items()}
     measured, reference = from_samples(errors, conditions.interval), None
     if conditions.ideal is not None:
@@ -275,11 +350,17 @@ def _distances(
         measured = measured + reference
     if conditions.temperature is not None:
         measured = measured.assign(temperature=conditions.temperature)
-    asked = measured, split, before, after, question.seed, question.simulations
-    found = {"distribution": distribution(*asked, reference)}
-    if reference is None and all(axis in errors for axis in AXES):
-        found["navigation"] = navigation(*asked)
-    return found
+    return _Compared(measured, split, before, after, reference)
+
+
+def _distances(logs: Sequence[_Compared], question: Question) -> tuple[dict[str, Distances], tuple[Drifts, ...]]:
+    """Return the distances over logs, and the drifts of those that can be navigated; each log has its own seed."""
+    asked = [(one, question.seed + number, question.simulations) for number, one in enumerate(logs)]
+    found = {"distribution": together([one.distribution(seed, count) for one, seed, count in asked])}
+    paths = tuple(one.drifts(seed, count) for one, seed, count in asked if one.navigable)
+    if paths:
+        found["navigation"] = together([path.apart() for path in paths])
+    return found, paths
 
 
 def _in_run(model: ErrorModel) -> ErrorModel:

@@ -6,7 +6,7 @@ model that claims to know more than it does is far away, not close.
 Logs are taken as evenly sampled; errors of the clock are left out.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import radians
 
@@ -32,6 +32,8 @@ WIDTH, PER_DECADE = 0.3, 4
 """Relative width of bands of frequency; averaging times per decade."""
 SHARES = np.array([0.001, 0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99, 0.999])
 """Shares of the samples at whose quantiles the values are compared."""
+EPOCHS = 16
+"""Steps of a drift."""
 HORIZONS = np.array([1 / 16, 1 / 8, 1 / 4, 1 / 2, 1])
 """Shares of the held-out part after which drifts are compared."""
 LEAST = 0.1
@@ -41,8 +43,6 @@ ANYWHERE = Site(radians(45.0), 0.0)
 """Where a device stands if nobody says: only the gravity of the place matters."""
 
 Model = ErrorModel | Uncertain
-Vector = Callable[[pd.DataFrame], list[np.ndarray]]
-"""From a whole log to vectors, one for each view of each axis."""
 
 
 @dataclass(frozen=True)
@@ -59,6 +59,31 @@ class Distances:
     floor: Interval
 
 
+@dataclass(frozen=True, eq=False)
+class Apart:
+    """Squared distances on one log, from which those over several logs follow.
+
+    Attributes
+    ----------
+    before, after
+        Of the measured log to each simulation of the start and of the final model, shape (count,).
+    floor
+        Of each simulation of the final model to the others, shape (count, count - 1).
+    """
+
+    before: np.ndarray
+    after: np.ndarray
+    floor: np.ndarray
+
+
+def together(logs: Sequence[Apart]) -> Distances:
+    """Return the distances over several logs of a device, each of the same weight: root mean squares."""
+    before, after, floor = (
+        np.sqrt(np.mean([getattr(one, name) for one in logs], axis=0)) for name in ("before", "after", "floor")
+    )
+    return Distances(_interval(before), _interval(after), _interval(np.median(floor, axis=1)))
+
+
 def distribution(
     measured: pd.DataFrame,
     split: float,
@@ -67,7 +92,7 @@ def distribution(
     seed: int,
     count: int = COUNT,
     reference: pd.DataFrame | None = None,
-) -> Distances:
+) -> Apart:
     """Return the distances over views of the error: Allan variance, spectrum, block means and variances, quantiles.
 
     Parameters
@@ -88,10 +113,38 @@ def distribution(
         columns = (errors[axis].to_numpy(float) for axis in axes)
         return [part for values in columns for part in _views(values[held_in:], values[:held_in].mean())]
 
-    return _distances(measured, vector, before, after, Simulations(held_in, seed, count, reference))
+    simulations = Simulations(held_in, seed, count, reference)
+    start, final = ([vector(one) for one in tables] for tables in simulations.both(measured, before, after))
+    return _apart(vector(measured), start, final)
 
 
-def navigation(
+@dataclass(frozen=True, eq=False)
+class Drifts:
+    """Free-inertial drift of a device at rest through the held-out part, measured and simulated.
+
+    Attributes
+    ----------
+    time
+        Since the start of the navigation [s], shape (epochs,).
+    measured
+        Position north, east, down less the true one [m], shape (epochs, 3).
+    before, after
+        The same of simulations of the start and of the final model, shape (count, epochs, 3).
+    """
+
+    time: np.ndarray
+    measured: np.ndarray
+    before: np.ndarray
+    after: np.ndarray
+
+    def apart(self) -> Apart:
+        """Return the distances over the drift at :data:`HORIZONS`."""
+        at = np.rint((len(self.time) - 1) * HORIZONS).astype(int)
+        start, final = ([list(one[at]) for one in ensemble] for ensemble in (self.before, self.after))
+        return _apart(list(self.measured[at]), start, final)
+
+
+def drifts(
     measured: pd.DataFrame,
     split: float,
     before: Model,
@@ -99,22 +152,24 @@ def navigation(
     seed: int,
     count: int = COUNT,
     site: Site = ANYWHERE,
-) -> Distances:
-    """Return the distances over the free-inertial position drift of a device at rest through the held-out part.
+) -> Drifts:
+    """Return the drifts from biases that are the means of the held-in part.
 
-    The biases are the means of the held-in part; the drift is taken at :data:`HORIZONS`. Parameters as those of
-    :func:`distribution`; all six axes have to be there.
+    Parameters as those of :func:`distribution`; all six axes have to be there.
     """
     held_in, interval = _split(measured, split), log.interval(measured)
-    length = (len(measured) - held_in - 1) // 16 * 16
-    course = drift.Course(site, False, held_in * interval, length * interval, length // 16 * interval)
-    at = np.rint(16 * HORIZONS).astype(int)
+    length = (len(measured) - held_in - 1) // EPOCHS * EPOCHS
+    course = drift.Course(site, False, held_in * interval, length * interval, length // EPOCHS * interval)
 
-    def vector(table: pd.DataFrame) -> list[np.ndarray]:
+    def positions(table: pd.DataFrame) -> np.ndarray:
         even = log.from_samples({axis: table[axis].to_numpy(float) for axis in log.AXES}, interval)
-        return list(course.drift(even)[drift.STARTS.index("calibrated"), at, :3])
+        return course.drift(even)[drift.STARTS.index("calibrated"), :, :3]
 
-    return _distances(measured, vector, before, after, Simulations(held_in, seed, count))
+    simulations = Simulations(held_in, seed, count)
+    start, final = (
+        np.array([positions(one) for one in tables]) for tables in simulations.both(measured, before, after)
+    )
+    return Drifts(course.epochs(), positions(measured), start, final)
 
 
 def _split(measured: pd.DataFrame, split: float) -> int:
@@ -144,6 +199,10 @@ class Simulations:
     seed: int
     count: int
     reference: pd.DataFrame | None = None
+
+    def both(self, measured: pd.DataFrame, before: Model, after: Model) -> tuple[Iterator[pd.DataFrame], ...]:
+        """Simulate with the start and with the final model."""
+        return self.of(measured, before, "before"), self.of(measured, after, "after")
 
     def of(self, measured: pd.DataFrame, model: Model, name: str) -> Iterator[pd.DataFrame]:
         """Simulate the whole log, the held-out part as what follows on the held-in one."""
@@ -181,18 +240,14 @@ def _views(values: np.ndarray, level: float) -> list[np.ndarray]:
     return [*logs, means, quantiles]
 
 
-def _distances(
-    measured: pd.DataFrame, vector: Vector, before: Model, after: Model, simulations: Simulations
-) -> Distances:
-    own = vector(measured)
-    start = [vector(table) for table in simulations.of(measured, before, "before")]
-    final = [vector(table) for table in simulations.of(measured, after, "after")]
-    floor = [np.median(_apart(one, final[:i] + final[i + 1 :])) for i, one in enumerate(final)]
-    return Distances(_interval(_apart(own, start)), _interval(_apart(own, final)), _interval(floor))
+def _apart(own: list[np.ndarray], start: list[list[np.ndarray]], final: list[list[np.ndarray]]) -> Apart:
+    """Return the squared distances of vectors of the measured log and of the simulations of both models."""
+    floor = [_squares(one, final[:i] + final[i + 1 :]) for i, one in enumerate(final)]
+    return Apart(_squares(own, start), _squares(own, final), np.array(floor))
 
 
-def _apart(one: list[np.ndarray], ensemble: list[list[np.ndarray]]) -> np.ndarray:
-    """Return the root mean square, over views, of the standardised difference from each member, shape (count,).
+def _squares(one: list[np.ndarray], ensemble: list[list[np.ndarray]]) -> np.ndarray:
+    """Return the mean square, over views, of the standardised difference from each member, shape (count,).
 
     Differences are divided by sqrt(2) times the scatter of the entry among the members, so that two members are
     about 1 apart. A mean over the entries of a view comes first: each view of each axis weighs the same.
@@ -202,7 +257,7 @@ def _apart(one: list[np.ndarray], ensemble: list[list[np.ndarray]]) -> np.ndarra
         spread = rows.std(axis=0, ddof=1)
         spread = np.maximum(spread, LEAST * np.median(spread) + np.finfo(float).tiny)
         squares.append(np.mean(((part - rows) / spread) ** 2, axis=1) / 2)
-    return np.sqrt(np.mean(squares, axis=0))
+    return np.mean(squares, axis=0)
 
 
 def _interval(values: list[float] | np.ndarray) -> Interval:

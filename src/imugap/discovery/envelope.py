@@ -100,6 +100,17 @@ class Envelope:
             return float(self.maxima[int(np.ceil((b + 1) * (1 - probability) - 1e-9))])
         return threshold + number * scale * ((probability / share) ** (-1 / number) - 1)
 
+    def bounds(self, probability: float) -> tuple[np.ndarray, np.ndarray]:
+        """Return the lower and the upper bound that a curve of the model leaves anywhere with this probability.
+
+        Gains have no lower bound.
+        """
+        evidence, degrees = self.critical(probability), len(self.replicates) - 1
+        if not self.signed:
+            return np.full(self.mean.shape, -np.inf), self.mean + evidence * self.spread
+        reach = np.sqrt(degrees * np.expm1(2 * evidence / degrees)) * self.spread
+        return self.mean - reach, self.mean + reach
+
     def places(self, curve: Curve, level: float) -> list[tuple[float, float, float]]:
         """Return (low, high, p-value) of each range of locations beyond the envelope of a level."""
         deviation = self.deviation(curve.statistic)

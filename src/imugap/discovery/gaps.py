@@ -1,7 +1,7 @@
 """Where measured data leave the model: all views of all axes against replicates of the fitted model, refitted."""
 
 from collections import defaultdict
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import combinations
@@ -190,7 +190,11 @@ def gaps(
     known
         Axis to effects on its output that the descriptions leave out, such as a resolution.
     """
-    judged = verdicts(fits, seed, replicates, known)
+    return named(verdicts(fits, seed, replicates, known), alpha)
+
+
+def named(judged: Collection[Verdict], alpha: float) -> tuple[Gap, ...]:
+    """Return the places of verdicts at a false discovery rate over all of them, surest first."""
     level = threshold(np.array([verdict.p_value for verdict in judged]), alpha)
-    named = [gap for verdict in judged if verdict.p_value <= level for gap in verdict.gaps(level)]
-    return tuple(sorted(named, key=lambda gap: gap.p_value))
+    found = [gap for verdict in judged if verdict.p_value <= level for gap in verdict.gaps(level)]
+    return tuple(sorted(found, key=lambda gap: gap.p_value))

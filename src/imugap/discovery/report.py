@@ -1,6 +1,6 @@
 """What discovery found, as plain data, as tables and in words."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import asdict
 from math import exp, isfinite
 
@@ -14,16 +14,17 @@ SMALLEST = -690.0
 """Logarithm of the least probability that is written as a number above zero."""
 
 
-def to_mapping(found: Discovery, logs: list[dict]) -> dict:
-    """Return the report as plain data; ``logs`` are path, sha256, rate and duration of each log."""
+def to_mapping(found: Discovery, logs: Sequence[dict], tests: Sequence[dict] = ()) -> dict:
+    """Return the report as plain data; path, sha256, rate and duration tell of each log and of each test log."""
     report = {
         "schema": SCHEMA,
-        "log": logs,
+        "log": list(logs),
+        "test": list(tests),
         "start_model": found.start.to_mapping(),
         "final_model": found.final.to_mapping(),
-        "gaps": [asdict(gap) for gap in found.gaps],
+        "gaps": [_gap(gap) for gap in found.gaps],
         "effects": [_effect(finding) for finding in found.findings],
-        "unexplained": [asdict(gap) for gap in found.unexplained],
+        "unexplained": [_gap(gap) for gap in found.unexplained],
         "withheld": [dict(zip(("axis", "name", "reason"), one, strict=True)) for one in found.withheld],
     }
     for key, name in (("distance", "distribution"), ("navigation_distance", "navigation")):
@@ -39,15 +40,24 @@ def _effect(finding: Finding) -> dict:
         "axes": list(finding.axes),
         "parameters": {name: _ends(one) | {"unit": one.unit} for name, one in finding.parameters.items()},
         "p_value": exp(max(finding.log_p, SMALLEST)),
-        "log_score_gain": finding.log_score_gain,
-        "alternatives": [{"name": name, "log_score_gain": gain} for name, gain in finding.alternatives],
+        "log_score_gain": _number(finding.log_score_gain),
+        "alternatives": [{"name": name, "log_score_gain": _number(gain)} for name, gain in finding.alternatives],
     }
 
 
 def _ends(interval: Interval) -> dict[str, float | None]:
     """Return value and ends; an end at infinity is null."""
     ends = {"value": interval.value, "low": interval.low, "high": interval.high}
-    return {key: float(value) if isfinite(value) else None for key, value in ends.items()}
+    return {key: _number(value) for key, value in ends.items()}
+
+
+def _gap(gap: Gap) -> dict:
+    return asdict(gap) | {"low": _number(gap.low), "high": _number(gap.high)}
+
+
+def _number(value: float) -> float | None:
+    """Return a number as JSON has it: null where it is not finite."""
+    return float(value) if isfinite(value) else None
 
 
 def gap_table(gaps: Iterable[Gap], left: Iterable[Gap]) -> pd.DataFrame:
@@ -92,5 +102,10 @@ def _sentence(finding: Finding) -> str:
 
 def place(gap: Gap) -> str:
     """Return a place in words, e.g. "gyro_y, line, 49.98 Hz"."""
+    return f"{gap.axis}, {gap.view}, {span(gap)}"
+
+
+def span(gap: Gap) -> str:
+    """Return where in its view a place is."""
     where = f"{gap.low:.4g}" if gap.low == gap.high else f"{gap.low:.4g} to {gap.high:.4g}"
-    return f"{gap.axis}, {gap.view}, {where} {gap.unit}"
+    return f"{where} {gap.unit}".removesuffix(" 1")

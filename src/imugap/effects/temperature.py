@@ -33,9 +33,7 @@ class Temperature(SystematicEffect):
 
     def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
         """Return the bias at every sample; dT/dt by central differences."""
-        if conditions.temperature is None:
-            raise ValueError("temperature: expected conditions with a temperature; found none")
-        distance = conditions.temperature - self.reference
+        distance = self._distance(conditions)
         static = self.coefficient * distance + self.quadratic * distance**2
         if self.rate == 0:
             return static
@@ -43,9 +41,15 @@ class Temperature(SystematicEffect):
 
     def slopes(self, conditions: Conditions) -> dict[str, np.ndarray]:
         """Return d, d^2 and dT/dt."""
-        distance = conditions.temperature - self.reference
+        distance = self._distance(conditions)
         rate = np.gradient(conditions.temperature, conditions.time)
         return {"coefficient": distance, "quadratic": distance**2, "rate": rate}
+
+    def _distance(self, conditions: Conditions) -> np.ndarray:
+        """Return the temperature less the reference."""
+        if conditions.temperature is None:
+            raise ValueError("temperature: expected conditions with a temperature; found none")
+        return conditions.temperature - self.reference
 
     def near_misses(self, conditions: Conditions) -> np.ndarray:
         """Return the cube and, for hysteresis, the sign of the temperature's slow change with and without it."""

@@ -1,0 +1,129 @@
+"""Discovery on files: logs, reference and start model as a user has them, checked before anything is computed."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from hashlib import file_digest
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from imugap import log, readers
+from imugap.discovery import report
+from imugap.discovery.discover import Discovery, Progress, Question, discover
+from imugap.extension import catalogue
+from imugap.log import LogError
+from imugap.model import ErrorModel
+
+FEWEST = 320
+"""Samples that a log has to have: held-in and held-out part have to show their views."""
+COVERED = 0.9
+"""Least share of the log that its reference has to cover; what it leaves out is not used."""
+
+
+@dataclass(frozen=True)
+class Files:
+    """The files that discovery works on, and where it finds effects of the user's own.
+
+    Attributes
+    ----------
+    logs, tests, reference, model
+        Canonical CSV or Parquet logs of one device; further runs of it, on which distances are taken; error-free log
+        of the first run, for a device in motion; start model (YAML).
+    effects
+        Name of a module whose effects join the catalogue.
+    """
+
+    logs: tuple[Path, ...]
+    tests: tuple[Path, ...] = ()
+    reference: Path | None = None
+    model: Path | None = None
+    effects: str | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Inquiry:
+    """What was asked and what was found.
+
+    Attributes
+    ----------
+    logs, tests
+        Path, sha256, rate [Hz] and duration [s] of each log.
+    alpha
+        The level of the question.
+    found
+        The discovery.
+    """
+
+    logs: tuple[dict, ...]
+    tests: tuple[dict, ...]
+    alpha: float
+    found: Discovery
+
+    def report(self) -> dict:
+        """Return the report as plain data, schema ``imugap/discovery/1``."""
+        return report.to_mapping(self.found, self.logs, self.tests)
+
+
+def ask(files: Files, question: Question, progress: Progress = lambda step, done, steps: None) -> Inquiry:
+    """Read the files, discover, and return what was found.
+
+    The start model and the catalogue of ``question`` are those of the files. Anything wrong with a file is a
+    ValueError or OSError that says which, where in it, what was expected and what was found.
+    """
+    kinds = catalogue(files.effects)
+    start = None if files.model is None else ErrorModel.read(files.model, kinds)
+    question = replace(question, start=start, catalogue=tuple(kinds.values()))
+    if files.tests and files.reference:
+        raise ValueError("test: expected runs at rest; found a reference, which tells of a device in motion")
+    logs, tests = _read(files.logs), _read(files.tests)
+    for path, table in zip((*files.logs[1:], *files.tests), (*logs[1:], *tests), strict=True):
+        _require_columns(table, path, list(logs[0].columns))
+    reference = None if files.reference is None else _reference(files.reference, logs[0])
+    found = discover(logs, question, tests, reference, progress)
+    described = [tuple(map(_described, *pair)) for pair in ((files.logs, logs), (files.tests, tests))]
+    return Inquiry(*described, question.alpha, found)
+
+
+def _read(paths: Sequence[Path]) -> list[pd.DataFrame]:
+    """Read logs; each has to have enough samples, and on every axis values that vary."""
+    tables = [readers.read_table(path) for path in paths]
+    for path, table in zip(paths, tables, strict=True):
+        axes = log.axes(table)
+        if not axes:
+            raise LogError(path, "columns", f"at least one of {', '.join(log.AXES)}", "none of them")
+        for axis in axes:
+            values = table[axis].to_numpy()
+            values = values[np.isfinite(values)]
+            if len(values) < FEWEST:
+                raise LogError(path, f"column {axis}", f"at least {FEWEST} samples", str(len(values)))
+            if values.min() == values.max():
+                raise LogError(path, f"column {axis}", "values that vary", f"{values[0]:g} everywhere")
+    return tables
+
+
+def _require_columns(table: pd.DataFrame, path: Path, names: Sequence[str]) -> None:
+    missing = [name for name in names if name not in table]
+    if missing:
+        raise LogError(path, "columns", f"those of the first log, {', '.join(names)}", f"no {missing[0]}")
+
+
+def _reference(path: Path, measured: pd.DataFrame) -> pd.DataFrame:
+    """Read the reference, which has to be whole and to cover the log."""
+    reference = log.check(readers.read_table(path), path)
+    _require_columns(reference, path, log.axes(measured))
+    time = measured.index.to_numpy(float)
+    inside = np.mean((time >= reference.index[0]) & (time <= reference.index[-1]))
+    if inside < COVERED:
+        expected = f"that of the log, {np.nanmin(time):g} to {np.nanmax(time):g} s"
+        raise LogError(path, "time", expected, f"{reference.index[0]:g} to {reference.index[-1]:g} s")
+    return reference
+
+
+def _described(path: Path, table: pd.DataFrame) -> dict:
+    with Path(path).open("rb") as file:
+        digest = file_digest(file, "sha256").hexdigest()
+    stamped = table[np.isfinite(table.index)]
+    interval, time = log.interval(stamped), stamped.index
+    span = float(time.max() - time.min()) + interval
+    return {"path": str(path), "sha256": digest, "rate_hz": 1 / interval, "duration_s": span}

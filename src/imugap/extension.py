@@ -1,0 +1,48 @@
+"""Effects of one's own: a module that is named brings kinds that join the catalogue, and the library stays as it is."""
+
+import sys
+from importlib import import_module
+from inspect import getmembers, isclass
+from pathlib import Path
+
+from imugap.effects import CATALOGUE
+from imugap.effects.effect import Effect, StochasticEffect, SystematicEffect
+
+
+def catalogue(module: str | None) -> dict[str, type[Effect]]:
+    """Return the catalogue with the kinds that ``module`` defines, by name.
+
+    Parameters
+    ----------
+    module
+        Dotted name of a module, installed or in the working directory; None for the catalogue alone. Its kinds are the
+        frozen dataclasses that it derives from :class:`SystematicEffect` or :class:`StochasticEffect` and gives a name.
+    """
+    if module is None:
+        return dict(CATALOGUE)
+    kinds = {kind.name: kind for _, kind in getmembers(_imported(module), isclass) if _own(kind, module)}
+    if not kinds:
+        raise ValueError(
+            f"effects: expected a module that defines a SystematicEffect or StochasticEffect; {module} has none"
+        )
+    taken = sorted(set(kinds) & set(CATALOGUE))
+    if taken:
+        raise ValueError(f"effects: expected names that are not in the catalogue; {module} has {', '.join(taken)}")
+    return CATALOGUE | kinds
+
+
+def _own(kind: type, module: str) -> bool:
+    named = isinstance(getattr(kind, "name", None), str)
+    return kind.__module__ == module and issubclass(kind, (SystematicEffect, StochasticEffect)) and named
+
+
+def _imported(module: str):
+    """Import a module, also from the working directory; whatever it raises becomes a ValueError."""
+    folder = str(Path.cwd())
+    if folder not in sys.path:
+        sys.path.append(folder)
+    try:
+        return import_module(module)
+    except Exception as error:  # a module of the user's may fail in every way
+        cause = f"{type(error).__name__}: {error}".splitlines()[0]
+        raise ValueError(f"effects: expected a module that can be imported; {module}: {cause}") from error

@@ -1,0 +1,273 @@
+"""Discovery on files: the folder is whole and keeps its schema, bad input is one message and leaves nothing."""
+
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+import yaml
+from jsonschema import Draft202012Validator
+
+from imugap import cli, figures, log
+from imugap.discovery.discover import Question, discover
+from imugap.discovery.dossier import FILES, compose
+from imugap.discovery.inquiry import Files
+from imugap.effects import Bias, Sinusoid, Temperature, WhiteNoise
+from imugap.model import AxisModel, ErrorModel
+
+SCHEMA = yaml.safe_load((Path(__file__).parents[1] / "workflow/schemas/discovery.schema.yaml").read_text())
+INTERVAL, COUNT = 0.02, 4000
+LINE = Sinusoid(7.3, 6e-4)
+QUICK = {"replicates": 30, "simulations": 20}
+
+
+def device(*hidden, axes=("gyro_x", "gyro_y")):
+    white = {axis: WhiteNoise(1e-4 if axis in log.GYRO else 1e-3) for axis in axes}
+    return ErrorModel({a: AxisModel((white[a], Bias(1e-3), *(hidden if a == axes[-1] else ()))) for a in axes})
+
+
+def still(axes=("gyro_x", "gyro_y"), count=COUNT):
+    return log.from_samples({axis: np.full(count, -9.8 if axis == "accel_z" else 0.0) for axis in axes}, INTERVAL)
+
+
+def measured(*hidden, seed=1, axes=("gyro_x", "gyro_y"), count=COUNT):
+    return device(*hidden, axes=axes).simulate(still(axes, count), seed, "dossier")
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    """A working directory with two runs of a device that has a line, and another one."""
+    monkeypatch.chdir(tmp_path)
+    for seed, name in ((1, "run1.csv"), (2, "run2.parquet")):
+        log.write(measured(LINE, seed=seed), name)
+    return tmp_path
+
+
+def names(folder):
+    return {path.name for path in Path(folder).iterdir()}
+
+
+def discovered(*arguments, out="found"):
+    return cli.main(["discover", *arguments, "--workers", "1", "--out", out])
+
+
+def read_report(folder):
+    def refuse(constant):
+        raise AssertionError(f"{constant} is no JSON")
+
+    report = json.loads((Path(folder) / "report.json").read_text(), parse_constant=refuse)
+    Draft202012Validator(SCHEMA).validate(report)
+    return report
+
+
+def test_the_folder_is_whole_and_tells_the_line(here, capsys):
+    assert discovered("run1.csv") == 0
+    out, _ = capsys.readouterr()
+    assert "gyro_y: sinusoid (frequency 7.3 Hz" in out
+    assert names("found") == set(FILES)
+    report = read_report("found")
+    (effect,) = report["effects"]
+    assert (effect["name"], effect["axes"]) == ("sinusoid", ["gyro_y"])
+    frequency = effect["parameters"]["frequency"]
+    assert frequency["low"] < 7.3 < frequency["high"]
+    assert report["test"] == []
+    assert report["navigation_distance"] is None
+    (one,) = report["log"]
+    assert one["rate_hz"] == pytest.approx(50)
+    assert one["duration_s"] == pytest.approx(80)
+    assert report["distance"]["before"]["value"] > report["distance"]["after"]["value"]
+    final = ErrorModel.read("found/model.yaml")
+    assert final.to_mapping() == report["final_model"]
+    gaps = pd.read_csv("found/gaps.csv")
+    assert {("gyro_y", "line", "start")} <= set(zip(gaps["axis"], gaps["view"], gaps["model"], strict=True))
+    page = Path("found/report.md").read_text()
+    assert set(re.findall(r"\]\((\S+)\)", page)) == {name for name in FILES if name.endswith(".svg")}
+    for name in re.findall(r"\]\((\S+)\)", page):
+        assert "<svg" in (Path("found") / name).read_text()
+
+
+def test_two_runs_of_the_command_write_the_same_bytes(here):
+    for out in ("one", "two"):
+        compose(Files((Path("run1.csv"),)), Question(**QUICK), out)
+    for name in FILES:
+        assert (here / "one" / name).read_bytes() == (here / "two" / name).read_bytes()
+
+
+def test_the_gap_shrinks_on_a_run_that_no_fit_has_seen(here):
+    found = compose(Files((Path("run1.csv"),), (Path("run2.parquet"),)), Question(**QUICK), "found").found
+    report = read_report("found")
+    assert [one["path"] for one in report["test"]] == ["run2.parquet"]
+    apart = found.distances["distribution"]
+    assert apart.before.low > apart.floor.high
+    assert apart.floor.low * 0.9 < apart.after.value < apart.floor.high * 1.1
+
+
+def test_a_test_run_of_another_device_stays_far(here):
+    log.write(measured(Sinusoid(11.0, 6e-4), seed=3), "other.csv")
+    found = compose(Files((Path("run1.csv"),), (Path("other.csv"),)), Question(**QUICK), "found").found
+    apart = found.distances["distribution"]
+    assert apart.after.low > apart.floor.high
+
+
+def test_distances_over_two_runs_are_root_mean_squares():
+    runs = [measured(LINE, seed=seed) for seed in (1, 2, 3)]
+    question = Question(**QUICK)
+    alone = discover(runs[:1], question, runs[1:2]).distances["distribution"]
+    both = discover(runs[:1], question, [runs[1], runs[1]]).distances["distribution"]
+    # the same run twice: each with simulations of its own, so that only the scatter differs
+    assert both.before.value == pytest.approx(alone.before.value, rel=0.1)
+    assert both.floor.high - both.floor.low < alone.floor.high - alone.floor.low
+
+
+def test_six_axes_at_rest_are_navigated():
+    found = discover([measured(axes=log.AXES, count=1600)], Question(**QUICK))
+    assert set(found.distances) == {"distribution", "navigation"}
+    (path,) = found.drifts
+    assert path.before.shape == path.after.shape == (20, *path.measured.shape)
+    assert path.time[-1] == pytest.approx(0.2 * 1600 * INTERVAL, abs=17 * INTERVAL)
+
+
+def test_steps_are_told_in_order_to_the_last():
+    told = []
+    discover([measured()], Question(**QUICK), progress=lambda *step: told.append(step))
+    assert [done for _, done, _ in told] == list(range(told[0][2] + 1))
+    assert (told[0][0], told[-1][0]) == ("integrity", "done")
+
+
+def table(change):
+    """A fault of the log: a change of its table."""
+
+    def make():
+        change(measured()).to_csv("bad.csv")
+
+    return make
+
+
+def cut(table):
+    return table[:100]
+
+
+def flat(table):
+    return table.assign(gyro_y=1e-3)
+
+
+def foreign():
+    Path("bad.csv").write_text("time,giro_x\n0.0,0.1\n0.1,0.1\n")
+
+
+def unknown_effect():
+    Path("bad.yaml").write_text("gyro_x: [{white_nois: {density: 1}}]")
+
+
+def short_reference():
+    log.write(still(count=COUNT // 2), "bad.csv")
+
+
+def other_axes():
+    log.write(still(("gyro_x",)), "bad.csv")
+
+
+def one_axis():
+    log.write(measured()[["gyro_x"]], "bad.csv")
+
+
+def broken_module():
+    Path("broken_effects.py").write_text("import nothing_that_is_there\n")
+
+
+def empty_module():
+    Path("empty_effects.py").write_text("A = 1\n")
+
+
+def nothing():
+    """Leave no file."""
+
+
+FAULTS = {
+    "no log": (nothing, ["bad.csv"], "bad.csv: file: .*no such file"),
+    "no test": (nothing, ["run1.csv", "--test", "bad.csv"], "bad.csv: file: .*no such file"),
+    "wrong columns": (foreign, ["bad.csv"], "bad.csv: line 1: .*did you mean gyro_x"),
+    "short": (table(cut), ["bad.csv"], "bad.csv: column gyro_x: expected at least 320 samples; found 100"),
+    "constant": (table(flat), ["bad.csv"], "bad.csv: column gyro_y: expected values that vary; found 0.001"),
+    "no model": (nothing, ["run1.csv", "--model", "bad.yaml"], "No such file.*bad.yaml"),
+    "unknown effect": (
+        unknown_effect,
+        ["run1.csv", "--model", "bad.yaml"],
+        "bad.yaml: gyro_x: effect: expected white_noise; found 'white_nois'",
+    ),
+    "reference of other length": (
+        short_reference,
+        ["run1.csv", "--reference", "bad.csv"],
+        "bad.csv: time: expected that of the log, 0 to 79.98 s; found 0 to 39.98 s",
+    ),
+    "reference without an axis": (
+        other_axes,
+        ["run1.csv", "--reference", "bad.csv"],
+        "bad.csv: columns: expected those of the first log, gyro_x, gyro_y; found no gyro_y",
+    ),
+    "test without an axis": (
+        one_axis,
+        ["run1.csv", "--test", "bad.csv"],
+        "bad.csv: columns: expected those of the first log, gyro_x, gyro_y; found no gyro_y",
+    ),
+    "test in motion": (
+        nothing,
+        ["run1.csv", "--test", "run2.parquet", "--reference", "run1.csv"],
+        "test: expected runs",
+    ),
+    "no module": (nothing, ["run1.csv", "--effects", "not_a_module"], "effects: expected a module.*not_a_module"),
+    "broken module": (broken_module, ["run1.csv", "--effects", "broken_effects"], "nothing_that_is_there"),
+    "module without effects": (empty_module, ["run1.csv", "--effects", "empty_effects"], "empty_effects has none"),
+}
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_bad_input_is_one_message_and_leaves_nothing(here, capsys, fault):
+    make, arguments, message = FAULTS[fault]
+    make()
+    before = names(here)
+    assert discovered(*arguments) == 1
+    lines = [line for line in capsys.readouterr().err.replace("\r", "\n").splitlines() if line.startswith("imugap:")]
+    assert len(lines) == 1
+    assert re.match(f"imugap: .*{message}", lines[0])
+    assert names(here) - {"__pycache__"} == before
+
+
+def test_a_file_in_the_place_of_the_folder_is_refused_before_the_work(here, capsys):
+    Path("found").write_text("mine")
+    assert discovered("run1.csv") == 1
+    assert "found: expected a folder; found a file" in capsys.readouterr().err
+    assert Path("found").read_text() == "mine"
+
+
+def test_a_model_that_needs_a_temperature_is_refused_without_one(here, capsys):
+    device(Temperature(1e-4)).write("warm.yaml")
+    assert discovered("run1.csv", "--model", "warm.yaml") == 1
+    assert "temperature" in capsys.readouterr().err
+    assert "found" not in names(here)
+
+
+def test_a_write_that_fails_leaves_the_old_folder(here, capsys, monkeypatch):
+    compose(Files((Path("run1.csv"),)), Question(**QUICK), "found")
+    before = {name: (here / "found" / name).read_bytes() for name in FILES}
+
+    def broken(figure, path):
+        Path(path).write_text("half")
+        raise OSError("disk full")
+
+    monkeypatch.setattr(figures, "save", broken)
+    assert discovered("run2.parquet") == 1
+    assert "imugap: disk full" in capsys.readouterr().err
+    assert {name: (here / "found" / name).read_bytes() for name in names("found")} == before
+
+
+@pytest.mark.parametrize(
+    ("option", "value"), [("--alpha", "0"), ("--alpha", "1"), ("--alpha", "x"), ("--workers", "0")]
+)
+def test_an_option_out_of_range_is_refused(here, capsys, option, value):
+    with pytest.raises(SystemExit, match="2"):
+        discovered("run1.csv", option, value)
+    assert f"argument {option}: expected" in capsys.readouterr().err
+    assert "found" not in names(here)
