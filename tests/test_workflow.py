@@ -1,10 +1,17 @@
+import json
 import os
 import re
 import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
+
+from imugap import log
+from imugap.discovery.dossier import FILES
+from imugap.effects import Bias, Sinusoid, WhiteNoise
+from imugap.model import AxisModel, ErrorModel
 
 ROOT = Path(__file__).parents[1]
 QUICK = "workflow/config/quick.yaml"
@@ -74,3 +81,67 @@ def test_a_table_length_that_is_no_navigation_length_is_refused():
     found = snakemake("--dry-run", "--config", "navigation={horizons_s: [10, 60], table_horizon_s: 30}")
     assert found.returncode != 0
     assert "navigation.table_horizon_s: expected one of horizons_s" in found.stdout + found.stderr
+
+
+@pytest.fixture
+def two_runs(tmp_path):
+    """Two runs of a device of two gyroscopes, one with a line."""
+    model = ErrorModel({
+        "gyro_x": AxisModel((WhiteNoise(1e-4), Bias(1e-3))),
+        "gyro_y": AxisModel((WhiteNoise(1e-4), Bias(1e-3), Sinusoid(7.3, 6e-4))),
+    })  # fmt: skip
+    still = log.from_samples(dict.fromkeys(model.axes, np.zeros(3000)), 0.02)
+    for run in (1, 2):
+        log.write(model.simulate(still, run, "workflow"), tmp_path / f"line{run}.csv")
+    return tmp_path
+
+
+@pytest.fixture
+def copied(tmp_path):
+    """A folder with the sources of the project and none of its products."""
+    folder = tmp_path / "project"
+    folder.mkdir()
+    for name in ("Snakefile", "workflow", "data", "src", "paper", "notebooks"):
+        (folder / name).symlink_to(ROOT / name)
+    return folder
+
+
+def test_a_log_of_ones_own_gets_its_folder_of_what_is_missing(two_runs, copied):
+    options = ("--config", f"log={two_runs / 'line1.csv'}", f"test={two_runs / 'line2.csv'}")
+    found = snakemake("discover", "--cores", "2", *options, folder=copied)
+    assert found.returncode == 0, found.stderr
+    folder = copied / "results/discover/line1"
+    assert {path.name for path in folder.iterdir()} == set(FILES)
+    report = json.loads((folder / "report.json").read_text())
+    assert [(one["name"], one["axes"]) for one in report["effects"]] == [("sinusoid", ["gyro_y"])]
+    assert [one["path"] for one in report["test"]] == [str(two_runs / "line2.csv")]
+    text = (copied / "logs/dossier/line1.log").read_text()
+    assert "search" in text
+    assert "gyro_y: sinusoid" in text
+    again = snakemake("discover", "--cores", "2", *options, folder=copied)
+    assert "Nothing to be done" in again.stdout + again.stderr
+
+
+def test_a_log_that_cannot_be_read_is_told_in_the_log_of_the_job(copied, tmp_path):
+    (tmp_path / "bad.csv").write_text("time,giro_x\n0.0,0.1\n0.1,0.1\n")
+    found = snakemake("discover", "--cores", "1", "--config", f"log={tmp_path / 'bad.csv'}", folder=copied)
+    assert found.returncode != 0
+    assert "did you mean gyro_x" in (copied / "logs/dossier/bad.log").read_text()
+    assert not (copied / "results/discover/bad").exists()
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ([], "log: expected --config log=PATH; found none"),
+        (["log=no/such.csv"], "log: expected a file; found none at no/such.csv"),
+        (["log=README.md", "model=no/such.yaml"], "model: expected a file; found none at no/such.yaml"),
+        (["log=README.md", "test=[LICENSE,no/such.csv]"], "test: expected a file; found none at no/such.csv"),
+        (["reference=README.md"], "log: expected the log that reference belongs to; found none"),
+        (["log=README.md", "discovery={alpha: 2}"], "discovery.alpha: 2 is greater than or equal to the maximum of 1"),
+    ],
+)
+def test_a_missing_file_is_told_by_its_option(options, message):
+    found = snakemake("discover", "--dry-run", *(["--config", *options] if options else []))
+    assert found.returncode != 0
+    assert message in found.stdout + found.stderr

@@ -31,6 +31,23 @@ SITES = config["sites"] | {
 OMITTED = [name for name in CATALOGUE if name not in PRESENT]
 # The products that the chapters of the paper show: the rules of each chapter add theirs.
 PAPER = []
+# What the target discover works on.
+OPTIONS = {
+    option: [value] if isinstance(value, str) else value or []
+    for option, value in config.items()
+    if option in ("log", "test", "reference", "model")
+}
+
+for option, paths in OPTIONS.items():
+    for path in paths:
+        if not Path(path).is_file():
+            raise ConfigurationError(f"{option}: expected a file; found none at {path}")
+    if paths and not OPTIONS["log"]:
+        raise ConfigurationError(
+            f"log: expected the log that {option} belongs to; found none"
+        )
+
+OWN_EFFECTS = Path(f"{(config['effects'] or '').replace('.', '/')}.py")
 
 
 wildcard_constraints:
@@ -88,3 +105,10 @@ def assumptions(site, motion):
         "memory_s": config["attitude"]["acceleration_s"][motion],
         "bias_std": config["attitude"]["bias_std"],
     }
+
+
+def dossier_of_log(wildcards):
+    """Name the page of what is found on the log of the configuration."""
+    if not OPTIONS["log"]:
+        raise ConfigurationError("log: expected --config log=PATH; found none")
+    return f"results/discover/{Path(OPTIONS['log'][0]).stem}/report.md"
