@@ -38,3 +38,9 @@ rule discover:
     """What is missing from the model of a log of your own: --config log=PATH [test=PATH reference=PATH model=PATH]."""
     input:
         dossier_of_log,
+
+
+rule blind:
+    """The blind benchmark of discovery: tables in results/blind, figures in paper/figures."""
+    input:
+        "paper/numbers/blind.json",
