@@ -1,12 +1,16 @@
 import json
 import os
 import re
+import shutil
 import subprocess
 import sys
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
+import yaml
 
 from imugap import log
 from imugap.discovery.dossier import FILES
@@ -16,13 +20,15 @@ from imugap.model import AxisModel, ErrorModel
 ROOT = Path(__file__).parents[1]
 QUICK = "workflow/config/quick.yaml"
 
+BLIND = "blind={cases: 4}"
+
 pytestmark = pytest.mark.slow
 
 
-def snakemake(*arguments, folder=ROOT):
+def snakemake(*arguments, folder=ROOT, timeout=300):
     environment = {key: value for key, value in os.environ.items() if key != "IMUGAP_MIRROR"}
     command = [sys.executable, "-m", "snakemake", *arguments]
-    return subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=300)
+    return subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=timeout)
 
 
 def test_lint_finds_nothing_but_the_missing_conda_directive():
@@ -54,21 +60,15 @@ def test_missing_mirror_leaves_the_real_device_out():
 
 
 def test_absent_raw_files_are_named_with_address_checksum_and_place(tmp_path):
-    for name in ("Snakefile", "workflow", "data", "src", "paper", "notebooks"):
-        (tmp_path / name).symlink_to(ROOT / name)
-    (tmp_path / "data").unlink()
-    (tmp_path / "data").mkdir()
-    for source in (ROOT / "data").iterdir():
-        if source.name != "raw":
-            (tmp_path / "data" / source.name).symlink_to(source)
-    found = snakemake("fetch", "--cores", "1", "--config", "mirror=no/such/folder", folder=tmp_path)
-    text = (tmp_path / "logs/fetch.log").read_text()
+    folder = sources(tmp_path / "project")
+    found = snakemake("fetch", "--cores", "1", "--config", "mirror=no/such/folder", folder=folder)
+    text = (folder / "logs/fetch.log").read_text()
     if found.returncode == 0:
         pytest.skip("the network gave the files")
     assert "1eb09074beabd7cfc15b402cb8043b5302f6e4edfd9e4ebfbf8117436f8b9fa9" in text
     assert "https://" in text
     assert "data/raw/adis16405/adis_16405_imu1.rda" in text
-    assert not list((tmp_path / "data" / "raw").rglob("*.rda"))
+    assert not list((folder / "data" / "raw").rglob("*.rda"))
 
 
 def test_own_logs_become_a_device():
@@ -96,14 +96,20 @@ def two_runs(tmp_path):
     return tmp_path
 
 
+def sources(folder):
+    """Lay out a folder with the sources of the project and none of its products."""
+    for name in ("data", "paper"):
+        (folder / name).mkdir(parents=True)
+    own = [path for path in (ROOT / "data").iterdir() if path.name != "raw"]
+    for path in (*own, *(ROOT / name for name in ("Snakefile", "workflow", "src", "notebooks"))):
+        (folder / path.relative_to(ROOT)).symlink_to(path)
+    return folder
+
+
 @pytest.fixture
 def copied(tmp_path):
     """A folder with the sources of the project and none of its products."""
-    folder = tmp_path / "project"
-    folder.mkdir()
-    for name in ("Snakefile", "workflow", "data", "src", "paper", "notebooks"):
-        (folder / name).symlink_to(ROOT / name)
-    return folder
+    return sources(tmp_path / "project")
 
 
 def test_a_log_of_ones_own_gets_its_folder_of_what_is_missing(two_runs, copied):
@@ -145,3 +151,70 @@ def test_a_missing_file_is_told_by_its_option(options, message):
     found = snakemake("discover", "--dry-run", *(["--config", *options] if options else []))
     assert found.returncode != 0
     assert message in found.stdout + found.stderr
+
+
+def blind_project(folder):
+    """Lay out the project with a blind benchmark of short logs."""
+    sources(folder)
+    recipe = yaml.safe_load((folder / "data/blind.yaml").read_text())
+    (folder / "data/blind.yaml").unlink()
+    short = {"rates_hz": [25], "duration_s": [60, 90], "motion_duration_s": [60, 90]}
+    (folder / "data/blind.yaml").write_text(yaml.safe_dump(recipe | short))
+    return folder
+
+
+def blind_tables(folder):
+    """Read the bytes of all tables of the blind benchmark but the run times."""
+    paths = [*folder.glob("results/blind/*.csv"), *folder.glob("paper/tables/blind_*")]
+    return {path.relative_to(folder): path.read_bytes() for path in paths if path.name != "run_time.csv"}
+
+
+@pytest.fixture(scope="module")
+def benchmark(tmp_path_factory):
+    """The project after a blind benchmark of four cases on this machine."""
+    folder = blind_project(tmp_path_factory.mktemp("blind") / "here")
+    found = snakemake("blind", "--cores", "2", "--config", BLIND, folder=folder, timeout=600)
+    assert found.returncode == 0, found.stderr
+    return folder
+
+
+def test_the_blind_benchmark_seals_discovers_scores_and_shows(benchmark):
+    cases = pd.read_csv(benchmark / "results/blind/cases.csv")
+    assert cases["case"].tolist() == ["c0001", "c0002", "c0003", "c0004"]
+    assert len(list(benchmark.glob("paper/figures/blind_*.svg"))) == 6
+    assert json.loads((benchmark / "paper/numbers/blind.json").read_text())["cases"] == 4
+    for log_file in benchmark.glob("logs/blind_*/*.log"):
+        assert log_file.read_text().endswith("done\n")
+
+
+@pytest.fixture
+def cluster(tmp_path):
+    """A SLURM cluster of two nodes on this machine."""
+    missing = [name for name in ("slurmctld", "slurmd", "sbatch", "munged") if shutil.which(name) is None]
+    if missing:
+        pytest.skip(f"SLURM is not installed here: no {', '.join(missing)}")
+    if find_spec("snakemake_executor_plugin_slurm") is None:
+        pytest.skip("snakemake-executor-plugin-slurm is not installed here")
+    if os.geteuid() != 0:
+        pytest.skip("only root can start a SLURM cluster")
+    if Path("/etc/slurm/slurm.conf").exists():
+        pytest.skip("this machine is part of a SLURM cluster")
+    script = str(ROOT / "tests/slurm/cluster")
+    try:
+        subprocess.run([script, "start", str(tmp_path / "slurm")], check=True)
+        yield
+    finally:
+        subprocess.run([script, "stop", str(tmp_path / "slurm")], check=True)
+
+
+def test_the_blind_benchmark_on_a_slurm_cluster_has_the_same_tables(benchmark, cluster, tmp_path):
+    folder = blind_project(tmp_path / "there")
+    options = ["--workflow-profile", "workflow/profiles/slurm", "--group-components", "blind_discover=2"]
+    options += ["--slurm-status-command", "squeue", "--slurm-no-account"]
+    options += ["--slurm-init-seconds-before-status-checks", "5", "--seconds-between-status-checks", "2"]
+    found = snakemake("blind", "--config", BLIND, *options, folder=folder, timeout=900)
+    text = found.stdout + found.stderr
+    assert found.returncode == 0, text
+    submitted = re.findall(r"submitted with SLURM jobid \d+ \(log: .*/slurm_logs/(\w+)/", text)
+    assert sorted(submitted) == ["group_blind_discover_blind_discover"] * 2 + ["rule_blind_seal"]
+    assert blind_tables(folder) == blind_tables(benchmark)

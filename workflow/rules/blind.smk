@@ -1,6 +1,12 @@
 BLIND_CASES = [f"c{number:04}" for number in range(1, config["blind"]["cases"] + 1)]
 
 
+# seconds each, less than a job of a cluster waits for
+localrules:
+    blind_score,
+    blind_page,
+
+
 rule blind_seal:
     """Draw the cases of the blind benchmark: logs with something hidden in them, and the keys in a folder of their own."""
     input:
@@ -75,9 +81,6 @@ rule blind_score:
         "logs/blind_score.log",
     benchmark:
         "benchmarks/blind_score.tsv"
-    resources:
-        mem_mb=1000,
-        runtime=10,
     params:
         clear_size=config["blind"]["clear_size"],
     script:
@@ -156,9 +159,6 @@ rule blind_page:
         "logs/blind_page.log",
     benchmark:
         "benchmarks/blind_page.tsv"
-    resources:
-        mem_mb=1000,
-        runtime=10,
     params:
         clear_size=config["blind"]["clear_size"],
     script:
