@@ -32,6 +32,7 @@ rule all:
         "paper/paper.pdf",
         "results/notebooks/static.html",
         "results/notebooks/estimation.html",
+        "results/notebooks/discovery.html",
 
 
 rule discover:

@@ -121,7 +121,7 @@ def test_a_log_of_ones_own_gets_its_folder_of_what_is_missing(two_runs, copied):
     report = json.loads((folder / "report.json").read_text())
     assert [(one["name"], one["axes"]) for one in report["effects"]] == [("sinusoid", ["gyro_y"])]
     assert [one["path"] for one in report["test"]] == [str(two_runs / "line2.csv")]
-    text = (copied / "logs/dossier/line1.log").read_text()
+    text = (copied / "logs/dossier/discover/line1.log").read_text()
     assert "search" in text
     assert "gyro_y: sinusoid" in text
     again = snakemake("discover", "--cores", "2", *options, folder=copied)
@@ -132,7 +132,7 @@ def test_a_log_that_cannot_be_read_is_told_in_the_log_of_the_job(copied, tmp_pat
     (tmp_path / "bad.csv").write_text("time,giro_x\n0.0,0.1\n0.1,0.1\n")
     found = snakemake("discover", "--cores", "1", "--config", f"log={tmp_path / 'bad.csv'}", folder=copied)
     assert found.returncode != 0
-    assert "did you mean gyro_x" in (copied / "logs/dossier/bad.log").read_text()
+    assert "did you mean gyro_x" in (copied / "logs/dossier/discover/bad.log").read_text()
     assert not (copied / "results/discover/bad").exists()
 
 

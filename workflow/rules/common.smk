@@ -47,7 +47,24 @@ for option, paths in OPTIONS.items():
             f"log: expected the log that {option} belongs to; found none"
         )
 
-OWN_EFFECTS = Path(f"{(config['effects'] or '').replace('.', '/')}.py")
+# What discovery is asked, by the folder of the answer below results: a log of one's own, and the stories of the notebook.
+ASKED = {
+    "story/hidden": {"log": ["results/story/cases/hidden/log.parquet"]},
+    "story/heater": {"log": ["results/story/heater.parquet"]},
+    "story/heater_named": {
+        "log": ["results/story/heater.parquet"],
+        "effects": "notebooks.heater",
+    },
+}
+if len(RUNS["adis16405"]) > 1:
+    ASKED["story/real"] = {
+        "log": ["results/story/real_log.parquet"],
+        "test": ["results/story/real_test.parquet"],
+    }
+STORIES = [f"results/{asked}/report.json" for asked in ASKED]
+if OPTIONS["log"]:
+    own = {"effects": config["effects"]} if config["effects"] else {}
+    ASKED[f"discover/{Path(OPTIONS['log'][0]).stem}"] = OPTIONS | own
 
 
 wildcard_constraints:
@@ -105,6 +122,17 @@ def assumptions(site, motion):
         "memory_s": config["attitude"]["acceleration_s"][motion],
         "bias_std": config["attitude"]["bias_std"],
     }
+
+
+def asked(option):
+    """Name the files of an option of what discovery is asked."""
+    return lambda wildcards: ASKED[wildcards.asked].get(option, [])
+
+
+def own_effects(wildcards):
+    """Name the file of the module of one's own effects, if it lies here."""
+    path = f"{ASKED[wildcards.asked].get('effects', '').replace('.', '/')}.py"
+    return [path] if Path(path).is_file() else []
 
 
 def dossier_of_log(wildcards):
