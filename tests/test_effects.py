@@ -803,7 +803,14 @@ def test_clock_scale_multiplies_the_stamps_and_touches_no_sample():
     assert kept.index.name == "time"
 
 
-@pytest.mark.parametrize("effect", [SampleLoss(0.1, 2.0), TimestampJitter(0.1), ClockScale(1.1)], ids=lambda e: e.name)
+def test_samples_lost_on_one_axis_have_no_value():
+    values = AxisModel((SampleLoss(0.1, 2.0),)).simulate(np.zeros(20_000), conditions(20_000), 1)
+    share = 0.1 / (0.1 + 1 / 2.0)
+    assert np.isnan(values).mean() == pytest.approx(share, abs=4 * np.sqrt(3 * share / 20_000))
+    assert not values[~np.isnan(values)].any()
+
+
+@pytest.mark.parametrize("effect", [TimestampJitter(0.1), ClockScale(1.1)], ids=lambda e: e.name)
 def test_an_effect_of_the_clock_refuses_a_sequence(effect):
     with pytest.raises(ValueError, match=rf"{effect.name}: expected a whole log"):
         AxisModel((effect,)).simulate(np.zeros(9), conditions(9), 1)
