@@ -181,6 +181,7 @@ def test_turn_on_bias_of_several_runs():
         RandomTelegraph(2e-3, 0.05),
         Quantization(1e-4),
         OutputFilter(5.0, 2),
+        OutputFilter(2.0, 1, 1),
         VarianceChange(200.0, 350.0, 1.6),
         Outliers(2e-3, 4e-2),
     ],
@@ -190,7 +191,7 @@ def test_an_effect_is_named_with_its_size(effect):
     story = told_of(effect)
     assert names(story) == [effect.name]
     for name, interval in story.findings[0].parameters.items():
-        if name in ("phase", "order", "time", "start", "stop"):
+        if name in ("phase", "order", "all_pole", "time", "start", "stop"):
             continue
         wide = 2.0 * (interval.high - interval.low)
         assert interval.low - wide < getattr(effect, name) < interval.high + wide
