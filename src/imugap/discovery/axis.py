@@ -95,7 +95,7 @@ class AxisFit:
     def variance(self) -> np.ndarray:
         """Return the variance of each cosine coefficient k = 1..n-1."""
         bins = self.sequence.bins
-        return bins.spread(self.description.noise.variance(bins.frequency, bins.interval))
+        return bins.spread(self.description.noise.variance(bins))
 
     @cached_property
     def _root(self) -> np.ndarray:
@@ -136,7 +136,7 @@ class AxisFit:
     def _excess(self) -> tuple[np.ndarray, np.ndarray]:
         """Return excess and variance of the power per coefficient in each bin."""
         bins = self.sequence.bins
-        variance = self.description.noise.variance(bins.frequency, bins.interval)
+        variance = self.description.noise.variance(bins)
         return bins.sums(self.coefficients**2) / bins.number * variance - variance, variance
 
     @cached_property
@@ -147,7 +147,7 @@ class AxisFit:
 
     def _room(self, effect: StochasticEffect) -> tuple[float, float]:
         bins, (excess, variance) = self.sequence.bins, self._excess
-        shape = Noise((effect,), self.description.noise.output_filter).variance(bins.frequency, bins.interval)
+        shape = Noise((effect,), self.description.noise.output_filter).variance(bins)
         weight = bins.number * shape / variance**2
         return float(weight @ excess), float(weight @ shape)
 
@@ -278,7 +278,7 @@ def log_score(sequence: Sequence, description: Description) -> float:
     """Return the log-density of a sequence, free of its offset, under a description with values from elsewhere."""
     bins = sequence.bins
     power = bins.sums(cosines(residual(sequence, description)) ** 2)
-    variance = description.noise.variance(bins.frequency, bins.interval)
+    variance = description.noise.variance(bins)
     return log_likelihood(variance, power, bins.number) - _jacobian_of_scale(sequence, description)
 
 
@@ -311,7 +311,7 @@ def _mean_moved(sequence: Sequence, description: Description) -> Description:
 def _roots(sequence: Sequence, description: Description) -> np.ndarray:
     """Return the standard deviation of each coefficient, infinite where it is not used."""
     bins = sequence.bins
-    root = np.sqrt(bins.spread(description.noise.variance(bins.frequency, bins.interval)))
+    root = np.sqrt(bins.spread(description.noise.variance(bins)))
     root[bins.last :] = np.inf
     return root
 

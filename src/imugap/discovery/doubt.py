@@ -5,6 +5,7 @@ that drifts, a trend that bends, a spectrum of another slope, a stretch whose va
 does not explain what is left there, the name is withheld and the place reported as unexplained.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -45,10 +46,21 @@ def doubts(search: Search, fit: AxisFit) -> dict[Key, Doubt]:
         same = [key for key in keys if isinstance(at(fit.description, key), kind)]
         if len(same) > most:
             found |= {key: Doubt(f"{len(same)} of them", -np.inf) for key in same}
+    found |= _after_clusters(search, fit, found)
     for part in {key.part for key in found}:
         worst = min((found[key] for key in found if key.part == part), key=lambda doubt: doubt.log_p)
         found |= {key: worst for key in keys if key.part == part and key not in found}
     return found
+
+
+def _after_clusters(search: Search, fit: AxisFit, found: Mapping[Key, Doubt]) -> dict[Key, Doubt]:
+    """Return the random effects that only the samples without outliers show, where those are in doubt."""
+    doubt = next((found[key] for key in found if key.part == "outliers"), None)
+    if doubt is None:
+        return {}
+    raw = search.fitted(search.raw[fit.description.outliers], replace(fit.description, outliers=None))
+    random = [key for key in search.added(raw.description) if key.part != "term"]
+    return {key: doubt for key in random if search.weighed(raw, key)[0] > search.log_alpha}
 
 
 def _doubt(search: Search, fit: AxisFit, key: Key) -> Doubt | None:
@@ -96,18 +108,15 @@ def _another_spectrum(search: Search, fit: AxisFit, key: Key) -> Doubt | None:
 def _share(fit: AxisFit, effect: StochasticEffect) -> np.ndarray:
     """Return the share of an effect in the variance of each bin."""
     bins, noise = fit.sequence.bins, fit.description.noise
-    own = Noise((effect,), noise.output_filter).variance(bins.frequency, bins.interval)
-    return own / noise.variance(bins.frequency, bins.interval)
+    own = Noise((effect,), noise.output_filter).variance(bins)
+    return own / noise.variance(bins)
 
 
 def _score(fit: AxisFit, direction: np.ndarray) -> float:
     """Return the log-probability of the score of the log-spectrum in a direction, the parameters free to follow."""
     bins, noise = fit.sequence.bins, fit.description.noise
-    theta, variance = noise.theta(), noise.variance(bins.frequency, bins.interval)
-    slopes = [
-        (noise.at(theta + step).variance(bins.frequency, bins.interval) / variance - 1) / STEP
-        for step in STEP * np.eye(len(theta))
-    ]
+    theta, variance = noise.theta(), noise.variance(bins)
+    slopes = [(noise.at(theta + step).variance(bins) / variance - 1) / STEP for step in STEP * np.eye(len(theta))]
     weighted = np.sqrt(bins.number / 2)
     basis = np.linalg.qr((np.array(slopes) * weighted).T)[0]
     rest = direction * weighted - basis @ (basis.T @ (direction * weighted))

@@ -79,6 +79,8 @@ class Search:
     """Fits by the description that they started from."""
     tails: dict[Outliers, Tails] = field(default_factory=dict)
     """What outliers were found by; the samples without them say no more about them."""
+    raw: dict[Outliers, Sequence] = field(default_factory=dict)
+    """The samples with the outliers."""
 
     def forgetful(self) -> "Search":
         """Return the search without the fits that it made on the way."""
@@ -134,7 +136,7 @@ class Search:
         unit = float(np.sqrt(before.variance[: before.sequence.bins.last].mean()))
         named = replace(before.description, outliers=Outliers(found.probability, found.excess * unit))
         sequence = before.sequence.mended(found.flagged, stream(0, "mended", before.sequence.conditions.axis))
-        self.tails[named.outliers] = found
+        self.tails[named.outliers], self.raw[named.outliers] = found, before.sequence
         return Trial(Outliers.name, self.fitted(sequence, named), found.gain, log_chance(found.gain, 2) + np.log(TAILS))
 
     def judged(self, start: Start, before: AxisFit) -> Trial:

@@ -233,6 +233,14 @@ def _finding(search: Search, found: AxisFit, key: Key, held_out: Sequence) -> Fi
     return Finding({axis: effect}, parameters, max(float(own), CERTAIN), float(gain), tuple(alternatives.items()))
 
 
+def noise_of(found: AxisFit) -> tuple[Finding, ...]:
+    """Return the white noise of an axis whose start model has no noise at all as a finding, where there is some."""
+    axis, effect = found.sequence.conditions.axis, found.description.noise.effects[0]
+    parameters = intervals(found, found, Key("noise", 0))
+    seen = parameters["density"].low > 0
+    return (Finding({axis: effect}, parameters, CERTAIN),) if seen else ()
+
+
 def _of_outliers(search: Search, found: AxisFit) -> dict[str, Interval]:
     effect = found.description.outliers
     tails = search.tails[effect]

@@ -30,7 +30,7 @@ class OutputFilter(Effect):
     stage: ClassVar[Stage] = Stage.FILTER
     cutoff: float = parameter("Hz", "frequency at which the power gain is 1/2", low=TINY)
     order: float = parameter("1", "order", low=1.0, high=8.0, whole=True, default=1)
-    all_pole: float = parameter("1", "1 for a filter of poles alone, 0 for Butterworth's", high=1.0, whole=True, default=0)
+    all_pole: float = parameter("1", "1: poles alone, 0: Butterworth", high=1.0, whole=True, default=0)
 
     def apply(self, sequence: np.ndarray, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
         """Filter the output, as if its first value had been there for ever."""
