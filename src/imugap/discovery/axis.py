@@ -165,8 +165,8 @@ class AxisFit:
         return 0.5 * score - 0.25 * information
 
     @cached_property
-    def lines(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return frequencies [Hz] and gains of log-likelihood of a sinusoid at each."""
+    def lines(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return frequencies [Hz], gains of log-likelihood of a sinusoid at each, and the level around it."""
         return scans.lines(self.whitened, self.sequence.conditions.interval)
 
     @cached_property

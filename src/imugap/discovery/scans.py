@@ -6,6 +6,8 @@ from scipy.signal import find_peaks
 
 EDGE = 8
 """Samples at each end at which no step is looked for."""
+BAND, FINER = 256, 4
+"""Frequencies of a band over which the level of the power is taken; how often it is halved towards zero."""
 BLOCKS = 400
 """Blocks of the search for stretches of another variance."""
 
@@ -32,18 +34,33 @@ def steps(coefficients: np.ndarray, variance: np.ndarray) -> np.ndarray:
     return gains
 
 
-def lines(whitened: np.ndarray, interval: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return frequencies [Hz] and the gain of log-likelihood of a sinusoid at each.
+def lines(whitened: np.ndarray, interval: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return frequencies [Hz], the gain of log-likelihood of a sinusoid at each, and the level of the power around it.
 
     The whitened residual is transformed over twice its length, so that a line between two frequencies of the log
-    loses at most a tenth of its power.
+    loses at most a tenth of its power. Gains are over the level: where the fit is off over a band, no line of it is
+    more than its neighbours.
     """
     n = len(whitened)
     length = next_fast_len(2 * n, real=True)
     power = np.abs(rfft(whitened, length)) ** 2 / n
     frequency = np.arange(len(power)) / (length * interval)
     inner = (frequency > 1.5 / (n * interval)) & (frequency < (0.5 - 1.0 / n) / interval)
-    return frequency[inner], power[inner]
+    level = _level(power[inner])
+    return frequency[inner], power[inner] / level, level
+
+
+def _level(power: np.ndarray) -> np.ndarray:
+    """Return the level of exponentially distributed power around each frequency, at least 1, shape (n,).
+
+    It is taken from medians of bands, three standard deviations below them, and is 1 where that is less.
+    """
+    edges = [BAND // 2**k for k in range(FINER, 0, -1)] + list(range(BAND, len(power) - BAND, BAND))
+    first = np.r_[0, [edge for edge in edges if edge < len(power)]]
+    number = np.diff(np.r_[first, len(power)])
+    medians = np.array([np.median(power[a : a + n]) for a, n in zip(first, number, strict=True)])
+    level = np.maximum(medians / (np.log(2) + 3 * np.sqrt(2 / number)), 1.0)
+    return np.repeat(level, number)
 
 
 def peaks(gains: np.ndarray, count: int, apart: int) -> np.ndarray:

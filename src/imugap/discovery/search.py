@@ -142,7 +142,7 @@ class Search:
     def judged(self, start: Start, before: AxisFit) -> Trial:
         """Fit a proposal and judge it against the fit without it."""
         after = self.fitted(before.sequence, with_effect(before.description, start))
-        gain = after.log_likelihood - before.log_likelihood
+        gain = (after.log_likelihood - before.log_likelihood) / start.level
         log_p = log_chance(gain, len(start.free)) + np.log(start.trials)
         return Trial(start.effect.name, after, gain, min(log_p, 0.0))
 
