@@ -179,6 +179,11 @@ class AxisFit:
         """Return gain, first sample and last sample + 1 of the stretch whose variance differs most."""
         return scans.stretches(self.whitened)
 
+    @cached_property
+    def swing(self) -> tuple[float, float, float, float]:
+        """Return frequency [Hz], depth, phase and gain of the swing of the variance that is most likely."""
+        return scans.swing(self.whitened, self.sequence.conditions.time)
+
     def beyond(self, columns: np.ndarray) -> np.ndarray:
         """Return what the terms leave of whitened columns, shape (n - 1, m)."""
         return columns - self.basis @ (self.basis.T @ columns)
@@ -208,10 +213,7 @@ def scale(sequence: Sequence, changes: Several[VarianceChange]) -> np.ndarray | 
     """Return the factor of the standard deviation at each sample, shape (n,), or 1."""
     if not changes:
         return 1.0
-    factor = np.ones(len(sequence.values))
-    for change in changes:
-        factor[change.within(sequence.conditions.time)] *= np.sqrt(change.ratio)
-    return factor
+    return np.sqrt(np.prod([change.factor(sequence.conditions.time) for change in changes], axis=0))
 
 
 def residual(sequence: Sequence, description: Description) -> np.ndarray:

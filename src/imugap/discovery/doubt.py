@@ -13,10 +13,11 @@ from scipy.stats import chi2
 
 from imugap.discovery.axis import AxisFit
 from imugap.discovery.noise import STEP, Noise
+from imugap.discovery.parameters import term_intervals
 from imugap.discovery.power_law import PowerLaw
-from imugap.discovery.search import Key, Search, at, log_chance
-from imugap.effects import BiasInstability, BiasStep, GaussMarkov, RandomWalk, Sinusoid, VarianceChange
-from imugap.effects.effect import StochasticEffect
+from imugap.discovery.search import MANY, Key, Search, at, log_chance
+from imugap.effects import BiasInstability, GaussMarkov, RandomWalk
+from imugap.effects.effect import TINY, StochasticEffect
 
 LEVEL = np.log(1e-3)
 """Log-probability of chance below which a name is in doubt."""
@@ -25,8 +26,6 @@ SHARE = 0.05
 BANDS = 24
 BLOCKS = 12
 """Blocks of a stretch of another variance, and of the rest, that have to agree."""
-MANY = {BiasStep: 3, VarianceChange: 3, Sinusoid: 5}
-"""Number of effects of a kind on one axis above which they are not what they are called."""
 SLOW = (BiasInstability, GaussMarkov, RandomWalk)
 
 
@@ -74,11 +73,22 @@ def _nothing(search: Search, fit: AxisFit, key: Key) -> None:
 
 
 def _bends(search: Search, fit: AxisFit, key: Key) -> Doubt | None:
+    unresolved = _unresolved(fit, key)
+    if unresolved is not None:
+        return unresolved
     columns = fit.description.terms[key.index].effect.near_misses(fit.sequence.conditions)
     if not columns.shape[1]:
         return None
     gain, rank = fit.joint_gain(fit.whiten(columns))
     return Doubt("the mean is not quite of its shape", log_chance(gain, rank)) if rank else None
+
+
+def _unresolved(fit: AxisFit, key: Key) -> Doubt | None:
+    """Doubt an effect of which the log does not tell a parameter from nothing: a transient of a sample or two."""
+    limits = at(fit.description, key).limits()
+    ends = term_intervals(fit, key.index)
+    lost = [name for name, (low, _) in ends.items() if limits[name][0] == TINY and low <= TINY]
+    return Doubt(f"the log does not tell its {lost[0]}", -np.inf) if lost else None
 
 
 def _clustered(search: Search, fit: AxisFit, key: Key) -> Doubt:

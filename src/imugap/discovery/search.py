@@ -15,7 +15,7 @@ from scipy.stats import chi2
 from imugap.discovery.axis import AxisFit, Description, Term, fit
 from imugap.discovery.sequence import Sequence
 from imugap.discovery.tails import Tails, tails
-from imugap.effects import Outliers, OutputFilter, VarianceChange
+from imugap.effects import BiasStep, Outliers, OutputFilter, Sinusoid, VarianceChange
 from imugap.effects.effect import Effect, Start, SystematicEffect
 from imugap.stream import stream
 
@@ -32,6 +32,8 @@ HOPE, HOPES = -4.0, 2
 
 They stay if the exchange of what is there makes all of it certain: an effect that stands for two others hides both.
 """
+MANY = {BiasStep: 3, VarianceChange: 3, Sinusoid: 5}
+"""Number of effects of a kind on one axis above which they are not what they are called; no more are looked for."""
 SLACK = 2.0
 """How many times the gain that an effect expects before the fit it may make after it."""
 
@@ -122,6 +124,8 @@ class Search:
     def trials(self, before: AxisFit, bar: float) -> Iterator[Trial]:
         """Yield every proposal, fitted, whose log-probability may come below ``bar``."""
         for kind in self.catalogue:
+            if sum(isinstance(one, kind) for one in before.description.effects()) > MANY.get(kind, LIMIT):
+                continue
             for start in kind.starts(before):
                 if log_chance(SLACK * start.gain + SLACK, len(start.free)) + np.log(start.trials) < bar:
                     yield self.judged(start, before)

@@ -133,7 +133,8 @@ def told(
 ) -> Tale:
     """Search one axis; the samples from ``split`` on are held out.
 
-    One thread is enough for vectors of this length, and axes are worked on side by side.
+    Outliers and changes of the variance, which no later fit moves, are found in the whole log anew. One thread is
+    enough for vectors of this length, and axes are worked on side by side.
     """
     with threadpool_limits(1):
         held_in, held_out = part(sequence, 0, split), part(sequence, split, len(sequence.values))
@@ -141,7 +142,8 @@ def told(
         early, late = (Search(before.description, catalogue, log_alpha) for _ in range(2))
         after = _told_apart(early, early.explore(before))
         whole = part(sequence, 0, len(sequence.values))
-        again = late.settled(fit(whole, replace(after.description, outliers=None)))
+        kept = replace(after.description, outliers=None, changes=before.description.changes)
+        again = late.settled(fit(whole, kept))
         found = _told_apart(late, late.explore(again))
         return Tale(before, after, early.forgetful(), found, late.forgetful(), held_out)
 
