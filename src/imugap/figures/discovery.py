@@ -8,7 +8,7 @@ from matplotlib.ticker import FuncFormatter
 from imugap.discovery.discover import Discovery
 from imugap.discovery.distance import Drifts
 from imugap.discovery.gaps import Verdict
-from imugap.figures import AXIS_TITLES, legend_below, panels_of
+from imugap.figures import AXIS_TITLES, legend_below, panels_of, said
 
 MOST = 20
 """Views that one figure shows, the surest first."""
@@ -50,7 +50,7 @@ def places(found: Discovery, alpha: float) -> Figure:
     before, after = ({(one.curve.view, one.curve.axis): one for one in some} for some in (found.before, found.after))
     drawn = [key for key in wanted if key in before][:MOST]
     if not drawn:
-        return _said("No view of the log leaves the start model.")
+        return said("No view of the log leaves the start model.")
     figure, grid = panels_of(len(drawn), 2, 1.5 * len(drawn) + 0.6, sharex="row", sharey="row")
     for key, row in zip(drawn, grid, strict=True):
         for panel, (title, colour), verdict in zip(row, STATES.values(), (before[key], after.get(key)), strict=True):
@@ -113,7 +113,7 @@ def distance(found: Discovery) -> Figure:
 def drift(found: Discovery) -> Figure:
     """Draw the free-inertial drift of the held-out data in the ensembles of both models, a row for each log."""
     if not found.drifts:
-        return _said("No navigation: it takes a device at rest and all six axes.")
+        return said("No navigation: it takes a device at rest and all six axes.")
     rows = [(path, state) for path in found.drifts for state in STATES]
     figure, grid = panels_of(len(rows), 3, 1.6 * len(rows) + 0.5, sharex="row")
     for number, ((path, state), row) in enumerate(zip(rows, grid, strict=True)):
@@ -146,11 +146,3 @@ def _reach(path: Drifts, column: int) -> float:
 
 def _titled(axis: str) -> str:
     return " and ".join(AXIS_TITLES.get(one, one) for one in axis.split(","))
-
-
-def _said(text: str) -> Figure:
-    """Return a figure that says why there is nothing to see."""
-    figure, grid = panels_of(1, 1, 0.8)
-    grid[0, 0].set_axis_off()
-    grid[0, 0].text(0.5, 0.5, text, ha="center", va="center", transform=grid[0, 0].transAxes)
-    return figure
