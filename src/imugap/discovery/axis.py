@@ -95,7 +95,7 @@ class AxisFit:
     def variance(self) -> np.ndarray:
         """Return the variance of each cosine coefficient k = 1..n-1."""
         bins = self.sequence.bins
-        return bins.spread(self.description.noise.variance(bins.frequency, bins.interval))
+        return bins.spread(self.description.noise.variance(bins))
 
     @cached_property
     def _root(self) -> np.ndarray:
@@ -136,7 +136,7 @@ class AxisFit:
     def _excess(self) -> tuple[np.ndarray, np.ndarray]:
         """Return excess and variance of the power per coefficient in each bin."""
         bins = self.sequence.bins
-        variance = self.description.noise.variance(bins.frequency, bins.interval)
+        variance = self.description.noise.variance(bins)
         return bins.sums(self.coefficients**2) / bins.number * variance - variance, variance
 
     @cached_property
@@ -147,7 +147,7 @@ class AxisFit:
 
     def _room(self, effect: StochasticEffect) -> tuple[float, float]:
         bins, (excess, variance) = self.sequence.bins, self._excess
-        shape = Noise((effect,), self.description.noise.output_filter).variance(bins.frequency, bins.interval)
+        shape = Noise((effect,), self.description.noise.output_filter).variance(bins)
         weight = bins.number * shape / variance**2
         return float(weight @ excess), float(weight @ shape)
 
@@ -165,8 +165,8 @@ class AxisFit:
         return 0.5 * score - 0.25 * information
 
     @cached_property
-    def lines(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return frequencies [Hz] and gains of log-likelihood of a sinusoid at each."""
+    def lines(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return frequencies [Hz], gains of log-likelihood of a sinusoid at each, and the level around it."""
         return scans.lines(self.whitened, self.sequence.conditions.interval)
 
     @cached_property
@@ -178,6 +178,11 @@ class AxisFit:
     def stretch(self) -> tuple[float, int, int]:
         """Return gain, first sample and last sample + 1 of the stretch whose variance differs most."""
         return scans.stretches(self.whitened)
+
+    @cached_property
+    def swing(self) -> tuple[float, float, float, float]:
+        """Return frequency [Hz], depth, phase and gain of the swing of the variance that is most likely."""
+        return scans.swing(self.whitened, self.sequence.conditions.time)
 
     def beyond(self, columns: np.ndarray) -> np.ndarray:
         """Return what the terms leave of whitened columns, shape (n - 1, m)."""
@@ -208,10 +213,7 @@ def scale(sequence: Sequence, changes: Several[VarianceChange]) -> np.ndarray | 
     """Return the factor of the standard deviation at each sample, shape (n,), or 1."""
     if not changes:
         return 1.0
-    factor = np.ones(len(sequence.values))
-    for change in changes:
-        factor[change.within(sequence.conditions.time)] *= np.sqrt(change.ratio)
-    return factor
+    return np.sqrt(np.prod([change.factor(sequence.conditions.time) for change in changes], axis=0))
 
 
 def residual(sequence: Sequence, description: Description) -> np.ndarray:
@@ -278,7 +280,7 @@ def log_score(sequence: Sequence, description: Description) -> float:
     """Return the log-density of a sequence, free of its offset, under a description with values from elsewhere."""
     bins = sequence.bins
     power = bins.sums(cosines(residual(sequence, description)) ** 2)
-    variance = description.noise.variance(bins.frequency, bins.interval)
+    variance = description.noise.variance(bins)
     return log_likelihood(variance, power, bins.number) - _jacobian_of_scale(sequence, description)
 
 
@@ -311,7 +313,7 @@ def _mean_moved(sequence: Sequence, description: Description) -> Description:
 def _roots(sequence: Sequence, description: Description) -> np.ndarray:
     """Return the standard deviation of each coefficient, infinite where it is not used."""
     bins = sequence.bins
-    root = np.sqrt(bins.spread(description.noise.variance(bins.frequency, bins.interval)))
+    root = np.sqrt(bins.spread(description.noise.variance(bins)))
     root[bins.last :] = np.inf
     return root
 

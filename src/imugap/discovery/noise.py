@@ -120,10 +120,10 @@ class Noise:
     effects: tuple[StochasticEffect, ...]
     output_filter: OutputFilter | None = None
 
-    def variance(self, frequency: np.ndarray, interval: float) -> np.ndarray:
-        """Return the variance of a cosine coefficient at ``frequency`` [Hz]: S/interval times the filter's gain."""
-        total = sum(effect.sampled_psd(frequency, interval) for effect in self.effects) / interval
-        return total if self.output_filter is None else total * self.output_filter.gain(frequency, interval)
+    def variance(self, bins: Bins) -> np.ndarray:
+        """Return the variance of a cosine coefficient in each bin, shape (bins,): that of S/interval, filtered."""
+        total = sum(effect.cosine_variance(bins.frequency, bins.interval, bins.count) for effect in self.effects)
+        return total if self.output_filter is None else total * self.output_filter.gain(bins.frequency, bins.interval)
 
     def __iter__(self):
         """Iterate over all effects, the filter last."""
@@ -226,7 +226,7 @@ class _Process:
             return self.unit
         values = {name: float(np.exp(theta[i])) for name, i in zip(self.names, self.places, strict=True)}
         effect = replace(self.effect, **(values | {self.size: 1.0}))
-        return effect.sampled_psd(bins.frequency, bins.interval) / bins.interval
+        return effect.cosine_variance(bins.frequency, bins.interval, bins.count)
 
 
 class _Spectra:
@@ -294,7 +294,7 @@ def _limits(noise: Noise, bins: Bins, power: np.ndarray) -> tuple[np.ndarray, np
         elif isfinite(most):
             limits.append((least, most))
         elif _scales(effect, name):
-            ratio = level / (effect.sampled_psd(bins.frequency, bins.interval) / bins.interval)
+            ratio = level / effect.cosine_variance(bins.frequency, bins.interval, bins.count)
             value = getattr(effect, name)
             limits.append((value * np.sqrt(FAINT * ratio.min()), value * np.sqrt(ratio.max()) * LOUD))
         elif effect.units("")[name] == "s":

@@ -143,12 +143,15 @@ class Start:
         Number of independent places or shapes among which it was chosen.
     gain
         Gain of log-likelihood that is expected before the fit, everything else held; infinite where not known.
+    level
+        What every gain of log-likelihood is to be divided by, because the fit is off in the whole neighbourhood.
     """
 
     effect: "Effect"
     free: tuple[str, ...]
     trials: float = 1.0
     gain: float = np.inf
+    level: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -288,6 +291,14 @@ class StochasticEffect(AllanEffect):
         ``frequency`` [Hz] lies within (0, 1/(2 interval)]; the integral over both sides is the variance of a sample.
         """
         raise NotImplementedError
+
+    def cosine_variance(self, frequency: np.ndarray, interval: float, count: float) -> np.ndarray:
+        """Return the variance [unit^2] of orthonormal cosine coefficients (DCT-II) of ``count`` samples.
+
+        The coefficient of index k belongs to the frequency k/(2 count interval). Unless its own page says otherwise
+        it is the limit of long sequences, S(f)/interval.
+        """
+        return self.sampled_psd(frequency, interval) / interval
 
     @classmethod
     def starts(cls, fit: "AxisFit") -> Iterator[Start]:
