@@ -14,7 +14,7 @@ rule story_hidden:
     params:
         effects={"temperature": 30.0, "sinusoid": 30.0},
         seed=config["seed"],
-        duration_s=600,
+        duration_s=900,
         rate_hz=25.0,
     script:
         "../scripts/story_hidden.py"
