@@ -16,7 +16,7 @@ from imugap.discovery import scans
 from imugap.discovery.noise import Noise, NoiseFit, log_likelihood
 from imugap.discovery.noise import fit as fit_noise
 from imugap.discovery.sequence import Sequence
-from imugap.effects import Outliers, VarianceChange
+from imugap.effects import Outliers, Quantization, VarianceChange
 from imugap.effects.effect import Effect, StochasticEffect
 
 ROUNDS = 8
@@ -219,7 +219,23 @@ def scale(sequence: Sequence, changes: Several[VarianceChange]) -> np.ndarray | 
 def residual(sequence: Sequence, description: Description) -> np.ndarray:
     """Return the samples less the systematic terms and their mean, over the scale of the changes of variance."""
     rest = _rest(sequence, description)
-    return (rest - _level(rest, sequence, description)) / scale(sequence, description.changes)
+    centred = (rest - _level(rest, sequence, description)) / scale(sequence, description.changes)
+    rounded = [effect for effect in description.noise.effects if isinstance(effect, Quantization)]
+    return _without_ends(centred, sequence, description, rounded[0].q) if rounded else centred
+
+
+def _without_ends(values: np.ndarray, sequence: Sequence, description: Description, q: float) -> np.ndarray:
+    """Return samples, shape (n,), without the rounding errors before the first and at the last of them.
+
+    Differences of rounding errors, S ~ f^2, are as smooth at the ends as the cosines need but for those two; they are
+    replaced by nothing where the log tells them (their posterior mean), and stay where other noise hides them.
+    """
+    ends = np.zeros((len(values), 2))
+    ends[[0, -1], [0, 1]] = q / sequence.conditions.interval
+    root = _roots(sequence, description)
+    columns, whitened = cosines(ends) / root[:, None], cosines(values) / root
+    errors = np.linalg.solve(columns.T @ columns + np.eye(2), columns.T @ whitened)
+    return values - ends @ errors
 
 
 def offset(sequence: Sequence, description: Description) -> float:

@@ -122,7 +122,7 @@ class Noise:
 
     def variance(self, bins: Bins) -> np.ndarray:
         """Return the variance of a cosine coefficient in each bin, shape (bins,): that of S/interval, filtered."""
-        total = sum(effect.cosine_variance(bins.frequency, bins.interval, bins.count) for effect in self.effects)
+        total = sum(effect.sampled_psd(bins.frequency, bins.interval) for effect in self.effects) / bins.interval
         return total if self.output_filter is None else total * self.output_filter.gain(bins.frequency, bins.interval)
 
     def __iter__(self):
@@ -226,7 +226,7 @@ class _Process:
             return self.unit
         values = {name: float(np.exp(theta[i])) for name, i in zip(self.names, self.places, strict=True)}
         effect = replace(self.effect, **(values | {self.size: 1.0}))
-        return effect.cosine_variance(bins.frequency, bins.interval, bins.count)
+        return effect.sampled_psd(bins.frequency, bins.interval) / bins.interval
 
 
 class _Spectra:
@@ -294,7 +294,7 @@ def _limits(noise: Noise, bins: Bins, power: np.ndarray) -> tuple[np.ndarray, np
         elif isfinite(most):
             limits.append((least, most))
         elif _scales(effect, name):
-            ratio = level / effect.cosine_variance(bins.frequency, bins.interval, bins.count)
+            ratio = level / (effect.sampled_psd(bins.frequency, bins.interval) / bins.interval)
             value = getattr(effect, name)
             limits.append((value * np.sqrt(FAINT * ratio.min()), value * np.sqrt(ratio.max()) * LOUD))
         elif effect.units("")[name] == "s":

@@ -292,14 +292,6 @@ class StochasticEffect(AllanEffect):
         """
         raise NotImplementedError
 
-    def cosine_variance(self, frequency: np.ndarray, interval: float, count: float) -> np.ndarray:
-        """Return the variance [unit^2] of orthonormal cosine coefficients (DCT-II) of ``count`` samples.
-
-        The coefficient of index k belongs to the frequency k/(2 count interval). Unless its own page says otherwise
-        it is the limit of long sequences, S(f)/interval.
-        """
-        return self.sampled_psd(frequency, interval) / interval
-
     @classmethod
     def starts(cls, fit: "AxisFit") -> Iterator[Start]:
         """Yield the size at which the residual's spectrum, near the fit, has most room for the process.

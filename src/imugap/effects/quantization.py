@@ -37,11 +37,6 @@ class Quantization(StochasticEffect):
         """Return 4 Q^2/interval sin^2(pi f interval) (IEEE 952)."""
         return 4 * self.q**2 / interval * np.sin(np.pi * np.asarray(frequency, float) * interval) ** 2
 
-    def cosine_variance(self, frequency: np.ndarray, interval: float, count: float) -> np.ndarray:
-        """Return S(f)/interval and, exactly, what the errors before the first and at the last sample leave in it."""
-        turn = np.pi * np.asarray(frequency, float) * interval
-        return 4 * self.q**2 / interval**2 * (np.sin(turn) ** 2 + np.cos(turn) ** 2 / count)
-
     def sampled_allan_variance(self, averaging: np.ndarray, interval: float) -> np.ndarray:
         """Return 3 Q^2/(n interval)^2: exact, as a second difference of the angle holds e - 2 e + e."""
         return self.allan_variance(np.asarray(averaging) * interval)
