@@ -5,7 +5,7 @@ that drifts, a trend that bends, a spectrum of another slope, a stretch whose va
 does not explain what is left there, the name is withheld and the place reported as unexplained.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,7 +16,8 @@ from imugap.discovery.noise import STEP, Noise
 from imugap.discovery.parameters import term_intervals
 from imugap.discovery.power_law import PowerLaw
 from imugap.discovery.search import MANY, Key, Search, at, log_chance
-from imugap.effects import BiasInstability, GaussMarkov, RandomWalk
+from imugap.discovery.telegraph import compare
+from imugap.effects import BiasInstability, GaussMarkov, RandomTelegraph, RandomWalk
 from imugap.effects.effect import TINY, StochasticEffect
 
 LEVEL = np.log(1e-3)
@@ -45,7 +46,7 @@ def doubts(search: Search, fit: AxisFit) -> dict[Key, Doubt]:
         same = [key for key in keys if isinstance(at(fit.description, key), kind)]
         if len(same) > most:
             found |= {key: Doubt(f"{len(same)} of them", -np.inf) for key in same}
-    found |= _after_clusters(search, fit, found)
+    found |= _after_clusters(search, fit, found) | _beside_a_mean(fit, keys, found)
     for part in {key.part for key in found}:
         worst = min((found[key] for key in found if key.part == part), key=lambda doubt: doubt.log_p)
         found |= {key: worst for key in keys if key.part == part and key not in found}
@@ -59,7 +60,14 @@ def _after_clusters(search: Search, fit: AxisFit, found: Mapping[Key, Doubt]) ->
         return {}
     raw = search.fitted(search.raw[fit.description.outliers], replace(fit.description, outliers=None))
     random = [key for key in search.added(raw.description) if key.part != "term"]
-    return {key: doubt for key in random if search.weighed(raw, key)[0] > search.log_alpha}
+    return {key: doubt for key in random if search.weighed(raw, key)[0].log_p > search.log_alpha}
+
+
+def _beside_a_mean(fit: AxisFit, keys: Sequence[Key], found: Mapping[Key, Doubt]) -> dict[Key, Doubt]:
+    """Return the slow random effects that may stand for what a mean of no known shape leaves."""
+    bent = [found[key].log_p for key in found if key.part == "term"]
+    slow = [key for key in keys if key.part == "noise" and isinstance(at(fit.description, key), SLOW)]
+    return {key: Doubt("the mean beside it has no known shape", min(bent)) for key in slow} if bent else {}
 
 
 def _doubt(search: Search, fit: AxisFit, key: Key) -> Doubt | None:
@@ -111,6 +119,9 @@ def _another_spectrum(search: Search, fit: AxisFit, key: Key) -> Doubt | None:
     share = _share(fit, effect)
     slope = _score(fit, share * np.log(bins.frequency / bins.frequency[0]))
     doubts = [Doubt("its spectrum has another slope", slope), _off_in_bands(fit, share)]
+    if isinstance(effect, RandomTelegraph):
+        uneven = log_chance(compare(fit, (effect,)).uneven, 1)
+        doubts.append(Doubt("it is at one of its values more often than at the other", uneven))
     law = _power_law(search, fit)
     return min([*doubts, *([law] if law is not None else [])], key=lambda doubt: doubt.log_p)
 

@@ -292,7 +292,7 @@ def _limits(noise: Noise, bins: Bins, power: np.ndarray) -> tuple[np.ndarray, np
         if isinstance(effect, OutputFilter):
             limits.append((1e-3 / bins.interval, 0.499 / bins.interval))
         elif isfinite(most):
-            limits.append((least, most))
+            limits.append((least * (1 + 2 * STEP), most * (1 - 2 * STEP)))
         elif _scales(effect, name):
             ratio = level / (effect.sampled_psd(bins.frequency, bins.interval) / bins.interval)
             value = getattr(effect, name)

@@ -25,8 +25,15 @@ LIMIT = 12
 """Additions to one axis."""
 FAR = 300.0
 """Gain of log-likelihood above which the probability of a chance is its asymptote."""
-MARGIN = 0.5
-"""Gain of evidence (natural logarithm) that an exchange has to make."""
+MARGIN = 0.1
+"""Gain of log-likelihood, parameters and places paid for, that an exchange has to make."""
+CLOSE = 20.0
+"""Log-probability by which an effect that is worth more may be less certain."""
+PARAMETER = 2.5
+"""What a parameter is worth in log-likelihood where two effects are weighed against each other.
+
+A parameter too many gains as much by chance in 2.5 % of cases (Wilks 1938).
+"""
 HOPE, HOPES = -4.0, 2
 """Log-probability of chance below which, and number of, effects that are added on trial where nothing is certain.
 
@@ -50,14 +57,25 @@ class Trial:
         The fit with it.
     gain
         Gain of log-likelihood over the fit without it.
-    log_p
-        Logarithm of the probability of that gain by chance (likelihood ratio, Bonferroni over the trials).
+    parameters, trials
+        Number of parameters more, and of independent places or shapes among which the effect was chosen.
     """
 
     name: str
     fit: AxisFit
     gain: float
-    log_p: float
+    parameters: int
+    trials: float
+
+    @property
+    def log_p(self) -> float:
+        """Return the log-probability of that gain by chance (likelihood ratio, Bonferroni over the trials)."""
+        return min(log_chance(self.gain, self.parameters) + float(np.log(self.trials)), 0.0)
+
+    @property
+    def worth(self) -> float:
+        """Return the gain less what parameters and trials cost: what effects are weighed by against each other."""
+        return self.gain - PARAMETER * self.parameters - float(np.log(self.trials))
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,7 +136,7 @@ class Search:
         """Return whether a fit has more effects than before, each of which chance does not explain."""
         keys = self.added(after.description)
         return len(keys) > len(self.added(before.description)) and all(
-            self.weighed(after, key)[0] < self.log_alpha for key in keys
+            self.weighed(after, key)[0].log_p < self.log_alpha for key in keys
         )
 
     def trials(self, before: AxisFit, bar: float) -> Iterator[Trial]:
@@ -141,14 +159,13 @@ class Search:
         named = replace(before.description, outliers=Outliers(found.probability, found.excess * unit))
         sequence = before.sequence.mended(found.flagged, stream(0, "mended", before.sequence.conditions.axis))
         self.tails[named.outliers], self.raw[named.outliers] = found, before.sequence
-        return Trial(Outliers.name, self.fitted(sequence, named), found.gain, log_chance(found.gain, 2) + np.log(TAILS))
+        return Trial(Outliers.name, self.fitted(sequence, named), found.gain, 2, TAILS)
 
     def judged(self, start: Start, before: AxisFit) -> Trial:
         """Fit a proposal and judge it against the fit without it."""
         after = self.fitted(before.sequence, with_effect(before.description, start))
         gain = (after.log_likelihood - before.log_likelihood) / start.level
-        log_p = log_chance(gain, len(start.free)) + np.log(start.trials)
-        return Trial(start.effect.name, after, gain, min(log_p, 0.0))
+        return Trial(start.effect.name, after, gain, len(start.free), start.trials)
 
     def settled(self, found: AxisFit) -> AxisFit:
         """Return the fit after the removal or exchange of every added effect that is superfluous or another one."""
@@ -164,34 +181,35 @@ class Search:
         """Return the fit without the added effects that chance explains."""
         for key in self.added(found.description):
             own, without = self.weighed(found, key)
-            if own > self.log_alpha:
+            if own.log_p > self.log_alpha:
                 return self.pruned(without)
         return found
 
     def _improved(self, found: AxisFit, key: "Key") -> AxisFit | None:
         """Return a fit without the effect at ``key``, or with another in its place, if it is better."""
         own, without = self.weighed(found, key)
-        if own > self.log_alpha:
+        if own.log_p > self.log_alpha:
             return without
-        best = min(self.rivals(found, key, without), key=lambda trial: trial.log_p, default=None)
-        return best.fit if best is not None and best.log_p < own - MARGIN else None
+        bar = min(self.log_alpha, own.log_p + CLOSE)
+        best = max(self.rivals(found, key, without, bar), key=lambda trial: trial.worth, default=None)
+        return best.fit if best is not None and best.worth > own.worth + MARGIN else None
 
-    def weighed(self, found: AxisFit, key: "Key") -> tuple[float, AxisFit]:
-        """Return the log-probability that chance makes the gain of one effect, and the fit without it."""
+    def weighed(self, found: AxisFit, key: "Key") -> tuple[Trial, AxisFit]:
+        """Return one effect as a trial, and the fit without it."""
         if key.part == "outliers":
-            return log_chance(self.tails[found.description.outliers].gain, 2) + np.log(TAILS), found
+            return Trial(Outliers.name, found, self.tails[found.description.outliers].gain, 2, TAILS), found
         without = self.fitted(found.sequence, removed(found.description, key))
         effect = at(found.description, key)
         trials = max((start.trials for start in type(effect).starts(without)), default=1.0)
         more = max(found.description.size() - without.description.size(), 1)
-        return log_chance(found.log_likelihood - without.log_likelihood, more) + np.log(trials), without
+        return Trial(effect.name, found, found.log_likelihood - without.log_likelihood, more, trials), without
 
-    def rivals(self, found: AxisFit, key: "Key", without: AxisFit) -> list[Trial]:
-        """Return every other effect in the place of one, fitted."""
+    def rivals(self, found: AxisFit, key: "Key", without: AxisFit, bar: float) -> list[Trial]:
+        """Return every other effect in the place of one, fitted, whose log-probability may come below ``bar``."""
         if key.part == "outliers":
             return []
         name = at(found.description, key).name
-        return [trial for trial in self.trials(without, self.log_alpha) if trial.name != name]
+        return [trial for trial in self.trials(without, bar) if trial.name != name]
 
     def added(self, description: Description) -> list["Key"]:
         """Return where the effects are that the start model does not have."""

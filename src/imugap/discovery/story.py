@@ -12,7 +12,7 @@ from imugap.discovery.doubt import SLOW, Doubt, doubts
 from imugap.discovery.finding import Finding, Interval
 from imugap.discovery.noise import Noise
 from imugap.discovery.parameters import axis_unit, intervals
-from imugap.discovery.search import Key, Search, at, removed
+from imugap.discovery.search import MANY, Key, Search, at, log_chance, removed
 from imugap.discovery.sequence import Sequence
 from imugap.discovery.telegraph import compare
 from imugap.effects import (
@@ -29,6 +29,8 @@ from imugap.model import AxisModel
 
 SWITCHES, ALIKE = 3, 0.4
 """Steps to and fro at least, and largest difference of their sizes over the largest, that are telegraph noise."""
+PLACES = 12.0
+"""Logarithm of the largest number of places of which an effect is tried at the best."""
 CERTAIN = -690.0
 """Logarithm of the least probability that is told from zero."""
 
@@ -169,7 +171,7 @@ def _two_valued(found: AxisFit) -> AxisFit:
 
 def _told_apart(search: Search, found: AxisFit) -> AxisFit:
     """Return the fit with telegraph noise in the place of what the samples show to have two values."""
-    found = _switching(search, found)
+    found = _switching(search, _many_steps(search, found))
     keys = [key for key in search.added(found.description) if isinstance(at(found.description, key), SLOW)]
     if not keys:
         return found
@@ -179,6 +181,16 @@ def _told_apart(search: Search, found: AxisFit) -> AxisFit:
     noise = _without(found, keys).description.noise
     effects = replace(noise, effects=(*noise.effects, verdict.effect))
     return fit(found.sequence, replace(found.description, noise=effects))
+
+
+def _many_steps(search: Search, found: AxisFit) -> AxisFit:
+    """Return the fit with telegraph noise in the place of more steps than can have their name, if it is that."""
+    steps = [key for key in search.added(found.description) if isinstance(at(found.description, key), BiasStep)]
+    if len(steps) <= MANY[BiasStep]:
+        return found
+    stepless = replace(search, catalogue=tuple(kind for kind in search.catalogue if kind is not BiasStep))
+    other = _told_apart(stepless, stepless.explore(_without(found, steps)))
+    return other if other.has(RandomTelegraph) else found
 
 
 def _switching(search: Search, found: AxisFit) -> AxisFit:
@@ -215,7 +227,8 @@ def _finding(search: Search, found: AxisFit, key: Key, held_out: Sequence) -> Fi
     own, without = search.weighed(found, key)
     near = found.log_likelihood + search.log_alpha / 2
     alternatives = {}
-    for rival in search.rivals(found, key, without):
+    bar = min(log_chance(near - without.log_likelihood, 1) + PLACES, search.log_alpha)
+    for rival in search.rivals(found, key, without, bar):
         if rival.fit.log_likelihood > near:
             gain = rival.fit.log_likelihood - found.log_likelihood
             alternatives[rival.name] = max(gain, alternatives.get(rival.name, -np.inf))
@@ -232,7 +245,7 @@ def _finding(search: Search, found: AxisFit, key: Key, held_out: Sequence) -> Fi
     else:
         parameters = intervals(found, without, key)
         gain = log_score(held_out, found.description) - log_score(held_out, without.description)
-    return Finding({axis: effect}, parameters, max(float(own), CERTAIN), float(gain), tuple(alternatives.items()))
+    return Finding({axis: effect}, parameters, max(own.log_p, CERTAIN), float(gain), tuple(alternatives.items()))
 
 
 def noise_of(found: AxisFit) -> tuple[Finding, ...]:

@@ -32,11 +32,14 @@ class Verdict:
         Telegraph noise at its maximum of likelihood.
     intervals
         95 % intervals of its step and rate.
+    uneven
+        Gain of log-likelihood of two rates, up and down, over one.
     """
 
     gain: float
     effect: RandomTelegraph
     intervals: tuple[tuple[float, float], tuple[float, float]]
+    uneven: float
 
 
 def compare(fit: AxisFit, slow: tuple[StochasticEffect, ...]) -> Verdict:
@@ -56,10 +59,12 @@ def compare(fit: AxisFit, slow: tuple[StochasticEffect, ...]) -> Verdict:
     std = float(np.sqrt(max(means.var() - white**2, 0.01 * means.var())))
     least = np.log(std) - DEEP
 
+    def uneven(theta):
+        rates = np.exp(theta[1] + np.array([theta[4], -theta[4]])) * step
+        return -_two_values(means, np.exp(theta[0]) / 2, *rates, np.exp(max(theta[2], least)), theta[3] * std)
+
     def telegraph(theta):
-        return -_two_values(
-            means, np.exp(theta[0]) / 2, np.exp(theta[1]) * step, np.exp(max(theta[2], least)), theta[3] * std
-        )
+        return uneven(np.r_[theta, 0.0])
 
     def markov(theta):
         return -_continuum(
@@ -76,7 +81,8 @@ def compare(fit: AxisFit, slow: tuple[StochasticEffect, ...]) -> Verdict:
     error = _errors(telegraph, best.x)
     ends = [tuple(float(np.exp(best.x[i] + side * 1.96 * error[i])) for side in (-1, 1)) for i in (0, 1)]
     effect = RandomTelegraph(float(np.exp(best.x[0])), float(np.exp(best.x[1])))
-    return Verdict(float(smooth.fun - best.fun), effect, (ends[0], ends[1]))
+    apart = _lowest(uneven, [[*best.x, side] for side in (-1.0, 1.0)])
+    return Verdict(float(smooth.fun - best.fun), effect, (ends[0], ends[1]), float(best.fun - apart.fun))
 
 
 def _lowest(cost, starts):
@@ -100,17 +106,18 @@ def _errors(cost, top: np.ndarray) -> np.ndarray:
 
 
 @njit(cache=True)
-def _two_values(means, half, rate, white, offset):
-    """Return the log-likelihood of offset +- half, switching ``rate`` times per block, in white noise."""
-    switch = 0.5 * (1 - np.exp(-2 * rate))
-    up, value = 0.5, 0.0
+def _two_values(means, half, rise, fall, white, offset):
+    """Return the log-likelihood of offset +- half in white noise; ``rise`` and ``fall`` are switches per block."""
+    mean_up = rise / (rise + fall)
+    kept = np.exp(-(rise + fall))
+    up, value = mean_up, 0.0
     for mean in means:
         high = np.exp(-0.5 * min(((mean - offset - half) / white) ** 2, 1400.0))
         low = np.exp(-0.5 * min(((mean - offset + half) / white) ** 2, 1400.0))
         total = up * high + (1 - up) * low + 1e-300
         value += np.log(total)
         up = up * high / total
-        up = up * (1 - switch) + (1 - up) * switch
+        up = mean_up + kept * (up - mean_up)
     return value - len(means) * (np.log(white) + 0.5 * np.log(2 * np.pi))
 
 

@@ -27,6 +27,8 @@ MOST = 3
 """Processes on one axis that a search looks for."""
 TIMES, STARTS = 16, 2
 """Correlation times at which it looks, and from which it starts."""
+BESIDES = 2.0
+"""Independent correlation times of a log, besides what they count as a parameter."""
 
 
 @dataclass(frozen=True)
@@ -61,7 +63,7 @@ class GaussMarkov(StochasticEffect):
         for index in np.argsort(gains)[: -STARTS - 1 : -1]:
             if rooms[index] > 0:
                 start = cls(float(rooms[index]), float(times[index]))
-                yield Start(start, ("std", "correlation_time"), trials=TIMES / 2, gain=gains[index])
+                yield Start(start, ("std", "correlation_time"), trials=BESIDES, gain=gains[index])
 
     def psd(self, frequency: np.ndarray) -> np.ndarray:
         """Return S_B/(w^2 + 1/T^2) (Farrell et al. 2022, eq. 35)."""

@@ -13,6 +13,8 @@ if TYPE_CHECKING:
 
 STRETCHES = 1e5
 """Independent stretches of a long log, on the safe side."""
+LEAST = 1e-6
+"""Smallest ratio of variances that a search tells from zero."""
 SWINGS = 1e3
 """Independent frequencies of a swing, on the safe side."""
 
@@ -63,7 +65,8 @@ class VarianceChange(Effect):
                 first, last = last, len(time)
             inside, outside = squares[first:last].mean(), np.r_[squares[:first], squares[last:]].mean()
             stop = float(time[last]) if last < len(time) else end
-            yield Start(cls(float(time[first]), stop, float(inside / outside)), ("ratio",), STRETCHES, gain)
+            ratio = float(np.clip(inside / max(outside, LEAST), LEAST, 1 / LEAST))
+            yield Start(cls(float(time[first]), stop, ratio), ("ratio",), STRETCHES, gain)
         frequency, depth, phase, gain = fit.swing
         effect = cls(float(time[0]), end, depth=depth, frequency=frequency, phase=phase)
         yield Start(effect, ("depth", "frequency", "phase"), SWINGS, gain)
