@@ -1,3 +1,4 @@
+import pickle
 from dataclasses import fields
 from math import isfinite
 
@@ -401,3 +402,8 @@ def test_errors_of_the_input_see_the_ideal_one_whatever_the_other_axes_have():
 def test_the_sensors_of_a_model_are_all_but_its_clock():
     model = ErrorModel({"gyro_x": AxisModel((Bias(1.0),)), "time": CLOCK})
     assert model.sensors == {"gyro_x": model["gyro_x"]}
+
+
+def test_a_model_survives_its_way_to_another_process():
+    model = ErrorModel({"gyro_x": WhiteNoise(1e-3) + Bias(1e-4)})
+    assert pickle.loads(pickle.dumps(model)) == model

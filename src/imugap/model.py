@@ -104,6 +104,10 @@ class ErrorModel:
                 except ValueError as error:
                     raise ValueError(f"{axis}: {error}") from error
 
+    def __reduce__(self) -> tuple:
+        """Pickle as a plain mapping: what guards it cannot be pickled."""
+        return type(self), (dict(self.axes),)
+
     def __getitem__(self, axis: str) -> AxisModel:
         """Return the model of one axis."""
         return self.axes[axis]

@@ -1,13 +1,14 @@
 """Discovery on the logs of a device: where, which, add, show."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from contextlib import ExitStack
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
 import pandas as pd
+from threadpoolctl import threadpool_limits
 
 from imugap import log as canonical
 from imugap.discovery.axis import AxisFit, fit
@@ -143,7 +144,8 @@ def discover(
     wholes = {axis: story.whole for axis, story in stories.items()}
     steps.begin("gaps")
     outputs = {axis: _outputs(known, axis) for axis in stories}
-    seen = verdicts(befores, question.seed, question.replicates, outputs)
+    with _many(question.workers) as each:
+        seen = verdicts(befores, question.seed, question.replicates, outputs, each=each)
     where = named(seen, question.alpha)
     common = tuple(one.finding(f"{axis_unit(one.axes[0])}/sqrt(Hz)") for one in shared(wholes, log_alpha))
     own = tuple(finding for story in stories.values() for finding in story.findings)
@@ -152,7 +154,7 @@ def discover(
     outside = (*record.findings, *common, *_between_runs(logs, record, known, question, log_alpha))
     findings = _ordered((*own, *map(_of_joint, joints), *outside))
     steps.begin("gaps that remain")
-    later, left = _left(stories, record, common, question, outputs)
+    later, left = _left(seen, stories, record, common, question, outputs)
     start, final = _model(befores, known), _model(wholes, known, outside)
     steps.begin("distances")
     model = partial(_model, known=known, findings=outside)
@@ -189,13 +191,22 @@ def _each(
 ) -> dict:
     """Return what a task makes of the arguments of each axis, several axes at a time."""
     found = {}
-    with ExitStack() as stack:
-        every = map if workers == 1 else stack.enter_context(ProcessPoolExecutor(workers)).map
-        results = iter(every(task, *zip(*arguments, strict=True)))
+    with _many(workers) as each:
+        results = iter(each(task, *zip(*arguments, strict=True)))
         for axis in axes:
             steps.begin(step)
             found[axis] = next(results)
     return found
+
+
+@contextmanager
+def _many(workers: int) -> Iterator[Callable]:
+    """Yield what applies a function to many arguments, in so many processes."""
+    if workers == 1:
+        yield map
+        return
+    with ProcessPoolExecutor(workers) as pool:
+        yield pool.map
 
 
 def _tales(record: Record, known: ErrorModel, question: Question, log_alpha: float, steps: _Steps) -> dict[str, Tale]:
@@ -261,16 +272,24 @@ def _between_runs(
 
 
 def _left(
-    stories: Mapping[str, Story], record: Record, common: tuple[Finding, ...], question: Question, outputs: Mapping
+    seen: Sequence[Verdict],
+    stories: Mapping[str, Story],
+    record: Record,
+    common: tuple[Finding, ...],
+    question: Question,
+    outputs: Mapping,
 ) -> tuple[tuple[Verdict, ...], tuple[Gap, ...]]:
     """Return all views of the final model, and where it leaves the log.
 
-    Axes whose noise is shared are not held against each other.
+    Axes to which nothing was added are as they were; axes whose noise is shared are not held against each other.
     """
     fits = {axis: story.whole for axis, story in stories.items()}
     known = {axis: _found_outputs(record, axis, outputs[axis]) for axis in fits}
+    changed = {axis for axis, story in stories.items() if story.changed or known[axis] != outputs[axis]}
     alike = {frozenset(pair) for finding in common for pair in _pairs(finding.axes)}
-    judged = verdicts(fits, question.seed + 1, question.replicates, known)
+    with _many(question.workers) as each:
+        judged = verdicts(fits, question.seed + 1, question.replicates, known, changed, each)
+    judged = [*judged, *(one for one in seen if not changed & set(one.curve.axis.split(",")))]
     left = tuple(gap for gap in named(judged, question.alpha) if frozenset(gap.axis.split(",")) not in alike)
     return tuple(one for one in judged if frozenset(one.curve.axis.split(",")) not in alike), left
 
@@ -322,8 +341,10 @@ class _Compared:
         return drifts(self.measured, self.split, self.before, self.after, seed, count)
 
     @property
-    def navigable(self) -> bool:
-        return self.reference is None and all(axis in self.measured for axis in AXES)
+    def kinds(self) -> tuple[str, ...]:
+        """Return the names of the distances that can be taken."""
+        navigable = self.reference is None and all(axis in self.measured for axis in AXES)
+        return ("distribution", "drifts") if navigable else ("distribution",)
 
 
 def _held_out(record: Record, stories: Mapping[str, Story], start: ErrorModel, model: Callable) -> _Compared:
@@ -362,11 +383,20 @@ def _compared(record: Record, share: float, before: Uncertain, after: Uncertain)
 def _distances(logs: Sequence[_Compared], question: Question) -> tuple[dict[str, Distances], tuple[Drifts, ...]]:
     """Return the distances over logs, and the drifts of those that can be navigated; each log has its own seed."""
     asked = [(one, question.seed + number, question.simulations) for number, one in enumerate(logs)]
-    found = {"distribution": together([one.distribution(seed, count) for one, seed, count in asked])}
-    paths = tuple(one.drifts(seed, count) for one, seed, count in asked if one.navigable)
+    with _many(question.workers) as each:
+        tasks = [(one, seed, count, kind) for one, seed, count in asked for kind in one.kinds]
+        found = list(each(_one_distance, *zip(*tasks, strict=True)))
+    apart = {"distribution": together([one for one in found if isinstance(one, Apart)])}
+    paths = tuple(one for one in found if isinstance(one, Drifts))
     if paths:
-        found["navigation"] = together([path.apart() for path in paths])
-    return found, paths
+        apart["navigation"] = together([path.apart() for path in paths])
+    return apart, paths
+
+
+def _one_distance(compared: _Compared, seed: int, count: int, kind: str) -> Apart | Drifts:
+    """Return one distance of one log."""
+    with threadpool_limits(1):
+        return getattr(compared, kind)(seed, count)
 
 
 def _in_run(model: ErrorModel) -> ErrorModel:

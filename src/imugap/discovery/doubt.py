@@ -17,7 +17,7 @@ from imugap.discovery.parameters import term_intervals
 from imugap.discovery.power_law import PowerLaw
 from imugap.discovery.search import MANY, Key, Search, at, log_chance
 from imugap.discovery.telegraph import compare
-from imugap.effects import BiasInstability, GaussMarkov, RandomTelegraph, RandomWalk
+from imugap.effects import BiasInstability, GaussMarkov, RandomTelegraph, RandomWalk, Sinusoid
 from imugap.effects.effect import TINY, StochasticEffect
 
 LEVEL = np.log(1e-3)
@@ -27,6 +27,8 @@ SHARE = 0.05
 BANDS = 24
 BLOCKS = 12
 """Blocks of a stretch of another variance, and of the rest, that have to agree."""
+HARMONICS, ALONE = 9, 0.1
+"""Highest multiple of a line, and share of its frequency within which it has to be known to tell multiples."""
 SLOW = (BiasInstability, GaussMarkov, RandomWalk)
 
 
@@ -84,11 +86,31 @@ def _bends(search: Search, fit: AxisFit, key: Key) -> Doubt | None:
     unresolved = _unresolved(fit, key)
     if unresolved is not None:
         return unresolved
+    if _harmonic(fit, key):
+        return Doubt("lines at its multiples make it a wave of another shape", -np.inf)
     columns = fit.description.terms[key.index].effect.near_misses(fit.sequence.conditions)
     if not columns.shape[1]:
         return None
     gain, rank = fit.joint_gain(fit.whiten(columns))
     return Doubt("the mean is not quite of its shape", log_chance(gain, rank)) if rank else None
+
+
+def _harmonic(fit: AxisFit, key: Key) -> bool:
+    """Return whether a line and another one are multiples of each other, of a frequency that is known well enough."""
+    lines = {
+        index: (term.effect.frequency, np.diff(term_intervals(fit, index)["frequency"])[0])
+        for index, term in enumerate(fit.description.terms)
+        if isinstance(term.effect, Sinusoid)
+    }
+    if key.index not in lines:
+        return False
+    for index, other in lines.items():
+        (slow, slow_width), (fast, fast_width) = sorted([lines[key.index], other])
+        ratio = np.rint(fast / slow)
+        tolerance = fast_width + ratio * slow_width
+        if index != key.index and 2 <= ratio <= HARMONICS and abs(fast - ratio * slow) < tolerance < ALONE * slow:
+            return True
+    return False
 
 
 def _unresolved(fit: AxisFit, key: Key) -> Doubt | None:

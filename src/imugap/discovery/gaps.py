@@ -1,12 +1,13 @@
 """Where measured data leave the model: all views of all axes against replicates of the fitted model, refitted."""
 
 from collections import defaultdict
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import combinations
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from imugap.discovery import views
 from imugap.discovery.axis import AxisFit, fit
@@ -20,6 +21,8 @@ from imugap.model import AxisModel
 from imugap.stream import stream
 
 REPLICATES = 99
+TOGETHER = 11
+"""Replicates that are made one after another, by one process; neighbours among them tell of independent axes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,6 +119,8 @@ def verdicts(
     seed: int,
     replicates: int = REPLICATES,
     known: Mapping[str, tuple[Effect, ...]] | None = None,
+    asked: Collection[str] | None = None,
+    each: Callable = map,
 ) -> list[Verdict]:
     """Return every view of every axis, and of every two axes, against replicates of the fitted model.
 
@@ -125,24 +130,45 @@ def verdicts(
         Axis to fit, all of one log.
     known
         Axis to effects on its output that the descriptions leave out, such as a resolution.
+    asked
+        Axes that are asked for, alone and in pairs with any other; all of them unless given.
+    each
+        Applies a function to many arguments, several at a time perhaps.
     """
-    groups = twins(fits, known or {})
-    statistics: dict[object, list[np.ndarray]] = defaultdict(list)
+    asked = set(fits if asked is None else asked)
+    if not asked:
+        return []
     common = [pair for pair in combinations(fits, 2) if all(fits[axis].has(CommonMode) for axis in pair)]
+    common = [pair for pair in common if asked & set(pair)]
+    drawn = asked.union(*common)
+    groups = twins({axis: replace(found) for axis, found in fits.items() if axis in drawn}, known or {})
+    parts = [range(first, min(first + TOGETHER, replicates)) for first in range(0, replicates, TOGETHER)]
+    statistics: dict[object, list[np.ndarray]] = defaultdict(list)
+    for part in each(partial(_statistics, groups, common, seed), parts):
+        for key, rows in part.items():
+            statistics[key] += rows
+    alone = [one for one in _alone(groups, statistics) if one.curve.axis in asked]
+    return alone + [one for one in _pairs(fits, statistics) if asked & set(one.curve.axis.split(","))]
+
+
+def _statistics(groups: list[Twins], common: list[tuple[str, str]], seed: int, indices: range) -> dict:
+    """Return the statistics of replicates: by group and view, by pair of axes, and of independent pairs."""
+    statistics: dict[object, list[np.ndarray]] = defaultdict(list)
     newest = None
-    for index in range(replicates):
-        last, drawn = newest, {}
-        for number, group in enumerate(groups):
-            found = group.replicate(seed, index)
-            drawn |= {member.sequence.conditions.axis: found for member in group.fits}
-            for key, curve in views.curves(found, group.over).items():
-                statistics[number, *key].append(curve.statistic)
-        newest = next(iter(drawn.values()))
-        if last is not None:
-            statistics["independent"].append(views.of_coherence(newest, last).statistic)
-        for pair in common:
-            statistics[pair].append(views.of_coherence(*(drawn[axis] for axis in pair)).statistic)
-    return _alone(groups, statistics) + _pairs(fits, statistics)
+    with threadpool_limits(1):
+        for index in indices:
+            last, drawn = newest, {}
+            for number, group in enumerate(groups):
+                found = group.replicate(seed, index)
+                drawn |= {member.sequence.conditions.axis: found for member in group.fits}
+                for key, curve in views.curves(found, group.over).items():
+                    statistics[number, *key].append(curve.statistic)
+            newest = next(iter(drawn.values()))
+            if last is not None:
+                statistics["independent"].append(views.of_coherence(newest, last).statistic)
+            for pair in common:
+                statistics[pair].append(views.of_coherence(*(drawn[axis] for axis in pair)).statistic)
+    return dict(statistics)
 
 
 def _alone(groups: list[Twins], statistics: Mapping) -> list[Verdict]:

@@ -58,12 +58,15 @@ def _level(power: np.ndarray) -> np.ndarray:
 
     It is taken from medians of bands, three standard deviations below them, and is 1 where that is less.
     """
-    edges = [BAND // 2**k for k in range(FINER, 0, -1)] + list(range(BAND, len(power) - BAND, BAND))
-    first = np.r_[0, [edge for edge in edges if edge < len(power)]]
-    number = np.diff(np.r_[first, len(power)])
-    medians = np.array([np.median(power[a : a + n]) for a, n in zip(first, number, strict=True)])
-    level = np.maximum(medians / (np.log(2) + 3 * np.sqrt(2 / number)), 1.0)
-    return np.repeat(level, number)
+    even = len(power) // BAND
+    if even < 2:
+        return np.full(len(power), max(np.median(power) / (np.log(2) + 3 * np.sqrt(2 / len(power))), 1.0))
+    number = np.r_[BAND // 2**FINER, [BAND // 2**k for k in range(FINER, 0, -1)], np.full(even - 1, BAND)]
+    finer = np.split(power[:BAND], np.cumsum(number[:FINER]))
+    coarse = np.median(power[BAND : even * BAND].reshape(-1, BAND), axis=1)
+    medians = np.r_[[np.median(band) for band in finer], coarse]
+    number[-1] += len(power) - even * BAND
+    return np.repeat(np.maximum(medians / (np.log(2) + 3 * np.sqrt(2 / number)), 1.0), number)
 
 
 def peaks(gains: np.ndarray, count: int, apart: int) -> np.ndarray:

@@ -84,6 +84,12 @@ class Story:
     withheld: tuple[tuple[str, Doubt], ...]
 
     @property
+    def changed(self) -> bool:
+        """Return whether anything was added to the start model."""
+        before, whole = (sorted(e.name for e in one.description.effects()) for one in (self.before, self.whole))
+        return before != whole
+
+    @property
     def settled(self) -> bool:
         """Return whether the held-in part shows every effect that the whole log shows."""
         before, after = (sorted(e.name for e in one.description.effects()) for one in (self.after, self.whole))
