@@ -1,0 +1,508 @@
+"""Foot-mounted navigation: a strapdown navigator that an error-state filter corrects whenever the foot stands still.
+
+At stance (:mod:`imugap.zero_velocity`) a point of the foot is at rest, and where the body stands so is the angular
+rate. Neither holds exactly, and the filter has to know how far: see :class:`Assumptions`. What disturbs a measurement
+is a motion with a correlation time and no noise of the samples: n samples of an interval T tell as much as n T/(2 tau)
+independent ones, and for so many they count. Halving the interval changes nothing.
+
+The point at rest is not the sensor: a foot rolls over its sole. The arm from the sensor to that point, constant in
+``b``, is a state.
+
+A sensor is blind between its samples. Where its output changes by d from one sample to the next, the mean over the
+interval is taken to be uncertain by a share of d: at a heel strike by much, in the swing by little.
+
+The smoother is that of Bryson and Frazier: a backward pass over the innovations of the filter that inverts no matrix
+(Bierman 1973). It runs the filter again, a block at a time, so that its memory is that of a block.
+
+Sources: E. Foxlin, Pedestrian tracking with shoe-mounted inertial sensors, IEEE Comput. Graph. Appl. 25 (2005) 38-46;
+I. Skog, J.-O. Nilsson, P. Handel, Pedestrian tracking using an IMU array, Proc. IEEE CONECCT (2014); G. J. Bierman,
+Fixed interval smoothing with discrete measurements, Int. J. Control 18 (1973) 65-75.
+"""
+
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+from numba import njit
+from scipy.spatial.transform import Rotation
+
+from imugap import log as canonical
+from imugap.error_state import (
+    ATTITUDE,
+    NAVIGATION,
+    VELOCITY,
+    corrected,
+    predict,
+    project,
+    retreat,
+    transform,
+    unlearn,
+    update,
+)
+from imugap.log import AXES, LogError
+from imugap.model import ErrorModel
+from imugap.rotation import from_euler, kernel, mat_from_quat, rotate, to_euler
+from imugap.sensor_states import SensorStates
+from imugap.strapdown import COLUMNS, increments, level, local_step
+from imugap.units import STANDARD_GRAVITY
+from imugap.zero_velocity import MOVING, STILL, Detector, Stand
+
+ARM = ("arm_x", "arm_y", "arm_z")
+"""The point at rest as the sensor sees it, in ``b`` [m]."""
+CROSS = ((0, 1), (6, 7), (6, 8), (7, 8))
+"""Covariances that are kept besides the variances: of the horizontal position, of the attitude."""
+BLOCK = 256
+"""Samples that the smoother takes at a time."""
+
+
+@dataclass(frozen=True)
+class Assumptions:
+    """What the filter takes for granted besides the error model; the same for all walks.
+
+    Attributes
+    ----------
+    detector
+        How stance is told.
+    velocity_std, correlation_s
+        Velocity of the point at rest [m/s] and its correlation time [s].
+    settling_std, settling_s
+        What the velocity is off in addition at the begin of a stance [m/s]; time constant of its end [s].
+    rate_std, rate_correlation_s
+        Angular rate of a body that stands [rad/s] and its correlation time [s].
+    arm_std
+        Standard deviation of the arm from the sensor to the point at rest, each axis [m]; 0 makes it the sensor itself.
+    blind_gyro, blind_accel
+        Share of the change from sample to sample by which the mean over an interval is uncertain.
+    tilt_std
+        Standard deviation of roll and pitch after levelling, before any measurement [rad].
+    scale_std
+        Standard deviation of the scale factors of gyroscopes and of accelerometers; above 0 they are states.
+    gravity
+        Local gravity [m/s^2].
+    """
+
+    detector: Detector = field(default_factory=Detector)
+    velocity_std: float = 0.015
+    correlation_s: float = 0.05
+    settling_std: float = 0.1
+    settling_s: float = 0.05
+    rate_std: float = 0.005
+    rate_correlation_s: float = 0.1
+    arm_std: float = 0.1
+    blind_gyro: float = 0.05
+    blind_accel: float = 0.3
+    tilt_std: float = 0.1
+    scale_std: tuple[float, float] = (0.0, 0.0)
+    gravity: float = STANDARD_GRAVITY
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """What the filter, or the smoother, says of a walk; rows are the samples of the log.
+
+    Attributes
+    ----------
+    trajectory, trajectory_std
+        Trajectory, and standard deviations in the same columns.
+    sensors, sensors_std
+        Estimated error of the states of the sensors, and of the arm, and standard deviations in the same columns.
+    phase
+        What the foot does (:mod:`imugap.zero_velocity`), shape (n,).
+    nis
+        Normalised innovation squared, chi-square with 3 degrees of freedom at stance and 6 where the body stands, NaN
+        elsewhere, shape (n,); that of the filter.
+    covariance
+        Of the error state at the last sample, shape (states, states).
+    stand
+        What the stand at the start shows.
+    """
+
+    trajectory: pd.DataFrame
+    trajectory_std: pd.DataFrame
+    sensors: pd.DataFrame
+    sensors_std: pd.DataFrame
+    phase: np.ndarray
+    nis: np.ndarray
+    covariance: np.ndarray
+    stand: Stand
+
+    def stances(self) -> np.ndarray:
+        """Return the sample in the middle of each stance, shape (stances,)."""
+        edges = np.diff(np.r_[0, self.phase > MOVING, 0])
+        return (np.flatnonzero(edges == 1) + np.flatnonzero(edges == -1) - 1) // 2
+
+
+class _Sensors(NamedTuple):
+    """The states of the sensors as the kernel takes them (:class:`imugap.sensor_states.SensorStates`)."""
+
+    axis: np.ndarray
+    scale: np.ndarray
+    decay: np.ndarray
+    driving: np.ndarray
+    white: np.ndarray
+    fixed: np.ndarray
+
+
+class _Trust(NamedTuple):
+    """The assumptions as the kernel takes them: spectral densities [unit^2/Hz], shares, gravity [m/s^2]."""
+
+    velocity_psd: float
+    settling_psd: float
+    settling_s: float
+    rate_psd: float
+    blind: np.ndarray
+    gravity: float
+    arms: int
+
+
+class _State(NamedTuple):
+    """Where a filter is: position, velocity, quaternion; errors of sensors and arm; covariance; time since stance."""
+
+    navigation: np.ndarray
+    errors: np.ndarray
+    covariance: np.ndarray
+    since: np.ndarray
+
+    def copy(self) -> "_State":
+        return _State(*(one.copy() for one in self))
+
+
+class _Tape(NamedTuple):
+    """What the filter did in a block: transitions, transposed, scalar measurements and covariance of each sample."""
+
+    backward: np.ndarray
+    covariance: np.ndarray
+    rows: np.ndarray
+    weights: np.ndarray
+    residuals: np.ndarray
+    variances: np.ndarray
+
+
+class _Path(NamedTuple):
+    """What the filter leaves: navigation, errors, variances of all states, covariances :data:`CROSS`, NIS."""
+
+    navigation: np.ndarray
+    errors: np.ndarray
+    variances: np.ndarray
+    cross: np.ndarray
+    nis: np.ndarray
+
+
+@kernel
+def _measure(state, row, residual, noise, spread, weight, nav):
+    """Take in a scalar measurement; return the corrected position, velocity and quaternion, and the NIS."""
+    variance = project(state.covariance, row, noise, spread)
+    size = len(row)
+    for j in range(size):
+        weight[j] = spread[j] / variance
+    update(state.covariance, spread, weight, variance)
+    for s in range(size - NAVIGATION):
+        state.errors[s] -= residual * weight[NAVIGATION + s]
+    for j in range(NAVIGATION):
+        spread[j] = residual * weight[j]
+    return corrected(nav[0], nav[1], nav[2], spread), variance
+
+
+@kernel
+def _spread(covariance, path, k):
+    """Write the variances, and the covariances :data:`CROSS`, of sample ``k``."""
+    for i in range(len(covariance)):
+        path.variances[k, i] = covariance[i, i]
+    for i in range(4):
+        path.cross[k, i] = covariance[CROSS[i][0], CROSS[i][1]]
+
+
+@kernel
+def _note(tape, place, number, row, weight, residual, variance):
+    """Keep a measurement for the smoother."""
+    for j in range(len(row)):
+        tape.rows[place, number, j] = row[j]
+        tape.weights[place, number, j] = weight[j]
+    tape.residuals[place, number], tape.variances[place, number] = residual, variance
+
+
+@njit(cache=True)
+def _filter(samples, dt, phase, first, last, sensors, trust, state, path, tape):
+    """Filter the samples ``first`` to ``last``, the latter not included, from the state at the sample before.
+
+    ``path`` is filled at these samples; ``tape`` too, from its begin, unless it has no length.
+    """
+    count, size = len(sensors.axis), len(state.covariance)
+    work, shift = np.empty((size, size)), np.empty((6, size))
+    gain, hold, drive = np.ones(count), np.ones(count), np.zeros(count)
+    row, spread, weight = np.zeros(size), np.empty(size), np.empty(size)
+    now, before, noise = np.empty(6), np.empty(6), np.empty(6)
+    start = state.navigation
+    position, velocity = (start[0], start[1], start[2]), (start[3], start[4], start[5])
+    quat = (start[6], start[7], start[8], start[9])
+    mat, since, step = mat_from_quat(quat), state.since[0], 0.0
+    for k in range(first, last):
+        interval, place = dt[k], k - first
+        for a in range(6):
+            now[a], before[a] = samples[k, a] - sensors.fixed[a], samples[k - 1, a] - sensors.fixed[a]
+            change = trust.blind[a] * (now[a] - before[a])
+            noise[a] = sensors.white[a] + change * change * interval
+        for s in range(count):
+            a, error = sensors.axis[s], state.errors[s]
+            if sensors.scale[s]:
+                gain[s] = samples[k, a]
+                before[a] -= samples[k - 1, a] * error
+            else:
+                before[a] -= error
+            now[a] -= gain[s] * error
+        if interval != step:
+            step = interval
+            for s in range(count):
+                decay = sensors.decay[s]
+                hold[s] = np.exp(-decay * interval)
+                drive[s] = sensors.driving[s] * (interval if decay == 0.0 else (1 - hold[s] * hold[s]) / (2 * decay))
+        gyro = (now[0], now[1], now[2])
+        rotvec, delta_v = increments(
+            gyro, (now[3], now[4], now[5]), (before[0], before[1], before[2]), (before[3], before[4], before[5]),
+            interval, dt[k - 1],
+        )  # fmt: skip
+        push = rotate(quat, delta_v)
+        force = push[0] / interval, push[1] / interval, push[2] / interval
+        position, velocity, quat = local_step(position, velocity, quat, rotvec, delta_v, interval, trust.gravity)
+        predict(state.covariance, work, mat, force, interval, sensors.axis, gain, hold, drive, noise, shift)
+        if len(tape.backward):
+            for i in range(size):
+                for j in range(size):
+                    work[i, j] = 1.0 if i == j else 0.0
+            transform(work, tape.backward[place], size, mat, force, interval, sensors.axis, gain, hold, shift)
+        for s in range(count):
+            state.errors[s] *= hold[s]
+        since = since + interval if phase[k] > MOVING else 0.0
+        path.nis[k] = 0.0 if phase[k] > MOVING else np.nan
+        if phase[k] > MOVING:
+            settling = trust.settling_psd * np.exp(-2 * since / trust.settling_s)
+            for i in range(3):
+                axes = mat_from_quat(quat)[i]
+                residual = velocity[i]
+                row[VELOCITY + i] = 1.0
+                if trust.arms:
+                    reach = (
+                        axes[1] * gyro[2] - axes[2] * gyro[1],
+                        axes[2] * gyro[0] - axes[0] * gyro[2],
+                        axes[0] * gyro[1] - axes[1] * gyro[0],
+                    )
+                    for m in range(3):
+                        row[NAVIGATION + count + m] = reach[m]
+                        residual += reach[m] * state.errors[count + m]
+                (position, velocity, quat), variance = _measure(
+                    state, row, residual, (trust.velocity_psd + settling) / interval, spread, weight,
+                    (position, velocity, quat),
+                )  # fmt: skip
+                path.nis[k] += residual * residual / variance
+                if len(tape.backward):
+                    _note(tape, place, i, row, weight, residual, variance)
+                for j in range(size):
+                    row[j] = 0.0
+        if phase[k] == STILL:
+            for i in range(3):
+                residual = samples[k, i] - sensors.fixed[i]
+                for s in range(count):
+                    if sensors.axis[s] == i:
+                        residual -= gain[s] * state.errors[s]
+                        row[NAVIGATION + s] = -gain[s]
+                (position, velocity, quat), variance = _measure(
+                    state, row, residual, (sensors.white[i] + trust.rate_psd) / interval, spread, weight,
+                    (position, velocity, quat),
+                )  # fmt: skip
+                path.nis[k] += residual * residual / variance
+                if len(tape.backward):
+                    _note(tape, place, 3 + i, row, weight, residual, variance)
+                for j in range(size):
+                    row[j] = 0.0
+        mat = mat_from_quat(quat)
+        for i in range(3):
+            path.navigation[k, i], path.navigation[k, 3 + i] = position[i], velocity[i]
+        for i in range(4):
+            path.navigation[k, 6 + i] = quat[i]
+        for s in range(size - NAVIGATION):
+            path.errors[k, s] = state.errors[s]
+        _spread(state.covariance, path, k)
+        if len(tape.backward):
+            tape.covariance[place] = state.covariance
+    for i in range(10):
+        start[i] = path.navigation[last - 1, i]
+    state.since[0] = since
+
+
+@njit(cache=True)
+def _smooth(path, first, last, tape, adjoint, information):
+    """Correct the path over a block by what the measurements behind it tell, and take the adjoint back over it."""
+    size = len(adjoint)
+    error, work = np.empty(size), np.empty((size, size))
+    for k in range(last - 1, first - 1, -1):
+        place = k - first
+        covariance = tape.covariance[place]
+        for i in range(size):
+            error[i] = 0.0
+            for j in range(size):
+                error[i] -= covariance[i, j] * adjoint[j]
+        nav = path.navigation[k]
+        position, velocity, quat = corrected(
+            (nav[0], nav[1], nav[2]), (nav[3], nav[4], nav[5]), (nav[6], nav[7], nav[8], nav[9]), error
+        )
+        for i in range(3):
+            nav[i], nav[3 + i] = position[i], velocity[i]
+        for i in range(4):
+            nav[6 + i] = quat[i]
+        for s in range(size - NAVIGATION):
+            path.errors[k, s] -= error[NAVIGATION + s]
+        for i in range(size):
+            for j in range(size):
+                work[i, j] = 0.0
+                for m in range(size):
+                    work[i, j] += covariance[i, m] * information[m, j]
+        for i in range(size):
+            path.variances[k, i] = covariance[i, i]
+            for m in range(size):
+                path.variances[k, i] -= work[i, m] * covariance[m, i]
+        for c in range(4):
+            i, j = CROSS[c]
+            path.cross[k, c] = covariance[i, j]
+            for m in range(size):
+                path.cross[k, c] -= work[i, m] * covariance[m, j]
+        for number in range(5, -1, -1):
+            if tape.variances[place, number] > 0.0:
+                unlearn(
+                    adjoint, information, tape.rows[place, number], tape.weights[place, number],
+                    tape.residuals[place, number], tape.variances[place, number], work[0],
+                )  # fmt: skip
+        retreat(adjoint, information, tape.backward[place], work)
+
+
+def navigate(
+    log: pd.DataFrame, model: ErrorModel, assumptions: Assumptions | None = None, smooth: bool = False
+) -> Solution:
+    """Navigate a walk that begins with a stand, at the origin, with heading zero.
+
+    Parameters
+    ----------
+    log
+        Log of six axes; without long gaps (:func:`imugap.stamps.filled`).
+    model
+        Errors of the sensors: the filter takes its states and noise densities from it.
+    assumptions
+        What is taken for granted besides.
+    smooth
+        Whether each sample is told from the whole walk and not from what lies before it.
+    """
+    assumptions = assumptions or Assumptions()
+    if canonical.axes(log) != AXES:
+        raise LogError("walk", "columns", f"all of {', '.join(AXES)}", ", ".join(log.columns))
+    samples = np.ascontiguousarray(log[list(AXES)].to_numpy(dtype=float))
+    gyro, accel, interval = samples[:, :3], samples[:, 3:], canonical.interval(log)
+    stand = assumptions.detector.stand(gyro, accel, interval)
+    phase = assumptions.detector.phases(gyro, accel, interval, stand)
+    steps = np.diff(log.index.to_numpy())
+    dt = np.concatenate([steps[:1], steps])
+    states = SensorStates.of(model, assumptions.scale_std)
+    state = _start(accel[: stand.count], states, assumptions)
+    arguments = samples, dt, phase, _sensors(states), _trust(assumptions)
+    path = _path(len(samples), len(state.covariance))
+    _fill(path, state)
+    covariance = (_smoothed if smooth else _filtered)(arguments, state, path)
+    return _solution(log.index, states, assumptions, path, phase, covariance, stand)
+
+
+def _sensors(states: SensorStates) -> _Sensors:
+    return _Sensors(states.axis, states.scale, states.decay, states.driving_psd, states.white, states.fixed)
+
+
+def _trust(assumptions: Assumptions) -> _Trust:
+    """Return the densities: a motion of standard deviation s and correlation time tau counts as white, 2 s^2 tau."""
+    return _Trust(
+        velocity_psd=2 * assumptions.velocity_std**2 * assumptions.correlation_s,
+        settling_psd=2 * assumptions.settling_std**2 * assumptions.correlation_s,
+        settling_s=assumptions.settling_s,
+        rate_psd=2 * assumptions.rate_std**2 * assumptions.rate_correlation_s,
+        blind=np.repeat([assumptions.blind_gyro, assumptions.blind_accel], 3),
+        gravity=assumptions.gravity,
+        arms=len(ARM) if assumptions.arm_std > 0 else 0,
+    )
+
+
+def _start(accel: np.ndarray, states: SensorStates, assumptions: Assumptions) -> _State:
+    """Return the state at the first sample of a stand: level as far as its mean specific force tells, at rest."""
+    quat = from_euler((*level(accel.mean(axis=0) - states.fixed[3:]), 0.0)).as_quat()
+    arms = [assumptions.arm_std**2] * 3 if assumptions.arm_std > 0 else []
+    at_rest = [0.0] * 3 + [assumptions.velocity_std**2] * 3 + [assumptions.tilt_std**2] * 2 + [0.0]
+    covariance = np.diag([*at_rest, *states.variance, *arms])
+    errors = np.zeros(len(covariance) - NAVIGATION)
+    return _State(np.concatenate([np.zeros(6), quat]), errors, covariance, np.full(1, np.inf))
+
+
+def _path(count: int, size: int) -> _Path:
+    shapes = (count, 10), (count, size - NAVIGATION), (count, size), (count, len(CROSS)), (count,)
+    return _Path(*(np.full(shape, np.nan) for shape in shapes))
+
+
+def _tape(count: int, size: int) -> _Tape:
+    shapes = (count, size, size), (count, size, size), (count, 6, size), (count, 6, size), (count, 6), (count, 6)
+    return _Tape(*(np.zeros(shape) for shape in shapes))
+
+
+def _fill(path: _Path, state: _State) -> None:
+    """Write the state at the first sample."""
+    path.navigation[0], path.errors[0] = state.navigation, state.errors
+    path.variances[0] = np.diag(state.covariance)
+    path.cross[0] = [state.covariance[place] for place in CROSS]
+
+
+def _filtered(arguments: tuple, state: _State, path: _Path) -> np.ndarray:
+    """Fill the path by the filter; return the covariance at the end."""
+    samples, dt, phase, sensors, trust = arguments
+    no_tape = _tape(0, len(state.covariance))
+    _filter(samples, dt, phase, 1, len(samples), sensors, trust, state, path, no_tape)
+    return state.covariance
+
+
+def _smoothed(arguments: tuple, state: _State, path: _Path) -> np.ndarray:
+    """Fill the path by the smoother; return the covariance at the end."""
+    samples, dt, phase, sensors, trust = arguments
+    size = len(state.covariance)
+    edges = [*range(1, len(samples), BLOCK), len(samples)]
+    blocks, starts = list(zip(edges[:-1], edges[1:], strict=True)), []
+    for first, last in blocks:
+        starts.append(state.copy())
+        _filter(samples, dt, phase, first, last, sensors, trust, state, path, _tape(0, size))
+    adjoint, information = np.zeros(size), np.zeros((size, size))
+    for (first, last), start in zip(reversed(blocks), reversed(starts), strict=True):
+        tape = _tape(last - first, size)
+        _filter(samples, dt, phase, first, last, sensors, trust, start, path, tape)
+        _smooth(path, first, last, tape, adjoint, information)
+    return state.covariance
+
+
+def _solution(
+    time: pd.Index, states: SensorStates, assumptions: Assumptions, path: _Path, phase: np.ndarray,
+    covariance: np.ndarray, stand: Stand,
+) -> Solution:  # fmt: skip
+    euler = to_euler(Rotation.from_quat(path.navigation[:, 6:]))
+    names = [*states.names, *(ARM if assumptions.arm_std > 0 else ())]
+    table = pd.DataFrame(np.hstack([path.navigation[:, :6], euler]), index=time, columns=list(COLUMNS))
+    std = np.sqrt(np.maximum(path.variances, 0))
+    spread = pd.DataFrame(np.hstack([std[:, :6], _euler_std(euler, path)]), index=time, columns=list(COLUMNS))
+    return Solution(
+        table, spread, pd.DataFrame(path.errors, index=time, columns=names),
+        pd.DataFrame(std[:, NAVIGATION:], index=time, columns=names), phase, path.nis, covariance, stand,
+    )  # fmt: skip
+
+
+def _euler_std(euler: np.ndarray, path: _Path) -> np.ndarray:
+    """Return the standard deviations of roll, pitch and heading [rad], shape (n, 3), from the covariance in ``n``."""
+    covariance = np.empty((len(euler), 3, 3))
+    covariance[:, [0, 1, 2], [0, 1, 2]] = path.variances[:, ATTITUDE:NAVIGATION]
+    for (i, j), values in zip(CROSS[1:], path.cross[:, 1:].T, strict=True):
+        covariance[:, i - ATTITUDE, j - ATTITUDE] = covariance[:, j - ATTITUDE, i - ATTITUDE] = values
+    _, pitch, heading = euler.T
+    zero, one = np.zeros(len(euler)), np.ones(len(euler))
+    roll_row = np.stack([np.cos(heading) / np.cos(pitch), np.sin(heading) / np.cos(pitch), zero], axis=1)
+    pitch_row = np.stack([-np.sin(heading), np.cos(heading), zero], axis=1)
+    heading_row = roll_row * np.sin(pitch)[:, None] + np.stack([zero, zero, one], axis=1)
+    rows = np.stack([roll_row, pitch_row, heading_row], axis=1)
+    return np.sqrt(np.maximum(np.einsum("nij,njk,nik->ni", rows, covariance, rows), 0))
