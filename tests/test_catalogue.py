@@ -72,8 +72,14 @@ def test_the_catalogue_of_the_study_is_valid():
     assert sets["broad"].runs == (1, 6, 10, 24)
     assert sets["broad"].units == ("rad/s",) * 3 + ("m/s^2",) * 3
     assert sets["broad"].reference == ("opt_quat", "movement")
+    assert sets["gaitmap_2x20m"].runs == sets["gaitmap_2x20m"].runs_with("positions") == (1, 2)
+    assert sets["gaitmap_2x20m"].file(2, "positions").name == "mocap_sample.csv"
+    assert sets["gaitmap_2x20m"].file(2).name == "imu_sample.csv"
+    assert sets["pyshoe_vicon"].runs == tuple(range(1, 11))
+    with pytest.raises(CatalogueError, match=r"expected a run among none \(positions\)"):
+        sets["pyshoe_vicon"].file(1, "positions")
     assert sets["adis16405"].file(4).name == "adis_16405_imu4.rda"
-    assert all(file.url.endswith(file.name) for dataset in sets.values() for file in dataset.files)
+    assert all(file.name.endswith(file.url.rpartition("/")[2]) for dataset in sets.values() for file in dataset.files)
     with pytest.raises(FrozenInstanceError):
         sets["adis16405"].rate_hz = 99.0
 

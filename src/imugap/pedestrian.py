@@ -20,6 +20,7 @@ Fixed interval smoothing with discrete measurements, Int. J. Control 18 (1973) 6
 """
 
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -466,7 +467,7 @@ def _smoothed(arguments: tuple, state: _State, path: _Path) -> np.ndarray:
     samples, dt, phase, sensors, trust = arguments
     size = len(state.covariance)
     edges = [*range(1, len(samples), BLOCK), len(samples)]
-    blocks, starts = list(zip(edges[:-1], edges[1:], strict=True)), []
+    blocks, starts = list(pairwise(edges)), []
     for first, last in blocks:
         starts.append(state.copy())
         _filter(samples, dt, phase, first, last, sensors, trust, state, path, _tape(0, size))
