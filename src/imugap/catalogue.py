@@ -92,8 +92,8 @@ class DataSet:
         for file in self.files:
             if run in file.runs and file.content == content:
                 return file
-        runs = ", ".join(map(str, self.runs_with(content)))
-        raise CatalogueError(f"{self.name}: expected a run among {runs or 'none'} ({content}); found {run!r}")
+        runs = ", ".join(map(str, self.runs_with(content))) or f"none: no file holds {content}"
+        raise CatalogueError(f"{self.name}: expected a run among {runs}; found {run!r}")
 
 
 def load(tables: str | Path, schemas: str | Path) -> dict[str, DataSet]:
