@@ -76,7 +76,7 @@ class Assumptions:
     blind_gyro, blind_accel
         Share of the change from sample to sample by which the mean over an interval is uncertain.
     tilt_std
-        Standard deviation of roll and pitch after levelling, before any measurement [rad].
+        Standard deviation of roll and pitch after levelling, besides what the accelerometers are off [rad].
     scale_std
         Standard deviation of the scale factors of gyroscopes and of accelerometers; above 0 they are states.
     gravity
@@ -93,7 +93,7 @@ class Assumptions:
     arm_std: float = 0.1
     blind_gyro: float = 0.05
     blind_accel: float = 0.3
-    tilt_std: float = 0.1
+    tilt_std: float = 0.005
     scale_std: tuple[float, float] = (0.0, 0.0)
     gravity: float = STANDARD_GRAVITY
 
@@ -224,7 +224,7 @@ def _note(tape, place, number, row, weight, residual, variance):
 
 
 @njit(cache=True)
-def _filter(samples, dt, phase, first, last, sensors, trust, state, path, tape):
+def _filter(samples, dt, phase, seen, first, last, sensors, trust, state, path, tape):
     """Filter the samples ``first`` to ``last``, the latter not included, from the state at the sample before.
 
     ``path`` is filled at these samples; ``tape`` too, from its begin, unless it has no length.
@@ -280,7 +280,7 @@ def _filter(samples, dt, phase, first, last, sensors, trust, state, path, tape):
             settling = trust.settling_psd * np.exp(-2 * since / trust.settling_s)
             for i in range(3):
                 axes = mat_from_quat(quat)[i]
-                residual = velocity[i]
+                residual = velocity[i] - seen[k, i]
                 row[VELOCITY + i] = 1.0
                 if trust.arms:
                     reach = (
@@ -377,7 +377,11 @@ def _smooth(path, first, last, tape, adjoint, information):
 
 
 def navigate(
-    log: pd.DataFrame, model: ErrorModel, assumptions: Assumptions | None = None, smooth: bool = False
+    log: pd.DataFrame,
+    model: ErrorModel,
+    assumptions: Assumptions | None = None,
+    smooth: bool = False,
+    velocity: np.ndarray | None = None,
 ) -> Solution:
     """Navigate a walk that begins with a stand, at the origin, with heading zero.
 
@@ -391,6 +395,9 @@ def navigate(
         What is taken for granted besides.
     smooth
         Whether each sample is told from the whole walk and not from what lies before it.
+    velocity
+        What is measured of the point at rest, in ``n`` [m/s], shape (n, 3): zero unless a simulation has it otherwise
+        (:class:`imugap.effects.StanceMotion`).
     """
     assumptions = assumptions or Assumptions()
     if canonical.axes(log) != AXES:
@@ -403,7 +410,8 @@ def navigate(
     dt = np.concatenate([steps[:1], steps])
     states = SensorStates.of(model, assumptions.scale_std)
     state = _start(accel[: stand.count], states, assumptions)
-    arguments = samples, dt, phase, _sensors(states), _trust(assumptions)
+    seen = np.zeros((len(samples), 3)) if velocity is None else np.ascontiguousarray(velocity, dtype=float)
+    arguments = samples, dt, phase, seen, _sensors(states), _trust(assumptions)
     path = _path(len(samples), len(state.covariance))
     _fill(path, state)
     covariance = (_smoothed if smooth else _filtered)(arguments, state, path)
@@ -431,7 +439,8 @@ def _start(accel: np.ndarray, states: SensorStates, assumptions: Assumptions) ->
     """Return the state at the first sample of a stand: level as far as its mean specific force tells, at rest."""
     quat = from_euler((*level(accel.mean(axis=0) - states.fixed[3:]), 0.0)).as_quat()
     arms = [assumptions.arm_std**2] * 3 if assumptions.arm_std > 0 else []
-    at_rest = [0.0] * 3 + [assumptions.velocity_std**2] * 3 + [assumptions.tilt_std**2] * 2 + [0.0]
+    tilt = assumptions.tilt_std**2 + states.start_variance()[3:].max() / assumptions.gravity**2
+    at_rest = [0.0] * 3 + [assumptions.velocity_std**2] * 3 + [tilt] * 2 + [0.0]
     covariance = np.diag([*at_rest, *states.variance, *arms])
     errors = np.zeros(len(covariance) - NAVIGATION)
     return _State(np.concatenate([np.zeros(6), quat]), errors, covariance, np.full(1, np.inf))
@@ -456,25 +465,25 @@ def _fill(path: _Path, state: _State) -> None:
 
 def _filtered(arguments: tuple, state: _State, path: _Path) -> np.ndarray:
     """Fill the path by the filter; return the covariance at the end."""
-    samples, dt, phase, sensors, trust = arguments
+    samples, dt, phase, seen, sensors, trust = arguments
     no_tape = _tape(0, len(state.covariance))
-    _filter(samples, dt, phase, 1, len(samples), sensors, trust, state, path, no_tape)
+    _filter(samples, dt, phase, seen, 1, len(samples), sensors, trust, state, path, no_tape)
     return state.covariance
 
 
 def _smoothed(arguments: tuple, state: _State, path: _Path) -> np.ndarray:
     """Fill the path by the smoother; return the covariance at the end."""
-    samples, dt, phase, sensors, trust = arguments
+    samples, dt, phase, seen, sensors, trust = arguments
     size = len(state.covariance)
     edges = [*range(1, len(samples), BLOCK), len(samples)]
     blocks, starts = list(pairwise(edges)), []
     for first, last in blocks:
         starts.append(state.copy())
-        _filter(samples, dt, phase, first, last, sensors, trust, state, path, _tape(0, size))
+        _filter(samples, dt, phase, seen, first, last, sensors, trust, state, path, _tape(0, size))
     adjoint, information = np.zeros(size), np.zeros((size, size))
     for (first, last), start in zip(reversed(blocks), reversed(starts), strict=True):
         tape = _tape(last - first, size)
-        _filter(samples, dt, phase, first, last, sensors, trust, start, path, tape)
+        _filter(samples, dt, phase, seen, first, last, sensors, trust, start, path, tape)
         _smooth(path, first, last, tape, adjoint, information)
     return state.covariance
 

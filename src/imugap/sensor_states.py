@@ -90,6 +90,10 @@ class SensorStates:
             names.append(base if base not in names else f"{base}_{sum(n.startswith(base) for n in names) + 1}")
         return names
 
+    def start_variance(self) -> np.ndarray:
+        """Return the variance of the error of each axis at the start without that of its scale factor, shape (6,)."""
+        return np.bincount(self.axis, np.where(self.scale, 0.0, self.variance), minlength=len(AXES))
+
     def __len__(self) -> int:
         """Return the number of states."""
         return len(self.axis)

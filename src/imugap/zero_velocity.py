@@ -125,19 +125,22 @@ class Detector:
         values = statistic(self.statistic, gyro, accel, window, *stds, stand.gravity)
         stride = max(2, round(self.stride_s / interval))
         limit = np.clip(self.multiple * minimum_filter1d(values, stride), self.lowest, self.highest)
-        rest = np.pad(values < limit, (window // 2, window - 1 - window // 2), mode="edge")
+        rest = _at_middle(values < limit, window)
         still = self._still(gyro, accel, max(2, round(self.still_s / interval)), stand.gravity)
         phase = rest.astype(np.int8) + (rest & still)
         phase[: stand.count] = STILL
         return phase
 
     def _still(self, gyro: np.ndarray, accel: np.ndarray, window: int, gravity: float) -> np.ndarray:
-        """Return which samples lie in a window over which the body stands, shape (n,)."""
+        """Return the samples around which the body stands, shape (n,)."""
         window = min(window, len(gyro))
         values = statistic(Statistic.GLRT, gyro, accel, window, self.still_accel_std, self.still_gyro_std, gravity)
-        below = np.concatenate([[0], np.cumsum(values < 1)])
-        last = np.arange(1, len(gyro) + 1).clip(max=len(values))
-        return below[last] > below[np.arange(len(gyro)).clip(min=window - 1) - window + 1]
+        return _at_middle(values < 1, window)
+
+
+def _at_middle(below: np.ndarray, window: int) -> np.ndarray:
+    """Return for each sample what is said of the window around it, at the ends of the first and the last window."""
+    return np.pad(below, (window // 2, window - 1 - window // 2), mode="edge")
 
 
 def statistic(
