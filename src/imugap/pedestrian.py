@@ -45,12 +45,16 @@ from imugap.log import AXES, LogError
 from imugap.model import ErrorModel
 from imugap.rotation import from_euler, kernel, mat_from_quat, rotate, to_euler
 from imugap.sensor_states import SensorStates
-from imugap.strapdown import COLUMNS, increments, level, local_step
+from imugap.strapdown import COLUMNS, POSITION, increments, level, local_step
 from imugap.units import STANDARD_GRAVITY
 from imugap.zero_velocity import MOVING, STILL, Detector, Stand
 
 ARM = ("arm_x", "arm_y", "arm_z")
 """The point at rest as the sensor sees it, in ``b`` [m]."""
+SHORTEST_SWING_S = 0.2
+"""What lasts less is no swing of a foot but a stir at stance [s]."""
+SHORTEST_STRIDE_M = 0.1
+"""What goes less far is no stride but a foot put down anew [m]."""
 CROSS = ((0, 1), (6, 7), (6, 8), (7, 8))
 """Covariances that are kept besides the variances: of the horizontal position, of the attitude."""
 BLOCK = 256
@@ -113,6 +117,8 @@ class Solution:
     nis
         Normalised innovation squared, chi-square with 3 degrees of freedom at stance and 6 where the body stands, NaN
         elsewhere, shape (n,); that of the filter.
+    horizontal
+        Covariance of the position, north and east [m^2], shape (n, 2, 2).
     covariance
         Of the error state at the last sample, shape (states, states).
     stand
@@ -125,13 +131,28 @@ class Solution:
     sensors_std: pd.DataFrame
     phase: np.ndarray
     nis: np.ndarray
+    horizontal: np.ndarray
     covariance: np.ndarray
     stand: Stand
 
     def stances(self) -> np.ndarray:
-        """Return the sample in the middle of each stance, shape (stances,)."""
+        """Return the sample in the middle of each stance, shape (stances,); a foot that swings does so for a while.
+
+        What moves for less than :data:`SHORTEST_SWING_S` between two stances is no swing, and these are one.
+        """
         edges = np.diff(np.r_[0, self.phase > MOVING, 0])
-        return (np.flatnonzero(edges == 1) + np.flatnonzero(edges == -1) - 1) // 2
+        first, last = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1) - 1
+        time = self.trajectory.index.to_numpy()
+        apart = time[first[1:]] - time[last[:-1]] > SHORTEST_SWING_S
+        return (first[np.r_[True, apart]] + last[np.r_[apart, True]]) // 2
+
+    def strides(self) -> pd.DataFrame:
+        """Return the strides: ``start``, ``end`` [s] at the middle of stances, ``length`` and ``rise`` [m]."""
+        at = self.trajectory.iloc[self.stances()]
+        steps = np.diff(at[list(POSITION)].to_numpy(), axis=0)
+        table = pd.DataFrame({"start": at.index[:-1], "end": at.index[1:]})
+        table = table.assign(length=np.hypot(steps[:, 0], steps[:, 1]), rise=-steps[:, 2])
+        return table[table["length"] > SHORTEST_STRIDE_M].reset_index(drop=True)
 
 
 class _Sensors(NamedTuple):
@@ -499,8 +520,15 @@ def _solution(
     spread = pd.DataFrame(np.hstack([std[:, :6], _euler_std(euler, path)]), index=time, columns=list(COLUMNS))
     return Solution(
         table, spread, pd.DataFrame(path.errors, index=time, columns=names),
-        pd.DataFrame(std[:, NAVIGATION:], index=time, columns=names), phase, path.nis, covariance, stand,
+        pd.DataFrame(std[:, NAVIGATION:], index=time, columns=names), phase, path.nis, _horizontal(path), covariance,
+        stand,
     )  # fmt: skip
+
+
+def _horizontal(path: _Path) -> np.ndarray:
+    """Return the covariance of the horizontal position, shape (n, 2, 2)."""
+    north, east, across = path.variances[:, 0], path.variances[:, 1], path.cross[:, 0]
+    return np.stack([np.stack([north, across], axis=1), np.stack([across, east], axis=1)], axis=2)
 
 
 def _euler_std(euler: np.ndarray, path: _Path) -> np.ndarray:
