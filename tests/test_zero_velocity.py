@@ -65,7 +65,7 @@ def walk(interval=0.005, still=0.02):
     edges = np.cumsum(count)
     for first, last in ((edges[0], edges[1]), (edges[2], edges[3])):
         gyro[first:last] += 4 * np.sin(np.arange(last - first)[:, None] * interval * 7 + [1, 2, 3])
-        accel[first:last] += 8 * rng.standard_normal((last - first, 3))
+        accel[first:last] += 25 * rng.standard_normal((last - first, 3))
     gyro[edges[1] : edges[2]] += still
     return gyro, accel, edges
 
