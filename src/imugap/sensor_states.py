@@ -4,7 +4,7 @@ Every process of the library that has a state space is a sum of independent firs
 walk, a Gauss-Markov process. Flicker noise (:class:`imugap.effects.BiasInstability`), which has none, is taken for the
 nearest bank of Gauss-Markov processes over a stated range of averaging times (:mod:`imugap.flicker`). A turn-on bias
 and a random walk of the same axis share a state (:mod:`imugap.augmentation`). The fixed bias is compensated as it
-stands; of the effects of the signal chain the filter knows nothing but the scale factor, if it is told to estimate it.
+stands. Quantisation is left out, since its integral does not grow; of the effects of the signal chain the filter knows nothing but the scale factor, if it is told to estimate it.
 """
 
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from imugap.augmentation import augmentation
-from imugap.effects import Bias, BiasInstability
+from imugap.effects import Bias, BiasInstability, Quantization
 from imugap.flicker import bank
 from imugap.log import ACCEL, AXES, GYRO
 from imugap.model import AxisModel, ErrorModel
@@ -100,9 +100,9 @@ class SensorStates:
 
 
 def _finite(model: AxisModel) -> AxisModel:
-    """Return the model with flicker noise approximated by processes of finite order."""
+    """Return the model without quantisation, and with flicker noise approximated by processes of finite order."""
     effects = []
-    for effect in model:
+    for effect in (one for one in model if not isinstance(one, Quantization)):
         flicker = isinstance(effect, BiasInstability)
         effects += bank(effect.density_b, *FLICKER_S, FLICKER_STATES) if flicker else [effect]
     return AxisModel(tuple(effects))
