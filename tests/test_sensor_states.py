@@ -1,5 +1,4 @@
 import numpy as np
-import pytest
 
 from imugap.effects import Bias, BiasInstability, GaussMarkov, Quantization, RandomWalk, TurnOnBias, WhiteNoise
 from imugap.model import AxisModel, ErrorModel
@@ -22,7 +21,6 @@ def test_each_process_is_a_state_of_its_axis_and_the_numbers_are_those_of_the_mo
     np.testing.assert_allclose(states.variance, [9, 4, 1])
     np.testing.assert_allclose(states.white, [0, 0.01, 0, 0, 0, 0.25])
     np.testing.assert_allclose(states.fixed, [0, 0.5, 0, 0, 0, 0])
-    np.testing.assert_allclose(states.start_variance(), [0, 9, 0, 0, 0, 5])
 
 
 def test_scale_factors_are_states_where_they_are_asked_for():
@@ -31,13 +29,11 @@ def test_scale_factors_are_states_where_they_are_asked_for():
     assert states.names == ["gyro_x", "accel_x_scale", "accel_y_scale", "accel_z_scale"]
     np.testing.assert_array_equal(states.scale, [False, True, True, True])
     np.testing.assert_allclose(states.variance, [1, 4e-4, 4e-4, 4e-4])
-    np.testing.assert_allclose(states.start_variance(), [1, 0, 0, 0, 0, 0])
 
 
 def test_a_model_without_states_leaves_none():
     states = SensorStates.of(ErrorModel({"gyro_x": AxisModel((WhiteNoise(0.1), Quantization(0.1)))}))
     assert len(states) == 0
-    assert states.start_variance().shape == (6,)
 
 
 def test_flicker_noise_has_the_allan_deviation_that_it_should_over_the_range_that_is_stated():
@@ -49,4 +45,3 @@ def test_flicker_noise_has_the_allan_deviation_that_it_should_over_the_range_tha
     assert np.abs(ratio - 1).max() < 0.04
     assert np.abs(ratio - 1).max() > 0.01
     np.testing.assert_allclose(states.driving_psd, 2 * states.variance * states.decay)
-    assert states.start_variance()[3] == pytest.approx(states.variance.sum())

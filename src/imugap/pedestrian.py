@@ -41,7 +41,7 @@ from imugap.error_state import (
     unlearn,
     update,
 )
-from imugap.log import AXES, LogError
+from imugap.log import AXES, GYRO, LogError
 from imugap.model import ErrorModel
 from imugap.rotation import from_euler, kernel, mat_from_quat, rotate, to_euler
 from imugap.sensor_states import SensorStates
@@ -457,14 +457,26 @@ def _trust(assumptions: Assumptions) -> _Trust:
 
 
 def _start(accel: np.ndarray, states: SensorStates, assumptions: Assumptions) -> _State:
-    """Return the state at the first sample of a stand: level as far as its mean specific force tells, at rest."""
-    quat = from_euler((*level(accel.mean(axis=0) - states.fixed[3:]), 0.0)).as_quat()
-    arms = [assumptions.arm_std**2] * 3 if assumptions.arm_std > 0 else []
-    tilt = assumptions.tilt_std**2 + states.start_variance()[3:].max() / assumptions.gravity**2
-    at_rest = [0.0] * 3 + [assumptions.velocity_std**2] * 3 + [tilt] * 2 + [0.0]
-    covariance = np.diag([*at_rest, *states.variance, *arms])
+    """Return the state at the first sample of a stand: at rest, level as far as its mean specific force tells.
+
+    What the accelerometers are off tilts the level by ``1/gravity`` of it, across (Groves 2013, eq. 5.101).
+    """
+    force = accel.mean(axis=0) - states.fixed[3:]
+    rotation = from_euler((*level(force), 0.0))
+    felt = np.zeros((3, len(states)))
+    for s in np.flatnonzero(states.axis >= len(GYRO)):
+        felt[states.axis[s] - len(GYRO), s] = force[states.axis[s] - len(GYRO)] if states.scale[s] else 1.0
+    across = rotation.as_matrix() @ felt / assumptions.gravity
+    tilt = np.stack([across[1], -across[0]])
+    arms = [assumptions.arm_std**2] * len(ARM) if assumptions.arm_std > 0 else []
+    covariance = np.diag([0.0] * NAVIGATION + [*states.variance, *arms])
+    covariance[range(VELOCITY, ATTITUDE), range(VELOCITY, ATTITUDE)] = assumptions.velocity_std**2
+    sensors, level_rows = slice(NAVIGATION, NAVIGATION + len(states)), slice(ATTITUDE, ATTITUDE + 2)
+    covariance[level_rows, sensors] = tilt * states.variance
+    covariance[sensors, level_rows] = covariance[level_rows, sensors].T
+    covariance[level_rows, level_rows] = tilt * states.variance @ tilt.T + assumptions.tilt_std**2 * np.eye(2)
     errors = np.zeros(len(covariance) - NAVIGATION)
-    return _State(np.concatenate([np.zeros(6), quat]), errors, covariance, np.full(1, np.inf))
+    return _State(np.concatenate([np.zeros(6), rotation.as_quat()]), errors, covariance, np.full(1, np.inf))
 
 
 def _path(count: int, size: int) -> _Path:

@@ -4,7 +4,8 @@ Every process of the library that has a state space is a sum of independent firs
 walk, a Gauss-Markov process. Flicker noise (:class:`imugap.effects.BiasInstability`), which has none, is taken for the
 nearest bank of Gauss-Markov processes over a stated range of averaging times (:mod:`imugap.flicker`). A turn-on bias
 and a random walk of the same axis share a state (:mod:`imugap.augmentation`). The fixed bias is compensated as it
-stands. Quantisation is left out, since its integral does not grow; of the effects of the signal chain the filter knows nothing but the scale factor, if it is told to estimate it.
+stands. Quantisation is left out, since its integral does not grow; of the effects of the signal chain the filter knows
+nothing but the scale factor, if it is told to estimate it.
 """
 
 from dataclasses import dataclass
@@ -89,10 +90,6 @@ class SensorStates:
             base = f"{AXES[number]}_scale" if scale else AXES[number]
             names.append(base if base not in names else f"{base}_{sum(n.startswith(base) for n in names) + 1}")
         return names
-
-    def start_variance(self) -> np.ndarray:
-        """Return the variance of the error of each axis at the start without that of its scale factor, shape (6,)."""
-        return np.bincount(self.axis, np.where(self.scale, 0.0, self.variance), minlength=len(AXES))
 
     def __len__(self) -> int:
         """Return the number of states."""
