@@ -11,6 +11,9 @@ The point at rest is not the sensor: a foot rolls over its sole. The arm from th
 A sensor is blind between its samples. Where its output changes by d from one sample to the next, the mean over the
 interval is taken to be uncertain by a share of d: at a heel strike by much, in the swing by little.
 
+Where the body stands, the noise of the gyroscopes is in the attitude and in the measurement of the rate alike. The
+filter takes the two for independent, and so believes a little too little of the attitude after a stand.
+
 The smoother is that of Bryson and Frazier: a backward pass over the innovations of the filter that inverts no matrix
 (Bierman 1973). It runs the filter again, a block at a time, so that its memory is that of a block.
 
