@@ -23,6 +23,8 @@ STD = "_std"
 """Ending of the name of a standard deviation."""
 GYRO_CLASS = {"white_noise": {"density": 5e-4}, "random_walk": {"density_k": 1e-4}, "turn_on_bias": {"std": 5e-3}}
 ACCEL_CLASS = {"white_noise": {"density": 0.05}, "random_walk": {"density_k": 1e-4}, "turn_on_bias": {"std": 0.3}}
+LONGEST_GAP_S = 0.1
+"""Longest time without samples that a walk is navigated across [s]."""
 USUAL = ErrorModel.from_mapping(
     {axis: [GYRO_CLASS] for axis in GYRO} | {axis: [ACCEL_CLASS] for axis in ACCEL}
 )  # fmt: skip
@@ -75,7 +77,11 @@ class Walked:
 
 
 def walked(log: pd.DataFrame, model: ErrorModel = USUAL, assumptions: Assumptions | None = None) -> Walked:
-    """Navigate a walk that begins with a stand; lost samples are filled."""
+    """Navigate a walk that begins with a stand; lost samples are filled, up to :data:`LONGEST_GAP_S` at a time."""
+    steps = np.diff(log.index.to_numpy())
+    if steps.max() > LONGEST_GAP_S:
+        found = f"{steps.max():.3g} s after {log.index[int(steps.argmax())]:g} s"
+        raise ValueError(f"walk: expected gaps of at most {LONGEST_GAP_S:g} s; found {found}")
     log = filled(log)
     return Walked(navigate(log, model, assumptions), navigate(log, model, assumptions, smooth=True))
 
