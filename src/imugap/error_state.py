@@ -115,6 +115,16 @@ def predict(covariance, work, mat_nb, force_n, dt, axis, gain, hold, drive, whit
 
 
 @kernel
+def backward(target, work, mat_nb, force_n, dt, axis, gain, hold, shift):
+    """Put the transition, transposed, into ``target``; arguments as in :func:`transform`, ``work`` as in predict."""
+    size = len(work)
+    for i in range(size):
+        for j in range(size):
+            work[i, j] = 1.0 if i == j else 0.0
+    transform(work, target, size, mat_nb, force_n, dt, axis, gain, hold, shift)
+
+
+@kernel
 def project(covariance, row, noise, spread):
     """Put ``P h'`` into ``spread`` and return the variance of the innovation, ``h P h' + noise``, for a row ``h``."""
     size = len(row)

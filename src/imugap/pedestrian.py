@@ -36,17 +36,17 @@ from imugap.error_state import (
     ATTITUDE,
     NAVIGATION,
     VELOCITY,
+    backward,
     corrected,
     predict,
     project,
     retreat,
-    transform,
     unlearn,
     update,
 )
 from imugap.log import AXES, GYRO, LogError
 from imugap.model import ErrorModel
-from imugap.rotation import from_euler, kernel, mat_from_quat, rotate, to_euler
+from imugap.rotation import cross, from_euler, kernel, mat_from_quat, rotate, to_euler
 from imugap.sensor_states import SensorStates
 from imugap.strapdown import COLUMNS, POSITION, increments, level, local_step
 from imugap.units import STANDARD_GRAVITY
@@ -178,7 +178,6 @@ class _Trust(NamedTuple):
     rate_psd: float
     blind: np.ndarray
     gravity: float
-    arms: int
 
 
 class _State(NamedTuple):
@@ -215,36 +214,94 @@ class _Path(NamedTuple):
 
 
 @kernel
-def _measure(state, row, residual, noise, spread, weight, nav):
-    """Take in a scalar measurement; return the corrected position, velocity and quaternion, and the NIS."""
-    variance = project(state.covariance, row, noise, spread)
+def _compensate(samples, k, axis, scale, fixed, errors, gain, now, before):
+    """Fill ``now`` and ``before`` with the samples k and k - 1 less what is known of their errors, and the gains."""
+    for a in range(6):
+        now[a], before[a] = samples[k, a] - fixed[a], samples[k - 1, a] - fixed[a]
+    for s in range(len(axis)):
+        a = axis[s]
+        if scale[s]:
+            gain[s] = samples[k, a]
+            before[a] -= samples[k - 1, a] * errors[s]
+        else:
+            before[a] -= errors[s]
+        now[a] -= gain[s] * errors[s]
+
+
+@kernel
+def _age(decay, driving, interval, hold, drive):
+    """Fill in what is left of the states of the sensors after an interval, and the variance that drives them."""
+    for s in range(len(decay)):
+        hold[s] = np.exp(-decay[s] * interval)
+        drive[s] = driving[s] * (interval if decay[s] == 0.0 else (1 - hold[s] * hold[s]) / (2 * decay[s]))
+
+
+@kernel
+def _measure(covariance, errors, row, residual, noise, spread, weight, nav, tape, place, number):
+    """Take in a scalar measurement; return the corrected navigation and the NIS, and leave ``row`` empty."""
     size = len(row)
+    variance = project(covariance, row, noise, spread)
     for j in range(size):
         weight[j] = spread[j] / variance
-    update(state.covariance, spread, weight, variance)
+    update(covariance, spread, weight, variance)
+    if len(tape.rows):
+        tape.residuals[place, number], tape.variances[place, number] = residual, variance
+        for j in range(size):
+            tape.rows[place, number, j], tape.weights[place, number, j] = row[j], weight[j]
     for s in range(size - NAVIGATION):
-        state.errors[s] -= residual * weight[NAVIGATION + s]
+        errors[s] -= residual * weight[NAVIGATION + s]
     for j in range(NAVIGATION):
         spread[j] = residual * weight[j]
-    return corrected(nav[0], nav[1], nav[2], spread), variance
+    for j in range(size):
+        row[j] = 0.0
+    return corrected(nav[0], nav[1], nav[2], spread), residual * residual / variance
 
 
 @kernel
-def _spread(covariance, path, k):
-    """Write the variances, and the covariances :data:`CROSS`, of sample ``k``."""
+def _rest(covariance, errors, seen, gyro, noise, first_arm, row, spread, weight, nav, tape, place):
+    """Take in that a point of the foot has the velocity ``seen``; return the corrected navigation and the NIS."""
+    total = 0.0
+    for i in range(3):
+        axes = mat_from_quat(nav[2])[i]
+        residual = nav[1][i] - seen[i]
+        row[VELOCITY + i] = 1.0
+        if first_arm < len(row):
+            reach = cross(gyro, axes)
+            for m in range(3):
+                row[first_arm + m] = -reach[m]
+                residual -= reach[m] * errors[first_arm - NAVIGATION + m]
+        nav, nis = _measure(covariance, errors, row, residual, noise, spread, weight, nav, tape, place, i)
+        total += nis
+    return nav, total
+
+
+@kernel
+def _stand(covariance, errors, rate, noise, axis, gain, row, spread, weight, nav, tape, place):
+    """Take in that the body does not turn; return the corrected navigation and the NIS."""
+    total = 0.0
+    for i in range(3):
+        residual = rate[i]
+        for s in range(len(axis)):
+            if axis[s] == i:
+                residual -= gain[s] * errors[s]
+                row[NAVIGATION + s] = -gain[s]
+        nav, nis = _measure(covariance, errors, row, residual, noise[i], spread, weight, nav, tape, place, 3 + i)
+        total += nis
+    return nav, total
+
+
+@kernel
+def _write(path, k, nav, errors, covariance):
+    """Write sample ``k``."""
+    for i in range(3):
+        path.navigation[k, i], path.navigation[k, 3 + i] = nav[0][i], nav[1][i]
+    for i in range(4):
+        path.navigation[k, 6 + i] = nav[2][i]
+        path.cross[k, i] = covariance[CROSS[i][0], CROSS[i][1]]
+    for s in range(len(errors)):
+        path.errors[k, s] = errors[s]
     for i in range(len(covariance)):
         path.variances[k, i] = covariance[i, i]
-    for i in range(4):
-        path.cross[k, i] = covariance[CROSS[i][0], CROSS[i][1]]
-
-
-@kernel
-def _note(tape, place, number, row, weight, residual, variance):
-    """Keep a measurement for the smoother."""
-    for j in range(len(row)):
-        tape.rows[place, number, j] = row[j]
-        tape.weights[place, number, j] = weight[j]
-    tape.residuals[place, number], tape.variances[place, number] = residual, variance
 
 
 @njit(cache=True)
@@ -253,103 +310,67 @@ def _filter(samples, dt, phase, seen, first, last, sensors, trust, state, path, 
 
     ``path`` is filled at these samples; ``tape`` too, from its begin, unless it has no length.
     """
-    count, size = len(sensors.axis), len(state.covariance)
+    axis, scale, decay, driving, white, fixed = sensors
+    start, errors, covariance = state.navigation, state.errors, state.covariance
+    count, size, taped = len(axis), len(covariance), len(tape.rows) > 0
     work, shift = np.empty((size, size)), np.empty((6, size))
     gain, hold, drive = np.ones(count), np.ones(count), np.zeros(count)
     row, spread, weight = np.zeros(size), np.empty(size), np.empty(size)
     now, before, noise = np.empty(6), np.empty(6), np.empty(6)
-    start = state.navigation
-    position, velocity = (start[0], start[1], start[2]), (start[3], start[4], start[5])
-    quat = (start[6], start[7], start[8], start[9])
-    mat, since, step = mat_from_quat(quat), state.since[0], 0.0
+    nav = (start[0], start[1], start[2]), (start[3], start[4], start[5]), (start[6], start[7], start[8], start[9])
+    mat, since, step = mat_from_quat(nav[2]), state.since[0], 0.0
     for k in range(first, last):
         interval, place = dt[k], k - first
+        _compensate(samples, k, axis, scale, fixed, errors, gain, now, before)
         for a in range(6):
-            now[a], before[a] = samples[k, a] - sensors.fixed[a], samples[k - 1, a] - sensors.fixed[a]
-            change = trust.blind[a] * (now[a] - before[a])
-            noise[a] = sensors.white[a] + change * change * interval
-        for s in range(count):
-            a, error = sensors.axis[s], state.errors[s]
-            if sensors.scale[s]:
-                gain[s] = samples[k, a]
-                before[a] -= samples[k - 1, a] * error
-            else:
-                before[a] -= error
-            now[a] -= gain[s] * error
+            change = trust.blind[a] * (samples[k, a] - samples[k - 1, a])
+            noise[a] = white[a] + change * change * interval
         if interval != step:
+            _age(decay, driving, interval, hold, drive)
             step = interval
-            for s in range(count):
-                decay = sensors.decay[s]
-                hold[s] = np.exp(-decay * interval)
-                drive[s] = sensors.driving[s] * (interval if decay == 0.0 else (1 - hold[s] * hold[s]) / (2 * decay))
-        gyro = (now[0], now[1], now[2])
-        rotvec, delta_v = increments(
-            gyro, (now[3], now[4], now[5]), (before[0], before[1], before[2]), (before[3], before[4], before[5]),
-            interval, dt[k - 1],
-        )  # fmt: skip
-        push = rotate(quat, delta_v)
+        gyro = now[0], now[1], now[2]
+        accel = now[3], now[4], now[5]
+        gyro_before, accel_before = (before[0], before[1], before[2]), (before[3], before[4], before[5])
+        rotvec, delta_v = increments(gyro, accel, gyro_before, accel_before, interval, dt[k - 1])
+        push = rotate(nav[2], delta_v)
         force = push[0] / interval, push[1] / interval, push[2] / interval
-        position, velocity, quat = local_step(position, velocity, quat, rotvec, delta_v, interval, trust.gravity)
-        predict(state.covariance, work, mat, force, interval, sensors.axis, gain, hold, drive, noise, shift)
-        if len(tape.backward):
-            for i in range(size):
-                for j in range(size):
-                    work[i, j] = 1.0 if i == j else 0.0
-            transform(work, tape.backward[place], size, mat, force, interval, sensors.axis, gain, hold, shift)
+        nav = local_step(nav[0], nav[1], nav[2], rotvec, delta_v, interval, trust.gravity)
+        if taped:
+            backward(tape.backward[place], work, mat, force, interval, axis, gain, hold, shift)
+        predict(covariance, work, mat, force, interval, axis, gain, hold, drive, noise, shift)
         for s in range(count):
-            state.errors[s] *= hold[s]
+            errors[s] *= hold[s]
+        path.nis[k] = np.nan
         since = since + interval if phase[k] > MOVING else 0.0
-        path.nis[k] = 0.0 if phase[k] > MOVING else np.nan
         if phase[k] > MOVING:
-            settling = trust.settling_psd * np.exp(-2 * since / trust.settling_s)
-            for i in range(3):
-                axes = mat_from_quat(quat)[i]
-                residual = velocity[i] - seen[k, i]
-                row[VELOCITY + i] = 1.0
-                if trust.arms:
-                    reach = (
-                        axes[1] * gyro[2] - axes[2] * gyro[1],
-                        axes[2] * gyro[0] - axes[0] * gyro[2],
-                        axes[0] * gyro[1] - axes[1] * gyro[0],
-                    )
-                    for m in range(3):
-                        row[NAVIGATION + count + m] = reach[m]
-                        residual += reach[m] * state.errors[count + m]
-                (position, velocity, quat), variance = _measure(
-                    state, row, residual, (trust.velocity_psd + settling) / interval, spread, weight,
-                    (position, velocity, quat),
-                )  # fmt: skip
-                path.nis[k] += residual * residual / variance
-                if len(tape.backward):
-                    _note(tape, place, i, row, weight, residual, variance)
-                for j in range(size):
-                    row[j] = 0.0
+            slip = (trust.velocity_psd + trust.settling_psd * np.exp(-2 * since / trust.settling_s)) / interval
+            nav, path.nis[k] = _rest(
+                covariance,
+                errors,
+                (seen[k, 0], seen[k, 1], seen[k, 2]),
+                gyro,
+                slip,
+                NAVIGATION + count,
+                row,
+                spread,
+                weight,
+                nav,
+                tape,
+                place,
+            )
         if phase[k] == STILL:
-            for i in range(3):
-                residual = samples[k, i] - sensors.fixed[i]
-                for s in range(count):
-                    if sensors.axis[s] == i:
-                        residual -= gain[s] * state.errors[s]
-                        row[NAVIGATION + s] = -gain[s]
-                (position, velocity, quat), variance = _measure(
-                    state, row, residual, (sensors.white[i] + trust.rate_psd) / interval, spread, weight,
-                    (position, velocity, quat),
-                )  # fmt: skip
-                path.nis[k] += residual * residual / variance
-                if len(tape.backward):
-                    _note(tape, place, 3 + i, row, weight, residual, variance)
-                for j in range(size):
-                    row[j] = 0.0
-        mat = mat_from_quat(quat)
-        for i in range(3):
-            path.navigation[k, i], path.navigation[k, 3 + i] = position[i], velocity[i]
-        for i in range(4):
-            path.navigation[k, 6 + i] = quat[i]
-        for s in range(size - NAVIGATION):
-            path.errors[k, s] = state.errors[s]
-        _spread(state.covariance, path, k)
-        if len(tape.backward):
-            tape.covariance[place] = state.covariance
+            rate = samples[k, 0] - fixed[0], samples[k, 1] - fixed[1], samples[k, 2] - fixed[2]
+            sway = (
+                (white[0] + trust.rate_psd) / interval,
+                (white[1] + trust.rate_psd) / interval,
+                (white[2] + trust.rate_psd) / interval,
+            )
+            nav, nis = _stand(covariance, errors, rate, sway, axis, gain, row, spread, weight, nav, tape, place)
+            path.nis[k] += nis
+        mat = mat_from_quat(nav[2])
+        _write(path, k, nav, errors, covariance)
+        if taped:
+            tape.covariance[place] = covariance
     for i in range(10):
         start[i] = path.navigation[last - 1, i]
     state.since[0] = since
@@ -455,7 +476,6 @@ def _trust(assumptions: Assumptions) -> _Trust:
         rate_psd=2 * assumptions.rate_std**2 * assumptions.rate_correlation_s,
         blind=np.repeat([assumptions.blind_gyro, assumptions.blind_accel], 3),
         gravity=assumptions.gravity,
-        arms=len(ARM) if assumptions.arm_std > 0 else 0,
     )
 
 
