@@ -23,6 +23,7 @@ Fixed interval smoothing with discrete measurements, Int. J. Control 18 (1973) 6
 """
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -105,38 +106,84 @@ class Assumptions:
     gravity: float = STANDARD_GRAVITY
 
 
+class Path(NamedTuple):
+    """What the filter leaves: navigation, errors, variances of all states, covariances :data:`CROSS`, NIS."""
+
+    navigation: np.ndarray
+    errors: np.ndarray
+    variances: np.ndarray
+    cross: np.ndarray
+    nis: np.ndarray
+
+
 @dataclass(frozen=True, eq=False)
 class Solution:
     """What the filter, or the smoother, says of a walk; rows are the samples of the log.
 
     Attributes
     ----------
-    trajectory, trajectory_std
-        Trajectory, and standard deviations in the same columns.
-    sensors, sensors_std
-        Estimated error of the states of the sensors, and of the arm, and standard deviations in the same columns.
+    time
+        Stamps [s].
+    names
+        Names of the states of the sensors, and of the arm.
+    path
+        What the kernel left.
     phase
         What the foot does (:mod:`imugap.zero_velocity`), shape (n,).
-    nis
-        Normalised innovation squared, chi-square with 3 degrees of freedom at stance and 6 where the body stands, NaN
-        elsewhere, shape (n,); that of the filter.
-    horizontal
-        Covariance of the position, north and east [m^2], shape (n, 2, 2).
     covariance
         Of the error state at the last sample, shape (states, states).
     stand
         What the stand at the start shows.
     """
 
-    trajectory: pd.DataFrame
-    trajectory_std: pd.DataFrame
-    sensors: pd.DataFrame
-    sensors_std: pd.DataFrame
+    time: pd.Index
+    names: list[str]
+    path: Path
     phase: np.ndarray
-    nis: np.ndarray
-    horizontal: np.ndarray
     covariance: np.ndarray
     stand: Stand
+
+    @cached_property
+    def trajectory(self) -> pd.DataFrame:
+        """The Trajectory."""
+        table = np.hstack([self.path.navigation[:, :6], self._euler])
+        return pd.DataFrame(table, index=self.time, columns=list(COLUMNS))
+
+    @cached_property
+    def trajectory_std(self) -> pd.DataFrame:
+        """Standard deviations in the columns of the Trajectory."""
+        linear = np.sqrt(np.maximum(self.path.variances[:, :ATTITUDE], 0))
+        table = np.hstack([linear, _euler_std(self._euler, self.path)])
+        return pd.DataFrame(table, index=self.time, columns=list(COLUMNS))
+
+    @cached_property
+    def sensors(self) -> pd.DataFrame:
+        """Estimated error of the states of the sensors, and the arm."""
+        return pd.DataFrame(self.path.errors, index=self.time, columns=self.names)
+
+    @cached_property
+    def sensors_std(self) -> pd.DataFrame:
+        """Standard deviations in the columns of the sensors."""
+        table = np.sqrt(np.maximum(self.path.variances[:, NAVIGATION:], 0))
+        return pd.DataFrame(table, index=self.time, columns=self.names)
+
+    @cached_property
+    def horizontal(self) -> np.ndarray:
+        """Covariance of the position, north and east [m^2], shape (n, 2, 2)."""
+        north, east, across = self.path.variances[:, 0], self.path.variances[:, 1], self.path.cross[:, 0]
+        return np.stack([np.stack([north, across], axis=1), np.stack([across, east], axis=1)], axis=2)
+
+    @property
+    def nis(self) -> np.ndarray:
+        """Normalised innovation squared of the filter, shape (n,).
+
+        Chi-square with 3 degrees of freedom at stance, with 6 where the body stands; NaN elsewhere.
+        """
+        return self.path.nis
+
+    @cached_property
+    def _euler(self) -> np.ndarray:
+        return to_euler(Rotation.from_quat(self.path.navigation[:, ATTITUDE:]))
 
     def stances(self) -> np.ndarray:
         """Return the sample in the middle of each stance, shape (stances,); a foot that swings does so for a while.
@@ -201,16 +248,6 @@ class _Tape(NamedTuple):
     weights: np.ndarray
     residuals: np.ndarray
     variances: np.ndarray
-
-
-class _Path(NamedTuple):
-    """What the filter leaves: navigation, errors, variances of all states, covariances :data:`CROSS`, NIS."""
-
-    navigation: np.ndarray
-    errors: np.ndarray
-    variances: np.ndarray
-    cross: np.ndarray
-    nis: np.ndarray
 
 
 @kernel
@@ -460,7 +497,8 @@ def navigate(
     path = _path(len(samples), len(state.covariance))
     _fill(path, state)
     covariance = (_smoothed if smooth else _filtered)(arguments, state, path)
-    return _solution(log.index, states, assumptions, path, phase, covariance, stand)
+    names = [*states.names, *(ARM if assumptions.arm_std > 0 else ())]
+    return Solution(log.index, names, path, phase, covariance, stand)
 
 
 def _sensors(states: SensorStates) -> _Sensors:
@@ -502,9 +540,9 @@ def _start(accel: np.ndarray, states: SensorStates, assumptions: Assumptions) ->
     return _State(np.concatenate([np.zeros(6), rotation.as_quat()]), errors, covariance, np.full(1, np.inf))
 
 
-def _path(count: int, size: int) -> _Path:
+def _path(count: int, size: int) -> Path:
     shapes = (count, 10), (count, size - NAVIGATION), (count, size), (count, len(CROSS)), (count,)
-    return _Path(*(np.full(shape, np.nan) for shape in shapes))
+    return Path(*(np.empty(shape) for shape in shapes))
 
 
 def _tape(count: int, size: int) -> _Tape:
@@ -512,14 +550,15 @@ def _tape(count: int, size: int) -> _Tape:
     return _Tape(*(np.zeros(shape) for shape in shapes))
 
 
-def _fill(path: _Path, state: _State) -> None:
+def _fill(path: Path, state: _State) -> None:
     """Write the state at the first sample."""
     path.navigation[0], path.errors[0] = state.navigation, state.errors
     path.variances[0] = np.diag(state.covariance)
     path.cross[0] = [state.covariance[place] for place in CROSS]
+    path.nis[0] = np.nan
 
 
-def _filtered(arguments: tuple, state: _State, path: _Path) -> np.ndarray:
+def _filtered(arguments: tuple, state: _State, path: Path) -> np.ndarray:
     """Fill the path by the filter; return the covariance at the end."""
     samples, dt, phase, seen, sensors, trust = arguments
     no_tape = _tape(0, len(state.covariance))
@@ -527,7 +566,7 @@ def _filtered(arguments: tuple, state: _State, path: _Path) -> np.ndarray:
     return state.covariance
 
 
-def _smoothed(arguments: tuple, state: _State, path: _Path) -> np.ndarray:
+def _smoothed(arguments: tuple, state: _State, path: Path) -> np.ndarray:
     """Fill the path by the smoother; return the covariance at the end."""
     samples, dt, phase, seen, sensors, trust = arguments
     size = len(state.covariance)
@@ -544,29 +583,7 @@ def _smoothed(arguments: tuple, state: _State, path: _Path) -> np.ndarray:
     return state.covariance
 
 
-def _solution(
-    time: pd.Index, states: SensorStates, assumptions: Assumptions, path: _Path, phase: np.ndarray,
-    covariance: np.ndarray, stand: Stand,
-) -> Solution:  # fmt: skip
-    euler = to_euler(Rotation.from_quat(path.navigation[:, 6:]))
-    names = [*states.names, *(ARM if assumptions.arm_std > 0 else ())]
-    table = pd.DataFrame(np.hstack([path.navigation[:, :6], euler]), index=time, columns=list(COLUMNS))
-    std = np.sqrt(np.maximum(path.variances, 0))
-    spread = pd.DataFrame(np.hstack([std[:, :6], _euler_std(euler, path)]), index=time, columns=list(COLUMNS))
-    return Solution(
-        table, spread, pd.DataFrame(path.errors, index=time, columns=names),
-        pd.DataFrame(std[:, NAVIGATION:], index=time, columns=names), phase, path.nis, _horizontal(path), covariance,
-        stand,
-    )  # fmt: skip
-
-
-def _horizontal(path: _Path) -> np.ndarray:
-    """Return the covariance of the horizontal position, shape (n, 2, 2)."""
-    north, east, across = path.variances[:, 0], path.variances[:, 1], path.cross[:, 0]
-    return np.stack([np.stack([north, across], axis=1), np.stack([across, east], axis=1)], axis=2)
-
-
-def _euler_std(euler: np.ndarray, path: _Path) -> np.ndarray:
+def _euler_std(euler: np.ndarray, path: Path) -> np.ndarray:
     """Return the standard deviations of roll, pitch and heading [rad], shape (n, 3), from the covariance in ``n``."""
     covariance = np.empty((len(euler), 3, 3))
     covariance[:, [0, 1, 2], [0, 1, 2]] = path.variances[:, ATTITUDE:NAVIGATION]
