@@ -5,7 +5,7 @@ import pytest
 from scipy.linalg import block_diag
 from scipy.spatial.transform import Rotation
 
-from imugap.error_state import NAVIGATION, corrected, predict, project, retreat, transform, unlearn, update
+from imugap.error_state import NAVIGATION, corrected, measure, predict, project, retreat, transform, unlearn, update
 from imugap.rotation import mat_from_quat
 from imugap.strapdown import increments, local_step
 from imugap.stream import stream
@@ -153,3 +153,23 @@ def test_the_smoother_is_that_of_rauch_tung_and_striebel():
     gain = first @ together.T @ np.linalg.inv(together @ first @ together.T + noise * np.eye(2))
     np.testing.assert_allclose(-first @ adjoint, gain @ seen, atol=1e-10)
     np.testing.assert_allclose(first - first @ information @ first, first - gain @ together @ first, atol=1e-10)
+
+
+def test_measurements_one_after_the_other_are_one_of_all():
+    """Two rows in turn give covariance, feedback and chi-square statistic of the vector measurement."""
+    rng = stream(4, "measure")
+    rows, truth = rng.standard_normal((2, SIZE)), 0.001 * rng.standard_normal(SIZE)
+    seen, noise = rows @ truth + 0.01, np.array([0.3, 0.5])
+    before = covariance("measure")
+    after, errors, spread, weight = before.copy(), np.zeros(SIZE - NAVIGATION), np.empty(SIZE), np.empty(SIZE)
+    nav, statistic, taken = ((0.0,) * 3, (0.0,) * 3, (0.0, 0.0, 0.0, 1.0)), 0.0, np.zeros(SIZE)
+    for row, value, variance in zip(rows, seen, noise, strict=True):
+        residual = value + row @ taken
+        nav, found = measure(after, errors, row, residual, variance, spread, weight, nav)
+        statistic += residual**2 / found
+        taken = np.concatenate([nav[0], nav[1], Rotation.from_quat(nav[2]).as_rotvec(), errors])
+    together = rows @ before @ rows.T + np.diag(noise)
+    gain = before @ rows.T @ np.linalg.inv(together)
+    np.testing.assert_allclose(taken, -gain @ seen, atol=1e-4 * np.abs(gain @ seen).max())
+    np.testing.assert_allclose(after, before - gain @ rows @ before, atol=1e-12)
+    assert statistic == pytest.approx(seen @ np.linalg.solve(together, seen), rel=1e-4)

@@ -175,6 +175,39 @@ def corrected(position, velocity, quat_nb, error):
 
 
 @kernel
+def measure(covariance, errors, row, residual, noise, spread, weight, nav):
+    """Take in a scalar measurement by its best weight and feed back what it tells.
+
+    Parameters
+    ----------
+    covariance, errors
+        P, and the estimates of the states behind the navigation, shape (states - 9,); both are changed.
+    row, residual, noise
+        The row h of the measurement, estimated less measured, and the variance of its noise.
+    spread, weight
+        Room, shape (states,); ``weight`` is that of the measurement afterwards.
+    nav
+        Position, velocity and quaternion.
+
+    Returns
+    -------
+    tuple
+        The corrected navigation, and the variance of the innovation: the square of the residual over it is chi-square
+        with one degree of freedom, and sums of such from one row after the other with as many as there are rows.
+    """
+    variance = project(covariance, row, noise, spread)
+    scale = 1.0 / variance
+    for j in range(len(row)):
+        weight[j] = scale * spread[j]
+    update(covariance, spread, weight, variance)
+    for s in range(len(errors)):
+        errors[s] -= residual * weight[NAVIGATION + s]
+    for j in range(NAVIGATION):
+        spread[j] = residual * weight[j]
+    return corrected(nav[0], nav[1], nav[2], spread), variance
+
+
+@kernel
 def unlearn(adjoint, information, row, weight, residual, variance, work):
     """Take a scalar measurement back through the adjoint of the smoother (Bierman 1973).
 

@@ -39,11 +39,10 @@ from imugap.error_state import (
     VELOCITY,
     backward,
     corrected,
+    measure,
     predict,
-    project,
     retreat,
     unlearn,
-    update,
 )
 from imugap.log import AXES, GYRO, LogError
 from imugap.model import ErrorModel
@@ -275,23 +274,15 @@ def _age(decay, driving, interval, hold, drive):
 
 @kernel
 def _measure(covariance, errors, row, residual, noise, spread, weight, nav, tape, place, number):
-    """Take in a scalar measurement; return the corrected navigation and the NIS, and leave ``row`` empty."""
-    size = len(row)
-    variance = project(covariance, row, noise, spread)
-    for j in range(size):
-        weight[j] = spread[j] / variance
-    update(covariance, spread, weight, variance)
+    """Take in a scalar measurement and tape it; return the corrected navigation and the NIS, leave ``row`` empty."""
+    nav, variance = measure(covariance, errors, row, residual, noise, spread, weight, nav)
     if len(tape.rows):
         tape.residuals[place, number], tape.variances[place, number] = residual, variance
-        for j in range(size):
+        for j in range(len(row)):
             tape.rows[place, number, j], tape.weights[place, number, j] = row[j], weight[j]
-    for s in range(size - NAVIGATION):
-        errors[s] -= residual * weight[NAVIGATION + s]
-    for j in range(NAVIGATION):
-        spread[j] = residual * weight[j]
-    for j in range(size):
+    for j in range(len(row)):
         row[j] = 0.0
-    return corrected(nav[0], nav[1], nav[2], spread), residual * residual / variance
+    return nav, residual * residual / variance
 
 
 @kernel
@@ -341,7 +332,7 @@ def _write(path, k, nav, errors, covariance):
         path.variances[k, i] = covariance[i, i]
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _filter(samples, dt, phase, seen, first, last, sensors, trust, state, path, tape):
     """Filter the samples ``first`` to ``last``, the latter not included, from the state at the sample before.
 
@@ -413,7 +404,7 @@ def _filter(samples, dt, phase, seen, first, last, sensors, trust, state, path, 
     state.since[0] = since
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _smooth(path, first, last, tape, adjoint, information):
     """Correct the path over a block by what the measurements behind it tell, and take the adjoint back over it."""
     size = len(adjoint)

@@ -99,8 +99,11 @@ class Detector:
         """Return the stand at the start of samples, shape (n, 3) each; without one a ValueError."""
         first = max(2, round(self.stand_s / interval))
         bias, force = gyro[:first].mean(axis=0), accel[:first].mean(axis=0)
-        still = self._still(gyro - bias, accel, first, float(np.linalg.norm(force)))
-        count = int(np.argmin(still)) if not still.all() else len(still)
+        reach, count = 0, 0
+        while count == reach < len(gyro):
+            reach = min(max(4 * reach, 40 * first), len(gyro))
+            still = self._still(gyro[:reach] - bias, accel[:reach], first, float(np.linalg.norm(force)))
+            count = int(np.argmin(still)) if not still.all() else reach
         if count < first:
             raise ValueError(
                 f"walk: expected a stand of {self.stand_s:g} s or more at the start; found {count * interval:.2g} s"
