@@ -19,6 +19,7 @@ include: "workflow/rules/tutorial.smk"
 include: "workflow/rules/estimation.smk"
 include: "workflow/rules/planar.smk"
 include: "workflow/rules/attitude.smk"
+include: "workflow/rules/discover.smk"
 include: "workflow/rules/blind.smk"
 include: "workflow/rules/export.smk"
 include: "workflow/rules/speed.smk"
@@ -31,3 +32,16 @@ rule all:
         "paper/paper.pdf",
         "results/notebooks/static.html",
         "results/notebooks/estimation.html",
+        "results/notebooks/discovery.html",
+
+
+rule discover:
+    """What is missing from the model of a log of your own: --config log=PATH [test=PATH reference=PATH model=PATH]."""
+    input:
+        dossier_of_log,
+
+
+rule blind:
+    """The blind benchmark of discovery: tables in results/blind, figures in paper/figures."""
+    input:
+        "paper/numbers/blind.json",

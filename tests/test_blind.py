@@ -6,6 +6,8 @@ import pytest
 from scipy.stats import beta
 
 from imugap import blind
+from imugap.figures import blind as drawn
+from imugap.stream import stream
 
 
 def key(case, kind="single", effects=(), motion=False):
@@ -137,9 +139,11 @@ def test_detection_counts_places_as_found_and_only_names_as_named():
     cases = [(key(str(n), effects=[hidden("sinusoid", size=3)]), report()) for n in range(2)]
     cases += [(key("p", effects=[hidden("sinusoid", size=3)]), report(unexplained=[PLACE]))]
     cases += [(key("q", effects=[hidden("sinusoid", size=3)]), report(found("sinusoid")))]
-    table = blind.detection(scored(*cases).effects).set_index("score")
-    assert table.loc["detected", ["count", "rate"]].tolist() == [4, 0.5]
-    assert table.loc["named", ["count", "rate"]].tolist() == [4, 0.25]
+    cases += [(key("r", effects=[hidden("rate_ramp", size=3)]), report())]
+    table = blind.detection(scored(*cases).effects).set_index(["name", "score"])
+    assert table.loc[("sinusoid", "detected"), ["count", "rate"]].tolist() == [4, 0.5]
+    assert table.loc[("sinusoid", "named"), ["count", "rate"]].tolist() == [4, 0.25]
+    assert table.loc[(blind.EVERY, "detected"), ["count", "rate"]].tolist() == [5, 0.4]
 
 
 def test_false_alarms_are_names_or_places_where_nothing_is():
@@ -225,3 +229,59 @@ def test_keys_and_reports_that_are_not_what_they_should_be_are_refused(tmp_path)
         blind.read_report(path)
     path.write_text(json.dumps(report()))
     assert blind.read_report(path)["effects"] == []
+
+
+def test_p_values_are_counted_up_to_each_level_by_view_and_over_all():
+    p_values = pd.DataFrame({"view": ["line"] * 4 + ["mean"], "p_value": [0.005, 0.01, 0.03, 0.8, 0.4]})
+    table = blind.calibration(p_values).set_index(["view", "level"])["rate"]
+    assert table["line"].tolist() == [0.5, 0.75, 0.75]
+    assert table["mean"].tolist() == [0, 0, 1]
+    assert table[blind.EVERY].tolist() == [0.4, 0.6, 0.8]
+
+
+def test_uniform_p_values_are_covered_at_every_level():
+    p_values = pd.DataFrame({"view": "mean", "p_value": stream(3, "uniform").random(2000)})
+    table = blind.calibration(p_values)
+    assert ((table["low"] < table["level"]) & (table["level"] < table["high"])).all()
+
+
+MIXED = [
+    (key("a", effects=[hidden("sinusoid", amplitude=2.0)]), report(found("sinusoid", amplitude=(2.5, 1.5, 3.5)))),
+    (key("b", effects=[hidden("rate_ramp")]), report(found("sinusoid"))),
+    (key("c", effects=[hidden("rate_ramp", size=1)]), report()),
+    (key("d", "nothing"), report()),
+    (key("e", "unknown", [hidden("chirp")]), report(unexplained=[PLACE])),
+]
+QUIET = [(key("a", "nothing"), report())]
+
+
+@pytest.mark.parametrize(("cases", "names"), [(MIXED, ["all effects", "rate ramp", "sinusoid"]), (QUIET, [""])])
+def test_a_panel_of_detection_for_each_hidden_name_and_one_for_all(cases, names):
+    figure = drawn.detection(blind.detection(scored(*cases).effects), clear=10)
+    assert [panel.get_title() for panel in figure.axes] == names
+
+
+def test_the_counts_of_the_confusion_figure_are_those_of_the_cases():
+    figure = drawn.confusion(blind.confusion(scored(*MIXED).effects, smallest=10))
+    (panel,) = figure.axes
+    assert sorted(int(text.get_text()) for text in panel.texts) == [1, 1, 1, 1]
+    assert [tick.get_text() for tick in panel.get_yticklabels()] == ["rate ramp", "sinusoid", "none", "unknown"]
+
+
+@pytest.mark.parametrize("cases", [MIXED, QUIET])
+def test_distances_and_errors_of_as_many_cases_as_there_are(cases):
+    scores = scored(*cases)
+    figure = drawn.distances(scores.cases)
+    assert [len(line.get_xdata()) for line in figure.axes[0].lines] == [len(cases)] * 2
+    assert [len(line.get_xdata()) for line in figure.axes[1].lines] == [0] * 2
+    covered = blind.coverage(scores.parameters)
+    figure = drawn.coverage(scores.parameters, covered)
+    assert [len(line.get_xdata()) for line in figure.axes[0].lines] == covered["count"].tolist()
+
+
+def test_p_values_rise_in_steps_to_one():
+    figure = drawn.calibration(pd.DataFrame({"view": ["line", "line", "mean"], "p_value": [0.5, 0.1, 0.2]}))
+    lines, mean = (panel.lines[1].get_xydata() for panel in figure.axes)
+    assert lines[:, 0].tolist() == [drawn.LOWEST, 0.1, 0.5, 1.0]
+    assert lines[:, 1].tolist() == [0, 0.5, 1, 1]
+    assert mean[:, 1].tolist() == [0, 1, 1]

@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from scipy.signal import butter, lfilter
 
 from imugap.discovery import scans
 from imugap.discovery.axis import Description, Term, cosines, fit, jacobian
@@ -68,9 +69,19 @@ def test_gain_of_every_step_is_that_of_its_column():
 
 
 def test_power_of_lines_in_noise_is_exponential():
-    _, power = scans.lines(stream(3, "lines").standard_normal(20_000), 0.01)
+    _, power, _ = scans.lines(stream(3, "lines").standard_normal(20_000), 0.01)
     assert abs(power[::2].mean() - 1) < 4 / np.sqrt(len(power) / 2)
     assert abs(np.mean(power[::2] > 3) - np.exp(-3)) < 4 * np.sqrt(np.exp(-3) / (len(power) / 2))
+
+
+def test_a_loud_band_has_no_lines_but_those_above_it():
+    white = stream(3, "band").standard_normal(20_000)
+    loud = white + lfilter(*butter(2, [0.2, 0.3], "bandpass"), 5 * stream(3, "loud").standard_normal(20_000))
+    assert scans.lines(loud, 0.01)[1].max() < np.log(20_000) + 10
+    line = np.cos(2 * np.pi * 12.5 * 0.01 * np.arange(20_000))
+    frequency, gains, level = scans.lines(loud + line, 0.01)
+    assert frequency[np.argmax(gains)] == pytest.approx(12.5, abs=0.01)
+    assert 10 < level[np.argmax(gains)] < 30
 
 
 def test_stretch_of_another_variance_is_the_best_of_all():
@@ -181,7 +192,9 @@ def test_turn_on_bias_of_several_runs():
         RandomTelegraph(2e-3, 0.05),
         Quantization(1e-4),
         OutputFilter(5.0, 2),
+        OutputFilter(2.0, 1, 1),
         VarianceChange(200.0, 350.0, 1.6),
+        VarianceChange(0.0, 960.0, depth=0.5, frequency=0.01, phase=1.0),
         Outliers(2e-3, 4e-2),
     ],
     ids=lambda effect: effect.name,
@@ -190,7 +203,7 @@ def test_an_effect_is_named_with_its_size(effect):
     story = told_of(effect)
     assert names(story) == [effect.name]
     for name, interval in story.findings[0].parameters.items():
-        if name in ("phase", "order", "time", "start", "stop"):
+        if name in ("phase", "time", "start", "stop") or interval.low == interval.high:
             continue
         wide = 2.0 * (interval.high - interval.low)
         assert interval.low - wide < getattr(effect, name) < interval.high + wide

@@ -17,7 +17,11 @@ from scipy.stats import binomtest
 SCHEMA = "imugap/discovery/1"
 NONE = "none"
 UNKNOWN = "unknown"
+EVERY = "all"
+"""Name of all effects together."""
 LEVEL = 0.95
+LEVELS = (0.01, 0.05, 0.5)
+"""Levels at which p-values are counted."""
 DISTANCES = ("distance", "navigation_distance")
 STATES = ("before", "after", "floor")
 CASE = ("case", "kind", "motion", "base", "rate_hz", "duration_s")
@@ -192,13 +196,15 @@ def rate(hits: pd.Series) -> dict[str, float]:
 
 
 def detection(effects: pd.DataFrame) -> pd.DataFrame:
-    """Return how often effects hidden singly are found, and named, by ``name`` and ``size``.
+    """Return how often effects hidden singly are found, and named, by ``name`` (and :data:`EVERY`) and ``size``.
 
     Columns ``name``, ``size``, ``score`` (``detected``: any answer but none; ``named``: the right one), ``count``,
     ``rate``, ``low``, ``high``.
     """
     rows = []
-    for (name, size), group in effects[effects["kind"] == "single"].groupby(["name", "size"], sort=True):
+    single = effects[effects["kind"] == "single"]
+    groups = (group for some in (single.assign(name=EVERY), single) for group in some.groupby(["name", "size"]))
+    for (name, size), group in groups:
         hits = {"detected": group["answer"] != NONE, "named": group["top1"].astype(bool)}
         rows += [{"name": name, "size": size, "score": score} | rate(hit) for score, hit in hits.items()]
     return pd.DataFrame(rows, columns=["name", "size", "score", "count", "rate", "low", "high"])
@@ -246,12 +252,12 @@ def naming(effects: pd.DataFrame, smallest: float) -> pd.DataFrame:
 
 
 def coverage(parameters: pd.DataFrame) -> pd.DataFrame:
-    """Return how often the truth lies inside its interval, by name and parameter and over all (``name`` all).
+    """Return how often the truth lies inside its interval, by name and parameter and over all (:data:`EVERY`).
 
     ``error`` is the median absolute error in half widths of the interval.
     """
     bounded = parameters.dropna(subset=["error"])
-    groups = [(("all", "all"), bounded), *bounded.groupby(["name", "parameter"], sort=True)]
+    groups = [((EVERY, EVERY), bounded), *bounded.groupby(["name", "parameter"], sort=True)]
     rows = [
         {"name": name, "parameter": parameter, "error": group["error"].astype(float).abs().median()}
         | rate(group["inside"].astype(bool))
@@ -274,4 +280,16 @@ def closed(scores: Scores, smallest: float) -> pd.DataFrame:
         medians = {state: known[f"{distance}_{state}"].astype(float).median() for state in STATES}
         reached = known[f"{distance}_after"] <= known[f"{distance}_floor_high"]
         rows.append({"distance": distance} | medians | rate(reached))
+    return pd.DataFrame(rows)
+
+
+def calibration(p_values: pd.DataFrame) -> pd.DataFrame:
+    """Return how often views of logs that hide nothing have a p-value up to the :data:`LEVELS`.
+
+    By ``view`` and over all (:data:`EVERY`); the intervals take the views of different axes for independent.
+    """
+    groups = [(EVERY, p_values), *p_values.groupby("view", sort=False)]
+    rows = [
+        {"view": view, "level": level} | rate(group["p_value"] <= level) for view, group in groups for level in LEVELS
+    ]
     return pd.DataFrame(rows)

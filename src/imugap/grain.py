@@ -13,7 +13,7 @@ DIGITS = 13
 SAMPLE = 200
 """Numbers that a format is tried on before it is tried on all."""
 SEVERAL = 8
-"""Levels that it takes to tell a lattice apart from its clipped ends."""
+"""Levels that it takes to tell a lattice apart from its clipped ends, or that all keep to so many digits."""
 UNITS = ("1", "deg", "g")
 """Units in which files hold decimal numbers."""
 
@@ -74,7 +74,11 @@ def _decimal(values: np.ndarray) -> np.ndarray:
     top = int(np.floor(np.log10(values.max()))) + 1
     shifts = range(DIGITS)
     common = next((k for k in shifts if _fits(some, top - k) and _fits(values, top - k)), None)
-    own = next((k for k in shifts[1:] if _fits(some, _decades(some) - k) and _fits(values, _decades(values) - k)), None)
+    own = None
+    if len(np.unique(values)) > SEVERAL:  # few levels may share their number of digits by chance
+        own = next(
+            (k for k in shifts[1:] if _fits(some, _decades(some) - k) and _fits(values, _decades(values) - k)), None
+        )
     result = np.zeros(len(values)) if common is None else np.full(len(values), 10.0 ** (top - common))
     return result if own is None else np.maximum(result, 10.0 ** (_decades(values) - own))
 

@@ -31,6 +31,40 @@ SITES = config["sites"] | {
 OMITTED = [name for name in CATALOGUE if name not in PRESENT]
 # The products that the chapters of the paper show: the rules of each chapter add theirs.
 PAPER = []
+# What the target discover works on.
+OPTIONS = {
+    option: [value] if isinstance(value, str) else value or []
+    for option, value in config.items()
+    if option in ("log", "test", "reference", "model")
+}
+
+for option, paths in OPTIONS.items():
+    for path in paths:
+        if not Path(path).is_file():
+            raise ConfigurationError(f"{option}: expected a file; found none at {path}")
+    if paths and not OPTIONS["log"]:
+        raise ConfigurationError(
+            f"log: expected the log that {option} belongs to; found none"
+        )
+
+# What discovery is asked, by the folder of the answer below results: a log of one's own, and the stories of the notebook.
+ASKED = {
+    "story/hidden": {"log": ["results/story/cases/hidden/log.parquet"]},
+    "story/heater": {"log": ["results/story/heater.parquet"]},
+    "story/heater_named": {
+        "log": ["results/story/heater.parquet"],
+        "effects": "notebooks.heater",
+    },
+}
+if len(RUNS["adis16405"]) > 1:
+    ASKED["story/real"] = {
+        "log": ["results/story/real_log.parquet"],
+        "test": ["results/story/real_test.parquet"],
+    }
+STORIES = [f"results/{asked}/report.json" for asked in ASKED]
+if OPTIONS["log"]:
+    own = {"effects": config["effects"]} if config["effects"] else {}
+    ASKED[f"discover/{Path(OPTIONS['log'][0]).stem}"] = OPTIONS | own
 
 
 wildcard_constraints:
@@ -88,3 +122,21 @@ def assumptions(site, motion):
         "memory_s": config["attitude"]["acceleration_s"][motion],
         "bias_std": config["attitude"]["bias_std"],
     }
+
+
+def asked(option):
+    """Name the files of an option of what discovery is asked."""
+    return lambda wildcards: ASKED[wildcards.asked].get(option, [])
+
+
+def own_effects(wildcards):
+    """Name the file of the module of one's own effects, if it lies here."""
+    path = f"{ASKED[wildcards.asked].get('effects', '').replace('.', '/')}.py"
+    return [path] if Path(path).is_file() else []
+
+
+def dossier_of_log(wildcards):
+    """Name the page of what is found on the log of the configuration."""
+    if not OPTIONS["log"]:
+        raise ConfigurationError("log: expected --config log=PATH; found none")
+    return f"results/discover/{Path(OPTIONS['log'][0]).stem}/report.md"

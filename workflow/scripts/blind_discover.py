@@ -6,21 +6,23 @@ from time import perf_counter
 
 from imugap.discovery.discover import Question
 from imugap.discovery.inquiry import Files, ask
+from imugap.discovery.report import view_table
 from imugap.journal import journal
 
 
-def main(case, seed, out):
+def main(case, seed, output):
     """Discover on the logs of the folder ``case``, with its reference and its start model where it has them."""
     logs = tuple(sorted(path for path in case.glob("*.parquet") if path.stem != "reference"))
     given = {"reference": case / "reference.parquet", "model": case / "model.yaml"}
     files = Files(logs, **{name: path for name, path in given.items() if path.exists()})
-    report = ask(files, Question(seed=seed)).report()
-    out.write_text(json.dumps(report, indent=1, allow_nan=False) + "\n")
+    inquiry = ask(files, Question(seed=seed))
+    Path(output.report).write_text(json.dumps(inquiry.report(), indent=1, allow_nan=False) + "\n")
+    view_table(inquiry.found).to_csv(output.views, index=False)
 
 
 if __name__ == "__main__":
     with journal(snakemake.log[0]):
         begin = perf_counter()
-        main(Path(snakemake.input.case), snakemake.params.seed, Path(snakemake.output.report))
+        main(Path(snakemake.input.case), snakemake.params.seed, snakemake.output)
         seconds = perf_counter() - begin
         Path(snakemake.output.seconds).write_text(json.dumps({"seconds": seconds}) + "\n")

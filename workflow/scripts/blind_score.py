@@ -3,6 +3,8 @@
 import json
 from pathlib import Path
 
+import pandas as pd
+
 from imugap import blind
 from imugap.journal import journal
 
@@ -12,6 +14,7 @@ def main(source, clear_size, output):
     keys = [blind.read_key(path) for path in source.key]
     reports = [blind.read_report(path) for path in source.reports]
     scores = blind.score(keys, reports, [json.loads(Path(path).read_text())["seconds"] for path in source.seconds])
+    quiet = quiet_views(keys, source.views)
     tables = {
         # run times differ from run to run: apart from them, the tables are the same on every machine
         "cases": scores.cases.drop(columns="seconds"),
@@ -24,9 +27,23 @@ def main(source, clear_size, output):
         "naming": blind.naming(scores.effects, clear_size),
         "coverage": blind.coverage(scores.parameters),
         "closed": blind.closed(scores, clear_size),
+        "p_values": quiet,
+        "calibration": blind.calibration(quiet),
     }
     for name, table in tables.items():
         table.to_csv(output[name], index=False)
+
+
+def quiet_views(keys, paths):
+    """Return the p-values of the views of the cases that hide nothing, under the start model, which is right there."""
+    views = [
+        pd.read_csv(path).assign(case=key["case"])
+        for key, path in zip(keys, paths, strict=True)
+        if key["kind"] == "nothing"
+    ]
+    columns = {"case": "case", "view": "view", "axis": "axis", "start": "p_value"}
+    table = pd.concat([pd.DataFrame(columns=list(columns), dtype=float), *views], ignore_index=True)
+    return table.rename(columns=columns)[list(columns.values())].dropna(subset=["p_value"])
 
 
 if __name__ == "__main__":

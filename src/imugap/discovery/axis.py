@@ -16,7 +16,7 @@ from imugap.discovery import scans
 from imugap.discovery.noise import Noise, NoiseFit, log_likelihood
 from imugap.discovery.noise import fit as fit_noise
 from imugap.discovery.sequence import Sequence
-from imugap.effects import Outliers, VarianceChange
+from imugap.effects import Outliers, Quantization, VarianceChange
 from imugap.effects.effect import Effect, StochasticEffect
 
 ROUNDS = 8
@@ -95,7 +95,7 @@ class AxisFit:
     def variance(self) -> np.ndarray:
         """Return the variance of each cosine coefficient k = 1..n-1."""
         bins = self.sequence.bins
-        return bins.spread(self.description.noise.variance(bins.frequency, bins.interval))
+        return bins.spread(self.description.noise.variance(bins))
 
     @cached_property
     def _root(self) -> np.ndarray:
@@ -136,7 +136,7 @@ class AxisFit:
     def _excess(self) -> tuple[np.ndarray, np.ndarray]:
         """Return excess and variance of the power per coefficient in each bin."""
         bins = self.sequence.bins
-        variance = self.description.noise.variance(bins.frequency, bins.interval)
+        variance = self.description.noise.variance(bins)
         return bins.sums(self.coefficients**2) / bins.number * variance - variance, variance
 
     @cached_property
@@ -147,7 +147,7 @@ class AxisFit:
 
     def _room(self, effect: StochasticEffect) -> tuple[float, float]:
         bins, (excess, variance) = self.sequence.bins, self._excess
-        shape = Noise((effect,), self.description.noise.output_filter).variance(bins.frequency, bins.interval)
+        shape = Noise((effect,), self.description.noise.output_filter).variance(bins)
         weight = bins.number * shape / variance**2
         return float(weight @ excess), float(weight @ shape)
 
@@ -165,8 +165,8 @@ class AxisFit:
         return 0.5 * score - 0.25 * information
 
     @cached_property
-    def lines(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return frequencies [Hz] and gains of log-likelihood of a sinusoid at each."""
+    def lines(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return frequencies [Hz], gains of log-likelihood of a sinusoid at each, and the level around it."""
         return scans.lines(self.whitened, self.sequence.conditions.interval)
 
     @cached_property
@@ -178,6 +178,11 @@ class AxisFit:
     def stretch(self) -> tuple[float, int, int]:
         """Return gain, first sample and last sample + 1 of the stretch whose variance differs most."""
         return scans.stretches(self.whitened)
+
+    @cached_property
+    def swing(self) -> tuple[float, float, float, float]:
+        """Return frequency [Hz], depth, phase and gain of the swing of the variance that is most likely."""
+        return scans.swing(self.whitened, self.sequence.conditions.time)
 
     def beyond(self, columns: np.ndarray) -> np.ndarray:
         """Return what the terms leave of whitened columns, shape (n - 1, m)."""
@@ -208,16 +213,29 @@ def scale(sequence: Sequence, changes: Several[VarianceChange]) -> np.ndarray | 
     """Return the factor of the standard deviation at each sample, shape (n,), or 1."""
     if not changes:
         return 1.0
-    factor = np.ones(len(sequence.values))
-    for change in changes:
-        factor[change.within(sequence.conditions.time)] *= np.sqrt(change.ratio)
-    return factor
+    return np.sqrt(np.prod([change.factor(sequence.conditions.time) for change in changes], axis=0))
 
 
 def residual(sequence: Sequence, description: Description) -> np.ndarray:
     """Return the samples less the systematic terms and their mean, over the scale of the changes of variance."""
     rest = _rest(sequence, description)
-    return (rest - _level(rest, sequence, description)) / scale(sequence, description.changes)
+    centred = (rest - _level(rest, sequence, description)) / scale(sequence, description.changes)
+    rounded = [effect for effect in description.noise.effects if isinstance(effect, Quantization)]
+    return _without_ends(centred, sequence, description, rounded[0].q) if rounded else centred
+
+
+def _without_ends(values: np.ndarray, sequence: Sequence, description: Description, q: float) -> np.ndarray:
+    """Return samples, shape (n,), without the rounding errors before the first and at the last of them.
+
+    Differences of rounding errors, S ~ f^2, are as smooth at the ends as the cosines need but for those two; they are
+    replaced by nothing where the log tells them (their posterior mean), and stay where other noise hides them.
+    """
+    ends = np.zeros((len(values), 2))
+    ends[[0, -1], [0, 1]] = q / sequence.conditions.interval
+    root = _roots(sequence, description)
+    columns, whitened = cosines(ends) / root[:, None], cosines(values) / root
+    errors = np.linalg.solve(columns.T @ columns + np.eye(2), columns.T @ whitened)
+    return values - ends @ errors
 
 
 def offset(sequence: Sequence, description: Description) -> float:
@@ -278,7 +296,7 @@ def log_score(sequence: Sequence, description: Description) -> float:
     """Return the log-density of a sequence, free of its offset, under a description with values from elsewhere."""
     bins = sequence.bins
     power = bins.sums(cosines(residual(sequence, description)) ** 2)
-    variance = description.noise.variance(bins.frequency, bins.interval)
+    variance = description.noise.variance(bins)
     return log_likelihood(variance, power, bins.number) - _jacobian_of_scale(sequence, description)
 
 
@@ -311,7 +329,7 @@ def _mean_moved(sequence: Sequence, description: Description) -> Description:
 def _roots(sequence: Sequence, description: Description) -> np.ndarray:
     """Return the standard deviation of each coefficient, infinite where it is not used."""
     bins = sequence.bins
-    root = np.sqrt(bins.spread(description.noise.variance(bins.frequency, bins.interval)))
+    root = np.sqrt(bins.spread(description.noise.variance(bins)))
     root[bins.last :] = np.inf
     return root
 

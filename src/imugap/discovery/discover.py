@@ -20,10 +20,10 @@ from imugap.discovery.parameters import NORMAL, axis_unit
 from imugap.discovery.record import Record, prepare
 from imugap.discovery.runs import clocks, turn_on
 from imugap.discovery.search import log_chance
-from imugap.discovery.story import Story, Tale, concluded, described, model_of, part, told
+from imugap.discovery.story import Story, Tale, concluded, described, model_of, noise_of, part, told
 from imugap.discovery.uncertain import Uncertain
 from imugap.effects import CATALOGUE, CommonMode, TurnOnBias, WhiteNoise
-from imugap.effects.effect import Effect, Stage
+from imugap.effects.effect import Effect, Stage, StochasticEffect
 from imugap.log import AXES, TEMPERATURE, from_samples
 from imugap.model import AxisModel, ErrorModel
 
@@ -147,6 +147,8 @@ def discover(
     where = named(seen, question.alpha)
     common = tuple(one.finding(f"{axis_unit(one.axes[0])}/sqrt(Hz)") for one in shared(wholes, log_alpha))
     own = tuple(finding for story in stories.values() for finding in story.findings)
+    silent = [axis for axis in stories if question.start is not None and not _noisy(known.axes.get(axis, ()))]
+    own += tuple(finding for axis in silent for finding in noise_of(wholes[axis]))
     outside = (*record.findings, *common, *_between_runs(logs, record, known, question, log_alpha))
     findings = _ordered((*own, *map(_of_joint, joints), *outside))
     steps.begin("gaps that remain")
@@ -271,6 +273,10 @@ def _left(
     judged = verdicts(fits, question.seed + 1, question.replicates, known)
     left = tuple(gap for gap in named(judged, question.alpha) if frozenset(gap.axis.split(",")) not in alike)
     return tuple(one for one in judged if frozenset(one.curve.axis.split(",")) not in alike), left
+
+
+def _noisy(effects: Iterable[Effect]) -> bool:
+    return any(isinstance(effect, StochasticEffect) for effect in effects)
 
 
 def _pairs(axes: Sequence[str]) -> list[tuple[str, str]]:

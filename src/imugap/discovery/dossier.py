@@ -14,6 +14,8 @@ FILES = (
     "report.json", "model.yaml", "gaps.csv", "candidates.csv", "report.md", "places.svg", "distance.svg", "drift.svg",
 )  # fmt: skip
 """What is in the folder."""
+LEAST = 1e-300
+"""Probability below which a page gives no number."""
 
 
 def compose(
@@ -65,8 +67,9 @@ def page(inquiry: Inquiry) -> str:
         _table(_places(found.gaps)),
         "Where it leaves the final model:",
         _table(_places(found.unexplained)),
-        f"![Each place before and after](places.svg)\n\nViews with a place, before (start model) and after (final "
-        f"model). Line: the log. Band: where {1 - inquiry.alpha:.0%} of simulated logs stay everywhere.",
+        "![Each place before and after](places.svg)\n\nViews with a place, before (start model, held-in part) and "
+        f"after (final model, whole log). Line: the log. Band: where {1 - inquiry.alpha:.0%} of simulated logs stay "
+        "everywhere. Bars: the places. Probabilities much below one in a hundred are extrapolated from simulations.",
         "## Distance",
         f"On {held_out}. The floor is how far simulations of the final model are from each other.",
         _table(_distances(inquiry)),
@@ -90,7 +93,7 @@ def _effects(inquiry: Inquiry) -> pd.DataFrame:
 
 
 def _places(gaps) -> pd.DataFrame:
-    rows = [(gap.axis, gap.view, span(gap), f"{gap.p_value:.1e}") for gap in gaps]
+    rows = [(gap.axis, gap.view, span(gap), f"{gap.p_value:.1e}" if gap.p_value else f"< {LEAST:.0e}") for gap in gaps]
     return pd.DataFrame(rows, columns=["axis", "view", "where", "p-value"])
 
 

@@ -5,6 +5,7 @@ that drifts, a trend that bends, a spectrum of another slope, a stretch whose va
 does not explain what is left there, the name is withheld and the place reported as unexplained.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,10 +13,11 @@ from scipy.stats import chi2
 
 from imugap.discovery.axis import AxisFit
 from imugap.discovery.noise import STEP, Noise
+from imugap.discovery.parameters import term_intervals
 from imugap.discovery.power_law import PowerLaw
-from imugap.discovery.search import Key, Search, at, log_chance
-from imugap.effects import BiasInstability, BiasStep, GaussMarkov, RandomWalk, Sinusoid, VarianceChange
-from imugap.effects.effect import StochasticEffect
+from imugap.discovery.search import MANY, Key, Search, at, log_chance
+from imugap.effects import BiasInstability, GaussMarkov, RandomWalk
+from imugap.effects.effect import TINY, StochasticEffect
 
 LEVEL = np.log(1e-3)
 """Log-probability of chance below which a name is in doubt."""
@@ -24,8 +26,6 @@ SHARE = 0.05
 BANDS = 24
 BLOCKS = 12
 """Blocks of a stretch of another variance, and of the rest, that have to agree."""
-MANY = {BiasStep: 3, VarianceChange: 3, Sinusoid: 5}
-"""Number of effects of a kind on one axis above which they are not what they are called."""
 SLOW = (BiasInstability, GaussMarkov, RandomWalk)
 
 
@@ -45,10 +45,21 @@ def doubts(search: Search, fit: AxisFit) -> dict[Key, Doubt]:
         same = [key for key in keys if isinstance(at(fit.description, key), kind)]
         if len(same) > most:
             found |= {key: Doubt(f"{len(same)} of them", -np.inf) for key in same}
+    found |= _after_clusters(search, fit, found)
     for part in {key.part for key in found}:
         worst = min((found[key] for key in found if key.part == part), key=lambda doubt: doubt.log_p)
         found |= {key: worst for key in keys if key.part == part and key not in found}
     return found
+
+
+def _after_clusters(search: Search, fit: AxisFit, found: Mapping[Key, Doubt]) -> dict[Key, Doubt]:
+    """Return the random effects that only the samples without outliers show, where those are in doubt."""
+    doubt = next((found[key] for key in found if key.part == "outliers"), None)
+    if doubt is None:
+        return {}
+    raw = search.fitted(search.raw[fit.description.outliers], replace(fit.description, outliers=None))
+    random = [key for key in search.added(raw.description) if key.part != "term"]
+    return {key: doubt for key in random if search.weighed(raw, key)[0] > search.log_alpha}
 
 
 def _doubt(search: Search, fit: AxisFit, key: Key) -> Doubt | None:
@@ -62,11 +73,22 @@ def _nothing(search: Search, fit: AxisFit, key: Key) -> None:
 
 
 def _bends(search: Search, fit: AxisFit, key: Key) -> Doubt | None:
+    unresolved = _unresolved(fit, key)
+    if unresolved is not None:
+        return unresolved
     columns = fit.description.terms[key.index].effect.near_misses(fit.sequence.conditions)
     if not columns.shape[1]:
         return None
     gain, rank = fit.joint_gain(fit.whiten(columns))
     return Doubt("the mean is not quite of its shape", log_chance(gain, rank)) if rank else None
+
+
+def _unresolved(fit: AxisFit, key: Key) -> Doubt | None:
+    """Doubt an effect of which the log does not tell a parameter from nothing: a transient of a sample or two."""
+    limits = at(fit.description, key).limits()
+    ends = term_intervals(fit, key.index)
+    lost = [name for name, (low, _) in ends.items() if limits[name][0] == TINY and low <= TINY]
+    return Doubt(f"the log does not tell its {lost[0]}", -np.inf) if lost else None
 
 
 def _clustered(search: Search, fit: AxisFit, key: Key) -> Doubt:
@@ -96,18 +118,15 @@ def _another_spectrum(search: Search, fit: AxisFit, key: Key) -> Doubt | None:
 def _share(fit: AxisFit, effect: StochasticEffect) -> np.ndarray:
     """Return the share of an effect in the variance of each bin."""
     bins, noise = fit.sequence.bins, fit.description.noise
-    own = Noise((effect,), noise.output_filter).variance(bins.frequency, bins.interval)
-    return own / noise.variance(bins.frequency, bins.interval)
+    own = Noise((effect,), noise.output_filter).variance(bins)
+    return own / noise.variance(bins)
 
 
 def _score(fit: AxisFit, direction: np.ndarray) -> float:
     """Return the log-probability of the score of the log-spectrum in a direction, the parameters free to follow."""
     bins, noise = fit.sequence.bins, fit.description.noise
-    theta, variance = noise.theta(), noise.variance(bins.frequency, bins.interval)
-    slopes = [
-        (noise.at(theta + step).variance(bins.frequency, bins.interval) / variance - 1) / STEP
-        for step in STEP * np.eye(len(theta))
-    ]
+    theta, variance = noise.theta(), noise.variance(bins)
+    slopes = [(noise.at(theta + step).variance(bins) / variance - 1) / STEP for step in STEP * np.eye(len(theta))]
     weighted = np.sqrt(bins.number / 2)
     basis = np.linalg.qr((np.array(slopes) * weighted).T)[0]
     rest = direction * weighted - basis @ (basis.T @ (direction * weighted))

@@ -120,10 +120,10 @@ class Noise:
     effects: tuple[StochasticEffect, ...]
     output_filter: OutputFilter | None = None
 
-    def variance(self, frequency: np.ndarray, interval: float) -> np.ndarray:
-        """Return the variance of a cosine coefficient at ``frequency`` [Hz]: S/interval times the filter's gain."""
-        total = sum(effect.sampled_psd(frequency, interval) for effect in self.effects) / interval
-        return total if self.output_filter is None else total * self.output_filter.gain(frequency, interval)
+    def variance(self, bins: Bins) -> np.ndarray:
+        """Return the variance of a cosine coefficient in each bin, shape (bins,): that of S/interval, filtered."""
+        total = sum(effect.sampled_psd(bins.frequency, bins.interval) for effect in self.effects) / bins.interval
+        return total if self.output_filter is None else total * self.output_filter.gain(bins.frequency, bins.interval)
 
     def __iter__(self):
         """Iterate over all effects, the filter last."""

@@ -21,11 +21,11 @@ def intervals(fit: AxisFit, without: AxisFit, key: Key) -> dict[str, Interval]:
     effect, axis = at(fit.description, key), fit.sequence.conditions.axis
     units = effect.units(axis_unit(axis))
     if key.part == "term":
-        ends = _term(fit, key.index)
+        ends = term_intervals(fit, key.index)
         if isinstance(effect, BiasStep):
             ends["time"] = _stretch_of(without.steps, fit.sequence.conditions.time, effect.time)
     elif key.part == "change":
-        ends = _change(fit, effect)
+        ends = _swing(fit, effect) if effect.depth else _stretch(fit, effect)
     else:
         ends = _random(fit, key)
     return {
@@ -39,7 +39,8 @@ def axis_unit(axis: str) -> str:
     return "rad/s" if axis in GYRO else "m/s^2"
 
 
-def _term(fit: AxisFit, index: int) -> dict[str, tuple[float, float]]:
+def term_intervals(fit: AxisFit, index: int) -> dict[str, tuple[float, float]]:
+    """Return the 95 % interval of each free parameter of a term."""
     first = sum(len(term.free) for term in fit.description.terms[:index])
     term: Term = fit.description.terms[index]
     errors = np.sqrt(np.maximum(np.diag(fit.covariance), 0.0))[first : first + len(term.free)]
@@ -68,7 +69,21 @@ def _random(fit: AxisFit, key: Key) -> dict[str, tuple[float, float]]:
     return ends
 
 
-def _change(fit: AxisFit, change: VarianceChange) -> dict[str, tuple[float, float]]:
+def _swing(fit: AxisFit, change: VarianceChange) -> dict[str, tuple[float, float]]:
+    """Return the intervals of a line of amplitude ``depth`` in squares of relative variance 2 (Rife, Boorstyn 1974)."""
+    count, interval = len(fit.residual), fit.sequence.conditions.interval
+    errors = {
+        "depth": 2 / np.sqrt(count),
+        "phase": 4 / change.depth / np.sqrt(count),
+        "frequency": np.sqrt(48 / count) / change.depth / (2 * np.pi * count * interval),
+    }
+    return {
+        name: (getattr(change, name) - NORMAL * error, getattr(change, name) + NORMAL * error)
+        for name, error in errors.items()
+    }
+
+
+def _stretch(fit: AxisFit, change: VarianceChange) -> dict[str, tuple[float, float]]:
     """Return the ratio's interval from the numbers of samples, and the ends from the likelihood of their places."""
     time = fit.sequence.conditions.time
     inside = change.within(time)

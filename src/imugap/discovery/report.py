@@ -67,6 +67,15 @@ def gap_table(gaps: Iterable[Gap], left: Iterable[Gap]) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=columns)
 
 
+def view_table(found: Discovery) -> pd.DataFrame:
+    """Return the p-value of every view under the start and the final model; of a view that one has not, none there."""
+    start, final = (
+        pd.Series({(one.curve.view, one.curve.axis): one.p_value for one in some}, dtype=float)
+        for some in (found.before, found.after)
+    )
+    return pd.DataFrame({"start": start, "final": final}).rename_axis(["view", "axis"]).reset_index()
+
+
 def candidate_table(found: Discovery) -> pd.DataFrame:
     """Return what was named, what could not be told from it, and what was withheld with the reason."""
     columns = ["axes", "name", "status", "log_p", "log_score_gain", "reason"]

@@ -2,10 +2,15 @@
 
 import numpy as np
 from scipy.fft import idct, next_fast_len, rfft
+from scipy.optimize import minimize
 from scipy.signal import find_peaks
 
 EDGE = 8
 """Samples at each end at which no step is looked for."""
+BAND, FINER = 256, 4
+"""Frequencies of a band over which the level of the power is taken; how often it is halved towards zero."""
+MEANS, FASTEST = 4096, 0.125
+"""Blocks in which a swing of the variance is looked for, and the highest frequency, over the rate of the blocks."""
 BLOCKS = 400
 """Blocks of the search for stretches of another variance."""
 
@@ -32,18 +37,33 @@ def steps(coefficients: np.ndarray, variance: np.ndarray) -> np.ndarray:
     return gains
 
 
-def lines(whitened: np.ndarray, interval: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return frequencies [Hz] and the gain of log-likelihood of a sinusoid at each.
+def lines(whitened: np.ndarray, interval: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return frequencies [Hz], the gain of log-likelihood of a sinusoid at each, and the level of the power around it.
 
     The whitened residual is transformed over twice its length, so that a line between two frequencies of the log
-    loses at most a tenth of its power.
+    loses at most a tenth of its power. Gains are over the level: where the fit is off over a band, no line of it is
+    more than its neighbours.
     """
     n = len(whitened)
     length = next_fast_len(2 * n, real=True)
     power = np.abs(rfft(whitened, length)) ** 2 / n
     frequency = np.arange(len(power)) / (length * interval)
     inner = (frequency > 1.5 / (n * interval)) & (frequency < (0.5 - 1.0 / n) / interval)
-    return frequency[inner], power[inner]
+    level = _level(power[inner])
+    return frequency[inner], power[inner] / level, level
+
+
+def _level(power: np.ndarray) -> np.ndarray:
+    """Return the level of exponentially distributed power around each frequency, at least 1, shape (n,).
+
+    It is taken from medians of bands, three standard deviations below them, and is 1 where that is less.
+    """
+    edges = [BAND // 2**k for k in range(FINER, 0, -1)] + list(range(BAND, len(power) - BAND, BAND))
+    first = np.r_[0, [edge for edge in edges if edge < len(power)]]
+    number = np.diff(np.r_[first, len(power)])
+    medians = np.array([np.median(power[a : a + n]) for a, n in zip(first, number, strict=True)])
+    level = np.maximum(medians / (np.log(2) + 3 * np.sqrt(2 / number)), 1.0)
+    return np.repeat(level, number)
 
 
 def peaks(gains: np.ndarray, count: int, apart: int) -> np.ndarray:
@@ -71,6 +91,38 @@ def stretches(whitened: np.ndarray) -> tuple[float, int, int]:
         stop = _refined(squares, start, stop, width, side=1)
     gain = _change_gain(squares[stop] - squares[start], stop - start, squares[-1], n)
     return float(gain), start, stop
+
+
+def swing(whitened: np.ndarray, time: np.ndarray) -> tuple[float, float, float, float]:
+    """Return frequency [Hz], depth, phase and gain of log-likelihood of the likeliest swing of the log-variance.
+
+    It starts at the highest line of the mean squares of blocks; the log-variance is c + depth cos(2 pi f t + phase).
+    """
+    width = max(len(whitened) // MEANS, 1)
+    squares, middle = (_means(values, width) for values in (whitened**2, time))
+    frequency, gains, _ = lines((squares - squares.mean()) / max(squares.std(), 1e-300), middle[1] - middle[0])
+    slow = frequency < FASTEST / (middle[1] - middle[0])
+    coarse = float(frequency[slow][np.argmax(gains[slow])])
+    seconds, mean = middle - middle.mean(), squares.mean()
+
+    def cost(theta: np.ndarray) -> tuple[float, np.ndarray]:
+        angle = 2 * np.pi * (coarse + theta[3] / seconds[-1]) * seconds
+        columns = np.array([np.ones(len(seconds)), np.cos(angle), np.sin(angle)])
+        level = theta[:3] @ columns
+        relative = squares * np.exp(-level)
+        moved = (theta[2] * columns[1] - theta[1] * columns[2]) * 2 * np.pi * seconds / seconds[-1]
+        return 0.5 * np.mean(level + relative), 0.5 * np.mean((1 - relative) * [*columns, moved], axis=1)
+
+    wave = 2 * np.mean(squares * np.exp(-2j * np.pi * coarse * seconds)) / mean
+    best = minimize(cost, np.array([np.log(mean), wave.real, -wave.imag, 0.0]), jac=True, method="BFGS")
+    gain = width * len(squares) * (0.5 * (np.log(mean) + 1) - best.fun)
+    found = coarse + best.x[3] / seconds[-1]
+    phase = np.angle(complex(best.x[1], -best.x[2]) * np.exp(-2j * np.pi * found * middle.mean()))
+    return float(max(found, 0.0)), float(np.hypot(*best.x[1:3])), float(phase), float(gain)
+
+
+def _means(values: np.ndarray, width: int) -> np.ndarray:
+    return values[: len(values) // width * width].reshape(-1, width).mean(axis=1)
 
 
 def _refined(squares: np.ndarray, start: int, stop: int, width: int, side: int) -> int:

@@ -15,7 +15,7 @@ from scipy.stats import chi2
 from imugap.discovery.axis import AxisFit, Description, Term, fit
 from imugap.discovery.sequence import Sequence
 from imugap.discovery.tails import Tails, tails
-from imugap.effects import Outliers, OutputFilter, VarianceChange
+from imugap.effects import BiasStep, Outliers, OutputFilter, Sinusoid, VarianceChange
 from imugap.effects.effect import Effect, Start, SystematicEffect
 from imugap.stream import stream
 
@@ -32,6 +32,8 @@ HOPE, HOPES = -4.0, 2
 
 They stay if the exchange of what is there makes all of it certain: an effect that stands for two others hides both.
 """
+MANY = {BiasStep: 3, VarianceChange: 3, Sinusoid: 5}
+"""Number of effects of a kind on one axis above which they are not what they are called; no more are looked for."""
 SLACK = 2.0
 """How many times the gain that an effect expects before the fit it may make after it."""
 
@@ -79,6 +81,8 @@ class Search:
     """Fits by the description that they started from."""
     tails: dict[Outliers, Tails] = field(default_factory=dict)
     """What outliers were found by; the samples without them say no more about them."""
+    raw: dict[Outliers, Sequence] = field(default_factory=dict)
+    """The samples with the outliers."""
 
     def forgetful(self) -> "Search":
         """Return the search without the fits that it made on the way."""
@@ -120,6 +124,8 @@ class Search:
     def trials(self, before: AxisFit, bar: float) -> Iterator[Trial]:
         """Yield every proposal, fitted, whose log-probability may come below ``bar``."""
         for kind in self.catalogue:
+            if sum(isinstance(one, kind) for one in before.description.effects()) > MANY.get(kind, LIMIT):
+                continue
             for start in kind.starts(before):
                 if log_chance(SLACK * start.gain + SLACK, len(start.free)) + np.log(start.trials) < bar:
                     yield self.judged(start, before)
@@ -134,13 +140,13 @@ class Search:
         unit = float(np.sqrt(before.variance[: before.sequence.bins.last].mean()))
         named = replace(before.description, outliers=Outliers(found.probability, found.excess * unit))
         sequence = before.sequence.mended(found.flagged, stream(0, "mended", before.sequence.conditions.axis))
-        self.tails[named.outliers] = found
+        self.tails[named.outliers], self.raw[named.outliers] = found, before.sequence
         return Trial(Outliers.name, self.fitted(sequence, named), found.gain, log_chance(found.gain, 2) + np.log(TAILS))
 
     def judged(self, start: Start, before: AxisFit) -> Trial:
         """Fit a proposal and judge it against the fit without it."""
         after = self.fitted(before.sequence, with_effect(before.description, start))
-        gain = after.log_likelihood - before.log_likelihood
+        gain = (after.log_likelihood - before.log_likelihood) / start.level
         log_p = log_chance(gain, len(start.free)) + np.log(start.trials)
         return Trial(start.effect.name, after, gain, min(log_p, 0.0))
 

@@ -133,7 +133,8 @@ def told(
 ) -> Tale:
     """Search one axis; the samples from ``split`` on are held out.
 
-    One thread is enough for vectors of this length, and axes are worked on side by side.
+    Outliers and changes of the variance, which no later fit moves, are found in the whole log anew. One thread is
+    enough for vectors of this length, and axes are worked on side by side.
     """
     with threadpool_limits(1):
         held_in, held_out = part(sequence, 0, split), part(sequence, split, len(sequence.values))
@@ -141,7 +142,8 @@ def told(
         early, late = (Search(before.description, catalogue, log_alpha) for _ in range(2))
         after = _told_apart(early, early.explore(before))
         whole = part(sequence, 0, len(sequence.values))
-        again = late.settled(fit(whole, replace(after.description, outliers=None)))
+        kept = replace(after.description, outliers=None, changes=before.description.changes)
+        again = late.settled(fit(whole, kept))
         found = _told_apart(late, late.explore(again))
         return Tale(before, after, early.forgetful(), found, late.forgetful(), held_out)
 
@@ -231,6 +233,14 @@ def _finding(search: Search, found: AxisFit, key: Key, held_out: Sequence) -> Fi
         parameters = intervals(found, without, key)
         gain = log_score(held_out, found.description) - log_score(held_out, without.description)
     return Finding({axis: effect}, parameters, max(float(own), CERTAIN), float(gain), tuple(alternatives.items()))
+
+
+def noise_of(found: AxisFit) -> tuple[Finding, ...]:
+    """Return the white noise of an axis whose start model has no noise at all as a finding, where there is some."""
+    axis, effect = found.sequence.conditions.axis, found.description.noise.effects[0]
+    parameters = intervals(found, found, Key("noise", 0))
+    seen = parameters["density"].low > 0
+    return (Finding({axis: effect}, parameters, CERTAIN),) if seen else ()
 
 
 def _of_outliers(search: Search, found: AxisFit) -> dict[str, Interval]:

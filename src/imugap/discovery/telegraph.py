@@ -7,7 +7,6 @@ from numba import njit
 from scipy.optimize import minimize
 
 from imugap.discovery.axis import AxisFit
-from imugap.discovery.noise import Noise
 from imugap.effects import GaussMarkov, RandomTelegraph
 from imugap.effects.effect import StochasticEffect
 
@@ -50,9 +49,10 @@ def compare(fit: AxisFit, slow: tuple[StochasticEffect, ...]) -> Verdict:
     time = min([one.correlation_time for one in slow if isinstance(one, GaussMarkov)], default=interval * count / LONG)
     width = max(int(time / FINE / interval), count // MOST, 1)
     means = fit.residual[: count // width * width].reshape(-1, width).mean(axis=1)
-    rest = Noise(tuple(one for one in fit.description.noise.effects if one not in slow))
+    rest = [one for one in fit.description.noise.effects if one not in slow]
     step = width * interval
-    white = float(np.sqrt(rest.variance(np.array([0.25 / step]), interval)[0] / width))
+    density = sum(effect.sampled_psd(np.array([0.25 / step]), interval)[0] for effect in rest)
+    white = float(np.sqrt(density / step))
     std = float(np.sqrt(max(means.var() - white**2, 0.01 * means.var())))
     least = np.log(std) - DEEP
 

@@ -143,12 +143,15 @@ class Start:
         Number of independent places or shapes among which it was chosen.
     gain
         Gain of log-likelihood that is expected before the fit, everything else held; infinite where not known.
+    level
+        What every gain of log-likelihood is to be divided by, because the fit is off in the whole neighbourhood.
     """
 
     effect: "Effect"
     free: tuple[str, ...]
     trials: float = 1.0
     gain: float = np.inf
+    level: float = 1.0
 
 
 @dataclass(frozen=True)

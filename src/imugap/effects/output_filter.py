@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
-from scipy.signal import butter, sosfilt, sosfilt_zi
+from scipy.signal import butter, sosfilt, sosfilt_zi, zpk2sos
 
 from imugap.effects.effect import TINY, Conditions, Effect, Stage, Start, parameter
 
@@ -14,40 +14,57 @@ if TYPE_CHECKING:
 
 DEFICIT = -2.5
 """Standard deviations by which the power near half the rate is too low where a search tries a filter."""
-ORDERS = (1, 2, 3, 4)
-"""Orders that a search tries."""
+SHAPES = ((1, 0), (2, 0), (3, 0), (4, 0), (1, 1), (2, 1))
+"""Order, and whether of poles alone, of the filters that a search tries."""
 
 
 @dataclass(frozen=True)
 class OutputFilter(Effect):
-    """Butterworth low-pass filter of the output, digital through the bilinear transform."""
+    """Maximally flat low-pass filter of the output: 1/(1 + (w(f)/w(cutoff))^(2 order)) is its power gain.
+
+    With w(f) = tan(pi f interval) it is the Butterworth filter through the bilinear transform, which blocks half the
+    sampling rate. With w(f) = sin(pi f interval) it has poles alone; that of order 1 is exponential smoothing.
+    """
 
     name: ClassVar[str] = "output_filter"
     stage: ClassVar[Stage] = Stage.FILTER
     cutoff: float = parameter("Hz", "frequency at which the power gain is 1/2", low=TINY)
     order: float = parameter("1", "order", low=1.0, high=8.0, whole=True, default=1)
+    all_pole: float = parameter("1", "1: poles alone, 0: Butterworth", high=1.0, whole=True, default=0)
 
     def apply(self, sequence: np.ndarray, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
         """Filter the output, as if its first value had been there for ever."""
-        self._check(conditions.interval)
-        sections = butter(int(self.order), self.cutoff, fs=1 / conditions.interval, output="sos")
+        sections = self._sections(conditions.interval)
         return sosfilt(sections, sequence, zi=sosfilt_zi(sections) * sequence[0])[0]
 
     def gain(self, frequency: np.ndarray, interval: float) -> np.ndarray:
-        """Return the power gain 1/(1 + (tan(pi f interval)/tan(pi cutoff interval))^(2 order)) at ``frequency`` [Hz].
+        """Return the power gain at ``frequency`` [Hz], shape of it."""
+        self._check(interval)
+        warped = np.sin if self.all_pole else np.tan
+        ratio = warped(np.pi * np.asarray(frequency, float) * interval) / warped(np.pi * self.cutoff * interval)
+        return 1 / (1 + np.abs(ratio) ** (2 * self.order))
 
-        It is that of the analogue filter at the frequencies that the bilinear transform puts there.
+    def _sections(self, interval: float) -> np.ndarray:
+        """Return the sections of second order.
+
+        Poles alone: where (sin^2(pi f interval))^order is -(sin^2(pi cutoff interval))^order, sin^2 being
+        (2 - z - 1/z)/4, inside the unit circle.
         """
         self._check(interval)
-        warped = np.tan(np.pi * np.asarray(frequency, float) * interval) / np.tan(np.pi * self.cutoff * interval)
-        return 1 / (1 + np.abs(warped) ** (2 * self.order))
+        if not self.all_pole:
+            return butter(int(self.order), self.cutoff, fs=1 / interval, output="sos")
+        turns = np.exp(1j * np.pi * (2 * np.arange(self.order) + 1) / self.order)
+        middle = 1 - 2 * np.sin(np.pi * self.cutoff * interval) ** 2 * turns
+        root = np.sqrt(middle**2 - 1)
+        poles = np.where(np.abs(middle + root) < 1, middle + root, middle - root)
+        return zpk2sos(np.zeros(len(poles)), poles, np.prod(1 - poles).real)
 
     @classmethod
     def starts(cls, fit: "AxisFit") -> Iterator[Start]:
         """Yield filters of a few orders, where there is none yet."""
         if fit.description.noise.output_filter is None and fit.top < DEFICIT:
-            for order in ORDERS:
-                yield Start(cls(0.3 / fit.sequence.conditions.interval, order), ("cutoff",), trials=len(ORDERS))
+            for shape in SHAPES:
+                yield Start(cls(0.3 / fit.sequence.conditions.interval, *shape), ("cutoff",), trials=len(SHAPES))
 
     def _check(self, interval: float) -> None:
         if self.cutoff * interval >= 0.5:

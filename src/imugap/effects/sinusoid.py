@@ -51,11 +51,13 @@ class Sinusoid(SystematicEffect, AllanEffect):
     @classmethod
     def starts(cls, fit: "AxisFit") -> Iterator[Start]:
         """Yield the highest line of the whitened residual's spectrum."""
-        frequency, gains = fit.lines
-        highest = float(frequency[np.argmax(gains)])
+        frequency, gains, level = fit.lines
+        best = int(np.argmax(gains))
+        highest = float(frequency[best])
         wave = 2 * np.mean(fit.residual * np.exp(-2j * np.pi * highest * fit.sequence.conditions.time))
         effect = cls(highest, float(abs(wave)), float(np.angle(wave)))
-        yield Start(effect, ("frequency", "amplitude", "phase"), trials=len(gains) / 2, gain=float(gains.max()))
+        free = ("frequency", "amplitude", "phase")
+        yield Start(effect, free, len(gains) / 2, float(gains[best]), float(level[best]))
 
     def allan_variance(self, tau: np.ndarray) -> np.ndarray:
         """Return amplitude^2 sin^4(pi f tau)/(pi f tau)^2 (IEEE 952)."""

@@ -13,11 +13,13 @@ if TYPE_CHECKING:
 
 STRETCHES = 1e5
 """Independent stretches of a long log, on the safe side."""
+SWINGS = 1e3
+"""Independent frequencies of a swing, on the safe side."""
 
 
 @dataclass(frozen=True)
 class VarianceChange(Effect):
-    """White noise whose variance is ``ratio`` times its own for start <= t < stop.
+    """White noise whose variance is ratio exp(depth cos(2 pi frequency t + phase)) times its own for start <= t < stop.
 
     The spectra and Allan variances of the model are those outside of that time.
     """
@@ -26,7 +28,10 @@ class VarianceChange(Effect):
     stage: ClassVar[Stage] = Stage.MODULATION
     start: float = parameter("s", "begin of the change since power-on")
     stop: float = parameter("s", "end of the change since power-on")
-    ratio: float = parameter("1", "variance during the change over that outside")
+    ratio: float = parameter("1", "variance during the change over that outside", default=1.0)
+    depth: float = parameter("1", "swing of the logarithm of the variance during the change", default=0.0)
+    frequency: float = parameter("Hz", "frequency of the swing", default=0.0)
+    phase: float = parameter("rad", "phase of the swing at power-on", low=-np.inf, default=0.0)
 
     def __post_init__(self) -> None:
         """Check the limits, and that the end is not before the begin."""
@@ -38,18 +43,27 @@ class VarianceChange(Effect):
         """Return which times [s] are in the stretch."""
         return (time >= self.start) & (time < self.stop)
 
+    def factor(self, time: np.ndarray) -> np.ndarray:
+        """Return the factor of the variance at each time [s], shape of it."""
+        swing = self.depth * np.cos(2 * np.pi * self.frequency * time + self.phase) if self.depth else 0.0
+        return np.where(self.within(time), self.ratio * np.exp(swing), 1.0)
+
     def apply(self, sequence: np.ndarray, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
-        """Scale the noise by sqrt(ratio) during the change."""
-        return np.where(self.within(conditions.time), np.sqrt(self.ratio), 1.0) * sequence
+        """Scale the noise during the change."""
+        return np.sqrt(self.factor(conditions.time)) * sequence
 
     @classmethod
     def starts(cls, fit: "AxisFit") -> Iterator[Start]:
-        """Yield the stretch of the whitened residual whose variance differs most."""
+        """Yield the stretch of the whitened residual whose variance differs most, and the swing that does."""
         gain, first, last = fit.stretch
-        if gain <= 0:
-            return
         time, squares = fit.sequence.conditions.time, fit.whitened**2
-        inside, outside = squares[first:last].mean(), np.r_[squares[:first], squares[last:]].mean()
-        stop = time[last] if last < len(time) else time[-1] + fit.sequence.conditions.interval
-        effect = cls(float(time[first]), float(stop), float(inside / outside))
-        yield Start(effect, ("ratio",), trials=STRETCHES, gain=gain)
+        end = float(time[-1] + fit.sequence.conditions.interval)
+        if gain > 0:
+            if first == 0:  # what comes later has changed
+                first, last = last, len(time)
+            inside, outside = squares[first:last].mean(), np.r_[squares[:first], squares[last:]].mean()
+            stop = float(time[last]) if last < len(time) else end
+            yield Start(cls(float(time[first]), stop, float(inside / outside)), ("ratio",), STRETCHES, gain)
+        frequency, depth, phase, gain = fit.swing
+        effect = cls(float(time[0]), end, depth=depth, frequency=frequency, phase=phase)
+        yield Start(effect, ("depth", "frequency", "phase"), SWINGS, gain)

@@ -51,6 +51,14 @@ def legend_below(figure: Figure, columns: int) -> None:
     figure.legend(found.values(), found.keys(), loc="outside lower center", ncols=columns)
 
 
+def said(text: str) -> Figure:
+    """Return a figure that says why there is nothing to see."""
+    figure, grid = panels_of(1, 1, 0.8)
+    grid[0, 0].set_axis_off()
+    grid[0, 0].text(0.5, 0.5, text, ha="center", va="center", transform=grid[0, 0].transAxes)
+    return figure
+
+
 def allan_panels() -> tuple[Figure, dict[str, mpl.axes.Axes]]:
     """Return a figure for Allan deviations of the six axes and its panels by axis."""
     figure, grid = panels_of(2, 3, 4.6, sharex=True, sharey="row")

@@ -1,14 +1,19 @@
 """Figures of discovery: each function draws one figure from what was found and returns it."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from imugap.discovery.discover import Discovery
 from imugap.discovery.distance import Drifts
+from imugap.discovery.finding import Gap
 from imugap.discovery.gaps import Verdict
-from imugap.figures import AXIS_TITLES, legend_below, panels_of
+from imugap.discovery.views import Curve
+from imugap.figures import AXIS_TITLES, legend_below, panels_of, said
+from imugap.tables import unit
 
 MOST = 20
 """Views that one figure shows, the surest first."""
@@ -32,7 +37,21 @@ TITLES = {
     "time_shift": "mean over the input's derivative",
     "full_scale": "mean towards full scale",
 }
-LOCATIONS = {"allan": "averaging time", "spectrum": "frequency", "line": "frequency", "coherence": "frequency"}
+LOCATIONS = {
+    "allan": "averaging time",
+    "spectrum": "frequency",
+    "line": "frequency",
+    "coherence": "frequency",
+    "mean": "time",
+    "variance": "time",
+    "change": "time",
+    "extremes": "time",
+    "marginal": "value in standard deviations",
+}
+LINEAR = 20.0
+"""Gain up to which a panel is linear; beyond, logarithmic."""
+TOP = 0.95
+"""Height in a panel at which its places are marked."""
 LOGARITHMIC = ("allan", "spectrum", "line", "coherence")
 DIRECTIONS = ("north", "east", "down")
 PLAIN = FuncFormatter(lambda value, _: f"{value:g}")
@@ -42,35 +61,31 @@ NAMES = {"distribution": "distribution", "navigation": "navigation drift"}
 def places(found: Discovery, alpha: float) -> Figure:
     """Draw every view in which the log left the start model, before and after.
 
-    The curve is the statistic of the log in standard deviations (of a gain: its excess), the band where a share 1 -
-    ``alpha`` of simulated logs of the model, refitted, stays everywhere. Of windows that overlap, the shortest make
-    the curve; wider ones that leave the band are bars.
+    The curve is the statistic of the log, a deviation in standard deviations or a gain of log-likelihood; the band is
+    where a share 1 - ``alpha`` of simulated logs of the model, refitted, stays everywhere. Of windows that overlap, the
+    shortest make the curve; the bars at the top are the places that were named, also those of wider windows.
     """
     wanted = list(dict.fromkeys((gap.view, gap.axis) for gap in found.gaps))
     before, after = ({(one.curve.view, one.curve.axis): one for one in some} for some in (found.before, found.after))
     drawn = [key for key in wanted if key in before][:MOST]
     if not drawn:
-        return _said("No view of the log leaves the start model.")
+        return said("No view of the log leaves the start model.")
     figure, grid = panels_of(len(drawn), 2, 1.5 * len(drawn) + 0.6, sharex="row", sharey="row")
     for key, row in zip(drawn, grid, strict=True):
-        for panel, (title, colour), verdict in zip(row, STATES.values(), (before[key], after.get(key)), strict=True):
+        pairs = ((before[key], found.gaps), (after.get(key), found.unexplained))
+        for panel, (title, colour), (verdict, gaps) in zip(row, STATES.values(), pairs, strict=True):
             panel.set_title(f"{_titled(key[1])}, {TITLES[key[0]]}: {title}")
             if verdict is None:
                 panel.text(0.5, 0.5, "explained by what the axes share", ha="center", transform=panel.transAxes)
             else:
-                _view(panel, verdict, alpha, colour)
-        curve = before[key].curve
-        row[0].set_ylabel("statistic")
-        for panel in row:
-            panel.set_xlabel(
-                f"{LOCATIONS.get(curve.view, TITLES[curve.view].removeprefix('mean over '))} [{curve.unit}]"
-            )
-            panel.set_xscale("log" if curve.view in LOGARITHMIC else "linear")
+                _view(panel, verdict, alpha, colour, f"{1 - alpha:.0%} of simulations, {title}")
+                _marked(panel, [gap for gap in gaps if (gap.view, gap.axis) == key])
+        _scaled(row, before[key].curve)
     legend_below(figure, 4)
     return figure
 
 
-def _view(panel: Axes, verdict: Verdict, alpha: float, colour: str) -> None:
+def _view(panel: Axes, verdict: Verdict, alpha: float, colour: str, label: str) -> None:
     """Draw one view of the log against the envelope of a model."""
     curve = verdict.curve
     low, high = verdict.envelope.bounds(alpha)
@@ -82,14 +97,29 @@ def _view(panel: Axes, verdict: Verdict, alpha: float, colour: str) -> None:
     order = np.argsort(middle)
     at, cells = middle[order], cells[order]
     floor = low[cells] if curve.signed else np.minimum(curve.statistic[cells].min(), 0.0)
-    panel.fill_between(at, floor, high[cells], color=colour, alpha=0.25, lw=0, label=f"{1 - alpha:.0%} of simulations")
+    panel.fill_between(at, floor, high[cells], color=colour, alpha=0.25, lw=0, label=label)
     panel.plot(at, curve.statistic[cells], color=LOG, marker=".", ms=2, lw=0.7, label="log")
-    beyond = np.flatnonzero((curve.statistic > high) | (curve.statistic < low))
-    label = "beyond the band"
-    for one in beyond:
-        panel.plot([curve.low[one], curve.high[one]], [curve.statistic[one]] * 2, color=PLACE, lw=2.5, marker="|",
-                   alpha=0.8, label=label)  # fmt: skip
-        label = None
+
+
+def _marked(panel: Axes, gaps: Sequence[Gap]) -> None:
+    """Mark places at the top of a panel."""
+    for gap in gaps:
+        panel.plot([gap.low, gap.high], [TOP, TOP], color=PLACE, lw=2.5, marker="|", ms=7, mew=1.5, label="place",
+                   transform=panel.get_xaxis_transform())  # fmt: skip
+
+
+def _scaled(row: Sequence[Axes], curve: Curve) -> None:
+    """Label the panels of one view, and give its curve room below the marks."""
+    name = LOCATIONS.get(curve.view, TITLES[curve.view].removeprefix("mean over "))
+    row[0].set_ylabel("deviation [σ]" if curve.signed else "gain")
+    row[0].margins(y=0.15)
+    for panel in row:
+        panel.set_xlabel(name if curve.unit == "1" else f"{name} [{unit(curve.unit)}]")
+        panel.set_xscale("log" if curve.view in LOGARITHMIC else "linear")
+        if not curve.signed:
+            panel.set_yscale("symlog", linthresh=LINEAR)
+            panel.set_ylim(bottom=min(float(curve.statistic.min()), 0.0) - 1)
+            panel.yaxis.set_major_formatter(PLAIN)
 
 
 def distance(found: Discovery) -> Figure:
@@ -103,8 +133,9 @@ def distance(found: Discovery) -> Figure:
             ends = [[one.value - one.low], [one.high - one.value]]
             panel.errorbar([place], [one.value], ends, fmt="o", ms=5, color=colour, capsize=4, label=title)
         panel.set(title=NAMES[name], xticks=[0, 1], xticklabels=list(STATES), xlim=(-0.6, 1.6), yscale="log")
+        panel.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
         panel.yaxis.set_major_formatter(PLAIN)
-        panel.yaxis.set_minor_formatter(PLAIN)
+        panel.yaxis.set_minor_formatter(NullFormatter())
     grid[0, 0].set_ylabel("distance")
     legend_below(figure, 3)
     return figure
@@ -113,13 +144,14 @@ def distance(found: Discovery) -> Figure:
 def drift(found: Discovery) -> Figure:
     """Draw the free-inertial drift of the held-out data in the ensembles of both models, a row for each log."""
     if not found.drifts:
-        return _said("No navigation: it takes a device at rest and all six axes.")
+        return said("No navigation: it takes a device at rest and all six axes.")
     rows = [(path, state) for path in found.drifts for state in STATES]
     figure, grid = panels_of(len(rows), 3, 1.6 * len(rows) + 0.5, sharex="row")
     for number, ((path, state), row) in enumerate(zip(rows, grid, strict=True)):
         title, colour = STATES[state]
         for column, (direction, panel) in enumerate(zip(DIRECTIONS, row, strict=True)):
-            _drift(panel, path, getattr(path, state)[..., column], path.measured[:, column], colour)
+            label = f"{LEVEL:.0%} of simulations, {title}"
+            _drift(panel, path, getattr(path, state)[..., column], path.measured[:, column], colour, label)
             panel.set_title(f"{direction}: {title}")
             limit = _reach(path, column)
             panel.set(ylim=(-limit, limit))
@@ -131,9 +163,9 @@ def drift(found: Discovery) -> Figure:
     return figure
 
 
-def _drift(panel: Axes, path: Drifts, ensemble: np.ndarray, measured: np.ndarray, colour: str) -> None:
+def _drift(panel: Axes, path: Drifts, ensemble: np.ndarray, measured: np.ndarray, colour: str, label: str) -> None:
     low, high = np.quantile(ensemble, [(1 - LEVEL) / 2, (1 + LEVEL) / 2], axis=0)
-    panel.fill_between(path.time, low, high, color=colour, alpha=0.25, lw=0, label=f"{LEVEL:.0%} of simulations")
+    panel.fill_between(path.time, low, high, color=colour, alpha=0.25, lw=0, label=label)
     panel.plot(path.time, ensemble.T, color=colour, alpha=0.15, lw=0.4)
     panel.plot(path.time, measured, color=LOG, label="log")
 
@@ -146,11 +178,3 @@ def _reach(path: Drifts, column: int) -> float:
 
 def _titled(axis: str) -> str:
     return " and ".join(AXIS_TITLES.get(one, one) for one in axis.split(","))
-
-
-def _said(text: str) -> Figure:
-    """Return a figure that says why there is nothing to see."""
-    figure, grid = panels_of(1, 1, 0.8)
-    grid[0, 0].set_axis_off()
-    grid[0, 0].text(0.5, 0.5, text, ha="center", va="center", transform=grid[0, 0].transAxes)
-    return figure

@@ -7,8 +7,7 @@ from typing import ClassVar
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from imugap.sealing import limits
-from imugap.sealing.kind import Modulation, Ranges, Scene, Spectrum, Waveform, between, sign
+from imugap.sealing.kind import Ranges, Scene, Spectrum, Waveform, between, sign
 from imugap.sealing.noise import fractional
 
 
@@ -127,33 +126,6 @@ class FractionalNoise(Spectrum):
 
 
 @dataclass(frozen=True)
-class BeatingNoise(Modulation):
-    """White noise whose variance beats as exp(depth cos(2 pi t/period)).
-
-    Limit: the depth at which n/2 (log mean r - mean log r) = 2.71, r the factor of the variance over time.
-    """
-
-    name: ClassVar[str] = "beating_noise"
-    scaled: ClassVar = ("depth",)
-    period: float = 1.0
-    depth: float = 1.0
-
-    @classmethod
-    def draw(cls, scenes: Sequence[Scene], ranges: Ranges, rng: np.random.Generator) -> "BeatingNoise":
-        """Draw the number of beats in the log."""
-        return cls(scenes[0].duration / between(rng, ranges["beats"]))
-
-    def variance(self, scene: Scene) -> np.ndarray:
-        """Return the factor of the variance over time."""
-        return np.exp(self.depth * np.cos(2 * np.pi * scene.time / self.period))
-
-    def limit(self, scenes: Sequence[Scene]) -> float:
-        """Return the least depth that can be seen."""
-        beat = np.log(BeatingNoise(self.period).variance(scenes[0]))
-        return limits.reach(lambda depth: limits.divergence(np.exp(depth * beat)), 1e-5, 10)
-
-
-@dataclass(frozen=True)
 class Bursts(Waveform):
     """Exponential bursts of ``amplitude`` at random times. Limit: the matched test for as many at even times."""
 
@@ -202,4 +174,4 @@ class Sawtooth(Waveform):
         return self.amplitude * (scene.time / self.period % 1.0)
 
 
-UNKNOWN = (Chirp, Hysteresis, VanDerPol, FractionalNoise, BeatingNoise, Bursts, Sawtooth)
+UNKNOWN = (Chirp, Hysteresis, VanDerPol, FractionalNoise, Bursts, Sawtooth)

@@ -69,7 +69,7 @@ def of_spectrum(fit: AxisFit) -> Curve:
 
 def of_line(fit: AxisFit) -> Curve:
     """Return the highest line of each cell of frequency [Hz]: gain of log-likelihood less its median by chance."""
-    frequency, gains = fit.lines
+    frequency, gains, _ = fit.lines
     first = blocks(len(gains), CELLS, 16)
     peaks, at = highest(gains, first)
     chance = np.log(np.diff(np.r_[first, len(gains)]))

@@ -1,0 +1,198 @@
+"""Figures of the blind benchmark: each function draws one figure from the tables of the scores and returns it."""
+
+from math import ceil
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import NullFormatter, PercentFormatter
+from scipy.stats import binom
+
+from imugap.blind import DISTANCES, EVERY, LEVEL, NONE, UNKNOWN
+from imugap.figures import legend_below, panels_of, said
+from imugap.figures.discovery import AFTER, BEFORE, NAMES, PLAIN, TITLES
+
+FOUND, NAMED, BAND = "#0072B2", "#D55E00", "#cccccc"
+SCORES = {"detected": ("found", FOUND, 0.94), "named": ("rightly named", NAMED, 1.06)}
+"""Title, colour, and factor by which the points are moved aside."""
+FARTHEST = 3.0
+"""Error, in half widths of the interval, beyond which it is drawn at the edge."""
+DRAWN = ("before", "after", "floor_low", "floor_high")
+LOWEST = 1e-3
+"""Smallest p-value drawn."""
+
+
+def detection(rates: pd.DataFrame, clear: float) -> Figure:
+    """Draw how often effects hidden singly are found and rightly named over their size, a panel for each name.
+
+    Parameters
+    ----------
+    rates
+        Columns ``name`` (one of them all effects together), ``size`` [detection limits], ``score``, ``rate``, ``low``,
+        ``high``.
+    clear
+        Size from which an effect counts as clear.
+    """
+    if rates.empty:
+        return said("No case hides one effect alone.")
+    names = [EVERY, *sorted(set(rates["name"]) - {EVERY})]
+    columns = 5
+    rows = ceil(len(names) / columns)
+    figure, grid = panels_of(rows, columns, 1.15 * rows + 0.7, sharex=True, sharey=True)
+    for name, panel in zip(names, grid.flat, strict=False):
+        panel.axvspan(clear, 10 * rates["size"].max(), color="#f2f2f2", lw=0)
+        for score, (title, colour, aside) in SCORES.items():
+            one = rates[(rates["name"] == name) & (rates["score"] == score)].sort_values("size")
+            ends = one["rate"] - one["low"], one["high"] - one["rate"]
+            panel.errorbar(aside * one["size"], one["rate"], ends, fmt="o-", ms=2.5, lw=0.7, elinewidth=0.6,
+                           color=colour, label=title)  # fmt: skip
+        title = "all effects" if name == EVERY else _words(name)
+        panel.set(
+            title=title, xscale="log", ylim=(-0.05, 1.05), xlim=(rates["size"].min() / 2, rates["size"].max() * 2)
+        )
+        panel.xaxis.set_major_formatter(PLAIN)
+        panel.xaxis.set_minor_formatter(NullFormatter())
+        panel.yaxis.set_major_formatter(PercentFormatter(1.0, 0))
+    for panel in grid.flat[len(names) :]:
+        panel.remove()
+    for panel in grid.flat[max(len(names) - columns, 0) : len(names)]:
+        panel.tick_params(labelbottom=True)
+        panel.set_xlabel("size [limits]")
+    legend_below(figure, 2)
+    return figure
+
+
+def confusion(counts: pd.DataFrame) -> Figure:
+    """Draw how often each hidden name (index) gets each answer (columns); the shade is the share of its row."""
+    rows = [name for name in counts.index if counts.loc[name].any()]
+    columns = [name for name in counts.columns if counts[name].any() or name in (NONE, UNKNOWN)]
+    shown = counts.loc[rows, columns].to_numpy()
+    figure, grid = panels_of(1, 1, 0.19 * len(rows) + 1.4)
+    panel = grid[0, 0]
+    panel.imshow(shown / shown.sum(axis=1, keepdims=True), cmap="Blues", vmin=0, vmax=1.6, aspect="auto")
+    for (row, column), count in np.ndenumerate(shown):
+        if count:
+            panel.text(column, row, str(count), ha="center", va="center", fontsize=7)
+    for row, name in enumerate(rows):
+        if name in columns:
+            at = columns.index(name)
+            panel.plot(at + 0.5 * np.array([-1, 1, 1, -1, -1]), row + 0.5 * np.array([-1, -1, 1, 1, -1]), color=NAMED,
+                       lw=0.8)  # fmt: skip
+    panel.set_xticks(range(len(columns)), [_words(name) for name in columns], rotation=60, ha="right")
+    panel.set_yticks(range(len(rows)), [_words(name) for name in rows])
+    panel.set(xlabel="answer", ylabel="hidden")
+    panel.grid(False)
+    return figure
+
+
+def rates(table: pd.DataFrame) -> Figure:
+    """Draw rates with their intervals: columns ``title``, ``count``, ``rate``, ``low``, ``high``."""
+    figure, grid = panels_of(1, 1, 0.21 * len(table) + 0.6)
+    panel = grid[0, 0]
+    places = np.arange(len(table))
+    _intervals(panel, table, places)
+    panel.set_yticks(places, [f"{one.title} ({one.count})" for one in table.itertuples(index=False)])
+    panel.invert_yaxis()
+    panel.set(xlim=(-0.02, 1.02), xlabel=f"share of the cases, with {LEVEL:.0%} interval")
+    panel.xaxis.set_major_formatter(PercentFormatter(1.0, 0))
+    return figure
+
+
+def coverage(parameters: pd.DataFrame, covered: pd.DataFrame) -> Figure:
+    """Draw the errors of the parameters of rightly named effects, and how often the interval holds the truth.
+
+    Parameters
+    ----------
+    parameters
+        Columns ``name``, ``parameter``, ``error`` [half widths of the interval].
+    covered
+        Columns ``name``, ``parameter``, ``count``, ``rate``, ``low``, ``high``.
+    """
+    figure, grid = panels_of(1, 2, 0.145 * len(covered) + 0.9, sharey=True)
+    errors, shares = grid[0]
+    places = np.arange(len(covered))
+    every = covered["name"] == EVERY
+    for place, one in zip(places, covered.itertuples(index=False), strict=True):
+        same = (parameters["name"] == one.name) & (parameters["parameter"] == one.parameter)
+        error = parameters["error"][same | (one.name == EVERY)].dropna().clip(-FARTHEST, FARTHEST)
+        errors.plot(error, np.full(len(error), place), "|", ms=4, mew=0.7, color=FOUND)
+    errors.axvspan(-1, 1, color=BAND, alpha=0.5, lw=0)
+    errors.set(xlim=(-1.05 * FARTHEST, 1.05 * FARTHEST), xlabel="error [half widths of the interval]")
+    titles = covered["name"].map(_words) + ", " + covered["parameter"].map(_words)
+    errors.set_yticks(places, titles.mask(every, "all"))
+    errors.set_ylim(len(covered) - 0.4, -0.6)
+    _intervals(shares, covered, places)
+    shares.axvline(LEVEL, color="black", lw=0.6)
+    shares.set(xlim=(-0.02, 1.02), xlabel="intervals that hold the truth")
+    shares.xaxis.set_major_formatter(PercentFormatter(1.0, 0))
+    return figure
+
+
+def distances(cases: pd.DataFrame) -> Figure:
+    """Draw the held-out distances of each case before and after over the floor, the largest first.
+
+    ``cases`` has the columns of :attr:`imugap.blind.Scores.cases`.
+    """
+    figure, grid = panels_of(1, len(DISTANCES), 2.6)
+    for name, title, panel in zip(DISTANCES, NAMES.values(), grid[0], strict=True):
+        known = cases.dropna(subset=[f"{name}_after", f"{name}_floor"])
+        over = pd.DataFrame({state: known[f"{name}_{state}"] / known[f"{name}_floor"] for state in DRAWN})
+        over = over.sort_values("before", ascending=False)
+        at = np.arange(1, len(over) + 1)
+        panel.vlines(at, over["floor_low"], over["floor_high"], color=BAND, lw=4, label=f"floor ({LEVEL:.0%})")
+        panel.vlines(at, over["after"], over["before"], color="#888888", lw=0.5)
+        panel.plot(at, over["before"], "o", ms=3, color=BEFORE, label="start model")
+        panel.plot(at, over["after"], "o", ms=3, color=AFTER, label="final model")
+        panel.set(title=title, xlabel="case", yscale="log")
+        panel.xaxis.get_major_locator().set_params(integer=True)
+        panel.yaxis.set_major_formatter(PLAIN)
+        panel.yaxis.set_minor_formatter(NullFormatter())
+    grid[0, 0].set_ylabel("distance over floor")
+    legend_below(figure, 3)
+    return figure
+
+
+def calibration(p_values: pd.DataFrame) -> Figure:
+    """Draw how many views of logs that hide nothing have a p-value up to a level, against the level.
+
+    ``p_values`` has the columns ``view``, ``p_value``. The band holds 95 % of such shares of independent, uniform ones.
+    """
+    if p_values.empty:
+        return said("No case hides nothing.")
+    groups = dict(tuple(p_values.groupby("view", sort=False)["p_value"]))
+    columns = 4
+    rows = ceil(len(groups) / columns)
+    figure, grid = panels_of(rows, columns, 1.5 * rows + 0.6, sharex=True, sharey=True)
+    level = np.geomspace(LOWEST, 1, 200)
+    for (view, found), panel in zip(groups.items(), grid.flat, strict=False):
+        count = len(found)
+        low, high = (binom.ppf(edge, count, level) / count for edge in ((1 - LEVEL) / 2, (1 + LEVEL) / 2))
+        panel.fill_between(level, np.maximum(low, LOWEST / 10), high, color=BAND, lw=0, label=f"{LEVEL:.0%} if uniform")
+        panel.plot(level, level, color="black", lw=0.5)
+        ordered = np.sort(found.to_numpy())
+        panel.step(np.concatenate([[LOWEST], ordered, [1.0]]), np.append(np.arange(count + 1), count) / count,
+                   where="post", color=FOUND, label="p-values of logs that hide nothing")  # fmt: skip
+        panel.text(0.95, 0.05, f"{count} p-values", ha="right", transform=panel.transAxes, fontsize=7)
+        panel.set(title=TITLES[view], xscale="log", yscale="log", xlim=(LOWEST, 1), ylim=(LOWEST, 1.2))
+    for panel in grid.flat[len(groups) :]:
+        panel.remove()
+    for panel in grid.flat[max(len(groups) - columns, 0) : len(groups)]:
+        panel.tick_params(labelbottom=True)
+        panel.set_xlabel("p-value")
+    for panel in grid[:, 0]:
+        panel.set_ylabel("share up to it")
+    legend_below(figure, 2)
+    return figure
+
+
+def _intervals(panel: Axes, table: pd.DataFrame, places: np.ndarray) -> None:
+    """Draw rates with their intervals, one below the other; those of no case at all are not drawn."""
+    known = (table["count"] > 0).to_numpy()
+    some = table[known]
+    ends = some["rate"] - some["low"], some["high"] - some["rate"]
+    panel.errorbar(some["rate"], places[known], xerr=ends, fmt="o", ms=3, elinewidth=0.8, color=FOUND)
+
+
+def _words(name: str) -> str:
+    return name.replace("_", " ")

@@ -1,0 +1,18 @@
+"""Discover on the log of a user and leave the folder of what was found."""
+
+from pathlib import Path
+
+from imugap.discovery.discover import Question
+from imugap.discovery.dossier import compose
+from imugap.discovery.inquiry import Files
+from imugap.discovery.report import verdict
+from imugap.journal import journal
+
+if __name__ == "__main__":
+    with journal(snakemake.log[0]):
+        source, params = snakemake.input, snakemake.params
+        single = {name: Path(source[name]) for name in ("reference", "model") if source[name]}
+        files = Files(tuple(map(Path, source.log)), tuple(map(Path, source.test)), **single, effects=params.effects)
+        question = Question(alpha=params.alpha, seed=params.seed, workers=snakemake.threads)
+        out = Path(snakemake.output[0]).parent
+        print(verdict(compose(files, question, out, lambda step, done, steps: print(f"{done}/{steps} {step}")).found))

@@ -1,0 +1,16 @@
+"""Simulate the log of a device at rest whose error model has an effect of one's own."""
+
+import numpy as np
+
+from imugap import log
+from imugap.extension import catalogue
+from imugap.journal import journal
+from imugap.model import ErrorModel
+
+if __name__ == "__main__":
+    with journal(snakemake.log[0]):
+        params = snakemake.params
+        model = ErrorModel.read(snakemake.input.model, catalogue(params.effects))
+        silent = dict.fromkeys(model.sensors, np.zeros(round(params.duration_s * params.rate_hz)))
+        still = log.from_samples(silent, 1 / params.rate_hz)
+        log.write(model.simulate(still, params.seed, "story", "heater"), snakemake.output[0])

@@ -1,0 +1,29 @@
+"""Seal one case with given effects."""
+
+from pathlib import Path
+
+import yaml
+
+from imugap.configuration import configure
+from imugap.journal import journal
+from imugap.sealing import Case, Hides, Planned, seal, write
+
+if __name__ == "__main__":
+    with journal(snakemake.log[0]):
+        source, params, output = snakemake.input, snakemake.params, snakemake.output
+        folder = Path(output.log).parent
+        case = Case(
+            name=folder.name,
+            seed=params.seed,
+            kind=Hides.PAIR,
+            effects=tuple(Planned(name, size) for name, size in params.effects.items()),
+            same_axis=False,
+            base="white",
+            motion="rest",
+            rate_hz=params.rate_hz,
+            duration_s=params.duration_s,
+            runs=1,
+            temperature=True,
+        )
+        recipe = configure(yaml.safe_load(Path(source.recipe).read_text()), source.schema)
+        write(seal(case, recipe), folder.parent, Path(output.key).parent)
