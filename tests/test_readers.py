@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from imugap import catalogue, reference
 from imugap.catalogue import LOG, POSITIONS
 from imugap.log import COLUMNS, LogError, check, from_samples, interval, write
-from imugap.readers import read, read_positions, read_raw, read_raw_table, read_reference, read_table
+from imugap.readers import read, read_positions, read_raw, read_raw_table, read_reference, read_strides, read_table
 from imugap.rotation import to_euler
 from imugap.stream import stream
 from imugap.units import to_si
@@ -449,6 +449,15 @@ def test_reference_positions_come_in_metres_north_east_down(tmp_path, sets):
     found = read_positions(path, sets["gaitmap_2x20m"], 2)
     np.testing.assert_allclose(found, [[0.004, -0.005, -0.006], [4, -5, -0.06]])
     assert found.index[1] == pytest.approx(0.01)
+
+
+def test_the_strides_of_a_foot_come_in_seconds(tmp_path, sets):
+    path = tmp_path / "stride_events_sample.csv"
+    path.write_text("s_id,foot,start,end,ic\n0,left,2048,4096,1\n0,right,1024,3072,1\n1,right,3072,4096,1\n")
+    found = read_strides(path, sets["gaitmap_2x20m"], 2)
+    np.testing.assert_allclose(found, [[5, 15], [15, 20]])
+    assert list(found.columns) == ["start", "end"]
+    np.testing.assert_allclose(read_strides(path, sets["gaitmap_2x20m"], 1), [[10, 20]])
 
 
 @needs_mirror

@@ -20,7 +20,7 @@ from scipy.io import loadmat
 from scipy.spatial.transform import Rotation
 
 from imugap import reference
-from imugap.catalogue import LOG, POSITIONS, DataSet
+from imugap.catalogue import EVENTS, LOG, POSITIONS, DataSet
 from imugap.integrity import gravity_unit
 from imugap.log import ACCEL, COLUMNS, GYRO, LogError, check
 from imugap.strapdown import POSITION
@@ -145,6 +145,23 @@ def read_positions(path: str | Path, dataset: DataSet, run: int) -> pd.DataFrame
     columns = [to_si(samples[:, "xyz".index(axis[-1])], dataset.position_unit) for axis in dataset.position_axes]
     signs = [-1.0 if axis.startswith("-") else 1.0 for axis in dataset.position_axes]
     return pd.DataFrame(np.column_stack(columns) * signs, index=pd.Index(time, name="time"), columns=list(POSITION))
+
+
+def read_strides(path: str | Path, dataset: DataSet, run: int) -> pd.DataFrame:
+    """Read when the strides of one run of a catalogue file begin and end.
+
+    The file has columns ``foot``, ``start`` and ``end``, the latter in samples of the log; its feet, in their order,
+    are the runs.
+
+    Returns
+    -------
+    DataFrame
+        Columns ``start``, ``end`` [s].
+    """
+    table = pd.read_csv(path)
+    feet = list(dict.fromkeys(table["foot"]))
+    own = table[table["foot"] == feet[dataset.file(run, EVENTS).runs.index(run)]]
+    return (own[["start", "end"]] / dataset.rate_hz).reset_index(drop=True)
 
 
 def _decoded(path: Path, decoders: dict, whole: str) -> pd.DataFrame | np.ndarray:
