@@ -72,8 +72,14 @@ def test_the_catalogue_of_the_study_is_valid():
     assert sets["broad"].runs == (1, 6, 10, 24)
     assert sets["broad"].units == ("rad/s",) * 3 + ("m/s^2",) * 3
     assert sets["broad"].reference == ("opt_quat", "movement")
+    assert sets["gaitmap_2x20m"].runs == sets["gaitmap_2x20m"].runs_with("positions") == (1, 2)
+    assert sets["gaitmap_2x20m"].file(2, "positions").name == "mocap_sample.csv"
+    assert sets["gaitmap_2x20m"].file(2).name == "imu_sample.csv"
+    assert sets["pyshoe_vicon"].runs == tuple(range(1, 11))
+    with pytest.raises(CatalogueError, match="among none: no file holds positions"):
+        sets["pyshoe_vicon"].file(1, "positions")
     assert sets["adis16405"].file(4).name == "adis_16405_imu4.rda"
-    assert all(file.url.endswith(file.name) for dataset in sets.values() for file in dataset.files)
+    assert all(file.name.endswith(file.url.rpartition("/")[2]) for dataset in sets.values() for file in dataset.files)
     with pytest.raises(FrozenInstanceError):
         sets["adis16405"].rate_hz = 99.0
 
@@ -90,7 +96,12 @@ def test_a_run_that_no_file_holds_is_named():
         ("datasets.csv", "static,100,", "static,-1,", "line 2, column rate_hz"),
         ("datasets.csv", "static,100,", "moving,100,", "line 2, column kind"),
         ("datasets.csv", "gyro_x gyro_y gyro_z accel_x", "gyro_x gyro_y gyr_z accel_x", "line 2, column columns"),
-        ("datasets.csv", "accel_z,,,deg/s,g,", "accel_z,,,deg/s,,", "line 2: 'accel_unit' is a required property"),
+        (
+            "datasets.csv",
+            "accel_z,,,,,,,deg/s,g,",
+            "accel_z,,,,,,,deg/s,,",
+            "line 2: 'accel_unit' is a required property",
+        ),
         ("datasets.csv", "memsense_turnon,", "adis16405,", "line 3, column dataset"),
         ("datasets.csv", ",remarks\n", ",remark\n", "line 2: Additional properties"),
         ("files.csv", "adis_16405_imu2.rda,2,", "adis_16405_imu2.rda,1,", "line 3, column run: .* found '1'"),

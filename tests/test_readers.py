@@ -11,8 +11,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from imugap import catalogue, reference
+from imugap.catalogue import LOG, POSITIONS
 from imugap.log import COLUMNS, LogError, check, from_samples, interval, write
-from imugap.readers import read, read_raw, read_reference, read_table
+from imugap.readers import read, read_positions, read_raw, read_raw_table, read_reference, read_strides, read_table
 from imugap.rotation import to_euler
 from imugap.stream import stream
 from imugap.units import to_si
@@ -397,3 +398,89 @@ def test_the_real_trials_rest_level_with_z_up_and_agree_with_their_reference(set
         up = reference.rotations(known.loc[rest.index[0] : rest.index[-1]]).inv().apply([0, 0, -1]).mean(axis=0)
         force = rest[["accel_x", "accel_y", "accel_z"]].mean().to_numpy()
         assert np.degrees(np.arccos(up @ force / np.linalg.norm(force) / np.linalg.norm(up))) < 0.3
+
+
+@pytest.mark.parametrize("run", [1, 2])
+def test_one_table_holds_a_recording_for_each_sensor(tmp_path, sets, run):
+    """The left foot is run 1, the right run 2; units and order are those of the catalogue."""
+    path = tmp_path / "imu_sample.csv"
+    axes = ("acc_x", "acc_y", "acc_z", "gyr_x", "gyr_y", "gyr_z")
+    head = ["sensor," + ",".join(side for _ in axes for side in ("left", "right"))]
+    head += ["axis," + ",".join(axis for axis in axes for _ in (1, 2))]
+    rows = [
+        ",".join(map(str, [row, *(10 * number + side for number in range(6) for side in (1, 2))])) for row in (0, 1)
+    ]
+    path.write_text("\n".join(head + rows) + "\n")
+    log = read_raw(path, sets["gaitmap_2x20m"], run)
+    np.testing.assert_allclose(log.iloc[0, 3:], np.arange(3) * 10 + run)
+    np.testing.assert_allclose(np.degrees(log.iloc[1, :3]), np.arange(3, 6) * 10 + run)
+    assert interval(log) == pytest.approx(1 / 204.8)
+
+
+def test_a_row_that_repeats_the_one_before_is_left_out_and_a_stamp_that_repeats_is_refused(tmp_path, sets):
+    rows = ["0,1,2,3,0,0,1", "0,1,2,3,0,0,1", "0.0025,2,2,3,0,0,1", "0.005,3,2,3,0,0,1"]
+    path = lines(tmp_path / "walk.csv", *rows, header="t,gx,gy,gz,ax,ay,az")
+    log = read_raw(path, sets["xio_gait_tracking"], 1)
+    np.testing.assert_allclose(np.degrees(log["gyro_x"]), [1, 2, 3])
+    assert len(read_raw_table(path, sets["xio_gait_tracking"], 1)) == 4
+    with pytest.raises(LogError, match="time that increases"):
+        read_raw(
+            lines(path, "0,1,2,3,0,0,1", "0,9,2,3,0,0,1", header="t,gx,gy,gz,ax,ay,az"), sets["xio_gait_tracking"], 1
+        )
+
+
+def test_a_recording_of_the_logger_is_read_between_its_bytes(tmp_path, sets):
+    path = tmp_path / "data_inert.txt"
+    row = "   0xcb   +0.1 +0.2 +1.0   +0.01 -0.02 +0.03   130516848   0x15fd   1 1274434048.503018"
+    path.write_text("\r\nInertial data.\r\n\r\nHeader:   a_x [g]:\r\n" + f"{row}  +nan\r\n{row}\r\n")
+    log = read_raw(path, sets["openshoe_kth"], 1)
+    np.testing.assert_allclose(log.iloc[1], [0.01, -0.02, 0.03, *(9.80665 * np.array([0.1, 0.2, 1.0]))])
+    assert len(log) == 2
+
+
+def test_reference_positions_come_in_metres_north_east_down(tmp_path, sets):
+    arrays = {"imu": np.zeros((3, 6)), "ts": np.array([[0.1, 0.2, 0.3]]), "gt": np.arange(9.0).reshape(3, 3)}
+    scipy.io.savemat(tmp_path / "walk.mat", arrays)
+    found = read_positions(tmp_path / "walk.mat", sets["pyshoe_vicon"], 4)
+    np.testing.assert_allclose(found, arrays["gt"] * [1, 1, -1])
+    np.testing.assert_allclose(found.index, [0.1, 0.2, 0.3])
+    path = tmp_path / "mocap_sample.csv"
+    path.write_text(",L_FCC,L_FCC,L_FCC,R_FCC,R_FCC,R_FCC\n,x,y,z,x,y,z\n0,1000,2000,30,4,5,6\n1,1,2,3,4000,5000,60\n")
+    found = read_positions(path, sets["gaitmap_2x20m"], 2)
+    np.testing.assert_allclose(found, [[0.004, -0.005, -0.006], [4, -5, -0.06]])
+    assert found.index[1] == pytest.approx(0.01)
+
+
+def test_the_strides_of_a_foot_come_in_seconds(tmp_path, sets):
+    path = tmp_path / "stride_events_sample.csv"
+    path.write_text("s_id,foot,start,end,ic\n0,left,2048,4096,1\n0,right,1024,3072,1\n1,right,3072,4096,1\n")
+    found = read_strides(path, sets["gaitmap_2x20m"], 2)
+    np.testing.assert_allclose(found, [[5, 15], [15, 20]])
+    assert list(found.columns) == ["start", "end"]
+    np.testing.assert_allclose(read_strides(path, sets["gaitmap_2x20m"], 1), [[10, 20]])
+
+
+@needs_mirror
+@pytest.mark.parametrize(
+    ("name", "up"), [("openshoe_kth", 1), ("xio_gait_tracking", 1), ("gaitmap_2x20m", 1), ("pyshoe_vicon", -1)]
+)
+def test_the_real_walks_begin_with_a_stand_under_gravity_with_z_as_stated(sets, name, up):
+    dataset = sets[name]
+    for run in dataset.runs:
+        stand = read_raw(dataset.file(run).place(MIRROR), dataset, run).iloc[:100].mean()
+        force = stand[["accel_x", "accel_y", "accel_z"]]
+        assert np.linalg.norm(force) == pytest.approx(9.81, abs=0.09)
+        assert np.sign(force["accel_z"]) == up
+        assert stand[["gyro_x", "gyro_y", "gyro_z"]].abs().max() < np.radians(1)
+
+
+@needs_mirror
+def test_a_foot_in_swing_rises_in_the_reference_positions(sets):
+    """Down is what the accelerometers call down: in every walk the foot is for half of the time near its lowest."""
+    for name in ("gaitmap_2x20m", "pyshoe_vicon"):
+        dataset = sets[name]
+        content = POSITIONS if dataset.position_rate_hz else LOG
+        for run in dataset.runs:
+            down = read_positions(dataset.file(run, content).place(MIRROR), dataset, run)["down"]
+            assert 0.1 < down.median() - down.min() < 0.3
+            assert down.max() - down.median() < 0.1

@@ -23,7 +23,8 @@ Reference
     (:mod:`imugap.reference`).
 Solution
     What a filter says of attitude and sensor errors over time, with covariances and innovations
-    (:mod:`imugap.attitude`).
+    (:mod:`imugap.attitude`); of a walk, a Trajectory with standard deviations in the same columns
+    (:mod:`imugap.pedestrian`).
 
 Units
 -----

@@ -27,9 +27,13 @@ class FetchError(RuntimeError):
     """A raw file that cannot be had, or is not what the catalogue says; the message tells how to place it by hand."""
 
 
+LOG, POSITIONS, EVENTS = "log", "positions", "events"
+"""What a raw file holds of its runs: the log, which may come with reference positions, or these alone, or events."""
+
+
 @dataclass(frozen=True)
 class RawFile:
-    """One raw file: ``runs`` are those that it holds, in the order in which it holds them."""
+    """One raw file: ``runs`` are those of which it holds ``content``, in the order in which it holds them."""
 
     dataset: str
     name: str
@@ -37,6 +41,7 @@ class RawFile:
     size_bytes: int
     sha256: str
     url: str
+    content: str = LOG
 
     def place(self, folder: str | Path) -> Path:
         """Return where the file belongs in ``folder`` (``data/raw`` or a mirror)."""
@@ -61,11 +66,19 @@ class DataSet:
     source: str
     remarks: str
     files: tuple[RawFile, ...] = ()
+    positions: tuple[str, ...] = ()
+    position_axes: tuple[str, ...] = ()
+    position_unit: str | None = None
+    position_rate_hz: float | None = None
 
     @property
     def runs(self) -> tuple[int, ...]:
         """All runs of the set, in increasing order."""
-        return tuple(sorted(run for file in self.files for run in file.runs))
+        return self.runs_with(LOG)
+
+    def runs_with(self, content: str) -> tuple[int, ...]:
+        """Return the runs of which a file of its own holds ``content``, in increasing order."""
+        return tuple(sorted(run for file in self.files if file.content == content for run in file.runs))
 
     @property
     def units(self) -> tuple[str | None, ...]:
@@ -74,12 +87,13 @@ class DataSet:
         known |= dict.fromkeys(GYRO, self.gyro_unit) | dict.fromkeys(ACCEL, self.accel_unit)
         return tuple(known[column] for column in self.columns)
 
-    def file(self, run: int) -> RawFile:
-        """Return the file that holds ``run``."""
+    def file(self, run: int, content: str = LOG) -> RawFile:
+        """Return the file that holds ``content`` of ``run``."""
         for file in self.files:
-            if run in file.runs:
+            if run in file.runs and file.content == content:
                 return file
-        raise CatalogueError(f"{self.name}: expected a run among {', '.join(map(str, self.runs))}; found {run!r}")
+        runs = ", ".join(map(str, self.runs_with(content))) or f"none: no file holds {content}"
+        raise CatalogueError(f"{self.name}: expected a run among {runs}; found {run!r}")
 
 
 def load(tables: str | Path, schemas: str | Path) -> dict[str, DataSet]:
@@ -109,7 +123,7 @@ def load(tables: str | Path, schemas: str | Path) -> dict[str, DataSet]:
                 f"{place}, column dataset: expected one of {', '.join(sets)}; found {row['dataset']!r}"
             )
         owner, file = sets[row["dataset"]], _raw_file(row)
-        if not file.runs or set(file.runs) & set(owner.runs):
+        if not file.runs or set(file.runs) & set(owner.runs_with(file.content)):
             raise CatalogueError(f"{place}, column run: expected increasing, still free runs; found {row['run']!r}")
         sets[owner.name] = replace(owner, files=(*owner.files, file))
     empty = [name for name, owner in sets.items() if not owner.files]
@@ -238,7 +252,7 @@ def _typed(text: str, schema: dict) -> str | int | float:
 def _raw_file(row: dict) -> RawFile:
     first, _, last = row["run"].partition("-")
     runs = tuple(range(int(first), int(last or first) + 1))
-    return RawFile(row["dataset"], row["file"], runs, row["bytes"], row["sha256"], row["url"])
+    return RawFile(row["dataset"], row["file"], runs, row["bytes"], row["sha256"], row["url"], row.get("content", LOG))
 
 
 def _data_set(row: dict) -> DataSet:
@@ -256,4 +270,8 @@ def _data_set(row: dict) -> DataSet:
         licence=row["licence"],
         source=row["source"],
         remarks=row["remarks"],
+        positions=tuple(row.get("positions", "").split()),
+        position_axes=tuple(row.get("position_axes", "").split()),
+        position_unit=row.get("position_unit"),
+        position_rate_hz=row.get("position_rate_hz"),
     )

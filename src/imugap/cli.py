@@ -129,6 +129,14 @@ def discover(options: argparse.Namespace) -> None:
     print(report.verdict(inquiry.found))
 
 
+def walk(options: argparse.Namespace) -> None:
+    """Navigate a walk with the device on a foot; print its summary and write the folder ``--out``."""
+    from imugap import walk as walks  # compiled kernels take longer to import than the rest
+
+    found = walks.compose(options.log, options.out, options.model, options.effects, options.gravity)
+    print(json.dumps(found, indent=1))
+
+
 def export(options: argparse.Namespace) -> None:
     """Write an error model as a filter or a simulator takes it."""
     rule = Rule(options.rate, options.horizon, options.correlation_time, Triad(options.triad))
@@ -250,6 +258,18 @@ def _parser() -> argparse.ArgumentParser:
     one.add_argument("--workers", type=_count_of, default=2, help="processes (default %(default)s)")
     one.add_argument("--out", required=True, help="folder for report, model, tables and figures")
     one.set_defaults(run=discover)
+
+    one = commands.add_parser(
+        "walk",
+        help="path of a foot with the device on it, corrected whenever the foot stands",
+        description="Navigate a walk with the device on a foot. The log begins with a stand of half a second or more.",
+    )
+    one.add_argument("log", help="canonical CSV or Parquet log of six axes")
+    one.add_argument("--model", help="error model of the device (YAML; default that of a cheap one)")
+    one.add_argument("--effects", help="module whose effects join the catalogue")
+    one.add_argument("--gravity", **gravity)
+    one.add_argument("--out", required=True, help="folder for solution, summary and figures")
+    one.set_defaults(run=walk)
 
     one = commands.add_parser("simulate", help="static log of a device with an error model")
     one.add_argument("model", help="error model (YAML)")

@@ -47,7 +47,7 @@ class Turn:
 
     def at(self, time: np.ndarray) -> np.ndarray:
         """Return the heading gained [rad]."""
-        return np.radians(self.angle_deg) * _step((time - self.start_s) / self.duration_s)
+        return np.radians(self.angle_deg) * step((time - self.start_s) / self.duration_s)
 
 
 @dataclass(frozen=True)
@@ -102,7 +102,7 @@ class Course:
     def splines(self, gravity: float) -> tuple[BSpline, BSpline]:
         """Return velocity [m/s] and Euler angles [rad] over time [s]; the bank is that of a coordinated turn."""
         time = np.arange(self.begin_s - 1, self.flight_s + 1, GRID_S)
-        launched, gust = _step(time / self.launch_s + 1), self.disturbance.at(time)
+        launched, gust = step(time / self.launch_s + 1), self.disturbance.at(time)
         speed = launched * (self.speed_m_per_s + self.speed_swing.at(time))
         climb = launched * self.climb_swing.at(time)
         course = np.radians(self.heading_deg) + sum(turn.at(time) for turn in self.turns)
@@ -159,13 +159,7 @@ class Flight:
     def ideal(self) -> pd.DataFrame:
         """Return what an error-free device reads: interval means of angular rate and specific force."""
         velocity, euler = self.course.splines(self.site.gravity)
-        acceleration, slope = velocity.derivative(), euler.derivative()
-        time = self.times()
-        inner = (time[:, None] + (NODES - 1) / (2 * self.rate_hz)).ravel()
-        rate = rate_from_euler(euler(inner), slope(inner))
-        force = from_euler(euler(inner)).inv().apply(acceleration(inner) - [0, 0, self.site.gravity])
-        means = np.tensordot(np.hstack([rate, force]).reshape(len(time), len(NODES), 6), WEIGHTS / 2, ([1], [0]))
-        return log.check(pd.DataFrame(means, index=pd.Index(time, name="time"), columns=list(log.AXES)))
+        return ideal(self.times(), 1 / self.rate_hz, velocity.derivative(), euler, self.site.gravity)
 
     def fly(self, run: int, seed: int) -> pd.DataFrame:
         """Return the log of the device aboard on flight ``run``: rest, launch and flight."""
@@ -178,7 +172,25 @@ class Flight:
         return self.model.simulate(log.from_samples(samples, 1 / self.rate_hz), seed, "static", run)
 
 
-def _step(x: np.ndarray) -> np.ndarray:
+def ideal(time: np.ndarray, interval: float, acceleration: BSpline, euler: BSpline, gravity: float) -> pd.DataFrame:
+    """Return what an error-free device reads: means of angular rate and specific force over intervals.
+
+    Parameters
+    ----------
+    time, interval
+        Ends of the intervals [s], shape (n,), and their length [s].
+    acceleration, euler
+        Acceleration in ``n`` [m/s^2] and roll, pitch, heading [rad] over time [s].
+    """
+    inner = (time[:, None] + (NODES - 1) / 2 * interval).ravel()
+    angles = euler(inner)
+    rate = rate_from_euler(angles, euler.derivative()(inner))
+    force = from_euler(angles).inv().apply(acceleration(inner) - [0, 0, gravity])
+    means = np.tensordot(np.hstack([rate, force]).reshape(len(time), len(NODES), 6), WEIGHTS / 2, ([1], [0]))
+    return log.check(pd.DataFrame(means, index=pd.Index(time, name="time"), columns=list(log.AXES)))
+
+
+def step(x: np.ndarray) -> np.ndarray:
     """Return 0 below 0, 1 above 1, and between them a step with two continuous derivatives."""
     x = np.clip(x, 0, 1)
     return x**3 * (10 + x * (6 * x - 15))

@@ -11,7 +11,6 @@ import warnings
 from functools import partial
 from itertools import islice
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
@@ -21,12 +20,11 @@ from scipy.io import loadmat
 from scipy.spatial.transform import Rotation
 
 from imugap import reference
+from imugap.catalogue import EVENTS, LOG, POSITIONS, DataSet
 from imugap.integrity import gravity_unit
 from imugap.log import ACCEL, COLUMNS, GYRO, LogError, check
+from imugap.strapdown import POSITION
 from imugap.units import from_si, to_si
-
-if TYPE_CHECKING:  # at run time the catalogue would load its validator for nothing
-    from imugap.catalogue import DataSet
 
 KNOWN = ("time", *COLUMNS)
 FASTEST_GYRO_DEG_PER_S = 4000.0
@@ -67,10 +65,20 @@ def read_table(path: str | Path) -> pd.DataFrame:
     return table.set_index("time")[[name for name in COLUMNS if name in table.columns]]
 
 
-def read_raw(path: str | Path, dataset: "DataSet", run: int) -> pd.DataFrame:
+def read_raw(path: str | Path, dataset: DataSet, run: int) -> pd.DataFrame:
     """Read one run of a catalogue file as a canonical log, in SI units.
 
-    Without a time column the samples are spaced evenly at the nominal rate of ``dataset``.
+    Without a time column the samples are spaced evenly at the nominal rate of ``dataset``. A row that repeats the one
+    before, stamp and all, says nothing and is left out.
+    """
+    table = read_raw_table(path, dataset, run)
+    return check(table[_advances(table.index.to_numpy()) | ~table.reset_index().duplicated().to_numpy()], path)
+
+
+def read_raw_table(path: str | Path, dataset: DataSet, run: int) -> pd.DataFrame:
+    """Read one run of a catalogue file in SI units as it is: stamps may repeat, samples may be NaN.
+
+    This is what :func:`imugap.integrity.report` looks at.
     """
     path, file = Path(path), dataset.file(run)
     decoders = {".mat": partial(_side_by_side, names=dataset.arrays)} if dataset.arrays else RECORDINGS
@@ -84,10 +92,10 @@ def read_raw(path: str | Path, dataset: "DataSet", run: int) -> pd.DataFrame:
     converted = zip(dataset.columns, samples.T, dataset.units, strict=True)
     table = {name: to_si(values.astype(float), unit) for name, values, unit in converted}
     time = pd.Index(table.pop("time", np.arange(len(samples)) / dataset.rate_hz), name="time")
-    return check(pd.DataFrame({name: table[name] for name in COLUMNS if name in table}, index=time), path)
+    return pd.DataFrame({name: table[name] for name in COLUMNS if name in table}, index=time)
 
 
-def read_reference(path: str | Path, dataset: "DataSet", run: int) -> pd.DataFrame:
+def read_reference(path: str | Path, dataset: DataSet, run: int) -> pd.DataFrame:
     """Read the reference attitude of one run of a catalogue file, evenly spaced at the nominal rate of ``dataset``.
 
     Returns
@@ -106,6 +114,54 @@ def read_reference(path: str | Path, dataset: "DataSet", run: int) -> pd.DataFra
     time = np.flatnonzero(known) / dataset.rate_hz
     quat_ub = Rotation.from_quat(samples[known][:, [1, 2, 3, 0]])
     return reference.from_rotations(time, reference.ENU_TO_NED * quat_ub, samples[known, 4] != 0)
+
+
+def read_positions(path: str | Path, dataset: DataSet, run: int) -> pd.DataFrame:
+    """Read the reference positions of one run of a catalogue file, by the stamps of its log or evenly spaced.
+
+    Parameters
+    ----------
+    path
+        The file of the positions: that of the log where they come with it.
+
+    Returns
+    -------
+    DataFrame
+        Index ``time`` [s], columns :data:`imugap.strapdown.POSITION` [m] from the origin of the reference.
+    """
+    path = Path(path)
+    content = POSITIONS if dataset.position_rate_hz else LOG
+    file = dataset.file(run, content)
+    names = dataset.positions
+    name = names[file.runs.index(run)] if len(names) == len(file.runs) else names[0]
+    decoders = {".mat": partial(_side_by_side, names=(name,)), ".csv": partial(_marker, name=name)}
+    samples = _decoded(path, decoders, f"{file.size_bytes} bytes")
+    if samples.shape[1] != 3:
+        raise LogError(path, f"positions {name}", "3 columns", str(samples.shape[1]))
+    if dataset.position_rate_hz:
+        time = np.arange(len(samples)) / dataset.position_rate_hz
+    else:
+        time = read_raw_table(path, dataset, run).index.to_numpy()
+    columns = [to_si(samples[:, "xyz".index(axis[-1])], dataset.position_unit) for axis in dataset.position_axes]
+    signs = [-1.0 if axis.startswith("-") else 1.0 for axis in dataset.position_axes]
+    return pd.DataFrame(np.column_stack(columns) * signs, index=pd.Index(time, name="time"), columns=list(POSITION))
+
+
+def read_strides(path: str | Path, dataset: DataSet, run: int) -> pd.DataFrame:
+    """Read when the strides of one run of a catalogue file begin and end.
+
+    The file has columns ``foot``, ``start`` and ``end``, the latter in samples of the log; its feet, in their order,
+    are the runs.
+
+    Returns
+    -------
+    DataFrame
+        Columns ``start``, ``end`` [s].
+    """
+    table = pd.read_csv(path)
+    feet = list(dict.fromkeys(table["foot"]))
+    own = table[table["foot"] == feet[dataset.file(run, EVENTS).runs.index(run)]]
+    return (own[["start", "end"]] / dataset.rate_hz).reset_index(drop=True)
 
 
 def _decoded(path: Path, decoders: dict, whole: str) -> pd.DataFrame | np.ndarray:
@@ -178,7 +234,7 @@ def _side_by_side(path: Path, names: tuple[str, ...]) -> np.ndarray:
     absent = [name for name in names if name not in objects]
     if absent:
         raise ValueError(f"expected an array {absent[0]}, found none")
-    return np.hstack([objects[name] for name in names]).astype(float)
+    return np.hstack([objects[name].T if len(objects[name]) == 1 else objects[name] for name in names]).astype(float)
 
 
 def _only(objects: dict) -> np.ndarray:
@@ -188,7 +244,27 @@ def _only(objects: dict) -> np.ndarray:
 
 
 def _csv_samples(path: Path) -> np.ndarray:
-    return pa.csv.read_csv(path).to_pandas().to_numpy(float)
+    with path.open(encoding="utf-8") as handle:
+        stacked = handle.readline().startswith("sensor,")
+    return _sensor_samples(path) if stacked else pa.csv.read_csv(path).to_pandas().to_numpy(float)
+
+
+def _sensor_samples(path: Path) -> np.ndarray:
+    """Return one recording for each sensor, shape (sensors, columns, n), of a table headed by sensor and axis."""
+    table = pd.read_csv(path, header=[0, 1], index_col=0)
+    sensors = dict.fromkeys(table.columns.get_level_values(0))
+    return np.array([table[sensor].to_numpy(float).T for sensor in sensors])
+
+
+def _marker(path: Path, name: str) -> np.ndarray:
+    """Return the columns of one marker of a table headed by marker and axis, shape (n, 3)."""
+    return pd.read_csv(path, header=[0, 1], index_col=0)[name][["x", "y", "z"]].to_numpy(float)
+
+
+def _txt(path: Path) -> np.ndarray:
+    """Return what follows the header byte, specific force and angular rate, on each line of a 3DM-GX2 recording."""
+    lines = path.read_text(encoding="ascii").splitlines()
+    return np.array([line.split()[1:7] for line in lines if line.lstrip().startswith("0x")], dtype=float)
 
 
 def _parquet_samples(path: Path) -> np.ndarray:
@@ -201,6 +277,7 @@ RECORDINGS = {
     ".npy": _npy,
     ".mat": _mat,
     ".csv": _csv_samples,
+    ".txt": _txt,
     ".parquet": _parquet_samples,
 }
 

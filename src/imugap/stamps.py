@@ -142,6 +142,19 @@ def stamps(time: np.ndarray) -> Stamps:
     return Stamps(time, interval, _filled(slots, advancing), advancing, rounding, even=True)
 
 
+def filled(log: pd.DataFrame) -> pd.DataFrame:
+    """Return a log with its lost samples put in, on straight lines between those on either side.
+
+    A sample is the mean over the interval that it ends: without this, the one behind a gap would stand for all of it.
+    """
+    found = stamps(log.index.to_numpy())
+    if not found.even or found.count == len(log):
+        return log
+    slots, time = found.slots[found.kept], found.grid
+    columns = {name: np.interp(np.arange(found.count), slots, log[name].to_numpy()[found.kept]) for name in log}
+    return canonical.check(pd.DataFrame(columns, index=pd.Index(time, name=canonical.TIME)))
+
+
 def _nominal(time: np.ndarray, rounding: float) -> float:
     """Return the interval [s] of increasing stamps, shape (n,): the mean over many where rounding hides one of them."""
     interval = canonical.interval(pd.DataFrame(index=time))

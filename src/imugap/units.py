@@ -12,6 +12,7 @@ FACTORS: dict[str, float] = {
     "1": 1.0,
     "s": 1.0,
     "m": 1.0,
+    "mm": 1e-3,
     "degC": 1.0,
     "rad": 1.0,
     "rad/s": 1.0,

@@ -6,6 +6,7 @@ rule speed:
             for run in RUNS["adis16405"]
         ],
         recipe="data/indirect.yaml",
+        walk="data/walk.yaml",
         code=library("speed"),
     output:
         report(

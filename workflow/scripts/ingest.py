@@ -14,7 +14,7 @@ def main(raw, device, run, log_path, report_path):
     if dataset:
         catalogue.verify(dataset.file(run), raw)
         table = readers.read_raw(raw, dataset, run)
-        report = integrity.report(table)
+        report = integrity.report(readers.read_raw_table(raw, dataset, run))
     else:
         report = integrity.report(readers.read_table(raw))
         table = readers.read(raw)

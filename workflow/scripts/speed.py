@@ -12,8 +12,11 @@ from numba import njit
 
 from imugap import allan, catalogue, indirect, log, maximum_likelihood, readers, tables, wavelet
 from imugap.experiment import Experiment
+from imugap.gait import Walk
 from imugap.indices import INDICES, of_run
 from imugap.journal import journal
+from imugap.pedestrian import Assumptions
+from imugap.pedestrian import navigate as navigate_foot
 from imugap.strapdown import Ellipsoid, Local, State, navigate
 from imugap.stream import stream
 
@@ -81,6 +84,23 @@ def wavelets(samples, repeats):
     ]
 
 
+def walks(recipe, samples, repeats):
+    """Time the zero-velocity detector and the filter of 15 states on a simulated walk, over and over."""
+    walk = Walk.read(recipe)
+    stride = walk.ideal(0, 0)
+    times = -(-samples // len(stride))
+    columns = {axis: np.tile(stride[axis].to_numpy(), times)[:samples] for axis in log.AXES}
+    table = log.from_samples(columns, 1 / walk.rate_hz)
+    plain = Assumptions(gravity=walk.site.gravity, arm_std=0.0)
+    spent = median_time(lambda: navigate_foot(table, walk.model, plain), repeats)
+    full = median_time(lambda: navigate_foot(table, walk.model, Assumptions(gravity=walk.site.gravity)), repeats)
+    what, measure = f"{samples} samples, one core", "million samples/s"
+    return [
+        ["detector and foot-mounted filter, 15 states", what, spent, measure, samples / spent / 1e6],
+        ["detector and foot-mounted filter, 18 states", what, full, measure, samples / full / 1e6],
+    ]
+
+
 def fits_of(experiment, method, runs):
     """Fit simulated logs, of which only the fits are timed; return the time spent [s]."""
     sequences = [experiment.simulate(0, "speed", run) for run in runs]
@@ -125,6 +145,7 @@ if __name__ == "__main__":
     with journal(snakemake.log[0]):
         params = snakemake.params
         rows = kernels(params.samples, params.repeats) + wavelets(params.samples, params.repeats)
+        rows += walks(snakemake.input.walk, params.samples, params.repeats)
         rows += fits(snakemake.input.recipe, params.fits)
         if snakemake.input.raw:
             rows += chain(snakemake.input.raw, params.runs, params.period_s)

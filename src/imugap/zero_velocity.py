@@ -1,0 +1,194 @@
+"""Zero-velocity detection: when a foot stands still, told from its angular rate and specific force.
+
+The four detectors of Skog et al. (2010) test whether the sensor is at rest over a window. With y the specific force, w
+the angular rate, g gravity, means over the window, and standard deviations s_a and s_w,
+
+* :attr:`Statistic.GLRT` (SHOE): mean of ``|y - g u|^2/s_a^2 + |w|^2/s_w^2``, u the direction of the mean of y,
+* :attr:`Statistic.RATE_ENERGY`: mean of ``|w|^2/s_w^2``,
+* :attr:`Statistic.MOVING_VARIANCE`: mean of ``|y - mean(y)|^2/s_a^2``,
+* :attr:`Statistic.MAGNITUDE`: mean of ``(|y| - g)^2/s_a^2``.
+
+All are running sums: a sample enters, one leaves.
+
+The rule for the threshold. The stand at the start gives gravity as the accelerometers have it, the biases of the
+gyroscopes, and the noise of both; to the noise the motion of a foot at stance is added, the same for all walks, and so
+a statistic of 1 is what a foot at stance may show. How still a foot gets depends on the gait, so that the threshold
+follows the walk: it is a multiple of the lowest statistic of the stride around, within fixed bounds.
+
+Source: I. Skog, P. Handel, J.-O. Nilsson, J. Rantakokko, Zero-velocity detection - an algorithm evaluation, IEEE Trans.
+Biomed. Eng. 57 (2010) 2657-2666.
+"""
+
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+from numba import njit
+from scipy.ndimage import minimum_filter1d
+
+MOVING, STANCE, STILL = 0, 1, 2
+"""What a foot does at a sample: it moves, it stands while the body walks, it stands because the body does."""
+
+
+class Statistic(IntEnum):
+    """Which statistic is compared with the threshold."""
+
+    GLRT = 0
+    RATE_ENERGY = 1
+    MOVING_VARIANCE = 2
+    MAGNITUDE = 3
+
+
+@dataclass(frozen=True)
+class Stand:
+    """What the stand at the start shows.
+
+    Attributes
+    ----------
+    count
+        Samples of the stand.
+    gravity
+        Norm of the mean specific force [m/s^2].
+    bias
+        Mean angular rate [rad/s], shape (3,).
+    accel_std, gyro_std
+        Standard deviation of the samples of an axis, root mean square over the axes [m/s^2], [rad/s].
+    """
+
+    count: int
+    gravity: float
+    bias: tuple[float, float, float]
+    accel_std: float
+    gyro_std: float
+
+
+@dataclass(frozen=True)
+class Detector:
+    """A detector and its rule.
+
+    Attributes
+    ----------
+    statistic
+        Which of the four.
+    window_s, stride_s
+        Length of the window, and of the time in which a foot is still once [s].
+    accel_std, gyro_std
+        Motion of a foot at stance [m/s^2], [rad/s].
+    multiple, lowest, highest
+        The threshold is this multiple of the lowest statistic of a stride, within these bounds.
+    still_s, still_accel_std, still_gyro_std
+        The body stands where the GLRT over so long a window stays below 1 with these [s], [m/s^2], [rad/s].
+    stand_s
+        The same window for the stand at the start, and the least length of it [s].
+    """
+
+    statistic: Statistic = Statistic.GLRT
+    window_s: float = 0.04
+    stride_s: float = 0.8
+    accel_std: float = 0.5
+    gyro_std: float = 0.35
+    multiple: float = 4.0
+    lowest: float = 1.0
+    highest: float = 100.0
+    still_s: float = 1.0
+    still_accel_std: float = 0.3
+    still_gyro_std: float = 0.04
+    stand_s: float = 0.5
+
+    def stand(self, gyro: np.ndarray, accel: np.ndarray, interval: float) -> Stand:
+        """Return the stand at the start of samples, shape (n, 3) each; without one a ValueError."""
+        first = max(2, round(self.stand_s / interval))
+        bias, force = gyro[:first].mean(axis=0), accel[:first].mean(axis=0)
+        reach, count = 0, 0
+        while count == reach < len(gyro):
+            reach = min(max(4 * reach, 40 * first), len(gyro))
+            still = self._still(gyro[:reach] - bias, accel[:reach], first, float(np.linalg.norm(force)))
+            count = int(np.argmin(still)) if not still.all() else reach
+        if count < first:
+            raise ValueError(
+                f"walk: expected a stand of {self.stand_s:g} s or more at the start; found {count * interval:.2g} s"
+            )
+        rest = slice(0, count)
+        return Stand(
+            count=count,
+            gravity=float(np.linalg.norm(accel[rest].mean(axis=0))),
+            bias=tuple(gyro[rest].mean(axis=0).tolist()),
+            accel_std=float(np.sqrt(accel[rest].var(axis=0).mean())),
+            gyro_std=float(np.sqrt(gyro[rest].var(axis=0).mean())),
+        )
+
+    def phases(self, gyro: np.ndarray, accel: np.ndarray, interval: float, stand: Stand) -> np.ndarray:
+        """Return :data:`MOVING`, :data:`STANCE` or :data:`STILL` for each sample, shape (n,).
+
+        A window is judged at its middle; before the first and after the last middle the foot does as it does there.
+        """
+        gyro = gyro - np.array(stand.bias)
+        window = max(2, round(self.window_s / interval))
+        stds = np.hypot(self.accel_std, stand.accel_std), np.hypot(self.gyro_std, stand.gyro_std)
+        values = statistic(self.statistic, gyro, accel, window, *stds, stand.gravity)
+        stride = max(2, round(self.stride_s / interval))
+        limit = np.clip(self.multiple * minimum_filter1d(values, stride), self.lowest, self.highest)
+        rest = _at_middle(values < limit, window)
+        still = self._still(gyro, accel, max(2, round(self.still_s / interval)), stand.gravity)
+        phase = rest.astype(np.int8) + (rest & still)
+        phase[: stand.count] = STILL
+        return phase
+
+    def _still(self, gyro: np.ndarray, accel: np.ndarray, window: int, gravity: float) -> np.ndarray:
+        """Return the samples around which the body stands, shape (n,)."""
+        window = min(window, len(gyro))
+        values = statistic(Statistic.GLRT, gyro, accel, window, self.still_accel_std, self.still_gyro_std, gravity)
+        return _at_middle(values < 1, window)
+
+
+def _at_middle(below: np.ndarray, window: int) -> np.ndarray:
+    """Return for each sample what is said of the window around it, at the ends of the first and the last window."""
+    return np.pad(below, (window // 2, window - 1 - window // 2), mode="edge")
+
+
+def statistic(
+    kind: Statistic, gyro: np.ndarray, accel: np.ndarray, window: int, accel_std: float, gyro_std: float, gravity: float
+) -> np.ndarray:
+    """Return the statistic of the window that starts at each sample, shape (n - window + 1,).
+
+    Parameters
+    ----------
+    gyro, accel
+        Rate [rad/s] and specific force [m/s^2], shape (n, 3).
+    window
+        Samples in the window, at most n.
+    accel_std, gyro_std
+        s_a [m/s^2] and s_w [rad/s].
+    gravity
+        g [m/s^2].
+    """
+    gyro, accel = np.ascontiguousarray(gyro, dtype=float), np.ascontiguousarray(accel, dtype=float)
+    return _statistic(int(kind), gyro, accel, window, accel_std, gyro_std, gravity)
+
+
+@njit(cache=True)
+def _statistic(kind, gyro, accel, window, accel_std, gyro_std, gravity):
+    values = np.empty(len(gyro) - window + 1)
+    x = y = z = square = norm = turn = 0.0
+    per_force, per_rate = 1.0 / (window * accel_std * accel_std), 1.0 / (window * gyro_std * gyro_std)
+    for k in range(len(gyro)):
+        for row, sign in ((k, 1.0), (k - window, -1.0)):
+            if row >= 0:
+                a0, a1, a2 = accel[row, 0], accel[row, 1], accel[row, 2]
+                force = a0 * a0 + a1 * a1 + a2 * a2
+                x, y, z = x + sign * a0, y + sign * a1, z + sign * a2
+                square += sign * force
+                norm += sign * np.sqrt(force)
+                turn += sign * (gyro[row, 0] ** 2 + gyro[row, 1] ** 2 + gyro[row, 2] ** 2)
+        if k >= window - 1:
+            together = np.sqrt(x * x + y * y + z * z)
+            if kind == Statistic.GLRT:
+                value = (square - 2 * gravity * together + window * gravity * gravity) * per_force + turn * per_rate
+            elif kind == Statistic.RATE_ENERGY:
+                value = turn * per_rate
+            elif kind == Statistic.MOVING_VARIANCE:
+                value = (square - together * together / window) * per_force
+            else:
+                value = (square - 2 * gravity * norm + window * gravity * gravity) * per_force
+            values[k - window + 1] = value
+    return values

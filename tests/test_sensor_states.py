@@ -1,0 +1,47 @@
+import numpy as np
+
+from imugap.effects import Bias, BiasInstability, GaussMarkov, Quantization, RandomWalk, TurnOnBias, WhiteNoise
+from imugap.model import AxisModel, ErrorModel
+from imugap.sensor_states import FLICKER_S, FLICKER_STATES, SensorStates
+
+
+def test_each_process_is_a_state_of_its_axis_and_the_numbers_are_those_of_the_model():
+    model = ErrorModel(
+        {
+            "gyro_y": AxisModel((WhiteNoise(0.1), RandomWalk(0.2), TurnOnBias(3.0), Bias(0.5))),
+            "accel_z": AxisModel((GaussMarkov(2.0, 50.0), GaussMarkov(1.0, 5.0), WhiteNoise(0.3), WhiteNoise(0.4))),
+            "time": AxisModel(),
+        }
+    )
+    states = SensorStates.of(model)
+    assert len(states) == 3
+    assert states.names == ["gyro_y", "accel_z", "accel_z_2"]
+    np.testing.assert_allclose(states.decay, [0, 1 / 50, 1 / 5])
+    np.testing.assert_allclose(states.driving_psd, [0.04, 2 * 4 / 50, 2 / 5])
+    np.testing.assert_allclose(states.variance, [9, 4, 1])
+    np.testing.assert_allclose(states.white, [0, 0.01, 0, 0, 0, 0.25])
+    np.testing.assert_allclose(states.fixed, [0, 0.5, 0, 0, 0, 0])
+
+
+def test_scale_factors_are_states_where_they_are_asked_for():
+    model = ErrorModel({"gyro_x": AxisModel((TurnOnBias(1.0),))})
+    states = SensorStates.of(model, scale_std=(0.0, 0.02))
+    assert states.names == ["gyro_x", "accel_x_scale", "accel_y_scale", "accel_z_scale"]
+    np.testing.assert_array_equal(states.scale, [False, True, True, True])
+    np.testing.assert_allclose(states.variance, [1, 4e-4, 4e-4, 4e-4])
+
+
+def test_a_model_without_states_leaves_none():
+    states = SensorStates.of(ErrorModel({"gyro_x": AxisModel((WhiteNoise(0.1), Quantization(0.1)))}))
+    assert len(states) == 0
+
+
+def test_flicker_noise_has_the_allan_deviation_that_it_should_over_the_range_that_is_stated():
+    states = SensorStates.of(ErrorModel({"accel_x": AxisModel((BiasInstability(0.7),))}))
+    assert len(states) == FLICKER_STATES
+    tau = np.geomspace(*FLICKER_S, 30)
+    bank = AxisModel(tuple(GaussMarkov(np.sqrt(v), 1 / d) for v, d in zip(states.variance, states.decay, strict=True)))
+    ratio = np.sqrt(bank.allan_variance(tau) / BiasInstability(0.7).allan_variance(tau))
+    assert np.abs(ratio - 1).max() < 0.04
+    assert np.abs(ratio - 1).max() > 0.01
+    np.testing.assert_allclose(states.driving_psd, 2 * states.variance * states.decay)
