@@ -85,7 +85,9 @@ def _group(
         errors = np.full(2, np.sqrt(product) * (1 - block[0, 1] ** 2) / (2 * abs(block[0, 1]) * np.sqrt(n)))
     else:
         densities = loadings * white
-        errors = white * np.sqrt((1 - loadings**2) / n / np.maximum(np.sum(loadings**2) - loadings**2, 1e-12))
+        errors = white * np.sqrt(
+            np.maximum(1 - loadings**2, 1 / n) / n / np.maximum(np.sum(loadings**2) - loadings**2, 1e-12)
+        )
     return Shared(tuple(axes[i] for i in members), densities, errors, log_p)
 
 

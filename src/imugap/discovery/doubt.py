@@ -29,6 +29,8 @@ BLOCKS = 12
 """Blocks of a stretch of another variance, and of the rest, that have to agree."""
 HARMONICS, ALONE = 9, 0.1
 """Highest multiple of a line, and share of its frequency within which it has to be known to tell multiples."""
+NEAR = 5.0
+"""Distance of two lines, in periods per log, below which they may be one."""
 SLOW = (BiasInstability, GaussMarkov, RandomWalk)
 
 
@@ -88,6 +90,8 @@ def _bends(search: Search, fit: AxisFit, key: Key) -> Doubt | None:
         return unresolved
     if _harmonic(fit, key):
         return Doubt("lines at its multiples make it a wave of another shape", -np.inf)
+    if _split(fit, key):
+        return Doubt("lines beside it make it one that swells or drifts", -np.inf)
     columns = fit.description.terms[key.index].effect.near_misses(fit.sequence.conditions)
     if not columns.shape[1]:
         return None
@@ -111,6 +115,17 @@ def _harmonic(fit: AxisFit, key: Key) -> bool:
         if index != key.index and 2 <= ratio <= HARMONICS and abs(fast - ratio * slow) < tolerance < ALONE * slow:
             return True
     return False
+
+
+def _split(fit: AxisFit, key: Key) -> bool:
+    """Return whether another line is so near to one that both may be parts of a line that is not steady."""
+    terms = fit.description.terms
+    duration = fit.sequence.conditions.interval * len(fit.residual)
+    lines = [
+        term.effect.frequency for i, term in enumerate(terms) if i != key.index and isinstance(term.effect, Sinusoid)
+    ]
+    own = terms[key.index].effect
+    return isinstance(own, Sinusoid) and any(abs(line - own.frequency) < NEAR / duration for line in lines)
 
 
 def _unresolved(fit: AxisFit, key: Key) -> Doubt | None:

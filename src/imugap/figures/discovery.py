@@ -177,4 +177,7 @@ def _reach(path: Drifts, column: int) -> float:
 
 
 def _titled(axis: str) -> str:
-    return " and ".join(AXIS_TITLES.get(one, one) for one in axis.split(","))
+    titles = [AXIS_TITLES.get(one, one) for one in axis.split(",")]
+    if len(titles) == 2 and titles[0].split()[0] == titles[1].split()[0]:
+        return f"{titles[0].split()[0]}s {titles[0][-1]} and {titles[1][-1]}"
+    return ", ".join([titles[0], *(title.lower() for title in titles[1:])])
