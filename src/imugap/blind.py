@@ -257,7 +257,7 @@ def naming(effects: pd.DataFrame, smallest: float) -> pd.DataFrame:
 
 
 def beside(effects: pd.DataFrame, terms: Mapping[str, str], smallest: float) -> pd.DataFrame:
-    """Return how often effects of the :data:`STOCHASTIC` subset are rightly named, beside what another program can name.
+    """Return how often effects of the :data:`STOCHASTIC` subset are rightly named, and whether another program can.
 
     Hidden singly in a device at rest, from the size ``smallest`` upward.
 
@@ -275,7 +275,8 @@ def beside(effects: pd.DataFrame, terms: Mapping[str, str], smallest: float) -> 
     of = clear[clear["name"].isin(STOCHASTIC)].assign(term=lambda table: table["name"].map(terms).fillna(""))
     groups = [(name, terms.get(name, ""), of[of["name"] == name]) for name in STOCHASTIC]
     groups += [("all that it has", "", of[of["term"] != ""]), ("all that it has not", "", of[of["term"] == ""])]
-    return pd.DataFrame([{"name": name, "term": term} | rate(group["top1"].astype(bool)) for name, term, group in groups])
+    rows = [{"name": name, "term": term} | rate(group["top1"].astype(bool)) for name, term, group in groups]
+    return pd.DataFrame(rows)
 
 
 def coverage(parameters: pd.DataFrame) -> pd.DataFrame:

@@ -67,7 +67,10 @@ STARTS = ["white", "nbk"]
 MISSING_OF = [name for name in config["discovery"]["devices"] if len(RUNS[name]) > 1]
 for name in MISSING_OF:
     first, *others = (f"results/{name}/{run}" for run in RUNS[name])
-    runs = {"log": [f"{first}/means.parquet"], "test": [f"{one}/means.parquet" for one in others]}
+    runs = {
+        "log": [f"{first}/means.parquet"],
+        "test": [f"{one}/means.parquet" for one in others],
+    }
     ASKED[f"missing/{name}_white"] = runs
     ASKED[f"missing/{name}_nbk"] = runs | {"model": [f"{first}/nbk.yaml"]}
 if OPTIONS["log"]:

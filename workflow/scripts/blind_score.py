@@ -8,7 +8,6 @@ import pandas as pd
 from imugap import blind
 from imugap.journal import journal
 
-
 TERMS = {"white_noise": "WN", "quantization": "QN", "random_walk": "RW", "gauss_markov": "AR1", "rate_ramp": "DR"}
 """What the R package gmwm calls the names that its choice of a model can give."""
 

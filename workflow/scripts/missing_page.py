@@ -12,11 +12,11 @@ from imugap.discovery.finding import Gap
 from imugap.discovery.report import span
 from imugap.figures import AXIS_TITLES
 from imugap.figures import discovery as drawn
+from imugap.figures.static import TITLES
 from imugap.journal import journal
 
-STARTS = {"white": "bias + N", "nbk": "N + B + K"}
 DISTANCES = {"distance": "distribution", "navigation_distance": "navigation drift"}
-STATES = ("before", "after", "floor")
+STATES, ENDS = ("before", "after", "floor"), ("value", "low", "high")
 FEW = 3
 """Effects of one name and the same axes that a page shows; of more it tells where the others are."""
 PAIRS = "two axes"
@@ -27,11 +27,16 @@ def axes_of(names):
     return ", ".join(AXIS_TITLES.get(name, name) for name in names)
 
 
+def gap_title(gap):
+    """Give the view of a place as a page shows it."""
+    return drawn.TITLES.get(gap["view"], gap["view"])
+
+
 def effects(reports):
     """Return a row for each parameter of each effect."""
     return pd.DataFrame([
-        {"start": start, "axes": " ".join(one["axes"]), "effect": number, "name": one["name"], "parameter": name, **ends,
-         "p_value": one["p_value"], "alternatives": " ".join(other["name"] for other in one["alternatives"])}
+        {"start": start, "effect": number, "axes": " ".join(one["axes"]), "name": one["name"], "p_value": one["p_value"],
+         "alternatives": " ".join(rival["name"] for rival in one["alternatives"]), "parameter": name, **ends}
         for start, report in reports.items()
         for number, one in enumerate(report["effects"])
         for name, ends in one["parameters"].items()
@@ -52,7 +57,7 @@ def effects_page(reports):
         for one in report["effects"]:
             kin.setdefault((tuple(one["axes"]), one["name"]), []).append(one)
         for (axes, name), group in kin.items():
-            cells = [STARTS[start], axes_of(axes), name.replace("_", " ")]
+            cells = [TITLES[start], axes_of(axes), name.replace("_", " ")]
             for one in group[:FEW]:
                 shown = "; ".join(f"{key.replace('_', ' ')} {ends_of(ends)}" for key, ends in one["parameters"].items())
                 rivals = ", ".join(other["name"].replace("_", " ") for other in one["alternatives"])
@@ -79,7 +84,7 @@ def told(gaps):
     """Tell how many places there are, and which is the surest of each of the surest views."""
     surest = [next(group) for _, group in groupby(sorted(gaps, key=lambda gap: gap["view"]), lambda gap: gap["view"])]
     first = sorted(surest, key=lambda gap: gap["p_value"])[:FEW]
-    shown = "; ".join(f"{drawn.TITLES[gap['view']]} {tables.unit(span(Gap(**gap)))}" for gap in first)
+    shown = "; ".join(f"{gap_title(gap)} {tables.unit(span(Gap(**gap)))}" for gap in first)
     return f"{len(gaps)}: {shown}" if gaps else "none"
 
 
@@ -93,7 +98,7 @@ def places_page(reports):
                 for key in ("gaps", "unexplained")
             ]
             if any(sides):
-                rows.append([STARTS[start], AXIS_TITLES.get(axis, axis), *map(told, sides)])
+                rows.append([TITLES[start], AXIS_TITLES.get(axis, axis), *map(told, sides)])
     heads = ["start model", "axis", "places where the start model leaves the log", "where the final model leaves it"]
     return pd.DataFrame(rows, columns=heads)
 
@@ -108,10 +113,11 @@ def withheld_page(data):
     """Lay out what was not named, and why."""
     grouped = data.groupby(["start", "axis", "name", "reason"], sort=False).size()
     rows = [
-        (STARTS[start], AXIS_TITLES.get(axis, axis), name.replace("_", " "), reason, count)
+        (TITLES[start], AXIS_TITLES.get(axis, axis), name.replace("_", " "), reason, count)
         for (start, axis, name, reason), count in grouped.items()
     ]
-    return pd.DataFrame(rows or [("—",) * 5], columns=["start model", "axis", "something like", "not named because", "times"])
+    heads = ["start model", "axis", "something like", "not named because", "times"]
+    return pd.DataFrame(rows or [["—"] * len(heads)], columns=heads)
 
 
 def distances(reports):
@@ -121,7 +127,7 @@ def distances(reports):
         for key, name in DISTANCES.items():
             row = {"start": start, "distance": name}
             for state in STATES:
-                row |= {f"{state}_{end}": report[key][state][end] for end in ("value", "low", "high")}
+                row |= {f"{state}_{end}": report[key][state][end] for end in ENDS}
             rows.append(row | {"reached": row["after_value"] <= row["floor_high"]})
     return pd.DataFrame(rows)
 
@@ -129,13 +135,12 @@ def distances(reports):
 def distances_page(data):
     """Lay out the distances."""
     shown = {
-        state: [tables.interval(*(row[f"{state}_{end}"] for end in ("value", "low", "high"))) for _, row in data.iterrows()]
+        state: [tables.interval(*ends) for ends in data[[f"{state}_{end}" for end in ENDS]].itertuples(index=False)]
         for state in STATES
     }
     reached = data["reached"].map({True: "yes", False: "no"})
-    return pd.DataFrame(
-        {"start model": data["start"].map(STARTS), "distance in": data["distance"], **shown, "reaches the floor": reached}
-    )
+    first = {"start model": data["start"].map(TITLES), "distance in": data["distance"]}
+    return pd.DataFrame(first | shown | {"reaches the floor": reached})
 
 
 def numbers(reports, data):
@@ -151,11 +156,11 @@ def numbers(reports, data):
         rows = data[data["start"] == start].set_index("distance")
         left = sorted({axis for gap in report["unexplained"] for axis in gap["axis"].split(",")})
         said["starts"][start] = {
-            "title": STARTS[start],
+            "title": TITLES[start],
             "gaps": len(report["gaps"]),
             "left": len(report["unexplained"]),
             "left_axes": axes_of(axis for axis in AXIS_TITLES if axis in left),
-            "left_views": ", ".join(dict.fromkeys(drawn.TITLES[gap["view"]] for gap in report["unexplained"])),
+            "left_views": ", ".join(dict.fromkeys(gap_title(gap) for gap in report["unexplained"])),
             "effects": len(report["effects"]),
             "names": ", ".join(dict.fromkeys(one["name"].replace("_", " ") for one in report["effects"])),
             "withheld": len(report["withheld"]),

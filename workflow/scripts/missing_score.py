@@ -7,9 +7,9 @@ import pandas as pd
 
 from imugap import tables
 from imugap.figures import AXIS_TITLES
+from imugap.figures.static import TITLES
 from imugap.journal import journal
 
-STARTS = {"white": "bias + N", "nbk": "N + B + K"}
 WITHIN_A_RUN = ("bias", "turn_on_bias")
 """Effects that one run cannot show: a constant is in every model, and a bias that is drawn anew takes several runs."""
 
@@ -20,7 +20,7 @@ def named(model):
 
 
 def score(reports, truth):
-    """Return, for each start and name, on which axes it is true, in the start model, found, and found though not true."""
+    """Return, for each start and name, on how many axes it is true, known at the start, found, and found wrongly."""
     true = {(name, axis) for name, axis in named(truth) if name not in WITHIN_A_RUN}
     rows = []
     for start, report in reports.items():
@@ -40,9 +40,9 @@ def score(reports, truth):
 def page(data):
     """Lay the table out."""
     missed = [", ".join(AXIS_TITLES[axis] for axis in axes.split()) or "—" for axes in data["missed"]]
-    heads = {"true": "axes that have it", "known": "in the start model", "found": "found", "wrong": "found where it is not"}
+    heads = {"true": "true on", "known": "in the start model", "found": "found", "wrong": "found where it is not"}
     names = data["name"].str.replace("_", " ")
-    shown = data.assign(start=data["start"].map(STARTS), name=names)[["start", "name", *heads]]
+    shown = data.assign(start=data["start"].map(TITLES), name=names)[["start", "name", *heads]]
     return shown.rename(columns={"start": "start model"} | heads).assign(**{"not found on": missed})
 
 

@@ -9,8 +9,10 @@ from imugap.model import AxisModel, ErrorModel
 
 def without_nothing(model):
     """Leave out what the fit sets to zero: the turn-on bias, of which one run says nothing, and processes not seen."""
-    axes = {axis: tuple(one for one in effects if all(one.parameters().values())) for axis, effects in model.axes.items()}
-    return ErrorModel({axis: AxisModel(effects) for axis, effects in axes.items()})
+    axes = model.axes.items()
+    return ErrorModel(
+        {axis: AxisModel(tuple(one for one in of if all(one.parameters().values()))) for axis, of in axes}
+    )
 
 
 if __name__ == "__main__":
