@@ -121,7 +121,7 @@ rule dossier:
         report(
             expand(
                 "results/{{asked}}/{figure}.svg",
-                figure=["places", "distance", "drift"],
+                figure=["places", "surest", "distance", "drift"],
             ),
             caption="../report/dossier.rst",
             category="Discovery",
@@ -152,7 +152,7 @@ rule missing_page:
         figures=expand(
             "results/missing/{{device}}_{start}/{figure}.svg",
             start=STARTS,
-            figure=["places", "distance", "drift"],
+            figure=["surest", "distance", "drift"],
         ),
         code=library("missing_page"),
     output:
@@ -173,7 +173,7 @@ rule missing_page:
         figures=expand(
             "paper/figures/missing_{{device}}_{start}_{figure}.svg",
             start=STARTS,
-            figure=["places", "distance", "drift"],
+            figure=["surest", "distance", "drift"],
         ),
         numbers="paper/numbers/missing_{device}.json",
     log:

@@ -24,7 +24,8 @@ PAIRS = "two axes"
 
 def axes_of(names):
     """Give axes as a page shows them."""
-    return ", ".join(AXIS_TITLES.get(name, name) for name in names)
+    names = tuple(names)
+    return "all six" if names == tuple(AXIS_TITLES) else ", ".join(AXIS_TITLES.get(name, name) for name in names)
 
 
 def gap_title(gap):
@@ -35,8 +36,9 @@ def gap_title(gap):
 def effects(reports):
     """Return a row for each parameter of each effect."""
     return pd.DataFrame([
-        {"start": start, "effect": number, "axes": " ".join(one["axes"]), "name": one["name"], "p_value": one["p_value"],
-         "alternatives": " ".join(rival["name"] for rival in one["alternatives"]), "parameter": name, **ends}
+        {"start": start, "effect": number, "axes": " ".join(one["axes"]), "name": one["name"],
+         "p_value": one["p_value"], "alternatives": " ".join(rival["name"] for rival in one["alternatives"]),
+         "parameter": name, **ends}
         for start, report in reports.items()
         for number, one in enumerate(report["effects"])
         for name, ends in one["parameters"].items()
@@ -44,9 +46,12 @@ def effects(reports):
 
 
 def ends_of(one):
-    """Show a parameter with its interval, and whether an end is not known."""
-    low, high = (float("nan") if one[end] is None else one[end] for end in ("low", "high"))
-    return f"{tables.interval(one['value'], low, high)} {tables.unit(one['unit'])}".removesuffix(" 1")
+    """Show a parameter with its interval, where that has two ends."""
+    ends = [float("nan") if one[end] is None else one[end] for end in ENDS]
+    alike = len({tables.number(end) for end in ends}) == 1
+    return f"{tables.number(ends[0]) if alike else tables.interval(*ends)} {tables.unit(one['unit'])}".removesuffix(
+        " 1"
+    )
 
 
 def effects_page(reports):
