@@ -285,3 +285,20 @@ def test_p_values_rise_in_steps_to_one():
     assert lines[:, 0].tolist() == [drawn.LOWEST, 0.1, 0.5, 1.0]
     assert lines[:, 1].tolist() == [0, 0.5, 1, 1]
     assert mean[:, 1].tolist() == [0, 1, 1]
+
+
+def test_the_stochastic_subset_is_counted_by_name_and_by_whether_another_program_has_the_name():
+    cases = [
+        (key("a", effects=[hidden("random_walk")]), report(found("random_walk"))),
+        (key("b", effects=[hidden("random_walk")]), report(found("gauss_markov"))),
+        (key("c", effects=[hidden("sinusoid")]), report(found("sinusoid"))),
+        (key("d", effects=[hidden("sinusoid", size=1)]), report()),
+        (key("e", effects=[hidden("random_walk")], motion=True), report()),
+        (key("f", effects=[hidden("temperature")]), report(found("temperature"))),
+    ]
+    table = blind.beside(scored(*cases).effects, {"random_walk": "RW"}, smallest=10).set_index("name")
+    assert table["count"].to_dict() == dict.fromkeys(blind.STOCHASTIC, 0) | {
+        "random_walk": 2, "sinusoid": 1, "all that it has": 2, "all that it has not": 1,
+    }  # fmt: skip
+    assert table.loc[["random_walk", "sinusoid"], "rate"].tolist() == [0.5, 1.0]
+    assert table.loc[["random_walk", "sinusoid"], "term"].tolist() == ["RW", ""]

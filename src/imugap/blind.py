@@ -22,6 +22,11 @@ EVERY = "all"
 LEVEL = 0.95
 LEVELS = (0.01, 0.05, 0.5)
 """Levels at which p-values are counted."""
+STOCHASTIC = (
+    "white_noise", "quantization", "random_walk", "gauss_markov", "rate_ramp", "bias_instability", "random_telegraph",
+    "sinusoid", "outliers", "variance_change", "output_filter", "common_mode",
+)  # fmt: skip
+"""Names of what is random in a device at rest, and of what a choice of random processes takes for it."""
 DISTANCES = ("distance", "navigation_distance")
 STATES = ("before", "after", "floor")
 CASE = ("case", "kind", "motion", "base", "rate_hz", "duration_s")
@@ -248,6 +253,29 @@ def naming(effects: pd.DataFrame, smallest: float) -> pd.DataFrame:
     answers = clear.loc[clear["kind"] == "unknown", "answer"]
     rows.append({"group": "unknown", "score": "abstained"} | rate(answers == UNKNOWN))
     rows.append({"group": "unknown", "score": "no_name"} | rate(answers.isin([UNKNOWN, NONE])))
+    return pd.DataFrame(rows)
+
+
+def beside(effects: pd.DataFrame, terms: Mapping[str, str], smallest: float) -> pd.DataFrame:
+    """Return how often effects of the :data:`STOCHASTIC` subset are rightly named, and whether another program can.
+
+    Hidden singly in a device at rest, from the size ``smallest`` upward.
+
+    Parameters
+    ----------
+    terms
+        What the other program calls the names that it has; the others it cannot give.
+
+    Returns
+    -------
+    By ``name``, then over those that the other program has and over those that it has not: ``term``, ``count``,
+    ``rate``, ``low``, ``high``.
+    """
+    clear = effects[(effects["kind"] == "single") & ~effects["motion"].astype(bool) & (effects["size"] >= smallest)]
+    of = clear[clear["name"].isin(STOCHASTIC)].assign(term=lambda table: table["name"].map(terms).fillna(""))
+    groups = [(name, terms.get(name, ""), of[of["name"] == name]) for name in STOCHASTIC]
+    groups += [("all that it has", "", of[of["term"] != ""]), ("all that it has not", "", of[of["term"] == ""])]
+    rows = [{"name": name, "term": term} | rate(group["top1"].astype(bool)) for name, term, group in groups]
     return pd.DataFrame(rows)
 
 

@@ -51,6 +51,7 @@ rule blind_discover:
         mem_mb=3000,
         runtime=10,
     params:
+        asked={key: config["discovery"][key] for key in ("alpha", "replicates", "simulations")},
         seed=config["seed"],
     script:
         "../scripts/blind_discover.py"
@@ -72,6 +73,7 @@ rule blind_score:
         false_alarms="results/blind/false_alarms.csv",
         confusion="results/blind/confusion.csv",
         naming="results/blind/naming.csv",
+        beside="results/blind/beside.csv",
         coverage="results/blind/coverage.csv",
         closed="results/blind/closed.csv",
         p_values="results/blind/p_values.csv",
@@ -97,11 +99,13 @@ rule blind_page:
         false_alarms="results/blind/false_alarms.csv",
         confusion="results/blind/confusion.csv",
         naming="results/blind/naming.csv",
+        beside="results/blind/beside.csv",
         coverage="results/blind/coverage.csv",
         closed="results/blind/closed.csv",
         p_values="results/blind/p_values.csv",
         calibration="results/blind/calibration.csv",
         run_time="results/blind/run_time.csv",
+        peer="data/published/gmwm_choice.csv",
         code=library("blind_page"),
     output:
         detection_figure=report(
@@ -149,9 +153,11 @@ rule blind_page:
         detection="paper/tables/blind_detection.csv",
         coverage="paper/tables/blind_coverage.csv",
         calibration="paper/tables/blind_calibration.csv",
+        beside="paper/tables/blind_beside.csv",
+        peer="paper/tables/blind_peer.csv",
         others=expand(
             "paper/tables/blind_{table}.{suffix}",
-            table=["rates", "detection", "coverage", "calibration"],
+            table=["rates", "detection", "coverage", "calibration", "beside", "peer"],
             suffix=["json", "tex"],
         ),
         numbers="paper/numbers/blind.json",

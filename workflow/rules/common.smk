@@ -62,6 +62,17 @@ if len(RUNS["adis16405"]) > 1:
         "test": ["results/story/real_test.parquet"],
     }
 STORIES = [f"results/{asked}/report.json" for asked in ASKED]
+STARTS = ["white", "nbk"]
+# The devices whose first run is asked, from two start models; what is found is tested on their other runs.
+MISSING_OF = [name for name in config["discovery"]["devices"] if len(RUNS[name]) > 1]
+for name in MISSING_OF:
+    first, *others = (f"results/{name}/{run}" for run in RUNS[name])
+    runs = {
+        "log": [f"{first}/means.parquet"],
+        "test": [f"{one}/means.parquet" for one in others],
+    }
+    ASKED[f"missing/{name}_white"] = runs
+    ASKED[f"missing/{name}_nbk"] = runs | {"model": [f"{first}/nbk.yaml"]}
 if OPTIONS["log"]:
     own = {"effects": config["effects"]} if config["effects"] else {}
     ASKED[f"discover/{Path(OPTIONS['log'][0]).stem}"] = OPTIONS | own

@@ -45,7 +45,7 @@ rule story_real:
     """Cut the gyroscopes of two real runs short, as means at a lower rate."""
     input:
         expand("results/adis16405/{run}/log.parquet", run=RUNS["adis16405"][:2]),
-        code=library("story_real"),
+        code=library("means"),
     output:
         "results/story/real_log.parquet",
         "results/story/real_test.parquet",
@@ -56,8 +56,46 @@ rule story_real:
     params:
         duration_s=1800,
         rate_hz=config["estimation"]["rate_hz"],
+        columns=["gyro_x", "gyro_y", "gyro_z"],
     script:
-        "../scripts/story_real.py"
+        "../scripts/means.py"
+
+
+rule means:
+    """Average a run over blocks: what discovery is asked about a device."""
+    input:
+        "results/{device}/{run}/log.parquet",
+        code=library("means"),
+    output:
+        "results/{device}/{run}/means.parquet",
+    log:
+        "logs/means/{device}_{run}.log",
+    benchmark:
+        "benchmarks/means/{device}_{run}.tsv"
+    params:
+        duration_s=config["discovery"]["duration_s"],
+        rate_hz=config["estimation"]["rate_hz"],
+        columns=None,
+    script:
+        "../scripts/means.py"
+
+
+rule run_nbk:
+    """Build N + B + K from the indices of one run alone, so that the other runs are unseen by it."""
+    input:
+        indices="results/{device}/{run}/indices.csv",
+        allan="results/{device}/{run}/allan.csv",
+        code=library("run_nbk"),
+    output:
+        "results/{device}/{run}/nbk.yaml",
+    log:
+        "logs/run_nbk/{device}_{run}.log",
+    benchmark:
+        "benchmarks/run_nbk/{device}_{run}.tsv"
+    params:
+        period_s=config["bias_stability_period_s"],
+    script:
+        "../scripts/run_nbk.py"
 
 
 rule dossier:
@@ -83,7 +121,7 @@ rule dossier:
         report(
             expand(
                 "results/{{asked}}/{figure}.svg",
-                figure=["places", "distance", "drift"],
+                figure=["places", "surest", "distance", "drift"],
             ),
             caption="../report/dossier.rst",
             category="Discovery",
@@ -94,14 +132,84 @@ rule dossier:
     benchmark:
         "benchmarks/dossier/{asked}.tsv"
     wildcard_constraints:
-        asked="(discover|story)/[^/]+",
-    threads: lambda wildcards: 2 if wildcards.asked.startswith("discover/") else 1
+        asked="(discover|story|missing)/[^/]+",
+    threads: lambda wildcards: 1 if wildcards.asked.startswith("story/") else 2
     resources:
         mem_mb=3000,
         runtime=30,
     params:
-        alpha=config["discovery"]["alpha"],
+        asked={key: config["discovery"][key] for key in ("alpha", "replicates", "simulations")},
         seed=config["seed"],
         effects=lambda wildcards: ASKED[wildcards.asked].get("effects"),
     script:
         "../scripts/dossier.py"
+
+
+rule missing_page:
+    """Tabulate what is missing from the models of a device, where, and how far the gap shrinks on its other runs."""
+    input:
+        reports=expand("results/missing/{{device}}_{start}/report.json", start=STARTS),
+        figures=expand(
+            "results/missing/{{device}}_{start}/{figure}.svg",
+            start=STARTS,
+            figure=["surest", "distance", "drift"],
+        ),
+        code=library("missing_page"),
+    output:
+        tables=report(
+            expand(
+                "paper/tables/missing_{table}_{{device}}.csv",
+                table=["effects", "places", "withheld", "distances"],
+            ),
+            caption="../report/missing.rst",
+            category="Discovery",
+            labels={"result": "what is missing (tables), {device}"},
+        ),
+        others=expand(
+            "paper/tables/missing_{table}_{{device}}.{suffix}",
+            table=["effects", "places", "withheld", "distances"],
+            suffix=["json", "tex"],
+        ),
+        figures=expand(
+            "paper/figures/missing_{{device}}_{start}_{figure}.svg",
+            start=STARTS,
+            figure=["surest", "distance", "drift"],
+        ),
+        numbers="paper/numbers/missing_{device}.json",
+    log:
+        "logs/missing_page/{device}.log",
+    benchmark:
+        "benchmarks/missing_page/{device}.tsv"
+    params:
+        starts=STARTS,
+    script:
+        "../scripts/missing_page.py"
+
+
+rule missing_score:
+    """Compare what was found on the virtual bench with its truth."""
+    input:
+        reports=expand("results/missing/bench_{start}/report.json", start=STARTS),
+        truth="results/bench/truth.json",
+        code=library("missing_score"),
+    output:
+        report(
+            "paper/tables/missing_score.csv",
+            caption="../report/missing_score.rst",
+            category="Discovery",
+            labels={"result": "what is missing against truth (table), bench"},
+        ),
+        "paper/tables/missing_score.json",
+        "paper/tables/missing_score.tex",
+    log:
+        "logs/missing_score.log",
+    benchmark:
+        "benchmarks/missing_score.tsv"
+    params:
+        starts=STARTS,
+    script:
+        "../scripts/missing_score.py"
+
+
+PAPER += expand("paper/numbers/missing_{device}.json", device=MISSING_OF)
+PAPER += ["paper/tables/missing_score.json"] if "bench" in MISSING_OF else []

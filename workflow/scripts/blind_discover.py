@@ -10,12 +10,12 @@ from imugap.discovery.report import view_table
 from imugap.journal import journal
 
 
-def main(case, seed, output):
+def main(case, question, output):
     """Discover on the logs of the folder ``case``, with its reference and its start model where it has them."""
     logs = tuple(sorted(path for path in case.glob("*.parquet") if path.stem != "reference"))
     given = {"reference": case / "reference.parquet", "model": case / "model.yaml"}
     files = Files(logs, **{name: path for name, path in given.items() if path.exists()})
-    inquiry = ask(files, Question(seed=seed))
+    inquiry = ask(files, question)
     Path(output.report).write_text(json.dumps(inquiry.report(), indent=1, allow_nan=False) + "\n")
     view_table(inquiry.found).to_csv(output.views, index=False)
 
@@ -23,6 +23,7 @@ def main(case, seed, output):
 if __name__ == "__main__":
     with journal(snakemake.log[0]):
         begin = perf_counter()
-        main(Path(snakemake.input.case), snakemake.params.seed, snakemake.output)
+        question = Question(**snakemake.params.asked, seed=snakemake.params.seed)
+        main(Path(snakemake.input.case), question, snakemake.output)
         seconds = perf_counter() - begin
         Path(snakemake.output.seconds).write_text(json.dumps({"seconds": seconds}) + "\n")

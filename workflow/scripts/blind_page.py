@@ -6,6 +6,8 @@ from pathlib import Path
 import pandas as pd
 
 from imugap import figures, tables
+from imugap.blind import STOCHASTIC
+from imugap.figures import AXIS_TITLES
 from imugap.figures import blind as drawn
 from imugap.journal import journal
 
@@ -76,6 +78,28 @@ def calibration_page(calibration):
     return page.rename(lambda view: drawn.TITLES.get(view, view), level="view").reset_index()
 
 
+def beside_page(beside):
+    """Lay out how often each name is given rightly, and what gmwm calls it."""
+    return pd.DataFrame({
+        "hidden": beside["name"].str.replace("_", " "),
+        "gmwm's term": beside["term"].fillna("—"),
+        "clear cases": beside["count"],
+        "rightly named by discovery": [rate(one) for one in beside.itertuples(index=False)],
+    })  # fmt: skip
+
+
+def peer_page(peer):
+    """Lay out what gmwm chose for the axes on which it was run."""
+    return pd.DataFrame({
+        "axis": peer["axis"].map(AXIS_TITLES),
+        "compositions tried": peer["candidates"],
+        "chosen": peer["chosen"],
+        "p of its test of fit": peer["gof_p"].map(tables.number),
+        "best p of all tried": peer["best_gof_p"].map(tables.number),
+        "time [s]": peer["seconds"].map(tables.number) + " (" + peer["clock"] + ")",
+    })  # fmt: skip
+
+
 def numbers(scores, seconds, clear_size):
     """Return what the text says."""
     cases = scores["cases"]
@@ -92,6 +116,8 @@ def numbers(scores, seconds, clear_size):
         "shrunk": tables.number(reached["before"] / reached["after"], 2),
         "median_seconds": f"{seconds.median():.0f}",
         "longest_seconds": f"{seconds.max():.0f}",
+        "stochastic": len(STOCHASTIC),
+        "terms": int(scores["beside"]["term"].notna().sum()),
     }
 
 
@@ -122,6 +148,8 @@ if __name__ == "__main__":
             "detection": (scores["detection"], detection_page(scores["detection"])),
             "coverage": (scores["coverage"], coverage_page(scores["coverage"])),
             "calibration": (scores["calibration"], calibration_page(scores["calibration"])),
+            "beside": (scores["beside"], beside_page(scores["beside"])),
+            "peer": (scores["peer"], peer_page(scores["peer"])),
         }
         for name, (data, page) in pages.items():
             tables.write(output[name].removesuffix(".csv"), data, page)

@@ -8,6 +8,9 @@ import pandas as pd
 from imugap import blind
 from imugap.journal import journal
 
+TERMS = {"white_noise": "WN", "quantization": "QN", "random_walk": "RW", "gauss_markov": "AR1", "rate_ramp": "DR"}
+"""What the R package gmwm calls the names that its choice of a model can give."""
+
 
 def main(source, clear_size, output):
     """Read keys, reports and run times; write the scores case by case and what they come to."""
@@ -25,6 +28,7 @@ def main(source, clear_size, output):
         "false_alarms": blind.false_alarms(scores.cases),
         "confusion": blind.confusion(scores.effects, clear_size).reset_index(),
         "naming": blind.naming(scores.effects, clear_size),
+        "beside": blind.beside(scores.effects, TERMS, clear_size),
         "coverage": blind.coverage(scores.parameters),
         "closed": blind.closed(scores, clear_size),
         "p_values": quiet,

@@ -11,8 +11,8 @@ from imugap.journal import journal
 if __name__ == "__main__":
     with journal(snakemake.log[0]):
         source, params = snakemake.input, snakemake.params
-        single = {name: Path(source[name]) for name in ("reference", "model") if source[name]}
+        single = {name: Path(*source[name]) for name in ("reference", "model") if source[name]}
         files = Files(tuple(map(Path, source.log)), tuple(map(Path, source.test)), **single, effects=params.effects)
-        question = Question(alpha=params.alpha, seed=params.seed, workers=snakemake.threads)
+        question = Question(**params.asked, seed=params.seed, workers=snakemake.threads)
         out = Path(snakemake.output[0]).parent
         print(verdict(compose(files, question, out, lambda step, done, steps: print(f"{done}/{steps} {step}")).found))

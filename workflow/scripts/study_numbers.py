@@ -29,6 +29,7 @@ if __name__ == "__main__":
             | {"cases": sum(2 * one["cases"] for one in everything)},
             "devices": list(params.runs),
             "runs": {device: len(runs) for device, runs in params.runs.items()},
+            "missing_of": params.missing_of,
             "power_cycles": len(params.power_cycles),
             "omitted": [omission(sets[name]) for name in params.omitted],
             "contenders": [TITLES[name] for name in CONTENDERS],

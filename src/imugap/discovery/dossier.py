@@ -11,7 +11,8 @@ from imugap.discovery.inquiry import Files, Inquiry, ask
 from imugap.discovery.report import candidate_table, gap_table, span, verdict
 
 FILES = (
-    "report.json", "model.yaml", "gaps.csv", "candidates.csv", "report.md", "places.svg", "distance.svg", "drift.svg",
+    "report.json", "model.yaml", "gaps.csv", "candidates.csv", "report.md",
+    "places.svg", "surest.svg", "distance.svg", "drift.svg",
 )  # fmt: skip
 """What is in the folder."""
 LEAST = 1e-300
@@ -37,7 +38,8 @@ def write(inquiry: Inquiry, out: str | Path) -> None:
     found = inquiry.found
     text = json.dumps(inquiry.report(), indent=1, allow_nan=False) + "\n"
     gaps, candidates = gap_table(found.gaps, found.unexplained), candidate_table(found)
-    drawn = discovery.places(found, inquiry.alpha), discovery.distance(found), discovery.drift(found)
+    views = discovery.places(found, inquiry.alpha), discovery.surest(found, inquiry.alpha)
+    drawn = (*views, discovery.distance(found), discovery.drift(found))
     writers = (
         lambda path: path.write_text(text),
         found.final.write,
@@ -67,6 +69,7 @@ def page(inquiry: Inquiry) -> str:
         _table(_places(found.gaps)),
         "Where it leaves the final model:",
         _table(_places(found.unexplained)),
+        "![The surest place of each view before and after](surest.svg)",
         "![Each place before and after](places.svg)\n\nViews with a place, before (start model, held-in part) and "
         f"after (final model, whole log). Line: the log. Band: where {1 - inquiry.alpha:.0%} of simulated logs stay "
         "everywhere. Bars: the places. Probabilities much below one in a hundred are extrapolated from simulations.",

@@ -15,8 +15,10 @@ from imugap.discovery.views import Curve
 from imugap.figures import AXIS_TITLES, legend_below, panels_of, said
 from imugap.tables import unit
 
-MOST = 20
-"""Views that one figure shows, the surest first."""
+MOST, FEW = 20, 6
+"""Views that a figure shows, the surest first; those of a figure that has to fit a page."""
+TALL, LOW, MANY = 1.6, 0.85, 6
+"""Height of a row of drifts [inch], and where there are more than so many rows."""
 LEVEL = 0.95
 LOG, BEFORE, AFTER, PLACE = "black", "#D55E00", "#0072B2", "#CC79A7"
 STATES = {"before": ("start model", BEFORE), "after": ("final model", AFTER)}
@@ -65,11 +67,26 @@ def places(found: Discovery, alpha: float) -> Figure:
     where a share 1 - ``alpha`` of simulated logs of the model, refitted, stays everywhere. Of windows that overlap, the
     shortest make the curve; the bars at the top are the places that were named, also those of wider windows.
     """
-    wanted = list(dict.fromkeys((gap.view, gap.axis) for gap in found.gaps))
-    before, after = ({(one.curve.view, one.curve.axis): one for one in some} for some in (found.before, found.after))
-    drawn = [key for key in wanted if key in before][:MOST]
+    return _compared(found, alpha, _shown(found)[:MOST])
+
+
+def surest(found: Discovery, alpha: float) -> Figure:
+    """Draw what :func:`places` draws, of each view only the axis that is surest: what fits a page."""
+    views = dict(reversed(_shown(found)))
+    return _compared(found, alpha, [key for key in _shown(found) if key in views.items()][:FEW])
+
+
+def _shown(found: Discovery) -> list[tuple[str, str]]:
+    """Return view and axis of every place of which there is a curve, the surest first."""
+    curves = {(one.curve.view, one.curve.axis) for one in found.before}
+    return [key for key in dict.fromkeys((gap.view, gap.axis) for gap in found.gaps) if key in curves]
+
+
+def _compared(found: Discovery, alpha: float, drawn: Sequence[tuple[str, str]]) -> Figure:
+    """Draw views before and after, a row for each view and axis."""
     if not drawn:
         return said("No view of the log leaves the start model.")
+    before, after = ({(one.curve.view, one.curve.axis): one for one in some} for some in (found.before, found.after))
     figure, grid = panels_of(len(drawn), 2, 1.5 * len(drawn) + 0.6, sharex="row", sharey="row")
     for key, row in zip(drawn, grid, strict=True):
         pairs = ((before[key], found.gaps), (after.get(key), found.unexplained))
@@ -146,7 +163,7 @@ def drift(found: Discovery) -> Figure:
     if not found.drifts:
         return said("No navigation: it takes a device at rest and all six axes.")
     rows = [(path, state) for path in found.drifts for state in STATES]
-    figure, grid = panels_of(len(rows), 3, 1.6 * len(rows) + 0.5, sharex="row")
+    figure, grid = panels_of(len(rows), 3, (LOW if len(rows) > MANY else TALL) * len(rows) + 0.5, sharex="row")
     for number, ((path, state), row) in enumerate(zip(rows, grid, strict=True)):
         title, colour = STATES[state]
         for column, (direction, panel) in enumerate(zip(DIRECTIONS, row, strict=True)):

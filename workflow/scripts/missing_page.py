@@ -1,0 +1,201 @@
+"""Tabulate what is missing from the models of a device, where, and how far the gap shrinks on its other runs."""
+
+import json
+from itertools import groupby
+from pathlib import Path
+from shutil import copyfile
+
+import pandas as pd
+
+from imugap import tables
+from imugap.discovery.finding import Gap
+from imugap.discovery.report import span
+from imugap.figures import AXIS_TITLES
+from imugap.figures import discovery as drawn
+from imugap.figures.static import TITLES
+from imugap.journal import journal
+
+DISTANCES = {"distance": "distribution", "navigation_distance": "navigation drift"}
+STATES, ENDS = ("before", "after", "floor"), ("value", "low", "high")
+FEW = 3
+"""Effects of one name and the same axes that a page shows; of more it tells where the others are."""
+PAIRS = "two axes"
+
+
+def axes_of(names):
+    """Give axes as a page shows them."""
+    names = tuple(names)
+    return "all six" if names == tuple(AXIS_TITLES) else ", ".join(AXIS_TITLES.get(name, name) for name in names)
+
+
+def gap_title(gap):
+    """Give the view of a place as a page shows it."""
+    return drawn.TITLES.get(gap["view"], gap["view"])
+
+
+def effects(reports):
+    """Return a row for each parameter of each effect."""
+    return pd.DataFrame([
+        {"start": start, "effect": number, "axes": " ".join(one["axes"]), "name": one["name"],
+         "p_value": one["p_value"], "alternatives": " ".join(rival["name"] for rival in one["alternatives"]),
+         "parameter": name, **ends}
+        for start, report in reports.items()
+        for number, one in enumerate(report["effects"])
+        for name, ends in one["parameters"].items()
+    ])  # fmt: skip
+
+
+def ends_of(one):
+    """Show a parameter with its interval, where that has two ends."""
+    ends = [float("nan") if one[end] is None else one[end] for end in ENDS]
+    alike = len({tables.number(end) for end in ends}) == 1
+    return f"{tables.number(ends[0]) if alike else tables.interval(*ends)} {tables.unit(one['unit'])}".removesuffix(
+        " 1"
+    )
+
+
+def effects_page(reports):
+    """Lay out the effects with their parameters, the surest of one name and the same axes."""
+    rows = []
+    for start, report in reports.items():
+        kin = {}
+        for one in report["effects"]:
+            kin.setdefault((tuple(one["axes"]), one["name"]), []).append(one)
+        for (axes, name), group in kin.items():
+            cells = [TITLES[start], axes_of(axes), name.replace("_", " ")]
+            for one in group[:FEW]:
+                shown = "; ".join(f"{key.replace('_', ' ')} {ends_of(ends)}" for key, ends in one["parameters"].items())
+                rivals = ", ".join(other["name"].replace("_", " ") for other in one["alternatives"])
+                rows.append([*cells, shown, rivals or "—"])
+            if len(group) > FEW:
+                key, ends = next(iter(group[0]["parameters"].items()))
+                values = [one["parameters"][key]["value"] for one in group[FEW:]]
+                reach = " to ".join(tables.number(value) for value in (min(values), max(values)))
+                rows.append([*cells, f"{len(values)} more, {key.replace('_', ' ')} {reach} {ends['unit']}", "—"])
+    return pd.DataFrame(rows, columns=["start model", "axes", "name", "parameters (95 %)", "not to be told from it"])
+
+
+def places(reports):
+    """Return the places that the start model leaves and those that the final one leaves."""
+    return pd.DataFrame([
+        {"start": start, "model": model} | gap
+        for start, report in reports.items()
+        for model, key in (("start", "gaps"), ("final", "unexplained"))
+        for gap in report[key]
+    ], columns=["start", "model", "view", "axis", "low", "high", "unit", "p_value"])  # fmt: skip
+
+
+def told(gaps):
+    """Tell how many places there are, and which is the surest of each of the surest views."""
+    surest = [next(group) for _, group in groupby(sorted(gaps, key=lambda gap: gap["view"]), lambda gap: gap["view"])]
+    first = sorted(surest, key=lambda gap: gap["p_value"])[:FEW]
+    shown = "; ".join(f"{gap_title(gap)} {tables.unit(span(Gap(**gap)))}" for gap in first)
+    return f"{len(gaps)}: {shown}" if gaps else "none"
+
+
+def places_page(reports):
+    """Lay out the places, a row for each axis."""
+    rows = []
+    for start, report in reports.items():
+        for axis in [*AXIS_TITLES, PAIRS]:
+            sides = [
+                [gap for gap in report[key] if (PAIRS if "," in gap["axis"] else gap["axis"]) == axis]
+                for key in ("gaps", "unexplained")
+            ]
+            if any(sides):
+                rows.append([TITLES[start], AXIS_TITLES.get(axis, axis), *map(told, sides)])
+    heads = ["start model", "axis", "places where the start model leaves the log", "where the final model leaves it"]
+    return pd.DataFrame(rows, columns=heads)
+
+
+def withheld(reports):
+    """Return what was seen but not named."""
+    rows = [{"start": start} | one for start, report in reports.items() for one in report["withheld"]]
+    return pd.DataFrame(rows, columns=["start", "axis", "name", "reason"])
+
+
+def withheld_page(data):
+    """Lay out what was not named, and why."""
+    grouped = data.groupby(["start", "axis", "name", "reason"], sort=False).size()
+    rows = [
+        (TITLES[start], AXIS_TITLES.get(axis, axis), name.replace("_", " "), reason, count)
+        for (start, axis, name, reason), count in grouped.items()
+    ]
+    heads = ["start model", "axis", "something like", "not named because", "times"]
+    return pd.DataFrame(rows or [["—"] * len(heads)], columns=heads)
+
+
+def distances(reports):
+    """Return the distances on the other runs, and whether the last one is within the floor's interval or below it."""
+    rows = []
+    for start, report in reports.items():
+        for key, name in DISTANCES.items():
+            row = {"start": start, "distance": name}
+            for state in STATES:
+                row |= {f"{state}_{end}": report[key][state][end] for end in ENDS}
+            rows.append(row | {"reached": row["after_value"] <= row["floor_high"]})
+    return pd.DataFrame(rows)
+
+
+def distances_page(data):
+    """Lay out the distances."""
+    shown = {
+        state: [tables.interval(*ends) for ends in data[[f"{state}_{end}" for end in ENDS]].itertuples(index=False)]
+        for state in STATES
+    }
+    reached = data["reached"].map({True: "yes", False: "no"})
+    first = {"start model": data["start"].map(TITLES), "distance in": data["distance"]}
+    return pd.DataFrame(first | shown | {"reaches the floor": reached})
+
+
+def numbers(reports, data):
+    """Return what the text says."""
+    first = next(iter(reports.values()))
+    said = {
+        "duration_s": tables.number(first["log"][0]["duration_s"]),
+        "rate_hz": tables.number(first["log"][0]["rate_hz"]),
+        "tests": len(first["test"]),
+        "starts": {},
+    }
+    for start, report in reports.items():
+        rows = data[data["start"] == start].set_index("distance")
+        left = sorted({axis for gap in report["unexplained"] for axis in gap["axis"].split(",")})
+        said["starts"][start] = {
+            "title": TITLES[start],
+            "gaps": len(report["gaps"]),
+            "left": len(report["unexplained"]),
+            "left_axes": axes_of(axis for axis in AXIS_TITLES if axis in left),
+            "left_views": ", ".join(dict.fromkeys(gap_title(gap) for gap in report["unexplained"])),
+            "effects": len(report["effects"]),
+            "names": ", ".join(dict.fromkeys(one["name"].replace("_", " ") for one in report["effects"])),
+            "withheld": len(report["withheld"]),
+        } | {
+            key: {
+                "before": tables.number(rows.loc[name, "before_value"]),
+                "after": tables.number(rows.loc[name, "after_value"]),
+                "floor_high": tables.number(rows.loc[name, "floor_high"]),
+                "reached": bool(rows.loc[name, "reached"]),
+            }
+            for key, name in (("distribution", "distribution"), ("navigation", "navigation drift"))
+        }  # fmt: skip
+    return said
+
+
+if __name__ == "__main__":
+    with journal(snakemake.log[0]):
+        source, output, starts = snakemake.input, snakemake.output, snakemake.params.starts
+        reports = {
+            start: json.loads(Path(path).read_text()) for start, path in zip(starts, source.reports, strict=True)
+        }
+        apart, unnamed = distances(reports), withheld(reports)
+        pages = [
+            (effects(reports), effects_page(reports)),
+            (places(reports), places_page(reports)),
+            (unnamed, withheld_page(unnamed)),
+            (apart, distances_page(apart)),
+        ]
+        for path, (data, page) in zip(output.tables, pages, strict=True):
+            tables.write(path.removesuffix(".csv"), data, page)
+        for figure, path in zip(source.figures, output.figures, strict=True):
+            copyfile(figure, path)
+        Path(output.numbers).write_text(json.dumps(numbers(reports, apart), indent=1) + "\n")

@@ -1,0 +1,57 @@
+"""Compare the names that were found on the virtual bench with its truth."""
+
+import json
+from pathlib import Path
+
+import pandas as pd
+
+from imugap import tables
+from imugap.figures import AXIS_TITLES
+from imugap.figures.static import TITLES
+from imugap.journal import journal
+
+WITHIN_A_RUN = ("bias", "turn_on_bias")
+"""Effects that one run cannot show: a constant is in every model, and a bias that is drawn anew takes several runs."""
+
+
+def named(model):
+    """Return the (name, axis) of a model."""
+    return {(name, axis) for axis, effects in model.items() for effect in effects for name in effect}
+
+
+def score(reports, truth):
+    """Return, for each start and name, on how many axes it is true, known at the start, found, and found wrongly."""
+    true = {(name, axis) for name, axis in named(truth) if name not in WITHIN_A_RUN}
+    rows = []
+    for start, report in reports.items():
+        known = named(report["start_model"])
+        found = {(one["name"], axis) for one in report["effects"] for axis in one["axes"]}
+        for name in sorted({name for name, _ in true | found}):
+            of = {title: {axis for other, axis in group if other == name}
+                  for title, group in (("true", true), ("known", known & true), ("found", found))}  # fmt: skip
+            rows.append({
+                "start": start, "name": name, "true": len(of["true"]), "known": len(of["known"]),
+                "found": len(of["found"] & of["true"]), "wrong": len(of["found"] - of["true"]),
+                "missed": " ".join(axis for axis in AXIS_TITLES if axis in of["true"] - of["known"] - of["found"]),
+            })  # fmt: skip
+    return pd.DataFrame(rows)
+
+
+def page(data):
+    """Lay the table out."""
+    missed = [", ".join(AXIS_TITLES[axis] for axis in axes.split()) or "—" for axes in data["missed"]]
+    heads = {"true": "true on", "known": "in the start model", "found": "found", "wrong": "found where it is not"}
+    names = data["name"].str.replace("_", " ")
+    shown = data.assign(start=data["start"].map(TITLES), name=names)[["start", "name", *heads]]
+    return shown.rename(columns={"start": "start model"} | heads).assign(**{"not found on": missed})
+
+
+if __name__ == "__main__":
+    with journal(snakemake.log[0]):
+        source = snakemake.input
+        reports = {
+            start: json.loads(Path(path).read_text())
+            for start, path in zip(snakemake.params.starts, source.reports, strict=True)
+        }
+        data = score(reports, json.loads(Path(source.truth).read_text())["model"])
+        tables.write(snakemake.output[0].removesuffix(".csv"), data, page(data))
