@@ -51,7 +51,10 @@ rule blind_discover:
         mem_mb=3000,
         runtime=10,
     params:
-        asked={key: config["discovery"][key] for key in ("alpha", "replicates", "simulations")},
+        asked={
+            key: config["discovery"][key]
+            for key in ("alpha", "replicates", "simulations")
+        },
         seed=config["seed"],
     script:
         "../scripts/blind_discover.py"

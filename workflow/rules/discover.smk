@@ -138,7 +138,10 @@ rule dossier:
         mem_mb=3000,
         runtime=30,
     params:
-        asked={key: config["discovery"][key] for key in ("alpha", "replicates", "simulations")},
+        asked={
+            key: config["discovery"][key]
+            for key in ("alpha", "replicates", "simulations")
+        },
         seed=config["seed"],
         effects=lambda wildcards: ASKED[wildcards.asked].get("effects"),
     script:
