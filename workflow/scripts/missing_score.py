@@ -29,9 +29,9 @@ def score(reports, truth):
         rivals = {
             (rival["name"], axis) for one in report["effects"] for rival in one["alternatives"] for axis in one["axes"]
         }
+        groups = {"true": true, "known": known, "found": found, "rival": rivals}
         for name in sorted({name for name, _ in true | found}):
-            of = {title: {axis for other, axis in group if other == name}
-                  for title, group in (("true", true), ("known", known), ("found", found), ("rival", rivals))}  # fmt: skip
+            of = {title: {axis for other, axis in group if other == name} for title, group in groups.items()}
             rows.append({
                 "start": start, "name": name, "true": len(of["true"]), "known": len(of["known"] & of["true"]),
                 "found": len(of["found"] & of["true"]), "rival": len(of["rival"] & of["true"]),
