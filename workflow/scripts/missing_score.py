@@ -43,7 +43,8 @@ def score(reports, truth):
 
 def page(data):
     """Lay the table out."""
-    missed = [", ".join(AXIS_TITLES[axis] for axis in axes.split()) or "—" for axes in data["missed"]]
+    said = {"": "—", " ".join(AXIS_TITLES): "all six"}
+    missed = [said.get(axes, ", ".join(map(AXIS_TITLES.get, axes.split()))) for axes in data["missed"]]
     heads = {
         "true": "true on", "known": "in the start model", "found": "found", "rival": "given as a rival",
         "wrong": "found where it is not",
