@@ -138,3 +138,17 @@ def test_laws_that_are_there_are_read_more_often_than_those_that_are_not():
     rates = read("false_readings").groupby("there")["rate"].mean()
     assert rates[False] < 0.02
     assert rates[True] > 0.5
+
+
+def missing_of():
+    study = ROOT / "paper/numbers/study.json"
+    return json.loads(study.read_text())["missing_of"] if study.exists() else []
+
+
+@pytest.mark.parametrize("device", missing_of())
+def test_what_is_missing_lies_in_its_intervals_and_simulations_are_one_scatter_apart(device):
+    effects = read(f"missing_effects_{device}").dropna(subset=["low", "high"])
+    assert ((effects["low"] <= effects["value"]) & (effects["value"] <= effects["high"])).all()
+    apart = read(f"missing_distances_{device}").set_index("distance")
+    assert apart.loc["distribution", "floor_value"].between(0.8, 1.2).all()
+    assert apart["floor_value"].between(0.5, 1.5).all()

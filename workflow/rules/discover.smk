@@ -136,7 +136,7 @@ rule dossier:
     threads: lambda wildcards: 1 if wildcards.asked.startswith("story/") else 2
     resources:
         mem_mb=3000,
-        runtime=30,
+        runtime=lambda wildcards: 120 if wildcards.asked.startswith("missing/") else 30,
     params:
         asked={
             key: config["discovery"][key]

@@ -23,6 +23,7 @@ NAMINGS = {
     ("unknown", "abstained"): "effect without a name: a place, no name",
     ("unknown", "no_name"): "effect without a name: no name",
 }
+WHOLES = {"all that it has": "all that gmwm has a term for", "all that it has not": "all that it has none for"}
 CLOSED = {
     "distance": "one effect: distribution reaches the floor",
     "navigation_distance": "one effect: drift reaches it",
@@ -81,7 +82,7 @@ def calibration_page(calibration):
 def beside_page(beside):
     """Lay out how often each name is given rightly, and what gmwm calls it."""
     return pd.DataFrame({
-        "hidden": beside["name"].str.replace("_", " "),
+        "hidden": beside["name"].replace(WHOLES).str.replace("_", " "),
         "gmwm's term": beside["term"].fillna("—"),
         "clear cases": beside["count"],
         "rightly named by discovery": [rate(one) for one in beside.itertuples(index=False)],

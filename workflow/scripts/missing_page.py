@@ -2,6 +2,7 @@
 
 import json
 from itertools import groupby
+from math import isfinite
 from pathlib import Path
 from shutil import copyfile
 
@@ -46,12 +47,12 @@ def effects(reports):
 
 
 def ends_of(one):
-    """Show a parameter with its interval, where that has two ends."""
+    """Show a parameter with its interval, or that it has none; one that is known to its last digit alone."""
     ends = [float("nan") if one[end] is None else one[end] for end in ENDS]
     alike = len({tables.number(end) for end in ends}) == 1
-    return f"{tables.number(ends[0]) if alike else tables.interval(*ends)} {tables.unit(one['unit'])}".removesuffix(
-        " 1"
-    )
+    shown = tables.number(ends[0]) if alike else tables.interval(*ends)
+    open_ended = "" if all(map(isfinite, ends)) else " [—]"
+    return f"{shown}{open_ended} {tables.unit(one['unit'])}".removesuffix(" 1")
 
 
 def effects_page(reports):

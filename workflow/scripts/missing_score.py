@@ -10,8 +10,8 @@ from imugap.figures import AXIS_TITLES
 from imugap.figures.static import TITLES
 from imugap.journal import journal
 
-WITHIN_A_RUN = ("bias", "turn_on_bias")
-"""Effects that one run cannot show: a constant is in every model, and a bias that is drawn anew takes several runs."""
+NOT_MISSING = ("bias", "white_noise", "turn_on_bias")
+"""What every start model has, and a bias that is drawn anew, which one run cannot show."""
 
 
 def named(model):
@@ -21,17 +21,21 @@ def named(model):
 
 def score(reports, truth):
     """Return, for each start and name, on how many axes it is true, known at the start, found, and found wrongly."""
-    true = {(name, axis) for name, axis in named(truth) if name not in WITHIN_A_RUN}
+    true = {(name, axis) for name, axis in named(truth) if name not in NOT_MISSING}
     rows = []
     for start, report in reports.items():
         known = named(report["start_model"])
         found = {(one["name"], axis) for one in report["effects"] for axis in one["axes"]}
+        rivals = {
+            (rival["name"], axis) for one in report["effects"] for rival in one["alternatives"] for axis in one["axes"]
+        }
+        groups = {"true": true, "known": known, "found": found, "rival": rivals}
         for name in sorted({name for name, _ in true | found}):
-            of = {title: {axis for other, axis in group if other == name}
-                  for title, group in (("true", true), ("known", known & true), ("found", found))}  # fmt: skip
+            of = {title: {axis for other, axis in group if other == name} for title, group in groups.items()}
             rows.append({
-                "start": start, "name": name, "true": len(of["true"]), "known": len(of["known"]),
-                "found": len(of["found"] & of["true"]), "wrong": len(of["found"] - of["true"]),
+                "start": start, "name": name, "true": len(of["true"]), "known": len(of["known"] & of["true"]),
+                "found": len(of["found"] & of["true"]), "rival": len(of["rival"] & of["true"]),
+                "wrong": len(of["found"] - of["true"]),
                 "missed": " ".join(axis for axis in AXIS_TITLES if axis in of["true"] - of["known"] - of["found"]),
             })  # fmt: skip
     return pd.DataFrame(rows)
@@ -39,8 +43,12 @@ def score(reports, truth):
 
 def page(data):
     """Lay the table out."""
-    missed = [", ".join(AXIS_TITLES[axis] for axis in axes.split()) or "—" for axes in data["missed"]]
-    heads = {"true": "true on", "known": "in the start model", "found": "found", "wrong": "found where it is not"}
+    said = {"": "—", " ".join(AXIS_TITLES): "all six"}
+    missed = [said.get(axes, ", ".join(map(AXIS_TITLES.get, axes.split()))) for axes in data["missed"]]
+    heads = {
+        "true": "true on", "known": "in the start model", "found": "found", "rival": "given as a rival",
+        "wrong": "found where it is not",
+    }  # fmt: skip
     names = data["name"].str.replace("_", " ")
     shown = data.assign(start=data["start"].map(TITLES), name=names)[["start", "name", *heads]]
     return shown.rename(columns={"start": "start model"} | heads).assign(**{"not found on": missed})
