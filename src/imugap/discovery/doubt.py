@@ -12,10 +12,10 @@ import numpy as np
 from scipy.stats import chi2
 
 from imugap.discovery.axis import AxisFit
-from imugap.discovery.noise import STEP, Noise
+from imugap.discovery.noise import STEP, Noise, log_likelihood
 from imugap.discovery.parameters import term_intervals
 from imugap.discovery.power_law import PowerLaw
-from imugap.discovery.search import MANY, Key, Search, at, log_chance
+from imugap.discovery.search import MANY, Key, Search, at, log_chance, removed
 from imugap.discovery.telegraph import compare
 from imugap.effects import BiasInstability, GaussMarkov, RandomTelegraph, RandomWalk, Sinusoid
 from imugap.effects.effect import TINY, StochasticEffect
@@ -50,7 +50,7 @@ def doubts(search: Search, fit: AxisFit) -> dict[Key, Doubt]:
         same = [key for key in keys if isinstance(at(fit.description, key), kind)]
         if len(same) > most:
             found |= {key: Doubt(f"{len(same)} of them", -np.inf) for key in same}
-    found |= _after_clusters(search, fit, found) | _beside_a_mean(fit, keys, found)
+    found |= _after_clusters(search, fit, found) | _beside_a_mean(search, fit, keys, found)
     for part in {key.part for key in found}:
         worst = min((found[key] for key in found if key.part == part), key=lambda doubt: doubt.log_p)
         found |= {key: worst for key in keys if key.part == part and key not in found}
@@ -67,11 +67,28 @@ def _after_clusters(search: Search, fit: AxisFit, found: Mapping[Key, Doubt]) ->
     return {key: doubt for key in random if search.weighed(raw, key)[0].log_p > search.log_alpha}
 
 
-def _beside_a_mean(fit: AxisFit, keys: Sequence[Key], found: Mapping[Key, Doubt]) -> dict[Key, Doubt]:
-    """Return the slow random effects that may stand for what a mean of no known shape leaves."""
-    bent = [found[key].log_p for key in found if key.part == "term"]
+def _beside_a_mean(search: Search, fit: AxisFit, keys: Sequence[Key], found: Mapping[Key, Doubt]) -> dict[Key, Doubt]:
+    """Return the slow random effects that may stand for what a mean of no known shape leaves.
+
+    A line leaves nothing below itself: an effect that is certain from the frequencies there keeps its name.
+    """
+    bent = {key: found[key].log_p for key in found if key.part == "term"}
+    if not bent:
+        return {}
+    lowest = min(getattr(at(fit.description, key), "frequency", 0.0) for key in bent)
     slow = [key for key in keys if key.part == "noise" and isinstance(at(fit.description, key), SLOW)]
-    return {key: Doubt("the mean beside it has no known shape", min(bent)) for key in slow} if bent else {}
+    doubtful = [key for key in slow if _evidence_below(fit, key, 0.5 * lowest) < -search.log_alpha]
+    return {key: Doubt("the mean beside it has no known shape", min(bent.values())) for key in doubtful}
+
+
+def _evidence_below(fit: AxisFit, key: Key, frequency: float) -> float:
+    """Return the gain of log-likelihood that a random effect makes below a frequency [Hz], all else as it is."""
+    bins = fit.sequence.bins
+    below = bins.frequency < frequency
+    power = (bins.sums(fit.coefficients**2) * fit.description.noise.variance(bins))[below]
+    parts = [noise.variance(bins)[below] for noise in (fit.description.noise, removed(fit.description, key).noise)]
+    full, without = (log_likelihood(part, power, bins.number[below]) for part in parts)
+    return full - without
 
 
 def _doubt(search: Search, fit: AxisFit, key: Key) -> Doubt | None:
