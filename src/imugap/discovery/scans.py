@@ -3,7 +3,6 @@
 import numpy as np
 from scipy.fft import idct, next_fast_len, rfft
 from scipy.optimize import minimize
-from scipy.signal import find_peaks
 
 EDGE = 8
 """Samples at each end at which no step is looked for."""
@@ -67,12 +66,6 @@ def _level(power: np.ndarray) -> np.ndarray:
     medians = np.r_[[np.median(band) for band in finer], coarse]
     number[-1] += len(power) - even * BAND
     return np.repeat(np.maximum(medians / (np.log(2) + 3 * np.sqrt(2 / number)), 1.0), number)
-
-
-def peaks(gains: np.ndarray, count: int, apart: int) -> np.ndarray:
-    """Return the places of the highest peaks, highest first."""
-    found, _ = find_peaks(np.r_[0.0, gains, 0.0], distance=max(apart, 1))
-    return (found - 1)[np.argsort(-gains[found - 1])][:count]
 
 
 def stretches(whitened: np.ndarray) -> tuple[float, int, int]:

@@ -86,14 +86,16 @@ class Story:
     @property
     def changed(self) -> bool:
         """Return whether anything was added to the start model."""
-        before, whole = (sorted(e.name for e in one.description.effects()) for one in (self.before, self.whole))
-        return before != whole
+        return _names(self.before) != _names(self.whole)
 
     @property
     def settled(self) -> bool:
         """Return whether the held-in part shows every effect that the whole log shows."""
-        before, after = (sorted(e.name for e in one.description.effects()) for one in (self.after, self.whole))
-        return before == after
+        return _names(self.after) == _names(self.whole)
+
+
+def _names(found: AxisFit) -> list[str]:
+    return sorted(effect.name for effect in found.description.effects())
 
 
 def described(effects: Several[Effect], sequence: Sequence) -> Description:

@@ -5,13 +5,13 @@ from typing import ClassVar
 
 import numpy as np
 
-from imugap.effects.effect import Conditions, StochasticEffect, parameter
+from imugap.effects.effect import Conditions, EquivalentEffect, parameter
 from imugap.effects.white_noise import WhiteNoise
 from imugap.statespace import StateSpace
 
 
 @dataclass(frozen=True)
-class CommonMode(StochasticEffect):
+class CommonMode(EquivalentEffect):
     """White noise of one source, a supply or a vibration, which all axes with this effect share.
 
     Their errors are coherent. Each axis by itself has the signature of :attr:`equivalent`.
@@ -30,22 +30,6 @@ class CommonMode(StochasticEffect):
     def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
         """Draw the common noise and take the share of the axis."""
         return self.loading * WhiteNoise(self.density).sample(conditions, rng)
-
-    def psd(self, frequency: np.ndarray) -> np.ndarray:
-        """Return (density loading)^2."""
-        return self.equivalent.psd(frequency)
-
-    def allan_variance(self, tau: np.ndarray) -> np.ndarray:
-        """Return (density loading)^2/tau."""
-        return self.equivalent.allan_variance(tau)
-
-    def sampled_psd(self, frequency: np.ndarray, interval: float) -> np.ndarray:
-        """Return (density loading)^2."""
-        return self.equivalent.sampled_psd(frequency, interval)
-
-    def sampled_allan_variance(self, averaging: np.ndarray, interval: float) -> np.ndarray:
-        """Return (density loading)^2/(n interval)."""
-        return self.equivalent.sampled_allan_variance(averaging, interval)
 
     def state_space(self) -> StateSpace:
         """Return a model of one axis without states; the coherence of the axes is not in it."""

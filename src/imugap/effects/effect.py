@@ -310,6 +310,32 @@ class StochasticEffect(AllanEffect):
 
 
 @dataclass(frozen=True)
+class EquivalentEffect(StochasticEffect):
+    """A random process whose spectrum and Allan variance are those of another one, its :attr:`equivalent`."""
+
+    @property
+    def equivalent(self) -> StochasticEffect:
+        """Return the process of the same spectrum."""
+        raise NotImplementedError
+
+    def psd(self, frequency: np.ndarray) -> np.ndarray:
+        """Return the PSD of the equivalent."""
+        return self.equivalent.psd(frequency)
+
+    def allan_variance(self, tau: np.ndarray) -> np.ndarray:
+        """Return the Allan variance of the equivalent."""
+        return self.equivalent.allan_variance(tau)
+
+    def sampled_psd(self, frequency: np.ndarray, interval: float) -> np.ndarray:
+        """Return the sampled PSD of the equivalent."""
+        return self.equivalent.sampled_psd(frequency, interval)
+
+    def sampled_allan_variance(self, averaging: np.ndarray, interval: float) -> np.ndarray:
+        """Return the sampled Allan variance of the equivalent."""
+        return self.equivalent.sampled_allan_variance(averaging, interval)
+
+
+@dataclass(frozen=True)
 class ClockEffect(Effect):
     """An effect on the rows or stamps of a whole log, at home on the pseudo-axis :data:`imugap.log.TIME`."""
 

@@ -5,12 +5,12 @@ from typing import ClassVar
 
 import numpy as np
 
-from imugap.effects.effect import TINY, Conditions, StochasticEffect, parameter
+from imugap.effects.effect import TINY, Conditions, EquivalentEffect, parameter
 from imugap.effects.gauss_markov import GaussMarkov
 
 
 @dataclass(frozen=True)
-class RandomTelegraph(StochasticEffect):
+class RandomTelegraph(EquivalentEffect):
     """Two values, +-step/2, between which a Poisson process switches (Machlup 1954).
 
     Its autocovariance step^2/4 exp(-2 rate |lag|), so all of its second-order signature, is that of
@@ -31,19 +31,3 @@ class RandomTelegraph(StochasticEffect):
         switches = np.cumsum(rng.poisson(self.rate * np.diff(conditions.time)) % 2)
         sign = rng.choice([-1.0, 1.0]) * np.where(np.r_[0, switches] % 2, -1.0, 1.0)
         return self.step / 2 * sign
-
-    def psd(self, frequency: np.ndarray) -> np.ndarray:
-        """Return the PSD of the equivalent: step^2 rate/(4 rate^2 + (2 pi f)^2) (Machlup 1954)."""
-        return self.equivalent.psd(frequency)
-
-    def allan_variance(self, tau: np.ndarray) -> np.ndarray:
-        """Return that of the equivalent."""
-        return self.equivalent.allan_variance(tau)
-
-    def sampled_psd(self, frequency: np.ndarray, interval: float) -> np.ndarray:
-        """Return that of the equivalent."""
-        return self.equivalent.sampled_psd(frequency, interval)
-
-    def sampled_allan_variance(self, averaging: np.ndarray, interval: float) -> np.ndarray:
-        """Return that of the equivalent."""
-        return self.equivalent.sampled_allan_variance(averaging, interval)
