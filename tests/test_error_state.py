@@ -165,7 +165,7 @@ def test_measurements_one_after_the_other_are_one_of_all():
     nav, statistic, taken = ((0.0,) * 3, (0.0,) * 3, (0.0, 0.0, 0.0, 1.0)), 0.0, np.zeros(SIZE)
     for row, value, variance in zip(rows, seen, noise, strict=True):
         residual = value + row @ taken
-        nav, found = measure(after, errors, row, residual, variance, spread, weight, nav)
+        nav, found = measure(after, errors, row, residual, variance, spread, weight, nav, True)
         statistic += residual**2 / found
         taken = np.concatenate([nav[0], nav[1], Rotation.from_quat(nav[2]).as_rotvec(), errors])
     together = rows @ before @ rows.T + np.diag(noise)

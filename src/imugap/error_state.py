@@ -13,7 +13,8 @@ of the interval. Rates of Earth and transport are neglected, as in :class:`imuga
 Every function is compiled and changes arrays in place; vectors are tuples of floats as in :mod:`imugap.rotation`.
 Sources: P. D. Groves, Principles of GNSS, Inertial, and Multisensor Integrated Navigation Systems, 2nd ed., 2013;
 P. S. Maybeck, Stochastic Models, Estimation, and Control, vol. 1, 1979; G. J. Bierman, Fixed interval smoothing with
-discrete measurements, Int. J. Control 18 (1973) 65-75.
+discrete measurements, Int. J. Control 18 (1973) 65-75; S. F. Schmidt, Application of state-space methods to navigation
+problems, Adv. Control Syst. 3 (1966) 293-340.
 """
 
 from imugap.rotation import kernel, multiply, quat_from_rotvec, renormalise
@@ -175,8 +176,11 @@ def corrected(position, velocity, quat_nb, error):
 
 
 @kernel
-def measure(covariance, errors, row, residual, noise, spread, weight, nav):
+def measure(covariance, errors, row, residual, noise, spread, weight, nav, fed):
     """Take in a scalar measurement by its best weight and feed back what it tells.
+
+    Where the states behind the navigation are not to be fed back their weight is zero, and theirs alone: they are
+    considered (Schmidt 1966). The covariance is that of the weight, whatever it is.
 
     Parameters
     ----------
@@ -188,6 +192,8 @@ def measure(covariance, errors, row, residual, noise, spread, weight, nav):
         Room, shape (states,); ``weight`` is that of the measurement afterwards.
     nav
         Position, velocity and quaternion.
+    fed
+        Whether the states behind the navigation are fed back.
 
     Returns
     -------
@@ -198,7 +204,7 @@ def measure(covariance, errors, row, residual, noise, spread, weight, nav):
     variance = project(covariance, row, noise, spread)
     scale = 1.0 / variance
     for j in range(len(row)):
-        weight[j] = scale * spread[j]
+        weight[j] = scale * spread[j] if fed or j < NAVIGATION else 0.0
     update(covariance, spread, weight, variance)
     for s in range(len(errors)):
         errors[s] -= residual * weight[NAVIGATION + s]

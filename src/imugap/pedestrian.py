@@ -23,32 +23,23 @@ Fixed interval smoothing with discrete measurements, Int. J. Control 18 (1973) 6
 """
 
 from dataclasses import dataclass, field
-from functools import cached_property
 from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
 from numba import njit
-from scipy.spatial.transform import Rotation
 
 from imugap import log as canonical
-from imugap.error_state import (
-    ATTITUDE,
-    NAVIGATION,
-    VELOCITY,
-    backward,
-    corrected,
-    measure,
-    predict,
-    retreat,
-    unlearn,
-)
-from imugap.log import AXES, GYRO, LogError
+from imugap.alignment import tilt
+from imugap.error_state import ATTITUDE, NAVIGATION, VELOCITY, backward, predict
+from imugap.log import AXES, LogError
 from imugap.model import ErrorModel
-from imugap.rotation import cross, from_euler, kernel, mat_from_quat, rotate, to_euler
+from imugap.rotation import cross, from_euler, kernel, mat_from_quat, rotate
 from imugap.sensor_states import SensorStates
-from imugap.strapdown import COLUMNS, POSITION, increments, level, local_step
+from imugap.strapdown import POSITION, increments, level, local_step
+from imugap.track import BLOCK, Path, Sensors, Tape, Track, age, compensate, take_in, write
+from imugap.track import smooth as go_back
 from imugap.units import STANDARD_GRAVITY
 from imugap.zero_velocity import MOVING, STILL, Detector, Stand
 
@@ -58,10 +49,6 @@ SHORTEST_SWING_S = 0.2
 """What lasts less is no swing of a foot but a stir at stance [s]."""
 SHORTEST_STRIDE_M = 0.1
 """What goes less far is no stride but a foot put down anew [m]."""
-CROSS = ((0, 1), (6, 7), (6, 8), (7, 8))
-"""Covariances that are kept besides the variances: of the horizontal position, of the attitude."""
-BLOCK = 256
-"""Samples that the smoother takes at a time."""
 
 
 @dataclass(frozen=True)
@@ -105,28 +92,12 @@ class Assumptions:
     gravity: float = STANDARD_GRAVITY
 
 
-class Path(NamedTuple):
-    """What the filter leaves: navigation, errors, variances of all states, covariances :data:`CROSS`, NIS."""
-
-    navigation: np.ndarray
-    errors: np.ndarray
-    variances: np.ndarray
-    cross: np.ndarray
-    nis: np.ndarray
-
-
 @dataclass(frozen=True, eq=False)
-class Solution:
+class Solution(Track):
     """What the filter, or the smoother, says of a walk; rows are the samples of the log.
 
     Attributes
     ----------
-    time
-        Stamps [s].
-    names
-        Names of the states of the sensors, and of the arm.
-    path
-        What the kernel left.
     phase
         What the foot does (:mod:`imugap.zero_velocity`), shape (n,).
     covariance
@@ -135,42 +106,9 @@ class Solution:
         What the stand at the start shows.
     """
 
-    time: pd.Index
-    names: list[str]
-    path: Path
     phase: np.ndarray
     covariance: np.ndarray
     stand: Stand
-
-    @cached_property
-    def trajectory(self) -> pd.DataFrame:
-        """The Trajectory."""
-        table = np.hstack([self.path.navigation[:, :6], self._euler])
-        return pd.DataFrame(table, index=self.time, columns=list(COLUMNS))
-
-    @cached_property
-    def trajectory_std(self) -> pd.DataFrame:
-        """Standard deviations in the columns of the Trajectory."""
-        linear = np.sqrt(np.maximum(self.path.variances[:, :ATTITUDE], 0))
-        table = np.hstack([linear, _euler_std(self._euler, self.path)])
-        return pd.DataFrame(table, index=self.time, columns=list(COLUMNS))
-
-    @cached_property
-    def sensors(self) -> pd.DataFrame:
-        """Estimated error of the states of the sensors, and the arm."""
-        return pd.DataFrame(self.path.errors, index=self.time, columns=self.names)
-
-    @cached_property
-    def sensors_std(self) -> pd.DataFrame:
-        """Standard deviations in the columns of the sensors."""
-        table = np.sqrt(np.maximum(self.path.variances[:, NAVIGATION:], 0))
-        return pd.DataFrame(table, index=self.time, columns=self.names)
-
-    @cached_property
-    def horizontal(self) -> np.ndarray:
-        """Covariance of the position, north and east [m^2], shape (n, 2, 2)."""
-        north, east, across = self.path.variances[:, 0], self.path.variances[:, 1], self.path.cross[:, 0]
-        return np.stack([np.stack([north, across], axis=1), np.stack([across, east], axis=1)], axis=2)
 
     @property
     def nis(self) -> np.ndarray:
@@ -179,10 +117,6 @@ class Solution:
         Chi-square with 3 degrees of freedom at stance, with 6 where the body stands; NaN elsewhere.
         """
         return self.path.nis
-
-    @cached_property
-    def _euler(self) -> np.ndarray:
-        return to_euler(Rotation.from_quat(self.path.navigation[:, ATTITUDE:]))
 
     def stances(self) -> np.ndarray:
         """Return the sample in the middle of each stance, shape (stances,); a foot that swings does so for a while.
@@ -202,17 +136,6 @@ class Solution:
         table = pd.DataFrame({"start": at.index[:-1], "end": at.index[1:]})
         table = table.assign(length=np.hypot(steps[:, 0], steps[:, 1]), rise=-steps[:, 2])
         return table[table["length"] > SHORTEST_STRIDE_M].reset_index(drop=True)
-
-
-class _Sensors(NamedTuple):
-    """The states of the sensors as the kernel takes them (:class:`imugap.sensor_states.SensorStates`)."""
-
-    axis: np.ndarray
-    scale: np.ndarray
-    decay: np.ndarray
-    driving: np.ndarray
-    white: np.ndarray
-    fixed: np.ndarray
 
 
 class _Trust(NamedTuple):
@@ -238,53 +161,6 @@ class _State(NamedTuple):
         return _State(*(one.copy() for one in self))
 
 
-class _Tape(NamedTuple):
-    """What the filter did in a block: transitions, transposed, scalar measurements and covariance of each sample."""
-
-    backward: np.ndarray
-    covariance: np.ndarray
-    rows: np.ndarray
-    weights: np.ndarray
-    residuals: np.ndarray
-    variances: np.ndarray
-
-
-@kernel
-def _compensate(samples, k, axis, scale, fixed, errors, gain, now, before):
-    """Fill ``now`` and ``before`` with the samples k and k - 1 less what is known of their errors, and the gains."""
-    for a in range(6):
-        now[a], before[a] = samples[k, a] - fixed[a], samples[k - 1, a] - fixed[a]
-    for s in range(len(axis)):
-        a = axis[s]
-        if scale[s]:
-            gain[s] = samples[k, a]
-            before[a] -= samples[k - 1, a] * errors[s]
-        else:
-            before[a] -= errors[s]
-        now[a] -= gain[s] * errors[s]
-
-
-@kernel
-def _age(decay, driving, interval, hold, drive):
-    """Fill in what is left of the states of the sensors after an interval, and the variance that drives them."""
-    for s in range(len(decay)):
-        hold[s] = np.exp(-decay[s] * interval)
-        drive[s] = driving[s] * (interval if decay[s] == 0.0 else (1 - hold[s] * hold[s]) / (2 * decay[s]))
-
-
-@kernel
-def _measure(covariance, errors, row, residual, noise, spread, weight, nav, tape, place, number):
-    """Take in a scalar measurement and tape it; return the corrected navigation and the NIS, leave ``row`` empty."""
-    nav, variance = measure(covariance, errors, row, residual, noise, spread, weight, nav)
-    if len(tape.rows):
-        tape.residuals[place, number], tape.variances[place, number] = residual, variance
-        for j in range(len(row)):
-            tape.rows[place, number, j], tape.weights[place, number, j] = row[j], weight[j]
-    for j in range(len(row)):
-        row[j] = 0.0
-    return nav, residual * residual / variance
-
-
 @kernel
 def _rest(covariance, errors, seen, gyro, noise, first_arm, row, spread, weight, nav, tape, place):
     """Take in that a point of the foot has the velocity ``seen``; return the corrected navigation and the NIS."""
@@ -298,7 +174,7 @@ def _rest(covariance, errors, seen, gyro, noise, first_arm, row, spread, weight,
             for m in range(3):
                 row[first_arm + m] = -reach[m]
                 residual -= reach[m] * errors[first_arm - NAVIGATION + m]
-        nav, nis = _measure(covariance, errors, row, residual, noise, spread, weight, nav, tape, place, i)
+        nav, nis = take_in(covariance, errors, row, residual, noise, spread, weight, nav, tape, place, i, True)
         total += nis
     return nav, total
 
@@ -313,23 +189,9 @@ def _stand(covariance, errors, rate, noise, axis, gain, row, spread, weight, nav
             if axis[s] == i:
                 residual -= gain[s] * errors[s]
                 row[NAVIGATION + s] = -gain[s]
-        nav, nis = _measure(covariance, errors, row, residual, noise[i], spread, weight, nav, tape, place, 3 + i)
+        nav, nis = take_in(covariance, errors, row, residual, noise[i], spread, weight, nav, tape, place, 3 + i, True)
         total += nis
     return nav, total
-
-
-@kernel
-def _write(path, k, nav, errors, covariance):
-    """Write sample ``k``."""
-    for i in range(3):
-        path.navigation[k, i], path.navigation[k, 3 + i] = nav[0][i], nav[1][i]
-    for i in range(4):
-        path.navigation[k, 6 + i] = nav[2][i]
-        path.cross[k, i] = covariance[CROSS[i][0], CROSS[i][1]]
-    for s in range(len(errors)):
-        path.errors[k, s] = errors[s]
-    for i in range(len(covariance)):
-        path.variances[k, i] = covariance[i, i]
 
 
 @njit(cache=True, error_model="numpy")
@@ -349,12 +211,12 @@ def _filter(samples, dt, phase, seen, first, last, sensors, trust, state, path, 
     mat, since, step = mat_from_quat(nav[2]), state.since[0], 0.0
     for k in range(first, last):
         interval, place = dt[k], k - first
-        _compensate(samples, k, axis, scale, fixed, errors, gain, now, before)
+        compensate(samples, k, axis, scale, fixed, errors, gain, now, before)
         for a in range(6):
             change = trust.blind[a] * (samples[k, a] - samples[k - 1, a])
             noise[a] = white[a] + change * change * interval
         if interval != step:
-            _age(decay, driving, interval, hold, drive)
+            age(decay, driving, interval, hold, drive)
             step = interval
         gyro = now[0], now[1], now[2]
         accel = now[3], now[4], now[5]
@@ -396,57 +258,12 @@ def _filter(samples, dt, phase, seen, first, last, sensors, trust, state, path, 
             nav, nis = _stand(covariance, errors, rate, sway, axis, gain, row, spread, weight, nav, tape, place)
             path.nis[k] += nis
         mat = mat_from_quat(nav[2])
-        _write(path, k, nav, errors, covariance)
+        write(path, k, nav, errors, covariance)
         if taped:
             tape.covariance[place] = covariance
     for i in range(10):
         start[i] = path.navigation[last - 1, i]
     state.since[0] = since
-
-
-@njit(cache=True, error_model="numpy")
-def _smooth(path, first, last, tape, adjoint, information):
-    """Correct the path over a block by what the measurements behind it tell, and take the adjoint back over it."""
-    size = len(adjoint)
-    error, work = np.empty(size), np.empty((size, size))
-    for k in range(last - 1, first - 1, -1):
-        place = k - first
-        covariance = tape.covariance[place]
-        for i in range(size):
-            error[i] = 0.0
-            for j in range(size):
-                error[i] -= covariance[i, j] * adjoint[j]
-        nav = path.navigation[k]
-        position, velocity, quat = corrected(
-            (nav[0], nav[1], nav[2]), (nav[3], nav[4], nav[5]), (nav[6], nav[7], nav[8], nav[9]), error
-        )
-        for i in range(3):
-            nav[i], nav[3 + i] = position[i], velocity[i]
-        for i in range(4):
-            nav[6 + i] = quat[i]
-        for s in range(size - NAVIGATION):
-            path.errors[k, s] -= error[NAVIGATION + s]
-        for i in range(size):
-            for j in range(size):
-                work[i, j] = 0.0
-                for m in range(size):
-                    work[i, j] += covariance[i, m] * information[m, j]
-        for i in range(size):
-            path.variances[k, i] = covariance[i, i]
-            for m in range(size):
-                path.variances[k, i] -= work[i, m] * covariance[m, i]
-        for c in range(4):
-            i, j = CROSS[c]
-            path.cross[k, c] = covariance[i, j]
-            for m in range(size):
-                path.cross[k, c] -= work[i, m] * covariance[m, j]
-        for number in range(5, -1, -1):
-            if tape.variances[place, number] > 0.0:
-                unlearn(
-                    adjoint, information, tape.rows[place, number], tape.weights[place, number],
-                    tape.residuals[place, number], tape.variances[place, number], work[0],
-                )  # fmt: skip
-        retreat(adjoint, information, tape.backward[place], work)
 
 
 def navigate(
@@ -484,16 +301,12 @@ def navigate(
     states = SensorStates.of(model, assumptions.scale_std)
     state = _start(accel[: stand.count], states, assumptions)
     seen = np.zeros((len(samples), 3)) if velocity is None else np.ascontiguousarray(velocity, dtype=float)
-    arguments = samples, dt, phase, seen, _sensors(states), _trust(assumptions)
-    path = _path(len(samples), len(state.covariance))
-    _fill(path, state)
+    arguments = samples, dt, phase, seen, Sensors.of(states), _trust(assumptions)
+    path = Path.empty(len(samples), len(state.covariance))
+    path.begin(state.navigation, state.errors, state.covariance)
     covariance = (_smoothed if smooth else _filtered)(arguments, state, path)
     names = [*states.names, *(ARM if assumptions.arm_std > 0 else ())]
     return Solution(log.index, names, path, phase, covariance, stand)
-
-
-def _sensors(states: SensorStates) -> _Sensors:
-    return _Sensors(states.axis, states.scale, states.decay, states.driving_psd, states.white, states.fixed)
 
 
 def _trust(assumptions: Assumptions) -> _Trust:
@@ -509,50 +322,25 @@ def _trust(assumptions: Assumptions) -> _Trust:
 
 
 def _start(accel: np.ndarray, states: SensorStates, assumptions: Assumptions) -> _State:
-    """Return the state at the first sample of a stand: at rest, level as far as its mean specific force tells.
-
-    What the accelerometers are off tilts the level by ``1/gravity`` of it, across (Groves 2013, eq. 5.101).
-    """
+    """Return the state at the first sample of a stand: at rest, level as far as its mean specific force tells."""
     force = accel.mean(axis=0) - states.fixed[3:]
     rotation = from_euler((*level(force), 0.0))
-    felt = np.zeros((3, len(states)))
-    for s in np.flatnonzero(states.axis >= len(GYRO)):
-        felt[states.axis[s] - len(GYRO), s] = force[states.axis[s] - len(GYRO)] if states.scale[s] else 1.0
-    across = rotation.as_matrix() @ felt / assumptions.gravity
-    tilt = np.stack([across[1], -across[0]])
+    tilted = tilt(force, rotation.as_matrix(), states, assumptions.gravity)
     arms = [assumptions.arm_std**2] * len(ARM) if assumptions.arm_std > 0 else []
     covariance = np.diag([0.0] * NAVIGATION + [*states.variance, *arms])
     covariance[range(VELOCITY, ATTITUDE), range(VELOCITY, ATTITUDE)] = assumptions.velocity_std**2
     sensors, level_rows = slice(NAVIGATION, NAVIGATION + len(states)), slice(ATTITUDE, ATTITUDE + 2)
-    covariance[level_rows, sensors] = tilt * states.variance
+    covariance[level_rows, sensors] = tilted * states.variance
     covariance[sensors, level_rows] = covariance[level_rows, sensors].T
-    covariance[level_rows, level_rows] = tilt * states.variance @ tilt.T + assumptions.tilt_std**2 * np.eye(2)
+    covariance[level_rows, level_rows] = tilted * states.variance @ tilted.T + assumptions.tilt_std**2 * np.eye(2)
     errors = np.zeros(len(covariance) - NAVIGATION)
     return _State(np.concatenate([np.zeros(6), rotation.as_quat()]), errors, covariance, np.full(1, np.inf))
-
-
-def _path(count: int, size: int) -> Path:
-    shapes = (count, 10), (count, size - NAVIGATION), (count, size), (count, len(CROSS)), (count,)
-    return Path(*(np.empty(shape) for shape in shapes))
-
-
-def _tape(count: int, size: int) -> _Tape:
-    shapes = (count, size, size), (count, size, size), (count, 6, size), (count, 6, size), (count, 6), (count, 6)
-    return _Tape(*(np.zeros(shape) for shape in shapes))
-
-
-def _fill(path: Path, state: _State) -> None:
-    """Write the state at the first sample."""
-    path.navigation[0], path.errors[0] = state.navigation, state.errors
-    path.variances[0] = np.diag(state.covariance)
-    path.cross[0] = [state.covariance[place] for place in CROSS]
-    path.nis[0] = np.nan
 
 
 def _filtered(arguments: tuple, state: _State, path: Path) -> np.ndarray:
     """Fill the path by the filter; return the covariance at the end."""
     samples, dt, phase, seen, sensors, trust = arguments
-    no_tape = _tape(0, len(state.covariance))
+    no_tape = Tape.empty(0, len(state.covariance))
     _filter(samples, dt, phase, seen, 1, len(samples), sensors, trust, state, path, no_tape)
     return state.covariance
 
@@ -565,25 +353,10 @@ def _smoothed(arguments: tuple, state: _State, path: Path) -> np.ndarray:
     blocks, starts = list(pairwise(edges)), []
     for first, last in blocks:
         starts.append(state.copy())
-        _filter(samples, dt, phase, seen, first, last, sensors, trust, state, path, _tape(0, size))
+        _filter(samples, dt, phase, seen, first, last, sensors, trust, state, path, Tape.empty(0, size))
     adjoint, information = np.zeros(size), np.zeros((size, size))
     for (first, last), start in zip(reversed(blocks), reversed(starts), strict=True):
-        tape = _tape(last - first, size)
+        tape = Tape.empty(last - first, size)
         _filter(samples, dt, phase, seen, first, last, sensors, trust, start, path, tape)
-        _smooth(path, first, last, tape, adjoint, information)
+        go_back(path, first, last, tape, adjoint, information)
     return state.covariance
-
-
-def _euler_std(euler: np.ndarray, path: Path) -> np.ndarray:
-    """Return the standard deviations of roll, pitch and heading [rad], shape (n, 3), from the covariance in ``n``."""
-    covariance = np.empty((len(euler), 3, 3))
-    covariance[:, [0, 1, 2], [0, 1, 2]] = path.variances[:, ATTITUDE:NAVIGATION]
-    for (i, j), values in zip(CROSS[1:], path.cross[:, 1:].T, strict=True):
-        covariance[:, i - ATTITUDE, j - ATTITUDE] = covariance[:, j - ATTITUDE, i - ATTITUDE] = values
-    _, pitch, heading = euler.T
-    zero, one = np.zeros(len(euler)), np.ones(len(euler))
-    roll_row = np.stack([np.cos(heading) / np.cos(pitch), np.sin(heading) / np.cos(pitch), zero], axis=1)
-    pitch_row = np.stack([-np.sin(heading), np.cos(heading), zero], axis=1)
-    heading_row = roll_row * np.sin(pitch)[:, None] + np.stack([zero, zero, one], axis=1)
-    rows = np.stack([roll_row, pitch_row, heading_row], axis=1)
-    return np.sqrt(np.maximum(np.einsum("nij,njk,nik->ni", rows, covariance, rows), 0))

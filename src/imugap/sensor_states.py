@@ -5,7 +5,7 @@ walk, a Gauss-Markov process. Flicker noise (:class:`imugap.effects.BiasInstabil
 nearest bank of Gauss-Markov processes over a stated range of averaging times (:mod:`imugap.flicker`). A turn-on bias
 and a random walk of the same axis share a state (:mod:`imugap.augmentation`). The fixed bias is compensated as it
 stands. Quantisation is left out, since its integral does not grow; of the effects of the signal chain the filter knows
-nothing but the scale factor, if it is told to estimate it.
+nothing but the scale factor, if it is told to estimate it: a Gauss-Markov process, or a constant.
 """
 
 from dataclasses import dataclass
@@ -55,7 +55,9 @@ class SensorStates:
     fixed: np.ndarray
 
     @classmethod
-    def of(cls, model: ErrorModel, scale_std: tuple[float, float] = (0.0, 0.0)) -> "SensorStates":
+    def of(
+        cls, model: ErrorModel, scale_std: tuple[float, float] = (0.0, 0.0), scale_s: float = np.inf
+    ) -> "SensorStates":
         """Take the states from an error model.
 
         Parameters
@@ -64,6 +66,8 @@ class SensorStates:
             The model of the device; an axis without one has no error.
         scale_std
             Standard deviations of the scale factors of gyroscopes and accelerometers; where above zero they are states.
+        scale_s
+            Correlation time of the scale factors [s].
         """
         rows, white, fixed = [], np.zeros(6), np.zeros(6)
         for number, axis in enumerate(AXES):
@@ -77,7 +81,8 @@ class SensorStates:
             white[number] = space.output_psd
             fixed[number] = sum(effect.value for effect in own if isinstance(effect, Bias))
         for std, triad in zip(scale_std, (GYRO, ACCEL), strict=True):
-            rows += [(AXES.index(axis), True, 0.0, 0.0, std**2) for axis in triad if std > 0]
+            driving = 2 * std**2 / scale_s
+            rows += [(AXES.index(axis), True, 1 / scale_s, driving, std**2) for axis in triad if std > 0]
         kinds = np.int64, bool, float, float, float
         columns = zip(*rows, strict=True) if rows else ((),) * len(kinds)
         return cls(*(np.array(column, kind) for column, kind in zip(columns, kinds, strict=True)), white, fixed)

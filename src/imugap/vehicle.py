@@ -1,0 +1,506 @@
+"""GNSS/INS: a strapdown navigator on the WGS-84 ellipsoid that an error-state filter corrects at every fix.
+
+Loosely coupled: a fix measures position and, where the receiver tells it, velocity of its antenna. The states are
+position, velocity, attitude, those of the sensors (for a Gauss-Markov bias and a scale factor of each axis, 21 in all)
+and, where asked for, the lever arm and the time offset of the fixes. What the filter does with a fix that does not fit
+is in :mod:`imugap.quality`.
+
+An epoch of the filter ends at every so many samples and at every fix, wherever this lies between two samples: a sample
+is the mean over its interval, and is taken in two parts. The navigation equations are integrated sample by sample in
+full; the covariance goes from epoch to epoch with the means of attitude, specific force and rate. In its transition the
+rates of Earth and transport are neglected (:mod:`imugap.error_state`): over a minute they turn an error by 5 mrad.
+
+The smoother feeds back at every fix, whatever the gates say: it knows all fixes at once, and has nothing to hold back.
+
+Sources: P. D. Groves, Principles of GNSS, Inertial, and Multisensor Integrated Navigation Systems, 2nd ed., 2013,
+sections 14.1 and 14.3 (lever arm: eqs. 14.111 to 14.113); G. J. Bierman, Fixed interval smoothing with discrete
+measurements, Int. J. Control 18 (1973) 65-75.
+"""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+from numba import njit
+
+from imugap import gnss
+from imugap import log as canonical
+from imugap.error_state import ATTITUDE, NAVIGATION, backward, predict, project
+from imugap.gnss import COMPONENTS
+from imugap.log import AXES, LogError
+from imugap.model import ErrorModel
+from imugap.quality import SANE, Control, Quality, Record, chi_square, weigh
+from imugap.rotation import add_scaled, cross, dot, kernel, mat_from_quat, rotate
+from imugap.sensor_states import SensorStates
+from imugap.strapdown import GEODETIC, Ellipsoid, ellipsoid_step, increments
+from imugap.track import BLOCK, Path, Sensors, Tape, Track, age, compensate, take_in, write
+from imugap.track import smooth as go_back
+
+LEVER = ("lever_x", "lever_y", "lever_z")
+"""What the lever arm, from the device to the antenna in ``b``, is more than was taken for granted [m]."""
+OFFSET = "offset"
+"""How much later than was taken for granted a fix belongs [s]."""
+NEAR = 1e-6
+"""A fix so near the stamp of a sample belongs to it [s]."""
+
+
+@dataclass(frozen=True)
+class Assumptions:
+    """What the filter takes for granted besides the error model.
+
+    Attributes
+    ----------
+    lever_m
+        Lever arm from the device to the antenna, in ``b`` [m].
+    lever_std
+        Its standard deviation, each axis [m]; above 0 it is a state.
+    offset_s
+        What is added to the stamp of a fix to have the time of the log at which it belongs [s].
+    offset_std
+        Its standard deviation [s]; above 0 it is a state.
+    scale_std
+        Standard deviations of the scale factors of gyroscopes and of accelerometers; above 0 they are states.
+    scale_s
+        Correlation time of the scale factors [s].
+    position_std, velocity_std
+        Standard deviations of a fix, north, east, down [m] and [m/s], where its log has none.
+    epoch_s
+        Longest epoch of the covariance [s].
+    """
+
+    lever_m: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    lever_std: float = 0.0
+    offset_s: float = 0.0
+    offset_std: float = 0.0
+    scale_std: tuple[float, float] = (2e-3, 2e-3)
+    scale_s: float = np.inf
+    position_std: tuple[float, float, float] = (1.5, 1.5, 3.0)
+    velocity_std: tuple[float, float, float] = (0.1, 0.1, 0.2)
+    epoch_s: float = 0.05
+
+    def states(self, model: ErrorModel) -> SensorStates:
+        """Return the states of the sensors under ``model``."""
+        return SensorStates.of(model, self.scale_std, self.scale_s)
+
+    def constants(self) -> list[tuple[str, float]]:
+        """Return names and standard deviations of the states behind those of the sensors."""
+        lever = [(name, self.lever_std) for name in LEVER if self.lever_std > 0]
+        return lever + ([(OFFSET, self.offset_std)] if self.offset_std > 0 else [])
+
+
+@dataclass(frozen=True, eq=False)
+class Start:
+    """Where a filter starts.
+
+    Attributes
+    ----------
+    time
+        Stamp [s], in the time of the log.
+    navigation
+        Position from the origin [m], velocity [m/s] and quaternion ``quat_nb``, shape (10,).
+    errors
+        Estimates of the states behind the navigation, shape (states - 9,).
+    covariance
+        Shape (states, states).
+    """
+
+    time: float
+    navigation: np.ndarray
+    errors: np.ndarray
+    covariance: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class Solution(Track):
+    """What the filter, or the smoother, says of a drive; rows are the epochs.
+
+    Attributes
+    ----------
+    ellipsoid
+        Where positions are counted from.
+    fix_time
+        Stamps of the fixes that were offered, as in their log [s], shape (fixes,).
+    fix_row
+        The epoch of each, shape (fixes,).
+    record
+        What the quality control of the filter saw and did.
+    covariances
+        Of the filter, once each fix was taken in, shape (fixes, states, states).
+    quality
+        The quality control.
+    """
+
+    ellipsoid: Ellipsoid
+    fix_time: np.ndarray
+    fix_row: np.ndarray
+    record: Record
+    covariances: np.ndarray
+    quality: Quality
+
+    @cached_property
+    def geodetic(self) -> pd.DataFrame:
+        """Latitude, longitude [rad] and height [m]."""
+        place = self.ellipsoid.geodetic(self.path.navigation[:, :3])
+        return pd.DataFrame(place, index=self.time, columns=list(GEODETIC))
+
+    @cached_property
+    def events(self) -> pd.DataFrame:
+        """What the quality control did (:meth:`imugap.quality.Record.events`)."""
+        return self.record.events(self.fix_time, COMPONENTS, self.quality)
+
+
+class _Epochs(NamedTuple):
+    """Ends of the epochs [s], and the number of the fix of each, or -1."""
+
+    end: np.ndarray
+    fix: np.ndarray
+
+
+class _Inputs(NamedTuple):
+    """Samples, shape (n, 6), their stamps [s], fixes and their standard deviations, shape (fixes, 6)."""
+
+    samples: np.ndarray
+    stamp: np.ndarray
+    seen: np.ndarray
+    std: np.ndarray
+
+
+class _Frame(NamedTuple):
+    """What the kernel needs besides: origin of the ellipsoid, lever arm, whether it and the offset are states."""
+
+    origin: tuple[float, float, float, float]
+    lever: tuple[float, float, float]
+    lever_state: bool
+    offset_state: bool
+    variance: np.ndarray
+
+
+class _Room(NamedTuple):
+    """Room for the filter to work in."""
+
+    work: np.ndarray
+    shift: np.ndarray
+    gain: np.ndarray
+    mean: np.ndarray
+    hold: np.ndarray
+    drive: np.ndarray
+    now: np.ndarray
+    before: np.ndarray
+    rows: np.ndarray
+    spread: np.ndarray
+    weight: np.ndarray
+    present: np.ndarray
+    innovation: np.ndarray
+    noise: np.ndarray
+    variance: np.ndarray
+    factor: np.ndarray
+    whitened: np.ndarray
+    nothing: np.ndarray
+
+    @classmethod
+    def of(cls, size: int, states: int) -> "_Room":
+        """Return room for so many states, so many of which are of the sensors."""
+        vectors = (np.ones(states) for _ in range(4))
+        axes, components = (np.empty(6) for _ in range(2)), (np.empty(6) for _ in range(2))
+        return cls(
+            np.empty((size, size)), np.empty((6, size)), *vectors, *axes, np.empty((6, size)), np.empty(size),
+            np.empty(size), np.empty(6, np.int64), *components, np.empty((6, 6)), np.empty((6, 6)), np.empty(6),
+            np.empty((0, 0)),
+        )  # fmt: skip
+
+
+class _State(NamedTuple):
+    """Where a filter is: navigation, errors, covariance; sample in progress; time [s], begin of a run of failures."""
+
+    navigation: np.ndarray
+    errors: np.ndarray
+    covariance: np.ndarray
+    sample: np.ndarray
+    clock: np.ndarray
+
+    def copy(self) -> "_State":
+        return _State(*(one.copy() for one in self))
+
+
+@kernel
+def _expect(i, nav, rate, acceleration, errors, sensors, gain, frame, row):
+    """Return what component ``i`` of a fix should be, and fill ``row`` with its slope in the states."""
+    mat = mat_from_quat(nav[2])
+    axes, first = mat[i % 3], NAVIGATION + len(sensors.axis)
+    lever, delay = frame.lever, 0.0
+    if frame.lever_state:
+        e = errors[first - NAVIGATION], errors[first - NAVIGATION + 1], errors[first - NAVIGATION + 2]
+        lever = add_scaled(lever, 1.0, e)
+    if frame.offset_state:
+        delay = errors[len(errors) - 1]
+    for j in range(len(row)):
+        row[j] = 0.0
+    row[i] = 1.0
+    arm, moving = (lever, nav[1]) if i < 3 else (cross(rate, lever), acceleration)
+    u = dot(mat[0], arm), dot(mat[1], arm), dot(mat[2], arm)
+    a, b, c = i % 3, (i + 1) % 3, (i + 2) % 3
+    row[ATTITUDE + b], row[ATTITUDE + c] = u[c], -u[b]
+    if i >= 3:
+        shift = cross(axes, lever)
+        for s in range(len(sensors.axis)):
+            if sensors.axis[s] < 3:
+                row[NAVIGATION + s] = gain[s] * shift[sensors.axis[s]]
+    if frame.lever_state:
+        reach = axes if i < 3 else cross(axes, rate)
+        for m in range(3):
+            row[first + m] = reach[m]
+    if frame.offset_state:
+        row[len(row) - 1] = moving[a]
+    own = nav[0][a] if i < 3 else nav[1][a]
+    return own + u[a] + delay * moving[a]
+
+
+@kernel
+def _reset(covariance, errors, control, variance, transposed):
+    """Inflate the covariance; give up estimates of sensors that are out of proportion (``transposed``: so tape it)."""
+    for i in range(NAVIGATION):
+        std = control.reset_std[i // 3]
+        covariance[i, i] += std * std
+    for s in range(len(errors)):
+        i = NAVIGATION + s
+        if errors[s] * errors[s] > SANE * SANE * variance[s] > 0.0:
+            errors[s] = 0.0
+            for j in range(len(covariance)):
+                covariance[i, j] = covariance[j, i] = 0.0
+            for j in range(len(transposed)):
+                transposed[j, i] = 0.0
+        covariance[i, i] += variance[s]
+
+
+@kernel
+def _compare(inputs, fix, nav, rate, acceleration, covariance, errors, sensors, gain, frame, room):
+    """Fill in the innovations of the components that a fix has, and their covariance; return how many there are."""
+    count = 0
+    for i in range(6):
+        if not np.isnan(inputs.seen[fix, i]):
+            expected = _expect(i, nav, rate, acceleration, errors, sensors, gain, frame, room.rows[count])
+            room.present[count], room.innovation[count] = i, expected - inputs.seen[fix, i]
+            room.noise[count] = inputs.std[fix, i] * inputs.std[fix, i]
+            count += 1
+    for i in range(count):
+        project(covariance, room.rows[i], 0.0, room.spread)
+        for j in range(count):
+            room.variance[i, j] = room.noise[i] if i == j else 0.0
+            for m in range(len(covariance)):
+                room.variance[i, j] += room.rows[j, m] * room.spread[m]
+    return count
+
+
+@kernel
+def _judge(fix, count, limit, room, record):
+    """Put a fix to the global test; write what it saw."""
+    statistic, log_det = chi_square(room.innovation, room.variance, count, room.factor, room.whitened)
+    for i in range(count):
+        number = room.present[i]
+        record.innovation[fix, number], record.variance[fix, number] = room.innovation[i], room.variance[i, i]
+        record.whitened[fix, i] = room.whitened[i]
+    record.statistic[fix], record.log_det[fix], record.freedom[fix] = statistic, log_det, count
+    record.passed[fix] = statistic <= limit
+    return statistic <= limit
+
+
+@kernel
+def _absorb(fix, count, fed, nav, covariance, errors, control, room, record, tape, place):
+    """Put the components of a fix to their test and take in what is left; return the corrected navigation."""
+    for i in range(count):
+        trusted = weigh(room.innovation[i], room.variance[i, i], room.noise[i], control.component, control.robust)
+        record.share[fix, room.present[i]] = room.noise[i] / trusted
+        room.noise[i] = trusted
+    for i in range(count):
+        if room.noise[i] < np.inf:
+            residual = room.innovation[i]
+            nav, _ = take_in(covariance, errors, room.rows[i], residual, room.noise[i], room.spread, room.weight, nav,
+                             tape, place, i, fed)  # fmt: skip
+            for j in range(i + 1, count):
+                for m in range(len(room.weight)):
+                    room.innovation[j] -= room.rows[j, m] * room.weight[m] * residual
+    return nav
+
+
+@kernel
+def _advance(inputs, k, time, target, nav, errors, sensors, frame, room):
+    """Navigate to ``target``; return the navigation, the means of attitude and specific force, sample and rate.
+
+    The mean of what a unit of each sensor state adds to its axis goes into ``room.mean``.
+    """
+    stamp, states = inputs.stamp, len(sensors.axis)
+    c0, c1, c2, force = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    gyro, part = (0.0, 0.0, 0.0), 1 / (target - time)
+    for s in range(states):
+        room.mean[s] = 0.0
+    while time < target:
+        compensate(inputs.samples, k, sensors.axis, sensors.scale, sensors.fixed, errors, room.gain, room.now,
+                   room.before)  # fmt: skip
+        end, now, before = min(stamp[k], target), room.now, room.before
+        gyro, accel, dt = (now[0], now[1], now[2]), (now[3], now[4], now[5]), end - time
+        if time == stamp[k - 1] and k > 1:
+            gyro_before, accel_before = (before[0], before[1], before[2]), (before[3], before[4], before[5])
+            rotvec, delta_v = increments(gyro, accel, gyro_before, accel_before, dt, stamp[k - 1] - stamp[k - 2])
+        else:
+            rotvec, delta_v = increments(gyro, accel, gyro, accel, dt, dt)
+        mat, share = mat_from_quat(nav[2]), part * dt
+        c0, c1, c2 = add_scaled(c0, share, mat[0]), add_scaled(c1, share, mat[1]), add_scaled(c2, share, mat[2])
+        force = add_scaled(force, part, rotate(nav[2], delta_v))
+        for s in range(states):
+            room.mean[s] += share * room.gain[s]
+        nav = ellipsoid_step(nav[0], nav[1], nav[2], rotvec, delta_v, dt, frame.origin)
+        time = end
+        if end == stamp[k]:
+            k += 1
+    return nav, (c0, c1, c2), force, k, gyro
+
+
+@njit(cache=True, error_model="numpy")
+def _filter(inputs, epochs, first, last, sensors, frame, control, state, path, record, kept, room, tape):
+    """Filter the epochs ``first`` to ``last``, the latter not included, from the state at the end of the one before.
+
+    ``path``, ``record`` and ``kept``, the covariances at the fixes, are filled; ``tape`` too, unless it has no length.
+    """
+    start, errors, covariance, taped = state.navigation, state.errors, state.covariance, len(tape.rows) > 0
+    nav = (start[0], start[1], start[2]), (start[3], start[4], start[5]), (start[6], start[7], start[8], start[9])
+    k, time, failing, step = state.sample[0], state.clock[0], state.clock[1], 0.0
+    for e in range(first, last):
+        place, fix, velocity, interval = e - first, epochs.fix[e], nav[1], epochs.end[e] - time
+        nav, mat, force, k, rate = _advance(inputs, k, time, epochs.end[e], nav, errors, sensors, frame, room)
+        time = epochs.end[e]
+        if interval != step:
+            age(sensors.decay, sensors.driving, interval, room.hold, room.drive)
+            step = interval
+        if taped:
+            backward(tape.backward[place], room.work, mat, force, interval, sensors.axis, room.mean, room.hold,
+                     room.shift)  # fmt: skip
+        predict(covariance, room.work, mat, force, interval, sensors.axis, room.mean, room.hold, room.drive,
+                sensors.white, room.shift)  # fmt: skip
+        for s in range(len(sensors.axis)):
+            errors[s] *= room.hold[s]
+        path.nis[e] = np.nan
+        if fix >= 0:
+            gained = add_scaled(nav[1], -1.0, velocity)
+            pull = gained[0] / interval, gained[1] / interval, gained[2] / interval
+            count = _compare(inputs, fix, nav, rate, pull, covariance, errors, sensors, room.gain, frame, room)
+            passed = _judge(fix, count, control.limits[count], room, record)
+            path.nis[e] = record.statistic[fix]
+            failing = np.inf if passed else min(failing, time)
+            if time - failing > control.reset_s:
+                _reset(covariance, errors, control, frame.variance, tape.backward[place] if taped else room.nothing)
+                count = _compare(inputs, fix, nav, rate, pull, covariance, errors, sensors, room.gain, frame, room)
+                record.reset[fix], passed, failing = True, True, np.inf
+            fed = passed or not control.gated
+            nav = _absorb(fix, count, fed, nav, covariance, errors, control, room, record, tape, place)
+            kept[fix] = covariance
+        write(path, e, nav, errors, covariance)
+        if taped:
+            tape.covariance[place] = covariance
+    for i in range(10):
+        start[i] = path.navigation[last - 1, i]
+    state.sample[0], state.clock[0], state.clock[1] = k, time, failing
+
+
+def navigate(
+    log: pd.DataFrame,
+    fixes: pd.DataFrame,
+    model: ErrorModel,
+    assumptions: Assumptions,
+    quality: Quality,
+    start: Start,
+    ellipsoid: Ellipsoid,
+    smooth: bool = False,
+) -> Solution:
+    """Navigate a drive from ``start`` to the end of its log.
+
+    Parameters
+    ----------
+    log
+        Log of six axes; a sample is the mean over the interval that it ends.
+    fixes
+        Log of a receiver (:mod:`imugap.gnss`); what lies outside of the time to be navigated is left out.
+    model
+        Errors of the sensors: the filter takes its states and noise densities from it.
+    assumptions, quality
+        What is taken for granted besides; what is done about fixes that do not fit.
+    start
+        Where the filter starts, ahead of the last sample.
+    ellipsoid
+        Where its position is counted from.
+    smooth
+        Whether each epoch is told from the whole drive and not from what lies before it.
+    """
+    if canonical.axes(log) != AXES:
+        raise LogError("drive", "columns", f"all of {', '.join(AXES)}", ", ".join(log.columns))
+    stamp, states = log.index.to_numpy(dtype=float), assumptions.states(model)
+    if not stamp[0] <= start.time < stamp[-1]:
+        raise ValueError(f"start: expected a time from {stamp[0]:g} s to {stamp[-1]:g} s; found {start.time:g} s")
+    quality = replace(quality, gated=False) if smooth else quality
+    due = fixes.index.to_numpy(dtype=float) + assumptions.offset_s
+    offered = np.flatnonzero((due > start.time + NEAR) & (due <= stamp[-1] + NEAR))
+    epochs = _epochs(stamp, due[offered], start.time, assumptions.epoch_s)
+    inputs = _Inputs(
+        np.ascontiguousarray(log[list(AXES)].to_numpy(dtype=float)),
+        stamp,
+        gnss.local(fixes, ellipsoid)[offered],
+        gnss.deviations(fixes, assumptions.position_std, assumptions.velocity_std)[offered],
+    )
+    variance = np.array([*states.variance, *(std**2 for _, std in assumptions.constants())])
+    frame = _Frame(
+        ellipsoid.origin, assumptions.lever_m, assumptions.lever_std > 0, assumptions.offset_std > 0, variance
+    )
+    control, record = Control.of(quality, len(COMPONENTS)), Record.empty(len(offered), len(COMPONENTS))
+    state = _State(
+        start.navigation.astype(float), start.errors.astype(float), start.covariance.astype(float),
+        np.array([max(int(np.searchsorted(stamp, start.time, "right")), 1)]), np.array([start.time, np.inf]),
+    )  # fmt: skip
+    size = len(start.covariance)
+    path, kept = Path.empty(len(epochs.end), size), np.empty((len(offered), size, size))
+    path.begin(state.navigation, state.errors, state.covariance)
+    fixed = inputs, epochs, Sensors.of(states), frame, control
+    results = path, record, kept, _Room.of(size, len(states))
+    (_smoothed if smooth else _filtered)(fixed, state, results)
+    names = [*states.names, *(name for name, _ in assumptions.constants())]
+    rows = np.flatnonzero(epochs.fix >= 0)
+    time = pd.Index(epochs.end, name=canonical.TIME)
+    return Solution(time, names, path, ellipsoid, fixes.index.to_numpy()[offered], rows, record, kept, quality)
+
+
+def _epochs(stamp: np.ndarray, due: np.ndarray, begin: float, longest: float) -> _Epochs:
+    """Return the epochs: from ``begin`` on, one at each fix and at every so many samples; the first is the start."""
+    interval = float(np.median(np.diff(stamp)))
+    every = max(int(longest / interval + 1e-6), 1)
+    after = int(np.searchsorted(stamp, begin, "right"))
+    ends = stamp[after:]
+    near = np.clip(np.searchsorted(stamp, due), 1, len(stamp) - 1)
+    near = np.where(np.abs(stamp[near - 1] - due) < np.abs(stamp[near] - due), near - 1, near)
+    due = np.where(np.abs(stamp[near] - due) <= NEAR, stamp[near], due)
+    end = np.union1d(np.append(ends[every - 1 :: every], stamp[-1]), due)
+    fix = np.full(len(end), -1)
+    fix[np.searchsorted(end, due)] = np.arange(len(due))
+    return _Epochs(np.append(begin, end), np.append(-1, fix))
+
+
+def _filtered(fixed: tuple, state: _State, results: tuple) -> None:
+    """Fill the path by the filter."""
+    inputs, epochs, *rest = fixed
+    no_tape = Tape.empty(0, len(state.covariance))
+    _filter(inputs, epochs, 1, len(epochs.end), *rest, state, *results, no_tape)
+
+
+def _smoothed(fixed: tuple, state: _State, results: tuple) -> None:
+    """Fill the path by the smoother."""
+    inputs, epochs, *rest = fixed
+    size = len(state.covariance)
+    blocks, starts = list(pairwise([*range(1, len(epochs.end), BLOCK), len(epochs.end)])), []
+    for first, last in blocks:
+        starts.append(state.copy())
+        _filter(inputs, epochs, first, last, *rest, state, *results, Tape.empty(0, size))
+    adjoint, information = np.zeros(size), np.zeros((size, size))
+    for (first, last), start in zip(reversed(blocks), reversed(starts), strict=True):
+        tape = Tape.empty(last - first, size)
+        _filter(inputs, epochs, first, last, *rest, start, *results, tape)
+        go_back(results[0], first, last, tape, adjoint, information)
