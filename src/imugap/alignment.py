@@ -10,7 +10,7 @@ def tilt(force: np.ndarray, mat_nb: np.ndarray, states: SensorStates, gravity: f
     """Return how the sensor states tilt a level that is taken from the mean specific force, shape (2, states).
 
     What the accelerometers are off tilts the level by ``1/gravity`` of it, across (Groves 2013, eq. 5.101). Rows are
-    the errors about north and east [rad].
+    the errors about north and east [rad], columns those of the states, *estimated - true*.
     """
     felt = np.zeros((3, len(states)))
     for s in np.flatnonzero(states.axis >= len(GYRO)):

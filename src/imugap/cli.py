@@ -137,6 +137,14 @@ def walk(options: argparse.Namespace) -> None:
     print(json.dumps(found, indent=1))
 
 
+def drive(options: argparse.Namespace) -> None:
+    """Navigate a drive by device and receiver; print its summary and write the folder ``--out``."""
+    from imugap import drive as drives  # compiled kernels take longer to import than the rest
+
+    found = drives.compose(options.log, options.fixes, options.out, options.config, options.effects)
+    print(json.dumps(found, indent=1))
+
+
 def export(options: argparse.Namespace) -> None:
     """Write an error model as a filter or a simulator takes it."""
     rule = Rule(options.rate, options.horizon, options.correlation_time, Triad(options.triad))
@@ -270,6 +278,20 @@ def _parser() -> argparse.ArgumentParser:
     one.add_argument("--gravity", **gravity)
     one.add_argument("--out", required=True, help="folder for solution, summary and figures")
     one.set_defaults(run=walk)
+
+    one = commands.add_parser(
+        "drive",
+        help="path of a vehicle with the device and a GNSS receiver aboard, with quality control of the fixes",
+        description="Navigate a drive. The axes of the device are x forward, z down, or turned as --config says. The "
+        "fixes have latitude and longitude in degrees, the height in metres above the ellipsoid and, if known, "
+        "vel_n vel_e vel_d [m/s] and standard deviations sd_n sd_e sd_d [m], sd_vel_n sd_vel_e sd_vel_d [m/s].",
+    )
+    one.add_argument("log", help="canonical CSV or Parquet log of six axes")
+    one.add_argument("fixes", help="CSV or Parquet log of a GNSS receiver, on the clock of the device")
+    one.add_argument("--config", help="device, mounting, lever arm, quality control (YAML)")
+    one.add_argument("--effects", help="module whose effects join the catalogue")
+    one.add_argument("--out", required=True, help="folder for solution, events, summary and figures")
+    one.set_defaults(run=drive)
 
     one = commands.add_parser("simulate", help="static log of a device with an error model")
     one.add_argument("model", help="error model (YAML)")

@@ -5,6 +5,7 @@ Index ``time`` [s], strictly increasing. Columns :data:`PLACE` (rad, rad, m abov
 may be NaN where the receiver does not tell; a file has latitude and longitude in degrees (:mod:`imugap.readers`).
 """
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -19,46 +20,49 @@ VELOCITY_STD = ("sd_vel_n", "sd_vel_e", "sd_vel_d")
 COLUMNS = (*PLACE, *VELOCITY, *PLACE_STD, *VELOCITY_STD)
 COMPONENTS = ("north", "east", "down", *VELOCITY)
 """What a fix measures."""
+FASTEST = 1e4
+HIGHEST = 1e6
+SENSE = {
+    "latitude": ("less than pi/2 rad (90 deg) either way", lambda values: np.abs(values) < np.pi / 2),
+    "longitude": ("at most 2 pi rad (360 deg) either way", lambda values: np.abs(values) <= 2 * np.pi),
+    "height": (f"at most {HIGHEST:g} m either way", lambda values: np.abs(values) <= HIGHEST),
+}
+"""What is expected of the place, in words, and as a mask of what is so."""
 
 
-def check(fixes: pd.DataFrame, source: str | Path = "gnss") -> pd.DataFrame:
-    """Return ``fixes`` in the order of the columns if they keep the contract; else raise a LogError."""
-    for name in PLACE:
-        if name not in fixes.columns:
-            raise LogError(source, "columns", f"all of {', '.join(PLACE)}", f"no {name}")
-    for group in (VELOCITY, PLACE_STD, VELOCITY_STD):
+def check(
+    fixes: pd.DataFrame, source: str | Path = "gnss", place: Callable[[int], str] = "row {}".format
+) -> pd.DataFrame:
+    """Return ``fixes`` in the order of the columns if they keep the contract; else raise a LogError.
+
+    ``place`` says of the number of a row where it is in ``source``.
+    """
+    for group, needed in ((PLACE, True), (VELOCITY, False), (PLACE_STD, False), (VELOCITY_STD, False)):
         held = [name for name in group if name in fixes.columns]
-        if held and len(held) < len(group):
-            raise LogError(source, "columns", f"all of {', '.join(group)} or none", ", ".join(held))
+        if len(held) < len(group) and (held or needed):
+            expected = f"all of {', '.join(group)}{'' if needed else ' or none'}"
+            raise LogError(source, "columns", expected, ", ".join(held) or "none of them")
     fixes = fixes[[name for name in COLUMNS if name in fixes.columns]]
     if len(fixes) < 2:
         raise LogError(source, "rows", "at least 2 fixes", str(len(fixes)))
-    time = fixes.index.to_numpy()
-    bad = np.flatnonzero(~(np.diff(time) > 0))
-    if not np.isfinite(time).all() or len(bad):
-        row = int(bad[0]) + 1 if len(bad) else int(np.argmin(np.isfinite(time)))
-        raise LogError(source, f"row {row}, column {TIME}", "a time that increases", str(time[row]))
+    backward = np.flatnonzero(~(np.diff(fixes.index.to_numpy()) > 0))
+    if len(backward):
+        row = int(backward[0]) + 1
+        raise LogError(source, f"{place(row)}, column {TIME}", "a time that increases", str(fixes.index[row]))
     for name in fixes.columns:
-        _require_sense(fixes[name].to_numpy(), name, source)
+        values, (sense, rule) = fixes[name].to_numpy(), SENSE.get(name, _of_group(name))
+        wrong = np.flatnonzero(~rule(values))
+        if len(wrong):
+            found = f"{values[wrong[0]]:g} ({len(wrong)} such row{'s' if len(wrong) > 1 else ''})"
+            raise LogError(source, f"{place(int(wrong[0]))}, column {name}", sense, found)
     return fixes
 
 
-def _require_sense(values: np.ndarray, name: str, source: str | Path) -> None:
-    """Raise where a column holds what its quantity cannot be."""
-    limit = {"latitude": np.pi / 2, "longitude": 2 * np.pi, "height": 1e5}.get(name, 1e6)
-    expected = {"latitude": "less than 90 deg either way", "longitude": "at most 360 deg either way"}
-    wrong = np.abs(values) > limit if name in PLACE else np.abs(values) > 1e6
-    if name in PLACE:
-        wrong |= ~np.isfinite(values)
-    elif name.startswith("sd_"):
-        wrong |= values <= 0
-    if name == "latitude":
-        wrong |= np.abs(values) >= limit
-    if wrong.any():
-        row = int(np.argmax(wrong))
-        found = np.degrees(values[row]) if name in ("latitude", "longitude") else values[row]
-        sense = expected.get(name, "a standard deviation > 0" if name.startswith("sd_") else "a finite number")
-        raise LogError(source, f"row {row}, column {name}", sense, f"{found:g} ({int(wrong.sum())} such rows)")
+def _of_group(name: str) -> tuple[str, Callable[[np.ndarray], np.ndarray]]:
+    """Return what is expected of a column that may be NaN: in words, and as a mask of what is so."""
+    if name.startswith("sd_"):
+        return "a standard deviation > 0", lambda values: np.isnan(values) | ((values > 0) & np.isfinite(values))
+    return f"at most {FASTEST:g} m/s either way", lambda values: np.isnan(values) | (np.abs(values) <= FASTEST)
 
 
 def origin(fixes: pd.DataFrame) -> Ellipsoid:

@@ -56,8 +56,8 @@ class Quality:
         Time of failed global tests that is followed by a soft reset [s]; None leaves it out. It has to be longer than
         the gross errors that are to be lived through.
     reset_std
-        What a soft reset adds to the standard deviations of position [m], velocity [m/s] and attitude [rad]; the
-        sensor errors get the variance of the start added.
+        What a soft reset adds at least to the standard deviations of position [m], velocity [m/s] and attitude [rad]:
+        for position and velocity the innovation, where it is larger. The sensor errors get the variance of the start.
     """
 
     component: float | None = 3.0

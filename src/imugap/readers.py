@@ -1,8 +1,9 @@
 """Foreign files become canonical logs: read, convert to SI, check, and say exactly where a file is not what it should.
 
 A user's own log, CSV or Parquet with a column ``time`` [s] and canonical columns in SI units, comes in by
-:func:`read`. A file of the catalogue, whatever its format and units, comes in by :func:`read_raw`. Files are read by
-the fastest reader there is; the slow look, line by line, is only for telling what is wrong.
+:func:`read`, that of a GNSS receiver, with latitude and longitude in degrees, by :func:`read_fixes`. A file of the
+catalogue, whatever its format and units, comes in by :func:`read_raw`. Files are read by the fastest reader there is;
+the slow look, line by line, is only for telling what is wrong.
 """
 
 import csv
@@ -19,7 +20,7 @@ import pyarrow.csv
 from scipy.io import loadmat
 from scipy.spatial.transform import Rotation
 
-from imugap import reference
+from imugap import gnss, reference
 from imugap.catalogue import EVENTS, LOG, POSITIONS, DataSet
 from imugap.integrity import gravity_unit
 from imugap.log import ACCEL, COLUMNS, GYRO, LogError, check
@@ -63,6 +64,31 @@ def read_table(path: str | Path) -> pd.DataFrame:
     """
     table = _decoded(Path(path), TABLES, "a log")
     return table.set_index("time")[[name for name in COLUMNS if name in table.columns]]
+
+
+def read_fixes(path: str | Path) -> pd.DataFrame:
+    """Read the log of a GNSS receiver, CSV or Parquet, and check it.
+
+    Parameters
+    ----------
+    path
+        File with columns ``time`` [s], ``latitude`` and ``longitude`` [deg], ``height`` [m], and any of the others of
+        :data:`imugap.gnss.COLUMNS`, whose cells may be empty.
+
+    Returns
+    -------
+    DataFrame
+        A log of fixes (:mod:`imugap.gnss`). Anything else is a :class:`imugap.log.LogError` with file, line, column.
+    """
+    path, known = Path(path), ("time", *gnss.COLUMNS)
+    table = _decoded(path, {end: partial(decode, known=known) for end, decode in TABLES.items()}, "a log of fixes")
+    table = table.set_index("time")
+    _require_order(table, path)
+    _require_numbers(table[[name for name in gnss.PLACE if name in table]], path)
+    for name in ("latitude", "longitude"):
+        if name in table:
+            table[name] = to_si(table[name], "deg")
+    return gnss.check(table, path, partial(_place, path))
 
 
 def read_raw(path: str | Path, dataset: DataSet, run: int) -> pd.DataFrame:
@@ -181,9 +207,9 @@ def _decoded(path: Path, decoders: dict, whole: str) -> pd.DataFrame | np.ndarra
         raise LogError(path, "file", f"{whole} in {path.suffix} format", found) from error
 
 
-def _csv_table(path: Path) -> pd.DataFrame:
+def _csv_table(path: Path, known: tuple[str, ...] = KNOWN) -> pd.DataFrame:
     if path.stat().st_size == 0:
-        raise LogError(path, "line 1", f"a header of time and {', '.join(COLUMNS)}", "an empty file")
+        raise LogError(path, "line 1", f"a header of time and {', '.join(known[1:])}", "an empty file")
     with path.open("rb") as handle:
         header = handle.readline().decode("utf-8-sig", errors="replace")
         handle.seek(-1, 2)
@@ -191,7 +217,7 @@ def _csv_table(path: Path) -> pd.DataFrame:
     if not ended:
         raise _cut_off(path)
     names = [name.strip() for name in next(csv.reader([header], skipinitialspace=True), [])]
-    _require_names(names, path, "line 1")
+    _require_names(names, path, "line 1", known)
     options = pa.csv.ConvertOptions(column_types=dict.fromkeys(names, pa.float64()))
     reading = pa.csv.ReadOptions(column_names=names, skip_rows=1)
     try:
@@ -201,11 +227,11 @@ def _csv_table(path: Path) -> pd.DataFrame:
     return table.to_pandas()
 
 
-def _parquet_table(path: Path) -> pd.DataFrame:
+def _parquet_table(path: Path, known: tuple[str, ...] = KNOWN) -> pd.DataFrame:
     table = pd.read_parquet(path)
     if table.index.name == "time":
         table = table.reset_index()
-    _require_names([str(name) for name in table.columns], path, "columns")
+    _require_names([str(name) for name in table.columns], path, "columns", known)
     for name in table.columns:
         if table[name].dtype.kind not in "iuf":
             raise LogError(path, f"column {name}", "numbers", str(table[name].dtype))
@@ -282,13 +308,13 @@ RECORDINGS = {
 }
 
 
-def _require_names(names: list[str], path: Path, place: str) -> None:
-    """Raise unless ``names`` are ``time``, at least one canonical column, and nothing else, each once."""
+def _require_names(names: list[str], path: Path, place: str, known: tuple[str, ...]) -> None:
+    """Raise unless ``names`` are ``time``, at least one known column, and nothing else, each once."""
     for name in names:
-        if name not in KNOWN:
-            near = difflib.get_close_matches(name.lower(), KNOWN, n=1, cutoff=0.4)
+        if name not in known:
+            near = difflib.get_close_matches(name.lower(), known, n=1, cutoff=0.4)
             hint = f" (did you mean {near[0]}?)" if near else ""
-            raise LogError(path, place, f"columns among {', '.join(KNOWN)}", f"{name[:EXCERPT]!r}{hint}")
+            raise LogError(path, place, f"columns among {', '.join(known)}", f"{name[:EXCERPT]!r}{hint}")
     repeated = {name for name in names if names.count(name) > 1}
     if repeated:
         raise LogError(path, place, "every column once", f"{', '.join(sorted(repeated))} more than once")

@@ -18,7 +18,7 @@ from numba import njit
 from scipy.interpolate import make_interp_spline
 
 from imugap import gnss, log, reference
-from imugap.effects import ScaleFactor
+from imugap.effects import ScaleFactor, WhiteNoise
 from imugap.flight import ORDER, step
 from imugap.log import ACCEL, AXES, GYRO
 from imugap.model import AxisModel, ErrorModel
@@ -120,7 +120,7 @@ class Drive:
         """Return the model of the device of ``run``: with scale factors of its own, drawn."""
         drawn = stream(seed, "scale", run).standard_normal(len(AXES)) * np.repeat(self.scale_std, 3)
         own = {
-            axis: AxisModel((*self.model.axes.get(axis, AxisModel()), ScaleFactor(error=float(error))))
+            axis: self.model.axes.get(axis, AxisModel()) + ScaleFactor(error=float(error))
             for axis, error in zip(AXES, drawn, strict=True)
         }
         return ErrorModel(own)
@@ -128,6 +128,16 @@ class Drive:
     def record(self, run: int, seed: int) -> pd.DataFrame:
         """Return the log of the device on drive ``run``."""
         return self.device(run, seed).simulate(self.path[1], seed, "drive", run)
+
+    def errors(self, run: int, seed: int) -> pd.DataFrame:
+        """Return the true errors of the sensors on drive ``run`` that a filter's states estimate: all but white noise.
+
+        Columns are the axes, and the axes with ``_scale`` for the scale factors.
+        """
+        device, ideal = self.device(run, seed), self.path[1]
+        slow = {axis: _without(model, WhiteNoise, ScaleFactor) for axis, model in device.axes.items()}
+        table = ErrorModel(slow).simulate(ideal, seed, "drive", run) - ideal
+        return table.assign(**{f"{axis}_scale": model.effects[-1].error for axis, model in device.axes.items()})
 
     def antenna(self) -> pd.DataFrame:
         """Return what an error-free receiver measures at its epochs: :data:`imugap.gnss.COMPONENTS`."""
@@ -148,6 +158,10 @@ class Drive:
         std = np.tile([*self.receiver.position_std, *self.receiver.velocity_std], (len(true), 1))
         seen = true.to_numpy() + std * stream(seed, "receiver", run).standard_normal(std.shape)
         return gnss.from_local(true.index.to_numpy() - self.receiver.delay_s, seen, std, self.ellipsoid)
+
+
+def _without(model: AxisModel, *kinds: type) -> AxisModel:
+    return AxisModel(tuple(effect for effect in model if not isinstance(effect, kinds)))
 
 
 @lru_cache(maxsize=4)

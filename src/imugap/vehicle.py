@@ -259,10 +259,15 @@ def _expect(i, nav, rate, acceleration, errors, sensors, gain, frame, row):
 
 
 @kernel
-def _reset(covariance, errors, control, variance, transposed):
-    """Inflate the covariance; give up estimates of sensors that are out of proportion (``transposed``: so tape it)."""
+def _reset(covariance, errors, control, seen, variance, transposed):
+    """Inflate the covariance; give up estimates of sensors that are out of proportion (``transposed``: so tape it).
+
+    ``seen`` are the innovations, NaN where there is none: position and velocity become as uncertain as they show.
+    """
     for i in range(NAVIGATION):
         std = control.reset_std[i // 3]
+        if i < len(seen) and not np.isnan(seen[i]):
+            std = max(std, abs(seen[i]))
         covariance[i, i] += std * std
     for s in range(len(errors)):
         i = NAVIGATION + s
@@ -390,7 +395,8 @@ def _filter(inputs, epochs, first, last, sensors, frame, control, state, path, r
             path.nis[e] = record.statistic[fix]
             failing = np.inf if passed else min(failing, time)
             if time - failing > control.reset_s:
-                _reset(covariance, errors, control, frame.variance, tape.backward[place] if taped else room.nothing)
+                dropped = tape.backward[place] if taped else room.nothing
+                _reset(covariance, errors, control, record.innovation[fix], frame.variance, dropped)
                 count = _compare(inputs, fix, nav, rate, pull, covariance, errors, sensors, room.gain, frame, room)
                 record.reset[fix], passed, failing = True, True, np.inf
             fed = passed or not control.gated

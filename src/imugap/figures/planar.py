@@ -5,9 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
-from imugap.figures import WIDTH, legend_below, panels_of
+from imugap.figures import WIDTH, decades, legend_below, panels_of
 from imugap.planar import SCOPES, Drive
 from imugap.units import from_si
 
@@ -48,7 +47,7 @@ def spread(table: pd.DataFrame, outages: Sequence[tuple[float, float]]) -> Figur
         row[0].set_ylabel(title)
     for panel, (quantity, unit) in zip(grid[0], UNITS.items(), strict=True):
         panel.set_title(f"{quantity} [{unit.replace('deg', '°')}]")
-        _log(panel)
+        decades(panel)
     for panel in grid[-1]:
         panel.set_xlabel("time [s]")
     legend_below(figure, 4)
@@ -77,7 +76,7 @@ def consistency(table: pd.DataFrame, drive: Drive) -> Figure:
         for name, lines in one.groupby("filter", sort=False):
             panel.plot(lines["time"], lines["nees"] / states, color=COLOURS[name], lw=0.8, label=name, zorder=6)
         panel.set(title=title, xlim=(0, band["time"].max()))
-        _log(panel)
+        decades(panel)
     for row in titles:
         panels[row[0]].set_ylabel("mean NEES / states")
         panels[row[0]].sharey(panels[row[1]])
@@ -85,14 +84,6 @@ def consistency(table: pd.DataFrame, drive: Drive) -> Figure:
         panels[title].set_xlabel("time [s]")
     legend_below(figure, 4)
     return figure
-
-
-def _log(panel) -> None:
-    """Make the vertical axis logarithmic, with plain numbers at 1, 2 and 5 of a decade."""
-    panel.set_yscale("log")
-    panel.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5), numticks=8))
-    panel.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
-    panel.yaxis.set_minor_formatter(NullFormatter())
 
 
 def _draw_drive(panel, drive: Drive) -> None:
