@@ -171,7 +171,7 @@ def mounted(log: pd.DataFrame, mounting: tuple[float, float, float]) -> pd.DataF
     turn = from_euler(np.array(mounting))
     columns = {}
     for triad in (GYRO, ACCEL):
-        turned = turn.apply(log[list(triad)].to_numpy())
+        turned = turn.apply(log[list(triad)].to_numpy(copy=True))
         columns |= dict(zip(triad, turned.T, strict=True))
     turned = pd.DataFrame(columns, index=log.index)
     force = turned[list(ACCEL)].mean().to_numpy()

@@ -86,12 +86,13 @@ class Quality:
 NOTHING = Quality(component=None, gated=False, reset_s=None)
 SCHEMES = {
     "none": NOTHING,
+    "gate": Quality(component=None, reset_s=None),
     "remove": Quality(robust=False, gated=False, reset_s=None),
     "robust": Quality(gated=False, reset_s=None),
     "gated": Quality(reset_s=None),
     "reset": Quality(),
 }
-"""No control; test and remove; weigh down; weigh down with gated feedback; all with soft reset."""
+"""No control; gated feedback alone; test and remove; weigh down; this with gated feedback; all with soft reset."""
 
 
 class Control(NamedTuple):

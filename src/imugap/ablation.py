@@ -1,0 +1,175 @@
+"""What each part of a quality control is worth: simulated drives under every scheme, clean and with gross errors."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from scipy.spatial.transform import Rotation
+
+from imugap import reference
+from imugap.departure import depart
+from imugap.error_state import NAVIGATION
+from imugap.faults import OUTAGE, Event, Faults, mark
+from imugap.log import ACCEL, GYRO
+from imugap.quality import SCHEMES, Quality
+from imugap.road import Drive
+from imugap.strapdown import POSITION, VELOCITY
+from imugap.vehicle import Assumptions, Solution, navigate
+
+CLEAN, CONTAMINATED = "clean", "contaminated"
+CASES = (CLEAN, CONTAMINATED)
+ERRORS = ("horizontal", "vertical", "velocity", "tilt", "heading", "gyro", "accel")
+"""What is scored: lengths of error vectors [m, m, m/s, rad, rad, rad/s, m/s^2], the last two of estimated biases."""
+EVERY_S = 1.0
+"""Time between two instants that are scored [s]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """A drive under one scheme: the solution, the fixes that it had, and the gross errors in them."""
+
+    solution: Solution
+    fixes: pd.DataFrame
+    events: tuple[Event, ...]
+
+
+@dataclass(frozen=True)
+class Ablation:
+    """Drives of a recipe with gross errors of another, by a filter that knows the device and the receiver."""
+
+    drive: Drive
+    faults: Faults
+
+    @classmethod
+    def read(cls, path: str | Path) -> "Ablation":
+        """Read a recipe that has both."""
+        return cls(Drive.read(path), Faults.read(path))
+
+    @property
+    def assumptions(self) -> Assumptions:
+        """What the filter takes for granted: what the recipe says."""
+        receiver = self.drive.receiver
+        return Assumptions(
+            lever_m=receiver.lever_m,
+            offset_s=receiver.delay_s,
+            scale_std=self.drive.scale_std,
+            position_std=receiver.position_std,
+            velocity_std=receiver.velocity_std,
+        )
+
+    def runs(self, run: int, seed: int, schemes: dict[str, Quality] = SCHEMES) -> Iterator[tuple[str, str, Run]]:
+        """Yield case, scheme and what comes of it, for one drive."""
+        drive, assumptions = self.drive, self.assumptions
+        record, clean = drive.record(run, seed), drive.fixes(run, seed)
+        events = self.faults.draw(clean.index.to_numpy(), seed, run)
+        spoilt = self.faults.apply(clean, events, drive.ellipsoid, seed, run)
+        start = depart(record, clean, assumptions.states(drive.model), assumptions, drive.ellipsoid)
+        for case, fixes, known in ((CLEAN, clean, ()), (CONTAMINATED, spoilt, events)):
+            for name, quality in schemes.items():
+                solution = navigate(record, fixes, drive.model, assumptions, quality, start, drive.ellipsoid)
+                yield case, name, Run(solution, fixes, known)
+
+    def errors(self, one: Run, run: int, seed: int) -> pd.DataFrame:
+        """Return the errors at every :data:`EVERY_S`: ``time``, :data:`ERRORS`, and the kind of the event there."""
+        solution = one.solution
+        time = np.arange(np.ceil(solution.time[0]) + EVERY_S, solution.time[-1] + 1e-6, EVERY_S)
+        rows = np.minimum(np.searchsorted(solution.time, time - 1e-6), len(solution.time) - 1)
+        linear, turn = self._navigation(solution, rows)
+        sensors = solution.sensors.iloc[rows] - self._sensors(solution, rows, run, seed)
+        columns = {
+            "time": time,
+            "horizontal": np.hypot(linear[:, 0], linear[:, 1]),
+            "vertical": np.abs(linear[:, 2]),
+            "velocity": np.linalg.norm(linear[:, 3:], axis=1),
+            "tilt": np.hypot(turn[:, 0], turn[:, 1]),
+            "heading": np.abs(turn[:, 2]),
+            "gyro": np.linalg.norm(sensors[list(GYRO)], axis=1),
+            "accel": np.linalg.norm(sensors[list(ACCEL)], axis=1),
+        }
+        return pd.DataFrame(columns).assign(event=mark(time, one.events))
+
+    def verdicts(self, one: Run, run: int, seed: int) -> dict[str, float]:
+        """Return of one run what the quality control did to good and bad fixes, and how the filter knows itself.
+
+        ``false`` is the share of the components of good fixes that are removed or weighed down, ``missed`` the share of
+        bad fixes all of whose components of position are taken as they are, ``closed`` that of fixes that shut the
+        gate; ``nis``, ``nees`` and ``nees_sensors`` are means over the fixes by degrees of freedom.
+        """
+        record, solution = one.solution.record, one.solution
+        bad = mark(solution.fix_time, one.events) != ""
+        touched = record.share < 1
+        linear, turn = self._navigation(solution, solution.fix_row)
+        sensors = solution.path.errors[solution.fix_row] - self._sensors(solution, solution.fix_row, run, seed)
+        whole = np.hstack([linear, turn, sensors])
+        parts = {"nees": slice(0, NAVIGATION), "nees_sensors": slice(NAVIGATION, whole.shape[1])}
+        return {
+            "false": touched[~bad].mean(),
+            "missed": (~touched[bad, :3].any(axis=1)).mean() if bad.any() else np.nan,
+            "closed": (~record.passed).mean(),
+            "resets": int(record.reset.sum()),
+            "nis": record.statistic.sum() / record.freedom.sum(),
+            **{name: _nees(whole[:, part], solution.covariances[:, part, part]) for name, part in parts.items()},
+        }
+
+    def _navigation(self, solution: Solution, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return the errors of position and velocity, shape (rows, 6), and of the attitude, shape (rows, 3)."""
+        truth = self.drive.path[0].iloc[self._samples(solution, rows)]
+        found = solution.path.navigation[rows]
+        linear = found[:, :6] - truth[[*POSITION, *VELOCITY]].to_numpy(float)
+        return linear, (Rotation.from_quat(found[:, 6:]) * reference.rotations(truth).inv()).as_rotvec()
+
+    def _sensors(self, solution: Solution, rows: np.ndarray, run: int, seed: int) -> np.ndarray:
+        return self.drive.errors(run, seed)[solution.names].to_numpy()[self._samples(solution, rows)]
+
+    def _samples(self, solution: Solution, rows: np.ndarray) -> np.ndarray:
+        return np.rint(solution.time.to_numpy()[rows] * self.drive.rate_hz).astype(int)
+
+
+def recovery(errors: pd.DataFrame, events: tuple[Event, ...], limit: float) -> pd.DataFrame:
+    """Return for each event that lasts how long after its end the horizontal error first stays below a limit.
+
+    Parameters
+    ----------
+    errors
+        Of one run, with ``time`` and ``horizontal``.
+    limit
+        Horizontal error [m]; it has to stay below for three instants.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Columns ``kind``, ``recovery`` [s]; infinite where the drive ends before.
+    """
+    time, below = errors["time"].to_numpy(), errors["horizontal"].to_numpy() < limit
+    steady = below & np.append(below[1:], True) & np.append(below[2:], [True, True])
+    rows = []
+    for one in (one for one in events if one.end > one.begin):
+        after = np.flatnonzero((time >= one.end) & steady)
+        rows.append((one.kind, time[after[0]] - one.end if len(after) else np.inf))
+    return pd.DataFrame(rows, columns=["kind", "recovery"])
+
+
+def scores(errors: pd.DataFrame) -> pd.Series:
+    """Return how large the errors of one run are.
+
+    For each of :data:`ERRORS` the root mean square over the run, ``horizontal_95``, the 95th percentile of the
+    horizontal error, and ``gyro_bad``, ``accel_bad``, root mean squares over stretches and ramps.
+    """
+    found = {name: np.sqrt(np.mean(np.square(errors[name]))) for name in ERRORS}
+    found["horizontal_95"] = np.quantile(errors["horizontal"], 0.95)
+    bad = errors[lasting(errors["event"].to_numpy())]
+    for name in ("gyro", "accel"):
+        found[f"{name}_bad"] = np.sqrt(np.mean(np.square(bad[name]))) if len(bad) else np.nan
+    return pd.Series(found)
+
+
+def lasting(kinds: np.ndarray) -> np.ndarray:
+    """Return which instants lie in a stretch or a ramp: gross errors that are there for a while, shape (n,)."""
+    return ~np.isin(kinds, ["", "outlier", OUTAGE])
+
+
+def _nees(errors: np.ndarray, covariances: np.ndarray) -> float:
+    solved = np.linalg.solve(covariances, errors[..., None])[..., 0]
+    return float(np.einsum("ni,ni->n", errors, solved).mean() / errors.shape[1])

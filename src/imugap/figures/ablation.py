@@ -1,0 +1,103 @@
+"""Figures of the simulated drives: each function draws one figure from runs or tables and returns it."""
+
+from collections.abc import Mapping
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+
+from imugap import gnss
+from imugap.ablation import CLEAN, CONTAMINATED, Ablation, Run
+from imugap.faults import OUTAGE, OUTLIER, RAMP, STRETCH, Event, mark
+from imugap.figures import WIDTH, decades, legend_below, panels_of
+from imugap.units import from_si
+
+TITLES = {
+    "none": "no control", "gate": "gate alone", "remove": "test and remove", "robust": "weigh down",
+    "gated": "weigh down, gate", "reset": "all, soft reset",
+}  # fmt: skip
+COLOURS = {"none": "#999999", "gate": "#CC79A7", "remove": "#E69F00", "robust": "#56B4E9", "gated": "#0072B2",
+           "reset": "#009E73"}  # fmt: skip
+SHADES = {STRETCH: "#f4cccc", RAMP: "#fce5cd", OUTAGE: "#dddddd"}
+EVERY = 20
+"""Epochs between two points of a path."""
+SHOWN = {"gyro_x": ("gyro x [°/h]", "deg/h"), "gyro_z": ("gyro z [°/h]", "deg/h"), "accel_x": ("accel x [mg]", "mg"),
+         "accel_y": ("accel y [mg]", "mg")}  # fmt: skip
+
+
+def drive(study: Ablation, one: Run, errors: Mapping[str, pd.DataFrame]) -> Figure:
+    """Draw a drive from above, with its bad fixes, and the horizontal error of every scheme over time."""
+    figure = Figure(figsize=(WIDTH, 3.6), layout="constrained")
+    left, right = figure.subplots(1, 2, width_ratios=[1, 2.1])
+    truth = study.drive.path[0]
+    every = round(study.drive.rate_hz)
+    left.plot(truth["east"][::every], truth["north"][::every], color="black", lw=0.7, label="truth")
+    seen = gnss.local(one.fixes, one.solution.ellipsoid)
+    kinds = mark(one.fixes.index.to_numpy(), one.events)
+    for kind, colour in ((STRETCH, "#CC0000"), (RAMP, "#E69F00"), (OUTLIER, "#0072B2")):
+        rows = kinds == kind
+        left.plot(seen[rows, 1], seen[rows, 0], ".", color=colour, ms=3, label=f"fixes, {kind}")
+    left.set(xlabel="east [m]", ylabel="north [m]", aspect="equal")
+    left.legend(loc="upper left", fontsize=6)
+    _shade(right, one.events)
+    for name, table in errors.items():
+        right.plot(table["time"], table["horizontal"], color=COLOURS[name], lw=0.9, label=TITLES[name])
+    decades(right)
+    right.set(xlabel="time [s]", ylabel="horizontal error [m]", ylim=(0.05, None), xlim=(0, study.drive.duration_s))
+    right.legend(ncols=2, fontsize=6, loc="upper left")
+    return figure
+
+
+def sensors(runs: Mapping[str, Run], true: pd.DataFrame) -> Figure:
+    """Draw estimated errors of sensors over time under every scheme, and the true ones."""
+    figure, grid = panels_of(2, 2, 4.2, sharex=True)
+    for panel, (axis, (title, unit)) in zip(grid.flat, SHOWN.items(), strict=True):
+        _shade(panel, next(iter(runs.values())).events)
+        panel.plot(true.index[::100], from_si(true[axis].to_numpy()[::100], unit), color="black", lw=1.2, label="truth")
+        for name, one in runs.items():
+            table = one.solution.sensors[axis]
+            panel.plot(table.index[::EVERY], from_si(table.to_numpy()[::EVERY], unit), color=COLOURS[name], lw=0.9,
+                       label=TITLES[name])  # fmt: skip
+        panel.set(title=title, xlim=(0, true.index[-1]))
+    for panel in grid[-1]:
+        panel.set_xlabel("time [s]")
+    legend_below(figure, 4)
+    return figure
+
+
+def schemes(scores: pd.DataFrame) -> Figure:
+    """Draw the 95th percentile of the horizontal error of every run, and what the gate does to the bias estimates."""
+    figure = Figure(figsize=(WIDTH, 3.2), layout="constrained")
+    left, *others = figure.subplots(1, 3, width_ratios=[1.6, 1, 1])
+    spread = np.linspace(-0.12, 0.12, scores["run"].nunique())
+    for k, name in enumerate(TITLES):
+        for case, shift, colour in ((CLEAN, -0.2, "#999999"), (CONTAMINATED, 0.2, COLOURS[name])):
+            values = scores[(scores["scheme"] == name) & (scores["case"] == case)]["horizontal_95"].to_numpy()
+            left.plot(k + shift + spread, values, ".", color=colour, ms=2.5)
+            left.plot([k + shift - 0.16, k + shift + 0.16], [np.median(values)] * 2, color="black", lw=1.2)
+    left.set_xticks(range(len(TITLES)), [title.replace(", ", ",\n").replace(" and ", "\nand ").replace(" ", "\n", 1)
+                                        for title in TITLES.values()], fontsize=6)  # fmt: skip
+    left.set_ylabel("95th percentile, horizontal [m]")
+    decades(left)
+    bad = scores[scores["case"] == CONTAMINATED]
+    for panel, name, title, unit in ((others[0], "gyro_bad", "gyro bias [°/h]", "deg/h"),
+                                     (others[1], "accel_bad", "accel bias [mg]", "mg")):  # fmt: skip
+        of = from_si(bad.pivot(index="run", columns="scheme", values=name), unit)
+        panel.plot(of["none"], of["gate"], ".", color=COLOURS["gate"], ms=4, label="gate against no control")
+        panel.plot(
+            of["robust"], of["gated"], ".", color=COLOURS["gated"], ms=4, label="gate against none, weighed down"
+        )
+        ends = [0.9 * of[["none", "gate", "robust", "gated"]].min().min(), of["none"].max()]
+        panel.plot(ends, ends, color="black", lw=0.6)
+        panel.set(xscale="log", yscale="log", xlabel=f"without gate: error of {title}", ylabel="with gate")
+        panel.set_title("in stretches and ramps")
+    others[0].legend(fontsize=5.5, loc="upper left")
+    return figure
+
+
+def _shade(panel, events: tuple[Event, ...]) -> None:
+    for one in events:
+        if one.end > one.begin:
+            panel.axvspan(one.begin, one.end, color=SHADES[one.kind], lw=0, zorder=0)
+        else:
+            panel.axvline(one.begin, color="#0072B2", lw=0.4, alpha=0.5, zorder=0)

@@ -1,0 +1,104 @@
+DRIVES = config["drive"]["runs"]
+DRIVE_PARTS = range(1, config["drive"]["parts"] + 1)
+
+
+rule drive_runs:
+    """Filter a part of the simulated drives under every scheme of quality control, clean and with gross errors."""
+    input:
+        recipe="data/drive.yaml",
+        code=library("drive_runs"),
+    output:
+        errors="results/drive/{part}/errors.parquet",
+        verdicts="results/drive/{part}/verdicts.csv",
+        recovery="results/drive/{part}/events.csv",
+    log:
+        "logs/drive_runs/{part}.log",
+    benchmark:
+        "benchmarks/drive_runs/{part}.tsv"
+    wildcard_constraints:
+        part=r"\d+",
+    params:
+        seed=config["seed"],
+        runs=lambda wildcards: list(range(1, DRIVES + 1))[
+            int(wildcards.part) - 1 :: len(DRIVE_PARTS)
+        ],
+    script:
+        "../scripts/drive_runs.py"
+
+
+rule drive_scores:
+    """Score the simulated drives: errors, rejections, recovery, and whether the gate and the bars hold."""
+    input:
+        errors=expand("results/drive/{part}/errors.parquet", part=DRIVE_PARTS),
+        verdicts=expand("results/drive/{part}/verdicts.csv", part=DRIVE_PARTS),
+        events=expand("results/drive/{part}/events.csv", part=DRIVE_PARTS),
+        code=library("drive_scores"),
+    output:
+        scores="results/drive/scores.csv",
+        kinds="results/drive/kinds.csv",
+        recovery="results/drive/recovery.csv",
+    log:
+        "logs/drive_scores.log",
+    benchmark:
+        "benchmarks/drive_scores.tsv"
+    script:
+        "../scripts/drive_scores.py"
+
+
+rule drive_page:
+    """Draw and tabulate the simulated drives: one of them, all of them, what each part of the control is worth."""
+    input:
+        recipe="data/drive.yaml",
+        scores="results/drive/scores.csv",
+        kinds="results/drive/kinds.csv",
+        recovery="results/drive/recovery.csv",
+        code=library("drive_page"),
+    output:
+        multiext("paper/tables/drive_schemes", ".json", ".tex"),
+        multiext("paper/tables/drive_kinds", ".json", ".tex"),
+        map=report(
+            "paper/figures/drive_map.svg",
+            caption="../report/drive_map.rst",
+            category="Drive",
+            labels={"result": "one drive (figure)"},
+        ),
+        sensors=report(
+            "paper/figures/drive_sensors.svg",
+            caption="../report/drive_sensors.rst",
+            category="Drive",
+            labels={"result": "estimated sensor errors (figure)"},
+        ),
+        runs=report(
+            "paper/figures/drive_schemes.svg",
+            caption="../report/drive_schemes.rst",
+            category="Drive",
+            labels={"result": "all drives (figure)"},
+        ),
+        schemes=report(
+            "paper/tables/drive_schemes.csv",
+            caption="../report/drive_table.rst",
+            category="Drive",
+            labels={"result": "schemes (table)"},
+        ),
+        kinds=report(
+            "paper/tables/drive_kinds.csv",
+            caption="../report/drive_kinds.rst",
+            category="Drive",
+            labels={"result": "kinds of gross errors (table)"},
+        ),
+        numbers="paper/numbers/drive.json",
+    log:
+        "logs/drive_page.log",
+    benchmark:
+        "benchmarks/drive_page.tsv"
+    params:
+        seed=config["seed"],
+        runs=DRIVES,
+        shown=config["drive"]["shown_run"],
+    script:
+        "../scripts/drive_page.py"
+
+
+PAPER += expand("paper/figures/drive_{name}.svg", name=["map", "sensors", "schemes"])
+PAPER += multiext("paper/tables/drive", "_schemes.json", "_kinds.json")
+PAPER += ["paper/numbers/drive.json"]

@@ -1,0 +1,129 @@
+"""Lay out the simulated drives: figures, tables, numbers of the text."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import yaml
+from scipy.stats import binomtest
+
+from imugap import bootstrap, figures, tables
+from imugap.ablation import CLEAN, CONTAMINATED, Ablation
+from imugap.faults import OUTAGE, OUTLIER, RAMP, STRETCH
+from imugap.figures import ablation as drawn
+from imugap.journal import journal
+from imugap.quality import SCHEMES
+from imugap.stream import stream
+from imugap.units import from_si
+
+COLUMNS = {
+    "horizontal_95": ("position, 95 % [m]", "m"),
+    "vertical": ("height [m]", "m"),
+    "velocity": ("velocity [m/s]", "m/s"),
+    "tilt": ("tilt [°]", "deg"),
+    "heading": ("heading [°]", "deg"),
+    "gyro_bad": ("gyro bias [°/h]", "deg/h"),
+    "accel_bad": ("accel bias [mg]", "mg"),
+}
+KINDS = {CLEAN: "no gross error in the run", "none": "between events", OUTLIER: "outlier", STRETCH: "stretch",
+         RAMP: "ramp", OUTAGE: "outage"}  # fmt: skip
+BAR, SHARE = 1.3, 0.95
+"""What the contaminated run may be over the clean one; seeds in which the gate has to help."""
+
+
+def schemes_page(scores, recovery):
+    """Lay the schemes out: medians over the runs, a row per case and scheme."""
+    middle = scores.groupby(["case", "scheme"], sort=False).median(numeric_only=True)
+    means = scores.groupby(["case", "scheme"], sort=False).mean(numeric_only=True)
+    rows = []
+    for (case, scheme), one in middle.iterrows():
+        row = {"fixes": case, "scheme": drawn.TITLES[scheme]}
+        for name, (head, unit) in COLUMNS.items():
+            row[head] = tables.number(from_si(one[name], unit))
+        rates = means.loc[(case, scheme)]
+        row["false [%]"], row["missed [%]"] = (tables.number(100 * rates[name], 2) for name in ("false", "missed"))
+        known = recovery[recovery["scheme"] == scheme]["recovery"]
+        row["recovery, 90 % [s]"] = f"{known.quantile(0.9):.0f}" if case == CONTAMINATED else "—"
+        row["NIS"], row["NEES"] = (tables.number(one[name], 3) for name in ("nis", "nees"))
+        row["NEES, sensors"] = tables.number(one["nees_sensors"], 3)
+        rows.append(row)
+    return pd.DataFrame(rows)
+
+
+def kinds_page(kinds):
+    """Lay the kinds of gross errors out: 95th percentile of the horizontal error, a row per scheme."""
+    table = kinds.pivot(index="scheme", columns="event", values="horizontal").loc[list(SCHEMES), list(KINDS)]
+    shown = table.map(tables.number).rename(columns=KINDS)
+    shown.insert(0, "scheme", [drawn.TITLES[name] for name in table.index])
+    return shown
+
+
+def ratio(scores, scheme, seed):
+    """Return the contaminated over the clean 95th percentile: ratio of the means over the runs, with its interval."""
+    of = scores[scores["scheme"] == scheme].pivot(index="run", columns="case", values="horizontal_95")
+    middle = of[CONTAMINATED].mean() / of[CLEAN].mean()
+    rng = stream(seed, "drive ratio", scheme)
+    drawn_runs = of.to_numpy()[rng.integers(0, len(of), (bootstrap.RESAMPLES, len(of)))]
+    both = drawn_runs.mean(axis=1)
+    which = list(of.columns)
+    low, high = np.quantile(both[:, which.index(CONTAMINATED)] / both[:, which.index(CLEAN)], [0.025, 0.975])
+    held = int((of[CONTAMINATED] <= BAR * of[CLEAN]).sum())
+    return {"ratio": tables.number(middle), "low": tables.number(low), "high": tables.number(high),
+            "runs_within": held, "holds": bool(high <= BAR), "fails": bool(low > BAR)}  # fmt: skip
+
+
+def claim(scores, better, worse, name):
+    """Return in how many runs the error of the bias estimates in bad stretches is smaller, and by what factor."""
+    of = scores[scores["case"] == CONTAMINATED].pivot(index="run", columns="scheme", values=f"{name}_bad")
+    found = binomtest(int((of[better] < of[worse]).sum()), len(of))
+    interval = found.proportion_ci(0.95)
+    factor = (of[better] / of[worse]).quantile([0.05, 0.5, 0.95])
+    return {
+        "runs": found.k, "percent": f"{100 * found.statistic:.0f}",
+        "interval_percent": [f"{100 * end:.0f}" for end in (interval.low, interval.high)],
+        "factor": tables.number(factor[0.5], 3), "factor_range": [tables.number(factor[q]) for q in (0.05, 0.95)],
+        "holds": bool(interval.low >= SHARE), "fails": bool(interval.high < SHARE),
+        "helps": bool(interval.low > 0.5), "harms": bool(interval.high < 0.5),
+    }  # fmt: skip
+
+
+def numbers(scores, recovery, recipe, seed, runs):
+    """Collect what the text quotes."""
+    clean = scores[scores["case"] == CLEAN].groupby("scheme")
+    shown = {"none": "nothing", "robust": "weighed"}
+    pairs = {"alone": ("gate", "none"), "beside": ("gated", "robust"), "against_nothing": ("gated", "none")}
+    return {
+        "runs": runs,
+        "recipe": recipe,
+        "bar": BAR,
+        "share_percent": f"{100 * SHARE:.0f}",
+        "ratios": {scheme: ratio(scores, scheme, seed) for scheme in SCHEMES},
+        "clean_95_m": {name: tables.number(clean["horizontal_95"].median()[scheme]) for scheme, name in shown.items()},
+        "claims": {
+            key: {name: claim(scores, *pair, name) for name in ("gyro", "accel")} for key, pair in pairs.items()
+        },
+        "nees": tables.number(clean["nees"].mean()["none"]),
+        "limit_m": tables.number(recovery["limit"].iloc[0]),
+        "resets": {case: int(one["resets"].sum()) for case, one in scores[scores["scheme"] == "reset"].groupby("case")},
+    }
+
+
+if __name__ == "__main__":
+    with journal(snakemake.log[0]):
+        source, params, output = snakemake.input, snakemake.params, snakemake.output
+        scores, kinds, recovery = (pd.read_csv(source[name]) for name in ("scores", "kinds", "recovery"))
+        study = Ablation.read(source.recipe)
+        one = {(case, name): run for case, name, run in study.runs(params.shown, params.seed)}
+        errors = {name: study.errors(one[CONTAMINATED, name], params.shown, params.seed) for name in SCHEMES}
+        figures.save(drawn.drive(study, one[CONTAMINATED, "reset"], errors), output.map)
+        true = study.drive.errors(params.shown, params.seed)
+        figures.save(drawn.sensors({name: one[CONTAMINATED, name] for name in SCHEMES}, true), output.sensors)
+        figures.save(drawn.schemes(scores), output.runs)
+        tables.write(output.schemes.removesuffix(".csv"), scores, schemes_page(scores, recovery))
+        tables.write(output.kinds.removesuffix(".csv"), kinds, kinds_page(kinds))
+        recipe = yaml.safe_load(Path(source.recipe).read_text())
+        found = numbers(scores, recovery, {name: recipe[name] for name in ("faults", "receiver", "rate_hz")},
+                        params.seed, params.runs)  # fmt: skip
+        found["duration_s"], found["schemes"] = study.drive.duration_s, drawn.TITLES
+        Path(output.numbers).write_text(json.dumps(found, indent=1) + "\n")

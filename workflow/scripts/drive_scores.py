@@ -1,0 +1,42 @@
+"""Score the simulated drives: errors of each run, of each kind of gross error, and the time to recover from it."""
+
+import pandas as pd
+
+from imugap import ablation
+from imugap.ablation import CLEAN, CONTAMINATED
+from imugap.faults import OUTLIER, Event
+from imugap.journal import journal
+
+KEY = ["run", "case", "scheme"]
+
+
+def read(paths, reader):
+    """Return the parts as one table."""
+    return pd.concat([reader(path) for path in paths], ignore_index=True)
+
+
+def recoveries(errors, events, limit):
+    """Return for each run, scheme and lasting event the time to recover."""
+    rows = []
+    of_run = {
+        run: [Event(e.kind, e.begin, e.end, (0, 0, 0)) for e in one.itertuples()] for run, one in events.groupby("run")
+    }
+    for (run, scheme), one in errors.groupby(["run", "scheme"], sort=False):
+        rows.append(ablation.recovery(one, of_run[run], limit).assign(run=run, scheme=scheme))
+    return pd.concat(rows)
+
+
+if __name__ == "__main__":
+    with journal(snakemake.log[0]):
+        source, output = snakemake.input, snakemake.output
+        errors, events = read(source.errors, pd.read_parquet), read(source.events, pd.read_csv)
+        found = errors.groupby(KEY, sort=False)[[*ablation.ERRORS, "event"]].apply(ablation.scores).reset_index()
+        found.merge(read(source.verdicts, pd.read_csv), on=KEY).to_csv(output.scores, index=False)
+        clean, spoilt = (errors[errors["case"] == case] for case in (CLEAN, CONTAMINATED))
+        spoilt = spoilt.assign(event=spoilt["event"].replace("", "none"))
+        kinds = spoilt.groupby(["scheme", "event"], sort=False)[list(ablation.ERRORS)].quantile(0.95).reset_index()
+        whole = clean.groupby("scheme", sort=False)[list(ablation.ERRORS)].quantile(0.95).reset_index()
+        pd.concat([whole.assign(event=CLEAN), kinds]).to_csv(output.kinds, index=False)
+        limit = clean[clean["scheme"] == "none"]["horizontal"].quantile(0.95)
+        found = recoveries(spoilt, events[events["kind"] != OUTLIER], limit)
+        found.assign(limit=limit).to_csv(output.recovery, index=False)
