@@ -43,32 +43,34 @@ def test_the_global_test_fails_as_often_as_it_says():
     assert abs(share - alarm) < 4 * np.sqrt(alarm / draws)
 
 
-@pytest.mark.parametrize("size", [3.1, 5.0, 40.0, -40.0])
-def test_a_component_that_is_weighed_down_lies_on_the_limit_and_pulls_the_less_the_farther_it_is(size):
+@pytest.mark.parametrize("steepness", [1.0, 2.0])
+def test_a_component_that_is_weighed_down_pulls_the_less_the_farther_it_is_off(steepness):
+    """Beyond all limits; and the noise grows by the power that is told, whatever the sign."""
     variance, noise, c = 2.0, 0.8, 3.0
-    innovation = size * np.sqrt(variance)
-    trusted = weigh(innovation, variance, noise, c, True)
-    total = variance - noise + trusted
-    assert abs(innovation) == pytest.approx(c * np.sqrt(total))
-    pull = (variance - noise) * innovation / total
-    assert pull == pytest.approx((variance - noise) * c**2 / innovation)
-    assert weigh(innovation, variance, noise, c, False) == np.inf
+    sizes = np.array([3.2, 6.4, 12.8, 102.4])
+    trusted = np.array([weigh(size * np.sqrt(variance), variance, noise, c, True, steepness) for size in sizes])
+    np.testing.assert_allclose(trusted[1:] / trusted[:-1], (sizes[1:] / sizes[:-1]) ** (2 * steepness))
+    assert weigh(-6.4 * np.sqrt(variance), variance, noise, c, True, steepness) == pytest.approx(trusted[1])
+    pulls = (variance - noise) * sizes / (variance - noise + trusted)
+    assert (np.diff(pulls) < 0).all()
+    assert pulls[-1] < 0.1 * pulls[0]
+    assert weigh(3.2 * np.sqrt(variance), variance, noise, c, False, steepness) == np.inf
 
 
 @pytest.mark.parametrize("robust", [True, False])
 @pytest.mark.parametrize(("size", "component"), [(2.9, 3.0), (1e6, np.inf)])
 def test_what_passes_is_taken_as_it_is(size, component, robust):
-    assert weigh(size, 1.0, 0.4, component, robust) == 0.4
+    assert weigh(size, 1.0, 0.4, component, robust, 2.0) == 0.4
 
 
 def test_weights_are_continuous_at_the_limit():
-    inside, outside = (weigh(3.0 * (1 + step), 1.0, 0.4, 3.0, True) for step in (-1e-9, 1e-9))
+    inside, outside = (weigh(3.0 * (1 + step), 1.0, 0.4, 3.0, True, 2.0) for step in (-1e-9, 1e-9))
     assert inside == pytest.approx(outside, rel=1e-6)
 
 
 @pytest.mark.parametrize(
     "wrong",
-    [{"component": 0.0}, {"component": -1.0}, {"false_alarm": 0.0}, {"false_alarm": 1.0}, {"reset_s": 0.0},
+    [{"component": 0.0}, {"steepness": 0.0}, {"component": -1.0}, {"false_alarm": 0.0}, {"false_alarm": 1.0}, {"reset_s": 0.0},
      {"reset_std": (1.0, 1.0)}, {"reset_std": (1.0, -1.0, 0.0)}],
 )  # fmt: skip
 def test_what_is_no_test_is_refused(wrong):

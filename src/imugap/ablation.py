@@ -154,11 +154,12 @@ def recovery(errors: pd.DataFrame, events: tuple[Event, ...], limit: float) -> p
 def scores(errors: pd.DataFrame) -> pd.Series:
     """Return how large the errors of one run are.
 
-    For each of :data:`ERRORS` the root mean square over the run, ``horizontal_95``, the 95th percentile of the
-    horizontal error, and ``gyro_bad``, ``accel_bad``, root mean squares over stretches and ramps.
+    For each of :data:`ERRORS` the root mean square over the run; ``horizontal_95``, the 95th percentile of the
+    horizontal error, and ``aided_95``, outages left out; ``gyro_bad``, ``accel_bad``, root mean squares over stretches and ramps.
     """
     found = {name: np.sqrt(np.mean(np.square(errors[name]))) for name in ERRORS}
     found["horizontal_95"] = np.quantile(errors["horizontal"], 0.95)
+    found["aided_95"] = np.quantile(errors["horizontal"][errors["event"] != OUTAGE], 0.95)
     bad = errors[lasting(errors["event"].to_numpy())]
     for name in ("gyro", "accel"):
         found[f"{name}_bad"] = np.sqrt(np.mean(np.square(bad[name]))) if len(bad) else np.nan

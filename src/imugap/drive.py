@@ -85,7 +85,8 @@ class Setting:
             epoch_s=values["epoch_s"],
         )
         control = Quality(
-            quality["component_sigma"], quality["robust"], quality["false_alarm"], quality["gated"], quality["reset_s"]
+            component=quality["component_sigma"],
+            **{name: quality[name] for name in ("robust", "steepness", "false_alarm", "gated", "reset_s")},
         )
         course, heading, tilt = (np.radians(start[f"{name}_std_deg"]) for name in ("course", "heading", "tilt"))
         departure = Departure(

@@ -3,8 +3,9 @@
 Per epoch, with the innovation ``r`` of ``m`` components and its covariance ``S = H P H' + R``:
 
 component test
-    ``|r_i| > c sqrt(S_ii)`` removes the component with its rows of H and R, or weighs it down: R_ii grows until
-    ``|r_i| = c sqrt(S_ii)`` (Chang 2014). The correction by such a component falls as the inverse of its size.
+    ``|r_i| > c sqrt(S_ii)`` removes the component with its rows of H and R, or weighs it down: R_ii grows
+    by the power ``2 k`` of ``|r_i|/(c sqrt(S_ii))``, from one at the limit on, without a jump (equivalent weights: Yang
+    et al. 2001). From ``k = 1`` on the correction by such a component falls as it gets larger.
 global test
     ``r' S^-1 r``, chi-square with m degrees of freedom, fails above the quantile of the false-alarm rate. It is that of
     all components as they came, before any is removed or weighed down: of what the component test leaves it would not
@@ -18,8 +19,8 @@ soft reset
     are kept, but for those of sensors that are out of all proportion, which start again.
 
 Source: a patent text, "IMU random error online estimation and compensation" (2022), which leaves open where the global
-test stands, and whether the gain or the estimate is held. G. Chang, Robust Kalman filtering based on Mahalanobis
-distance as outlier judging criterion, J. Geod. 88 (2014) 391-401; S. F. Schmidt, Application of state-space methods to
+test stands, and whether the gain or the estimate is held. Y. Yang, H. He, G. Xu, Adaptively
+robust filtering for kinematic geodetic positioning, J. Geod. 75 (2001) 109-116; S. F. Schmidt, Application of state-space methods to
 navigation problems, Adv. Control Syst. 3 (1966) 293-340.
 """
 
@@ -48,6 +49,8 @@ class Quality:
         The ``c`` of the component test; None leaves it out. 2 keeps 95 % of what is normal, 3 keeps 99.73 %.
     robust
         Whether a component that fails is weighed down and not removed.
+    steepness
+        How steeply it is weighed down: ``k`` above.
     false_alarm
         Probability that the global test fails where nothing is wrong.
     gated
@@ -62,6 +65,7 @@ class Quality:
 
     component: float | None = 3.0
     robust: bool = True
+    steepness: float = 2.0
     false_alarm: float = 1e-3
     gated: bool = True
     reset_s: float | None = 90.0
@@ -71,6 +75,8 @@ class Quality:
         """Refuse what is no test."""
         if self.component is not None and not self.component > 0:
             raise ValueError(f"component: expected a number > 0 or none; found {self.component}")
+        if not self.steepness > 0:
+            raise ValueError(f"steepness: expected a number > 0; found {self.steepness}")
         if not 0 < self.false_alarm < 1:
             raise ValueError(f"false_alarm: expected a probability between 0 and 1; found {self.false_alarm}")
         if self.reset_s is not None and not self.reset_s > 0:
@@ -100,6 +106,7 @@ class Control(NamedTuple):
 
     component: float
     robust: bool
+    steepness: float
     limits: np.ndarray
     gated: bool
     reset_s: float
@@ -111,6 +118,7 @@ class Control(NamedTuple):
         return cls(
             np.inf if quality.component is None else float(quality.component),
             quality.robust,
+            float(quality.steepness),
             quality.limits(components),
             quality.gated,
             np.inf if quality.reset_s is None else float(quality.reset_s),
@@ -119,20 +127,20 @@ class Control(NamedTuple):
 
 
 @kernel
-def weigh(innovation, variance, noise, component, robust):
+def weigh(innovation, variance, noise, component, robust, steepness):
     """Return the variance of a component's noise after the component test; infinite for one that is removed.
 
     Parameters
     ----------
     innovation, variance, noise
         r_i, S_ii and R_ii.
-    component, robust
+    component, robust, steepness
         As in :class:`Quality`; ``component`` may be infinite.
     """
     square = innovation * innovation
     if square <= component * component * variance:
         return noise
-    return noise + (square / (component * component) - variance) if robust else np.inf
+    return noise * (square / (component * component * variance)) ** steepness if robust else np.inf
 
 
 @kernel

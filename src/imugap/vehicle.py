@@ -316,7 +316,8 @@ def _judge(fix, count, limit, room, record):
 def _absorb(fix, count, fed, nav, covariance, errors, control, room, record, tape, place):
     """Put the components of a fix to their test and take in what is left; return the corrected navigation."""
     for i in range(count):
-        trusted = weigh(room.innovation[i], room.variance[i, i], room.noise[i], control.component, control.robust)
+        trusted = weigh(room.innovation[i], room.variance[i, i], room.noise[i], control.component, control.robust,
+                        control.steepness)  # fmt: skip
         record.share[fix, room.present[i]] = room.noise[i] / trusted
         room.noise[i] = trusted
     for i in range(count):

@@ -59,9 +59,9 @@ def kinds_page(kinds):
     return shown
 
 
-def ratio(scores, scheme, seed):
+def ratio(scores, scheme, seed, score):
     """Return the contaminated over the clean 95th percentile: ratio of the means over the runs, with its interval."""
-    of = scores[scores["scheme"] == scheme].pivot(index="run", columns="case", values="horizontal_95")
+    of = scores[scores["scheme"] == scheme].pivot(index="run", columns="case", values=score)
     middle = of[CONTAMINATED].mean() / of[CLEAN].mean()
     rng = stream(seed, "drive ratio", scheme)
     drawn_runs = of.to_numpy()[rng.integers(0, len(of), (bootstrap.RESAMPLES, len(of)))]
@@ -98,7 +98,8 @@ def numbers(scores, recovery, recipe, seed, runs):
         "recipe": recipe,
         "bar": BAR,
         "share_percent": f"{100 * SHARE:.0f}",
-        "ratios": {scheme: ratio(scores, scheme, seed) for scheme in SCHEMES},
+        "ratios": {scheme: ratio(scores, scheme, seed, "horizontal_95") for scheme in SCHEMES},
+        "aided": {scheme: ratio(scores, scheme, seed, "aided_95") for scheme in SCHEMES},
         "clean_95_m": {name: tables.number(clean["horizontal_95"].median()[scheme]) for scheme, name in shown.items()},
         "claims": {
             key: {name: claim(scores, *pair, name) for name in ("gyro", "accel")} for key, pair in pairs.items()
