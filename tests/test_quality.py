@@ -70,8 +70,8 @@ def test_weights_are_continuous_at_the_limit():
 
 @pytest.mark.parametrize(
     "wrong",
-    [{"component": 0.0}, {"steepness": 0.0}, {"component": -1.0}, {"false_alarm": 0.0}, {"false_alarm": 1.0}, {"reset_s": 0.0},
-     {"reset_std": (1.0, 1.0)}, {"reset_std": (1.0, -1.0, 0.0)}],
+    [{"component": 0.0}, {"steepness": 0.0}, {"component": -1.0}, {"false_alarm": 0.0}, {"false_alarm": 1.0},
+     {"reset_s": 0.0}, {"reset_std": (1.0, 1.0)}, {"reset_std": (1.0, -1.0, 0.0)}],
 )  # fmt: skip
 def test_what_is_no_test_is_refused(wrong):
     with pytest.raises(ValueError, match="expected"):

@@ -155,7 +155,8 @@ def scores(errors: pd.DataFrame) -> pd.Series:
     """Return how large the errors of one run are.
 
     For each of :data:`ERRORS` the root mean square over the run; ``horizontal_95``, the 95th percentile of the
-    horizontal error, and ``aided_95``, outages left out; ``gyro_bad``, ``accel_bad``, root mean squares over stretches and ramps.
+    horizontal error, and ``aided_95``, outages left out; ``gyro_bad``, ``accel_bad``, root mean squares over stretches
+    and ramps.
     """
     found = {name: np.sqrt(np.mean(np.square(errors[name]))) for name in ERRORS}
     found["horizontal_95"] = np.quantile(errors["horizontal"], 0.95)

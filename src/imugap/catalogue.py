@@ -27,8 +27,8 @@ class FetchError(RuntimeError):
     """A raw file that cannot be had, or is not what the catalogue says; the message tells how to place it by hand."""
 
 
-LOG, POSITIONS, EVENTS = "log", "positions", "events"
-"""What a raw file holds of its runs: the log, which may come with reference positions, or these alone, or events."""
+LOG, POSITIONS, EVENTS, FIXES, CLOCK = "log", "positions", "events", "fixes", "clock"
+"""What a raw file holds of its runs: the log, which may come with all else, or one of the others alone."""
 
 
 @dataclass(frozen=True)

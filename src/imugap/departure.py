@@ -92,7 +92,7 @@ def depart(
         rows, tilt_std = np.zeros((2, len(states))), departure.moving_tilt_std
     _fill(covariance, std[number], spread[number], rows, tilt_std, np.hypot(heading_std, departure.heading_std))
     at = np.searchsorted(stamp, time[number])
-    turning = log[list(GYRO)].to_numpy()[min(at, len(log) - 1)] - errors_of(GYRO, errors, states)
+    turning = log[list(GYRO)].to_numpy()[min(at, len(log) - 1)] - errors_of(GYRO, errors[: len(states)], states)
     lever = np.array(assumptions.lever_m)
     place = seen[number, :3] - rotation.apply(lever)
     moving = velocity[number] - rotation.apply(np.cross(turning, lever))
@@ -124,7 +124,7 @@ def _course(
 ) -> tuple[int, float, float]:
     """Return the first fix within the log that tells the course well enough, the course [rad] and its deviation."""
     speed = np.hypot(velocity[:, 0], velocity[:, 1])
-    with np.errstate(invalid="ignore"):
+    with np.errstate(invalid="ignore", divide="ignore"):
         course_std = spread[:, :2].max(axis=1) / speed
         able = (course_std < departure.course_std) & (speed > departure.speed)
     able &= (time >= stamp[0]) & (time < stamp[-1])

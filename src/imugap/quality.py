@@ -19,8 +19,8 @@ soft reset
     are kept, but for those of sensors that are out of all proportion, which start again.
 
 Source: a patent text, "IMU random error online estimation and compensation" (2022), which leaves open where the global
-test stands, and whether the gain or the estimate is held. Y. Yang, H. He, G. Xu, Adaptively
-robust filtering for kinematic geodetic positioning, J. Geod. 75 (2001) 109-116; S. F. Schmidt, Application of state-space methods to
+test stands, and whether the gain or the estimate is held. Y. Yang, H. He, G. Xu, Adaptively robust filtering for
+kinematic geodetic positioning, J. Geod. 75 (2001) 109-116; S. F. Schmidt, Application of state-space methods to
 navigation problems, Adv. Control Syst. 3 (1966) 293-340.
 """
 

@@ -102,3 +102,108 @@ rule drive_page:
 PAPER += expand("paper/figures/drive_{name}.svg", name=["map", "sensors", "schemes"])
 PAPER += multiext("paper/tables/drive", "_schemes.json", "_kinds.json")
 PAPER += ["paper/numbers/drive.json"]
+
+
+def raw_drive(name, content="log"):
+    """Name the raw file of a recorded drive."""
+    return str(locate(CATALOGUE[name].file(1, content), RAW, MIRROR))
+
+
+if "rtklibexplorer_drive" in PRESENT:
+
+    rule drive_car:
+        """Put the recorded drive to the test: model of the rest, tuned model, outages, schemes of quality control."""
+        input:
+            log=raw_drive("rtklibexplorer_drive"),
+            clock=raw_drive("rtklibexplorer_drive", "clock"),
+            fixes=raw_drive("rtklibexplorer_drive", "fixes"),
+            tables=["data/datasets.csv", "data/files.csv"],
+            recipe="data/drive.yaml",
+            code=library("drive_car"),
+        output:
+            tuning="results/drive_car/tuning.csv",
+            models="results/drive_car/models.yaml",
+            outages="results/drive_car/outages.parquet",
+            schemes="results/drive_car/schemes.csv",
+            errors="results/drive_car/errors.parquet",
+        log:
+            "logs/drive_car.log",
+        benchmark:
+            "benchmarks/drive_car.tsv"
+        params:
+            seed=config["seed"],
+            seeds=config["drive"]["real_seeds"],
+            rest_s=config["drive"]["rest_s"]["car"],
+            outages_s=config["drive"]["outages_s"]["car"],
+        script:
+            "../scripts/drive_car.py"
+
+    rule drive_car_page:
+        """Draw and tabulate the recorded drive: track, drift in outages, quality control."""
+        input:
+            tuning="results/drive_car/tuning.csv",
+            models="results/drive_car/models.yaml",
+            outages="results/drive_car/outages.parquet",
+            schemes="results/drive_car/schemes.csv",
+            errors="results/drive_car/errors.parquet",
+            code=library("drive_car_page"),
+        output:
+            multiext("paper/tables/drive_car", ".json", ".tex"),
+            outages=report(
+                "paper/figures/drive_outages.svg",
+                caption="../report/drive_outages.rst",
+                category="Drive",
+                labels={"result": "outages of the recorded drive (figure)"},
+            ),
+            track=report(
+                "paper/figures/drive_car.svg",
+                caption="../report/drive_car.rst",
+                category="Drive",
+                labels={"result": "recorded drive (figure)"},
+            ),
+            table=report(
+                "paper/tables/drive_car.csv",
+                caption="../report/drive_car_table.rst",
+                category="Drive",
+                labels={"result": "recorded drive (table)"},
+            ),
+            numbers="paper/numbers/drive_car.json",
+        log:
+            "logs/drive_car_page.log",
+        benchmark:
+            "benchmarks/drive_car_page.tsv"
+        script:
+            "../scripts/drive_car_page.py"
+
+    PAPER += expand("paper/figures/drive_{name}.svg", name=["outages", "car"])
+    PAPER += ["paper/tables/drive_car.json", "paper/numbers/drive_car.json"]
+
+
+if "thor_flight75" in PRESENT:
+
+    rule drive_flight:
+        """Put the recorded flight to the test, against the filter aboard; draw its attitude."""
+        input:
+            log=raw_drive("thor_flight75"),
+            tables=["data/datasets.csv", "data/files.csv"],
+            recipe="data/drive.yaml",
+            code=library("drive_flight"),
+        output:
+            figure=report(
+                "paper/figures/drive_flight.svg",
+                caption="../report/drive_flight.rst",
+                category="Drive",
+                labels={"result": "recorded flight (figure)"},
+            ),
+            numbers="paper/numbers/drive_flight.json",
+        log:
+            "logs/drive_flight.log",
+        benchmark:
+            "benchmarks/drive_flight.tsv"
+        params:
+            rest_s=config["drive"]["rest_s"]["flight"],
+            outages_s=config["drive"]["outages_s"]["flight"],
+        script:
+            "../scripts/drive_flight.py"
+
+    PAPER += ["paper/figures/drive_flight.svg", "paper/numbers/drive_flight.json"]

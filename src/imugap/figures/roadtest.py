@@ -1,0 +1,89 @@
+"""Figures of recorded drives and flights: each function draws one figure from tables or a solution and returns it."""
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+
+from imugap.figures import WIDTH, decades, legend_below, panels_of
+from imugap.figures.ablation import COLOURS, TITLES
+from imugap.strapdown import ATTITUDE
+from imugap.vehicle import Solution
+
+MODELS = {"rest": ("model of the rest", "#D55E00"), "tuned": ("tuned model", "#0072B2")}
+
+
+def outages(table: pd.DataFrame) -> Figure:
+    """Draw the drift over the time since the begin of every outage, and what is predicted, a panel per model.
+
+    Parameters
+    ----------
+    table
+        Columns ``model``, ``draw``, ``begin``, ``since`` [s], ``horizontal``, ``predicted`` [m].
+    """
+    figure, grid = panels_of(1, len(MODELS), 2.9, sharey=True)
+    for panel, (name, (title, colour)) in zip(grid[0], MODELS.items(), strict=True):
+        one = table[table["model"] == name]
+        first = one[one["draw"] == one["draw"].min()]
+        for _, drift in first.groupby("begin"):
+            panel.plot(drift["since"], drift["horizontal"], color=colour, lw=0.7, alpha=0.8, label="drift in an outage")
+        grid_s = np.arange(1.0, one["since"].max())
+        of = one.groupby(["draw", "begin"])
+        for column, style, label in (
+            ("horizontal", "-", "drift, root mean square"),
+            ("predicted", "--", "predicted σ"),
+        ):
+            curves = [np.interp(grid_s, drift["since"], drift[column]) for _, drift in of]
+            panel.plot(
+                grid_s, np.sqrt(np.mean(np.square(curves), axis=0)), color="black", ls=style, lw=1.4, label=label
+            )
+        panel.set(title=title, xlabel="time since the last fix [s]")
+        decades(panel)
+    grid[0, 0].set_ylabel("horizontal [m]")
+    legend_below(figure, 3)
+    return figure
+
+
+def track(table: pd.DataFrame) -> Figure:
+    """Draw the drive from above, with the fixes as spoilt, and the horizontal error of every scheme over time.
+
+    Parameters
+    ----------
+    table
+        Columns ``time``, ``north``, ``east``, ``scheme``: positions of ``fixes`` and ``truth``, errors of the others.
+    """
+    figure = Figure(figsize=(WIDTH, 3.4), layout="constrained")
+    left, right = figure.subplots(1, 2, width_ratios=[1, 1.5])
+    of = dict(list(table.groupby("scheme")))
+    left.plot(
+        of["fixes"]["east"], of["fixes"]["north"], ".", color="#D55E00", ms=2.5, label="fixes, degraded and spoilt"
+    )
+    left.plot(of["truth"]["east"], of["truth"]["north"], color="black", lw=0.8, label="truth (RTK)")
+    left.set(xlabel="east [m]", ylabel="north [m]", aspect="equal")
+    left.legend(fontsize=6)
+    for name, title in TITLES.items():
+        one = of[name]
+        right.plot(one["time"], np.hypot(one["north"], one["east"]), color=COLOURS[name], lw=0.8, label=title)
+    decades(right)
+    right.set(xlabel="time [s]", ylabel="horizontal error [m]", ylim=(0.05, None))
+    right.legend(ncols=2, fontsize=6)
+    return figure
+
+
+def attitude(solution: Solution, aboard: pd.DataFrame) -> Figure:
+    """Draw roll, pitch and heading over time, and those of the filter aboard."""
+    figure, grid = panels_of(3, 1, 4.2, sharex=True)
+    known = aboard[(aboard.index >= solution.time[0]) & (aboard.index <= solution.time[-1])][::10]
+    table, std = solution.trajectory[::10], solution.trajectory_std[::10]
+    for panel, name in zip(grid[:, 0], ATTITUDE, strict=True):
+        angle, spread = np.degrees(np.unwrap(table[name])), np.degrees(std[name])
+        panel.fill_between(table.index, angle - spread, angle + spread, color="#0072B2", lw=0, alpha=0.3)
+        panel.plot(table.index, angle, color="#0072B2", lw=0.7, label="filter here")
+        theirs = np.degrees(np.unwrap(known[name]))
+        turns = 360 * np.round(
+            (np.interp(known.index[len(known) // 2], table.index, angle) - theirs[len(theirs) // 2]) / 360
+        )
+        panel.plot(known.index, theirs + turns, color="black", lw=0.7, ls=":", label="filter aboard")
+        panel.set_ylabel(f"{name} [°]")
+    grid[-1, 0].set_xlabel("time [s]")
+    legend_below(figure, 2)
+    return figure

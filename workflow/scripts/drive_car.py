@@ -1,0 +1,66 @@
+"""Put the recorded drive to the test: model of the rest, tuned model, outages, schemes of quality control."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import yaml
+
+from imugap import catalogue, gnss, recordings, roadtest
+from imugap.faults import Faults
+from imugap.journal import journal
+
+NAME = "rtklibexplorer_drive"
+
+
+def outages(test, receiver, models, params):
+    """Return the drifts of every model in outages one after the other, for every draw of the noise."""
+    rows = []
+    first, last, length = params.outages_s
+    for draw in range(params.seeds):
+        fixes = receiver.degrade(test.recording.fixes, params.seed, draw)
+        for begin in np.arange(first, last, length + 1):
+            for name, model in models.items():
+                drift = test.outage(fixes, model, begin, length).reset_index()
+                rows.append(drift.assign(model=name, draw=draw, begin=begin))
+    return pd.concat(rows)
+
+
+def contaminated(test, receiver, faults, model, params):
+    """Return the scores of every scheme for every draw of noise and gross errors, and the errors of the first."""
+    scores, shown = [], None
+    ellipsoid = gnss.origin(test.recording.fixes)
+    for draw in range(params.seeds):
+        fixes = receiver.degrade(test.recording.fixes, params.seed, draw)
+        events = faults.draw(fixes.index.to_numpy(), params.seed, "car", draw)
+        spoilt = faults.apply(fixes, events, ellipsoid, params.seed, "car", draw)
+        found, errors = test.schemes(fixes, spoilt, events, model)
+        scores.append(found.assign(draw=draw))
+        if shown is None:
+            place = gnss.local(spoilt, ellipsoid)[:, :2]
+            seen = pd.DataFrame(place, index=spoilt.index, columns=["north", "east"]).assign(scheme="fixes")
+            tracks = [one.assign(scheme=name) for name, one in errors.items()]
+            truth = pd.DataFrame(gnss.local(test.recording.fixes, ellipsoid)[:, :2], index=test.recording.fixes.index,
+                                 columns=["north", "east"]).assign(scheme="truth")  # fmt: skip
+            shown = pd.concat([seen, truth, *tracks]).reset_index()
+    return pd.concat(scores), shown
+
+
+if __name__ == "__main__":
+    with journal(snakemake.log[0]):
+        source, output, params = snakemake.input, snakemake.output, snakemake.params
+        dataset = catalogue.load("data", "workflow/schemas")[NAME]
+        for file in dataset.files:
+            catalogue.verify(file, {"log": source.log, "clock": source.clock, "fixes": source.fixes}[file.content])
+        recording = recordings.read_car(source.log, source.clock, source.fixes, dataset)
+        receiver = roadtest.Receiver.read(source.recipe, "car")
+        test = roadtest.car(recording, receiver)
+        rest = roadtest.at_rest(recording.log, params.rest_s)
+        tuned, way = test.tune(receiver.degrade(recording.fixes, params.seed, "tuning"), rest)
+        models = {"rest": rest, "tuned": tuned}
+        way.to_csv(output.tuning, index=False)
+        Path(output.models).write_text(yaml.safe_dump({name: one.to_mapping() for name, one in models.items()}))
+        outages(test, receiver, models, params).to_parquet(output.outages, index=False)
+        scores, shown = contaminated(test, receiver, Faults.read(source.recipe), tuned, params)
+        scores.to_csv(output.schemes, index=False)
+        shown.to_parquet(output.errors, index=False)

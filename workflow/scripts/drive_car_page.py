@@ -1,0 +1,82 @@
+"""Lay out the recorded drive: track and outages as figures, a table of the schemes, numbers of the text."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from imugap import figures, tables
+from imugap.consistency import nees_band
+from imugap.figures import ablation as drawn
+from imugap.figures import roadtest
+from imugap.journal import journal
+from imugap.quality import SCHEMES
+from imugap.roadtest import TUNED
+from imugap.units import from_si
+
+
+def page(scores):
+    """Lay the schemes out: medians over the draws."""
+    rows = []
+    for name in SCHEMES:
+        one = scores[scores["scheme"] == name].median(numeric_only=True)
+        rows.append({
+            "scheme": drawn.TITLES[name],
+            "clean, 95 % [m]": tables.number(one["clean"]),
+            "contaminated, 95 % [m]": tables.number(one["contaminated"]),
+            "gyro bias moves by [°/h]": tables.number(from_si(one["gyro"], "deg/h")),
+            "accel bias moves by [mg]": tables.number(from_si(one["accel"], "mg")),
+            "NIS, clean": tables.number(one["nis"]),
+        })  # fmt: skip
+    return pd.DataFrame(rows)
+
+
+def drift(outages):
+    """Return per model what the drift at the end of the outages is, against what is predicted.
+
+    Draws share the device and count once: their NEES are averaged within each outage.
+    """
+    last = outages.loc[outages.groupby(["model", "draw", "begin"])["since"].idxmax()]
+    found = {}
+    for model, one in last.groupby("model"):
+        nees = one.groupby("begin")["nees"].mean()
+        low, high = nees_band(2, len(nees))
+        found[model] = {
+            "outages": len(nees),
+            "median_m": tables.number(one["horizontal"].median(), 2),
+            "rms_m": tables.number(np.sqrt((one["horizontal"] ** 2).mean()), 2),
+            "predicted_m": tables.number(np.sqrt((one["predicted"] ** 2).mean()), 2),
+            "ratio": tables.number(np.sqrt((one["horizontal"] ** 2).mean() / (one["predicted"] ** 2).mean()), 2),
+            "nees": tables.number(nees.mean(), 2), "low": tables.number(low, 2), "high": tables.number(high, 2),
+            "consistent": bool(low < nees.mean() < high), "careful": bool(nees.mean() <= low),
+        }  # fmt: skip
+    return found
+
+
+def numbers(outages, scores, tuning):
+    """Collect what the text quotes."""
+    moved = scores.pivot(index="draw", columns="scheme", values="gyro")
+    middle = scores.groupby("scheme").median(numeric_only=True)
+    return {
+        "drift": drift(outages),
+        "length_s": f"{outages['since'].max():.0f}",
+        "factors": {name: tables.number(tuning.iloc[-1][name], 2) for name in TUNED},
+        "draws": int(scores["draw"].nunique()),
+        "ratio": {
+            name: tables.number(middle.loc[name, "contaminated"] / middle.loc[name, "clean"]) for name in SCHEMES
+        },
+        "steadier": {"alone": int((moved["gate"] < moved["none"]).sum()),
+                     "beside": int((moved["gated"] < moved["robust"]).sum())},
+    }  # fmt: skip
+
+
+if __name__ == "__main__":
+    with journal(snakemake.log[0]):
+        source, output = snakemake.input, snakemake.output
+        outages, errors = pd.read_parquet(source.outages), pd.read_parquet(source.errors)
+        scores, tuning = pd.read_csv(source.schemes), pd.read_csv(source.tuning)
+        figures.save(roadtest.outages(outages), output.outages)
+        figures.save(roadtest.track(errors), output.track)
+        tables.write(output.table.removesuffix(".csv"), scores, page(scores))
+        Path(output.numbers).write_text(json.dumps(numbers(outages, scores, tuning), indent=1) + "\n")

@@ -1,0 +1,60 @@
+"""Put the recorded flight to the test: attitude against the filter aboard, outages against its own fixes."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from imugap import catalogue, figures, recordings, roadtest, tables
+from imugap.consistency import nees_band
+from imugap.figures import roadtest as drawn
+from imugap.journal import journal
+from imugap.strapdown import ATTITUDE
+
+NAME = "thor_flight75"
+IN_THE_AIR_S = (230.0, 560.0)
+
+
+def apart(solution, aboard):
+    """Return how far roll, pitch and heading are from those of the filter aboard, in the air [rad]."""
+    mine = solution.trajectory.loc[slice(*IN_THE_AIR_S), list(ATTITUDE)]
+    theirs = [np.interp(mine.index, aboard.index, np.unwrap(aboard[name])) for name in ATTITUDE]
+    return np.angle(np.exp(1j * (mine - np.column_stack(theirs))))
+
+
+def numbers(solution, gaps, drift, way):
+    """Collect what the text quotes."""
+    record, nees = solution.record, drift["nees"]
+    low, high = nees_band(2, len(nees))
+    std = np.degrees(solution.trajectory_std.loc[slice(*IN_THE_AIR_S), list(ATTITUDE)].mean())
+    return {
+        "angles": {
+            name: {"mean": tables.number(np.degrees(gap.mean()), 2), "std": tables.number(np.degrees(gap.std()), 2),
+                   "told": tables.number(std[name], 2)}
+            for name, gap in zip(ATTITUDE, gaps.T, strict=True)
+        },
+        "nis": tables.number(record.statistic.sum() / record.freedom.sum(), 2),
+        "factors": {name: tables.number(way.iloc[-1][name], 2) for name in roadtest.TUNED},
+        "outages": len(nees), "rms_m": tables.number(np.sqrt((drift["horizontal"] ** 2).mean()), 2),
+        "predicted_m": tables.number(np.sqrt((drift["predicted"] ** 2).mean()), 2),
+        "nees": tables.number(nees.mean(), 2), "low": tables.number(low, 2), "high": tables.number(high, 2),
+        "consistent": bool(low < nees.mean() < high),
+    }  # fmt: skip
+
+
+if __name__ == "__main__":
+    with journal(snakemake.log[0]):
+        source, output, params = snakemake.input, snakemake.output, snakemake.params
+        catalogue.verify(catalogue.load("data", "workflow/schemas")[NAME].file(1), source.log)
+        recording = recordings.read_flight(source.log)
+        test = roadtest.aircraft(recording, roadtest.Receiver.read(source.recipe, "flight"))
+        model, way = test.tune(recording.fixes, roadtest.at_rest(recording.log, params.rest_s))
+        solution = test.navigate(recording.fixes, model)
+        first, last, length = params.outages_s
+        drift = pd.DataFrame([
+            test.outage(recording.fixes, model, begin, length).iloc[-1] for begin in np.arange(first, last, length + 1)
+        ])  # fmt: skip
+        figures.save(drawn.attitude(solution, recording.aboard), output.figure)
+        found = numbers(solution, apart(solution, recording.aboard), drift, way)
+        Path(output.numbers).write_text(json.dumps(found, indent=1) + "\n")
