@@ -1,17 +1,19 @@
 """What each part of a quality control is worth: simulated drives under every scheme, clean and with gross errors."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
+import yaml
 from scipy.spatial.transform import Rotation
 
 from imugap import reference
 from imugap.departure import depart
 from imugap.error_state import NAVIGATION
 from imugap.faults import OUTAGE, Event, Faults, mark
+from imugap.innovations import Case
 from imugap.log import ACCEL, GYRO
 from imugap.quality import SCHEMES, Quality
 from imugap.road import Drive
@@ -125,6 +127,23 @@ class Ablation:
 
     def _samples(self, solution: Solution, rows: np.ndarray) -> np.ndarray:
         return np.rint(solution.time.to_numpy()[rows] * self.drive.rate_hz).astype(int)
+
+
+def hide(study: Ablation, path: str | Path, what: str | None, run: int, seed: int) -> Case:
+    """Return a drive as a filter has it that is not told of one effect: a name of :data:`CANDIDATES`, or None.
+
+    The effects are those of the part ``hidden`` of the recipe at ``path``.
+    """
+    given, drive = yaml.safe_load(Path(path).read_text())["hidden"], study.drive
+    receiver, record = drive.receiver, drive.record(run, seed)
+    if what == "time offset":
+        receiver = replace(receiver, delay_s=receiver.delay_s + given["delay_s"])
+    elif what == "lever arm":
+        receiver = replace(receiver, lever_m=tuple(np.add(receiver.lever_m, given["lever_m"]).tolist()))
+    elif what == "scale factor":
+        record = record.assign(gyro_z=record["gyro_z"] * (1 + given["gyro_z_scale"]))
+    fixes = replace(drive, receiver=receiver).fixes(run, seed)
+    return Case(record, fixes, drive.model, study.assumptions, drive.ellipsoid)
 
 
 def recovery(errors: pd.DataFrame, events: tuple[Event, ...], limit: float) -> pd.DataFrame:

@@ -189,7 +189,7 @@ def car(recording: Recording, receiver: Receiver) -> RoadTest:
 
 
 def aircraft(recording: Recording, receiver: Receiver) -> RoadTest:
-    """Return the test of a flight by its own receiver: it starts as it rolls, and points along its course only about."""
+    """Return the test of a flight by its own receiver: it starts as it rolls, nearly along its course."""
     assumptions = Assumptions(
         scale_std=SCALE_STD, position_std=receiver.position_std, velocity_std=receiver.velocity_std
     )  # fmt: skip

@@ -99,7 +99,50 @@ rule drive_page:
         "../scripts/drive_page.py"
 
 
+rule drive_hidden:
+    """Ask the innovations of simulated drives what the filter is not told: a name, or none."""
+    input:
+        recipe="data/drive.yaml",
+        code=library("drive_hidden"),
+    output:
+        names="results/drive/hidden.csv",
+    log:
+        "logs/drive_hidden.log",
+    benchmark:
+        "benchmarks/drive_hidden.tsv"
+    params:
+        seed=config["seed"],
+        runs=config["drive"]["hidden_runs"],
+        alpha=config["drive"]["alpha"],
+    script:
+        "../scripts/drive_hidden.py"
+
+
+rule drive_hidden_page:
+    """Tabulate what the innovations named of what was hidden."""
+    input:
+        names="results/drive/hidden.csv",
+        recipe="data/drive.yaml",
+        code=library("drive_hidden_page"),
+    output:
+        multiext("paper/tables/drive_hidden", ".json", ".tex"),
+        table=report(
+            "paper/tables/drive_hidden.csv",
+            caption="../report/drive_hidden.rst",
+            category="Drive",
+            labels={"result": "hidden effects (table)"},
+        ),
+        numbers="paper/numbers/drive_hidden.json",
+    log:
+        "logs/drive_hidden_page.log",
+    benchmark:
+        "benchmarks/drive_hidden_page.tsv"
+    script:
+        "../scripts/drive_hidden_page.py"
+
+
 PAPER += expand("paper/figures/drive_{name}.svg", name=["map", "sensors", "schemes"])
+PAPER += ["paper/tables/drive_hidden.json", "paper/numbers/drive_hidden.json"]
 PAPER += multiext("paper/tables/drive", "_schemes.json", "_kinds.json")
 PAPER += ["paper/numbers/drive.json"]
 

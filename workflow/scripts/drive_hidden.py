@@ -1,0 +1,25 @@
+"""Ask the innovations of simulated drives what the filter is not told."""
+
+import pandas as pd
+
+from imugap import innovations
+from imugap.ablation import Ablation, hide
+from imugap.journal import journal
+
+NOTHING = "nothing"
+
+if __name__ == "__main__":
+    with journal(snakemake.log[0]):
+        params, recipe = snakemake.params, snakemake.input.recipe
+        study, rows = Ablation.read(recipe), []
+        for what in (None, *innovations.CANDIDATES):
+            for run in range(1, params.runs + 1):
+                case = hide(study, recipe, what, run, params.seed)
+                names, told = innovations.name(case, params.alpha)
+                tests = innovations.whiteness(case.solve().record)
+                of = told[told["round"] == 1].set_index("candidate")["gain"]
+                gains = {f"gain, {candidate}": of[candidate] for candidate in innovations.CANDIDATES}
+                said = told[told["named"]]["estimates"]
+                rows.append({"hidden": what or NOTHING, "run": run, "named": " + ".join(names) or NOTHING,
+                             "estimates": "; ".join(said)} | tests | gains)  # fmt: skip
+        pd.DataFrame(rows).assign(alpha=params.alpha).to_csv(snakemake.output.names, index=False)
