@@ -15,13 +15,14 @@ from imugap.error_state import NAVIGATION
 from imugap.faults import OUTAGE, Event, Faults, mark
 from imugap.innovations import Case
 from imugap.log import ACCEL, GYRO
-from imugap.quality import SCHEMES, Quality
+from imugap.quality import NOTHING, SCHEMES, Quality
 from imugap.road import Drive
 from imugap.strapdown import POSITION, VELOCITY
 from imugap.vehicle import Assumptions, Solution, navigate
 
 CLEAN, CONTAMINATED = "clean", "contaminated"
-CASES = (CLEAN, CONTAMINATED)
+ORACLE = "oracle"
+"""A scheme that is told the gross errors as standard deviations: what a perfect test would make of the fixes."""
 ERRORS = ("horizontal", "vertical", "velocity", "tilt", "heading", "gyro", "accel")
 """What is scored: lengths of error vectors [m, m, m/s, rad, rad, rad/s, m/s^2], the last two of estimated biases."""
 EVERY_S = 1.0
@@ -62,7 +63,7 @@ class Ablation:
         )
 
     def runs(self, run: int, seed: int, schemes: dict[str, Quality] = SCHEMES) -> Iterator[tuple[str, str, Run]]:
-        """Yield case, scheme and what comes of it, for one drive."""
+        """Yield case, scheme and what comes of it, for one drive; last comes :data:`ORACLE`."""
         drive, assumptions = self.drive, self.assumptions
         record, clean = drive.record(run, seed), drive.fixes(run, seed)
         events = self.faults.draw(clean.index.to_numpy(), seed, run)
@@ -72,6 +73,9 @@ class Ablation:
             for name, quality in schemes.items():
                 solution = navigate(record, fixes, drive.model, assumptions, quality, start, drive.ellipsoid)
                 yield case, name, Run(solution, fixes, known)
+        told = self.faults.confess(spoilt, events)
+        solution = navigate(record, told, drive.model, assumptions, NOTHING, start, drive.ellipsoid)
+        yield CONTAMINATED, ORACLE, Run(solution, told, events)
 
     def errors(self, one: Run, run: int, seed: int) -> pd.DataFrame:
         """Return the errors at every :data:`EVERY_S`: ``time``, :data:`ERRORS`, and the kind of the event there."""

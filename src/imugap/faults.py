@@ -14,10 +14,13 @@ import pandas as pd
 import yaml
 
 from imugap import gnss
+from imugap.gnss import PLACE_STD, VELOCITY_STD
 from imugap.strapdown import Ellipsoid
 from imugap.stream import stream
 
 OUTLIER, STRETCH, RAMP, OUTAGE = "outlier", "stretch", "ramp", "outage"
+WORTHLESS = 1e5
+"""Standard deviation of a position that says nothing [m]."""
 TRIES = 10_000
 """Draws of places until a recipe counts as one that does not fit its drive."""
 
@@ -122,6 +125,17 @@ class Faults:
                 measured[inside, 3:] += self.velocity_per_s * np.linalg.norm(shift) * wild[inside]
         std = gnss.deviations(fixes, (1.0, 1.0, 1.0), (1.0, 1.0, 1.0))
         return gnss.from_local(fixes.index.to_numpy(), measured, std, ellipsoid)[kinds != OUTAGE]
+
+    def confess(self, spoilt: pd.DataFrame, events: tuple[Event, ...]) -> pd.DataFrame:
+        """Return spoilt fixes with standard deviations that tell of the gross errors: what an oracle would have."""
+        told, time = spoilt.copy(), spoilt.index.to_numpy()
+        for one in (one for one in events if one.kind != OUTAGE):
+            inside = _inside(time, one)
+            told.loc[inside, list(PLACE_STD)] = WORTHLESS
+            if one.kind != RAMP:
+                wild = self.velocity_per_s * np.linalg.norm(one.shift) / np.sqrt(3)
+                told.loc[inside, list(VELOCITY_STD)] = np.hypot(told.loc[inside, list(VELOCITY_STD)], wild)
+        return told
 
 
 def mark(time: np.ndarray, events: tuple[Event, ...]) -> np.ndarray:

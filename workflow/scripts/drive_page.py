@@ -9,7 +9,7 @@ import yaml
 from scipy.stats import binomtest
 
 from imugap import bootstrap, figures, tables
-from imugap.ablation import CLEAN, CONTAMINATED, Ablation
+from imugap.ablation import CLEAN, CONTAMINATED, ORACLE, Ablation
 from imugap.faults import OUTAGE, OUTLIER, RAMP, STRETCH
 from imugap.figures import ablation as drawn
 from imugap.journal import journal
@@ -28,6 +28,8 @@ COLUMNS = {
 }
 KINDS = {CLEAN: "no gross error in the run", "none": "between events", OUTLIER: "outlier", STRETCH: "stretch",
          RAMP: "ramp", OUTAGE: "outage"}  # fmt: skip
+DRAWN = ("none", "remove", "robust", "reset", ORACLE)
+"""Schemes whose errors are drawn over time."""
 BAR, SHARE = 1.3, 0.95
 """What the contaminated run may be over the clean one; seeds in which the gate has to help."""
 
@@ -53,7 +55,7 @@ def schemes_page(scores, recovery):
 
 def kinds_page(kinds):
     """Lay the kinds of gross errors out: 95th percentile of the horizontal error, a row per scheme."""
-    table = kinds.pivot(index="scheme", columns="event", values="horizontal").loc[list(SCHEMES), list(KINDS)]
+    table = kinds.pivot(index="scheme", columns="event", values="horizontal").loc[[*SCHEMES, ORACLE], list(KINDS)]
     shown = table.map(tables.number).rename(columns=KINDS)
     shown.insert(0, "scheme", [drawn.TITLES[name] for name in table.index])
     return shown
@@ -61,7 +63,9 @@ def kinds_page(kinds):
 
 def ratio(scores, scheme, seed, score):
     """Return the contaminated over the clean 95th percentile: ratio of the means over the runs, with its interval."""
-    of = scores[scores["scheme"] == scheme].pivot(index="run", columns="case", values=score)
+    usual = (scores["case"] == CLEAN) & (scores["scheme"] == ("none" if scheme == ORACLE else scheme))
+    spoilt = (scores["case"] == CONTAMINATED) & (scores["scheme"] == scheme)
+    of = scores[usual | spoilt].pivot(index="run", columns="case", values=score)
     middle = of[CONTAMINATED].mean() / of[CLEAN].mean()
     rng = stream(seed, "drive ratio", scheme)
     drawn_runs = of.to_numpy()[rng.integers(0, len(of), (bootstrap.RESAMPLES, len(of)))]
@@ -98,8 +102,8 @@ def numbers(scores, recovery, recipe, seed, runs):
         "recipe": recipe,
         "bar": BAR,
         "share_percent": f"{100 * SHARE:.0f}",
-        "ratios": {scheme: ratio(scores, scheme, seed, "horizontal_95") for scheme in SCHEMES},
-        "aided": {scheme: ratio(scores, scheme, seed, "aided_95") for scheme in SCHEMES},
+        "ratios": {scheme: ratio(scores, scheme, seed, "horizontal_95") for scheme in (*SCHEMES, ORACLE)},
+        "aided": {scheme: ratio(scores, scheme, seed, "aided_95") for scheme in (*SCHEMES, ORACLE)},
         "clean_95_m": {name: tables.number(clean["horizontal_95"].median()[scheme]) for scheme, name in shown.items()},
         "claims": {
             key: {name: claim(scores, *pair, name) for name in ("gyro", "accel")} for key, pair in pairs.items()
@@ -116,8 +120,8 @@ if __name__ == "__main__":
         scores, kinds, recovery = (pd.read_csv(source[name]) for name in ("scores", "kinds", "recovery"))
         study = Ablation.read(source.recipe)
         one = {(case, name): run for case, name, run in study.runs(params.shown, params.seed)}
-        errors = {name: study.errors(one[CONTAMINATED, name], params.shown, params.seed) for name in SCHEMES}
-        figures.save(drawn.drive(study, one[CONTAMINATED, "reset"], errors), output.map)
+        tracks = {name: study.errors(one[CONTAMINATED, name], params.shown, params.seed) for name in DRAWN}
+        figures.save(drawn.drive(study, one[CONTAMINATED, "reset"], tracks), output.map)
         true = study.drive.errors(params.shown, params.seed)
         figures.save(drawn.sensors({name: one[CONTAMINATED, name] for name in SCHEMES}, true), output.sensors)
         figures.save(drawn.schemes(scores), output.runs)

@@ -7,17 +7,17 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from imugap import gnss
-from imugap.ablation import CLEAN, CONTAMINATED, Ablation, Run
+from imugap.ablation import CLEAN, CONTAMINATED, ORACLE, Ablation, Run
 from imugap.faults import OUTAGE, OUTLIER, RAMP, STRETCH, Event, mark
 from imugap.figures import WIDTH, decades, legend_below, panels_of
 from imugap.units import from_si
 
 TITLES = {
     "none": "no control", "gate": "gate alone", "remove": "test and remove", "robust": "weigh down",
-    "gated": "weigh down, gate", "reset": "all, soft reset",
+    "gated": "weigh down, gate", "reset": "all, soft reset", ORACLE: "bad fixes known",
 }  # fmt: skip
 COLOURS = {"none": "#999999", "gate": "#CC79A7", "remove": "#E69F00", "robust": "#56B4E9", "gated": "#0072B2",
-           "reset": "#009E73"}  # fmt: skip
+           "reset": "#009E73", ORACLE: "black"}  # fmt: skip
 SHADES = {STRETCH: "#f4cccc", RAMP: "#fce5cd", OUTAGE: "#dddddd"}
 EVERY = 20
 """Epochs between two points of a path."""
@@ -39,12 +39,13 @@ def drive(study: Ablation, one: Run, errors: Mapping[str, pd.DataFrame]) -> Figu
         left.plot(seen[rows, 1], seen[rows, 0], ".", color=colour, ms=3, label=f"fixes, {kind}")
     left.set(xlabel="east [m]", ylabel="north [m]", aspect="equal")
     left.legend(loc="upper left", fontsize=6)
+    handles = []
     _shade(right, one.events)
     for name, table in errors.items():
-        right.plot(table["time"], table["horizontal"], color=COLOURS[name], lw=0.9, label=TITLES[name])
+        handles += right.plot(table["time"], table["horizontal"], color=COLOURS[name], lw=0.9, label=TITLES[name])
     decades(right)
     right.set(xlabel="time [s]", ylabel="horizontal error [m]", ylim=(0.05, None), xlim=(0, study.drive.duration_s))
-    right.legend(ncols=2, fontsize=6, loc="upper left")
+    figure.legend(handles=handles, loc="outside lower center", ncols=4)
     return figure
 
 
@@ -73,25 +74,23 @@ def schemes(scores: pd.DataFrame) -> Figure:
     for k, name in enumerate(TITLES):
         for case, shift, colour in ((CLEAN, -0.2, "#999999"), (CONTAMINATED, 0.2, COLOURS[name])):
             values = scores[(scores["scheme"] == name) & (scores["case"] == case)]["horizontal_95"].to_numpy()
+            if not len(values):
+                continue
             left.plot(k + shift + spread, values, ".", color=colour, ms=2.5)
             left.plot([k + shift - 0.16, k + shift + 0.16], [np.median(values)] * 2, color="black", lw=1.2)
-    left.set_xticks(range(len(TITLES)), [title.replace(", ", ",\n").replace(" and ", "\nand ").replace(" ", "\n", 1)
-                                        for title in TITLES.values()], fontsize=6)  # fmt: skip
+    left.set_xticks(range(len(TITLES)), TITLES.values(), rotation=35, ha="right", fontsize=6.5)
     left.set_ylabel("95th percentile, horizontal [m]")
     decades(left)
     bad = scores[scores["case"] == CONTAMINATED]
     for panel, name, title, unit in ((others[0], "gyro_bad", "gyro bias [°/h]", "deg/h"),
                                      (others[1], "accel_bad", "accel bias [mg]", "mg")):  # fmt: skip
         of = from_si(bad.pivot(index="run", columns="scheme", values=name), unit)
-        panel.plot(of["none"], of["gate"], ".", color=COLOURS["gate"], ms=4, label="gate against no control")
-        panel.plot(
-            of["robust"], of["gated"], ".", color=COLOURS["gated"], ms=4, label="gate against none, weighed down"
-        )
-        ends = [0.9 * of[["none", "gate", "robust", "gated"]].min().min(), of["none"].max()]
-        panel.plot(ends, ends, color="black", lw=0.6)
-        panel.set(xscale="log", yscale="log", xlabel=f"without gate: error of {title}", ylabel="with gate")
-        panel.set_title("in stretches and ramps")
-    others[0].legend(fontsize=5.5, loc="upper left")
+        panel.plot(of["none"], of["gate"], ".", color=COLOURS["gate"], ms=4, label="no other control")
+        panel.plot(of["robust"], of["gated"], ".", color=COLOURS["gated"], ms=4, label="weighed down")
+        end = 1.05 * of[["none", "gate", "robust", "gated"]].max().max()
+        panel.plot([0, end], [0, end], color="black", lw=0.6)
+        panel.set(xlabel="without gate", ylabel="with gate", title=f"error of {title}", xlim=(0, end), ylim=(0, end))
+    others[0].legend(fontsize=6.5, loc="upper left")
     return figure
 
 

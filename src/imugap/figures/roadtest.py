@@ -60,30 +60,32 @@ def track(table: pd.DataFrame) -> Figure:
     left.plot(of["truth"]["east"], of["truth"]["north"], color="black", lw=0.8, label="truth (RTK)")
     left.set(xlabel="east [m]", ylabel="north [m]", aspect="equal")
     left.legend(fontsize=6)
-    for name, title in TITLES.items():
+    handles = []
+    for name, title in ((name, title) for name, title in TITLES.items() if name in of):
         one = of[name]
-        right.plot(one["time"], np.hypot(one["north"], one["east"]), color=COLOURS[name], lw=0.8, label=title)
+        error = np.hypot(one["north"], one["east"])
+        handles += right.plot(one["time"], error, color=COLOURS[name], lw=0.8, label=title)
     decades(right)
     right.set(xlabel="time [s]", ylabel="horizontal error [m]", ylim=(0.05, None))
-    right.legend(ncols=2, fontsize=6)
+    figure.legend(handles=handles, loc="outside lower center", ncols=6)
     return figure
 
 
 def attitude(solution: Solution, aboard: pd.DataFrame) -> Figure:
-    """Draw roll, pitch and heading over time, and those of the filter aboard."""
-    figure, grid = panels_of(3, 1, 4.2, sharex=True)
-    known = aboard[(aboard.index >= solution.time[0]) & (aboard.index <= solution.time[-1])][::10]
+    """Draw roll, pitch and heading over time, and how far those of the filter aboard are from them."""
+    figure, grid = panels_of(3, 2, 4.2, sharex=True)
     table, std = solution.trajectory[::10], solution.trajectory_std[::10]
-    for panel, name in zip(grid[:, 0], ATTITUDE, strict=True):
-        angle, spread = np.degrees(np.unwrap(table[name])), np.degrees(std[name])
-        panel.fill_between(table.index, angle - spread, angle + spread, color="#0072B2", lw=0, alpha=0.3)
-        panel.plot(table.index, angle, color="#0072B2", lw=0.7, label="filter here")
-        theirs = np.degrees(np.unwrap(known[name]))
-        turns = 360 * np.round(
-            (np.interp(known.index[len(known) // 2], table.index, angle) - theirs[len(theirs) // 2]) / 360
-        )
-        panel.plot(known.index, theirs + turns, color="black", lw=0.7, ls=":", label="filter aboard")
-        panel.set_ylabel(f"{name} [°]")
-    grid[-1, 0].set_xlabel("time [s]")
-    legend_below(figure, 2)
+    for (left, right), name in zip(grid, ATTITUDE, strict=True):
+        theirs = np.interp(table.index, aboard.index, np.unwrap(aboard[name]))
+        gap = np.angle(np.exp(1j * (table[name] - theirs)))
+        left.plot(table.index, np.degrees(table[name]), color="#0072B2", lw=0.6, label="filter here")
+        left.set_ylabel(f"{name} [°]")
+        spread = np.degrees(std[name])
+        right.fill_between(table.index, -spread, spread, color="#0072B2", lw=0, alpha=0.3, label="σ, filter here")
+        right.plot(table.index, np.degrees(gap), color="black", lw=0.7, label="filter here less filter aboard")
+        limit = max(3 * float(np.median(np.abs(np.degrees(gap)))), 3 * float(np.median(spread)))
+        right.set(ylim=(-2 * limit, 2 * limit))
+    for panel in grid[-1]:
+        panel.set_xlabel("time [s]")
+    legend_below(figure, 3)
     return figure
