@@ -7,6 +7,7 @@ rule speed:
         ],
         recipe="data/indirect.yaml",
         walk="data/walk.yaml",
+        drive="data/drive.yaml",
         code=library("speed"),
     output:
         report(

@@ -2,6 +2,7 @@
 
 import resource
 from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
 from multiprocessing import get_context
 from time import perf_counter, process_time
 
@@ -11,14 +12,20 @@ import pandas as pd
 from numba import njit
 
 from imugap import allan, catalogue, indirect, log, maximum_likelihood, readers, tables, wavelet
+from imugap.ablation import Ablation
+from imugap.departure import depart
 from imugap.experiment import Experiment
+from imugap.faults import Faults
 from imugap.gait import Walk
 from imugap.indices import INDICES, of_run
 from imugap.journal import journal
 from imugap.pedestrian import Assumptions
 from imugap.pedestrian import navigate as navigate_foot
+from imugap.quality import Quality
+from imugap.road import Drive
 from imugap.strapdown import Ellipsoid, Local, State, navigate
 from imugap.stream import stream
+from imugap.vehicle import navigate as navigate_vehicle
 
 INTERVAL = 0.01
 
@@ -101,6 +108,22 @@ def walks(recipe, samples, repeats):
     ]
 
 
+def drives(recipe, samples, repeats):
+    """Time the vehicle filter of 21 states with all quality control, and its smoother, on a simulated drive in laps."""
+    drive = Drive.read(recipe)
+    drive = replace(drive, laps=max(1, round(samples / drive.rate_hz / drive.duration_s * drive.laps)))
+    study = Ablation(drive, Faults.read(recipe))
+    record, fixes = drive.record(0, 0), drive.fixes(0, 0)
+    start = depart(record, fixes, study.assumptions.states(drive.model), study.assumptions, drive.ellipsoid)
+    given = record, fixes, drive.model, study.assumptions, Quality(), start, drive.ellipsoid
+    rows, what = [], f"{len(record)} samples, {len(fixes)} fixes, one core"
+    for name, smooth in (("filter", False), ("smoother", True)):
+        spent = median_time(lambda smooth=smooth: navigate_vehicle(*given, smooth=smooth), repeats)
+        speed = len(record) / spent / 1e6
+        rows.append([f"vehicle {name}, 21 states", what, spent, "million samples/s", speed])
+    return rows
+
+
 def fits_of(experiment, method, runs):
     """Fit simulated logs, of which only the fits are timed; return the time spent [s]."""
     sequences = [experiment.simulate(0, "speed", run) for run in runs]
@@ -146,6 +169,7 @@ if __name__ == "__main__":
         params = snakemake.params
         rows = kernels(params.samples, params.repeats) + wavelets(params.samples, params.repeats)
         rows += walks(snakemake.input.walk, params.samples, params.repeats)
+        rows += drives(snakemake.input.drive, params.samples, params.repeats)
         rows += fits(snakemake.input.recipe, params.fits)
         if snakemake.input.raw:
             rows += chain(snakemake.input.raw, params.runs, params.period_s)
