@@ -152,3 +152,44 @@ def test_what_is_missing_lies_in_its_intervals_and_simulations_are_one_scatter_a
     apart = read(f"missing_distances_{device}").set_index("distance")
     assert apart.loc["distribution", "floor_value"].between(0.8, 1.2).all()
     assert apart["floor_value"].between(0.5, 1.5).all()
+
+
+def drives():
+    return read("drive_schemes").groupby(["case", "scheme"])
+
+
+def test_the_plain_filter_of_the_simulated_drives_knows_itself():
+    """NIS over its degrees of freedom: each drive has thousands; NEES: some ten independent pieces of a drive."""
+    clean = drives().get_group(("clean", "none"))
+    runs = clean["run"].nunique()
+    assert abs(clean["nis"].mean() - 1) < 4 * np.sqrt(2 / (5000 * runs))
+    assert abs(clean["nees"].mean() - 1) < 4 * np.sqrt(2 / (9 * 10 * runs))
+
+
+def test_control_is_worth_more_than_none_and_less_than_an_oracle():
+    middle = drives()["horizontal_95"].mean()["contaminated"]
+    for scheme in ("remove", "robust", "gated", "reset"):
+        assert middle["oracle"] < middle[scheme] < middle["none"]
+
+
+def test_control_costs_little_where_nothing_is_wrong():
+    middle = drives()["horizontal_95"].mean()["clean"]
+    assert (middle / middle["none"]).between(0.97, 1.1).all()
+    false = drives()["false"].mean()["clean"]
+    assert false[["remove", "robust"]].between(0.0020, 0.0034).all()
+
+
+def test_a_hidden_effect_is_named_and_where_there_is_none_it_is_not():
+    found = read("drive_hidden")
+    nothing = found["hidden"] == "nothing"
+    assert (found["named"] == found["hidden"])[~nothing].mean() > 0.8
+    assert (found["named"] != "nothing")[nothing].mean() < 0.2
+
+
+def test_the_drift_of_the_tuned_model_on_the_recorded_drive_is_of_the_predicted_size():
+    path = ROOT / "paper/numbers/drive_car.json"
+    if not path.exists():
+        pytest.skip("the files of rtklibexplorer_drive are not here")
+    drift = json.loads(path.read_text())["drift"]
+    assert 0.33 < float(drift["tuned"]["ratio"]) < 3
+    assert float(drift["tuned"]["rms_m"]) < float(drift["rest"]["rms_m"])

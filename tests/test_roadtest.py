@@ -42,8 +42,7 @@ def publish_car(folder, samples, start="2025-07-08 19:34:21.500"):
     moment = pd.Timestamp(start)
     head = struct.pack("<64xId", int(moment.timestamp()), moment.microsecond / 1e6)
     (folder / "imu.tag").write_bytes(head + bytes(80))
-    word = " ".join(["{}", "{}", "40.0", "-105.0", "1600.0", "1", "20", "0.01", "0.01", "0.01", *["0"] * 5, "1.0", "2.0",
-                     "3.0", "0.05", "0.05", "0.06", "0", "0", "0"])  # fmt: skip
+    word = "{} {} 40.0 -105.0 1600.0 1 20 0.01 0.01 0.01 0 0 0 0 0 1.0 2.0 3.0 0.05 0.05 0.06 0 0 0"
     lines = [word.format("2025/07/08", f"19:34:2{second}.499") for second in range(2, 6)]
     (folder / "gnss.pos").write_text("% head\n" + "\n".join(lines) + "\n")
     return folder / "imu.csv", folder / "imu.tag", folder / "gnss.pos"
