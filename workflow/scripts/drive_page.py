@@ -45,6 +45,8 @@ def schemes_page(scores, recovery):
             row[head] = tables.number(from_si(one[name], unit))
         rates = means.loc[(case, scheme)]
         row["false [%]"], row["missed [%]"] = (tables.number(100 * rates[name], 2) for name in ("false", "missed"))
+        if scheme == ORACLE:
+            row["false [%]"] = row["missed [%]"] = "—"
         known = recovery[recovery["scheme"] == scheme]["recovery"]
         row["recovery, 90 % [s]"] = f"{known.quantile(0.9):.0f}" if case == CONTAMINATED else "—"
         row["NIS"], row["NEES"] = (tables.number(one[name], 3) for name in ("nis", "nees"))
@@ -109,6 +111,7 @@ def numbers(scores, recovery, recipe, seed, runs):
             key: {name: claim(scores, *pair, name) for name in ("gyro", "accel")} for key, pair in pairs.items()
         },
         "nees": tables.number(clean["nees"].mean()["none"]),
+        "reset_s": f"{SCHEMES['reset'].reset_s:g}",
         "limit_m": tables.number(recovery["limit"].iloc[0]),
         "resets": {case: int(one["resets"].sum()) for case, one in scores[scores["scheme"] == "reset"].groupby("case")},
     }
