@@ -6,7 +6,6 @@ rule drive_runs:
     """Filter a part of the simulated drives under every scheme of quality control, clean and with gross errors."""
     input:
         recipe="data/drive.yaml",
-        code=library("drive_runs"),
     output:
         errors="results/drive/{part}/errors.parquet",
         verdicts="results/drive/{part}/verdicts.csv",
@@ -22,6 +21,7 @@ rule drive_runs:
         runs=lambda wildcards: list(range(1, DRIVES + 1))[
             int(wildcards.part) - 1 :: len(DRIVE_PARTS)
         ],
+        code=library("drive_runs"),
     script:
         "../scripts/drive_runs.py"
 
@@ -32,7 +32,6 @@ rule drive_scores:
         errors=expand("results/drive/{part}/errors.parquet", part=DRIVE_PARTS),
         verdicts=expand("results/drive/{part}/verdicts.csv", part=DRIVE_PARTS),
         events=expand("results/drive/{part}/events.csv", part=DRIVE_PARTS),
-        code=library("drive_scores"),
     output:
         scores="results/drive/scores.csv",
         kinds="results/drive/kinds.csv",
@@ -41,6 +40,8 @@ rule drive_scores:
         "logs/drive_scores.log",
     benchmark:
         "benchmarks/drive_scores.tsv"
+    params:
+        code=library("drive_scores"),
     script:
         "../scripts/drive_scores.py"
 
@@ -52,7 +53,6 @@ rule drive_page:
         scores="results/drive/scores.csv",
         kinds="results/drive/kinds.csv",
         recovery="results/drive/recovery.csv",
-        code=library("drive_page"),
     output:
         multiext("paper/tables/drive_schemes", ".json", ".tex"),
         multiext("paper/tables/drive_kinds", ".json", ".tex"),
@@ -95,6 +95,7 @@ rule drive_page:
         seed=config["seed"],
         runs=DRIVES,
         shown=config["drive"]["shown_run"],
+        code=library("drive_page"),
     script:
         "../scripts/drive_page.py"
 
@@ -103,7 +104,6 @@ rule drive_hidden:
     """Ask the innovations of simulated drives what the filter is not told: a name, or none."""
     input:
         recipe="data/drive.yaml",
-        code=library("drive_hidden"),
     output:
         names="results/drive/hidden.csv",
     log:
@@ -114,6 +114,7 @@ rule drive_hidden:
         seed=config["seed"],
         runs=config["drive"]["hidden_runs"],
         alpha=config["drive"]["alpha"],
+        code=library("drive_hidden"),
     script:
         "../scripts/drive_hidden.py"
 
@@ -123,7 +124,6 @@ rule drive_hidden_page:
     input:
         names="results/drive/hidden.csv",
         recipe="data/drive.yaml",
-        code=library("drive_hidden_page"),
     output:
         multiext("paper/tables/drive_hidden", ".json", ".tex"),
         table=report(
@@ -137,6 +137,8 @@ rule drive_hidden_page:
         "logs/drive_hidden_page.log",
     benchmark:
         "benchmarks/drive_hidden_page.tsv"
+    params:
+        code=library("drive_hidden_page"),
     script:
         "../scripts/drive_hidden_page.py"
 
@@ -162,7 +164,6 @@ if "rtklibexplorer_drive" in PRESENT:
             fixes=raw_drive("rtklibexplorer_drive", "fixes"),
             tables=["data/datasets.csv", "data/files.csv"],
             recipe="data/drive.yaml",
-            code=library("drive_car"),
         output:
             tuning="results/drive_car/tuning.csv",
             models="results/drive_car/models.yaml",
@@ -178,6 +179,7 @@ if "rtklibexplorer_drive" in PRESENT:
             seeds=config["drive"]["real_seeds"],
             rest_s=config["drive"]["rest_s"]["car"],
             outages_s=config["drive"]["outages_s"]["car"],
+            code=library("drive_car"),
         script:
             "../scripts/drive_car.py"
 
@@ -189,7 +191,6 @@ if "rtklibexplorer_drive" in PRESENT:
             outages="results/drive_car/outages.parquet",
             schemes="results/drive_car/schemes.csv",
             errors="results/drive_car/errors.parquet",
-            code=library("drive_car_page"),
         output:
             multiext("paper/tables/drive_car", ".json", ".tex"),
             outages=report(
@@ -215,6 +216,8 @@ if "rtklibexplorer_drive" in PRESENT:
             "logs/drive_car_page.log",
         benchmark:
             "benchmarks/drive_car_page.tsv"
+        params:
+            code=library("drive_car_page"),
         script:
             "../scripts/drive_car_page.py"
 
@@ -230,7 +233,6 @@ if "thor_flight75" in PRESENT:
             log=raw_drive("thor_flight75"),
             tables=["data/datasets.csv", "data/files.csv"],
             recipe="data/drive.yaml",
-            code=library("drive_flight"),
         output:
             figure=report(
                 "paper/figures/drive_flight.svg",
@@ -246,6 +248,7 @@ if "thor_flight75" in PRESENT:
         params:
             rest_s=config["drive"]["rest_s"]["flight"],
             outages_s=config["drive"]["outages_s"]["flight"],
+            code=library("drive_flight"),
         script:
             "../scripts/drive_flight.py"
 
