@@ -30,9 +30,9 @@ def found(study):
     rows = []
     for run in range(RUNS):
         for case, scheme, one in study.runs(run, SEED):
-            errors = study.errors(one, run, SEED)
+            errors = study.errors(one)
             rows.append({"run": run, "case": case, "scheme": scheme} | scores(errors).to_dict()
-                        | study.verdicts(one, run, SEED))  # fmt: skip
+                        | study.verdicts(one))  # fmt: skip
     return pd.DataFrame(rows)
 
 
@@ -76,7 +76,7 @@ def test_what_is_missed_is_less_with_a_test_and_all_without(found):
 def test_errors_are_lengths_of_what_solution_and_truth_differ_by(study):
     case, scheme, one = next(study.runs(3, SEED))
     assert (case, scheme) == (CLEAN, "none")
-    table = study.errors(one, 3, SEED)
+    table = study.errors(one)
     assert list(table.columns) == ["time", *ERRORS, "event"]
     assert np.diff(table["time"]) == pytest.approx(1)
     at = table.iloc[200]

@@ -31,11 +31,12 @@ EVERY_S = 1.0
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """A drive under one scheme: the solution, the fixes that it had, and the gross errors in them."""
+    """A drive under one scheme: solution, fixes, the gross errors in them, and the true errors of the sensors."""
 
     solution: Solution
     fixes: pd.DataFrame
     events: tuple[Event, ...]
+    true: pd.DataFrame
 
 
 @dataclass(frozen=True)
@@ -65,25 +66,25 @@ class Ablation:
     def runs(self, run: int, seed: int, schemes: dict[str, Quality] = SCHEMES) -> Iterator[tuple[str, str, Run]]:
         """Yield case, scheme and what comes of it, for one drive; last comes :data:`ORACLE`."""
         drive, assumptions = self.drive, self.assumptions
-        record, clean = drive.record(run, seed), drive.fixes(run, seed)
+        record, clean, true = drive.record(run, seed), drive.fixes(run, seed), drive.errors(run, seed)
         events = self.faults.draw(clean.index.to_numpy(), seed, run)
         spoilt = self.faults.apply(clean, events, drive.ellipsoid, seed, run)
         start = depart(record, clean, assumptions.states(drive.model), assumptions, drive.ellipsoid)
         for case, fixes, known in ((CLEAN, clean, ()), (CONTAMINATED, spoilt, events)):
             for name, quality in schemes.items():
                 solution = navigate(record, fixes, drive.model, assumptions, quality, start, drive.ellipsoid)
-                yield case, name, Run(solution, fixes, known)
+                yield case, name, Run(solution, fixes, known, true)
         told = self.faults.confess(spoilt, events)
         solution = navigate(record, told, drive.model, assumptions, NOTHING, start, drive.ellipsoid)
-        yield CONTAMINATED, ORACLE, Run(solution, told, events)
+        yield CONTAMINATED, ORACLE, Run(solution, told, events, true)
 
-    def errors(self, one: Run, run: int, seed: int) -> pd.DataFrame:
+    def errors(self, one: Run) -> pd.DataFrame:
         """Return the errors at every :data:`EVERY_S`: ``time``, :data:`ERRORS`, and the kind of the event there."""
         solution = one.solution
         time = np.arange(np.ceil(solution.time[0]) + EVERY_S, solution.time[-1] + 1e-6, EVERY_S)
         rows = np.minimum(np.searchsorted(solution.time, time - 1e-6), len(solution.time) - 1)
         linear, turn = self._navigation(solution, rows)
-        sensors = solution.sensors.iloc[rows] - self._sensors(solution, rows, run, seed)
+        sensors = solution.sensors.iloc[rows] - self._sensors(one, rows)
         columns = {
             "time": time,
             "horizontal": np.hypot(linear[:, 0], linear[:, 1]),
@@ -96,7 +97,7 @@ class Ablation:
         }
         return pd.DataFrame(columns).assign(event=mark(time, one.events))
 
-    def verdicts(self, one: Run, run: int, seed: int) -> dict[str, float]:
+    def verdicts(self, one: Run) -> dict[str, float]:
         """Return of one run what the quality control did to good and bad fixes, and how the filter knows itself.
 
         ``false`` is the share of the components of good fixes that are removed or weighed down, ``missed`` the share of
@@ -107,7 +108,7 @@ class Ablation:
         bad = mark(solution.fix_time, one.events) != ""
         touched = record.share < 1
         linear, turn = self._navigation(solution, solution.fix_row)
-        sensors = solution.path.errors[solution.fix_row] - self._sensors(solution, solution.fix_row, run, seed)
+        sensors = solution.path.errors[solution.fix_row] - self._sensors(one, solution.fix_row)
         whole = np.hstack([linear, turn, sensors])
         parts = {"nees": slice(0, NAVIGATION), "nees_sensors": slice(NAVIGATION, whole.shape[1])}
         return {
@@ -126,8 +127,8 @@ class Ablation:
         linear = found[:, :6] - truth[[*POSITION, *VELOCITY]].to_numpy(float)
         return linear, (Rotation.from_quat(found[:, 6:]) * reference.rotations(truth).inv()).as_rotvec()
 
-    def _sensors(self, solution: Solution, rows: np.ndarray, run: int, seed: int) -> np.ndarray:
-        return self.drive.errors(run, seed)[solution.names].to_numpy()[self._samples(solution, rows)]
+    def _sensors(self, one: Run, rows: np.ndarray) -> np.ndarray:
+        return one.true[one.solution.names].to_numpy()[self._samples(one.solution, rows)]
 
     def _samples(self, solution: Solution, rows: np.ndarray) -> np.ndarray:
         return np.rint(solution.time.to_numpy()[rows] * self.drive.rate_hz).astype(int)

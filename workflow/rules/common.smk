@@ -122,6 +122,11 @@ def raw_log(wildcards):
     return str(locate(CATALOGUE[wildcards.device].file(run), RAW, MIRROR))
 
 
+def raw_drive(name, content="log"):
+    """Name the raw file of a recorded drive."""
+    return str(locate(CATALOGUE[name].file(1, content), RAW, MIRROR))
+
+
 def site(wildcards):
     """Give the site of a device: where it stood and, if known, its heading."""
     return SITES[wildcards.device]

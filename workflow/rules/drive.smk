@@ -148,12 +148,6 @@ PAPER += ["paper/tables/drive_hidden.json", "paper/numbers/drive_hidden.json"]
 PAPER += multiext("paper/tables/drive", "_schemes.json", "_kinds.json")
 PAPER += ["paper/numbers/drive.json"]
 
-
-def raw_drive(name, content="log"):
-    """Name the raw file of a recorded drive."""
-    return str(locate(CATALOGUE[name].file(1, content), RAW, MIRROR))
-
-
 if "rtklibexplorer_drive" in PRESENT:
 
     rule drive_car:

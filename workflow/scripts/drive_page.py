@@ -123,10 +123,9 @@ if __name__ == "__main__":
         scores, kinds, recovery = (pd.read_csv(source[name]) for name in ("scores", "kinds", "recovery"))
         study = Ablation.read(source.recipe)
         one = {(case, name): run for case, name, run in study.runs(params.shown, params.seed)}
-        tracks = {name: study.errors(one[CONTAMINATED, name], params.shown, params.seed) for name in DRAWN}
+        tracks = {name: study.errors(one[CONTAMINATED, name]) for name in DRAWN}
         figures.save(drawn.drive(study, one[CONTAMINATED, "reset"], tracks), output.map)
-        true = study.drive.errors(params.shown, params.seed)
-        figures.save(drawn.sensors({name: one[CONTAMINATED, name] for name in SCHEMES}, true), output.sensors)
+        figures.save(drawn.sensors({name: one[CONTAMINATED, name] for name in SCHEMES}), output.sensors)
         figures.save(drawn.schemes(scores), output.runs)
         tables.write(output.schemes.removesuffix(".csv"), scores, schemes_page(scores, recovery))
         tables.write(output.kinds.removesuffix(".csv"), kinds, kinds_page(kinds))

@@ -14,8 +14,8 @@ def main(ablation, runs, seed, output):
     for run in runs:
         for case, scheme, one in ablation.runs(run, seed):
             key = {"run": run, "case": case, "scheme": scheme}
-            errors.append(ablation.errors(one, run, seed).assign(**key))
-            verdicts.append(key | ablation.verdicts(one, run, seed))
+            errors.append(ablation.errors(one).assign(**key))
+            verdicts.append(key | ablation.verdicts(one))
         events += [{"run": run} | asdict(event) for event in one.events]
     pd.concat(errors).to_parquet(output.errors, index=False)
     pd.DataFrame(verdicts).to_csv(output.verdicts, index=False)

@@ -49,9 +49,10 @@ def drive(study: Ablation, one: Run, errors: Mapping[str, pd.DataFrame]) -> Figu
     return figure
 
 
-def sensors(runs: Mapping[str, Run], true: pd.DataFrame) -> Figure:
+def sensors(runs: Mapping[str, Run]) -> Figure:
     """Draw estimated errors of sensors over time under every scheme, and the true ones."""
     figure, grid = panels_of(2, 2, 4.2, sharex=True)
+    true = next(iter(runs.values())).true
     for panel, (axis, (title, unit)) in zip(grid.flat, SHOWN.items(), strict=True):
         _shade(panel, next(iter(runs.values())).events)
         panel.plot(true.index[::100], from_si(true[axis].to_numpy()[::100], unit), color="black", lw=1.2, label="truth")
