@@ -1,4 +1,5 @@
 import numpy as np
+import pytest
 
 from imugap.effects import Bias, BiasInstability, GaussMarkov, Quantization, RandomWalk, TurnOnBias, WhiteNoise
 from imugap.model import AxisModel, ErrorModel
@@ -45,3 +46,13 @@ def test_flicker_noise_has_the_allan_deviation_that_it_should_over_the_range_tha
     assert np.abs(ratio - 1).max() < 0.04
     assert np.abs(ratio - 1).max() > 0.01
     np.testing.assert_allclose(states.driving_psd, 2 * states.variance * states.decay)
+
+
+@pytest.mark.parametrize("correlation", [200.0, np.inf])
+def test_scale_factors_keep_their_variance_whatever_their_correlation_time(correlation):
+    """Gauss-Markov: what decays is driven back; a constant has neither."""
+    states = SensorStates.of(ErrorModel({}), (1e-3, 2e-3), correlation)
+    assert states.scale.all()
+    np.testing.assert_allclose(states.variance, np.repeat([1e-6, 4e-6], 3))
+    np.testing.assert_allclose(states.decay, 1 / correlation)
+    np.testing.assert_allclose(states.driving_psd, 2 * states.decay * states.variance)
