@@ -41,6 +41,6 @@ if __name__ == "__main__":
         data = pd.DataFrame([vars(one) | {"files": len(one.files), "runs": len(one.runs)} for one in sets.values()])
         heads = {"name": "name", "title": "title", "rate_hz": "rate [Hz]", "runs": "runs", "gyro_unit": "gyro",
                  "accel_unit": "accel", "frame": "frame", "licence": "licence"}  # fmt: skip
-        shown = data[list(heads)].rename(columns=heads).fillna("—")
+        shown = data[list(heads)].assign(rate_hz=data["rate_hz"].map("{:.6g}".format)).rename(columns=heads).fillna("—")
         shown["here"] = ["left out" if name in params.omitted else "yes" for name in shown["name"]]
         tables.write(snakemake.output[1].removesuffix(".csv"), data, shown)
