@@ -183,7 +183,7 @@ def _told_apart(search: Search, found: AxisFit) -> AxisFit:
     """Return the fit with telegraph noise in the place of what the samples show to have two values."""
     found = _switching(search, _many_steps(search, found))
     keys = [key for key in search.added(found.description) if isinstance(at(found.description, key), SLOW)]
-    if not keys:
+    if not keys or found.has(RandomTelegraph):
         return found
     verdict = compare(found, tuple(at(found.description, key) for key in keys))
     if verdict.gain < -search.log_alpha / 2:
