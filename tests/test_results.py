@@ -152,3 +152,20 @@ def test_what_is_missing_lies_in_its_intervals_and_simulations_are_one_scatter_a
     apart = read(f"missing_distances_{device}").set_index("distance")
     assert apart.loc["distribution", "floor_value"].between(0.8, 1.2).all()
     assert apart["floor_value"].between(0.5, 1.5).all()
+
+
+def test_restoration_compensates_a_walk_by_no_more_than_its_bias():
+    """A drawn turn-on bias adds to that of the device: over devices it is no better than the bias alone."""
+    found = read("compensation").set_index("contender")
+    for quantity in ("position", "heading"):
+        assert found.loc["restoration", f"{quantity}_excess_high"] > 0
+        assert found.loc["none", f"{quantity}_mean"] > 5 * found.loc["bias_only", f"{quantity}_mean"]
+        assert found.loc["stand", f"{quantity}_mean"] < found.loc["bias_only", f"{quantity}_mean"]
+
+
+def test_a_filter_that_knows_of_turn_on_biases_ends_near_and_believes_itself():
+    found = read("compensation_inside").set_index("contender")
+    for name in ("white_turn_on", "restoration", "nbk", "fitted", "truth"):
+        assert found.loc[name, "position"] < 0.5 * found.loc["white", "position"]
+        assert 0.1 < found.loc[name, "heading_nees"] < 3
+    assert found.loc["white", "heading_nees"] > 10

@@ -87,9 +87,9 @@ def wavelets(samples, repeats):
 def walks(recipe, samples, repeats):
     """Time the zero-velocity detector and the filter of 15 states on a simulated walk, over and over."""
     walk = Walk.read(recipe)
-    stride = walk.ideal(0, 0)
-    times = -(-samples // len(stride))
-    columns = {axis: np.tile(stride[axis].to_numpy(), times)[:samples] for axis in log.AXES}
+    once = walk.record(0, 0)
+    times = -(-samples // len(once))
+    columns = {axis: np.tile(once[axis].to_numpy(), times)[:samples] for axis in log.AXES}
     table = log.from_samples(columns, 1 / walk.rate_hz)
     plain = Assumptions(gravity=walk.site.gravity, arm_std=0.0)
     spent = median_time(lambda: navigate_foot(table, walk.model, plain), repeats)

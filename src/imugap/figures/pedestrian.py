@@ -1,0 +1,92 @@
+"""Figures of the chapter on walks: each function draws one figure from tables and returns it."""
+
+from collections.abc import Mapping
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+from matplotlib.ticker import StrMethodFormatter
+
+from imugap.figures import legend_below, panels_of, static
+
+TITLES = {"none": "None", "stand": "Mean at the stand"} | static.TITLES
+TITLES |= {"fitted": "Fitted composite", "truth": "True model"}
+"""One name per compensation in every table and figure."""
+COLOURS = {"none": "black", "stand": "#7F3C8D"} | static.COLOURS | {"fitted": "#8B4513", "truth": "black"}
+PRINTED = "#D55E00"
+"""Colour of what is printed in the source."""
+
+
+def tracks(table: pd.DataFrame, truth: pd.DataFrame, shown: Mapping[str, str]) -> Figure:
+    """Draw the navigated walk under several compensations (He et al. 2023, figures 4 and 6), across it enlarged.
+
+    Parameters
+    ----------
+    table
+        Columns ``contender``, ``trial``, ``north``, ``east`` [m]; the first trial is drawn as a line, of all the end.
+    truth
+        True Trajectory.
+    shown
+        Contender to title of its panel.
+    """
+    columns = 3
+    figure, grid = panels_of(-(-len(shown) // columns), columns, 1.75 * (-(-len(shown) // columns)) + 0.4, sharex=True)
+    for panel, (name, title) in zip(grid.flat, shown.items(), strict=False):
+        one = table[table["contender"] == name]
+        panel.plot(truth["north"], truth["east"], color="#bbbbbb", lw=2.5, label="true path")
+        for trial, path in one.groupby("trial"):
+            if trial == 0:
+                panel.plot(path["north"], path["east"], color=COLOURS[name], lw=0.8, label="navigated, first trial")
+            panel.plot(*path[["north", "east"]].iloc[-1], "x", color=PRINTED, ms=5, mew=1.2, label="navigated ends")
+        panel.plot(0, 0, "o", color="black", ms=4, label="begin and true end", zorder=5)
+        panel.set_title(title)
+    for panel in grid.flat[len(shown) :]:
+        panel.set_axis_off()
+    for panel in grid[-1]:
+        panel.set_xlabel("north [m]")
+    for row in grid:
+        row[0].set_ylabel("east [m]")
+    legend_below(figure, 4)
+    return figure
+
+
+def ends(
+    table: pd.DataFrame, printed: Mapping[str, Mapping[str, float]], units: Mapping[str, tuple[str, str]]
+) -> Figure:
+    """Draw the errors of the ends over devices, a panel for each quantity and a row of points for each compensation.
+
+    Parameters
+    ----------
+    table
+        Columns ``use``, ``contender`` and the quantities, in the units shown.
+    printed
+        Quantity to contender to the value that the source prints.
+    units
+        Quantity to its title and unit.
+    """
+    uses = list(table["use"].unique())
+    counts = [table[table["use"] == use]["contender"].nunique() for use in uses]
+    figure, grid = panels_of(
+        len(uses), len(units), 0.19 * sum(counts) + 1.3, sharex="col", gridspec_kw={"height_ratios": counts}
+    )
+    for row, use in zip(grid, uses, strict=True):
+        one = table[table["use"] == use]
+        names = list(one["contender"].unique())
+        for panel, (quantity, (title, unit)) in zip(row, units.items(), strict=True):
+            for place, name in enumerate(names):
+                _strip(panel, one[one["contender"] == name][quantity].to_numpy(), place, COLOURS[name])
+                if use == uses[0] and name in printed[quantity]:
+                    panel.plot(printed[quantity][name], place, "D", color=PRINTED, ms=4.5, label="printed")
+            panel.set(xscale="log", ylim=(len(names) - 0.4, -0.6), title=use)
+            panel.set_xlabel(f"{title} [{unit}]" if use == uses[-1] else "")
+            panel.set_yticks(range(len(names)), [TITLES[name] for name in names] if panel is row[0] else [])
+            panel.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+    legend_below(figure, 3)
+    return figure
+
+
+def _strip(panel, values: np.ndarray, place: float, colour: str) -> None:
+    """Draw values as points around a row, and their mean as a bar."""
+    spread = place + 0.3 * np.linspace(-1, 1, len(values))
+    panel.plot(values, spread, ".", color=colour, ms=2.5, alpha=0.7, label="a device each")
+    panel.plot([values.mean()] * 2, [place - 0.42, place + 0.42], color="black", lw=1.6, label="mean", zorder=4)

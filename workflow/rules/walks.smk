@@ -1,0 +1,112 @@
+rule walk_models:
+    """Calibrate the device of the simulated walk at rest, and build every contender from its logs."""
+    input:
+        recipe="data/walk.yaml",
+        code=library("walk_models"),
+    output:
+        models="results/walk/models.yaml",
+        indices="results/walk/indices.csv",
+    log:
+        "logs/walk_models.log",
+    benchmark:
+        "benchmarks/walk_models.tsv"
+    params:
+        seed=config["seed"],
+        static=config["walks"]["static"],
+        period_s=config["bias_stability_period_s"],
+        rate_hz=config["estimation"]["rate_hz"],
+    script:
+        "../scripts/walk_models.py"
+
+
+rule walk_subtracted:
+    """Subtract what each model simulates from the log of the walk, ahead of the navigator (figure 5 of the source)."""
+    input:
+        recipe="data/walk.yaml",
+        models="results/walk/models.yaml",
+        indices="results/walk/indices.csv",
+        code=library("walk_subtracted"),
+    output:
+        ends="results/walk/subtracted.parquet",
+        tracks="results/walk/tracks.parquet",
+    log:
+        "logs/walk_subtracted.log",
+    benchmark:
+        "benchmarks/walk_subtracted.tsv"
+    params:
+        seed=config["seed"],
+        devices=config["walks"]["devices"],
+        printed=config["walks"]["printed_trials"],
+    script:
+        "../scripts/walk_subtracted.py"
+
+
+rule walk_inside:
+    """Navigate the walk with a filter that holds the states and densities of each model."""
+    input:
+        recipe="data/walk.yaml",
+        models="results/walk/models.yaml",
+        code=library("walk_inside"),
+    output:
+        "results/walk/inside.parquet",
+    log:
+        "logs/walk_inside.log",
+    benchmark:
+        "benchmarks/walk_inside.tsv"
+    params:
+        seed=config["seed"],
+        devices=config["walks"]["devices"],
+    script:
+        "../scripts/walk_inside.py"
+
+
+rule compensation_page:
+    """Draw and tabulate what compensation is worth (figures 4 and 6, table 3 of the source), with the verdict."""
+    input:
+        recipe="data/walk.yaml",
+        ends="results/walk/subtracted.parquet",
+        tracks="results/walk/tracks.parquet",
+        inside="results/walk/inside.parquet",
+        printed="data/published/he2023_table3_pedestrian_compensation.csv",
+        code=library("compensation_page"),
+    output:
+        multiext("paper/tables/compensation", ".json", ".tex"),
+        multiext("paper/tables/compensation_inside", ".json", ".tex"),
+        tracks=report(
+            "paper/figures/compensation_tracks.svg",
+            caption="../report/compensation_tracks.rst",
+            category="Walks",
+            labels={"result": "compensated walks (figure)"},
+        ),
+        ends=report(
+            "paper/figures/compensation_ends.svg",
+            caption="../report/compensation_ends.rst",
+            category="Walks",
+            labels={"result": "end errors over devices (figure)"},
+        ),
+        table=report(
+            "paper/tables/compensation.csv",
+            caption="../report/compensation.rst",
+            category="Walks",
+            labels={"result": "compensation (table)"},
+        ),
+        inside=report(
+            "paper/tables/compensation_inside.csv",
+            caption="../report/compensation_inside.rst",
+            category="Walks",
+            labels={"result": "models inside the filter (table)"},
+        ),
+        numbers="paper/numbers/compensation.json",
+    log:
+        "logs/compensation_page.log",
+    benchmark:
+        "benchmarks/compensation_page.tsv"
+    params:
+        seed=config["seed"],
+    script:
+        "../scripts/compensation_page.py"
+
+
+PAPER += multiext("paper/figures/compensation", "_tracks.svg", "_ends.svg")
+PAPER += multiext("paper/tables/compensation", ".json", "_inside.json")
+PAPER += ["paper/numbers/compensation.json"]
