@@ -169,3 +169,14 @@ def test_a_filter_that_knows_of_turn_on_biases_ends_near_and_believes_itself():
         assert found.loc[name, "position"] < 0.5 * found.loc["white", "position"]
         assert 0.1 < found.loc[name, "heading_nees"] < 3
     assert found.loc["white", "heading_nees"] > 10
+
+
+def test_every_real_walk_ends_within_a_hundredth_of_its_distance():
+    """The bars of the study: half a per cent in the median, one per cent on each."""
+    if not (TABLES / "walks.csv").exists():
+        pytest.skip("the walking sets are not here")
+    walks = read("walks")
+    assert walks["share"].median() < 0.5
+    assert walks["share"].max() < 1.0
+    strides = walks[walks["dataset"] == "gaitmap_2x20m"]
+    assert (strides[["stride_rmse", "stride_rmse_plain"]] < 0.049).all().all()

@@ -107,6 +107,73 @@ rule compensation_page:
         "../scripts/compensation_page.py"
 
 
+rule walk_real:
+    """Navigate every walk of a data set, and lay it over what cameras saw."""
+    input:
+        raw=lambda wildcards: [
+            str(locate(file, RAW, MIRROR))
+            for file in CATALOGUE[wildcards.dataset].files
+        ],
+        tables=["data/datasets.csv", "data/files.csv"],
+        code=library("walk_real"),
+    output:
+        walks="results/walk/real/{dataset}.csv",
+        tracks="results/walk/real/{dataset}.parquet",
+    log:
+        "logs/walk_real/{dataset}.log",
+    benchmark:
+        "benchmarks/walk_real/{dataset}.tsv"
+    script:
+        "../scripts/walk_real.py"
+
+
+rule walk_real_page:
+    """Draw and tabulate the real walks beside what peers make of them."""
+    input:
+        walks=expand("results/walk/real/{dataset}.csv", dataset=WALKS),
+        tracks=expand("results/walk/real/{dataset}.parquet", dataset=WALKS),
+        peers="data/published/walk_peers.csv",
+        code=library("walk_real_page"),
+    output:
+        multiext("paper/tables/walks", ".json", ".tex"),
+        multiext("paper/tables/walks_peers", ".json", ".tex"),
+        walks=report(
+            "paper/figures/walks.svg",
+            caption="../report/walks.rst",
+            category="Walks",
+            labels={"result": "real walks (figure)"},
+        ),
+        errors=report(
+            "paper/figures/walk_errors.svg",
+            caption="../report/walk_errors.rst",
+            category="Walks",
+            labels={"result": "errors against cameras (figure)"},
+        ),
+        table=report(
+            "paper/tables/walks.csv",
+            caption="../report/walks_table.rst",
+            category="Walks",
+            labels={"result": "real walks (table)"},
+        ),
+        peers=report(
+            "paper/tables/walks_peers.csv",
+            caption="../report/walks_peers.rst",
+            category="Walks",
+            labels={"result": "what peers make of the walks (table)"},
+        ),
+        numbers="paper/numbers/walks.json",
+    log:
+        "logs/walk_real_page.log",
+    benchmark:
+        "benchmarks/walk_real_page.tsv"
+    script:
+        "../scripts/walk_real_page.py"
+
+
 PAPER += multiext("paper/figures/compensation", "_tracks.svg", "_ends.svg")
 PAPER += multiext("paper/tables/compensation", ".json", "_inside.json")
 PAPER += ["paper/numbers/compensation.json"]
+if WALKS:
+    PAPER += ["paper/figures/walks.svg", "paper/figures/walk_errors.svg"]
+    PAPER += ["paper/tables/walks.json", "paper/tables/walks_peers.json"]
+    PAPER += ["paper/numbers/walks.json"]

@@ -90,3 +90,64 @@ def _strip(panel, values: np.ndarray, place: float, colour: str) -> None:
     spread = place + 0.3 * np.linspace(-1, 1, len(values))
     panel.plot(values, spread, ".", color=colour, ms=2.5, alpha=0.7, label="a device each")
     panel.plot([values.mean()] * 2, [place - 0.42, place + 0.42], color="black", lw=1.6, label="mean", zorder=4)
+
+
+FOUND, SEEN = "#0072B2", "black"
+"""Colours of a navigated walk and of what cameras saw of it."""
+
+
+def walks(tracks: pd.DataFrame, titles: Mapping[tuple[str, int], str]) -> Figure:
+    """Draw every real walk from above, with what cameras saw of it.
+
+    Parameters
+    ----------
+    tracks
+        Columns ``dataset``, ``run``, ``north``, ``east`` [m], and ``north_seen``, ``east_seen``, NaN where nothing was.
+    titles
+        Walk to its title.
+    """
+    columns = 5
+    rows = -(-len(titles) // columns)
+    figure, grid = panels_of(rows, columns, 1.45 * rows + 0.3)
+    for panel, ((name, run), title) in zip(grid.flat, titles.items(), strict=False):
+        one = tracks[(tracks["dataset"] == name) & (tracks["run"] == run)]
+        panel.plot(one["east"], one["north"], color=FOUND, lw=0.9, label="navigated")
+        panel.plot(one["east_seen"], one["north_seen"], color=SEEN, lw=0.5, label="seen by cameras")
+        panel.plot(*one[["east", "north"]].iloc[0], "o", color="black", ms=3, label="begin")
+        panel.plot(*one[["east", "north"]].iloc[-1], "x", color=PRINTED, ms=5, mew=1.2, label="end", zorder=5)
+        panel.set_title(title, fontsize=7)
+        panel.set_aspect("equal", "datalim")
+        panel.tick_params(labelsize=6)
+    for panel in grid.flat[len(titles) :]:
+        panel.set_axis_off()
+    for panel in grid[-1]:
+        panel.set_xlabel("[m]")
+    for row in grid:
+        row[0].set_ylabel("[m]")
+    legend_below(figure, 4)
+    return figure
+
+
+def against_cameras(tracks: pd.DataFrame, titles: Mapping[str, str]) -> Figure:
+    """Draw the horizontal and vertical errors of the navigated walks over time, a column for each data set.
+
+    Parameters
+    ----------
+    tracks
+        Columns ``dataset``, ``run``, ``time`` and the positions, navigated and seen [m].
+    titles
+        Data set to its title.
+    """
+    figure, grid = panels_of(2, len(titles), 3.6, sharex="col", sharey="row")
+    for (upper, lower), (name, title) in zip(grid.T, titles.items(), strict=True):
+        for run, one in tracks[tracks["dataset"] == name].groupby("run"):
+            off = {axis: one[axis] - one[f"{axis}_seen"] for axis in ("north", "east", "down")}
+            upper.plot(one["time"], np.hypot(off["north"], off["east"]), lw=0.8, label=f"{run}")
+            lower.plot(one["time"], -off["down"], lw=0.8)
+        upper.set_title(title)
+        upper.legend(title="walk", ncols=2, title_fontsize=7)
+        lower.axhline(0, color="#888888", lw=0.5)
+        lower.set_xlabel("time [s]")
+    grid[0, 0].set_ylabel("horizontal error [m]")
+    grid[1, 0].set_ylabel("height too much [m]")
+    return figure
