@@ -61,11 +61,16 @@ class Footprints:
         square = np.nanmean(self.error**2, axis=0)
         return float(np.sqrt(square[0] + square[1])), float(np.sqrt(square[2]))
 
+    @property
+    def off(self) -> np.ndarray:
+        """Return the error of the way from begin to end in the frame of the solution [m], shape (3,)."""
+        known = self.error[np.isfinite(self.error[:, 0])]
+        return (known[-1] - known[0]) @ _frame(self.heading)
+
     def end(self) -> tuple[float, float]:
         """Return the error of the way from begin to end: its horizontal length, and the height too much [m]."""
-        known = self.error[np.isfinite(self.error[:, 0])]
-        off = known[-1] - known[0]
-        return float(np.hypot(off[0], off[1])), -float(off[2])
+        north, east, down = self.off
+        return float(np.hypot(north, east)), -float(down)
 
     def reach(self) -> tuple[float, float]:
         """Return the largest horizontal distance from the begin, navigated and seen [m]."""

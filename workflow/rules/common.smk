@@ -123,6 +123,13 @@ def raw_log(wildcards):
     return str(locate(CATALOGUE[wildcards.device].file(run), RAW, MIRROR))
 
 
+def twins_of(wildcards):
+    """Name the file of the twins of a set of walks; the embedded walks need none."""
+    if wildcards.walkers == "embedded":
+        return {}
+    return {"twins": f"results/walk/real/{wildcards.walkers}.json"}
+
+
 def site(wildcards):
     """Give the site of a device: where it stood and, if known, its heading."""
     return SITES[wildcards.device]

@@ -114,11 +114,13 @@ rule walk_real:
             str(locate(file, RAW, MIRROR))
             for file in CATALOGUE[wildcards.dataset].files
         ],
+        recipe="data/walk.yaml",
         tables=["data/datasets.csv", "data/files.csv"],
         code=library("walk_real"),
     output:
         walks="results/walk/real/{dataset}.csv",
         tracks="results/walk/real/{dataset}.parquet",
+        twins="results/walk/real/{dataset}.json",
     log:
         "logs/walk_real/{dataset}.log",
     benchmark:
@@ -170,9 +172,121 @@ rule walk_real_page:
         "../scripts/walk_real_page.py"
 
 
+rule walk_budget:
+    """Navigate the twins of the walks of a set, or the embedded walks, without one error of the device at a time."""
+    input:
+        unpack(twins_of),
+        recipe="data/walk.yaml",
+        kind="data/foot.yaml",
+        code=library("walk_budget"),
+    output:
+        "results/walk/budget/{walkers}.parquet",
+    log:
+        "logs/walk_budget/{walkers}.log",
+    benchmark:
+        "benchmarks/walk_budget/{walkers}.tsv"
+    wildcard_constraints:
+        walkers="|".join(["embedded", *CATALOGUE]),
+    params:
+        seed=config["seed"],
+        draws=config["walks"]["draws"],
+    script:
+        "../scripts/walk_budget.py"
+
+
+rule walk_sensitivity:
+    """Navigate the walks of a set with other thresholds and detectors, and with delayed accelerometers."""
+    input:
+        raw=lambda wildcards: [
+            str(locate(file, RAW, MIRROR))
+            for file in CATALOGUE[wildcards.dataset].files
+        ],
+        tables=["data/datasets.csv", "data/files.csv"],
+        code=library("walk_sensitivity"),
+    output:
+        "results/walk/choices/{dataset}.csv",
+    log:
+        "logs/walk_sensitivity/{dataset}.log",
+    benchmark:
+        "benchmarks/walk_sensitivity/{dataset}.tsv"
+    params:
+        factors=[0.25, 0.5, 0.71, 1, 1.41, 2, 4],
+        delays_ms=[-4, -2, 0, 2, 4],
+    script:
+        "../scripts/walk_sensitivity.py"
+
+
+rule walk_consistency:
+    """Count how often the ellipse of the end holds the true one, over simulated loops."""
+    input:
+        recipe="data/walk.yaml",
+        code=library("walk_consistency"),
+    output:
+        "results/walk/consistency.csv",
+    log:
+        "logs/walk_consistency.log",
+    benchmark:
+        "benchmarks/walk_consistency.tsv"
+    params:
+        seed=config["seed"],
+        walks=config["walks"]["loops"],
+        strides=config["walks"]["loop_strides"],
+    script:
+        "../scripts/walk_consistency.py"
+
+
+rule walk_limits_page:
+    """Draw and tabulate what limits a walk: errors one at a time, the detector, and whether the filter knows."""
+    input:
+        budgets=expand(
+            "results/walk/budget/{walkers}.parquet", walkers=["embedded", *WALKS]
+        ),
+        choices=expand("results/walk/choices/{dataset}.csv", dataset=WALKS),
+        walks=expand("results/walk/real/{dataset}.csv", dataset=WALKS),
+        consistency="results/walk/consistency.csv",
+        code=library("walk_limits_page"),
+    output:
+        multiext("paper/tables/walk_budget", ".json", ".tex"),
+        multiext("paper/tables/walk_consistency", ".json", ".tex"),
+        budget_figure=report(
+            "paper/figures/walk_budget.svg",
+            caption="../report/walk_budget.rst",
+            category="Walks",
+            labels={"result": "which error dominates (figure)"},
+        ),
+        sensitivity=report(
+            "paper/figures/walk_sensitivity.svg",
+            caption="../report/walk_sensitivity.rst",
+            category="Walks",
+            labels={"result": "thresholds and detectors (figure)"},
+        ),
+        budget=report(
+            "paper/tables/walk_budget.csv",
+            caption="../report/walk_budget.rst",
+            category="Walks",
+            labels={"result": "which error dominates (table)"},
+        ),
+        consistency=report(
+            "paper/tables/walk_consistency.csv",
+            caption="../report/walk_consistency.rst",
+            category="Walks",
+            labels={"result": "ellipses of the end (table)"},
+        ),
+        numbers="paper/numbers/walk_limits.json",
+    log:
+        "logs/walk_limits_page.log",
+    benchmark:
+        "benchmarks/walk_limits_page.tsv"
+    script:
+        "../scripts/walk_limits_page.py"
+
+
 PAPER += multiext("paper/figures/compensation", "_tracks.svg", "_ends.svg")
 PAPER += multiext("paper/tables/compensation", ".json", "_inside.json")
 PAPER += ["paper/numbers/compensation.json"]
+PAPER += ["paper/figures/walk_budget.svg", "paper/figures/walk_sensitivity.svg"]
+PAPER += ["paper/tables/walk_budget.json", "paper/tables/walk_consistency.json"]
+PAPER += ["paper/numbers/walk_limits.json"]
 if WALKS:
     PAPER += ["paper/figures/walks.svg", "paper/figures/walk_errors.svg"]
     PAPER += ["paper/tables/walks.json", "paper/tables/walks_peers.json"]

@@ -1,31 +1,22 @@
 """Navigate every walk of a data set by the rules that hold for all of them, and lay it over what cameras saw."""
 
+import json
+from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
 from imugap import catalogue, integrity, readers
+from imugap.catalogue import RawFiles
 from imugap.footprints import footprints
+from imugap.gait import Walk
 from imugap.journal import journal
+from imugap.twin import twin
 from imugap.walk import walked
 
 STEP_S = 0.1
 """Step of the stored tracks [s]."""
-
-
-class Files:
-    """The raw files of a data set, verified, by run and content."""
-
-    def __init__(self, dataset, paths):
-        """Take the paths of all files."""
-        self.dataset, self.paths = dataset, {Path(path).name: path for path in paths}
-        for file in dataset.files:
-            catalogue.verify(file, self.paths[file.name])
-
-    def path(self, run, content=catalogue.LOG):
-        """Return the path of the file that holds the content of a run."""
-        return self.paths[self.dataset.file(run, content).name]
 
 
 def against(files, run, solution):
@@ -53,35 +44,49 @@ def scores(beside, strides, loose):
     }  # fmt: skip
 
 
-def main(files):
-    """Return a row and a track for each walk."""
-    rows, tracks = [], []
+def recipe(walk):
+    """Return what a twin has of its own, as plain data."""
+    return {"rate_hz": walk.rate_hz, "gait": asdict(walk.gait), "course": asdict(walk.course)}
+
+
+def one(files, run):
+    """Return the row and the track of a walk, and its smoothed solution."""
+    timing = integrity.report(readers.read_raw_table(files.path(run), files.dataset, run)).timing
+    found = walked(readers.read_raw(files.path(run), files.dataset, run))
+    said, solution, labels = found.summary(), found.smoothed, {"dataset": files.dataset.name, "run": run}
+    row = labels | said | {"lost": timing.missing, "repeated": timing.duplicated}
+    table = solution.trajectory[["north", "east", "down"]]
+    if files.dataset.positions:
+        beside, *strides = against(files, run, solution)
+        row |= {"cameras": True} | scores(beside, *strides)
+        off = beside.off[:2]
+        track = pd.DataFrame(np.hstack([beside.found, beside.seen]), columns=[*table, *table.add_suffix("_seen")])
+        track.insert(0, "time", beside.time)
+    else:
+        row |= {"cameras": False, "end": said["end_horizontal_m"], "height": said["end_vertical_m"]}
+        off = table[["north", "east"]].iloc[-1].to_numpy()
+        track = table.reset_index(names="time")
+    row["nees"] = off @ np.linalg.solve(solution.horizontal[-1], off)
+    every = max(round(STEP_S / np.median(np.diff(track["time"]))), 1)
+    return row, track[::every].assign(**labels), solution
+
+
+def main(files, like):
+    """Return a row, a track and a twin for each walk."""
+    rows, tracks, twins = [], [], {}
     for run in files.dataset.runs:
-        timing = integrity.report(readers.read_raw_table(files.path(run), files.dataset, run)).timing
-        solution = walked(readers.read_raw(files.path(run), files.dataset, run))
-        said = solution.summary()
-        row = {"dataset": files.dataset.name, "run": run} | said
-        row |= {"lost": timing.missing, "repeated": timing.duplicated, "cameras": bool(files.dataset.positions)}
-        row |= {"end": said["end_horizontal_m"], "height": said["end_vertical_m"]}
-        table = solution.smoothed.trajectory
-        track = {name: table[name].to_numpy() for name in ("north", "east", "down")}
-        time = table.index.to_numpy()
-        if row["cameras"]:
-            beside, *strides = against(files, run, solution.smoothed)
-            row |= scores(beside, *strides)
-            time = beside.time
-            track = dict(zip(track, beside.found.T, strict=True))
-            track |= {f"{name}_seen": values for name, values in zip(list(track), beside.seen.T, strict=True)}
-        every = max(round(STEP_S / np.median(np.diff(time))), 1)
-        labels = {"dataset": files.dataset.name, "run": run}
-        tracks.append(pd.DataFrame({"time": time} | track)[::every].assign(**labels))
+        row, track, solution = one(files, run)
         rows.append(row)
-    return pd.DataFrame(rows), pd.concat(tracks)
+        tracks.append(track)
+        twins[run] = recipe(twin(solution, like))
+    return pd.DataFrame(rows), pd.concat(tracks), twins
 
 
 if __name__ == "__main__":
     with journal(snakemake.log[0]):
         dataset = catalogue.load("data", "workflow/schemas")[snakemake.wildcards.dataset]
-        table, tracks = main(Files(dataset, snakemake.input.raw))
+        like = Walk.read(snakemake.input.recipe)
+        table, tracks, twins = main(RawFiles(dataset, snakemake.input.raw), like)
         table.to_csv(snakemake.output.walks, index=False)
         tracks.to_parquet(snakemake.output.tracks, index=False)
+        Path(snakemake.output.twins).write_text(json.dumps(twins) + "\n")

@@ -1,11 +1,11 @@
 """Figures of the chapter on walks: each function draws one figure from tables and returns it."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
-from matplotlib.ticker import StrMethodFormatter
+from matplotlib.ticker import NullLocator, StrMethodFormatter
 
 from imugap.figures import legend_below, panels_of, static
 
@@ -150,4 +150,68 @@ def against_cameras(tracks: pd.DataFrame, titles: Mapping[str, str]) -> Figure:
         lower.set_xlabel("time [s]")
     grid[0, 0].set_ylabel("horizontal error [m]")
     grid[1, 0].set_ylabel("height too much [m]")
+    return figure
+
+
+SHARES = ("#D55E00", "#E69F00", "#F0E442", "#009E73", "#56B4E9", "#0072B2", "#CC79A7", "#999999", "#8B4513", "#7F3C8D")
+
+
+def budget(shares: Mapping[str, pd.DataFrame]) -> Figure:
+    """Draw which error makes the end what it is: shares of the sum of the variances, a bar for each set of walks.
+
+    Parameters
+    ----------
+    shares
+        Title of the panel to shares, index effect, a column for each set; the effects in the order of the legend.
+    """
+    figure, grid = panels_of(1, len(shares), 2.6, sharey=True)
+    for panel, (title, table) in zip(grid[0], shares.items(), strict=True):
+        left = np.zeros(len(table.columns))
+        for place, (effect, row) in enumerate(table.iterrows()):
+            panel.barh(
+                table.columns, 100 * row, left=left, color=SHARES[place % len(SHARES)], label=effect, height=0.7,
+                hatch="////" if place >= len(SHARES) else None, edgecolor="white", lw=0.4,
+            )  # fmt: skip
+            left += 100 * row.to_numpy()
+        panel.set(title=title, xlabel="share of the variance [%]", xlim=(0, 100))
+        panel.set_axisbelow(True)
+    grid[0, 0].invert_yaxis()
+    legend_below(figure, 4)
+    return figure
+
+
+def sensitivity(table: pd.DataFrame, sets: Mapping[str, str], detectors: Sequence[str]) -> Figure:
+    """Draw the end error over the threshold of the detector, for four detectors, and the height over a delay.
+
+    Parameters
+    ----------
+    table
+        Columns ``dataset``, ``run``, ``varied``, ``value``, ``share`` [%], ``height`` [m].
+    sets
+        Data set to its title.
+    detectors
+        Titles of the detectors in the order of their numbers.
+    """
+    figure, grid = panels_of(1, 3, 2.8)
+    colours = dict(zip(sets, ("#0072B2", "#D55E00", "#009E73", "#CC79A7"), strict=False))
+    quantities = {"threshold": "share", "detector": "share", "delay": "height"}
+    for panel, (varied, quantity) in zip(grid[0], quantities.items(), strict=True):
+        chosen = table[table["varied"] == varied]
+        for (name, _), one in chosen.groupby(["dataset", "run"]):
+            style = {"ls": "", "marker": "."} if varied == "detector" else {"lw": 0.7}
+            shift = 0.06 * (list(sets).index(name) - 1.5) if varied == "detector" else 0
+            panel.plot(one["value"] + shift, one[quantity], color=colours[name], label=sets[name], **style)
+        middle = chosen.groupby("value")[quantity].median()
+        panel.plot(middle.index, middle, "k_" if varied == "detector" else "k-", ms=22, lw=2, label="median of all")
+    grid[0, 0].set(xscale="log", yscale="log", xlabel="threshold / usual one", ylabel="end error [% of distance]")
+    grid[0, 1].set(yscale="log", ylabel="end error [% of distance]", xlabel="detector")
+    grid[0, 1].set_xticks(range(len(detectors)), detectors, fontsize=6.5)
+    grid[0, 2].set(xlabel="accelerometers later by [ms]", ylabel="height too much [m]")
+    for panel in grid[0, :2]:
+        panel.axhline(1, color="#888888", lw=0.5)
+        panel.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+    factors = table.loc[table["varied"] == "threshold", "value"].unique()
+    grid[0, 0].set_xticks(factors, [f"{factor:g}" for factor in factors], fontsize=6.5)
+    grid[0, 0].xaxis.set_minor_locator(NullLocator())
+    legend_below(figure, 5)
     return figure
