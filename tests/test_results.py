@@ -180,3 +180,25 @@ def test_every_real_walk_ends_within_a_hundredth_of_its_distance():
     assert walks["share"].max() < 1.0
     strides = walks[walks["dataset"] == "gaitmap_2x20m"]
     assert (strides[["stride_rmse", "stride_rmse_plain"]] < 0.049).all().all()
+
+
+def test_each_error_of_a_device_has_a_place_in_the_budget_of_every_walk():
+    budget = read("walk_budget")
+    none = budget[budget["triad"] == "none"].set_index("set")
+    for name, one in budget.groupby("set"):
+        single = one[~one["triad"].isin(["all", "none"])]
+        assert len(single) == 13
+        assert none.loc[name, "horizontal"] < single["horizontal"].max()
+
+
+def test_a_filter_whose_assumptions_hold_has_ellipses_that_hold_the_end():
+    found = read("walk_consistency").set_index("foot")
+    for level in (0.9, 0.99):
+        assert found.loc["as assumed", f"low_{level:g}"] <= level <= found.loc["as assumed", f"high_{level:g}"]
+        assert found.loc["slipping", f"high_{level:g}"] >= level
+
+
+def test_hidden_effects_are_named_with_the_exact_reference_and_nothing_is_not():
+    found = read("walk_hidden").set_index("case")
+    assert found.loc["nothing", "exact_right"]
+    assert found.loc[found["there"], "exact_right"].mean() > 0.7

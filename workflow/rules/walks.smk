@@ -281,6 +281,56 @@ rule walk_limits_page:
         "../scripts/walk_limits_page.py"
 
 
+rule walk_hidden:
+    """Hide one effect in a simulated loop, and ask discovery with the exact reference and zero velocity without any."""
+    input:
+        recipe="data/walk.yaml",
+        cases="data/hidden.yaml",
+        code=library("walk_hidden"),
+    output:
+        "results/walk/hidden/{case}.csv",
+    log:
+        "logs/walk_hidden/{case}.log",
+    benchmark:
+        "benchmarks/walk_hidden/{case}.tsv"
+    wildcard_constraints:
+        case="[a-z_]+",
+    params:
+        seed=config["seed"],
+        strides=config["walks"]["loop_strides"],
+        alpha=config["discovery"]["alpha"],
+        replicates=config["discovery"]["replicates"],
+        simulations=config["discovery"]["simulations"],
+    script:
+        "../scripts/walk_hidden.py"
+
+
+rule walk_hidden_page:
+    """Tabulate what is found of the effects that were hidden in simulated walks."""
+    input:
+        cases="data/hidden.yaml",
+        found=expand("results/walk/hidden/{case}.csv", case=config["walks"]["hidden"]),
+        code=library("walk_hidden_page"),
+    output:
+        multiext("paper/tables/walk_hidden", ".json", ".tex"),
+        table=report(
+            "paper/tables/walk_hidden.csv",
+            caption="../report/walk_hidden.rst",
+            category="Walks",
+            labels={"result": "discovery on walks (table)"},
+        ),
+        numbers="paper/numbers/walk_hidden.json",
+    log:
+        "logs/walk_hidden_page.log",
+    benchmark:
+        "benchmarks/walk_hidden_page.tsv"
+    params:
+        cases=config["walks"]["hidden"],
+    script:
+        "../scripts/walk_hidden_page.py"
+
+
+PAPER += ["paper/tables/walk_hidden.json", "paper/numbers/walk_hidden.json"]
 PAPER += multiext("paper/figures/compensation", "_tracks.svg", "_ends.svg")
 PAPER += multiext("paper/tables/compensation", ".json", "_inside.json")
 PAPER += ["paper/numbers/compensation.json"]
