@@ -1,6 +1,7 @@
 """Which modules of this package a script runs: what a workflow has to watch besides the script itself."""
 
 import ast
+from collections.abc import Iterable
 from functools import cache
 from hashlib import sha256
 from pathlib import Path
@@ -20,13 +21,13 @@ def modules_of(script: str | Path, package: str | Path = PACKAGE) -> list[Path]:
     return sorted(found)
 
 
-def digest(package: str | Path = PACKAGE) -> str:
-    """Return a short digest of all modules of ``package``.
+def digest(modules: Iterable[Path] | None = None) -> str:
+    """Return a short digest of what the modules contain, by default all of this package.
 
     A compiled kernel that is inlined into another module's kernel is cached with that module's file, and an edit of its
-    own file would go unnoticed: caches are kept apart by this digest.
+    own file would go unnoticed: caches are kept apart by the digest of the package.
     """
-    sources = sorted(Path(package).rglob("*.py"))
+    sources = sorted(PACKAGE.rglob("*.py") if modules is None else modules)
     return sha256(b"".join(source.read_bytes() for source in sources)).hexdigest()[:16]
 
 

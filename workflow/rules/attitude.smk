@@ -6,7 +6,6 @@ rule flight_log:
     """Simulate one flight and, ahead of it, a static log of the same device."""
     input:
         recipe="data/flight.yaml",
-        code=library("flight_log"),
     output:
         static=temp("data/raw/flight/{run}/static.parquet"),
         flight="data/raw/flight/{run}/flight.parquet",
@@ -17,6 +16,7 @@ rule flight_log:
     params:
         seed=config["seed"],
         minutes=max(config["attitude"]["static_minutes"]),
+        code=library("flight_log"),
     script:
         "../scripts/flight_log.py"
 
@@ -25,7 +25,6 @@ rule flight_truth:
     """Write the true trajectory of the flight, which only scoring reads, and the true model, a control."""
     input:
         recipe="data/flight.yaml",
-        code=library("flight_truth"),
     output:
         trajectory="results/flight/truth.parquet",
         models="results/flight/truth.yaml",
@@ -33,6 +32,8 @@ rule flight_truth:
         "logs/flight_truth.log",
     benchmark:
         "benchmarks/flight_truth.tsv"
+    params:
+        code=library("flight_truth"),
     script:
         "../scripts/flight_truth.py"
 
@@ -41,7 +42,6 @@ rule flight_fit:
     """Estimate the error model of the flying device from its static log, by every scheme and length."""
     input:
         log="data/raw/flight/{run}/static.parquet",
-        code=library("flight_fit"),
     output:
         estimates="results/flight/{run}/estimates.csv",
         models="results/flight/{run}/models.yaml",
@@ -51,6 +51,7 @@ rule flight_fit:
         "benchmarks/flight_fit/{run}.tsv"
     params:
         minutes=config["attitude"]["static_minutes"],
+        code=library("flight_fit"),
     script:
         "../scripts/flight_fit.py"
 
@@ -60,7 +61,6 @@ rule flight_attitude:
     input:
         logs=expand("data/raw/flight/{run}/flight.parquet", run=FLIGHTS),
         models=expand("results/flight/{run}/models.yaml", run=FLIGHTS),
-        code=library("flight_attitude"),
     output:
         "results/flight/attitude.parquet",
     log:
@@ -71,6 +71,7 @@ rule flight_attitude:
         heading_deg=RECIPE["course"]["heading_deg"],
         launch_s=RECIPE["course"]["launch_s"],
         assumptions=assumptions(RECIPE["site"], "flight"),
+        code=library("flight_attitude"),
     script:
         "../scripts/flight_attitude.py"
 
@@ -79,7 +80,6 @@ use rule flight_attitude as flight_control with:
     input:
         logs=expand("data/raw/flight/{run}/flight.parquet", run=FLIGHTS),
         models=["results/flight/truth.yaml"],
-        code=library("flight_attitude"),
     output:
         "results/flight/control.parquet",
     log:
@@ -94,7 +94,6 @@ rule flight_scores:
         attitude="results/flight/attitude.parquet",
         control="results/flight/control.parquet",
         truth="results/flight/truth.parquet",
-        code=library("flight_scores"),
     output:
         scores="results/flight/scores.csv",
         differences="results/flight/differences.csv",
@@ -105,6 +104,7 @@ rule flight_scores:
         "benchmarks/flight_scores.tsv"
     params:
         seed=config["seed"],
+        code=library("flight_scores"),
     script:
         "../scripts/flight_scores.py"
 
@@ -119,7 +119,6 @@ rule flight_page:
         model="results/flight/truth.yaml",
         estimates=expand("results/flight/{run}/estimates.csv", run=FLIGHTS),
         published="data/published/liu2016_results.csv",
-        code=library("flight_page"),
     output:
         multiext("paper/tables/attitude_flight", ".json", ".tex"),
         multiext("paper/tables/attitude_parameters", ".json", ".tex"),
@@ -157,6 +156,7 @@ rule flight_page:
         trials=TRIALS,
         course=RECIPE["course"],
         rate_hz=RECIPE["rate_hz"],
+        code=library("flight_page"),
     script:
         "../scripts/flight_page.py"
 
@@ -168,13 +168,14 @@ rule trial_reference:
             locate(CATALOGUE["broad"].file(int(wildcards.run)), RAW, MIRROR)
         ),
         tables=["data/datasets.csv", "data/files.csv"],
-        code=library("trial_reference"),
     output:
         "results/broad/{run}/reference.parquet",
     log:
         "logs/trial_reference/{run}.log",
     benchmark:
         "benchmarks/trial_reference/{run}.tsv"
+    params:
+        code=library("trial_reference"),
     script:
         "../scripts/trial_reference.py"
 
@@ -184,7 +185,6 @@ rule trial_fit:
     input:
         logs=of_trials("log.parquet"),
         references=of_trials("reference.parquet"),
-        code=library("trial_fit"),
     output:
         estimates="results/broad/estimates.csv",
         models="results/broad/models.yaml",
@@ -195,6 +195,7 @@ rule trial_fit:
     params:
         trials=TRIALS,
         margin_s=config["attitude"]["rest_margin_s"],
+        code=library("trial_fit"),
     script:
         "../scripts/trial_fit.py"
 
@@ -205,7 +206,6 @@ rule trial_attitude:
         logs=of_trials("log.parquet"),
         references=of_trials("reference.parquet"),
         models="results/broad/models.yaml",
-        code=library("trial_attitude"),
     output:
         "results/broad/attitude.parquet",
     log:
@@ -217,6 +217,7 @@ rule trial_attitude:
         margin_s=config["attitude"]["rest_margin_s"],
         motion_margin=config["attitude"]["motion_margin"],
         assumptions=assumptions(SITES["broad"], "broad"),
+        code=library("trial_attitude"),
     script:
         "../scripts/trial_attitude.py"
 
@@ -227,7 +228,6 @@ rule trial_scores:
         logs=of_trials("log.parquet"),
         references=of_trials("reference.parquet"),
         attitude="results/broad/attitude.parquet",
-        code=library("trial_scores"),
     output:
         alignment="results/broad/alignment.csv",
         scores="results/broad/scores.csv",
@@ -241,6 +241,7 @@ rule trial_scores:
         trials=TRIALS,
         seed=config["seed"],
         margin_s=config["attitude"]["rest_margin_s"],
+        code=library("trial_scores"),
     script:
         "../scripts/trial_scores.py"
 
@@ -253,7 +254,6 @@ rule trial_page:
         scores="results/broad/scores.csv",
         differences="results/broad/differences.csv",
         errors="results/broad/errors.parquet",
-        code=library("trial_page"),
     output:
         multiext("paper/tables/attitude_alignment", ".json", ".tex"),
         multiext("paper/tables/attitude_rests", ".json", ".tex"),
@@ -287,6 +287,8 @@ rule trial_page:
         "logs/trial_page.log",
     benchmark:
         "benchmarks/trial_page.tsv"
+    params:
+        code=library("trial_page"),
     script:
         "../scripts/trial_page.py"
 

@@ -12,7 +12,6 @@ rule blind_seal:
     input:
         recipe="data/blind.yaml",
         schema="workflow/schemas/blind.schema.yaml",
-        code=library("blind_seal"),
     output:
         cases=directory(expand("results/blind/cases/{case}", case=BLIND_CASES)),
         key=expand("results/blind/keys/{case}.json", case=BLIND_CASES),
@@ -26,6 +25,7 @@ rule blind_seal:
     params:
         cases=config["blind"]["cases"],
         seed=config["blind"]["seed"],
+        code=library("blind_seal"),
     script:
         "../scripts/blind_seal.py"
 
@@ -34,7 +34,6 @@ rule blind_discover:
     """Name what is missing from the model of a sealed case, from its logs alone."""
     input:
         case="results/blind/cases/{case}",
-        code=library("blind_discover"),
     output:
         report="results/blind/discovered/{case}/report.json",
         views="results/blind/discovered/{case}/views.csv",
@@ -56,6 +55,7 @@ rule blind_discover:
             for key in ("alpha", "replicates", "simulations")
         },
         seed=config["seed"],
+        code=library("blind_discover"),
     script:
         "../scripts/blind_discover.py"
 
@@ -67,7 +67,6 @@ rule blind_score:
         reports=expand("results/blind/discovered/{case}/report.json", case=BLIND_CASES),
         seconds=expand("results/blind/discovered/{case}/seconds.json", case=BLIND_CASES),
         views=expand("results/blind/discovered/{case}/views.csv", case=BLIND_CASES),
-        code=library("blind_score"),
     output:
         cases="results/blind/cases.csv",
         effects="results/blind/effects.csv",
@@ -88,6 +87,7 @@ rule blind_score:
         "benchmarks/blind_score.tsv"
     params:
         clear_size=config["blind"]["clear_size"],
+        code=library("blind_score"),
     script:
         "../scripts/blind_score.py"
 
@@ -109,7 +109,6 @@ rule blind_page:
         calibration="results/blind/calibration.csv",
         run_time="results/blind/run_time.csv",
         peer="data/published/gmwm_choice.csv",
-        code=library("blind_page"),
     output:
         detection_figure=report(
             "paper/figures/blind_detection.svg",
@@ -170,6 +169,7 @@ rule blind_page:
         "benchmarks/blind_page.tsv"
     params:
         clear_size=config["blind"]["clear_size"],
+        code=library("blind_page"),
     script:
         "../scripts/blind_page.py"
 

@@ -86,14 +86,15 @@ wildcard_constraints:
     contender="|".join(CONTENDERS),
 
 
-os.environ.setdefault("NUMBA_CACHE_DIR", f".snakemake/numba/{digest('src/imugap')}")
+os.environ.setdefault("NUMBA_CACHE_DIR", f".snakemake/numba/{digest()}")
 
 
 def library(script):
-    """Name the modules of the library that a script of the workflow runs, so that their change reruns its rule."""
-    return [
-        str(path) for path in modules_of(f"workflow/scripts/{script}.py", "src/imugap")
-    ]
+    """Give a digest of the modules of the library that a script runs, so that their change reruns its rule.
+
+    As inputs, the files would be looked up for every waiting job whenever a job starts or ends.
+    """
+    return digest(modules_of(f"workflow/scripts/{script}.py", "src/imugap"))
 
 
 def of_devices(*patterns):

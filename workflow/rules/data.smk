@@ -13,7 +13,6 @@ rule bench_log:
     """Generate the raw log of one static run of the virtual bench."""
     input:
         recipe="data/bench.yaml",
-        code=library("bench_log"),
     output:
         "data/raw/bench/run{run}.parquet",
     log:
@@ -24,6 +23,7 @@ rule bench_log:
         seed=config["seed"],
         duration_s=config["bench"]["duration_s"],
         rate_hz=config["bench"]["rate_hz"],
+        code=library("bench_log"),
     script:
         "../scripts/bench_log.py"
 
@@ -32,13 +32,14 @@ rule bench_truth:
     """Write the truth of the virtual bench, which only scoring reads."""
     input:
         recipe="data/bench.yaml",
-        code=library("bench_truth"),
     output:
         "results/bench/truth.json",
     log:
         "logs/bench_truth.log",
     benchmark:
         "benchmarks/bench_truth.tsv"
+    params:
+        code=library("bench_truth"),
     script:
         "../scripts/bench_truth.py"
 
@@ -48,7 +49,6 @@ rule ingest:
     input:
         raw=raw_log,
         tables=["data/datasets.csv", "data/files.csv"],
-        code=library("ingest"),
     output:
         log="results/{device}/{run}/log.parquet",
         integrity="results/{device}/{run}/integrity.json",
@@ -56,6 +56,8 @@ rule ingest:
         "logs/ingest/{device}_{run}.log",
     benchmark:
         "benchmarks/ingest/{device}_{run}.tsv"
+    params:
+        code=library("ingest"),
     script:
         "../scripts/ingest.py"
 
@@ -64,7 +66,6 @@ rule integrity_table:
     """Collect the integrity reports of a device."""
     input:
         reports=of_runs("integrity.json"),
-        code=library("integrity_table"),
     output:
         report(
             "paper/tables/integrity_{device}.csv",
@@ -80,6 +81,7 @@ rule integrity_table:
         "benchmarks/integrity_table/{device}.tsv"
     params:
         runs=lambda wildcards: RUNS[wildcards.device],
+        code=library("integrity_table"),
     script:
         "../scripts/integrity_table.py"
 

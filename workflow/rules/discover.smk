@@ -3,7 +3,6 @@ rule story_hidden:
     input:
         recipe="data/blind.yaml",
         schema="workflow/schemas/blind.schema.yaml",
-        code=library("story_hidden"),
     output:
         log="results/story/cases/hidden/log.parquet",
         key="results/story/keys/hidden.json",
@@ -16,6 +15,7 @@ rule story_hidden:
         seed=config["seed"],
         duration_s=900,
         rate_hz=25.0,
+        code=library("story_hidden"),
     script:
         "../scripts/story_hidden.py"
 
@@ -25,7 +25,6 @@ rule story_heater:
     input:
         model="notebooks/heater.yaml",
         effects="notebooks/heater.py",
-        code=library("story_heater"),
     output:
         "results/story/heater.parquet",
     log:
@@ -37,6 +36,7 @@ rule story_heater:
         seed=config["seed"],
         duration_s=600,
         rate_hz=25.0,
+        code=library("story_heater"),
     script:
         "../scripts/story_heater.py"
 
@@ -45,7 +45,6 @@ rule story_real:
     """Cut the gyroscopes of two real runs short, as means at a lower rate."""
     input:
         expand("results/adis16405/{run}/log.parquet", run=RUNS["adis16405"][:2]),
-        code=library("means"),
     output:
         "results/story/real_log.parquet",
         "results/story/real_test.parquet",
@@ -57,6 +56,7 @@ rule story_real:
         duration_s=1800,
         rate_hz=config["estimation"]["rate_hz"],
         columns=["gyro_x", "gyro_y", "gyro_z"],
+        code=library("means"),
     script:
         "../scripts/means.py"
 
@@ -65,7 +65,6 @@ rule means:
     """Average a run over blocks: what discovery is asked about a device."""
     input:
         "results/{device}/{run}/log.parquet",
-        code=library("means"),
     output:
         "results/{device}/{run}/means.parquet",
     log:
@@ -76,6 +75,7 @@ rule means:
         duration_s=config["discovery"]["duration_s"],
         rate_hz=config["estimation"]["rate_hz"],
         columns=None,
+        code=library("means"),
     script:
         "../scripts/means.py"
 
@@ -85,7 +85,6 @@ rule run_nbk:
     input:
         indices="results/{device}/{run}/indices.csv",
         allan="results/{device}/{run}/allan.csv",
-        code=library("run_nbk"),
     output:
         "results/{device}/{run}/nbk.yaml",
     log:
@@ -94,6 +93,7 @@ rule run_nbk:
         "benchmarks/run_nbk/{device}_{run}.tsv"
     params:
         period_s=config["bias_stability_period_s"],
+        code=library("run_nbk"),
     script:
         "../scripts/run_nbk.py"
 
@@ -106,7 +106,6 @@ rule dossier:
         reference=asked("reference"),
         model=asked("model"),
         effects=own_effects,
-        code=library("dossier"),
     output:
         "results/{asked}/report.json",
         "results/{asked}/model.yaml",
@@ -144,6 +143,7 @@ rule dossier:
         },
         seed=config["seed"],
         effects=lambda wildcards: ASKED[wildcards.asked].get("effects"),
+        code=library("dossier"),
     script:
         "../scripts/dossier.py"
 
@@ -157,7 +157,6 @@ rule missing_page:
             start=STARTS,
             figure=["surest", "distance", "drift"],
         ),
-        code=library("missing_page"),
     output:
         tables=report(
             expand(
@@ -185,6 +184,7 @@ rule missing_page:
         "benchmarks/missing_page/{device}.tsv"
     params:
         starts=STARTS,
+        code=library("missing_page"),
     script:
         "../scripts/missing_page.py"
 
@@ -194,7 +194,6 @@ rule missing_score:
     input:
         reports=expand("results/missing/bench_{start}/report.json", start=STARTS),
         truth="results/bench/truth.json",
-        code=library("missing_score"),
     output:
         report(
             "paper/tables/missing_score.csv",
@@ -210,6 +209,7 @@ rule missing_score:
         "benchmarks/missing_score.tsv"
     params:
         starts=STARTS,
+        code=library("missing_score"),
     script:
         "../scripts/missing_score.py"
 

@@ -5,7 +5,6 @@ rule monte_carlo:
     """Simulate the source's device many times and estimate its parameters by every method."""
     input:
         recipe="data/indirect.yaml",
-        code=library("monte_carlo"),
     output:
         "results/indirect/monte_carlo_{time}.parquet",
     log:
@@ -18,6 +17,7 @@ rule monte_carlo:
         seed=config["seed"],
         runs=config["estimation"]["runs"],
         printed=config["estimation"]["printed_runs"],
+        code=library("monte_carlo"),
     script:
         "../scripts/monte_carlo.py"
 
@@ -28,7 +28,6 @@ rule monte_carlo_tables:
         recipe="data/indirect.yaml",
         published="data/published/liu2016_results.csv",
         estimates=expand("results/indirect/monte_carlo_{time}.parquet", time=TIMES),
-        code=library("monte_carlo_tables"),
     output:
         five=report(
             "paper/tables/indirect_five_runs.csv",
@@ -63,6 +62,7 @@ rule monte_carlo_tables:
         times=TIMES,
         printed=config["estimation"]["printed_runs"],
         seed=config["seed"],
+        code=library("monte_carlo_tables"),
     script:
         "../scripts/monte_carlo_tables.py"
 
@@ -71,7 +71,6 @@ rule iterations:
     """Follow the iterations of indirect inference on one run (figure 2 of the source)."""
     input:
         recipe="data/indirect.yaml",
-        code=library("iterations"),
     output:
         report(
             "paper/figures/iterations.svg",
@@ -85,6 +84,7 @@ rule iterations:
         "benchmarks/iterations.tsv"
     params:
         seed=config["seed"],
+        code=library("iterations"),
     script:
         "../scripts/iterations.py"
 
@@ -93,7 +93,6 @@ rule bounds:
     """Tabulate the Cramer-Rao bound of every parameter for models and lengths of log."""
     input:
         recipe="data/indirect.yaml",
-        code=library("bounds"),
     output:
         report(
             "paper/figures/bounds.svg",
@@ -116,6 +115,7 @@ rule bounds:
     params:
         times=TIMES,
         lengths_s=config["estimation"]["lengths_s"],
+        code=library("bounds"),
     script:
         "../scripts/bounds.py"
 
@@ -124,7 +124,6 @@ rule contamination:
     """Estimate from logs with gross outliers, by plain and by robust wavelet variances."""
     input:
         recipe="data/indirect.yaml",
-        code=library("contamination"),
     output:
         report(
             "paper/figures/contamination.svg",
@@ -148,6 +147,7 @@ rule contamination:
     params:
         seed=config["seed"],
         contamination=config["estimation"]["contamination"],
+        code=library("contamination"),
     script:
         "../scripts/contamination.py"
 
@@ -156,7 +156,6 @@ rule estimates:
     """Estimate the source's models of gyroscopes and accelerometers from one run, by every method."""
     input:
         log="results/{device}/{run}/log.parquet",
-        code=library("estimates"),
     output:
         "results/{device}/{run}/estimates.csv",
     log:
@@ -165,6 +164,7 @@ rule estimates:
         "benchmarks/estimates/{device}_{run}.tsv"
     params:
         rate_hz=config["estimation"]["rate_hz"],
+        code=library("estimates"),
     script:
         "../scripts/estimates.py"
 
@@ -173,7 +173,6 @@ rule estimates_tables:
     """Tabulate the estimates of a device over its runs (tables 3 and 4 of the source)."""
     input:
         estimates=of_runs("estimates.csv"),
-        code=library("estimates_tables"),
     output:
         gyro=report(
             "paper/tables/estimates_gyro_{device}.csv",
@@ -199,6 +198,7 @@ rule estimates_tables:
         "benchmarks/estimates_tables/{device}.tsv"
     params:
         runs=lambda wildcards: RUNS[wildcards.device],
+        code=library("estimates_tables"),
     script:
         "../scripts/estimates_tables.py"
 
@@ -207,7 +207,6 @@ rule choice:
     """Choose the effects of every axis of a device from one run, and say where the best model fails."""
     input:
         log="results/{device}/{run}/log.parquet",
-        code=library("choice"),
     output:
         "results/{device}/{run}/choice.json",
         "results/{device}/{run}/goodness.csv",
@@ -215,6 +214,8 @@ rule choice:
         "logs/choice/{device}_{run}.log",
     benchmark:
         "benchmarks/choice/{device}_{run}.tsv"
+    params:
+        code=library("choice"),
     script:
         "../scripts/choice.py"
 
@@ -224,7 +225,6 @@ rule choice_table:
     input:
         choice=lambda wildcards: f"results/{wildcards.device}/{RUNS[wildcards.device][0]}/choice.json",
         goodness=lambda wildcards: f"results/{wildcards.device}/{RUNS[wildcards.device][0]}/goodness.csv",
-        code=library("choice_table"),
     output:
         report(
             "paper/figures/goodness_{device}.svg",
@@ -244,6 +244,8 @@ rule choice_table:
         "logs/choice_table/{device}.log",
     benchmark:
         "benchmarks/choice_table/{device}.tsv"
+    params:
+        code=library("choice_table"),
     script:
         "../scripts/choice_table.py"
 
@@ -253,7 +255,6 @@ rule peers:
     input:
         log="results/adis16405/1/log.parquet",
         peer="data/published/gmwm_objective.csv",
-        code=library("peers"),
     output:
         report(
             "paper/tables/peers.csv",
@@ -268,6 +269,8 @@ rule peers:
         "logs/peers.log",
     benchmark:
         "benchmarks/peers.tsv"
+    params:
+        code=library("peers"),
     script:
         "../scripts/peers.py"
 

@@ -3,7 +3,6 @@ rule conversion_table:
     input:
         models=expand("results/{device}/models/nbk.yaml", device=DEVICES),
         logs=[f"results/{device}/{RUNS[device][0]}/log.parquet" for device in DEVICES],
-        code=library("conversion_table"),
     output:
         report(
             "paper/tables/conversion.csv",
@@ -20,6 +19,7 @@ rule conversion_table:
     params:
         devices=DEVICES,
         horizon_s=config["export"]["horizon_s"],
+        code=library("conversion_table"),
     script:
         "../scripts/conversion_table.py"
 

@@ -3,7 +3,6 @@ rule fit_models:
     input:
         indices="results/{device}/indices.csv",
         allan="results/{device}/allan.csv",
-        code=library("fit_models"),
     output:
         expand("results/{{device}}/models/{contender}.yaml", contender=CONTENDERS),
     log:
@@ -13,6 +12,7 @@ rule fit_models:
     params:
         contenders=list(CONTENDERS),
         period_s=config["bias_stability_period_s"],
+        code=library("fit_models"),
     script:
         "../scripts/fit_models.py"
 
@@ -22,7 +22,6 @@ rule model_allan:
     input:
         model="results/{device}/models/{contender}.yaml",
         log=lambda wildcards: f"results/{wildcards.device}/{RUNS[wildcards.device][0]}/log.parquet",
-        code=library("model_allan"),
     output:
         "results/{device}/model_allan/{contender}.csv",
     log:
@@ -32,6 +31,7 @@ rule model_allan:
     params:
         seed=config["seed"],
         trials=config["allan_trials"],
+        code=library("model_allan"),
     script:
         "../scripts/model_allan.py"
 
@@ -44,7 +44,6 @@ rule models_figure:
             "results/{{device}}/model_allan/{contender}.csv",
             contender=[name for name in CONTENDERS if name != "bias_only"],
         ),
-        code=library("models_figure"),
     output:
         report(
             "paper/figures/models_{device}.svg",
@@ -65,6 +64,8 @@ rule models_figure:
         "logs/models_figure/{device}.log",
     benchmark:
         "benchmarks/models_figure/{device}.tsv"
+    params:
+        code=library("models_figure"),
     script:
         "../scripts/models_figure.py"
 

@@ -16,7 +16,6 @@ rule measured_drift:
     """Navigate every run of a device without aid."""
     input:
         logs=of_runs("log.parquet"),
-        code=library("measured_drift"),
     output:
         "results/{device}/drift/measured.npz",
     log:
@@ -26,6 +25,7 @@ rule measured_drift:
     params:
         site=site,
         course=COURSE,
+        code=library("measured_drift"),
     script:
         "../scripts/measured_drift.py"
 
@@ -35,7 +35,6 @@ rule simulated_drift:
     input:
         model="results/{device}/models/{contender}.yaml",
         measured="results/{device}/drift/measured.npz",
-        code=library("simulated_drift"),
     output:
         "results/{device}/drift/{contender}.npz",
     log:
@@ -47,6 +46,7 @@ rule simulated_drift:
         course=COURSE,
         seed=config["seed"],
         trials=config["navigation"]["trials"],
+        code=library("simulated_drift"),
     script:
         "../scripts/simulated_drift.py"
 
@@ -58,7 +58,6 @@ rule drift_scores:
         simulated=expand(
             "results/{{device}}/drift/{contender}.npz", contender=CONTENDERS
         ),
-        code=library("drift_scores"),
     output:
         errors="results/{device}/drift_errors.parquet",
         scores="results/{device}/drift_scores.csv",
@@ -69,6 +68,7 @@ rule drift_scores:
     params:
         contenders=list(CONTENDERS),
         horizons_s=config["navigation"]["horizons_s"],
+        code=library("drift_scores"),
     script:
         "../scripts/drift_scores.py"
 
@@ -78,7 +78,6 @@ rule drift_figures:
     input:
         measured="results/{device}/drift/measured.npz",
         simulated=expand("results/{{device}}/drift/{contender}.npz", contender=DRAWN),
-        code=library("drift_figures"),
     output:
         drift=report(
             "paper/figures/drift_{device}.svg",
@@ -106,6 +105,7 @@ rule drift_figures:
         contenders=DRAWN,
         length_s=config["navigation"]["table_horizon_s"],
         drawn=config["navigation"]["published_trials"],
+        code=library("drift_figures"),
     script:
         "../scripts/drift_figures.py"
 
@@ -116,7 +116,6 @@ rule drift_tables:
         errors="results/{device}/drift_errors.parquet",
         scores="results/{device}/drift_scores.csv",
         static="data/published/he2023_table2_static_navigation.csv",
-        code=library("drift_tables"),
     output:
         multiext("paper/tables/five_trials_{device}", ".json", ".tex"),
         multiext("paper/tables/distribution_{device}", ".json", ".tex"),
@@ -160,6 +159,7 @@ rule drift_tables:
         table_horizon_s=config["navigation"]["table_horizon_s"],
         published_trials=config["navigation"]["published_trials"],
         seed=config["seed"],
+        code=library("drift_tables"),
     script:
         "../scripts/drift_tables.py"
 

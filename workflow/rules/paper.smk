@@ -3,7 +3,6 @@ rule study_numbers:
     input:
         tables=["data/datasets.csv", "data/files.csv"],
         navigation=expand("paper/numbers/navigation_{device}.json", device=DEVICES),
-        code=library("study_numbers"),
     output:
         "paper/numbers/study.json",
         multiext("paper/tables/datasets", ".csv", ".json", ".tex"),
@@ -18,6 +17,7 @@ rule study_numbers:
         missing_of=MISSING_OF,
         omitted=OMITTED,
         config=config,
+        code=library("study_numbers"),
     script:
         "../scripts/study_numbers.py"
 

@@ -5,7 +5,6 @@ rule planar_runs:
     """Navigate the two-dimensional example many times with every filter under one truth."""
     input:
         recipe="data/planar.yaml",
-        code=library("planar_runs"),
     output:
         spread="results/planar/{case}_spread.parquet",
         ends="results/planar/{case}_ends.parquet",
@@ -19,6 +18,7 @@ rule planar_runs:
     params:
         seed=config["seed"],
         runs=config["planar"]["runs"],
+        code=library("planar_runs"),
     script:
         "../scripts/planar_runs.py"
 
@@ -30,7 +30,6 @@ rule planar_page:
         spread=expand("results/planar/{case}_spread.parquet", case=PLANAR_CASES),
         ends=expand("results/planar/{case}_ends.parquet", case=PLANAR_CASES),
         nees=expand("results/planar/{case}_nees.parquet", case=PLANAR_CASES),
-        code=library("planar_page"),
     output:
         multiext("paper/tables/planar", ".json", ".tex"),
         gauss_markov=report(
@@ -64,6 +63,7 @@ rule planar_page:
         "benchmarks/planar_page.tsv"
     params:
         runs=config["planar"]["runs"],
+        code=library("planar_page"),
     script:
         "../scripts/planar_page.py"
 

@@ -8,7 +8,6 @@ rule speed:
         recipe="data/indirect.yaml",
         walk="data/walk.yaml",
         walkers="data/published/walk_speed.csv",
-        code=library("speed"),
     output:
         report(
             "paper/tables/speed.csv",
@@ -30,6 +29,7 @@ rule speed:
         repeats=config["speed"]["repeats"],
         fits=config["speed"]["fits"],
         period_s=config["bias_stability_period_s"],
+        code=library("speed"),
     script:
         "../scripts/speed.py"
 

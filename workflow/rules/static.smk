@@ -2,7 +2,6 @@ rule indices:
     """Estimate the performance indices and the Allan deviation of one run."""
     input:
         log="results/{device}/{run}/log.parquet",
-        code=library("indices"),
     output:
         indices="results/{device}/{run}/indices.csv",
         allan="results/{device}/{run}/allan.csv",
@@ -13,6 +12,7 @@ rule indices:
     params:
         site=site,
         period_s=config["bias_stability_period_s"],
+        code=library("indices"),
     script:
         "../scripts/indices.py"
 
@@ -22,7 +22,6 @@ rule device_indices:
     input:
         indices=of_runs("indices.csv"),
         allan=of_runs("allan.csv"),
-        code=library("device_indices"),
     output:
         runs="results/{device}/indices_runs.csv",
         indices="results/{device}/indices.csv",
@@ -33,6 +32,7 @@ rule device_indices:
         "benchmarks/device_indices/{device}.tsv"
     params:
         runs=lambda wildcards: RUNS[wildcards.device],
+        code=library("device_indices"),
     script:
         "../scripts/device_indices.py"
 
@@ -41,7 +41,6 @@ rule indices_table:
     """Tabulate the performance indices of a device in data-sheet units, SI beside."""
     input:
         indices="results/{device}/indices.csv",
-        code=library("indices_table"),
     output:
         report(
             "paper/tables/indices_{device}.csv",
@@ -55,6 +54,8 @@ rule indices_table:
         "logs/indices_table/{device}.log",
     benchmark:
         "benchmarks/indices_table/{device}.tsv"
+    params:
+        code=library("indices_table"),
     script:
         "../scripts/indices_table.py"
 
@@ -64,7 +65,6 @@ rule allan_figure:
     input:
         allan="results/{device}/allan.csv",
         indices="results/{device}/indices_runs.csv",
-        code=library("allan_figure"),
     output:
         report(
             "paper/figures/allan_{device}.svg",
@@ -76,6 +76,8 @@ rule allan_figure:
         "logs/allan_figure/{device}.log",
     benchmark:
         "benchmarks/allan_figure/{device}.tsv"
+    params:
+        code=library("allan_figure"),
     script:
         "../scripts/allan_figure.py"
 
@@ -85,7 +87,6 @@ rule bench_score:
     input:
         indices="results/bench/indices.csv",
         truth="results/bench/truth.json",
-        code=library("bench_score"),
     output:
         report(
             "paper/tables/bench_score.csv",
@@ -101,6 +102,7 @@ rule bench_score:
         "benchmarks/bench_score.tsv"
     params:
         rate_hz=config["bench"]["rate_hz"],
+        code=library("bench_score"),
     script:
         "../scripts/bench_score.py"
 
@@ -110,7 +112,6 @@ rule clock:
     input:
         logs=of_runs("log.parquet"),
         indices="results/{device}/indices_runs.csv",
-        code=library("clock"),
     output:
         report(
             "paper/figures/clock_{device}.svg",
@@ -133,6 +134,7 @@ rule clock:
         "benchmarks/clock/{device}.tsv"
     params:
         runs=lambda wildcards: RUNS[wildcards.device],
+        code=library("clock"),
     script:
         "../scripts/clock.py"
 
@@ -141,7 +143,6 @@ rule turn_on:
     """Compare the scatter of the bias over power cycles with what noise within a cycle explains."""
     input:
         logs=expand("results/memsense_turnon/{run}/log.parquet", run=POWER_CYCLES),
-        code=library("turn_on"),
     output:
         report(
             "paper/figures/turn_on.svg",
@@ -164,6 +165,7 @@ rule turn_on:
     params:
         runs=POWER_CYCLES,
         period_s=config["bias_stability_period_s"],
+        code=library("turn_on"),
     script:
         "../scripts/turn_on.py"
 

@@ -5,7 +5,6 @@ rule tutorial_models:
     """Build the tutorial's continuous models from the Allan curve of a device's first run."""
     input:
         allan=lambda wildcards: f"results/{wildcards.device}/{RUNS[wildcards.device][0]}/allan.csv",
-        code=library("tutorial_models"),
     output:
         readings="results/{device}/tutorial/readings.csv",
         models=expand("results/{{device}}/tutorial/{textbook}.yaml", textbook=MODELS),
@@ -15,6 +14,7 @@ rule tutorial_models:
         "benchmarks/tutorial_models/{device}.tsv"
     params:
         models=list(MODELS),
+        code=library("tutorial_models"),
     script:
         "../scripts/tutorial_models.py"
 
@@ -24,7 +24,6 @@ rule tutorial_allan:
     input:
         models=expand("results/{{device}}/tutorial/{textbook}.yaml", textbook=MODELS),
         log=lambda wildcards: f"results/{wildcards.device}/{RUNS[wildcards.device][0]}/log.parquet",
-        code=library("tutorial_allan"),
     output:
         "results/{device}/tutorial/allan.csv",
     log:
@@ -34,6 +33,7 @@ rule tutorial_allan:
     params:
         seed=config["seed"],
         trials=config["tutorial"]["trials"],
+        code=library("tutorial_allan"),
     script:
         "../scripts/tutorial_allan.py"
 
@@ -44,7 +44,6 @@ rule tutorial_figure:
         device=lambda wildcards: f"results/{wildcards.device}/{RUNS[wildcards.device][0]}/allan.csv",
         readings="results/{device}/tutorial/readings.csv",
         models="results/{device}/tutorial/allan.csv",
-        code=library("tutorial_figure"),
     output:
         report(
             "paper/figures/tutorial_{device}.svg",
@@ -65,6 +64,8 @@ rule tutorial_figure:
         "logs/tutorial_figure/{device}.log",
     benchmark:
         "benchmarks/tutorial_figure/{device}.tsv"
+    params:
+        code=library("tutorial_figure"),
     script:
         "../scripts/tutorial_figure.py"
 
@@ -73,7 +74,6 @@ rule worked_example:
     """Recompute the printed values of the tutorial's worked example from one another."""
     input:
         printed="data/published/farrell2022_worked_example.csv",
-        code=library("worked_example"),
     output:
         report(
             "paper/figures/worked_example.svg",
@@ -94,14 +94,14 @@ rule worked_example:
         "logs/worked_example.log",
     benchmark:
         "benchmarks/worked_example.tsv"
+    params:
+        code=library("worked_example"),
     script:
         "../scripts/worked_example.py"
 
 
 rule flicker_bank:
     """Fit banks of Gauss-Markov states to flicker noise and take their errors."""
-    input:
-        code=library("flicker_bank"),
     output:
         report(
             "paper/figures/flicker_bank.svg",
@@ -122,14 +122,14 @@ rule flicker_bank:
         "logs/flicker_bank.log",
     benchmark:
         "benchmarks/flicker_bank.tsv"
+    params:
+        code=library("flicker_bank"),
     script:
         "../scripts/flicker_bank.py"
 
 
 rule false_readings:
     """Count how often each law is read on simulated logs, whether it is there or not."""
-    input:
-        code=library("false_readings"),
     output:
         report(
             "paper/tables/false_readings.csv",
@@ -147,14 +147,13 @@ rule false_readings:
     params:
         **config["tutorial"]["readings"],
         seed=config["seed"],
+        code=library("false_readings"),
     script:
         "../scripts/false_readings.py"
 
 
 rule piecewise:
     """Score the classical reading of white noise and a Gauss-Markov process on simulated logs."""
-    input:
-        code=library("piecewise"),
     output:
         report(
             "paper/tables/piecewise.csv",
@@ -172,6 +171,7 @@ rule piecewise:
     params:
         **config["tutorial"]["readings"],
         seed=config["seed"],
+        code=library("piecewise"),
     script:
         "../scripts/piecewise.py"
 

@@ -2,7 +2,6 @@ rule walk_models:
     """Calibrate the device of the simulated walk at rest, and build every contender from its logs."""
     input:
         recipe="data/walk.yaml",
-        code=library("walk_models"),
     output:
         models="results/walk/models.yaml",
         indices="results/walk/indices.csv",
@@ -11,6 +10,7 @@ rule walk_models:
     benchmark:
         "benchmarks/walk_models.tsv"
     params:
+        code=library("walk_models"),
         seed=config["seed"],
         static=config["walks"]["static"],
         period_s=config["bias_stability_period_s"],
@@ -25,7 +25,6 @@ rule walk_subtracted:
         recipe="data/walk.yaml",
         models="results/walk/models.yaml",
         indices="results/walk/indices.csv",
-        code=library("walk_subtracted"),
     output:
         ends="results/walk/subtracted.parquet",
         tracks="results/walk/tracks.parquet",
@@ -34,6 +33,7 @@ rule walk_subtracted:
     benchmark:
         "benchmarks/walk_subtracted.tsv"
     params:
+        code=library("walk_subtracted"),
         seed=config["seed"],
         devices=config["walks"]["devices"],
         printed=config["walks"]["printed_trials"],
@@ -46,7 +46,6 @@ rule walk_inside:
     input:
         recipe="data/walk.yaml",
         models="results/walk/models.yaml",
-        code=library("walk_inside"),
     output:
         "results/walk/inside.parquet",
     log:
@@ -54,6 +53,7 @@ rule walk_inside:
     benchmark:
         "benchmarks/walk_inside.tsv"
     params:
+        code=library("walk_inside"),
         seed=config["seed"],
         devices=config["walks"]["devices"],
     script:
@@ -68,7 +68,6 @@ rule compensation_page:
         tracks="results/walk/tracks.parquet",
         inside="results/walk/inside.parquet",
         printed="data/published/he2023_table3_pedestrian_compensation.csv",
-        code=library("compensation_page"),
     output:
         multiext("paper/tables/compensation", ".json", ".tex"),
         multiext("paper/tables/compensation_inside", ".json", ".tex"),
@@ -102,6 +101,7 @@ rule compensation_page:
     benchmark:
         "benchmarks/compensation_page.tsv"
     params:
+        code=library("compensation_page"),
         seed=config["seed"],
     script:
         "../scripts/compensation_page.py"
@@ -116,7 +116,6 @@ rule walk_real:
         ],
         recipe="data/walk.yaml",
         tables=["data/datasets.csv", "data/files.csv"],
-        code=library("walk_real"),
     output:
         walks="results/walk/real/{dataset}.csv",
         tracks="results/walk/real/{dataset}.parquet",
@@ -125,6 +124,8 @@ rule walk_real:
         "logs/walk_real/{dataset}.log",
     benchmark:
         "benchmarks/walk_real/{dataset}.tsv"
+    params:
+        code=library("walk_real"),
     script:
         "../scripts/walk_real.py"
 
@@ -135,7 +136,6 @@ rule walk_real_page:
         walks=expand("results/walk/real/{dataset}.csv", dataset=WALKS),
         tracks=expand("results/walk/real/{dataset}.parquet", dataset=WALKS),
         peers="data/published/walk_peers.csv",
-        code=library("walk_real_page"),
     output:
         multiext("paper/tables/walks", ".json", ".tex"),
         multiext("paper/tables/walks_peers", ".json", ".tex"),
@@ -168,6 +168,8 @@ rule walk_real_page:
         "logs/walk_real_page.log",
     benchmark:
         "benchmarks/walk_real_page.tsv"
+    params:
+        code=library("walk_real_page"),
     script:
         "../scripts/walk_real_page.py"
 
@@ -178,7 +180,6 @@ rule walk_budget:
         unpack(twins_of),
         recipe="data/walk.yaml",
         kind="data/foot.yaml",
-        code=library("walk_budget"),
     output:
         "results/walk/budget/{walkers}.parquet",
     log:
@@ -188,6 +189,7 @@ rule walk_budget:
     wildcard_constraints:
         walkers="|".join(["embedded", *CATALOGUE]),
     params:
+        code=library("walk_budget"),
         seed=config["seed"],
         draws=config["walks"]["draws"],
     script:
@@ -202,7 +204,6 @@ rule walk_sensitivity:
             for file in CATALOGUE[wildcards.dataset].files
         ],
         tables=["data/datasets.csv", "data/files.csv"],
-        code=library("walk_sensitivity"),
     output:
         "results/walk/choices/{dataset}.csv",
     log:
@@ -210,6 +211,7 @@ rule walk_sensitivity:
     benchmark:
         "benchmarks/walk_sensitivity/{dataset}.tsv"
     params:
+        code=library("walk_sensitivity"),
         factors=[0.25, 0.5, 0.71, 1, 1.41, 2, 4],
         delays_ms=[-4, -2, 0, 2, 4],
     script:
@@ -220,7 +222,6 @@ rule walk_consistency:
     """Count how often the ellipse of the end holds the true one, over simulated loops."""
     input:
         recipe="data/walk.yaml",
-        code=library("walk_consistency"),
     output:
         "results/walk/consistency.csv",
     log:
@@ -228,6 +229,7 @@ rule walk_consistency:
     benchmark:
         "benchmarks/walk_consistency.tsv"
     params:
+        code=library("walk_consistency"),
         seed=config["seed"],
         walks=config["walks"]["loops"],
         strides=config["walks"]["loop_strides"],
@@ -244,7 +246,6 @@ rule walk_limits_page:
         choices=expand("results/walk/choices/{dataset}.csv", dataset=WALKS),
         walks=expand("results/walk/real/{dataset}.csv", dataset=WALKS),
         consistency="results/walk/consistency.csv",
-        code=library("walk_limits_page"),
     output:
         multiext("paper/tables/walk_budget", ".json", ".tex"),
         multiext("paper/tables/walk_consistency", ".json", ".tex"),
@@ -277,6 +278,8 @@ rule walk_limits_page:
         "logs/walk_limits_page.log",
     benchmark:
         "benchmarks/walk_limits_page.tsv"
+    params:
+        code=library("walk_limits_page"),
     script:
         "../scripts/walk_limits_page.py"
 
@@ -286,7 +289,6 @@ rule walk_hidden:
     input:
         recipe="data/walk.yaml",
         cases="data/hidden.yaml",
-        code=library("walk_hidden"),
     output:
         "results/walk/hidden/{case}.csv",
     log:
@@ -296,6 +298,7 @@ rule walk_hidden:
     wildcard_constraints:
         case="[a-z_]+",
     params:
+        code=library("walk_hidden"),
         seed=config["seed"],
         strides=config["walks"]["loop_strides"],
         alpha=config["discovery"]["alpha"],
@@ -310,7 +313,6 @@ rule walk_hidden_page:
     input:
         cases="data/hidden.yaml",
         found=expand("results/walk/hidden/{case}.csv", case=config["walks"]["hidden"]),
-        code=library("walk_hidden_page"),
     output:
         multiext("paper/tables/walk_hidden", ".json", ".tex"),
         table=report(
@@ -325,6 +327,7 @@ rule walk_hidden_page:
     benchmark:
         "benchmarks/walk_hidden_page.tsv"
     params:
+        code=library("walk_hidden_page"),
         cases=config["walks"]["hidden"],
     script:
         "../scripts/walk_hidden_page.py"

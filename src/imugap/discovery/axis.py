@@ -128,6 +128,10 @@ class AxisFit:
         """Return an orthonormal basis of the directions that the terms can move the mean in, whitened."""
         return _basis(self.whiten(jacobian(self.description.terms, self.sequence)))
 
+    def bare(self) -> "AxisFit":
+        """Return the fit without what was derived from it, which is many times its size."""
+        return replace(self)
+
     def has(self, kind: type[Effect]) -> bool:
         """Return whether an effect of a kind is described."""
         return any(isinstance(effect, kind) for effect in self.description.effects())

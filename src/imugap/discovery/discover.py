@@ -11,7 +11,7 @@ import pandas as pd
 from threadpoolctl import threadpool_limits
 
 from imugap import log as canonical
-from imugap.discovery.axis import AxisFit, fit
+from imugap.discovery.axis import AxisFit
 from imugap.discovery.common import shared
 from imugap.discovery.device import Joint, joined
 from imugap.discovery.distance import Apart, Distances, Drifts, distribution, drifts, together
@@ -19,7 +19,7 @@ from imugap.discovery.finding import Finding, Gap, Interval
 from imugap.discovery.gaps import REPLICATES, Verdict, named, verdicts
 from imugap.discovery.parameters import NORMAL, axis_unit
 from imugap.discovery.record import Record, prepare
-from imugap.discovery.runs import clocks, turn_on
+from imugap.discovery.runs import as_first, clocks, turn_on
 from imugap.discovery.search import log_chance
 from imugap.discovery.story import Story, Tale, concluded, described, model_of, noise_of, part, told
 from imugap.discovery.uncertain import Uncertain
@@ -151,7 +151,7 @@ def discover(
     own = tuple(finding for story in stories.values() for finding in story.findings)
     silent = [axis for axis in stories if question.start is not None and not _noisy(known.axes.get(axis, ()))]
     own += tuple(finding for axis in silent for finding in noise_of(wholes[axis]))
-    outside = (*record.findings, *common, *_between_runs(logs, record, known, question, log_alpha))
+    outside = (*record.findings, *common, *_between_runs(logs, wholes, known, question, log_alpha))
     findings = _ordered((*own, *map(_of_joint, joints), *outside))
     steps.begin("gaps that remain")
     later, left = _left(seen, stories, record, common, question, outputs)
@@ -253,21 +253,15 @@ def _found_outputs(record: Record, axis: str, known: tuple[Effect, ...]) -> tupl
 
 
 def _between_runs(
-    logs: Sequence[pd.DataFrame], record: Record, known: ErrorModel, question: Question, log_alpha: float
+    logs: Sequence[pd.DataFrame], wholes: Mapping[str, AxisFit], known: ErrorModel, question: Question, log_alpha: float
 ) -> tuple[Finding, ...]:
     """Return what differs between the runs."""
-    if len(logs) < 2:
-        return ()
-    records = [record, *(prepare(log, None, question.seed, question.start) for log in logs[1:])]
-    fits = []
-    for one in records:
-        whole = {axis: part(sequence, 0, len(sequence.values)) for axis, sequence in one.sequences.items()}
-        fits.append(
-            {
-                axis: fit(sequence, described(tuple(known.axes.get(axis, AxisModel())), sequence))
-                for axis, sequence in whole.items()
-            }
-        )
+    fits = [wholes]
+    for log in logs[1:]:
+        sequences = prepare(log, None, question.seed, question.start).sequences
+        whole = {axis: part(sequences[axis], 0, len(sequences[axis].values)) for axis in wholes if axis in sequences}
+        starts = {axis: described(tuple(known.axes.get(axis, AxisModel())), one) for axis, one in whole.items()}
+        fits.append({axis: as_first(one, starts[axis].terms, wholes[axis]) for axis, one in whole.items()})
     return (*turn_on(fits, log_alpha), *clocks(fits, log_alpha))
 
 

@@ -10,8 +10,12 @@ from imugap.log import GYRO
 
 NORMAL = 1.959963984540054
 """Quantile of the normal law for 95 %, two-sided."""
-DROP = 1.9207
-"""Drop of log-likelihood at the ends of a 95 % interval of one parameter (chi-square, one degree of freedom)."""
+DROP = 3.676
+"""Drop of log-likelihood at the ends of a 95 % interval of the place of a change.
+
+On either side of the true place the likelihood is a random walk that falls; how far it climbs above its begin is
+exponential, and the higher of the two climbs is below x in the share (1 - exp(-x))^2 of cases (Hinkley 1970).
+"""
 WIDEST = 20.0
 """Standard deviation of a log parameter above which nothing is known of it."""
 

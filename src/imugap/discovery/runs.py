@@ -1,21 +1,35 @@
 """Several runs of one device: does its bias differ from run to run, does its sampling clock?"""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
 
 import numpy as np
 from scipy.stats import chi2
 
-from imugap.clock import relative_interval, spectra
-from imugap.discovery.axis import AxisFit, offset
+from imugap.clock import BLOCKS, SHORTEST, relative_interval, spectra
+from imugap.discovery.axis import AxisFit, Description, Term, fit, offset
+from imugap.discovery.doubt import LEVEL as DRIFTING
 from imugap.discovery.finding import Finding, Interval
-from imugap.discovery.parameters import NORMAL, axis_unit
-from imugap.effects import ClockScale, TurnOnBias
+from imugap.discovery.parameters import NORMAL, axis_unit, term_intervals
+from imugap.discovery.search import log_chance
+from imugap.discovery.sequence import Sequence
+from imugap.effects import ClockScale, Sinusoid, TurnOnBias
 from imugap.log import TIME, from_samples
 
 LEAST = 1e-300
+NEAR = 0.01
+"""Largest relative difference of the frequency of a line between runs whose clocks nothing else compares."""
+CLEAR = 20.0
+"""Gain of log-likelihood from which a line is the one of the other run."""
+WIDE = 4.0
+"""Standard deviations of the ratio of clocks, or periods per log, within which a line is looked for."""
+CONFLICT = 0.01
+"""Probability below which kinds of evidence disagree."""
+Runs = list[Mapping[str, AxisFit]]
+"""Axis to its fit, for each run."""
 
 
-def turn_on(fits: Sequence[Mapping[str, AxisFit]], log_alpha: float) -> tuple[Finding, ...]:
+def turn_on(fits: Runs, log_alpha: float) -> tuple[Finding, ...]:
     """Return the axes whose means differ between runs by more than the noise of each run lets them.
 
     The variance of a mean is that of the lowest cosine coefficient over the number of samples. The scatter of the
@@ -26,7 +40,7 @@ def turn_on(fits: Sequence[Mapping[str, AxisFit]], log_alpha: float) -> tuple[Fi
     return tuple(finding for finding in found if finding is not None)
 
 
-def _turn_on(axis: str, runs: Sequence[AxisFit], log_alpha: float) -> Finding | None:
+def _turn_on(axis: str, runs: list[AxisFit], log_alpha: float) -> Finding | None:
     means = np.array([offset(run.sequence, run.description) for run in runs])
     noise = np.mean([run.variance[0] / len(run.residual) for run in runs])
     squares, free = float(np.sum((means - means.mean()) ** 2)), len(runs) - 1
@@ -39,29 +53,115 @@ def _turn_on(axis: str, runs: Sequence[AxisFit], log_alpha: float) -> Finding | 
     return Finding({axis: TurnOnBias(std)}, {"std": interval}, log_p)
 
 
-def clocks(fits: Sequence[Mapping[str, AxisFit]], log_alpha: float) -> tuple[Finding, ...]:
-    """Return the runs whose sampling interval differs from that of the first: lines and roll-off have moved."""
+def clocks(fits: Runs, log_alpha: float) -> tuple[Finding, ...]:
+    """Return the runs whose clock differs from that of the first, each with its number: lines and roll-off have moved.
+
+    Evidence are the spectra of blocks (:mod:`imugap.clock`), which find any ratio, and the lines that are steady
+    through both runs, which tell a ratio near one as closely as their frequencies are known. The other terms of the
+    fits but the lines have to be what any run of the device has.
+    """
+    first, *others = fits
+    found = (_clock(first, other, run, log_alpha - np.log(len(others))) for run, other in enumerate(others, start=2))
+    return tuple(finding for finding in found if finding is not None)
+
+
+def _clock(first: Mapping[str, AxisFit], other: Mapping[str, AxisFit], run: int, log_alpha: float) -> Finding | None:
+    """Return by how much the clock of a run differs, if it does; nothing where kinds of evidence disagree."""
+    blocks = _mean(_by_blocks(first, other))
+    lines = _mean(_by_lines(first, other, blocks))
+    known = _mean([one for one in (blocks, lines) if one is not None])
+    if known is None or (blocks and lines and _apart(blocks, lines)):
+        return None
+    mean, sd = known
+    log_p = float(chi2.logsf((mean / sd) ** 2, 1))
+    if log_p > log_alpha:
+        return None
+    ratio, *ends = (float(np.exp(-mean + side * NORMAL * sd)) for side in (0, -1, 1))
+    parameters = {"ratio": Interval(ratio, *ends, "1"), "run": Interval(run, run, run, "1")}
+    return Finding({TIME: ClockScale(ratio)}, parameters, log_p)
+
+
+Evidence = tuple[float, float]
+"""Logarithm of the true sampling interval of a run over that of the first, and its standard deviation."""
+
+
+def _mean(found: list[Evidence]) -> Evidence | None:
+    """Return the mean by inverse variance, or None where there is none or what there is disagrees."""
+    if not found:
+        return None
+    values, weights = np.array([value for value, _ in found]), np.array([sd**-2 for _, sd in found])
+    mean = float(np.average(values, weights=weights))
+    agree = chi2.sf(weights @ (values - mean) ** 2, max(len(found) - 1, 1)) > CONFLICT
+    return (mean, float(weights.sum() ** -0.5)) if agree or len(found) == 1 else None
+
+
+def _apart(one: Evidence, other: Evidence) -> bool:
+    return chi2.sf((one[0] - other[0]) ** 2 / (one[1] ** 2 + other[1] ** 2), 1) < CONFLICT
+
+
+def _by_blocks(first: Mapping[str, AxisFit], other: Mapping[str, AxisFit]) -> list[Evidence]:
+    """Return what the spectra of blocks say, if the runs are long enough for them."""
     logs = [
         from_samples(
-            {axis: fit.sequence.values for axis, fit in one.items()},
+            {axis: found.sequence.values for axis, found in one.items()},
             next(iter(one.values())).sequence.conditions.interval,
         )
-        for one in fits
+        for one in (first, other)
     ]
-    first, *others = (spectra(log) for log in logs)
-    found = []
-    for run, other in enumerate(others, start=2):
-        clock = relative_interval(first, other)
-        known = [one for one in (clock.lines, clock.rolloff) if np.isfinite(one.log_ratio) and one.sd > 0]
-        if not known:
+    if min(map(len, logs)) < BLOCKS * SHORTEST:
+        return []
+    clock = relative_interval(*map(spectra, logs))
+    return [(one.log_ratio, one.sd) for one in (clock.lines, clock.rolloff) if one and one.sd > 0]
+
+
+def _by_lines(first: Mapping[str, AxisFit], other: Mapping[str, AxisFit], blocks: Evidence | None) -> list[Evidence]:
+    """Return the ratio of the frequencies of each line that is steady in both runs."""
+    return [
+        evidence for axis, found in first.items() if axis in other for evidence in _moved(found, other[axis], blocks)
+    ]
+
+
+def _moved(first: AxisFit, other: AxisFit, blocks: Evidence | None) -> Iterator[Evidence]:
+    terms = first.description.terms
+    quiet = fit(other.sequence, replace(other.description, terms=_others(other.description.terms)))
+    for index in (i for i, term in enumerate(terms) if isinstance(term.effect, Sinusoid)):
+        line = _line_near(quiet, terms[index].effect.frequency, blocks)
+        if line is None:
             continue
-        weights = np.array([one.sd**-2 for one in known])
-        mean, sd = np.average([one.log_ratio for one in known], weights=weights), weights.sum() ** -0.5
-        log_p = float(chi2.logsf((mean / sd) ** 2, 1) + np.log(len(others)))
-        if log_p < log_alpha:
-            low, high = (float(np.exp(mean + side * NORMAL * sd)) for side in (-1, 1))
-            ratio = float(np.exp(mean))
-            found.append(
-                Finding({TIME: ClockScale(ratio)}, {f"ratio_run{run}": Interval(ratio, low, high, "1")}, log_p)
-            )
-    return tuple(found)
+        found = fit(other.sequence, replace(quiet.description, terms=(*quiet.description.terms, line)))
+        if _steady(first, index) and _steady(found, len(found.description.terms) - 1):
+            before, after = _frequency(first, index), _frequency(found, len(found.description.terms) - 1)
+            yield float(np.log(after[0] / before[0])), float(np.hypot(before[1] / before[0], after[1] / after[0]))
+
+
+def _others(terms: tuple[Term, ...]) -> tuple[Term, ...]:
+    return tuple(term for term in terms if not isinstance(term.effect, Sinusoid))
+
+
+def _line_near(quiet: AxisFit, frequency: float, blocks: Evidence | None) -> Term | None:
+    """Return the highest line where that of the first run may be, or None if none is clear."""
+    ratio, sd = blocks or (0.0, NEAR / WIDE)
+    duration = quiet.sequence.conditions.interval * len(quiet.residual)
+    tried, gains, _ = quiet.lines
+    near = np.abs(tried - frequency * np.exp(ratio)) < WIDE * max(sd * frequency, 1 / duration)
+    if not near.any() or gains[near].max() < CLEAR:
+        return None
+    best = float(tried[near][np.argmax(gains[near])])
+    wave = 2 * np.mean(quiet.residual * np.exp(-2j * np.pi * best * quiet.sequence.conditions.time))
+    return Term(Sinusoid(best, float(abs(wave)), float(np.angle(wave))), ("frequency", "amplitude", "phase"))
+
+
+def _steady(found: AxisFit, index: int) -> bool:
+    columns = found.description.terms[index].effect.near_misses(found.sequence.conditions)
+    return log_chance(*found.joint_gain(found.whiten(columns))) > DRIFTING
+
+
+def _frequency(found: AxisFit, index: int) -> tuple[float, float]:
+    """Return the frequency of a line and its standard deviation [Hz]."""
+    low, high = term_intervals(found, index)["frequency"]
+    return found.description.terms[index].effect.frequency, (high - low) / 2 / NORMAL
+
+
+def as_first(sequence: Sequence, terms: tuple[Term, ...], first: AxisFit) -> AxisFit:
+    """Fit another run of a device: the terms of the start model, the noise that the first run shows."""
+    return fit(sequence, Description(terms, first.description.noise))

@@ -115,7 +115,7 @@ class Search:
         latest = max(int(HELD / len(sequence.values)), 4)
         if len(self.memory) > latest:
             older = list(self.memory)[-latest - 1]
-            self.memory[older] = replace(self.memory[older])
+            self.memory[older] = self.memory[older].bare()
         return self.memory[start]
 
     def explore(self, before: AxisFit) -> AxisFit:

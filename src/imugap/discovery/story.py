@@ -155,7 +155,7 @@ def told(
         kept = replace(after.description, outliers=None, changes=before.description.changes)
         again = late.settled(fit(whole, kept))
         found = _told_apart(late, late.explore(again))
-        return Tale(before, after, early.forgetful(), found, late.forgetful(), held_out)
+        return Tale(before.bare(), after.bare(), early.forgetful(), found.bare(), late.forgetful(), held_out)
 
 
 def concluded(tale: Tale) -> Story:
@@ -167,7 +167,7 @@ def concluded(tale: Tale) -> Story:
         findings = tuple(_finding(search, whole, key, tale.held_out) for key in named)
         withheld = tuple((at(whole.description, key).name, doubt) for key, doubt in doubtful.items())
         after = _without(tale.after, list(doubts(tale.early, tale.after)))
-        return Story(tale.before, after, _without(whole, list(doubtful)), findings, withheld)
+        return Story(tale.before, after.bare(), _without(whole, list(doubtful)).bare(), findings, withheld)
 
 
 def _two_valued(found: AxisFit) -> AxisFit:
@@ -188,7 +188,9 @@ def _told_apart(search: Search, found: AxisFit) -> AxisFit:
         return found
     noise = _without(found, keys).description.noise
     effects = replace(noise, effects=(*noise.effects, verdict.effect))
-    return fit(found.sequence, replace(found.description, noise=effects))
+    switching = fit(found.sequence, replace(found.description, noise=effects))
+    beside = search.explore(switching)
+    return beside if beside.has(RandomTelegraph) else switching
 
 
 def _many_steps(search: Search, found: AxisFit) -> AxisFit:

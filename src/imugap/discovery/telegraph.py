@@ -1,4 +1,9 @@
-"""Two values or a continuum? Gauss-Markov and random telegraph noise have one spectrum; their samples differ."""
+"""Two values or a continuum? Gauss-Markov and random telegraph noise have one spectrum; their samples differ.
+
+Both are weighed beside a random walk and white noise, the walk for whatever else is slow. Two values on a walk have a
+likelihood of as many terms as there are paths: the moments of the walk given the value are kept, as in the interacting
+multiple model (Blom and Bar-Shalom 1988).
+"""
 
 from dataclasses import dataclass
 
@@ -10,12 +15,14 @@ from imugap.discovery.axis import AxisFit
 from imugap.effects import GaussMarkov, RandomTelegraph
 from imugap.effects.effect import StochasticEffect
 
-FINE = 12
-"""Blocks per correlation time."""
+FINE = 48
+"""Blocks per correlation time; one in which a switch falls looks like a third value, and raises the rate."""
 LONG = 20.0
 """Correlation times in a log, where nothing tells more."""
 QUIET, DEEP = 1e-3, 10.0
 """White noise over the slow process: least share at the start, and logarithm of the least share at all."""
+CALM = 0.03
+"""Step of the walk from block to block over the slow process, at the start."""
 MOST = 60_000
 """Blocks at most."""
 
@@ -45,11 +52,12 @@ class Verdict:
 def compare(fit: AxisFit, slow: tuple[StochasticEffect, ...]) -> Verdict:
     """Weigh telegraph noise against Gauss-Markov noise in the place of the slow processes of a fit.
 
-    A Gauss-Markov process with a long correlation time stands for a random walk too. The noise besides is white on
-    the scale of the blocks.
+    The noise besides is white on the scale of the blocks, or wanders from one to the next.
     """
     interval, count = fit.sequence.conditions.interval, len(fit.residual)
-    time = min([one.correlation_time for one in slow if isinstance(one, GaussMarkov)], default=interval * count / LONG)
+    lorentzian = [one.equivalent if isinstance(one, RandomTelegraph) else one for one in slow]
+    times = [one.correlation_time for one in lorentzian if isinstance(one, GaussMarkov)]
+    time = min(times, default=interval * count / LONG)
     width = max(int(time / FINE / interval), count // MOST, 1)
     means = fit.residual[: count // width * width].reshape(-1, width).mean(axis=1)
     rest = [one for one in fit.description.noise.effects if one not in slow]
@@ -57,27 +65,24 @@ def compare(fit: AxisFit, slow: tuple[StochasticEffect, ...]) -> Verdict:
     density = sum(effect.sampled_psd(np.array([0.25 / step]), interval)[0] for effect in rest)
     white = float(np.sqrt(density / step))
     std = float(np.sqrt(max(means.var() - white**2, 0.01 * means.var())))
-    least = np.log(std) - DEEP
+    least, wide = np.log(std) - DEEP, means.var()
+
+    def beside(theta):
+        return (*np.exp(np.maximum(theta[2:4], least)), wide)
 
     def uneven(theta):
         rates = np.exp(theta[1] + np.array([theta[4], -theta[4]])) * step
-        return -_two_values(means, np.exp(theta[0]) / 2, *rates, np.exp(max(theta[2], least)), theta[3] * std)
+        return -_two_values(means, np.exp(theta[0]) / 2, *rates, *beside(theta))
 
     def telegraph(theta):
         return uneven(np.r_[theta, 0.0])
 
     def markov(theta):
-        return -_continuum(
-            means, np.exp(theta[0]), np.exp(-step / np.exp(theta[1])), np.exp(max(theta[2], least)), theta[3] * std
-        )
+        return -_continuum(means, np.exp(theta[0]), np.exp(-step / np.exp(theta[1])), *beside(theta))
 
-    smooth = _lowest(
-        markov, [[np.log(std), np.log(time * f), np.log(max(white, QUIET * std)), 0.0] for f in (1.0, 8.0)]
-    )
-    best = _lowest(
-        telegraph,
-        [[np.log(2 * std), np.log(0.5 / time * f), np.log(max(white, QUIET * std)), 0.0] for f in (0.3, 1.0, 3.0)],
-    )
+    beside_it = [np.log(max(white, QUIET * std)), np.log(CALM * std)]
+    smooth = _lowest(markov, [[np.log(std), np.log(time * f), *beside_it] for f in (1.0, 8.0)])
+    best = _lowest(telegraph, [[np.log(2 * std), np.log(0.5 / time * f), *beside_it] for f in (0.3, 1.0, 3.0)])
     error = _errors(telegraph, best.x)
     ends = [tuple(float(np.exp(best.x[i] + side * 1.96 * error[i])) for side in (-1, 1)) for i in (0, 1)]
     effect = RandomTelegraph(float(np.exp(best.x[0])), float(np.exp(best.x[1])))
@@ -106,29 +111,46 @@ def _errors(cost, top: np.ndarray) -> np.ndarray:
 
 
 @njit(cache=True)
-def _two_values(means, half, rise, fall, white, offset):
-    """Return the log-likelihood of offset +- half in white noise; ``rise`` and ``fall`` are switches per block."""
-    mean_up = rise / (rise + fall)
-    kept = np.exp(-(rise + fall))
+def _two_values(means, half, rise, fall, white, walk, wide):
+    """Return the log-likelihood of +- half on a walk in white noise; ``rise`` and ``fall`` are switches per block."""
+    mean_up, kept = rise / (rise + fall), np.exp(-(rise + fall))
+    to_up, to_down = mean_up * (1 - kept), (1 - mean_up) * (1 - kept)
     up, value = mean_up, 0.0
+    high = low = means.mean()
+    high_variance = low_variance = wide
     for mean in means:
-        high = np.exp(-0.5 * min(((mean - offset - half) / white) ** 2, 1400.0))
-        low = np.exp(-0.5 * min(((mean - offset + half) / white) ** 2, 1400.0))
-        total = up * high + (1 - up) * low + 1e-300
-        value += np.log(total)
-        up = up * high / total
-        up = mean_up + kept * (up - mean_up)
-    return value - len(means) * (np.log(white) + 0.5 * np.log(2 * np.pi))
+        stayed, left = up * (1 - to_down), (1 - up) * (1 - to_up)
+        new_up = stayed + (1 - up) * to_up
+        apart, share_up, share_down = (high - low) ** 2, stayed / new_up, left / (1 - new_up)
+        first = share_up * high + (1 - share_up) * low
+        second = share_down * low + (1 - share_down) * high
+        first_variance = share_up * high_variance + (1 - share_up) * (low_variance + share_up * apart) + walk**2
+        second_variance = share_down * low_variance + (1 - share_down) * (high_variance + share_down * apart) + walk**2
+        high_total, low_total = first_variance + white**2, second_variance + white**2
+        above, below = mean - half - first, mean + half - second
+        log_high = np.log(new_up) - 0.5 * (np.log(high_total) + above**2 / high_total)
+        log_low = np.log(1 - new_up) - 0.5 * (np.log(low_total) + below**2 / low_total)
+        top = max(log_high, log_low)
+        total = np.exp(log_high - top) + np.exp(log_low - top)
+        value += top + np.log(total) - 0.5 * np.log(2 * np.pi)
+        up = min(max(np.exp(log_high - top) / total, 1e-12), 1 - 1e-12)
+        high, low = first + first_variance / high_total * above, second + second_variance / low_total * below
+        high_variance = first_variance * white**2 / high_total
+        low_variance = second_variance * white**2 / low_total
+    return value
 
 
 @njit(cache=True)
-def _continuum(means, std, decay, white, offset):
-    """Return the log-likelihood of a Gauss-Markov process in white noise (Kalman filter)."""
-    state, variance, value = 0.0, std**2, 0.0
+def _continuum(means, std, decay, white, walk, wide):
+    """Return the log-likelihood of a Gauss-Markov process on a walk in white noise (Kalman filter)."""
+    state, level, value = 0.0, means.mean(), 0.0
+    own, shared, other = std**2, 0.0, wide + walk**2
     for mean in means:
-        innovation, total = mean - offset - state, variance + white**2
+        innovation, total = mean - state - level, own + 2 * shared + other + white**2
         value -= 0.5 * (np.log(2 * np.pi * total) + innovation**2 / total)
-        gain = variance / total
-        state = decay * (state + gain * innovation)
-        variance = decay**2 * variance * (1 - gain) + (1 - decay**2) * std**2
+        first, second = (own + shared) / total, (shared + other) / total
+        state, level = decay * (state + first * innovation), level + second * innovation
+        own = decay**2 * (own - first**2 * total) + (1 - decay**2) * std**2
+        shared = decay * (shared - first * second * total)
+        other += walk**2 - second**2 * total
     return value

@@ -16,6 +16,8 @@ BAND = 0.45
 """Share of the rate up to which the spectral test of a filter looks; filters differ beyond."""
 KOLMOGOROV = 1.63
 """Value of sqrt(n) times the Kolmogorov-Smirnov statistic that is exceeded in 1 % of samples."""
+TICKS = 200
+"""Displacements of stamps, in ticks, above which there are none."""
 
 
 @dataclass(frozen=True)
@@ -243,8 +245,9 @@ class TimestampJitter(Stamp):
         return float(self.tick / 2 / norm.isf(np.log(2) / (2 * scenes[0].count)))
 
     def parameters(self) -> dict[str, float]:
-        """Return the standard deviation; the tick is no parameter of the vocabulary."""
-        return {"std": self.std}
+        """Return the standard deviation of the displacements as they are written; the vocabulary has no tick."""
+        edges = norm.cdf((np.arange(-TICKS, TICKS) + 0.5) * self.tick / self.std)
+        return {"std": self.tick * float(np.sqrt(np.diff(edges) @ np.arange(1 - TICKS, TICKS) ** 2))}
 
     def act(self, log: pd.DataFrame, rng: np.random.Generator) -> pd.DataFrame:
         """Displace the stamps by whole ticks; a stamp that would not come after the one before comes a tick later."""

@@ -1,0 +1,88 @@
+"""Two values or a continuum: the likelihoods against all paths and the covariance, estimates against truth."""
+
+from itertools import product
+
+import numpy as np
+import pytest
+from scipy.special import logsumexp
+from scipy.stats import multivariate_normal
+
+from imugap.discovery.axis import Description, fit
+from imugap.discovery.noise import Noise
+from imugap.discovery.sequence import Sequence
+from imugap.discovery.telegraph import _continuum, _two_values, compare
+from imugap.effects import GaussMarkov, RandomTelegraph, RandomWalk, WhiteNoise
+from imugap.effects.effect import Conditions
+from imugap.stream import stream
+
+COUNT = 9
+
+
+def wandering(white, walk, wide):
+    """Covariance of blocks of a walk, of which the begin has the variance ``wide``, in white noise."""
+    number = np.arange(1, COUNT + 1)
+    return wide + walk**2 * np.minimum.outer(number, number) + white**2 * np.eye(COUNT)
+
+
+@pytest.mark.parametrize("walk", [0.0, 0.3])
+def test_a_continuum_has_the_density_of_its_covariance(walk):
+    means = stream(1, "continuum").standard_normal(COUNT)
+    lags = np.abs(np.subtract.outer(np.arange(COUNT), np.arange(COUNT)))
+    covariance = wandering(0.5, walk, 40.0) + 0.8**2 * 0.9**lags
+    law = multivariate_normal(np.full(COUNT, means.mean()), covariance)
+    assert _continuum(means, 0.8, 0.9, 0.5, walk, 40.0) == pytest.approx(law.logpdf(means), abs=1e-9)
+
+
+@pytest.mark.parametrize(("walk", "wide", "tolerance"), [(0.0, 1e-12, 1e-6), (0.05, 0.25, 0.3)])
+def test_two_values_have_the_density_of_all_their_paths(walk, wide, tolerance):
+    half, rise, fall, white = 1.0, 0.02, 0.01, 0.4
+    means = white * stream(2, "paths").standard_normal(COUNT) + np.where(np.arange(COUNT) < 5, half, -half)
+    up, kept = rise / (rise + fall), np.exp(-(rise + fall))
+    change = np.array([[1 - up * (1 - kept), up * (1 - kept)], [(1 - up) * (1 - kept), 1 - (1 - up) * (1 - kept)]])
+    logs = []
+    for path in product((0, 1), repeat=COUNT):
+        chance = np.log([1 - up, up][path[0]]) + np.sum(np.log(change[path[:-1], path[1:]]))
+        signs = 2 * np.array(path) - 1
+        law = multivariate_normal(means.mean() + half * signs, wandering(white, walk, wide))
+        logs.append(chance + law.logpdf(means))
+    found = _two_values(means, half, rise, fall, white, walk, wide)
+    assert found == pytest.approx(logsumexp(logs), abs=tolerance)
+
+
+def sequence(seed, beside, count=60000, interval=0.02):
+    conditions = Conditions(np.arange(count) * interval, interval)
+    rng = stream(seed, "telegraph")
+    effects = (WhiteNoise(1e-4), RandomTelegraph(2e-4, 0.1), *beside)
+    values = sum(effect.sample(conditions, rng) for effect in effects)
+    return Sequence(values, conditions, np.zeros(count, bool)), effects
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("beside", [(), (RandomWalk(3e-6),)], ids=["alone", "on a walk"])
+def test_the_estimates_hold_the_truth_as_often_as_they_say(beside):
+    hits, errors = 0, []
+    for seed in range(12):
+        one, effects = sequence(seed, beside)
+        found = fit(one, Description((), Noise(effects)))
+        verdict = compare(found, tuple(found.description.noise.effects[1:2]))
+        assert verdict.gain > 0
+        truth = (2e-4, 0.1)
+        hits += sum(low <= true <= high for true, (low, high) in zip(truth, verdict.intervals, strict=True))
+        errors.append(np.log([verdict.effect.step / truth[0], verdict.effect.rate / truth[1]]))
+    assert 20 <= hits <= 24
+    spread = np.std(errors, axis=0) / np.sqrt(len(errors))
+    assert np.all(np.abs(np.mean(errors, axis=0)) < 3.5 * spread)
+
+
+def test_a_continuum_is_told_from_two_values():
+    one, effects = sequence(3, ())
+    conditions = one.conditions
+    smooth = (WhiteNoise(1e-4), GaussMarkov(1e-4, 5.0))
+    values = sum(effect.sample(conditions, stream(4, "smooth")) for effect in smooth)
+    other = Sequence(values, conditions, one.flawed)
+    gains = [
+        compare(fit(log, Description((), Noise(noise))), (noise[1],)).gain
+        for log, noise in ((one, (effects[0], effects[1].equivalent)), (other, smooth))
+    ]
+    assert gains[0] > 5
+    assert gains[1] < 0
