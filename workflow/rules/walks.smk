@@ -10,11 +10,11 @@ rule walk_models:
     benchmark:
         "benchmarks/walk_models.tsv"
     params:
-        code=library("walk_models"),
         seed=config["seed"],
         static=config["walks"]["static"],
         period_s=config["bias_stability_period_s"],
         rate_hz=config["estimation"]["rate_hz"],
+        code=library("walk_models"),
     script:
         "../scripts/walk_models.py"
 
@@ -33,10 +33,10 @@ rule walk_subtracted:
     benchmark:
         "benchmarks/walk_subtracted.tsv"
     params:
-        code=library("walk_subtracted"),
         seed=config["seed"],
         devices=config["walks"]["devices"],
         printed=config["walks"]["printed_trials"],
+        code=library("walk_subtracted"),
     script:
         "../scripts/walk_subtracted.py"
 
@@ -53,9 +53,9 @@ rule walk_inside:
     benchmark:
         "benchmarks/walk_inside.tsv"
     params:
-        code=library("walk_inside"),
         seed=config["seed"],
         devices=config["walks"]["devices"],
+        code=library("walk_inside"),
     script:
         "../scripts/walk_inside.py"
 
@@ -101,8 +101,8 @@ rule compensation_page:
     benchmark:
         "benchmarks/compensation_page.tsv"
     params:
-        code=library("compensation_page"),
         seed=config["seed"],
+        code=library("compensation_page"),
     script:
         "../scripts/compensation_page.py"
 
@@ -189,9 +189,9 @@ rule walk_budget:
     wildcard_constraints:
         walkers="|".join(["embedded", *CATALOGUE]),
     params:
-        code=library("walk_budget"),
         seed=config["seed"],
         draws=config["walks"]["draws"],
+        code=library("walk_budget"),
     script:
         "../scripts/walk_budget.py"
 
@@ -211,9 +211,9 @@ rule walk_sensitivity:
     benchmark:
         "benchmarks/walk_sensitivity/{dataset}.tsv"
     params:
-        code=library("walk_sensitivity"),
         factors=[0.25, 0.5, 0.71, 1, 1.41, 2, 4],
         delays_ms=[-4, -2, 0, 2, 4],
+        code=library("walk_sensitivity"),
     script:
         "../scripts/walk_sensitivity.py"
 
@@ -229,10 +229,10 @@ rule walk_consistency:
     benchmark:
         "benchmarks/walk_consistency.tsv"
     params:
-        code=library("walk_consistency"),
         seed=config["seed"],
         walks=config["walks"]["loops"],
         strides=config["walks"]["loop_strides"],
+        code=library("walk_consistency"),
     script:
         "../scripts/walk_consistency.py"
 
@@ -298,12 +298,12 @@ rule walk_hidden:
     wildcard_constraints:
         case="[a-z_]+",
     params:
-        code=library("walk_hidden"),
         seed=config["seed"],
         strides=config["walks"]["loop_strides"],
         alpha=config["discovery"]["alpha"],
         replicates=config["discovery"]["replicates"],
         simulations=config["discovery"]["simulations"],
+        code=library("walk_hidden"),
     script:
         "../scripts/walk_hidden.py"
 
@@ -327,8 +327,8 @@ rule walk_hidden_page:
     benchmark:
         "benchmarks/walk_hidden_page.tsv"
     params:
-        code=library("walk_hidden_page"),
         cases=config["walks"]["hidden"],
+        code=library("walk_hidden_page"),
     script:
         "../scripts/walk_hidden_page.py"
 
