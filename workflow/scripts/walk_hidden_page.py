@@ -39,7 +39,7 @@ def places(rows):
     """Return the surest places as text."""
     surest = rows.sort_values("chance").head(SHOWN)
     spans = (
-        f"{one.axis} {one.name}, {tables.number(one.value, 2)} to {tables.number(one.high, 2)} {one.unit}"
+        f"{one.axis} {one.name}, {tables.number(one.value, 2)} to {tables.number(one.high, 2)} {tables.unit(one.unit)}"
         for one in surest.itertuples(index=False)
     )
     return "; ".join(spans) or "none"
