@@ -95,7 +95,7 @@ def of_walk(ends, printed):
     better = all(one[f"{quantity}_excess_high"] < 0 for quantity in units)
     gains = (printed.loc[f"end_{quantity}_error_reduction", "restoration"] for quantity in units)
     return {
-        "claim": "subtracted from the log of a walk it makes the end better (error at the end over that of its bias alone)",
+        "claim": "subtracted from the log of a walk it mends the end (error at the end over that of its bias alone)",
         "published": " / ".join(f"{gain:.1f} % less" for gain in gains),
         "device": "simulated walk",
         "here": " / ".join(gaps),
