@@ -255,7 +255,7 @@ def _found_outputs(record: Record, axis: str, known: tuple[Effect, ...]) -> tupl
 def _between_runs(
     logs: Sequence[pd.DataFrame], wholes: Mapping[str, AxisFit], known: ErrorModel, question: Question, log_alpha: float
 ) -> tuple[Finding, ...]:
-    """Return what differs between the runs, where there are several."""
+    """Return what differs between the runs."""
     if len(logs) < 2:
         return ()
     fits = [wholes]
