@@ -7,6 +7,7 @@ rule speed:
         ],
         recipe="data/indirect.yaml",
         walk="data/walk.yaml",
+        walkers="data/published/walk_speed.csv",
     output:
         report(
             "paper/tables/speed.csv",

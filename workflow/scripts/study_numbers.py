@@ -31,6 +31,7 @@ if __name__ == "__main__":
             "runs": {device: len(runs) for device, runs in params.runs.items()},
             "missing_of": params.missing_of,
             "power_cycles": len(params.power_cycles),
+            "walks": params.walks,
             "omitted": [omission(sets[name]) for name in params.omitted],
             "contenders": [TITLES[name] for name in CONTENDERS],
             "config": params.config,
