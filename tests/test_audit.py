@@ -128,7 +128,7 @@ def test_printed_reductions_follow_from_the_printed_errors(findings):
 def test_consistent_tables_give_no_inconsistency(sound):
     found = audit.findings(*sound)
     assert list(found.loc[~found["consistent"], "check"]) == []
-    assert len(found) == 24
+    assert len(found) == 25
 
 
 def test_lengths_are_those_after_which_consistent_tables_were_computed(sound):
@@ -154,3 +154,13 @@ def test_one_wrong_number_is_found(sound, table, row, column, factor, check):
     tables[table].loc[row, column] *= factor
     found = audit.findings(*tables)
     assert any(check in text for text in found.loc[~found["consistent"], "check"])
+
+
+def test_a_heading_that_drifts_so_far_leaves_no_walk_to_end_so_near(findings, printed):
+    """Three metres in three minutes; and a path that is walked with that drift ends as far off as the formula says."""
+    row = only(findings, "walk: way out and back")
+    assert not row["consistent"]
+    length, heading = float(row["implied"].removesuffix(" m")), np.deg2rad(54.203)
+    time = np.linspace(0, 1, 20_001)
+    steps = length * np.where(time < 0.5, 1, -1) * np.exp(1j * heading * time)
+    assert abs(np.trapezoid(steps, time)) == pytest.approx(0.709, rel=0.02)

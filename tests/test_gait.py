@@ -5,8 +5,9 @@ import numpy as np
 import pytest
 
 from imugap import reference, strapdown
+from imugap.effects import Bias, TurnOnBias, WhiteNoise
 from imugap.gait import Course, Gait, Leg, Walk
-from imugap.log import ACCEL, GYRO
+from imugap.log import ACCEL, AXES, GYRO
 from imugap.rotation import from_euler
 from imugap.strapdown import ATTITUDE, POSITION, VELOCITY, Local, State
 
@@ -103,7 +104,21 @@ def test_the_record_is_the_ideal_with_the_errors_of_the_device(short):
     again = short.record(1, SEED) - short.ideal(1, SEED)
     np.testing.assert_array_equal(error, again)
     stds = error.diff().std() / np.sqrt(2) * np.sqrt(1 / short.rate_hz)
-    np.testing.assert_allclose(stds, [1e-4] * 3 + [1e-3] * 3, rtol=0.1)
+    densities = [next(one.density for one in short.model[axis] if isinstance(one, WhiteNoise)) for axis in AXES]
+    np.testing.assert_allclose(stds, densities, rtol=0.1)
+
+
+def test_a_static_log_is_the_site_with_the_errors_of_the_device(short):
+    """Another switch-on than that of the walk: each run has biases of its own about those of the device."""
+    logs = [short.static(run, 30, SEED) for run in range(40)]
+    error = np.array([one.mean() for one in logs]) - short.site.ideal().to_numpy()
+    fixed, turned = (
+        np.array([next(getattr(one, name) for one in short.model[axis] if isinstance(one, kind)) for axis in AXES])
+        for kind, name in ((Bias, "value"), (TurnOnBias, "std"))
+    )
+    assert len(logs[0]) == round(30 * short.rate_hz)
+    assert (np.abs(error.mean(axis=0) - fixed) < 4 * turned / np.sqrt(40)).all()
+    np.testing.assert_allclose(error.std(axis=0, ddof=1), turned, rtol=0.5)
 
 
 def test_a_recipe_that_is_none_is_named(tmp_path):

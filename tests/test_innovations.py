@@ -1,64 +1,47 @@
-"""Names of what a filter is not told: the right one where something is hidden, none where nothing is."""
-
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy.stats import binom
 
-from imugap.ablation import Ablation, hide
-from imugap.innovations import CANDIDATES, name, whiteness
-from imugap.quality import Record
-from imugap.stream import stream
+from imugap.compensation import granted
+from imugap.effects import Misalignment
+from imugap.gait import Course, Walk
+from imugap.innovations import judged, limit, suspects
+from imugap.model import ErrorModel
 
 ROOT = Path(__file__).parents[1]
-RECIPE = ROOT / "data" / "drive.yaml"
-SEED = 81
+SEED = 71
 
 
 @pytest.fixture(scope="module")
-def study():
-    return Ablation.read(RECIPE)
+def loop():
+    return replace(Walk.read(ROOT / "data" / "walk.yaml"), rate_hz=100, course=Course.loop(40))
 
 
-def recorded(white):
-    """Return a record that has these whitened innovations."""
-    record = Record.empty(*white.shape)
-    record.whitened[:], record.statistic[:], record.freedom[:] = white, np.sum(white**2, axis=1), white.shape[1]
-    return record
+def test_the_limit_is_that_of_a_normal_deviate_shared_among_the_trials():
+    assert limit(0.05, 1) == pytest.approx(1.95996, abs=1e-4)
+    assert limit(0.05, 20) > limit(0.05, 2) > limit(0.05, 1)
 
 
-@pytest.mark.parametrize("test", ["mean", "white", "size"])
-def test_innovations_that_are_right_fail_as_often_as_they_should(test):
-    found = [whiteness(recorded(stream(SEED, "white", run).standard_normal((300, 6))))[test] for run in range(400)]
-    for alpha in (0.05, 0.5):
-        share = np.mean(np.array(found) < alpha)
-        assert abs(share - alpha) < 4.5 * np.sqrt(alpha * (1 - alpha) / len(found))
+def test_suspects_are_all_different():
+    names = [(one.name, one.axes, one.parameter) for one in suspects()]
+    assert len(set(names)) == len(names) == 6 + 12 + 9 + 1
 
 
-@pytest.mark.parametrize(("test", "spoil"), [
-    ("mean", lambda white: white + 0.3), ("size", lambda white: 1.2 * white), ("size", lambda white: 0.8 * white),
-    ("white", lambda white: (white + 0.5 * np.roll(white, 1, axis=0)) / np.sqrt(1.25)),
-])  # fmt: skip
-def test_innovations_that_are_wrong_fail(test, spoil):
-    white = stream(SEED, "spoilt").standard_normal((300, 6))
-    assert whiteness(recorded(spoil(white)))[test] < 1e-4
+@pytest.mark.parametrize("run", [1, 2])
+def test_a_device_as_its_model_has_it_gets_no_name(loop, run):
+    said = judged(loop.record(run, SEED), loop.model, granted(loop))
+    assert said.named(0.01).empty
+    assert np.isfinite(said.table["deviate"]).all()
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("what", CANDIDATES)
-def test_what_is_hidden_is_named_and_estimated(study, what):
-    for run in range(3):
-        names, told = name(hide(study, RECIPE, what, run, SEED), 0.01)
-        assert names == [what]
-        first = told[told["round"] == 1].set_index("candidate")
-        assert first.loc[what, "gain"] == first["gain"].max() > 0
-    if what == "time offset":
-        assert float(first.loc[what, "estimates"].removeprefix("offset ")) == pytest.approx(0.1, abs=0.02)
-
-
-@pytest.mark.slow
-def test_nothing_is_named_where_nothing_is_hidden(study):
-    runs, alpha = 25, 0.05
-    named = sum(bool(name(hide(study, RECIPE, None, run, SEED), alpha)[0]) for run in range(runs))
-    assert binom.sf(named - 1, runs, alpha) > 0.001
+def test_a_leaning_accelerometer_is_seen_and_its_angle_is_right(loop):
+    leaning = ErrorModel(dict(loop.model.axes) | {"accel_x": loop.model["accel_x"] + Misalignment(z=0.02)})
+    log = leaning.simulate(loop.ideal(1, SEED), SEED, "leaning")
+    said = judged(log, loop.model, granted(loop))
+    assert not said.named(0.01).empty
+    table = said.table.set_index(["name", "axis", "parameter"])
+    one = table.loc[("misalignment", "accel_x", "z")]
+    assert abs(one["value"] - 0.02) < 3 * one["std"]
+    assert abs(one["deviate"]) > limit(0.01, len(table))

@@ -8,8 +8,10 @@ from scipy.special import bdtr, bdtrc
 
 from imugap import catalogue, reference
 from imugap.consistency import nees_band
+from imugap.effects import Bias
 from imugap.gait import Course, Leg, Walk
 from imugap.log import ACCEL, AXES, GYRO, LogError
+from imugap.model import AxisModel, ErrorModel
 from imugap.pedestrian import ARM, Assumptions, navigate
 from imugap.readers import read_positions, read_raw, read_strides
 from imugap.rotation import from_euler
@@ -29,10 +31,20 @@ MIDDLE = 2925
 
 @pytest.fixture(scope="module")
 def walk():
-    """Go out, turn, and halfway back; the stand at the end is too short for one (see the module's docstring)."""
+    """Go out, turn, and halfway back; the stand at the end is too short for one (see the module's docstring).
+
+    The device has no fixed biases, so that its ideal log is that of a device whose errors happen to be none.
+    """
     recipe = Walk.read(ROOT / "data" / "walk.yaml")
+    axes = recipe.model.axes.items()
+    random = {axis: AxisModel(tuple(one for one in model if not isinstance(one, Bias))) for axis, model in axes}
     course = Course(4.4, (Leg(12), Leg(3, turn_deg=60.0, share=0.0), Leg(12)), 0.4)
-    return replace(recipe, course=course, gait=replace(recipe.gait, drift_m_per_s=0.0, impact_m_per_s2=0.0))
+    return replace(
+        recipe,
+        model=ErrorModel(random),
+        course=course,
+        gait=replace(recipe.gait, drift_m_per_s=0.0, impact_m_per_s2=0.0),
+    )
 
 
 @pytest.fixture(scope="module")

@@ -193,3 +193,53 @@ def test_the_drift_of_the_tuned_model_on_the_recorded_drive_is_of_the_predicted_
     drift = json.loads(path.read_text())["drift"]
     assert 0.33 < float(drift["tuned"]["ratio"]) < 3
     assert float(drift["tuned"]["rms_m"]) < float(drift["rest"]["rms_m"])
+
+
+def test_restoration_compensates_a_walk_by_no_more_than_its_bias():
+    """A drawn turn-on bias adds to that of the device: over devices it is no better than the bias alone."""
+    found = read("compensation").set_index("contender")
+    for quantity in ("position", "heading"):
+        assert found.loc["restoration", f"{quantity}_excess_high"] > 0
+        assert found.loc["none", f"{quantity}_mean"] > 5 * found.loc["bias_only", f"{quantity}_mean"]
+        assert found.loc["stand", f"{quantity}_mean"] < found.loc["bias_only", f"{quantity}_mean"]
+
+
+def test_a_filter_that_knows_of_turn_on_biases_ends_near_and_believes_itself():
+    found = read("compensation_inside").set_index("contender")
+    for name in ("white_turn_on", "restoration", "nbk", "fitted", "truth"):
+        assert found.loc[name, "position"] < 0.5 * found.loc["white", "position"]
+        assert 0.1 < found.loc[name, "heading_nees"] < 3
+    assert found.loc["white", "heading_nees"] > 10
+
+
+def test_every_real_walk_ends_within_a_hundredth_of_its_distance():
+    """The bars of the study: half a per cent in the median, one per cent on each."""
+    if not (TABLES / "walks.csv").exists():
+        pytest.skip("the walking sets are not here")
+    walks = read("walks")
+    assert walks["share"].median() < 0.5
+    assert walks["share"].max() < 1.0
+    strides = walks[walks["dataset"] == "gaitmap_2x20m"]
+    assert (strides[["stride_rmse", "stride_rmse_plain"]] < 0.049).all().all()
+
+
+def test_each_error_of_a_device_has_a_place_in_the_budget_of_every_walk():
+    budget = read("walk_budget")
+    none = budget[budget["triad"] == "none"].set_index("set")
+    for name, one in budget.groupby("set"):
+        single = one[~one["triad"].isin(["all", "none"])]
+        assert len(single) == 13
+        assert none.loc[name, "horizontal"] < single["horizontal"].max()
+
+
+def test_a_filter_whose_assumptions_hold_has_ellipses_that_hold_the_end():
+    found = read("walk_consistency").set_index("foot")
+    for level in (0.9, 0.99):
+        assert found.loc["as assumed", f"low_{level:g}"] <= level <= found.loc["as assumed", f"high_{level:g}"]
+        assert found.loc["slipping", f"high_{level:g}"] >= level
+
+
+def test_hidden_effects_are_named_with_the_exact_reference_and_nothing_is_not():
+    found = read("walk_hidden").set_index("case")
+    assert found.loc["nothing", "exact_right"]
+    assert found.loc[found["there"], "exact_right"].mean() > 0.7

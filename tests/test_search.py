@@ -27,6 +27,7 @@ from imugap.effects import (
     RandomWalk,
     RateRamp,
     Sinusoid,
+    Temperature,
     TurnOnBias,
     VarianceChange,
     WarmUp,
@@ -237,3 +238,30 @@ def test_a_steady_line_is_not_in_doubt():
     found = search.explore(plain(data))
     assert [effect.name for effect in found.description.effects()] == ["sinusoid", "white_noise"]
     assert doubts(search, found) == {}
+
+
+def two_means(slope, coefficient, label):
+    """Search a log with a ramp and a temperature effect that nearly cancel."""
+    time = np.arange(12000) * 0.05
+    warming = 20 + 8 * (1 - np.exp(-time / 200)) + np.sin(2 * np.pi * time / 450)
+    conditions = Conditions(time, 0.05, warming, "gyro_x")
+    values = RateRamp(slope).sample(conditions, None) + Temperature(coefficient).sample(conditions, None)
+    values += WhiteNoise(1e-4).sample(conditions, stream(1, label))
+    log = Sequence(values, conditions, np.zeros(len(time), bool))
+    before = fit(log, Description((), Noise((WhiteNoise(1e-4),))))
+    return Search(before.description, tuple(CATALOGUE.values()), LOG_ALPHA).explore(before)
+
+
+def test_two_means_that_nearly_cancel_are_found_together():
+    found = two_means(-6e-7, 6e-5, "cancel").description.terms
+    assert sorted(term.effect.name for term in found) == ["rate_ramp", "temperature"]
+
+
+def test_slow_noise_beside_a_walk_of_the_start_model_is_found():
+    conditions = Conditions(np.arange(20000) * 0.04, 0.04, axis="gyro_x")
+    effects = (WhiteNoise(2e-4), RandomWalk(6e-6), GaussMarkov(5e-4, 7.0))
+    values = sum(effect.sample(conditions, stream(2, "beside", effect.name)) for effect in effects)
+    log = Sequence(values, conditions, np.zeros(len(values), bool))
+    before = fit(log, Description((), Noise(effects[:2])))
+    after = Search(before.description, tuple(CATALOGUE.values()), LOG_ALPHA).explore(before)
+    assert [effect.name for effect in after.description.noise.effects[2:]] == ["gauss_markov"]

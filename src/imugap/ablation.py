@@ -13,7 +13,7 @@ from imugap import reference
 from imugap.departure import depart
 from imugap.error_state import NAVIGATION
 from imugap.faults import OUTAGE, Event, Faults, mark
-from imugap.innovations import Case
+from imugap.hidden import Case
 from imugap.log import ACCEL, GYRO
 from imugap.quality import NOTHING, SCHEMES, Quality
 from imugap.road import Drive

@@ -15,6 +15,8 @@ PERIOD_S = 1.0
 """Averaging period of the printed bias stability."""
 ROUNDING = 2e-3
 """Relative difference that the printed digits explain, three of them in the shortest number."""
+SLOWEST_M_PER_S = 0.3
+"""Below this speed nobody walks."""
 METHODS = ("method_a", "method_b", "restoration")
 
 
@@ -126,6 +128,27 @@ def heading_of_walk(table1: pd.DataFrame, table3: pd.DataFrame) -> Finding:
     )
 
 
+def position_of_walk(table1: pd.DataFrame, table3: pd.DataFrame) -> Finding:
+    """Compare the uncompensated position error with that which the uncompensated heading error makes of a walk.
+
+    On a walk out and back of length s, at an even pace, with a heading that drifts evenly to psi, the end is off by
+    ``4 s sin^2(psi/4)/psi``: the integral of ``exp(i psi t)`` over the way out less that over the way back. The time is
+    that in which the printed z-gyro bias makes the heading error.
+    """
+    gyro_z = table1[(table1["sensor"] == "gyro") & (table1["axis"] == "z")].iloc[0]
+    walk = table3.set_index("quantity")["uncompensated"]
+    heading = np.deg2rad(walk["end_heading_error"])
+    seconds = heading / to_si(gyro_z["bias"], gyro_z["bias_unit"])
+    length = walk["end_position_error"] * heading / (4 * np.sin(heading / 4) ** 2)
+    return Finding(
+        f"walk: way out and back in {seconds:.0f} s that ends so far off if the heading drifts evenly to "
+        f"{walk['end_heading_error']:.2f}°",
+        f"{walk['end_position_error']:.3f} m off",
+        f"{length:.1f} m",
+        bool(length / seconds > SLOWEST_M_PER_S),
+    )
+
+
 def reductions(table3: pd.DataFrame) -> list[Finding]:
     """Recompute the printed reductions of table 3."""
     rows = table3.set_index("quantity")
@@ -154,6 +177,7 @@ def findings(table1: pd.DataFrame, table2: pd.DataFrame, table3: pd.DataFrame) -
         *agreement_of_final_drifts(table2),
         agreement_of_lengths(table1, table2),
         heading_of_walk(table1, table3),
+        position_of_walk(table1, table3),
         *reductions(table3),
     ]
     return pd.DataFrame([vars(finding) for finding in everything])

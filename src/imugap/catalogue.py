@@ -7,7 +7,7 @@ same layout where there is one, downloaded otherwise, and appear under their nam
 
 import csv
 import shutil
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from hashlib import file_digest
 from pathlib import Path
@@ -94,6 +94,21 @@ class DataSet:
                 return file
         runs = ", ".join(map(str, self.runs_with(content))) or f"none: no file holds {content}"
         raise CatalogueError(f"{self.name}: expected a run among {runs}; found {run!r}")
+
+
+class RawFiles:
+    """The raw files of a data set where they are, each verified, by what they hold."""
+
+    def __init__(self, dataset: DataSet, paths: Iterable[str | Path]) -> None:
+        """Take the paths of all files of a data set; a :class:`FetchError` if one is not what it should be."""
+        self.dataset = dataset
+        self._paths = {Path(path).name: Path(path) for path in paths}
+        for file in dataset.files:
+            verify(file, self._paths[file.name])
+
+    def path(self, run: int, content: str = LOG) -> Path:
+        """Return the path of the file that holds ``content`` of ``run``."""
+        return self._paths[self.dataset.file(run, content).name]
 
 
 def load(tables: str | Path, schemas: str | Path) -> dict[str, DataSet]:

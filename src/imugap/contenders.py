@@ -116,6 +116,18 @@ SOURCE = ("method_a", "method_b", "restoration")
 """The contenders that the source compares in its tables."""
 
 
+def averaged(curves: pd.DataFrame) -> pd.DataFrame:
+    """Return the Allan curves of a device as :func:`fit` takes them: variances averaged over its runs.
+
+    The relative error shrinks with the root of their number. ``curves`` has columns ``axis``, ``tau``, ``deviation``
+    and ``error``, a row for each run.
+    """
+    grouped = curves.assign(square=curves["deviation"] ** 2).groupby(["axis", "tau"], sort=False)
+    mean = grouped.agg(square=("square", "mean"), error=("error", "mean"))
+    error = mean["error"] / np.sqrt(grouped.size())
+    return mean.assign(deviation=np.sqrt(mean["square"]), error=error).reset_index()
+
+
 def fit(name: str, indices: pd.DataFrame, curves: pd.DataFrame, period: float) -> ErrorModel:
     """Build contender ``name`` for a device.
 

@@ -57,7 +57,7 @@ class Course:
     def ideal(self, interval: float) -> pd.DataFrame:
         """Return the error-free log of calibration and navigation."""
         count = round((self.calibration_s + self.length_s) / interval) + 1
-        return log.from_samples({axis: np.full(count, value) for axis, value in self.site.ideal().items()}, interval)
+        return self.site.rest(count, interval)
 
     def rest(self) -> pd.Series:
         """Return the input with which the mechanisation stays at rest, per axis, SI.

@@ -167,9 +167,8 @@ class Flight:
 
     def static(self, run: int, duration: float, seed: int) -> pd.DataFrame:
         """Return a static log of the device, level, ``duration`` [s] long, ahead of flight ``run``."""
-        count = round(duration * self.rate_hz)
-        samples = {axis: np.full(count, value) for axis, value in self.site.ideal().items()}
-        return self.model.simulate(log.from_samples(samples, 1 / self.rate_hz), seed, "static", run)
+        rest = self.site.rest(round(duration * self.rate_hz), 1 / self.rate_hz)
+        return self.model.simulate(rest, seed, "static", run)
 
 
 def ideal(time: np.ndarray, interval: float, acceleration: BSpline, euler: BSpline, gravity: float) -> pd.DataFrame:

@@ -167,6 +167,11 @@ class Walk:
         """Return the log of the device on walk ``run``."""
         return self.model.simulate(self.ideal(run, seed), seed, "walk", run)
 
+    def static(self, run: int, duration: float, seed: int) -> pd.DataFrame:
+        """Return a static log of the device, level, ``duration`` [s] long: run ``run`` of its calibration."""
+        rest = self.site.rest(round(duration * self.rate_hz), 1 / self.rate_hz)
+        return self.model.simulate(rest, seed, "static", run)
+
 
 @lru_cache(maxsize=4)
 def _motion(gait: Gait, course: Course, contact: tuple[float, float, float], run: int, seed: int) -> Motion:
@@ -176,19 +181,24 @@ def _motion(gait: Gait, course: Course, contact: tuple[float, float, float], run
     point, euler = np.zeros((len(time), 3)), np.zeros((len(time), 3))
     drift = gait.drift_m_per_s * stream(seed, "gait", run).standard_normal((len(strides), 3))
     heading, swing = 0.0, gait.stride_s * gait.swing_share
+    reach = gait.stride_s + IMPACT_PERIODS / gait.impact_hz
     for number, leg in enumerate(strides):
-        since = time - course.stand_s - number * gait.stride_s
-        rows = since > 0
-        x, y = since[rows] / swing, (since[rows] - swing) / (gait.stride_s - swing)
+        begin = course.stand_s + number * gait.stride_s
+        first, done = np.searchsorted(time, [begin, begin + reach], "right")
+        rows, since = slice(first, done), time[first:done] - begin
+        x, y = since / swing, (since - swing) / (gait.stride_s - swing)
         turn = np.radians(leg.turn_deg)
         along = np.array([np.cos(heading + turn / 2), np.sin(heading + turn / 2), 0.0])
-        point[rows] += step(x)[:, None] * (gait.length_m * leg.share * along - [0, 0, leg.rise_m])
-        point[rows] += step(y)[:, None] * drift[number] * (gait.stride_s - swing)
+        advance = gait.length_m * leg.share * along - [0, 0, leg.rise_m]
+        slip = drift[number] * (gait.stride_s - swing)
+        point[rows] += step(x)[:, None] * advance + step(y)[:, None] * slip
         point[rows, 2] -= gait.clearance_m * _bump(x)
-        point[rows] += _impact(gait, since[rows] - swing)[:, None] * (along / 2 + [0, 0, 1])
+        point[rows] += _impact(gait, since - swing)[:, None] * (along / 2 + [0, 0, 1])
         euler[rows, 1] += np.radians(gait.strike_deg) * _bump(2 * x - 1) - np.radians(gait.push_deg) * _bump(x / 0.7)
         euler[rows, 1] += np.radians(gait.roll_deg) * _bump(y)
         euler[rows, 2] += turn * step(x)
+        point[done:] += advance + slip
+        euler[done:, 2] += turn
         heading += turn
     device = point - from_euler(euler).apply(contact)
     return Motion(make_interp_spline(time, device, ORDER), make_interp_spline(time, euler, ORDER))

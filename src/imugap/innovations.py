@@ -1,135 +1,117 @@
-"""What the innovations of a filter say of what it does not know: whether they are white, and what would explain it.
+"""What zero velocity alone says of an error of the sensors, without any other reference.
 
-A filter that is right has innovations that, whitened by their covariance, are independent and standard normal. If
-they are not, one of the :data:`CANDIDATES` may be why: fixes that belong to another time, an antenna elsewhere, scale
-factors. Each is put to the filter as further states, which the first part of the drive estimates; the estimates are
-then taken for known, and the likelihood of the innovations of the rest, which had no part in them, is compared with
-that without. Of the candidates whose gain per fix is above zero beyond chance, at a probability ``alpha`` for all of
-them together (Bonferroni), that with the largest gain is named, and the others are asked for again beside it. A
-candidate that explains nothing loses on what it has not seen, so that nothing is named where nothing is hidden but with
-the probability ``alpha``.
-
-Source: G. M. Ljung, G. E. P. Box, On a measure of lack of fit in time series models, Biometrika 65 (1978) 297-303.
+The innovations of the filter are white with known variances if its model is right. The sum of their normalised squares
+over a walk, less a share of an error, is a parabola over that share: its minimum estimates the size of the error, its
+curvature how surely, as in any Gaussian likelihood. Where the innovations scatter more than the filter expects, the
+uncertainty grows with them.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 import pandas as pd
-from scipy.special import chdtr, chdtrc, ndtr
+from scipy.special import ndtri
 
-from imugap.departure import depart
-from imugap.log import AXES
-from imugap.model import ErrorModel
-from imugap.quality import NOTHING, Record
-from imugap.strapdown import Ellipsoid
-from imugap.vehicle import LEVER, OFFSET, Assumptions, Solution, navigate
+from imugap.effects import GSensitivity, Misalignment, ScaleFactor, TimeOffset
+from imugap.log import ACCEL, AXES, GYRO, triad
+from imugap.model import AxisModel, ErrorModel
+from imugap.pedestrian import Assumptions, navigate
+from imugap.zero_velocity import STANCE
 
-LAGS = 10
-"""Lags that the test of whiteness looks at."""
-LEARNING = 0.5
-"""Share of the fixes, from the first, that estimate a candidate."""
-CANDIDATES = ("time offset", "lever arm", "scale factor")
-UNKNOWN = {
-    "time offset": {"offset_std": 0.3},
-    "lever arm": {"lever_std": 1.0},
-    "scale factor": {"scale_std": (0.02, 0.02)},
-}
-"""What a candidate lets the filter not know: standard deviations [s], [m], [1]."""
+ALIKE = 2.0
+"""Difference of log-likelihoods up to which two suspects are not told apart."""
+
+
+@dataclass(frozen=True)
+class Suspect:
+    """An error that may be there: its name, the axes that would have it, its parameter, and a small one of it."""
+
+    name: str
+    axes: tuple[str, ...]
+    parameter: str
+    small: float
+    model: ErrorModel
+
+
+def suspects() -> Iterator[Suspect]:
+    """Yield what zero velocity may know of: scale, misalignment, sensitivity to acceleration, delay of a triad.
+
+    A delay of both triads together leaves every walk as it is.
+    """
+    for axis in AXES:
+        yield _suspect(ScaleFactor, axis, "error", 2e-3)
+        for other in triad(axis):
+            if other != axis:
+                yield _suspect(Misalignment, axis, other[-1], 2e-3)
+    for axis in GYRO:
+        for other in ACCEL:
+            yield _suspect(GSensitivity, axis, other[-1], 5e-5, dict.fromkeys("xyz", 0.0))
+    late = ErrorModel(dict.fromkeys(ACCEL, AxisModel((TimeOffset(1e-3),))))
+    yield Suspect(TimeOffset.name, ACCEL, "offset", 1e-3, late)
+
+
+def _suspect(kind: type, axis: str, parameter: str, small: float, others: dict | None = None) -> Suspect:
+    effect = kind(**((others or {}) | {parameter: small}))
+    return Suspect(kind.name, (axis,), parameter, small, ErrorModel({axis: AxisModel((effect,))}))
+
+
+def limit(alpha: float, trials: int) -> float:
+    """Return the size of a standard normal deviate that any of so many exceed with the probability ``alpha``."""
+    return float(-ndtri(alpha / trials / 2))
 
 
 @dataclass(frozen=True, eq=False)
-class Case:
-    """A drive as a filter has it."""
+class Judgement:
+    """What the innovations of a walk say.
 
-    log: pd.DataFrame
-    fixes: pd.DataFrame
-    model: ErrorModel
-    assumptions: Assumptions
-    ellipsoid: Ellipsoid
-
-    def solve(self) -> Solution:
-        """Navigate it, without quality control."""
-        states = self.assumptions.states(self.model)
-        start = depart(self.log, self.fixes, states, self.assumptions, self.ellipsoid)
-        return navigate(self.log, self.fixes, self.model, self.assumptions, NOTHING, start, self.ellipsoid)
-
-    def knowing(self, candidate: str) -> tuple["Case", dict[str, float]]:
-        """Return the case with a candidate taken for known as the first part of the drive estimates it."""
-        asked = replace(self, assumptions=replace(self.assumptions, **UNKNOWN[candidate]))
-        solution = asked.solve()
-        row = solution.fix_row[int(LEARNING * len(solution.fix_row)) - 1]
-        found = solution.sensors.iloc[row].to_dict()
-        if candidate == "time offset":
-            offset = self.assumptions.offset_s + found[OFFSET]
-            return replace(self, assumptions=replace(self.assumptions, offset_s=offset)), {OFFSET: offset}
-        if candidate == "lever arm":
-            arm = tuple(known + found[name] for known, name in zip(self.assumptions.lever_m, LEVER, strict=True))
-            known = replace(self.assumptions, lever_m=arm)
-            return replace(self, assumptions=known), dict(zip(LEVER, arm, strict=True))
-        scale = {axis: found[f"{axis}_scale"] for axis in AXES}
-        return replace(self, log=self.log * (1 - pd.Series(scale))), scale
-
-
-def name(case: Case, alpha: float) -> tuple[list[str], pd.DataFrame]:
-    """Name what is hidden from the filter.
-
-    Returns
-    -------
-    tuple
-        Names among :data:`CANDIDATES` in the order in which they were found; and a row for each candidate and round:
-        ``round``, ``candidate``, ``gain`` of the log likelihood per fix on the rest of the drive, its standard
-        ``error``, ``p``, whether it is ``named``, and the estimates in words.
+    Attributes
+    ----------
+    table
+        A row for every suspect, the surest first: ``name``, ``axis``, ``parameter``, ``value``, ``std`` (SI), and
+        ``deviate`` = value/std.
+    scatter
+        Mean normalised square of the innovations at stance per degree of freedom: 1 for a filter that knows them.
     """
-    names, rows, left = [], [], list(CANDIDATES)
-    while left:
-        base = case.solve()
-        tried = {candidate: case.knowing(candidate) for candidate in left}
-        gains = {candidate: _gain(one.solve(), base) for candidate, (one, _) in tried.items()}
-        passing = [candidate for candidate in left if gains[candidate][2] < alpha / len(left)]
-        best = max(passing, key=lambda candidate: gains[candidate][0], default=None)
-        for candidate, (gain, error, p) in gains.items():
-            said = ", ".join(f"{key} {value:.3g}" for key, value in tried[candidate][1].items())
-            rows.append((len(names) + 1, candidate, gain, error, p, candidate == best, said))
-        if best is None:
-            break
-        names.append(best)
-        left.remove(best)
-        case = tried[best][0]
-    columns = ["round", "candidate", "gain", "error", "p", "named", "estimates"]
-    return names, pd.DataFrame(rows, columns=columns)
+
+    table: pd.DataFrame
+    scatter: float
+
+    def named(self, alpha: float) -> pd.DataFrame:
+        """Return the suspects that nobody can tell from the surest, if that is beyond chance; else no row.
+
+        Those are alike whose log-likelihoods are within :data:`ALIKE` of one another.
+        """
+        squares = self.table["deviate"] ** 2
+        sure = squares.iloc[0] > limit(alpha, len(squares)) ** 2
+        return self.table[sure & (squares > squares.iloc[0] - 2 * ALIKE)]
 
 
-def whiteness(record: Record) -> Mapping[str, float]:
-    """Return how probable innovations like these are for a filter that is right.
+def judged(log: pd.DataFrame, model: ErrorModel, assumptions: Assumptions) -> Judgement:
+    """Return what the innovations of a walk say of every suspect.
 
-    ``mean`` is that of their being zero-mean, ``white`` of their being uncorrelated from fix to fix (Ljung and Box
-    1978, over :data:`LAGS` lags, all components together), ``size`` of their being as large as expected, two-sided.
+    The share of the change from sample to sample that a filter leaves uncertain would change with a scale; it is taken
+    for none here.
     """
-    white = record.whitened[record.freedom == record.freedom.max(), : record.freedom.max()]
-    count, components = white.shape
-    mean = count * np.sum(white.mean(axis=0) ** 2)
-    centred = white - white.mean(axis=0)
-    power = np.sum(centred**2, axis=0)
-    lags = np.arange(1, LAGS + 1)
-    correlations = np.array([np.sum(centred[lag:] * centred[:-lag], axis=0) / power for lag in lags])
-    ljung_box = count * (count + 2) * np.sum(correlations**2 / (count - lags)[:, None])
-    below = chdtr(white.size, np.sum(white**2))
-    return {
-        "mean": float(chdtrc(components, mean)),
-        "white": float(chdtrc(components * LAGS, ljung_box)),
-        "size": float(2 * min(below, 1 - below)),
-    }
+    assumptions = replace(assumptions, blind_gyro=0.0)
+    rest, freedom = _squares(log, model, assumptions)
+    excess = np.sqrt(max(rest / freedom, 1.0))
+    rows = []
+    for suspect in suspects():
+        error = suspect.model.simulate(log, 0) - log
+        less, more = (_squares(log - sign * error, model, assumptions)[0] for sign in (1, -1))
+        curvature = (less + more - 2 * rest) / suspect.small**2
+        value, std = np.nan, np.inf
+        if curvature > 0:
+            value, std = (more - less) / (2 * suspect.small * curvature), excess * np.sqrt(2 / curvature)
+        row = {"name": suspect.name, "axis": suspect.axes[0], "parameter": suspect.parameter}
+        rows.append(row | {"value": value, "std": std, "deviate": np.nan_to_num(value / std)})
+    table = pd.DataFrame(rows).sort_values("deviate", key=np.abs, ascending=False, ignore_index=True)
+    return Judgement(table, rest / freedom)
 
 
-def _gain(one: Solution, base: Solution) -> tuple[float, float, float]:
-    """Return mean gain of the log likelihood per fix behind the learning, its standard error, and its p-value."""
-    likelihoods = (
-        pd.Series(-0.5 * (solution.record.statistic + solution.record.log_det), index=solution.fix_time)
-        for solution in (one, base)
-    )
-    gains = np.subtract(*likelihoods).dropna().to_numpy()
-    gains = gains[int(LEARNING * len(gains)) :]
-    mean, error = float(gains.mean()), float(gains.std(ddof=1) / np.sqrt(len(gains)))
-    return mean, error, float(ndtr(-mean / error)) if error > 0 else 1.0
+def _squares(log: pd.DataFrame, model: ErrorModel, assumptions: Assumptions) -> tuple[float, int]:
+    """Return the sum of the normalised squared innovations and its degrees of freedom."""
+    solution = navigate(log, model, assumptions)
+    known = solution.phase == STANCE
+    return float(solution.nis[known].sum()), 3 * np.count_nonzero(known)

@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 
 from imugap import earth
-from imugap.log import AXES
+from imugap.log import AXES, from_samples
 
 
 @dataclass(frozen=True)
@@ -45,6 +45,10 @@ class Site:
             north, _, down = earth.earth_rate_n(self.latitude)
             rate = np.array([north * cos(self.heading), -north * sin(self.heading), down])
         return pd.Series([*rate, 0.0, 0.0, -self.gravity], index=list(AXES))
+
+    def rest(self, count: int, interval: float) -> pd.DataFrame:
+        """Return the error-free log of so many samples of a level device at rest, an interval [s] apart."""
+        return from_samples({axis: np.full(count, value) for axis, value in self.ideal().items()}, interval)
 
     def __str__(self) -> str:
         """Return the site in words."""

@@ -35,6 +35,7 @@ rule claims:
         five=expand("paper/tables/five_trials_{device}.csv", device=DEVICES),
         ranking=expand("paper/tables/ranking_{device}.csv", device=DEVICES),
         scores=expand("results/{device}/drift_scores.csv", device=DEVICES),
+        compensation="paper/tables/compensation.csv",
     output:
         report(
             "paper/tables/claims.csv",

@@ -25,6 +25,7 @@ RUNS = {
 DEVICES = [device for device, runs in RUNS.items() if runs]
 POWER_CYCLES = config["power_cycles"] if "memsense_turnon" in PRESENT else []
 TRIALS = config["attitude"]["trials"] if "broad" in PRESENT else []
+WALKS = [name for name in PRESENT if CATALOGUE[name].kind == "walk"]
 SITES = config["sites"] | {
     "bench": yaml.safe_load(Path("data/bench.yaml").read_text())["site"]
 }
@@ -80,6 +81,7 @@ if OPTIONS["log"]:
 
 wildcard_constraints:
     device="bench|adis16405|own|memsense_turnon|broad",
+    dataset="|".join(CATALOGUE),
     run=r"\d+",
     contender="|".join(CONTENDERS),
 
@@ -125,6 +127,13 @@ def raw_log(wildcards):
 def raw_drive(name, content="log"):
     """Name the raw file of a recorded drive."""
     return str(locate(CATALOGUE[name].file(1, content), RAW, MIRROR))
+
+
+def twins_of(wildcards):
+    """Name the file of the twins of a set of walks; the embedded walks need none."""
+    if wildcards.walkers == "embedded":
+        return {}
+    return {"twins": f"results/walk/real/{wildcards.walkers}.json"}
 
 
 def site(wildcards):

@@ -13,6 +13,7 @@ rule study_numbers:
     params:
         runs={device: RUNS[device] for device in DEVICES},
         power_cycles=POWER_CYCLES,
+        walks=WALKS,
         missing_of=MISSING_OF,
         omitted=OMITTED,
         config=config,

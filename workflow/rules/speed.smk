@@ -8,6 +8,7 @@ rule speed:
         recipe="data/indirect.yaml",
         walk="data/walk.yaml",
         drive="data/drive.yaml",
+        walkers="data/published/walk_speed.csv",
     output:
         report(
             "paper/tables/speed.csv",

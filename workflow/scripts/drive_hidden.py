@@ -2,7 +2,7 @@
 
 import pandas as pd
 
-from imugap import innovations
+from imugap import hidden
 from imugap.ablation import Ablation, hide
 from imugap.journal import journal
 
@@ -12,13 +12,13 @@ if __name__ == "__main__":
     with journal(snakemake.log[0]):
         params, recipe = snakemake.params, snakemake.input.recipe
         study, rows = Ablation.read(recipe), []
-        for what in (None, *innovations.CANDIDATES):
+        for what in (None, *hidden.CANDIDATES):
             for run in range(1, params.runs + 1):
                 case = hide(study, recipe, what, run, params.seed)
-                names, told = innovations.name(case, params.alpha)
-                tests = innovations.whiteness(case.solve().record)
+                names, told = hidden.name(case, params.alpha)
+                tests = hidden.whiteness(case.solve().record)
                 of = told[told["round"] == 1].set_index("candidate")["gain"]
-                gains = {f"gain, {candidate}": of[candidate] for candidate in innovations.CANDIDATES}
+                gains = {f"gain, {candidate}": of[candidate] for candidate in hidden.CANDIDATES}
                 said = told[told["named"]]["estimates"]
                 rows.append({"hidden": what or NOTHING, "run": run, "named": " + ".join(names) or NOTHING,
                              "estimates": "; ".join(said)} | tests | gains)  # fmt: skip

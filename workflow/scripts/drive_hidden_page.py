@@ -7,7 +7,7 @@ import pandas as pd
 import yaml
 
 from imugap import tables
-from imugap.innovations import CANDIDATES
+from imugap.hidden import CANDIDATES
 from imugap.journal import journal
 
 NOTHING = "nothing"

@@ -91,20 +91,29 @@ def wavelets(samples, repeats):
     ]
 
 
-def walks(recipe, samples, repeats):
-    """Time the zero-velocity detector and the filter of 15 states on a simulated walk, over and over."""
+def walks(recipe, peers, samples, repeats):
+    """Time the zero-velocity detector and the filter of 15 states on a simulated walk, over and over.
+
+    Peers were timed once, elsewhere, on a real walk: their times are those of as many samples.
+    """
     walk = Walk.read(recipe)
-    stride = walk.ideal(0, 0)
-    times = -(-samples // len(stride))
-    columns = {axis: np.tile(stride[axis].to_numpy(), times)[:samples] for axis in log.AXES}
+    once = walk.record(0, 0)
+    times = -(-samples // len(once))
+    columns = {axis: np.tile(once[axis].to_numpy(), times)[:samples] for axis in log.AXES}
     table = log.from_samples(columns, 1 / walk.rate_hz)
     plain = Assumptions(gravity=walk.site.gravity, arm_std=0.0)
     spent = median_time(lambda: navigate_foot(table, walk.model, plain), repeats)
     full = median_time(lambda: navigate_foot(table, walk.model, Assumptions(gravity=walk.site.gravity)), repeats)
     what, measure = f"{samples} samples, one core", "million samples/s"
+    others = [
+        [f"foot-mounted filter, {one.program}", f"{one.samples} samples, elsewhere", one.seconds,
+         "times the time here of a sample", one.seconds / one.samples / (spent / samples)]
+        for one in pd.read_csv(peers).itertuples()
+    ]  # fmt: skip
     return [
         ["detector and foot-mounted filter, 15 states", what, spent, measure, samples / spent / 1e6],
         ["detector and foot-mounted filter, 18 states", what, full, measure, samples / full / 1e6],
+        *others,
     ]
 
 
@@ -168,7 +177,7 @@ if __name__ == "__main__":
     with journal(snakemake.log[0]):
         params = snakemake.params
         rows = kernels(params.samples, params.repeats) + wavelets(params.samples, params.repeats)
-        rows += walks(snakemake.input.walk, params.samples, params.repeats)
+        rows += walks(snakemake.input.walk, snakemake.input.walkers, params.samples, params.repeats)
         rows += drives(snakemake.input.drive, params.samples, params.repeats)
         rows += fits(snakemake.input.recipe, params.fits)
         if snakemake.input.raw:

@@ -31,6 +31,7 @@ if __name__ == "__main__":
             "runs": {device: len(runs) for device, runs in params.runs.items()},
             "missing_of": params.missing_of,
             "power_cycles": len(params.power_cycles),
+            "walks": params.walks,
             "omitted": [omission(sets[name]) for name in params.omitted],
             "contenders": [TITLES[name] for name in CONTENDERS],
             "config": params.config,
@@ -41,6 +42,6 @@ if __name__ == "__main__":
         data = pd.DataFrame([vars(one) | {"files": len(one.files), "runs": len(one.runs)} for one in sets.values()])
         heads = {"name": "name", "title": "title", "rate_hz": "rate [Hz]", "runs": "runs", "gyro_unit": "gyro",
                  "accel_unit": "accel", "frame": "frame", "licence": "licence"}  # fmt: skip
-        shown = data[list(heads)].rename(columns=heads).fillna("—")
+        shown = data[list(heads)].assign(rate_hz=data["rate_hz"].map("{:.6g}".format)).rename(columns=heads).fillna("—")
         shown["here"] = ["left out" if name in params.omitted else "yes" for name in shown["name"]]
         tables.write(snakemake.output[1].removesuffix(".csv"), data, shown)

@@ -256,6 +256,8 @@ def _between_runs(
     logs: Sequence[pd.DataFrame], wholes: Mapping[str, AxisFit], known: ErrorModel, question: Question, log_alpha: float
 ) -> tuple[Finding, ...]:
     """Return what differs between the runs."""
+    if len(logs) < 2:
+        return ()
     fits = [wholes]
     for log in logs[1:]:
         sequences = prepare(log, None, question.seed, question.start).sequences

@@ -15,9 +15,9 @@ from imugap.discovery.axis import AxisFit
 from imugap.discovery.noise import STEP, Noise, log_likelihood
 from imugap.discovery.parameters import term_intervals
 from imugap.discovery.power_law import PowerLaw
-from imugap.discovery.search import MANY, Key, Search, at, log_chance, removed
+from imugap.discovery.search import MANY, SLOW, Key, Search, at, log_chance, removed
 from imugap.discovery.telegraph import compare
-from imugap.effects import BiasInstability, GaussMarkov, RandomTelegraph, RandomWalk, Sinusoid
+from imugap.effects import RandomTelegraph, Sinusoid
 from imugap.effects.effect import TINY, StochasticEffect
 
 LEVEL = np.log(1e-3)
@@ -31,7 +31,6 @@ HARMONICS, ALONE = 9, 0.1
 """Highest multiple of a line, and share of its frequency within which it has to be known to tell multiples."""
 NEAR = 5.0
 """Distance of two lines, in periods per log, below which they may be one."""
-SLOW = (BiasInstability, GaussMarkov, RandomWalk)
 
 
 @dataclass(frozen=True)

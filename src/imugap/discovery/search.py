@@ -7,16 +7,29 @@ was added is taken out again and exchanged for every other, so that what came fi
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
+from itertools import combinations
 
 import numpy as np
 from scipy.special import gammaln
 from scipy.stats import chi2
 
-from imugap.discovery.axis import AxisFit, Description, Term, fit
+from imugap.discovery.axis import AxisFit, Description, Term, fit, jacobian
 from imugap.discovery.sequence import Sequence
 from imugap.discovery.tails import Tails, tails
-from imugap.effects import BiasStep, Outliers, OutputFilter, Sinusoid, VarianceChange
-from imugap.effects.effect import Effect, Start, SystematicEffect
+from imugap.effects import (
+    BiasInstability,
+    BiasStep,
+    GaussMarkov,
+    Outliers,
+    OutputFilter,
+    RandomWalk,
+    RateRamp,
+    Sinusoid,
+    Temperature,
+    VarianceChange,
+    WarmUp,
+)
+from imugap.effects.effect import TINY, Effect, Start, StochasticEffect, SystematicEffect
 from imugap.stream import stream
 
 TAILS = 100.0
@@ -43,6 +56,16 @@ They stay if the exchange of what is there makes all of it certain: an effect th
 """
 MANY = {BiasStep: 3, VarianceChange: 3, Sinusoid: 5}
 """Number of effects of a kind on one axis above which they are not what they are called; no more are looked for."""
+SLOW = (BiasInstability, GaussMarkov, RandomWalk)
+"""Slow random processes."""
+MASKS = (*SLOW, BiasStep, RateRamp, Sinusoid, Temperature, WarmUp)
+"""Slow effects, which may stand for two smooth means."""
+FEW = 10.0
+"""Trials of a start up to which it is one of a couple."""
+ALIKE = 0.6
+"""Share of the gain of one effect that a couple has to promise to be fitted."""
+COUPLES = 4
+"""Couples that are fitted."""
 SLACK = 2.0
 """How many times the gain that an effect expects before the fit it may make after it."""
 
@@ -53,8 +76,8 @@ class Trial:
 
     Attributes
     ----------
-    name
-        Name of the effect.
+    effect
+        The effect, as proposed.
     fit
         The fit with it.
     gain
@@ -63,11 +86,16 @@ class Trial:
         Number of parameters more, and of independent places or shapes among which the effect was chosen.
     """
 
-    name: str
+    effect: Effect
     fit: AxisFit
     gain: float
     parameters: int
     trials: float
+
+    @property
+    def name(self) -> str:
+        """Return the name of the effect."""
+        return self.effect.name
 
     @property
     def log_p(self) -> float:
@@ -128,8 +156,9 @@ class Search:
                 before = self.settled(wide.fit)
                 continue
             if trials and trials[0].log_p < self.log_alpha:
-                first = not self.added(before.description)
-                before = trials[0].fit if first else self.settled(trials[0].fit)
+                couple = self.couple(before, trials[0])
+                first = not self.added(before.description) and couple is None
+                before = trials[0].fit if first else self.settled((couple or trials[0]).fit)
                 continue
             hopes = (self.settled(trial.fit) for trial in trials[:HOPES])
             proven = next((after for after in hopes if self._proven(after, before)), None)
@@ -151,8 +180,36 @@ class Search:
             if sum(isinstance(one, kind) for one in before.description.effects()) > MANY.get(kind, LIMIT):
                 continue
             for start in kind.starts(before):
-                if log_chance(SLACK * start.gain + SLACK, len(start.free)) + np.log(start.trials) < bar:
+                if _moves(start.effect, before) or _hopeful(start, bar):
                     yield self.judged(start, before)
+
+    def couple(self, before: AxisFit, single: Trial) -> Trial | None:
+        """Return two smooth means that together are worth more than one slow effect, or None.
+
+        Two that nearly cancel gain little by themselves, and what stands for both hides them.
+        """
+        if not isinstance(single.effect, MASKS):
+            return None
+        starts = [
+            start
+            for kind in self.catalogue
+            if issubclass(kind, SystematicEffect)
+            for start in kind.starts(before)
+            if start.trials <= FEW
+        ]
+        pairs = [(a, b) for a, b in combinations(starts, 2) if type(a.effect) is not type(b.effect)]
+        promised = _joint_gains(before, starts, pairs)
+        chosen = [pairs[i] for i in np.argsort(promised)[::-1][:COUPLES] if promised[i] > ALIKE * single.gain]
+        fitted = (self._coupled(pair, before, len(pairs)) for pair in chosen)
+        best = max(fitted, key=lambda trial: trial.worth, default=None)
+        return best if best is not None and best.worth > single.worth + MARGIN else None
+
+    def _coupled(self, pair: tuple[Start, Start], before: AxisFit, count: int) -> Trial:
+        """Fit two proposals together and judge them against the fit without them."""
+        description = with_effect(with_effect(before.description, pair[0]), pair[1])
+        after = self.fitted(before.sequence, description)
+        parameters, trials = sum(len(start.free) for start in pair), count * pair[0].trials * pair[1].trials
+        return Trial(pair[1].effect, after, after.log_likelihood - before.log_likelihood, parameters, trials)
 
     def cleaned(self, before: AxisFit) -> Trial | None:
         """Return the fit to the samples without outliers, and what speaks for outliers; None where they are known."""
@@ -165,13 +222,13 @@ class Search:
         named = replace(before.description, outliers=Outliers(found.probability, found.excess * unit))
         sequence = before.sequence.mended(found.flagged, stream(0, "mended", before.sequence.conditions.axis))
         self.tails[named.outliers], self.raw[named.outliers] = found, before.sequence
-        return Trial(Outliers.name, self.fitted(sequence, named), found.gain, 2, TAILS)
+        return Trial(named.outliers, self.fitted(sequence, named), found.gain, 2, TAILS)
 
     def judged(self, start: Start, before: AxisFit) -> Trial:
         """Fit a proposal and judge it against the fit without it."""
         after = self.fitted(before.sequence, with_effect(before.description, start))
         gain = (after.log_likelihood - before.log_likelihood) / start.level
-        return Trial(start.effect.name, after, gain, len(start.free), start.trials)
+        return Trial(start.effect, after, gain, len(start.free), start.trials)
 
     def settled(self, found: AxisFit) -> AxisFit:
         """Return the fit after the removal or exchange of every added effect that is superfluous or another one."""
@@ -198,17 +255,21 @@ class Search:
             return without
         bar = min(self.log_alpha, own.log_p + CLOSE)
         best = max(self.rivals(found, key, without, bar), key=lambda trial: trial.worth, default=None)
-        return best.fit if best is not None and best.worth > own.worth + MARGIN else None
+        if best is not None and best.worth > own.worth + MARGIN:
+            return best.fit
+        couple = self.couple(without, own)
+        return couple.fit if couple is not None else None
 
     def weighed(self, found: AxisFit, key: "Key") -> tuple[Trial, AxisFit]:
         """Return one effect as a trial, and the fit without it."""
         if key.part == "outliers":
-            return Trial(Outliers.name, found, self.tails[found.description.outliers].gain, 2, TAILS), found
+            outliers = found.description.outliers
+            return Trial(outliers, found, self.tails[outliers].gain, 2, TAILS), found
         without = self.fitted(found.sequence, removed(found.description, key))
         effect = at(found.description, key)
         trials = max((start.trials for start in type(effect).starts(without)), default=1.0)
         more = max(found.description.size() - without.description.size(), 1)
-        return Trial(effect.name, found, found.log_likelihood - without.log_likelihood, more, trials), without
+        return Trial(effect, found, found.log_likelihood - without.log_likelihood, more, trials), without
 
     def rivals(self, found: AxisFit, key: "Key", without: AxisFit, bar: float) -> list[Trial]:
         """Return every other effect in the place of one, fitted, whose log-probability may come below ``bar``."""
@@ -274,6 +335,32 @@ def with_effect(description: Description, start: Start) -> Description:
     if isinstance(effect, OutputFilter):
         return replace(description, noise=replace(noise, output_filter=effect))
     return replace(description, noise=replace(noise, effects=(*noise.effects, effect)))
+
+
+def _moves(effect: Effect, before: AxisFit) -> bool:
+    """Return whether what an effect gains, everything else held, says little: other slow noise gives way to it."""
+    slow = any(isinstance(one, SLOW) for one in before.description.noise.effects)
+    return slow and isinstance(effect, StochasticEffect)
+
+
+def _hopeful(start: Start, bar: float) -> bool:
+    """Return whether the log-probability of a proposal may come below ``bar``."""
+    return log_chance(SLACK * start.gain + SLACK, len(start.free)) + np.log(start.trials) < bar
+
+
+def _joint_gains(before: AxisFit, starts: list[Start], pairs: list[tuple[Start, Start]]) -> np.ndarray:
+    """Return the gains of log-likelihood that pairs of proposals promise, all else held and to first order."""
+    columns = [
+        before.beyond(before.whiten(jacobian((Term(start.effect, start.free),), before.sequence))) for start in starts
+    ]
+    columns = [column / np.maximum(np.linalg.norm(column, axis=0), TINY) for column in columns]
+    place = {id(start): column for start, column in zip(starts, columns, strict=True)}
+    gains = []
+    for pair in pairs:
+        both = np.column_stack([place[id(start)] for start in pair])
+        pull = both.T @ before.coefficients
+        gains.append(0.5 * pull @ np.linalg.pinv(both.T @ both, rcond=1e-8, hermitian=True) @ pull)
+    return np.array(gains)
 
 
 def log_chance(gain: float, more: int) -> float:

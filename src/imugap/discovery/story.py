@@ -8,11 +8,11 @@ from scipy.fft import next_fast_len
 from threadpoolctl import threadpool_limits
 
 from imugap.discovery.axis import AxisFit, Description, Term, fit, log_score, offset
-from imugap.discovery.doubt import SLOW, Doubt, doubts
+from imugap.discovery.doubt import Doubt, doubts
 from imugap.discovery.finding import Finding, Interval
 from imugap.discovery.noise import Noise
 from imugap.discovery.parameters import axis_unit, intervals
-from imugap.discovery.search import MANY, Key, Search, at, log_chance, removed
+from imugap.discovery.search import MANY, SLOW, Key, Search, at, log_chance, removed
 from imugap.discovery.sequence import Sequence
 from imugap.discovery.telegraph import compare
 from imugap.effects import (
@@ -29,6 +29,8 @@ from imugap.model import AxisModel
 
 SWITCHES, ALIKE = 3, 0.4
 """Steps to and fro at least, and largest difference of their sizes over the largest, that are telegraph noise."""
+TWICE = 2.0
+"""Size of a step, in those of telegraph noise beside it, below which it is one of its switches."""
 PLACES = 12.0
 """Logarithm of the largest number of places of which an effect is tried at the best."""
 CERTAIN = -690.0
@@ -181,16 +183,28 @@ def _told_apart(search: Search, found: AxisFit) -> AxisFit:
     """Return the fit with telegraph noise in the place of what the samples show to have two values."""
     found = _switching(search, _many_steps(search, found))
     keys = [key for key in search.added(found.description) if isinstance(at(found.description, key), SLOW)]
-    if not keys:
+    if not keys or found.has(RandomTelegraph):
         return found
     verdict = compare(found, tuple(at(found.description, key) for key in keys))
     if verdict.gain < -search.log_alpha / 2:
         return found
     noise = _without(found, keys).description.noise
     effects = replace(noise, effects=(*noise.effects, verdict.effect))
-    switching = fit(found.sequence, replace(found.description, noise=effects))
-    beside = search.explore(switching)
+    switching = _without_switches(search, fit(found.sequence, replace(found.description, noise=effects)))
+    beside = _stepless(search).explore(switching)
     return beside if beside.has(RandomTelegraph) else switching
+
+
+def _stepless(search: Search) -> Search:
+    """Return the search that looks for no steps of the mean."""
+    return replace(search, catalogue=tuple(kind for kind in search.catalogue if kind is not BiasStep))
+
+
+def _without_switches(search: Search, found: AxisFit) -> AxisFit:
+    """Return the fit without the added steps that are switches of its telegraph noise, for their size."""
+    most = TWICE * max(one.step for one in found.description.noise.effects if isinstance(one, RandomTelegraph))
+    added = [(key, at(found.description, key)) for key in search.added(found.description)]
+    return _without(found, [key for key, one in added if isinstance(one, BiasStep) and abs(one.step) < most])
 
 
 def _many_steps(search: Search, found: AxisFit) -> AxisFit:
@@ -198,7 +212,7 @@ def _many_steps(search: Search, found: AxisFit) -> AxisFit:
     steps = [key for key in search.added(found.description) if isinstance(at(found.description, key), BiasStep)]
     if len(steps) <= MANY[BiasStep]:
         return found
-    stepless = replace(search, catalogue=tuple(kind for kind in search.catalogue if kind is not BiasStep))
+    stepless = _stepless(search)
     other = _told_apart(stepless, stepless.explore(_without(found, steps)))
     return other if other.has(RandomTelegraph) else found
 

@@ -1,0 +1,346 @@
+rule walk_models:
+    """Calibrate the device of the simulated walk at rest, and build every contender from its logs."""
+    input:
+        recipe="data/walk.yaml",
+    output:
+        models="results/walk/models.yaml",
+        indices="results/walk/indices.csv",
+    log:
+        "logs/walk_models.log",
+    benchmark:
+        "benchmarks/walk_models.tsv"
+    params:
+        seed=config["seed"],
+        static=config["walks"]["static"],
+        period_s=config["bias_stability_period_s"],
+        rate_hz=config["estimation"]["rate_hz"],
+        code=library("walk_models"),
+    script:
+        "../scripts/walk_models.py"
+
+
+rule walk_subtracted:
+    """Subtract what each model simulates from the log of the walk, ahead of the navigator (figure 5 of the source)."""
+    input:
+        recipe="data/walk.yaml",
+        models="results/walk/models.yaml",
+        indices="results/walk/indices.csv",
+    output:
+        ends="results/walk/subtracted.parquet",
+        tracks="results/walk/tracks.parquet",
+    log:
+        "logs/walk_subtracted.log",
+    benchmark:
+        "benchmarks/walk_subtracted.tsv"
+    params:
+        seed=config["seed"],
+        devices=config["walks"]["devices"],
+        printed=config["walks"]["printed_trials"],
+        code=library("walk_subtracted"),
+    script:
+        "../scripts/walk_subtracted.py"
+
+
+rule walk_inside:
+    """Navigate the walk with a filter that holds the states and densities of each model."""
+    input:
+        recipe="data/walk.yaml",
+        models="results/walk/models.yaml",
+    output:
+        "results/walk/inside.parquet",
+    log:
+        "logs/walk_inside.log",
+    benchmark:
+        "benchmarks/walk_inside.tsv"
+    params:
+        seed=config["seed"],
+        devices=config["walks"]["devices"],
+        code=library("walk_inside"),
+    script:
+        "../scripts/walk_inside.py"
+
+
+rule compensation_page:
+    """Draw and tabulate what compensation is worth (figures 4 and 6, table 3 of the source), with the verdict."""
+    input:
+        recipe="data/walk.yaml",
+        ends="results/walk/subtracted.parquet",
+        tracks="results/walk/tracks.parquet",
+        inside="results/walk/inside.parquet",
+        printed="data/published/he2023_table3_pedestrian_compensation.csv",
+    output:
+        multiext("paper/tables/compensation", ".json", ".tex"),
+        multiext("paper/tables/compensation_inside", ".json", ".tex"),
+        tracks=report(
+            "paper/figures/compensation_tracks.svg",
+            caption="../report/compensation_tracks.rst",
+            category="Walks",
+            labels={"result": "compensated walks (figure)"},
+        ),
+        ends=report(
+            "paper/figures/compensation_ends.svg",
+            caption="../report/compensation_ends.rst",
+            category="Walks",
+            labels={"result": "end errors over devices (figure)"},
+        ),
+        table=report(
+            "paper/tables/compensation.csv",
+            caption="../report/compensation.rst",
+            category="Walks",
+            labels={"result": "compensation (table)"},
+        ),
+        inside=report(
+            "paper/tables/compensation_inside.csv",
+            caption="../report/compensation_inside.rst",
+            category="Walks",
+            labels={"result": "models inside the filter (table)"},
+        ),
+        numbers="paper/numbers/compensation.json",
+    log:
+        "logs/compensation_page.log",
+    benchmark:
+        "benchmarks/compensation_page.tsv"
+    params:
+        seed=config["seed"],
+        code=library("compensation_page"),
+    script:
+        "../scripts/compensation_page.py"
+
+
+rule walk_real:
+    """Navigate every walk of a data set, and lay it over what cameras saw."""
+    input:
+        raw=lambda wildcards: [
+            str(locate(file, RAW, MIRROR))
+            for file in CATALOGUE[wildcards.dataset].files
+        ],
+        recipe="data/walk.yaml",
+        tables=["data/datasets.csv", "data/files.csv"],
+    output:
+        walks="results/walk/real/{dataset}.csv",
+        tracks="results/walk/real/{dataset}.parquet",
+        twins="results/walk/real/{dataset}.json",
+    log:
+        "logs/walk_real/{dataset}.log",
+    benchmark:
+        "benchmarks/walk_real/{dataset}.tsv"
+    params:
+        code=library("walk_real"),
+    script:
+        "../scripts/walk_real.py"
+
+
+rule walk_real_page:
+    """Draw and tabulate the real walks beside what peers make of them."""
+    input:
+        walks=expand("results/walk/real/{dataset}.csv", dataset=WALKS),
+        tracks=expand("results/walk/real/{dataset}.parquet", dataset=WALKS),
+        peers="data/published/walk_peers.csv",
+    output:
+        multiext("paper/tables/walks", ".json", ".tex"),
+        multiext("paper/tables/walks_peers", ".json", ".tex"),
+        walks=report(
+            "paper/figures/walks.svg",
+            caption="../report/walks.rst",
+            category="Walks",
+            labels={"result": "real walks (figure)"},
+        ),
+        errors=report(
+            "paper/figures/walk_errors.svg",
+            caption="../report/walk_errors.rst",
+            category="Walks",
+            labels={"result": "errors against cameras (figure)"},
+        ),
+        table=report(
+            "paper/tables/walks.csv",
+            caption="../report/walks_table.rst",
+            category="Walks",
+            labels={"result": "real walks (table)"},
+        ),
+        peers=report(
+            "paper/tables/walks_peers.csv",
+            caption="../report/walks_peers.rst",
+            category="Walks",
+            labels={"result": "what peers make of the walks (table)"},
+        ),
+        numbers="paper/numbers/walks.json",
+    log:
+        "logs/walk_real_page.log",
+    benchmark:
+        "benchmarks/walk_real_page.tsv"
+    params:
+        code=library("walk_real_page"),
+    script:
+        "../scripts/walk_real_page.py"
+
+
+rule walk_budget:
+    """Navigate the twins of the walks of a set, or the embedded walks, without one error of the device at a time."""
+    input:
+        unpack(twins_of),
+        recipe="data/walk.yaml",
+        kind="data/foot.yaml",
+    output:
+        "results/walk/budget/{walkers}.parquet",
+    log:
+        "logs/walk_budget/{walkers}.log",
+    benchmark:
+        "benchmarks/walk_budget/{walkers}.tsv"
+    wildcard_constraints:
+        walkers="|".join(["embedded", *CATALOGUE]),
+    params:
+        seed=config["seed"],
+        draws=config["walks"]["draws"],
+        code=library("walk_budget"),
+    script:
+        "../scripts/walk_budget.py"
+
+
+rule walk_sensitivity:
+    """Navigate the walks of a set with other thresholds and detectors, and with delayed accelerometers."""
+    input:
+        raw=lambda wildcards: [
+            str(locate(file, RAW, MIRROR))
+            for file in CATALOGUE[wildcards.dataset].files
+        ],
+        tables=["data/datasets.csv", "data/files.csv"],
+    output:
+        "results/walk/choices/{dataset}.csv",
+    log:
+        "logs/walk_sensitivity/{dataset}.log",
+    benchmark:
+        "benchmarks/walk_sensitivity/{dataset}.tsv"
+    params:
+        factors=[0.25, 0.5, 0.71, 1, 1.41, 2, 4],
+        delays_ms=[-4, -2, 0, 2, 4],
+        code=library("walk_sensitivity"),
+    script:
+        "../scripts/walk_sensitivity.py"
+
+
+rule walk_consistency:
+    """Count how often the ellipse of the end holds the true one, over simulated loops."""
+    input:
+        recipe="data/walk.yaml",
+    output:
+        "results/walk/consistency.csv",
+    log:
+        "logs/walk_consistency.log",
+    benchmark:
+        "benchmarks/walk_consistency.tsv"
+    params:
+        seed=config["seed"],
+        walks=config["walks"]["loops"],
+        strides=config["walks"]["loop_strides"],
+        code=library("walk_consistency"),
+    script:
+        "../scripts/walk_consistency.py"
+
+
+rule walk_limits_page:
+    """Draw and tabulate what limits a walk: errors one at a time, the detector, and whether the filter knows."""
+    input:
+        budgets=expand(
+            "results/walk/budget/{walkers}.parquet", walkers=["embedded", *WALKS]
+        ),
+        choices=expand("results/walk/choices/{dataset}.csv", dataset=WALKS),
+        walks=expand("results/walk/real/{dataset}.csv", dataset=WALKS),
+        consistency="results/walk/consistency.csv",
+    output:
+        multiext("paper/tables/walk_budget", ".json", ".tex"),
+        multiext("paper/tables/walk_consistency", ".json", ".tex"),
+        budget_figure=report(
+            "paper/figures/walk_budget.svg",
+            caption="../report/walk_budget.rst",
+            category="Walks",
+            labels={"result": "which error dominates (figure)"},
+        ),
+        sensitivity=report(
+            "paper/figures/walk_sensitivity.svg",
+            caption="../report/walk_sensitivity.rst",
+            category="Walks",
+            labels={"result": "thresholds and detectors (figure)"},
+        ),
+        budget=report(
+            "paper/tables/walk_budget.csv",
+            caption="../report/walk_budget.rst",
+            category="Walks",
+            labels={"result": "which error dominates (table)"},
+        ),
+        consistency=report(
+            "paper/tables/walk_consistency.csv",
+            caption="../report/walk_consistency.rst",
+            category="Walks",
+            labels={"result": "ellipses of the end (table)"},
+        ),
+        numbers="paper/numbers/walk_limits.json",
+    log:
+        "logs/walk_limits_page.log",
+    benchmark:
+        "benchmarks/walk_limits_page.tsv"
+    params:
+        code=library("walk_limits_page"),
+    script:
+        "../scripts/walk_limits_page.py"
+
+
+rule walk_hidden:
+    """Hide one effect in a simulated loop, and ask discovery with the exact reference and zero velocity without any."""
+    input:
+        recipe="data/walk.yaml",
+        cases="data/hidden.yaml",
+    output:
+        "results/walk/hidden/{case}.csv",
+    log:
+        "logs/walk_hidden/{case}.log",
+    benchmark:
+        "benchmarks/walk_hidden/{case}.tsv"
+    wildcard_constraints:
+        case="[a-z_]+",
+    params:
+        seed=config["seed"],
+        strides=config["walks"]["loop_strides"],
+        alpha=config["discovery"]["alpha"],
+        replicates=config["discovery"]["replicates"],
+        simulations=config["discovery"]["simulations"],
+        code=library("walk_hidden"),
+    script:
+        "../scripts/walk_hidden.py"
+
+
+rule walk_hidden_page:
+    """Tabulate what is found of the effects that were hidden in simulated walks."""
+    input:
+        cases="data/hidden.yaml",
+        found=expand("results/walk/hidden/{case}.csv", case=config["walks"]["hidden"]),
+    output:
+        multiext("paper/tables/walk_hidden", ".json", ".tex"),
+        table=report(
+            "paper/tables/walk_hidden.csv",
+            caption="../report/walk_hidden.rst",
+            category="Walks",
+            labels={"result": "discovery on walks (table)"},
+        ),
+        numbers="paper/numbers/walk_hidden.json",
+    log:
+        "logs/walk_hidden_page.log",
+    benchmark:
+        "benchmarks/walk_hidden_page.tsv"
+    params:
+        cases=config["walks"]["hidden"],
+        code=library("walk_hidden_page"),
+    script:
+        "../scripts/walk_hidden_page.py"
+
+
+PAPER += ["paper/tables/walk_hidden.json", "paper/numbers/walk_hidden.json"]
+PAPER += multiext("paper/figures/compensation", "_tracks.svg", "_ends.svg")
+PAPER += multiext("paper/tables/compensation", ".json", "_inside.json")
+PAPER += ["paper/numbers/compensation.json"]
+PAPER += ["paper/figures/walk_budget.svg", "paper/figures/walk_sensitivity.svg"]
+PAPER += ["paper/tables/walk_budget.json", "paper/tables/walk_consistency.json"]
+PAPER += ["paper/numbers/walk_limits.json"]
+if WALKS:
+    PAPER += ["paper/figures/walks.svg", "paper/figures/walk_errors.svg"]
+    PAPER += ["paper/tables/walks.json", "paper/tables/walks_peers.json"]
+    PAPER += ["paper/numbers/walks.json"]

@@ -1,0 +1,166 @@
+"""Lay out what compensation is worth on the simulated walk: figures, tables beside the printed ones, the verdict."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from imugap import audit, bootstrap, figures, tables
+from imugap.figures import pedestrian
+from imugap.gait import Walk
+from imugap.journal import journal
+from imugap.stream import stream
+
+QUANTITIES = {"position": ("position error at the end", "m"), "heading": ("heading error at the end", "°")}
+ROWS = {"position": "end_position_error", "heading": "end_heading_error"}
+"""Rows of the printed table."""
+PANELS = ("none", "stand", "bias_only", "method_a", "method_b", "restoration")
+SUBTRACTED, INSIDE = "subtracted ahead of the navigator", "inside the filter"
+ENDS = "", "_low", "_high"
+"""Endings of the names of a mean and of its interval."""
+ELLIPSE = 0.9
+"""Probability of the ellipse whose share of ends is told."""
+
+
+def printed(path):
+    """Return the printed errors by quantity and contender, and their reductions [%]."""
+    values = pd.read_csv(path).set_index("quantity").rename(columns={"uncompensated": "none"})
+    errors = {quantity: values.loc[row, ["none", *audit.METHODS]].to_dict() for quantity, row in ROWS.items()}
+    gains = {quantity: values.loc[f"{row}_reduction", list(audit.METHODS)].to_dict() for quantity, row in ROWS.items()}
+    return errors, gains
+
+
+def five(ends):
+    """Return mean and spread of the trials on the first device, and the reduction against none."""
+    groups = ends[ends["device"] == 0].groupby("contender", sort=False)
+    found = {}
+    for quantity in QUANTITIES:
+        mean = groups[quantity].mean()
+        found |= {quantity: mean, f"{quantity}_std": groups[quantity].std(ddof=1)}
+        found[f"{quantity}_reduction"] = 100 * (1 - mean / mean["none"])
+    return pd.DataFrame(found)
+
+
+def over_devices(ends, seed):
+    """Return mean errors over the devices, and their excess over bias only, with 95 % intervals."""
+    first = ends[ends["trial"] == 0].pivot(index="device", columns="contender")
+    rows = []
+    for name in ends["contender"].unique():
+        row = {"contender": name}
+        for quantity in QUANTITIES:
+            errors = first[quantity]
+            for what, values in ("mean", errors[name]), ("excess", errors[name] - errors["bias_only"]):
+                found = bootstrap.mean(values.to_numpy(), stream(seed, "walks", name, quantity, what), block=1)
+                row |= {f"{quantity}_{what}{end}": value for end, value in
+                        (("", found.value), ("_low", found.low), ("_high", found.high))}  # fmt: skip
+        rows.append(row)
+    return pd.DataFrame(rows).set_index("contender")
+
+
+def page(trials, devices, errors, gains):
+    """Lay the table out: a row per compensation."""
+    rows = []
+    for name in trials.index:
+        one, row = trials.loc[name], {"compensation": pedestrian.TITLES[name]}
+        for quantity, (_, unit) in QUANTITIES.items():
+            spread = one[f"{quantity}_std"]
+            value = tables.number(one[quantity]) + (f" ± {tables.number(spread, 2)}" if spread > 1e-9 else "")
+            row[f"{quantity}, {unit}"] = value
+            row[f"{quantity}, less [%]"] = "—" if name == "none" else tables.fixed(one[f"{quantity}_reduction"], 1)
+            gain = f" ({tables.fixed(gains[quantity][name], 1)} %)" if name in gains[quantity] else ""
+            known = name in errors[quantity]
+            row[f"{quantity}, printed"] = f"{errors[quantity][name]:g}{gain}" if known else "—"
+            ends = (devices.loc[name, f"{quantity}_mean{end}"] for end in ENDS)
+            row[f"{quantity}, devices [{unit}]"] = tables.interval(*ends)
+        rows.append(row)
+    return pd.DataFrame(rows)
+
+
+def inside_of(ends, seed):
+    """Return what each model is worth inside the filter: mean errors, and what the filter believes of them."""
+    rows = []
+    for name, one in ends.groupby("contender", sort=False):
+        row = {"contender": name}
+        for quantity in QUANTITIES:
+            found = bootstrap.mean(one[quantity].to_numpy(), stream(seed, "inside", name, quantity), block=1)
+            row |= {quantity: found.value, f"{quantity}_low": found.low, f"{quantity}_high": found.high}
+        row |= {"nees": one["nees"].mean() / 2, "heading_nees": one["heading_nees"].mean()}
+        rows.append(row | {"inside": (one["nees"] < -2 * np.log(1 - ELLIPSE)).mean()})
+    return pd.DataFrame(rows)
+
+
+def inside_page(data):
+    """Lay the table out: a row per model."""
+    rows = []
+    for one in data.to_dict("records"):
+        row = {"model in the filter": pedestrian.TITLES[one["contender"]]}
+        for quantity, (_, unit) in QUANTITIES.items():
+            row[f"{quantity} [{unit}]"] = tables.interval(*(one[quantity + end] for end in ENDS))
+        row |= {"NEES, position": tables.number(one["nees"], 2), "NEES, heading": tables.number(one["heading_nees"], 2)}
+        rows.append(row | {f"ends in the {ELLIPSE:.0%} ellipse": f"{100 * one['inside']:.0f} %"})
+    return pd.DataFrame(rows)
+
+
+def numbers(trials, devices, inside, walk, table3):
+    """Collect what the text quotes."""
+    gap = {
+        quantity: {
+            name: {
+                "value": tables.interval(*devices.loc[name, [f"{quantity}_excess{end}" for end in ENDS]]),
+                "better": bool(devices.loc[name, f"{quantity}_excess_high"] < 0),
+                "worse": bool(devices.loc[name, f"{quantity}_excess_low"] > 0),
+            }
+            for name in devices.index
+            if name != "bias_only"
+        }
+        for quantity in QUANTITIES
+    }
+    known, held = trials.apply(lambda one: one.map(tables.number)), inside.set_index("contender")
+    mean = {
+        name: {quantity: tables.number(devices.loc[name, f"{quantity}_mean"], 2) for quantity in QUANTITIES}
+        for name in devices.index
+    }
+    filtered = {
+        name: {key: tables.number(held.loc[name, key], 2) for key in (*QUANTITIES, "nees", "heading_nees")}
+        for name in held.index
+    }
+    return {
+        "duration_s": f"{walk.duration_s:.0f}",
+        "length_m": f"{sum(leg.share for leg in walk.course.strides()) * walk.gait.length_m:.0f}",
+        "strides": sum(1 for _ in walk.course.strides()),
+        "rate_hz": walk.rate_hz,
+        "gap": gap,
+        "five": known.to_dict("index"),
+        "mean": mean,
+        "inside": filtered,
+        "printed": {quantity: {"none": table3[quantity]["none"], "restoration": table3[quantity]["restoration"]}
+                    for quantity in QUANTITIES},
+    }  # fmt: skip
+
+
+if __name__ == "__main__":
+    with journal(snakemake.log[0]):
+        source, output, params = snakemake.input, snakemake.output, snakemake.params
+        ends, held = (
+            one.assign(heading=np.degrees(one["heading"])) for one in map(pd.read_parquet, (source.ends, source.inside))
+        )
+        ends["contender"] = pd.Categorical(ends["contender"], [name for name in pedestrian.TITLES if name != "truth"])
+        ends = ends.sort_values(["contender", "device", "trial"]).astype({"contender": str})
+        walk, (errors, gains) = Walk.read(source.recipe), printed(source.printed)
+        figures.save(
+            pedestrian.tracks(
+                pd.read_parquet(source.tracks), walk.truth(0, params.seed),
+                {name: pedestrian.TITLES[name] for name in PANELS},
+            ),
+            output.tracks,
+        )  # fmt: skip
+        both = pd.concat([ends[ends["trial"] == 0].assign(use=SUBTRACTED), held.assign(use=INSIDE)])
+        figures.save(pedestrian.ends(both, errors, QUANTITIES), output.ends)
+        trials, devices = five(ends), over_devices(ends, params.seed)
+        data = trials.join(devices).reset_index()
+        tables.write(output.table.removesuffix(".csv"), data, page(trials, devices, errors, gains))
+        inside = inside_of(held, params.seed)
+        tables.write(output.inside.removesuffix(".csv"), inside, inside_page(inside))
+        found = numbers(trials, devices, inside, walk, errors)
+        Path(output.numbers).write_text(json.dumps(found, indent=1) + "\n")

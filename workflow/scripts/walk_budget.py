@@ -1,0 +1,72 @@
+"""Navigate simulated walks with all errors of a device and without one at a time: what does each do to the end?"""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import pandas as pd
+
+from imugap.gait import Course, Gait, Leg, Walk
+from imugap.journal import journal
+from imugap.model import ErrorModel
+from imugap.pedestrian import Assumptions, navigate
+from imugap.strapdown import POSITION
+from imugap.twin import SLIP, Kind, without
+from imugap.walk import USUAL
+
+ALL, NONE = ("all", "all"), ("none", "none")
+LOOP = 60
+"""Strides of the embedded loop."""
+
+
+def walks(path, like):
+    """Return the walks by name: the twins of a file, or without one the embedded walk and a loop."""
+    if path is None:
+        return {"out and back": like, "loop": replace(like, course=Course.loop(LOOP))}
+    found = {}
+    for run, one in json.loads(Path(path).read_text()).items():
+        course = one["course"] | {"legs": tuple(Leg(**leg) for leg in one["course"]["legs"])}
+        found[run] = replace(like, gait=Gait(**one["gait"]), course=Course(**course), rate_hz=one["rate_hz"])
+    return found
+
+
+def errors(walk, name, kind, draw, seed):
+    """Yield (triad, effect) and the error of the end [m] with all but that effect, with all, and with none."""
+    still = replace(walk, gait=replace(walk.gait, drift_m_per_s=0.0))
+    device = kind.draw(seed, "device", name, draw)
+    assumptions = Assumptions(gravity=walk.site.gravity)
+
+    def ender(of):
+        ideal, true = of.ideal(draw, seed), of.truth(draw, seed)[list(POSITION)].iloc[-1].to_numpy(float)
+
+        def end(model):
+            found = navigate(model.simulate(ideal, seed, "twin", name, draw), USUAL, assumptions).trajectory
+            return found[list(POSITION)].iloc[-1].to_numpy() - true
+
+        return end
+
+    end = ender(walk)
+    yield ALL, end(device)
+    for triad, effect in kind.names():
+        yield (triad, effect), end(without(device, triad, effect))
+    end = ender(still)
+    yield ("foot", SLIP), end(device)
+    yield NONE, end(ErrorModel({}))
+
+
+def main(path, like, kind, params):
+    """Return the errors of every walk, device and choice of effects."""
+    rows = []
+    for name, walk in walks(path, like).items():
+        for draw in range(1, params.draws + 1):
+            for (triad, effect), (north, east, down) in errors(walk, name, kind, draw, params.seed):
+                rows.append({"walk": name, "draw": draw, "triad": triad, "effect": effect,
+                             "north": north, "east": east, "down": down})  # fmt: skip
+    return pd.DataFrame(rows)
+
+
+if __name__ == "__main__":
+    with journal(snakemake.log[0]):
+        source = snakemake.input
+        table = main(source.get("twins"), Walk.read(source.recipe), Kind.read(source.kind), snakemake.params)
+        table.to_parquet(snakemake.output[0], index=False)

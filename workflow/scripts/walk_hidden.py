@@ -1,0 +1,59 @@
+"""Hide one effect in a simulated loop; ask discovery with the exact reference, and zero velocity without any."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import pandas as pd
+import yaml
+
+from imugap.compensation import granted
+from imugap.discovery.discover import Question, discover
+from imugap.discovery.record import prepare
+from imugap.gait import Course, Walk
+from imugap.innovations import judged
+from imugap.journal import journal
+from imugap.model import AxisModel, ErrorModel
+
+RATE_HZ = 100
+
+
+def hidden(walk, case):
+    """Return the walk with what a case hides in device and foot."""
+    effects = {axis: one for axis, one in case.items() if axis != "gait"}
+    extra = ErrorModel.from_mapping(effects).axes
+    axes = {axis: model + extra.get(axis, AxisModel()) for axis, model in walk.model.axes.items()}
+    axes |= {axis: model for axis, model in extra.items() if axis not in axes}
+    return replace(walk, model=ErrorModel(axes), gait=replace(walk.gait, **case.get("gait", {})))
+
+
+def main(walk, case, params):
+    """Return findings and places with the exact reference, what integrity finds alone, and what zero velocity says."""
+    loop = replace(walk, rate_hz=RATE_HZ, course=Course.loop(params.strides, stand_s=walk.course.stand_s))
+    device = hidden(loop, case)
+    log, ideal = device.record(1, params.seed), device.ideal(1, params.seed)
+    question = Question(
+        alpha=params.alpha, seed=params.seed, replicates=params.replicates, simulations=params.simulations
+    )
+    found = discover([log], question, reference=ideal)
+    rows = [
+        {"how": how, "name": one.name, "axis": " ".join(one.axes)}
+        for how, findings in {"exact": found.findings, "integrity": prepare(log).findings}.items()
+        for one in findings
+    ]
+    places = {(gap.axis, gap.view): gap for gap in sorted(found.gaps, key=lambda gap: -gap.p_value)}
+    rows += [
+        {"how": "place", "name": gap.view, "axis": gap.axis, "value": gap.low, "high": gap.high, "unit": gap.unit,
+         "chance": gap.p_value}
+        for gap in places.values()
+    ]  # fmt: skip
+    said = judged(log, loop.model, granted(loop))
+    rows.append({"how": "scatter", "value": said.scatter})
+    rows += [{"how": "innovations"} | one for one in said.named(params.alpha).to_dict("records")]
+    return pd.DataFrame(rows)
+
+
+if __name__ == "__main__":
+    with journal(snakemake.log[0]):
+        case = yaml.safe_load(Path(snakemake.input.cases).read_text())[snakemake.wildcards.case]
+        found = main(Walk.read(snakemake.input.recipe), case, snakemake.params)
+        found.to_csv(snakemake.output[0], index=False)

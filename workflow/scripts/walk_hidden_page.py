@@ -1,0 +1,111 @@
+"""Tabulate what is found of the effects that were hidden in simulated walks."""
+
+import json
+from pathlib import Path
+
+import pandas as pd
+import yaml
+
+from imugap import tables
+from imugap.journal import journal
+from imugap.model import ErrorModel
+
+SHOWN = 2
+"""Places that a row of the table shows."""
+
+
+def truth(cases):
+    """Return the name and the axes of what each case hides."""
+    rows = {}
+    for case, one in cases.items():
+        effects = ErrorModel.from_mapping({axis: values for axis, values in one.items() if axis != "gait"}).axes
+        axes = list(effects) or list(one)
+        rows[case] = next((effect.name for model in effects.values() for effect in model), case), axes
+    return rows
+
+
+def listed(rows):
+    """Return names and axes of findings as text."""
+    return "; ".join(f"{one.name.replace('_', ' ')} ({said(one.axis)})" for one in rows.itertuples()) or "none"
+
+
+def said(axes):
+    """Return axes as text."""
+    axes = axes.split()
+    return ", ".join(axes) if len(axes) < 4 else f"{len(axes)} axes"
+
+
+def places(rows):
+    """Return the surest places as text."""
+    surest = rows.sort_values("chance").head(SHOWN)
+    spans = (
+        f"{one.axis} {one.name}, {tables.number(one.value, 2)} to {tables.number(one.high, 2)} {tables.unit(one.unit)}"
+        for one in surest.itertuples(index=False)
+    )
+    return "; ".join(spans) or "none"
+
+
+def innovations(rows):
+    """Return what zero velocity says: the surest suspect, and how many cannot be told from it."""
+    if rows.empty:
+        return "none"
+    first = rows.iloc[0]
+    others = sorted({name.replace("_", " ") for name in rows["name"]} - {first["name"].replace("_", " ")})
+    also = f"; or {', '.join(others)}" if others else ""
+    return f"{first['name'].replace('_', ' ')} ({first['axis']}), {abs(first['deviate']):.1f} σ{also}"
+
+
+def scored(found, hides):
+    """Return whether each case is named rightly, with the exact reference and without."""
+    rows = []
+    for case, one in found.groupby("case", sort=False):
+        name, axes = hides[case]
+        by = {how: one[one["how"] == how] for how in ("exact", "integrity", "innovations")}
+        there = case not in ("nothing", "stance_motion")
+        named = {how: part["name"].tolist() for how, part in by.items()}
+        alone = named["integrity"] + named["innovations"]
+        rows.append({
+            "case": case, "hidden": name, "axes": " ".join(axes), "there": there,
+            "exact_right": name in named["exact"] if there else not named["exact"],
+            "exact_wrong": len(set(named["exact"]) - {name}),
+            "alone_right": name in alone if there else not alone,
+            "alone_wrong": len(set(alone) - {name}) if name not in alone else 0,
+            "scatter": float(one.loc[one["how"] == "scatter", "value"].iloc[0]),
+        })  # fmt: skip
+    return pd.DataFrame(rows)
+
+
+def page(found, scores):
+    """Lay the table out: a row per case."""
+    rows = []
+    for score in scores.itertuples():
+        one = found[found["case"] == score.case]
+        of = {how: one[one["how"] == how] for how in ("exact", "place", "integrity", "innovations")}
+        hidden = score.hidden.replace("_", " ") + (f" ({said(score.axes)})" if score.there else "")
+        row = {"hidden": hidden, "named with the exact reference": listed(of["exact"])}
+        row |= {"surest places": places(of["place"]), "named by the log alone": listed(of["integrity"])}
+        row |= {"named by zero velocity": innovations(of["innovations"]), "scatter": tables.number(score.scatter, 2)}
+        rows.append(row)
+    return pd.DataFrame(rows)
+
+
+if __name__ == "__main__":
+    with journal(snakemake.log[0]):
+        source, output = snakemake.input, snakemake.output
+        hides = truth(yaml.safe_load(Path(source.cases).read_text()))
+        named = zip(snakemake.params.cases, source.found, strict=True)
+        found = pd.concat(pd.read_csv(path).assign(case=case) for case, path in named)
+        for column in ("name", "axis", "unit", "value", "high", "chance", "deviate"):
+            if column not in found:
+                found[column] = None
+        scores = scored(found, hides)
+        tables.write(output.table.removesuffix(".csv"), scores, page(found, scores))
+        there = scores[scores["there"]]
+        numbers = {
+            "cases": len(scores), "there": len(there), "exact": int(there["exact_right"].sum()),
+            "alone": int(there["alone_right"].sum()), "wrong": int((scores["exact_wrong"] > 0).sum()),
+            "quiet": int(scores.loc[~scores["there"], "exact_right"].sum()), "absent": int((~scores["there"]).sum()),
+            "alone_false": int((~scores.loc[~scores["there"], "alone_right"]).sum()),
+            "alone_wrong": int((there["alone_wrong"] > 0).sum()),
+        }  # fmt: skip
+        Path(output.numbers).write_text(json.dumps(numbers, indent=1) + "\n")

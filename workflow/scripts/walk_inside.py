@@ -1,0 +1,32 @@
+"""Navigate the logs of a simulated walk with a filter that holds states and densities of each model."""
+
+from dataclasses import asdict
+from pathlib import Path
+
+import pandas as pd
+import yaml
+
+from imugap.compensation import End, granted, inside
+from imugap.gait import Walk
+from imugap.journal import journal
+from imugap.model import ErrorModel
+from imugap.pedestrian import navigate
+
+
+def main(walk, models, params):
+    """Return the ends of all devices under every model."""
+    truth, ideal, assumptions = walk.truth(0, params.seed), walk.ideal(0, params.seed), granted(walk)
+    rows = []
+    for device in range(params.devices):
+        log = walk.model.simulate(ideal, params.seed, "walk", device)
+        for name, model in models.items():
+            found = navigate(log, inside(model), assumptions)
+            rows.append({"contender": name, "device": device} | asdict(End.of(found, truth)))
+    return pd.DataFrame(rows)
+
+
+if __name__ == "__main__":
+    with journal(snakemake.log[0]):
+        mappings = yaml.safe_load(Path(snakemake.input.models).read_text())
+        models = {name: ErrorModel.from_mapping(one) for name, one in mappings.items() if name != "bias_only"}
+        main(Walk.read(snakemake.input.recipe), models, snakemake.params).to_parquet(snakemake.output[0])

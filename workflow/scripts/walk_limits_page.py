@@ -1,0 +1,214 @@
+"""Lay out what limits a walk: variance budget, sensitivity to the detector, consistency, numbers of the text."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from imugap import figures, tables
+from imugap.blind import rate
+from imugap.figures import pedestrian
+from imugap.journal import journal
+
+SETS = {
+    "embedded": "embedded",
+    "openshoe_kth": "OpenShoe",
+    "xio_gait_tracking": "xio",
+    "gaitmap_2x20m": "gaitmap",
+    "pyshoe_vicon": "PyShoe",
+}
+EFFECTS = {
+    "white_noise": "noise",
+    "random_walk": "random walk",
+    "turn_on_bias": "turn-on bias",
+    "scale_factor": "scale factor",
+    "misalignment": "misalignment",
+    "g_sensitivity": "g-sensitivity",
+    "time_offset": "delay",
+    "stance_motion": "slip at stance",
+}
+TRIADS = {"gyro": "gyro", "accel": "accel.", "foot": "foot"}
+QUANTITIES = {"horizontal": ["north", "east"], "height": ["down"]}
+DETECTORS = ("GLRT", "rate", "variance", "norm")
+LEVELS = (0.9, 0.99)
+IN_MOTION = ("scale_factor", "misalignment", "g_sensitivity", "time_offset")
+"""Errors of which a log at rest says nothing."""
+SMALL = 0.01
+"""Share of the variance below which an effect goes under "others" in the figure."""
+
+
+def contributions(errors):
+    """Return root mean squares over walks and devices: of what each effect adds, of all, of none [m]."""
+    walks = errors.set_index(["set", "walk", "draw", "triad", "effect"])[["north", "east", "down"]]
+    whole = walks.xs(("all", "all"), level=("triad", "effect"))
+    rows = []
+    for (name, triad, effect), one in walks.groupby(level=["set", "triad", "effect"], sort=False):
+        here = one.droplevel(["triad", "effect"])
+        if triad not in ("all", "none"):
+            here = whole.loc[here.index] - here
+        row = {"set": name, "triad": triad, "effect": effect}
+        for quantity, columns in QUANTITIES.items():
+            row[quantity] = np.sqrt((here[columns] ** 2).sum(axis=1).mean())
+        rows.append(row)
+    return pd.DataFrame(rows)
+
+
+def title(triad, effect):
+    """Return the name of an error."""
+    return {"all": "all of them", "none": "none of them"}.get(triad) or f"{TRIADS[triad]}: {EFFECTS[effect]}"
+
+
+def shares(found, quantity):
+    """Return the share of each effect in the sum of the variances, a column for each set."""
+    single = found[~found["triad"].isin(["all", "none"])]
+    names = [title(*pair) for pair in zip(single["triad"], single["effect"], strict=True)]
+    square = single.assign(name=names, square=single[quantity] ** 2).pivot(index="name", columns="set", values="square")
+    square = square[[name for name in SETS if name in square]].rename(columns=SETS)
+    return square.loc[list(dict.fromkeys(names))] / square.sum()
+
+
+def drawn(found):
+    """Return the shares for the figure: what is small everywhere is one."""
+    both = {quantity: shares(found, quantity) for quantity in QUANTITIES}
+    large = pd.concat(both.values(), axis=1).max(axis=1) > 5 * SMALL
+    heads = {"horizontal": "horizontal end error", "height": "height at the end"}
+    return {
+        heads[quantity]: pd.concat([one[large], one[~large].sum().to_frame("all others").T])
+        for quantity, one in both.items()
+    }
+
+
+def budget_page(found, real):
+    """Lay the budget out: a row per error, root mean square in centimetres, two columns per set."""
+    names = [name for name in SETS if name in set(found["set"])]
+    of, rows = found.set_index(["set", "triad", "effect"]), []
+    for triad, effect in dict.fromkeys(zip(found["triad"], found["effect"], strict=True)):
+        row = {"error": title(triad, effect)}
+        for name in names:
+            one = of.loc[(name, triad, effect)]
+            row[SETS[name]] = " / ".join(tables.number(100 * one[quantity], 2) for quantity in QUANTITIES)
+        rows.append(row)
+    ends = {"error": "the real walks"}
+    for name in names:
+        one = real[real["dataset"] == name]
+        ends[SETS[name]] = " / ".join(
+            tables.number(100 * np.sqrt((one[key] ** 2).mean()), 2) for key in ("end", "height")
+        ) if len(one) else "—"  # fmt: skip
+    return pd.DataFrame([*rows, ends])
+
+
+def consistency(ends, real):
+    """Return the share of ends in the ellipses with binomial intervals, and the mean NEES."""
+    groups = dict(list(ends.groupby("foot", sort=False))) | ({"real walks": real} if len(real) else {})
+    rows = []
+    for name, one in groups.items():
+        row = {"foot": name, "walks": len(one)}
+        for level in LEVELS:
+            row |= {f"{key}_{level:g}": value for key, value in rate(one["nees"] < -2 * np.log(1 - level)).items()}
+        row["nees"] = one["nees"].mean() / 2
+        row["heading_nees"] = one["heading_nees"].mean() if "heading_nees" in one else np.nan
+        rows.append(row)
+    return pd.DataFrame(rows)
+
+
+def consistency_page(data):
+    """Lay the table out."""
+    rows = []
+    for one in data.to_dict("records"):
+        row = {"walks": f"{one['foot']} ({one['walks']})"}
+        for level in LEVELS:
+            values = (100 * one[f"{key}_{level:g}"] for key in ("rate", "low", "high"))
+            middle, low, high = (tables.fixed(value, 1) for value in values)
+            row[f"in the {level:.0%} ellipse [%]"] = f"{middle} [{low}, {high}]"
+        row |= {"NEES, position": tables.number(one["nees"], 2), "NEES, heading": tables.number(one["heading_nees"], 2)}
+        rows.append(row)
+    return pd.DataFrame(rows)
+
+
+def numbers(found, counted, varied, real):
+    """Collect what the text quotes."""
+    said = {"sets": {}, "within": {}}
+    for name in set(found["set"]):
+        one = found[found["set"] == name].set_index(["triad", "effect"])
+        single = one.drop(index=[("all", "all"), ("none", "none")])
+        said["sets"][name] = {
+            quantity: {
+                "first": [title(*pair) for pair in single[quantity].nlargest(2).index],
+                "all_cm": tables.number(100 * one.loc[("all", "all"), quantity], 2),
+                "misaligned_cm": tables.number(
+                    100 * np.hypot(*single.loc[pd.IndexSlice[:, "misalignment"], quantity]), 2
+                ),
+            }
+            for quantity in QUANTITIES
+        }
+    single = found[~found["triad"].isin(["all", "none"])]
+    moving = single["effect"].isin(IN_MOTION)
+    for quantity in QUANTITIES:
+        square = single[quantity] ** 2
+        part = 100 * square[moving].groupby(single["set"]).sum() / square.groupby(single["set"]).sum()
+        said[f"in_motion_{quantity}"] = [f"{end(part):.0f}" for end in (min, max)]
+    for row in counted.to_dict("records"):
+        said["within"][row["foot"]] = {
+            f"{level:.0%}": f"{100 * row[f'rate_{level:g}']:.0f}" for level in LEVELS
+        } | {"covers": bool(all(row[f"low_{one:g}"] <= one <= row[f"high_{one:g}"] for one in LEVELS))}  # fmt: skip
+    if varied is not None:
+        said |= of_choices(varied)
+    return said
+
+
+def of_choices(varied):
+    """Collect what the text says of thresholds, detectors and delays."""
+    share = {
+        kind: varied[varied["varied"] == kind].groupby("value")["share"].agg(["median", "max"])
+        for kind in ("threshold", "detector")
+    }
+    fine = share["threshold"][share["threshold"]["median"] < 0.5].index
+    delay = varied[varied["varied"] == "delay"]
+    best = delay.groupby(["dataset", "run"])[["value", "nis"]].apply(least)
+    slope = delay.groupby(["dataset", "run"])[["value", "height"]].apply(
+        lambda one: np.polyfit(*one.to_numpy().T, 1)[0]
+    )
+    return {
+        "fine_thresholds": [tables.number(end(fine), 2) for end in (min, max)],
+        "detectors_percent": {
+            DETECTORS[int(value)]: [tables.number(one["median"], 2), tables.number(one["max"], 2)]
+            for value, one in share["detector"].iterrows()
+        },
+        "least_delay_ms": {
+            name: [tables.fixed(end(one), 1) for end in (min, max)] for name, one in best.groupby(level=0)
+        },
+        "slope_cm_per_ms": {name: tables.number(100 * one.mean(), 2) for name, one in slope.groupby(level=0)},
+    }  # fmt: skip
+
+
+def least(one):
+    """Return the delay at which the sum of the NIS is least, by a parabola through its three lowest neighbours."""
+    value, nis = one["value"].to_numpy(), one["nis"].to_numpy()
+    middle = int(np.clip(np.argmin(nis), 1, len(nis) - 2))
+    a, b, _ = np.polyfit(value[middle - 1 : middle + 2], nis[middle - 1 : middle + 2], 2)
+    return float(np.clip(-b / (2 * a), value[0], value[-1]))
+
+
+if __name__ == "__main__":
+    with journal(snakemake.log[0]):
+        source, output = snakemake.input, snakemake.output
+        errors = pd.concat(
+            pd.read_parquet(path).assign(set=Path(path).stem, walk=lambda one: one["walk"].astype(str))
+            for path in source.budgets
+        )
+        real = pd.concat(map(pd.read_csv, source.walks)) if source.walks else pd.DataFrame(columns=["dataset"])
+        found = contributions(errors)
+        figures.save(pedestrian.budget(drawn(found)), output.budget_figure)
+        tables.write(output.budget.removesuffix(".csv"), found, budget_page(found, real))
+        counted = consistency(pd.read_csv(source.consistency), real)
+        tables.write(output.consistency.removesuffix(".csv"), counted, consistency_page(counted))
+        varied = None
+        if source.choices:
+            varied = pd.concat(map(pd.read_csv, source.choices))
+            varied["share"] = 100 * varied["end"] / varied["distance"]
+            present = {name: SETS[name] for name in SETS if name in set(varied["dataset"])}
+            figures.save(pedestrian.sensitivity(varied, present, DETECTORS), output.sensitivity)
+        else:
+            figures.save(figures.said("no real walk is here"), output.sensitivity)
+        Path(output.numbers).write_text(json.dumps(numbers(found, counted, varied, real), indent=1) + "\n")

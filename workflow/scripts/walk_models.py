@@ -1,0 +1,50 @@
+"""Calibrate the simulated device at rest; build every contender, and the composite that a log of it chooses."""
+
+from pathlib import Path
+
+import pandas as pd
+import yaml
+
+from imugap import allan, log
+from imugap.choice import choose
+from imugap.contenders import CONTENDERS, averaged, fit
+from imugap.effects import Bias, TurnOnBias
+from imugap.gait import Walk
+from imugap.indices import INDICES, of_run, over_runs
+from imugap.journal import journal
+from imugap.model import ErrorModel
+
+SYMBOLS = tuple(symbol for symbol in INDICES if symbol != "repeatability")
+
+
+def calibrated(walk, logs, period):
+    """Return the indices over the static logs, and their Allan curves averaged."""
+    found, curves = [], []
+    for run, table in enumerate(logs):
+        found.append(of_run(table, walk.site.ideal(), period, SYMBOLS).assign(run=run))
+        asd = {axis: allan.curve(table[axis].to_numpy(), log.interval(table)) for axis in log.AXES}
+        curves.append(pd.concat(asd, names=["axis"]).reset_index())
+    return over_runs(pd.concat(found)), averaged(pd.concat(curves))
+
+
+def composite(indices, table, rate):
+    """Return what the means of one log choose, with the bias of all logs and its repeatability."""
+    factor, axes = round(1 / (log.interval(table) * rate)), {}
+    for axis in log.AXES:
+        means = table[axis].to_numpy()[: len(table) // factor * factor].reshape(-1, factor).mean(axis=1)
+        value = indices[indices["axis"] == axis].set_index("symbol")["value"]
+        axes[axis] = choose(means, 1 / rate).fit.model + Bias(value["bias"]) + TurnOnBias(value["repeatability"])
+    return ErrorModel(axes)
+
+
+if __name__ == "__main__":
+    with journal(snakemake.log[0]):
+        params, walk = snakemake.params, Walk.read(snakemake.input.recipe)
+        runs = range(1, params.static["runs"] + 1)
+        logs = [walk.static(run, params.static["duration_s"], params.seed) for run in runs]
+        indices, curves = calibrated(walk, logs, params.period_s)
+        models = {name: fit(name, indices, curves, params.period_s) for name in CONTENDERS}
+        models |= {"fitted": composite(indices, logs[0], params.rate_hz), "truth": walk.model}
+        plain = {name: model.to_mapping() for name, model in models.items()}
+        Path(snakemake.output.models).write_text(yaml.safe_dump(plain, sort_keys=False))
+        indices.to_csv(snakemake.output.indices, index=False)

@@ -1,0 +1,92 @@
+"""Navigate every walk of a data set by the rules that hold for all of them, and lay it over what cameras saw."""
+
+import json
+from dataclasses import asdict
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from imugap import catalogue, integrity, readers
+from imugap.catalogue import RawFiles
+from imugap.footprints import footprints
+from imugap.gait import Walk
+from imugap.journal import journal
+from imugap.twin import twin
+from imugap.walk import walked
+
+STEP_S = 0.1
+"""Step of the stored tracks [s]."""
+
+
+def against(files, run, solution):
+    """Return how a solution lies to what cameras saw, its strides, and these with the marker taken for the device."""
+    dataset = files.dataset
+    apart = bool(dataset.position_rate_hz)
+    path = files.path(run, catalogue.POSITIONS if apart else catalogue.LOG)
+    seen = readers.read_positions(path, dataset, run)
+    beside, loose = footprints(solution, seen), footprints(solution, seen, stiff=False)
+    told = run in dataset.runs_with(catalogue.EVENTS)
+    events = readers.read_strides(files.path(run, catalogue.EVENTS), dataset, run) if told else solution.strides()
+    return beside, beside.strides(events), loose.strides(events)
+
+
+def scores(beside, strides, loose):
+    """Return what the comparison says, in metres but for the lag [s]."""
+    gap, loose = (one["found"] - one["seen"] for one in (strides, loose))
+    found, seen = beside.reach()
+    horizontal, vertical = beside.rmse()
+    end, height = beside.end()
+    return {
+        "end": end, "height": height, "rmse": horizontal, "rmse_vertical": vertical, "lag": beside.lag,
+        "arm": np.linalg.norm(beside.arm), "stride_rmse": np.sqrt(np.mean(gap**2)), "stride_bias": gap.mean(),
+        "stride_rmse_plain": np.sqrt(np.mean(loose**2)), "compared": len(gap), "reach": found, "reach_seen": seen,
+    }  # fmt: skip
+
+
+def recipe(walk):
+    """Return what a twin has of its own, as plain data."""
+    return {"rate_hz": walk.rate_hz, "gait": asdict(walk.gait), "course": asdict(walk.course)}
+
+
+def one(files, run):
+    """Return the row and the track of a walk, and its smoothed solution."""
+    timing = integrity.report(readers.read_raw_table(files.path(run), files.dataset, run)).timing
+    found = walked(readers.read_raw(files.path(run), files.dataset, run))
+    said, solution, labels = found.summary(), found.smoothed, {"dataset": files.dataset.name, "run": run}
+    row = labels | said | {"lost": timing.missing, "repeated": timing.duplicated}
+    table = solution.trajectory[["north", "east", "down"]]
+    if files.dataset.positions:
+        beside, *strides = against(files, run, solution)
+        row |= {"cameras": True} | scores(beside, *strides)
+        off = beside.off[:2]
+        track = pd.DataFrame(np.hstack([beside.found, beside.seen]), columns=[*table, *table.add_suffix("_seen")])
+        track.insert(0, "time", beside.time)
+    else:
+        row |= {"cameras": False, "end": said["end_horizontal_m"], "height": said["end_vertical_m"]}
+        off = table[["north", "east"]].iloc[-1].to_numpy()
+        track = table.reset_index(names="time")
+    row["nees"] = off @ np.linalg.solve(solution.horizontal[-1], off)
+    every = max(round(STEP_S / np.median(np.diff(track["time"]))), 1)
+    return row, track[::every].assign(**labels), solution
+
+
+def main(files, like):
+    """Return a row, a track and a twin for each walk."""
+    rows, tracks, twins = [], [], {}
+    for run in files.dataset.runs:
+        row, track, solution = one(files, run)
+        rows.append(row)
+        tracks.append(track)
+        twins[run] = recipe(twin(solution, like))
+    return pd.DataFrame(rows), pd.concat(tracks), twins
+
+
+if __name__ == "__main__":
+    with journal(snakemake.log[0]):
+        dataset = catalogue.load("data", "workflow/schemas")[snakemake.wildcards.dataset]
+        like = Walk.read(snakemake.input.recipe)
+        table, tracks, twins = main(RawFiles(dataset, snakemake.input.raw), like)
+        table.to_csv(snakemake.output.walks, index=False)
+        tracks.to_parquet(snakemake.output.tracks, index=False)
+        Path(snakemake.output.twins).write_text(json.dumps(twins) + "\n")

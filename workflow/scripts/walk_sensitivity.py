@@ -1,0 +1,73 @@
+"""Navigate every walk of a data set with other thresholds, detectors, and delays between the triads."""
+
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+
+from imugap import catalogue, readers
+from imugap.catalogue import RawFiles
+from imugap.footprints import footprints
+from imugap.journal import journal
+from imugap.log import ACCEL
+from imugap.pedestrian import Assumptions, navigate
+from imugap.stamps import filled
+from imugap.walk import USUAL
+from imugap.zero_velocity import Statistic
+
+USUAL_CHOICE = Assumptions()
+DETECTOR = USUAL_CHOICE.detector
+
+
+def scaled(factor):
+    """Return the assumptions with a threshold so many times the usual one."""
+    limits = {name: factor * getattr(DETECTOR, name) for name in ("multiple", "lowest", "highest")}
+    return replace(USUAL_CHOICE, detector=replace(DETECTOR, **limits))
+
+
+def delayed(log, delay):
+    """Return the log with the accelerometers later by a delay [s]."""
+    time = log.index.to_numpy()
+    return log.assign(**{axis: np.interp(time - delay, time, log[axis]) for axis in ACCEL})
+
+
+def ends(solution, seen):
+    """Return the errors of the end, against the begin or cameras: horizontal and height [m]."""
+    if seen is not None:
+        return footprints(solution, seen).end()
+    end = solution.trajectory.iloc[-1]
+    return float(np.hypot(end["north"], end["east"])), -float(end["down"])
+
+
+def choices(params):
+    """Yield what is varied, its value, assumptions, and the delay of the accelerometers [s]."""
+    for factor in params.factors:
+        yield "threshold", factor, scaled(factor), 0.0
+    for statistic in Statistic:
+        yield "detector", statistic, replace(USUAL_CHOICE, detector=replace(DETECTOR, statistic=statistic)), 0.0
+    for delay in params.delays_ms:
+        yield "delay", delay, USUAL_CHOICE, 1e-3 * delay
+
+
+def main(files, params):
+    """Return the end errors of every walk under every choice."""
+    rows, dataset = [], files.dataset
+    for run in dataset.runs:
+        log, seen = filled(readers.read_raw(files.path(run), dataset, run)), None
+        if dataset.positions:
+            content = catalogue.POSITIONS if dataset.position_rate_hz else catalogue.LOG
+            seen = readers.read_positions(files.path(run, content), dataset, run)
+        for varied, value, assumptions, delay in choices(params):
+            solution = navigate(delayed(log, delay) if delay else log, USUAL, assumptions)
+            end, height = ends(solution, seen)
+            row = {"dataset": dataset.name, "run": run, "varied": varied, "value": float(value), "end": end}
+            row |= {"height": height, "nis": np.nansum(solution.nis)}
+            rows.append(row | {"distance": solution.strides()["length"].sum()})
+    return pd.DataFrame(rows)
+
+
+if __name__ == "__main__":
+    with journal(snakemake.log[0]):
+        dataset = catalogue.load("data", "workflow/schemas")[snakemake.wildcards.dataset]
+        found = main(RawFiles(dataset, snakemake.input.raw), snakemake.params)
+        found.to_csv(snakemake.output[0], index=False)

@@ -1,0 +1,45 @@
+"""Subtract what models simulate from the log of a simulated walk, and navigate it with a filter that has no model."""
+
+from dataclasses import asdict
+from pathlib import Path
+
+import pandas as pd
+import yaml
+
+from imugap.compensation import End, at_stand, granted, plain, subtracted
+from imugap.gait import Walk
+from imugap.journal import journal
+from imugap.model import ErrorModel
+from imugap.pedestrian import navigate
+
+STEP_S = 0.5
+"""Step of the stored tracks."""
+
+
+def main(walk, models, white, params):
+    """Return the ends of all devices and trials, and the tracks of the first device."""
+    truth, ideal, assumptions = walk.truth(0, params.seed), walk.ideal(0, params.seed), granted(walk)
+    rows, tracks = [], []
+    for device in range(params.devices):
+        log = walk.model.simulate(ideal, params.seed, "walk", device)
+        for name, model in (models | {"none": ErrorModel({}), "stand": at_stand(log)}).items():
+            for trial in range(params.printed if device == 0 else 1):
+                left = subtracted(log, model, params.seed, "compensation", name, device, trial)
+                found = navigate(left, white, assumptions)
+                labels = {"contender": name, "device": device, "trial": trial}
+                rows.append(labels | asdict(End.of(found, truth)))
+                if device == 0:
+                    every = round(STEP_S * walk.rate_hz)
+                    tracks.append(found.trajectory[["north", "east", "heading"]][::every].assign(**labels))
+    return pd.DataFrame(rows), pd.concat(tracks)
+
+
+if __name__ == "__main__":
+    with journal(snakemake.log[0]):
+        source, output = snakemake.input, snakemake.output
+        mappings = yaml.safe_load(Path(source.models).read_text())
+        models = {name: ErrorModel.from_mapping(one) for name, one in mappings.items() if name != "truth"}
+        indices = pd.read_csv(source.indices).set_index(["symbol", "axis"])["value"]
+        ends, tracks = main(Walk.read(source.recipe), models, plain(indices["N"]), snakemake.params)
+        ends.to_parquet(output.ends)
+        tracks.to_parquet(output.tracks)
