@@ -1028,3 +1028,16 @@ def test_no_effect_is_found_in_plain_noise_and_each_in_its_own():
         for name, value in effect.parameters().items():
             low, high = found.intervals[name]
             assert low < value < high, (effect, name)
+
+
+def test_a_single_flat_top_is_a_full_scale_and_a_flat_slope_is_stuck():
+    """A smooth motion that is clipped once, and one whose output sticks on its way up."""
+    time = np.arange(20_000) * 0.01
+    motion = np.sin(0.2 * time) + 0.3 * np.sin(1.3 * time) + 1e-3 * stream(12, "flat").standard_normal(len(time))
+    clipped = np.minimum(motion, np.sort(motion)[-6])
+    stuck = motion.copy()
+    stuck[5001:5006] = stuck[5000]
+    place = conditions(len(time))
+    assert Saturation.found(clipped, place).effect.limit == clipped.max()
+    assert Saturation.found(stuck, place) is None
+    assert StuckSamples.found(stuck, place) is not None

@@ -55,7 +55,11 @@ class Saturation(Effect):
 
 
 def _log_chance(values: np.ndarray, step: float, lattice: bool) -> float:
-    """Return the log-probability that an open range holds as many samples at the highest of ``values``, shape (n,)."""
+    """Return the log-probability that an open range holds as many samples at the highest of ``values``, shape (n,).
+
+    Values without a lattice never repeat by chance: where all repeats are at the highest of n values, each is there, if
+    the output had only been stuck, with probability 1/n.
+    """
     top = values.max()
     at = values == top
     stays = np.count_nonzero(np.diff(at.astype(int), prepend=0) == 1)
@@ -64,6 +68,8 @@ def _log_chance(values: np.ndarray, step: float, lattice: bool) -> float:
         return 0.0
     if np.count_nonzero(at) < (MANY if lattice else FLAT):
         return 0.0
+    if not lattice and not repeats:
+        return float((stays - np.count_nonzero(at)) * np.log(len(values)))
     entries = top - values[:-1][at[1:] & ~at[:-1]]
     if np.median(entries) < 1.5 * step:
         return 0.0
