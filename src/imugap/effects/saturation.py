@@ -57,8 +57,8 @@ class Saturation(Effect):
 def _log_chance(values: np.ndarray, step: float, lattice: bool) -> float:
     """Return the log-probability that an open range holds as many samples at the highest of ``values``, shape (n,).
 
-    Values without a lattice never repeat by chance: where all repeats are at the highest of n values, each is there, if
-    the output had only been stuck, with probability 1/n.
+    Values without a lattice are never equal by chance; each that equals the highest of n does so with probability 1/n
+    at most. An output that sticks once does it elsewhere but for one case in n.
     """
     top = values.max()
     at = values == top
@@ -69,7 +69,7 @@ def _log_chance(values: np.ndarray, step: float, lattice: bool) -> float:
     if np.count_nonzero(at) < (MANY if lattice else FLAT):
         return 0.0
     if not lattice and not repeats:
-        return float((stays - np.count_nonzero(at)) * np.log(len(values)))
+        return float((1 - np.count_nonzero(at)) * np.log(len(values)))
     entries = top - values[:-1][at[1:] & ~at[:-1]]
     if np.median(entries) < 1.5 * step:
         return 0.0
