@@ -14,6 +14,7 @@ from imugap.discovery.parameters import NORMAL, axis_unit, term_intervals
 from imugap.discovery.search import log_chance
 from imugap.discovery.sequence import Sequence
 from imugap.effects import ClockScale, Sinusoid, TurnOnBias
+from imugap.effects.sinusoid import LINE
 from imugap.log import TIME, from_samples
 
 LEAST = 1e-300
@@ -70,7 +71,7 @@ def _clock(first: Mapping[str, AxisFit], other: Mapping[str, AxisFit], run: int,
     blocks = _mean(_by_blocks(first, other))
     lines = _mean(_by_lines(first, other, blocks))
     known = _mean([one for one in (blocks, lines) if one is not None])
-    if known is None or (blocks and lines and _apart(blocks, lines)):
+    if known is None:
         return None
     mean, sd = known
     log_p = float(chi2.logsf((mean / sd) ** 2, 1))
@@ -93,10 +94,6 @@ def _mean(found: list[Evidence]) -> Evidence | None:
     mean = float(np.average(values, weights=weights))
     agree = chi2.sf(weights @ (values - mean) ** 2, max(len(found) - 1, 1)) > CONFLICT
     return (mean, float(weights.sum() ** -0.5)) if agree or len(found) == 1 else None
-
-
-def _apart(one: Evidence, other: Evidence) -> bool:
-    return chi2.sf((one[0] - other[0]) ** 2 / (one[1] ** 2 + other[1] ** 2), 1) < CONFLICT
 
 
 def _by_blocks(first: Mapping[str, AxisFit], other: Mapping[str, AxisFit]) -> list[Evidence]:
@@ -147,8 +144,7 @@ def _line_near(quiet: AxisFit, frequency: float, blocks: Evidence | None) -> Ter
     if not near.any() or gains[near].max() < CLEAR:
         return None
     best = float(tried[near][np.argmax(gains[near])])
-    wave = 2 * np.mean(quiet.residual * np.exp(-2j * np.pi * best * quiet.sequence.conditions.time))
-    return Term(Sinusoid(best, float(abs(wave)), float(np.angle(wave))), ("frequency", "amplitude", "phase"))
+    return Term(Sinusoid.at(best, quiet), LINE)
 
 
 def _steady(found: AxisFit, index: int) -> bool:

@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 
 HIGHEST = 0.48
 """Highest frequency times interval of a harmonic."""
+LINE = ("frequency", "amplitude", "phase")
+"""What a fit adjusts of a line."""
 
 
 @dataclass(frozen=True)
@@ -49,15 +51,18 @@ class Sinusoid(SystematicEffect, AllanEffect):
         return np.column_stack([part for column in (*drifting, *harmonics) for part in (column.real, column.imag)])
 
     @classmethod
+    def at(cls, frequency: float, fit: "AxisFit") -> "Sinusoid":
+        """Return the line of a frequency [Hz] as the residual of a fit shows it."""
+        wave = 2 * np.mean(fit.residual * np.exp(-2j * np.pi * frequency * fit.sequence.conditions.time))
+        return cls(frequency, float(abs(wave)), float(np.angle(wave)))
+
+    @classmethod
     def starts(cls, fit: "AxisFit") -> Iterator[Start]:
         """Yield the highest line of the whitened residual's spectrum."""
         frequency, gains, level = fit.lines
         best = int(np.argmax(gains))
-        highest = float(frequency[best])
-        wave = 2 * np.mean(fit.residual * np.exp(-2j * np.pi * highest * fit.sequence.conditions.time))
-        effect = cls(highest, float(abs(wave)), float(np.angle(wave)))
-        free = ("frequency", "amplitude", "phase")
-        yield Start(effect, free, len(gains) / 2, float(gains[best]), float(level[best]))
+        effect = cls.at(float(frequency[best]), fit)
+        yield Start(effect, LINE, len(gains) / 2, float(gains[best]), float(level[best]))
 
     def allan_variance(self, tau: np.ndarray) -> np.ndarray:
         """Return amplitude^2 sin^4(pi f tau)/(pi f tau)^2 (IEEE 952)."""

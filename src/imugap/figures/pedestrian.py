@@ -40,12 +40,7 @@ def tracks(table: pd.DataFrame, truth: pd.DataFrame, shown: Mapping[str, str]) -
             panel.plot(*path[["north", "east"]].iloc[-1], "x", color=PRINTED, ms=5, mew=1.2, label="navigated ends")
         panel.plot(0, 0, "o", color="black", ms=4, label="begin and true end", zorder=5)
         panel.set_title(title)
-    for panel in grid.flat[len(shown) :]:
-        panel.set_axis_off()
-    for panel in grid[-1]:
-        panel.set_xlabel("north [m]")
-    for row in grid:
-        row[0].set_ylabel("east [m]")
+    _outer_labels(grid, len(shown), "north [m]", "east [m]")
     legend_below(figure, 4)
     return figure
 
@@ -118,12 +113,7 @@ def walks(tracks: pd.DataFrame, titles: Mapping[tuple[str, int], str]) -> Figure
         panel.set_title(title, fontsize=7)
         panel.set_aspect("equal", "datalim")
         panel.tick_params(labelsize=6)
-    for panel in grid.flat[len(titles) :]:
-        panel.set_axis_off()
-    for panel in grid[-1]:
-        panel.set_xlabel("[m]")
-    for row in grid:
-        row[0].set_ylabel("[m]")
+    _outer_labels(grid, len(titles), "[m]", "[m]")
     legend_below(figure, 4)
     return figure
 
@@ -215,3 +205,13 @@ def sensitivity(table: pd.DataFrame, sets: Mapping[str, str], detectors: Sequenc
     grid[0, 0].xaxis.set_minor_locator(NullLocator())
     legend_below(figure, 5)
     return figure
+
+
+def _outer_labels(grid: np.ndarray, used: int, x: str, y: str) -> None:
+    """Label the panels at the left and at the bottom, and blank those that are not used."""
+    for panel in grid.flat[used:]:
+        panel.set_axis_off()
+    for panel in grid[-1]:
+        panel.set_xlabel(x)
+    for row in grid:
+        row[0].set_ylabel(y)
