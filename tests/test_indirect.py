@@ -8,7 +8,7 @@ from imugap import maximum_likelihood, wavelet
 from imugap.bound import bound
 from imugap.effects import Conditions, GaussMarkov, Quantization, RandomWalk, WhiteNoise
 from imugap.estimate import Verdict
-from imugap.indirect import fit, fit_curve, simulated
+from imugap.indirect import fit, fit_curve, point, simulated
 from imugap.model import AxisModel
 from imugap.moments import Weighting
 from imugap.stream import stream
@@ -161,6 +161,15 @@ def test_random_walk_that_the_log_hardly_shows_is_bounded():
         found = fit(simulate(model(200.0), COUNT, "hardly", run), INTERVAL, kinds(model(200.0))).table()
         verdicts.append(found.loc[("random_walk", 1, "density_k"), "verdict"])
     assert verdicts.count(Verdict.UPPER_BOUND) >= 8
+
+
+def test_the_point_estimate_is_that_of_the_fit():
+    of = model(20.0)
+    sequence = simulate(of, 20_000, "point")
+    found, objective = point(sequence, INTERVAL, kinds(of), weighting=Weighting.DIAGONAL)
+    whole = fit(sequence, INTERVAL, kinds(of), weighting=Weighting.DIAGONAL)
+    assert found == whole.model
+    assert objective == whole.objective
 
 
 def test_history_covariance_and_curve_belong_to_the_estimate():

@@ -17,6 +17,7 @@ from imugap.binding import Binding
 from imugap.effects import Conditions, RateRamp
 from imugap.estimate import Estimate, Fit, verdict
 from imugap.likelihood import Composition, Quantity
+from imugap.model import ErrorModel
 from imugap.moments import Problem, Spread, Weighting
 from imugap.nearest import Point
 from imugap.quasilikelihood import Held, Hold, Profile, Settling, Weights
@@ -88,6 +89,24 @@ def fit(
     """
     curve = wavelet.curve(np.asarray(sequence, float), interval, width, efficiency)
     return fit_curve(curve, len(sequence), interval, kinds, ramp, weighting, width, efficiency, level)
+
+
+def point(
+    sequence: np.ndarray,
+    interval: float,
+    kinds: Sequence[type],
+    ramp: bool = False,
+    weighting: Weighting = Weighting.FULL,
+    width: int = 2,
+    efficiency: float = 1.0,
+) -> tuple[ErrorModel, float]:
+    """Return the model of :func:`fit` and its objective alone; most of the time of a fit goes into its intervals."""
+    sequence = np.asarray(sequence, float)
+    curve = wavelet.curve(sequence, interval, width, efficiency)
+    problem = _problem(curve, len(sequence), interval, kinds, ramp, weighting, width, efficiency)
+    best = problem.estimate()[0][-1]
+    best = best.reordered(np.argsort(best.times))
+    return problem.binding.composition.model(problem.theta(best)), best.distance
 
 
 def fit_curve(
