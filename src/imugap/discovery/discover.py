@@ -160,7 +160,7 @@ def discover(
     model = partial(_model, known=known, findings=outside)
     held_out = [_tested(test, stories, start, final, question) for test in tests]
     apart, paths = _distances(held_out or [_held_out(record, stories, start, model)], question)
-    withheld = tuple((axis, name, why.reason) for axis, story in stories.items() for name, why in story.withheld)
+    withheld = tuple((axis, *one) for axis, story in stories.items() for one in story.unnamed())
     places = (*record.gaps, *where)
     steps.begin("done")
     return Discovery(start, final, places, findings, left, withheld, apart, paths, tuple(seen), later, record, stories)

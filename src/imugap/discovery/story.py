@@ -95,6 +95,11 @@ class Story:
     withheld: tuple[tuple[str, Doubt], ...]
     bands: tuple[Band, ...] = ()
 
+    def unnamed(self) -> tuple[tuple[str, str], ...]:
+        """Return the nearest name, and the reason why it is not given, of what was seen."""
+        lines = ((Sinusoid.name, f"it is not steady, {band.low:.4g} to {band.high:.4g} Hz") for band in self.bands)
+        return (*((name, doubt.reason) for name, doubt in self.withheld), *lines)
+
     @property
     def changed(self) -> bool:
         """Return whether anything was added to the start model."""
