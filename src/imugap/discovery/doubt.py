@@ -203,10 +203,23 @@ def _another_spectrum(search: Search, fit: AxisFit, key: Key) -> Doubt | None:
     slope = _score(fit, share * np.log(bins.frequency / bins.frequency[0]))
     doubts = [Doubt("its spectrum has another slope", slope), _off_in_bands(fit, share)]
     if isinstance(effect, RandomTelegraph):
-        uneven = log_chance(compare(fit, (effect,)).uneven, 1)
+        verdict = compare(fit, (effect,))
+        uneven = log_chance(verdict.uneven, 1)
         doubts.append(Doubt("it is at one of its values more often than at the other", uneven))
+        if sum(isinstance(one, RandomTelegraph) for one in fit.description.noise.effects) == 1:
+            doubts.append(Doubt("its samples and its spectrum disagree", _at_odds(fit, key, verdict.effect)))
     law = _power_law(search, fit)
     return min([*doubts, *([law] if law is not None else [])], key=lambda doubt: doubt.log_p)
+
+
+def _at_odds(fit: AxisFit, key: Key, other: StochasticEffect) -> float:
+    """Return the log-probability that the spectrum is as unlikely as it is with another effect at ``key``."""
+    bins, noise = fit.sequence.bins, fit.description.noise
+    effects = tuple(other if i == key.index else one for i, one in enumerate(noise.effects))
+    variances = noise.variance(bins), replace(noise, effects=effects).variance(bins)
+    power = bins.sums(fit.coefficients**2) * variances[0]
+    best, here = (log_likelihood(variance, power, bins.number) for variance in variances)
+    return log_chance(best - here, len(other.parameters()))
 
 
 def _share(fit: AxisFit, effect: StochasticEffect) -> np.ndarray:

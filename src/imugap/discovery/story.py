@@ -226,7 +226,7 @@ def _two_valued(found: AxisFit) -> AxisFit:
 
 def _told_apart(search: Search, found: AxisFit) -> AxisFit:
     """Return the fit with telegraph noise in the place of what the samples show to have two values."""
-    found = _switching(search, _many_steps(search, found))
+    found = _one_telegraph(search, _switching(search, _many_steps(search, found)))
     keys = [key for key in search.added(found.description) if isinstance(at(found.description, key), SLOW)]
     if not keys or found.has(RandomTelegraph):
         return found
@@ -237,7 +237,17 @@ def _told_apart(search: Search, found: AxisFit) -> AxisFit:
     effects = replace(noise, effects=(*noise.effects, verdict.effect))
     switching = _without_switches(search, fit(found.sequence, replace(found.description, noise=effects)))
     beside = _stepless(search).explore(switching)
-    return beside if beside.has(RandomTelegraph) else switching
+    return _one_telegraph(search, beside) if beside.has(RandomTelegraph) else switching
+
+
+def _one_telegraph(search: Search, found: AxisFit) -> AxisFit:
+    """Return the fit with one telegraph noise in the place of several that were added, which no log tells apart."""
+    added = [key for key in search.added(found.description) if isinstance(at(found.description, key), RandomTelegraph)]
+    if len(added) < 2:
+        return found
+    one = compare(found, tuple(at(found.description, key) for key in added)).effect
+    rest = _without(found, added).description
+    return fit(found.sequence, replace(rest, noise=replace(rest.noise, effects=(*rest.noise.effects, one))))
 
 
 def _stepless(search: Search) -> Search:
