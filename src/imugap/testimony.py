@@ -91,11 +91,10 @@ class Testimony:
     def chances(self, rng: np.random.Generator) -> np.ndarray:
         """Return for each suspect the chance that any is as sure where none is there, shape (suspects,)."""
         size, std = self.sizes()
-        drawn = np.abs(np.divide(*self.sizes(rng.choice([-1.0, 1.0], size=(DRAWN, len(self.score))))))
-        own = (1 - ROUNDING) * np.abs(size / std)
-        below = np.array([np.searchsorted(np.sort(column), one) for column, one in zip(drawn.T, own, strict=True)])
-        ranks = np.argsort(np.argsort(drawn, axis=0), axis=0)
-        return (1 + DRAWN - np.searchsorted(np.sort(ranks.max(axis=1)), below)) / (1 + DRAWN)
+        drawn = np.divide(*self.sizes(rng.choice([-1.0, 1.0], size=(DRAWN, len(self.score)))))
+        together = np.abs(np.vstack([(1 - ROUNDING) * size / std, drawn]))
+        ranks = np.argsort(np.argsort(together, axis=0), axis=0)
+        return 1 - np.searchsorted(np.sort(ranks.max(axis=1)), ranks[0]) / len(ranks)
 
 
 @dataclass(frozen=True)

@@ -212,6 +212,7 @@ rule walk_sensitivity:
         "benchmarks/walk_sensitivity/{dataset}.tsv"
     params:
         factors=[0.25, 0.5, 0.71, 1, 1.41, 2, 4],
+        doubts=[0.5, 2],
         delays_ms=[-4, -2, 0, 2, 4],
         code=library("walk_sensitivity"),
     script:
@@ -249,6 +250,7 @@ rule walk_limits_page:
     output:
         multiext("paper/tables/walk_budget", ".json", ".tex"),
         multiext("paper/tables/walk_consistency", ".json", ".tex"),
+        multiext("paper/tables/walk_settings", ".json", ".tex"),
         budget_figure=report(
             "paper/figures/walk_budget.svg",
             caption="../report/walk_budget.rst",
@@ -272,6 +274,12 @@ rule walk_limits_page:
             caption="../report/walk_consistency.rst",
             category="Walks",
             labels={"result": "ellipses of the end (table)"},
+        ),
+        settings=report(
+            "paper/tables/walk_settings.csv",
+            caption="../report/walk_settings.rst",
+            category="Walks",
+            labels={"result": "settings chosen on other sets (table)"},
         ),
         numbers="paper/numbers/walk_limits.json",
     log:
@@ -411,4 +419,5 @@ if WALKS:
     PAPER += ["paper/tables/walks.json", "paper/tables/walks_peers.json"]
     PAPER += ["paper/numbers/walks.json"]
     PAPER += ["paper/figures/walk_foretold.svg", "paper/numbers/walk_missing.json"]
+    PAPER += ["paper/tables/walk_settings.json"]
     PAPER += ["paper/tables/walk_missing.json", "paper/tables/walk_foretold.json"]

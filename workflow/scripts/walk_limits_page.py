@@ -31,6 +31,13 @@ EFFECTS = {
 TRIADS = {"gyro": "gyro", "accel": "accel.", "foot": "foot"}
 QUANTITIES = {"horizontal": ["north", "east"], "height": ["down"]}
 DETECTORS = ("GLRT", "rate", "variance", "norm")
+SETTINGS = {
+    "threshold": ("threshold of the detector", 1.0),
+    "detector": ("detector", 0.0),
+    "velocity": ("velocity at stance", 1.0),
+    "noise": ("noise of accelerometers", 1.0),
+}
+"""What is chosen: its name, and its usual value."""
 LEVELS = (0.9, 0.99)
 IN_MOTION = ("scale_factor", "misalignment", "g_sensitivity", "time_offset")
 """Errors of which a log at rest says nothing."""
@@ -178,8 +185,58 @@ def of_choices(varied):
         "least_delay_ms": {
             name: [tables.fixed(end(one), 1) for end in (min, max)] for name, one in best.groupby(level=0)
         },
+        "settings": chosen_elsewhere(left_out(varied)),
         "slope_cm_per_ms": {name: tables.number(100 * one.mean(), 2) for name, one in slope.groupby(level=0)},
     }  # fmt: skip
+
+
+def chosen_elsewhere(data):
+    """Collect how often others choose the usual, and what their choice costs the set left out at most, and mostly."""
+    more = data["with_chosen"] / data["with_usual"]
+    return {
+        "cases": len(data),
+        "usual": int((data["chosen"] == data["usual"]).sum()),
+        "ratios": [tables.number(end(more), 2) for end in (min, np.median, max)] if len(data) else [],
+    }
+
+
+def left_out(varied):
+    """Return for each set and setting what the others choose, and the median end error of the set with it [%].
+
+    The choice is the value with the least median, over the walks of all other sets, of the error of the end in space
+    over the distance.
+    """
+    usual = varied[(varied["varied"] == "threshold") & (varied["value"] == 1)]
+    rows = []
+    for setting, (_, own) in SETTINGS.items():
+        table = varied[varied["varied"] == setting]
+        if own not in set(table["value"]):
+            table = pd.concat([table, usual.assign(varied=setting, value=own)])
+        share = 100 * np.hypot(table["end"], table["height"]) / table["distance"]
+        table = table.assign(space=share)
+        for name in table["dataset"].unique():
+            here = table["dataset"] == name
+            others, one = (part.groupby("value")["space"].median() for part in (table[~here], table[here]))
+            if others.empty:
+                continue
+            chosen = others.idxmin()
+            row = {"setting": setting, "dataset": name, "chosen": chosen, "with_chosen": one[chosen]}
+            rows.append(row | {"usual": own, "with_usual": one[own], "best": one.idxmin(), "with_best": one.min()})
+    heads = ["setting", "dataset", *(f"{one}{key}" for key in ("chosen", "usual", "best") for one in ("", "with_"))]
+    return pd.DataFrame(rows, columns=heads)
+
+
+def settings_page(data):
+    """Lay the table out: a row per setting, a column per set left out."""
+    rows = []
+    for setting, group in data.groupby("setting", sort=False):
+        row = {"setting": SETTINGS[setting][0]}
+        for one in group.to_dict("records"):
+            value = DETECTORS[int(one["chosen"])] if setting == "detector" else f"× {one['chosen']:g}"
+            ends = (tables.number(one[f"with_{key}"], 2) for key in ("chosen", "usual", "best"))
+            row[f"without {SETS[one['dataset']]}"] = f"{value}: {' / '.join(ends)}"
+        rows.append(row)
+    return pd.DataFrame(rows)
 
 
 def least(one):
@@ -209,6 +266,9 @@ if __name__ == "__main__":
             varied["share"] = 100 * varied["end"] / varied["distance"]
             present = {name: SETS[name] for name in SETS if name in set(varied["dataset"])}
             figures.save(pedestrian.sensitivity(varied, present, DETECTORS), output.sensitivity)
+            settings = left_out(varied)
+            tables.write(output.settings.removesuffix(".csv"), settings, settings_page(settings))
         else:
+            tables.write(output.settings.removesuffix(".csv"), pd.DataFrame(), pd.DataFrame())
             figures.save(figures.said("no real walk is here"), output.sensitivity)
         Path(output.numbers).write_text(json.dumps(numbers(found, counted, varied, real), indent=1) + "\n")
