@@ -38,6 +38,8 @@ SETTINGS = {
     "noise": ("noise of accelerometers", 1.0),
 }
 """What is chosen: its name, and its usual value."""
+LEFT_OUT = ["setting", "dataset", "chosen", "with_chosen", "usual", "with_usual", "best", "with_best"]
+"""Columns of what others choose for a set: values, and the median end errors of the set with them [%]."""
 LEVELS = (0.9, 0.99)
 IN_MOTION = ("scale_factor", "misalignment", "g_sensitivity", "time_offset")
 """Errors of which a log at rest says nothing."""
@@ -222,8 +224,7 @@ def left_out(varied):
             chosen = others.idxmin()
             row = {"setting": setting, "dataset": name, "chosen": chosen, "with_chosen": one[chosen]}
             rows.append(row | {"usual": own, "with_usual": one[own], "best": one.idxmin(), "with_best": one.min()})
-    heads = ["setting", "dataset", *(f"{one}{key}" for key in ("chosen", "usual", "best") for one in ("", "with_"))]
-    return pd.DataFrame(rows, columns=heads)
+    return pd.DataFrame(rows, columns=LEFT_OUT)
 
 
 def settings_page(data):
@@ -266,9 +267,11 @@ if __name__ == "__main__":
             varied["share"] = 100 * varied["end"] / varied["distance"]
             present = {name: SETS[name] for name in SETS if name in set(varied["dataset"])}
             figures.save(pedestrian.sensitivity(varied, present, DETECTORS), output.sensitivity)
-            settings = left_out(varied)
-            tables.write(output.settings.removesuffix(".csv"), settings, settings_page(settings))
         else:
-            tables.write(output.settings.removesuffix(".csv"), pd.DataFrame(), pd.DataFrame())
             figures.save(figures.said("no real walk is here"), output.sensitivity)
+        settings = left_out(varied) if source.choices else pd.DataFrame()
+        shown = (
+            settings_page(settings) if len(settings) else pd.DataFrame([{"setting": "fewer than two sets are here"}])
+        )
+        tables.write(output.settings.removesuffix(".csv"), settings, shown)
         Path(output.numbers).write_text(json.dumps(numbers(found, counted, varied, real), indent=1) + "\n")

@@ -110,9 +110,9 @@ def numbers(found, scores, data, seed):
         gap[one["by"]] = {name: verdict(value) for name, value in values.items()}
         beyond[one["by"]] = {name: one["walks"] - one[f"{name}_0.9"] for name in QUANTITIES}
     with_name = own.loc[own["named"], "dataset"].unique()
-    told = scores[scores["dataset"].isin(with_name)]
-    wide = told.pivot(index=["dataset", "run"], columns="by", values="score_space")
-    there = bootstrap.mean((wide[NAMED] - wide[REST]).to_numpy(), stream(seed, "foretold", "there"), block=1)
+    wide = scores[named_for(scores, own)].pivot(index=["dataset", "run"], columns="by", values="score_space")
+    gaps = (wide[NAMED] - wide[REST]).to_numpy() if len(wide) else np.empty(0)
+    there = bootstrap.mean(gaps, stream(seed, "foretold", "there"), block=1) if len(wide) else None
     sinking = 1e3 * shared.loc[shared["named"], "value"]
     return {
         "walks": int((scores["by"] == REST).sum()),
@@ -127,8 +127,17 @@ def numbers(found, scores, data, seed):
         },
         "gap_cm": gap,
         "beyond": beyond,
-        "there": verdict([there.value, there.low, there.high]) | {"walks": len(wide)},
+        "there": {"walks": len(wide)} | (verdict([there.value, there.low, there.high]) if there else {}),
     }
+
+
+def named_for(scores, own):
+    """Tell of which walks, shape (n,), other walks of the device named something."""
+    told = np.zeros(len(scores), bool)
+    for one in own[own["named"]].drop_duplicates(["dataset", "asked"]).itertuples():
+        asked = [int(run) for run in str(one.asked).split()]
+        told |= ((scores["dataset"] == one.dataset) & (scores["run"] % 2 != asked[0] % 2)).to_numpy()
+    return told
 
 
 def of_set(rows):
