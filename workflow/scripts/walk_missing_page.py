@@ -147,7 +147,8 @@ def of_set(rows):
     common = set.intersection(*(set(group["suspect"]) for group in groups))
     shared = [one for one in rows["suspect"].unique() if one in common] if len(groups) > 1 else []
     return {
-        "named": [f"{said(one)}, {size(one)}" for one in firsts],
+        "named": [f"{said(one)}, {size(one)} (walks {', '.join(str(one['asked']).split())})" for one in firsts],
+        "silent": len(groups) - len(firsts),
         "common": [name.replace("_", " ") for name in shared],
         "halves": len(groups),
         "alone": all(len(group) == 1 for group in groups if len(group)),
@@ -156,8 +157,9 @@ def of_set(rows):
 
 def verdict(values):
     """Return a difference with its interval [cm], and what it says."""
-    _, low, high = values
-    return {"value": tables.interval(*(100 * one for one in values)), "better": bool(high < 0), "worse": bool(low > 0)}
+    value, low, high = values
+    said = tables.interval(*(100 * one for one in values))
+    return {"value": said, "less": bool(value < 0), "better": bool(high < 0), "worse": bool(low > 0)}
 
 
 if __name__ == "__main__":
