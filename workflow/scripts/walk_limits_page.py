@@ -269,9 +269,8 @@ if __name__ == "__main__":
             figures.save(pedestrian.sensitivity(varied, present, DETECTORS), output.sensitivity)
         else:
             figures.save(figures.said("no real walk is here"), output.sensitivity)
-        settings = left_out(varied) if source.choices else pd.DataFrame()
-        shown = (
-            settings_page(settings) if len(settings) else pd.DataFrame([{"setting": "fewer than two sets are here"}])
-        )
+        settings = pd.DataFrame(columns=LEFT_OUT) if varied is None else left_out(varied)
+        nothing = pd.DataFrame([{"setting": "fewer than two sets of walks are here"}])
+        shown = settings_page(settings) if len(settings) else nothing
         tables.write(output.settings.removesuffix(".csv"), settings, shown)
         Path(output.numbers).write_text(json.dumps(numbers(found, counted, varied, real), indent=1) + "\n")
