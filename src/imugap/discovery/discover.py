@@ -161,7 +161,8 @@ def discover(
     held_out = [_tested(test, stories, start, final, question) for test in tests]
     apart, paths = _distances(held_out or [_held_out(record, stories, start, model)], question)
     withheld = tuple((axis, *one) for axis, story in stories.items() for one in story.unnamed())
-    places = (*record.gaps, *where)
+    unsteady = _unsteady(stories)
+    places, left = (*record.gaps, *where, *unsteady), (*unsteady, *left)
     steps.begin("done")
     return Discovery(start, final, places, findings, left, withheld, apart, paths, tuple(seen), later, record, stories)
 
@@ -287,12 +288,16 @@ def _left(
         judged = verdicts(fits, question.seed + 1, question.replicates, known, changed, each)
     judged = [*judged, *(one for one in seen if not changed & set(one.curve.axis.split(",")))]
     left = tuple(gap for gap in named(judged, question.alpha) if frozenset(gap.axis.split(",")) not in alike)
-    unsteady = tuple(
+    return tuple(one for one in judged if frozenset(one.curve.axis.split(",")) not in alike), left
+
+
+def _unsteady(stories: Mapping[str, Story]) -> tuple[Gap, ...]:
+    """Return the places of lines that are not steady; neither model has them."""
+    return tuple(
         Gap("line", axis, band.low, band.high, "Hz", float(np.exp(max(band.log_p, CERTAIN))))
         for axis, story in stories.items()
         for band in story.bands
     )
-    return tuple(one for one in judged if frozenset(one.curve.axis.split(",")) not in alike), (*unsteady, *left)
 
 
 def _noisy(effects: Iterable[Effect]) -> bool:

@@ -20,7 +20,7 @@ from imugap.discovery.telegraph import compare
 from imugap.effects import RandomTelegraph, Sinusoid
 from imugap.effects.effect import TINY, StochasticEffect
 
-LEVEL = np.log(1e-3)
+LEVEL = np.log(3e-3)
 """Log-probability of chance below which a name is in doubt."""
 SHARE = 0.05
 """Share of the variance of a band above which an effect answers for the band."""

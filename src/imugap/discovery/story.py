@@ -15,6 +15,7 @@ from imugap.discovery.noise import Noise
 from imugap.discovery.parameters import axis_unit, intervals
 from imugap.discovery.search import MANY, SLOW, Key, Search, at, log_chance, removed
 from imugap.discovery.sequence import Sequence
+from imugap.discovery.sweeps import swept
 from imugap.discovery.telegraph import compare
 from imugap.discovery.unsteady import Band
 from imugap.effects import (
@@ -212,7 +213,8 @@ def concluded(tale: Tale) -> Story:
         withheld = tuple((at(whole.description, key).name, doubt) for key, doubt in doubtful.items())
         after = _without(tale.after, list(doubts(tale.early, tale.after)))
         final = _without(whole, list(doubtful))
-        return Story(tale.before, after.bare(), final.bare(), findings, withheld, tale.bands)
+        bands = (*tale.bands, *swept(final, search.log_alpha))
+        return Story(tale.before, after.bare(), final.bare(), findings, withheld, bands)
 
 
 def _two_valued(found: AxisFit) -> AxisFit:
