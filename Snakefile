@@ -35,6 +35,7 @@ rule all:
         "results/notebooks/static.html",
         "results/notebooks/estimation.html",
         "results/notebooks/discovery.html",
+        "results/notebooks/walk.html",
 
 
 rule discover:

@@ -239,6 +239,38 @@ def test_a_filter_whose_assumptions_hold_has_ellipses_that_hold_the_end():
         assert found.loc["slipping", f"high_{level:g}"] >= level
 
 
+def test_what_real_walks_name_is_beyond_chance_and_the_rest_is_not():
+    if not (TABLES / "walk_missing.csv").exists():
+        pytest.skip("the walking sets are not here")
+    found = read("walk_missing")
+    alpha = found.loc[found["named"], "p_value"].max()
+    assert (found.loc[~found["named"], "p_value"] > alpha).all()
+    named = found[found["named"]]
+    assert ((named["low"] < named["value"]) & (named["value"] < named["high"])).all()
+    assert (found["by"] == "named").sum() >= found["dataset"].nunique()
+
+
+def test_ends_are_foretold_by_every_twin_alike():
+    if not (TABLES / "walk_foretold.csv").exists():
+        pytest.skip("the walking sets are not here")
+    scores = read("walk_foretold").set_index("by")
+    assert scores["walks"].nunique() == 1
+    assert set(scores.index) == {"at rest", "data sheet", "named", "other sets"}
+    for quantity in ("horizontal", "height", "space"):
+        assert scores.loc["at rest", f"{quantity}_gap"] == 0
+        assert np.allclose(scores[quantity] - scores.loc["at rest", quantity], scores[f"{quantity}_gap"])
+        assert (scores[f"{quantity}_0.5"] <= scores[f"{quantity}_0.9"]).all()
+        assert scores[quantity].between(0, 0.5).all()
+
+
+def test_settings_chosen_on_other_sets_do_about_as_well():
+    found = read("walk_settings")
+    if found.empty:
+        pytest.skip("fewer than two walking sets are here")
+    assert (found["with_best"] <= found[["with_chosen", "with_usual"]].min(axis=1)).all()
+    assert (found["with_chosen"] / found["with_usual"]).median() < 1.1
+
+
 def test_hidden_effects_are_named_with_the_exact_reference_and_nothing_is_not():
     found = read("walk_hidden").set_index("case")
     assert found.loc["nothing", "exact_right"]

@@ -26,13 +26,13 @@ POSITION, VELOCITY, ATTITUDE = 0, 3, 6
 
 
 @kernel
-def transform(source, target, columns, mat_nb, force_n, dt, axis, gain, hold, shift):
-    """Put the product of the transition and columns of ``source`` into the rows of ``target``, both (states, states).
+def mix(source, target, columns, mat_nb, force_n, dt, axis, gain, shift):
+    """Put the rows of the navigation in the product of the transition and ``source`` into columns of ``target``.
 
     Parameters
     ----------
     columns
-        How many, from the first.
+        How many columns of ``source`` are taken, from the first; each becomes a row of ``target``.
     mat_nb, force_n
         Attitude, and specific force in ``n`` [m/s^2], as the epoch has them.
     dt
@@ -41,25 +41,22 @@ def transform(source, target, columns, mat_nb, force_n, dt, axis, gain, hold, sh
         Axis of each sensor state, 0 to 5, shape (sensor states,).
     gain
         What a unit of each state adds to its axis: 1 for a bias, the input for a scale factor.
-    hold
-        What is left of each state after the epoch.
     shift
         Room for the sums over the states of each axis, shape (6, states).
     """
-    sensors = len(axis)
     for a in range(6):
         for j in range(columns):
             shift[a, j] = 0.0
-    for s in range(sensors):
-        a, factor = axis[s], gain[s]
+    for s in range(len(axis)):
+        a, factor = axis[s], dt * gain[s]
         for j in range(columns):
             shift[a, j] += factor * source[NAVIGATION + s, j]
     half = 0.5 * dt
     (c00, c01, c02), (c10, c11, c12), (c20, c21, c22) = mat_nb
     f0, f1, f2 = half * force_n[0], half * force_n[1], half * force_n[2]
     for j in range(columns):
-        g0, g1, g2 = dt * shift[0, j], dt * shift[1, j], dt * shift[2, j]
-        a0, a1, a2 = dt * shift[3, j], dt * shift[4, j], dt * shift[5, j]
+        g0, g1, g2 = shift[0, j], shift[1, j], shift[2, j]
+        a0, a1, a2 = shift[3, j], shift[4, j], shift[5, j]
         t0 = source[6, j] - (c00 * g0 + c01 * g1 + c02 * g2)
         t1 = source[7, j] - (c10 * g0 + c11 * g1 + c12 * g2)
         t2 = source[8, j] - (c20 * g0 + c21 * g1 + c22 * g2)
@@ -72,15 +69,33 @@ def transform(source, target, columns, mat_nb, force_n, dt, axis, gain, hold, sh
         target[j, 2] = source[2, j] + half * (source[5, j] + v2)
         target[j, 3], target[j, 4], target[j, 5] = v0, v1, v2
         target[j, 6], target[j, 7], target[j, 8] = t0, t1, t2
-        for s in range(sensors):
+
+
+@kernel
+def transform(source, target, columns, mat_nb, force_n, dt, axis, gain, hold, shift):
+    """Put the product of the transition and columns of ``source`` into the rows of ``target``, both (states, states).
+
+    Parameters
+    ----------
+    columns, mat_nb, force_n, dt, axis, gain, shift
+        As in :func:`mix`.
+    hold
+        What is left of each state after the epoch.
+    """
+    mix(source, target, columns, mat_nb, force_n, dt, axis, gain, shift)
+    for j in range(columns):
+        for s in range(len(axis)):
             target[j, NAVIGATION + s] = hold[s] * source[NAVIGATION + s, j]
-        for i in range(NAVIGATION + sensors, len(source)):
+        for i in range(NAVIGATION + len(axis), len(source)):
             target[j, i] = source[i, j]
 
 
 @kernel
 def predict(covariance, work, mat_nb, force_n, dt, axis, gain, hold, drive, white, shift):
     """Carry the covariance over an epoch; ``work`` is room of its shape.
+
+    Only the rows and columns of the navigation are mixed; those of sensors and constants are held, and what both share
+    is written twice.
 
     Parameters
     ----------
@@ -91,15 +106,23 @@ def predict(covariance, work, mat_nb, force_n, dt, axis, gain, hold, drive, whit
     white
         Two-sided PSD of the white noise of the six axes [unit^2/Hz].
     """
-    size = len(covariance)
-    transform(covariance, work, size, mat_nb, force_n, dt, axis, gain, hold, shift)
-    transform(work, covariance, NAVIGATION, mat_nb, force_n, dt, axis, gain, hold, shift)
-    for i in range(NAVIGATION, size):
-        left = hold[i - NAVIGATION] if i - NAVIGATION < len(axis) else 1.0
-        for j in range(size):
-            covariance[i, j] = left * work[i, j]
-        for j in range(NAVIGATION):
-            covariance[j, i] = covariance[i, j]
+    size, sensors, half = len(covariance), len(axis), 0.5 * dt
+    mix(covariance, work, size, mat_nb, force_n, dt, axis, gain, shift)
+    mix(work, covariance, NAVIGATION, mat_nb, force_n, dt, axis, gain, shift)
+    for row in range(NAVIGATION, size):
+        left = hold[row - NAVIGATION] if row < NAVIGATION + sensors else 1.0
+        for i in range(NAVIGATION):
+            covariance[row, i] = left * work[row, i]
+        for i in range(NAVIGATION):
+            covariance[i, row] = covariance[row, i]
+    for s in range(sensors):
+        row, left = NAVIGATION + s, hold[s]
+        if left != 1.0:
+            for j in range(NAVIGATION, size):
+                covariance[row, j] *= left
+            for j in range(NAVIGATION, size):
+                covariance[j, row] *= left
+        covariance[row, row] += drive[s]
     for i in range(3):
         row = mat_nb[i]
         for j in range(3):
@@ -108,11 +131,9 @@ def predict(covariance, work, mat_nb, force_n, dt, axis, gain, hold, drive, whit
             push = dt * (row[0] * white[3] * other[0] + row[1] * white[4] * other[1] + row[2] * white[5] * other[2])
             covariance[ATTITUDE + i, ATTITUDE + j] += turn
             covariance[VELOCITY + i, VELOCITY + j] += push
-            covariance[POSITION + i, VELOCITY + j] += 0.5 * dt * push
-            covariance[VELOCITY + j, POSITION + i] += 0.5 * dt * push
-            covariance[POSITION + i, POSITION + j] += 0.25 * dt * dt * push
-    for s in range(len(axis)):
-        covariance[NAVIGATION + s, NAVIGATION + s] += drive[s]
+            covariance[POSITION + i, VELOCITY + j] += half * push
+            covariance[VELOCITY + j, POSITION + i] += half * push
+            covariance[POSITION + i, POSITION + j] += half * half * push
 
 
 @kernel

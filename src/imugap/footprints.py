@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 from scipy.optimize import least_squares
 
-from imugap.pedestrian import Solution
+from imugap.pedestrian import Sight, Solution
 from imugap.rotation import from_euler
 from imugap.strapdown import ATTITUDE, POSITION
 
@@ -24,6 +24,9 @@ FROZEN = 3
 """So many samples alike to the bit are not seen."""
 MARGIN_S = 0.05
 """Time around what was not seen that is left out [s]."""
+MARKER_STD_M, ORIGIN_STD_M, HEADING_STD = 0.01, 0.03, np.radians(3.0)
+"""How far a marker, or a foot that comes back, is from where it should be [m]; how far place and heading of the begin
+are uncertain where they were fitted to the walk [m], [rad]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,6 +75,23 @@ class Footprints:
         north, east, down = self.off
         return float(np.hypot(north, east)), -float(down)
 
+    def sight(self, solution: Solution) -> Sight:
+        """Return where cameras saw the device in the middle of each stance, in the frame of the solution.
+
+        Parameters
+        ----------
+        solution
+            The solution that was laid over what cameras saw.
+        """
+        time = solution.time.to_numpy()
+        rows, at = np.searchsorted(time, self.time), solution.stances()
+        place = np.searchsorted(self.time, time[at])
+        place = place[place < len(rows)]
+        position = np.full((len(time), 3), np.nan)
+        navigated = solution.trajectory[list(POSITION)].to_numpy()[rows[place]]
+        position[rows[place]] = navigated - self.error[place] @ _frame(self.heading)
+        return Sight(position, MARKER_STD_M, HEADING_STD, ORIGIN_STD_M)
+
     def reach(self) -> tuple[float, float]:
         """Return the largest horizontal distance from the begin, navigated and seen [m]."""
         known = np.isfinite(self.seen[:, 0])
@@ -89,6 +109,13 @@ class Footprints:
             ends = [[np.interp(known[at], self.time, track[:, i]) for i in (0, 1)] for at in ("start", "end")]
             lengths[name] = np.hypot(*(np.array(ends[1]) - ends[0]))
         return known[["start", "end"]].assign(**lengths).dropna()
+
+
+def closed(solution: Solution) -> Sight:
+    """Return what is known of a walk that ends where it began."""
+    position = np.full((len(solution.time), 3), np.nan)
+    position[-1] = 0.0
+    return Sight(position, MARKER_STD_M)
 
 
 def footprints(solution: Solution, seen: pd.DataFrame, stiff: bool = True) -> Footprints:

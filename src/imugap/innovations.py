@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 from scipy.special import ndtri
 
-from imugap.effects import GSensitivity, Misalignment, ScaleFactor, TimeOffset
+from imugap.effects import GSensitivity, Misalignment, ScaleFactor, StanceMotion, TimeOffset
 from imugap.log import ACCEL, AXES, GYRO, triad
 from imugap.model import AxisModel, ErrorModel
 from imugap.pedestrian import Assumptions, navigate
@@ -25,13 +25,17 @@ ALIKE = 2.0
 
 @dataclass(frozen=True)
 class Suspect:
-    """An error that may be there: its name, the axes that would have it, its parameter, and a small one of it."""
+    """An error that may be there: its name, the axes that would have it, its parameter, and a small one of it.
+
+    ``velocity`` is the direction in ``n`` of a small velocity of the foot at stance, shape (3,), or None.
+    """
 
     name: str
     axes: tuple[str, ...]
     parameter: str
     small: float
     model: ErrorModel
+    velocity: tuple[float, float, float] | None = None
 
 
 def suspects() -> Iterator[Suspect]:
@@ -49,6 +53,11 @@ def suspects() -> Iterator[Suspect]:
             yield _suspect(GSensitivity, axis, other[-1], 5e-5, dict.fromkeys("xyz", 0.0))
     late = ErrorModel(dict.fromkeys(ACCEL, AxisModel((TimeOffset(1e-3),))))
     yield Suspect(TimeOffset.name, ACCEL, "offset", 1e-3, late)
+
+
+def sinking() -> Suspect:
+    """Return a foot that sinks at stance: of all that is no error of the device, what moves the height."""
+    return Suspect(StanceMotion.name, ("down",), "bias", 1e-3, ErrorModel({}), (0.0, 0.0, 1.0))
 
 
 def _suspect(kind: type, axis: str, parameter: str, small: float, others: dict | None = None) -> Suspect:

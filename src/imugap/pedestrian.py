@@ -138,6 +138,26 @@ class Solution(Track):
         return table[table["length"] > SHORTEST_STRIDE_M].reset_index(drop=True)
 
 
+@dataclass(frozen=True, eq=False)
+class Sight:
+    """What is known of where the device was, besides that it began at the origin with heading zero.
+
+    Attributes
+    ----------
+    position
+        In the frame of the walk [m], shape (n, 3); NaN where nothing is known.
+    std
+        Standard deviation of each of its numbers [m].
+    heading_std, origin_std
+        How far that frame may be off the heading and the place in which the walk begins [rad], [m].
+    """
+
+    position: np.ndarray
+    std: float
+    heading_std: float = 0.0
+    origin_std: float = 0.0
+
+
 class _Trust(NamedTuple):
     """The assumptions as the kernel takes them: spectral densities [unit^2/Hz], shares, gravity [m/s^2]."""
 
@@ -194,8 +214,18 @@ def _stand(covariance, errors, rate, noise, axis, gain, row, spread, weight, nav
     return nav, total
 
 
+@kernel
+def _see(covariance, errors, position, noise, row, spread, weight, nav, tape, place):
+    """Take in where the device is; return the corrected navigation."""
+    for i in range(3):
+        row[i] = 1.0
+        residual = nav[0][i] - position[i]
+        nav, _ = take_in(covariance, errors, row, residual, noise, spread, weight, nav, tape, place, 6 + i, True)
+    return nav
+
+
 @njit(cache=True, error_model="numpy")
-def _filter(samples, dt, phase, seen, first, last, sensors, trust, state, path, tape):
+def _filter(samples, dt, phase, seen, fixes, fix_noise, first, last, sensors, trust, state, path, tape):
     """Filter the samples ``first`` to ``last``, the latter not included, from the state at the sample before.
 
     ``path`` is filled at these samples; ``tape`` too, from its begin, unless it has no length.
@@ -257,6 +287,9 @@ def _filter(samples, dt, phase, seen, first, last, sensors, trust, state, path, 
             )
             nav, nis = _stand(covariance, errors, rate, sway, axis, gain, row, spread, weight, nav, tape, place)
             path.nis[k] += nis
+        if len(fixes) and not np.isnan(fixes[k, 0]):
+            fix = fixes[k, 0], fixes[k, 1], fixes[k, 2]
+            nav = _see(covariance, errors, fix, fix_noise, row, spread, weight, nav, tape, place)
         mat = mat_from_quat(nav[2])
         write(path, k, nav, errors, covariance)
         if taped:
@@ -289,24 +322,75 @@ def navigate(
         What is measured of the point at rest, in ``n`` [m/s], shape (n, 3): zero unless a simulation has it otherwise
         (:class:`imugap.effects.StanceMotion`).
     """
-    assumptions = assumptions or Assumptions()
-    if canonical.axes(log) != AXES:
-        raise LogError("walk", "columns", f"all of {', '.join(AXES)}", ", ".join(log.columns))
-    samples = np.ascontiguousarray(log[list(AXES)].to_numpy(dtype=float))
-    gyro, accel, interval = samples[:, :3], samples[:, 3:], canonical.interval(log)
-    stand = assumptions.detector.stand(gyro, accel, interval)
-    phase = assumptions.detector.phases(gyro, accel, interval, stand)
-    steps = np.diff(log.index.to_numpy())
-    dt = np.concatenate([steps[:1], steps])
-    states = SensorStates.of(model, assumptions.scale_std)
-    state = _start(accel[: stand.count], states, assumptions)
-    seen = np.zeros((len(samples), 3)) if velocity is None else np.ascontiguousarray(velocity, dtype=float)
-    arguments = samples, dt, phase, seen, Sensors.of(states), _trust(assumptions)
-    path = Path.empty(len(samples), len(state.covariance))
-    path.begin(state.navigation, state.errors, state.covariance)
-    covariance = (_smoothed if smooth else _filtered)(arguments, state, path)
-    names = [*states.names, *(ARM if assumptions.arm_std > 0 else ())]
-    return Solution(log.index, names, path, phase, covariance, stand)
+    given = _Given.of(log, model, assumptions or Assumptions(), velocity)
+    path, state = given.begun()
+    (_smoothed if smooth else _filtered)(given.arguments, state, path)
+    names = [*given.states.names, *(ARM if given.assumptions.arm_std > 0 else ())]
+    return Solution(log.index, names, path, given.phase, state.covariance, given.stand)
+
+
+def innovations(
+    log: pd.DataFrame,
+    model: ErrorModel,
+    assumptions: Assumptions | None = None,
+    velocity: np.ndarray | None = None,
+    sight: Sight | None = None,
+    phase: np.ndarray | None = None,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the innovations of the filter and their variances, shape (n, 9); NaN where there is none.
+
+    The columns are velocity, angular rate of a body that stands, and position. ``phase`` is what the foot does, where
+    the detector is not to be asked; the other parameters are those of :func:`navigate`. For a filter that knows itself
+    the innovations over their standard deviations are independent standard normal deviates.
+    """
+    given = _Given.of(log, model, assumptions or Assumptions(), velocity, sight, phase)
+    path, state = given.begun()
+    tape = Tape.of_innovations(len(log) - 1, 9)
+    _filter(*given.arguments[:6], 1, len(log), *given.arguments[6:], state, path, tape)
+    known, first = tape.variances > 0, np.full((1, 9), np.nan)
+    return tuple(np.vstack([first, np.where(known, one, np.nan)]) for one in (tape.residuals, tape.variances))
+
+
+@dataclass(frozen=True, eq=False)
+class _Given:
+    """A walk as the kernel takes it, and what is known before."""
+
+    assumptions: Assumptions
+    states: SensorStates
+    phase: np.ndarray
+    stand: Stand
+    arguments: tuple
+    sight: Sight | None
+
+    @classmethod
+    def of(
+        cls, log: pd.DataFrame, model: ErrorModel, assumptions: Assumptions, velocity: np.ndarray | None,
+        sight: Sight | None = None, phase: np.ndarray | None = None,
+    ) -> "_Given":  # fmt: skip
+        if canonical.axes(log) != AXES:
+            raise LogError("walk", "columns", f"all of {', '.join(AXES)}", ", ".join(log.columns))
+        samples = np.ascontiguousarray(log[list(AXES)].to_numpy(dtype=float))
+        gyro, accel, interval = samples[:, :3], samples[:, 3:], canonical.interval(log)
+        stand = assumptions.detector.stand(gyro, accel, interval)
+        phase = assumptions.detector.phases(gyro, accel, interval, stand) if phase is None else phase
+        steps = np.diff(log.index.to_numpy())
+        dt = np.concatenate([steps[:1], steps])
+        states = SensorStates.of(model, assumptions.scale_std)
+        seen = np.zeros((len(samples), 3)) if velocity is None else np.ascontiguousarray(velocity, dtype=float)
+        fixes, noise = (np.empty((0, 3)), 1.0) if sight is None else (sight.position, sight.std**2)
+        arguments = samples, dt, phase, seen, fixes, noise, Sensors.of(states), _trust(assumptions)
+        return cls(assumptions, states, phase, stand, arguments, sight)
+
+    def begun(self) -> tuple[Path, _State]:
+        """Return the path at its begin and the state there."""
+        samples = self.arguments[0]
+        state = _start(samples[: self.stand.count, 3:], self.states, self.assumptions)
+        if self.sight is not None:
+            state.covariance[range(3), range(3)] = self.sight.origin_std**2
+            state.covariance[ATTITUDE + 2, ATTITUDE + 2] = self.sight.heading_std**2
+        path = Path.empty(len(samples), len(state.covariance))
+        path.begin(state.navigation, state.errors, state.covariance)
+        return path, state
 
 
 def _trust(assumptions: Assumptions) -> _Trust:
@@ -337,26 +421,21 @@ def _start(accel: np.ndarray, states: SensorStates, assumptions: Assumptions) ->
     return _State(np.concatenate([np.zeros(6), rotation.as_quat()]), errors, covariance, np.full(1, np.inf))
 
 
-def _filtered(arguments: tuple, state: _State, path: Path) -> np.ndarray:
-    """Fill the path by the filter; return the covariance at the end."""
-    samples, dt, phase, seen, sensors, trust = arguments
-    no_tape = Tape.empty(0, len(state.covariance))
-    _filter(samples, dt, phase, seen, 1, len(samples), sensors, trust, state, path, no_tape)
-    return state.covariance
+def _filtered(arguments: tuple, state: _State, path: Path) -> None:
+    """Fill the path by the filter."""
+    _filter(*arguments[:6], 1, len(path.nis), *arguments[6:], state, path, Tape.empty(0, len(state.covariance)))
 
 
-def _smoothed(arguments: tuple, state: _State, path: Path) -> np.ndarray:
-    """Fill the path by the smoother; return the covariance at the end."""
-    samples, dt, phase, seen, sensors, trust = arguments
+def _smoothed(arguments: tuple, state: _State, path: Path) -> None:
+    """Fill the path by the smoother."""
     size = len(state.covariance)
-    edges = [*range(1, len(samples), BLOCK), len(samples)]
+    edges = [*range(1, len(path.nis), BLOCK), len(path.nis)]
     blocks, starts = list(pairwise(edges)), []
     for first, last in blocks:
         starts.append(state.copy())
-        _filter(samples, dt, phase, seen, first, last, sensors, trust, state, path, Tape.empty(0, size))
+        _filter(*arguments[:6], first, last, *arguments[6:], state, path, Tape.empty(0, size))
     adjoint, information = np.zeros(size), np.zeros((size, size))
     for (first, last), start in zip(reversed(blocks), reversed(starts), strict=True):
         tape = Tape.empty(last - first, size)
-        _filter(samples, dt, phase, seen, first, last, sensors, trust, start, path, tape)
+        _filter(*arguments[:6], first, last, *arguments[6:], start, path, tape)
         go_back(path, first, last, tape, adjoint, information)
-    return state.covariance

@@ -49,7 +49,10 @@ class Path(NamedTuple):
 
 
 class Tape(NamedTuple):
-    """What the filter did in a block: transitions, transposed, scalar measurements and covariance of each epoch."""
+    """What the filter did in a block: transitions, transposed, scalar measurements and covariance of each epoch.
+
+    Of a filter that only shows its innovations nothing but ``residuals`` and ``variances`` has a length.
+    """
 
     backward: np.ndarray
     covariance: np.ndarray
@@ -59,10 +62,15 @@ class Tape(NamedTuple):
     variances: np.ndarray
 
     @classmethod
-    def empty(cls, count: int, size: int) -> "Tape":
-        """Return room for so many epochs of so many states; of none, nothing is taped."""
-        shapes = (count, size, size), (count, size, size), (count, 6, size), (count, 6, size), (count, 6), (count, 6)
-        return cls(*(np.zeros(shape) for shape in shapes))
+    def empty(cls, count: int, size: int, most: int = 6) -> "Tape":
+        """Return room for epochs of so many states and at most so many measurements each; of none, nothing is taped."""
+        square, rows, each = (count, size, size), (count, most, size), (count, most)
+        return cls(*(np.zeros(shape) for shape in (square, square, rows, rows, each, each)))
+
+    @classmethod
+    def of_innovations(cls, count: int, most: int) -> "Tape":
+        """Return room for the innovations of so many epochs, and for nothing else."""
+        return cls.empty(0, 0)._replace(residuals=np.zeros((count, most)), variances=np.zeros((count, most)))
 
 
 class Sensors(NamedTuple):
@@ -161,8 +169,9 @@ def age(decay, driving, interval, hold, drive):
 def take_in(covariance, errors, row, residual, noise, spread, weight, nav, tape, place, number, fed):
     """Take in a scalar measurement and tape it; return the corrected navigation and the NIS, leave ``row`` empty."""
     nav, variance = measure(covariance, errors, row, residual, noise, spread, weight, nav, fed)
-    if len(tape.rows):
+    if len(tape.residuals):
         tape.residuals[place, number], tape.variances[place, number] = residual, variance
+    if len(tape.rows):
         for j in range(len(row)):
             tape.rows[place, number, j], tape.weights[place, number, j] = row[j], weight[j]
     for j in range(len(row)):
@@ -220,7 +229,7 @@ def smooth(path, first, last, tape, adjoint, information):
             path.cross[k, c] = covariance[i, j]
             for m in range(size):
                 path.cross[k, c] -= work[i, m] * covariance[m, j]
-        for number in range(5, -1, -1):
+        for number in range(tape.variances.shape[1] - 1, -1, -1):
             if tape.variances[place, number] > 0.0:
                 unlearn(
                     adjoint, information, tape.rows[place, number], tape.weights[place, number],

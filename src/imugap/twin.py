@@ -5,7 +5,7 @@ one, everything else drawn the same. While the errors act independently and in p
 of these differences add up to that of all.
 """
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -27,6 +27,9 @@ from imugap.zero_velocity import MOVING
 SLIP = "stance_motion"
 """Name of the motion of the foot at stance among the errors."""
 
+AT_REST = ("white_noise", "random_walk", "turn_on_bias")
+"""Errors of which a log at rest says something."""
+
 
 @dataclass(frozen=True)
 class Kind:
@@ -42,6 +45,14 @@ class Kind:
     def names(self) -> list[tuple[str, str]]:
         """Return (triad, effect) of every error."""
         return [(kind, name) for kind, effects in self.errors.items() for name in effects]
+
+    def only(self, names: Collection[str]) -> "Kind":
+        """Return the kind with these effects alone."""
+        kept = {
+            kind: {name: values for name, values in effects.items() if name in names}
+            for kind, effects in self.errors.items()
+        }
+        return Kind(kept)
 
     def draw(self, seed: int, *labels: object) -> ErrorModel:
         """Return the errors of one device of this kind."""

@@ -212,6 +212,7 @@ rule walk_sensitivity:
         "benchmarks/walk_sensitivity/{dataset}.tsv"
     params:
         factors=[0.25, 0.5, 0.71, 1, 1.41, 2, 4],
+        doubts=[0.5, 2],
         delays_ms=[-4, -2, 0, 2, 4],
         code=library("walk_sensitivity"),
     script:
@@ -249,6 +250,7 @@ rule walk_limits_page:
     output:
         multiext("paper/tables/walk_budget", ".json", ".tex"),
         multiext("paper/tables/walk_consistency", ".json", ".tex"),
+        multiext("paper/tables/walk_settings", ".json", ".tex"),
         budget_figure=report(
             "paper/figures/walk_budget.svg",
             caption="../report/walk_budget.rst",
@@ -272,6 +274,12 @@ rule walk_limits_page:
             caption="../report/walk_consistency.rst",
             category="Walks",
             labels={"result": "ellipses of the end (table)"},
+        ),
+        settings=report(
+            "paper/tables/walk_settings.csv",
+            caption="../report/walk_settings.rst",
+            category="Walks",
+            labels={"result": "settings chosen on other sets (table)"},
         ),
         numbers="paper/numbers/walk_limits.json",
     log:
@@ -333,6 +341,72 @@ rule walk_hidden_page:
         "../scripts/walk_hidden_page.py"
 
 
+rule walk_missing:
+    """Ask the real walks what their twin lacks; foretell with it the ends of walks that were not asked."""
+    input:
+        **{
+            name: [str(locate(file, RAW, MIRROR)) for file in CATALOGUE[name].files]
+            for name in WALKS
+        },
+        recipe="data/walk.yaml",
+        kind="data/foot.yaml",
+        tables=["data/datasets.csv", "data/files.csv"],
+    output:
+        found="results/walk/missing/found.csv",
+        ends="results/walk/missing/ends.parquet",
+    log:
+        "logs/walk_missing.log",
+    benchmark:
+        "benchmarks/walk_missing.tsv"
+    params:
+        sets=WALKS,
+        seed=config["seed"],
+        alpha=config["discovery"]["alpha"],
+        halves=config["walks"]["halves"],
+        draws=config["walks"]["replays"],
+        code=library("walk_missing"),
+    script:
+        "../scripts/walk_missing.py"
+
+
+rule walk_missing_page:
+    """Draw and tabulate what the twins of the real walks lack, and how well they foretell the ends of others."""
+    input:
+        found="results/walk/missing/found.csv",
+        ends="results/walk/missing/ends.parquet",
+    output:
+        multiext("paper/tables/walk_missing", ".json", ".tex"),
+        multiext("paper/tables/walk_foretold", ".json", ".tex"),
+        figure=report(
+            "paper/figures/walk_foretold.svg",
+            caption="../report/walk_foretold.rst",
+            category="Walks",
+            labels={"result": "ends foretold by twins (figure)"},
+        ),
+        found=report(
+            "paper/tables/walk_missing.csv",
+            caption="../report/walk_missing.rst",
+            category="Walks",
+            labels={"result": "discovery on real walks (table)"},
+        ),
+        scores=report(
+            "paper/tables/walk_foretold.csv",
+            caption="../report/walk_foretold.rst",
+            category="Walks",
+            labels={"result": "ends foretold by twins (table)"},
+        ),
+        numbers="paper/numbers/walk_missing.json",
+    log:
+        "logs/walk_missing_page.log",
+    benchmark:
+        "benchmarks/walk_missing_page.tsv"
+    params:
+        seed=config["seed"],
+        code=library("walk_missing_page"),
+    script:
+        "../scripts/walk_missing_page.py"
+
+
 PAPER += ["paper/tables/walk_hidden.json", "paper/numbers/walk_hidden.json"]
 PAPER += multiext("paper/figures/compensation", "_tracks.svg", "_ends.svg")
 PAPER += multiext("paper/tables/compensation", ".json", "_inside.json")
@@ -344,3 +418,6 @@ if WALKS:
     PAPER += ["paper/figures/walks.svg", "paper/figures/walk_errors.svg"]
     PAPER += ["paper/tables/walks.json", "paper/tables/walks_peers.json"]
     PAPER += ["paper/numbers/walks.json"]
+    PAPER += ["paper/figures/walk_foretold.svg", "paper/numbers/walk_missing.json"]
+    PAPER += ["paper/tables/walk_settings.json"]
+    PAPER += ["paper/tables/walk_missing.json", "paper/tables/walk_foretold.json"]

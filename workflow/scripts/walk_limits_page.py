@@ -31,6 +31,15 @@ EFFECTS = {
 TRIADS = {"gyro": "gyro", "accel": "accel.", "foot": "foot"}
 QUANTITIES = {"horizontal": ["north", "east"], "height": ["down"]}
 DETECTORS = ("GLRT", "rate", "variance", "norm")
+SETTINGS = {
+    "threshold": ("threshold of the detector", 1.0),
+    "detector": ("detector", 0.0),
+    "velocity": ("velocity at stance", 1.0),
+    "noise": ("noise of accelerometers", 1.0),
+}
+"""What is chosen: its name, and its usual value."""
+LEFT_OUT = ["setting", "dataset", "chosen", "with_chosen", "usual", "with_usual", "best", "with_best"]
+"""Columns of what others choose for a set: values, and the median end errors of the set with them [%]."""
 LEVELS = (0.9, 0.99)
 IN_MOTION = ("scale_factor", "misalignment", "g_sensitivity", "time_offset")
 """Errors of which a log at rest says nothing."""
@@ -178,8 +187,57 @@ def of_choices(varied):
         "least_delay_ms": {
             name: [tables.fixed(end(one), 1) for end in (min, max)] for name, one in best.groupby(level=0)
         },
+        "settings": chosen_elsewhere(left_out(varied)),
         "slope_cm_per_ms": {name: tables.number(100 * one.mean(), 2) for name, one in slope.groupby(level=0)},
     }  # fmt: skip
+
+
+def chosen_elsewhere(data):
+    """Collect how often others choose the usual, and what their choice costs the set left out at most, and mostly."""
+    more = data["with_chosen"] / data["with_usual"]
+    return {
+        "cases": len(data),
+        "usual": int((data["chosen"] == data["usual"]).sum()),
+        "ratios": [tables.number(end(more), 2) for end in (min, np.median, max)] if len(data) else [],
+    }
+
+
+def left_out(varied):
+    """Return for each set and setting what the others choose, and the median end error of the set with it [%].
+
+    The choice is the value with the least median, over the walks of all other sets, of the error of the end in space
+    over the distance.
+    """
+    usual = varied[(varied["varied"] == "threshold") & (varied["value"] == 1)]
+    rows = []
+    for setting, (_, own) in SETTINGS.items():
+        table = varied[varied["varied"] == setting]
+        if own not in set(table["value"]):
+            table = pd.concat([table, usual.assign(varied=setting, value=own)])
+        share = 100 * np.hypot(table["end"], table["height"]) / table["distance"]
+        table = table.assign(space=share)
+        for name in table["dataset"].unique():
+            here = table["dataset"] == name
+            others, one = (part.groupby("value")["space"].median() for part in (table[~here], table[here]))
+            if others.empty:
+                continue
+            chosen = others.idxmin()
+            row = {"setting": setting, "dataset": name, "chosen": chosen, "with_chosen": one[chosen]}
+            rows.append(row | {"usual": own, "with_usual": one[own], "best": one.idxmin(), "with_best": one.min()})
+    return pd.DataFrame(rows, columns=LEFT_OUT)
+
+
+def settings_page(data):
+    """Lay the table out: a row per setting, a column per set left out."""
+    rows = []
+    for setting, group in data.groupby("setting", sort=False):
+        row = {"setting": SETTINGS[setting][0]}
+        for one in group.to_dict("records"):
+            value = DETECTORS[int(one["chosen"])] if setting == "detector" else f"× {one['chosen']:g}"
+            ends = (tables.number(one[f"with_{key}"], 2) for key in ("chosen", "usual", "best"))
+            row[f"without {SETS[one['dataset']]}"] = f"{value}: {' / '.join(ends)}"
+        rows.append(row)
+    return pd.DataFrame(rows)
 
 
 def least(one):
@@ -211,4 +269,8 @@ if __name__ == "__main__":
             figures.save(pedestrian.sensitivity(varied, present, DETECTORS), output.sensitivity)
         else:
             figures.save(figures.said("no real walk is here"), output.sensitivity)
+        settings = pd.DataFrame(columns=LEFT_OUT) if varied is None else left_out(varied)
+        nothing = pd.DataFrame([{"setting": "fewer than two sets of walks are here"}])
+        shown = settings_page(settings) if len(settings) else nothing
+        tables.write(output.settings.removesuffix(".csv"), settings, shown)
         Path(output.numbers).write_text(json.dumps(numbers(found, counted, varied, real), indent=1) + "\n")

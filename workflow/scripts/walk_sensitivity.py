@@ -1,4 +1,4 @@
-"""Navigate every walk of a data set with other thresholds, detectors, and delays between the triads."""
+"""Navigate every walk of a data set with other thresholds, detectors, assumptions, and delays between the triads."""
 
 from dataclasses import replace
 
@@ -7,9 +7,11 @@ import pandas as pd
 
 from imugap import catalogue, readers
 from imugap.catalogue import RawFiles
+from imugap.effects import WhiteNoise
 from imugap.footprints import footprints
 from imugap.journal import journal
 from imugap.log import ACCEL
+from imugap.model import AxisModel, ErrorModel
 from imugap.pedestrian import Assumptions, navigate
 from imugap.stamps import filled
 from imugap.walk import USUAL
@@ -23,6 +25,16 @@ def scaled(factor):
     """Return the assumptions with a threshold so many times the usual one."""
     limits = {name: factor * getattr(DETECTOR, name) for name in ("multiple", "lowest", "highest")}
     return replace(USUAL_CHOICE, detector=replace(DETECTOR, **limits))
+
+
+def shaken(factor):
+    """Return the usual model with accelerometers so many times as noisy."""
+
+    def louder(effect):
+        return replace(effect, density=factor * effect.density) if isinstance(effect, WhiteNoise) else effect
+
+    noisy = {axis: AxisModel(tuple(louder(effect) for effect in USUAL[axis])) for axis in ACCEL}
+    return ErrorModel(dict(USUAL.axes) | noisy)
 
 
 def delayed(log, delay):
@@ -40,13 +52,17 @@ def ends(solution, seen):
 
 
 def choices(params):
-    """Yield what is varied, its value, assumptions, and the delay of the accelerometers [s]."""
+    """Yield what is varied, its value, assumptions, model, and the delay of the accelerometers [s]."""
     for factor in params.factors:
-        yield "threshold", factor, scaled(factor), 0.0
+        yield "threshold", factor, scaled(factor), USUAL, 0.0
     for statistic in Statistic:
-        yield "detector", statistic, replace(USUAL_CHOICE, detector=replace(DETECTOR, statistic=statistic)), 0.0
+        yield "detector", statistic, replace(USUAL_CHOICE, detector=replace(DETECTOR, statistic=statistic)), USUAL, 0.0
+    for factor in params.doubts:
+        slower = replace(USUAL_CHOICE, velocity_std=factor * USUAL_CHOICE.velocity_std)
+        yield "velocity", factor, slower, USUAL, 0.0
+        yield "noise", factor, USUAL_CHOICE, shaken(factor), 0.0
     for delay in params.delays_ms:
-        yield "delay", delay, USUAL_CHOICE, 1e-3 * delay
+        yield "delay", delay, USUAL_CHOICE, USUAL, 1e-3 * delay
 
 
 def main(files, params):
@@ -57,8 +73,8 @@ def main(files, params):
         if dataset.positions:
             content = catalogue.POSITIONS if dataset.position_rate_hz else catalogue.LOG
             seen = readers.read_positions(files.path(run, content), dataset, run)
-        for varied, value, assumptions, delay in choices(params):
-            solution = navigate(delayed(log, delay) if delay else log, USUAL, assumptions)
+        for varied, value, assumptions, model, delay in choices(params):
+            solution = navigate(delayed(log, delay) if delay else log, model, assumptions)
             end, height = ends(solution, seen)
             row = {"dataset": dataset.name, "run": run, "varied": varied, "value": float(value), "end": end}
             row |= {"height": height, "nis": np.nansum(solution.nis)}

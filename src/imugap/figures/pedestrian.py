@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
-from matplotlib.ticker import NullLocator, StrMethodFormatter
+from matplotlib.ticker import MaxNLocator, NullLocator, StrMethodFormatter
 
 from imugap.figures import legend_below, panels_of, static
 
@@ -203,6 +203,50 @@ def sensitivity(table: pd.DataFrame, sets: Mapping[str, str], detectors: Sequenc
     factors = table.loc[table["varied"] == "threshold", "value"].unique()
     grid[0, 0].set_xticks(factors, [f"{factor:g}" for factor in factors], fontsize=6.5)
     grid[0, 0].xaxis.set_minor_locator(NullLocator())
+    legend_below(figure, 5)
+    return figure
+
+
+FORETOLD = {"at rest": "#999999", "data sheet": "#56B4E9", "named": "#D55E00", "other sets": "#009E73"}
+"""Colours of what foretells the end of a walk."""
+
+
+def foretold(ends: pd.DataFrame, titles: Mapping[tuple[str, int], str], scores: pd.DataFrame) -> Figure:
+    """Draw what is foretold of the ends of walks beside what was measured, and where in the predictions that lies.
+
+    Parameters
+    ----------
+    ends
+        Columns ``dataset``, ``run``, ``by`` and the error of the end, ``north``, ``east``, ``down`` [m]; a row for each
+        draw, and for what was measured.
+    titles
+        Walk to its title.
+    scores
+        Columns ``by``, ``place_horizontal`` and ``place_height``: 0 in the middle of a prediction, 1 beyond it.
+    """
+    figure, grid = panels_of(2, 2, 4.6, width_ratios=[3.4, 1])
+    table = ends.assign(height=-ends["down"], horizontal=np.hypot(ends["north"], ends["east"]))
+    names = [name for name in FORETOLD if name in set(table["by"])]
+    for row, quantity in zip(grid, ("height", "horizontal"), strict=True):
+        for number, (dataset, run) in enumerate(titles):
+            one = table[(table["dataset"] == dataset) & (table["run"] == run)].set_index("by")[quantity]
+            for name, shift in zip(names, np.linspace(-0.3, 0.3, len(names)), strict=True):
+                low, middle, high = np.quantile(one.loc[name], [0.05, 0.5, 0.95])
+                row[0].plot([number + shift] * 2, [low, high], color=FORETOLD[name], lw=2.4, alpha=0.8, label=name)
+                row[0].plot(number + shift, middle, "_", color="black", ms=4, mew=0.8)
+            row[0].plot(number, one.loc["measured"], "D", color="black", ms=3.5, label="measured", zorder=5)
+        row[0].set_xticks(range(len(titles)), titles.values() if quantity == "horizontal" else [], rotation=90)
+        row[0].tick_params(axis="x", labelsize=6.5)
+        row[0].grid(axis="x", visible=False)
+        bins = np.linspace(0, 1, 6)
+        for name, shift in zip(names, np.linspace(-0.06, 0.06, len(names)), strict=True):
+            counts, _ = np.histogram(scores.loc[scores["by"] == name, f"place_{quantity}"], bins)
+            row[1].bar((bins[1:] + bins[:-1]) / 2 + shift, counts, width=0.04, color=FORETOLD[name])
+        row[1].axhline(len(titles) / 5, color="black", lw=0.8, ls="--")
+        row[1].set(xlabel="place: 0 in the middle, 1 beyond" if quantity == "horizontal" else "", ylabel="walks")
+        row[1].yaxis.set_major_locator(MaxNLocator(integer=True))
+    grid[0, 0].set_ylabel("height too much [m]")
+    grid[1, 0].set_ylabel("horizontal end error [m]")
     legend_below(figure, 5)
     return figure
 

@@ -1,0 +1,166 @@
+"""Ask the real walks what their twin lacks, and let it foretell the ends of walks that were not asked."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+from imugap import catalogue, readers
+from imugap.catalogue import RawFiles
+from imugap.effects import CATALOGUE
+from imugap.footprints import closed, footprints
+from imugap.gait import Walk
+from imugap.innovations import sinking, suspects
+from imugap.journal import journal
+from imugap.model import ErrorModel
+from imugap.pedestrian import Assumptions
+from imugap.replay import Replay
+from imugap.stamps import filled
+from imugap.strapdown import POSITION
+from imugap.stream import stream
+from imugap.testimony import Testimony, heard, judge
+from imugap.twin import AT_REST, Kind
+from imugap.walk import USUAL
+
+SUSPECTS = (*suspects(), sinking())
+SINKING = len(SUSPECTS) - 1
+"""What a foot does and no device: walks of other devices tell of it too."""
+HALVES = {1: "odd", 0: "even"}
+"""Which walks are asked, by the remainder of their number by two."""
+REST, SHEET, NAMED, SHARED = "at rest", "data sheet", "named", "other sets"
+"""What foretells: noise and turn-on biases; all that data sheets allow; noise, turn-on biases and what is named on
+other walks of the device; these and what is named on walks of other sets."""
+
+
+@dataclass(frozen=True, eq=False)
+class Taken:
+    """A walk of a set: its replay, the measured error of its end [m], shape (3,), and what it says of the suspects."""
+
+    dataset: str
+    run: int
+    replay: Replay
+    end: np.ndarray
+    said: Testimony
+
+    @classmethod
+    def of(cls, files, run):
+        """Read and navigate a walk, and ask it."""
+        dataset = files.dataset
+        log, seen = filled(readers.read_raw(files.path(run), dataset, run)), bool(dataset.positions)
+        replay = Replay.of(log, USUAL, Assumptions(), seen)
+        sight, end = closed(replay.solution), replay.solution.trajectory[list(POSITION)].iloc[-1].to_numpy()
+        if seen:
+            content = catalogue.POSITIONS if dataset.position_rate_hz else catalogue.LOG
+            beside = footprints(replay.solution, readers.read_positions(files.path(run, content), dataset, run))
+            sight, end = beside.sight(replay.solution), beside.off
+        return cls(dataset.name, run, replay, end, heard(log, replay.solution, sight, SUSPECTS, USUAL))
+
+
+def together(walks):
+    """Return what walks say together."""
+    total, *others = (walk.said for walk in walks)
+    for one in others:
+        total = total + one
+    return total
+
+
+def label(number):
+    """Return name, axis and parameter of a suspect as text."""
+    one = SUSPECTS[number]
+    axis = "accel" if len(one.axes) > 1 else one.axes[0]
+    return f"{one.name} {axis}" + (f" to {one.parameter}" if len(one.parameter) == 1 else "")
+
+
+def rows_of(verdict, labels):
+    """Return a row for each effect of what is named, the likeliest first, and if none is a row for the surest."""
+    labels = labels | {"p_value": verdict.p_value}
+    if not verdict.named:
+        return [labels | {"suspect": label(verdict.surest), "named": False}]
+    rows = []
+    for one in verdict.named:
+        suspect = SUSPECTS[one.number]
+        unit = CATALOGUE[suspect.name].units("")[suspect.parameter]
+        row = {"suspect": label(one.number), "named": True, "name": suspect.name, "axis": " ".join(suspect.axes)}
+        row |= {"parameter": suspect.parameter, "unit": unit, "value": one.value, "low": one.low, "high": one.high}
+        rows.append(labels | row)
+    return rows
+
+
+def shift(walk, number):
+    """Return what a unit of a suspect moves the end of a walk by, shape (3,)."""
+    one = SUSPECTS[number]
+    if one.velocity is None:
+        return walk.replay.end(one.model, walk.replay.still(), 0) / one.small
+    return walk.replay.end(ErrorModel({}), walk.replay.sink(one.small), 0) / one.small
+
+
+def foretold(walk, known, kind, slip, params):
+    """Yield what foretells, and its draws of the end [m], shape (draws, 3)."""
+    labels = walk.dataset, walk.run
+    steps = [walk.replay.slip(slip, stream(params.seed, "slip", *labels, draw)) for draw in range(params.draws)]
+
+    def draws(of, name):
+        devices = (of.draw(params.seed, "device", *labels, draw) for draw in range(params.draws))
+        ends = [
+            walk.replay.end(device, step, params.seed, "replay", *labels, draw)
+            for draw, (device, step) in enumerate(zip(devices, steps, strict=True))
+        ]
+        return name, np.array(ends)
+
+    rest, base = draws(kind.only(AT_REST), REST)
+    yield rest, base
+    yield draws(kind, SHEET)
+    for name, named in known.items():
+        yield name, base + moved(walk, named, stream(params.seed, "size", name, *labels), len(base))
+
+
+def moved(walk, named, rng, count):
+    """Return draws of what the named effect moves the end by, shape (count, 3); of several alike each has its share."""
+    by = np.zeros((count, len(POSITION)))
+    for place, one in enumerate(named):
+        rows = slice(place, None, len(named))
+        by[rows] = np.outer(one.value + one.std * rng.standard_normal(len(by[rows])), shift(walk, one.number))
+    return by
+
+
+def asked(walks, remainder, params):
+    """Return what each set names by the walks of one half, and what the others name of the foot of each."""
+    half = [walk for walk in walks if walk.run % 2 == remainder]
+    rows, known = [], {}
+    for name in dict.fromkeys(walk.dataset for walk in walks):
+        own, others = ([walk for walk in half if (walk.dataset == name) == here] for here in (True, False))
+        labels = {"dataset": name, "asked": " ".join(str(walk.run) for walk in own), "half": HALVES[remainder]}
+        verdict = judge(together(own), params.alpha, stream(params.seed, "judge", name, remainder))
+        rows += rows_of(verdict, labels | {"by": NAMED})
+        known[name] = {NAMED: verdict.named, SHARED: ()}
+        if others:
+            rng = stream(params.seed, "foot", name, remainder)
+            verdict = judge(together(others), params.alpha, rng, among=[SINKING])
+            rows += rows_of(verdict, labels | {"by": SHARED})
+            known[name][SHARED] = verdict.named
+    return rows, known
+
+
+def main(sets, like, kind, params):
+    """Return what is named, and the ends: measured, and foretold."""
+    walks = [Taken.of(files, run) for files in sets for run in files.dataset.runs]
+    found, ends = [], []
+    for remainder in list(HALVES)[: params.halves]:
+        rows, known = asked(walks, remainder, params)
+        found += rows
+        for walk in (one for one in walks if one.run % 2 != remainder):
+            labels = {"dataset": walk.dataset, "run": walk.run}
+            parts = foretold(walk, known[walk.dataset], kind, like.gait.drift_m_per_s, params)
+            for name, draws in [("measured", walk.end[None]), *parts]:
+                ends.append(pd.DataFrame(draws, columns=list(POSITION)).assign(by=name, **labels))
+    return pd.DataFrame(found), pd.concat(ends, ignore_index=True)
+
+
+if __name__ == "__main__":
+    with journal(snakemake.log[0]):
+        known = catalogue.load("data", "workflow/schemas")
+        sets = [RawFiles(known[name], snakemake.input[name]) for name in snakemake.params.sets]
+        like, kind = Walk.read(snakemake.input.recipe), Kind.read(snakemake.input.kind)
+        found, ends = main(sets, like, kind, snakemake.params)
+        found.to_csv(snakemake.output.found, index=False)
+        ends.to_parquet(snakemake.output.ends, index=False)
