@@ -206,7 +206,7 @@ def _another_spectrum(search: Search, fit: AxisFit, key: Key) -> Doubt | None:
         verdict = compare(fit, (effect,))
         uneven = log_chance(verdict.uneven, 1)
         doubts.append(Doubt("it is at one of its values more often than at the other", uneven))
-        if sum(isinstance(one, RandomTelegraph) for one in fit.description.noise.effects) == 1:
+        if sum(key.part == "noise" for key in search.added(fit.description)) == 1:
             doubts.append(Doubt("its samples and its spectrum disagree", _at_odds(fit, key, verdict.effect)))
     law = _power_law(search, fit)
     return min([*doubts, *([law] if law is not None else [])], key=lambda doubt: doubt.log_p)
