@@ -15,7 +15,7 @@ from imugap.error_state import NAVIGATION
 from imugap.faults import OUTAGE, Event, Faults, mark
 from imugap.hidden import Case
 from imugap.log import ACCEL, GYRO
-from imugap.quality import NOTHING, SCHEMES, Quality
+from imugap.quality import NOTHING, SCHEMES, TAKEN, Quality
 from imugap.road import Drive
 from imugap.strapdown import POSITION, VELOCITY
 from imugap.vehicle import Assumptions, Solution, navigate
@@ -84,7 +84,8 @@ class Ablation:
         time = np.arange(np.ceil(solution.time[0]) + EVERY_S, solution.time[-1] + 1e-6, EVERY_S)
         rows = np.minimum(np.searchsorted(solution.time, time - 1e-6), len(solution.time) - 1)
         linear, turn = self._navigation(solution, rows)
-        sensors = solution.sensors.iloc[rows] - self._sensors(one, rows)
+        true = self._sensors(one, rows)
+        sensors = solution.sensors[true.columns].iloc[rows] - true.to_numpy()
         columns = {
             "time": time,
             "horizontal": np.hypot(linear[:, 0], linear[:, 1]),
@@ -107,8 +108,10 @@ class Ablation:
         record, solution = one.solution.record, one.solution
         bad = mark(solution.fix_time, one.events) != ""
         touched = record.share < 1
+        touched[:, :3] |= (record.course != TAKEN)[:, None]
         linear, turn = self._navigation(solution, solution.fix_row)
-        sensors = solution.path.errors[solution.fix_row] - self._sensors(one, solution.fix_row)
+        true = self._sensors(one, solution.fix_row)
+        sensors = solution.sensors[true.columns].to_numpy()[solution.fix_row] - true.to_numpy()
         whole = np.hstack([linear, turn, sensors])
         parts = {"nees": slice(0, NAVIGATION), "nees_sensors": slice(NAVIGATION, whole.shape[1])}
         return {
@@ -127,8 +130,9 @@ class Ablation:
         linear = found[:, :6] - truth[[*POSITION, *VELOCITY]].to_numpy(float)
         return linear, (Rotation.from_quat(found[:, 6:]) * reference.rotations(truth).inv()).as_rotvec()
 
-    def _sensors(self, one: Run, rows: np.ndarray) -> np.ndarray:
-        return one.true[one.solution.names].to_numpy()[self._samples(one.solution, rows)]
+    def _sensors(self, one: Run, rows: np.ndarray) -> pd.DataFrame:
+        names = [name for name in one.solution.names if name in one.true]
+        return one.true[names].iloc[self._samples(one.solution, rows)]
 
     def _samples(self, solution: Solution, rows: np.ndarray) -> np.ndarray:
         return np.rint(solution.time.to_numpy()[rows] * self.drive.rate_hz).astype(int)

@@ -24,7 +24,7 @@ kinematic geodetic positioning, J. Geod. 75 (2001) 109-116; S. F. Schmidt, Appli
 navigation problems, Adv. Control Syst. 3 (1966) 293-340.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -36,7 +36,12 @@ from imugap.rotation import kernel
 SANE = 5.0
 """Estimates of sensor errors beyond so many of their standard deviations at the start are given up at a soft reset."""
 REMOVED, WEIGHED, FAILED, RESET = "removed", "weighed down", "global test failed", "soft reset"
+SET_ASIDE, OPENED, LOOKED_BACK, CLOSED = "set aside", "offset opened", "offset opened in hindsight", "offset closed"
 """What an event can be."""
+TAKEN, ASIDE, FRESH, HELD = range(4)
+"""What became of a position: taken as it is, set aside, the first with an offset, one with the offset held."""
+TURNS = ("", OPENED, LOOKED_BACK, CLOSED)
+"""What became of the offset at a fix."""
 
 
 @dataclass(frozen=True)
@@ -61,6 +66,9 @@ class Quality:
     reset_std
         What a soft reset adds at least to the standard deviations of position [m], velocity [m/s] and attitude [rad]:
         for position and velocity the innovation, where it is larger. The sensor errors get the variance of the start.
+    hindsight_s
+        How long the filter looks back for errors of position that stay (:mod:`imugap.hindsight`) [s]; None leaves it
+        out, and what it keeps in mind too. Its tests have the false-alarm rate of the global one.
     """
 
     component: float | None = 3.0
@@ -70,6 +78,7 @@ class Quality:
     gated: bool = True
     reset_s: float | None = 90.0
     reset_std: tuple[float, float, float] = (30.0, 1.0, 0.05)
+    hindsight_s: float | None = 30.0
 
     def __post_init__(self) -> None:
         """Refuse what is no test."""
@@ -81,6 +90,8 @@ class Quality:
             raise ValueError(f"false_alarm: expected a probability between 0 and 1; found {self.false_alarm}")
         if self.reset_s is not None and not self.reset_s > 0:
             raise ValueError(f"reset_s: expected a time > 0 [s] or none; found {self.reset_s}")
+        if self.hindsight_s is not None and not self.hindsight_s > 0:
+            raise ValueError(f"hindsight_s: expected a time > 0 [s] or none; found {self.hindsight_s}")
         if len(self.reset_std) != 3 or min(self.reset_std) < 0:
             raise ValueError(f"reset_std: expected 3 numbers >= 0; found {self.reset_std}")
 
@@ -89,16 +100,18 @@ class Quality:
         return np.array([np.inf, *chdtri(np.arange(1, components + 1), self.false_alarm)])
 
 
-NOTHING = Quality(component=None, gated=False, reset_s=None)
+NOTHING = Quality(component=None, gated=False, reset_s=None, hindsight_s=None)
 SCHEMES = {
     "none": NOTHING,
-    "gate": Quality(component=None, reset_s=None),
-    "remove": Quality(robust=False, gated=False, reset_s=None),
-    "robust": Quality(gated=False, reset_s=None),
-    "gated": Quality(reset_s=None),
-    "reset": Quality(),
+    "gate": replace(NOTHING, gated=True),
+    "remove": replace(NOTHING, component=3.0, robust=False),
+    "robust": replace(NOTHING, component=3.0),
+    "gated": replace(NOTHING, component=3.0, gated=True),
+    "reset": Quality(hindsight_s=None),
+    "hindsight": Quality(),
 }
-"""No control; gated feedback alone; test and remove; weigh down; this with gated feedback; all with soft reset."""
+"""No control; gated feedback alone; test and remove; weigh down; this with gated feedback; with soft reset, all that
+the source has; with hindsight."""
 
 
 class Control(NamedTuple):
@@ -111,6 +124,7 @@ class Control(NamedTuple):
     gated: bool
     reset_s: float
     reset_std: tuple[float, float, float]
+    hindsight_s: float
 
     @classmethod
     def of(cls, quality: Quality, components: int) -> "Control":
@@ -123,6 +137,7 @@ class Control(NamedTuple):
             quality.gated,
             np.inf if quality.reset_s is None else float(quality.reset_s),
             tuple(map(float, quality.reset_std)),
+            np.inf if quality.hindsight_s is None else float(quality.hindsight_s),
         )
 
 
@@ -185,6 +200,9 @@ class Record(NamedTuple):
         Of the global test, shape (epochs,).
     passed, reset
         Whether the global test passed; whether a soft reset came before the measurements were taken in.
+    course, turn, doubt
+        What became of the position, and of the offset, a number in :data:`TURNS`, with its statistic
+        (:mod:`imugap.hindsight`); of a smoother, ``course`` is what is known of the fix in the end.
     """
 
     innovation: np.ndarray
@@ -196,13 +214,17 @@ class Record(NamedTuple):
     freedom: np.ndarray
     passed: np.ndarray
     reset: np.ndarray
+    course: np.ndarray
+    turn: np.ndarray
+    doubt: np.ndarray
 
     @classmethod
     def empty(cls, epochs: int, components: int) -> "Record":
         """Return room for so many epochs."""
         matrices = (np.full((epochs, components), np.nan) for _ in range(4))
         vectors = np.full(epochs, np.nan), np.full(epochs, np.nan), np.zeros(epochs, np.int64)
-        return cls(*matrices, *vectors, np.ones(epochs, bool), np.zeros(epochs, bool))
+        marks = np.zeros(epochs, np.int8), np.zeros(epochs, np.int8), np.full(epochs, np.nan)
+        return cls(*matrices, *vectors, np.ones(epochs, bool), np.zeros(epochs, bool), *marks)
 
     def events(self, time: np.ndarray, names: tuple[str, ...], quality: Quality) -> pd.DataFrame:
         """Return what happened: ``time`` [s], ``event``, ``component``, ``statistic``, ``threshold``, ``share``.

@@ -30,9 +30,23 @@ from imugap import gnss
 from imugap import log as canonical
 from imugap.error_state import ATTITUDE, NAVIGATION, backward, predict, project
 from imugap.gnss import COMPONENTS
+from imugap.hindsight import (
+    AGREED,
+    AGREEING,
+    BEGAN,
+    FREE,
+    OFFSETS,
+    OPEN,
+    RESERVES,
+    SHIFT,
+    STRIKES,
+    apart,
+    close,
+    forget,
+)  # fmt: skip
 from imugap.log import AXES, LogError
 from imugap.model import ErrorModel
-from imugap.quality import SANE, Control, Quality, Record, chi_square, weigh
+from imugap.quality import ASIDE, FRESH, HELD, SANE, TAKEN, Control, Quality, Record, chi_square, weigh
 from imugap.rotation import add_scaled, cross, dot, kernel, mat_from_quat, rotate
 from imugap.sensor_states import SensorStates
 from imugap.strapdown import GEODETIC, Ellipsoid, ellipsoid_step, increments
@@ -169,12 +183,17 @@ class _Inputs(NamedTuple):
 
 
 class _Frame(NamedTuple):
-    """What the kernel needs besides: origin of the ellipsoid, lever arm, whether it and the offset are states."""
+    """What the kernel needs besides: origin of the ellipsoid, lever arm, whether it and the offsets are states.
+
+    ``known``: what became of each position is known from an earlier pass.
+    """
 
     origin: tuple[float, float, float, float]
     lever: tuple[float, float, float]
     lever_state: bool
     offset_state: bool
+    shift_state: bool
+    known: bool
     variance: np.ndarray
 
 
@@ -213,16 +232,21 @@ class _Room(NamedTuple):
 
 
 class _State(NamedTuple):
-    """Where a filter is: navigation, errors, covariance; sample in progress; time [s], begin of a run of failures."""
+    """Where a filter is, or lanes of them, one above the other.
+
+    Navigation, errors, covariance; sample in progress; time, begin of a run of failures [s]; what it keeps in mind.
+    """
 
     navigation: np.ndarray
     errors: np.ndarray
     covariance: np.ndarray
     sample: np.ndarray
     clock: np.ndarray
+    memory: np.ndarray
 
-    def copy(self) -> "_State":
-        return _State(*(one.copy() for one in self))
+    def copy(self, lanes: int = 1) -> "_State":
+        """Return the first lane so many times, each with arrays of its own."""
+        return _State(*(np.repeat(one[:1], lanes, axis=0) for one in self))
 
 
 @kernel
@@ -231,11 +255,12 @@ def _expect(i, nav, rate, acceleration, errors, sensors, gain, frame, row):
     mat = mat_from_quat(nav[2])
     axes, first = mat[i % 3], NAVIGATION + len(sensors.axis)
     lever, delay = frame.lever, 0.0
+    last = len(row) - 1 - SHIFT if frame.shift_state else len(row) - 1
     if frame.lever_state:
         e = errors[first - NAVIGATION], errors[first - NAVIGATION + 1], errors[first - NAVIGATION + 2]
         lever = add_scaled(lever, 1.0, e)
     if frame.offset_state:
-        delay = errors[len(errors) - 1]
+        delay = errors[last - NAVIGATION]
     for j in range(len(row)):
         row[j] = 0.0
     row[i] = 1.0
@@ -253,8 +278,11 @@ def _expect(i, nav, rate, acceleration, errors, sensors, gain, frame, row):
         for m in range(3):
             row[first + m] = reach[m]
     if frame.offset_state:
-        row[len(row) - 1] = moving[a]
+        row[last] = moving[a]
     own = nav[0][a] if i < 3 else nav[1][a]
+    if frame.shift_state and i < 3:
+        row[last + 1 + i] = 1.0
+        own += errors[last + 1 + i - NAVIGATION]
     return own + u[a] + delay * moving[a]
 
 
@@ -314,10 +342,15 @@ def _judge(fix, count, limit, room, record):
 
 @kernel
 def _absorb(fix, count, fed, nav, covariance, errors, control, room, record, tape, place):
-    """Put the components of a fix to their test and take in what is left; return the corrected navigation."""
+    """Put the components of a fix to their test and take in what is left; return the corrected navigation.
+
+    A position that is set aside is left out whatever its components are.
+    """
     for i in range(count):
-        trusted = weigh(room.innovation[i], room.variance[i, i], room.noise[i], control.component, control.robust,
-                        control.steepness)  # fmt: skip
+        trusted = np.inf
+        if record.course[fix] != ASIDE or room.present[i] >= 3:
+            trusted = weigh(room.innovation[i], room.variance[i, i], room.noise[i], control.component,
+                            control.robust, control.steepness)  # fmt: skip
         record.share[fix, room.present[i]] = room.noise[i] / trusted
         room.noise[i] = trusted
     for i in range(count):
@@ -329,6 +362,29 @@ def _absorb(fix, count, fed, nav, covariance, errors, control, room, record, tap
                 for m in range(len(room.weight)):
                     room.innovation[j] -= room.rows[j, m] * room.weight[m] * residual
     return nav
+
+
+@kernel
+def _doubt(fix, count, limits, room, record, memory):
+    """Say what becomes of the position of a fix by what is kept in mind (:mod:`imugap.hindsight`), and keep this."""
+    seen, statistic = 0, 0.0
+    for i in range(count):
+        if room.present[i] < 3:
+            seen += 1
+            statistic += room.whitened[i] * room.whitened[i]
+    record.turn[fix] = 0
+    if seen == 0:
+        return HELD if memory[OPEN] else TAKEN
+    if statistic <= limits[seen]:
+        memory[STRIKES] = 0
+        memory[AGREEING] += 1
+        return HELD if memory[OPEN] else TAKEN
+    if memory[STRIKES] == 0:
+        memory[STRIKES], memory[AGREEING] = 1, 0
+        return ASIDE
+    memory[STRIKES], memory[AGREEING], memory[OPEN], memory[BEGAN] = 0, 1, 1, fix
+    record.turn[fix], record.doubt[fix] = 1, statistic
+    return FRESH
 
 
 @kernel
@@ -364,14 +420,48 @@ def _advance(inputs, k, time, target, nav, errors, sensors, frame, room):
     return nav, (c0, c1, c2), force, k, gyro
 
 
-@njit(cache=True, error_model="numpy")
-def _filter(inputs, epochs, first, last, sensors, frame, control, state, path, record, kept, room, tape):
-    """Filter the epochs ``first`` to ``last``, the latter not included, from the state at the end of the one before.
+@kernel
+def _lane(states, lane):
+    """Return the state of one lane."""
+    return _State(
+        states.navigation[lane], states.errors[lane], states.covariance[lane], states.sample[lane], states.clock[lane],
+        states.memory[lane],
+    )  # fmt: skip
 
-    ``path``, ``record`` and ``kept``, the covariances at the fixes, are filled; ``tape`` too, unless it has no length.
-    """
+
+@kernel
+def _navigation(row):
+    """Return position, velocity and quaternion of a row of the path."""
+    return (row[0], row[1], row[2]), (row[3], row[4], row[5]), (row[6], row[7], row[8], row[9])
+
+
+@kernel
+def _fill(target, source):
+    """Put one matrix in place of another, number by number: a slice would take seconds to compile."""
+    for i in range(len(source)):
+        for j in range(len(source)):
+            target[i, j] = source[i, j]
+
+
+@kernel
+def _put(source, target):
+    """Put one state in place of another."""
+    for i in range(10):
+        target.navigation[i] = source.navigation[i]
+    for s in range(len(source.errors)):
+        target.errors[s] = source.errors[s]
+    _fill(target.covariance, source.covariance)
+    target.sample[0], target.clock[0], target.clock[1] = source.sample[0], source.clock[0], source.clock[1]
+    for i in range(4):
+        target.memory[i] = source.memory[i]
+
+
+@njit(cache=True, error_model="numpy")
+def _run(inputs, epochs, first, last, sensors, frame, control, lane, state, path, record, kept, room, tape):
+    """Take one lane over the epochs ``first`` to ``last``; see :func:`_filter`."""
     start, errors, covariance, taped = state.navigation, state.errors, state.covariance, len(tape.rows) > 0
-    nav = (start[0], start[1], start[2]), (start[3], start[4], start[5]), (start[6], start[7], start[8], start[9])
+    memory = state.memory
+    nav = _navigation(start)
     k, time, failing, step = state.sample[0], state.clock[0], state.clock[1], 0.0
     for e in range(first, last):
         place, fix, velocity, interval = e - first, epochs.fix[e], nav[1], epochs.end[e] - time
@@ -394,21 +484,117 @@ def _filter(inputs, epochs, first, last, sensors, frame, control, state, path, r
             count = _compare(inputs, fix, nav, rate, pull, covariance, errors, sensors, room.gain, frame, room)
             passed = _judge(fix, count, control.limits[count], room, record)
             path.nis[e] = record.statistic[fix]
-            failing = np.inf if passed else min(failing, time)
-            if time - failing > control.reset_s:
-                dropped = tape.backward[place] if taped else room.nothing
+            course, again = TAKEN, False
+            if frame.known:
+                course, reset = record.course[fix], record.reset[fix]
+                again = memory[OPEN] and course == TAKEN
+                memory[OPEN] = course >= FRESH or (course == ASIDE and memory[OPEN])
+            else:
+                if frame.shift_state:
+                    course = _doubt(fix, count, control.limits, room, record, memory)
+                failing = np.inf if passed and not memory[OPEN] else min(failing, time)
+                reset = lane == 0 and time - failing > control.reset_s
+            dropped = tape.backward[place] if taped else room.nothing
+            if reset:
                 _reset(covariance, errors, control, record.innovation[fix], frame.variance, dropped)
+                record.reset[fix], passed, failing, again, memory[OPEN], course = True, True, np.inf, True, 0, TAKEN
+            if frame.shift_state and (again or course == FRESH):
+                forget(covariance, errors, FREE * FREE if course == FRESH else 0.0, dropped)
+            if again or course == FRESH:
                 count = _compare(inputs, fix, nav, rate, pull, covariance, errors, sensors, room.gain, frame, room)
-                record.reset[fix], passed, failing = True, True, np.inf
+            record.course[fix] = course
             fed = passed or not control.gated
             nav = _absorb(fix, count, fed, nav, covariance, errors, control, room, record, tape, place)
-            kept[fix] = covariance
+            _fill(kept[fix], covariance)
         write(path, e, nav, errors, covariance)
         if taped:
-            tape.covariance[place] = covariance
+            _fill(tape.covariance[place], covariance)
     for i in range(10):
         start[i] = path.navigation[last - 1, i]
     state.sample[0], state.clock[0], state.clock[1] = k, time, failing
+
+
+@njit(cache=True, error_model="numpy")
+def _look_back(fix, limit, states, record, room):
+    """Give way to a reserve that shows an error of the positions, or close the offset; return whether either was."""
+    main, rooms = _lane(states, 0), (room.innovation, room.variance, room.factor, room.whitened)
+    oldest = 0
+    for lane in range(1, len(states.memory)):
+        one = _lane(states, lane)
+        if one.memory[OPEN] and one.memory[AGREEING] >= AGREED:
+            statistic = apart(one.covariance, one.errors, main.covariance, main.errors, rooms)
+            if statistic > limit and (oldest == 0 or one.memory[BEGAN] < states.memory[oldest, BEGAN]):
+                oldest, record.doubt[fix] = lane, statistic
+    if oldest > 0:
+        failing = min(main.clock[0], main.clock[1])
+        _put(_lane(states, oldest), main)
+        main.clock[1], record.turn[fix] = failing, 2
+    elif main.memory[OPEN] and main.memory[AGREEING] >= AGREED:
+        for i in range(len(room.work)):
+            for j in range(len(room.work)):
+                room.work[i, j] = 0.0
+        statistic = apart(main.covariance, main.errors, room.work, room.work[0], rooms)
+        if statistic > limit:
+            return False
+        nav = close(main.covariance, main.errors, _navigation(main.navigation), room.rows[0], room.spread, room.weight)
+        forget(main.covariance, main.errors, 0.0, room.nothing)
+        for i in range(3):
+            main.navigation[i], main.navigation[3 + i] = nav[0][i], nav[1][i]
+        for i in range(4):
+            main.navigation[6 + i] = nav[2][i]
+        main.memory[OPEN], record.turn[fix], record.doubt[fix] = 0, 3, statistic
+    else:
+        return False
+    begun = main.memory[BEGAN]
+    for k in range(begun, fix + 1):
+        if record.course[k] != ASIDE:
+            record.course[k] = TAKEN if not main.memory[OPEN] else FRESH if k == begun else HELD
+    return True
+
+
+@njit(cache=True, error_model="numpy")
+def _relieve(fix, states, room):
+    """Start a reserve from the filter, with an open offset, in place of none or of that which began first."""
+    lane, begun = 1, states.memory[1, BEGAN] if states.memory[1, OPEN] else -1
+    for other in range(2, len(states.memory)):
+        one = states.memory[other, BEGAN] if states.memory[other, OPEN] else -1
+        if one < begun:
+            lane, begun = other, one
+    reserve = _lane(states, lane)
+    _put(_lane(states, 0), reserve)
+    forget(reserve.covariance, reserve.errors, FREE * FREE, room.nothing)
+    reserve.memory[STRIKES], reserve.memory[AGREEING], reserve.memory[OPEN] = 0, 0, 1
+    reserve.memory[BEGAN] = fix + 1
+
+
+@njit(cache=True, error_model="numpy")
+def _filter(inputs, epochs, first, last, sensors, frame, control, states, path, record, kept, room, tape):
+    """Filter the epochs ``first`` to ``last``, the latter not included, from the states at the end of the one before.
+
+    The first lane is the filter; others are its reserves, and all of them stop at each fix. ``path``, ``record`` and
+    ``kept``, the covariances at the fixes, are filled; ``tape`` too, unless it has no length.
+    """
+    lanes, started, main = len(states.memory), -np.inf, _lane(states, 0)
+    while first < last:
+        end = first if lanes > 1 else last - 1
+        while end < last - 1 and epochs.fix[end] < 0:
+            end += 1
+        for lane in range(lanes - 1, -1, -1):
+            if lane == 0 or states.memory[lane, OPEN]:
+                _run(inputs, epochs, first, end + 1, sensors, frame, control, lane, _lane(states, lane), path, record,
+                     kept, room, tape)  # fmt: skip
+        fix, time, first = epochs.fix[end], main.clock[0], end + 1
+        if lanes > 1 and fix >= 0:
+            if _look_back(fix, control.limits[SHIFT], states, record, room):
+                write(path, end, _navigation(main.navigation), main.errors, main.covariance)
+                _fill(kept[fix], main.covariance)
+            if record.turn[fix] in (1, 2) or record.reset[fix]:
+                started = time
+                for lane in range(1, lanes):
+                    states.memory[lane, OPEN] = 0
+            elif time - started >= control.hindsight_s / (lanes - 1) and not main.memory[STRIKES]:
+                _relieve(fix, states, room)
+                started = time
 
 
 def navigate(
@@ -456,21 +642,30 @@ def navigate(
         gnss.deviations(fixes, assumptions.position_std, assumptions.velocity_std)[offered],
     )
     variance = np.array([*states.variance, *(std**2 for _, std in assumptions.constants())])
+    names = [*states.names, *(name for name, _ in assumptions.constants())]
+    begin, looking = (start.errors, start.covariance), quality.hindsight_s is not None
+    if looking:
+        names, variance = [*names, *OFFSETS], np.append(variance, np.zeros(SHIFT))
+        begin = np.append(start.errors, np.zeros(SHIFT)), np.pad(start.covariance, (0, SHIFT))
     frame = _Frame(
-        ellipsoid.origin, assumptions.lever_m, assumptions.lever_std > 0, assumptions.offset_std > 0, variance
-    )
+        ellipsoid.origin, assumptions.lever_m, assumptions.lever_std > 0, assumptions.offset_std > 0, looking, False,
+        variance,
+    )  # fmt: skip
     control, record = Control.of(quality, len(COMPONENTS)), Record.empty(len(offered), len(COMPONENTS))
     state = _State(
-        start.navigation.astype(float), start.errors.astype(float), start.covariance.astype(float),
-        np.array([max(int(np.searchsorted(stamp, start.time, "right")), 1)]), np.array([start.time, np.inf]),
+        start.navigation.astype(float)[None], *(one.astype(float)[None] for one in begin),
+        np.array([[max(int(np.searchsorted(stamp, start.time, "right")), 1)]]), np.array([[start.time, np.inf]]),
+        np.zeros((1, 4), np.int64),
     )  # fmt: skip
-    size = len(start.covariance)
+    size = len(begin[1])
     path, kept = Path.empty(len(epochs.end), size), np.empty((len(offered), size, size))
-    path.begin(state.navigation, state.errors, state.covariance)
+    path.begin(state.navigation[0], state.errors[0], state.covariance[0])
     fixed = inputs, epochs, Sensors.of(states), frame, control
     results = path, record, kept, _Room.of(size, len(states))
-    (_smoothed if smooth else _filtered)(fixed, state, results)
-    names = [*states.names, *(name for name, _ in assumptions.constants())]
+    if looking or not smooth:
+        _filtered(fixed, state.copy(1 + RESERVES * looking), results)
+    if smooth:
+        _smoothed((*fixed[:3], frame._replace(known=looking), control), state, results)
     rows = np.flatnonzero(epochs.fix >= 0)
     time = pd.Index(epochs.end, name=canonical.TIME)
     return Solution(time, names, path, ellipsoid, fixes.index.to_numpy()[offered], rows, record, kept, quality)
@@ -494,14 +689,14 @@ def _epochs(stamp: np.ndarray, due: np.ndarray, begin: float, longest: float) ->
 def _filtered(fixed: tuple, state: _State, results: tuple) -> None:
     """Fill the path by the filter."""
     inputs, epochs, *rest = fixed
-    no_tape = Tape.empty(0, len(state.covariance))
+    no_tape = Tape.empty(0, state.covariance.shape[1])
     _filter(inputs, epochs, 1, len(epochs.end), *rest, state, *results, no_tape)
 
 
 def _smoothed(fixed: tuple, state: _State, results: tuple) -> None:
     """Fill the path by the smoother."""
     inputs, epochs, *rest = fixed
-    size = len(state.covariance)
+    size = state.covariance.shape[1]
     blocks, starts = list(pairwise([*range(1, len(epochs.end), BLOCK), len(epochs.end)])), []
     for first, last in blocks:
         starts.append(state.copy())
