@@ -37,6 +37,8 @@ FREE = 1e3
 """Standard deviation of an offset of which nothing is known [m]."""
 AGREED = 3
 """Fixes that have to agree in a row before an offset is judged."""
+import os
+POWER=float(os.environ.get('POW','2'))
 RESERVES = 3
 """Filters that take no position for granted since a while."""
 STRIKES, AGREEING, OPEN, BEGAN = range(4)

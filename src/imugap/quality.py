@@ -125,6 +125,7 @@ class Control(NamedTuple):
     reset_s: float
     reset_std: tuple[float, float, float]
     hindsight_s: float
+    lasting: float
 
     @classmethod
     def of(cls, quality: Quality, components: int) -> "Control":
@@ -138,6 +139,7 @@ class Control(NamedTuple):
             np.inf if quality.reset_s is None else float(quality.reset_s),
             tuple(map(float, quality.reset_std)),
             np.inf if quality.hindsight_s is None else float(quality.hindsight_s),
+            float(chdtri(3, quality.false_alarm ** __import__("imugap.hindsight").hindsight.POWER)),
         )
 
 

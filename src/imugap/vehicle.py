@@ -309,14 +309,17 @@ def _reset(covariance, errors, control, seen, variance, transposed):
 
 
 @kernel
-def _compare(inputs, fix, nav, rate, acceleration, covariance, errors, sensors, gain, frame, room):
-    """Fill in the innovations of the components that a fix has, and their covariance; return how many there are."""
+def _compare(inputs, fix, nav, rate, acceleration, covariance, errors, sensors, gain, frame, room, excess):
+    """Fill in the innovations of the components that a fix has, and their covariance; return how many there are.
+
+    The variance of velocities is ``excess`` times what it is told to be.
+    """
     count = 0
     for i in range(6):
         if not np.isnan(inputs.seen[fix, i]):
             expected = _expect(i, nav, rate, acceleration, errors, sensors, gain, frame, room.rows[count])
             room.present[count], room.innovation[count] = i, expected - inputs.seen[fix, i]
-            room.noise[count] = inputs.std[fix, i] * inputs.std[fix, i]
+            room.noise[count] = inputs.std[fix, i] * inputs.std[fix, i] * (1.0 if i < 3 else excess)
             count += 1
     for i in range(count):
         project(covariance, room.rows[i], 0.0, room.spread)
@@ -436,6 +439,24 @@ def _navigation(row):
 
 
 @kernel
+def _excess(state):
+    """Return by how much velocities vary more than they are told to, since the offset is open: 1 at least."""
+    return max((AGREED + state.clock[2]) / (AGREED + state.clock[3]), 1.0)
+
+
+@kernel
+def _learn(count, anew, excess, room, state):
+    """Take the velocities of a fix into account."""
+    if anew:
+        state.clock[2], state.clock[3] = 0.0, 0.0
+    for i in range(count):
+        if room.present[i] >= 3:
+            told = room.noise[i] / excess
+            state.clock[2] += (room.innovation[i] ** 2 - room.variance[i, i] + room.noise[i]) / told
+            state.clock[3] += 1.0
+
+
+@kernel
 def _fill(target, source):
     """Put one matrix in place of another, number by number: a slice would take seconds to compile."""
     for i in range(len(source)):
@@ -451,9 +472,9 @@ def _put(source, target):
     for s in range(len(source.errors)):
         target.errors[s] = source.errors[s]
     _fill(target.covariance, source.covariance)
-    target.sample[0], target.clock[0], target.clock[1] = source.sample[0], source.clock[0], source.clock[1]
+    target.sample[0] = source.sample[0]
     for i in range(4):
-        target.memory[i] = source.memory[i]
+        target.clock[i], target.memory[i] = source.clock[i], source.memory[i]
 
 
 @njit(cache=True, error_model="numpy")
@@ -481,7 +502,8 @@ def _run(inputs, epochs, first, last, sensors, frame, control, lane, state, path
         if fix >= 0:
             gained = add_scaled(nav[1], -1.0, velocity)
             pull = gained[0] / interval, gained[1] / interval, gained[2] / interval
-            count = _compare(inputs, fix, nav, rate, pull, covariance, errors, sensors, room.gain, frame, room)
+            excess = _excess(state) if memory[OPEN] else 1.0
+            count = _compare(inputs, fix, nav, rate, pull, covariance, errors, sensors, room.gain, frame, room, excess)
             passed = _judge(fix, count, control.limits[count], room, record)
             path.nis[e] = record.statistic[fix]
             course, again = TAKEN, False
@@ -501,8 +523,10 @@ def _run(inputs, epochs, first, last, sensors, frame, control, lane, state, path
             if frame.shift_state and (again or course == FRESH):
                 forget(covariance, errors, FREE * FREE if course == FRESH else 0.0, dropped)
             if again or course == FRESH:
-                count = _compare(inputs, fix, nav, rate, pull, covariance, errors, sensors, room.gain, frame, room)
+                count = _compare(inputs, fix, nav, rate, pull, covariance, errors, sensors, room.gain, frame, room, 1.0)
             record.course[fix] = course
+            if memory[OPEN]:
+                _learn(count, course == FRESH, excess, room, state)
             fed = passed or not control.gated
             nav = _absorb(fix, count, fed, nav, covariance, errors, control, room, record, tape, place)
             _fill(kept[fix], covariance)
@@ -564,7 +588,7 @@ def _relieve(fix, states, room):
     _put(_lane(states, 0), reserve)
     forget(reserve.covariance, reserve.errors, FREE * FREE, room.nothing)
     reserve.memory[STRIKES], reserve.memory[AGREEING], reserve.memory[OPEN] = 0, 0, 1
-    reserve.memory[BEGAN] = fix + 1
+    reserve.memory[BEGAN], reserve.clock[2], reserve.clock[3] = fix + 1, 0.0, 0.0
 
 
 @njit(cache=True, error_model="numpy")
@@ -585,7 +609,7 @@ def _filter(inputs, epochs, first, last, sensors, frame, control, states, path, 
                      kept, room, tape)  # fmt: skip
         fix, time, first = epochs.fix[end], main.clock[0], end + 1
         if lanes > 1 and fix >= 0:
-            if _look_back(fix, control.limits[SHIFT], states, record, room):
+            if _look_back(fix, control.lasting, states, record, room):
                 write(path, end, _navigation(main.navigation), main.errors, main.covariance)
                 _fill(kept[fix], main.covariance)
             if record.turn[fix] in (1, 2) or record.reset[fix]:
@@ -654,7 +678,7 @@ def navigate(
     control, record = Control.of(quality, len(COMPONENTS)), Record.empty(len(offered), len(COMPONENTS))
     state = _State(
         start.navigation.astype(float)[None], *(one.astype(float)[None] for one in begin),
-        np.array([[max(int(np.searchsorted(stamp, start.time, "right")), 1)]]), np.array([[start.time, np.inf]]),
+        np.array([[max(int(np.searchsorted(stamp, start.time, "right")), 1)]]), np.array([[start.time, np.inf, 0.0, 0.0]]),
         np.zeros((1, 4), np.int64),
     )  # fmt: skip
     size = len(begin[1])
