@@ -40,6 +40,8 @@ SET_ASIDE, OPENED, LOOKED_BACK, CLOSED = "set aside", "offset opened", "offset o
 """What an event can be."""
 TAKEN, ASIDE, FRESH, HELD = range(4)
 """What became of a position: taken as it is, set aside, the first with an offset, one with the offset held."""
+OFFSET = 3
+"""Components of an offset."""
 TURNS = ("", OPENED, LOOKED_BACK, CLOSED)
 """What became of the offset at a fix."""
 
@@ -139,7 +141,7 @@ class Control(NamedTuple):
             np.inf if quality.reset_s is None else float(quality.reset_s),
             tuple(map(float, quality.reset_std)),
             np.inf if quality.hindsight_s is None else float(quality.hindsight_s),
-            float(chdtri(3, quality.false_alarm ** __import__("imugap.hindsight").hindsight.POWER)),
+            float(chdtri(OFFSET, quality.false_alarm**2)),
         )
 
 

@@ -31,18 +31,24 @@ from imugap import log as canonical
 from imugap.error_state import ATTITUDE, NAVIGATION, backward, predict, project
 from imugap.gnss import COMPONENTS
 from imugap.hindsight import (
-    AGREED,
-    AGREEING,
-    BEGAN,
+    CLOSED,
     FREE,
     OFFSETS,
     OPEN,
     RESERVES,
     SHIFT,
     STRIKES,
-    apart,
-    close,
+    WALK,
+    State,
+    doubt,
+    excess,
+    fill,
     forget,
+    lane,
+    learn,
+    look_back,
+    navigation,
+    relieve,
 )  # fmt: skip
 from imugap.log import AXES, LogError
 from imugap.model import ErrorModel
@@ -231,24 +237,6 @@ class _Room(NamedTuple):
         )  # fmt: skip
 
 
-class _State(NamedTuple):
-    """Where a filter is, or lanes of them, one above the other.
-
-    Navigation, errors, covariance; sample in progress; time, begin of a run of failures [s]; what it keeps in mind.
-    """
-
-    navigation: np.ndarray
-    errors: np.ndarray
-    covariance: np.ndarray
-    sample: np.ndarray
-    clock: np.ndarray
-    memory: np.ndarray
-
-    def copy(self, lanes: int = 1) -> "_State":
-        """Return the first lane so many times, each with arrays of its own."""
-        return _State(*(np.repeat(one[:1], lanes, axis=0) for one in self))
-
-
 @kernel
 def _expect(i, nav, rate, acceleration, errors, sensors, gain, frame, row):
     """Return what component ``i`` of a fix should be, and fill ``row`` with its slope in the states."""
@@ -309,17 +297,17 @@ def _reset(covariance, errors, control, seen, variance, transposed):
 
 
 @kernel
-def _compare(inputs, fix, nav, rate, acceleration, covariance, errors, sensors, gain, frame, room, excess):
+def _compare(inputs, fix, nav, rate, acceleration, covariance, errors, sensors, gain, frame, room, multiple):
     """Fill in the innovations of the components that a fix has, and their covariance; return how many there are.
 
-    The variance of velocities is ``excess`` times what it is told to be.
+    The variance of velocities is ``multiple`` times what it is told to be.
     """
     count = 0
     for i in range(6):
         if not np.isnan(inputs.seen[fix, i]):
             expected = _expect(i, nav, rate, acceleration, errors, sensors, gain, frame, room.rows[count])
             room.present[count], room.innovation[count] = i, expected - inputs.seen[fix, i]
-            room.noise[count] = inputs.std[fix, i] * inputs.std[fix, i] * (1.0 if i < 3 else excess)
+            room.noise[count] = inputs.std[fix, i] * inputs.std[fix, i] * (1.0 if i < 3 else multiple)
             count += 1
     for i in range(count):
         project(covariance, room.rows[i], 0.0, room.spread)
@@ -368,29 +356,6 @@ def _absorb(fix, count, fed, nav, covariance, errors, control, room, record, tap
 
 
 @kernel
-def _doubt(fix, count, limits, room, record, memory):
-    """Say what becomes of the position of a fix by what is kept in mind (:mod:`imugap.hindsight`), and keep this."""
-    seen, statistic = 0, 0.0
-    for i in range(count):
-        if room.present[i] < 3:
-            seen += 1
-            statistic += room.whitened[i] * room.whitened[i]
-    record.turn[fix] = 0
-    if seen == 0:
-        return HELD if memory[OPEN] else TAKEN
-    if statistic <= limits[seen]:
-        memory[STRIKES] = 0
-        memory[AGREEING] += 1
-        return HELD if memory[OPEN] else TAKEN
-    if memory[STRIKES] == 0:
-        memory[STRIKES], memory[AGREEING] = 1, 0
-        return ASIDE
-    memory[STRIKES], memory[AGREEING], memory[OPEN], memory[BEGAN] = 0, 1, 1, fix
-    record.turn[fix], record.doubt[fix] = 1, statistic
-    return FRESH
-
-
-@kernel
 def _advance(inputs, k, time, target, nav, errors, sensors, frame, room):
     """Navigate to ``target``; return the navigation, the means of attitude and specific force, sample and rate.
 
@@ -423,67 +388,11 @@ def _advance(inputs, k, time, target, nav, errors, sensors, frame, room):
     return nav, (c0, c1, c2), force, k, gyro
 
 
-@kernel
-def _lane(states, lane):
-    """Return the state of one lane."""
-    return _State(
-        states.navigation[lane], states.errors[lane], states.covariance[lane], states.sample[lane], states.clock[lane],
-        states.memory[lane],
-    )  # fmt: skip
-
-
-@kernel
-def _navigation(row):
-    """Return position, velocity and quaternion of a row of the path."""
-    return (row[0], row[1], row[2]), (row[3], row[4], row[5]), (row[6], row[7], row[8], row[9])
-
-
-@kernel
-def _excess(state):
-    """Return by how much velocities vary more than they are told to, since the offset is open: 1 at least."""
-    return max((AGREED + state.clock[2]) / (AGREED + state.clock[3]), 1.0)
-
-
-@kernel
-def _learn(count, anew, excess, room, state):
-    """Take the velocities of a fix into account."""
-    if anew:
-        state.clock[2], state.clock[3] = 0.0, 0.0
-    for i in range(count):
-        if room.present[i] >= 3:
-            told = room.noise[i] / excess
-            state.clock[2] += (room.innovation[i] ** 2 - room.variance[i, i] + room.noise[i]) / told
-            state.clock[3] += 1.0
-
-
-@kernel
-def _fill(target, source):
-    """Put one matrix in place of another, number by number: a slice would take seconds to compile."""
-    for i in range(len(source)):
-        for j in range(len(source)):
-            target[i, j] = source[i, j]
-
-
-@kernel
-def _put(source, target):
-    """Put one state in place of another."""
-    for i in range(10):
-        target.navigation[i] = source.navigation[i]
-    for s in range(len(source.errors)):
-        target.errors[s] = source.errors[s]
-    _fill(target.covariance, source.covariance)
-    target.sample[0] = source.sample[0]
-    for i in range(4):
-        target.clock[i], target.memory[i] = source.clock[i], source.memory[i]
-
-
 @njit(cache=True, error_model="numpy")
-def _run(inputs, epochs, first, last, sensors, frame, control, lane, state, path, record, kept, room, tape):
-    """Take one lane over the epochs ``first`` to ``last``; see :func:`_filter`."""
-    start, errors, covariance, taped = state.navigation, state.errors, state.covariance, len(tape.rows) > 0
-    memory = state.memory
-    nav = _navigation(start)
-    k, time, failing, step = state.sample[0], state.clock[0], state.clock[1], 0.0
+def _run(inputs, epochs, first, last, sensors, frame, control, reserve, state, path, record, kept, room, tape):
+    """Take one lane over the epochs ``first`` to ``last``; see :func:`_filter`. A ``reserve`` has no soft reset."""
+    errors, covariance, memory, taped = state.errors, state.covariance, state.memory, len(tape.rows) > 0
+    nav, k, time, failing, step = navigation(state.navigation), state.sample[0], state.clock[0], state.clock[1], 0.0
     for e in range(first, last):
         place, fix, velocity, interval = e - first, epochs.fix[e], nav[1], epochs.end[e] - time
         nav, mat, force, k, rate = _advance(inputs, k, time, epochs.end[e], nav, errors, sensors, frame, room)
@@ -498,97 +407,48 @@ def _run(inputs, epochs, first, last, sensors, frame, control, lane, state, path
                 sensors.white, room.shift)  # fmt: skip
         for s in range(len(sensors.axis)):
             errors[s] *= room.hold[s]
+        if state.doubt[WALK] > 0.0:
+            for i in range(len(covariance) - SHIFT, len(covariance)):
+                covariance[i, i] += state.doubt[WALK] * interval
         path.nis[e] = np.nan
         if fix >= 0:
-            gained = add_scaled(nav[1], -1.0, velocity)
+            gained, multiple = add_scaled(nav[1], -1.0, velocity), excess(state)
             pull = gained[0] / interval, gained[1] / interval, gained[2] / interval
-            excess = _excess(state) if memory[OPEN] else 1.0
-            count = _compare(inputs, fix, nav, rate, pull, covariance, errors, sensors, room.gain, frame, room, excess)
+            count = _compare(inputs, fix, nav, rate, pull, covariance, errors, sensors, room.gain, frame, room,
+                             multiple)  # fmt: skip
             passed = _judge(fix, count, control.limits[count], room, record)
             path.nis[e] = record.statistic[fix]
-            course, again = TAKEN, False
+            course, over = TAKEN, False
             if frame.known:
                 course, reset = record.course[fix], record.reset[fix]
-                again = memory[OPEN] and course == TAKEN
+                over = memory[OPEN] and course == TAKEN
                 memory[OPEN] = course >= FRESH or (course == ASIDE and memory[OPEN])
             else:
                 if frame.shift_state:
-                    course = _doubt(fix, count, control.limits, room, record, memory)
+                    course = doubt(fix, count, control.limits, room, record, memory)
                 failing = np.inf if passed and not memory[OPEN] else min(failing, time)
-                reset = lane == 0 and time - failing > control.reset_s
+                reset = not reserve and time - failing > control.reset_s
             dropped = tape.backward[place] if taped else room.nothing
             if reset:
                 _reset(covariance, errors, control, record.innovation[fix], frame.variance, dropped)
-                record.reset[fix], passed, failing, again, memory[OPEN], course = True, True, np.inf, True, 0, TAKEN
-            if frame.shift_state and (again or course == FRESH):
-                forget(covariance, errors, FREE * FREE if course == FRESH else 0.0, dropped)
-            if again or course == FRESH:
-                count = _compare(inputs, fix, nav, rate, pull, covariance, errors, sensors, room.gain, frame, room, 1.0)
-            record.course[fix] = course
-            if memory[OPEN]:
-                _learn(count, course == FRESH, excess, room, state)
+                record.reset[fix], passed, failing, over, memory[OPEN], course = True, True, np.inf, True, 0, TAKEN
+            if over or course == FRESH:
+                if frame.shift_state:
+                    forget(covariance, errors, 0.0 if over else FREE, dropped)
+                    state.doubt[WALK] = 0.0
+                count, multiple = _compare(inputs, fix, nav, rate, pull, covariance, errors, sensors, room.gain, frame,
+                                           room, 1.0), 1.0  # fmt: skip
+            record.course[fix] = FRESH if course == HELD and state.doubt[WALK] > 0.0 else course
+            learn(count, course == FRESH, multiple, room, state)
             fed = passed or not control.gated
             nav = _absorb(fix, count, fed, nav, covariance, errors, control, room, record, tape, place)
-            _fill(kept[fix], covariance)
+            fill(kept[fix], covariance)
         write(path, e, nav, errors, covariance)
         if taped:
-            _fill(tape.covariance[place], covariance)
+            fill(tape.covariance[place], covariance)
     for i in range(10):
-        start[i] = path.navigation[last - 1, i]
+        state.navigation[i] = path.navigation[last - 1, i]
     state.sample[0], state.clock[0], state.clock[1] = k, time, failing
-
-
-@njit(cache=True, error_model="numpy")
-def _look_back(fix, limit, states, record, room):
-    """Give way to a reserve that shows an error of the positions, or close the offset; return whether either was."""
-    main, rooms = _lane(states, 0), (room.innovation, room.variance, room.factor, room.whitened)
-    oldest = 0
-    for lane in range(1, len(states.memory)):
-        one = _lane(states, lane)
-        if one.memory[OPEN] and one.memory[AGREEING] >= AGREED:
-            statistic = apart(one.covariance, one.errors, main.covariance, main.errors, rooms)
-            if statistic > limit and (oldest == 0 or one.memory[BEGAN] < states.memory[oldest, BEGAN]):
-                oldest, record.doubt[fix] = lane, statistic
-    if oldest > 0:
-        failing = min(main.clock[0], main.clock[1])
-        _put(_lane(states, oldest), main)
-        main.clock[1], record.turn[fix] = failing, 2
-    elif main.memory[OPEN] and main.memory[AGREEING] >= AGREED:
-        for i in range(len(room.work)):
-            for j in range(len(room.work)):
-                room.work[i, j] = 0.0
-        statistic = apart(main.covariance, main.errors, room.work, room.work[0], rooms)
-        if statistic > limit:
-            return False
-        nav = close(main.covariance, main.errors, _navigation(main.navigation), room.rows[0], room.spread, room.weight)
-        forget(main.covariance, main.errors, 0.0, room.nothing)
-        for i in range(3):
-            main.navigation[i], main.navigation[3 + i] = nav[0][i], nav[1][i]
-        for i in range(4):
-            main.navigation[6 + i] = nav[2][i]
-        main.memory[OPEN], record.turn[fix], record.doubt[fix] = 0, 3, statistic
-    else:
-        return False
-    begun = main.memory[BEGAN]
-    for k in range(begun, fix + 1):
-        if record.course[k] != ASIDE:
-            record.course[k] = TAKEN if not main.memory[OPEN] else FRESH if k == begun else HELD
-    return True
-
-
-@njit(cache=True, error_model="numpy")
-def _relieve(fix, states, room):
-    """Start a reserve from the filter, with an open offset, in place of none or of that which began first."""
-    lane, begun = 1, states.memory[1, BEGAN] if states.memory[1, OPEN] else -1
-    for other in range(2, len(states.memory)):
-        one = states.memory[other, BEGAN] if states.memory[other, OPEN] else -1
-        if one < begun:
-            lane, begun = other, one
-    reserve = _lane(states, lane)
-    _put(_lane(states, 0), reserve)
-    forget(reserve.covariance, reserve.errors, FREE * FREE, room.nothing)
-    reserve.memory[STRIKES], reserve.memory[AGREEING], reserve.memory[OPEN] = 0, 0, 1
-    reserve.memory[BEGAN], reserve.clock[2], reserve.clock[3] = fix + 1, 0.0, 0.0
 
 
 @njit(cache=True, error_model="numpy")
@@ -598,26 +458,27 @@ def _filter(inputs, epochs, first, last, sensors, frame, control, states, path, 
     The first lane is the filter; others are its reserves, and all of them stop at each fix. ``path``, ``record`` and
     ``kept``, the covariances at the fixes, are filled; ``tape`` too, unless it has no length.
     """
-    lanes, started, main = len(states.memory), -np.inf, _lane(states, 0)
+    lanes, started, main = len(states.memory), -np.inf, lane(states, 0)
+    every = control.hindsight_s / max(lanes - 1, 1)
     while first < last:
         end = first if lanes > 1 else last - 1
         while end < last - 1 and epochs.fix[end] < 0:
             end += 1
-        for lane in range(lanes - 1, -1, -1):
-            if lane == 0 or states.memory[lane, OPEN]:
-                _run(inputs, epochs, first, end + 1, sensors, frame, control, lane, _lane(states, lane), path, record,
-                     kept, room, tape)  # fmt: skip
+        for number in range(lanes - 1, -1, -1):
+            if number == 0 or states.memory[number, OPEN]:
+                _run(inputs, epochs, first, end + 1, sensors, frame, control, number > 0, lane(states, number), path,
+                     record, kept, room, tape)  # fmt: skip
         fix, time, first = epochs.fix[end], main.clock[0], end + 1
         if lanes > 1 and fix >= 0:
-            if _look_back(fix, control.lasting, states, record, room):
-                write(path, end, _navigation(main.navigation), main.errors, main.covariance)
-                _fill(kept[fix], main.covariance)
-            if record.turn[fix] in (1, 2) or record.reset[fix]:
+            if look_back(fix, control.lasting, every, states, record, room):
+                write(path, end, navigation(main.navigation), main.errors, main.covariance)
+                fill(kept[fix], main.covariance)
+            if record.turn[fix] % CLOSED > 0 or record.reset[fix]:
                 started = time
-                for lane in range(1, lanes):
-                    states.memory[lane, OPEN] = 0
-            elif time - started >= control.hindsight_s / (lanes - 1) and not main.memory[STRIKES]:
-                _relieve(fix, states, room)
+                for number in range(1, lanes):
+                    states.memory[number, OPEN] = 0
+            elif time - started >= every and not main.memory[STRIKES]:
+                relieve(fix, states, room)
                 started = time
 
 
@@ -676,10 +537,10 @@ def navigate(
         variance,
     )  # fmt: skip
     control, record = Control.of(quality, len(COMPONENTS)), Record.empty(len(offered), len(COMPONENTS))
-    state = _State(
+    state = State(
         start.navigation.astype(float)[None], *(one.astype(float)[None] for one in begin),
-        np.array([[max(int(np.searchsorted(stamp, start.time, "right")), 1)]]), np.array([[start.time, np.inf, 0.0, 0.0]]),
-        np.zeros((1, 4), np.int64),
+        np.array([[max(int(np.searchsorted(stamp, start.time, "right")), 1)]]), np.array([[start.time, np.inf]]),
+        np.zeros((1, 4), np.int64), np.zeros((1, 4)),
     )  # fmt: skip
     size = len(begin[1])
     path, kept = Path.empty(len(epochs.end), size), np.empty((len(offered), size, size))
@@ -710,14 +571,14 @@ def _epochs(stamp: np.ndarray, due: np.ndarray, begin: float, longest: float) ->
     return _Epochs(np.append(begin, end), np.append(-1, fix))
 
 
-def _filtered(fixed: tuple, state: _State, results: tuple) -> None:
+def _filtered(fixed: tuple, state: State, results: tuple) -> None:
     """Fill the path by the filter."""
     inputs, epochs, *rest = fixed
     no_tape = Tape.empty(0, state.covariance.shape[1])
     _filter(inputs, epochs, 1, len(epochs.end), *rest, state, *results, no_tape)
 
 
-def _smoothed(fixed: tuple, state: _State, results: tuple) -> None:
+def _smoothed(fixed: tuple, state: State, results: tuple) -> None:
     """Fill the path by the smoother."""
     inputs, epochs, *rest = fixed
     size = state.covariance.shape[1]
