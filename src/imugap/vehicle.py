@@ -430,6 +430,9 @@ def _run(inputs, epochs, first, last, sensors, frame, control, reserve, state, p
                 reset = not reserve and time - failing > control.reset_s
             dropped = tape.backward[place] if taped else room.nothing
             if reset:
+                record.turn[fix] = 0
+                for i in range(SHIFT if frame.shift_state else 0):
+                    record.innovation[fix, i] -= errors[len(errors) - SHIFT + i]
                 _reset(covariance, errors, control, record.innovation[fix], frame.variance, dropped)
                 record.reset[fix], passed, failing, over, memory[OPEN], course = True, True, np.inf, True, 0, TAKEN
             if over or course == FRESH:
@@ -470,7 +473,7 @@ def _filter(inputs, epochs, first, last, sensors, frame, control, states, path, 
                      record, kept, room, tape)  # fmt: skip
         fix, time, first = epochs.fix[end], main.clock[0], end + 1
         if lanes > 1 and fix >= 0:
-            if look_back(fix, control.lasting, every, states, record, room):
+            if not record.reset[fix] and look_back(fix, control.lasting, every, states, record, room):
                 write(path, end, navigation(main.navigation), main.errors, main.covariance)
                 fill(kept[fix], main.covariance)
             if record.turn[fix] % CLOSED > 0 or record.reset[fix]:

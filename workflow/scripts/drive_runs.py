@@ -16,7 +16,7 @@ def main(ablation, runs, seed, output):
             key = {"run": run, "case": case, "scheme": scheme}
             errors.append(ablation.errors(one).assign(**key))
             verdicts.append(key | ablation.verdicts(one))
-        events += [{"run": run} | asdict(event) for event in one.events]
+            events += [key | asdict(event) for event in one.events if scheme == "reset"]
     pd.concat(errors).to_parquet(output.errors, index=False)
     pd.DataFrame(verdicts).to_csv(output.verdicts, index=False)
     pd.DataFrame(events).drop(columns="shift").to_csv(output.recovery, index=False)
