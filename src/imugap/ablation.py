@@ -14,6 +14,7 @@ from imugap.departure import depart
 from imugap.error_state import NAVIGATION
 from imugap.faults import OUTAGE, OUTLIER, RAMP, STRETCH, Event, Faults, mark
 from imugap.hidden import Case
+from imugap.hindsight import LOOKED_BACK, OPENED
 from imugap.log import ACCEL, GYRO
 from imugap.quality import NOTHING, SCHEMES, TAKEN, Quality
 from imugap.road import Drive
@@ -29,6 +30,7 @@ ORACLE, SMOOTHED = "oracle", "smoothed"
 with all control."""
 PARTS = {LOST: ("gated", "reset", "hindsight")} | dict.fromkeys(ALONE.values(), ("reset", "hindsight"))
 """Cases that only some schemes are put to."""
+CASES = (CLEAN, CONTAMINATED, *PARTS)
 ERRORS = ("horizontal", "vertical", "velocity", "tilt", "heading", "gyro", "accel")
 """What is scored: lengths of error vectors [m, m, m/s, rad, rad, rad/s, m/s^2], the last two of estimated biases."""
 EVERY_S = 1.0
@@ -69,11 +71,13 @@ class Ablation:
             velocity_std=receiver.velocity_std,
         )
 
-    def runs(self, run: int, seed: int, schemes: dict[str, Quality] = SCHEMES) -> Iterator[tuple[str, str, Run]]:
+    def runs(
+        self, run: int, seed: int, schemes: dict[str, Quality] = SCHEMES, cases: tuple[str, ...] = CASES
+    ) -> Iterator[tuple[str, str, Run]]:
         """Yield case, scheme and what comes of it, for one drive."""
         drive, assumptions = self.drive, self.assumptions
         record, clean, true = drive.record(run, seed), drive.fixes(run, seed), drive.errors(run, seed)
-        states, cases = assumptions.states(drive.model), self._cases(clean, run, seed)
+        states, known = assumptions.states(drive.model), self._cases(clean, run, seed)
         start = depart(record, clean, states, assumptions, drive.ellipsoid)
 
         def navigated(fixes: pd.DataFrame, quality: Quality, events: tuple, smooth: bool = False) -> Run:
@@ -83,14 +87,14 @@ class Ablation:
             found = navigate(record, fixes, drive.model, assumptions, quality, begin, drive.ellipsoid, smooth)
             return Run(found, fixes, events, true)
 
-        for case, (fixes, events) in cases.items():
+        for case, (fixes, events) in ((case, known[case]) for case in cases):
             for name, quality in schemes.items():
                 if name in PARTS.get(case, schemes):
                     yield case, name, navigated(fixes, quality, events)
             if case in (CLEAN, CONTAMINATED):
                 yield case, SMOOTHED, navigated(fixes, Quality(), events, True)
-        spoilt, events = cases[CONTAMINATED]
-        yield CONTAMINATED, ORACLE, navigated(self.faults.confess(spoilt, events), NOTHING, events)
+            if case == CONTAMINATED:
+                yield case, ORACLE, navigated(self.faults.confess(fixes, events), NOTHING, events)
 
     def _cases(self, clean: pd.DataFrame, run: int, seed: int) -> dict[str, tuple[pd.DataFrame, tuple[Event, ...]]]:
         """Return the fixes of each case and the gross errors in them."""
@@ -145,7 +149,7 @@ class Ablation:
             "missed": (~touched[bad, :3].any(axis=1)).mean() if bad.any() else np.nan,
             "closed": (~record.passed).mean(),
             "resets": int(record.reset.sum()),
-            "doubts": int(((record.turn == 1) | (record.turn == 2)).sum()),
+            "doubts": int(np.isin(record.turn, (OPENED, LOOKED_BACK)).sum()),
             "nis": record.statistic.sum() / record.freedom.sum(),
             **{name: _nees(whole[:, part], solution.covariances[:, part, part]) for name, part in parts.items()},
         }

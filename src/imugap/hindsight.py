@@ -39,12 +39,12 @@ import numpy as np
 from numba import njit
 
 from imugap.error_state import NAVIGATION, measure
-from imugap.quality import ASIDE, FRESH, HELD, TAKEN, chi_square
+from imugap.quality import ASIDE, FRESH, HELD, OFFSET, TAKEN, chi_square
 from imugap.rotation import kernel
 
 OFFSETS = ("offset_n", "offset_e", "offset_d")
 """Names of the states [m]."""
-SHIFT = len(OFFSETS)
+SHIFT = OFFSET
 """How many they are; they are the last."""
 FREE = 1e6
 """Variance of an offset of which nothing is known [m^2]."""
@@ -145,11 +145,12 @@ def doubt(fix, count, limits, room, record, memory):
             memory[STRIKES] = 0
             memory[AGREEING] += 1
         return HELD if memory[OPEN] else TAKEN
+    record.doubt[fix] = statistic
     if memory[STRIKES] == 0:
         memory[STRIKES], memory[AGREEING] = 1, 0
         return ASIDE
     memory[STRIKES], memory[AGREEING], memory[OPEN], memory[BEGAN] = 0, 1, 1, fix
-    record.turn[fix], record.doubt[fix] = OPENED, statistic
+    record.turn[fix] = OPENED
     return FRESH
 
 

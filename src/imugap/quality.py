@@ -15,8 +15,11 @@ gated feedback
     rows of the gain are zero. The covariance is that of this gain (Joseph's form), as for considered parameters
     (Schmidt 1966), so that it goes on telling how large the errors are. With all gates open this is the plain filter.
 soft reset
-    Where the global test has failed at every epoch for longer than a set time, the covariance is inflated. Estimates
-    are kept, but for those of sensors that are out of all proportion, which start again.
+    Where no epoch was trusted for longer than a set time, because the global test failed or an offset was open, the
+    covariance is inflated. Estimates are kept, but for those of sensors that are out of all proportion, which start
+    again, and the offset, which is given up.
+hindsight
+    What the source has not: errors of position that stay are a state (:mod:`imugap.hindsight`).
 
 Source: a patent text, "IMU random error online estimation and compensation" (2022), which leaves open where the global
 test stands, and whether the gain or the estimate is held. Y. Yang, H. He, G. Xu, Adaptively robust filtering for
@@ -63,14 +66,14 @@ class Quality:
     gated
         Whether the errors of the sensors are fed back only where the global test passes.
     reset_s
-        Time of failed global tests that is followed by a soft reset [s]; None leaves it out. It has to be longer than
-        the gross errors that are to be lived through.
+        Time without trust that is followed by a soft reset [s]; None leaves it out. It has to be longer than the gross
+        errors that are to be lived through.
     reset_std
         What a soft reset adds at least to the standard deviations of position [m], velocity [m/s] and attitude [rad]:
         for position and velocity the innovation, where it is larger. The sensor errors get the variance of the start.
     hindsight_s
         How long the filter looks back for errors of position that stay (:mod:`imugap.hindsight`) [s]; None leaves it
-        out, and what it keeps in mind too. Its tests have the false-alarm rate of the global one.
+        out, and what it keeps in mind too. Its tests have the false-alarm rate of the global one, or its square.
     """
 
     component: float | None = 3.0
@@ -100,6 +103,11 @@ class Quality:
     def limits(self, components: int) -> np.ndarray:
         """Return the limits of the global test for 0 to ``components`` degrees of freedom."""
         return np.array([np.inf, *chdtri(np.arange(1, components + 1), self.false_alarm)])
+
+    @property
+    def lasting(self) -> float:
+        """Limit of the tests that open an offset in hindsight, or close one: the square of the rate, since it lasts."""
+        return float(chdtri(OFFSET, self.false_alarm**2))
 
 
 NOTHING = Quality(component=None, gated=False, reset_s=None, hindsight_s=None)
@@ -141,7 +149,7 @@ class Control(NamedTuple):
             np.inf if quality.reset_s is None else float(quality.reset_s),
             tuple(map(float, quality.reset_std)),
             np.inf if quality.hindsight_s is None else float(quality.hindsight_s),
-            float(chdtri(OFFSET, quality.false_alarm**2)),
+            quality.lasting,
         )
 
 
@@ -205,8 +213,8 @@ class Record(NamedTuple):
     passed, reset
         Whether the global test passed; whether a soft reset came before the measurements were taken in.
     course, turn, doubt
-        What became of the position, and of the offset, a number in :data:`TURNS`, with its statistic
-        (:mod:`imugap.hindsight`); of a smoother, ``course`` is what is known of the fix in the end.
+        What became of the position, as it is known in the end; of the offset, a number in :data:`TURNS`; and the
+        statistic of either (:mod:`imugap.hindsight`).
     """
 
     innovation: np.ndarray
@@ -234,18 +242,26 @@ class Record(NamedTuple):
         """Return what happened: ``time`` [s], ``event``, ``component``, ``statistic``, ``threshold``, ``share``.
 
         The statistic of a component is ``|r_i|/sqrt(S_ii)``; ``share`` is what is left of its weight. A soft reset has
-        the time for which the test had failed, and that which it may.
+        the time for which no fix was trusted, and that for which it may be so.
         """
-        limits, rows = quality.limits(len(names)), []
-        since = np.nan
-        for k in np.flatnonzero(~self.passed | (self.share < 1).any(axis=1) | self.reset):
+        limits, rows, since, opened = quality.limits(len(names)), [], np.nan, False
+        for k in range(len(time)):
+            opened = self.turn[k] in (1, 2) or (opened and self.turn[k] != 3)
+            fine = self.passed[k] and not opened
+            since = np.nan if fine else time[k] if np.isnan(since) else since
             if not self.passed[k]:
-                since = time[k] if k == 0 or self.passed[k - 1] or self.reset[k - 1] else since
                 rows.append((time[k], FAILED, "all", self.statistic[k], limits[self.freedom[k]], np.nan))
             if self.reset[k]:
                 rows.append((time[k], RESET, "all", time[k] - since, quality.reset_s, np.nan))
+                since, opened = np.nan, False
+            aside = self.course[k] == ASIDE
+            if aside or self.turn[k]:
+                what = SET_ASIDE if aside else TURNS[self.turn[k]]
+                limit = limits[min(OFFSET, len(names))] if aside or self.turn[k] == 1 else quality.lasting
+                rows.append((time[k], what, "position", self.doubt[k], limit, np.nan))
             for i in np.flatnonzero(self.share[k] < 1):
-                size = abs(self.innovation[k, i]) / np.sqrt(self.variance[k, i])
-                what = WEIGHED if self.share[k, i] > 0 else REMOVED
-                rows.append((time[k], what, names[i], size, quality.component, self.share[k, i]))
+                if not (aside and i < OFFSET):
+                    size = abs(self.innovation[k, i]) / np.sqrt(self.variance[k, i])
+                    what = WEIGHED if self.share[k, i] > 0 else REMOVED
+                    rows.append((time[k], what, names[i], size, quality.component, self.share[k, i]))
         return pd.DataFrame(rows, columns=["time", "event", "component", "statistic", "threshold", "share"])

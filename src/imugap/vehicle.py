@@ -31,10 +31,11 @@ from imugap import log as canonical
 from imugap.error_state import ATTITUDE, NAVIGATION, backward, predict, project
 from imugap.gnss import COMPONENTS
 from imugap.hindsight import (
-    CLOSED,
     FREE,
+    LOOKED_BACK,
     OFFSETS,
     OPEN,
+    OPENED,
     RESERVES,
     SHIFT,
     STRIKES,
@@ -476,7 +477,7 @@ def _filter(inputs, epochs, first, last, sensors, frame, control, states, path, 
             if not record.reset[fix] and look_back(fix, control.lasting, every, states, record, room):
                 write(path, end, navigation(main.navigation), main.errors, main.covariance)
                 fill(kept[fix], main.covariance)
-            if record.turn[fix] % CLOSED > 0 or record.reset[fix]:
+            if record.turn[fix] in (OPENED, LOOKED_BACK) or record.reset[fix]:
                 started = time
                 for number in range(1, lanes):
                     states.memory[number, OPEN] = 0

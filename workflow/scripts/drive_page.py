@@ -68,7 +68,7 @@ def ratio(scores, scheme, seed, score="horizontal_95", case=CONTAMINATED):
     """Return the 95th percentile over that of the clean case: ratio of the means over the runs, with its interval."""
     usual = (scores["case"] == CLEAN) & (scores["scheme"] == ("none" if scheme == ORACLE else scheme))
     spoilt = (scores["case"] == case) & (scores["scheme"] == scheme)
-    of = scores[usual | spoilt].pivot(index="run", columns="case", values=score)
+    of = scores[usual | spoilt].pivot(index="run", columns="case", values=score).dropna()
     middle = of[case].mean() / of[CLEAN].mean()
     rng = stream(seed, "drive ratio", scheme)
     drawn_runs = of.to_numpy()[rng.integers(0, len(of), (bootstrap.RESAMPLES, len(of)))]
@@ -115,6 +115,7 @@ def numbers(scores, recovery, recipe, seed, runs):
     pairs = {"alone": ("gate", "none"), "beside": ("gated", "robust"), "against_nothing": ("gated", "none")}
     return {
         "runs": runs,
+        "parted": int(scores[scores["case"] == LOST]["run"].nunique()),
         "recipe": recipe,
         "bar": BAR,
         "share_percent": f"{100 * SHARE:.0f}",
@@ -154,7 +155,7 @@ if __name__ == "__main__":
         source, params, output = snakemake.input, snakemake.params, snakemake.output
         scores, kinds, recovery = (pd.read_csv(source[name]) for name in ("scores", "kinds", "recovery"))
         study = Ablation.read(source.recipe)
-        one = {(case, name): run for case, name, run in study.runs(params.shown, params.seed)}
+        one = {(case, name): run for case, name, run in study.runs(params.shown, params.seed, cases=(CONTAMINATED,))}
         tracks = {name: study.errors(one[CONTAMINATED, name]) for name in DRAWN}
         figures.save(drawn.drive(study, one[CONTAMINATED, "hindsight"], tracks), output.map)
         figures.save(drawn.sensors({name: one[CONTAMINATED, name] for name in SCHEMES}), output.sensors)

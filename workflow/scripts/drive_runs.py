@@ -4,15 +4,16 @@ from dataclasses import asdict
 
 import pandas as pd
 
-from imugap.ablation import Ablation
+from imugap.ablation import CASES, CLEAN, CONTAMINATED, Ablation
 from imugap.journal import journal
 
 
-def main(ablation, runs, seed, output):
+def main(ablation, runs, parted, seed, output):
     """Write the errors at every second, what the quality control did, and the gross errors that last."""
     errors, verdicts, events = [], [], []
     for run in runs:
-        for case, scheme, one in ablation.runs(run, seed):
+        cases = CASES if run <= parted else (CLEAN, CONTAMINATED)
+        for case, scheme, one in ablation.runs(run, seed, cases=cases):
             key = {"run": run, "case": case, "scheme": scheme}
             errors.append(ablation.errors(one).assign(**key))
             verdicts.append(key | ablation.verdicts(one))
@@ -25,4 +26,4 @@ def main(ablation, runs, seed, output):
 if __name__ == "__main__":
     with journal(snakemake.log[0]):
         params = snakemake.params
-        main(Ablation.read(snakemake.input.recipe), params.runs, params.seed, snakemake.output)
+        main(Ablation.read(snakemake.input.recipe), params.runs, params.parted, params.seed, snakemake.output)
