@@ -5,8 +5,8 @@ that creeps never fails it. Here the error of the positions is a state, the *off
 others. While the fixes are trusted it is zero and has no variance, and the filter is the plain one.
 
 set aside
-    A position whose statistic (chi-square, as many degrees of freedom as it has components) is above the quantile of
-    the false-alarm rate is left out; one such fix is an outlier.
+    A fix whose position has a statistic (chi-square, as many degrees of freedom as it has components) above the
+    quantile of the false-alarm rate is left out, the velocity with it; one such fix is an outlier.
 opened
     At the second in a row the offset starts anew, a constant with a variance that stands for knowing nothing. From then
     on positions tell how the vehicle moves, and no longer where it is.

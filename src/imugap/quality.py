@@ -260,7 +260,7 @@ class Record(NamedTuple):
                 limit = limits[min(OFFSET, len(names))] if aside or self.turn[k] == 1 else quality.lasting
                 rows.append((time[k], what, "position", self.doubt[k], limit, np.nan))
             for i in np.flatnonzero(self.share[k] < 1):
-                if not (aside and i < OFFSET):
+                if not aside and not (self.turn[k] == 1 and i >= OFFSET):
                     size = abs(self.innovation[k, i]) / np.sqrt(self.variance[k, i])
                     what = WEIGHED if self.share[k, i] > 0 else REMOVED
                     rows.append((time[k], what, names[i], size, quality.component, self.share[k, i]))

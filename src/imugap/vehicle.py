@@ -333,14 +333,14 @@ def _judge(fix, count, limit, room, record):
 
 
 @kernel
-def _absorb(fix, count, fed, nav, covariance, errors, control, room, record, tape, place):
+def _absorb(fix, count, course, fed, nav, covariance, errors, control, room, record, tape, place):
     """Put the components of a fix to their test and take in what is left; return the corrected navigation.
 
-    A position that is set aside is left out whatever its components are.
+    A fix that is set aside is left out, and of one that starts an offset anew the velocity: it is of the same receiver.
     """
     for i in range(count):
         trusted = np.inf
-        if record.course[fix] != ASIDE or room.present[i] >= 3:
+        if course != ASIDE and (course != FRESH or room.present[i] < SHIFT):
             trusted = weigh(room.innovation[i], room.variance[i, i], room.noise[i], control.component,
                             control.robust, control.steepness)  # fmt: skip
         record.share[fix, room.present[i]] = room.noise[i] / trusted
@@ -445,7 +445,9 @@ def _run(inputs, epochs, first, last, sensors, frame, control, reserve, state, p
             record.course[fix] = FRESH if course == HELD and state.doubt[WALK] > 0.0 else course
             learn(count, course == FRESH, multiple, room, state)
             fed = passed or not control.gated
-            nav = _absorb(fix, count, fed, nav, covariance, errors, control, room, record, tape, place)
+            course = HELD if frame.known and course == FRESH else course
+            nav = _absorb(fix, count, course, fed, nav, covariance, errors, control, room, record, tape,
+                          place)  # fmt: skip
             fill(kept[fix], covariance)
         write(path, e, nav, errors, covariance)
         if taped:
