@@ -1,6 +1,7 @@
 """Gaps: uniform p-values where nothing is hidden, a place where something is."""
 
 from collections import defaultdict
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -41,6 +42,19 @@ def fits(hidden, start=None, count=COUNT, seed=1):
         described = (start or {}).get(axis, Description((), Noise((WHITE,))))
         found[axis] = fit(Sequence(values, conditions, np.zeros(count, bool)), described)
     return found
+
+
+def test_axes_that_use_different_shares_of_the_frequencies_are_compared_on_what_they_share():
+    found = fits({"gyro_x": (), "gyro_y": (), "gyro_z": ()})
+    narrow = replace(found["gyro_y"].sequence, share=0.5)
+    found["gyro_y"] = fit(narrow, Description((), Noise((WHITE,))))
+    judged = {one.curve.axis: one for one in verdicts(found, 1, 19) if one.curve.view == "coherence"}
+    assert set(judged) == {"gyro_x,gyro_y", "gyro_x,gyro_z", "gyro_y,gyro_z"}
+    reach = {axes: one.curve.high.max() for axes, one in judged.items()}
+    half = 0.5 / (2 * INTERVAL)
+    assert reach["gyro_x,gyro_y"] == reach["gyro_y,gyro_z"] == pytest.approx(half, rel=1e-3)
+    assert reach["gyro_x,gyro_z"] > 1.9 * half
+    assert all(np.isfinite(one.p_value) for one in judged.values())
 
 
 @pytest.mark.parametrize(

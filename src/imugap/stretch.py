@@ -4,8 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import minimize
-from scipy.special import expit, logit, logsumexp
-from scipy.stats import beta, chi2
+from scipy.special import betaincinv, expit, logit, logsumexp
 
 NODES, WEIGHTS = np.polynomial.hermite_e.hermegauss(9)
 """Levels of normal noise, in standard deviations, and their shares."""
@@ -87,9 +86,9 @@ def counted(runs: np.ndarray, free: int) -> Estimate:
 
 def _binomial(hits: int, trials: int) -> tuple[float, float, float]:
     """Return a share and its interval (Clopper and Pearson 1934)."""
-    low = beta.ppf(0.025, hits, trials - hits + 1) if hits else 0.0
-    high = beta.ppf(0.975, hits + 1, trials - hits) if hits < trials else 1.0
-    return hits / trials, float(low), float(high)
+    low = float(betaincinv(hits, trials - hits + 1, 0.025)) if hits else 0.0
+    high = float(betaincinv(hits + 1, trials - hits, 0.975)) if hits < trials else 1.0
+    return hits / trials, low, high
 
 
 def disentangled(
@@ -121,13 +120,14 @@ def disentangled(
 
     plain = _least(cost, [[np.log(chance), 0.0]])
     total = counts.sum()
-    if chi2.logsf(2 * max(plain.fun + counts @ np.log(counts / total), 0.0), 2) > log_alpha:
+    # Of a gain g of log-likelihood by two parameters, chi-square with two degrees of freedom has the tail exp(-g).
+    if -max(plain.fun + counts @ np.log(counts / total), 0.0) > log_alpha:
         return None
     starts = [[*plain.x, logit(share), logit(1 / mean)] for share, mean in ((30 / total, 1.5), (3e-3, 5), (3e-3, 50))]
     best = _least(cost, starts)
     errors = 1.96 * np.sqrt(np.maximum(np.diag(np.linalg.pinv(_curvature(cost, best.x)))[2:], 0.0))
     begin, end = ([float(expit(x + k * e)) for k in (0, -1, 1)] for x, e in zip(best.x[2:], errors, strict=True))
-    log_p = float(min(chi2.logsf(2 * max(plain.fun - best.fun, 0.0), 2), 0.0))
+    log_p = -max(float(plain.fun - best.fun), 0.0)
     free = _log_runs(lengths, 0.0, 1.0, *_levels(best.x)) + (lengths + 1) * np.log1p(-begin[0])
     stuck = free - _log_runs(lengths, begin[0], end[0], *_levels(best.x)) < np.log(0.5)
     least = int(lengths[stuck].min()) if stuck.any() else int(lengths.max()) + 1

@@ -21,7 +21,7 @@ from imugap.discovery.parameters import NORMAL, axis_unit
 from imugap.discovery.record import Record, prepare
 from imugap.discovery.runs import as_first, clocks, turn_on
 from imugap.discovery.search import log_chance
-from imugap.discovery.story import Story, Tale, concluded, described, model_of, noise_of, part, told
+from imugap.discovery.story import CERTAIN, Story, Tale, concluded, described, model_of, noise_of, part, told
 from imugap.discovery.uncertain import Uncertain
 from imugap.effects import CATALOGUE, CommonMode, TurnOnBias, WhiteNoise
 from imugap.effects.effect import Effect, Stage, StochasticEffect
@@ -160,8 +160,9 @@ def discover(
     model = partial(_model, known=known, findings=outside)
     held_out = [_tested(test, stories, start, final, question) for test in tests]
     apart, paths = _distances(held_out or [_held_out(record, stories, start, model)], question)
-    withheld = tuple((axis, name, why.reason) for axis, story in stories.items() for name, why in story.withheld)
-    places = (*record.gaps, *where)
+    withheld = tuple((axis, *one) for axis, story in stories.items() for one in story.unnamed())
+    unsteady = _unsteady(stories)
+    places, left = (*record.gaps, *where, *unsteady), (*unsteady, *left)
     steps.begin("done")
     return Discovery(start, final, places, findings, left, withheld, apart, paths, tuple(seen), later, record, stories)
 
@@ -288,6 +289,15 @@ def _left(
     judged = [*judged, *(one for one in seen if not changed & set(one.curve.axis.split(",")))]
     left = tuple(gap for gap in named(judged, question.alpha) if frozenset(gap.axis.split(",")) not in alike)
     return tuple(one for one in judged if frozenset(one.curve.axis.split(",")) not in alike), left
+
+
+def _unsteady(stories: Mapping[str, Story]) -> tuple[Gap, ...]:
+    """Return the places of lines that are not steady; neither model has them."""
+    return tuple(
+        Gap("line", axis, band.low, band.high, "Hz", float(np.exp(max(band.log_p, CERTAIN))))
+        for axis, story in stories.items()
+        for band in story.bands
+    )
 
 
 def _noisy(effects: Iterable[Effect]) -> bool:

@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.stats import chi2, ncx2
 
 from imugap.discovery.axis import AxisFit
 from imugap.discovery.noise import STEP, Noise, log_likelihood
@@ -20,15 +20,19 @@ from imugap.discovery.telegraph import compare
 from imugap.effects import RandomTelegraph, Sinusoid
 from imugap.effects.effect import TINY, StochasticEffect
 
-LEVEL = np.log(1e-3)
+LEVEL = np.log(3e-3)
 """Log-probability of chance below which a name is in doubt."""
 SHARE = 0.05
 """Share of the variance of a band above which an effect answers for the band."""
 BANDS = 24
+SLIGHT = 0.05
+"""Relative deviation of the power in a band that leaves a name as it is: no real spectrum is one of a catalogue."""
 BLOCKS = 12
 """Blocks of a stretch of another variance, and of the rest, that have to agree."""
 HARMONICS, ALONE = 9, 0.1
 """Highest multiple of a line, and share of its frequency within which it has to be known to tell multiples."""
+FAR = 2.0
+"""Factor of the frequency of a line in doubt beyond which others have nothing to do with it."""
 NEAR = 5.0
 """Distance of two lines, in periods per log, below which they may be one."""
 
@@ -42,7 +46,10 @@ class Doubt:
 
 
 def doubts(search: Search, fit: AxisFit) -> dict[Key, Doubt]:
-    """Return the added effects of a fit whose names are in doubt; with one in doubt, all of its part of the model."""
+    """Return the added effects of a fit whose names are in doubt; with one in doubt, all of its part of the model.
+
+    Beside lines in doubt a term keeps its name that is certain from other frequencies.
+    """
     keys = search.added(fit.description)
     found = {key: doubt for key in keys if (doubt := _doubt(search, fit, key)) is not None}
     for kind, most in MANY.items():
@@ -50,10 +57,33 @@ def doubts(search: Search, fit: AxisFit) -> dict[Key, Doubt]:
         if len(same) > most:
             found |= {key: Doubt(f"{len(same)} of them", -np.inf) for key in same}
     found |= _after_clusters(search, fit, found) | _beside_a_mean(search, fit, keys, found)
+    clear = _clear_of_lines(search, fit, keys, found)
     for part in {key.part for key in found}:
         worst = min((found[key] for key in found if key.part == part), key=lambda doubt: doubt.log_p)
-        found |= {key: worst for key in keys if key.part == part and key not in found}
+        found |= {key: worst for key in keys if key.part == part and key not in found and key not in clear}
     return found
+
+
+def _clear_of_lines(search: Search, fit: AxisFit, keys: Sequence[Key], found: Mapping[Key, Doubt]) -> set[Key]:
+    """Return the terms that, lines alone being in doubt, are certain from frequencies far from these."""
+    doubtful = [at(fit.description, key) for key in found if key.part == "term"]
+    if not doubtful or not all(isinstance(effect, Sinusoid) for effect in doubtful):
+        return set()
+    lines = [line.frequency for line in doubtful]
+    others = [key for key in keys if key.part == "term" and key not in found]
+    return {key for key in others if _certain_outside(search, fit, key, min(lines) / FAR, max(lines) * FAR)}
+
+
+def _certain_outside(search: Search, fit: AxisFit, key: Key, low: float, high: float) -> bool:
+    """Return whether chance does not explain what an effect gains outside of a band of frequencies [Hz]."""
+    own, without = search.weighed(fit, key)
+    frequency = np.arange(1, fit.sequence.bins.last + 1) / (2 * len(fit.residual) * fit.sequence.conditions.interval)
+    outside = (frequency < low) | (frequency > high)
+    full, less = (
+        np.sum((one.coefficients[: len(frequency)] ** 2 + np.log(one.variance[: len(frequency)]))[outside])
+        for one in (fit, without)
+    )
+    return replace(own, gain=0.5 * float(less - full)).log_p < search.log_alpha
 
 
 def _after_clusters(search: Search, fit: AxisFit, found: Mapping[Key, Doubt]) -> dict[Key, Doubt]:
@@ -200,7 +230,7 @@ def _score(fit: AxisFit, direction: np.ndarray) -> float:
 
 
 def _off_in_bands(fit: AxisFit, share: np.ndarray) -> Doubt:
-    """Compare the power of bands that the effect answers for with the fit."""
+    """Compare the power of bands that the effect answers for with the fit, slight deviations allowed for."""
     bins = fit.sequence.bins
     mine = np.flatnonzero(share > SHARE)
     if len(mine) < 2:
@@ -213,7 +243,9 @@ def _off_in_bands(fit: AxisFit, share: np.ndarray) -> Doubt:
     deviation = (power[used] / number[used] - 1) * np.sqrt(number[used] / 2)
     normal = np.sign(deviation) * np.sqrt(2 * _divergence(power[used], number[used]))
     free = max(int(used.sum()) - len(fit.description.noise.parameters()), 1)
-    return Doubt("its spectrum has another shape", float(chi2.logsf(np.sum(normal**2), free)))
+    slight = 0.5 * SLIGHT**2 * float(number[used].sum())
+    chance = float(ncx2.sf(np.sum(normal**2), free, slight))
+    return Doubt("its spectrum has another shape", float(np.log(max(chance, TINY))))
 
 
 def _divergence(power: np.ndarray, number: np.ndarray) -> np.ndarray:

@@ -102,7 +102,7 @@ def twins(fits: Mapping[str, AxisFit], known: Mapping[str, tuple[Effect, ...]]) 
     for axis, found in fits.items():
         plain = all(isinstance(effect, WhiteNoise) for effect in found.description.effects())
         shared = plain and not known.get(axis)
-        groups[found.sequence.flawed.tobytes() if shared else axis].append(axis)
+        groups[(found.sequence.flawed.tobytes(), found.sequence.share) if shared else axis].append(axis)
     over = views.binnings(next(iter(fits.values())).sequence)
     return [
         Twins(
@@ -138,21 +138,25 @@ def verdicts(
     asked = set(fits if asked is None else asked)
     if not asked:
         return []
-    common = [pair for pair in combinations(fits, 2) if all(fits[axis].has(CommonMode) for axis in pair)]
-    common = [pair for pair in common if asked & set(pair)]
+    pairs = [pair for pair in combinations(fits, 2) if asked & set(pair)]
+    common = [pair for pair in pairs if all(fits[axis].has(CommonMode) for axis in pair)]
     drawn = asked.union(*common)
     groups = twins({axis: replace(found) for axis, found in fits.items() if axis in drawn}, known or {})
+    lasts = {views.shared_last(*(fits[axis] for axis in pair)) for pair in pairs}
     parts = [range(first, min(first + TOGETHER, replicates)) for first in range(0, replicates, TOGETHER)]
     statistics: dict[object, list[np.ndarray]] = defaultdict(list)
-    for part in each(partial(_statistics, groups, common, seed), parts):
+    for part in each(partial(_statistics, groups, common, lasts, seed), parts):
         for key, rows in part.items():
             statistics[key] += rows
     alone = [one for one in _alone(groups, statistics) if one.curve.axis in asked]
-    return alone + [one for one in _pairs(fits, statistics) if asked & set(one.curve.axis.split(","))]
+    return alone + _pairs(pairs, fits, statistics)
 
 
-def _statistics(groups: list[Twins], common: list[tuple[str, str]], seed: int, indices: range) -> dict:
-    """Return the statistics of replicates: by group and view, by pair of axes, and of independent pairs."""
+def _statistics(groups: list[Twins], common: list[tuple[str, str]], lasts: set[int], seed: int, indices: range) -> dict:
+    """Return the statistics of replicates: by group and view, by pair of axes, and of independent pairs.
+
+    Those of independent pairs are taken up to each of the coefficients ``lasts``.
+    """
     statistics: dict[object, list[np.ndarray]] = defaultdict(list)
     newest = None
     with threadpool_limits(1):
@@ -163,9 +167,10 @@ def _statistics(groups: list[Twins], common: list[tuple[str, str]], seed: int, i
                 drawn |= {member.sequence.conditions.axis: found for member in group.fits}
                 for key, curve in views.curves(found, group.over).items():
                     statistics[number, *key].append(curve.statistic)
-            newest = next(iter(drawn.values()))
+            newest = max(drawn.values(), key=lambda found: found.sequence.bins.last)
             if last is not None:
-                statistics["independent"].append(views.of_coherence(newest, last).statistic)
+                for end in lasts:
+                    statistics["independent", end].append(views.of_coherence(newest, last, end).statistic)
             for pair in common:
                 statistics[pair].append(views.of_coherence(*(drawn[axis] for axis in pair)).statistic)
     return dict(statistics)
@@ -181,12 +186,13 @@ def _alone(groups: list[Twins], statistics: Mapping) -> list[Verdict]:
     return found
 
 
-def _pairs(fits: Mapping[str, AxisFit], statistics: Mapping) -> list[Verdict]:
+def _pairs(pairs: list[tuple[str, str]], fits: Mapping[str, AxisFit], statistics: Mapping) -> list[Verdict]:
     """Return the verdicts on two axes each; where nothing is common, against pairs of independent replicates."""
     found = []
-    for pair in combinations(fits, 2):
-        curve = views.of_coherence(*(fits[axis] for axis in pair))
-        rows = statistics[pair if pair in statistics else "independent"]
+    for pair in pairs:
+        members = [fits[axis] for axis in pair]
+        curve, independent = views.of_coherence(*members), ("independent", views.shared_last(*members))
+        rows = statistics[pair if pair in statistics else independent]
         found.append(Verdict(curve, Envelope(np.array(rows), curve.signed)))
     return found
 

@@ -4,8 +4,11 @@ import numpy as np
 from scipy.fft import idct, next_fast_len, rfft
 from scipy.optimize import minimize
 
-EDGE = 8
-"""Samples at each end at which no step is looked for."""
+EDGE, LONGEST_EDGE = 0.02, 64
+"""Share of the samples at each end at which no step is looked for, and their largest number.
+
+There a sharp filter, whose past and future the log does not hold, makes what looks like one.
+"""
 BAND, FINER = 256, 4
 """Frequencies of a band over which the level of the power is taken; how often it is halved towards zero."""
 MEANS, FASTEST = 4096, 0.125
@@ -31,7 +34,8 @@ def steps(coefficients: np.ndarray, variance: np.ndarray) -> np.ndarray:
     cosine = np.real(rfft(padded))[:n]
     norm = 0.5 * (share.sum() - cosine)
     gains = np.zeros(n)
-    inner = slice(EDGE, n - EDGE)
+    edge = min(max(int(EDGE * n), 8), LONGEST_EDGE)
+    inner = slice(edge, n - edge)
     gains[inner] = 0.5 * matched[inner] ** 2 / np.maximum(norm[inner], 1e-300)
     return gains
 

@@ -136,6 +136,10 @@ class Search:
         """Return the search without the fits that it made on the way."""
         return replace(self, memory={})
 
+    def afresh(self) -> "Search":
+        """Return the same search for other samples."""
+        return Search(self.start, self.catalogue, self.log_alpha)
+
     def fitted(self, sequence: Sequence, start: Description) -> AxisFit:
         """Return the fit from a start, made once; what was derived from it is kept of the latest fits only."""
         found = self.memory.pop(start, None)

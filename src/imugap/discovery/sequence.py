@@ -26,12 +26,15 @@ class Sequence:
         Which samples are replacements, shape (n,).
     share
         Share of the frequencies, from the lowest on, that has power beyond leakage.
+    few
+        Whether the samples sat on few levels, where the values no longer show it.
     """
 
     values: np.ndarray
     conditions: Conditions
     flawed: np.ndarray
     share: float = USED
+    few: bool | None = None
 
     @cached_property
     def bins(self) -> Bins:
@@ -41,8 +44,14 @@ class Sequence:
     @cached_property
     def coarse(self) -> bool:
         """Return whether the values sit on so few levels that their law says nothing of tails."""
+        if self.few is not None:
+            return self.few
         _, counts = np.unique(self.values, return_counts=True)
         return bool(counts.max() > COARSE * len(self.values))
+
+    def changed(self, values: np.ndarray) -> "Sequence":
+        """Return the sequence with other values, which may lie between the levels of the samples."""
+        return replace(self, values=values, few=self.coarse)
 
     def mended(self, flawed: np.ndarray, rng: np.random.Generator) -> "Sequence":
         """Return the sequence with further samples replaced by their surroundings.

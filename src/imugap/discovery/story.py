@@ -7,6 +7,7 @@ import numpy as np
 from scipy.fft import next_fast_len
 from threadpoolctl import threadpool_limits
 
+from imugap.discovery import unsteady
 from imugap.discovery.axis import AxisFit, Description, Term, fit, log_score, offset
 from imugap.discovery.doubt import Doubt, doubts
 from imugap.discovery.finding import Finding, Interval
@@ -14,7 +15,9 @@ from imugap.discovery.noise import Noise
 from imugap.discovery.parameters import axis_unit, intervals
 from imugap.discovery.search import MANY, SLOW, Key, Search, at, log_chance, removed
 from imugap.discovery.sequence import Sequence
+from imugap.discovery.sweeps import swept
 from imugap.discovery.telegraph import compare
+from imugap.discovery.unsteady import Band
 from imugap.effects import (
     Bias,
     BiasStep,
@@ -33,6 +36,8 @@ TWICE = 2.0
 """Size of a step, in those of telegraph noise beside it, below which it is one of its switches."""
 PLACES = 12.0
 """Logarithm of the largest number of places of which an effect is tried at the best."""
+MOST_BANDS = 4
+"""Bands of lines that are not steady at most; with more the spectrum is another than that of lines."""
 CERTAIN = -690.0
 """Logarithm of the least probability that is told from zero."""
 
@@ -51,6 +56,8 @@ class Tale:
         The same of the whole log, with what only its last part shows.
     held_out
         The last part.
+    bands
+        Of lines that are not steady; the fits are without them, but for that of the start model.
     """
 
     before: AxisFit
@@ -59,6 +66,7 @@ class Tale:
     whole: AxisFit
     late: Search
     held_out: Sequence
+    bands: tuple[Band, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,6 +85,8 @@ class Story:
         The effects that were named.
     withheld
         Name and reason of what was seen but fits no name.
+    bands
+        Of lines that are not steady; no name fits them.
     """
 
     before: AxisFit
@@ -84,6 +94,12 @@ class Story:
     whole: AxisFit
     findings: tuple[Finding, ...]
     withheld: tuple[tuple[str, Doubt], ...]
+    bands: tuple[Band, ...] = ()
+
+    def unnamed(self) -> tuple[tuple[str, str], ...]:
+        """Return the nearest name, and the reason why it is not given, of what was seen."""
+        lines = ((Sinusoid.name, f"it is not steady, {band.low:.4g} to {band.high:.4g} Hz") for band in self.bands)
+        return (*((name, doubt.reason) for name, doubt in self.withheld), *lines)
 
     @property
     def changed(self) -> bool:
@@ -151,13 +167,40 @@ def told(
     with threadpool_limits(1):
         held_in, held_out = part(sequence, 0, split), part(sequence, split, len(sequence.values))
         before = fit(held_in, described(start, held_in))
-        early, late = (Search(before.description, catalogue, log_alpha) for _ in range(2))
-        after = _told_apart(early, early.explore(before))
-        whole = part(sequence, 0, len(sequence.values))
-        kept = replace(after.description, outliers=None, changes=before.description.changes)
-        again = late.settled(fit(whole, kept))
-        found = _told_apart(late, late.explore(again))
-        return Tale(before.bare(), after.bare(), early.forgetful(), found.bare(), late.forgetful(), held_out)
+        search = Search(before.description, catalogue, log_alpha)
+        early = _searched(search, before)
+        whole = unsteady.without(part(sequence, 0, len(sequence.values)), early.bands)
+        kept = replace(early.found.description, outliers=None, changes=before.description.changes)
+        again = search.afresh()
+        late = _searched(again, again.settled(fit(whole, kept)), early.bands)
+        return Tale(
+            before.bare(),
+            early.found.bare(),
+            early.search.forgetful(),
+            late.found.bare(),
+            late.search.forgetful(),
+            held_out,
+            late.bands,
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class _Searched:
+    """The end of a search, and the bands that were taken out on the way."""
+
+    search: Search
+    found: AxisFit
+    bands: tuple[Band, ...]
+
+
+def _searched(search: Search, before: AxisFit, taken: tuple[Band, ...] = ()) -> _Searched:
+    """Search, and again without the bands of lines that turn out not to be steady."""
+    found = _told_apart(search, search.explore(before))
+    bands = unsteady.bands(found) if len(taken) < MOST_BANDS else ()
+    if not bands:
+        return _Searched(search, found, taken)
+    cleared = unsteady.without(before.sequence, bands)
+    return _searched(search.afresh(), fit(cleared, search.start), (*taken, *bands))
 
 
 def concluded(tale: Tale) -> Story:
@@ -169,7 +212,9 @@ def concluded(tale: Tale) -> Story:
         findings = tuple(_finding(search, whole, key, tale.held_out) for key in named)
         withheld = tuple((at(whole.description, key).name, doubt) for key, doubt in doubtful.items())
         after = _without(tale.after, list(doubts(tale.early, tale.after)))
-        return Story(tale.before, after.bare(), _without(whole, list(doubtful)).bare(), findings, withheld)
+        final = _without(whole, list(doubtful))
+        bands = (*tale.bands, *swept(final, search.log_alpha))
+        return Story(tale.before, after.bare(), final.bare(), findings, withheld, bands)
 
 
 def _two_valued(found: AxisFit) -> AxisFit:

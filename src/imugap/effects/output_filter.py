@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
-from scipy.signal import butter, sosfilt, sosfilt_zi, zpk2sos
 
 from imugap.effects.effect import TINY, Conditions, Effect, Stage, Start, parameter
 
@@ -34,6 +33,8 @@ class OutputFilter(Effect):
 
     def apply(self, sequence: np.ndarray, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
         """Filter the output, as if its first value had been there for ever."""
+        from scipy.signal import sosfilt, sosfilt_zi  # takes as long as all else here, and most models have no filter
+
         sections = self._sections(conditions.interval)
         return sosfilt(sections, sequence, zi=sosfilt_zi(sections) * sequence[0])[0]
 
@@ -50,6 +51,8 @@ class OutputFilter(Effect):
         Poles alone: where (sin^2(pi f interval))^order is -(sin^2(pi cutoff interval))^order, sin^2 being
         (2 - z - 1/z)/4, inside the unit circle.
         """
+        from scipy.signal import butter, zpk2sos
+
         self._check(interval)
         if not self.all_pole:
             return butter(int(self.order), self.cutoff, fs=1 / interval, output="sos")

@@ -5,7 +5,7 @@ from typing import ClassVar
 
 import numpy as np
 import pandas as pd
-from scipy.stats import norm
+from scipy.special import log_ndtr
 
 from imugap.effects.effect import ClockEffect, Conditions, Evidence, parameter
 from imugap.integrity import IMPROBABLE
@@ -44,7 +44,7 @@ class SampleLoss(ClockEffect):
         if not stamps.even or not stamps.lost.any():
             return None
         spread = np.sqrt(2 * max(stamps.variance, 1e-8 * stamps.interval**2))
-        evidence = cls.of(stamps.lost, float(norm.logsf(0.5 * stamps.interval / spread)))
+        evidence = cls.of(stamps.lost, float(log_ndtr(-0.5 * stamps.interval / spread)))
         return evidence if evidence.log_p < np.log(IMPROBABLE) else None
 
     @classmethod

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from scipy.stats import binom
+from scipy.special import bdtrc
 
 from imugap.effects.effect import TINY, Conditions, Effect, Evidence, Stage, parameter
 from imugap.grain import grain, spacing
@@ -82,11 +82,8 @@ def _log_chance(values: np.ndarray, step: float, lattice: bool) -> float:
     near = values >= top - reach * (1 + 1e-9)
     visits = np.count_nonzero(np.diff(near.astype(int), prepend=0) == 1)
     size = visits / np.count_nonzero(near)
-    return float(
-        binom.logsf(
-            np.floor(np.count_nonzero(at) * size) - 1, np.ceil((len(inside) + np.count_nonzero(at)) * size), share
-        )
-    )
+    least, most = int(np.count_nonzero(at) * size), int(np.ceil((len(inside) + np.count_nonzero(at)) * size))
+    return float(np.log(max(bdtrc(least - 1, most, share), TINY)))
 
 
 def _slope(distance: np.ndarray) -> float:

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from scipy.stats import poisson
+from scipy.special import pdtrc
 
-from imugap.effects.effect import Conditions, Effect, Evidence, Stage, parameter
+from imugap.effects.effect import TINY, Conditions, Effect, Evidence, Stage, parameter
 from imugap.grain import grain, spacing
 from imugap.integrity import IMPROBABLE
 from imugap.stretch import counted, disentangled, stretches
@@ -59,7 +59,7 @@ class StuckSamples(Effect):
             return None
         if chance * len(known) < RARE * np.count_nonzero(runs):
             estimate = counted(runs[runs > 0], max(len(first) - 1, 1))
-            log_p = float(poisson.logsf(np.count_nonzero(runs) - 1, max(chance, 1e-12) * len(known)))
+            log_p = float(np.log(max(pdtrc(np.count_nonzero(runs) - 1, max(chance, 1e-12) * len(known)), TINY)))
         else:
             lengths, counts = np.unique(runs, return_counts=True)
             estimate = disentangled(lengths, counts, chance, spread, np.log(IMPROBABLE))

@@ -5,9 +5,9 @@ from typing import ClassVar
 
 import numpy as np
 import pandas as pd
-from scipy.stats import chi2
+from scipy.special import chdtrc, chdtri
 
-from imugap.effects.effect import ClockEffect, Evidence, parameter
+from imugap.effects.effect import TINY, ClockEffect, Evidence, parameter
 from imugap.stamps import LEAST, Stamps
 
 ROUNDED = 2.0
@@ -43,9 +43,10 @@ class TimestampJitter(ClockEffect):
         excess = stamps.variance - stamps.rounding_variance
         if stamps.variance < ROUNDED * stamps.rounding_variance or not independent(stamps.scatter):
             return None
-        limits = stamps.variance * stamps.freedom / chi2.ppf([0.975, 0.025], stamps.freedom) - stamps.rounding_variance
+        limits = stamps.variance * stamps.freedom / chdtri(stamps.freedom, [0.025, 0.975]) - stamps.rounding_variance
         low, high = (float(np.sqrt(max(limit, 0.0))) for limit in limits)
-        log_p = float(chi2.logsf(stamps.variance * stamps.freedom / stamps.rounding_variance, stamps.freedom))
+        chance = chdtrc(stamps.freedom, stamps.variance * stamps.freedom / stamps.rounding_variance)
+        log_p = float(np.log(max(chance, TINY)))
         return Evidence(cls(float(np.sqrt(excess))), {"std": (low, high)}, log_p, np.zeros(len(stamps.time), bool))
 
 

@@ -80,9 +80,17 @@ def of_line(fit: AxisFit) -> Curve:
     )
 
 
-def of_coherence(one: AxisFit, other: AxisFit) -> Curve:
-    """Return the correlation of two axes' whitened residuals in bands, over frequency [Hz] (Fisher 1921, score)."""
-    last = one.sequence.bins.last
+def shared_last(one: AxisFit, other: AxisFit) -> int:
+    """Return the number of coefficients that two axes both use."""
+    return min(one.sequence.bins.last, other.sequence.bins.last)
+
+
+def of_coherence(one: AxisFit, other: AxisFit, last: int | None = None) -> Curve:
+    """Return the correlation of two axes' whitened residuals in bands, over frequency [Hz] (Fisher 1921, score).
+
+    It goes up to coefficient ``last``, where given, else as far as both have power.
+    """
+    last = shared_last(one, other) if last is None else last
     first, number = bands(last, WIDTH, FEWEST)
     a, b = one.coefficients[:last], other.coefficients[:last]
     product, square, other_square = (pooled(np.add.reduceat(part, first)) for part in (a * b, a**2, b**2))
