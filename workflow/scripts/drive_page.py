@@ -52,6 +52,8 @@ def schemes_page(scores, recovery):
         row["recovery, 90 % [s]"] = f"{known.quantile(0.9):.0f}" if case == CONTAMINATED else "—"
         row["NIS"], row["NEES"] = (tables.number(one[name], 3) for name in ("nis", "nees"))
         row["NEES, sensors"] = tables.number(one["nees_sensors"], 3)
+        if scheme == SMOOTHED:
+            row |= dict.fromkeys(("NIS", "NEES", "NEES, sensors"), "—")  # covariances at the fixes are the filter's
         rows.append(row)
     return pd.DataFrame(rows)
 
