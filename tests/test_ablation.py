@@ -7,7 +7,20 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from imugap.ablation import CLEAN, CONTAMINATED, ERRORS, ORACLE, Ablation, lasting, recovery, scores
+from imugap.ablation import (
+    ALONE,
+    CLEAN,
+    CONTAMINATED,
+    ERRORS,
+    LOST,
+    ORACLE,
+    PARTS,
+    SMOOTHED,
+    Ablation,
+    lasting,
+    recovery,
+    scores,
+)  # fmt: skip
 from imugap.consistency import nees_band
 from imugap.faults import OUTAGE, OUTLIER, RAMP, STRETCH, Event
 from imugap.quality import SCHEMES
@@ -42,9 +55,9 @@ def middle(found, case, scheme, score):
 
 def test_every_case_has_every_scheme(found):
     counts = found.groupby(["case", "scheme"]).size()
-    assert set(counts.index) == {(case, name) for case in (CLEAN, CONTAMINATED) for name in SCHEMES} | {
-        (CONTAMINATED, ORACLE)
-    }
+    every = {(case, name) for case in (CLEAN, CONTAMINATED) for name in (*SCHEMES, SMOOTHED)}
+    some = {(case, name) for case, names in PARTS.items() for name in names}
+    assert set(counts.index) == every | some | {(CONTAMINATED, ORACLE)}
     assert (counts == RUNS).all()
 
 
@@ -56,6 +69,8 @@ def test_without_gross_errors_the_plain_filter_is_consistent_and_control_costs_l
         assert middle(found, CLEAN, name, "horizontal_95") < 1.1 * middle(found, CLEAN, "none", "horizontal_95")
         assert middle(found, CLEAN, name, "false") < 0.006
     assert 0.001 < middle(found, CLEAN, "robust", "false") < 0.006
+    both = [middle(found, CLEAN, name, "horizontal_95") for name in (SMOOTHED, "none")]
+    assert 0.4 < both[0] / both[1] < 0.8
 
 
 def test_control_helps_and_an_oracle_helps_most(found):
@@ -64,6 +79,27 @@ def test_control_helps_and_an_oracle_helps_most(found):
         assert middle(found, CONTAMINATED, name, "horizontal_95") < 0.7 * plain
     assert middle(found, CONTAMINATED, ORACLE, "horizontal_95") < middle(found, CONTAMINATED, "robust", "horizontal_95")
     assert 0.8 < middle(found, CONTAMINATED, ORACLE, "nis") < 1.2
+
+
+def test_hindsight_is_for_errors_that_stay_and_comes_near_the_oracle(found):
+    """It leaves outliers and outages as they are, and the covariance goes on telling how far the filter is off."""
+    worse, oracle = (middle(found, CONTAMINATED, name, "horizontal_95") for name in ("reset", ORACLE))
+    near = middle(found, CONTAMINATED, "hindsight", "horizontal_95")
+    assert 0.6 * oracle < near < 1.3 * oracle
+    assert near < 0.6 * worse
+    for kind, low, high in ((OUTLIER, 0.95, 1.05), (OUTAGE, 0.9, 1.1), (STRETCH, 0.0, 0.7), (RAMP, 0.0, 0.9)):
+        both = [middle(found, ALONE[kind], name, "horizontal_95") for name in ("hindsight", "reset")]
+        assert low < both[0] / both[1] < high
+    assert middle(found, CONTAMINATED, "hindsight", "nees") < 0.5 * middle(found, CONTAMINATED, "reset", "nees")
+    low, high = nees_band(9, RUNS * 10, 0.9999)
+    assert low / 9 < middle(found, CONTAMINATED, "hindsight", "nees") < 1.5 * high / 9
+    assert middle(found, CLEAN, "hindsight", "doubts") < 0.5 < middle(found, CONTAMINATED, "hindsight", "doubts")
+
+
+def test_a_drive_that_begins_in_a_stretch_needs_a_soft_reset(found):
+    assert middle(found, LOST, "gated", "resets") == 0
+    assert 0.5 < middle(found, LOST, "hindsight", "resets") < 2
+    assert middle(found, CLEAN, "hindsight", "resets") == 0
 
 
 def test_what_is_missed_is_less_with_a_test_and_all_without(found):

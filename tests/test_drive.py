@@ -103,8 +103,10 @@ def test_the_folder_is_whole_and_says_where_the_vehicle_was(here, recipe, capsys
         assert np.hypot(*off.T).max() < limit
         assert table["latitude"].mean() == pytest.approx(48, abs=0.05)
     events = pd.read_csv("found/events.csv")
-    assert {"north"} <= set(events[events["time"] == 100.0]["component"])
-    assert found["weighed_down"] == (events["event"] == "weighed down").sum() > 0
+    assert "set aside" in set(events[events["time"] == 100.0]["event"])
+    for name in ("set_aside", "weighed_down", "offset_opened", "offset_closed"):
+        assert found[name] == (events["event"] == name.replace("_", " ")).sum()
+    assert found["set_aside"] >= 1
 
 
 def test_the_summary_tells_whether_the_filter_knows_itself(recipe):

@@ -71,7 +71,7 @@ def test_weights_are_continuous_at_the_limit():
 @pytest.mark.parametrize(
     "wrong",
     [{"component": 0.0}, {"steepness": 0.0}, {"component": -1.0}, {"false_alarm": 0.0}, {"false_alarm": 1.0},
-     {"reset_s": 0.0}, {"reset_std": (1.0, 1.0)}, {"reset_std": (1.0, -1.0, 0.0)}],
+     {"reset_s": 0.0}, {"hindsight_s": 0.0}, {"reset_std": (1.0, 1.0)}, {"reset_std": (1.0, -1.0, 0.0)}],
 )  # fmt: skip
 def test_what_is_no_test_is_refused(wrong):
     with pytest.raises(ValueError, match="expected"):
@@ -80,7 +80,7 @@ def test_what_is_no_test_is_refused(wrong):
 
 def test_what_is_left_out_never_acts():
     control = Control.of(SCHEMES["none"], 6)
-    assert np.isinf([control.component, control.reset_s]).all()
+    assert np.isinf([control.component, control.reset_s, control.hindsight_s]).all()
     assert not control.gated
 
 

@@ -170,10 +170,18 @@ def test_control_is_worth_more_than_none_and_less_than_an_oracle():
     middle = drives()["horizontal_95"].mean()["contaminated"]
     for scheme in ("remove", "robust", "gated", "reset"):
         assert middle["oracle"] < middle[scheme] < middle["none"]
+    assert 0.7 * middle["oracle"] < middle["hindsight"] < 1.3 * middle["oracle"]
+    assert middle["hindsight"] < 0.6 * middle["reset"]
+
+
+def test_hindsight_doubts_where_there_is_cause_and_nowhere_else():
+    doubts, resets = (drives()[name].mean() for name in ("doubts", "resets"))
+    assert doubts["clean", "hindsight"] < 0.5 < doubts["contaminated", "hindsight"]
+    assert resets["lost", "hindsight"] > 0.5 > resets["lost", "gated"]
 
 
 def test_control_costs_little_where_nothing_is_wrong():
-    middle = drives()["horizontal_95"].mean()["clean"]
+    middle = drives()["horizontal_95"].mean()["clean"].drop("smoothed")
     assert (middle / middle["none"]).between(0.97, 1.1).all()
     false = drives()["false"].mean()["clean"]
     assert false[["remove", "robust"]].between(0.0020, 0.0034).all()

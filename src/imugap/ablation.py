@@ -12,17 +12,25 @@ from scipy.spatial.transform import Rotation
 from imugap import reference
 from imugap.departure import depart
 from imugap.error_state import NAVIGATION
-from imugap.faults import OUTAGE, Event, Faults, mark
+from imugap.faults import OUTAGE, OUTLIER, RAMP, STRETCH, Event, Faults, mark
 from imugap.hidden import Case
+from imugap.hindsight import LOOKED_BACK, OPENED
 from imugap.log import ACCEL, GYRO
-from imugap.quality import NOTHING, SCHEMES, Quality
+from imugap.quality import NOTHING, SCHEMES, TAKEN, Quality
 from imugap.road import Drive
 from imugap.strapdown import POSITION, VELOCITY
 from imugap.vehicle import Assumptions, Solution, navigate
 
-CLEAN, CONTAMINATED = "clean", "contaminated"
-ORACLE = "oracle"
-"""A scheme that is told the gross errors as standard deviations: what a perfect test would make of the fixes."""
+CLEAN, CONTAMINATED, LOST = "clean", "contaminated", "lost"
+"""Cases: good fixes; all gross errors of the recipe; a stretch and no more, in which the drive begins."""
+ALONE = {kind: f"{kind} alone" for kind in (OUTLIER, STRETCH, RAMP, OUTAGE)}
+"""Further cases: of the gross errors those of one kind."""
+ORACLE, SMOOTHED = "oracle", "smoothed"
+"""Schemes: told the gross errors as standard deviations, what a perfect test would make of the fixes; and the smoother
+with all control."""
+PARTS = {LOST: ("gated", "reset", "hindsight")} | dict.fromkeys(ALONE.values(), ("reset", "hindsight"))
+"""Cases that only some schemes are put to."""
+CASES = (CLEAN, CONTAMINATED, *PARTS)
 ERRORS = ("horizontal", "vertical", "velocity", "tilt", "heading", "gyro", "accel")
 """What is scored: lengths of error vectors [m, m, m/s, rad, rad, rad/s, m/s^2], the last two of estimated biases."""
 EVERY_S = 1.0
@@ -63,20 +71,41 @@ class Ablation:
             velocity_std=receiver.velocity_std,
         )
 
-    def runs(self, run: int, seed: int, schemes: dict[str, Quality] = SCHEMES) -> Iterator[tuple[str, str, Run]]:
-        """Yield case, scheme and what comes of it, for one drive; last comes :data:`ORACLE`."""
+    def runs(
+        self, run: int, seed: int, schemes: dict[str, Quality] = SCHEMES, cases: tuple[str, ...] = CASES
+    ) -> Iterator[tuple[str, str, Run]]:
+        """Yield case, scheme and what comes of it, for one drive."""
         drive, assumptions = self.drive, self.assumptions
         record, clean, true = drive.record(run, seed), drive.fixes(run, seed), drive.errors(run, seed)
-        events = self.faults.draw(clean.index.to_numpy(), seed, run)
-        spoilt = self.faults.apply(clean, events, drive.ellipsoid, seed, run)
-        start = depart(record, clean, assumptions.states(drive.model), assumptions, drive.ellipsoid)
-        for case, fixes, known in ((CLEAN, clean, ()), (CONTAMINATED, spoilt, events)):
+        states, known = assumptions.states(drive.model), self._cases(clean, run, seed)
+        start = depart(record, clean, states, assumptions, drive.ellipsoid)
+
+        def navigated(fixes: pd.DataFrame, quality: Quality, events: tuple, smooth: bool = False) -> Run:
+            begin = start
+            if events and events[0].begin < start.time:
+                begin = depart(record, fixes, states, assumptions, drive.ellipsoid)
+            found = navigate(record, fixes, drive.model, assumptions, quality, begin, drive.ellipsoid, smooth)
+            return Run(found, fixes, events, true)
+
+        for case, (fixes, events) in ((case, known[case]) for case in cases):
             for name, quality in schemes.items():
-                solution = navigate(record, fixes, drive.model, assumptions, quality, start, drive.ellipsoid)
-                yield case, name, Run(solution, fixes, known, true)
-        told = self.faults.confess(spoilt, events)
-        solution = navigate(record, told, drive.model, assumptions, NOTHING, start, drive.ellipsoid)
-        yield CONTAMINATED, ORACLE, Run(solution, told, events, true)
+                if name in PARTS.get(case, schemes):
+                    yield case, name, navigated(fixes, quality, events)
+            if case in (CLEAN, CONTAMINATED):
+                yield case, SMOOTHED, navigated(fixes, Quality(), events, True)
+            if case == CONTAMINATED:
+                yield case, ORACLE, navigated(self.faults.confess(fixes, events), NOTHING, events)
+
+    def _cases(self, clean: pd.DataFrame, run: int, seed: int) -> dict[str, tuple[pd.DataFrame, tuple[Event, ...]]]:
+        """Return the fixes of each case and the gross errors in them."""
+        events = self.faults.draw(clean.index.to_numpy(), seed, run)
+        known = {CLEAN: (), CONTAMINATED: events}
+        known |= {case: tuple(one for one in events if one.kind == kind) for kind, case in ALONE.items()}
+        known[LOST] = (self.faults.first(seed, run),)
+        return {
+            case: (self.faults.apply(clean, some, self.drive.ellipsoid, seed, run) if some else clean, some)
+            for case, some in known.items()
+        }
 
     def errors(self, one: Run) -> pd.DataFrame:
         """Return the errors at every :data:`EVERY_S`: ``time``, :data:`ERRORS`, and the kind of the event there."""
@@ -84,7 +113,8 @@ class Ablation:
         time = np.arange(np.ceil(solution.time[0]) + EVERY_S, solution.time[-1] + 1e-6, EVERY_S)
         rows = np.minimum(np.searchsorted(solution.time, time - 1e-6), len(solution.time) - 1)
         linear, turn = self._navigation(solution, rows)
-        sensors = solution.sensors.iloc[rows] - self._sensors(one, rows)
+        true = self._sensors(one, rows)
+        sensors = solution.sensors[true.columns].iloc[rows] - true.to_numpy()
         columns = {
             "time": time,
             "horizontal": np.hypot(linear[:, 0], linear[:, 1]),
@@ -102,13 +132,16 @@ class Ablation:
 
         ``false`` is the share of the components of good fixes that are removed or weighed down, ``missed`` the share of
         bad fixes all of whose components of position are taken as they are, ``closed`` that of fixes that shut the
-        gate; ``nis``, ``nees`` and ``nees_sensors`` are means over the fixes by degrees of freedom.
+        gate, ``doubts`` how often an offset was opened; ``nis``, ``nees`` and ``nees_sensors`` are means over the fixes
+        by degrees of freedom.
         """
         record, solution = one.solution.record, one.solution
         bad = mark(solution.fix_time, one.events) != ""
         touched = record.share < 1
+        touched[:, :3] |= (record.course != TAKEN)[:, None]
         linear, turn = self._navigation(solution, solution.fix_row)
-        sensors = solution.path.errors[solution.fix_row] - self._sensors(one, solution.fix_row)
+        true = self._sensors(one, solution.fix_row)
+        sensors = solution.sensors[true.columns].to_numpy()[solution.fix_row] - true.to_numpy()
         whole = np.hstack([linear, turn, sensors])
         parts = {"nees": slice(0, NAVIGATION), "nees_sensors": slice(NAVIGATION, whole.shape[1])}
         return {
@@ -116,6 +149,7 @@ class Ablation:
             "missed": (~touched[bad, :3].any(axis=1)).mean() if bad.any() else np.nan,
             "closed": (~record.passed).mean(),
             "resets": int(record.reset.sum()),
+            "doubts": int(np.isin(record.turn, (OPENED, LOOKED_BACK)).sum()),
             "nis": record.statistic.sum() / record.freedom.sum(),
             **{name: _nees(whole[:, part], solution.covariances[:, part, part]) for name, part in parts.items()},
         }
@@ -127,8 +161,9 @@ class Ablation:
         linear = found[:, :6] - truth[[*POSITION, *VELOCITY]].to_numpy(float)
         return linear, (Rotation.from_quat(found[:, 6:]) * reference.rotations(truth).inv()).as_rotvec()
 
-    def _sensors(self, one: Run, rows: np.ndarray) -> np.ndarray:
-        return one.true[one.solution.names].to_numpy()[self._samples(one.solution, rows)]
+    def _sensors(self, one: Run, rows: np.ndarray) -> pd.DataFrame:
+        names = [name for name in one.solution.names if name in one.true]
+        return one.true[names].iloc[self._samples(one.solution, rows)]
 
     def _samples(self, solution: Solution, rows: np.ndarray) -> np.ndarray:
         return np.rint(solution.time.to_numpy()[rows] * self.drive.rate_hz).astype(int)

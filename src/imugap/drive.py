@@ -17,7 +17,7 @@ from imugap.departure import Departure, depart
 from imugap.extension import catalogue
 from imugap.log import ACCEL, AXES, GYRO, LogError
 from imugap.model import ErrorModel
-from imugap.quality import FAILED, REMOVED, RESET, WEIGHED, Quality
+from imugap.quality import CLOSED, FAILED, LOOKED_BACK, OPENED, REMOVED, RESET, SET_ASIDE, WEIGHED, Quality
 from imugap.rotation import from_euler
 from imugap.stamps import filled
 from imugap.vehicle import Assumptions, Solution, navigate
@@ -34,6 +34,8 @@ LONGEST_GAP_S = 0.5
 """Longest time without samples that a drive is navigated across [s]."""
 STEEPEST = 0.5
 """Cosine of the largest angle between up and the mean specific force of a vehicle."""
+COUNTED = (FAILED, WEIGHED, REMOVED, RESET, SET_ASIDE, OPENED, LOOKED_BACK, CLOSED)
+"""Events whose number is in the summary."""
 OUTAGE_S = 2.5
 """Time without a fix, in intervals of the fixes, from which on it counts as an outage."""
 GYRO_CLASS = {"white_noise": {"density": 2e-4}, "gauss_markov": {"std": 5e-3, "correlation_time": 3600}}
@@ -86,7 +88,10 @@ class Setting:
         )
         control = Quality(
             component=quality["component_sigma"],
-            **{name: quality[name] for name in ("robust", "steepness", "false_alarm", "gated", "reset_s")},
+            **{
+                name: quality[name]
+                for name in ("robust", "steepness", "false_alarm", "gated", "reset_s", "hindsight_s")
+            },
         )
         course, heading, tilt = (np.radians(start[f"{name}_std_deg"]) for name in ("course", "heading", "tilt"))
         departure = Departure(
@@ -128,7 +133,7 @@ class Driven:
             "fixes": len(time),
             "outages": len(long),
             "longest_outage_s": long.max(initial=0.0),
-            **{name.replace(" ", "_"): int((events == name).sum()) for name in (FAILED, WEIGHED, REMOVED, RESET)},
+            **{name.replace(" ", "_"): int((events == name).sum()) for name in COUNTED},
             "nis": record.statistic.sum() / freedom,
             "nis_low": low / freedom,
             "nis_high": high / freedom,

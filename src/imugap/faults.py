@@ -102,6 +102,11 @@ class Faults:
         isolated = [Event(OUTLIER, float(t), float(t), _shift(self.outliers, rng)) for t in chosen]
         return tuple(sorted((*lasting, *isolated), key=lambda one: one.begin))
 
+    def first(self, seed: int, *labels: object) -> Event:
+        """Draw a stretch that is there from the beginning, and as long after ``begin_s`` as one lasts."""
+        rng = stream(seed, "faults", *labels, "first")
+        return Event(STRETCH, 0.0, self.begin_s + rng.uniform(*self.stretches.duration_s), _shift(self.stretches, rng))
+
     def _place(self, time: np.ndarray, duration: float, others: list[Event], rng: np.random.Generator) -> float:
         for _ in range(TRIES):
             begin = rng.uniform(self.begin_s, max(time[-1] - duration - self.gap_s, self.begin_s))

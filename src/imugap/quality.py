@@ -15,8 +15,11 @@ gated feedback
     rows of the gain are zero. The covariance is that of this gain (Joseph's form), as for considered parameters
     (Schmidt 1966), so that it goes on telling how large the errors are. With all gates open this is the plain filter.
 soft reset
-    Where the global test has failed at every epoch for longer than a set time, the covariance is inflated. Estimates
-    are kept, but for those of sensors that are out of all proportion, which start again.
+    Where no epoch was trusted for longer than a set time, because the global test failed or an offset was open, the
+    covariance is inflated. Estimates are kept, but for those of sensors that are out of all proportion, which start
+    again, and the offset, which is given up.
+hindsight
+    What the source has not: errors of position that stay are a state (:mod:`imugap.hindsight`).
 
 Source: a patent text, "IMU random error online estimation and compensation" (2022), which leaves open where the global
 test stands, and whether the gain or the estimate is held. Y. Yang, H. He, G. Xu, Adaptively robust filtering for
@@ -24,7 +27,7 @@ kinematic geodetic positioning, J. Geod. 75 (2001) 109-116; S. F. Schmidt, Appli
 navigation problems, Adv. Control Syst. 3 (1966) 293-340.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -36,7 +39,14 @@ from imugap.rotation import kernel
 SANE = 5.0
 """Estimates of sensor errors beyond so many of their standard deviations at the start are given up at a soft reset."""
 REMOVED, WEIGHED, FAILED, RESET = "removed", "weighed down", "global test failed", "soft reset"
+SET_ASIDE, OPENED, LOOKED_BACK, CLOSED = "set aside", "offset opened", "offset opened in hindsight", "offset closed"
 """What an event can be."""
+TAKEN, ASIDE, FRESH, HELD = range(4)
+"""What became of a position: taken as it is, set aside, the first with an offset, one with the offset held."""
+OFFSET = 3
+"""Components of an offset."""
+TURNS = ("", OPENED, LOOKED_BACK, CLOSED)
+"""What became of the offset at a fix."""
 
 
 @dataclass(frozen=True)
@@ -56,11 +66,14 @@ class Quality:
     gated
         Whether the errors of the sensors are fed back only where the global test passes.
     reset_s
-        Time of failed global tests that is followed by a soft reset [s]; None leaves it out. It has to be longer than
-        the gross errors that are to be lived through.
+        Time without trust that is followed by a soft reset [s]; None leaves it out. It has to be longer than the gross
+        errors that are to be lived through.
     reset_std
         What a soft reset adds at least to the standard deviations of position [m], velocity [m/s] and attitude [rad]:
         for position and velocity the innovation, where it is larger. The sensor errors get the variance of the start.
+    hindsight_s
+        How long the filter looks back for errors of position that stay (:mod:`imugap.hindsight`) [s]; None leaves it
+        out, and what it keeps in mind too. Its tests have the false-alarm rate of the global one, or its square.
     """
 
     component: float | None = 3.0
@@ -70,6 +83,7 @@ class Quality:
     gated: bool = True
     reset_s: float | None = 90.0
     reset_std: tuple[float, float, float] = (30.0, 1.0, 0.05)
+    hindsight_s: float | None = 30.0
 
     def __post_init__(self) -> None:
         """Refuse what is no test."""
@@ -81,6 +95,8 @@ class Quality:
             raise ValueError(f"false_alarm: expected a probability between 0 and 1; found {self.false_alarm}")
         if self.reset_s is not None and not self.reset_s > 0:
             raise ValueError(f"reset_s: expected a time > 0 [s] or none; found {self.reset_s}")
+        if self.hindsight_s is not None and not self.hindsight_s > 0:
+            raise ValueError(f"hindsight_s: expected a time > 0 [s] or none; found {self.hindsight_s}")
         if len(self.reset_std) != 3 or min(self.reset_std) < 0:
             raise ValueError(f"reset_std: expected 3 numbers >= 0; found {self.reset_std}")
 
@@ -88,17 +104,24 @@ class Quality:
         """Return the limits of the global test for 0 to ``components`` degrees of freedom."""
         return np.array([np.inf, *chdtri(np.arange(1, components + 1), self.false_alarm)])
 
+    @property
+    def lasting(self) -> float:
+        """Limit of the tests that open an offset in hindsight, or close one: the square of the rate, since it lasts."""
+        return float(chdtri(OFFSET, self.false_alarm**2))
 
-NOTHING = Quality(component=None, gated=False, reset_s=None)
+
+NOTHING = Quality(component=None, gated=False, reset_s=None, hindsight_s=None)
 SCHEMES = {
     "none": NOTHING,
-    "gate": Quality(component=None, reset_s=None),
-    "remove": Quality(robust=False, gated=False, reset_s=None),
-    "robust": Quality(gated=False, reset_s=None),
-    "gated": Quality(reset_s=None),
-    "reset": Quality(),
+    "gate": replace(NOTHING, gated=True),
+    "remove": replace(NOTHING, component=3.0, robust=False),
+    "robust": replace(NOTHING, component=3.0),
+    "gated": replace(NOTHING, component=3.0, gated=True),
+    "reset": Quality(hindsight_s=None),
+    "hindsight": Quality(),
 }
-"""No control; gated feedback alone; test and remove; weigh down; this with gated feedback; all with soft reset."""
+"""No control; gated feedback alone; test and remove; weigh down; this with gated feedback; with soft reset, all that
+the source has; with hindsight."""
 
 
 class Control(NamedTuple):
@@ -111,6 +134,8 @@ class Control(NamedTuple):
     gated: bool
     reset_s: float
     reset_std: tuple[float, float, float]
+    hindsight_s: float
+    lasting: float
 
     @classmethod
     def of(cls, quality: Quality, components: int) -> "Control":
@@ -123,6 +148,8 @@ class Control(NamedTuple):
             quality.gated,
             np.inf if quality.reset_s is None else float(quality.reset_s),
             tuple(map(float, quality.reset_std)),
+            np.inf if quality.hindsight_s is None else float(quality.hindsight_s),
+            quality.lasting,
         )
 
 
@@ -185,6 +212,9 @@ class Record(NamedTuple):
         Of the global test, shape (epochs,).
     passed, reset
         Whether the global test passed; whether a soft reset came before the measurements were taken in.
+    course, turn, doubt
+        What became of the position, as it is known in the end; of the offset, a number in :data:`TURNS`; and the
+        statistic of either (:mod:`imugap.hindsight`).
     """
 
     innovation: np.ndarray
@@ -196,30 +226,42 @@ class Record(NamedTuple):
     freedom: np.ndarray
     passed: np.ndarray
     reset: np.ndarray
+    course: np.ndarray
+    turn: np.ndarray
+    doubt: np.ndarray
 
     @classmethod
     def empty(cls, epochs: int, components: int) -> "Record":
         """Return room for so many epochs."""
         matrices = (np.full((epochs, components), np.nan) for _ in range(4))
         vectors = np.full(epochs, np.nan), np.full(epochs, np.nan), np.zeros(epochs, np.int64)
-        return cls(*matrices, *vectors, np.ones(epochs, bool), np.zeros(epochs, bool))
+        marks = np.zeros(epochs, np.int8), np.zeros(epochs, np.int8), np.full(epochs, np.nan)
+        return cls(*matrices, *vectors, np.ones(epochs, bool), np.zeros(epochs, bool), *marks)
 
     def events(self, time: np.ndarray, names: tuple[str, ...], quality: Quality) -> pd.DataFrame:
         """Return what happened: ``time`` [s], ``event``, ``component``, ``statistic``, ``threshold``, ``share``.
 
         The statistic of a component is ``|r_i|/sqrt(S_ii)``; ``share`` is what is left of its weight. A soft reset has
-        the time for which the test had failed, and that which it may.
+        the time for which no fix was trusted, and that for which it may be so.
         """
-        limits, rows = quality.limits(len(names)), []
-        since = np.nan
-        for k in np.flatnonzero(~self.passed | (self.share < 1).any(axis=1) | self.reset):
+        limits, rows, since, opened = quality.limits(len(names)), [], np.nan, False
+        for k in range(len(time)):
+            opened = self.turn[k] in (1, 2) or (opened and self.turn[k] != 3)
+            fine = self.passed[k] and not opened
+            since = np.nan if fine else time[k] if np.isnan(since) else since
             if not self.passed[k]:
-                since = time[k] if k == 0 or self.passed[k - 1] or self.reset[k - 1] else since
                 rows.append((time[k], FAILED, "all", self.statistic[k], limits[self.freedom[k]], np.nan))
             if self.reset[k]:
                 rows.append((time[k], RESET, "all", time[k] - since, quality.reset_s, np.nan))
+                since, opened = np.nan, False
+            aside = self.course[k] == ASIDE
+            if aside or self.turn[k]:
+                what = SET_ASIDE if aside else TURNS[self.turn[k]]
+                limit = limits[min(OFFSET, len(names))] if aside or self.turn[k] == 1 else quality.lasting
+                rows.append((time[k], what, "position", self.doubt[k], limit, np.nan))
             for i in np.flatnonzero(self.share[k] < 1):
-                size = abs(self.innovation[k, i]) / np.sqrt(self.variance[k, i])
-                what = WEIGHED if self.share[k, i] > 0 else REMOVED
-                rows.append((time[k], what, names[i], size, quality.component, self.share[k, i]))
+                if not aside and not (self.turn[k] == 1 and i >= OFFSET):
+                    size = abs(self.innovation[k, i]) / np.sqrt(self.variance[k, i])
+                    what = WEIGHED if self.share[k, i] > 0 else REMOVED
+                    rows.append((time[k], what, names[i], size, quality.component, self.share[k, i]))
         return pd.DataFrame(rows, columns=["time", "event", "component", "statistic", "threshold", "share"])

@@ -238,5 +238,6 @@ def _invert(time, velocity, quat, origin):
             w, f = add_scaled(w, scale, (miss[0], miss[1], miss[2])), add_scaled(f, 1 / dt, (back[0], back[1], back[2]))
             for i in range(3):
                 place[k, i], rate[k, i], force[k, i] = found[0][i], w[i], f[i]
-    rate[0], force[0] = rate[1], force[1]
+    for i in range(3):
+        rate[0, i], force[0, i] = rate[1, i], force[1, i]
     return place, rate, force

@@ -21,6 +21,7 @@ from imugap.departure import Departure, depart
 from imugap.effects import RandomWalk, TurnOnBias, WhiteNoise
 from imugap.effects.effect import Effect
 from imugap.faults import Event, mark
+from imugap.hindsight import LOOKED_BACK, OPENED
 from imugap.log import ACCEL, AXES, GYRO, interval
 from imugap.model import AxisModel, ErrorModel
 from imugap.quality import NOTHING, SCHEMES, Quality
@@ -97,14 +98,16 @@ class RoadTest:
         -------
         tuple
             A row for each scheme: 95th percentiles of the horizontal error, ``clean`` and ``contaminated`` [m], ``nis``
-            over its degrees of freedom, clean, and how far the biases are from those of the clean run in stretches and
-            ramps, root mean square, ``gyro`` [rad/s] and ``accel`` [m/s^2]; and the errors with the spoilt fixes.
+            over its degrees of freedom and ``doubts``, how often an offset was opened, clean, and how far the biases
+            are from those of the clean run in stretches and ramps, root mean square, ``gyro`` [rad/s] and ``accel``
+            [m/s^2]; and the errors with the spoilt fixes.
         """
         rows, errors = [], {}
         for name, quality in SCHEMES.items():
             good, bad = (self.navigate(some, model, quality) for some in (fixes, spoilt))
             off, errors[name] = (self.errors(one)[["north", "east"]] for one in (good, bad))
-            row = {"scheme": name, "nis": good.record.statistic.sum() / good.record.freedom.sum()}
+            row = {"scheme": name, "nis": good.record.statistic.sum() / good.record.freedom.sum(),
+                   "doubts": int(np.isin(good.record.turn, (OPENED, LOOKED_BACK)).sum())}  # fmt: skip
             for case, one in (("clean", off), ("contaminated", errors[name])):
                 row[case] = np.quantile(np.hypot(one["north"], one["east"]), 0.95)
             at = np.arange(np.ceil(good.time[0]), good.time[-1])

@@ -218,8 +218,10 @@ def smooth(path, first, last, tape, adjoint, information):
         for i in range(size):
             for j in range(size):
                 work[i, j] = 0.0
-                for m in range(size):
-                    work[i, j] += covariance[i, m] * information[m, j]
+            for m in range(size):
+                factor = covariance[i, m]
+                for j in range(size):
+                    work[i, j] += factor * information[m, j]
         for i in range(size):
             path.variances[k, i] = covariance[i, i]
             for m in range(size):

@@ -30,9 +30,30 @@ from imugap import gnss
 from imugap import log as canonical
 from imugap.error_state import ATTITUDE, NAVIGATION, backward, predict, project
 from imugap.gnss import COMPONENTS
+from imugap.hindsight import (
+    FREE,
+    LOOKED_BACK,
+    OFFSETS,
+    OPEN,
+    OPENED,
+    RESERVES,
+    SHIFT,
+    STRIKES,
+    WALK,
+    State,
+    doubt,
+    excess,
+    fill,
+    forget,
+    lane,
+    learn,
+    look_back,
+    navigation,
+    relieve,
+)  # fmt: skip
 from imugap.log import AXES, LogError
 from imugap.model import ErrorModel
-from imugap.quality import SANE, Control, Quality, Record, chi_square, weigh
+from imugap.quality import ASIDE, FRESH, HELD, SANE, TAKEN, Control, Quality, Record, chi_square, weigh
 from imugap.rotation import add_scaled, cross, dot, kernel, mat_from_quat, rotate
 from imugap.sensor_states import SensorStates
 from imugap.strapdown import GEODETIC, Ellipsoid, ellipsoid_step, increments
@@ -169,12 +190,17 @@ class _Inputs(NamedTuple):
 
 
 class _Frame(NamedTuple):
-    """What the kernel needs besides: origin of the ellipsoid, lever arm, whether it and the offset are states."""
+    """What the kernel needs besides: origin of the ellipsoid, lever arm, whether it and the offsets are states.
+
+    ``known``: what became of each position is known from an earlier pass.
+    """
 
     origin: tuple[float, float, float, float]
     lever: tuple[float, float, float]
     lever_state: bool
     offset_state: bool
+    shift_state: bool
+    known: bool
     variance: np.ndarray
 
 
@@ -212,30 +238,18 @@ class _Room(NamedTuple):
         )  # fmt: skip
 
 
-class _State(NamedTuple):
-    """Where a filter is: navigation, errors, covariance; sample in progress; time [s], begin of a run of failures."""
-
-    navigation: np.ndarray
-    errors: np.ndarray
-    covariance: np.ndarray
-    sample: np.ndarray
-    clock: np.ndarray
-
-    def copy(self) -> "_State":
-        return _State(*(one.copy() for one in self))
-
-
 @kernel
 def _expect(i, nav, rate, acceleration, errors, sensors, gain, frame, row):
     """Return what component ``i`` of a fix should be, and fill ``row`` with its slope in the states."""
     mat = mat_from_quat(nav[2])
     axes, first = mat[i % 3], NAVIGATION + len(sensors.axis)
     lever, delay = frame.lever, 0.0
+    last = len(row) - 1 - SHIFT if frame.shift_state else len(row) - 1
     if frame.lever_state:
         e = errors[first - NAVIGATION], errors[first - NAVIGATION + 1], errors[first - NAVIGATION + 2]
         lever = add_scaled(lever, 1.0, e)
     if frame.offset_state:
-        delay = errors[len(errors) - 1]
+        delay = errors[last - NAVIGATION]
     for j in range(len(row)):
         row[j] = 0.0
     row[i] = 1.0
@@ -253,8 +267,11 @@ def _expect(i, nav, rate, acceleration, errors, sensors, gain, frame, row):
         for m in range(3):
             row[first + m] = reach[m]
     if frame.offset_state:
-        row[len(row) - 1] = moving[a]
+        row[last] = moving[a]
     own = nav[0][a] if i < 3 else nav[1][a]
+    if frame.shift_state and i < 3:
+        row[last + 1 + i] = 1.0
+        own += errors[last + 1 + i - NAVIGATION]
     return own + u[a] + delay * moving[a]
 
 
@@ -281,14 +298,17 @@ def _reset(covariance, errors, control, seen, variance, transposed):
 
 
 @kernel
-def _compare(inputs, fix, nav, rate, acceleration, covariance, errors, sensors, gain, frame, room):
-    """Fill in the innovations of the components that a fix has, and their covariance; return how many there are."""
+def _compare(inputs, fix, nav, rate, acceleration, covariance, errors, sensors, gain, frame, room, multiple):
+    """Fill in the innovations of the components that a fix has, and their covariance; return how many there are.
+
+    The variance of velocities is ``multiple`` times what it is told to be.
+    """
     count = 0
     for i in range(6):
         if not np.isnan(inputs.seen[fix, i]):
             expected = _expect(i, nav, rate, acceleration, errors, sensors, gain, frame, room.rows[count])
             room.present[count], room.innovation[count] = i, expected - inputs.seen[fix, i]
-            room.noise[count] = inputs.std[fix, i] * inputs.std[fix, i]
+            room.noise[count] = inputs.std[fix, i] * inputs.std[fix, i] * (1.0 if i < 3 else multiple)
             count += 1
     for i in range(count):
         project(covariance, room.rows[i], 0.0, room.spread)
@@ -313,11 +333,16 @@ def _judge(fix, count, limit, room, record):
 
 
 @kernel
-def _absorb(fix, count, fed, nav, covariance, errors, control, room, record, tape, place):
-    """Put the components of a fix to their test and take in what is left; return the corrected navigation."""
+def _absorb(fix, count, course, fed, nav, covariance, errors, control, room, record, tape, place):
+    """Put the components of a fix to their test and take in what is left; return the corrected navigation.
+
+    A fix that is set aside is left out, and of one that starts an offset anew the velocity: it is of the same receiver.
+    """
     for i in range(count):
-        trusted = weigh(room.innovation[i], room.variance[i, i], room.noise[i], control.component, control.robust,
-                        control.steepness)  # fmt: skip
+        trusted = np.inf
+        if course != ASIDE and (course != FRESH or room.present[i] < SHIFT):
+            trusted = weigh(room.innovation[i], room.variance[i, i], room.noise[i], control.component,
+                            control.robust, control.steepness)  # fmt: skip
         record.share[fix, room.present[i]] = room.noise[i] / trusted
         room.noise[i] = trusted
     for i in range(count):
@@ -365,14 +390,10 @@ def _advance(inputs, k, time, target, nav, errors, sensors, frame, room):
 
 
 @njit(cache=True, error_model="numpy")
-def _filter(inputs, epochs, first, last, sensors, frame, control, state, path, record, kept, room, tape):
-    """Filter the epochs ``first`` to ``last``, the latter not included, from the state at the end of the one before.
-
-    ``path``, ``record`` and ``kept``, the covariances at the fixes, are filled; ``tape`` too, unless it has no length.
-    """
-    start, errors, covariance, taped = state.navigation, state.errors, state.covariance, len(tape.rows) > 0
-    nav = (start[0], start[1], start[2]), (start[3], start[4], start[5]), (start[6], start[7], start[8], start[9])
-    k, time, failing, step = state.sample[0], state.clock[0], state.clock[1], 0.0
+def _run(inputs, epochs, first, last, sensors, frame, control, reserve, state, path, record, kept, room, tape):
+    """Take one lane over the epochs ``first`` to ``last``; see :func:`_filter`. A ``reserve`` has no soft reset."""
+    errors, covariance, memory, taped = state.errors, state.covariance, state.memory, len(tape.rows) > 0
+    nav, k, time, failing, step = navigation(state.navigation), state.sample[0], state.clock[0], state.clock[1], 0.0
     for e in range(first, last):
         place, fix, velocity, interval = e - first, epochs.fix[e], nav[1], epochs.end[e] - time
         nav, mat, force, k, rate = _advance(inputs, k, time, epochs.end[e], nav, errors, sensors, frame, room)
@@ -387,28 +408,84 @@ def _filter(inputs, epochs, first, last, sensors, frame, control, state, path, r
                 sensors.white, room.shift)  # fmt: skip
         for s in range(len(sensors.axis)):
             errors[s] *= room.hold[s]
+        if state.doubt[WALK] > 0.0:
+            for i in range(len(covariance) - SHIFT, len(covariance)):
+                covariance[i, i] += state.doubt[WALK] * interval
         path.nis[e] = np.nan
         if fix >= 0:
-            gained = add_scaled(nav[1], -1.0, velocity)
+            gained, multiple = add_scaled(nav[1], -1.0, velocity), excess(state)
             pull = gained[0] / interval, gained[1] / interval, gained[2] / interval
-            count = _compare(inputs, fix, nav, rate, pull, covariance, errors, sensors, room.gain, frame, room)
+            count = _compare(inputs, fix, nav, rate, pull, covariance, errors, sensors, room.gain, frame, room,
+                             multiple)  # fmt: skip
             passed = _judge(fix, count, control.limits[count], room, record)
             path.nis[e] = record.statistic[fix]
-            failing = np.inf if passed else min(failing, time)
-            if time - failing > control.reset_s:
-                dropped = tape.backward[place] if taped else room.nothing
+            course, over = TAKEN, False
+            if frame.known:
+                course, reset = record.course[fix], record.reset[fix]
+                over = memory[OPEN] and course == TAKEN
+                memory[OPEN] = course >= FRESH or (course == ASIDE and memory[OPEN])
+            else:
+                if frame.shift_state:
+                    course = doubt(fix, count, control.limits, room, record, memory)
+                failing = np.inf if passed and not memory[OPEN] else min(failing, time)
+                reset = not reserve and time - failing > control.reset_s
+            dropped = tape.backward[place] if taped else room.nothing
+            if reset:
+                record.turn[fix] = 0
+                for i in range(SHIFT if frame.shift_state else 0):
+                    record.innovation[fix, i] -= errors[len(errors) - SHIFT + i]
                 _reset(covariance, errors, control, record.innovation[fix], frame.variance, dropped)
-                count = _compare(inputs, fix, nav, rate, pull, covariance, errors, sensors, room.gain, frame, room)
-                record.reset[fix], passed, failing = True, True, np.inf
+                record.reset[fix], passed, failing, over, memory[OPEN], course = True, True, np.inf, True, 0, TAKEN
+            if over or course == FRESH:
+                if frame.shift_state:
+                    forget(covariance, errors, 0.0 if over else FREE, dropped)
+                    state.doubt[WALK] = 0.0
+                count, multiple = _compare(inputs, fix, nav, rate, pull, covariance, errors, sensors, room.gain, frame,
+                                           room, 1.0), 1.0  # fmt: skip
+            record.course[fix] = FRESH if course == HELD and state.doubt[WALK] > 0.0 else course
+            learn(count, course == FRESH, multiple, room, state)
             fed = passed or not control.gated
-            nav = _absorb(fix, count, fed, nav, covariance, errors, control, room, record, tape, place)
-            kept[fix] = covariance
+            course = HELD if frame.known and course == FRESH else course
+            nav = _absorb(fix, count, course, fed, nav, covariance, errors, control, room, record, tape,
+                          place)  # fmt: skip
+            fill(kept[fix], covariance)
         write(path, e, nav, errors, covariance)
         if taped:
-            tape.covariance[place] = covariance
+            fill(tape.covariance[place], covariance)
     for i in range(10):
-        start[i] = path.navigation[last - 1, i]
+        state.navigation[i] = path.navigation[last - 1, i]
     state.sample[0], state.clock[0], state.clock[1] = k, time, failing
+
+
+@njit(cache=True, error_model="numpy")
+def _filter(inputs, epochs, first, last, sensors, frame, control, states, path, record, kept, room, tape):
+    """Filter the epochs ``first`` to ``last``, the latter not included, from the states at the end of the one before.
+
+    The first lane is the filter; others are its reserves, and all of them stop at each fix. ``path``, ``record`` and
+    ``kept``, the covariances at the fixes, are filled; ``tape`` too, unless it has no length.
+    """
+    lanes, started, main = len(states.memory), -np.inf, lane(states, 0)
+    every = control.hindsight_s / max(lanes - 1, 1)
+    while first < last:
+        end = first if lanes > 1 else last - 1
+        while end < last - 1 and epochs.fix[end] < 0:
+            end += 1
+        for number in range(lanes - 1, -1, -1):
+            if number == 0 or states.memory[number, OPEN]:
+                _run(inputs, epochs, first, end + 1, sensors, frame, control, number > 0, lane(states, number), path,
+                     record, kept, room, tape)  # fmt: skip
+        fix, time, first = epochs.fix[end], main.clock[0], end + 1
+        if lanes > 1 and fix >= 0:
+            if not record.reset[fix] and look_back(fix, control.lasting, every, states, record, room):
+                write(path, end, navigation(main.navigation), main.errors, main.covariance)
+                fill(kept[fix], main.covariance)
+            if record.turn[fix] in (OPENED, LOOKED_BACK) or record.reset[fix]:
+                started = time
+                for number in range(1, lanes):
+                    states.memory[number, OPEN] = 0
+            elif time - started >= every and not main.memory[STRIKES]:
+                relieve(fix, states, room)
+                started = time
 
 
 def navigate(
@@ -456,21 +533,30 @@ def navigate(
         gnss.deviations(fixes, assumptions.position_std, assumptions.velocity_std)[offered],
     )
     variance = np.array([*states.variance, *(std**2 for _, std in assumptions.constants())])
+    names = [*states.names, *(name for name, _ in assumptions.constants())]
+    begin, looking = (start.errors, start.covariance), quality.hindsight_s is not None
+    if looking:
+        names, variance = [*names, *OFFSETS], np.append(variance, np.zeros(SHIFT))
+        begin = np.append(start.errors, np.zeros(SHIFT)), np.pad(start.covariance, (0, SHIFT))
     frame = _Frame(
-        ellipsoid.origin, assumptions.lever_m, assumptions.lever_std > 0, assumptions.offset_std > 0, variance
-    )
-    control, record = Control.of(quality, len(COMPONENTS)), Record.empty(len(offered), len(COMPONENTS))
-    state = _State(
-        start.navigation.astype(float), start.errors.astype(float), start.covariance.astype(float),
-        np.array([max(int(np.searchsorted(stamp, start.time, "right")), 1)]), np.array([start.time, np.inf]),
+        ellipsoid.origin, assumptions.lever_m, assumptions.lever_std > 0, assumptions.offset_std > 0, looking, False,
+        variance,
     )  # fmt: skip
-    size = len(start.covariance)
+    control, record = Control.of(quality, len(COMPONENTS)), Record.empty(len(offered), len(COMPONENTS))
+    state = State(
+        start.navigation.astype(float)[None], *(one.astype(float)[None] for one in begin),
+        np.array([[max(int(np.searchsorted(stamp, start.time, "right")), 1)]]), np.array([[start.time, np.inf]]),
+        np.zeros((1, 4), np.int64), np.zeros((1, 4)),
+    )  # fmt: skip
+    size = len(begin[1])
     path, kept = Path.empty(len(epochs.end), size), np.empty((len(offered), size, size))
-    path.begin(state.navigation, state.errors, state.covariance)
+    path.begin(state.navigation[0], state.errors[0], state.covariance[0])
     fixed = inputs, epochs, Sensors.of(states), frame, control
     results = path, record, kept, _Room.of(size, len(states))
-    (_smoothed if smooth else _filtered)(fixed, state, results)
-    names = [*states.names, *(name for name, _ in assumptions.constants())]
+    if looking or not smooth:
+        _filtered(fixed, state.copy(1 + RESERVES * looking), results)
+    if smooth:
+        _smoothed((*fixed[:3], frame._replace(known=looking), control), state, results)
     rows = np.flatnonzero(epochs.fix >= 0)
     time = pd.Index(epochs.end, name=canonical.TIME)
     return Solution(time, names, path, ellipsoid, fixes.index.to_numpy()[offered], rows, record, kept, quality)
@@ -491,17 +577,17 @@ def _epochs(stamp: np.ndarray, due: np.ndarray, begin: float, longest: float) ->
     return _Epochs(np.append(begin, end), np.append(-1, fix))
 
 
-def _filtered(fixed: tuple, state: _State, results: tuple) -> None:
+def _filtered(fixed: tuple, state: State, results: tuple) -> None:
     """Fill the path by the filter."""
     inputs, epochs, *rest = fixed
-    no_tape = Tape.empty(0, len(state.covariance))
+    no_tape = Tape.empty(0, state.covariance.shape[1])
     _filter(inputs, epochs, 1, len(epochs.end), *rest, state, *results, no_tape)
 
 
-def _smoothed(fixed: tuple, state: _State, results: tuple) -> None:
+def _smoothed(fixed: tuple, state: State, results: tuple) -> None:
     """Fill the path by the smoother."""
     inputs, epochs, *rest = fixed
-    size = len(state.covariance)
+    size = state.covariance.shape[1]
     blocks, starts = list(pairwise([*range(1, len(epochs.end), BLOCK), len(epochs.end)])), []
     for first, last in blocks:
         starts.append(state.copy())

@@ -21,6 +21,7 @@ rule drive_runs:
         runs=lambda wildcards: list(range(1, DRIVES + 1))[
             int(wildcards.part) - 1 :: len(DRIVE_PARTS)
         ],
+        parted=config["drive"]["parted_runs"],
         code=library("drive_runs"),
     script:
         "../scripts/drive_runs.py"

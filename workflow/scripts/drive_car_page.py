@@ -62,6 +62,7 @@ def numbers(outages, scores, tuning):
         "drift": drift(outages),
         "length_s": f"{outages['since'].max():.0f}",
         "factors": {name: tables.number(tuning.iloc[-1][name], 2) for name in TUNED},
+        "doubts": int(scores[scores["scheme"] == "hindsight"]["doubts"].sum()),
         "draws": int(scores["draw"].nunique()),
         "ratio": {
             name: tables.number(middle.loc[name, "contaminated"] / middle.loc[name, "clean"]) for name in SCHEMES

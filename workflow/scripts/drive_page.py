@@ -9,7 +9,7 @@ import yaml
 from scipy.stats import binomtest
 
 from imugap import bootstrap, figures, tables
-from imugap.ablation import CLEAN, CONTAMINATED, ORACLE, Ablation
+from imugap.ablation import ALONE, CLEAN, CONTAMINATED, LOST, ORACLE, PARTS, SMOOTHED, Ablation
 from imugap.faults import OUTAGE, OUTLIER, RAMP, STRETCH
 from imugap.figures import ablation as drawn
 from imugap.journal import journal
@@ -28,7 +28,8 @@ COLUMNS = {
 }
 KINDS = {CLEAN: "no gross error in the run", "none": "between events", OUTLIER: "outlier", STRETCH: "stretch",
          RAMP: "ramp", OUTAGE: "outage"}  # fmt: skip
-DRAWN = ("none", "remove", "robust", "reset", ORACLE)
+ALL = (*SCHEMES, SMOOTHED, ORACLE)
+DRAWN = ("none", "robust", "hindsight", SMOOTHED, ORACLE)
 """Schemes whose errors are drawn over time."""
 BAR, SHARE = 1.3, 0.95
 """What the contaminated run may be over the clean one; seeds in which the gate has to help."""
@@ -39,44 +40,59 @@ def schemes_page(scores, recovery):
     middle = scores.groupby(["case", "scheme"], sort=False).median(numeric_only=True)
     means = scores.groupby(["case", "scheme"], sort=False).mean(numeric_only=True)
     rows = []
-    for (case, scheme), one in middle.iterrows():
+    for (case, scheme), one in middle.loc[[CLEAN, CONTAMINATED]].iterrows():
         row = {"fixes": case, "scheme": drawn.TITLES[scheme]}
         for name, (head, unit) in COLUMNS.items():
             row[head] = tables.number(from_si(one[name], unit))
         rates = means.loc[(case, scheme)]
         row["false [%]"], row["missed [%]"] = (tables.number(100 * rates[name], 2) for name in ("false", "missed"))
-        if scheme == ORACLE:
+        if scheme in (ORACLE, SMOOTHED):
             row["false [%]"] = row["missed [%]"] = "—"
-        known = recovery[recovery["scheme"] == scheme]["recovery"]
+        known = recovery[(recovery["case"] == CONTAMINATED) & (recovery["scheme"] == scheme)]["recovery"]
         row["recovery, 90 % [s]"] = f"{known.quantile(0.9):.0f}" if case == CONTAMINATED else "—"
         row["NIS"], row["NEES"] = (tables.number(one[name], 3) for name in ("nis", "nees"))
         row["NEES, sensors"] = tables.number(one["nees_sensors"], 3)
+        if scheme == SMOOTHED:
+            row |= dict.fromkeys(("NIS", "NEES", "NEES, sensors"), "—")  # covariances at the fixes are the filter's
         rows.append(row)
     return pd.DataFrame(rows)
 
 
 def kinds_page(kinds):
     """Lay the kinds of gross errors out: 95th percentile of the horizontal error, a row per scheme."""
-    table = kinds.pivot(index="scheme", columns="event", values="horizontal").loc[[*SCHEMES, ORACLE], list(KINDS)]
+    table = kinds.pivot(index="scheme", columns="event", values="horizontal").loc[list(ALL), list(KINDS)]
     shown = table.map(tables.number).rename(columns=KINDS)
     shown.insert(0, "scheme", [drawn.TITLES[name] for name in table.index])
     return shown
 
 
-def ratio(scores, scheme, seed, score):
-    """Return the contaminated over the clean 95th percentile: ratio of the means over the runs, with its interval."""
+def ratio(scores, scheme, seed, score="horizontal_95", case=CONTAMINATED):
+    """Return the 95th percentile over that of the clean case: ratio of the means over the runs, with its interval."""
     usual = (scores["case"] == CLEAN) & (scores["scheme"] == ("none" if scheme == ORACLE else scheme))
-    spoilt = (scores["case"] == CONTAMINATED) & (scores["scheme"] == scheme)
-    of = scores[usual | spoilt].pivot(index="run", columns="case", values=score)
-    middle = of[CONTAMINATED].mean() / of[CLEAN].mean()
+    spoilt = (scores["case"] == case) & (scores["scheme"] == scheme)
+    of = scores[usual | spoilt].pivot(index="run", columns="case", values=score).dropna()
+    middle = of[case].mean() / of[CLEAN].mean()
     rng = stream(seed, "drive ratio", scheme)
     drawn_runs = of.to_numpy()[rng.integers(0, len(of), (bootstrap.RESAMPLES, len(of)))]
     both = drawn_runs.mean(axis=1)
     which = list(of.columns)
-    low, high = np.quantile(both[:, which.index(CONTAMINATED)] / both[:, which.index(CLEAN)], [0.025, 0.975])
-    held = int((of[CONTAMINATED] <= BAR * of[CLEAN]).sum())
+    low, high = np.quantile(both[:, which.index(case)] / both[:, which.index(CLEAN)], [0.025, 0.975])
+    held = int((of[case] <= BAR * of[CLEAN]).sum())
     return {"ratio": tables.number(middle), "low": tables.number(low), "high": tables.number(high),
             "runs_within": held, "holds": bool(high <= BAR), "fails": bool(low > BAR)}  # fmt: skip
+
+
+def lost(scores, recovery):
+    """Return of the drives that begin in a stretch how many had a soft reset, and when they were right again."""
+    of = scores[scores["case"] == LOST].groupby("scheme")["resets"]
+    found = {}
+    for scheme in PARTS[LOST]:
+        time = recovery[(recovery["case"] == LOST) & (recovery["scheme"] == scheme)]["recovery"]
+        found[scheme] = {
+            "resets": int(of.sum()[scheme]), "drives": int((of.get_group(scheme) > 0).sum()),
+            "right": int(np.isfinite(time).sum()), "median_s": f"{time.median():.0f}", "last_s": f"{time.max():.0f}",
+        }  # fmt: skip
+    return found
 
 
 def claim(scores, better, worse, name):
@@ -101,11 +117,22 @@ def numbers(scores, recovery, recipe, seed, runs):
     pairs = {"alone": ("gate", "none"), "beside": ("gated", "robust"), "against_nothing": ("gated", "none")}
     return {
         "runs": runs,
+        "parted": int(scores[scores["case"] == LOST]["run"].nunique()),
         "recipe": recipe,
         "bar": BAR,
         "share_percent": f"{100 * SHARE:.0f}",
-        "ratios": {scheme: ratio(scores, scheme, seed, "horizontal_95") for scheme in (*SCHEMES, ORACLE)},
-        "aided": {scheme: ratio(scores, scheme, seed, "aided_95") for scheme in (*SCHEMES, ORACLE)},
+        "ratios": {scheme: ratio(scores, scheme, seed) for scheme in ALL},
+        "aided": {scheme: ratio(scores, scheme, seed, "aided_95") for scheme in ALL},
+        "alone": {
+            kind: {scheme: ratio(scores, scheme, seed, case=case) for scheme in PARTS[case]}
+            for kind, case in ALONE.items()
+        },
+        "lost": lost(scores, recovery),
+        "false_percent": {
+            case: {scheme: tables.number(100 * of.mean()[scheme], 2) for scheme in SCHEMES}
+            for case, of in ((case, one.groupby("scheme")["false"]) for case, one in scores.groupby("case"))
+            if case in (CLEAN, CONTAMINATED)
+        },
         "clean_95_m": {name: tables.number(clean["horizontal_95"].median()[scheme]) for scheme, name in shown.items()},
         "claims": {
             key: {name: claim(scores, *pair, name) for name in ("gyro", "accel")} for key, pair in pairs.items()
@@ -113,7 +140,15 @@ def numbers(scores, recovery, recipe, seed, runs):
         "nees": tables.number(clean["nees"].mean()["none"]),
         "reset_s": f"{SCHEMES['reset'].reset_s:g}",
         "limit_m": tables.number(recovery["limit"].iloc[0]),
-        "resets": {case: int(one["resets"].sum()) for case, one in scores[scores["scheme"] == "reset"].groupby("case")},
+        "hindsight_s": f"{SCHEMES['hindsight'].hindsight_s:g}",
+        "doubts": {
+            case: tables.number(one["doubts"].mean(), 2)
+            for case, one in scores[scores["scheme"] == "hindsight"].groupby("case")
+        },
+        "resets": {
+            scheme: {case: int(one["resets"].sum()) for case, one in scores[scores["scheme"] == scheme].groupby("case")}
+            for scheme in ("reset", "hindsight")
+        },
     }
 
 
@@ -122,9 +157,9 @@ if __name__ == "__main__":
         source, params, output = snakemake.input, snakemake.params, snakemake.output
         scores, kinds, recovery = (pd.read_csv(source[name]) for name in ("scores", "kinds", "recovery"))
         study = Ablation.read(source.recipe)
-        one = {(case, name): run for case, name, run in study.runs(params.shown, params.seed)}
+        one = {(case, name): run for case, name, run in study.runs(params.shown, params.seed, cases=(CONTAMINATED,))}
         tracks = {name: study.errors(one[CONTAMINATED, name]) for name in DRAWN}
-        figures.save(drawn.drive(study, one[CONTAMINATED, "reset"], tracks), output.map)
+        figures.save(drawn.drive(study, one[CONTAMINATED, "hindsight"], tracks), output.map)
         figures.save(drawn.sensors({name: one[CONTAMINATED, name] for name in SCHEMES}), output.sensors)
         figures.save(drawn.schemes(scores), output.runs)
         tables.write(output.schemes.removesuffix(".csv"), scores, schemes_page(scores, recovery))

@@ -4,19 +4,20 @@ from dataclasses import asdict
 
 import pandas as pd
 
-from imugap.ablation import Ablation
+from imugap.ablation import CASES, CLEAN, CONTAMINATED, Ablation
 from imugap.journal import journal
 
 
-def main(ablation, runs, seed, output):
+def main(ablation, runs, parted, seed, output):
     """Write the errors at every second, what the quality control did, and the gross errors that last."""
     errors, verdicts, events = [], [], []
     for run in runs:
-        for case, scheme, one in ablation.runs(run, seed):
+        cases = CASES if run <= parted else (CLEAN, CONTAMINATED)
+        for case, scheme, one in ablation.runs(run, seed, cases=cases):
             key = {"run": run, "case": case, "scheme": scheme}
             errors.append(ablation.errors(one).assign(**key))
             verdicts.append(key | ablation.verdicts(one))
-        events += [{"run": run} | asdict(event) for event in one.events]
+            events += [key | asdict(event) for event in one.events if scheme == "reset"]
     pd.concat(errors).to_parquet(output.errors, index=False)
     pd.DataFrame(verdicts).to_csv(output.verdicts, index=False)
     pd.DataFrame(events).drop(columns="shift").to_csv(output.recovery, index=False)
@@ -25,4 +26,4 @@ def main(ablation, runs, seed, output):
 if __name__ == "__main__":
     with journal(snakemake.log[0]):
         params = snakemake.params
-        main(Ablation.read(snakemake.input.recipe), params.runs, params.seed, snakemake.output)
+        main(Ablation.read(snakemake.input.recipe), params.runs, params.parted, params.seed, snakemake.output)

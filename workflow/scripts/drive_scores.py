@@ -16,13 +16,15 @@ def read(paths, reader):
 
 
 def recoveries(errors, events, limit):
-    """Return for each run, scheme and lasting event the time to recover."""
-    rows = []
-    of_run = {
-        run: [Event(e.kind, e.begin, e.end, (0, 0, 0)) for e in one.itertuples()] for run, one in events.groupby("run")
-    }
-    for (run, scheme), one in errors.groupby(["run", "scheme"], sort=False):
-        rows.append(ablation.recovery(one, of_run[run], limit).assign(run=run, scheme=scheme))
+    """Return for each case, run, scheme and lasting event the time to recover."""
+    rows, known = [], {}
+    for key, one in events.groupby(["case", "run"]):
+        known[key] = [Event(e.kind, e.begin, e.end, (0, 0, 0)) for e in one.itertuples()]
+    for (case, run, scheme), one in errors[errors["case"].isin(events["case"])].groupby(
+        ["case", *KEY[::2]], sort=False
+    ):
+        found = ablation.recovery(one, known[case, run], limit)
+        rows.append(found.assign(case=case, run=run, scheme=scheme))
     return pd.concat(rows)
 
 
@@ -38,5 +40,5 @@ if __name__ == "__main__":
         whole = clean.groupby("scheme", sort=False)[list(ablation.ERRORS)].quantile(0.95).reset_index()
         pd.concat([whole.assign(event=CLEAN), kinds]).to_csv(output.kinds, index=False)
         limit = clean[clean["scheme"] == "none"]["horizontal"].quantile(0.95)
-        found = recoveries(spoilt, events[events["kind"] != OUTLIER], limit)
+        found = recoveries(errors, events[events["kind"] != OUTLIER], limit)
         found.assign(limit=limit).to_csv(output.recovery, index=False)

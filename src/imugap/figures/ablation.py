@@ -7,17 +7,18 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from imugap import gnss
-from imugap.ablation import CLEAN, CONTAMINATED, ORACLE, Ablation, Run
+from imugap.ablation import CLEAN, CONTAMINATED, ORACLE, SMOOTHED, Ablation, Run
 from imugap.faults import OUTAGE, OUTLIER, RAMP, STRETCH, Event, mark
 from imugap.figures import WIDTH, decades, legend_below, panels_of
 from imugap.units import from_si
 
 TITLES = {
     "none": "no control", "gate": "gate alone", "remove": "test and remove", "robust": "weigh down",
-    "gated": "weigh down, gate", "reset": "all, soft reset", ORACLE: "bad fixes known",
+    "gated": "weigh down, gate", "reset": "and soft reset", "hindsight": "and hindsight", SMOOTHED: "all, smoothed",
+    ORACLE: "bad fixes known",
 }  # fmt: skip
 COLOURS = {"none": "#999999", "gate": "#CC79A7", "remove": "#E69F00", "robust": "#56B4E9", "gated": "#0072B2",
-           "reset": "#009E73", ORACLE: "black"}  # fmt: skip
+           "reset": "#009E73", "hindsight": "#D55E00", SMOOTHED: "#8C564B", ORACLE: "black"}  # fmt: skip
 SHADES = {STRETCH: "#f4cccc", RAMP: "#fce5cd", OUTAGE: "#dddddd"}
 EVERY = 20
 """Epochs between two points of a path."""
@@ -38,8 +39,7 @@ def drive(study: Ablation, one: Run, errors: Mapping[str, pd.DataFrame]) -> Figu
         rows = kinds == kind
         left.plot(seen[rows, 1], seen[rows, 0], ".", color=colour, ms=3, label=f"fixes, {kind}")
     left.set(xlabel="east [m]", ylabel="north [m]", aspect="equal")
-    left.legend(loc="upper left", fontsize=6)
-    handles = []
+    handles = list(left.lines)
     _shade(right, one.events)
     for name, table in errors.items():
         handles += right.plot(table["time"], table["horizontal"], color=COLOURS[name], lw=0.9, label=TITLES[name])

@@ -7,10 +7,11 @@ from matplotlib.figure import Figure
 from imugap import gnss
 from imugap.figures import WIDTH, decades, legend_below, panels_of
 from imugap.log import AXES
-from imugap.quality import Record
+from imugap.quality import TAKEN, Record
 from imugap.vehicle import Solution
 
 FILTER, SMOOTHER, FIX, WEIGHED, REMOVED = "#0072B2", "#009E73", "#999999", "#E69F00", "#D55E00"
+OFFSET = "#CC79A7"
 LINEAR = 5.0
 """Innovations, in their standard deviations, up to which an axis is linear."""
 POINTS = 4000
@@ -108,8 +109,12 @@ def quality(solution: Solution) -> Figure:
     panel.plot(
         solution.fix_time[record.reset], record.statistic[record.reset], "v", color="black", ms=5, label="soft reset"
     )
+    doubted = record.course != TAKEN
+    panel.plot(
+        solution.fix_time[doubted], record.statistic[doubted], ".", color=OFFSET, ms=4, label="place not trusted"
+    )
     panel.set(ylabel="global", yscale="log", xlabel="time [s]")
-    legend_below(figure, 4)
+    legend_below(figure, 5)
     return figure
 
 

@@ -67,7 +67,7 @@ def track(table: pd.DataFrame) -> Figure:
         handles += right.plot(one["time"], error, color=COLOURS[name], lw=0.8, label=title)
     decades(right)
     right.set(xlabel="time [s]", ylabel="horizontal error [m]", ylim=(0.05, None))
-    figure.legend(handles=handles, loc="outside lower center", ncols=6)
+    figure.legend(handles=handles, loc="outside lower center", ncols=4)
     return figure
 
 
