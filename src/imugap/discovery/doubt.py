@@ -17,6 +17,7 @@ from imugap.discovery.parameters import term_intervals
 from imugap.discovery.power_law import PowerLaw
 from imugap.discovery.search import MANY, SLOW, Key, Search, at, log_chance, removed
 from imugap.discovery.telegraph import compare
+from imugap.discovery.unsteady import NEAR
 from imugap.effects import RandomTelegraph, Sinusoid
 from imugap.effects.effect import TINY, StochasticEffect
 
@@ -33,8 +34,6 @@ HARMONICS, ALONE = 9, 0.1
 """Highest multiple of a line, and share of its frequency within which it has to be known to tell multiples."""
 FAR = 2.0
 """Factor of the frequency of a line in doubt beyond which others have nothing to do with it."""
-NEAR = 5.0
-"""Distance of two lines, in periods per log, below which they may be one."""
 
 
 @dataclass(frozen=True)
