@@ -232,6 +232,11 @@ def test_a_line_that_drifts_is_a_place_without_a_name():
     assert any(gap.low < 2.5 and gap.high > 0.5 for gap in places)
 
 
+def test_beside_a_wave_of_another_shape_a_step_keeps_its_name():
+    wave = Sinusoid(0.4, 2e-3, 0.3), Sinusoid(0.8, 1e-3, 1.0)
+    assert names(told_of(*wave, BiasStep(250.0, 1e-3), count=12_000)) == ["bias_step"]
+
+
 def test_a_steady_line_is_not_in_doubt():
     data = sequence(Sinusoid(0.8, 5e-4, 0.3), count=12_000)
     search = Search(plain(data).description, tuple(CATALOGUE.values()), LOG_ALPHA)

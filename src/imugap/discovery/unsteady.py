@@ -47,7 +47,9 @@ class Band:
 
 def bands(found: AxisFit) -> tuple[Band, ...]:
     """Return the bands of the lines of a fit that are several where one is meant, as far as their power reaches."""
-    grown = (_grown(found.sequence, group) for group in _groups(found) if len(group) > 1)
+    resolution = 1 / (2 * found.sequence.conditions.interval * len(found.residual))
+    lowest = 2 * STRIDE / (WIDEST - 1) * resolution
+    grown = (_grown(found.sequence, group) for group in _groups(found) if len(group) > 1 and group[0] > lowest)
     narrow = tuple(band for band in grown if band.narrow)
     span = sum(band.high - band.low for band in narrow)
     return narrow if span < SHARE * 0.5 / found.sequence.conditions.interval else ()
