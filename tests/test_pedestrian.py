@@ -18,7 +18,7 @@ from imugap.rotation import from_euler
 from imugap.stamps import filled
 from imugap.strapdown import ATTITUDE, POSITION, VELOCITY
 from imugap.stream import stream
-from imugap.walk import USUAL
+from imugap.walk import INDOORS, USUAL
 from imugap.zero_velocity import MOVING, STANCE, STILL
 
 ROOT = Path(__file__).parents[1]
@@ -198,6 +198,40 @@ def test_a_foot_that_rolls_over_its_sole_sinks_or_rises_unless_the_point_at_rest
     assert abs(lengths[1]) < 0.5 * abs(lengths[0])
 
 
+def heights(walk, assumptions, model, legs):
+    """Return the errors of the height at the end [m] and what is said of them, shape (walks, 2)."""
+    walk, found = replace(walk, course=Course(4.4, legs, 2.0)), []
+    truth = walk.truth(0, SEED)["down"].iloc[-1]
+    for run in range(12):
+        log = model.simulate(walk.ideal(0, SEED), SEED, "heights", run)
+        solution = navigate(log, USUAL, replace(assumptions, gravity=walk.site.gravity))
+        found.append((truth - solution.trajectory["down"].iloc[-1], solution.trajectory_std["down"].iloc[-1]))
+    return np.array(found)
+
+
+@pytest.fixture(scope="module")
+def tilted():
+    """A device whose accelerometers have biases of 0.1 m/s^2: at stance a tilt of 10 mrad balances them."""
+    return ErrorModel.from_mapping({axis: [{"turn_on_bias": {"std": 0.1}}] for axis in ACCEL})
+
+
+def test_a_level_floor_tells_the_height_that_zero_velocity_does_not(walk, tilted):
+    """With as little said of it; and both errors are as large as they are said to be, or less."""
+    alone, floor = (heights(walk, one, tilted, (Leg(24),)) for one in (Assumptions(), INDOORS))
+    assert np.sqrt(np.mean(floor[:, 0] ** 2)) < 0.3 * np.sqrt(np.mean(alone[:, 0] ** 2))
+    assert floor[:, 1].max() < 0.4 * alone[:, 1].min()
+    for found in (alone, floor):
+        assert (np.abs(found[:, 0]) < 3 * found[:, 1]).all()
+
+
+@pytest.mark.parametrize("rise_m", [0.08, -0.17])
+def test_a_slope_and_a_stair_are_no_level_floor(walk, tilted, rise_m):
+    """Half the walk is level, half is not: the height is that of the sensors, or better."""
+    alone, floor = (heights(walk, one, tilted, (Leg(12), Leg(12, rise_m=rise_m))) for one in (Assumptions(), INDOORS))
+    assert np.sqrt(np.mean(floor[:, 0] ** 2)) < np.sqrt(np.mean(alone[:, 0] ** 2))
+    assert (np.abs(floor[:, 0]) < 3 * floor[:, 1]).all()
+
+
 def test_the_states_of_the_filter_are_those_of_the_model_and_no_more(walk, matched):
     solution = navigate(walk.ideal(0, SEED).iloc[:2000], walk.model, replace(matched, arm_std=0.0))
     assert list(solution.sensors.columns) == list(AXES)
@@ -231,8 +265,8 @@ def sets():
     return catalogue.load(ROOT / "data", ROOT / "workflow" / "schemas")
 
 
-def real(dataset, run, smooth=False):
-    return navigate(filled(read_raw(dataset.file(run).place(MIRROR), dataset, run)), USUAL, smooth=smooth)
+def real(dataset, run, smooth=False, assumptions=None):
+    return navigate(filled(read_raw(dataset.file(run).place(MIRROR), dataset, run)), USUAL, assumptions, smooth)
 
 
 @needs_mirror
@@ -246,6 +280,25 @@ def test_the_real_loops_close_without_a_hand_on_any_of_them(sets):
             shares.append(end / solution.strides()["length"].sum())
     assert np.median(shares) < 0.005
     assert max(shares) < 0.01
+
+
+@needs_mirror
+@pytest.mark.parametrize(("run", "publisher_m"), [(1, 0.082), (2, 0.421)])
+def test_the_loops_close_in_space_better_than_with_the_program_of_their_publisher(sets, run, publisher_m):
+    """Xio, gait tracking: the printed distances from begin to end."""
+    solution = real(sets["xio_gait_tracking"], run, assumptions=INDOORS)
+    assert np.linalg.norm(solution.trajectory[list(POSITION)].iloc[-1]) < publisher_m
+
+
+@needs_mirror
+def test_the_height_under_cameras_is_better_for_a_level_floor(sets):
+    """In the median over the trials: the height at the end, against that which was seen."""
+    dataset, ends = sets["pyshoe_vicon"], []
+    for run in dataset.runs:
+        seen = read_positions(dataset.file(run).place(MIRROR), dataset, run)["down"]
+        rises = [real(dataset, run, assumptions=one).trajectory["down"].iloc[-1] for one in (Assumptions(), INDOORS)]
+        ends.append(np.abs(np.array(rises) - (seen.iloc[-1] - seen.iloc[0])))
+    assert np.median(ends, axis=0)[1] < 0.5 * np.median(ends, axis=0)[0]
 
 
 @needs_mirror

@@ -14,7 +14,7 @@ from imugap.gait import Course, Walk
 from imugap.pedestrian import Assumptions
 from imugap.strapdown import COLUMNS
 from imugap.stream import stream
-from imugap.walk import FILES, STD, walked
+from imugap.walk import FILES, INDOORS, STD, walked
 
 ROOT = Path(__file__).parents[1]
 SEED = 31
@@ -67,14 +67,25 @@ def test_the_folder_is_whole_and_says_how_far_the_walk_went_and_where_it_ended(h
     assert not table.isna().any().any()
 
 
-def test_height_is_up_and_the_heading_in_degrees(recipe):
-    """Stairs: a foot that goes up three metres and turns by 90 degrees ends there."""
+@pytest.mark.parametrize("assumptions", [Assumptions(), INDOORS])
+def test_height_is_up_and_the_heading_in_degrees(recipe, assumptions):
+    """Stairs: a foot that goes up three metres and turns by 90 degrees ends there, whatever is assumed of floors."""
     legs = tuple(replace(leg, rise_m=0.15, turn_deg=90 / 20) for leg in Course.loop(20).legs)
     stairs = replace(recipe, course=Course(4.0, legs, 2.0))
-    found = walked(stairs.record(2, SEED), recipe.model, Assumptions(gravity=recipe.site.gravity)).summary()
+    assumptions = replace(assumptions, gravity=recipe.site.gravity)
+    found = walked(stairs.record(2, SEED), recipe.model, assumptions).summary()
     assert found["end_vertical_m"] == pytest.approx(3.0, abs=3 * found["end_vertical_m_std"])
     assert found["end_vertical_m_std"] < 0.5
     assert found["end_heading_deg"] == pytest.approx(90, abs=3 * found["end_heading_deg_std"])
+
+
+def test_outdoors_nothing_is_taken_for_level(here, recipe):
+    stds = []
+    for option in ([], ["--outdoors"]):
+        assert cli.main(["walk", "walk.csv", *option, "--gravity", str(recipe.site.gravity), "--out", "found"]) == 0
+        stds.append(summary("found")["end_vertical_m" + STD])
+        assert ("floor" in pd.read_parquet("found/solution.parquet")) == (not option)
+    assert stds[0] < 0.5 * stds[1]
 
 
 def test_lost_samples_are_filled(recipe):

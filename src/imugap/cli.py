@@ -133,7 +133,7 @@ def walk(options: argparse.Namespace) -> None:
     """Navigate a walk with the device on a foot; print its summary and write the folder ``--out``."""
     from imugap import walk as walks  # compiled kernels take longer to import than the rest
 
-    found = walks.compose(options.log, options.out, options.model, options.effects, options.gravity)
+    found = walks.compose(options.log, options.out, options.model, options.effects, options.gravity, options.outdoors)
     print(json.dumps(found, indent=1))
 
 
@@ -276,6 +276,7 @@ def _parser() -> argparse.ArgumentParser:
     one.add_argument("--model", help="error model of the device (YAML; default that of a cheap one)")
     one.add_argument("--effects", help="module whose effects join the catalogue")
     one.add_argument("--gravity", **gravity)
+    one.add_argument("--outdoors", action="store_true", help="do not take floors for level but for stairs and ramps")
     one.add_argument("--out", required=True, help="folder for solution, summary and figures")
     one.set_defaults(run=walk)
 

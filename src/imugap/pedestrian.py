@@ -14,6 +14,11 @@ interval is taken to be uncertain by a share of d: at a heel strike by much, in 
 Where the body stands, the noise of the gyroscopes is in the attitude and in the measurement of the rate alike. The
 filter takes the two for independent, and so believes a little too little of the attitude after a stand.
 
+Zero velocity says nothing of the height, and what it cannot tell from none, a tilt that the bias of an accelerometer
+balances at stance or a shoe that sinks, lifts every stride by the same. A floor tells. Where floors are taken to be
+level (:attr:`Assumptions.floor_std`), a foot comes down as high as it stood, unless it rises or falls by more than
+:data:`STEP_M`: that is a stair or a slope, of which only the sensors tell.
+
 The smoother is that of Bryson and Frazier: a backward pass over the innovations of the filter that inverts no matrix
 (Bierman 1973). It runs the filter again, a block at a time, so that its memory is that of a block.
 
@@ -45,6 +50,17 @@ from imugap.zero_velocity import MOVING, STILL, Detector, Stand
 
 ARM = ("arm_x", "arm_y", "arm_z")
 """The point at rest as the sensor sees it, in ``b`` [m]."""
+DOWN = POSITION.index("down")
+FLOOR = "floor"
+"""The height of the device at stance, counted down [m]."""
+FLAT_S = 0.1
+"""So long after its begin a foot at stance is flat on the floor [s]."""
+STEP_M = 0.03
+"""From this difference on two stances are not on one level [m]: on 1.5 m of a stride a slope of 2 %."""
+STEP_STD_M = 1.0
+"""Standard deviation of a difference of which nothing is known [m]."""
+MEASURED = 10
+"""Measurements that a sample may have: velocity, angular rate, position, height over the floor."""
 SHORTEST_SWING_S = 0.2
 """What lasts less is no swing of a foot but a stir at stance [s]."""
 SHORTEST_STRIDE_M = 0.1
@@ -71,6 +87,9 @@ class Assumptions:
         Share of the change from sample to sample by which the mean over an interval is uncertain.
     tilt_std
         Standard deviation of roll and pitch after levelling, besides what the accelerometers are off [rad].
+    floor_std
+        Standard deviation of the floor between two stances, and of a foot on it, if the floor is level [m]; 0 takes
+        nothing for granted of any floor.
     scale_std
         Standard deviation of the scale factors of gyroscopes and of accelerometers; above 0 they are states.
     gravity
@@ -88,6 +107,7 @@ class Assumptions:
     blind_gyro: float = 0.05
     blind_accel: float = 0.3
     tilt_std: float = 0.005
+    floor_std: float = 0.0
     scale_std: tuple[float, float] = (0.0, 0.0)
     gravity: float = STANDARD_GRAVITY
 
@@ -167,6 +187,7 @@ class _Trust(NamedTuple):
     rate_psd: float
     blind: np.ndarray
     gravity: float
+    floor_variance: float
 
 
 class _State(NamedTuple):
@@ -182,18 +203,17 @@ class _State(NamedTuple):
 
 
 @kernel
-def _rest(covariance, errors, seen, gyro, noise, first_arm, row, spread, weight, nav, tape, place):
+def _rest(covariance, errors, seen, gyro, noise, arms, row, spread, weight, nav, tape, place):
     """Take in that a point of the foot has the velocity ``seen``; return the corrected navigation and the NIS."""
     total = 0.0
     for i in range(3):
         axes = mat_from_quat(nav[2])[i]
         residual = nav[1][i] - seen[i]
         row[VELOCITY + i] = 1.0
-        if first_arm < len(row):
-            reach = cross(gyro, axes)
-            for m in range(3):
-                row[first_arm + m] = -reach[m]
-                residual -= reach[m] * errors[first_arm - NAVIGATION + m]
+        reach = cross(gyro, axes)
+        for m in range(len(arms)):
+            row[arms[m]] = -reach[m]
+            residual -= reach[m] * errors[arms[m] - NAVIGATION]
         nav, nis = take_in(covariance, errors, row, residual, noise, spread, weight, nav, tape, place, i, True)
         total += nis
     return nav, total
@@ -215,6 +235,17 @@ def _stand(covariance, errors, rate, noise, axis, gain, row, spread, weight, nav
 
 
 @kernel
+def _level(covariance, errors, variance, row, spread, weight, nav, tape, place):
+    """Take in that the device is as high over the floor as at the last stance; return the corrected navigation."""
+    floor = len(row) - 1
+    residual = nav[0][DOWN] - errors[floor - NAVIGATION]
+    covariance[floor, floor] += variance if abs(residual) < STEP_M else STEP_STD_M * STEP_STD_M
+    row[DOWN], row[floor] = 1.0, -1.0
+    nav, _ = take_in(covariance, errors, row, residual, variance, spread, weight, nav, tape, place, 9, True)
+    return nav
+
+
+@kernel
 def _see(covariance, errors, position, noise, row, spread, weight, nav, tape, place):
     """Take in where the device is; return the corrected navigation."""
     for i in range(3):
@@ -231,6 +262,7 @@ def _filter(samples, dt, phase, seen, fixes, fix_noise, first, last, sensors, tr
     ``path`` is filled at these samples; ``tape`` too, from its begin, unless it has no length.
     """
     axis, scale, decay, driving, white, fixed = sensors
+    arms = np.arange(NAVIGATION + len(axis), len(state.covariance) - (trust.floor_variance > 0))
     start, errors, covariance = state.navigation, state.errors, state.covariance
     count, size, taped = len(axis), len(covariance), len(tape.rows) > 0
     work, shift = np.empty((size, size)), np.empty((6, size))
@@ -270,7 +302,7 @@ def _filter(samples, dt, phase, seen, fixes, fix_noise, first, last, sensors, tr
                 (seen[k, 0], seen[k, 1], seen[k, 2]),
                 gyro,
                 slip,
-                NAVIGATION + count,
+                arms,
                 row,
                 spread,
                 weight,
@@ -278,6 +310,8 @@ def _filter(samples, dt, phase, seen, fixes, fix_noise, first, last, sensors, tr
                 tape,
                 place,
             )
+        if trust.floor_variance > 0 and since - interval < FLAT_S <= since:
+            nav = _level(covariance, errors, trust.floor_variance, row, spread, weight, nav, tape, place)
         if phase[k] == STILL:
             rate = samples[k, 0] - fixed[0], samples[k, 1] - fixed[1], samples[k, 2] - fixed[2]
             sway = (
@@ -325,8 +359,7 @@ def navigate(
     given = _Given.of(log, model, assumptions or Assumptions(), velocity)
     path, state = given.begun()
     (_smoothed if smooth else _filtered)(given.arguments, state, path)
-    names = [*given.states.names, *(ARM if given.assumptions.arm_std > 0 else ())]
-    return Solution(log.index, names, path, given.phase, state.covariance, given.stand)
+    return Solution(log.index, given.names, path, given.phase, state.covariance, given.stand)
 
 
 def innovations(
@@ -337,17 +370,17 @@ def innovations(
     sight: Sight | None = None,
     phase: np.ndarray | None = None,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return the innovations of the filter and their variances, shape (n, 9); NaN where there is none.
+    """Return the innovations of the filter and their variances, shape (n, 10); NaN where there is none.
 
-    The columns are velocity, angular rate of a body that stands, and position. ``phase`` is what the foot does, where
-    the detector is not to be asked; the other parameters are those of :func:`navigate`. For a filter that knows itself
-    the innovations over their standard deviations are independent standard normal deviates.
+    The columns are velocity, angular rate of a body that stands, position, and height over the floor. ``phase`` is what
+    the foot does, where the detector is not to be asked; the other parameters are those of :func:`navigate`. For a
+    filter that knows itself the innovations over their standard deviations are independent standard normal deviates.
     """
     given = _Given.of(log, model, assumptions or Assumptions(), velocity, sight, phase)
     path, state = given.begun()
-    tape = Tape.of_innovations(len(log) - 1, 9)
+    tape = Tape.of_innovations(len(log) - 1, MEASURED)
     _filter(*given.arguments[:6], 1, len(log), *given.arguments[6:], state, path, tape)
-    known, first = tape.variances > 0, np.full((1, 9), np.nan)
+    known, first = tape.variances > 0, np.full((1, MEASURED), np.nan)
     return tuple(np.vstack([first, np.where(known, one, np.nan)]) for one in (tape.residuals, tape.variances))
 
 
@@ -381,6 +414,12 @@ class _Given:
         arguments = samples, dt, phase, seen, fixes, noise, Sensors.of(states), _trust(assumptions)
         return cls(assumptions, states, phase, stand, arguments, sight)
 
+    @property
+    def names(self) -> list[str]:
+        """Names of the states behind the navigation."""
+        arms, floor = self.assumptions.arm_std > 0, self.assumptions.floor_std > 0
+        return [*self.states.names, *(ARM if arms else ()), *((FLOOR,) if floor else ())]
+
     def begun(self) -> tuple[Path, _State]:
         """Return the path at its begin and the state there."""
         samples = self.arguments[0]
@@ -402,6 +441,7 @@ def _trust(assumptions: Assumptions) -> _Trust:
         rate_psd=2 * assumptions.rate_std**2 * assumptions.rate_correlation_s,
         blind=np.repeat([assumptions.blind_gyro, assumptions.blind_accel], 3),
         gravity=assumptions.gravity,
+        floor_variance=assumptions.floor_std**2,
     )
 
 
@@ -411,7 +451,8 @@ def _start(accel: np.ndarray, states: SensorStates, assumptions: Assumptions) ->
     rotation = from_euler((*level(force), 0.0))
     tilted = tilt(force, rotation.as_matrix(), states, assumptions.gravity)
     arms = [assumptions.arm_std**2] * len(ARM) if assumptions.arm_std > 0 else []
-    covariance = np.diag([0.0] * NAVIGATION + [*states.variance, *arms])
+    floor = [assumptions.floor_std**2] if assumptions.floor_std > 0 else []
+    covariance = np.diag([0.0] * NAVIGATION + [*states.variance, *arms, *floor])
     covariance[range(VELOCITY, ATTITUDE), range(VELOCITY, ATTITUDE)] = assumptions.velocity_std**2
     sensors, level_rows = slice(NAVIGATION, NAVIGATION + len(states)), slice(ATTITUDE, ATTITUDE + 2)
     covariance[level_rows, sensors] = tilted * states.variance
@@ -436,6 +477,6 @@ def _smoothed(arguments: tuple, state: _State, path: Path) -> None:
         _filter(*arguments[:6], first, last, *arguments[6:], state, path, Tape.empty(0, size))
     adjoint, information = np.zeros(size), np.zeros((size, size))
     for (first, last), start in zip(reversed(blocks), reversed(starts), strict=True):
-        tape = Tape.empty(last - first, size)
+        tape = Tape.empty(last - first, size, MEASURED)
         _filter(*arguments[:6], first, last, *arguments[6:], start, path, tape)
         go_back(path, first, last, tape, adjoint, information)

@@ -29,6 +29,8 @@ USUAL = ErrorModel.from_mapping(
     {axis: [GYRO_CLASS] for axis in GYRO} | {axis: [ACCEL_CLASS] for axis in ACCEL}
 )  # fmt: skip
 """Errors of a sensor on a foot of which nothing is known: those of a cheap device, and the more for the shocks."""
+INDOORS = Assumptions(floor_std=0.01)
+"""What is taken for granted within a building: floors are level but for stairs and ramps."""
 
 
 @dataclass(frozen=True)
@@ -76,7 +78,7 @@ class Walked:
         return pd.concat(parts, axis=1).assign(stance=one.phase > MOVING)
 
 
-def walked(log: pd.DataFrame, model: ErrorModel = USUAL, assumptions: Assumptions | None = None) -> Walked:
+def walked(log: pd.DataFrame, model: ErrorModel = USUAL, assumptions: Assumptions = INDOORS) -> Walked:
     """Navigate a walk that begins with a stand; lost samples are filled, up to :data:`LONGEST_GAP_S` at a time."""
     steps = np.diff(log.index.to_numpy())
     if steps.max() > LONGEST_GAP_S:
@@ -88,9 +90,12 @@ def walked(log: pd.DataFrame, model: ErrorModel = USUAL, assumptions: Assumption
 
 def compose(
     path: str | Path, out: str | Path, model: str | Path | None = None, effects: str | None = None,
-    gravity: float | None = None,
+    gravity: float | None = None, outdoors: bool = False,
 ) -> dict[str, float]:  # fmt: skip
-    """Navigate the walk of a file, write all :data:`FILES` into the folder ``out``, and return the summary."""
+    """Navigate the walk of a file, write all :data:`FILES` into the folder ``out``, and return the summary.
+
+    Within a building floors are level (:data:`INDOORS`); ``outdoors`` nothing is taken for granted of the ground.
+    """
     out = Path(out)
     if out.exists() and not out.is_dir():
         raise ValueError(f"{out}: expected a folder; found a file")
@@ -98,7 +103,8 @@ def compose(
     if canonical.axes(log) != AXES:
         raise canonical.LogError(path, "columns", f"all of {', '.join(AXES)}", ", ".join(log.columns))
     known = USUAL if model is None else ErrorModel.read(model, catalogue(effects))
-    assumptions = Assumptions() if gravity is None else replace(Assumptions(), gravity=gravity)
+    assumptions = Assumptions() if outdoors else INDOORS
+    assumptions = assumptions if gravity is None else replace(assumptions, gravity=gravity)
     try:
         found = walked(log, known, assumptions)
     except ValueError as error:

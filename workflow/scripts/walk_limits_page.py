@@ -102,7 +102,7 @@ def budget_page(found, real):
     for name in names:
         one = real[real["dataset"] == name]
         ends[SETS[name]] = " / ".join(
-            tables.number(100 * np.sqrt((one[key] ** 2).mean()), 2) for key in ("end", "height")
+            tables.number(100 * np.sqrt((one[key] ** 2).mean()), 2) for key in ("end", "height_alone")
         ) if len(one) else "—"  # fmt: skip
     return pd.DataFrame([*rows, ends])
 

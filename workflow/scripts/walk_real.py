@@ -12,8 +12,10 @@ from imugap.catalogue import RawFiles
 from imugap.footprints import footprints
 from imugap.gait import Walk
 from imugap.journal import journal
+from imugap.pedestrian import Assumptions, navigate
+from imugap.stamps import filled
 from imugap.twin import twin
-from imugap.walk import walked
+from imugap.walk import USUAL, walked
 
 STEP_S = 0.1
 """Step of the stored tracks [s]."""
@@ -49,10 +51,19 @@ def recipe(walk):
     return {"rate_hz": walk.rate_hz, "gait": asdict(walk.gait), "course": asdict(walk.course)}
 
 
+def heights(files, run, solution):
+    """Return the height of the end [m] and the root mean square error of it [m], against cameras where these are."""
+    if not files.dataset.positions:
+        return -solution.trajectory["down"].iloc[-1], np.nan
+    beside, *_ = against(files, run, solution)
+    return beside.end()[1], beside.rmse()[1]
+
+
 def one(files, run):
     """Return the row and the track of a walk, and its smoothed solution."""
     timing = integrity.report(readers.read_raw_table(files.path(run), files.dataset, run)).timing
-    found = walked(readers.read_raw(files.path(run), files.dataset, run))
+    log = readers.read_raw(files.path(run), files.dataset, run)
+    found, floorless = walked(log), navigate(filled(log), USUAL, Assumptions(), smooth=True)
     said, solution, labels = found.summary(), found.smoothed, {"dataset": files.dataset.name, "run": run}
     row = labels | said | {"lost": timing.missing, "repeated": timing.duplicated}
     table = solution.trajectory[["north", "east", "down"]]
@@ -66,6 +77,8 @@ def one(files, run):
         row |= {"cameras": False, "end": said["end_horizontal_m"], "height": said["end_vertical_m"]}
         off = table[["north", "east"]].iloc[-1].to_numpy()
         track = table.reset_index(names="time")
+    row["height_alone"], row["rmse_vertical_alone"] = heights(files, run, floorless)
+    row["height_alone_std"] = floorless.trajectory_std["down"].iloc[-1]
     row["nees"] = off @ np.linalg.solve(solution.horizontal[-1], off)
     every = max(round(STEP_S / np.median(np.diff(track["time"]))), 1)
     return row, track[::every].assign(**labels), solution

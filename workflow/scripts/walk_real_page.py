@@ -61,6 +61,7 @@ def page(walks):
             "RMSE of a stride": "stride_rmse",
         }.items():
             row[title] = tables.fixed(one[column], 3) if one["cameras"] else "—"
+        row["no floor"] = f"{tables.fixed(one['height_alone'], 2)} ± {tables.number(one['height_alone_std'], 2)}"
         rows.append(row)
     return pd.DataFrame(rows)
 
@@ -76,9 +77,17 @@ def numbers(walks, peers):
         "largest_percent": tables.number(share.max(), 2),
         "within_half": int((share < 0.5).sum()),
         "within_one": int((share < 1.0).sum()),
-        "rising": int((walks["height"] > 0).sum()),
-        "heights_m": [tables.fixed(end(walks["height"]), 2) for end in (min, max)],
+        "rising": int((walks["height_alone"] > 0).sum()),
+        "heights_m": {
+            key: [tables.fixed(end(walks[key].abs()), 2) for end in (np.median, max)]
+            for key in ("height", "height_alone")
+        },
+        "rmse_of_height_m": {
+            key: tables.fixed(walks.loc[walks["cameras"], key].median(), 3)
+            for key in ("rmse_vertical", "rmse_vertical_alone")
+        },
         "height_within": int((walks["height"].abs() < 2 * walks["end_vertical_m" + STD]).sum()),
+        "height_alone_within": int((walks["height_alone"].abs() < 2 * walks["height_alone_std"]).sum()),
         "end_within": int((walks["end"] < 2 * spread).sum()),
     }
     told = peers.set_index(["dataset", "quantity", "run"])["value"]
@@ -101,8 +110,10 @@ def numbers(walks, peers):
         own = of.loc["xio_gait_tracking"]
         said["xio"] = {
             "end_m": [tables.fixed(value, 3) for value in own["end"]],
-            "height_m": [tables.fixed(value, 2) for value in own["height"]],
-            "space_m": [tables.fixed(value, 3) for value in np.hypot(own["end"], own["height"])],
+            "space_m": {
+                key: [tables.fixed(value, 3) for value in np.hypot(own["end"], own[key])]
+                for key in ("height", "height_alone")
+            },
             "peer_space_m": [tables.fixed(told["xio_gait_tracking", "end_spatial", run].min(), 3) for run in (1, 2)],
         }
     return said
