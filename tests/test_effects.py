@@ -1030,6 +1030,14 @@ def test_no_effect_is_found_in_plain_noise_and_each_in_its_own():
             assert low < value < high, (effect, name)
 
 
+def test_two_samples_of_no_lattice_at_one_extreme_are_a_full_scale():
+    """Equal to the last digit at two times; rounded to a lattice, two of many tell nothing."""
+    noise, at = stream(8, "noise").standard_normal(5000), conditions(5000)
+    clipped = np.minimum(noise, np.sort(noise)[-2])
+    assert Saturation.found(clipped, at).effect.limit == clipped.max()
+    assert Saturation.found(np.round(clipped, 2), at) is None
+
+
 def test_a_single_flat_top_is_a_full_scale_and_a_flat_slope_is_stuck():
     """A smooth motion that is clipped once, and one whose output sticks on its way up."""
     time = np.arange(20_000) * 0.01

@@ -232,6 +232,43 @@ def test_a_line_that_drifts_is_a_place_without_a_name():
     assert any(gap.low < 2.5 and gap.high > 0.5 for gap in places)
 
 
+def test_bursts_are_no_noise_though_their_spectrum_is():
+    """What dies away has the spectrum of a Gauss-Markov process, but what drives it is skewed and peaked."""
+    data, rng = sequence(count=12_000), stream(3, "bursts")
+    since = data.conditions.time - rng.uniform(0, data.conditions.time[-1], (20, 1))
+    heights = 4e-3 * rng.standard_exponential((20, 1))
+    bursts = np.sum(heights * np.where(since >= 0, np.exp(-np.maximum(since, 0) / 6), 0), axis=0)
+    process = GaussMarkov(float(bursts.std()), 6.0).sample(data.conditions, rng)
+    reasons = []
+    for added in (bursts, process):
+        moved = Sequence(data.values + added, data.conditions, data.flawed)
+        search = Search(plain(moved).description, (GaussMarkov,), LOG_ALPHA)
+        found = search.explore(plain(moved))
+        assert found.has(GaussMarkov)
+        reasons.append([doubt.reason for doubt in doubts(search, found).values()])
+    assert reasons == [["it comes in bursts or jumps"], []]
+
+
+def test_a_loop_over_the_temperature_is_no_walk():
+    """The bias goes by the way that the temperature came, with play; the walk of the same size keeps its name."""
+    time = np.arange(16_000) * 0.04
+    warming = 25 + 4 * np.sin(2 * np.pi * time / 260) + 1.5 * np.sin(2 * np.pi * time / 97 + 1)
+    conditions = Conditions(time, 0.04, warming, "gyro_x")
+    dragged = [warming[0]]
+    for value in warming[1:]:
+        dragged.append(min(max(dragged[-1], value - 0.8), value + 0.8))
+    white = WHITE.sample(conditions, stream(4, "white"))
+    walk = RandomWalk(1e-4).sample(conditions, stream(4, "walk"))
+    found = []
+    for added in (2e-3 * (warming - np.array(dragged)), walk):
+        data = Sequence(white + added, conditions, np.zeros(len(time), bool))
+        found.append(concluded(told(data, (), tuple(CATALOGUE.values()), LOG_ALPHA, 12_800)))
+    loop, wandering = found
+    assert names(loop) == []
+    assert loop.seen
+    assert names(wandering) == ["random_walk"]
+
+
 def test_beside_a_wave_of_another_shape_a_step_keeps_its_name():
     wave = Sinusoid(0.4, 2e-3, 0.3), Sinusoid(0.8, 1e-3, 1.0)
     assert names(told_of(*wave, BiasStep(250.0, 1e-3), count=12_000)) == ["bias_step"]

@@ -278,11 +278,11 @@ def _left(
 ) -> tuple[tuple[Verdict, ...], tuple[Gap, ...]]:
     """Return all views of the final model, and where it leaves the log.
 
-    Axes to which nothing was added are as they were; axes whose noise is shared are not held against each other.
+    Axes on which nothing was seen are as they were; axes whose noise is shared are not held against each other.
     """
     fits = {axis: story.whole for axis, story in stories.items()}
     known = {axis: _found_outputs(record, axis, outputs[axis]) for axis in fits}
-    changed = {axis for axis, story in stories.items() if story.changed or known[axis] != outputs[axis]}
+    changed = {axis for axis, story in stories.items() if story.seen or known[axis] != outputs[axis]}
     alike = {frozenset(pair) for finding in common for pair in _pairs(finding.axes)}
     with _many(question.workers) as each:
         judged = verdicts(fits, question.seed + 1, question.replicates, known, changed, each)

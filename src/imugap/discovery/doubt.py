@@ -9,8 +9,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.fft import idct
 from scipy.stats import chi2, ncx2
 
+from imugap.discovery import hysteresis
 from imugap.discovery.axis import AxisFit
 from imugap.discovery.noise import STEP, Noise, log_likelihood
 from imugap.discovery.parameters import term_intervals
@@ -20,6 +22,7 @@ from imugap.discovery.telegraph import compare
 from imugap.discovery.unsteady import NEAR
 from imugap.effects import RandomTelegraph, Sinusoid
 from imugap.effects.effect import TINY, StochasticEffect
+from imugap.stream import stream
 
 LEVEL = np.log(3e-3)
 """Log-probability of chance below which a name is in doubt."""
@@ -30,6 +33,11 @@ SLIGHT = 0.05
 """Relative deviation of the power in a band that leaves a name as it is: no real spectrum is one of a catalogue."""
 BLOCKS = 12
 """Blocks of a stretch of another variance, and of the rest, that have to agree."""
+DRAWN, PARTS, FEWEST, MOST = 1999, 20, 40, 6000
+"""Draws of Gaussian noise, how many parts they are handled in; the fewest coefficients that tell its shape, the most
+that are asked."""
+USUAL = (-1.0, 1.0), (2.0, 6.0)
+"""Skewness and kurtosis that leave a name as it is: no real noise is quite Gaussian; up to that of Laplace's law."""
 HARMONICS, ALONE = 9, 0.1
 """Highest multiple of a line, and share of its frequency within which it has to be known to tell multiples."""
 FAR = 2.0
@@ -207,8 +215,47 @@ def _another_spectrum(search: Search, fit: AxisFit, key: Key) -> Doubt | None:
         doubts.append(Doubt("it is at one of its values more often than at the other", uneven))
         if sum(key.part == "noise" for key in search.added(fit.description)) == 1:
             doubts.append(Doubt("its samples and its spectrum disagree", _at_odds(fit, key, verdict.effect)))
+    else:
+        doubts.append(Doubt("it comes in bursts or jumps", _uncommon(fit, share)))
+    if isinstance(effect, (*SLOW, RandomTelegraph)):
+        doubts.append(_remembered(search, fit, key))
     law = _power_law(search, fit)
     return min([*doubts, *([law] if law is not None else [])], key=lambda doubt: doubt.log_p)
+
+
+def _remembered(search: Search, fit: AxisFit, key: Key) -> Doubt:
+    """Weigh a loop over the temperature in the place of slow noise: if it does better, noise is no name for it."""
+    own, without = search.weighed(fit, key)
+    loop = log_chance(hysteresis.gain(without), hysteresis.MORE) + np.log(len(hysteresis.HALVES))
+    return Doubt("a memory of the temperature explains it better", LEVEL + loop - own.log_p)
+
+
+def _uncommon(fit: AxisFit, share: np.ndarray) -> float:
+    """Return the log-probability that Gaussian noise is as skewed, or of as high or low a kurtosis.
+
+    Asked of the whitened log, each frequency weighed by the share that the effect has in it: an impulse in what drives
+    a process stays one there. Gaussian noise so weighed is drawn :data:`DRAWN` times.
+    """
+    bins = fit.sequence.bins
+    weight = bins.spread(np.maximum(share, TINY))[: min(bins.last, MOST)]
+    last = max(np.flatnonzero(weight > SHARE), default=0) + 1
+    if last < FEWEST:
+        return 0.0
+    noise = stream(0, "uncommon", last).standard_normal((DRAWN, last))
+    both = np.vstack([fit.coefficients[:last], noise]) * weight[:last]
+    own, *drawn = np.concatenate([_shape(part) for part in np.array_split(both, PARTS)])
+    if all(low < value < high for value, (low, high) in zip(own, USUAL, strict=True)):
+        return 0.0
+    rank = np.sum(np.array(drawn) >= own, axis=0) + 1
+    two_sided = 2 * np.minimum(rank, DRAWN + 2 - rank) / (DRAWN + 1)
+    return float(np.log(min(len(own) * two_sided.min(), 1.0)))
+
+
+def _shape(coefficients: np.ndarray) -> np.ndarray:
+    """Return skewness and kurtosis of signals, shape (signals, 2), from their cosine coefficients in rows."""
+    values = idct(np.pad(coefficients, ((0, 0), (1, coefficients.shape[1] - 1))), norm="ortho")
+    scaled = values / values.std(axis=1, keepdims=True)
+    return np.column_stack([np.mean(scaled**3, axis=1), np.mean(scaled**4, axis=1)])
 
 
 def _at_odds(fit: AxisFit, key: Key, other: StochasticEffect) -> float:

@@ -102,9 +102,9 @@ class Story:
         return (*((name, doubt.reason) for name, doubt in self.withheld), *lines)
 
     @property
-    def changed(self) -> bool:
-        """Return whether anything was added to the start model."""
-        return _names(self.before) != _names(self.whole)
+    def seen(self) -> bool:
+        """Return whether anything was added to the start model, or was seen and has no name."""
+        return _names(self.before) != _names(self.whole) or bool(self.withheld)
 
     @property
     def settled(self) -> bool:

@@ -15,7 +15,9 @@ TAIL = 100
 LEVELS = 4
 """Steps of a lattice that they cover at least."""
 FLAT = 3
-"""Samples at the extreme value, of values without a lattice, below which nothing is said."""
+"""Samples at the extreme value, of values without a lattice, below which nothing is said: one time may be one hold."""
+NEXT = 5
+"""Samples below the extreme value that tell how far apart values are there."""
 MANY = 10
 """Samples at the extreme value of a lattice below which a heavy tail may hold them."""
 
@@ -58,7 +60,8 @@ def _log_chance(values: np.ndarray, step: float, lattice: bool) -> float:
     """Return the log-probability that an open range holds as many samples at the highest of ``values``, shape (n,).
 
     Values without a lattice are never equal by chance; each that equals the highest of n does so with probability 1/n
-    at most. An output that sticks once does it elsewhere but for one case in n.
+    at most. An output that sticks once does it elsewhere but for one case in n; at two times it is equal to the last
+    digit only as often as digits fit in between.
     """
     top = values.max()
     at = values == top
@@ -66,10 +69,12 @@ def _log_chance(values: np.ndarray, step: float, lattice: bool) -> float:
     repeats = np.count_nonzero(values[1:] == values[:-1]) - (np.count_nonzero(at) - stays)
     if top <= 0 or at.all() or (stays == 1 and (np.count_nonzero(at) < FLAT or repeats)):
         return 0.0
-    if np.count_nonzero(at) < (MANY if lattice else FLAT):
+    if np.count_nonzero(at) < (MANY if lattice else FLAT if stays == 1 or repeats else 2):
         return 0.0
     if not lattice and not repeats:
-        return float((1 - np.count_nonzero(at)) * np.log(len(values)))
+        apart = np.sort(top - values[~at])[NEXT - 1] / NEXT
+        alike = 1 / len(values) if stays == 1 else min(1 / len(values), step / apart)
+        return float((np.count_nonzero(at) - 1) * np.log(alike))
     entries = top - values[:-1][at[1:] & ~at[:-1]]
     if np.median(entries) < 1.5 * step:
         return 0.0
