@@ -141,6 +141,14 @@ def test_an_outage_drifts_as_predicted_where_the_model_is_right(recorded, drive)
     assert (found["nees"] < 14).all()
 
 
+def test_wheels_hold_an_outage_even_where_the_device_stands_for_the_axle(recorded, drive):
+    """The arm of 1.3 m is told to nobody: what is predicted is less than without wheels, and not too little."""
+    test, fixes = car(recorded, RECEIVER), RECEIVER.degrade(recorded.fixes, SEED, 0)
+    plain, rolling = (one.outage(fixes, drive.model, 150.0, 45.0) for one in (test, test.rolling))
+    assert 0.1 < rolling["predicted"].iloc[-1] / plain["predicted"].iloc[-1] < 0.8
+    assert (rolling["nees"] < 14).all()
+
+
 @pytest.mark.slow
 def test_tuning_finds_noise_that_is_told_wrongly(recorded, drive):
     """White noise told eight times too small or too large comes back to within a factor of two."""

@@ -28,7 +28,11 @@ ALONE = {kind: f"{kind} alone" for kind in (OUTLIER, STRETCH, RAMP, OUTAGE)}
 ORACLE, SMOOTHED = "oracle", "smoothed"
 """Schemes: told the gross errors as standard deviations, what a perfect test would make of the fixes; and the smoother
 with all control."""
-PARTS = {LOST: ("gated", "reset", "hindsight")} | dict.fromkeys(ALONE.values(), ("reset", "hindsight"))
+PLAIN, WHOLE = "none", "hindsight"
+"""Schemes without control, and with all of it."""
+WHEELS = {name: f"{name}, wheels" for name in (PLAIN, WHOLE, SMOOTHED, ORACLE)}
+"""What they are called where the filter is told of the wheels; the plain one only has good fixes, to compare with."""
+PARTS = {LOST: ("gated", "reset", WHOLE)} | dict.fromkeys(ALONE.values(), ("reset", WHOLE))
 """Cases that only some schemes are put to."""
 CASES = (CLEAN, CONTAMINATED, *PARTS)
 ERRORS = ("horizontal", "vertical", "velocity", "tilt", "heading", "gyro", "accel")
@@ -71,6 +75,14 @@ class Ablation:
             velocity_std=receiver.velocity_std,
         )
 
+    @property
+    def rolling(self) -> Assumptions:
+        """The same of a filter that is told of the wheels."""
+        axle = self.drive.axle
+        return replace(
+            self.assumptions, wheels_std=axle.std_m_per_s, wheels_s=axle.correlation_s, axle_m=axle.arm_m
+        )  # fmt: skip
+
     def runs(
         self, run: int, seed: int, schemes: dict[str, Quality] = SCHEMES, cases: tuple[str, ...] = CASES
     ) -> Iterator[tuple[str, str, Run]]:
@@ -80,21 +92,25 @@ class Ablation:
         states, known = assumptions.states(drive.model), self._cases(clean, run, seed)
         start = depart(record, clean, states, assumptions, drive.ellipsoid)
 
-        def navigated(fixes: pd.DataFrame, quality: Quality, events: tuple, smooth: bool = False) -> Run:
+        def navigated(told: Assumptions, fixes: pd.DataFrame, quality: Quality, events: tuple, smooth: bool) -> Run:
             begin = start
             if events and events[0].begin < start.time:
                 begin = depart(record, fixes, states, assumptions, drive.ellipsoid)
-            found = navigate(record, fixes, drive.model, assumptions, quality, begin, drive.ellipsoid, smooth)
-            return Run(found, fixes, events, true)
+            return Run(navigate(record, fixes, drive.model, told, quality, begin, drive.ellipsoid, smooth), fixes,
+                       events, true)  # fmt: skip
 
         for case, (fixes, events) in ((case, known[case]) for case in cases):
             for name, quality in schemes.items():
                 if name in PARTS.get(case, schemes):
-                    yield case, name, navigated(fixes, quality, events)
-            if case in (CLEAN, CONTAMINATED):
-                yield case, SMOOTHED, navigated(fixes, Quality(), events, True)
-            if case == CONTAMINATED:
-                yield case, ORACLE, navigated(self.faults.confess(fixes, events), NOTHING, events)
+                    yield case, name, navigated(assumptions, fixes, quality, events, False)
+                if name == WHOLE or (name, case) == (PLAIN, CLEAN):
+                    yield case, WHEELS[name], navigated(self.rolling, fixes, quality, events, False)
+            for told, names in ((assumptions, (SMOOTHED, ORACLE)), (self.rolling, (WHEELS[SMOOTHED], WHEELS[ORACLE]))):
+                if case in (CLEAN, CONTAMINATED):
+                    yield case, names[0], navigated(told, fixes, Quality(), events, True)
+                if case == CONTAMINATED:
+                    confessed = self.faults.confess(fixes, events)
+                    yield case, names[1], navigated(told, confessed, NOTHING, events, False)
 
     def _cases(self, clean: pd.DataFrame, run: int, seed: int) -> dict[str, tuple[pd.DataFrame, tuple[Event, ...]]]:
         """Return the fixes of each case and the gross errors in them."""

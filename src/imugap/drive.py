@@ -74,7 +74,7 @@ class Setting:
     def of(cls, values: dict, model: ErrorModel) -> "Setting":
         """Take over a complete configuration."""
         arm, offset, scale = values["lever_arm"], values["time_offset"], values["scale_factor"]
-        fix, quality, start = values["receiver"], values["quality"], values["start"]
+        fix, quality, start, wheels = (values[name] for name in ("receiver", "quality", "start", "wheels"))
         assumptions = Assumptions(
             lever_m=(arm["x_m"], arm["y_m"], arm["z_m"]),
             lever_std=arm["std_m"],
@@ -85,6 +85,9 @@ class Setting:
             position_std=(fix["horizontal_m"], fix["horizontal_m"], fix["vertical_m"]),
             velocity_std=(fix["horizontal_m_per_s"], fix["horizontal_m_per_s"], fix["vertical_m_per_s"]),
             epoch_s=values["epoch_s"],
+            wheels_std=wheels["std_m_per_s"],
+            wheels_s=wheels["correlation_s"],
+            axle_m=(wheels["x_m"], wheels["y_m"], wheels["z_m"]),
         )
         control = Quality(
             component=quality["component_sigma"],

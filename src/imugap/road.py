@@ -1,10 +1,12 @@
 """A simulated drive through a town: one smooth path gives position, attitude, and the output of an ideal device.
 
 Legs (a rest, a speed to be reached, a turn) are made smooth functions of time on a grid, and splines of fifth order of
-them: speed, course, slope and bank. At the stamps of the samples velocity and attitude are what the splines say. The
-ideal output of each interval is then what the navigator (:mod:`imugap.strapdown`, the ellipsoid in full) needs to get
-from one stamp to the next: mechanisation inverted, exact to rounding whatever the interval. The position is that which
-the navigator finds. Truth and ideal output are therefore one under the very equations of the filter.
+them: speed, course, slope and bank. The rear axle goes along the road, but for the slip of its tyres, and the device,
+which sits ahead of it, swings out in a turn. At the stamps of the samples velocity and attitude of the device are what
+the splines say. The ideal output of each interval is then what the navigator (:mod:`imugap.strapdown`, the ellipsoid in
+full) needs to get from one stamp to the next: mechanisation inverted, exact to rounding whatever the interval. The
+position is that which the navigator finds. Truth and ideal output are therefore one under the very equations of the
+filter.
 """
 
 from dataclasses import dataclass
@@ -16,6 +18,7 @@ import pandas as pd
 import yaml
 from numba import njit
 from scipy.interpolate import make_interp_spline
+from scipy.spatial.transform import Rotation
 
 from imugap import gnss, log, reference
 from imugap.effects import ScaleFactor, WhiteNoise
@@ -28,6 +31,8 @@ from imugap.stream import stream
 
 GRID_S = 0.1
 """Step of the design [s]."""
+STEP_S = 1e-3
+"""Step of difference quotients [s]."""
 ROUNDS = 5
 """Rounds of the inversion: each leaves a hundredth or less of what was missed."""
 
@@ -56,6 +61,26 @@ class Leg:
 
 
 @dataclass(frozen=True)
+class Axle:
+    """The rear axle, which goes along the road, but for the slip of its tyres.
+
+    Attributes
+    ----------
+    arm_m
+        From the device to its middle, in ``b``: the device swings out by it in a turn.
+    slip
+        Angle by which it goes beside the heading, outward, per lateral acceleration [rad s^2/m].
+    std_m_per_s, correlation_s
+        What a filter takes its velocity across and up to be (:mod:`imugap.wheels`).
+    """
+
+    arm_m: tuple[float, float, float]
+    slip: float
+    std_m_per_s: float
+    correlation_s: float
+
+
+@dataclass(frozen=True)
 class Receiver:
     """A GNSS receiver: rate, white noise of position [m] and velocity [m/s] (north, east, down), what it tells of it.
 
@@ -77,6 +102,7 @@ class Drive:
     laps: int
     heading_deg: float
     bank: float
+    axle: Axle
     model: ErrorModel
     scale_std: tuple[float, float]
     receiver: Receiver
@@ -85,26 +111,29 @@ class Drive:
 
     @classmethod
     def read(cls, path: str | Path) -> "Drive":
-        """Read a recipe (YAML with ``course``, ``model``, ``scale_std``, ``receiver``, ``site``, ``rate_hz``)."""
+        """Read a recipe (YAML): ``course``, ``axle``, ``model``, ``scale_std``, ``receiver``, ``site``, ``rate_hz``."""
         recipe = yaml.safe_load(Path(path).read_text())
+
+        def given(part: dict) -> dict:
+            return {key: tuple(value) if isinstance(value, list) else value for key, value in part.items()}
+
         try:
             course, site = recipe["course"], recipe["site"]
-            given = {
-                key: tuple(value) if isinstance(value, list) else value for key, value in recipe["receiver"].items()
-            }
             return cls(
                 tuple(Leg(**leg) for leg in course["legs"]),
                 course["laps"],
                 course["heading_deg"],
                 course["bank"],
+                Axle(**given(recipe["axle"])),
                 ErrorModel.from_mapping(recipe["model"]),
                 tuple(recipe["scale_std"]),
-                Receiver(**given),
+                Receiver(**given(recipe["receiver"])),
                 Ellipsoid(np.radians(site["latitude_deg"]), np.radians(site["longitude_deg"]), site["height_m"]),
                 recipe["rate_hz"],
             )
         except (KeyError, TypeError, ValueError) as error:
-            raise ValueError(f"{path}: expected a recipe with course, model, receiver, site; found {error}") from error
+            expected = "a recipe with course, axle, model, receiver, site"
+            raise ValueError(f"{path}: expected {expected}; found {error}") from error
 
     @property
     def duration_s(self) -> float:
@@ -114,7 +143,7 @@ class Drive:
     @property
     def path(self) -> tuple[pd.DataFrame, pd.DataFrame]:
         """True Trajectory with the columns of a Reference, and what an error-free device reads; the same each time."""
-        return _path(self.legs, self.laps, self.heading_deg, self.bank, self.ellipsoid, self.rate_hz)
+        return _path(self.legs, self.laps, self.heading_deg, self.bank, self.axle, self.ellipsoid, self.rate_hz)
 
     def device(self, run: int, seed: int) -> ErrorModel:
         """Return the model of the device of ``run``: with scale factors of its own, drawn."""
@@ -166,19 +195,24 @@ def _without(model: AxisModel, *kinds: type) -> AxisModel:
 
 @lru_cache(maxsize=4)
 def _path(
-    legs: tuple[Leg, ...], laps: int, heading_deg: float, bank: float, ellipsoid: Ellipsoid, rate_hz: float
+    legs: tuple[Leg, ...], laps: int, heading_deg: float, bank: float, axle: Axle, ellipsoid: Ellipsoid, rate_hz: float
 ) -> tuple[pd.DataFrame, pd.DataFrame]:
     """Design the path, and invert the mechanisation along it."""
     duration = laps * sum(leg.duration_s for leg in legs)
     time = np.arange(round(duration * rate_hz) + 1) / rate_hz
     grid = np.arange(-1, duration + 1, GRID_S)
     speed, course, slope = (make_interp_spline(grid, one, ORDER) for one in _design(legs * laps, heading_deg, grid))
-    climb, turning = slope(time), course.derivative()(time)
-    level = np.column_stack([np.cos(course(time)), np.sin(course(time))]) * (speed(time) * np.cos(climb))[:, None]
-    velocity = np.column_stack([level, -speed(time) * np.sin(climb)])
-    surge = speed.derivative()(time)
-    euler = np.column_stack([-bank * speed(time) * turning, climb + bank * surge, course(time)])
-    rotation = from_euler(euler)
+    turning, surge = course.derivative(), speed.derivative()
+
+    def attitude(at: np.ndarray) -> Rotation:
+        lean, squat = -bank * speed(at) * turning(at), bank * surge(at)
+        return from_euler(np.column_stack([lean, slope(at) + squat, course(at)]))
+
+    way = course(time) - axle.slip * speed(time) * turning(time)
+    climb, rotation = slope(time), attitude(time)
+    level = np.column_stack([np.cos(way), np.sin(way)]) * (speed(time) * np.cos(climb))[:, None]
+    swing = (attitude(time + STEP_S).apply(axle.arm_m) - attitude(time - STEP_S).apply(axle.arm_m)) / (2 * STEP_S)
+    velocity = np.column_stack([level, -speed(time) * np.sin(climb)]) - swing
     origin = ellipsoid.origin
     place, rate, force = _invert(time, velocity, rotation.as_quat(), origin)
     table = pd.DataFrame(index=pd.Index(time, name=log.TIME), columns=list(COLUMNS), dtype=float)

@@ -38,6 +38,8 @@ SCALE_STD = (0.01, 0.01)
 """Standard deviations of the scale factors of a device that nobody calibrated."""
 TURN_ON = (to_si(0.5, "deg/s"), 0.15)
 """Standard deviations of its constant biases [rad/s] and [m/s^2], which a rest does not tell."""
+WHEELS_STD = 0.2
+"""What a car whose device is taken for its rear axle goes across and up [m/s]: an arm of a metre, in turns."""
 TUNED = ("gyro_white", "accel_white", "gyro_walk", "accel_walk")
 """What is multiplied when a model is tuned."""
 FACTORS = (2.0**-10, 2.0**6)
@@ -79,6 +81,11 @@ class RoadTest:
     recording: Recording
     assumptions: Assumptions
     departure: Departure
+
+    @property
+    def rolling(self) -> "RoadTest":
+        """The same of a filter that is told of wheels; nobody says where the axle is, and the device stands for it."""
+        return replace(self, assumptions=replace(self.assumptions, wheels_std=WHEELS_STD))
 
     def navigate(
         self, fixes: pd.DataFrame, model: ErrorModel, quality: Quality = NOTHING, smooth: bool = False

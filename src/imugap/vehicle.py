@@ -5,10 +5,11 @@ position, velocity, attitude, those of the sensors (for a Gauss-Markov bias and 
 and, where asked for, the lever arm and the time offset of the fixes. What the filter does with a fix that does not fit
 is in :mod:`imugap.quality`.
 
-An epoch of the filter ends at every so many samples and at every fix, wherever this lies between two samples: a sample
-is the mean over its interval, and is taken in two parts. The navigation equations are integrated sample by sample in
-full; the covariance goes from epoch to epoch with the means of attitude, specific force and rate. In its transition the
-rates of Earth and transport are neglected (:mod:`imugap.error_state`): over a minute they turn an error by 5 mrad.
+An epoch ends at every so many samples and at every fix (:mod:`imugap.epochs`); what is known of wheels, where a vehicle
+has some, is taken in at the end of each (:mod:`imugap.wheels`). The navigation equations are integrated sample by
+sample in full; the covariance goes from epoch to epoch with the means of attitude, specific force and rate. In its
+transition the rates of Earth and transport are neglected (:mod:`imugap.error_state`): over a minute they turn an error
+by 5 mrad.
 
 The smoother feeds back at every fix, whatever the gates say: it knows all fixes at once, and has nothing to hold back.
 
@@ -28,6 +29,7 @@ from numba import njit
 
 from imugap import gnss
 from imugap import log as canonical
+from imugap.epochs import NEAR, Epochs
 from imugap.error_state import ATTITUDE, NAVIGATION, backward, predict, project
 from imugap.gnss import COMPONENTS
 from imugap.hindsight import (
@@ -59,13 +61,14 @@ from imugap.sensor_states import SensorStates
 from imugap.strapdown import GEODETIC, Ellipsoid, ellipsoid_step, increments
 from imugap.track import BLOCK, Path, Sensors, Tape, Track, age, compensate, take_in, write
 from imugap.track import smooth as go_back
+from imugap.wheels import MEASURED, Wheels, quiet, roll
 
 LEVER = ("lever_x", "lever_y", "lever_z")
 """What the lever arm, from the device to the antenna in ``b``, is more than was taken for granted [m]."""
 OFFSET = "offset"
 """How much later than was taken for granted a fix belongs [s]."""
-NEAR = 1e-6
-"""A fix so near the stamp of a sample belongs to it [s]."""
+FIX = len(COMPONENTS)
+"""Measurements of a fix."""
 
 
 @dataclass(frozen=True)
@@ -90,6 +93,13 @@ class Assumptions:
         Standard deviations of a fix, north, east, down [m] and [m/s], where its log has none.
     epoch_s
         Longest epoch of the covariance [s].
+    wheels_std
+        Standard deviation of the velocity of the rear axle across and up [m/s] (:mod:`imugap.wheels`); 0 takes nothing
+        for granted of wheels.
+    wheels_s
+        Its correlation time [s].
+    axle_m
+        From the device to the middle of the rear axle, in ``b`` [m].
     """
 
     lever_m: tuple[float, float, float] = (0.0, 0.0, 0.0)
@@ -101,6 +111,9 @@ class Assumptions:
     position_std: tuple[float, float, float] = (1.5, 1.5, 3.0)
     velocity_std: tuple[float, float, float] = (0.1, 0.1, 0.2)
     epoch_s: float = 0.05
+    wheels_std: float = 0.0
+    wheels_s: float = 2.0
+    axle_m: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     def states(self, model: ErrorModel) -> SensorStates:
         """Return the states of the sensors under ``model``."""
@@ -173,13 +186,6 @@ class Solution(Track):
         return self.record.events(self.fix_time, COMPONENTS, self.quality)
 
 
-class _Epochs(NamedTuple):
-    """Ends of the epochs [s], and the number of the fix of each, or -1."""
-
-    end: np.ndarray
-    fix: np.ndarray
-
-
 class _Inputs(NamedTuple):
     """Samples, shape (n, 6), their stamps [s], fixes and their standard deviations, shape (fixes, 6)."""
 
@@ -202,6 +208,7 @@ class _Frame(NamedTuple):
     shift_state: bool
     known: bool
     variance: np.ndarray
+    wheels: Wheels
 
 
 class _Room(NamedTuple):
@@ -218,6 +225,7 @@ class _Room(NamedTuple):
     rows: np.ndarray
     spread: np.ndarray
     weight: np.ndarray
+    row: np.ndarray
     present: np.ndarray
     innovation: np.ndarray
     noise: np.ndarray
@@ -233,8 +241,8 @@ class _Room(NamedTuple):
         axes, components = (np.empty(6) for _ in range(2)), (np.empty(6) for _ in range(2))
         return cls(
             np.empty((size, size)), np.empty((6, size)), *vectors, *axes, np.empty((6, size)), np.empty(size),
-            np.empty(size), np.empty(6, np.int64), *components, np.empty((6, 6)), np.empty((6, 6)), np.empty(6),
-            np.empty((0, 0)),
+            np.empty(size), np.zeros(size), np.empty(6, np.int64), *components, np.empty((6, 6)), np.empty((6, 6)),
+            np.empty(6), np.empty((0, 0)),
         )  # fmt: skip
 
 
@@ -448,6 +456,10 @@ def _run(inputs, epochs, first, last, sensors, frame, control, reserve, state, p
             course = HELD if frame.known and course == FRESH else course
             nav = _absorb(fix, count, course, fed, nav, covariance, errors, control, room, record, tape,
                           place)  # fmt: skip
+        if frame.wheels.std > 0.0:
+            nav = roll(frame.wheels, epochs.quiet[e], interval, nav, rate, covariance, errors, sensors, room.gain,
+                       room.row, room.spread, room.weight, tape, place, FIX)  # fmt: skip
+        if fix >= 0:
             fill(kept[fix], covariance)
         write(path, e, nav, errors, covariance)
         if taped:
@@ -525,13 +537,15 @@ def navigate(
     quality = replace(quality, gated=False) if smooth else quality
     due = fixes.index.to_numpy(dtype=float) + assumptions.offset_s
     offered = np.flatnonzero((due > start.time + NEAR) & (due <= stamp[-1] + NEAR))
-    epochs = _epochs(stamp, due[offered], start.time, assumptions.epoch_s)
+    epochs = Epochs.of(stamp, due[offered], start.time, assumptions.epoch_s)
     inputs = _Inputs(
         np.ascontiguousarray(log[list(AXES)].to_numpy(dtype=float)),
         stamp,
         gnss.local(fixes, ellipsoid)[offered],
         gnss.deviations(fixes, assumptions.position_std, assumptions.velocity_std)[offered],
     )
+    if assumptions.wheels_std > 0:
+        epochs = epochs._replace(quiet=quiet(inputs.samples, stamp, epochs.end))
     variance = np.array([*states.variance, *(std**2 for _, std in assumptions.constants())])
     names = [*states.names, *(name for name, _ in assumptions.constants())]
     begin, looking = (start.errors, start.covariance), quality.hindsight_s is not None
@@ -540,7 +554,7 @@ def navigate(
         begin = np.append(start.errors, np.zeros(SHIFT)), np.pad(start.covariance, (0, SHIFT))
     frame = _Frame(
         ellipsoid.origin, assumptions.lever_m, assumptions.lever_std > 0, assumptions.offset_std > 0, looking, False,
-        variance,
+        variance, Wheels(assumptions.wheels_std, assumptions.wheels_s, assumptions.axle_m),
     )  # fmt: skip
     control, record = Control.of(quality, len(COMPONENTS)), Record.empty(len(offered), len(COMPONENTS))
     state = State(
@@ -562,21 +576,6 @@ def navigate(
     return Solution(time, names, path, ellipsoid, fixes.index.to_numpy()[offered], rows, record, kept, quality)
 
 
-def _epochs(stamp: np.ndarray, due: np.ndarray, begin: float, longest: float) -> _Epochs:
-    """Return the epochs: from ``begin`` on, one at each fix and at every so many samples; the first is the start."""
-    interval = float(np.median(np.diff(stamp)))
-    every = max(int(longest / interval + 1e-6), 1)
-    after = int(np.searchsorted(stamp, begin, "right"))
-    ends = stamp[after:]
-    near = np.clip(np.searchsorted(stamp, due), 1, len(stamp) - 1)
-    near = np.where(np.abs(stamp[near - 1] - due) < np.abs(stamp[near] - due), near - 1, near)
-    due = np.where(np.abs(stamp[near] - due) <= NEAR, stamp[near], due)
-    end = np.union1d(np.append(ends[every - 1 :: every], stamp[-1]), due)
-    fix = np.full(len(end), -1)
-    fix[np.searchsorted(end, due)] = np.arange(len(due))
-    return _Epochs(np.append(begin, end), np.append(-1, fix))
-
-
 def _filtered(fixed: tuple, state: State, results: tuple) -> None:
     """Fill the path by the filter."""
     inputs, epochs, *rest = fixed
@@ -594,6 +593,6 @@ def _smoothed(fixed: tuple, state: State, results: tuple) -> None:
         _filter(inputs, epochs, first, last, *rest, state, *results, Tape.empty(0, size))
     adjoint, information = np.zeros(size), np.zeros((size, size))
     for (first, last), start in zip(reversed(blocks), reversed(starts), strict=True):
-        tape = Tape.empty(last - first, size)
+        tape = Tape.empty(last - first, size, FIX + MEASURED)
         _filter(inputs, epochs, first, last, *rest, start, *results, tape)
         go_back(results[0], first, last, tape, adjoint, information)

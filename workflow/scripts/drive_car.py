@@ -13,14 +13,14 @@ from imugap.journal import journal
 NAME = "rtklibexplorer_drive"
 
 
-def outages(test, receiver, models, params):
-    """Return the drifts of every model in outages one after the other, for every draw of the noise."""
+def outages(tests, receiver, params):
+    """Return the drifts of every test, with its model, in outages one after the other, for every draw of the noise."""
     rows = []
     first, last, length = params.outages_s
     for draw in range(params.seeds):
-        fixes = receiver.degrade(test.recording.fixes, params.seed, draw)
+        fixes = receiver.degrade(tests["rest"][0].recording.fixes, params.seed, draw)
         for begin in np.arange(first, last, length + 1):
-            for name, model in models.items():
+            for name, (test, model) in tests.items():
                 drift = test.outage(fixes, model, begin, length).reset_index()
                 rows.append(drift.assign(model=name, draw=draw, begin=begin))
     return pd.concat(rows)
@@ -60,7 +60,8 @@ if __name__ == "__main__":
         models = {"rest": rest, "tuned": tuned}
         way.to_csv(output.tuning, index=False)
         Path(output.models).write_text(yaml.safe_dump({name: one.to_mapping() for name, one in models.items()}))
-        outages(test, receiver, models, params).to_parquet(output.outages, index=False)
+        tests = {name: (test, model) for name, model in models.items()} | {"wheels": (test.rolling, tuned)}
+        outages(tests, receiver, params).to_parquet(output.outages, index=False)
         scores, shown = contaminated(test, receiver, Faults.read(source.recipe), tuned, params)
         scores.to_csv(output.schemes, index=False)
         shown.to_parquet(output.errors, index=False)

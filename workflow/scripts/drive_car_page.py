@@ -12,7 +12,7 @@ from imugap.figures import ablation as drawn
 from imugap.figures import roadtest
 from imugap.journal import journal
 from imugap.quality import SCHEMES
-from imugap.roadtest import TUNED
+from imugap.roadtest import TUNED, WHEELS_STD
 from imugap.units import from_si
 
 
@@ -60,6 +60,7 @@ def numbers(outages, scores, tuning):
     middle = scores.groupby("scheme").median(numeric_only=True)
     return {
         "drift": drift(outages),
+        "wheels_std_m_per_s": f"{WHEELS_STD:g}",
         "length_s": f"{outages['since'].max():.0f}",
         "factors": {name: tables.number(tuning.iloc[-1][name], 2) for name in TUNED},
         "doubts": int(scores[scores["scheme"] == "hindsight"]["doubts"].sum()),

@@ -9,7 +9,7 @@ import yaml
 from scipy.stats import binomtest
 
 from imugap import bootstrap, figures, tables
-from imugap.ablation import ALONE, CLEAN, CONTAMINATED, LOST, ORACLE, PARTS, SMOOTHED, Ablation
+from imugap.ablation import ALONE, CLEAN, CONTAMINATED, LOST, ORACLE, PARTS, PLAIN, SMOOTHED, WHEELS, WHOLE, Ablation
 from imugap.faults import OUTAGE, OUTLIER, RAMP, STRETCH
 from imugap.figures import ablation as drawn
 from imugap.journal import journal
@@ -28,8 +28,11 @@ COLUMNS = {
 }
 KINDS = {CLEAN: "no gross error in the run", "none": "between events", OUTLIER: "outlier", STRETCH: "stretch",
          RAMP: "ramp", OUTAGE: "outage"}  # fmt: skip
-ALL = (*SCHEMES, SMOOTHED, ORACLE)
-DRAWN = ("none", "robust", "hindsight", SMOOTHED, ORACLE)
+BLIND = (*SCHEMES, SMOOTHED, ORACLE)
+ALL = (*BLIND, *(WHEELS[name] for name in (WHOLE, SMOOTHED, ORACLE)))
+OF = {ORACLE: PLAIN, WHEELS[ORACLE]: WHEELS[PLAIN]}
+"""Whose clean run stands beside a scheme that has none."""
+DRAWN = ("none", "robust", "hindsight", WHEELS[WHOLE], SMOOTHED, ORACLE)
 """Schemes whose errors are drawn over time."""
 BAR, SHARE = 1.3, 0.95
 """What the contaminated run may be over the clean one; seeds in which the gate has to help."""
@@ -41,18 +44,20 @@ def schemes_page(scores, recovery):
     means = scores.groupby(["case", "scheme"], sort=False).mean(numeric_only=True)
     rows = []
     for (case, scheme), one in middle.loc[[CLEAN, CONTAMINATED]].iterrows():
+        if scheme == WHEELS[PLAIN]:
+            continue
         row = {"fixes": case, "scheme": drawn.TITLES[scheme]}
         for name, (head, unit) in COLUMNS.items():
             row[head] = tables.number(from_si(one[name], unit))
         rates = means.loc[(case, scheme)]
         row["false [%]"], row["missed [%]"] = (tables.number(100 * rates[name], 2) for name in ("false", "missed"))
-        if scheme in (ORACLE, SMOOTHED):
+        if scheme in (ORACLE, SMOOTHED, WHEELS[ORACLE], WHEELS[SMOOTHED]):
             row["false [%]"] = row["missed [%]"] = "—"
         known = recovery[(recovery["case"] == CONTAMINATED) & (recovery["scheme"] == scheme)]["recovery"]
         row["recovery, 90 % [s]"] = f"{known.quantile(0.9):.0f}" if case == CONTAMINATED else "—"
         row["NIS"], row["NEES"] = (tables.number(one[name], 3) for name in ("nis", "nees"))
         row["NEES, sensors"] = tables.number(one["nees_sensors"], 3)
-        if scheme == SMOOTHED:
+        if scheme in (SMOOTHED, WHEELS[SMOOTHED]):
             row |= dict.fromkeys(("NIS", "NEES", "NEES, sensors"), "—")  # covariances at the fixes are the filter's
         rows.append(row)
     return pd.DataFrame(rows)
@@ -68,7 +73,7 @@ def kinds_page(kinds):
 
 def ratio(scores, scheme, seed, score="horizontal_95", case=CONTAMINATED):
     """Return the 95th percentile over that of the clean case: ratio of the means over the runs, with its interval."""
-    usual = (scores["case"] == CLEAN) & (scores["scheme"] == ("none" if scheme == ORACLE else scheme))
+    usual = (scores["case"] == CLEAN) & (scores["scheme"] == OF.get(scheme, scheme))
     spoilt = (scores["case"] == case) & (scores["scheme"] == scheme)
     of = scores[usual | spoilt].pivot(index="run", columns="case", values=score).dropna()
     middle = of[case].mean() / of[CLEAN].mean()
@@ -86,13 +91,19 @@ def lost(scores, recovery):
     """Return of the drives that begin in a stretch how many had a soft reset, and when they were right again."""
     of = scores[scores["case"] == LOST].groupby("scheme")["resets"]
     found = {}
-    for scheme in PARTS[LOST]:
+    for scheme in (*PARTS[LOST], WHEELS[WHOLE]):
         time = recovery[(recovery["case"] == LOST) & (recovery["scheme"] == scheme)]["recovery"]
         found[scheme] = {
             "resets": int(of.sum()[scheme]), "drives": int((of.get_group(scheme) > 0).sum()),
             "right": int(np.isfinite(time).sum()), "median_s": f"{time.median():.0f}", "last_s": f"{time.max():.0f}",
         }  # fmt: skip
     return found
+
+
+def gain(scores, scheme, case):
+    """Return the 95th percentile with wheels over that without, ratio of the means over the runs."""
+    mean = scores[scores["case"] == case].groupby("scheme")["horizontal_95"].mean()
+    return tables.number(mean[WHEELS[scheme]] / mean[scheme], 2)
 
 
 def claim(scores, better, worse, name):
@@ -124,9 +135,19 @@ def numbers(scores, recovery, recipe, seed, runs):
         "ratios": {scheme: ratio(scores, scheme, seed) for scheme in ALL},
         "aided": {scheme: ratio(scores, scheme, seed, "aided_95") for scheme in ALL},
         "alone": {
-            kind: {scheme: ratio(scores, scheme, seed, case=case) for scheme in PARTS[case]}
+            kind: {scheme: ratio(scores, scheme, seed, case=case) for scheme in (*PARTS[case], WHEELS[WHOLE])}
             for kind, case in ALONE.items()
         },
+        "gains": {
+            scheme: gain(scores, scheme, case)
+            for scheme, case in (
+                (WHOLE, CONTAMINATED),
+                (SMOOTHED, CONTAMINATED),
+                (ORACLE, CONTAMINATED),
+                (PLAIN, CLEAN),
+            )
+        },
+        "wheels": WHEELS,
         "lost": lost(scores, recovery),
         "false_percent": {
             case: {scheme: tables.number(100 * of.mean()[scheme], 2) for scheme in SCHEMES}
@@ -137,7 +158,7 @@ def numbers(scores, recovery, recipe, seed, runs):
         "claims": {
             key: {name: claim(scores, *pair, name) for name in ("gyro", "accel")} for key, pair in pairs.items()
         },
-        "nees": tables.number(clean["nees"].mean()["none"]),
+        "nees": {name: tables.number(clean["nees"].mean()[name]) for name in (PLAIN, WHEELS[PLAIN])},
         "reset_s": f"{SCHEMES['reset'].reset_s:g}",
         "limit_m": tables.number(recovery["limit"].iloc[0]),
         "hindsight_s": f"{SCHEMES['hindsight'].hindsight_s:g}",
@@ -165,7 +186,7 @@ if __name__ == "__main__":
         tables.write(output.schemes.removesuffix(".csv"), scores, schemes_page(scores, recovery))
         tables.write(output.kinds.removesuffix(".csv"), kinds, kinds_page(kinds))
         recipe = yaml.safe_load(Path(source.recipe).read_text())
-        found = numbers(scores, recovery, {name: recipe[name] for name in ("faults", "receiver", "rate_hz")},
+        found = numbers(scores, recovery, {name: recipe[name] for name in ("faults", "receiver", "rate_hz", "axle")},
                         params.seed, params.runs)  # fmt: skip
         found["duration_s"], found["schemes"] = study.drive.duration_s, drawn.TITLES
         Path(output.numbers).write_text(json.dumps(found, indent=1) + "\n")

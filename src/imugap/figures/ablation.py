@@ -7,7 +7,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from imugap import gnss
-from imugap.ablation import CLEAN, CONTAMINATED, ORACLE, SMOOTHED, Ablation, Run
+from imugap.ablation import CLEAN, CONTAMINATED, ORACLE, SMOOTHED, WHEELS, WHOLE, Ablation, Run
 from imugap.faults import OUTAGE, OUTLIER, RAMP, STRETCH, Event, mark
 from imugap.figures import WIDTH, decades, legend_below, panels_of
 from imugap.units import from_si
@@ -15,10 +15,12 @@ from imugap.units import from_si
 TITLES = {
     "none": "no control", "gate": "gate alone", "remove": "test and remove", "robust": "weigh down",
     "gated": "weigh down, gate", "reset": "and soft reset", "hindsight": "and hindsight", SMOOTHED: "all, smoothed",
-    ORACLE: "bad fixes known",
+    ORACLE: "bad fixes known", WHEELS[WHOLE]: "all, wheels", WHEELS[SMOOTHED]: "all, wheels, smoothed",
+    WHEELS[ORACLE]: "bad fixes known, wheels",
 }  # fmt: skip
 COLOURS = {"none": "#999999", "gate": "#CC79A7", "remove": "#E69F00", "robust": "#56B4E9", "gated": "#0072B2",
-           "reset": "#009E73", "hindsight": "#D55E00", SMOOTHED: "#8C564B", ORACLE: "black"}  # fmt: skip
+           "reset": "#009E73", "hindsight": "#D55E00", SMOOTHED: "#8C564B", ORACLE: "black",
+           WHEELS[WHOLE]: "#882255", WHEELS[SMOOTHED]: "#44AA99", WHEELS[ORACLE]: "#555555"}  # fmt: skip
 SHADES = {STRETCH: "#f4cccc", RAMP: "#fce5cd", OUTAGE: "#dddddd"}
 EVERY = 20
 """Epochs between two points of a path."""

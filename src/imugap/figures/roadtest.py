@@ -9,7 +9,8 @@ from imugap.figures.ablation import COLOURS, TITLES
 from imugap.strapdown import ATTITUDE
 from imugap.vehicle import Solution
 
-MODELS = {"rest": ("model of the rest", "#D55E00"), "tuned": ("tuned model", "#0072B2")}
+MODELS = {"rest": ("model of the rest", "#D55E00"), "tuned": ("tuned model", "#0072B2"),
+          "wheels": ("tuned model, wheels", "#882255")}  # fmt: skip
 
 
 def outages(table: pd.DataFrame) -> Figure:
