@@ -174,6 +174,12 @@ def test_control_is_worth_more_than_none_and_less_than_an_oracle():
     assert middle["hindsight"] < 0.6 * middle["reset"]
 
 
+def test_wheels_help_most_where_fixes_are_lacking():
+    middle = drives()["horizontal_95"].mean()
+    gains = {case: middle[case, "hindsight, wheels"] / middle[case, "hindsight"] for case in ("clean", "outage alone")}
+    assert gains["outage alone"] < gains["clean"] < 1.0
+
+
 def test_hindsight_doubts_where_there_is_cause_and_nowhere_else():
     doubts, resets = (drives()[name].mean() for name in ("doubts", "resets"))
     assert doubts["clean", "hindsight"] < 0.5 < doubts["contaminated", "hindsight"]
@@ -181,8 +187,10 @@ def test_hindsight_doubts_where_there_is_cause_and_nowhere_else():
 
 
 def test_control_costs_little_where_nothing_is_wrong():
-    middle = drives()["horizontal_95"].mean()["clean"].drop("smoothed")
-    assert (middle / middle["none"]).between(0.97, 1.1).all()
+    middle = drives()["horizontal_95"].mean()["clean"].drop(["smoothed", "smoothed, wheels"])
+    rolling = middle.index.str.endswith(", wheels")
+    for of, none in ((middle[~rolling], "none"), (middle[rolling], "none, wheels")):
+        assert (of / of[none]).between(0.97, 1.1).all()
     false = drives()["false"].mean()["clean"]
     assert false[["remove", "robust"]].between(0.0020, 0.0034).all()
 
