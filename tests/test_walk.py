@@ -88,6 +88,15 @@ def test_outdoors_nothing_is_taken_for_level(here, recipe):
     assert stds[0] < 0.5 * stds[1]
 
 
+def test_rows_that_come_twice_are_left_out(here, recipe):
+    record = pd.read_csv("walk.csv")
+    twice = record.loc[np.repeat(record.index, np.where(record.index % 500 == 7, 2, 1))]
+    twice.to_csv("twice.csv", index=False)
+    for name in ("walk", "twice"):
+        assert cli.main(["walk", f"{name}.csv", "--gravity", str(recipe.site.gravity), "--out", name]) == 0
+    assert summary("twice") == summary("walk")
+
+
 def test_lost_samples_are_filled(recipe):
     record = recipe.record(1, SEED)
     lost = stream(SEED, "lost").choice(np.arange(1, len(record) - 1), len(record) // 50, replace=False)

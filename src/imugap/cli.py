@@ -270,7 +270,8 @@ def _parser() -> argparse.ArgumentParser:
     one = commands.add_parser(
         "walk",
         help="path of a foot with the device on it, corrected whenever the foot stands",
-        description="Navigate a walk with the device on a foot. The log begins with a stand of half a second or more.",
+        description="Navigate a walk with the device on a foot. The log begins with a stand of half a second or more. "
+        "Rows whose stamp does not exceed those before are left out, and lost samples filled.",
     )
     one.add_argument("log", help="canonical CSV or Parquet log of six axes")
     one.add_argument("--model", help="error model of the device (YAML; default that of a cheap one)")

@@ -94,12 +94,13 @@ def compose(
 ) -> dict[str, float]:  # fmt: skip
     """Navigate the walk of a file, write all :data:`FILES` into the folder ``out``, and return the summary.
 
+    Rows whose stamp does not exceed those before, as wireless devices send them, are left out, and lost samples filled.
     Within a building floors are level (:data:`INDOORS`); ``outdoors`` nothing is taken for granted of the ground.
     """
     out = Path(out)
     if out.exists() and not out.is_dir():
         raise ValueError(f"{out}: expected a folder; found a file")
-    log = readers.read(path)
+    log = readers.read(path, repair=True)
     if canonical.axes(log) != AXES:
         raise canonical.LogError(path, "columns", f"all of {', '.join(AXES)}", ", ".join(log.columns))
     known = USUAL if model is None else ErrorModel.read(model, catalogue(effects))
