@@ -51,8 +51,9 @@ from imugap.zero_velocity import MOVING, STILL, Detector, Stand
 ARM = ("arm_x", "arm_y", "arm_z")
 """The point at rest as the sensor sees it, in ``b`` [m]."""
 DOWN = POSITION.index("down")
+"""Row of the position that counts down."""
 FLOOR = "floor"
-"""The height of the device at stance, counted down [m]."""
+"""Where the device is at stance, counted down from the origin [m]."""
 FLAT_S = 0.1
 """So long after its begin a foot at stance is flat on the floor [s]."""
 STEP_M = 0.03
@@ -241,7 +242,7 @@ def _level(covariance, errors, variance, row, spread, weight, nav, tape, place):
     residual = nav[0][DOWN] - errors[floor - NAVIGATION]
     covariance[floor, floor] += variance if abs(residual) < STEP_M else STEP_STD_M * STEP_STD_M
     row[DOWN], row[floor] = 1.0, -1.0
-    nav, _ = take_in(covariance, errors, row, residual, variance, spread, weight, nav, tape, place, 9, True)
+    nav, _ = take_in(covariance, errors, row, residual, variance, spread, weight, nav, tape, place, MEASURED - 1, True)
     return nav
 
 

@@ -241,12 +241,12 @@ def _uncommon(fit: AxisFit, share: np.ndarray) -> float:
     last = max(np.flatnonzero(weight > SHARE), default=0) + 1
     if last < FEWEST:
         return 0.0
-    noise = stream(0, "uncommon", last).standard_normal((DRAWN, last))
-    both = np.vstack([fit.coefficients[:last], noise]) * weight[:last]
-    own, *drawn = np.concatenate([_shape(part) for part in np.array_split(both, PARTS)])
+    own = _shape(weight[:last] * fit.coefficients[None, :last])[0]
     if all(low < value < high for value, (low, high) in zip(own, USUAL, strict=True)):
         return 0.0
-    rank = np.sum(np.array(drawn) >= own, axis=0) + 1
+    noise = weight[:last] * stream(0, "uncommon", last).standard_normal((DRAWN, last))
+    drawn = np.concatenate([_shape(part) for part in np.array_split(noise, PARTS)])
+    rank = np.sum(drawn >= own, axis=0) + 1
     two_sided = 2 * np.minimum(rank, DRAWN + 2 - rank) / (DRAWN + 1)
     return float(np.log(min(len(own) * two_sided.min(), 1.0)))
 

@@ -69,16 +69,18 @@ def _log_chance(values: np.ndarray, step: float, lattice: bool) -> float:
     repeats = np.count_nonzero(values[1:] == values[:-1]) - (np.count_nonzero(at) - stays)
     if top <= 0 or at.all() or (stays == 1 and (np.count_nonzero(at) < FLAT or repeats)):
         return 0.0
-    if np.count_nonzero(at) < (MANY if lattice else FLAT if stays == 1 or repeats else 2):
+    once = stays == 1 or repeats
+    if np.count_nonzero(at) < (MANY if lattice else FLAT if once else 2):
         return 0.0
+    below = np.sort(top - values[~at])
     if not lattice and not repeats:
-        apart = np.sort(top - values[~at])[NEXT - 1] / NEXT
+        nearest = min(NEXT, len(below))
+        apart = below[nearest - 1] / nearest
         alike = 1 / len(values) if stays == 1 else min(1 / len(values), step / apart)
         return float((np.count_nonzero(at) - 1) * np.log(alike))
     entries = top - values[:-1][at[1:] & ~at[:-1]]
     if np.median(entries) < 1.5 * step:
         return 0.0
-    below = np.sort(top - values[~at])
     reach = max(below[min(TAIL, len(below)) - 1], LEVELS * step)
     inside = below[below <= reach * (1 + 1e-9)]
     levels = max(int(np.rint(reach / step)), 1)
