@@ -14,7 +14,7 @@ from imugap import cli, figures, log
 from imugap.discovery.discover import Question, discover
 from imugap.discovery.dossier import FILES, compose
 from imugap.discovery.inquiry import Files
-from imugap.effects import Bias, Sinusoid, Temperature, WhiteNoise
+from imugap.effects import Bias, Saturation, Sinusoid, Temperature, WhiteNoise
 from imugap.model import AxisModel, ErrorModel
 
 SCHEMA = yaml.safe_load((Path(__file__).parents[1] / "workflow/schemas/discovery.schema.yaml").read_text())
@@ -127,6 +127,14 @@ def test_six_axes_at_rest_are_navigated():
     (path,) = found.drifts
     assert path.before.shape == path.after.shape == (20, *path.measured.shape)
     assert path.time[-1] == pytest.approx(0.2 * 1600 * INTERVAL, abs=17 * INTERVAL)
+
+
+def test_a_clipped_log_with_lost_values_is_compared_as_it_is():
+    flawed = measured(Saturation(1.4e-3))
+    flawed.iloc[100:2000:50, 0] = np.nan
+    apart = discover([flawed], Question(**QUICK)).distances["distribution"]
+    assert apart.floor.high < apart.before.value
+    assert apart.after.value < apart.floor.high
 
 
 def test_steps_are_told_in_order_to_the_last():

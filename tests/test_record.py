@@ -191,7 +191,27 @@ def test_a_full_scale_is_found_on_one_side_or_both(step, offset):
     assert ("gyro_x", "saturation") in names(record)
     assert "stuck_samples" not in {name for _, name in names(record)}
     assert parameters(record, "saturation")["limit"].value == pytest.approx(0.18, rel=1e-9)
-    assert record.sequences["gyro_x"].flawed.any()
+    assert np.abs(record.sequences["gyro_x"].values).max() > 0.2
+
+
+@pytest.mark.parametrize("limit", [0.06, 0.12, 0.18])
+def test_what_is_clipped_biases_neither_mean_nor_spread(limit):
+    clipped, free = prepared(Bias(0.05), Saturation(limit)), prepared(Bias(0.05))
+    sequence, truth = clipped.sequences["gyro_x"].values, free.sequences["gyro_x"].values
+    assert np.mean(np.abs(clipped.outputs["gyro_x"]) == limit) > 0.08
+    assert sequence.mean() == pytest.approx(truth.mean(), abs=0.06 * SD)
+    assert sequence.std() == pytest.approx(truth.std(), rel=0.06)
+    assert abs(np.corrcoef(sequence[1:], sequence[:-1])[0, 1]) < 0.07
+
+
+def test_a_motion_far_beyond_the_full_scale_tells_nothing_of_the_error():
+    time = 0.01 * np.arange(5000)
+    moving = log.from_samples({"gyro_x": 3 * np.sin(2 * time)}, 0.01)
+    sequence = prepare(device(Saturation(2.0)).simulate(moving, 1), moving).sequences["gyro_x"]
+    far = np.abs(moving["gyro_x"].to_numpy()) > 2.0 + 8 * SD
+    assert sequence.flawed[far].all()
+    assert sequence.values[far].std() < 1.3 * SD
+    assert abs(sequence.values[far].mean()) < 0.3 * SD
 
 
 @pytest.mark.parametrize("step", [None, 0.02])
@@ -202,6 +222,21 @@ def test_stuck_samples_are_marked_and_replaced(step):
     assert ("gyro_x", "stuck_samples") in names(record)
     assert 0.05 < sequence.flawed.mean() < 0.14  # 0.091
     assert np.mean(np.diff(sequence.values) == 0) < (0.001 if step is None else 0.08)
+
+
+@pytest.mark.parametrize("reference", [False, True])
+def test_the_output_is_kept_as_it_is_but_for_what_was_lost(reference):
+    ideal = log.from_samples({"gyro_x": 0.01 * np.sin(np.arange(5000))}, 0.01)
+    measured = device(Saturation(0.18), StuckSamples(0.005, 20.0)).simulate(ideal, 3, "record")
+    measured["gyro_y"] = stream(3, "other").normal(0.0, SD, 5000)
+    ideal["gyro_y"] = 0.0
+    lost = np.zeros(5000, bool)
+    lost[100:1000:50] = True
+    record = prepare(measured.assign(gyro_x=measured["gyro_x"].mask(lost)), ideal if reference else None)
+    kept = record.outputs["gyro_x"]
+    np.testing.assert_array_equal(kept[~lost], measured["gyro_x"][~lost])
+    assert np.abs(kept[lost]).max() < 5 * SD
+    assert {"saturation", "stuck_samples", "sample_loss"} <= {name for _, name in names(record)}
 
 
 def test_repeats_of_all_axes_at_once_are_one_finding():
@@ -249,7 +284,7 @@ def test_known_effects_are_no_news_but_still_taken_out():
     clipped = device(Saturation(0.24)).simulate(still(5000), 8)
     record = prepare(clipped, start=ErrorModel({"gyro_x": AxisModel((Saturation(0.24),))}))
     assert (record.findings, record.gaps) == ((), ())
-    assert record.sequences["gyro_x"].flawed.any()
+    assert np.abs(record.sequences["gyro_x"].values).max() > 0.24
 
 
 def test_findings_can_be_simulated():

@@ -23,7 +23,7 @@ from imugap.discovery.runs import as_first, clocks, turn_on
 from imugap.discovery.search import log_chance
 from imugap.discovery.story import CERTAIN, Story, Tale, concluded, described, model_of, noise_of, part, told
 from imugap.discovery.uncertain import Uncertain
-from imugap.effects import CATALOGUE, CommonMode, TurnOnBias, WhiteNoise
+from imugap.effects import CATALOGUE, CommonMode, SampleLoss, TurnOnBias, WhiteNoise
 from imugap.effects.effect import Effect, Stage, StochasticEffect
 from imugap.log import AXES, TEMPERATURE, from_samples
 from imugap.model import AxisModel, ErrorModel
@@ -332,19 +332,24 @@ def _with(model: AxisModel, effect: Effect) -> AxisModel:
 
 @dataclass(frozen=True, eq=False)
 class _Compared:
-    """A log with the models that it is compared with: what is simulated counts from ``split`` [s] on."""
+    """A log with the models that it is compared with: what is simulated counts from ``split`` [s] on.
+
+    Before it, the mean of each axis would be ``level`` without a full scale.
+    """
 
     measured: pd.DataFrame
     split: float
+    level: Mapping[str, float]
     before: Uncertain
     after: Uncertain
     reference: pd.DataFrame | None
 
     def distribution(self, seed: int, count: int) -> Apart:
-        return distribution(self.measured, self.split, self.before, self.after, seed, count, self.reference)
+        asked = (self.measured, self.split, self.before, self.after, seed, count)
+        return distribution(*asked, self.reference, self.level)
 
     def drifts(self, seed: int, count: int) -> Drifts:
-        return drifts(self.measured, self.split, self.before, self.after, seed, count)
+        return drifts(self.measured, self.split, self.before, self.after, seed, count, self.level)
 
     @property
     def kinds(self) -> tuple[str, ...]:
@@ -375,15 +380,15 @@ def _tested(
 
 def _compared(record: Record, share: float, before: Uncertain, after: Uncertain) -> _Compared:
     conditions = next(iter(record.sequences.values())).conditions
-    split = float(conditions.time[int(share * len(conditions))])
-    errors = {axis: sequence.values for axis, sequence in record.sequences.items()}
-    measured, reference = from_samples(errors, conditions.interval), None
+    held_in = int(share * len(conditions))
+    split = float(conditions.time[held_in])
+    level = {axis: float(sequence.values[:held_in].mean()) for axis, sequence in record.sequences.items()}
+    measured, reference = from_samples(record.outputs, conditions.interval), None
     if conditions.ideal is not None:
-        reference = conditions.ideal[list(errors)].set_axis(measured.index)
-        measured = measured + reference
+        reference = conditions.ideal[list(record.outputs)].set_axis(measured.index)
     if conditions.temperature is not None:
         measured = measured.assign(temperature=conditions.temperature)
-    return _Compared(measured, split, before, after, reference)
+    return _Compared(measured, split, level, before, after, reference)
 
 
 def _distances(logs: Sequence[_Compared], question: Question) -> tuple[dict[str, Distances], tuple[Drifts, ...]]:
@@ -406,7 +411,7 @@ def _one_distance(compared: _Compared, seed: int, count: int, kind: str) -> Apar
 
 
 def _in_run(model: ErrorModel) -> ErrorModel:
-    """Return the model of one even run: without its clock, and without what differs only between runs."""
-    sensors = model.sensors.items()
-    kept = {axis: tuple(effect for effect in one if not isinstance(effect, TurnOnBias)) for axis, one in sensors}
+    """Return the model of one even run: without its clock and its gaps, and without what differs only between runs."""
+    sensors, left_out = model.sensors.items(), (SampleLoss, TurnOnBias)
+    kept = {axis: tuple(effect for effect in one if not isinstance(effect, left_out)) for axis, one in sensors}
     return ErrorModel({axis: AxisModel(effects) for axis, effects in kept.items()})

@@ -6,7 +6,7 @@ model that claims to know more than it does is far away, not close.
 Logs are taken as evenly sampled; errors of the clock are left out.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import radians
 
@@ -92,6 +92,7 @@ def distribution(
     seed: int,
     count: int = COUNT,
     reference: pd.DataFrame | None = None,
+    level: Mapping[str, float] | None = None,
 ) -> Apart:
     """Return the distances over views of the error: Allan variance, spectrum, block means and variances, quantiles.
 
@@ -105,6 +106,9 @@ def distribution(
         Start and final model, with or without the uncertainty of their parameters.
     reference
         Error-free log at the same times, for a device in motion; a device at rest needs none.
+    level
+        Mean of each axis over the held-in part, which is that of the measured values unless it is given: clipped
+        values have another one than the device.
     """
     held_in, axes = _split(measured, split), log.axes(measured)
 
@@ -113,7 +117,7 @@ def distribution(
         columns = (errors[axis].to_numpy(float) for axis in axes)
         return [part for values in columns for part in _views(values[held_in:], values[:held_in].mean())]
 
-    simulations = Simulations(held_in, seed, count, reference)
+    simulations = Simulations(_means(measured, held_in) if level is None else level, seed, count, reference)
     start, final = ([vector(one) for one in tables] for tables in simulations.both(measured, before, after))
     return _apart(vector(measured), start, final)
 
@@ -151,6 +155,7 @@ def drifts(
     after: Model,
     seed: int,
     count: int = COUNT,
+    level: Mapping[str, float] | None = None,
     site: Site = ANYWHERE,
 ) -> Drifts:
     """Return the drifts from biases that are the means of the held-in part.
@@ -165,7 +170,7 @@ def drifts(
         even = log.from_samples({axis: table[axis].to_numpy(float) for axis in log.AXES}, interval)
         return course.drift(even)[drift.STARTS.index("calibrated"), :, :3]
 
-    simulations = Simulations(held_in, seed, count)
+    simulations = Simulations(_means(measured, held_in) if level is None else level, seed, count)
     start, final = (
         np.array([positions(one) for one in tables]) for tables in simulations.both(measured, before, after)
     )
@@ -181,21 +186,25 @@ def _split(measured: pd.DataFrame, split: float) -> int:
     return held_in
 
 
+def _means(measured: pd.DataFrame, held_in: int) -> dict[str, float]:
+    return {axis: float(measured[axis].iloc[:held_in].mean()) for axis in log.axes(measured)}
+
+
 @dataclass(frozen=True, eq=False)
 class Simulations:
     """How a log is simulated again and again.
 
     Attributes
     ----------
-    held_in
-        Number of samples of the held-in part, whose mean tells the level of a device at rest.
+    level
+        Mean output of each axis of a device at rest.
     seed, count
         Seed and number of simulations.
     reference
         Error-free log, or None for a device at rest.
     """
 
-    held_in: int
+    level: Mapping[str, float]
     seed: int
     count: int
     reference: pd.DataFrame | None = None
@@ -214,12 +223,12 @@ class Simulations:
             yield sensors.simulate(self._ideal(measured, sensors), self.seed, *labels)
 
     def _ideal(self, measured: pd.DataFrame, model: ErrorModel) -> pd.DataFrame:
-        """Return the error-free log: the reference, or the level of the held-in part less the model's biases."""
+        """Return the error-free log: the reference, or the level less the model's biases."""
         table = measured.copy() if self.reference is None else self.reference.set_axis(measured.index)
         if self.reference is None:
             for axis in log.axes(measured):
                 biases = sum(effect.value for effect in model[axis] if isinstance(effect, Bias))
-                table[axis] = measured[axis].iloc[: self.held_in].mean() - biases
+                table[axis] = self.level[axis] - biases
         if log.TEMPERATURE in measured:
             table[log.TEMPERATURE] = measured[log.TEMPERATURE]
         return table.set_axis(pd.Index(measured.index - measured.index[0], name=log.TIME))

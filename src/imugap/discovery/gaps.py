@@ -15,7 +15,7 @@ from imugap.discovery.envelope import Envelope
 from imugap.discovery.finding import Gap
 from imugap.discovery.sequence import Sequence
 from imugap.discovery.tails import tails
-from imugap.effects import CommonMode, Resolution, WhiteNoise
+from imugap.effects import CommonMode, Resolution, SampleLoss, Saturation, StuckSamples, WhiteNoise
 from imugap.effects.effect import Effect
 from imugap.model import AxisModel
 from imugap.stream import stream
@@ -23,6 +23,8 @@ from imugap.stream import stream
 REPLICATES = 99
 TOGETHER = 11
 """Replicates that are made one after another, by one process; neighbours among them tell of independent axes."""
+REPLACED = (SampleLoss, Saturation, StuckSamples)
+"""Effects whose samples are replaced, all of them: a replicate has its replacements at the same places."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,7 +109,7 @@ def twins(fits: Mapping[str, AxisFit], known: Mapping[str, tuple[Effect, ...]]) 
     return [
         Twins(
             tuple(fits[axis] for axis in group),
-            known.get(group[0], ()),
+            tuple(effect for effect in known.get(group[0], ()) if not isinstance(effect, REPLACED)),
             tuple(item for item in over if any(item.concerns(axis) for axis in group)),
         )
         for group in groups.values()

@@ -41,6 +41,8 @@ class Record:
     sequences
         Error of each axis, even in time from 0 = power-on on; flawed samples are replaced and marked. Where there is a
         resolution the values stay on its lattice (:meth:`imugap.effects.Resolution.found`).
+    outputs
+        Output of each axis at the same times, flawed as it is; only what was lost is replaced.
     findings
         The effects that were named on the way; each is at home on the axes under which it stands.
     gaps
@@ -48,6 +50,7 @@ class Record:
     """
 
     sequences: dict[str, Sequence]
+    outputs: dict[str, np.ndarray]
     findings: tuple[Finding, ...]
     gaps: tuple[Gap, ...]
 
@@ -81,11 +84,14 @@ def prepare(
     news.irregular(clock, jitter)
     outputs = {axis: _on_grid(rows[axis], clock) for axis in canonical.axes(rows)}
     at = {axis: _at(everywhere, axis) for axis in outputs}
-    gone = clock.lost
-    flawed = {axis: _values(news, axis, values, at[axis], gone) for axis, values in outputs.items()}
+    clipped = {axis: _values(news, axis, values, at[axis], clock.lost) for axis, values in outputs.items()}
+    flawed = {axis: np.isnan(values) | clipped[axis] for axis, values in outputs.items()}
     _stuck(news, outputs, at, flawed)
-    sequences = {axis: _sequence(values, at[axis], flawed[axis], seed) for axis, values in outputs.items()}
-    return Record(sequences, news.findings(), tuple(news.gaps))
+    sequences = {
+        axis: _sequence(values, at[axis], flawed[axis], clipped[axis], seed) for axis, values in outputs.items()
+    }
+    whole = {axis: _without_gaps(values, sequences[axis]) for axis, values in outputs.items()}
+    return Record(sequences, whole, news.findings(), tuple(news.gaps))
 
 
 class _News:
@@ -196,10 +202,10 @@ def _at(everywhere: Conditions, axis: str) -> Conditions:
 
 
 def _values(news: _News, axis: str, values: np.ndarray, conditions: Conditions, gone: np.ndarray) -> np.ndarray:
-    """Add what the values of one axis show, and return which are flawed, shape (n,); ``gone`` have no row at all."""
-    lost = np.isnan(values)
+    """Add what the values of one axis show, and return which are clipped, shape (n,); ``gone`` have no row at all."""
+    lost, unclipped = np.isnan(values), np.zeros(len(values), bool)
     if lost.all():
-        return lost
+        return unclipped
     elsewhere = lost & ~gone
     if elsewhere.any():
         news.add(axis, SampleLoss.of(elsewhere), "values", *conditions.time[elsewhere][[0, -1]] + news.origin)
@@ -208,10 +214,10 @@ def _values(news: _News, axis: str, values: np.ndarray, conditions: Conditions, 
         news.add(axis, resolution, "values", np.nanmin(values), np.nanmax(values), _unit(axis))
     saturation = Saturation.found(values, conditions)
     if saturation is None:
-        return lost
+        return unclipped
     reached = np.abs(values[saturation.flawed])
     news.add(axis, saturation, "values", reached.min(), reached.max(), _unit(axis))
-    return lost | saturation.flawed
+    return saturation.flawed
 
 
 def _stuck(news, outputs, at, flawed) -> None:
@@ -235,11 +241,23 @@ def _stuck(news, outputs, at, flawed) -> None:
             flawed[axis] = flawed[axis] | evidence.flawed
 
 
-def _sequence(values: np.ndarray, conditions: Conditions, flawed: np.ndarray, seed: int) -> Sequence:
+def _sequence(
+    values: np.ndarray, conditions: Conditions, flawed: np.ndarray, clipped: np.ndarray, seed: int
+) -> Sequence:
+    side = np.where(clipped, np.sign(values), 0.0)
     if conditions.ideal is not None:
         values = values - conditions.ideal[conditions.axis].to_numpy(float)
     whole = Sequence(np.where(np.isfinite(values), values, 0.0), conditions, np.zeros(len(values), bool))
     if flawed.all():
         return whole
     mended = whole.mended(flawed, stream(seed, "mended", conditions.axis))
+    if clipped.any():
+        mended = mended.beyond(whole.values, side, stream(seed, "beyond", conditions.axis))
     return replace(mended, share=usable(mended.values))
+
+
+def _without_gaps(values: np.ndarray, sequence: Sequence) -> np.ndarray:
+    """Return the output of an axis with the replacements of its sequence where it has no value."""
+    conditions = sequence.conditions
+    ideal = 0.0 if conditions.ideal is None else conditions.ideal[conditions.axis].to_numpy(float)
+    return np.where(np.isnan(values), sequence.values + ideal, values)

@@ -4,12 +4,20 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from scipy.ndimage import uniform_filter1d
+from scipy.special import log_ndtr, ndtri_exp
 
 from imugap.discovery.noise import USED, Bins
 from imugap.effects.effect import Conditions
 
 COARSE = 1 / 3
 """Share of one value above which a lattice of values is coarse: its step is the standard deviation or more."""
+REACH = 8
+"""Samples that tell the level about a flawed one."""
+DEEP = 4.0
+"""So many standard deviations behind its bound a clipped sample would be anyway."""
+ROUNDS = 10
+"""Rounds in which clipped samples are drawn."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,15 +69,37 @@ class Sequence:
         """
         if not flawed.any():
             return self
-        return replace(self, values=_mended(self.values, flawed | self.flawed, rng), flawed=flawed | self.flawed)
+        good = ~(flawed | self.flawed)
+        return replace(self, values=_mended(self.values, flawed, good, rng), flawed=~good)
+
+    def beyond(self, bound: np.ndarray, side: np.ndarray, rng: np.random.Generator) -> "Sequence":
+        """Return the sequence with clipped samples drawn anew from what lies beyond the full scale: flawed no more.
+
+        Each is normal about the mean of its neighbourhood, given that it is above (``side`` 1) or below (-1) its
+        bound, both of shape (n,); those of side 0 stay, and those of which the bound says nothing, deep within a
+        motion beyond the full scale. Mean and spread take the samples drawn before with them, so that what is clipped
+        biases neither (data augmentation: Tanner and Wong 1987, doi:10.2307/2289457).
+        """
+        at = np.flatnonzero(side * (bound - self.values) > -DEEP * np.abs(side) * _spread(self.values))
+        values, flawed, side, bound = self.values.copy(), self.flawed.copy(), side[at], bound[at]
+        for _ in range(ROUNDS):
+            level, spread = uniform_filter1d(values, 2 * REACH + 1, mode="nearest")[at], _spread(values)
+            chance = log_ndtr(side * (level - bound) / spread) + np.log(1 - rng.random(len(at)))
+            values[at] = level - side * spread * ndtri_exp(chance)
+        flawed[at] = False
+        return replace(self, values=values, flawed=flawed)
 
 
-def _mended(values: np.ndarray, flawed: np.ndarray, rng: np.random.Generator, reach: int = 8) -> np.ndarray:
-    good = np.flatnonzero(~flawed)
-    kernel = min(reach, len(good))
-    means = np.convolve(np.pad(values[good], (kernel // 2, kernel - 1 - kernel // 2), "edge"), np.ones(kernel), "valid")
-    level = np.interp(np.flatnonzero(flawed), good, means / kernel)
-    spread = np.median(np.abs(np.diff(values[good]))) / 0.6745 / np.sqrt(2)
+def _mended(values: np.ndarray, flawed: np.ndarray, good: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    near = np.flatnonzero(good)
+    kernel = min(REACH, len(near))
+    means = np.convolve(np.pad(values[near], (kernel // 2, kernel - 1 - kernel // 2), "edge"), np.ones(kernel), "valid")
+    level = np.interp(np.flatnonzero(flawed), near, means / kernel)
     result = values.copy()
-    result[flawed] = level + spread * rng.standard_normal(len(level))
+    result[flawed] = level + _spread(values[near]) * rng.standard_normal(len(level))
     return result
+
+
+def _spread(values: np.ndarray) -> float:
+    """Return the standard deviation of the noise between neighbouring samples, whatever a few of them are."""
+    return float(np.median(np.abs(np.diff(values))) / 0.6745 / np.sqrt(2))
