@@ -32,10 +32,7 @@ rule all:
     default_target: True
     input:
         "paper/paper.pdf",
-        "results/notebooks/static.html",
-        "results/notebooks/estimation.html",
-        "results/notebooks/discovery.html",
-        "results/notebooks/walk.html",
+        expand("results/notebooks/{name}.html", name=NOTEBOOKS),
 
 
 rule discover:

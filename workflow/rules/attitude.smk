@@ -293,11 +293,16 @@ rule trial_page:
         "../scripts/trial_page.py"
 
 
-PAPER += multiext("paper/figures/attitude", "_flight.svg", "_runs.svg")
-PAPER += multiext("paper/tables/attitude", "_flight.json", "_parameters.json")
-PAPER += ["paper/numbers/attitude_flight.json"]
+PAPER["attitude"] += multiext("paper/figures/attitude", "_flight.svg", "_runs.svg")
+PAPER["attitude"] += multiext(
+    "paper/tables/attitude", "_flight.json", "_parameters.json"
+)
+PAPER["attitude"] += ["paper/numbers/attitude_flight.json"]
 if TRIALS:
-    PAPER += ["paper/figures/attitude_trials.svg", "paper/numbers/attitude_trials.json"]
-    PAPER += multiext(
+    PAPER["attitude"] += [
+        "paper/figures/attitude_trials.svg",
+        "paper/numbers/attitude_trials.json",
+    ]
+    PAPER["attitude"] += multiext(
         "paper/tables/attitude", "_alignment.json", "_rests.json", "_trials.json"
     )

@@ -174,4 +174,6 @@ rule blind_page:
         "../scripts/blind_page.py"
 
 
-PAPER += ["paper/numbers/blind.json"] if config["blind"]["in_paper"] else []
+PAPER["discovery"] += (
+    ["paper/numbers/blind.json"] if config["blind"]["in_paper"] else []
+)

@@ -1,4 +1,5 @@
 import os
+from collections import defaultdict
 from pathlib import Path
 
 import yaml
@@ -30,8 +31,16 @@ SITES = config["sites"] | {
     "bench": yaml.safe_load(Path("data/bench.yaml").read_text())["site"]
 }
 OMITTED = [name for name in CATALOGUE if name not in PRESENT]
-# The products that the chapters of the paper show: the rules of each chapter add theirs.
-PAPER = []
+NOTEBOOK_OF = {
+    "static": "study",
+    "estimation": "estimation",
+    "discovery": "discovery",
+    "walk": "pedestrian",
+}
+CHAPTERS = ["study", *config["chapters"]]
+NOTEBOOKS = [name for name, chapter in NOTEBOOK_OF.items() if chapter in CHAPTERS]
+# The products that the chapters of the paper show, "study" those that it always has: the rules add theirs.
+PAPER = defaultdict(list)
 # What the target discover works on.
 OPTIONS = {
     option: [value] if isinstance(value, str) else value or []
@@ -65,7 +74,11 @@ if len(RUNS["adis16405"]) > 1:
 STORIES = [f"results/{asked}/report.json" for asked in ASKED]
 STARTS = ["white", "nbk"]
 # The devices whose first run is asked, from two start models; what is found is tested on their other runs.
-MISSING_OF = [name for name in config["discovery"]["devices"] if len(RUNS[name]) > 1]
+MISSING_OF = [
+    name
+    for name in config["discovery"]["devices"]
+    if len(RUNS[name]) > 1 and "discovery" in CHAPTERS
+]
 for name in MISSING_OF:
     first, *others = (f"results/{name}/{run}" for run in RUNS[name])
     runs = {

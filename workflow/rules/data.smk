@@ -86,4 +86,4 @@ rule integrity_table:
         "../scripts/integrity_table.py"
 
 
-PAPER += of_devices("paper/tables/integrity_{device}.json")
+PAPER["study"] += of_devices("paper/tables/integrity_{device}.json")

@@ -144,10 +144,12 @@ rule drive_hidden_page:
         "../scripts/drive_hidden_page.py"
 
 
-PAPER += expand("paper/figures/drive_{name}.svg", name=["map", "sensors", "schemes"])
-PAPER += ["paper/tables/drive_hidden.json", "paper/numbers/drive_hidden.json"]
-PAPER += multiext("paper/tables/drive", "_schemes.json", "_kinds.json")
-PAPER += ["paper/numbers/drive.json"]
+PAPER["drive"] += expand(
+    "paper/figures/drive_{name}.svg", name=["map", "sensors", "schemes"]
+)
+PAPER["drive"] += ["paper/tables/drive_hidden.json", "paper/numbers/drive_hidden.json"]
+PAPER["drive"] += multiext("paper/tables/drive", "_schemes.json", "_kinds.json")
+PAPER["drive"] += ["paper/numbers/drive.json"]
 
 if "rtklibexplorer_drive" in PRESENT:
 
@@ -216,8 +218,13 @@ if "rtklibexplorer_drive" in PRESENT:
         script:
             "../scripts/drive_car_page.py"
 
-    PAPER += expand("paper/figures/drive_{name}.svg", name=["outages", "car"])
-    PAPER += ["paper/tables/drive_car.json", "paper/numbers/drive_car.json"]
+    PAPER["drive"] += expand(
+        "paper/figures/drive_{name}.svg", name=["outages", "car"]
+    )
+    PAPER["drive"] += [
+        "paper/tables/drive_car.json",
+        "paper/numbers/drive_car.json",
+    ]
 
 
 if "thor_flight75" in PRESENT:
@@ -247,4 +254,7 @@ if "thor_flight75" in PRESENT:
         script:
             "../scripts/drive_flight.py"
 
-    PAPER += ["paper/figures/drive_flight.svg", "paper/numbers/drive_flight.json"]
+    PAPER["drive"] += [
+        "paper/figures/drive_flight.svg",
+        "paper/numbers/drive_flight.json",
+    ]

@@ -275,15 +275,18 @@ rule peers:
         "../scripts/peers.py"
 
 
-PAPER += of_devices(
+PAPER["estimation"] += of_devices(
     "paper/figures/goodness_{device}.svg",
     "paper/tables/choice_{device}.json",
     "paper/tables/estimates_gyro_{device}.json",
     "paper/numbers/estimates_{device}.json",
 )
-PAPER += expand(
+PAPER["estimation"] += expand(
     "paper/figures/{name}.svg",
     name=["iterations", "bounds", "monte_carlo", "contamination"],
 )
-PAPER += ["paper/numbers/monte_carlo.json", "paper/numbers/contamination.json"]
-PAPER += ["paper/numbers/peers.json"] if "adis16405" in DEVICES else []
+PAPER["estimation"] += [
+    "paper/numbers/monte_carlo.json",
+    "paper/numbers/contamination.json",
+]
+PAPER["estimation"] += ["paper/numbers/peers.json"] if "adis16405" in DEVICES else []

@@ -24,4 +24,4 @@ rule conversion_table:
         "../scripts/conversion_table.py"
 
 
-PAPER += ["paper/tables/conversion.json"]
+PAPER["augmentation"] += ["paper/tables/conversion.json"]

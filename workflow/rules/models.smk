@@ -70,7 +70,7 @@ rule models_figure:
         "../scripts/models_figure.py"
 
 
-PAPER += of_devices(
+PAPER["study"] += of_devices(
     "paper/figures/models_{device}.svg",
     "paper/tables/models_{device}.json",
     "paper/numbers/models_{device}.json",

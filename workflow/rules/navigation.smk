@@ -164,7 +164,7 @@ rule drift_tables:
         "../scripts/drift_tables.py"
 
 
-PAPER += of_devices(
+PAPER["study"] += of_devices(
     "paper/figures/drift_{device}.svg",
     "paper/figures/differences_raw_{device}.svg",
     "paper/figures/differences_calibrated_{device}.svg",

@@ -25,7 +25,7 @@ rule study_numbers:
 rule paper:
     """Compile the paper; it types no number."""
     input:
-        PAPER,
+        [path for chapter in CHAPTERS for path in PAPER[chapter]],
         "paper/tables/datasets.json",
         "paper/numbers/study.json",
         main="paper/main.typ",

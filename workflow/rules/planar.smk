@@ -68,5 +68,7 @@ rule planar_page:
         "../scripts/planar_page.py"
 
 
-PAPER += expand("paper/figures/planar_{name}.svg", name=[*TRUTHS, "consistency"])
-PAPER += ["paper/tables/planar.json", "paper/numbers/planar.json"]
+PAPER["augmentation"] += expand(
+    "paper/figures/planar_{name}.svg", name=[*TRUTHS, "consistency"]
+)
+PAPER["augmentation"] += ["paper/tables/planar.json", "paper/numbers/planar.json"]

@@ -35,4 +35,4 @@ rule speed:
         "../scripts/speed.py"
 
 
-PAPER += ["paper/tables/speed.json"]
+PAPER["study"] += ["paper/tables/speed.json"]

@@ -170,12 +170,12 @@ rule turn_on:
         "../scripts/turn_on.py"
 
 
-PAPER += of_devices(
+PAPER["study"] += of_devices(
     "paper/figures/allan_{device}.svg",
     "paper/tables/indices_{device}.json",
 )
-PAPER += [
+PAPER["study"] += [
     f"paper/numbers/clock_{device}.json" for device in DEVICES if len(RUNS[device]) > 1
 ]
-PAPER += ["paper/tables/bench_score.json"] if "bench" in DEVICES else []
-PAPER += ["paper/tables/turn_on.json"] if POWER_CYCLES else []
+PAPER["study"] += ["paper/tables/bench_score.json"] if "bench" in DEVICES else []
+PAPER["study"] += ["paper/tables/turn_on.json"] if POWER_CYCLES else []

@@ -176,12 +176,12 @@ rule piecewise:
         "../scripts/piecewise.py"
 
 
-PAPER += of_devices(
+PAPER["tutorial"] += of_devices(
     "paper/figures/tutorial_{device}.svg",
     "paper/tables/tutorial_{device}.json",
     "paper/numbers/tutorial_{device}.json",
 )
-PAPER += [
+PAPER["tutorial"] += [
     "paper/figures/worked_example.svg",
     "paper/tables/worked_example.json",
     "paper/numbers/worked_example.json",

@@ -407,17 +407,34 @@ rule walk_missing_page:
         "../scripts/walk_missing_page.py"
 
 
-PAPER += ["paper/tables/walk_hidden.json", "paper/numbers/walk_hidden.json"]
-PAPER += multiext("paper/figures/compensation", "_tracks.svg", "_ends.svg")
-PAPER += multiext("paper/tables/compensation", ".json", "_inside.json")
-PAPER += ["paper/numbers/compensation.json"]
-PAPER += ["paper/figures/walk_budget.svg", "paper/figures/walk_sensitivity.svg"]
-PAPER += ["paper/tables/walk_budget.json", "paper/tables/walk_consistency.json"]
-PAPER += ["paper/numbers/walk_limits.json"]
+PAPER["pedestrian"] += [
+    "paper/tables/walk_hidden.json",
+    "paper/numbers/walk_hidden.json",
+]
+PAPER["pedestrian"] += multiext(
+    "paper/figures/compensation", "_tracks.svg", "_ends.svg"
+)
+PAPER["pedestrian"] += multiext("paper/tables/compensation", ".json", "_inside.json")
+PAPER["pedestrian"] += ["paper/numbers/compensation.json"]
+PAPER["pedestrian"] += [
+    "paper/figures/walk_budget.svg",
+    "paper/figures/walk_sensitivity.svg",
+]
+PAPER["pedestrian"] += [
+    "paper/tables/walk_budget.json",
+    "paper/tables/walk_consistency.json",
+]
+PAPER["pedestrian"] += ["paper/numbers/walk_limits.json"]
 if WALKS:
-    PAPER += ["paper/figures/walks.svg", "paper/figures/walk_errors.svg"]
-    PAPER += ["paper/tables/walks.json", "paper/tables/walks_peers.json"]
-    PAPER += ["paper/numbers/walks.json"]
-    PAPER += ["paper/figures/walk_foretold.svg", "paper/numbers/walk_missing.json"]
-    PAPER += ["paper/tables/walk_settings.json"]
-    PAPER += ["paper/tables/walk_missing.json", "paper/tables/walk_foretold.json"]
+    PAPER["pedestrian"] += ["paper/figures/walks.svg", "paper/figures/walk_errors.svg"]
+    PAPER["pedestrian"] += ["paper/tables/walks.json", "paper/tables/walks_peers.json"]
+    PAPER["pedestrian"] += ["paper/numbers/walks.json"]
+    PAPER["pedestrian"] += [
+        "paper/figures/walk_foretold.svg",
+        "paper/numbers/walk_missing.json",
+    ]
+    PAPER["pedestrian"] += ["paper/tables/walk_settings.json"]
+    PAPER["pedestrian"] += [
+        "paper/tables/walk_missing.json",
+        "paper/tables/walk_foretold.json",
+    ]

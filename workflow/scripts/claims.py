@@ -110,6 +110,7 @@ if __name__ == "__main__":
         results = ([pd.read_csv(path) for path in paths] for paths in (source.five, source.ranking, source.scores))
         frames = zip(params.devices, *results, strict=True)
         rows = [row for frame in frames for row in of_device(*frame, static, params.table_horizon_s)]
-        rows.append(of_walk(pd.read_csv(source.compensation), pd.read_csv(source.walk).set_index("quantity")))
+        published = pd.read_csv(source.walk).set_index("quantity")
+        rows += [of_walk(pd.read_csv(path), published) for path in source.compensation]
         data = pd.DataFrame(rows)
         tables.write(snakemake.output[0].removesuffix(".csv"), data, data)
