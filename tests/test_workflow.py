@@ -59,6 +59,26 @@ def test_missing_mirror_leaves_the_real_device_out():
     assert "adis16405/1" not in found.stdout
 
 
+def jobs(*arguments):
+    """The rules that would run for a paper of these chapters."""
+    found = snakemake("--dry-run", "--forceall", "--configfile", QUICK, "--config", *arguments)
+    assert found.returncode == 0, found.stderr
+    return set(re.findall(r"^(?:local)?rule (\w+):", found.stdout, re.MULTILINE))
+
+
+def test_chapters_can_be_left_out_of_the_paper():
+    static, drive, everything = jobs("chapters=[]"), jobs("chapters=[drive]"), jobs("seed=1")
+    assert {"indices", "fit_models", "drift_scores", "claims", "paper", "notebook"} < static < drive < everything
+    assert {name.split("_")[0] for name in drive - static} == {"drive"}
+    assert not static & {"monte_carlo", "walk_budget", "dossier", "flight_fit", "planar_runs", "tutorial_allan"}
+
+
+def test_a_chapter_that_is_none_is_refused():
+    found = snakemake("--dry-run", "--config", "chapters=[drives]")
+    assert found.returncode != 0
+    assert "drives" in found.stdout + found.stderr
+
+
 def test_absent_raw_files_are_named_with_address_checksum_and_place(tmp_path):
     folder = sources(tmp_path / "project")
     found = snakemake("fetch", "--cores", "1", "--config", "mirror=no/such/folder", folder=folder)

@@ -16,7 +16,7 @@ import pandas as pd
 import yaml
 
 from imugap import gnss, schemes
-from imugap.ablation import lasting
+from imugap.ablation import SMOOTHED, WHEELS, WHOLE, lasting
 from imugap.departure import Departure, depart
 from imugap.effects import RandomWalk, TurnOnBias, WhiteNoise
 from imugap.effects.effect import Effect
@@ -99,7 +99,7 @@ class RoadTest:
     def schemes(
         self, fixes: pd.DataFrame, spoilt: pd.DataFrame, events: tuple[Event, ...], model: ErrorModel
     ) -> tuple[pd.DataFrame, dict[str, pd.DataFrame]]:
-        """Navigate with good and with spoilt fixes under every scheme of quality control.
+        """Navigate with good and with spoilt fixes under every scheme of quality control, and with all of it on wheels.
 
         Returns
         -------
@@ -110,8 +110,11 @@ class RoadTest:
             [m/s^2]; and the errors with the spoilt fixes.
         """
         rows, errors = [], {}
-        for name, quality in SCHEMES.items():
-            good, bad = (self.navigate(some, model, quality) for some in (fixes, spoilt))
+        contenders = {name: (self, quality, False) for name, quality in SCHEMES.items()}
+        contenders |= {SMOOTHED: (self, Quality(), True), WHEELS[WHOLE]: (self.rolling, Quality(), False),
+                       WHEELS[SMOOTHED]: (self.rolling, Quality(), True)}  # fmt: skip
+        for name, (test, quality, smooth) in contenders.items():
+            good, bad = (test.navigate(some, model, quality, smooth) for some in (fixes, spoilt))
             off, errors[name] = (self.errors(one)[["north", "east"]] for one in (good, bad))
             row = {"scheme": name, "nis": good.record.statistic.sum() / good.record.freedom.sum(),
                    "doubts": int(np.isin(good.record.turn, (OPENED, LOOKED_BACK)).sum())}  # fmt: skip

@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 
 from imugap import figures, tables
+from imugap.ablation import SMOOTHED, WHEELS, WHOLE
 from imugap.consistency import nees_band
 from imugap.figures import ablation as drawn
 from imugap.figures import roadtest
@@ -15,11 +16,13 @@ from imugap.quality import SCHEMES
 from imugap.roadtest import TUNED, WHEELS_STD
 from imugap.units import from_si
 
+SHOWN = (*SCHEMES, SMOOTHED, WHEELS[WHOLE], WHEELS[SMOOTHED])
+
 
 def page(scores):
     """Lay the schemes out: medians over the draws."""
     rows = []
-    for name in SCHEMES:
+    for name in SHOWN:
         one = scores[scores["scheme"] == name].median(numeric_only=True)
         rows.append({
             "scheme": drawn.TITLES[name],
@@ -66,7 +69,7 @@ def numbers(outages, scores, tuning):
         "doubts": int(scores[scores["scheme"] == "hindsight"]["doubts"].sum()),
         "draws": int(scores["draw"].nunique()),
         "ratio": {
-            name: tables.number(middle.loc[name, "contaminated"] / middle.loc[name, "clean"]) for name in SCHEMES
+            name: tables.number(middle.loc[name, "contaminated"] / middle.loc[name, "clean"]) for name in SHOWN
         },
         "steadier": {"alone": int((moved["gate"] < moved["none"]).sum()),
                      "beside": int((moved["gated"] < moved["robust"]).sum())},
