@@ -6,6 +6,7 @@ from scipy.stats import binom
 
 from imugap import log
 from imugap.discovery.record import prepare
+from imugap.discovery.sequence import Sequence
 from imugap.effects import (
     Bias,
     Resolution,
@@ -15,6 +16,7 @@ from imugap.effects import (
     TimestampJitter,
     WhiteNoise,
 )
+from imugap.effects.effect import Conditions
 from imugap.log import LogError
 from imugap.model import AxisModel, ErrorModel
 from imugap.stream import stream
@@ -202,6 +204,16 @@ def test_what_is_clipped_biases_neither_mean_nor_spread(limit):
     assert sequence.mean() == pytest.approx(truth.mean(), abs=0.06 * SD)
     assert sequence.std() == pytest.approx(truth.std(), rel=0.06)
     assert abs(np.corrcoef(sequence[1:], sequence[:-1])[0, 1]) < 0.07
+
+
+def test_clipped_samples_of_a_coarse_lattice_stay():
+    values = np.zeros(1000)
+    values[::10], values[5::50] = 1.0, 2.0
+    conditions = Conditions(0.01 * np.arange(1000), 0.01)
+    sequence = Sequence(values, conditions, values == 2.0)
+    drawn = sequence.beyond(values, np.where(values == 2.0, 1.0, 0.0), stream(1, "coarse"))
+    np.testing.assert_array_equal(drawn.values, values)
+    assert drawn.flawed.sum() == 20
 
 
 def test_a_motion_far_beyond_the_full_scale_tells_nothing_of_the_error():

@@ -78,8 +78,11 @@ class Sequence:
         Each is normal about the mean of its neighbourhood, given that it is above (``side`` 1) or below (-1) its
         bound, both of shape (n,); those of side 0 stay, and those of which the bound says nothing, deep within a
         motion beyond the full scale. Mean and spread take the samples drawn before with them, so that what is clipped
-        biases neither (data augmentation: Tanner and Wong 1987, doi:10.2307/2289457).
+        biases neither (data augmentation: Tanner and Wong 1987, doi:10.2307/2289457). Where most neighbours are equal,
+        on a coarse lattice, there is no spread to draw from, and all stay.
         """
+        if _spread(self.values) == 0:
+            return self
         at = np.flatnonzero(side * (bound - self.values) > -DEEP * np.abs(side) * _spread(self.values))
         values, flawed, side, bound = self.values.copy(), self.flawed.copy(), side[at], bound[at]
         for _ in range(ROUNDS):
