@@ -9,6 +9,7 @@ from scipy.special import bdtr, bdtrc
 from imugap import catalogue, reference
 from imugap.consistency import nees_band
 from imugap.effects import Bias
+from imugap.footprints import footprints
 from imugap.gait import Course, Leg, Walk
 from imugap.log import ACCEL, AXES, GYRO, LogError
 from imugap.model import AxisModel, ErrorModel
@@ -209,6 +210,24 @@ def heights(walk, assumptions, model, legs):
     return np.array(found)
 
 
+def test_samples_near_the_full_scale_are_doubted_and_no_others(walk):
+    """Heel strikes that are clipped at half their height: the end is nearer, and stated to be less sure."""
+    hard = replace(walk, course=Course(1.0, (Leg(12),), 1.0), gait=replace(walk.gait, impact_m_per_s2=150.0))
+    ideal, end = hard.ideal(0, SEED), hard.truth(0, SEED)[["north", "east"]].iloc[-1].to_numpy(float)
+    limit = 0.5 * ideal[list(ACCEL)].abs().to_numpy().max()
+    clipped = ideal.assign(**{axis: ideal[axis].clip(-limit, limit) for axis in ACCEL})
+
+    def found(full_scale):
+        assumptions = Assumptions(gravity=hard.site.gravity, full_scale=full_scale)
+        return navigate(clipped, USUAL, assumptions, smooth=True)
+
+    believed, doubted, out_of_reach = found(np.inf), found(limit), found(1.2 * limit)
+    np.testing.assert_array_equal(believed.path.navigation, out_of_reach.path.navigation)
+    apart = [np.linalg.norm(one.trajectory[["north", "east"]].iloc[-1] - end) for one in (believed, doubted)]
+    assert apart[1] < 0.9 * apart[0]
+    assert np.trace(doubted.horizontal[-1]) > np.trace(believed.horizontal[-1])
+
+
 @pytest.fixture(scope="module")
 def tilted():
     """A device whose accelerometers have biases of 0.1 m/s^2: at stance a tilt of 10 mrad balances them."""
@@ -315,6 +334,17 @@ def test_the_strides_of_both_feet_are_as_long_as_the_cameras_saw(sets, run):
         return np.hypot(*(np.array(ends[1]) - ends[0]))
 
     assert np.sqrt(np.mean((lengths(found) - lengths(seen)) ** 2)) < 0.049
+
+
+@needs_mirror
+@pytest.mark.parametrize("run", [1, 2])
+def test_the_way_out_of_both_feet_is_as_long_as_the_cameras_saw(sets, run):
+    """The largest distance from the begin, within 0.05 m; the peer is 0.110 m (left) and 0.053 m (right) off."""
+    dataset = sets["gaitmap_2x20m"]
+    solution = real(dataset, run, smooth=True, assumptions=replace(INDOORS, full_scale=dataset.full_scale))
+    seen = read_positions(dataset.file(run, "positions").place(MIRROR), dataset, run)
+    found, true = footprints(solution, seen).reach()
+    assert abs(found - true) < 0.05
 
 
 @needs_mirror

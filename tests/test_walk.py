@@ -88,6 +88,17 @@ def test_outdoors_nothing_is_taken_for_level(here, recipe):
     assert stds[0] < 0.5 * stds[1]
 
 
+def test_near_the_full_scale_samples_are_doubted(here, recipe):
+    stds = []
+    for option in ([], ["--full-scale", "1.5"], ["--full-scale", "1000"]):
+        assert cli.main(["walk", "walk.csv", *option, "--gravity", str(recipe.site.gravity), "--out", "found"]) == 0
+        stds.append(summary("found")["end_horizontal_m" + STD])
+    assert stds[1] > 1.05 * stds[0]
+    assert stds[2] == stds[0]
+    with pytest.raises(SystemExit, match="2"):
+        cli.main(["walk", "walk.csv", "--full-scale", "0", "--out", "none"])
+
+
 def test_rows_that_come_twice_are_left_out(here, recipe):
     record = pd.read_csv("walk.csv")
     twice = record.loc[np.repeat(record.index, np.where(record.index % 500 == 7, 2, 1))]

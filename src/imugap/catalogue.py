@@ -10,11 +10,13 @@ import shutil
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from hashlib import file_digest
+from math import inf
 from pathlib import Path
 
 import yaml
 
 from imugap.log import ACCEL, GYRO, TEMPERATURE
+from imugap.units import to_si
 
 CHUNK_BYTES = 65536
 
@@ -70,6 +72,8 @@ class DataSet:
     position_axes: tuple[str, ...] = ()
     position_unit: str | None = None
     position_rate_hz: float | None = None
+    full_scale: float = inf
+    """Of the accelerometers [m/s^2]; inf where no sample comes near."""
 
     @property
     def runs(self) -> tuple[int, ...]:
@@ -289,4 +293,5 @@ def _data_set(row: dict) -> DataSet:
         position_axes=tuple(row.get("position_axes", "").split()),
         position_unit=row.get("position_unit"),
         position_rate_hz=row.get("position_rate_hz"),
+        full_scale=to_si(row.get("accel_full_scale_g", inf), "g"),
     )

@@ -4,6 +4,7 @@ import argparse
 import json
 import os
 import sys
+from dataclasses import replace
 from math import inf
 from pathlib import Path
 
@@ -19,7 +20,7 @@ from imugap.export import export as exported
 from imugap.extension import catalogue
 from imugap.indices import INDICES, of_run, over_runs, shortest
 from imugap.model import ErrorModel
-from imugap.units import from_si
+from imugap.units import from_si, to_si
 
 AUTO = "auto"
 """The value of ``--terms`` that lets the log decide."""
@@ -132,8 +133,11 @@ def discover(options: argparse.Namespace) -> None:
 def walk(options: argparse.Namespace) -> None:
     """Navigate a walk with the device on a foot; print its summary and write the folder ``--out``."""
     from imugap import walk as walks  # compiled kernels take longer to import than the rest
+    from imugap.pedestrian import Assumptions
 
-    found = walks.compose(options.log, options.out, options.model, options.effects, options.gravity, options.outdoors)
+    ground = Assumptions() if options.outdoors else walks.INDOORS
+    assumptions = replace(ground, gravity=options.gravity, full_scale=to_si(options.full_scale, "g"))
+    found = walks.compose(options.log, options.out, options.model, options.effects, assumptions)
     print(json.dumps(found, indent=1))
 
 
@@ -277,6 +281,13 @@ def _parser() -> argparse.ArgumentParser:
     one.add_argument("--model", help="error model of the device (YAML; default that of a cheap one)")
     one.add_argument("--effects", help="module whose effects join the catalogue")
     one.add_argument("--gravity", **gravity)
+    one.add_argument(
+        "--full-scale",
+        type=_positive,
+        default=inf,
+        metavar="G",
+        help="full scale of the accelerometers [g], where heel strikes come near to it (default: none do)",
+    )
     one.add_argument("--outdoors", action="store_true", help="do not take floors for level but for stairs and ramps")
     one.add_argument("--out", required=True, help="folder for solution, summary and figures")
     one.set_defaults(run=walk)

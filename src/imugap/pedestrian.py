@@ -9,7 +9,9 @@ The point at rest is not the sensor: a foot rolls over its sole. The arm from th
 ``b``, is a state.
 
 A sensor is blind between its samples. Where its output changes by d from one sample to the next, the mean over the
-interval is taken to be uncertain by a share of d: at a heel strike by much, in the swing by little.
+interval is taken to be uncertain by a share of d: at a heel strike by much, in the swing by little. An accelerometer
+clips ahead of its filter, so that a strike that shows nine tenths of the full scale (:data:`NEAR`) may have been beyond
+it within the sample: such a sample is uncertain by a share of all that it shows, in every direction.
 
 Where the body stands, the noise of the gyroscopes is in the attitude and in the measurement of the rate alike. The
 filter takes the two for independent, and so believes a little too little of the attitude after a stand.
@@ -56,6 +58,8 @@ FLOOR = "floor"
 """Where the device is at stance, counted down from the origin [m]."""
 FLAT_S = 0.1
 """So long after its begin a foot at stance is flat on the floor [s]."""
+NEAR = 0.9
+"""Share of the full scale from which on an accelerometer is taken to have clipped within the sample."""
 STEP_M = 0.03
 """From this difference on two stances are not on one level [m]: on 1.5 m of a stride a slope of 2 %."""
 STEP_STD_M = 1.0
@@ -86,6 +90,8 @@ class Assumptions:
         Standard deviation of the arm from the sensor to the point at rest, each axis [m]; 0 makes it the sensor itself.
     blind_gyro, blind_accel
         Share of the change from sample to sample by which the mean over an interval is uncertain.
+    full_scale
+        Full scale of the accelerometers [m/s^2]; inf where it is not known.
     tilt_std
         Standard deviation of roll and pitch after levelling, besides what the accelerometers are off [rad].
     floor_std
@@ -107,6 +113,7 @@ class Assumptions:
     arm_std: float = 0.1
     blind_gyro: float = 0.05
     blind_accel: float = 0.3
+    full_scale: float = np.inf
     tilt_std: float = 0.005
     floor_std: float = 0.0
     scale_std: tuple[float, float] = (0.0, 0.0)
@@ -180,13 +187,16 @@ class Sight:
 
 
 class _Trust(NamedTuple):
-    """The assumptions as the kernel takes them: spectral densities [unit^2/Hz], shares, gravity [m/s^2]."""
+    """The assumptions as the kernel takes them: spectral densities [unit^2/Hz], shares, largest specific force
+    that is believed and gravity [m/s^2].
+    """
 
     velocity_psd: float
     settling_psd: float
     settling_s: float
     rate_psd: float
     blind: np.ndarray
+    reach: float
     gravity: float
     floor_variance: float
 
@@ -278,6 +288,11 @@ def _filter(samples, dt, phase, seen, fixes, fix_noise, first, last, sensors, tr
         for a in range(6):
             change = trust.blind[a] * (samples[k, a] - samples[k - 1, a])
             noise[a] = white[a] + change * change * interval
+        shown = max(abs(samples[k, 3]), abs(samples[k, 4]), abs(samples[k, 5]))
+        if shown > trust.reach:
+            for a in range(3, 6):
+                doubt = trust.blind[a] * shown
+                noise[a] += doubt * doubt * interval
         if interval != step:
             age(decay, driving, interval, hold, drive)
             step = interval
@@ -441,6 +456,7 @@ def _trust(assumptions: Assumptions) -> _Trust:
         settling_s=assumptions.settling_s,
         rate_psd=2 * assumptions.rate_std**2 * assumptions.rate_correlation_s,
         blind=np.repeat([assumptions.blind_gyro, assumptions.blind_accel], 3),
+        reach=NEAR * assumptions.full_scale,
         gravity=assumptions.gravity,
         floor_variance=assumptions.floor_std**2,
     )

@@ -1,7 +1,7 @@
 """The folder that a walk leaves: what the smoother says of it, how far it went and where it ended, and figures."""
 
 import json
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -90,12 +90,11 @@ def walked(log: pd.DataFrame, model: ErrorModel = USUAL, assumptions: Assumption
 
 def compose(
     path: str | Path, out: str | Path, model: str | Path | None = None, effects: str | None = None,
-    gravity: float | None = None, outdoors: bool = False,
+    assumptions: Assumptions = INDOORS,
 ) -> dict[str, float]:  # fmt: skip
     """Navigate the walk of a file, write all :data:`FILES` into the folder ``out``, and return the summary.
 
     Rows whose stamp does not exceed those before, as wireless devices send them, are left out, and lost samples filled.
-    Within a building floors are level (:data:`INDOORS`); ``outdoors`` nothing is taken for granted of the ground.
     """
     out = Path(out)
     if out.exists() and not out.is_dir():
@@ -104,8 +103,6 @@ def compose(
     if canonical.axes(log) != AXES:
         raise canonical.LogError(path, "columns", f"all of {', '.join(AXES)}", ", ".join(log.columns))
     known = USUAL if model is None else ErrorModel.read(model, catalogue(effects))
-    assumptions = Assumptions() if outdoors else INDOORS
-    assumptions = assumptions if gravity is None else replace(assumptions, gravity=gravity)
     try:
         found = walked(log, known, assumptions)
     except ValueError as error:

@@ -1,21 +1,23 @@
 """Navigate every walk of a data set by the rules that hold for all of them, and lay it over what cameras saw."""
 
 import json
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
+from scipy.stats import spearmanr
 
 from imugap import catalogue, integrity, readers
 from imugap.catalogue import RawFiles
 from imugap.footprints import footprints
 from imugap.gait import Walk
 from imugap.journal import journal
+from imugap.log import ACCEL
 from imugap.pedestrian import Assumptions, navigate
 from imugap.stamps import filled
 from imugap.twin import twin
-from imugap.walk import USUAL, walked
+from imugap.walk import INDOORS, USUAL, walked
 
 STEP_S = 0.1
 """Step of the stored tracks [s]."""
@@ -59,17 +61,33 @@ def heights(files, run, solution):
     return beside.end()[1], beside.rmse()[1]
 
 
+def believed(files, run, log):
+    """Return what comes of believing samples near the full scale, and how strides go with the force of their strike."""
+    beside, strides, _ = against(files, run, walked(log).smoothed)
+    found, seen = beside.reach()
+    gap = strides["found"] - strides["seen"]
+    force = log[list(ACCEL)].abs().max(axis=1)
+    rank = spearmanr([force.loc[one.start : one.end].max() for one in strides.itertuples()], gap)
+    return {
+        "reach_believed": found - seen, "stride_rmse_believed": np.sqrt(np.mean(gap**2)),
+        "strike_rank": rank.statistic, "strike_p": rank.pvalue,
+    }  # fmt: skip
+
+
 def one(files, run):
     """Return the row and the track of a walk, and its smoothed solution."""
     timing = integrity.report(readers.read_raw_table(files.path(run), files.dataset, run)).timing
     log = readers.read_raw(files.path(run), files.dataset, run)
-    found, floorless = walked(log), navigate(filled(log), USUAL, Assumptions(), smooth=True)
+    full_scale = files.dataset.full_scale
+    found = walked(log, USUAL, replace(INDOORS, full_scale=full_scale))
+    floorless = navigate(filled(log), USUAL, Assumptions(full_scale=full_scale), smooth=True)
     said, solution, labels = found.summary(), found.smoothed, {"dataset": files.dataset.name, "run": run}
     row = labels | said | {"lost": timing.missing, "repeated": timing.duplicated}
     table = solution.trajectory[["north", "east", "down"]]
     if files.dataset.positions:
         beside, *strides = against(files, run, solution)
         row |= {"cameras": True} | scores(beside, *strides)
+        row |= believed(files, run, log) if np.isfinite(full_scale) else {}
         off = beside.off[:2]
         track = pd.DataFrame(np.hstack([beside.found, beside.seen]), columns=[*table, *table.add_suffix("_seen")])
         track.insert(0, "time", beside.time)

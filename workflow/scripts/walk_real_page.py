@@ -99,6 +99,10 @@ def numbers(walks, peers):
             "peer_rmse_m": tables.fixed(told["gaitmap_2x20m", "stride_rmse"].min(), 3),
             "reach_error_m": [tables.fixed(value, 3) for value in own["reach"] - own["reach_seen"]],
             "peer_reach_m": [tables.fixed(told["gaitmap_2x20m", "reach_error", run].min(), 3) for run in (1, 2)],
+            "believed_reach_m": [tables.fixed(value, 3) for value in own["reach_believed"]],
+            "believed_rmse_m": [tables.fixed(value, 3) for value in own["stride_rmse_believed"]],
+            "strike_rank": [tables.fixed(value, 2) for value in own["strike_rank"]],
+            "strike_p": [tables.number(value, 2) for value in own["strike_p"]],
             "lag_ms": [tables.fixed(1e3 * value, 1) for value in own["lag"]],
         }
     if "pyshoe_vicon" in set(walks["dataset"]):
