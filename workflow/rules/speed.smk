@@ -29,6 +29,7 @@ rule speed:
         samples=config["speed"]["samples"],
         repeats=config["speed"]["repeats"],
         fits=config["speed"]["fits"],
+        first_calls=config["speed"]["first_calls"],
         period_s=config["bias_stability_period_s"],
         code=library("speed"),
     script:

@@ -1,9 +1,13 @@
 """Time the kernels against their peers and limits, in one run on one machine."""
 
+import os
 import resource
+import subprocess
+import sys
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
 from multiprocessing import get_context
+from tempfile import TemporaryDirectory
 from time import perf_counter, process_time
 
 import allantools
@@ -28,6 +32,17 @@ from imugap.stream import stream
 from imugap.vehicle import navigate as navigate_vehicle
 
 INTERVAL = 0.01
+FIRST_WALK = """
+import sys
+from time import perf_counter
+start = perf_counter()
+from imugap.gait import Walk
+from imugap.pedestrian import Assumptions, navigate
+walk = Walk.read(sys.argv[1])
+navigate(walk.record(0, 0), walk.model, Assumptions(gravity=walk.site.gravity, arm_std=0.0))
+print(perf_counter() - start)
+"""
+"""What a new process does that times its first walk."""
 
 
 def median_time(work, repeats):
@@ -117,6 +132,22 @@ def walks(recipe, peers, samples, repeats):
     ]
 
 
+def first_walks(recipe):
+    """Time the first walk of a new process, imports and simulation included: nothing compiled before, and all of it."""
+    command = [sys.executable, "-c", FIRST_WALK, recipe]
+    with TemporaryDirectory() as folder:
+        environment = os.environ | {"NUMBA_CACHE_DIR": folder}
+        spent = [
+            float(subprocess.run(command, env=environment, check=True, stdout=subprocess.PIPE, text=True).stdout)
+            for _ in range(2)
+        ]
+    what = "new process, imports included"
+    return [
+        ["detector and foot-mounted filter, first call", f"{what}, nothing compiled before", spent[0], "", np.nan],
+        ["detector and foot-mounted filter, first call", f"{what}, compiled before", spent[1], "", np.nan],
+    ]
+
+
 def drives(recipe, samples, repeats):
     """Time the vehicle filter of 21 states with all quality control, and its smoother, on a simulated drive in laps."""
     drive = Drive.read(recipe)
@@ -178,6 +209,7 @@ if __name__ == "__main__":
         params = snakemake.params
         rows = kernels(params.samples, params.repeats) + wavelets(params.samples, params.repeats)
         rows += walks(snakemake.input.walk, snakemake.input.walkers, params.samples, params.repeats)
+        rows += first_walks(snakemake.input.walk) if params.first_calls else []
         rows += drives(snakemake.input.drive, params.samples, params.repeats)
         rows += fits(snakemake.input.recipe, params.fits)
         if snakemake.input.raw:
