@@ -99,7 +99,9 @@ class RoadTest:
     def schemes(
         self, fixes: pd.DataFrame, spoilt: pd.DataFrame, events: tuple[Event, ...], model: ErrorModel
     ) -> tuple[pd.DataFrame, dict[str, pd.DataFrame]]:
-        """Navigate with good and with spoilt fixes under every scheme of quality control, and with all of it on wheels.
+        """Navigate with good and with spoilt fixes under every scheme of quality control.
+
+        All of the control is there also on wheels, smoothed, and both.
 
         Returns
         -------

@@ -35,11 +35,9 @@ rule claims:
         five=expand("paper/tables/five_trials_{device}.csv", device=DEVICES),
         ranking=expand("paper/tables/ranking_{device}.csv", device=DEVICES),
         scores=expand("results/{device}/drift_scores.csv", device=DEVICES),
-        compensation=[
-            path
-            for path in ["paper/tables/compensation.csv"]
-            if "pedestrian" in CHAPTERS
-        ],
+        compensation=(
+            ["paper/tables/compensation.csv"] if "pedestrian" in CHAPTERS else []
+        ),
     output:
         report(
             "paper/tables/claims.csv",

@@ -72,8 +72,7 @@ class Twins:
         effects = unrounded(description.effects(), self.known, conditions.interval)
         error = AxisModel(effects).simulate(np.zeros(len(conditions)), conditions, seed, *labels)
         if self.known:
-            level = np.mean(sequence.values)
-            base = level if conditions.ideal is None else level + conditions.ideal[conditions.axis].to_numpy(float)
+            base = np.mean(sequence.values) + conditions.error_free
             error = AxisModel(self.known).simulate(base + error, conditions, seed, *labels) - base
         clean = Sequence(error, conditions, np.zeros(len(conditions), bool), sequence.share)
         rng = stream(seed, *labels, "mended")

@@ -245,8 +245,7 @@ def _sequence(
     values: np.ndarray, conditions: Conditions, flawed: np.ndarray, clipped: np.ndarray, seed: int
 ) -> Sequence:
     side = np.where(clipped, np.sign(values), 0.0)
-    if conditions.ideal is not None:
-        values = values - conditions.ideal[conditions.axis].to_numpy(float)
+    values = values - conditions.error_free
     whole = Sequence(np.where(np.isfinite(values), values, 0.0), conditions, np.zeros(len(values), bool))
     if flawed.all():
         return whole
@@ -258,6 +257,4 @@ def _sequence(
 
 def _without_gaps(values: np.ndarray, sequence: Sequence) -> np.ndarray:
     """Return the output of an axis with the replacements of its sequence where it has no value."""
-    conditions = sequence.conditions
-    ideal = 0.0 if conditions.ideal is None else conditions.ideal[conditions.axis].to_numpy(float)
-    return np.where(np.isnan(values), sequence.values + ideal, values)
+    return np.where(np.isnan(values), sequence.values + sequence.conditions.error_free, values)

@@ -75,6 +75,13 @@ class Conditions:
         """Return the number of samples."""
         return len(self.time)
 
+    @property
+    def error_free(self) -> np.ndarray | float:
+        """Return the error-free signal of the axis, shape (n,); 0 where it is not known, as for a device at rest."""
+        if self.ideal is None or self.axis not in self.ideal:
+            return 0.0
+        return self.ideal[self.axis].to_numpy(float)
+
     def own_axis(self, effect: "Effect") -> str:
         """Return the axis, on which ``effect`` has to be at home; ValueError where it is not, or none is known."""
         if self.axis is None:

@@ -47,8 +47,7 @@ class Resolution(Effect):
 
 def noise(values: np.ndarray, conditions: Conditions) -> float:
     """Return the standard deviation of the noise of an output, NaN where lost: the median of that of short blocks."""
-    if conditions.ideal is not None and conditions.axis in conditions.ideal:
-        values = values - conditions.ideal[conditions.axis].to_numpy(float)
+    values = values - conditions.error_free
     values = values[np.isfinite(values)]
     blocks = max(len(values) // BLOCK, 1)
     return float(np.median([block.std() for block in np.array_split(values, blocks)]))
