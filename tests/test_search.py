@@ -269,6 +269,59 @@ def test_a_loop_over_the_temperature_is_no_walk():
     assert names(wandering) == ["random_walk"]
 
 
+@pytest.mark.parametrize("growth", [-4.0, 0.0, 4.0])
+def test_a_variance_that_grows_is_no_swing_without_bounds(growth):
+    """Less than half a cycle of a swing of any depth is what a trend of the variance looks like."""
+    time = np.arange(COUNT) * INTERVAL
+    whitened = np.exp(growth * time / time[-1] / 2) * stream(6, "grows").standard_normal(COUNT)
+    frequency, depth, phase, gain = scans.swing(whitened, time)
+    assert frequency >= 0.999 * scans.SLOWEST / time[-1]
+    assert 0 <= depth <= np.sqrt(2) * scans.DEEPEST
+    assert np.isfinite(phase)
+    assert (gain > 100) == (growth != 0)
+
+
+def beside_white(added, count=20_000, interval=0.05, label="beside"):
+    """White noise and what ``added`` makes of the times [s] and a random generator."""
+    conditions = Conditions(np.arange(count) * interval, interval)
+    rng = stream(5, label)
+    values = WHITE.sample(conditions, rng) + added(conditions.time, rng)
+    return Sequence(values, conditions, np.zeros(count, bool))
+
+
+def sawtooth(time, rng):
+    return 7e-3 * (time / 93.0 % 1)
+
+
+def triangle(time, rng):
+    return 1.5e-2 * np.abs(time / 93.0 % 1 - 0.5)
+
+
+def humming(time, rng):
+    return 3e-3 * (time / 97.0 % 1 < 0.35) * np.sin(2 * np.pi * 4.7 * time)
+
+
+def knocks(time, rng):
+    since = time - np.array([[111.0], [402.0], [655.0], [838.0]])
+    ringing = np.exp(-np.maximum(since, 0) / 4) * np.sin(2 * np.pi * 2.7 * np.maximum(since, 0))
+    return 2e-2 * np.sum(np.where(since > 0, ringing, 0.0), axis=0)
+
+
+def between_walk_and_flicker(time, rng):
+    frequency = np.fft.rfftfreq(2 * len(time))
+    frequency[0] = np.inf
+    noise = np.fft.irfft(np.fft.rfft(rng.standard_normal(2 * len(time))) * frequency**-0.75)[: len(time)]
+    return 6e-3 * (noise - noise.mean()) / noise.std()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("added", [sawtooth, triangle, humming, knocks, between_walk_and_flicker])
+def test_what_is_nearly_an_effect_is_seen_and_has_no_name(added):
+    story = concluded(told(beside_white(added), (), tuple(CATALOGUE.values()), LOG_ALPHA, 16_000))
+    assert names(story) == []
+    assert story.seen
+
+
 def test_beside_a_wave_of_another_shape_a_step_keeps_its_name():
     wave = Sinusoid(0.4, 2e-3, 0.3), Sinusoid(0.8, 1e-3, 1.0)
     assert names(told_of(*wave, BiasStep(250.0, 1e-3), count=12_000)) == ["bias_step"]

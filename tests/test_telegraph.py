@@ -86,3 +86,19 @@ def test_a_continuum_is_told_from_two_values():
     ]
     assert gains[0] > 5
     assert gains[1] < 0
+
+
+@pytest.mark.parametrize(("exponent", "seed"), [(3, 1), (4, 2), (4, 6)])
+def test_what_never_switches_is_weighed_all_the_same(exponent, seed):
+    """The likelihood of telegraph noise for a smooth curve has its top where it does not switch at all."""
+    count, interval = 6000, 0.04
+    conditions = Conditions(np.arange(count) * interval, interval)
+    rng = stream(seed, "smooth")
+    frequency = np.fft.rfftfreq(2 * count)
+    frequency[0] = np.inf
+    curve = np.fft.irfft(np.fft.rfft(rng.standard_normal(2 * count)) * frequency ** (-exponent / 2))[:count]
+    values = WhiteNoise(1e-3).sample(conditions, rng) + 4e-3 * (curve - curve.mean()) / curve.std()
+    data = Sequence(values, conditions, np.zeros(count, bool))
+    found = fit(data, Description((), Noise((WhiteNoise(1e-3), RandomWalk(1e-4)))))
+    verdict = compare(found, tuple(found.description.noise.effects[1:]))
+    assert np.isfinite([verdict.gain, verdict.uneven]).all()

@@ -7,12 +7,13 @@ does not explain what is left there, the name is withheld and the place reported
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import combinations
 
 import numpy as np
-from scipy.fft import idct
-from scipy.stats import chi2, ncx2
+from scipy.fft import idct, rfft
+from scipy.stats import ncx2
 
-from imugap.discovery import hysteresis
+from imugap.discovery import hysteresis, waves
 from imugap.discovery.axis import AxisFit
 from imugap.discovery.noise import STEP, Noise, log_likelihood
 from imugap.discovery.parameters import term_intervals
@@ -26,20 +27,24 @@ from imugap.stream import stream
 
 LEVEL = np.log(3e-3)
 """Log-probability of chance below which a name is in doubt."""
+OTHER_SLOPE = np.log(1e-2)
+"""The same where slow noise with a free slope does better: one question, and no other test answers it as well."""
 SHARE = 0.05
 """Share of the variance of a band above which an effect answers for the band."""
 BANDS = 24
 SLIGHT = 0.05
 """Relative deviation of the power in a band that leaves a name as it is: no real spectrum is one of a catalogue."""
 BLOCKS = 12
-"""Blocks of a stretch of another variance, and of the rest, that have to agree."""
+"""Blocks of a stretch of another variance, and bands of its frequencies, that have to agree."""
+INNER = 0.95
+"""Share of the frequencies in use whose power no edge of a stretch makes less."""
 DRAWN, PARTS, FEWEST, MOST = 1999, 20, 40, 6000
 """Draws of Gaussian noise, how many parts they are handled in; the fewest coefficients that tell its shape, the most
 that are asked."""
 USUAL = (-1.0, 1.0), (2.0, 6.0)
 """Skewness and kurtosis that leave a name as it is: no real noise is quite Gaussian; up to that of Laplace's law."""
 HARMONICS, ALONE = 9, 0.1
-"""Highest multiple of a line, and share of its frequency within which it has to be known to tell multiples."""
+"""Highest multiple of a line, and share of its frequency, or of the distance of lines, within which these are known."""
 FAR = 2.0
 """Factor of the frequency of a line in doubt beyond which others have nothing to do with it."""
 
@@ -143,22 +148,21 @@ def _bends(search: Search, fit: AxisFit, key: Key) -> Doubt | None:
         return unresolved
     if _harmonic(fit, key):
         return Doubt("lines at its multiples make it a wave of another shape", -np.inf)
-    if _split(fit, key):
+    if _split(fit, key) or _modulated(fit, key):
         return Doubt("lines beside it make it one that swells or drifts", -np.inf)
-    columns = fit.description.terms[key.index].effect.near_misses(fit.sequence.conditions)
-    if not columns.shape[1]:
-        return None
-    gain, rank = fit.joint_gain(fit.whiten(columns))
-    return Doubt("the mean is not quite of its shape", log_chance(gain, rank)) if rank else None
+    return Doubt("the mean is not quite of its shape", nearly(fit, key.index))
+
+
+def nearly(fit: AxisFit, index: int) -> float:
+    """Return the log-probability that a term is as far from its shape, in the likeliest of the ways that it may be."""
+    ways = fit.description.terms[index].effect.near_misses(fit.sequence.conditions)
+    found = [log_chance(gain, rank) for gain, rank in (fit.joint_gain(fit.whiten(way)) for way in ways) if rank]
+    return min(found, default=0.0) + np.log(max(len(found), 1))
 
 
 def _harmonic(fit: AxisFit, key: Key) -> bool:
     """Return whether a line and another one are multiples of each other, of a frequency that is known well enough."""
-    lines = {
-        index: (term.effect.frequency, np.diff(term_intervals(fit, index)["frequency"])[0])
-        for index, term in enumerate(fit.description.terms)
-        if isinstance(term.effect, Sinusoid)
-    }
+    lines = _lines(fit)
     if key.index not in lines:
         return False
     for index, other in lines.items():
@@ -170,15 +174,33 @@ def _harmonic(fit: AxisFit, key: Key) -> bool:
     return False
 
 
+def _lines(fit: AxisFit) -> dict[int, tuple[float, float]]:
+    """Return frequency [Hz] and width of its interval of each line, by the index of its term."""
+    return {
+        index: (term.effect.frequency, np.diff(term_intervals(fit, index)["frequency"])[0])
+        for index, term in enumerate(fit.description.terms)
+        if isinstance(term.effect, Sinusoid)
+    }
+
+
 def _split(fit: AxisFit, key: Key) -> bool:
     """Return whether another line is so near to one that both may be parts of a line that is not steady."""
-    terms = fit.description.terms
+    lines = _lines(fit)
     duration = fit.sequence.conditions.interval * len(fit.residual)
-    lines = [
-        term.effect.frequency for i, term in enumerate(terms) if i != key.index and isinstance(term.effect, Sinusoid)
-    ]
-    own = terms[key.index].effect
-    return isinstance(own, Sinusoid) and any(abs(line - own.frequency) < NEAR / duration for line in lines)
+    return key.index in lines and any(
+        abs(line - lines[key.index][0]) < NEAR / duration for index, (line, _) in lines.items() if index != key.index
+    )
+
+
+def _modulated(fit: AxisFit, key: Key) -> bool:
+    """Return whether a line is one of three of equal distance, which is known well enough: carrier and sidebands."""
+    lines = sorted((*line, index) for index, line in _lines(fit).items())
+    for (low, left, first), (middle, own, second), (high, right, third) in combinations(lines, 3):
+        tolerance = left + 2 * own + right
+        even = abs(low + high - 2 * middle) < tolerance < ALONE * (high - low) / 2
+        if even and key.index in (first, second, third):
+            return True
+    return False
 
 
 def _unresolved(fit: AxisFit, key: Key) -> Doubt | None:
@@ -194,12 +216,23 @@ def _clustered(search: Search, fit: AxisFit, key: Key) -> Doubt:
 
 
 def _uneven(search: Search, fit: AxisFit, key: Key) -> Doubt:
-    """Compare the energies of blocks within the stretch."""
-    inside = fit.description.changes[key.index].within(fit.sequence.conditions.time)
-    squares = fit.whitened[inside] ** 2
-    blocks = np.array([block.mean() for block in np.array_split(squares, min(BLOCKS, len(squares) // 8))])
-    scatter = len(squares) / len(blocks) / 2 * np.sum((blocks / blocks.mean() - 1) ** 2)
-    return Doubt("the variance changes within the stretch", float(chi2.logsf(scatter, len(blocks) - 1)))
+    """Compare the energies of blocks within the stretch, and those of bands of the frequency."""
+    inside = fit.whitened[fit.description.changes[key.index].within(fit.sequence.conditions.time)]
+    used = fit.sequence.bins.last / len(fit.coefficients)
+    power = np.abs(rfft(inside - inside.mean()))[1 : int(INNER * used * len(inside) / 2)] ** 2
+    return min(
+        Doubt("the variance changes within the stretch", _scatter(inside**2, 1)),
+        Doubt("the variance of some frequencies changes more than that of others", _scatter(power, 2)),
+        key=lambda doubt: doubt.log_p,
+    )
+
+
+def _scatter(energies: np.ndarray, each: int) -> float:
+    """Return the log-probability that the means of blocks of chi-square energies scatter so."""
+    blocks = np.array_split(energies, min(BLOCKS, max(each * len(energies) // 8, 1)))
+    number = each * np.array([len(block) for block in blocks])
+    gain = _divergence(np.array([block.mean() for block in blocks]) / energies.mean() * number, number).sum()
+    return log_chance(float(gain), len(blocks) - 1) if len(blocks) > 1 else 0.0
 
 
 def _another_spectrum(search: Search, fit: AxisFit, key: Key) -> Doubt | None:
@@ -218,16 +251,20 @@ def _another_spectrum(search: Search, fit: AxisFit, key: Key) -> Doubt | None:
     else:
         doubts.append(Doubt("it comes in bursts or jumps", _uncommon(fit, share)))
     if isinstance(effect, (*SLOW, RandomTelegraph)):
-        doubts.append(_remembered(search, fit, key))
+        doubts.append(_moving(search, fit, key))
     law = _power_law(search, fit)
     return min([*doubts, *([law] if law is not None else [])], key=lambda doubt: doubt.log_p)
 
 
-def _remembered(search: Search, fit: AxisFit, key: Key) -> Doubt:
-    """Weigh a loop over the temperature in the place of slow noise: if it does better, noise is no name for it."""
+def _moving(search: Search, fit: AxisFit, key: Key) -> Doubt:
+    """Weigh means without a name in the place of slow noise: if one does better, noise is no name for it."""
     own, without = search.weighed(fit, key)
     loop = log_chance(hysteresis.gain(without), hysteresis.MORE) + np.log(len(hysteresis.HALVES))
-    return Doubt("a memory of the temperature explains it better", LEVEL + loop - own.log_p)
+    wave = log_chance(waves.gain(without), waves.MORE) + np.log(waves.TRIALS)
+    best, reason = min(
+        (loop, "a memory of the temperature explains it better"), (wave, "a wave of one period explains it better")
+    )
+    return Doubt(reason, LEVEL + best - own.log_p if best < search.log_alpha else 0.0)
 
 
 def _uncommon(fit: AxisFit, share: np.ndarray) -> float:
@@ -314,17 +351,20 @@ def _divergence(power: np.ndarray, number: np.ndarray) -> np.ndarray:
 
 
 def _power_law(search: Search, fit: AxisFit) -> Doubt | None:
-    """Weigh one power law against two or more added slow processes: if it does better, so few effects say less."""
+    """Weigh one power law against the added slow processes: its slope may be another, or it says more than two do."""
     first = len(search.start.noise.effects)
     noise = fit.description.noise
     slow = [effect for effect in noise.effects[first:] if isinstance(effect, SLOW)]
-    if len(slow) < 2:
+    if not slow:
         return None
     kept = tuple(effect for effect in noise.effects if not any(effect is one for one in slow))
     without = search.fitted(fit.sequence, replace(fit.description, noise=replace(noise, effects=kept)))
     size = max(without.room(PowerLaw(1.0, 1.5)), 1e-12 * float(np.sqrt(without.variance.mean())))
     law = replace(without.description, noise=replace(noise, effects=(*kept, PowerLaw(size, 1.5))))
     other = search.fitted(fit.sequence, law)
+    if len(slow) == 1:
+        chance = log_chance(other.log_likelihood - fit.log_likelihood, 1)
+        return Doubt("a power law of another slope explains it better", LEVEL - OTHER_SLOPE + chance)
     named = log_chance(fit.log_likelihood - without.log_likelihood, sum(len(one.parameters()) for one in slow))
     unnamed = log_chance(other.log_likelihood - without.log_likelihood, 2)
     return Doubt("one power law explains all slow noise better", LEVEL + unnamed - named)

@@ -9,9 +9,9 @@ from scipy.stats import chi2
 from imugap.clock import BLOCKS, SHORTEST, relative_interval, spectra
 from imugap.discovery.axis import AxisFit, Description, Term, fit, offset
 from imugap.discovery.doubt import LEVEL as DRIFTING
+from imugap.discovery.doubt import nearly
 from imugap.discovery.finding import Finding, Interval
 from imugap.discovery.parameters import NORMAL, axis_unit, term_intervals
-from imugap.discovery.search import log_chance
 from imugap.discovery.sequence import Sequence
 from imugap.effects import ClockScale, Sinusoid, TurnOnBias
 from imugap.effects.sinusoid import LINE
@@ -148,8 +148,7 @@ def _line_near(quiet: AxisFit, frequency: float, blocks: Evidence | None) -> Ter
 
 
 def _steady(found: AxisFit, index: int) -> bool:
-    columns = found.description.terms[index].effect.near_misses(found.sequence.conditions)
-    return log_chance(*found.joint_gain(found.whiten(columns))) > DRIFTING
+    return nearly(found, index) > DRIFTING
 
 
 def _frequency(found: AxisFit, index: int) -> tuple[float, float]:

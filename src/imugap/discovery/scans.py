@@ -13,6 +13,8 @@ BAND, FINER = 256, 4
 """Frequencies of a band over which the level of the power is taken; how often it is halved towards zero."""
 MEANS, FASTEST = 4096, 0.125
 """Blocks in which a swing of the variance is looked for, and the highest frequency, over the rate of the blocks."""
+SLOWEST, DEEPEST = 0.5, 8.0
+"""Least cycles of such a swing in the log, and its largest depth: of less the depth is not told from the mean."""
 BLOCKS = 400
 """Blocks of the search for stretches of another variance."""
 
@@ -114,7 +116,10 @@ def swing(whitened: np.ndarray, time: np.ndarray) -> tuple[float, float, float, 
         return 0.5 * np.mean(level + relative), 0.5 * np.mean((1 - relative) * [*columns, moved], axis=1)
 
     wave = 2 * np.mean(squares * np.exp(-2j * np.pi * coarse * seconds)) / mean
-    best = minimize(cost, np.array([np.log(mean), wave.real, -wave.imag, 0.0]), jac=True, method="BFGS")
+    lowest = SLOWEST / (time[-1] - time[0])
+    ends = (None, None), (-DEEPEST, DEEPEST), (-DEEPEST, DEEPEST), ((lowest - coarse) * seconds[-1], None)
+    start = [np.log(mean), wave.real, -wave.imag, max(ends[3][0], 0.0)]
+    best = minimize(cost, start, jac=True, method="L-BFGS-B", bounds=ends)
     gain = width * len(squares) * (0.5 * (np.log(mean) + 1) - best.fun)
     found = coarse + best.x[3] / seconds[-1]
     phase = np.angle(complex(best.x[1], -best.x[2]) * np.exp(-2j * np.pi * found * middle.mean()))

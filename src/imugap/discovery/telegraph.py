@@ -25,6 +25,10 @@ CALM = 0.03
 """Step of the walk from block to block over the slow process, at the start."""
 MOST = 60_000
 """Blocks at most."""
+HUGE = 300.0
+"""Logarithm that stands for none or no bound."""
+RARE, OFTEN = np.log(1e-9), np.log(1e3)
+"""Logarithm of the least and of the largest number of switches per block that is asked for."""
 
 
 @dataclass(frozen=True)
@@ -71,8 +75,8 @@ def compare(fit: AxisFit, slow: tuple[StochasticEffect, ...]) -> Verdict:
         return (*np.exp(np.maximum(theta[2:4], least)), wide)
 
     def uneven(theta):
-        rates = np.exp(theta[1] + np.array([theta[4], -theta[4]])) * step
-        return -_two_values(means, np.exp(theta[0]) / 2, *rates, *beside(theta))
+        switches = np.log(step) + theta[1] + np.array([theta[4], -theta[4]])
+        return -_two_values(means, np.exp(theta[0]) / 2, *np.exp(np.clip(switches, RARE, OFTEN)), *beside(theta))
 
     def telegraph(theta):
         return uneven(np.r_[theta, 0.0])
@@ -84,10 +88,14 @@ def compare(fit: AxisFit, slow: tuple[StochasticEffect, ...]) -> Verdict:
     smooth = _lowest(markov, [[np.log(std), np.log(time * f), *beside_it] for f in (1.0, 8.0)])
     best = _lowest(telegraph, [[np.log(2 * std), np.log(0.5 / time * f), *beside_it] for f in (0.3, 1.0, 3.0)])
     error = _errors(telegraph, best.x)
-    ends = [tuple(float(np.exp(best.x[i] + side * 1.96 * error[i])) for side in (-1, 1)) for i in (0, 1)]
-    effect = RandomTelegraph(float(np.exp(best.x[0])), float(np.exp(best.x[1])))
+    ends = [tuple(_positive(best.x[i] + side * 1.96 * error[i]) for side in (-1, 1)) for i in (0, 1)]
+    effect = RandomTelegraph(_positive(best.x[0]), _positive(best.x[1]))
     apart = _lowest(uneven, [[*best.x, side] for side in (-1.0, 1.0)])
     return Verdict(float(smooth.fun - best.fun), effect, (ends[0], ends[1]), float(best.fun - apart.fun))
+
+
+def _positive(logarithm: float) -> float:
+    return float(np.exp(np.clip(logarithm, -HUGE, HUGE)))
 
 
 def _lowest(cost, starts):

@@ -33,12 +33,12 @@ class BiasStep(SystematicEffect):
         """Return what a unit step adds."""
         return {"step": np.where(conditions.time >= self.time, 1.0, 0.0)}
 
-    def near_misses(self, conditions: Conditions) -> np.ndarray:
+    def near_misses(self, conditions: Conditions) -> list[np.ndarray]:
         """Return trends before and after the step, and a decay after it."""
         late = conditions.time - self.time
         duration = conditions.time[-1] - conditions.time[0]
         decay = np.where(late >= 0, np.exp(-np.maximum(late, 0.0) / (DECAY * duration)), 0.0)
-        return np.column_stack([np.minimum(late, 0.0), np.maximum(late, 0.0), decay])
+        return [np.column_stack([np.minimum(late, 0.0), np.maximum(late, 0.0), decay])]
 
     @classmethod
     def starts(cls, fit: "AxisFit") -> Iterator[Start]:

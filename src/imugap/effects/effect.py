@@ -247,9 +247,9 @@ class SystematicEffect(AdditiveEffect):
         """Return the derivative of :meth:`sample` in each parameter that a fit may adjust, arrays of shape (n,)."""
         raise NotImplementedError
 
-    def near_misses(self, conditions: Conditions) -> np.ndarray:
-        """Return columns, shape (n, m), in which what is nearly this effect, but is not, differs from it."""
-        return np.empty((len(conditions), 0))
+    def near_misses(self, conditions: Conditions) -> list[np.ndarray]:
+        """Return, for each way of being nearly this effect, the columns, shape (n, m), that are the difference."""
+        return []
 
     def proposed(self, fit: "AxisFit", free: tuple[str, ...], trials: float = 1.0) -> Iterator[Start]:
         """Yield the start from here with ``free`` parameters if the data tell them from each other and the terms.

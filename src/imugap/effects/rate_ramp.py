@@ -27,10 +27,10 @@ class RateRamp(SystematicEffect, AllanEffect):
         """Return the time, for the slope."""
         return {"slope": conditions.time}
 
-    def near_misses(self, conditions: Conditions) -> np.ndarray:
+    def near_misses(self, conditions: Conditions) -> list[np.ndarray]:
         """Return curvature and torsion: powers two and three of the time."""
         centred = np.linspace(-1.0, 1.0, len(conditions))
-        return np.column_stack([centred**2, centred**3])
+        return [np.column_stack([centred**2, centred**3])]
 
     @classmethod
     def starts(cls, fit: "AxisFit") -> Iterator[Start]:

@@ -41,14 +41,14 @@ class Sinusoid(SystematicEffect, AllanEffect):
         sine = -self.amplitude * np.sin(angle)
         return {"frequency": 2 * np.pi * conditions.time * sine, "amplitude": np.cos(angle), "phase": sine}
 
-    def near_misses(self, conditions: Conditions) -> np.ndarray:
+    def near_misses(self, conditions: Conditions) -> list[np.ndarray]:
         """Return a line whose amplitude and phase change linearly and quadratically, and its next two harmonics."""
         angle = 2 * np.pi * self.frequency * conditions.time + self.phase
         centred = np.linspace(-1.0, 1.0, len(conditions))
         wave = np.exp(1j * angle)
-        drifting = [centred * wave, (centred**2 - 1 / 3) * wave]
-        harmonics = [wave**k for k in (2, 3) if k * self.frequency * conditions.interval < HIGHEST]
-        return np.column_stack([part for column in (*drifting, *harmonics) for part in (column.real, column.imag)])
+        drifting = np.column_stack([centred * wave, (centred**2 - 1 / 3) * wave])
+        harmonics = [wave[:, None] ** k for k in (2, 3) if k * self.frequency * conditions.interval < HIGHEST]
+        return [np.column_stack([way.real, way.imag]) for way in (drifting, *harmonics)]
 
     @classmethod
     def at(cls, frequency: float, fit: "AxisFit") -> "Sinusoid":

@@ -51,11 +51,12 @@ class Temperature(SystematicEffect):
             raise ValueError("temperature: expected conditions with a temperature; found none")
         return conditions.temperature - self.reference
 
-    def near_misses(self, conditions: Conditions) -> np.ndarray:
+    def near_misses(self, conditions: Conditions) -> list[np.ndarray]:
         """Return the cube and, for hysteresis, the sign of the temperature's slow change with and without it."""
         distance = conditions.temperature - np.mean(conditions.temperature)
         rate = uniform_filter1d(np.gradient(conditions.temperature), max(len(distance) // SMOOTH, 1))
-        return np.column_stack([distance**3, np.tanh(rate / np.std(rate)), distance * np.tanh(rate / np.std(rate))])
+        sign = np.tanh(rate / np.std(rate))
+        return [np.column_stack([distance**3]), np.column_stack([sign, distance * sign])]
 
     @classmethod
     def starts(cls, fit: "AxisFit") -> Iterator[Start]:

@@ -33,10 +33,10 @@ class WarmUp(SystematicEffect):
         decay = np.exp(-aged)
         return {"amplitude": decay, "time_constant": self.amplitude * decay * aged / self.time_constant}
 
-    def near_misses(self, conditions: Conditions) -> np.ndarray:
+    def near_misses(self, conditions: Conditions) -> list[np.ndarray]:
         """Return decays of two other time constants and a trend."""
         decays = [np.exp(-conditions.time / (factor * self.time_constant)) for factor in (0.3, 3.0)]
-        return np.column_stack([*decays, conditions.time])
+        return [np.column_stack([*decays, conditions.time])]
 
     @classmethod
     def starts(cls, fit: "AxisFit") -> Iterator[Start]:

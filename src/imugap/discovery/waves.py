@@ -1,0 +1,37 @@
+"""Waves: a mean that repeats itself after a period, in whatever shape.
+
+No effect of the catalogue is one. A sawtooth or a relaxation oscillation jumps and wanders over a log like telegraph or
+slow noise, and as such it would be named: a fundamental and its next harmonics, all of one frequency, tell.
+"""
+
+import numpy as np
+from scipy.fft import next_fast_len, rfft
+
+from imugap.discovery.axis import AxisFit
+
+FEWEST, MOST = 3, 100
+"""Periods in a log: of fewer nothing is known to repeat, and more make lines that are found one by one."""
+HARMONICS = 4
+FINER = 8
+"""Frequencies tried per period in the log."""
+MORE = 2 * HARMONICS + 1
+"""Parameters of a wave: two of each harmonic, and the frequency."""
+TRIALS = HARMONICS * (MOST - FEWEST)
+"""Independent frequencies."""
+
+
+def gain(fit: AxisFit) -> float:
+    """Return the gain of log-likelihood by the best wave."""
+    duration = len(fit.whitened) * fit.sequence.conditions.interval
+    power = np.abs(rfft(fit.whitened, next_fast_len(FINER * len(fit.whitened), real=True))) ** 2
+    bins = np.arange(FEWEST * FINER, MOST * FINER)
+    bins = bins[HARMONICS * bins < len(power)]
+    if not len(bins):
+        return 0.0
+    best = bins[np.argmax(sum(power[k * bins] for k in range(1, HARMONICS + 1)))]
+    return max(_gain_at(cycles / FINER / duration, fit) for cycles in best + np.linspace(-0.5, 0.5, 5))
+
+
+def _gain_at(frequency: float, fit: AxisFit) -> float:
+    wave = np.exp(2j * np.pi * frequency * fit.sequence.conditions.time)[:, None] ** np.arange(1, HARMONICS + 1)
+    return fit.joint_gain(fit.whiten(np.column_stack([wave.real, wave.imag])))[0]
