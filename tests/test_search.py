@@ -1,3 +1,6 @@
+from dataclasses import replace
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from scipy.signal import butter, lfilter
@@ -5,7 +8,9 @@ from scipy.signal import butter, lfilter
 from imugap.discovery import scans
 from imugap.discovery.axis import Description, Term, cosines, fit, jacobian
 from imugap.discovery.common import shared
+from imugap.discovery.discover import _nameless
 from imugap.discovery.doubt import doubts
+from imugap.discovery.finding import Gap
 from imugap.discovery.gaps import gaps
 from imugap.discovery.noise import Noise, _Spectra
 from imugap.discovery.runs import turn_on
@@ -283,7 +288,7 @@ def test_a_variance_that_grows_is_no_swing_without_bounds(growth):
 
 def beside_white(added, count=20_000, interval=0.05, label="beside"):
     """White noise and what ``added`` makes of the times [s] and a random generator."""
-    conditions = Conditions(np.arange(count) * interval, interval)
+    conditions = Conditions(np.arange(count) * interval, interval, axis="gyro_x")
     rng = stream(5, label)
     values = WHITE.sample(conditions, rng) + added(conditions.time, rng)
     return Sequence(values, conditions, np.zeros(count, bool))
@@ -315,11 +320,34 @@ def between_walk_and_flicker(time, rng):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("added", [sawtooth, triangle, humming, knocks, between_walk_and_flicker])
-def test_what_is_nearly_an_effect_is_seen_and_has_no_name(added):
+@pytest.mark.parametrize(
+    ("added", "view", "low", "high"),
+    [
+        (sawtooth, "line", 1 / 93, 1 / 93),
+        (triangle, "line", 1 / 93, 1 / 93),
+        (humming, "line", 4.7, 4.7),
+        (knocks, "variance", 111, 113),
+        (between_walk_and_flicker, "spectrum", 0.001, 0.01),
+    ],
+)
+def test_what_is_nearly_an_effect_has_a_place_and_no_name(added, view, low, high):
     story = concluded(told(beside_white(added), (), tuple(CATALOGUE.values()), LOG_ALPHA, 16_000))
     assert names(story) == []
-    assert story.seen
+    places = [one.place for one in story.withheld if one.place.view == view]
+    assert all(place.axis == "gyro_x" and place.p_value < 0.01 for place in places)
+    assert any(place.low <= low and high <= place.high for place in places)
+
+
+def test_what_has_no_name_is_told_on_axes_on_which_no_view_shows_it():
+    gap = Gap("spectrum", "gyro_x", 1.0, 2.0, "Hz", 1e-9)
+    places = {axis: replace(gap, axis=axis) for axis in ("gyro_x", "gyro_y", "accel_x")}
+    weak = replace(gap, axis="accel_y", p_value=0.2)
+    stories = {
+        axis: SimpleNamespace(withheld=[SimpleNamespace(place=place)])
+        for axis, place in (places | {"accel_y": weak}).items()
+    }
+    shown = [replace(gap, view="coherence", axis="gyro_x,gyro_z")]
+    assert _nameless(stories, shown, 0.01) == (places["gyro_y"], places["accel_x"])
 
 
 def test_beside_a_wave_of_another_shape_a_step_keeps_its_name():

@@ -15,13 +15,13 @@ from imugap.discovery.axis import AxisFit
 from imugap.discovery.common import shared
 from imugap.discovery.device import Joint, joined
 from imugap.discovery.distance import Apart, Distances, Drifts, distribution, drifts, together
-from imugap.discovery.finding import Finding, Gap, Interval
+from imugap.discovery.finding import CERTAIN, Finding, Gap, Interval
 from imugap.discovery.gaps import REPLICATES, Verdict, named, verdicts
 from imugap.discovery.parameters import NORMAL, axis_unit
 from imugap.discovery.record import Record, prepare
 from imugap.discovery.runs import as_first, clocks, turn_on
 from imugap.discovery.search import log_chance
-from imugap.discovery.story import CERTAIN, Story, Tale, concluded, described, model_of, noise_of, part, told
+from imugap.discovery.story import Story, Tale, concluded, described, model_of, noise_of, part, told
 from imugap.discovery.uncertain import Uncertain
 from imugap.effects import CATALOGUE, CommonMode, SampleLoss, TurnOnBias, WhiteNoise
 from imugap.effects.effect import Effect, Stage, StochasticEffect
@@ -162,7 +162,9 @@ def discover(
     apart, paths = _distances(held_out or [_held_out(record, stories, start, model)], question)
     withheld = tuple((axis, *one) for axis, story in stories.items() for one in story.unnamed())
     unsteady = _unsteady(stories)
-    places, left = (*record.gaps, *where, *unsteady), (*unsteady, *left)
+    where, left = (*where, *unsteady), (*unsteady, *left)
+    places = (*record.gaps, *where, *_nameless(stories, where, question.alpha))
+    left = (*left, *_nameless(stories, left, question.alpha))
     steps.begin("done")
     return Discovery(start, final, places, findings, left, withheld, apart, paths, tuple(seen), later, record, stories)
 
@@ -298,6 +300,13 @@ def _unsteady(stories: Mapping[str, Story]) -> tuple[Gap, ...]:
         for axis, story in stories.items()
         for band in story.bands
     )
+
+
+def _nameless(stories: Mapping[str, Story], places: Sequence[Gap], alpha: float) -> tuple[Gap, ...]:
+    """Return where what has no name was seen for certain, of the axes on which no view shows it."""
+    shown = {axis for place in places for axis in place.axis.split(",")}
+    unseen = [one.place for axis, story in stories.items() if axis not in shown for one in story.withheld]
+    return tuple(place for place in unseen if place.p_value < alpha)
 
 
 def _noisy(effects: Iterable[Effect]) -> bool:

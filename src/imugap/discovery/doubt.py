@@ -18,7 +18,7 @@ from imugap.discovery.axis import AxisFit
 from imugap.discovery.noise import STEP, Noise, log_likelihood
 from imugap.discovery.parameters import term_intervals
 from imugap.discovery.power_law import PowerLaw
-from imugap.discovery.search import MANY, SLOW, Key, Search, at, log_chance, removed
+from imugap.discovery.search import MANY, SLOW, Key, Search, Trial, at, log_chance, removed
 from imugap.discovery.telegraph import compare
 from imugap.discovery.unsteady import NEAR
 from imugap.effects import RandomTelegraph, Sinusoid
@@ -239,7 +239,7 @@ def _another_spectrum(search: Search, fit: AxisFit, key: Key) -> Doubt | None:
     """Test slope and shape of the spectrum where the process answers for it, and against one power law for all."""
     effect = at(fit.description, key)
     bins = fit.sequence.bins
-    share = _share(fit, effect)
+    share = share_of(fit, effect)
     slope = _score(fit, share * np.log(bins.frequency / bins.frequency[0]))
     doubts = [Doubt("its spectrum has another slope", slope), _off_in_bands(fit, share)]
     if isinstance(effect, RandomTelegraph):
@@ -251,20 +251,28 @@ def _another_spectrum(search: Search, fit: AxisFit, key: Key) -> Doubt | None:
     else:
         doubts.append(Doubt("it comes in bursts or jumps", _uncommon(fit, share)))
     if isinstance(effect, (*SLOW, RandomTelegraph)):
-        doubts.append(_moving(search, fit, key))
+        doubts += [_repeated(search, fit, key), _remembered(search, fit, key)]
     law = _power_law(search, fit)
     return min([*doubts, *([law] if law is not None else [])], key=lambda doubt: doubt.log_p)
 
 
-def _moving(search: Search, fit: AxisFit, key: Key) -> Doubt:
-    """Weigh means without a name in the place of slow noise: if one does better, noise is no name for it."""
+def _repeated(search: Search, fit: AxisFit, key: Key) -> Doubt:
+    """Weigh a wave of any shape in the place of slow noise."""
+    own, without = search.weighed(fit, key)
+    wave = log_chance(waves.gain(without), waves.MORE) + np.log(waves.TRIALS)
+    return Doubt("a wave of one period explains it better", _over(own, wave, search.log_alpha))
+
+
+def _remembered(search: Search, fit: AxisFit, key: Key) -> Doubt:
+    """Weigh a loop over the temperature in the place of slow noise."""
     own, without = search.weighed(fit, key)
     loop = log_chance(hysteresis.gain(without), hysteresis.MORE) + np.log(len(hysteresis.HALVES))
-    wave = log_chance(waves.gain(without), waves.MORE) + np.log(waves.TRIALS)
-    best, reason = min(
-        (loop, "a memory of the temperature explains it better"), (wave, "a wave of one period explains it better")
-    )
-    return Doubt(reason, LEVEL + best - own.log_p if best < search.log_alpha else 0.0)
+    return Doubt("a memory of the temperature explains it better", _over(own, loop, search.log_alpha))
+
+
+def _over(own: Trial, other: float, log_alpha: float) -> float:
+    """Return the log-probability of a doubt that is at the level where another mean does as well as the noise."""
+    return LEVEL + other - own.log_p if other < log_alpha else 0.0
 
 
 def _uncommon(fit: AxisFit, share: np.ndarray) -> float:
@@ -305,7 +313,7 @@ def _at_odds(fit: AxisFit, key: Key, other: StochasticEffect) -> float:
     return log_chance(best - here, len(other.parameters()))
 
 
-def _share(fit: AxisFit, effect: StochasticEffect) -> np.ndarray:
+def share_of(fit: AxisFit, effect: StochasticEffect) -> np.ndarray:
     """Return the share of an effect in the variance of each bin."""
     bins, noise = fit.sequence.bins, fit.description.noise
     own = Noise((effect,), noise.output_filter).variance(bins)

@@ -4,6 +4,9 @@ from dataclasses import dataclass, field
 
 from imugap.effects.effect import Effect
 
+CERTAIN = -690.0
+"""Logarithm of the least probability that is told from zero."""
+
 
 @dataclass(frozen=True)
 class Gap:

@@ -9,8 +9,8 @@ from threadpoolctl import threadpool_limits
 
 from imugap.discovery import unsteady
 from imugap.discovery.axis import AxisFit, Description, Term, fit, log_score, offset
-from imugap.discovery.doubt import Doubt, doubts
-from imugap.discovery.finding import Finding, Interval
+from imugap.discovery.doubt import doubts
+from imugap.discovery.finding import CERTAIN, Finding, Interval
 from imugap.discovery.noise import Noise
 from imugap.discovery.parameters import axis_unit, intervals
 from imugap.discovery.search import MANY, SLOW, Key, Search, at, log_chance, removed
@@ -18,6 +18,7 @@ from imugap.discovery.sequence import Sequence
 from imugap.discovery.sweeps import swept
 from imugap.discovery.telegraph import compare
 from imugap.discovery.unsteady import Band
+from imugap.discovery.withheld import Withheld, withheld
 from imugap.effects import (
     Bias,
     BiasStep,
@@ -38,8 +39,6 @@ PLACES = 12.0
 """Logarithm of the largest number of places of which an effect is tried at the best."""
 MOST_BANDS = 4
 """Bands of lines that are not steady at most; with more the spectrum is another than that of lines."""
-CERTAIN = -690.0
-"""Logarithm of the least probability that is told from zero."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,7 +83,7 @@ class Story:
     findings
         The effects that were named.
     withheld
-        Name and reason of what was seen but fits no name.
+        What was seen but fits no name.
     bands
         Of lines that are not steady; no name fits them.
     """
@@ -93,13 +92,13 @@ class Story:
     after: AxisFit
     whole: AxisFit
     findings: tuple[Finding, ...]
-    withheld: tuple[tuple[str, Doubt], ...]
+    withheld: tuple[Withheld, ...]
     bands: tuple[Band, ...] = ()
 
     def unnamed(self) -> tuple[tuple[str, str], ...]:
         """Return the nearest name, and the reason why it is not given, of what was seen."""
         lines = ((Sinusoid.name, f"it is not steady, {band.low:.4g} to {band.high:.4g} Hz") for band in self.bands)
-        return (*((name, doubt.reason) for name, doubt in self.withheld), *lines)
+        return (*((one.name, one.reason) for one in self.withheld), *lines)
 
     @property
     def seen(self) -> bool:
@@ -210,11 +209,11 @@ def concluded(tale: Tale) -> Story:
         doubtful = doubts(search, tale.whole)
         named = [key for key in search.added(whole.description) if key not in doubtful]
         findings = tuple(_finding(search, whole, key, tale.held_out) for key in named)
-        withheld = tuple((at(whole.description, key).name, doubt) for key, doubt in doubtful.items())
+        nameless = tuple(withheld(search, tale.whole, key, doubt) for key, doubt in doubtful.items())
         after = _without(tale.after, list(doubts(tale.early, tale.after)))
         final = _without(whole, list(doubtful))
         bands = (*tale.bands, *swept(final, search.log_alpha))
-        return Story(tale.before, after.bare(), final.bare(), findings, withheld, bands)
+        return Story(tale.before, after.bare(), final.bare(), findings, nameless, bands)
 
 
 def _two_valued(found: AxisFit) -> AxisFit:
