@@ -1,0 +1,13 @@
+"""Is a name right, or only the nearest one in the catalogue? Each effect is held against its own near misses.
+
+A right description leaves nothing in the directions in which its effects could be slightly something else: a line
+that drifts, a trend that bends, a spectrum of another slope, a stretch whose variance is not constant. Where chance
+does not explain what is left there, the name is withheld and the place reported as unexplained.
+"""
+
+from imugap.discovery.doubt.doubt import LEVEL, Doubt
+from imugap.discovery.doubt.doubts import doubts
+from imugap.discovery.doubt.mean import nearly
+from imugap.discovery.doubt.spectrum import SHARE, share_of
+
+__all__ = ["LEVEL", "SHARE", "Doubt", "doubts", "nearly", "share_of"]

@@ -1,0 +1,113 @@
+"""All doubts of a fit, and what they mean for the names beside."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from imugap.discovery.axis import AxisFit
+from imugap.discovery.doubt.doubt import LEVEL, Doubt
+from imugap.discovery.doubt.mean import term_doubt
+from imugap.discovery.doubt.spectrum import noise_doubt
+from imugap.discovery.doubt.variance import change_doubt
+from imugap.discovery.noise import log_likelihood
+from imugap.discovery.search import MANY, SLOW, Key, Search, at, removed
+from imugap.effects import Sinusoid
+
+FAR = 2.0
+"""Factor of the frequency of a line in doubt beyond which others have nothing to do with it."""
+
+
+def doubts(search: Search, fit: AxisFit) -> dict[Key, Doubt]:
+    """Return the added effects of a fit whose names are in doubt; with one in doubt, all of its part of the model.
+
+    Beside lines in doubt a term keeps its name that is certain from other frequencies.
+    """
+    keys = search.added(fit.description)
+    found = {key: doubt for key in keys if (doubt := _doubt(search, fit, key)) is not None}
+    for kind, most in MANY.items():
+        same = [key for key in keys if isinstance(at(fit.description, key), kind)]
+        if len(same) > most:
+            found |= {key: Doubt(f"{len(same)} of them", -np.inf) for key in same}
+    found |= _after_clusters(search, fit, found) | _beside_a_mean(search, fit, keys, found)
+    clear = _clear_of_lines(search, fit, keys, found)
+    for part in {key.part for key in found}:
+        worst = min((found[key] for key in found if key.part == part), key=lambda doubt: doubt.log_p)
+        found |= {key: worst for key in keys if key.part == part and key not in found and key not in clear}
+    return found
+
+
+def _clear_of_lines(search: Search, fit: AxisFit, keys: Sequence[Key], found: Mapping[Key, Doubt]) -> set[Key]:
+    """Return the terms that, lines alone being in doubt, are certain from frequencies far from these."""
+    doubtful = [at(fit.description, key) for key in found if key.part == "term"]
+    if not doubtful or not all(isinstance(effect, Sinusoid) for effect in doubtful):
+        return set()
+    lines = [line.frequency for line in doubtful]
+    others = [key for key in keys if key.part == "term" and key not in found]
+    return {key for key in others if _certain_outside(search, fit, key, min(lines) / FAR, max(lines) * FAR)}
+
+
+def _certain_outside(search: Search, fit: AxisFit, key: Key, low: float, high: float) -> bool:
+    """Return whether chance does not explain what an effect gains outside of a band of frequencies [Hz]."""
+    own, without = search.weighed(fit, key)
+    frequency = np.arange(1, fit.sequence.bins.last + 1) / (2 * len(fit.residual) * fit.sequence.conditions.interval)
+    outside = (frequency < low) | (frequency > high)
+    full, less = (
+        np.sum((one.coefficients[: len(frequency)] ** 2 + np.log(one.variance[: len(frequency)]))[outside])
+        for one in (fit, without)
+    )
+    return replace(own, gain=0.5 * float(less - full)).log_p < search.log_alpha
+
+
+def _after_clusters(search: Search, fit: AxisFit, found: Mapping[Key, Doubt]) -> dict[Key, Doubt]:
+    """Return the random effects that only the samples without outliers show, where those are in doubt."""
+    doubt = next((found[key] for key in found if key.part == "outliers"), None)
+    if doubt is None:
+        return {}
+    raw = search.fitted(search.raw[fit.description.outliers], replace(fit.description, outliers=None))
+    random = [key for key in search.added(raw.description) if key.part != "term"]
+    return {key: doubt for key in random if search.weighed(raw, key)[0].log_p > search.log_alpha}
+
+
+def _beside_a_mean(search: Search, fit: AxisFit, keys: Sequence[Key], found: Mapping[Key, Doubt]) -> dict[Key, Doubt]:
+    """Return the slow random effects that may stand for what a mean of no known shape leaves.
+
+    A line leaves nothing below itself: an effect that is certain from the frequencies there keeps its name.
+    """
+    bent = {key: found[key].log_p for key in found if key.part == "term"}
+    if not bent:
+        return {}
+    lowest = min(getattr(at(fit.description, key), "frequency", 0.0) for key in bent)
+    slow = [key for key in keys if key.part == "noise" and isinstance(at(fit.description, key), SLOW)]
+    doubtful = [key for key in slow if _evidence_below(fit, key, 0.5 * lowest) < -search.log_alpha]
+    return {key: Doubt("the mean beside it has no known shape", min(bent.values())) for key in doubtful}
+
+
+def _evidence_below(fit: AxisFit, key: Key, frequency: float) -> float:
+    """Return the gain of log-likelihood that a random effect makes below a frequency [Hz], all else as it is."""
+    bins = fit.sequence.bins
+    below = bins.frequency < frequency
+    power = (bins.sums(fit.coefficients**2) * fit.description.noise.variance(bins))[below]
+    parts = [noise.variance(bins)[below] for noise in (fit.description.noise, removed(fit.description, key).noise)]
+    full, without = (log_likelihood(part, power, bins.number[below]) for part in parts)
+    return full - without
+
+
+def _doubt(search: Search, fit: AxisFit, key: Key) -> Doubt | None:
+    tests = {
+        "term": term_doubt,
+        "noise": noise_doubt,
+        "change": change_doubt,
+        "outliers": _clustered,
+        "filter": _nothing,
+    }
+    doubt = tests[key.part](search, fit, key)
+    return doubt if doubt is not None and doubt.log_p < LEVEL else None
+
+
+def _nothing(search: Search, fit: AxisFit, key: Key) -> None:
+    """Have no doubt: the catalogue's filters stand for all low-pass filters."""
+
+
+def _clustered(search: Search, fit: AxisFit, key: Key) -> Doubt:
+    return Doubt("they come in clusters", search.tails[fit.description.outliers].clustered)

@@ -1,0 +1,172 @@
+"""Is noise what its name says? Its spectrum, its samples, and means that wander as it does."""
+
+from dataclasses import replace
+
+import numpy as np
+from scipy.fft import idct
+from scipy.stats import ncx2
+
+from imugap.discovery import hysteresis, waves
+from imugap.discovery.axis import AxisFit
+from imugap.discovery.doubt.doubt import LEVEL, Doubt, divergence
+from imugap.discovery.noise import STEP, Noise, log_likelihood
+from imugap.discovery.power_law import PowerLaw
+from imugap.discovery.search import SLOW, Key, Search, Trial, at, log_chance
+from imugap.discovery.telegraph import compare
+from imugap.effects import RandomTelegraph
+from imugap.effects.effect import TINY, StochasticEffect
+from imugap.stream import stream
+
+OTHER_SLOPE = np.log(1e-2)
+"""Log-probability of chance below which a free slope of slow noise makes a doubt: no other test answers it as well."""
+SHARE = 0.05
+"""Share of the variance of a band above which an effect answers for the band."""
+BANDS = 24
+SLIGHT = 0.05
+"""Relative deviation of the power in a band that leaves a name as it is: no real spectrum is one of a catalogue."""
+DRAWN, PARTS, FEWEST, MOST = 1999, 20, 40, 6000
+"""Draws of Gaussian noise, how many parts they are handled in; the fewest coefficients that tell its shape, the most
+that are asked."""
+USUAL = (-1.0, 1.0), (2.0, 6.0)
+"""Skewness and kurtosis that leave a name as it is: no real noise is quite Gaussian; up to that of Laplace's law."""
+
+
+def noise_doubt(search: Search, fit: AxisFit, key: Key) -> Doubt:
+    """Test the spectrum where the process answers for it, the samples, and what else wanders as it does."""
+    effect = at(fit.description, key)
+    bins = fit.sequence.bins
+    share = share_of(fit, effect)
+    slope = _score(fit, share * np.log(bins.frequency / bins.frequency[0]))
+    doubts = [Doubt("its spectrum has another slope", slope), _off_in_bands(fit, share)]
+    if isinstance(effect, RandomTelegraph):
+        doubts += _two_valued(search, fit, key)
+    else:
+        doubts.append(Doubt("it comes in bursts or jumps", _uncommon(fit, share)))
+    if isinstance(effect, (*SLOW, RandomTelegraph)):
+        doubts += [_repeated(search, fit, key), _remembered(search, fit, key)]
+    return min([*doubts, *_power_law(search, fit)], key=lambda doubt: doubt.log_p)
+
+
+def _two_valued(search: Search, fit: AxisFit, key: Key) -> list[Doubt]:
+    """Ask whether both values are as frequent, and, of telegraph noise alone, whether samples and spectrum agree."""
+    verdict = compare(fit, (at(fit.description, key),))
+    uneven = Doubt("it is at one of its values more often than at the other", log_chance(verdict.uneven, 1))
+    if sum(key.part == "noise" for key in search.added(fit.description)) > 1:
+        return [uneven]
+    return [uneven, Doubt("its samples and its spectrum disagree", _at_odds(fit, key, verdict.effect))]
+
+
+def share_of(fit: AxisFit, effect: StochasticEffect) -> np.ndarray:
+    """Return the share of an effect in the variance of each bin."""
+    bins, noise = fit.sequence.bins, fit.description.noise
+    own = Noise((effect,), noise.output_filter).variance(bins)
+    return own / noise.variance(bins)
+
+
+def _repeated(search: Search, fit: AxisFit, key: Key) -> Doubt:
+    """Weigh a wave of any shape in the place of slow noise."""
+    own, without = search.weighed(fit, key)
+    wave = log_chance(waves.gain(without), waves.MORE) + np.log(waves.TRIALS)
+    return Doubt("a wave of one period explains it better", _over(own, wave, search.log_alpha))
+
+
+def _remembered(search: Search, fit: AxisFit, key: Key) -> Doubt:
+    """Weigh a loop over the temperature in the place of slow noise."""
+    own, without = search.weighed(fit, key)
+    loop = log_chance(hysteresis.gain(without), hysteresis.MORE) + np.log(len(hysteresis.HALVES))
+    return Doubt("a memory of the temperature explains it better", _over(own, loop, search.log_alpha))
+
+
+def _over(own: Trial, other: float, log_alpha: float) -> float:
+    """Return the log-probability of a doubt that is at the level where another mean does as well as the noise."""
+    return LEVEL + other - own.log_p if other < log_alpha else 0.0
+
+
+def _uncommon(fit: AxisFit, share: np.ndarray) -> float:
+    """Return the log-probability that Gaussian noise is as skewed, or of as high or low a kurtosis.
+
+    Asked of the whitened log, each frequency weighed by the share that the effect has in it: an impulse in what drives
+    a process stays one there. Gaussian noise so weighed is drawn :data:`DRAWN` times.
+    """
+    bins = fit.sequence.bins
+    weight = bins.spread(np.maximum(share, TINY))[: min(bins.last, MOST)]
+    last = max(np.flatnonzero(weight > SHARE), default=0) + 1
+    if last < FEWEST:
+        return 0.0
+    own = _shape(weight[:last] * fit.coefficients[None, :last])[0]
+    if all(low < value < high for value, (low, high) in zip(own, USUAL, strict=True)):
+        return 0.0
+    noise = weight[:last] * stream(0, "uncommon", last).standard_normal((DRAWN, last))
+    drawn = np.concatenate([_shape(part) for part in np.array_split(noise, PARTS)])
+    rank = np.sum(drawn >= own, axis=0) + 1
+    two_sided = 2 * np.minimum(rank, DRAWN + 2 - rank) / (DRAWN + 1)
+    return float(np.log(min(len(own) * two_sided.min(), 1.0)))
+
+
+def _shape(coefficients: np.ndarray) -> np.ndarray:
+    """Return skewness and kurtosis of signals, shape (signals, 2), from their cosine coefficients in rows."""
+    values = idct(np.pad(coefficients, ((0, 0), (1, coefficients.shape[1] - 1))), norm="ortho")
+    scaled = values / values.std(axis=1, keepdims=True)
+    return np.column_stack([np.mean(scaled**3, axis=1), np.mean(scaled**4, axis=1)])
+
+
+def _at_odds(fit: AxisFit, key: Key, other: StochasticEffect) -> float:
+    """Return the log-probability that the spectrum is as unlikely as it is with another effect at ``key``."""
+    bins, noise = fit.sequence.bins, fit.description.noise
+    effects = tuple(other if i == key.index else one for i, one in enumerate(noise.effects))
+    variances = noise.variance(bins), replace(noise, effects=effects).variance(bins)
+    power = bins.sums(fit.coefficients**2) * variances[0]
+    best, here = (log_likelihood(variance, power, bins.number) for variance in variances)
+    return log_chance(best - here, len(other.parameters()))
+
+
+def _score(fit: AxisFit, direction: np.ndarray) -> float:
+    """Return the log-probability of the score of the log-spectrum in a direction, the parameters free to follow."""
+    bins, noise = fit.sequence.bins, fit.description.noise
+    theta, variance = noise.theta(), noise.variance(bins)
+    slopes = [(noise.at(theta + step).variance(bins) / variance - 1) / STEP for step in STEP * np.eye(len(theta))]
+    weighted = np.sqrt(bins.number / 2)
+    basis = np.linalg.qr((np.array(slopes) * weighted).T)[0]
+    rest = direction * weighted - basis @ (basis.T @ (direction * weighted))
+    excess = (bins.sums(fit.coefficients**2) / bins.number - 1) * weighted
+    norm = rest @ rest
+    return log_chance(0.5 * float(rest @ excess) ** 2 / norm, 1) if norm > 1e-6 else 0.0
+
+
+def _off_in_bands(fit: AxisFit, share: np.ndarray) -> Doubt:
+    """Compare the power of bands that the effect answers for with the fit, slight deviations allowed for."""
+    bins = fit.sequence.bins
+    mine = np.flatnonzero(share > SHARE)
+    if len(mine) < 2:
+        return Doubt("its spectrum has another shape", 0.0)
+    edges = np.unique(np.geomspace(bins.frequency[mine[0]], bins.frequency[mine[-1]] * 1.001, BANDS + 1))
+    band = np.digitize(bins.frequency[mine], edges)
+    number = np.bincount(band, bins.number[mine])
+    power = np.bincount(band, bins.sums(fit.coefficients**2)[mine])
+    used = number >= 8
+    deviation = (power[used] / number[used] - 1) * np.sqrt(number[used] / 2)
+    normal = np.sign(deviation) * np.sqrt(2 * divergence(power[used], number[used]))
+    free = max(int(used.sum()) - len(fit.description.noise.parameters()), 1)
+    slight = 0.5 * SLIGHT**2 * float(number[used].sum())
+    chance = float(ncx2.sf(np.sum(normal**2), free, slight))
+    return Doubt("its spectrum has another shape", float(np.log(max(chance, TINY))))
+
+
+def _power_law(search: Search, fit: AxisFit) -> list[Doubt]:
+    """Weigh one power law against the added slow processes: its slope may be another, or it says more than two do."""
+    first = len(search.start.noise.effects)
+    noise = fit.description.noise
+    slow = [effect for effect in noise.effects[first:] if isinstance(effect, SLOW)]
+    if not slow:
+        return []
+    kept = tuple(effect for effect in noise.effects if not any(effect is one for one in slow))
+    without = search.fitted(fit.sequence, replace(fit.description, noise=replace(noise, effects=kept)))
+    size = max(without.room(PowerLaw(1.0, 1.5)), 1e-12 * float(np.sqrt(without.variance.mean())))
+    law = replace(without.description, noise=replace(noise, effects=(*kept, PowerLaw(size, 1.5))))
+    other = search.fitted(fit.sequence, law)
+    if len(slow) == 1:
+        chance = log_chance(other.log_likelihood - fit.log_likelihood, 1)
+        return [Doubt("a power law of another slope explains it better", LEVEL - OTHER_SLOPE + chance)]
+    named = log_chance(fit.log_likelihood - without.log_likelihood, sum(len(one.parameters()) for one in slow))
+    unnamed = log_chance(other.log_likelihood - without.log_likelihood, 2)
+    return [Doubt("one power law explains all slow noise better", LEVEL + unnamed - named)]
