@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from scipy.signal import butter, lfilter
 
-from imugap.discovery import scans
+from imugap.discovery import scans, waves
 from imugap.discovery.axis import Description, Term, cosines, fit, jacobian
 from imugap.discovery.common import shared
 from imugap.discovery.discover import _nameless
@@ -336,6 +336,18 @@ def test_what_is_nearly_an_effect_has_a_place_and_no_name(added, view, low, high
     places = [one.place for one in story.withheld if one.place.view == view]
     assert all(place.axis == "gyro_x" and place.p_value < 0.01 for place in places)
     assert any(place.low <= low and high <= place.high for place in places)
+
+
+@pytest.mark.parametrize("count", [19_997, 20_011])
+@pytest.mark.parametrize("periods", [5.3, 41.7, 93.1])
+def test_a_wave_gains_what_it_does_at_its_own_frequency(count, periods):
+    """Also where no fast transform has the length of the log, or a multiple of it."""
+    frequency = periods / (0.05 * count)
+    data = beside_white(lambda time, rng: 2e-3 * (time * frequency % 1), count)
+    found = fit(data, Description((), Noise((WHITE,))))
+    own = waves._gain_at(frequency, found)
+    assert own > 50
+    assert 0.95 * own < waves.gain(found) < 1.02 * own + 5
 
 
 def test_what_has_no_name_is_told_on_axes_on_which_no_view_shows_it():

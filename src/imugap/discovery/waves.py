@@ -22,14 +22,15 @@ TRIALS = HARMONICS * (MOST - FEWEST)
 
 def gain(fit: AxisFit) -> float:
     """Return the gain of log-likelihood by the best wave."""
-    duration = len(fit.whitened) * fit.sequence.conditions.interval
-    power = np.abs(rfft(fit.whitened, next_fast_len(FINER * len(fit.whitened), real=True))) ** 2
+    length = next_fast_len(FINER * len(fit.whitened), real=True)
+    power = np.abs(rfft(fit.whitened, length)) ** 2
     bins = np.arange(FEWEST * FINER, MOST * FINER)
     bins = bins[HARMONICS * bins < len(power)]
     if not len(bins):
         return 0.0
     best = bins[np.argmax(sum(power[k * bins] for k in range(1, HARMONICS + 1)))]
-    return max(_gain_at(cycles / FINER / duration, fit) for cycles in best + np.linspace(-0.5, 0.5, 5))
+    spacing = 1 / (length * fit.sequence.conditions.interval)
+    return max(_gain_at(near * spacing, fit) for near in best + np.linspace(-0.5, 0.5, 5))
 
 
 def _gain_at(frequency: float, fit: AxisFit) -> float:
