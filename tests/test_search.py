@@ -286,6 +286,16 @@ def test_a_variance_that_grows_is_no_swing_without_bounds(growth):
     assert (gain > 100) == (growth != 0)
 
 
+def test_a_variance_that_grows_late_has_no_swing_of_any_depth():
+    """Of a swing of a small part of a cycle, depth and mean of the logarithm are one, and both may be of any size."""
+    time = np.arange(COUNT) * INTERVAL
+    growth = 0.6 * np.exp(-8 * (1 - time / time[-1]))
+    whitened = np.exp(growth / 2) * stream(1, "grows").standard_normal(COUNT)
+    frequency, depth, _, gain = scans.swing(whitened, time)
+    assert depth < 1 < gain
+    assert frequency * time[-1] > 0.49
+
+
 def beside_white(added, count=20_000, interval=0.05, label="beside"):
     """White noise and what ``added`` makes of the times [s] and a random generator."""
     conditions = Conditions(np.arange(count) * interval, interval, axis="gyro_x")
