@@ -206,6 +206,23 @@ def test_parameters_of_right_names_have_errors_in_half_widths():
     assert table.loc["all", ["count", "rate", "error"]].tolist() == [2, 0.5, 1.25]
 
 
+def test_wrong_answers_are_those_of_clear_effects_and_of_nothing():
+    cases = [
+        (key("a", effects=[hidden("sinusoid")]), report(found("sinusoid"))),
+        (key("b", effects=[hidden("sinusoid")]), report(found("rate_ramp"))),
+        (key("c", effects=[hidden("sinusoid", size=1)]), report()),
+        (key("d", "pair", [hidden("rate_ramp"), hidden("outliers", ["gyro_y"])]), report(found("rate_ramp"))),
+        (key("e", "unknown", [hidden("chirp")]), report(found("sinusoid"))),
+        (key("f", "nothing"), report(unexplained=[PLACE])),
+        (key("g", "nothing"), report()),
+    ]
+    rows = blind.misses(scored(*cases).effects, smallest=10)
+    assert list(zip(rows["case"], rows["name"], rows["answer"], strict=True)) == [
+        ("b", "sinusoid", "rate_ramp"), ("d", "outliers", blind.NONE), ("e", blind.UNKNOWN, "sinusoid"),
+        ("f", blind.NONE, blind.UNKNOWN),
+    ]  # fmt: skip
+
+
 def test_the_gap_is_closed_below_the_upper_end_of_the_floor():
     far = CLOSED | {"after": {"value": 2.0, "low": 1.9, "high": 2.1}}
     cases = [

@@ -294,17 +294,28 @@ def coverage(parameters: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=["name", "parameter", "error", "count", "rate", "low", "high"])
 
 
+def alone(scores: Scores, smallest: float) -> pd.DataFrame:
+    """Return the cases that hide one effect, of the size ``smallest`` or more."""
+    effects = scores.effects
+    clear = effects.loc[(effects["kind"] == "single") & (effects["size"] >= smallest), "case"]
+    return scores.cases[scores.cases["case"].isin(clear)]
+
+
+def misses(effects: pd.DataFrame, smallest: float) -> pd.DataFrame:
+    """Return the effects from the size ``smallest`` upward, and the cases that hide nothing, of a wrong answer."""
+    asked = (effects["size"] >= smallest) | (effects["name"] == NONE)
+    return effects[asked & ~effects["top1"].astype(bool)]
+
+
 def closed(scores: Scores, smallest: float) -> pd.DataFrame:
     """Return how often the distance after the last addition lies within the floor's interval or below it.
 
-    By distance, over the cases that hide one effect of the size ``smallest`` or more; with the median distances.
+    By distance, over the cases :func:`alone`; with the median distances.
     """
-    effects = scores.effects
-    clear = effects.loc[(effects["kind"] == "single") & (effects["size"] >= smallest), "case"]
-    chosen = scores.cases[scores.cases["case"].isin(clear)]
+    cases = alone(scores, smallest)
     rows = []
     for distance in DISTANCES:
-        known = chosen.dropna(subset=[f"{distance}_after", f"{distance}_floor_high"])
+        known = cases.dropna(subset=[f"{distance}_after", f"{distance}_floor_high"])
         medians = {state: known[f"{distance}_{state}"].astype(float).median() for state in STATES}
         reached = known[f"{distance}_after"] <= known[f"{distance}_floor_high"]
         rows.append({"distance": distance} | medians | rate(reached))

@@ -71,102 +71,99 @@ rule blind_score:
         cases="results/blind/cases.csv",
         effects="results/blind/effects.csv",
         parameters="results/blind/parameters.csv",
-        detection="results/blind/detection.csv",
-        false_alarms="results/blind/false_alarms.csv",
-        confusion="results/blind/confusion.csv",
-        naming="results/blind/naming.csv",
-        beside="results/blind/beside.csv",
-        coverage="results/blind/coverage.csv",
-        closed="results/blind/closed.csv",
         p_values="results/blind/p_values.csv",
-        calibration="results/blind/calibration.csv",
         run_time="results/blind/run_time.csv",
     log:
         "logs/blind_score.log",
     benchmark:
         "benchmarks/blind_score.tsv"
     params:
-        clear_size=config["blind"]["clear_size"],
         code=library("blind_score"),
     script:
         "../scripts/blind_score.py"
 
 
 rule blind_page:
-    """Draw and tabulate the scores of the blind benchmark."""
+    """Draw and tabulate the scores of the blind benchmark, or of its recorded run."""
     input:
-        cases="results/blind/cases.csv",
-        effects="results/blind/effects.csv",
-        parameters="results/blind/parameters.csv",
-        detection="results/blind/detection.csv",
-        false_alarms="results/blind/false_alarms.csv",
-        confusion="results/blind/confusion.csv",
-        naming="results/blind/naming.csv",
-        beside="results/blind/beside.csv",
-        coverage="results/blind/coverage.csv",
-        closed="results/blind/closed.csv",
-        p_values="results/blind/p_values.csv",
-        calibration="results/blind/calibration.csv",
-        run_time="results/blind/run_time.csv",
+        unpack(blind_scores),
         peer="data/published/gmwm_choice.csv",
     output:
         detection_figure=report(
-            "paper/figures/blind_detection.svg",
+            "paper/figures/{benchmark}_detection.svg",
             caption="../report/blind.rst",
             category="Discovery",
-            labels={"result": "detection over size (figure)"},
+            labels={"result": "detection over size (figure)", "run": "{benchmark}"},
         ),
         confusion_figure=report(
-            "paper/figures/blind_confusion.svg",
+            "paper/figures/{benchmark}_confusion.svg",
             caption="../report/blind.rst",
             category="Discovery",
-            labels={"result": "confusion (figure)"},
+            labels={"result": "confusion (figure)", "run": "{benchmark}"},
         ),
         rates_figure=report(
-            "paper/figures/blind_rates.svg",
+            "paper/figures/{benchmark}_rates.svg",
             caption="../report/blind.rst",
             category="Discovery",
-            labels={"result": "rates (figure)"},
+            labels={"result": "rates (figure)", "run": "{benchmark}"},
         ),
         coverage_figure=report(
-            "paper/figures/blind_coverage.svg",
+            "paper/figures/{benchmark}_coverage.svg",
             caption="../report/blind.rst",
             category="Discovery",
-            labels={"result": "parameters (figure)"},
+            labels={"result": "parameters (figure)", "run": "{benchmark}"},
         ),
         distances_figure=report(
-            "paper/figures/blind_distances.svg",
+            "paper/figures/{benchmark}_distances.svg",
             caption="../report/blind.rst",
             category="Discovery",
-            labels={"result": "distances (figure)"},
+            labels={"result": "distances (figure)", "run": "{benchmark}"},
         ),
         calibration_figure=report(
-            "paper/figures/blind_calibration.svg",
+            "paper/figures/{benchmark}_calibration.svg",
             caption="../report/blind.rst",
             category="Discovery",
-            labels={"result": "p-values (figure)"},
+            labels={"result": "p-values (figure)", "run": "{benchmark}"},
         ),
         rates=report(
-            "paper/tables/blind_rates.csv",
+            "paper/tables/{benchmark}_rates.csv",
             caption="../report/blind.rst",
             category="Discovery",
-            labels={"result": "rates (table)"},
+            labels={"result": "rates (table)", "run": "{benchmark}"},
         ),
-        detection="paper/tables/blind_detection.csv",
-        coverage="paper/tables/blind_coverage.csv",
-        calibration="paper/tables/blind_calibration.csv",
-        beside="paper/tables/blind_beside.csv",
-        peer="paper/tables/blind_peer.csv",
+        misses=report(
+            "paper/tables/{benchmark}_misses.csv",
+            caption="../report/blind.rst",
+            category="Discovery",
+            labels={"result": "wrong answers (table)", "run": "{benchmark}"},
+        ),
+        detection="paper/tables/{benchmark}_detection.csv",
+        confusion="paper/tables/{benchmark}_confusion.csv",
+        coverage="paper/tables/{benchmark}_coverage.csv",
+        calibration="paper/tables/{benchmark}_calibration.csv",
+        beside="paper/tables/{benchmark}_beside.csv",
+        peer="paper/tables/{benchmark}_peer.csv",
         others=expand(
-            "paper/tables/blind_{table}.{suffix}",
-            table=["rates", "detection", "coverage", "calibration", "beside", "peer"],
+            "paper/tables/{{benchmark}}_{table}.{suffix}",
+            table=[
+                "rates",
+                "misses",
+                "detection",
+                "confusion",
+                "coverage",
+                "calibration",
+                "beside",
+                "peer",
+            ],
             suffix=["json", "tex"],
         ),
-        numbers="paper/numbers/blind.json",
+        numbers="paper/numbers/{benchmark}.json",
     log:
-        "logs/blind_page.log",
+        "logs/{benchmark}_page.log",
     benchmark:
-        "benchmarks/blind_page.tsv"
+        "benchmarks/{benchmark}_page.tsv"
+    wildcard_constraints:
+        benchmark="blind|blind_recorded",
     params:
         clear_size=config["blind"]["clear_size"],
         code=library("blind_page"),
@@ -175,5 +172,5 @@ rule blind_page:
 
 
 PAPER["discovery"] += (
-    ["paper/numbers/blind.json"] if config["blind"]["in_paper"] else []
+    ["paper/numbers/blind_recorded.json"] if config["blind"]["recorded"] else []
 )

@@ -174,6 +174,17 @@ def own_effects(wildcards):
     return [path] if Path(path).is_file() else []
 
 
+def blind_scores(wildcards):
+    """Name the scores of the blind benchmark case by case: of its run here, or of the recorded one with its record."""
+    if wildcards.benchmark == "blind":
+        folder, record = "results/blind", {}
+    else:
+        folder = "data/blind_recorded"
+        record = {"record": f"{folder}/record.yaml"}
+    scores = ("cases", "effects", "parameters", "p_values", "run_time")
+    return {name: f"{folder}/{name}.csv" for name in scores} | record
+
+
 def dossier_of_log(wildcards):
     """Name the page of what is found on the log of the configuration."""
     if not OPTIONS["log"]:

@@ -4,13 +4,15 @@ import json
 from pathlib import Path
 
 import pandas as pd
+import yaml
 
-from imugap import figures, tables
-from imugap.blind import STOCHASTIC
+from imugap import blind, figures, tables
 from imugap.figures import AXIS_TITLES
 from imugap.figures import blind as drawn
 from imugap.journal import journal
 
+TERMS = {"white_noise": "WN", "quantization": "QN", "random_walk": "RW", "gauss_markov": "AR1", "rate_ramp": "DR"}
+"""What the R package gmwm calls the names that its choice of a model can give."""
 ALARMS = {"name": "nothing hidden: a name", "place": "nothing hidden: a place only", "any": "nothing hidden: any alarm"}
 NAMINGS = {
     ("static", "top1"): "one effect, at rest: its name",
@@ -30,21 +32,36 @@ CLOSED = {
 }
 
 
-def rates(scores):
+def rates(scores, clear_size):
     """Return all rates in one table: false alarms, names, truth in its interval, distance at the floor."""
-    naming = [NAMINGS[one.group, one.score] for one in scores["naming"].itertuples(index=False)]
+    alarms, named = blind.false_alarms(scores.cases), blind.naming(scores.effects, clear_size)
+    covered, closed = blind.coverage(scores.parameters), blind.closed(scores, clear_size)
     parts = [
-        scores["false_alarms"].assign(title=scores["false_alarms"]["alarm"].map(ALARMS)),
-        scores["naming"].assign(title=naming),
-        scores["coverage"].head(1).assign(title="named effects: truth in the interval of a parameter"),
-        scores["closed"].assign(title=scores["closed"]["distance"].map(CLOSED)),
+        alarms.assign(title=alarms["alarm"].map(ALARMS)),
+        named.assign(title=[NAMINGS[one.group, one.score] for one in named.itertuples(index=False)]),
+        covered.head(1).assign(title="named effects: truth in the interval of a parameter"),
+        closed.assign(title=closed["distance"].map(CLOSED)),
     ]
     return pd.concat(parts, ignore_index=True)[["title", "count", "rate", "low", "high"]]
+
+
+def rates_page(table):
+    """Lay out the rates, a row each."""
+    return pd.DataFrame({
+        "score": table["title"],
+        "cases": table["count"],
+        "rate": [rate(one) for one in table.itertuples(index=False)],
+    })  # fmt: skip
 
 
 def rate(one):
     """Show a rate with its interval in per cent."""
     return f"{100 * one.rate:.0f} % [{100 * one.low:.0f}, {100 * one.high:.0f}]" if one.count else "—"
+
+
+def words(names):
+    """Show names of the vocabulary."""
+    return names.str.replace("_", " ")
 
 
 def detection_page(detection):
@@ -63,8 +80,8 @@ def detection_page(detection):
 def coverage_page(coverage):
     """Lay out median error and share of intervals that hold the truth, a row per parameter."""
     return pd.DataFrame({
-        "effect": coverage["name"].str.replace("_", " "),
-        "parameter": coverage["parameter"].str.replace("_", " "),
+        "effect": words(coverage["name"]),
+        "parameter": words(coverage["parameter"]),
         "intervals": coverage["count"],
         "median error [half widths]": coverage["error"].map(tables.number),
         "hold the truth": [rate(one) for one in coverage.itertuples(index=False)],
@@ -82,11 +99,28 @@ def calibration_page(calibration):
 def beside_page(beside):
     """Lay out how often each name is given rightly, and what gmwm calls it."""
     return pd.DataFrame({
-        "hidden": beside["name"].replace(WHOLES).str.replace("_", " "),
-        "gmwm's term": beside["term"].fillna("—"),
+        "hidden": words(beside["name"].replace(WHOLES)),
+        "gmwm's term": beside["term"].replace("", "—"),
         "clear cases": beside["count"],
         "rightly named by discovery": [rate(one) for one in beside.itertuples(index=False)],
     })  # fmt: skip
+
+
+def misses_page(misses):
+    """Lay out the wrong answers, a row each."""
+    return pd.DataFrame({
+        "case": misses["case"],
+        "hides": misses["kind"],
+        "in motion": misses["motion"].map({True: "yes", False: "no"}),
+        "effect": words(misses["name"]),
+        "size": [f"{size:g}" if size else "—" for size in misses["size"]],
+        "answer": words(misses["answer"]),
+    })  # fmt: skip
+
+
+def confusion_page(counts):
+    """Lay out the answers to each hidden name."""
+    return counts.rename(columns=lambda name: name.replace("_", " ")).assign(hidden=words(counts["hidden"]))
 
 
 def peer_page(peer):
@@ -101,11 +135,22 @@ def peer_page(peer):
     })  # fmt: skip
 
 
-def numbers(scores, seconds, clear_size):
+def drawings(scores, rates, coverage, clear_size):
+    """Draw all figures, by name."""
+    return {
+        "detection": drawn.detection(blind.detection(scores.effects), clear_size),
+        "confusion": drawn.confusion(blind.confusion(scores.effects, clear_size)),
+        "rates": drawn.rates(rates),
+        "coverage": drawn.coverage(scores.parameters, coverage),
+        "distances": drawn.distances(blind.alone(scores, clear_size)),
+    }
+
+
+def numbers(scores, beside, seconds, clear_size):
     """Return what the text says."""
-    cases = scores["cases"]
-    alarm = scores["false_alarms"].set_index("alarm").loc["name"]
-    reached = scores["closed"].set_index("distance").loc["distance"]
+    cases = scores.cases
+    alarm = blind.false_alarms(cases).set_index("alarm").loc["name"]
+    reached = blind.closed(scores, clear_size).set_index("distance").loc["distance"]
     return {
         "cases": len(cases),
         "kinds": cases["kind"].value_counts().reindex(["single", "pair", "nothing", "unknown"], fill_value=0).to_dict(),
@@ -117,42 +162,47 @@ def numbers(scores, seconds, clear_size):
         "shrunk": tables.number(reached["before"] / reached["after"], 2),
         "median_seconds": f"{seconds.median():.0f}",
         "longest_seconds": f"{seconds.max():.0f}",
-        "stochastic": len(STOCHASTIC),
-        "terms": int(scores["beside"]["term"].notna().sum()),
+        "stochastic": len(blind.STOCHASTIC),
+        "terms": int((beside["term"] != "").sum()),
     }
 
 
+def main(source, clear_size, output):
+    """Write the tables and figures of the scores, and the numbers of the text with the record of the run, if any."""
+    scores = blind.Scores(*(pd.read_csv(source[name]) for name in ("cases", "effects", "parameters")))
+    p_values, seconds = pd.read_csv(source["p_values"]), pd.read_csv(source["run_time"])["seconds"]
+    data = {
+        "rates": rates(scores, clear_size),
+        "detection": blind.detection(scores.effects),
+        "confusion": blind.confusion(scores.effects, clear_size).reset_index(),
+        "misses": blind.misses(scores.effects, clear_size),
+        "coverage": blind.coverage(scores.parameters),
+        "calibration": blind.calibration(p_values),
+        "beside": blind.beside(scores.effects, TERMS, clear_size),
+        "peer": pd.read_csv(source["peer"]),
+    }
+    shown = drawings(scores, data["rates"], data["coverage"], clear_size) | {"calibration": drawn.calibration(p_values)}
+    for name, figure in shown.items():
+        figures.save(figure, output[f"{name}_figure"])
+    for name, table in data.items():
+        tables.write(output[name].removesuffix(".csv"), table, PAGES[name](table))
+    record = yaml.safe_load(Path(source["record"]).read_text()) if "record" in source else {}
+    said = numbers(scores, data["beside"], seconds, clear_size) | record
+    Path(output["numbers"]).write_text(json.dumps(said, indent=1) + "\n")
+
+
+PAGES = {
+    "rates": rates_page,
+    "detection": detection_page,
+    "confusion": confusion_page,
+    "misses": misses_page,
+    "coverage": coverage_page,
+    "calibration": calibration_page,
+    "beside": beside_page,
+    "peer": peer_page,
+}
+"""How each table is laid out."""
+
 if __name__ == "__main__":
     with journal(snakemake.log[0]):
-        source, output, clear = snakemake.input, snakemake.output, snakemake.params.clear_size
-        scores = {name: pd.read_csv(path) for name, path in source.items() if name != "code"}
-        summary, confusion = rates(scores), scores["confusion"].set_index("hidden")
-        clearly = scores["effects"].query("kind == 'single' and size >= @clear")["case"]
-        cases = scores["cases"][scores["cases"]["case"].isin(clearly)]
-        drawings = {
-            "detection": drawn.detection(scores["detection"], clear),
-            "confusion": drawn.confusion(confusion),
-            "rates": drawn.rates(summary),
-            "coverage": drawn.coverage(scores["parameters"], scores["coverage"]),
-            "distances": drawn.distances(cases),
-            "calibration": drawn.calibration(scores["p_values"]),
-        }
-        for name, figure in drawings.items():
-            figures.save(figure, output[f"{name}_figure"])
-        shown = pd.DataFrame({
-            "score": summary["title"],
-            "cases": summary["count"],
-            "rate": [rate(one) for one in summary.itertuples(index=False)],
-        })  # fmt: skip
-        pages = {
-            "rates": (summary, shown),
-            "detection": (scores["detection"], detection_page(scores["detection"])),
-            "coverage": (scores["coverage"], coverage_page(scores["coverage"])),
-            "calibration": (scores["calibration"], calibration_page(scores["calibration"])),
-            "beside": (scores["beside"], beside_page(scores["beside"])),
-            "peer": (scores["peer"], peer_page(scores["peer"])),
-        }
-        for name, (data, page) in pages.items():
-            tables.write(output[name].removesuffix(".csv"), data, page)
-        said = numbers(scores, scores["run_time"]["seconds"], clear)
-        Path(output.numbers).write_text(json.dumps(said, indent=1) + "\n")
+        main(dict(snakemake.input.items()), snakemake.params.clear_size, dict(snakemake.output.items()))
