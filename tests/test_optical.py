@@ -4,7 +4,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from imugap import log
-from imugap.optical import Alignment, aligned, ideal, sighted
+from imugap.optical import Alignment, aligned, ideal, sighted, track_of
 from imugap.reference import MOVING, QUATERNION
 from imugap.rotation import from_euler
 from imugap.strapdown import POSITION
@@ -70,6 +70,17 @@ def reference_of(track):
 
 
 TRUE = Alignment(LAG, FRAME, TILT.apply([0.0, 0.0, GRAVITY]))
+
+
+def test_a_track_is_known_where_its_attitude_and_its_position_are():
+    _, track = recorded()
+    positions = track[list(POSITION)].copy()
+    positions.iloc[7] = np.nan
+    found = track_of(reference_of(lost(track, (0.008, 0.012))), positions)
+    assert found.index.equals(track.index)
+    assert np.flatnonzero(found.isna().any(axis=1)).tolist() == [2, 3, 7]
+    kept = found.dropna()
+    pd.testing.assert_frame_equal(kept, track.loc[kept.index])
 
 
 def test_differences_of_a_smooth_track_are_the_means_of_rate_and_force():

@@ -64,6 +64,15 @@ class Alignment:
     gravity: np.ndarray
 
 
+def track_of(reference: pd.DataFrame, positions: pd.DataFrame) -> pd.DataFrame:
+    """Return the Track of a Reference and of evenly spaced positions, on the clock of the positions."""
+    found = positions.reindex(columns=[*QUATERNION, *POSITION])
+    found.iloc[positions.index.get_indexer(reference.index, method="nearest"), : len(QUATERNION)] = reference[
+        list(QUATERNION)
+    ]
+    return found.where(found.notna().all(axis=1))
+
+
 def ideal(track: pd.DataFrame, alignment: Alignment) -> pd.DataFrame:
     """Return the unfiltered error-free log of a track, NaN where a sample that it needs is lost.
 

@@ -71,6 +71,9 @@ if len(RUNS["adis16405"]) > 1:
         "log": ["results/story/real_log.parquet"],
         "test": ["results/story/real_test.parquet"],
     }
+# The trials in motion that discovery is asked of, with the error-free log that cameras give.
+SIGHTED = [run for run in TRIALS if run in config["discovery"]["trials"]]
+SIGHTED = SIGHTED if "discovery" in CHAPTERS else []
 STORIES = [f"results/{asked}/report.json" for asked in ASKED]
 STARTS = ["white", "nbk"]
 # The devices whose first run is asked, from two start models; what is found is tested on their other runs.
@@ -87,6 +90,13 @@ for name in MISSING_OF:
     }
     ASKED[f"missing/{name}_white"] = runs
     ASKED[f"missing/{name}_nbk"] = runs | {"model": [f"{first}/nbk.yaml"]}
+ASKED |= {
+    f"motion/broad_{run}": {
+        "log": [f"results/broad/{run}/sighted/log.parquet"],
+        "reference": [f"results/broad/{run}/sighted/ideal.parquet"],
+    }
+    for run in SIGHTED
+}
 if OPTIONS["log"]:
     own = {"effects": config["effects"]} if config["effects"] else {}
     ASKED[f"discover/{Path(OPTIONS['log'][0]).stem}"] = OPTIONS | own

@@ -98,6 +98,32 @@ rule run_nbk:
         "../scripts/run_nbk.py"
 
 
+rule sighted:
+    """Cut the motion of a trial, and the error-free log that the cameras give of it, to the same band."""
+    input:
+        log="results/broad/{run}/log.parquet",
+        reference="results/broad/{run}/reference.parquet",
+        raw=lambda wildcards: str(
+            locate(CATALOGUE["broad"].file(int(wildcards.run)), RAW, MIRROR)
+        ),
+        tables=["data/datasets.csv", "data/files.csv"],
+    output:
+        log="results/broad/{run}/sighted/log.parquet",
+        ideal="results/broad/{run}/sighted/ideal.parquet",
+        noise="results/broad/{run}/sighted/noise.csv",
+    log:
+        "logs/sighted/{run}.log",
+    benchmark:
+        "benchmarks/sighted/{run}.tsv"
+    params:
+        site=SITES["broad"],
+        bandwidth_hz=config["discovery"]["bandwidth_hz"],
+        margin_s=config["attitude"]["rest_margin_s"],
+        code=library("sighted"),
+    script:
+        "../scripts/sighted.py"
+
+
 rule dossier:
     """Find where a log and a simulator disagree, and name, add and show what is missing from the error model."""
     input:
@@ -131,7 +157,7 @@ rule dossier:
     benchmark:
         "benchmarks/dossier/{asked}.tsv"
     wildcard_constraints:
-        asked="(discover|story|missing)/[^/]+",
+        asked="(discover|story|missing|motion)/[^/]+",
     threads: lambda wildcards: 1 if wildcards.asked.startswith("story/") else 2
     resources:
         mem_mb=3000,
@@ -189,6 +215,48 @@ rule missing_page:
         "../scripts/missing_page.py"
 
 
+rule motion_page:
+    """Tabulate what discovery names on trials in motion, whether trials agree, and what the model of one says of another."""
+    input:
+        reports=expand("results/motion/broad_{run}/report.json", run=SIGHTED),
+        models=expand("results/motion/broad_{run}/model.yaml", run=SIGHTED),
+        logs=expand("results/broad/{run}/sighted/log.parquet", run=SIGHTED),
+        ideals=expand("results/broad/{run}/sighted/ideal.parquet", run=SIGHTED),
+        noises=expand("results/broad/{run}/sighted/noise.csv", run=SIGHTED),
+    output:
+        tables=report(
+            expand(
+                "paper/tables/motion_{table}.csv",
+                table=["effects", "explained", "distances"],
+            ),
+            caption="../report/motion.rst",
+            category="Discovery",
+            labels={"result": "what is missing in motion (tables)"},
+        ),
+        others=expand(
+            "paper/tables/motion_{table}.{suffix}",
+            table=["effects", "explained", "distances"],
+            suffix=["json", "tex"],
+        ),
+        figure=report(
+            "paper/figures/motion_effects.svg",
+            caption="../report/motion.rst",
+            category="Discovery",
+            labels={"result": "what is missing in motion (figure)"},
+        ),
+        numbers="paper/numbers/motion.json",
+    log:
+        "logs/motion_page.log",
+    benchmark:
+        "benchmarks/motion_page.tsv"
+    params:
+        trials=SIGHTED,
+        seed=config["seed"],
+        code=library("motion_page"),
+    script:
+        "../scripts/motion_page.py"
+
+
 rule missing_score:
     """Compare what was found on the virtual bench with its truth."""
     input:
@@ -215,6 +283,7 @@ rule missing_score:
 
 
 PAPER["discovery"] += expand("paper/numbers/missing_{device}.json", device=MISSING_OF)
+PAPER["discovery"] += ["paper/numbers/motion.json"] if SIGHTED else []
 PAPER["discovery"] += (
     ["paper/tables/missing_score.json"] if "bench" in MISSING_OF else []
 )

@@ -15,6 +15,7 @@ rule study_numbers:
         power_cycles=POWER_CYCLES,
         walks=WALKS,
         missing_of=MISSING_OF,
+        sighted=SIGHTED,
         omitted=OMITTED,
         config=config,
         code=library("study_numbers"),

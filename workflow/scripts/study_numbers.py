@@ -30,6 +30,7 @@ if __name__ == "__main__":
             "devices": list(params.runs),
             "runs": {device: len(runs) for device, runs in params.runs.items()},
             "missing_of": params.missing_of,
+            "sighted": params.sighted,
             "power_cycles": len(params.power_cycles),
             "walks": params.walks,
             "omitted": [omission(sets[name]) for name in params.omitted],

@@ -1,8 +1,10 @@
 """Figures of discovery: each function draws one figure from what was found and returns it."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from math import ceil
 
 import numpy as np
+import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
@@ -52,6 +54,8 @@ LOCATIONS = {
 }
 LINEAR = 20.0
 """Gain up to which a panel is linear; beyond, logarithmic."""
+ASIDE = 0.18
+"""Distance of the points of two logs, where rows are one apart."""
 TOP = 0.95
 """Height in a panel at which its places are marked."""
 LOGARITHMIC = ("allan", "spectrum", "line", "coherence")
@@ -177,6 +181,45 @@ def drift(found: Discovery) -> Figure:
             for panel in row:
                 panel.set_xlabel("time [s]")
     legend_below(figure, 3)
+    return figure
+
+
+def repeated(data: pd.DataFrame, scales: Mapping[str, tuple[str, float]]) -> Figure:
+    """Draw the parameters that several logs of one device give, a panel for each effect and unit.
+
+    Parameters
+    ----------
+    data
+        Columns ``trial``, ``name``, ``axis``, ``parameter``, ``value``, ``low``, ``high``, ``unit``.
+    scales
+        By unit: how it is shown, and by what its values are multiplied.
+    """
+    if data.empty:
+        return said("No parameter is named on two logs.")
+    groups = list(data.groupby(["name", "unit"], sort=False))
+    rows = [one[["axis", "parameter"]].drop_duplicates() for _, one in groups]
+    columns = 2
+    grid_rows = ceil(len(groups) / columns)
+    figure, grid = panels_of(grid_rows, columns, grid_rows * (0.14 * max(map(len, rows)) + 0.6) + 0.4)
+    trials = sorted(data["trial"].unique())
+    for ((name, one_unit), one), keys, panel in zip(groups, rows, grid.flat, strict=False):
+        title, scale = scales.get(one_unit, (unit(one_unit), 1.0))
+        places = {key: place for place, key in enumerate(keys.itertuples(index=False, name=None))}
+        for number, trial in enumerate(trials):
+            found = one[one["trial"] == trial]
+            at = [places[key] for key in found[["axis", "parameter"]].itertuples(index=False, name=None)]
+            value = scale * found["value"]
+            ends = value - scale * found["low"], scale * found["high"] - value
+            aside = ASIDE * (number - (len(trials) - 1) / 2)
+            panel.errorbar(value, np.add(at, aside), xerr=ends, fmt="o", ms=2.5, elinewidth=0.7, color=f"C{number}",
+                           label=f"trial {trial}")  # fmt: skip
+        panel.axvline(0, color="black", lw=0.5)
+        panel.set_yticks(range(len(places)), [f"{_titled(axis)}: {parameter}" for axis, parameter in places])
+        panel.invert_yaxis()
+        panel.set(title=name.replace("_", " "), xlabel=title)
+    for panel in grid.flat[len(groups) :]:
+        panel.remove()
+    legend_below(figure, len(trials))
     return figure
 
 
