@@ -179,3 +179,14 @@ def test_common_noise_is_coherent_with_its_sign(loading, sign):
         np.sqrt(0.5 * COUNT) * correlation * 1.3, rel=0.35
     )
     assert abs(curve.statistic[widest]) < sign * curve.statistic.max() + 1e-9 or sign < 0
+
+
+def test_every_replicate_has_the_same_locations_however_many_of_its_samples_are_flawed():
+    whole = fitted().sequence
+    rng = stream(2, "flawed")
+    counts = []
+    for share in (0.0, 0.02, 0.5, 0.8):
+        flawed = rng.random(COUNT) < share
+        found = fit(Sequence(whole.values, whole.conditions, flawed), Description((), Noise((WHITE,))))
+        counts.append({key: len(curve.statistic) for key, curve in views.curves(found).items()})
+    assert counts[1:] == counts[:1] * 3

@@ -15,10 +15,11 @@ EXPECTED = 5.0
 def of_marginal(fit: AxisFit) -> Curve:
     """Return the counts in cells of the whitened residual against the normal law's (Anscombe 1948, score).
 
-    The unit of the location is the standard deviation; the first and the last cell are open.
+    The unit of the location is the standard deviation; the first and the last cell are open. The cells depend on the
+    length of the log alone, and not on how many of its samples are flawed, which differs between replicates.
     """
     values = fit.whitened[~fit.sequence.flawed]
-    reach = CELL * max(int(norm.isf(min(EXPECTED / len(values), 0.25)) / CELL), 1)
+    reach = CELL * max(int(norm.isf(min(EXPECTED / len(fit.whitened), 0.25)) / CELL), 1)
     edges = np.arange(-reach, reach + CELL / 2, CELL)
     index = np.clip(np.floor((values + reach) / CELL), -1, len(edges) - 1).astype(np.int64) + 1
     counts = np.bincount(index, minlength=len(edges) + 1)
