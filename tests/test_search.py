@@ -40,6 +40,7 @@ from imugap.effects import (
 )
 from imugap.effects.effect import Conditions
 from imugap.model import AxisModel
+from imugap.sealing.noise import fractional
 from imugap.stream import stream
 
 COUNT, INTERVAL = 24_000, 0.04
@@ -252,6 +253,16 @@ def test_bursts_are_no_noise_though_their_spectrum_is():
         assert found.has(GaussMarkov)
         reasons.append([doubt.reason for doubt in doubts(search, found).values()])
     assert reasons == [["it comes in bursts or jumps"], []]
+
+
+def test_flicker_keeps_its_name_in_either_form_that_samples_of_it_may_have():
+    """Fractionally differenced noise lies above 1/f towards half the rate; its slope is that of flicker."""
+    data, rng = sequence(count=120_000), stream(1, "fractional")
+    moved = replace(data, values=data.values + 6e-3 * fractional(120_000, 1.0, rng))
+    search = Search(plain(moved).description, (BiasInstability,), LOG_ALPHA)
+    found = search.explore(plain(moved))
+    assert found.has(BiasInstability)
+    assert doubts(search, found) == {}
 
 
 def test_a_loop_over_the_temperature_is_no_walk():

@@ -55,11 +55,12 @@ def effects_page(data, agreed, trials):
 
 def carried(models, logs, ideals, seed):
     """Return what the model of every trial explains of every trial, by axis."""
-    return pd.concat(
+    found = (
         explained(models[one], logs[other], ideals[other], stream(seed, "carried", one, other))
         .reset_index().assign(model=one, trial=other)
         for one, other in product(models, logs)
     )  # fmt: skip
+    return pd.concat(found, ignore_index=True)
 
 
 def reach(values):
