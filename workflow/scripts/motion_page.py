@@ -65,8 +65,8 @@ def carried(models, logs, ideals, seed):
 
 def reach(values):
     """Show the median and the range of shares."""
-    ends = (100 * end for end in (values.median(), values.min(), values.max()))
-    return "{:.0f} ({:.0f} to {:.0f})".format(*ends) if len(values) else "—"
+    ends = (round(100 * end) for end in (values.median(), values.min(), values.max()))
+    return "{} ({} to {})".format(*ends) if len(values) else "—"
 
 
 def explained_page(data, noise):
@@ -117,8 +117,11 @@ def numbers(reports, agreed, share, noise):
         "unseen": tables.number(100 * noise["unseen"].max(), 2),
         "agreed": len(agreed),
         "same_sign": int(agreed["same_sign"].sum()),
-        "factor": tables.number(agreed["factor"].median(), 2),
-        "carried": {kind: f"{100 * other.loc[of, 'share'].median():.0f}" for kind, of in kinds.items()},
+        "factors": {
+            name.replace("_", " "): tables.number(one.median(), 2)
+            for name, one in agreed.groupby("name", sort=False)["factor"]
+        },
+        "carried": {kind: round(100 * other.loc[of, "share"].median()) for kind, of in kinds.items()},
         "nearer": sum(one["after"]["value"] < one["before"]["value"] for one in apart),
         "reached": sum(one["after"]["value"] <= one["floor"]["high"] for one in apart),
     }

@@ -215,7 +215,7 @@ def repeated(data: pd.DataFrame, scales: Mapping[str, tuple[str, float]]) -> Fig
                            label=f"trial {trial}")  # fmt: skip
         panel.axvline(0, color="black", lw=0.5)
         panel.set_yticks(range(len(places)), [f"{_titled(axis)}: {parameter}" for axis, parameter in places])
-        panel.invert_yaxis()
+        panel.set_ylim(len(places) - 0.4, -0.6)
         panel.set(title=name.replace("_", " "), xlabel=title)
     for panel in grid.flat[len(groups) :]:
         panel.remove()
