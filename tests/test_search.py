@@ -255,6 +255,28 @@ def test_bursts_are_no_noise_though_their_spectrum_is():
     assert reasons == [["it comes in bursts or jumps"], []]
 
 
+@pytest.mark.parametrize(
+    ("hidden", "known"),
+    [(GaussMarkov(4.4e-3, 18.0), RandomWalk(1.6e-5)), (BiasInstability(2e-3), RandomWalk(1e-5))],
+)
+def test_slow_noise_of_the_start_model_does_not_stand_for_what_is_missing(hidden, known):
+    """It is free, and takes the place of what is hidden; beside it there is no room for the right name."""
+    data = sequence(hidden, known)
+    story = concluded(told(data, (WHITE, known), (GaussMarkov, BiasInstability), LOG_ALPHA, 19_200))
+    assert names(story) == [hidden.name]
+
+
+@pytest.mark.parametrize("base", [RandomWalk(1.5e-4), BiasInstability(4e-4), GaussMarkov(1e-3, 20.0)])
+def test_in_the_place_of_slow_noise_that_is_right_other_is_no_surer_than_chance_makes_it(base):
+    surest = []
+    for number in range(60):
+        data = sequence(base, count=4000, label=f"instead {number}")
+        before = fit(data, Description((), Noise((WHITE, base))))
+        search = Search(before.description, (BiasInstability, GaussMarkov, RandomWalk), LOG_ALPHA)
+        surest.append(min((trial.log_p for trial in search.trials(before, 0.0)), default=0.0))
+    assert np.mean(np.array(surest) < np.log(0.03)) <= 0.03 + 3 * np.sqrt(0.03 / 60)
+
+
 def test_flicker_keeps_its_name_in_either_form_that_samples_of_it_may_have():
     """Fractionally differenced noise lies above 1/f towards half the rate; its slope is that of flicker."""
     data, rng = sequence(count=120_000), stream(1, "fractional")

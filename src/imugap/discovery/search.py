@@ -6,7 +6,7 @@ was added is taken out again and exchanged for every other, so that what came fi
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from itertools import combinations
 
 import numpy as np
@@ -60,6 +60,8 @@ SLOW = (BiasInstability, GaussMarkov, RandomWalk)
 """Slow random processes."""
 MASKS = (*SLOW, BiasStep, RateRamp, Sinusoid, Temperature, WarmUp)
 """Slow effects, which may stand for two smooth means."""
+LITTLE = 0.03
+"""Share of its size that slow noise keeps where other slow noise is tried in its place."""
 FEW = 10.0
 """Trials of a start up to which it is one of a couple."""
 ALIKE = 0.6
@@ -186,6 +188,24 @@ class Search:
             for start in kind.starts(before):
                 if _moves(start.effect, before) or _hopeful(start, bar):
                     yield self.judged(start, before)
+        yield from self._instead(before)
+
+    def _instead(self, before: AxisFit) -> Iterator[Trial]:
+        """Yield slow noise in the place of that of the start model, which is free and may stand for what is missing.
+
+        Beside it as it is there is no room; it keeps a little, and what it is worth beside the other.
+        """
+        noise = before.description.noise
+        for index, effect in enumerate(noise.effects[: len(self.start.noise.effects)]):
+            if not isinstance(effect, SLOW):
+                continue
+            without = self.fitted(before.sequence, removed(before.description, Key("noise", index)))
+            effects = (*noise.effects[:index], _little(effect), *noise.effects[index + 1 :])
+            given_up = replace(before.description, noise=replace(noise, effects=effects))
+            for kind in self.catalogue:
+                if issubclass(kind, SLOW) and kind is not type(effect):
+                    for start in kind.starts(without):
+                        yield self.judged(start, before, given_up)
 
     def couple(self, before: AxisFit, single: Trial) -> Trial | None:
         """Return two smooth means that together are worth more than one slow effect, or None.
@@ -228,9 +248,9 @@ class Search:
         self.tails[named.outliers], self.raw[named.outliers] = found, before.sequence
         return Trial(named.outliers, self.fitted(sequence, named), found.gain, 2, TAILS)
 
-    def judged(self, start: Start, before: AxisFit) -> Trial:
-        """Fit a proposal and judge it against the fit without it."""
-        after = self.fitted(before.sequence, with_effect(before.description, start))
+    def judged(self, start: Start, before: AxisFit, beside: Description | None = None) -> Trial:
+        """Fit a proposal, beside what is there or other values of it, and judge it against the fit without it."""
+        after = self.fitted(before.sequence, with_effect(beside or before.description, start))
         gain = (after.log_likelihood - before.log_likelihood) / start.level
         return Trial(start.effect, after, gain, len(start.free), start.trials)
 
@@ -339,6 +359,12 @@ def with_effect(description: Description, start: Start) -> Description:
     if isinstance(effect, OutputFilter):
         return replace(description, noise=replace(noise, output_filter=effect))
     return replace(description, noise=replace(noise, effects=(*noise.effects, effect)))
+
+
+def _little(effect: StochasticEffect) -> StochasticEffect:
+    """Return slow noise much smaller; its first parameter is its size."""
+    size = fields(effect)[0].name
+    return replace(effect, **{size: LITTLE * getattr(effect, size)})
 
 
 def _moves(effect: Effect, before: AxisFit) -> bool:
