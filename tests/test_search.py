@@ -277,6 +277,28 @@ def test_in_the_place_of_slow_noise_that_is_right_other_is_no_surer_than_chance_
     assert np.mean(np.array(surest) < np.log(0.03)) <= 0.03 + 3 * np.sqrt(0.03 / 60)
 
 
+def test_the_power_of_a_line_that_sweeps_is_no_noise():
+    data = sequence()
+    time = data.conditions.time
+    turns = 0.5 * time + 0.5 * (2.1 - 0.5) * time**2 / time[-1]
+    moved = replace(data, values=data.values + 1.0e-3 * np.sin(2 * np.pi * turns))
+    story = concluded(told(moved, (), (GaussMarkov, Sinusoid), LOG_ALPHA, 19_200))
+    assert names(story) == []
+    assert [one.reason for one in story.withheld] == ["a line that sweeps explains it"]
+    (band,) = story.bands
+    assert (band.low, band.high) == pytest.approx((0.5, 2.1), rel=0.05)
+
+
+def test_beside_a_line_that_sweeps_noise_of_other_frequencies_keeps_its_name():
+    data = sequence(GaussMarkov(2e-3, 10.0))
+    time = data.conditions.time
+    turns = 2.0 * time + 0.5 * (4.0 - 2.0) * time**2 / time[-1]
+    moved = replace(data, values=data.values + 1.0e-3 * np.sin(2 * np.pi * turns))
+    story = concluded(told(moved, (), (GaussMarkov, Sinusoid), LOG_ALPHA, 19_200))
+    assert names(story) == ["gauss_markov"]
+    assert len(story.bands) == 1
+
+
 def test_flicker_keeps_its_name_in_either_form_that_samples_of_it_may_have():
     """Fractionally differenced noise lies above 1/f towards half the rate; its slope is that of flicker."""
     data, rng = sequence(count=120_000), stream(1, "fractional")

@@ -9,7 +9,7 @@ from threadpoolctl import threadpool_limits
 
 from imugap.discovery import unsteady
 from imugap.discovery.axis import AxisFit, Description, Term, fit, log_score, offset
-from imugap.discovery.doubt import doubts
+from imugap.discovery.doubt import beside_a_sweep, doubts
 from imugap.discovery.finding import CERTAIN, Finding, Interval
 from imugap.discovery.noise import Noise
 from imugap.discovery.parameters import axis_unit, intervals
@@ -207,13 +207,15 @@ def concluded(tale: Tale) -> Story:
     with threadpool_limits(1):
         search, whole = tale.late, _two_valued(tale.whole)
         doubtful = doubts(search, tale.whole)
+        sweeps = swept(_without(whole, list(doubtful)), search.log_alpha)
+        sure = [key for key in search.added(whole.description) if key not in doubtful]
+        doubtful |= beside_a_sweep(search, tale.whole, sure, sweeps)
         named = [key for key in search.added(whole.description) if key not in doubtful]
         findings = tuple(_finding(search, whole, key, tale.held_out) for key in named)
         nameless = tuple(withheld(search, tale.whole, key, doubt) for key, doubt in doubtful.items())
         after = _without(tale.after, list(doubts(tale.early, tale.after)))
         final = _without(whole, list(doubtful))
-        bands = (*tale.bands, *swept(final, search.log_alpha))
-        return Story(tale.before, after.bare(), final.bare(), findings, nameless, bands)
+        return Story(tale.before, after.bare(), final.bare(), findings, nameless, (*tale.bands, *sweeps))
 
 
 def _two_valued(found: AxisFit) -> AxisFit:

@@ -12,6 +12,7 @@ from imugap.discovery.doubt.spectrum import noise_doubt
 from imugap.discovery.doubt.variance import change_doubt
 from imugap.discovery.noise import log_likelihood
 from imugap.discovery.search import MANY, SLOW, Key, Search, at, removed
+from imugap.discovery.unsteady import Band
 from imugap.effects import Sinusoid
 
 FAR = 2.0
@@ -35,6 +36,16 @@ def doubts(search: Search, fit: AxisFit) -> dict[Key, Doubt]:
         worst = min((found[key] for key in found if key.part == part), key=lambda doubt: doubt.log_p)
         found |= {key: worst for key in keys if key.part == part and key not in found and key not in clear}
     return found
+
+
+def beside_a_sweep(search: Search, fit: AxisFit, keys: Sequence[Key], bands: Sequence[Band]) -> dict[Key, Doubt]:
+    """Return the random effects among ``keys`` that are uncertain but for the band of a line that sweeps."""
+    return {
+        key: Doubt("a line that sweeps explains it", band.log_p)
+        for band in bands
+        for key in keys
+        if key.part == "noise" and not _certain_outside(search, fit, key, band.low, band.high)
+    }
 
 
 def _clear_of_lines(search: Search, fit: AxisFit, keys: Sequence[Key], found: Mapping[Key, Doubt]) -> set[Key]:
