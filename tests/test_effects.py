@@ -53,7 +53,7 @@ from imugap.effects import (
     WarmUp,
     WhiteNoise,
 )
-from imugap.effects.bias_instability import FLOOR
+from imugap.effects.bias_instability import FLOOR, FractionalFlicker
 from imugap.effects.effect import SystematicEffect
 from imugap.effects.gauss_markov import FLAT_TOP
 from imugap.model import AxisModel
@@ -472,7 +472,9 @@ def test_sampled_spectrum_integrates_to_the_variance_of_a_sample(process):
 
 
 @pytest.mark.parametrize(
-    "process", [RandomWalk(0.2), GaussMarkov(0.7, 0.2), BiasInstability(0.4)], ids=lambda p: p.name
+    "process",
+    [RandomWalk(0.2), GaussMarkov(0.7, 0.2), BiasInstability(0.4), FractionalFlicker(0.4)],
+    ids=lambda p: type(p).__name__,
 )
 def test_sampled_allan_variance_tends_to_the_continuous_one_with_the_square_of_the_interval(process):
     excess = [process.sampled_allan_variance(n, 1.0 / n) - process.allan_variance(1.0) for n in (100, 200, 400)]
@@ -509,6 +511,30 @@ class OneAtATime:
             numbers[self.chosen - self.drawn] = 1.0
         self.drawn += count
         return numbers
+
+
+@pytest.mark.parametrize("form", [BiasInstability, FractionalFlicker])
+@pytest.mark.parametrize("n", [1, 2, 7, 300])
+def test_allan_variance_of_flicker_is_the_integral_of_its_sampled_spectrum(form, n):
+    def integrand(angle):
+        gain = 2 * np.sin(n * angle) ** 4 / (n * np.sin(angle)) ** 2
+        return gain * float(form(0.4).sampled_psd(angle / (np.pi * 0.01), 0.01))
+
+    lobes = np.linspace(0, np.pi / 2, n + 1)
+    expected = sum(2 * quad(integrand, low, high)[0] for low, high in pairwise(lobes)) / (np.pi * 0.01)
+    assert form(0.4).sampled_allan_variance(n, 0.01) == pytest.approx(expected, rel=1e-8)
+
+
+def test_samples_of_fractional_flicker_have_its_allan_variance():
+    process, n = FractionalFlicker(0.4), np.array([1, 4, 16])
+    found = np.mean([allan.variance(run, n) for run in draws(process, RUNS, 1024, "fractional")], axis=0)
+    np.testing.assert_allclose(found, process.sampled_allan_variance(n, 0.01), rtol=0.02)
+
+
+def test_both_forms_of_flicker_differ_towards_half_the_sampling_rate_alone():
+    frequency = np.array([0.01, 1.0, 10.0, 50.0])
+    ratio = FractionalFlicker(0.4).sampled_psd(frequency, 0.01) / BiasInstability(0.4).sampled_psd(frequency, 0.01)
+    assert ratio == pytest.approx([1, 1.0002, 1.0166, np.pi / 2], abs=1e-4)
 
 
 @pytest.mark.parametrize("n", [64, 32, 16])

@@ -9,12 +9,13 @@ from imugap.discovery import scans, waves
 from imugap.discovery.axis import Description, Term, cosines, fit, jacobian
 from imugap.discovery.common import shared
 from imugap.discovery.discover import _nameless
-from imugap.discovery.doubt import doubts
+from imugap.discovery.doubt import Doubt, doubts
+from imugap.discovery.doubt.doubts import _steps_of_it
 from imugap.discovery.finding import Gap
 from imugap.discovery.gaps import gaps
 from imugap.discovery.noise import Noise, _Spectra
 from imugap.discovery.runs import turn_on
-from imugap.discovery.search import Search
+from imugap.discovery.search import Key, Search
 from imugap.discovery.sequence import Sequence
 from imugap.discovery.story import concluded, told
 from imugap.discovery.tails import tails
@@ -253,6 +254,18 @@ def test_bursts_are_no_noise_though_their_spectrum_is():
         assert found.has(GaussMarkov)
         reasons.append([doubt.reason for doubt in doubts(search, found).values()])
     assert reasons == [["it comes in bursts or jumps"], []]
+
+
+@pytest.mark.parametrize(("doubtful", "reasons"), [("noise", ["bursts"]), ("line", [])])
+def test_a_step_beside_slow_noise_without_a_name_has_none_either(doubtful, reasons):
+    line = Term(Sinusoid(0.8, 5e-4, 0.3), ("amplitude",))
+    described = Description((Term(BiasStep(200.0, 2e-2), ("step",)), line), Noise((WHITE, GaussMarkov(1e-3, 6.0))))
+    found = fit(sequence(BiasStep(200.0, 2e-2), GaussMarkov(1e-3, 6.0), count=12_000), described)
+    step, line, noise = Key("term", 0), Key("term", 1), Key("noise", 1)
+    doubt = {noise: Doubt("bursts", -20.0)} if doubtful == "noise" else {line: Doubt("drifts", -20.0)}
+    doubts_of_steps = _steps_of_it(found, [step, line, noise], doubt)
+    assert [one.reason for one in doubts_of_steps.values()] == reasons
+    assert list(doubts_of_steps) == [step] * len(reasons)
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,6 @@ from typing import ClassVar
 
 import numpy as np
 
-from imugap.effects.bias_instability import BiasInstability
 from imugap.effects.effect import StochasticEffect, parameter
 
 
@@ -23,12 +22,3 @@ class PowerLaw(StochasticEffect):
     def sampled_psd(self, frequency: np.ndarray, interval: float) -> np.ndarray:
         """Return the PSD of the samples."""
         return self.density**2 * (2 / interval * np.sin(np.pi * frequency * interval)) ** -self.exponent
-
-
-@dataclass(frozen=True)
-class FractionalFlicker(BiasInstability):
-    """Flicker noise in the form of :class:`PowerLaw`, which lies above 1/f towards half the rate."""
-
-    def sampled_psd(self, frequency: np.ndarray, interval: float) -> np.ndarray:
-        """Return the PSD of the samples."""
-        return PowerLaw(self.density_b, 1.0).sampled_psd(frequency, interval)

@@ -1,15 +1,19 @@
 """Flicker noise: bias instability."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from numpy.polynomial.legendre import leggauss
 from scipy.fft import irfft, next_fast_len, rfftfreq
 from scipy.integrate import quad
 
-from imugap.effects.effect import Conditions, StochasticEffect, parameter
+from imugap.effects.effect import Conditions, Start, StochasticEffect, parameter
+
+if TYPE_CHECKING:
+    from imugap.discovery.axis import AxisFit
 
 FLOOR = np.sqrt(2 * np.log(2) / np.pi)
 """Allan deviation of flicker noise over B: 0.664 (IEEE 952)."""
@@ -20,7 +24,18 @@ class BiasInstability(StochasticEffect):
     """Flicker noise: S(f) = B^2/(2 pi |f|), sigma(tau) = 0.664 B (IEEE 952, bias instability)."""
 
     name: ClassVar[str] = "bias_instability"
+    fractional: ClassVar[bool] = False
+    """Whether the spectrum of the samples bends up towards half the sampling rate."""
     density_b: float = parameter("{u}", "B")
+
+    @classmethod
+    def starts(cls, fit: "AxisFit") -> Iterator[Start]:
+        """Yield it in either form that samples of it may have, where the residual's spectrum has room for it."""
+        if not fit.has(BiasInstability):
+            for form in (BiasInstability, FractionalFlicker):
+                size = fit.room(form(1.0))
+                if size > 0:
+                    yield Start(form(size), ("density_b",), gain=fit.gain_of(form(size)))
 
     def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
         """Draw by spectral synthesis: independent Gaussian Fourier coefficients under the spectrum.
@@ -31,7 +46,7 @@ class BiasInstability(StochasticEffect):
         count = len(conditions)
         length = next_fast_len(4 * count, real=True)
         frequency = rfftfreq(length, conditions.interval)[1:]
-        scale = np.sqrt(self.psd(frequency) * length / conditions.interval / 2)
+        scale = np.sqrt(self.sampled_psd(frequency, conditions.interval) * length / conditions.interval / 2)
         spectrum = np.zeros(len(frequency) + 1, complex)
         spectrum.real[1:] = scale * rng.standard_normal(len(frequency))
         spectrum.imag[1:] = scale * rng.standard_normal(len(frequency))
@@ -58,8 +73,23 @@ class BiasInstability(StochasticEffect):
         It is the limit of a long run. The lines of a run of L samples leave out pi/6 (n/(4 L))^2 B^2: 0.5 % of the
         variance at n = L/4, 0.03 % at n = L/16.
         """
-        shape = [_band_limited(int(n)) for n in np.ravel(averaging)]
+        shape = [_band_limited(int(n), self.fractional) for n in np.ravel(averaging)]
         return self.density_b**2 * np.reshape(shape, np.shape(averaging))
+
+
+@dataclass(frozen=True)
+class FractionalFlicker(BiasInstability):
+    """Flicker noise as fractionally integrated white samples (Kasdin 1995, Proc. IEEE 83, 802-827).
+
+    Up to a tenth of the sampling rate its spectrum is that of 1/f, within 2 %; at half the rate it is pi/2 of that.
+    A file of a model does not tell the form: it is read as flicker.
+    """
+
+    fractional: ClassVar[bool] = True
+
+    def sampled_psd(self, frequency: np.ndarray, interval: float) -> np.ndarray:
+        """Return B^2 interval/(2 sin(pi f interval))."""
+        return self.density_b**2 * interval / (2 * np.sin(np.pi * np.asarray(frequency, float) * interval))
 
 
 LOBES = 400
@@ -67,15 +97,22 @@ NODES, WEIGHTS = (0.5 * np.array(rule) for rule in leggauss(14))
 
 
 @lru_cache(maxsize=4096)
-def _band_limited(n: int) -> float:
+def _band_limited(n: int, fractional: bool) -> float:
     """Return the Allan variance, over B^2, of flicker noise that ends at half the sampling rate.
 
-    (2/pi) int_0^(n pi/2) sin^4 v/(v (n sin(v/n))^2) dv, from the gain 2 sin^4(n u)/(n sin u)^2, u = pi f interval, of
-    the Allan variance: lobe by lobe, and beyond :data:`LOBES` half lobes with the mean 3/8 of sin^4, which changes it
-    by less than 1e-11.
+    (2/pi) int_0^(n pi/2) sin^4 v/(w (n sin(v/n))^2) dv, from the gain 2 sin^4(n u)/(n sin u)^2, u = pi f interval, of
+    the Allan variance, with w = v, or n sin(v/n) if ``fractional``: lobe by lobe, and beyond :data:`LOBES` half lobes
+    with the mean 3/8 of sin^4, which changes it by less than 1e-11.
     """
     half_lobes = min(n, LOBES)
     v = np.pi / 2 * (np.arange(half_lobes)[:, None] + 0.5 + NODES)
-    near = np.pi / 2 * np.sum(WEIGHTS * np.sin(v) ** 4 / (v * (n * np.sin(v / n)) ** 2))
-    far = quad(lambda t: (n * np.sin(np.exp(t) / n)) ** -2.0, np.log(half_lobes * np.pi / 2), np.log(n * np.pi / 2))[0]
+    sine = n * np.sin(v / n)
+    near = np.pi / 2 * np.sum(WEIGHTS * np.sin(v) ** 4 / ((sine if fractional else v) * sine**2))
+    far = quad(lambda t: _tail(t, n, fractional), np.log(half_lobes * np.pi / 2), np.log(n * np.pi / 2))[0]
     return float(2 / np.pi * (near + 3 / 8 * far))
+
+
+def _tail(logarithm: float, n: int, fractional: bool) -> float:
+    """Return v/(w (n sin(v/n))^2) at the logarithm of v."""
+    sine = n * np.sin(np.exp(logarithm) / n)
+    return float(np.exp(logarithm) * sine**-3.0 if fractional else sine**-2.0)

@@ -13,7 +13,7 @@ from imugap.discovery.doubt.variance import change_doubt
 from imugap.discovery.noise import log_likelihood
 from imugap.discovery.search import MANY, SLOW, Key, Search, at, removed
 from imugap.discovery.unsteady import Band
-from imugap.effects import Sinusoid
+from imugap.effects import BiasStep, RandomTelegraph, Sinusoid
 
 FAR = 2.0
 """Factor of the frequency of a line in doubt beyond which others have nothing to do with it."""
@@ -31,6 +31,7 @@ def doubts(search: Search, fit: AxisFit) -> dict[Key, Doubt]:
         if len(same) > most:
             found |= {key: Doubt(f"{len(same)} of them", -np.inf) for key in same}
     found |= _after_clusters(search, fit, found) | _beside_a_mean(search, fit, keys, found)
+    found |= _steps_of_it(fit, keys, found)
     clear = _clear_of_lines(search, fit, keys, found)
     for part in {key.part for key in found}:
         worst = min((found[key] for key in found if key.part == part), key=lambda doubt: doubt.log_p)
@@ -92,6 +93,15 @@ def _beside_a_mean(search: Search, fit: AxisFit, keys: Sequence[Key], found: Map
     slow = [key for key in keys if key.part == "noise" and isinstance(at(fit.description, key), SLOW)]
     doubtful = [key for key in slow if _evidence_below(fit, key, 0.5 * lowest) < -search.log_alpha]
     return {key: Doubt("the mean beside it has no known shape", min(bent.values())) for key in doubtful}
+
+
+def _steps_of_it(fit: AxisFit, keys: Sequence[Key], found: Mapping[Key, Doubt]) -> dict[Key, Doubt]:
+    """Return the steps of the mean beside slow noise that is in doubt: what has no name may have made them."""
+    slow = [key for key in found if isinstance(at(fit.description, key), (*SLOW, RandomTelegraph))]
+    if not slow:
+        return {}
+    worst = min((found[key] for key in slow), key=lambda doubt: doubt.log_p)
+    return {key: worst for key in keys if key not in found and isinstance(at(fit.description, key), BiasStep)}
 
 
 def _evidence_below(fit: AxisFit, key: Key, frequency: float) -> float:

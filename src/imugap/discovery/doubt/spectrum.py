@@ -10,10 +10,10 @@ from imugap.discovery import hysteresis, waves
 from imugap.discovery.axis import AxisFit
 from imugap.discovery.doubt.doubt import LEVEL, Doubt, divergence
 from imugap.discovery.noise import STEP, Noise, log_likelihood
-from imugap.discovery.power_law import FractionalFlicker, PowerLaw
+from imugap.discovery.power_law import PowerLaw
 from imugap.discovery.search import SLOW, Key, Search, Trial, at, log_chance
 from imugap.discovery.telegraph import compare
-from imugap.effects import BiasInstability, RandomTelegraph
+from imugap.effects import RandomTelegraph
 from imugap.effects.effect import TINY, StochasticEffect
 from imugap.stream import stream
 
@@ -33,7 +33,6 @@ USUAL = (-1.0, 1.0), (2.0, 6.0)
 
 def noise_doubt(search: Search, fit: AxisFit, key: Key) -> Doubt:
     """Test the spectrum where the process answers for it, the samples, and what else wanders as it does."""
-    fit = _in_its_form(search, fit, key)
     effect = at(fit.description, key)
     bins = fit.sequence.bins
     share = share_of(fit, effect)
@@ -46,17 +45,6 @@ def noise_doubt(search: Search, fit: AxisFit, key: Key) -> Doubt:
     if isinstance(effect, (*SLOW, RandomTelegraph)):
         doubts += [_repeated(search, fit, key), _remembered(search, fit, key)]
     return min([*doubts, *_power_law(search, fit)], key=lambda doubt: doubt.log_p)
-
-
-def _in_its_form(search: Search, fit: AxisFit, key: Key) -> AxisFit:
-    """Return the fit with flicker in that form of its samples that is likelier: towards half the rate they differ."""
-    effect, noise = at(fit.description, key), fit.description.noise
-    if not isinstance(effect, BiasInstability):
-        return fit
-    effects = list(noise.effects)
-    effects[key.index] = FractionalFlicker(effect.density_b)
-    other = search.fitted(fit.sequence, replace(fit.description, noise=replace(noise, effects=tuple(effects))))
-    return max(fit, other, key=lambda one: one.log_likelihood)
 
 
 def _two_valued(search: Search, fit: AxisFit, key: Key) -> list[Doubt]:
