@@ -166,6 +166,29 @@ def test_two_values_are_told_from_a_continuum():
         assert sign * compare(found, found.description.noise.effects[1:]).gain > 6
 
 
+@pytest.mark.parametrize("loading", [0.6, 3.0])
+@pytest.mark.parametrize("count", [2, 3])
+def test_errors_of_shared_noise_are_those_of_many_logs(loading, count):
+    axes, whole, errors = ("gyro_x", "gyro_y", "gyro_z")[:count], [], []
+    for number in range(100):
+        own = CommonMode(1e-3, loading)
+        data = {axis: sequence(own, count=2000, axis=axis, label=f"shared {number}") for axis in axes}
+        (found,) = shared({axis: plain(one) for axis, one in data.items()}, LOG_ALPHA)
+        whole.append(found.densities[0])
+        errors.append(found.errors[0])
+    assert np.mean(whole) == pytest.approx(1e-3 * loading, abs=4 * np.std(whole) / 10)
+    assert np.std(whole, ddof=1) == pytest.approx(np.mean(errors), rel=4 / np.sqrt(200))
+
+
+def test_shared_noise_has_its_sign_and_size_also_where_one_axis_is_filtered():
+    common, smooth = CommonMode(1e-3, 1.0), OutputFilter(3.0, 2)
+    data = {axis: sequence(common, axis=axis) for axis in ("gyro_x", "gyro_y")}
+    output = smooth.apply(data["gyro_x"].values, data["gyro_x"].conditions, stream(1))
+    filtered = fit(replace(data["gyro_x"], values=output), Description((), Noise((WHITE,), smooth)))
+    (found,) = shared({"gyro_x": filtered, "gyro_y": plain(data["gyro_y"])}, LOG_ALPHA)
+    np.testing.assert_array_less(np.abs(found.densities - 1e-3), 4 * found.errors)
+
+
 def test_noise_that_axes_share():
     sharing = ("gyro_x", "gyro_y", "accel_z")
     effects = {axis: [CommonMode(5e-4, loading)] for axis, loading in zip(sharing, (1.0, -0.8, 0.6), strict=True)}

@@ -1,15 +1,20 @@
 """Noise that axes share: the correlation of what is left of them after everything of their own is described."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
+from scipy.fft import rfft, rfftfreq
 from scipy.sparse.csgraph import connected_components
 from scipy.special import log_ndtr
 
 from imugap.discovery.axis import AxisFit
 from imugap.discovery.finding import Finding, Interval
 from imugap.effects import CommonMode
+
+CLEAR = 1e-3
+"""Power gain of a filter above which what it lets through is the axis' own."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,10 +56,9 @@ def shared(fits: dict[str, AxisFit], log_alpha: float) -> tuple[Shared, ...]:
     axes = tuple(fits)
     if len(axes) < 2:
         return ()
-    whitened = np.array([fits[axis].whitened for axis in axes])
     good = ~np.any([fits[axis].sequence.flawed for axis in axes], axis=0)
-    correlation = np.corrcoef(whitened[:, good])
-    scores = np.arctanh(np.clip(correlation, -0.999999, 0.999999)) * np.sqrt(good.sum() - 3)
+    correlation, number = _correlation([fits[axis] for axis in axes], good)
+    scores = np.arctanh(np.clip(correlation, -0.999999, 0.999999)) * np.sqrt(np.maximum(number - 3, 1))
     pairs = list(combinations(range(len(axes)), 2))
     chance = {pair: float(np.log(2 * len(pairs)) + log_ndtr(-abs(scores[pair]))) for pair in pairs}
     linked = np.zeros((len(axes), len(axes)), bool)
@@ -63,7 +67,14 @@ def shared(fits: dict[str, AxisFit], log_alpha: float) -> tuple[Shared, ...]:
     _, label = connected_components(linked, directed=False)
     groups = [np.flatnonzero(label == one) for one in range(label.max() + 1)]
     return tuple(
-        _group(axes, members, correlation, fits, min(chance[p] for p in pairs if set(p) <= set(members)), good.sum())
+        _group(
+            axes,
+            members,
+            correlation,
+            fits,
+            min(chance[p] for p in pairs if set(p) <= set(members)),
+            number[np.ix_(members, members)].min(),
+        )
         for members in groups
         if len(members) > 1
     )
@@ -72,28 +83,67 @@ def shared(fits: dict[str, AxisFit], log_alpha: float) -> tuple[Shared, ...]:
 def _group(
     axes: tuple[str, ...], members: np.ndarray, correlation: np.ndarray, fits: dict[str, AxisFit], log_p: float, n: int
 ) -> Shared:
-    """Return the densities of one factor, of equal share on two axes, by the mean of all pairs on more."""
+    """Return the densities of one factor, of equal share on two axes, by the mean of all pairs on more.
+
+    The errors are those of the covariance of ``n`` samples.
+    """
     block = correlation[np.ix_(members, members)]
     loadings = _loadings(block)
     loadings *= np.sign(loadings[0]) or 1.0
-    white = np.array(
-        [np.sqrt(fits[axes[i]].variance[-1] * fits[axes[i]].sequence.conditions.interval) for i in members]
-    )
+    white = np.array([_white(fits[axes[i]]) for i in members])
     if len(members) == 2:
         product = abs(block[0, 1]) * white.prod()
         densities = np.sqrt(product) * np.array([1.0, np.sign(block[0, 1])])
-        errors = np.full(2, np.sqrt(product) * (1 - block[0, 1] ** 2) / (2 * abs(block[0, 1]) * np.sqrt(n)))
+        errors = np.full(2, np.sqrt(product * (1 + block[0, 1] ** -2) / n) / 2)
     else:
         densities = loadings * white
-        errors = white * np.sqrt(
-            np.maximum(1 - loadings**2, 1 / n) / n / np.maximum(np.sum(loadings**2) - loadings**2, 1e-12)
-        )
+        errors = white * _errors(loadings, n)
     return Shared(tuple(axes[i] for i in members), densities, errors, log_p)
 
 
+def _errors(loadings: np.ndarray, n: int) -> np.ndarray:
+    """Return the Cramer-Rao standard deviations of the loadings of one factor, each axis with noise of its own besides.
+
+    Those of three axes or more, whose noise has unit variance, from ``n`` samples.
+    """
+    unit = np.eye(len(loadings))
+    own = np.maximum(1 - loadings**2, 1e-6)
+    inverse = np.linalg.inv(np.outer(loadings, loadings) + np.diag(own))
+    slopes = [inverse @ (np.outer(one, loadings) + np.outer(loadings, one)) for one in unit]
+    slopes += [inverse @ np.outer(one, one) for one in unit]
+    information = n / 2 * np.array([[np.trace(a @ b) for b in slopes] for a in slopes])
+    return np.sqrt(np.diag(np.linalg.inv(information))[: len(loadings)])
+
+
+def _correlation(fits: Sequence[AxisFit], good: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the correlations of the whitened residuals and from how many values each is, shape (axes, axes).
+
+    They are taken over frequency, without the phase that a filter of the output gave an axis, and where it lets through
+    more than what leaks in from other frequencies.
+    """
+    count, interval = len(good), fits[0].sequence.conditions.interval
+    frequency = rfftfreq(count, interval)[1:]
+    spectra, clear = [], []
+    for fit in fits:
+        spectrum, output_filter = rfft(np.where(good, fit.whitened, 0.0))[1:], fit.description.noise.output_filter
+        if output_filter is not None:
+            spectrum = spectrum * np.exp(-1j * np.angle(output_filter.response(frequency, interval)))
+        spectra.append(spectrum)
+        clear.append(output_filter is None or output_filter.gain(frequency, interval) > CLEAR)
+    correlation, number = np.eye(len(fits)), np.full((len(fits), len(fits)), good.sum())
+    for i, j in combinations(range(len(fits)), 2):
+        both = np.broadcast_to(np.logical_and(clear[i], clear[j]), frequency.shape)
+        one, other = spectra[i][both], spectra[j][both]
+        product = np.vdot(one, other).real / (np.linalg.norm(one) * np.linalg.norm(other))
+        correlation[i, j] = correlation[j, i] = product
+        number[i, j] = number[j, i] = int(good.sum() * both.mean())
+    return correlation, number
+
+
 def _white(fit: AxisFit) -> float:
-    """Return the density of the noise near half the sampling rate."""
-    return float(np.sqrt(fit.variance[fit.sequence.bins.last - 1] * fit.sequence.conditions.interval))
+    """Return the density of the noise near half the sampling rate, ahead of the filter of the output."""
+    noise = replace(fit.description.noise, output_filter=None)
+    return float(np.sqrt(noise.variance(fit.sequence.bins)[-1] * fit.sequence.conditions.interval))
 
 
 def _loadings(block: np.ndarray, rounds: int = 200) -> np.ndarray:

@@ -45,6 +45,12 @@ class OutputFilter(Effect):
         ratio = warped(np.pi * np.asarray(frequency, float) * interval) / warped(np.pi * self.cutoff * interval)
         return 1 / (1 + np.abs(ratio) ** (2 * self.order))
 
+    def response(self, frequency: np.ndarray, interval: float) -> np.ndarray:
+        """Return the complex gain at ``frequency`` [Hz], shape of it."""
+        from scipy.signal import sosfreqz
+
+        return sosfreqz(self._sections(interval), worN=frequency, fs=1 / interval)[1]
+
     def _sections(self, interval: float) -> np.ndarray:
         """Return the sections of second order.
 
