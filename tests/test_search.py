@@ -488,6 +488,21 @@ def two_means(slope, coefficient, label):
     return Search(before.description, tuple(CATALOGUE.values()), LOG_ALPHA).explore(before)
 
 
+@pytest.mark.parametrize("number", [13, 63, 74])
+def test_nothing_stays_that_chance_explains_beside_the_rest(number):
+    """A walk that a ramp follows: with a second mean beside it the ramp looks likelier, but that mean is chance."""
+    count, interval = 3000, 0.2
+    time = interval * np.arange(count)
+    warming = 24 + 4 * (1 - np.exp(-time / 120)) + 0.5 * np.sin(2 * np.pi * time / 200)
+    conditions = Conditions(time, interval, warming, "gyro_x")
+    values = AxisModel((WHITE, RandomWalk(4e-5))).simulate(np.zeros(count), conditions, number, "couple")
+    data = Sequence(values, conditions, np.zeros(count, bool))
+    search = Search(plain(data).description, (RateRamp, Temperature, WarmUp, BiasStep, Sinusoid), LOG_ALPHA)
+    found = search.explore(plain(data))
+    assert search.added(found.description)
+    assert all(search.weighed(found, key)[0].log_p < LOG_ALPHA for key in search.added(found.description))
+
+
 def test_two_means_that_nearly_cancel_are_found_together():
     found = two_means(-6e-7, 6e-5, "cancel").description.terms
     assert sorted(term.effect.name for term in found) == ["rate_ramp", "temperature"]

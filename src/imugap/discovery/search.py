@@ -210,7 +210,8 @@ class Search:
     def couple(self, before: AxisFit, single: Trial) -> Trial | None:
         """Return two smooth means that together are worth more than one slow effect, or None.
 
-        Two that nearly cancel gain little by themselves, and what stands for both hides them.
+        Two that nearly cancel gain little by themselves, but much beside each other, and what stands for both hides
+        them.
         """
         if not isinstance(single.effect, MASKS):
             return None
@@ -226,7 +227,13 @@ class Search:
         chosen = [pairs[i] for i in np.argsort(promised)[::-1][:COUPLES] if promised[i] > ALIKE * single.gain]
         fitted = (self._coupled(pair, before, len(pairs)) for pair in chosen)
         best = max(fitted, key=lambda trial: trial.worth, default=None)
-        return best if best is not None and best.worth > single.worth + MARGIN else None
+        better = best is not None and best.worth > single.worth + MARGIN
+        return best if better and self._needs_both(best.fit, before) else None
+
+    def _needs_both(self, after: AxisFit, before: AxisFit) -> bool:
+        """Return whether chance explains neither of the two terms that a fit has more, beside the other."""
+        keys = [Key("term", index) for index in range(len(before.description.terms), len(after.description.terms))]
+        return all(self.weighed(after, key)[0].log_p < self.log_alpha for key in keys)
 
     def _coupled(self, pair: tuple[Start, Start], before: AxisFit, count: int) -> Trial:
         """Fit two proposals together and judge them against the fit without them."""
