@@ -13,7 +13,7 @@ from imugap.discovery.doubt import Doubt, doubts
 from imugap.discovery.doubt.doubts import _steps_of_it
 from imugap.discovery.finding import Gap
 from imugap.discovery.gaps import gaps
-from imugap.discovery.noise import Noise, _Spectra
+from imugap.discovery.noise import Noise, _Spectra, usable
 from imugap.discovery.runs import turn_on
 from imugap.discovery.search import Key, Search
 from imugap.discovery.sequence import Sequence
@@ -164,6 +164,19 @@ def test_two_values_are_told_from_a_continuum():
     for effect, sign in ((RandomTelegraph(2e-3, 0.05), 1), (GaussMarkov(1e-3, 10.0), -1)):
         found = fit(sequence(effect), Description((), Noise((WHITE, GaussMarkov(1e-3, 10.0)))))
         assert sign * compare(found, found.description.noise.effects[1:]).gain > 6
+
+
+@pytest.mark.parametrize(("cutoff", "order"), [(1.2, 3), (2.0, 4), (6.0, 4), (3.0, 1)])
+@pytest.mark.parametrize("count", [6000, 24_000])
+def test_what_a_steep_filter_leaves_is_not_taken_for_noise(cutoff, order, count):
+    """Towards half the rate the cosine transform shows what leaks from the ends of the log, and nothing else."""
+    data, smooth = sequence(count=count), OutputFilter(cutoff, order)
+    output = smooth.apply(data.values, data.conditions, stream(1))
+    moved = replace(data, values=output, share=usable(output))
+    plainly = fit(moved, Description((), Noise((WHITE,), smooth)))
+    grainy = fit(moved, Description((), Noise((WHITE, Quantization(1e-7)), smooth)))
+    assert grainy.log_likelihood - plainly.log_likelihood < 3
+    assert plainly.description.noise.output_filter.cutoff == pytest.approx(cutoff, rel=0.03)
 
 
 @pytest.mark.parametrize("loading", [0.6, 3.0])

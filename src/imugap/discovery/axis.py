@@ -145,8 +145,9 @@ class AxisFit:
 
     @cached_property
     def top(self) -> float:
-        """Return by how many standard deviations the power of the upper fifth of frequencies exceeds the fit."""
-        upper = self.coefficients[int(0.78 * len(self.coefficients)) : self.sequence.bins.last]
+        """Return by how many standard deviations the power of the upper fifth of what is used exceeds the fit."""
+        last = self.sequence.bins.last
+        upper = self.coefficients[int(0.8 * last) : last]
         return float((np.mean(upper**2) - 1) * np.sqrt(len(upper) / 2))
 
     def _room(self, effect: StochasticEffect) -> tuple[float, float]:

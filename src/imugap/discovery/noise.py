@@ -23,6 +23,8 @@ USED = 0.98
 """Share of the frequencies that are used at most: half the sampling rate itself, where filters have a zero, is not."""
 QUIET, WINDOW = 1e-4, 1 / 200
 """Power, over the median, below which leakage from the ends of a log may be all there is; share of a mean over it."""
+OVER = 100.0
+"""Times the leaked power that a frequency has to have to be used."""
 STEP = 1e-4
 """Step of a log parameter in a difference quotient."""
 ITERATIONS = 60
@@ -37,11 +39,18 @@ FAINT = 1e-7
 
 
 def usable(values: np.ndarray) -> float:
-    """Return the share of frequencies, from the lowest on, up to which samples have power beyond leakage."""
+    """Return the share of frequencies, from the lowest on, up to which samples have power beyond leakage.
+
+    What the cosine transform leaks to high frequencies is of the slopes s at both ends, where it folds the samples: to
+    coefficient k of n a power 2/n (s_first^2 + s_last^2)/(2 sin(pi k/(2 n)))^4. Any sample may be at the end of a part;
+    so the slopes are those of all.
+    """
     power = dct(values - values.mean(), norm="ortho")[1:] ** 2
     width = max(int(WINDOW * len(power)), 1)
     means = power[: len(power) // width * width].reshape(-1, width).mean(axis=1)
-    loud = np.flatnonzero(means > QUIET * np.median(means))
+    place = (np.arange(len(means)) + 0.5) * width / len(values)
+    leaked = 4 / len(values) * np.mean(np.diff(values) ** 2) / (2 * np.sin(np.pi / 2 * place)) ** 4
+    loud = np.flatnonzero((means > QUIET * np.median(means)) & (means > OVER * leaked))
     return float(min(USED, (loud[-1] + 1) * width / len(power))) if len(loud) else USED
 
 
