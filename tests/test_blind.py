@@ -1,13 +1,19 @@
 import json
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
+import yaml
 from scipy.stats import beta
 
 from imugap import blind
+from imugap.configuration import configure
 from imugap.figures import blind as drawn
+from imugap.sealing import plan
 from imugap.stream import stream
+
+ROOT = Path(__file__).parents[1]
 
 
 def key(case, kind="single", effects=(), motion=False):
@@ -319,3 +325,20 @@ def test_the_stochastic_subset_is_counted_by_name_and_by_whether_another_program
     }  # fmt: skip
     assert table.loc[["random_walk", "sinusoid"], "rate"].tolist() == [0.5, 1.0]
     assert table.loc[["random_walk", "sinusoid"], "term"].tolist() == ["RW", ""]
+
+
+@pytest.mark.skipif(not (ROOT / "data/blind_recorded").exists(), reason="no run of the benchmark is recorded")
+def test_the_recorded_run_is_of_the_cases_that_recipe_and_seed_give():
+    recipe = yaml.safe_load((ROOT / "data/blind.yaml").read_text())
+    asked = yaml.safe_load((ROOT / "workflow/config/study.yaml").read_text())["blind"]
+    whole = configure(recipe, ROOT / "workflow/schemas/blind.schema.yaml")
+    planned = plan(asked["seed"], asked["cases"], whole["shares"], whole)
+    cases, effects = (pd.read_csv(ROOT / f"data/blind_recorded/{name}.csv") for name in ("cases", "effects"))
+    columns = ["case", "kind", "motion", "base", "rate_hz", "duration_s"]
+    assert cases[columns].to_numpy().tolist() == [
+        [one.name, str(one.kind), one.motion != "rest", one.base, one.rate_hz, one.duration_s] for one in planned
+    ]
+    named = ["single", "pair"]
+    hidden = [(one.name, each.name, each.size) for one in planned if one.kind in named for each in one.effects]
+    found = effects.loc[effects["kind"].isin(named), ["case", "name", "size"]]
+    assert list(found.itertuples(index=False, name=None)) == hidden
