@@ -10,7 +10,17 @@ from imugap.discovery.distance import distribution, drifts, together
 from imugap.discovery.noise import Noise
 from imugap.discovery.sequence import Sequence
 from imugap.discovery.uncertain import Uncertain
-from imugap.effects import Bias, GaussMarkov, RandomWalk, RateRamp, Resolution, ScaleFactor, Sinusoid, WhiteNoise
+from imugap.effects import (
+    Bias,
+    GaussMarkov,
+    OutputFilter,
+    RandomWalk,
+    RateRamp,
+    Resolution,
+    ScaleFactor,
+    Sinusoid,
+    WhiteNoise,
+)
 from imugap.effects.effect import Conditions
 from imugap.model import AxisModel, ErrorModel
 from imugap.stream import stream
@@ -119,6 +129,20 @@ def test_drawn_models_scatter_as_their_fit_says():
     expected = np.sqrt(np.diag(np.linalg.inv(information + np.eye(len(information)))))
     assert np.std(np.log(values[WhiteNoise])) == pytest.approx(expected[0], rel=0.15)
     assert np.std(np.log(values[GaussMarkov])) == pytest.approx(expected[1], rel=0.15)
+
+
+def test_a_drawn_filter_ends_below_half_the_rate():
+    """A filter that is not there, and of which the data say little: its cutoff scatters widely."""
+    measured = model(axes=("gyro_x",)).simulate(rest(400, ("gyro_x",)), 1)
+    described = Description((), Noise((WHITE,), OutputFilter(0.4 / INTERVAL, 1)))
+    found = fitted(measured, 400, described)
+    uncertain = Uncertain(ErrorModel({"gyro_x": AxisModel(found.description.effects())}), {"gyro_x": found})
+    rng = stream(1, "draws")
+    drawn = [uncertain.draw(rng)["gyro_x"].effects[-1] for _ in range(300)]
+    cutoffs = np.array([effect.cutoff for effect in drawn if isinstance(effect, OutputFilter)])
+    assert len(cutoffs) == 300
+    assert cutoffs.max() < 0.5 / INTERVAL
+    assert np.ptp(np.log(cutoffs)) > 0.05
 
 
 @pytest.mark.slow

@@ -193,7 +193,7 @@ def fit(start: Noise, bins: Bins, power: np.ndarray) -> NoiseFit:
         Sums of the squared cosine coefficients over the bins, shape (bins,).
     """
     spectra = _Spectra(start, bins)
-    low, high = _limits(start, bins, power)
+    low, high = limits(start, bins, power)
     theta, damping = np.clip(start.theta(), low, high), 1e-3
     value, gradient, information = spectra.expand(theta, power)
     for _ in range(ITERATIONS):
@@ -292,25 +292,25 @@ class _Spectra:
         return gains[1], np.log(gains[2] / gains[0]) / (2 * STEP)
 
 
-def _limits(noise: Noise, bins: Bins, power: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def limits(noise: Noise, bins: Bins, power: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the limits of the log parameters: powers by the power there is, times by the log, cutoffs by the rate."""
-    effects, limits = list(noise), []
+    effects, spans = list(noise), []
     level, duration = power / bins.number, bins.count * bins.interval
     for i, name in noise.parameters():
         effect, (least, most) = effects[i], effects[i].limits()[name]
         if isinstance(effect, OutputFilter):
-            limits.append((1e-3 / bins.interval, 0.499 / bins.interval))
+            spans.append((1e-3 / bins.interval, 0.499 / bins.interval))
         elif isfinite(most):
-            limits.append((least * (1 + 2 * STEP), most * (1 - 2 * STEP)))
+            spans.append((least * (1 + 2 * STEP), most * (1 - 2 * STEP)))
         elif _scales(effect, name):
             ratio = level / (effect.sampled_psd(bins.frequency, bins.interval) / bins.interval)
             value = getattr(effect, name)
-            limits.append((value * np.sqrt(FAINT * ratio.min()), value * np.sqrt(ratio.max()) * LOUD))
+            spans.append((value * np.sqrt(FAINT * ratio.min()), value * np.sqrt(ratio.max()) * LOUD))
         elif effect.units("")[name] == "s":
-            limits.append((bins.interval / 3, 30 * duration))
+            spans.append((bins.interval / 3, 30 * duration))
         else:
-            limits.append((0.1 / duration, 1 / bins.interval))
-    low, high = np.log(limits).T
+            spans.append((0.1 / duration, 1 / bins.interval))
+    low, high = np.log(spans).T
     return low, high
 
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from imugap.discovery.axis import AxisFit
+from imugap.discovery.noise import limits
 from imugap.effects.effect import Effect
 from imugap.model import AxisModel, ErrorModel
 
@@ -47,8 +48,14 @@ def _drawn(fit: AxisFit, rng: np.random.Generator) -> dict[Effect, Effect]:
         first += len(term.free)
     information = fit.noise.information
     covariance = np.linalg.inv(information + np.eye(len(information)) / LOOSE**2)
-    theta = description.noise.theta() + _normal(covariance, rng)
+    theta = np.clip(description.noise.theta() + _normal(covariance, rng), *_limits(fit))
     return found | dict(zip(description.noise, description.noise.at(theta), strict=True))
+
+
+def _limits(fit: AxisFit) -> tuple[np.ndarray, np.ndarray]:
+    """Return the limits that the logarithms of the noise's parameters had in the fit."""
+    bins, noise = fit.sequence.bins, fit.description.noise
+    return limits(noise, bins, bins.sums(fit.coefficients**2) * noise.variance(bins))
 
 
 def _normal(covariance: np.ndarray, rng: np.random.Generator) -> np.ndarray:
