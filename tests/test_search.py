@@ -10,12 +10,13 @@ from imugap.discovery.axis import Description, Term, cosines, fit, jacobian
 from imugap.discovery.common import shared
 from imugap.discovery.discover import _nameless
 from imugap.discovery.doubt import Doubt, doubts
-from imugap.discovery.doubt.doubts import _steps_of_it
+from imugap.discovery.doubt.doubts import _parts_of_it
+from imugap.discovery.doubt.spectrum import MEMORY
 from imugap.discovery.finding import Gap
 from imugap.discovery.gaps import gaps
 from imugap.discovery.noise import Noise, _Spectra, usable
 from imugap.discovery.runs import turn_on
-from imugap.discovery.search import Key, Search
+from imugap.discovery.search import Key, Search, at
 from imugap.discovery.sequence import Sequence
 from imugap.discovery.story import concluded, told
 from imugap.discovery.tails import tails
@@ -292,16 +293,23 @@ def test_bursts_are_no_noise_though_their_spectrum_is():
     assert reasons == [["it comes in bursts or jumps"], []]
 
 
-@pytest.mark.parametrize(("doubtful", "reasons"), [("noise", ["bursts"]), ("line", [])])
-def test_a_step_beside_slow_noise_without_a_name_has_none_either(doubtful, reasons):
-    line = Term(Sinusoid(0.8, 5e-4, 0.3), ("amplitude",))
-    described = Description((Term(BiasStep(200.0, 2e-2), ("step",)), line), Noise((WHITE, GaussMarkov(1e-3, 6.0))))
+@pytest.mark.parametrize(
+    ("doubtful", "reason", "withheld"),
+    [("noise", "bursts", [BiasStep]), ("noise", MEMORY, [BiasStep, WarmUp]), ("line", "drifts", [])],
+)
+def test_what_slow_noise_without_a_name_may_have_made_has_none_either(doubtful, reason, withheld):
+    terms = [
+        Term(BiasStep(200.0, 2e-2), ("step",)),
+        Term(Sinusoid(0.8, 5e-4, 0.3), ("amplitude",)),
+        Term(WarmUp(1e-3, 20.0), ("amplitude",)),
+    ]
+    described = Description(tuple(terms), Noise((WHITE, GaussMarkov(1e-3, 6.0))))
     found = fit(sequence(BiasStep(200.0, 2e-2), GaussMarkov(1e-3, 6.0), count=12_000), described)
-    step, line, noise = Key("term", 0), Key("term", 1), Key("noise", 1)
-    doubt = {noise: Doubt("bursts", -20.0)} if doubtful == "noise" else {line: Doubt("drifts", -20.0)}
-    doubts_of_steps = _steps_of_it(found, [step, line, noise], doubt)
-    assert [one.reason for one in doubts_of_steps.values()] == reasons
-    assert list(doubts_of_steps) == [step] * len(reasons)
+    keys = [*(Key("term", index) for index in range(3)), Key("noise", 1)]
+    doubt = {keys[3 if doubtful == "noise" else 1]: Doubt(reason, -20.0)}
+    of_it = _parts_of_it(found, keys, doubt)
+    assert [type(at(found.description, key)) for key in of_it] == withheld
+    assert all(one.reason == reason for one in of_it.values())
 
 
 @pytest.mark.parametrize(

@@ -8,12 +8,12 @@ import numpy as np
 from imugap.discovery.axis import AxisFit
 from imugap.discovery.doubt.doubt import LEVEL, Doubt
 from imugap.discovery.doubt.mean import term_doubt
-from imugap.discovery.doubt.spectrum import noise_doubt
+from imugap.discovery.doubt.spectrum import MEMORY, noise_doubt
 from imugap.discovery.doubt.variance import change_doubt
 from imugap.discovery.noise import log_likelihood
 from imugap.discovery.search import MANY, SLOW, Key, Search, at, removed
 from imugap.discovery.unsteady import Band
-from imugap.effects import BiasStep, RandomTelegraph, Sinusoid
+from imugap.effects import BiasStep, RandomTelegraph, RateRamp, Sinusoid, Temperature, WarmUp
 
 FAR = 2.0
 """Factor of the frequency of a line in doubt beyond which others have nothing to do with it."""
@@ -31,7 +31,7 @@ def doubts(search: Search, fit: AxisFit) -> dict[Key, Doubt]:
         if len(same) > most:
             found |= {key: Doubt(f"{len(same)} of them", -np.inf) for key in same}
     found |= _after_clusters(search, fit, found) | _beside_a_mean(search, fit, keys, found)
-    found |= _steps_of_it(fit, keys, found)
+    found |= _parts_of_it(fit, keys, found)
     clear = _clear_of_lines(search, fit, keys, found)
     for part in {key.part for key in found}:
         worst = min((found[key] for key in found if key.part == part), key=lambda doubt: doubt.log_p)
@@ -95,13 +95,17 @@ def _beside_a_mean(search: Search, fit: AxisFit, keys: Sequence[Key], found: Map
     return {key: Doubt("the mean beside it has no known shape", min(bent.values())) for key in doubtful}
 
 
-def _steps_of_it(fit: AxisFit, keys: Sequence[Key], found: Mapping[Key, Doubt]) -> dict[Key, Doubt]:
-    """Return the steps of the mean beside slow noise that is in doubt: what has no name may have made them."""
+def _parts_of_it(fit: AxisFit, keys: Sequence[Key], found: Mapping[Key, Doubt]) -> dict[Key, Doubt]:
+    """Return the means beside slow noise in doubt that what has no name may have made.
+
+    Any may have made steps, a memory of the temperature whatever else goes with the temperature or with time.
+    """
     slow = [key for key in found if isinstance(at(fit.description, key), (*SLOW, RandomTelegraph))]
     if not slow:
         return {}
     worst = min((found[key] for key in slow), key=lambda doubt: doubt.log_p)
-    return {key: worst for key in keys if key not in found and isinstance(at(fit.description, key), BiasStep)}
+    kinds = (BiasStep, RateRamp, Temperature, WarmUp) if worst.reason == MEMORY else (BiasStep,)
+    return {key: worst for key in keys if key not in found and isinstance(at(fit.description, key), kinds)}
 
 
 def _evidence_below(fit: AxisFit, key: Key, frequency: float) -> float:

@@ -7,7 +7,7 @@ from scipy.fft import idct
 from scipy.stats import ncx2
 
 from imugap.discovery import hysteresis, waves
-from imugap.discovery.axis import AxisFit
+from imugap.discovery.axis import AxisFit, Description
 from imugap.discovery.doubt.doubt import LEVEL, Doubt, divergence
 from imugap.discovery.noise import STEP, Noise, log_likelihood
 from imugap.discovery.power_law import PowerLaw
@@ -19,6 +19,7 @@ from imugap.stream import stream
 
 OTHER_SLOPE = np.log(1e-2)
 """Log-probability of chance below which a free slope of slow noise makes a doubt: no other test answers it as well."""
+MEMORY = "a memory of the temperature explains it better"
 SHARE = 0.05
 """Share of the variance of a band above which an effect answers for the band."""
 BANDS = 24
@@ -71,10 +72,19 @@ def _repeated(search: Search, fit: AxisFit, key: Key) -> Doubt:
 
 
 def _remembered(search: Search, fit: AxisFit, key: Key) -> Doubt:
-    """Weigh a loop over the temperature in the place of slow noise."""
+    """Weigh a loop over the temperature in the place of slow noise: of this, or of all, that of the start model too."""
     own, without = search.weighed(fit, key)
-    loop = log_chance(hysteresis.gain(without), hysteresis.MORE) + np.log(len(hysteresis.HALVES))
-    return Doubt("a memory of the temperature explains it better", _over(own, loop, search.log_alpha))
+    bare = search.fitted(fit.sequence, _bare(fit.description))
+    gain = max(one.log_likelihood + hysteresis.gain(one) for one in (without, bare)) - without.log_likelihood
+    loop = log_chance(gain, hysteresis.MORE) + np.log(len(hysteresis.HALVES))
+    return Doubt(MEMORY, _over(own, loop, search.log_alpha))
+
+
+def _bare(description: Description) -> Description:
+    """Return the description without slow noise."""
+    noise = description.noise
+    kept = tuple(effect for effect in noise.effects if not isinstance(effect, (*SLOW, RandomTelegraph)))
+    return replace(description, noise=replace(noise, effects=kept or noise.effects[:1]))
 
 
 def _over(own: Trial, other: float, log_alpha: float) -> float:
