@@ -7,7 +7,7 @@ from scipy.signal import butter, lfilter
 
 from imugap.discovery import scans, waves
 from imugap.discovery.axis import Description, Term, cosines, fit, jacobian
-from imugap.discovery.common import shared
+from imugap.discovery.common import _errors, shared
 from imugap.discovery.discover import _nameless
 from imugap.discovery.doubt import Doubt, doubts
 from imugap.discovery.doubt.doubts import _parts_of_it
@@ -192,6 +192,13 @@ def test_errors_of_shared_noise_are_those_of_many_logs(loading, count):
         errors.append(found.errors[0])
     assert np.mean(whole) == pytest.approx(1e-3 * loading, abs=4 * np.std(whole) / 10)
     assert np.std(whole, ddof=1) == pytest.approx(np.mean(errors), rel=4 / np.sqrt(200))
+
+
+def test_what_an_axis_of_no_loading_leaves_open_has_a_wide_interval():
+    sure, open_ended = (_errors(np.array([0.5, 0.5, last]), 1000) for last in (0.5, 0.0))
+    assert np.all(sure < 0.1)
+    assert np.all(np.isfinite(open_ended))
+    assert np.all(open_ended[:2] > 10)
 
 
 def test_shared_noise_has_its_sign_and_size_also_where_one_axis_is_filtered():

@@ -13,6 +13,8 @@ from imugap.discovery.axis import AxisFit
 from imugap.discovery.finding import Finding, Interval
 from imugap.effects import CommonMode
 
+FAINT = 1e-9
+"""Information of a sample that keeps what axes of no loading leave open finite."""
 CLEAR = 1e-3
 """Power gain of a filter above which what it lets through is the axis' own."""
 
@@ -112,7 +114,8 @@ def _errors(loadings: np.ndarray, n: int) -> np.ndarray:
     slopes = [inverse @ (np.outer(one, loadings) + np.outer(loadings, one)) for one in unit]
     slopes += [inverse @ np.outer(one, one) for one in unit]
     information = n / 2 * np.array([[np.trace(a @ b) for b in slopes] for a in slopes])
-    return np.sqrt(np.diag(np.linalg.inv(information))[: len(loadings)])
+    known = information + FAINT * n * np.eye(len(information))
+    return np.sqrt(np.diag(np.linalg.inv(known))[: len(loadings)])
 
 
 def _correlation(fits: Sequence[AxisFit], good: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -73,6 +73,8 @@ def _repeated(search: Search, fit: AxisFit, key: Key) -> Doubt:
 
 def _remembered(search: Search, fit: AxisFit, key: Key) -> Doubt:
     """Weigh a loop over the temperature in the place of slow noise: of this, or of all, that of the start model too."""
+    if fit.sequence.conditions.temperature is None:
+        return Doubt(MEMORY, 0.0)
     own, without = search.weighed(fit, key)
     bare = search.fitted(fit.sequence, _bare(fit.description))
     gain = max(one.log_likelihood + hysteresis.gain(one) for one in (without, bare)) - without.log_likelihood
