@@ -158,7 +158,7 @@ rule dossier:
         "benchmarks/dossier/{asked}.tsv"
     wildcard_constraints:
         asked="(discover|story|missing|motion)/[^/]+",
-    threads: lambda wildcards: 1 if wildcards.asked.startswith("story/") else 2
+    threads: lambda wildcards: 1 if wildcards.asked.startswith(("story/", "motion/")) else 2
     resources:
         mem_mb=3000,
         runtime=lambda wildcards: 120 if wildcards.asked.startswith("missing/") else 30,
