@@ -72,8 +72,11 @@ if len(RUNS["adis16405"]) > 1:
         "test": ["results/story/real_test.parquet"],
     }
 # The trials in motion that discovery is asked of, with the error-free log that cameras give.
-SIGHTED = [run for run in TRIALS if run in config["discovery"]["trials"]]
-SIGHTED = SIGHTED if "discovery" in CHAPTERS else []
+SIGHTED = [
+    run
+    for run in TRIALS
+    if run in config["discovery"]["trials"] and "discovery" in CHAPTERS
+]
 STORIES = [f"results/{asked}/report.json" for asked in ASKED]
 STARTS = ["white", "nbk"]
 # The devices whose first run is asked, from two start models; what is found is tested on their other runs.

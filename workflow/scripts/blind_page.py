@@ -120,7 +120,7 @@ def misses_page(misses):
 
 def confusion_page(counts):
     """Lay out the answers to each hidden name."""
-    return counts.rename(columns=lambda name: name.replace("_", " ")).assign(hidden=words(counts["hidden"]))
+    return counts.assign(hidden=words(counts["hidden"])).set_axis(words(counts.columns), axis="columns")
 
 
 def peer_page(peer):
