@@ -10,7 +10,8 @@ from imugap.discovery.device import Estimate, agreeing, contradicts, joined, poo
 from imugap.discovery.noise import Noise
 from imugap.discovery.search import Search, at
 from imugap.discovery.sequence import Sequence
-from imugap.effects import CATALOGUE, LeverArm, TimeOffset, WhiteNoise
+from imugap.discovery.start import described
+from imugap.effects import CATALOGUE, LeverArm, Misalignment, ScaleFactor, TimeOffset, WhiteNoise
 from imugap.effects.effect import Conditions
 from imugap.stream import stream
 
@@ -48,6 +49,34 @@ def device(hidden, run):
         searches[axis] = Search(before.description, INERTIAL, LOG_ALPHA)
         fits[axis] = searches[axis].explore(before)
     return fits, searches
+
+
+def test_what_the_start_model_has_is_no_news_and_hides_nothing():
+    arm, scale = LeverArm(0.1, -0.2, 0.05), ScaleFactor(0.05)
+    fits, searches = {}, {}
+    for axis in log.ACCEL:
+        conditions = Conditions(IDEAL.index.to_numpy(), INTERVAL, None, axis, IDEAL)
+        values = STD * stream(32, "known", axis).standard_normal(COUNT) + arm.sample(conditions, None)
+        values += scale.sample(conditions, None) if axis == "accel_x" else 0.0
+        sequence = Sequence(values, conditions, np.zeros(COUNT, bool))
+        before = fit(sequence, described((arm, WhiteNoise(DENSITY)), sequence))
+        searches[axis] = Search(before.description, INERTIAL, LOG_ALPHA)
+        fits[axis] = searches[axis].explore(before)
+    found = joined(fits, searches)
+    assert found.joints == ()
+    assert names(found) == {"accel_x": ["scale_factor"]}
+
+
+def test_the_known_axes_of_a_triad_tell_a_misalignment():
+    ideal = IDEAL[["gyro_x", "gyro_y"]]
+    conditions = Conditions(ideal.index.to_numpy(), INTERVAL, None, "gyro_x", ideal)
+    values = STD * stream(33, "pair").standard_normal(COUNT) + 0.05 * ideal["gyro_y"].to_numpy()
+    sequence = Sequence(values, conditions, np.zeros(COUNT, bool))
+    before = fit(sequence, Description((), Noise((WhiteNoise(DENSITY),))))
+    found = Search(before.description, INERTIAL, LOG_ALPHA).explore(before)
+    (term,) = found.description.terms
+    assert isinstance(term.effect, Misalignment)
+    assert term.effect.y == pytest.approx(0.05, rel=0.1)
 
 
 def names(found):

@@ -14,7 +14,22 @@ from imugap import cli, figures, log
 from imugap.discovery.discover import Question, discover
 from imugap.discovery.dossier import FILES, compose
 from imugap.discovery.inquiry import Files
-from imugap.effects import Bias, Saturation, Sinusoid, Temperature, WhiteNoise
+from imugap.discovery.report import verdict
+from imugap.effects import (
+    Bias,
+    BiasStep,
+    CommonMode,
+    Outliers,
+    RandomWalk,
+    Saturation,
+    ScaleFactor,
+    Sinusoid,
+    Temperature,
+    TimestampJitter,
+    TurnOnBias,
+    VarianceChange,
+    WhiteNoise,
+)
 from imugap.model import AxisModel, ErrorModel
 
 SCHEMA = yaml.safe_load((Path(__file__).parents[1] / "workflow/schemas/discovery.schema.yaml").read_text())
@@ -158,7 +173,15 @@ def cut(table):
 
 
 def flat(table):
-    return table.assign(gyro_y=1e-3)
+    return table.assign(gyro_x=1e-3, gyro_y=1e-3)
+
+
+def stray(table):
+    return table.set_axis(pd.Index([0.0, *(1.6e9 + table.index[1:])], name="time"))
+
+
+def other_rate():
+    log.write(measured()[::2], "bad.csv")
 
 
 def foreign():
@@ -198,7 +221,18 @@ FAULTS = {
     "no test": (nothing, ["run1.csv", "--test", "bad.csv"], "bad.csv: file: .*no such file"),
     "wrong columns": (foreign, ["bad.csv"], "bad.csv: line 1: .*did you mean gyro_x"),
     "short": (table(cut), ["bad.csv"], "bad.csv: column gyro_x: expected at least 320 samples; found 100"),
-    "constant": (table(flat), ["bad.csv"], "bad.csv: column gyro_y: expected values that vary; found 0.001"),
+    "constant": (table(flat), ["bad.csv"], "bad.csv: columns: expected values that vary on one axis at least"),
+    "stray stamp": (table(stray), ["bad.csv"], "bad.csv: index: expected a row for one in 50 samples at least"),
+    "reference for two": (
+        nothing,
+        ["run1.csv", "run2.parquet", "--reference", "run1.csv"],
+        "reference: expected one log, which it is the error-free one of; found 2",
+    ),
+    "test of another rate": (
+        other_rate,
+        ["run1.csv", "--test", "bad.csv"],
+        "bad.csv: time: expected the rate of the first log, 50 Hz; found 25 Hz",
+    ),
     "no model": (nothing, ["run1.csv", "--model", "bad.yaml"], "No such file.*bad.yaml"),
     "unknown effect": (
         unknown_effect,
@@ -250,11 +284,51 @@ def test_a_file_in_the_place_of_the_folder_is_refused_before_the_work(here, caps
     assert Path("found").read_text() == "mine"
 
 
-def test_a_model_that_needs_a_temperature_is_refused_without_one(here, capsys):
-    device(Temperature(1e-4)).write("warm.yaml")
-    assert discovered("run1.csv", "--model", "warm.yaml") == 1
-    assert "temperature" in capsys.readouterr().err
-    assert "found" not in names(here)
+def test_what_the_log_cannot_tell_stays_as_the_start_model_has_it(here, capsys):
+    clock = {"time": AxisModel((TimestampJitter(1e-5),))}
+    start = {**device(ScaleFactor(1e-3), Temperature(1e-4), TurnOnBias(1e-3)).axes, **clock}
+    ErrorModel(start | {"accel_z": AxisModel((WhiteNoise(1e-3),))}).write("sheet.yaml")
+    assert discovered("run1.csv", "--model", "sheet.yaml") == 0
+    assert (
+        "cannot tell scale_factor of gyro_y, temperature of gyro_y, turn_on_bias of gyro_y" in capsys.readouterr().out
+    )
+    report = read_report("found")
+    assert [(one["name"], one["axes"]) for one in report["effects"]] == [("sinusoid", ["gyro_y"])]
+    for key in ("start_model", "final_model"):
+        kept = ErrorModel.from_mapping(report[key])
+        assert {"scale_factor", "temperature", "turn_on_bias"} <= {effect.name for effect in kept["gyro_y"]}
+        assert (kept["time"], kept["accel_z"]) == (clock["time"], AxisModel((WhiteNoise(1e-3),)))
+
+
+def test_what_the_start_model_knows_is_not_named_again():
+    white = WhiteNoise(1e-4)
+    start = ErrorModel({
+        "gyro_x": AxisModel((white, Bias(0.0), Outliers(5e-3, 2e-2), CommonMode(1e-4, 1.0))),
+        "gyro_y": AxisModel((white, Bias(0.0), RandomWalk(0.0), CommonMode(1e-4, -0.8))),
+    })  # fmt: skip
+    found = discover([start.simulate(still(), 5)], Question(start, **QUICK))
+    assert (found.findings, found.unexplained) == ((), ())
+    assert {"outliers", "common_mode"} <= {effect.name for effect in found.final["gyro_x"]}
+
+
+def test_an_axis_without_two_values_is_a_place_and_does_not_stop_the_others():
+    found = discover([measured(LINE).assign(gyro_x=2.0, gyro_z=np.nan)], Question(**QUICK))
+    assert [(one.name, one.axes) for one in found.findings] == [("sinusoid", ("gyro_y",))]
+    for gaps in (found.gaps, found.unexplained):
+        assert {(gap.axis, gap.view) for gap in gaps} >= {("gyro_x", "values"), ("gyro_z", "values")}
+
+
+def test_a_test_run_knows_nothing_of_a_step_that_happened_in_the_log():
+    step = BiasStep(40.0, 5e-3)
+    apart = discover([measured(step)], Question(**QUICK), [measured(seed=2)]).distances["distribution"]
+    assert apart.after.value < apart.floor.high
+
+
+def test_values_without_a_unit_are_written_in_full():
+    step = VarianceChange(20.0, 60.0, 11.0)
+    text = verdict(discover([measured(step)], Question(**QUICK)))
+    ratio = float(re.search(r"variance_change \(.*ratio ([0-9.]+)[,)]", text)[1])
+    assert ratio == pytest.approx(11.0, rel=0.2)
 
 
 def test_a_write_that_fails_leaves_the_old_folder(here, capsys, monkeypatch):

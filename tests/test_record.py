@@ -262,6 +262,29 @@ def test_repeats_of_all_axes_at_once_are_one_finding():
     assert found["probability"].low < 0.01 < found["probability"].high
 
 
+def test_lattices_of_two_steps_are_two_findings_with_a_step_each():
+    axes = ("gyro_x", "gyro_y", "gyro_z")
+    models = {axis: AxisModel((NOISE, Resolution(step))) for axis, step in zip(axes, (0.02, 0.02, 0.05), strict=True)}
+    record = prepare(ErrorModel(models).simulate(still(5000, axes), 3))
+    assert [found.axes for found in record.findings] == [axes[:2], axes[2:]]
+    steps = [found.parameters["step"].value for found in record.findings]
+    assert steps == pytest.approx([0.02, 0.05], rel=1e-6)
+
+
+@pytest.mark.parametrize("wander", [0.0, 2e-3])
+def test_a_reference_is_read_where_samples_were_taken_not_where_their_rounded_stamps_are(wander):
+    sampled = 2.37e-3 * np.arange(20_000)
+    sampled = sampled + wander * np.sin(2 * np.pi * sampled / 50.0)
+    exact = 1e-3 * np.arange(50_100)
+    motion = 5 * np.sin(2 * np.pi * 1.3 * np.concatenate([sampled, exact]))
+    noise = 1e-3 * stream(2, "rounded").standard_normal(len(sampled))
+    measured = pd.DataFrame({"gyro_x": motion[:20_000] + noise}, index=pd.Index(sampled.round(3), name="time"))
+    reference = pd.DataFrame({"gyro_x": motion[20_000:]}, index=pd.Index(exact, name="time"))
+    record = prepare(measured, reference)
+    assert record.findings == ()
+    assert record.sequences["gyro_x"].values.std() == pytest.approx(1e-3, rel=0.05 if wander == 0 else 1.0)
+
+
 def test_rows_without_a_value_are_lost_on_their_axis():
     axes = ("gyro_x", "gyro_y")
     table = device(axes=axes).simulate(still(5000, axes), 5)

@@ -5,9 +5,9 @@ import pytest
 
 from imugap.discovery.axis import Description, Term, fit
 from imugap.discovery.noise import Noise
-from imugap.discovery.runs import clocks
+from imugap.discovery.runs import as_first, clocks, turn_on
 from imugap.discovery.sequence import Sequence
-from imugap.effects import Sinusoid, WhiteNoise
+from imugap.effects import GaussMarkov, RandomWalk, RateRamp, Sinusoid, WarmUp, WhiteNoise
 from imugap.effects.effect import Conditions
 from imugap.stream import stream
 
@@ -62,3 +62,54 @@ def test_only_the_run_that_is_off_is_named():
     lines = {"gyro_x": 3.1, "accel_y": 11.7}
     found = clocks([run(1, 1.0, lines), run(2, 1.0, lines), run(3, 1.0003, lines)], LOG_ALPHA)
     assert [one.parameters["run"].value for one in found] == [3]
+
+
+def test_right_stamps_of_another_rate_are_no_error_of_the_clock():
+    fits = []
+    for number, interval in ((1, 0.01), (2, 0.0125)):
+        conditions = Conditions(np.arange(20_000) * interval, interval, axis="gyro_x")
+        lines = [Sinusoid(frequency, 2e-4) for frequency in (17.7, 23.0, 31.3)]
+        noise = WhiteNoise(1e-4)
+        values = noise.sample(conditions, stream(number, "rates"))
+        values += sum(line.sample(conditions, None) for line in lines)
+        sequence = Sequence(values, conditions, np.zeros(len(values), bool))
+        fits.append({"gyro_x": fit(sequence, Description(tuple(Term(one, FREE) for one in lines), Noise((noise,))))})
+    assert clocks(fits, LOG_ALPHA) == ()
+
+
+def levelled(number, levels, effects, noise, found=()):
+    """Fit runs with the same ``effects`` at ``levels``; the first with the terms ``found``, as a search leaves them."""
+    fits, white = [], WhiteNoise(1e-4)
+    for run, level in enumerate(levels):
+        conditions = Conditions(np.arange(3000) * INTERVAL, INTERVAL, axis="gyro_x")
+        values = level + sum(
+            one.sample(conditions, stream(number, "level", run, one.name)) for one in (white, *effects, *noise)
+        )
+        sequence, random = Sequence(values, conditions, np.zeros(3000, bool)), Noise((white, *noise))
+        if fits:
+            fits.append({"gyro_x": as_first(sequence, (), fits[0]["gyro_x"])})
+        else:
+            fits.append({"gyro_x": fit(sequence, Description(tuple(found), random))})
+    return fits
+
+
+REPEATED = {
+    "ramp": (RateRamp(2e-5), ("slope",)),
+    "warm-up": (WarmUp(2e-3, 15.0), ("amplitude", "time_constant")),
+}
+
+
+@pytest.mark.parametrize("name", REPEATED)
+def test_what_every_run_does_is_no_difference_between_runs(name):
+    effect, free = REPEATED[name]
+    term = Term(effect, free)
+    assert turn_on(levelled(1, (1e-3, 1e-3), (effect,), (), (term,)), LOG_ALPHA) == ()
+    (found,) = turn_on(levelled(1, (1e-3, 1e-3, 6e-3), (effect,), (), (term,)), LOG_ALPHA)
+    assert found.parameters["std"].low < 5e-3 / np.sqrt(3) < found.parameters["std"].high
+
+
+@pytest.mark.parametrize("noise", [RandomWalk(2e-3), GaussMarkov(1e-2, 300.0), GaussMarkov(1e-2, 3.0)])
+def test_slow_noise_makes_runs_differ_as_often_as_it_should(noise):
+    level = np.log(0.05)
+    chance = [turn_on(levelled(number, (0.0, 0.0), (), (noise,)), level) for number in range(60)]
+    assert sum(map(len, chance)) <= 9  # binomial: more than 9 of 60 at 5 % in 0.2 %

@@ -10,6 +10,7 @@ from functools import cached_property
 
 import numpy as np
 import pandas as pd
+from scipy.ndimage import uniform_filter1d
 from scipy.optimize import isotonic_regression
 
 from imugap import log as canonical
@@ -30,6 +31,10 @@ COARSE = 1 / 3
 """Rounding of the stamps, in intervals, above which steps of one interval are not told from others one by one."""
 WINDOW = 64
 """Rows in which the stamps are compared with an even clock."""
+STRAIGHT = 3.0
+"""Mean square of the means over windows, in variances of such a mean, above which a clock wanders."""
+SPARSE = 50
+"""Samples per row above which the stamps are not those of one log."""
 LEAST = 4 * WINDOW
 """Rows below which nothing is said of the scatter of stamps."""
 
@@ -92,6 +97,21 @@ class Stamps:
         return self.time[rows][0] + start + slope * np.arange(self.count)
 
     @cached_property
+    def course(self) -> np.ndarray:
+        """Return when each sample was taken by a clock that runs evenly between its stamps, shape (count,) [s].
+
+        On the straight line if the means over windows lie on it, to what the scatter within windows leaves of them; by
+        the means of a window about each sample if the clock wanders.
+        """
+        if not self.scatter.size:
+            return self.grid
+        off = self.grid - self.line
+        windows = len(off) // WINDOW
+        means = off[: windows * WINDOW].reshape(windows, WINDOW).mean(axis=1)
+        straight = np.mean(means**2) <= STRAIGHT * max(self.variance, self.rounding_variance) / WINDOW
+        return self.line if straight else self.line + uniform_filter1d(off, WINDOW, mode="nearest")
+
+    @cached_property
     def scatter(self) -> np.ndarray:
         """Return how far stamps lie off the line through those of their window, shape (windows, WINDOW) [s]."""
         rows = np.flatnonzero(self.kept & self.advancing)
@@ -135,11 +155,22 @@ def stamps(time: np.ndarray) -> Stamps:
     ratio = nominal / rounding.max()
     if ratio < 1 / BLURRED and abs(ratio - np.rint(ratio)) > 1e-3:
         return Stamps(time, nominal, np.arange(len(time)), advancing, rounding, even=False)
+    _require_dense(good, nominal)
     slots = np.full(len(time), -1)
     slots[advancing] = _slots(good, _tuned(good, nominal))
     mean = float(np.polyfit(slots[advancing], good - good[0], 1)[0])
     interval = nominal if abs(mean - nominal) * slots.max() < nominal / 2 else mean
     return Stamps(time, interval, _filled(slots, advancing), advancing, rounding, even=True)
+
+
+def _require_dense(time: np.ndarray, interval: float) -> None:
+    """Raise a LogError if increasing stamps, shape (n,) [s], are far too few for the time from first to last."""
+    samples = (time[-1] - time[0]) / interval
+    if samples > SPARSE * len(time):
+        widest = int(np.argmax(np.diff(time)))
+        expected = f"a row for one in {SPARSE} samples at least, every {interval:g} s"
+        gap = f"none from {time[widest]:.10g} to {time[widest + 1]:.10g} s"
+        raise LogError("log", "index", expected, f"{len(time)} rows in {time[-1] - time[0]:g} s, {gap}")
 
 
 def filled(log: pd.DataFrame) -> pd.DataFrame:

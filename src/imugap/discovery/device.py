@@ -142,8 +142,11 @@ def contradicts(one: Estimate, pool: Pool, level: float = LEVEL) -> bool:
 
 
 def _joint(kind: type[Effect], device: Device, level: float) -> Joint | None:
-    """Return the effect of a kind that axes of the device have together, if two of them or more do."""
-    axes = [axis for axis in kind.common if axis in device.fits]
+    """Return the effect of a kind that axes of the device have together, if two of them or more do.
+
+    Axes whose start model has it are not asked.
+    """
+    axes = [axis for axis in kind.common if axis in device.fits and not device.searches[axis].knows(kind)]
     showing = [_estimate(axis, device.fits[axis], kind) for axis in axes if device.fits[axis].has(kind)]
     asked = [_asked(axis, device.fits[axis], kind) for axis in axes if not device.fits[axis].has(kind)]
     silent = [one for one in asked if one is not None]

@@ -8,30 +8,25 @@ from functools import partial
 
 import numpy as np
 import pandas as pd
-from threadpoolctl import threadpool_limits
 
 from imugap import log as canonical
 from imugap.discovery.axis import AxisFit
 from imugap.discovery.common import shared
+from imugap.discovery.comparison import HELD_IN, distances, held_out, tested
 from imugap.discovery.device import Joint, joined
-from imugap.discovery.distance import Apart, Distances, Drifts, distribution, drifts, together
+from imugap.discovery.distance import Distances, Drifts
 from imugap.discovery.finding import CERTAIN, Finding, Gap, Interval
 from imugap.discovery.gaps import REPLICATES, Verdict, named, verdicts
 from imugap.discovery.parameters import NORMAL, axis_unit
 from imugap.discovery.record import Record, prepare
 from imugap.discovery.runs import as_first, clocks, turn_on
 from imugap.discovery.search import log_chance
-from imugap.discovery.story import Story, Tale, concluded, described, model_of, noise_of, part, told
-from imugap.discovery.uncertain import Uncertain
-from imugap.effects import CATALOGUE, CommonMode, SampleLoss, TurnOnBias, WhiteNoise
-from imugap.effects.effect import Effect, Stage, StochasticEffect
-from imugap.log import AXES, TEMPERATURE, from_samples
+from imugap.discovery.start import described, noisy, untold
+from imugap.discovery.story import Story, Tale, concluded, model_of, noise_of, part, told
+from imugap.effects import CATALOGUE, CommonMode, WhiteNoise
+from imugap.effects.effect import Effect, Stage
 from imugap.model import AxisModel, ErrorModel
 
-HELD_IN = 0.8
-"""Share of a log that names and parameters come from, where no test log is given."""
-LEVELLED = 0.2
-"""Share of a test log that tells the level of a device at rest."""
 OTHER_STEPS = 4
 """Steps besides the two of each axis."""
 Progress = Callable[[str, int, int], None]
@@ -54,6 +49,8 @@ class Discovery:
         Where the final model and the log still disagree.
     withheld
         (axis, name, reason) of what was seen but not named.
+    untold
+        (axis, name) of the effects of the start model that the log cannot tell, which stay as they were.
     distances
         Between measured and simulated held-out data, by name of the distance.
     drifts
@@ -71,6 +68,7 @@ class Discovery:
     findings: tuple[Finding, ...]
     unexplained: tuple[Gap, ...]
     withheld: tuple[tuple[str, str, str], ...]
+    untold: tuple[tuple[str, str], ...]
     distances: Mapping[str, Distances]
     drifts: tuple[Drifts, ...]
     before: tuple[Verdict, ...]
@@ -137,6 +135,7 @@ def discover(
     steps = _Steps(progress, OTHER_STEPS + 2 * len(canonical.axes(logs[0])))
     steps.begin("integrity")
     record = prepare(logs[0], reference, question.seed, question.start)
+    steps.count -= 2 * len(record.silent)
     log_alpha = question.log_alpha(len(record.sequences))
     tales, joints = _together(_tales(record, known, question, log_alpha, steps))
     stories = _each(concluded, [(tale,) for tale in tales.values()], tales, question.workers, steps, "names")
@@ -149,24 +148,42 @@ def discover(
     where = named(seen, question.alpha)
     common = tuple(one.finding(f"{axis_unit(one.axes[0])}/sqrt(Hz)") for one in shared(wholes, log_alpha))
     own = tuple(finding for story in stories.values() for finding in story.findings)
-    silent = [axis for axis in stories if question.start is not None and not _noisy(known.axes.get(axis, ()))]
+    silent = [axis for axis in stories if question.start is not None and not any(map(noisy, _effects(known, axis)))]
     own += tuple(finding for axis in silent for finding in noise_of(wholes[axis]))
-    outside = (*record.findings, *common, *_between_runs(logs, wholes, known, question, log_alpha))
+    between = _between_runs(logs, wholes, known, question, log_alpha)
+    common, between = ([one for one in some if not _known(one, known)] for some in (common, between))
+    outside = (*record.findings, *common, *between)
     findings = _ordered((*own, *map(_of_joint, joints), *outside))
     steps.begin("gaps that remain")
     later, left = _left(seen, stories, record, common, question, outputs)
     start, final = _model(befores, known), _model(wholes, known, outside)
     steps.begin("distances")
     model = partial(_model, known=known, findings=outside)
-    held_out = [_tested(test, stories, start, final, question) for test in tests]
-    apart, paths = _distances(held_out or [_held_out(record, stories, start, model)], question)
+    compared = [tested(test, stories, start, final, question.seed) for test in tests]
+    compared = compared or [held_out(record, stories, start, model)]
+    with _many(question.workers) as each:
+        apart, paths = distances(compared, question.seed, question.simulations, each)
     withheld = tuple((axis, *one) for axis, story in stories.items() for one in story.unnamed())
     unsteady = _unsteady(stories)
     where, left = (*where, *unsteady), (*unsteady, *left)
     places = (*record.gaps, *where, *_nameless(stories, where, question.alpha))
-    left = (*left, *_nameless(stories, left, question.alpha))
+    left = (*record.silent, *left, *_nameless(stories, left, question.alpha))
     steps.begin("done")
-    return Discovery(start, final, places, findings, left, withheld, apart, paths, tuple(seen), later, record, stories)
+    kept = _kept(known, record)
+    return Discovery(
+        *(_with_kept(model, kept) for model in (start, final)),
+        places,
+        findings,
+        left,
+        withheld,
+        tuple((axis, effect.name) for axis, some in kept.items() for effect in some if axis in record.sequences),
+        apart,
+        paths,
+        tuple(seen),
+        later,
+        record,
+        stories,
+    )
 
 
 @dataclass
@@ -214,7 +231,7 @@ def _many(workers: int) -> Iterator[Callable]:
 
 def _tales(record: Record, known: ErrorModel, question: Question, log_alpha: float, steps: _Steps) -> dict[str, Tale]:
     arguments = [
-        (sequence, tuple(known.axes.get(axis, ())), question.catalogue, log_alpha, int(HELD_IN * len(sequence.values)))
+        (sequence, _effects(known, axis), question.catalogue, log_alpha, int(HELD_IN * len(sequence.values)))
         for axis, sequence in record.sequences.items()
     ]
     return _each(told, arguments, record.sequences, question.workers, steps, "search")
@@ -248,7 +265,7 @@ def _of_joint(joint: Joint) -> Finding:
 
 def _outputs(model: ErrorModel, axis: str) -> tuple[Effect, ...]:
     """Return the effects of an axis that act on the output behind the filter."""
-    return tuple(effect for effect in model.axes.get(axis, AxisModel()) if effect.stage > Stage.FILTER)
+    return tuple(effect for effect in _effects(model, axis) if effect.stage > Stage.FILTER)
 
 
 def _found_outputs(record: Record, axis: str, known: tuple[Effect, ...]) -> tuple[Effect, ...]:
@@ -265,7 +282,7 @@ def _between_runs(
     for log in logs[1:]:
         sequences = prepare(log, None, question.seed, question.start).sequences
         whole = {axis: part(sequences[axis], 0, len(sequences[axis].values)) for axis in wholes if axis in sequences}
-        starts = {axis: described(tuple(known.axes.get(axis, AxisModel())), one) for axis, one in whole.items()}
+        starts = {axis: described(_effects(known, axis), one) for axis, one in whole.items()}
         fits.append({axis: as_first(one, starts[axis].terms, wholes[axis]) for axis, one in whole.items()})
     return (*turn_on(fits, log_alpha), *clocks(fits, log_alpha))
 
@@ -274,7 +291,7 @@ def _left(
     seen: Sequence[Verdict],
     stories: Mapping[str, Story],
     record: Record,
-    common: tuple[Finding, ...],
+    common: Sequence[Finding],
     question: Question,
     outputs: Mapping,
 ) -> tuple[tuple[Verdict, ...], tuple[Gap, ...]]:
@@ -309,8 +326,29 @@ def _nameless(stories: Mapping[str, Story], places: Sequence[Gap], alpha: float)
     return tuple(place for place in unseen if place.p_value < alpha)
 
 
-def _noisy(effects: Iterable[Effect]) -> bool:
-    return any(isinstance(effect, StochasticEffect) for effect in effects)
+def _effects(model: ErrorModel, axis: str) -> tuple[Effect, ...]:
+    return tuple(model.axes.get(axis, AxisModel()))
+
+
+def _known(finding: Finding, known: ErrorModel) -> bool:
+    """Return whether the start model has an effect of that kind on every axis of it."""
+    return all(
+        any(isinstance(one, type(effect)) for one in _effects(known, axis)) for axis, effect in finding.effects.items()
+    )
+
+
+def _kept(known: ErrorModel, record: Record) -> dict[str, tuple[Effect, ...]]:
+    """Return the effects that stay as the start model has them: what the log cannot tell, and those of the clock."""
+    sequences = record.sequences
+    return {
+        axis: untold(tuple(effects), sequences[axis]) if axis in sequences else tuple(effects)
+        for axis, effects in known.axes.items()
+    }
+
+
+def _with_kept(model: ErrorModel, kept: Mapping[str, tuple[Effect, ...]]) -> ErrorModel:
+    more = {axis: AxisModel((*effects, *_effects(model, axis))) for axis, effects in kept.items()}
+    return ErrorModel({**model.axes, **more})
 
 
 def _pairs(axes: Sequence[str]) -> list[tuple[str, str]]:
@@ -337,90 +375,3 @@ def _with(model: AxisModel, effect: Effect) -> AxisModel:
         ]
         return AxisModel((*own, effect))
     return AxisModel((*model, effect))
-
-
-@dataclass(frozen=True, eq=False)
-class _Compared:
-    """A log with the models that it is compared with: what is simulated counts from ``split`` [s] on.
-
-    Before it, the mean of each axis would be ``level`` without a full scale.
-    """
-
-    measured: pd.DataFrame
-    split: float
-    level: Mapping[str, float]
-    before: Uncertain
-    after: Uncertain
-    reference: pd.DataFrame | None
-
-    def distribution(self, seed: int, count: int) -> Apart:
-        asked = (self.measured, self.split, self.before, self.after, seed, count)
-        return distribution(*asked, self.reference, self.level)
-
-    def drifts(self, seed: int, count: int) -> Drifts:
-        return drifts(self.measured, self.split, self.before, self.after, seed, count, self.level)
-
-    @property
-    def kinds(self) -> tuple[str, ...]:
-        """Return the names of the distances that can be taken."""
-        navigable = self.reference is None and all(axis in self.measured for axis in AXES)
-        return ("distribution", "drifts") if navigable else ("distribution",)
-
-
-def _held_out(record: Record, stories: Mapping[str, Story], start: ErrorModel, model: Callable) -> _Compared:
-    """Return the last part of the log with models whose parameters come from the part before it.
-
-    Where only the last part shows an effect, the parameters of its axis come from the whole log.
-    """
-    fits = {axis: story.after if story.settled else story.whole for axis, story in stories.items()}
-    before = Uncertain(_in_run(start), {axis: story.before for axis, story in stories.items()})
-    return _compared(record, HELD_IN, before, Uncertain(_in_run(model(fits)), fits))
-
-
-def _tested(
-    test: pd.DataFrame, stories: Mapping[str, Story], start: ErrorModel, final: ErrorModel, question: Question
-) -> _Compared:
-    """Return a further run with the models of the first one."""
-    record = prepare(test[[name for name in test if name in stories or name == TEMPERATURE]], seed=question.seed)
-    before = Uncertain(_in_run(start), {axis: story.before for axis, story in stories.items()})
-    after = Uncertain(_in_run(final), {axis: story.whole for axis, story in stories.items()})
-    return _compared(record, LEVELLED, before, after)
-
-
-def _compared(record: Record, share: float, before: Uncertain, after: Uncertain) -> _Compared:
-    conditions = next(iter(record.sequences.values())).conditions
-    held_in = int(share * len(conditions))
-    split = float(conditions.time[held_in])
-    level = {axis: float(sequence.values[:held_in].mean()) for axis, sequence in record.sequences.items()}
-    measured, reference = from_samples(record.outputs, conditions.interval), None
-    if conditions.ideal is not None:
-        reference = conditions.ideal[list(record.outputs)].set_axis(measured.index)
-    if conditions.temperature is not None:
-        measured = measured.assign(temperature=conditions.temperature)
-    return _Compared(measured, split, level, before, after, reference)
-
-
-def _distances(logs: Sequence[_Compared], question: Question) -> tuple[dict[str, Distances], tuple[Drifts, ...]]:
-    """Return the distances over logs, and the drifts of those that can be navigated; each log has its own seed."""
-    asked = [(one, question.seed + number, question.simulations) for number, one in enumerate(logs)]
-    with _many(question.workers) as each:
-        tasks = [(one, seed, count, kind) for one, seed, count in asked for kind in one.kinds]
-        found = list(each(_one_distance, *zip(*tasks, strict=True)))
-    apart = {"distribution": together([one for one in found if isinstance(one, Apart)])}
-    paths = tuple(one for one in found if isinstance(one, Drifts))
-    if paths:
-        apart["navigation"] = together([path.apart() for path in paths])
-    return apart, paths
-
-
-def _one_distance(compared: _Compared, seed: int, count: int, kind: str) -> Apart | Drifts:
-    """Return one distance of one log."""
-    with threadpool_limits(1):
-        return getattr(compared, kind)(seed, count)
-
-
-def _in_run(model: ErrorModel) -> ErrorModel:
-    """Return the model of one even run: without its clock and its gaps, and without what differs only between runs."""
-    sensors, left_out = model.sensors.items(), (SampleLoss, TurnOnBias)
-    kept = {axis: tuple(effect for effect in one if not isinstance(effect, left_out)) for axis, one in sensors}
-    return ErrorModel({axis: AxisModel(effects) for axis, effects in kept.items()})

@@ -54,7 +54,8 @@ def write(inquiry: Inquiry, out: str | Path) -> None:
 def page(inquiry: Inquiry) -> str:
     """Return the report to read, in Markdown; it shows the figures that lie beside it."""
     found = inquiry.found
-    logs = [f"- {role}: `{one['path']}`, {one['duration_s']:.6g} s at {one['rate_hz']:.6g} Hz"
+    logs = [f"- {role}: `{one['path']}`, {one['duration_s']:.6g} s at {one['rate_hz']:.6g} Hz; its first stamp, "
+            f"{one['begin_s']:.10g} s, is time zero here"
             for role, some in (("log", inquiry.logs), ("test", inquiry.tests)) for one in some]  # fmt: skip
     held_out = "the test logs" if inquiry.tests else "the last part of the log"
     parts = [

@@ -51,11 +51,13 @@ class Finding:
     effects
         The effect on each axis that has it (axis name or ``time`` to effect).
     parameters
-        Its parameters; those that differ from axis to axis carry the axis in their name.
+        Its parameters; loadings, which differ from axis to axis, carry the axis in their name.
     log_p
         Logarithm of the probability that chance makes as much of it.
     log_score_gain
-        Gain of the log-density of held-out data.
+        Gain of the log-density of data that the fit has not seen. Of the whole log for outliers and telegraph noise,
+        which no spectrum tells; of the last part, which the fit has seen, for what shows there only; 0 for what was
+        not weighed by its likelihood.
     alternatives
         (name, gain) of what the data cannot tell from it.
     """

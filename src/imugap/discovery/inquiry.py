@@ -14,9 +14,12 @@ from imugap.discovery.discover import Discovery, Progress, Question, discover
 from imugap.extension import catalogue
 from imugap.log import LogError
 from imugap.model import ErrorModel
+from imugap.stamps import Stamps, stamps
 
 FEWEST = 320
 """Samples that a log has to have: held-in and held-out part have to show their views."""
+ALIKE = 0.02
+"""Largest relative difference of the rates of logs that are compared."""
 COVERED = 0.9
 """Least share of the log that its reference has to cover; what it leaves out is not used."""
 
@@ -48,7 +51,8 @@ class Inquiry:
     Attributes
     ----------
     logs, tests
-        Path, sha256, rate [Hz] and duration [s] of each log.
+        Path, sha256, rate [Hz], first stamp and duration [s] of each log. All times of the report and of the models
+        count from the first stamp.
     alpha
         The level of the question.
     found
@@ -76,9 +80,13 @@ def ask(files: Files, question: Question, progress: Progress = lambda step, done
     question = replace(question, start=start, catalogue=tuple(kinds.values()))
     if files.tests and files.reference:
         raise ValueError("test: expected runs at rest; found a reference, which tells of a device in motion")
+    if len(files.logs) > 1 and files.reference:
+        raise ValueError(f"reference: expected one log, which it is the error-free one of; found {len(files.logs)}")
     logs, tests = _read(files.logs), _read(files.tests)
     for path, table in zip((*files.logs[1:], *files.tests), (*logs[1:], *tests), strict=True):
         _require_columns(table, path, list(logs[0].columns))
+    for path, table in zip(files.tests, tests, strict=True):
+        _require_rate(table, path, logs[0])
     reference = None if files.reference is None else _reference(files.reference, logs[0])
     found = discover(logs, question, tests, reference, progress)
     described = [tuple(map(_described, *pair)) for pair in ((files.logs, logs), (files.tests, tests))]
@@ -86,26 +94,42 @@ def ask(files: Files, question: Question, progress: Progress = lambda step, done
 
 
 def _read(paths: Sequence[Path]) -> list[pd.DataFrame]:
-    """Read logs; each has to have enough samples, and on every axis values that vary."""
+    """Read logs; each has to have an axis whose values vary, and every such axis enough samples."""
     tables = [readers.read_table(path) for path in paths]
     for path, table in zip(paths, tables, strict=True):
+        _clock(path, table)
         axes = log.axes(table)
         if not axes:
             raise LogError(path, "columns", f"at least one of {', '.join(log.AXES)}", "none of them")
-        for axis in axes:
-            values = table[axis].to_numpy()
-            values = values[np.isfinite(values)]
+        finite = {axis: table[axis][np.isfinite(table[axis])] for axis in axes}
+        varying = {axis: values for axis, values in finite.items() if values.nunique() > 1}
+        if not varying:
+            raise LogError(path, "columns", "values that vary on one axis at least", "one value everywhere")
+        for axis, values in varying.items():
             if len(values) < FEWEST:
                 raise LogError(path, f"column {axis}", f"at least {FEWEST} samples", str(len(values)))
-            if values.min() == values.max():
-                raise LogError(path, f"column {axis}", "values that vary", f"{values[0]:g} everywhere")
     return tables
+
+
+def _clock(path: Path, table: pd.DataFrame) -> Stamps:
+    """Return the clock of a log, which has to have one."""
+    try:
+        return stamps(table.index.to_numpy(float))
+    except LogError as error:
+        raise LogError(path, error.place, error.expected, error.found) from error
 
 
 def _require_columns(table: pd.DataFrame, path: Path, names: Sequence[str]) -> None:
     missing = [name for name in names if name not in table]
     if missing:
         raise LogError(path, "columns", f"those of the first log, {', '.join(names)}", f"no {missing[0]}")
+
+
+def _require_rate(table: pd.DataFrame, path: Path, first: pd.DataFrame) -> None:
+    """Raise a LogError unless a test log has the rate of the first log: spectra and filters are those of a rate."""
+    found, expected = (1 / _clock(path, one).interval for one in (table, first))
+    if abs(found / expected - 1) > ALIKE:
+        raise LogError(path, "time", f"the rate of the first log, {expected:.4g} Hz", f"{found:.4g} Hz")
 
 
 def _reference(path: Path, measured: pd.DataFrame) -> pd.DataFrame:
@@ -123,7 +147,11 @@ def _reference(path: Path, measured: pd.DataFrame) -> pd.DataFrame:
 def _described(path: Path, table: pd.DataFrame) -> dict:
     with Path(path).open("rb") as file:
         digest = file_digest(file, "sha256").hexdigest()
-    stamped = table[np.isfinite(table.index)]
-    interval, time = log.interval(stamped), stamped.index
-    span = float(time.max() - time.min()) + interval
-    return {"path": str(path), "sha256": digest, "rate_hz": 1 / interval, "duration_s": span}
+    clock = _clock(path, table)
+    return {
+        "path": str(path),
+        "sha256": digest,
+        "rate_hz": 1 / clock.interval,
+        "begin_s": float(clock.grid[0]),
+        "duration_s": clock.interval * clock.count,
+    }

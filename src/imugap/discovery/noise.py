@@ -139,11 +139,12 @@ class Noise:
         return iter(self.effects if self.output_filter is None else (*self.effects, self.output_filter))
 
     def parameters(self) -> tuple[tuple[int, str], ...]:
-        """Return (index of the effect, parameter) of all that a fit adjusts."""
-        free = [
-            (i, item.name) for i, effect in enumerate(self) for item in fields(effect) if not item.metadata["whole"]
-        ]
-        return tuple(free)
+        """Return (index of the effect, parameter) of all that a fit adjusts: no numbers that are whole, no signed ones.
+
+        A loading of common noise has a sign, and its size is that of the density.
+        """
+        items = [(i, item.name, item.metadata) for i, effect in enumerate(self) for item in fields(effect)]
+        return tuple((i, name) for i, name, limits in items if not limits["whole"] and limits["low"] >= 0)
 
     def theta(self) -> np.ndarray:
         """Return the logarithms of the parameters."""

@@ -47,12 +47,15 @@ class Record:
         The effects that were named on the way; each is at home on the axes under which it stands.
     gaps
         Where log and start model disagree, in the views ``stamps`` and ``values``, named or not.
+    silent
+        Axes without two different values, which are left out: their value, in the view ``values``.
     """
 
     sequences: dict[str, Sequence]
     outputs: dict[str, np.ndarray]
     findings: tuple[Finding, ...]
     gaps: tuple[Gap, ...]
+    silent: tuple[Gap, ...] = ()
 
 
 def prepare(
@@ -72,11 +75,12 @@ def prepare(
         Model whose effects are known: they are taken out, but are no news.
     """
     known = ErrorModel({}) if start is None else start
-    rows = _rows(log, reference)
+    silent = _silent(log)
+    rows = _rows(log.drop(columns=[gap.axis for gap in silent]), reference)
     clock = stamps(rows.index.to_numpy(float))
     jitter, loss = TimestampJitter.found(clock), SampleLoss.found(clock)
     time = clock.grid if jitter is None else clock.line
-    everywhere = _conditions(rows, clock, time, reference)
+    everywhere = _conditions(rows, clock, reference)
     news = _News(known, float(time[0]))
     for evidence in (jitter, loss):
         if evidence is not None:
@@ -91,7 +95,7 @@ def prepare(
         axis: _sequence(values, at[axis], flawed[axis], clipped[axis], seed) for axis, values in outputs.items()
     }
     whole = {axis: _without_gaps(values, sequences[axis]) for axis, values in outputs.items()}
-    return Record(sequences, whole, news.findings(), tuple(news.gaps))
+    return Record(sequences, whole, news.findings(), (*silent, *news.gaps), silent)
 
 
 class _News:
@@ -127,26 +131,40 @@ class _News:
             self.place("stamps", canonical.TIME, first, last, "s", CERTAIN)
 
     def findings(self) -> tuple[Finding, ...]:
-        """Return one finding for each kind of effect."""
-        return tuple(_finding(found) for found in self.evidence.values())
+        """Return one finding for each effect: axes that have it by the same values share it."""
+        shared: dict[tuple, dict[str, Evidence]] = {}
+        for kind, found in self.evidence.items():
+            for axis, evidence in found.items():
+                units, values = kind.units(_unit(axis)), evidence.effect.parameters()
+                same = (kind, *((name, f"{value:.4g}", units[name]) for name, value in values.items()))
+                shared.setdefault(same, {})[axis] = evidence
+        return tuple(map(_finding, shared.values()))
 
 
 def _finding(found: dict[str, Evidence]) -> Finding:
-    """Return what is found of one kind of effect; a parameter that differs between axes carries the axis."""
+    """Return what is found of one effect."""
+    axis, surest = min(found.items(), key=lambda one: one[1].log_p)
+    units = surest.effect.units(_unit(axis))
+    parameters = {
+        name: Interval(value, *map(float, surest.intervals[name]), units[name])
+        for name, value in surest.effect.parameters().items()
+    }
     effects = {axis: evidence.effect for axis, evidence in found.items()}
-    parameters = {}
-    for axis, evidence in found.items():
-        units = evidence.effect.units(_unit(axis))
-        for name, value in evidence.effect.parameters().items():
-            common = len({effect.parameters()[name] for effect in effects.values()}) == 1
-            label = name if common else f"{name}_{axis}"
-            low, high = evidence.intervals[name]
-            parameters[label] = Interval(value, float(low), float(high), units[name])
-    return Finding(effects, parameters, max(float(min(evidence.log_p for evidence in found.values())), CERTAIN))
+    return Finding(effects, parameters, max(float(surest.log_p), CERTAIN))
 
 
 def _unit(axis: str) -> str:
     return {canonical.TIME: "s"}.get(axis, "rad/s" if axis in GYRO else "m/s^2")
+
+
+def _silent(log: pd.DataFrame) -> tuple[Gap, ...]:
+    """Return the axes without two different values, each as a place, if there are others."""
+    values = {axis: log[axis].replace([np.inf, -np.inf], np.nan).dropna().unique() for axis in canonical.axes(log)}
+    silent = {axis: found for axis, found in values.items() if len(found) < 2}
+    if len(silent) == len(values):
+        return ()
+    levels = {axis: float(found[0]) if len(found) else np.nan for axis, found in silent.items()}
+    return tuple(Gap("values", axis, level, level, _unit(axis), 0.0) for axis, level in levels.items())
 
 
 def _rows(log: pd.DataFrame, reference: pd.DataFrame | None) -> pd.DataFrame:
@@ -174,25 +192,29 @@ def _on_grid(column: pd.Series, clock: Stamps) -> np.ndarray:
     return values
 
 
-def _conditions(rows: pd.DataFrame, clock: Stamps, time: np.ndarray, reference: pd.DataFrame | None) -> Conditions:
+def _conditions(rows: pd.DataFrame, clock: Stamps, reference: pd.DataFrame | None) -> Conditions:
     even = clock.interval * np.arange(clock.count)
     temperature = None
     if canonical.TEMPERATURE in rows:
         temperature = _on_grid(rows[canonical.TEMPERATURE], clock)
         measured = np.isfinite(temperature)
         temperature = np.interp(even, even[measured], temperature[measured]) if measured.any() else None
-    ideal = None if reference is None else _interpolated(reference, time, clock.interval).set_axis(even)
+    ideal = None if reference is None else _interpolated(reference, clock).set_axis(even)
     return Conditions(even, clock.interval, temperature, ideal=ideal)
 
 
-def _interpolated(reference: pd.DataFrame, time: np.ndarray, interval: float) -> pd.DataFrame:
-    """Return the reference at the stamps: as it is where the stamps are its own, else by cubic splines."""
-    names, own = list(canonical.axes(reference)), reference.index.to_numpy(float)
-    nearest = np.clip(np.searchsorted(own, time - ALIGNED * interval), 0, len(own) - 1)
+def _interpolated(reference: pd.DataFrame, clock: Stamps) -> pd.DataFrame:
+    """Return the reference at the samples: as it is where it has the same stamps, else by cubic splines.
+
+    Samples are taken at even times, whatever a rounded or scattered stamp says.
+    """
+    names, own, time = list(canonical.axes(reference)), reference.index.to_numpy(float), clock.grid
+    nearest = np.clip(np.searchsorted(own, time - ALIGNED * clock.interval), 0, len(own) - 1)
     values = reference[names].to_numpy(float)
-    if np.all(np.abs(own[nearest] - time) < ALIGNED * interval):
+    if np.all(np.diff(nearest) == 1) and np.all(np.abs(own[nearest] - time) < ALIGNED * clock.interval):
         values = values[nearest]
     else:
+        time = clock.course
         values = CubicSpline(own, values)(np.clip(time, own[0], own[-1]))
     return pd.DataFrame(values, columns=names, index=pd.Index(time, name=canonical.TIME))
 

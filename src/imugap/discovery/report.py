@@ -15,7 +15,7 @@ SMALLEST = -690.0
 
 
 def to_mapping(found: Discovery, logs: Sequence[dict], tests: Sequence[dict] = ()) -> dict:
-    """Return the report as plain data; path, sha256, rate and duration tell of each log and of each test log."""
+    """Return the report as plain data; what tells of each log and of each test log is given."""
     report = {
         "schema": SCHEMA,
         "log": list(logs),
@@ -92,6 +92,9 @@ def verdict(found: Discovery) -> str:
     """Return the answer in plain words."""
     lines = [_sentence(finding) for finding in found.findings] or ["Nothing is missing that the log can show."]
     lines += [f"{axis}: something like {name}, but {reason}; not named." for axis, name, reason in found.withheld]
+    if found.untold:
+        kept = ", ".join(f"{name} of {axis}" for axis, name in found.untold)
+        lines.append(f"The log cannot tell {kept}; kept as the start model has it.")
     if found.unexplained:
         places = "; ".join(dict.fromkeys(place(gap) for gap in found.unexplained))
         lines.append(f"Still unexplained: {places}.")
@@ -102,8 +105,8 @@ def verdict(found: Discovery) -> str:
 
 
 def _sentence(finding: Finding) -> str:
-    values = ", ".join(f"{name} {one.value:.4g} {one.unit}".rstrip(" 1") for name, one in finding.parameters.items())
-    told = f"{', '.join(finding.axes)}: {finding.name} ({values})"
+    values = (f"{name} {one.value:.4g} {one.unit}".removesuffix(" 1") for name, one in finding.parameters.items())
+    told = f"{', '.join(finding.axes)}: {finding.name} ({', '.join(values)})"
     if finding.alternatives:
         told += f"; the log cannot tell it from {', '.join(name for name, _ in finding.alternatives)}"
     return told + "."

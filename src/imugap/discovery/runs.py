@@ -7,17 +7,25 @@ import numpy as np
 from scipy.stats import chi2
 
 from imugap.clock import BLOCKS, SHORTEST, relative_interval, spectra
-from imugap.discovery.axis import AxisFit, Description, Term, fit, offset
+from imugap.discovery.axis import AxisFit, Description, Term, fit, jacobian, offset
 from imugap.discovery.doubt import LEVEL as DRIFTING
 from imugap.discovery.doubt import nearly
 from imugap.discovery.finding import Finding, Interval
 from imugap.discovery.parameters import NORMAL, axis_unit, term_intervals
 from imugap.discovery.sequence import Sequence
-from imugap.effects import ClockScale, Sinusoid, TurnOnBias
+from imugap.discovery.uncertain import LOOSE
+from imugap.effects import BiasInstability, BiasStep, ClockScale, RandomWalk, Sinusoid, TurnOnBias
+from imugap.effects.effect import StochasticEffect
 from imugap.effects.sinusoid import LINE
 from imugap.log import TIME, from_samples
 
 LEAST = 1e-300
+BEGIN, NEVER = 3 / (2 * np.pi**2), 1e-7
+"""Periods per run above which noise adds to the variance of a mean: of what begins with the run, and of other noise."""
+LASTING = 0.2
+"""Correlation time, in runs, from which on noise holds a level through a run."""
+FREQUENCIES = 20_000
+"""At which the integral over the spectrum is taken."""
 NEAR = 0.01
 """Largest relative difference of the frequency of a line between runs whose clocks nothing else compares."""
 CLEAR = 20.0
@@ -31,10 +39,11 @@ Runs = list[Mapping[str, AxisFit]]
 
 
 def turn_on(fits: Runs, log_alpha: float) -> tuple[Finding, ...]:
-    """Return the axes whose means differ between runs by more than the noise of each run lets them.
+    """Return the axes whose levels differ between runs by more than the noise of each run lets them.
 
-    The variance of a mean is that of the lowest cosine coefficient over the number of samples. The scatter of the
-    means over it is chi-square distributed with one degree of freedom less than runs.
+    A level is the mean less the systematic terms, which every run may have; where it stands is told by
+    :func:`_error`. The weighted scatter of the levels is chi-square distributed with one degree of freedom less than
+    runs.
     """
     axes = [axis for axis in fits[0] if all(axis in one for one in fits)]
     found = (_turn_on(axis, [one[axis] for one in fits], log_alpha) for axis in axes)
@@ -42,16 +51,55 @@ def turn_on(fits: Runs, log_alpha: float) -> tuple[Finding, ...]:
 
 
 def _turn_on(axis: str, runs: list[AxisFit], log_alpha: float) -> Finding | None:
-    means = np.array([offset(run.sequence, run.description) for run in runs])
-    noise = np.mean([run.variance[0] / len(run.residual) for run in runs])
-    squares, free = float(np.sum((means - means.mean()) ** 2)), len(runs) - 1
-    log_p = float(chi2.logsf(squares / noise, free))
+    levels = np.array([offset(run.sequence, run.description) for run in runs])
+    errors, free = np.array([_error(run) for run in runs]), len(runs) - 1
+    if not np.isfinite(errors).all():
+        return None
+    scatter = float(np.sum((levels - np.average(levels, weights=errors**-2)) ** 2 / errors**2))
+    log_p = float(chi2.logsf(scatter, free))
     if log_p > log_alpha:
         return None
+    squares, noise = float(np.sum((levels - levels.mean()) ** 2)), float(np.mean(errors**2))
     low, high = (np.sqrt(max(squares / chi2.ppf(share, free) - noise, 0.0)) for share in (0.975, 0.025))
     std = float(np.sqrt(max(squares / free - noise, LEAST)))
     interval = Interval(std, float(low), float(high), axis_unit(axis))
     return Finding({axis: TurnOnBias(std)}, {"std": interval}, log_p)
+
+
+def _error(run: AxisFit) -> float:
+    """Return the standard deviation of the level of a run: that of its mean, and of the terms that are taken off it.
+
+    Infinite beside noise with a memory that may be as long as the run: it holds a level like a bias.
+    """
+    conditions, noise = run.sequence.conditions, run.description.noise
+    duration = conditions.interval * len(conditions)
+    if any(memory > LASTING * duration for memory in _memories(run)):
+        return np.inf
+    slopes = jacobian(run.description.terms, run.sequence).mean(axis=0)
+    variance = sum(_of_mean(effect, duration, conditions.interval) for effect in noise.effects)
+    return float(np.sqrt(variance + slopes @ run.covariance @ slopes))
+
+
+def _memories(run: AxisFit) -> Iterator[float]:
+    """Yield the correlation time of each Gauss-Markov process, the upper end of its interval [s]."""
+    information, free = run.noise.information, run.description.noise.parameters()
+    covariance = np.linalg.inv(information + np.eye(len(information)) / LOOSE**2)
+    for place, (index, name) in enumerate(free):
+        if name == "correlation_time":
+            time = run.description.noise.effects[index].correlation_time
+            yield float(time * np.exp(NORMAL * np.sqrt(covariance[place, place])))
+
+
+def _of_mean(effect: StochasticEffect, duration: float, interval: float) -> float:
+    """Return the variance of the mean of noise over a run, the integral of S(f) sinc^2(f duration).
+
+    A random walk begins with its run: below :data:`BEGIN` periods per run nothing is missing, which makes it
+    K^2 duration/3; and neither is of flicker, whose variance has no bound.
+    """
+    lowest = (BEGIN if isinstance(effect, (RandomWalk, BiasInstability)) else NEVER) / duration
+    frequency = np.geomspace(lowest, 0.5 / interval, FREQUENCIES)
+    passed = effect.sampled_psd(frequency, interval) * np.sinc(frequency * duration) ** 2
+    return 2 * float(np.trapezoid(passed, frequency))
 
 
 def clocks(fits: Runs, log_alpha: float) -> tuple[Finding, ...]:
@@ -83,7 +131,8 @@ def _clock(first: Mapping[str, AxisFit], other: Mapping[str, AxisFit], run: int,
 
 
 Evidence = tuple[float, float]
-"""Logarithm of the true sampling interval of a run over that of the first, and its standard deviation."""
+"""Logarithm of the true sampling interval of a run over that of its stamps, of which the first run sets the measure,
+and its standard deviation."""
 
 
 def _mean(found: list[Evidence]) -> Evidence | None:
@@ -97,18 +146,20 @@ def _mean(found: list[Evidence]) -> Evidence | None:
 
 
 def _by_blocks(first: Mapping[str, AxisFit], other: Mapping[str, AxisFit]) -> list[Evidence]:
-    """Return what the spectra of blocks say, if the runs are long enough for them."""
+    """Return what the spectra of blocks say, if the runs are long enough for them.
+
+    They compare samples; that the stamps of the runs have other intervals is no error of a clock.
+    """
+    intervals = [next(iter(one.values())).sequence.conditions.interval for one in (first, other)]
     logs = [
-        from_samples(
-            {axis: found.sequence.values for axis, found in one.items()},
-            next(iter(one.values())).sequence.conditions.interval,
-        )
-        for one in (first, other)
+        from_samples({axis: found.sequence.values for axis, found in one.items()}, interval)
+        for one, interval in zip((first, other), intervals, strict=True)
     ]
     if min(map(len, logs)) < BLOCKS * SHORTEST:
         return []
     clock = relative_interval(*map(spectra, logs))
-    return [(one.log_ratio, one.sd) for one in (clock.lines, clock.rolloff) if one and one.sd > 0]
+    stamped = float(np.log(intervals[1] / intervals[0]))
+    return [(one.log_ratio - stamped, one.sd) for one in (clock.lines, clock.rolloff) if one and one.sd > 0]
 
 
 def _by_lines(first: Mapping[str, AxisFit], other: Mapping[str, AxisFit], blocks: Evidence | None) -> list[Evidence]:
@@ -158,5 +209,10 @@ def _frequency(found: AxisFit, index: int) -> tuple[float, float]:
 
 
 def as_first(sequence: Sequence, terms: tuple[Term, ...], first: AxisFit) -> AxisFit:
-    """Fit another run of a device: the terms of the start model, the noise that the first run shows."""
-    return fit(sequence, Description(terms, first.description.noise))
+    """Fit another run of a device: the terms of the start model, and terms and noise that the first run shows.
+
+    Lines have another phase in each run, and steps another time.
+    """
+    added = first.description.terms[len(terms) :]
+    repeated = tuple(term for term in added if not isinstance(term.effect, (BiasStep, Sinusoid)))
+    return fit(sequence, Description((*terms, *repeated), first.description.noise))

@@ -142,6 +142,10 @@ class Search:
         """Return the same search for other samples."""
         return Search(self.start, self.catalogue, self.log_alpha)
 
+    def knows(self, kind: type[Effect]) -> bool:
+        """Return whether the start model has an effect of a kind."""
+        return any(isinstance(effect, kind) for effect in self.start.effects())
+
     def fitted(self, sequence: Sequence, start: Description) -> AxisFit:
         """Return the fit from a start, made once; what was derived from it is kept of the latest fits only."""
         found = self.memory.pop(start, None)
@@ -254,6 +258,13 @@ class Search:
         sequence = before.sequence.mended(found.flagged, stream(0, "mended", before.sequence.conditions.axis))
         self.tails[named.outliers], self.raw[named.outliers] = found, before.sequence
         return Trial(named.outliers, self.fitted(sequence, named), found.gain, 2, TAILS)
+
+    def cleared(self, before: AxisFit) -> AxisFit:
+        """Return the fit to the samples without the outliers that the start model knows of, if it knows of some."""
+        if self.start.outliers is None:
+            return before
+        wide = self.cleaned(replace(before, description=replace(before.description, outliers=None)))
+        return before if wide is None else wide.fit
 
     def judged(self, start: Start, before: AxisFit, beside: Description | None = None) -> Trial:
         """Fit a proposal, beside what is there or other values of it, and judge it against the fit without it."""

@@ -8,13 +8,13 @@ from scipy.fft import next_fast_len
 from threadpoolctl import threadpool_limits
 
 from imugap.discovery import unsteady
-from imugap.discovery.axis import AxisFit, Description, Term, fit, log_score, offset
+from imugap.discovery.axis import AxisFit, fit, log_score, offset
 from imugap.discovery.doubt import beside_a_sweep, doubts
 from imugap.discovery.finding import CERTAIN, Finding, Interval
-from imugap.discovery.noise import Noise
 from imugap.discovery.parameters import axis_unit, intervals
 from imugap.discovery.search import MANY, SLOW, Key, Search, at, log_chance, removed
 from imugap.discovery.sequence import Sequence
+from imugap.discovery.start import described
 from imugap.discovery.sweeps import swept
 from imugap.discovery.telegraph import compare
 from imugap.discovery.unsteady import Band
@@ -22,13 +22,10 @@ from imugap.discovery.withheld import Withheld, withheld
 from imugap.effects import (
     Bias,
     BiasStep,
-    OutputFilter,
     RandomTelegraph,
     Sinusoid,
-    VarianceChange,
-    WhiteNoise,
 )
-from imugap.effects.effect import Effect, StochasticEffect, SystematicEffect
+from imugap.effects.effect import Effect
 from imugap.model import AxisModel
 
 SWITCHES, ALIKE = 3, 0.4
@@ -115,28 +112,6 @@ def _names(found: AxisFit) -> list[str]:
     return sorted(effect.name for effect in found.description.effects())
 
 
-def described(effects: Several[Effect], sequence: Sequence) -> Description:
-    """Return the start model of an axis as a description: what a fit can adjust of it; a bias is the offset."""
-    random = tuple(effect for effect in effects if isinstance(effect, StochasticEffect))
-    filters = [effect for effect in effects if isinstance(effect, OutputFilter)]
-    terms = tuple(_term(effect, sequence) for effect in effects if isinstance(effect, SystematicEffect))
-    changes = tuple(effect for effect in effects if isinstance(effect, VarianceChange))
-    return Description(terms, Noise(random or (_white(sequence),), *filters[:1]), changes)
-
-
-def _white(sequence: Sequence) -> WhiteNoise:
-    """Return white noise of the size of the differences of neighbours."""
-    spread = np.std(np.diff(sequence.values)) / np.sqrt(2)
-    return WhiteNoise(float(max(spread, 1e-12) * np.sqrt(sequence.conditions.interval)))
-
-
-def _term(effect: SystematicEffect, sequence: Sequence) -> Term:
-    if isinstance(effect, Sinusoid):
-        turns = np.exp(-2j * np.pi * effect.frequency * sequence.conditions.time)
-        effect = replace(effect, phase=float(np.angle(np.mean((sequence.values - sequence.values.mean()) * turns))))
-    return Term(effect, tuple(effect.slopes(sequence.conditions)))
-
-
 def part(sequence: Sequence, first: int, last: int) -> Sequence:
     """Return samples ``first`` to ``last``, a few less where that makes transforms fast."""
     while next_fast_len(last - first, real=True) != last - first:
@@ -165,13 +140,14 @@ def told(
     """
     with threadpool_limits(1):
         held_in, held_out = part(sequence, 0, split), part(sequence, split, len(sequence.values))
-        before = fit(held_in, described(start, held_in))
-        search = Search(before.description, catalogue, log_alpha)
+        begin = fit(held_in, described(start, held_in))
+        search = Search(begin.description, catalogue, log_alpha)
+        before = search.cleared(begin)
         early = _searched(search, before)
         whole = unsteady.without(part(sequence, 0, len(sequence.values)), early.bands)
         kept = replace(early.found.description, outliers=None, changes=before.description.changes)
         again = search.afresh()
-        late = _searched(again, again.settled(fit(whole, kept)), early.bands)
+        late = _searched(again, again.settled(again.cleared(fit(whole, kept))), early.bands)
         return Tale(
             before.bare(),
             early.found.bare(),
@@ -199,7 +175,8 @@ def _searched(search: Search, before: AxisFit, taken: tuple[Band, ...] = ()) -> 
     if not bands:
         return _Searched(search, found, taken)
     cleared = unsteady.without(before.sequence, bands)
-    return _searched(search.afresh(), fit(cleared, search.start), (*taken, *bands))
+    again = search.afresh()
+    return _searched(again, again.cleared(fit(cleared, search.start)), (*taken, *bands))
 
 
 def concluded(tale: Tale) -> Story:
@@ -211,7 +188,7 @@ def concluded(tale: Tale) -> Story:
         sure = [key for key in search.added(whole.description) if key not in doubtful]
         doubtful |= beside_a_sweep(search, tale.whole, sure, sweeps)
         named = [key for key in search.added(whole.description) if key not in doubtful]
-        findings = tuple(_finding(search, whole, key, tale.held_out) for key in named)
+        findings = tuple(_finding(tale, whole, key) for key in named)
         nameless = tuple(withheld(search, tale.whole, key, doubt) for key, doubt in doubtful.items())
         after = _without(tale.after, list(doubts(tale.early, tale.after)))
         final = _without(whole, list(doubtful))
@@ -300,9 +277,9 @@ def _without(found: AxisFit, keys: list[Key]) -> AxisFit:
     return fit(found.sequence, description) if keys else found
 
 
-def _finding(search: Search, found: AxisFit, key: Key, held_out: Sequence) -> Finding:
+def _finding(tale: Tale, found: AxisFit, key: Key) -> Finding:
     """Return one effect with its intervals, its gain on held-out data, and what cannot be told from it."""
-    axis = found.sequence.conditions.axis
+    search, axis = tale.late, found.sequence.conditions.axis
     effect = at(found.description, key)
     own, without = search.weighed(found, key)
     near = found.log_likelihood + search.log_alpha / 2
@@ -324,8 +301,27 @@ def _finding(search: Search, found: AxisFit, key: Key, held_out: Sequence) -> Fi
         parameters, gain = _of_outliers(search, found), search.tails[effect].gain
     else:
         parameters = intervals(found, without, key)
-        gain = log_score(held_out, found.description) - log_score(held_out, without.description)
+        gain = _gain(tale, effect, found, without)
     return Finding({axis: effect}, parameters, max(own.log_p, CERTAIN), float(gain), tuple(alternatives.items()))
+
+
+def _gain(tale: Tale, effect: Effect, found: AxisFit, without: AxisFit) -> float:
+    """Return the gain of log-density of the held-out part by an effect, by fits to the held-in part.
+
+    Where that does not show it, by those to the whole log, ``found`` and ``without``.
+    """
+    added = [(key, at(tale.after.description, key)) for key in tale.early.added(tale.after.description)]
+    same = [(_apart(one, effect), key) for key, one in added if type(one) is type(effect)]
+    if same:
+        key = min(same, key=lambda one: one[0])[1]
+        found, without = tale.after, tale.early.weighed(tale.after, key)[1]
+    return log_score(tale.held_out, found.description) - log_score(tale.held_out, without.description)
+
+
+def _apart(one: Effect, other: Effect) -> float:
+    """Return how far the parameters of two effects of a kind are apart, each relative to its size."""
+    pairs = zip(one.parameters().values(), other.parameters().values(), strict=True)
+    return sum(abs(a - b) / (abs(a) + abs(b) or 1.0) for a, b in pairs)
 
 
 def noise_of(found: AxisFit) -> tuple[Finding, ...]:

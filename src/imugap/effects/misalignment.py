@@ -39,16 +39,19 @@ class Misalignment(SystematicEffect):
         return conditions.input(self, list(leaning)) @ np.array(list(leaning.values()))
 
     def slopes(self, conditions: Conditions) -> dict[str, np.ndarray]:
-        """Return the inputs of the other axes of the triad."""
+        """Return the inputs of the other axes of the triad, of those that are known."""
         own = conditions.own_axis(self)
         others = [axis for axis in triad(own) if axis != own]
+        others = [axis for axis in others if conditions.knows([axis])] or others
         return {axis[-1]: column for axis, column in zip(others, conditions.input(self, others).T, strict=True)}
 
     @classmethod
     def starts(cls, fit: "AxisFit") -> Iterator[Start]:
-        """Yield the angles to the axes with an input, where the inputs of the triad are known."""
+        """Yield the angles to the axes with an input, where one is known."""
         conditions = fit.sequence.conditions
-        if conditions.axis is None or not conditions.knows(triad(conditions.axis)) or fit.has(cls):
+        if conditions.axis is None or fit.has(cls):
+            return
+        if not any(conditions.knows([axis]) for axis in triad(conditions.axis) if axis != conditions.axis):
             return
         free = tuple(name for name, slope in cls().slopes(conditions).items() if np.ptp(slope) > 0)
         if free:

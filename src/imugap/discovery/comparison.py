@@ -1,0 +1,127 @@
+"""Logs beside the models that they are compared with: the last part of a log, or further runs of the device."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import pandas as pd
+from threadpoolctl import threadpool_limits
+
+from imugap.discovery.distance import Apart, Distances, Drifts, distribution, drifts, together
+from imugap.discovery.record import Record, prepare
+from imugap.discovery.story import Story
+from imugap.discovery.uncertain import Uncertain
+from imugap.effects import BiasStep, SampleLoss, TurnOnBias, VarianceChange
+from imugap.effects.effect import Effect
+from imugap.log import AXES, TEMPERATURE, from_samples
+from imugap.model import AxisModel, ErrorModel
+
+HELD_IN = 0.8
+"""Share of a log that names and parameters come from, where no test log is given."""
+LEVELLED = 0.2
+"""Share of a test log that tells the level of a device at rest."""
+
+
+@dataclass(frozen=True, eq=False)
+class Compared:
+    """A log with the models that it is compared with: what is simulated counts from ``split`` [s] on.
+
+    Before it, the mean of each axis would be ``level`` without a full scale.
+    """
+
+    measured: pd.DataFrame
+    split: float
+    level: Mapping[str, float]
+    before: Uncertain
+    after: Uncertain
+    reference: pd.DataFrame | None
+
+    def distribution(self, seed: int, count: int) -> Apart:
+        """Return the distances over views."""
+        asked = (self.measured, self.split, self.before, self.after, seed, count)
+        return distribution(*asked, self.reference, self.level)
+
+    def drifts(self, seed: int, count: int) -> Drifts:
+        """Return the drifts of a device at rest."""
+        return drifts(self.measured, self.split, self.before, self.after, seed, count, self.level)
+
+    @property
+    def kinds(self) -> tuple[str, ...]:
+        """Return the names of the distances that can be taken."""
+        navigable = self.reference is None and all(axis in self.measured for axis in AXES)
+        return ("distribution", "drifts") if navigable else ("distribution",)
+
+
+def held_out(record: Record, stories: Mapping[str, Story], start: ErrorModel, model: Callable) -> Compared:
+    """Return the last part of the log with models whose parameters come from the part before it.
+
+    Where only the last part shows an effect, the parameters of its axis come from the whole log.
+    """
+    fits = {axis: story.after if story.settled else story.whole for axis, story in stories.items()}
+    before = Uncertain(_in_run(start), {axis: story.before for axis, story in stories.items()})
+    return _compared(record, HELD_IN, before, Uncertain(_in_run(model(fits)), fits))
+
+
+def tested(
+    test: pd.DataFrame, stories: Mapping[str, Story], start: ErrorModel, final: ErrorModel, seed: int
+) -> Compared:
+    """Return a further run with the models of the first one, without what happened in that one."""
+    record = prepare(test[[name for name in test if name in stories or name == TEMPERATURE]], seed=seed)
+    before = Uncertain(_in_another(start), {axis: story.before for axis, story in stories.items()})
+    after = Uncertain(_in_another(final), {axis: story.whole for axis, story in stories.items()})
+    return _compared(record, LEVELLED, before, after)
+
+
+def _compared(record: Record, share: float, before: Uncertain, after: Uncertain) -> Compared:
+    conditions = next(iter(record.sequences.values())).conditions
+    held_in = int(share * len(conditions))
+    split = float(conditions.time[held_in])
+    level = {axis: float(sequence.values[:held_in].mean()) for axis, sequence in record.sequences.items()}
+    measured, reference = from_samples(record.outputs, conditions.interval), None
+    if conditions.ideal is not None:
+        reference = conditions.ideal[list(record.outputs)].set_axis(measured.index)
+    if conditions.temperature is not None:
+        measured = measured.assign(temperature=conditions.temperature)
+    return Compared(measured, split, level, before, after, reference)
+
+
+def distances(
+    logs: Sequence[Compared], seed: int, count: int, each: Callable = map
+) -> tuple[dict[str, Distances], tuple[Drifts, ...]]:
+    """Return the distances over logs, and the drifts of those that can be navigated.
+
+    Each log has a seed of its own, counted from ``seed``; ``count`` simulations are made of each model, and ``each``
+    applies a function to many arguments, several at a time perhaps.
+    """
+    tasks = [(one, seed + number, count, kind) for number, one in enumerate(logs) for kind in one.kinds]
+    found = list(each(_one_distance, *zip(*tasks, strict=True)))
+    apart = {"distribution": together([one for one in found if isinstance(one, Apart)])}
+    paths = tuple(one for one in found if isinstance(one, Drifts))
+    if paths:
+        apart["navigation"] = together([path.apart() for path in paths])
+    return apart, paths
+
+
+def _one_distance(compared: Compared, seed: int, count: int, kind: str) -> Apart | Drifts:
+    """Return one distance of one log."""
+    with threadpool_limits(1):
+        return getattr(compared, kind)(seed, count)
+
+
+def _in_run(model: ErrorModel) -> ErrorModel:
+    """Return the model of one even run: without its clock and its gaps, and without what differs only between runs."""
+    return _but_for(model, lambda effect: isinstance(effect, (SampleLoss, TurnOnBias)))
+
+
+def _in_another(model: ErrorModel) -> ErrorModel:
+    """Return the model of another even run, in which neither steps nor changes of variance happen at the same times."""
+    return _but_for(_in_run(model), lambda effect: isinstance(effect, BiasStep) or _once(effect))
+
+
+def _once(effect: Effect) -> bool:
+    return isinstance(effect, VarianceChange) and effect.depth == 0
+
+
+def _but_for(model: ErrorModel, left_out: Callable[[Effect], bool]) -> ErrorModel:
+    """Return the models of the sensor axes without some effects."""
+    kept = {axis: [one for one in effects if not left_out(one)] for axis, effects in model.sensors.items()}
+    return ErrorModel({axis: AxisModel(tuple(effects)) for axis, effects in kept.items()})
