@@ -221,12 +221,19 @@ def test_wrong_answers_are_those_of_clear_effects_and_of_nothing():
         (key("e", "unknown", [hidden("chirp")]), report(found("sinusoid"))),
         (key("f", "nothing"), report(unexplained=[PLACE])),
         (key("g", "nothing"), report()),
+        (key("h", effects=[hidden("sinusoid")]), report(found("sinusoid"), found("outliers", ["gyro_z"]))),
+        (key("i", effects=[hidden("sinusoid")]), report(found("sinusoid", ["gyro_z"]))),
     ]
-    rows = blind.misses(scored(*cases).effects, smallest=10)
+    scores = scored(*cases)
+    rows = blind.misses(scores, smallest=10)
     assert list(zip(rows["case"], rows["name"], rows["answer"], strict=True)) == [
         ("b", "sinusoid", "rate_ramp"), ("d", "outliers", blind.NONE), ("e", blind.UNKNOWN, "sinusoid"),
-        ("f", blind.NONE, blind.UNKNOWN),
+        ("f", blind.NONE, blind.UNKNOWN), ("h", "sinusoid", blind.MORE), ("i", "sinusoid", "sinusoid"),
     ]  # fmt: skip
+    more = blind.superfluous(scores, smallest=10).set_index("group")
+    assert more.loc["single", ["count", "rate"]].tolist() == [3, 1 / 3]
+    assert more.loc["pair", "count"] == 0
+    assert more.loc["every", ["count", "rate"]].tolist() == [9, 3 / 9]
 
 
 def test_the_gap_is_closed_below_the_upper_end_of_the_floor():
@@ -236,10 +243,11 @@ def test_the_gap_is_closed_below_the_upper_end_of_the_floor():
         (key("b", effects=[hidden("sinusoid")]), report(found("sinusoid"), distance=far)),
         (key("c", effects=[hidden("sinusoid", size=1)]), report(distance=far)),
     ]
-    table = blind.closed(scored(*cases), smallest=10).set_index("distance")
-    assert table.loc["distance", ["count", "rate"]].tolist() == [2, 0.5]
-    assert table.loc["distance", "before"] == 9.0
-    assert table.loc["navigation_distance", "count"] == 0
+    table = blind.closed(scored(*cases), smallest=10).set_index(["distance", "scope"])
+    for scope in (blind.EVERY, blind.BEYOND):
+        assert table.loc[("distance", scope), ["count", "rate"]].tolist() == [2, 0.5]
+        assert table.loc[("distance", scope), "before"] == 9.0
+        assert table.loc[("navigation_distance", scope), "count"] == 0
 
 
 def test_keys_and_reports_that_are_not_what_they_should_be_are_refused(tmp_path):

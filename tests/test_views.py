@@ -2,13 +2,14 @@
 
 import numpy as np
 import pytest
+from scipy.stats import kstest
 
 from imugap import log
 from imugap.discovery import views
 from imugap.discovery.axis import Description, fit
 from imugap.discovery.noise import Noise
 from imugap.discovery.sequence import Sequence
-from imugap.discovery.views.curve import blocks, highest, pooled, windows
+from imugap.discovery.views.curve import blocks, correlation_score, highest, pooled, windows
 from imugap.discovery.views.spectral import implied
 from imugap.effects import (
     BiasStep,
@@ -179,6 +180,16 @@ def test_common_noise_is_coherent_with_its_sign(loading, sign):
         np.sqrt(0.5 * COUNT) * correlation * 1.3, rel=0.35
     )
     assert abs(curve.statistic[widest]) < sign * curve.statistic.max() + 1e-9 or sign < 0
+
+
+@pytest.mark.parametrize("number", [2, 3, 24, 400])
+def test_a_correlation_of_however_few_pairs_has_a_normal_score(number):
+    one, other = stream(4, "pairs", number).standard_normal((2, 20_000, number))
+    correlation = (one * other).sum(axis=1) / np.sqrt((one**2).sum(axis=1) * (other**2).sum(axis=1))
+    score = correlation_score(correlation, np.full(len(correlation), number))
+    assert kstest(score, "norm").pvalue > 1e-3
+    assert np.abs(score).max() < 6
+    assert np.isfinite(correlation_score(np.array([1.0, -1.0]), np.array([number, number]))).all()
 
 
 def test_every_replicate_has_the_same_locations_however_many_of_its_samples_are_flawed():

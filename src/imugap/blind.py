@@ -19,6 +19,10 @@ NONE = "none"
 UNKNOWN = "unknown"
 EVERY = "all"
 """Name of all effects together."""
+BEYOND = "beyond"
+"""Name of the cases whose start model is farther away than the floor."""
+MORE = "right, and another name"
+"""Answer of a case whose hidden names are found, beside one that is not hidden."""
 LEVEL = 0.95
 LEVELS = (0.01, 0.05, 0.5)
 """Levels at which p-values are counted."""
@@ -238,7 +242,8 @@ def naming(effects: pd.DataFrame, smallest: float) -> pd.DataFrame:
     """Return naming rates from the size ``smallest`` upward, by kind of case.
 
     Scores: ``top1``, ``top3``, ``axes`` (right name and right axes) for singles at rest and in motion; ``both`` (all
-    names of a case right) for pairs; ``abstained`` (a place and no name) for effects of no vocabulary, and ``no_name``.
+    names and axes of a case right) for pairs; ``abstained`` (a place and no name) for effects of no vocabulary, and
+    ``no_name``.
     """
     clear = effects[effects["size"] >= smallest]
     rows = []
@@ -247,8 +252,9 @@ def naming(effects: pd.DataFrame, smallest: float) -> pd.DataFrame:
         top1 = of["top1"].astype(bool)
         hits = {"top1": top1, "top3": of["top3"].astype(bool), "axes": top1 & of["axes"].astype(bool)}
         rows += [{"group": group, "score": name} | rate(hit) for name, hit in hits.items()]
-    pairs = clear[clear["kind"] == "pair"].groupby("case")["top1"]
-    whole = pairs.all()[pairs.size() == 2].astype(bool)
+    of = clear[clear["kind"] == "pair"]
+    pairs = (of["top1"].astype(bool) & of["axes"].astype(bool)).groupby(of["case"])
+    whole = pairs.all()[pairs.size() == 2]
     rows.append({"group": "pair", "score": "both"} | rate(whole))
     answers = clear.loc[clear["kind"] == "unknown", "answer"]
     rows.append({"group": "unknown", "score": "abstained"} | rate(answers == UNKNOWN))
@@ -301,24 +307,51 @@ def alone(scores: Scores, smallest: float) -> pd.DataFrame:
     return scores.cases[scores.cases["case"].isin(clear)]
 
 
-def misses(effects: pd.DataFrame, smallest: float) -> pd.DataFrame:
-    """Return the effects from the size ``smallest`` upward, and the cases that hide nothing, of a wrong answer."""
-    asked = (effects["size"] >= smallest) | (effects["name"] == NONE)
-    return effects[asked & ~effects["top1"].astype(bool)]
+def superfluous(scores: Scores, smallest: float) -> pd.DataFrame:
+    """Return how often a name is given that is not hidden: ``group``, and a rate.
+
+    Groups: ``single`` and ``pair``, the cases from the size ``smallest`` upward of which every hidden name is found;
+    ``every`` case, of any size, those that hide nothing or what has no name among them.
+    """
+    more = (scores.cases.set_index("case")["superfluous"] > 0).rename("hit")
+    hidden = scores.effects[scores.effects["size"] >= smallest].groupby("case")["top1"].agg(["all", "size"])
+    kinds = scores.cases.set_index("case")["kind"]
+    found = {
+        kind: hidden.index[hidden["all"].astype(bool) & (hidden["size"] == count) & (kinds[hidden.index] == kind)]
+        for kind, count in (("single", 1), ("pair", 2))
+    }
+    groups = {kind: more[cases] for kind, cases in found.items()} | {"every": more}
+    return pd.DataFrame([{"group": group} | rate(hits) for group, hits in groups.items()])
+
+
+def misses(scores: Scores, smallest: float) -> pd.DataFrame:
+    """Return all wrong answers: the rows of the effects, from the size ``smallest`` upward, and of what hides nothing.
+
+    Wrong are a name, its axes, and a name (the answer is then :data:`MORE`) beside right ones.
+    """
+    effects, more = scores.effects, scores.cases.loc[scores.cases["superfluous"] > 0, "case"]
+    asked = effects[(effects["size"] >= smallest) | (effects["name"] == NONE)]
+    wrong = ~asked["top1"].astype(bool) | (asked["axes"] == False)  # noqa: E712, None where no axes are asked for
+    right = asked[asked["case"].isin(more) & ~asked["case"].isin(asked.loc[wrong, "case"])]
+    beside = right.drop_duplicates("case").assign(answer=MORE)
+    return pd.concat([asked[wrong], beside]).sort_values("case", kind="stable")
 
 
 def closed(scores: Scores, smallest: float) -> pd.DataFrame:
     """Return how often the distance after the last addition lies within the floor's interval or below it.
 
-    By distance, over the cases :func:`alone`; with the median distances.
+    By distance, over the cases :func:`alone`, with the median distances; ``scope`` tells all of them (:data:`EVERY`)
+    from those that were beyond the floor before (:data:`BEYOND`).
     """
     cases = alone(scores, smallest)
     rows = []
     for distance in DISTANCES:
         known = cases.dropna(subset=[f"{distance}_after", f"{distance}_floor_high"])
-        medians = {state: known[f"{distance}_{state}"].astype(float).median() for state in STATES}
-        reached = known[f"{distance}_after"] <= known[f"{distance}_floor_high"]
-        rows.append({"distance": distance} | medians | rate(reached))
+        far = known[known[f"{distance}_before"] > known[f"{distance}_floor_high"]]
+        for scope, some in ((EVERY, known), (BEYOND, far)):
+            medians = {state: some[f"{distance}_{state}"].astype(float).median() for state in STATES}
+            reached = some[f"{distance}_after"] <= some[f"{distance}_floor_high"]
+            rows.append({"distance": distance, "scope": scope} | medians | rate(reached))
     return pd.DataFrame(rows)
 
 

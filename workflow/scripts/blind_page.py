@@ -21,14 +21,21 @@ NAMINGS = {
     ("motion", "top1"): "one effect, in motion: its name",
     ("motion", "top3"): "one effect, in motion: its name among three",
     ("motion", "axes"): "one effect, in motion: its name and axes",
-    ("pair", "both"): "two effects: both names",
+    ("pair", "both"): "two effects: both names and axes",
     ("unknown", "abstained"): "effect without a name: a place, no name",
     ("unknown", "no_name"): "effect without a name: no name",
 }
 WHOLES = {"all that it has": "all that gmwm has a term for", "all that it has not": "all that it has none for"}
+BESIDE = {
+    "single": "one effect, named: another name beside it",
+    "pair": "two effects, named: another name beside them",
+    "every": "any case of any size: a name that is not hidden",
+}
 CLOSED = {
-    "distance": "one effect: distribution reaches the floor",
-    "navigation_distance": "one effect: drift reaches it",
+    ("distance", blind.EVERY): "one effect: distribution reaches the floor",
+    ("distance", blind.BEYOND): "those whose distribution did not before: reaches it",
+    ("navigation_distance", blind.EVERY): "one effect: drift reaches the floor",
+    ("navigation_distance", blind.BEYOND): "those whose drift did not before: reaches it",
 }
 
 
@@ -36,11 +43,13 @@ def rates(scores, clear_size):
     """Return all rates in one table: false alarms, names, truth in its interval, distance at the floor."""
     alarms, named = blind.false_alarms(scores.cases), blind.naming(scores.effects, clear_size)
     covered, closed = blind.coverage(scores.parameters), blind.closed(scores, clear_size)
+    beside = blind.superfluous(scores, clear_size)
     parts = [
         alarms.assign(title=alarms["alarm"].map(ALARMS)),
         named.assign(title=[NAMINGS[one.group, one.score] for one in named.itertuples(index=False)]),
+        beside.assign(title=beside["group"].map(BESIDE)),
         covered.head(1).assign(title="named effects: truth in the interval of a parameter"),
-        closed.assign(title=closed["distance"].map(CLOSED)),
+        closed.assign(title=[CLOSED[one.distance, one.scope] for one in closed.itertuples(index=False)]),
     ]
     return pd.concat(parts, ignore_index=True)[["title", "count", "rate", "low", "high"]]
 
@@ -131,7 +140,7 @@ def peer_page(peer):
         "chosen": peer["chosen"],
         "p of its test of fit": peer["gof_p"].map(tables.number),
         "best p of all tried": peer["best_gof_p"].map(tables.number),
-        "time [s]": peer["seconds"].map(tables.number) + " (" + peer["clock"] + ")",
+        "time on another machine [s]": peer["seconds"].map(tables.number) + " (" + peer["clock"] + ")",
     })  # fmt: skip
 
 
@@ -150,7 +159,10 @@ def numbers(scores, beside, seconds, clear_size):
     """Return what the text says."""
     cases = scores.cases
     alarm = blind.false_alarms(cases).set_index("alarm").loc["name"]
-    reached = blind.closed(scores, clear_size).set_index("distance").loc["distance"]
+    far = blind.closed(scores, clear_size).set_index(["distance", "scope"]).loc[("distance", blind.BEYOND)]
+    of_one = blind.alone(scores, clear_size)
+    beyond = of_one[of_one["distance_before"] > of_one["distance_floor_high"]]
+    factors = beyond["distance_before"] / beyond["distance_after"]
     return {
         "cases": len(cases),
         "kinds": cases["kind"].value_counts().reindex(["single", "pair", "nothing", "unknown"], fill_value=0).to_dict(),
@@ -159,7 +171,10 @@ def numbers(scores, beside, seconds, clear_size):
         "false_names": f"{100 * alarm['rate']:.1f}",
         "false_names_high": f"{100 * alarm['high']:.1f}",
         "quiet": int(alarm["count"]),
-        "shrunk": tables.number(reached["before"] / reached["after"], 2),
+        "alone": len(of_one),
+        "beyond": int(far["count"]),
+        "came": round(far["count"] * far["rate"]) if far["count"] else 0,
+        "shrunk": [tables.number(one, 2) for one in factors.quantile([0.5, 0.25, 0.75])],
         "median_seconds": f"{seconds.median():.0f}",
         "longest_seconds": f"{seconds.max():.0f}",
         "stochastic": len(blind.STOCHASTIC),
@@ -175,7 +190,7 @@ def main(source, clear_size, output):
         "rates": rates(scores, clear_size),
         "detection": blind.detection(scores.effects),
         "confusion": blind.confusion(scores.effects, clear_size).reset_index(),
-        "misses": blind.misses(scores.effects, clear_size),
+        "misses": blind.misses(scores, clear_size),
         "coverage": blind.coverage(scores.parameters),
         "calibration": blind.calibration(p_values),
         "beside": blind.beside(scores.effects, TERMS, clear_size),

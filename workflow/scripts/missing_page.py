@@ -172,6 +172,8 @@ def numbers(reports, data):
             "withheld": len(report["withheld"]),
         } | {
             key: {
+                "within": bool(rows.loc[name, "before_value"] <= rows.loc[name, "floor_high"]),
+                "nearer": bool(rows.loc[name, "after_value"] < rows.loc[name, "before_value"]),
                 "before": tables.number(rows.loc[name, "before_value"]),
                 "after": tables.number(rows.loc[name, "after_value"]),
                 "floor_high": tables.number(rows.loc[name, "floor_high"]),

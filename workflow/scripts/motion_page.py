@@ -121,7 +121,10 @@ def numbers(reports, agreed, share, noise):
             name.replace("_", " "): tables.number(one.median(), 2)
             for name, one in agreed.groupby("name", sort=False)["factor"]
         },
-        "carried": {kind: round(100 * other.loc[of, "share"].median()) for kind, of in kinds.items()},
+        "carried": {
+            kind: [round(100 * end) for end in other.loc[of, "share"].quantile([0.5, 0.0, 1.0])]
+            for kind, of in kinds.items()
+        },
         "nearer": sum(one["after"]["value"] < one["before"]["value"] for one in apart),
         "reached": sum(one["after"]["value"] <= one["floor"]["high"] for one in apart),
     }

@@ -4,6 +4,10 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
+from scipy.special import ndtri_exp, stdtr
+
+SMALLEST = 1e-300
+"""Probability below which a score does not grow any more."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,6 +46,16 @@ def chi_score(mean_square: np.ndarray, degrees: np.ndarray) -> np.ndarray:
     """Return the normal score of a mean of ``degrees`` squared normal values (Wilson and Hilferty 1931)."""
     spread = 2 / (9 * degrees)
     return (np.cbrt(mean_square) - (1 - spread)) / np.sqrt(spread)
+
+
+def correlation_score(correlation: np.ndarray, number: np.ndarray) -> np.ndarray:
+    """Return the normal score of a correlation of ``number`` pairs of normal values of mean zero (Student 1908).
+
+    r sqrt((n - 1)/(1 - r^2)) has Student's law of n - 1 degrees of freedom: the score is normal for however few pairs.
+    """
+    free = np.maximum(number - 1.0, 1.0)
+    student = np.abs(correlation) * np.sqrt(free / np.maximum(1 - correlation**2, SMALLEST))
+    return np.sign(correlation) * -ndtri_exp(np.log(np.maximum(stdtr(free, -student), SMALLEST)))
 
 
 @lru_cache(maxsize=32)

@@ -7,14 +7,14 @@ from scipy.fft import dct
 
 from imugap import allan
 from imugap.discovery.axis import AxisFit
-from imugap.discovery.views.curve import Curve, blocks, chi_score, highest, pooled, spans, windows
+from imugap.discovery.views.curve import Curve, blocks, chi_score, correlation_score, highest, pooled, spans, windows
 
 PER_DECADE = 6
 """Averaging times per decade."""
 WIDTH = 0.08
 """Relative width of the bands of power."""
 FEWEST = 24
-"""Fewest coefficients in a band of coherence."""
+"""Coefficients in the lowest band of coherence."""
 CELLS = 512
 """Cells of frequency; each tells its highest line."""
 
@@ -86,7 +86,7 @@ def shared_last(one: AxisFit, other: AxisFit) -> int:
 
 
 def of_coherence(one: AxisFit, other: AxisFit, last: int | None = None) -> Curve:
-    """Return the correlation of two axes' whitened residuals in bands, over frequency [Hz] (Fisher 1921, score).
+    """Return the correlation of two axes' whitened residuals in bands, over frequency [Hz], as a normal score.
 
     It goes up to coefficient ``last``, where given, else as far as both have power.
     """
@@ -94,7 +94,7 @@ def of_coherence(one: AxisFit, other: AxisFit, last: int | None = None) -> Curve
     first, number = bands(last, WIDTH, FEWEST)
     a, b = one.coefficients[:last], other.coefficients[:last]
     product, square, other_square = (pooled(np.add.reduceat(part, first)) for part in (a * b, a**2, b**2))
-    score = np.arctanh(product / np.sqrt(square * other_square)) * np.sqrt(pooled(number) - 1)
+    score = correlation_score(product / np.sqrt(square * other_square), pooled(number))
     low, high = spans(*_range(one, first, number))
     names = f"{one.sequence.conditions.axis},{other.sequence.conditions.axis}"
     return Curve("coherence", names, low, high, "Hz", score, windows=windows(len(first)))
