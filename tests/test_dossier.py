@@ -21,6 +21,7 @@ from imugap.effects import (
     CommonMode,
     Outliers,
     RandomWalk,
+    Resolution,
     Saturation,
     ScaleFactor,
     Sinusoid,
@@ -322,6 +323,19 @@ def test_a_test_run_knows_nothing_of_a_step_that_happened_in_the_log():
     step = BiasStep(40.0, 5e-3)
     apart = discover([measured(step)], Question(**QUICK), [measured(seed=2)]).distances["distribution"]
     assert apart.after.value < apart.floor.high
+
+
+@pytest.mark.parametrize("steps", [0.5, 1.1, 2.5])
+def test_a_log_on_a_coarse_lattice_is_reached_by_the_model_with_it(steps):
+    std = 1e-4 / np.sqrt(INTERVAL)
+    start = ErrorModel({"gyro_x": AxisModel((WhiteNoise(1e-4), Bias(0.3 * steps * std)))})
+    truth = ErrorModel({"gyro_x": AxisModel((*start["gyro_x"], Resolution(steps * std)))})
+    found = discover([truth.simulate(still(("gyro_x",)), 6)], Question(**QUICK))
+    assert [one.name for one in found.findings] == ["resolution"]
+    assert found.distances["distribution"].after.value < found.distances["distribution"].floor.high
+    white, bias = (one for one in found.final["gyro_x"] if isinstance(one, (WhiteNoise, Bias)))
+    assert white.density == pytest.approx(1e-4, rel=0.05)
+    assert bias.value == pytest.approx(0.3 * steps * std, abs=0.06 * std)
 
 
 def test_values_without_a_unit_are_written_in_full():

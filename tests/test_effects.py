@@ -1075,3 +1075,15 @@ def test_a_single_flat_top_is_a_full_scale_and_a_flat_slope_is_stuck():
     assert Saturation.found(clipped, place).effect.limit == clipped.max()
     assert Saturation.found(stuck, place) is None
     assert StuckSamples.found(stuck, place) is not None
+
+
+@pytest.mark.parametrize("place", [0.0, 0.2, 0.5])
+@pytest.mark.parametrize("step", [0.3, 1.0, 2.0, 3.0])
+def test_rounded_normal_values_tell_mean_and_deviation_of_those_ahead(step, place):
+    lattice, mean, std, count = Resolution(step), (7 + place) * step, 1.0, 200_000
+    rounded = step * np.rint((mean + std * stream(9, "rounded", step, place).standard_normal(count)) / step)
+    expected = lattice.moments(mean, std)
+    assert rounded.mean() == pytest.approx(expected[0], abs=5 * np.sqrt(expected[1] / count))
+    assert rounded.var() == pytest.approx(expected[1], rel=0.02)
+    assert lattice.mean_ahead(expected[0], std) == pytest.approx(mean, abs=1e-6 * step)
+    assert lattice.std_ahead(*expected) == pytest.approx(std, rel=0.02)

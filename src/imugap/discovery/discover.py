@@ -19,11 +19,13 @@ from imugap.discovery.finding import CERTAIN, Finding, Gap, Interval
 from imugap.discovery.gaps import REPLICATES, Verdict, named, verdicts
 from imugap.discovery.parameters import NORMAL, axis_unit
 from imugap.discovery.record import Record, prepare
+from imugap.discovery.rounding import level_ahead, unrounded
 from imugap.discovery.runs import as_first, clocks, turn_on
 from imugap.discovery.search import log_chance
+from imugap.discovery.sequence import Sequence as AxisSequence
 from imugap.discovery.start import described, noisy, untold
 from imugap.discovery.story import Story, Tale, concluded, model_of, noise_of, part, told
-from imugap.effects import CATALOGUE, CommonMode, WhiteNoise
+from imugap.effects import CATALOGUE, Bias, CommonMode, WhiteNoise
 from imugap.effects.effect import Effect, Stage
 from imugap.model import AxisModel, ErrorModel
 
@@ -361,7 +363,19 @@ def _model(fits: Mapping[str, AxisFit], known: ErrorModel, findings: Sequence[Fi
     for finding in findings:
         for axis, effect in finding.effects.items():
             axes[axis] = _with(axes.get(axis, AxisModel()), effect)
-    return ErrorModel(axes)
+    return ErrorModel(
+        {axis: _ahead(model, fits[axis].sequence) if axis in fits else model for axis, model in axes.items()}
+    )
+
+
+def _ahead(model: AxisModel, sequence: AxisSequence) -> AxisModel:
+    """Return the model whose rounded values are like those to which it was fitted."""
+    effects = unrounded(model, model, sequence)
+    if sequence.conditions.ideal is None:
+        mean = float(sequence.values.mean())
+        shift = level_ahead(mean, effects, sequence.conditions.interval) - mean
+        effects = tuple(Bias(one.value + shift) if isinstance(one, Bias) else one for one in effects)
+    return AxisModel(effects)
 
 
 def _with(model: AxisModel, effect: Effect) -> AxisModel:

@@ -13,9 +13,11 @@ from math import radians
 import numpy as np
 import pandas as pd
 from scipy.fft import dct
+from scipy.special import ndtri
 
 from imugap import allan, drift, log
 from imugap.discovery.finding import Interval
+from imugap.discovery.rounding import level_ahead
 from imugap.discovery.uncertain import Uncertain
 from imugap.discovery.views.curve import blocks
 from imugap.discovery.views.spectral import bands
@@ -31,13 +33,15 @@ BLOCKS, SHORTEST = 16, 16
 WIDTH, PER_DECADE = 0.3, 4
 """Relative width of bands of frequency; averaging times per decade."""
 SHARES = np.array([0.001, 0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99, 0.999])
-"""Shares of the samples at whose quantiles the values are compared."""
+"""Shares of normal values below the bounds at which shares of the samples are compared."""
+COUNTED = 8
+"""Fewest samples that are to be expected beyond a bound."""
 EPOCHS = 16
 """Steps of a drift."""
 HORIZONS = np.array([1 / 16, 1 / 8, 1 / 4, 1 / 2, 1])
 """Shares of the held-out part after which drifts are compared."""
 LEAST = 0.1
-"""Smallest scatter of an entry, over the median one of its view: some quantiles of a coarse lattice do not vary."""
+"""Smallest scatter of an entry, over the median one of its view: some hardly vary."""
 LEVEL = 0.95
 ANYWHERE = Site(radians(45.0), 0.0)
 """Where a device stands if nobody says: only the gravity of the place matters."""
@@ -94,7 +98,7 @@ def distribution(
     reference: pd.DataFrame | None = None,
     level: Mapping[str, float] | None = None,
 ) -> Apart:
-    """Return the distances over views of the error: Allan variance, spectrum, block means and variances, quantiles.
+    """Return the distances over views of the error: Allan variance, spectrum, block means and variances, shares.
 
     Parameters
     ----------
@@ -112,10 +116,15 @@ def distribution(
     """
     held_in, axes = _split(measured, split), log.axes(measured)
 
+    def errors(table: pd.DataFrame) -> dict[str, np.ndarray]:
+        own = table[list(axes)] if reference is None else table[list(axes)] - reference[list(axes)].to_numpy()
+        return {axis: own[axis].to_numpy(float) for axis in axes}
+
+    scale = {axis: values[:held_in].std() for axis, values in errors(measured).items()}
+
     def vector(table: pd.DataFrame) -> list[np.ndarray]:
-        errors = table[list(axes)] if reference is None else table[list(axes)] - reference[list(axes)].to_numpy()
-        columns = (errors[axis].to_numpy(float) for axis in axes)
-        return [part for values in columns for part in _views(values[held_in:], values[:held_in].mean())]
+        columns = errors(table).items()
+        return [one for axis, x in columns for one in _views(x[held_in:], x[:held_in].mean(), scale[axis])]
 
     simulations = Simulations(_means(measured, held_in) if level is None else level, seed, count, reference)
     start, final = ([vector(one) for one in tables] for tables in simulations.both(measured, before, after))
@@ -228,14 +237,18 @@ class Simulations:
         if self.reference is None:
             for axis in log.axes(measured):
                 biases = sum(effect.value for effect in model[axis] if isinstance(effect, Bias))
-                table[axis] = self.level[axis] - biases
+                table[axis] = level_ahead(self.level[axis], model[axis], log.interval(measured)) - biases
         if log.TEMPERATURE in measured:
             table[log.TEMPERATURE] = measured[log.TEMPERATURE]
         return table.set_axis(pd.Index(measured.index - measured.index[0], name=log.TIME))
 
 
-def _views(values: np.ndarray, level: float) -> list[np.ndarray]:
-    """Return what views say of the held-out values of one axis, ``level`` being the mean of the held-in ones."""
+def _views(values: np.ndarray, level: float, scale: float) -> list[np.ndarray]:
+    """Return what views say of the held-out values of one axis, ``level`` being the mean of the held-in ones.
+
+    ``scale`` is the standard deviation of measured values, which sets the bounds below which samples are counted: on
+    a lattice their shares vary as those of a binomial law, while quantiles jump.
+    """
     first = blocks(len(values), BLOCKS, SHORTEST)
     number = np.diff(np.r_[first, len(values)])
     means = np.add.reduceat(values - level, first) / number
@@ -243,10 +256,12 @@ def _views(values: np.ndarray, level: float) -> list[np.ndarray]:
     edges, widths = bands(len(values) - 1, WIDTH, 1)
     power = np.add.reduceat(dct(values - values.mean(), norm="ortho")[1:] ** 2, edges) / widths
     averaging = allan.factors(len(values), PER_DECADE)
-    quantiles = np.quantile(values - level, SHARES)
+    told = np.minimum(SHARES, 1 - SHARES) * len(values) >= COUNTED
+    below = np.searchsorted(np.sort(values - level), scale * ndtri(SHARES[told]))
+    shares = np.arcsin(np.sqrt((below + 3 / 8) / (len(values) + 3 / 4)))
     tiny = np.finfo(float).tiny
     logs = [np.log(np.maximum(part, tiny)) for part in (allan.variance(values, averaging), power, squares)]
-    return [*logs, means, quantiles]
+    return [*logs, means, shares]
 
 
 def _apart(own: list[np.ndarray], start: list[list[np.ndarray]], final: list[list[np.ndarray]]) -> Apart:

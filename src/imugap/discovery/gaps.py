@@ -13,9 +13,10 @@ from imugap.discovery import views
 from imugap.discovery.axis import AxisFit, fit
 from imugap.discovery.envelope import Envelope
 from imugap.discovery.finding import Gap
+from imugap.discovery.rounding import level_ahead, unrounded
 from imugap.discovery.sequence import Sequence
 from imugap.discovery.tails import tails
-from imugap.effects import CommonMode, Resolution, SampleLoss, Saturation, StuckSamples, WhiteNoise
+from imugap.effects import CommonMode, SampleLoss, Saturation, StuckSamples, WhiteNoise
 from imugap.effects.effect import Effect
 from imugap.model import AxisModel
 from imugap.stream import stream
@@ -69,11 +70,16 @@ class Twins:
         """Simulate the fitted description of the first axis, with its repairs, and fit it again."""
         sequence, description = self.fits[0].sequence, self.fits[0].description
         conditions, labels = sequence.conditions, ("gaps", index)
-        effects = unrounded(description.effects(), self.known, conditions.interval)
+        effects = unrounded(description.effects(), self.known, sequence)
         error = AxisModel(effects).simulate(np.zeros(len(conditions)), conditions, seed, *labels)
         if self.known:
-            base = np.mean(sequence.values) + conditions.error_free
-            error = AxisModel(self.known).simulate(base + error, conditions, seed, *labels) - base
+            mean, ideal = float(np.mean(sequence.values)), conditions.error_free
+            level = (
+                mean
+                if conditions.ideal is not None
+                else level_ahead(mean, (*effects, *self.known), conditions.interval)
+            )
+            error = AxisModel(self.known).simulate(level + ideal + error, conditions, seed, *labels) - (mean + ideal)
         clean = Sequence(error, conditions, np.zeros(len(conditions), bool), sequence.share)
         rng = stream(seed, *labels, "mended")
         found = fit(clean.mended(sequence.flawed, rng), description)
@@ -84,17 +90,6 @@ class Twins:
     def concern(self, axis: str) -> tuple[views.Binning, ...]:
         """Return what an axis' residual is looked at over."""
         return tuple(item for item in self.over if item.concerns(axis))
-
-
-def unrounded(effects: tuple[Effect, ...], known: tuple[Effect, ...], interval: float) -> tuple[Effect, ...]:
-    """Return effects fitted to rounded values, the white noise without the variance step^2/12 of the rounding."""
-    rounding = interval * sum(effect.step**2 / 12 for effect in known if isinstance(effect, Resolution))
-    return tuple(
-        replace(effect, density=float(np.sqrt(max(effect.density**2 - rounding, 0.0))))
-        if isinstance(effect, WhiteNoise)
-        else effect
-        for effect in effects
-    )
 
 
 def twins(fits: Mapping[str, AxisFit], known: Mapping[str, tuple[Effect, ...]]) -> list[Twins]:

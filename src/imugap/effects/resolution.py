@@ -4,6 +4,8 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
+from scipy.optimize import brentq
+from scipy.special import ndtr
 
 from imugap.effects.effect import TINY, Conditions, Effect, Evidence, Stage, parameter
 from imugap.grain import decimal, spacing
@@ -12,6 +14,10 @@ FORMAT = 0.05
 """Step of decimal numbers, in standard deviations of the noise, below which it is that of the file."""
 FINE = 0.005
 """Step, in standard deviations of the noise, below which any lattice is of no account."""
+DEEP = 8.0
+"""Standard deviations beyond which a normal law is at its end."""
+DITHERED, LEAST = 0.5, 0.02
+"""Standard deviations, in steps, above which rounding adds step^2/12, and of which nothing is seen any more."""
 BLOCK = 64
 """Samples over which noise is told from what drifts."""
 
@@ -27,6 +33,37 @@ class Resolution(Effect):
     def apply(self, sequence: np.ndarray, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
         """Round to the nearest multiple of the step."""
         return np.rint(sequence / self.step) * self.step
+
+    def moments(self, mean: float, std: float) -> tuple[float, float]:
+        """Return mean and variance of what becomes of independent normal values."""
+        reach = np.ceil(DEEP * std / self.step) + 1
+        level = np.rint(mean / self.step) + np.arange(-reach, reach + 1)
+        share = np.diff(ndtr((np.r_[level - 0.5, level[-1] + 0.5] * self.step - mean) / std))
+        rounded = float(share @ level) * self.step
+        return rounded, float(share @ (level * self.step - rounded) ** 2)
+
+    def mean_ahead(self, mean: float, std: float) -> float:
+        """Return the mean of independent normal values from the mean that they have once they are rounded.
+
+        It is the same, to 1e-8 of the step, where their standard deviation is a step or more.
+        """
+        if std > self.step:
+            return mean
+        near = mean - self.step, mean + self.step
+        return float(brentq(lambda tried: self.moments(tried, std)[0] - mean, *near, xtol=1e-9 * self.step))
+
+    def std_ahead(self, mean: float, variance: float) -> float:
+        """Return the standard deviation of independent normal values from mean and variance once they are rounded.
+
+        The variance is larger by step^2/12 (Sheppard 1898) unless the step is more than about two standard deviations;
+        then it depends on where between two levels the mean lies.
+        """
+        fine = np.sqrt(max(variance - self.step**2 / 12, 0.0))
+        if fine > self.step * DITHERED:
+            return float(fine)
+        stds = self.step * np.geomspace(LEAST, 1.0, 60)
+        found = np.array([self.moments(self.mean_ahead(mean, std), std)[1] for std in stds])
+        return float(np.interp(variance, np.maximum.accumulate(found), stds))
 
     @classmethod
     def found(cls, values: np.ndarray, conditions: Conditions) -> Evidence | None:

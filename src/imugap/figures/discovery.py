@@ -60,7 +60,7 @@ TOP = 0.95
 """Height in a panel at which its places are marked."""
 LOGARITHMIC = ("allan", "spectrum", "line", "coherence")
 DIRECTIONS = ("north", "east", "down")
-PLAIN = FuncFormatter(lambda value, _: f"{value:g}")
+PLAIN = FuncFormatter(lambda value, _: f"{float(f'{value:.3g}'):g}")
 NAMES = {"distribution": "distribution", "navigation": "navigation drift"}
 
 
