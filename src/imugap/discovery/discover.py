@@ -147,44 +147,38 @@ def discover(
     outputs = {axis: _outputs(known, axis) for axis in stories}
     with _many(question.workers) as each:
         seen = verdicts(befores, question.seed, question.replicates, outputs, each=each)
-    where = named(seen, question.alpha)
-    common = tuple(one.finding(f"{axis_unit(one.axes[0])}/sqrt(Hz)") for one in shared(wholes, log_alpha))
-    own = tuple(finding for story in stories.values() for finding in story.findings)
-    silent = [axis for axis in stories if question.start is not None and not any(map(noisy, _effects(known, axis)))]
-    own += tuple(finding for axis in silent for finding in noise_of(wholes[axis]))
-    between = _between_runs(logs, wholes, known, question, log_alpha)
-    common, between = ([one for one in some if not _known(one, known)] for some in (common, between))
+    where = (*named(seen, question.alpha), *_unsteady(stories))
+    own = (*(one for story in stories.values() for one in story.findings), *map(_of_joint, joints))
+    common = _news((one.finding(f"{axis_unit(one.axes[0])}/sqrt(Hz)") for one in shared(wholes, log_alpha)), known)
+    between = _news(_between_runs(logs, wholes, known, question, log_alpha), known)
     outside = (*record.findings, *common, *between)
-    findings = _ordered((*own, *map(_of_joint, joints), *outside))
+    findings = _ordered((*own, *_of_noise(wholes, question.start), *outside))
     steps.begin("gaps that remain")
     later, left = _left(seen, stories, record, common, question, outputs)
-    start, final = _model(befores, known), _model(wholes, known, outside)
+    left = (*_unsteady(stories), *left)
     steps.begin("distances")
     model = partial(_model, known=known, findings=outside)
+    start, final = _model(befores, known), model(wholes)
     compared = [tested(test, stories, start, final, question.seed) for test in tests]
-    compared = compared or [held_out(record, stories, start, model)]
     with _many(question.workers) as each:
-        apart, paths = distances(compared, question.seed, question.simulations, each)
-    withheld = tuple((axis, *one) for axis, story in stories.items() for one in story.unnamed())
-    unsteady = _unsteady(stories)
-    where, left = (*where, *unsteady), (*unsteady, *left)
-    places = (*record.gaps, *where, *_nameless(stories, where, question.alpha))
-    left = (*record.silent, *left, *_nameless(stories, left, question.alpha))
+        asked = compared or [held_out(record, stories, start, model)]
+        apart, paths = distances(asked, question.seed, question.simulations, each)
     steps.begin("done")
     kept = _kept(known, record)
     return Discovery(
-        *(_with_kept(model, kept) for model in (start, final)),
-        places,
-        findings,
-        left,
-        withheld,
-        tuple((axis, effect.name) for axis, some in kept.items() for effect in some if axis in record.sequences),
-        apart,
-        paths,
-        tuple(seen),
-        later,
-        record,
-        stories,
+        start=_with_kept(start, kept),
+        final=_with_kept(final, kept),
+        gaps=(*record.gaps, *where, *_nameless(stories, where, question.alpha)),
+        findings=findings,
+        unexplained=(*record.silent, *left, *_nameless(stories, left, question.alpha)),
+        withheld=tuple((axis, *one) for axis, story in stories.items() for one in story.unnamed()),
+        untold=tuple((axis, one.name) for axis, some in kept.items() for one in some if axis in stories),
+        distances=apart,
+        drifts=paths,
+        before=tuple(seen),
+        after=later,
+        record=record,
+        stories=stories,
     )
 
 
@@ -332,11 +326,20 @@ def _effects(model: ErrorModel, axis: str) -> tuple[Effect, ...]:
     return tuple(model.axes.get(axis, AxisModel()))
 
 
-def _known(finding: Finding, known: ErrorModel) -> bool:
-    """Return whether the start model has an effect of that kind on every axis of it."""
-    return all(
-        any(isinstance(one, type(effect)) for one in _effects(known, axis)) for axis, effect in finding.effects.items()
-    )
+def _news(findings: Iterable[Finding], known: ErrorModel) -> tuple[Finding, ...]:
+    """Return the findings of which the start model does not have that kind on every axis of it."""
+
+    def old(finding: Finding) -> bool:
+        axes = finding.effects.items()
+        return all(any(isinstance(one, type(effect)) for one in _effects(known, axis)) for axis, effect in axes)
+
+    return tuple(finding for finding in findings if not old(finding))
+
+
+def _of_noise(wholes: Mapping[str, AxisFit], start: ErrorModel | None) -> tuple[Finding, ...]:
+    """Return the white noise of the axes of which a start model has no noise at all."""
+    silent = [axis for axis in wholes if start is not None and not any(map(noisy, _effects(start, axis)))]
+    return tuple(finding for axis in silent for finding in noise_of(wholes[axis]))
 
 
 def _kept(known: ErrorModel, record: Record) -> dict[str, tuple[Effect, ...]]:
