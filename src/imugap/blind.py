@@ -331,7 +331,7 @@ def misses(scores: Scores, smallest: float) -> pd.DataFrame:
     """
     effects, more = scores.effects, scores.cases.loc[scores.cases["superfluous"] > 0, "case"]
     asked = effects[(effects["size"] >= smallest) | (effects["name"] == NONE)]
-    wrong = ~asked["top1"].astype(bool) | (asked["axes"] == False)  # noqa: E712, None where no axes are asked for
+    wrong = ~asked["top1"].astype(bool) | asked["axes"].eq(False)
     right = asked[asked["case"].isin(more) & ~asked["case"].isin(asked.loc[wrong, "case"])]
     beside = right.drop_duplicates("case").assign(answer=MORE)
     return pd.concat([asked[wrong], beside]).sort_values("case", kind="stable")

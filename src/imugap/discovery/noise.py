@@ -34,6 +34,8 @@ FLAT = 1e-5
 """Predicted gain of log-likelihood at which a climb ends."""
 LOUD = 20.0
 """Largest amplitude, over that which alone would make the highest power there is."""
+LOOSE = 1.0
+"""Standard deviation of the logarithm of a parameter that the data say nothing of."""
 FAINT = 1e-7
 """Share of the power, in every bin, below which a process counts as absent."""
 
@@ -178,6 +180,11 @@ class NoiseFit:
     noise: Noise
     log_likelihood: float
     information: np.ndarray
+
+    @property
+    def covariance(self) -> np.ndarray:
+        """Return the covariance of the log parameters, of which nothing is known beyond :data:`LOOSE` a priori."""
+        return np.linalg.inv(self.information + np.eye(len(self.information)) / LOOSE**2)
 
 
 def log_likelihood(variance: np.ndarray, power: np.ndarray, number: np.ndarray) -> float:

@@ -13,7 +13,6 @@ from imugap.discovery.doubt import nearly
 from imugap.discovery.finding import Finding, Interval
 from imugap.discovery.parameters import NORMAL, axis_unit, term_intervals
 from imugap.discovery.sequence import Sequence
-from imugap.discovery.uncertain import LOOSE
 from imugap.effects import BiasInstability, BiasStep, ClockScale, RandomWalk, Sinusoid, TurnOnBias
 from imugap.effects.effect import StochasticEffect
 from imugap.effects.sinusoid import LINE
@@ -82,9 +81,8 @@ def _error(run: AxisFit) -> float:
 
 def _memories(run: AxisFit) -> Iterator[float]:
     """Yield the correlation time of each Gauss-Markov process, the upper end of its interval [s]."""
-    information, free = run.noise.information, run.description.noise.parameters()
-    covariance = np.linalg.inv(information + np.eye(len(information)) / LOOSE**2)
-    for place, (index, name) in enumerate(free):
+    covariance = run.noise.covariance
+    for place, (index, name) in enumerate(run.description.noise.parameters()):
         if name == "correlation_time":
             time = run.description.noise.effects[index].correlation_time
             yield float(time * np.exp(NORMAL * np.sqrt(covariance[place, place])))

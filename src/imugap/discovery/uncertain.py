@@ -10,9 +10,6 @@ from imugap.discovery.noise import limits
 from imugap.effects.effect import Effect
 from imugap.model import AxisModel, ErrorModel
 
-LOOSE = 1.0
-"""Standard deviation of the logarithm of a parameter that the data say nothing of."""
-
 
 @dataclass(frozen=True, eq=False)
 class Uncertain:
@@ -46,9 +43,7 @@ def _drawn(fit: AxisFit, rng: np.random.Generator) -> dict[Effect, Effect]:
     for term in description.terms:
         found[term.effect] = term.moved(steps[first : first + len(term.free)]).effect
         first += len(term.free)
-    information = fit.noise.information
-    covariance = np.linalg.inv(information + np.eye(len(information)) / LOOSE**2)
-    theta = np.clip(description.noise.theta() + _normal(covariance, rng), *_limits(fit))
+    theta = np.clip(description.noise.theta() + _normal(fit.noise.covariance, rng), *_limits(fit))
     return found | dict(zip(description.noise, description.noise.at(theta), strict=True))
 
 
