@@ -330,6 +330,19 @@ def test_slow_noise_of_the_start_model_does_not_stand_for_what_is_missing(hidden
     assert names(story) == [hidden.name]
 
 
+@pytest.mark.parametrize("known", [RandomWalk(3e-5), BiasInstability(1e-4), GaussMarkov(3e-4, 20.0)])
+@pytest.mark.parametrize("cutoff", [0.6, 3.2])
+def test_a_filter_is_found_behind_noise_that_went_far_to_look_like_it(known, cutoff):
+    """Without the filter the slow noise of the start model is the whole spectrum, and white noise is none of it."""
+    data, hidden = sequence(known), OutputFilter(cutoff, 2)
+    output = hidden.apply(data.values, data.conditions, stream(1))
+    filtered = replace(data, values=output, share=usable(output))
+    story = concluded(told(filtered, (WHITE, known), tuple(CATALOGUE.values()), LOG_ALPHA, 19_200))
+    assert names(story) == ["output_filter"]
+    (found,) = story.findings
+    assert found.parameters["cutoff"].low < cutoff < found.parameters["cutoff"].high
+
+
 @pytest.mark.parametrize("base", [RandomWalk(1.5e-4), BiasInstability(4e-4), GaussMarkov(1e-3, 20.0)])
 def test_in_the_place_of_slow_noise_that_is_right_other_is_no_surer_than_chance_makes_it(base):
     surest = []

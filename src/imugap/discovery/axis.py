@@ -108,6 +108,11 @@ class AxisFit:
         return residual(self.sequence, self.description)
 
     @cached_property
+    def power(self) -> np.ndarray:
+        """Return the sums of the residual's squared cosine coefficients over the bins."""
+        return self.sequence.bins.sums(cosines(self.residual) ** 2)
+
+    @cached_property
     def coefficients(self) -> np.ndarray:
         """Return the residual's cosine coefficients over their standard deviations, k = 1..n-1; zero if not used."""
         return cosines(self.residual) / self._root

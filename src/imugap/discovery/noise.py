@@ -36,6 +36,8 @@ LOUD = 20.0
 """Largest amplitude, over that which alone would make the highest power there is."""
 LOOSE = 1.0
 """Standard deviation of the logarithm of a parameter that the data say nothing of."""
+NEIGHBOURS = 8
+"""Bins whose median is what a spectrum is at their place."""
 FAINT = 1e-7
 """Share of the power, in every bin, below which a process counts as absent."""
 
@@ -135,6 +137,23 @@ class Noise:
         """Return the variance of a cosine coefficient in each bin, shape (bins,): that of S/interval, filtered."""
         total = sum(effect.sampled_psd(bins.frequency, bins.interval) for effect in self.effects) / bins.interval
         return total if self.output_filter is None else total * self.output_filter.gain(bins.frequency, bins.interval)
+
+    def beneath(self, bins: Bins, power: np.ndarray) -> "Noise":
+        """Return the same processes behind the same filter, each as large as it is alone beneath a spectrum.
+
+        Above the cutoff a spectrum says little of what the filter lets through, and is not asked.
+        """
+        filtered = self.output_filter
+        below = bins.frequency < (np.inf if filtered is None else filtered.cutoff)
+        groups = np.array_split(np.flatnonzero(below), max(below.sum() // NEIGHBOURS, 1))
+        level = power / bins.number
+        effects = []
+        for effect in self.effects:
+            ratio = level / Noise((effect,), filtered).variance(bins)
+            size = next(name for name in effect.parameters() if _scales(effect, name))
+            factor = np.sqrt(min(np.median(ratio[group]) for group in groups))
+            effects.append(replace(effect, **{size: float(getattr(effect, size) * factor)}))
+        return replace(self, effects=tuple(effects))
 
     def __iter__(self):
         """Iterate over all effects, the filter last."""

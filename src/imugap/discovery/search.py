@@ -14,6 +14,7 @@ from scipy.special import gammaln
 from scipy.stats import chi2
 
 from imugap.discovery.axis import AxisFit, Description, Term, fit, jacobian
+from imugap.discovery.noise import fit as fit_noise
 from imugap.discovery.sequence import Sequence
 from imugap.discovery.tails import Tails, tails
 from imugap.effects import (
@@ -68,6 +69,8 @@ ALIKE = 0.6
 """Share of the gain of one effect that a couple has to promise to be fitted."""
 COUPLES = 4
 """Couples that are fitted."""
+CUTOFFS = (1.0, 0.3, 0.1, 0.03)
+"""Cutoffs at which a filter is tried, over that which it proposes."""
 SLACK = 2.0
 """How many times the gain that an effect expects before the fit it may make after it."""
 
@@ -191,7 +194,8 @@ class Search:
                 continue
             for start in kind.starts(before):
                 if _moves(start.effect, before) or _hopeful(start, bar):
-                    yield self.judged(start, before)
+                    start, beside = _behind(start, before) if kind is OutputFilter else (start, None)
+                    yield self.judged(start, before, beside)
         yield from self._instead(before)
 
     def _instead(self, before: AxisFit) -> Iterator[Trial]:
@@ -383,6 +387,22 @@ def _little(effect: StochasticEffect) -> StochasticEffect:
     """Return slow noise much smaller; its first parameter is its size."""
     size = fields(effect)[0].name
     return replace(effect, **{size: LITTLE * getattr(effect, size)})
+
+
+def _behind(start: Start, before: AxisFit) -> tuple[Start, Description]:
+    """Return a filter, and the description with the noise behind it, from which a fit is most likely to get there.
+
+    Without the filter noise has gone far to look like it, and may not find back.
+    """
+    description, bins = before.description, before.sequence.bins
+    fits = []
+    for factor in CUTOFFS:
+        filtered = replace(start.effect, cutoff=factor * start.effect.cutoff)
+        noise = replace(description.noise, output_filter=filtered)
+        fits += [fit_noise(one, bins, before.power) for one in (noise, noise.beneath(bins, before.power))]
+    best = max(fits, key=lambda one: one.log_likelihood).noise
+    beside = replace(description, noise=replace(best, output_filter=None))
+    return replace(start, effect=best.output_filter), beside
 
 
 def _moves(effect: Effect, before: AxisFit) -> bool:
