@@ -5,7 +5,7 @@ import pytest
 from scipy.stats import binom, chi2
 
 from imugap import log
-from imugap.discovery.axis import Description, fit
+from imugap.discovery.axis import Description, Term, fit
 from imugap.discovery.device import Estimate, agreeing, contradicts, joined, pooled
 from imugap.discovery.noise import Noise
 from imugap.discovery.search import Search, at
@@ -92,7 +92,7 @@ def estimate(value, information, axis="gyro_x"):
     value = np.atleast_1d(value)
     free = ("x", "y", "z")[: len(value)]
     effect = LeverArm(*np.r_[value, np.zeros(3 - len(value))].tolist())
-    return Estimate(axis, effect, free, np.atleast_2d(information))
+    return Estimate(axis, (Term(effect, free),), np.atleast_2d(information))
 
 
 def drawn(rng, truth, count):
@@ -113,6 +113,18 @@ def test_two_estimates_are_pooled_by_their_weights():
     assert pool.distance == pytest.approx(1 / (1 / 4 + 1 / 12))
     assert pool.freedom == 1
     assert pool.gain == pytest.approx(0.5 * 1.75**2 * 16)
+
+
+def test_what_one_axis_says_of_one_effect_helps_with_the_other():
+    """The second knows the delay alone; the first takes an arm and a delay for each other."""
+    delay, arm = Term(TimeOffset(3.0), ("offset",)), Term(LeverArm(1.0, 0.0, 0.0), ("x",))
+    both = Estimate("accel_x", (delay, arm), np.array([[2.0, 1.0], [1.0, 2.0]]))
+    pool = pooled([both, Estimate("gyro_x", (replace(delay, effect=TimeOffset(5.0)),), np.array([[4.0]]))])
+    np.testing.assert_allclose(pool.information, [[6.0, 1.0], [1.0, 2.0]])
+    np.testing.assert_allclose(pool.about(LeverArm).information, 2 - 1 / 6)
+    np.testing.assert_allclose(both.about([LeverArm]).information, 2 - 1 / 2)
+    np.testing.assert_allclose(pool.value, np.linalg.solve(pool.information, [2 * 3 + 1 + 4 * 5, 3 + 2]))
+    assert pool.freedom == 1
 
 
 def test_axes_that_see_different_components_cannot_disagree():
@@ -193,6 +205,31 @@ def test_an_arm_is_that_of_the_three_accelerometers():
     gap = joint.pool.value - [arm.x, arm.y, arm.z]
     assert gap @ joint.pool.information @ gap < chi2.isf(1e-3, 3)
     assert joint.pool.agreement > 1e-3
+
+
+@pytest.mark.slow
+def test_the_errors_of_an_arm_and_a_delay_that_are_told_together_have_their_law():
+    """Without the gyroscopes, on inputs by which each accelerometer takes one for the other."""
+    ideal = IDEAL.assign(accel_y=IDEAL["gyro_z"], accel_z=IDEAL["gyro_x"] + 0.5 * IDEAL["gyro_y"])
+    arm, delay, noise = LeverArm(2e-2, -1e-2, 3e-2), TimeOffset(6e-3), Noise((WhiteNoise(10 * DENSITY),))
+    squares = {LeverArm: [], TimeOffset: []}
+    for run in range(40):
+        fits, searches = {}, {}
+        for axis in log.ACCEL:
+            conditions = Conditions(ideal.index.to_numpy(), INTERVAL, None, axis, ideal)
+            values = 10 * STD * stream(34, "together", axis, run).standard_normal(COUNT)
+            values += arm.sample(conditions, None) + delay.sample(conditions, None)
+            sequence = Sequence(values, conditions, np.zeros(COUNT, bool))
+            searches[axis] = Search(Description((), noise), INERTIAL, LOG_ALPHA)
+            fits[axis] = fit(sequence, Description((Term(delay, ("offset",)), Term(arm, ("x", "y", "z"))), noise))
+        for joint in joined(fits, searches).joints:
+            true = arm if isinstance(joint.effect, LeverArm) else delay
+            gap = joint.pool.value - [getattr(true, name) for name in joint.free]
+            squares[type(joint.effect)].append(gap @ joint.pool.information @ gap)
+    for kind, size in ((LeverArm, 3), (TimeOffset, 1)):
+        low, high = chi2.interval(0.999, 40 * size)
+        assert len(squares[kind]) == 40
+        assert low < sum(squares[kind]) < high
 
 
 @pytest.mark.slow

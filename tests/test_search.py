@@ -11,9 +11,10 @@ from imugap.discovery.common import _errors, shared
 from imugap.discovery.discover import _nameless
 from imugap.discovery.doubt import Doubt, doubts
 from imugap.discovery.doubt.doubts import _parts_of_it
-from imugap.discovery.doubt.spectrum import MEMORY
+from imugap.discovery.doubt.memory import MEMORY
 from imugap.discovery.finding import Gap
 from imugap.discovery.gaps import gaps
+from imugap.discovery.hysteresis import Hysteresis
 from imugap.discovery.noise import Noise, _Spectra, usable
 from imugap.discovery.runs import turn_on
 from imugap.discovery.search import Key, Search, at
@@ -404,6 +405,47 @@ def test_a_loop_over_the_temperature_is_no_walk():
     assert names(loop) == []
     assert loop.seen
     assert names(wandering) == ["random_walk"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("constant", "period", "size"), [(200, 700, 9e-3), (100, 500, 6e-3), (120, 900, 9e-3)])
+def test_a_loop_over_a_temperature_that_warms_up_is_neither_temperature_nor_warm_up(constant, period, size):
+    """Both together, by coefficients and a time constant of their own, keep their names."""
+    time = np.arange(24_000) * 0.04
+    warming = 25 + 5.5 * (1 - np.exp(-time / constant)) + np.sin(2 * np.pi * time / period)
+    conditions = Conditions(time, 0.04, warming, "gyro_x")
+    loop = Hysteresis(size, -size, 0.1).sample(conditions, None)
+    both = Temperature(1e-3, 25.0).sample(conditions, None) + WarmUp(5e-3, 60.0).sample(conditions, None)
+    white, found = WHITE.sample(conditions, stream(4, "white2")), []
+    for added in (loop, both):
+        data = Sequence(white + added, conditions, np.zeros(len(time), bool))
+        found.append(concluded(told(data, (), tuple(CATALOGUE.values()), LOG_ALPHA, 19_200)))
+    assert names(found[0]) == []
+    assert found[0].seen
+    assert names(found[1]) == ["temperature", "warm_up"]
+
+
+@pytest.mark.slow
+def test_noise_between_flicker_and_walk_is_seldom_a_markov_process():
+    """A process of the same number of parameters has to be likelier than a power law to have its name."""
+    white, named = sequence(count=60_000), []
+    for run in range(16):
+        values = white.values + 1.2e-4 * fractional(60_000, 1.5, stream(run, "gml", "f"))
+        moved = replace(white, values=values)
+        search = Search(plain(moved).description, (GaussMarkov,), LOG_ALPHA)
+        found = search.explore(plain(moved))
+        assert found.has(GaussMarkov)
+        named.append(not doubts(search, found))
+    assert sum(named) <= 4
+
+
+@pytest.mark.parametrize("run", range(3))
+def test_a_markov_process_is_no_power_law(run):
+    data = sequence(GaussMarkov(1e-3, 5.0), count=60_000, label=f"markov {run}")
+    search = Search(plain(data).description, (GaussMarkov,), LOG_ALPHA)
+    found = search.explore(plain(data))
+    assert found.has(GaussMarkov)
+    assert doubts(search, found) == {}
 
 
 @pytest.mark.parametrize("growth", [-4.0, 0.0, 4.0])

@@ -32,7 +32,7 @@ def found(values):
     return swept(SimpleNamespace(whitened=values, sequence=sequence), LOG_ALPHA)
 
 
-@pytest.mark.parametrize(("begin", "end"), [(1.0, 4.0), (6.0, 2.5), (20.0, 21.0)])
+@pytest.mark.parametrize(("begin", "end"), [(1.0, 4.0), (6.0, 2.5), (20.0, 21.0), (1.5, 20.0)])
 def test_a_chirp_is_a_band_from_its_begin_to_its_end(begin, end):
     (band,) = found(white("chirp") + chirp(begin, end, 15))
     low, high = sorted((begin, end))

@@ -7,7 +7,7 @@ then tested at an uncorrected level: they have the effect too unless their data 
 all of them together may.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -21,27 +21,40 @@ LEVEL = 0.001
 """Probability below which axes disagree: at 0.01 one device in sixteen would lose one of its six axes by chance."""
 
 
+Label = tuple[type[Effect], str]
+"""Kind of an effect and name of one of its parameters."""
+
+
 @dataclass(frozen=True, eq=False)
 class Estimate:
-    """What one axis says of an effect.
+    """What one axis says of effects that it may have in common with others.
 
     Attributes
     ----------
-    axis, effect, free
-        Name of the axis, the effect as fitted there, and its k fitted parameters.
+    axis, terms
+        Name of the axis, and the effects as fitted there, with k fitted parameters.
     information
         Inverse of their covariance, the other parameters of the axis free, shape (k, k).
     """
 
     axis: str
-    effect: SystematicEffect
-    free: tuple[str, ...]
+    terms: tuple[Term, ...]
     information: np.ndarray
+
+    @property
+    def labels(self) -> tuple[Label, ...]:
+        """Return what the k parameters are."""
+        return tuple((type(term.effect), name) for term in self.terms for name in term.free)
 
     @property
     def value(self) -> np.ndarray:
         """Return the fitted parameters, shape (k,)."""
-        return np.array([getattr(self.effect, name) for name in self.free])
+        return np.array([getattr(term.effect, name) for term in self.terms for name in term.free])
+
+    def about(self, kinds: Collection[type[Effect]]) -> "Estimate":
+        """Return what the axis says of effects of some kinds, the others free."""
+        terms = tuple(term for term in self.terms if type(term.effect) in kinds)
+        return Estimate(self.axis, terms, _marginal(self.information, [kind in kinds for kind, _ in self.labels]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,6 +63,8 @@ class Pool:
 
     Attributes
     ----------
+    labels
+        What the k parameters are.
     value, information
         Parameters, shape (k,), and the sum of the informations, shape (k, k).
     distance, freedom
@@ -57,6 +72,7 @@ class Pool:
         of its chi-square law where they estimate the same.
     """
 
+    labels: tuple[Label, ...]
     value: np.ndarray
     information: np.ndarray
     distance: float
@@ -77,10 +93,16 @@ class Pool:
         """Return the gain of log-likelihood of the value over zero, to second order."""
         return float(0.5 * (self.value @ self.information @ self.value))
 
+    def about(self, kind: type[Effect]) -> "Pool":
+        """Return the part of the pool that is about effects of one kind, the others free."""
+        mine = [one is kind for one, _ in self.labels]
+        labels = tuple(label for label in self.labels if label[0] is kind)
+        return replace(self, labels=labels, value=self.value[mine], information=_marginal(self.information, mine))
+
 
 @dataclass(frozen=True, eq=False)
 class Joint:
-    """An effect with one value on several axes."""
+    """An effect with one value on several axes, and the part of a pool that is about it."""
 
     effect: SystematicEffect
     axes: tuple[str, ...]
@@ -108,21 +130,29 @@ class Device:
 def joined(fits: Mapping[str, AxisFit], searches: Mapping[str, Search], level: float = LEVEL) -> Device:
     """Return the device that the fits of its axes make, effects of one value joined."""
     device = Device(dict(fits), dict(searches))
-    for kind in next(iter(searches.values())).catalogue:
-        if kind.common:
-            joint = _joint(kind, device, level)
-            device = device if joint is None else _held(device, joint)
+    kinds = [kind for kind in next(iter(searches.values())).catalogue if kind.common]
+    shown = [kind for kind in kinds if any(one.has(kind) for one in fits.values())]
+    for kind in kinds:
+        if kind not in shown and _together(kind, _estimates((*shown, kind), device), device, level):
+            shown.append(kind)
+    for joint in _joints(tuple(kind for kind in kinds if kind in shown), device, level):
+        device = _held(device, joint)
     return device
 
 
 def pooled(estimates: Sequence[Estimate]) -> Pool:
-    """Return the mean of estimates of the same parameters, weighted by their informations."""
-    weights = [one.information for one in estimates]
-    total = np.sum(weights, axis=0)
-    value = np.linalg.pinv(total, hermitian=True) @ sum(one.information @ one.value for one in estimates)
-    distance = sum((one.value - value) @ one.information @ (one.value - value) for one in estimates)
-    ranks = [np.linalg.matrix_rank(weight, hermitian=True) for weight in weights]
-    return Pool(value, total, float(distance), int(sum(ranks) - np.linalg.matrix_rank(total, hermitian=True)))
+    """Return the mean of estimates, of the same parameters or some of them, weighted by their informations."""
+    labels = tuple(dict.fromkeys(label for one in estimates for label in one.labels))
+    total, weighted = np.zeros((len(labels), len(labels))), np.zeros(len(labels))
+    places = [[labels.index(label) for label in one.labels] for one in estimates]
+    for one, place in zip(estimates, places, strict=True):
+        total[np.ix_(place, place)] += one.information
+        weighted[place] += one.information @ one.value
+    value = np.linalg.pinv(total, hermitian=True) @ weighted
+    gaps = [one.value - value[place] for one, place in zip(estimates, places, strict=True)]
+    distance = sum(gap @ one.information @ gap for one, gap in zip(estimates, gaps, strict=True))
+    ranks = [np.linalg.matrix_rank(one.information, hermitian=True) for one in estimates]
+    return Pool(labels, value, total, float(distance), int(sum(ranks) - np.linalg.matrix_rank(total, hermitian=True)))
 
 
 def agreeing(estimates: Sequence[Estimate], level: float = LEVEL) -> list[Estimate]:
@@ -141,49 +171,86 @@ def contradicts(one: Estimate, pool: Pool, level: float = LEVEL) -> bool:
     return bool(gap @ np.linalg.solve(covariance, gap) > chi2.isf(level, len(gap)))
 
 
-def _joint(kind: type[Effect], device: Device, level: float) -> Joint | None:
-    """Return the effect of a kind that axes of the device have together, if two of them or more do.
+def _marginal(information: np.ndarray, mine: Sequence[bool]) -> np.ndarray:
+    """Return the information on some parameters, the others free."""
+    covariance = np.linalg.pinv(information, hermitian=True)
+    return np.linalg.pinv(covariance[np.ix_(mine, mine)], hermitian=True)
 
-    Axes whose start model has it are not asked.
+
+def _joints(kinds: tuple[type[Effect], ...], device: Device, level: float) -> tuple[Joint, ...]:
+    """Return the effects of some kinds that axes of the device have together, if two of them or more do.
+
+    All are estimated together, as each may stand for the others. One that chance explains beside them is none.
     """
-    axes = [axis for axis in kind.common if axis in device.fits and not device.searches[axis].knows(kind)]
-    showing = [_estimate(axis, device.fits[axis], kind) for axis in axes if device.fits[axis].has(kind)]
-    asked = [_asked(axis, device.fits[axis], kind) for axis in axes if not device.fits[axis].has(kind)]
-    silent = [one for one in asked if one is not None]
-    if not showing and not _together(silent, device, level):
-        return None
+    if not kinds:
+        return ()
+    estimates = _estimates(kinds, device)
+    members = {kind: _members(kind, estimates, device, level) for kind in kinds}
+    several = tuple(kind for kind in kinds if len(members[kind]) > 1)
+    if several != kinds:
+        return _joints(several, device, level)
+    shares = [one.about([kind for kind in kinds if one.axis in members[kind]]) for one in estimates]
+    pool = pooled([one for one in shares if one.terms])
+    chances = {kind: log_chance(pool.about(kind).gain, len(pool.about(kind).value)) for kind in kinds}
+    weakest = max(kinds, key=lambda kind: chances[kind])
+    if chances[weakest] > next(iter(device.searches.values())).log_alpha:
+        return _joints(tuple(kind for kind in kinds if kind is not weakest), device, level)
+    return tuple(_joint(kind, members[kind], estimates, pool.about(kind)) for kind in kinds)
+
+
+def _joint(kind: type[Effect], members: Sequence[str], estimates: Sequence[Estimate], pool: Pool) -> Joint:
+    term = next(term for one in estimates if one.axis in members for term in one.terms if type(term.effect) is kind)
+    effect = replace(term.effect, **dict(zip(term.free, pool.value.tolist(), strict=True)))
+    return Joint(effect, tuple(axis for axis in kind.common if axis in members), term.free, pool)
+
+
+def _members(kind: type[Effect], estimates: Sequence[Estimate], device: Device, level: float) -> list[str]:
+    """Return the axes that have an effect by one value: those that show it and agree, and those that allow of it."""
+    estimates = _about(kind, estimates)
+    showing = [one for one in estimates if device.fits[one.axis].has(kind)]
+    silent = [one for one in estimates if not device.fits[one.axis].has(kind)]
     anchor = agreeing(showing or silent, level)
-    members = anchor + [one for one in silent if one not in anchor and not contradicts(one, pooled(anchor), level)]
-    if len(members) < 2:
-        return None
-    pool, free = pooled(members), members[0].free
-    effect = replace(members[0].effect, **dict(zip(free, pool.value.tolist(), strict=True)))
-    return Joint(effect, tuple(axis for axis in axes if axis in {one.axis for one in members}), free, pool)
+    others = [one for one in silent if one not in anchor and not contradicts(one, pooled(anchor), level)]
+    return [one.axis for one in (*anchor, *others)]
 
 
-def _together(silent: Sequence[Estimate], device: Device, level: float) -> bool:
+def _together(kind: type[Effect], estimates: Sequence[Estimate], device: Device, level: float) -> bool:
     """Return whether axes none of which shows an effect agree on one that chance does not explain."""
+    silent = _about(kind, estimates)
     if len(silent) < 2:
         return False
     pool, log_alpha = pooled(silent), device.searches[silent[0].axis].log_alpha
     return pool.agreement >= level and log_chance(pool.gain, len(pool.value)) < log_alpha
 
 
-def _estimate(axis: str, found: AxisFit, kind: type[Effect]) -> Estimate:
+def _about(kind: type[Effect], estimates: Sequence[Estimate]) -> list[Estimate]:
+    """Return what axes say of effects of one kind, those that say something."""
+    return [part for one in estimates if (part := one.about([kind])).terms]
+
+
+def _estimates(kinds: Sequence[type[Effect]], device: Device) -> list[Estimate]:
+    """Return what the axes say of effects of some kinds, shown there or not, all of them free.
+
+    Axes whose start model has one are not asked for it.
+    """
+    estimates = []
+    for axis, found in device.fits.items():
+        asked = [kind for kind in kinds if axis in kind.common and not device.searches[axis].knows(kind)]
+        for kind in asked:
+            start = None if found.has(kind) else next(kind.starts(found), None)
+            found = found if start is None else fit(found.sequence, with_effect(found.description, start))
+        if any(found.has(kind) for kind in asked):
+            estimates.append(_estimate(axis, found, asked))
+    return estimates
+
+
+def _estimate(axis: str, found: AxisFit, kinds: Sequence[type[Effect]]) -> Estimate:
+    """Return what a fit says of its terms of some kinds, the other terms free."""
     terms = found.description.terms
-    index = next(i for i, term in enumerate(terms) if isinstance(term.effect, kind))
-    first = sum(len(term.free) for term in terms[:index])
-    block = slice(first, first + len(terms[index].free))
-    information = np.linalg.pinv(found.covariance[block, block], hermitian=True)
-    return Estimate(axis, terms[index].effect, terms[index].free, information)
-
-
-def _asked(axis: str, found: AxisFit, kind: type[Effect]) -> Estimate | None:
-    """Return what an axis that does not show an effect says of it; None where it cannot tell."""
-    start = next(kind.starts(found), None)
-    if start is None:
-        return None
-    return _estimate(axis, fit(found.sequence, with_effect(found.description, start)), kind)
+    mine = [type(term.effect) in kinds for term in terms]
+    places = np.repeat(mine, [len(term.free) for term in terms])
+    information = np.linalg.pinv(found.covariance[np.ix_(places, places)], hermitian=True)
+    return Estimate(axis, tuple(term for term, own in zip(terms, mine, strict=True) if own), information)
 
 
 def _held(device: Device, joint: Joint) -> Device:

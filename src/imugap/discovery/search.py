@@ -295,12 +295,13 @@ class Search:
         return found
 
     def _improved(self, found: AxisFit, key: "Key") -> AxisFit | None:
-        """Return a fit without the effect at ``key``, or with another in its place, if it is better."""
+        """Return a fit without the effect at ``key``, or with another or a simpler in its place, if it is better."""
         own, without = self.weighed(found, key)
         if own.log_p > self.log_alpha:
             return without
         bar = min(self.log_alpha, own.log_p + CLOSE)
-        best = max(self.rivals(found, key, without, bar), key=lambda trial: trial.worth, default=None)
+        others = (one for one in self.trials(without, bar) if one.name != own.name or one.parameters < own.parameters)
+        best = max(others, key=lambda trial: trial.worth, default=None)
         if best is not None and best.worth > own.worth + MARGIN:
             return best.fit
         couple = self.couple(without, own)

@@ -17,13 +17,13 @@ from imugap.effects.effect import TINY
 
 SEGMENTS = 8
 """Least number of segments."""
-REACH = 0.1
+REACH = 0.45
 """Largest sweep over the log, in sampling rates."""
 FINER = 2
 """Frequencies per width of a line."""
 STRIDE = 2
 """Sweep within a segment, in widths of a line, from one transform to the next."""
-WORK = 3e8
+WORK = 1.35e9
 """Powers that are added up at most; a longer log is cut into more segments."""
 SLOWEST = 3
 """Least sweep over the log, in widths of a line in a segment: what moves less is as good as steady."""

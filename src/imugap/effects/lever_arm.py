@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
+from imugap.course import course
 from imugap.effects.effect import Conditions, Start, SystematicEffect, parameter
 from imugap.log import ACCEL, GYRO
 
@@ -30,7 +30,7 @@ class LeverArm(SystematicEffect):
             raise ValueError(f"{self.name}: expected one of {', '.join(ACCEL)}; found {axis}")
 
     def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
-        """Return the component along the own axis; dw/dt is that of a cubic spline."""
+        """Return the component along the own axis; dw/dt is that of :mod:`imugap.course`."""
         slopes = self.slopes(conditions)
         return self.x * slopes["x"] + self.y * slopes["y"] + self.z * slopes["z"]
 
@@ -50,5 +50,5 @@ class LeverArm(SystematicEffect):
 def _fields(conditions: Conditions) -> np.ndarray:
     """Return the specific force that arms of one metre along x, y and z add, shape (3 arms, n, 3 components)."""
     rate = conditions.input(LeverArm, GYRO)
-    change = CubicSpline(conditions.time, rate)(conditions.time, 1)
+    change = course(conditions.time, rate)(conditions.time, 1)
     return np.array([np.cross(rate, np.cross(rate, arm)) + np.cross(change, arm) for arm in np.eye(3)])

@@ -5,8 +5,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
-from scipy.interpolate import CubicSpline
+from scipy.interpolate import BSpline
 
+from imugap.course import course
 from imugap.effects.effect import Conditions, Start, SystematicEffect, parameter
 from imugap.log import AXES
 
@@ -26,10 +27,10 @@ class TimeOffset(SystematicEffect):
     offset: float = parameter("s", "delay of the input", low=-np.inf)
 
     def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
-        """Interpolate by a cubic spline; before the first and after the last sample the input is held."""
+        """Interpolate (:mod:`imugap.course`); before the first and after the last sample the input is held."""
         conditions.own_axis(self)
-        course, time = conditions.once(_course), conditions.time
-        return course(np.clip(time - self.offset, time[0], time[-1])) - course(time)
+        between, time = conditions.once(_course), conditions.time
+        return between(np.clip(time - self.offset, time[0], time[-1])) - between(time)
 
     def slopes(self, conditions: Conditions) -> dict[str, np.ndarray]:
         """Return the derivative of the input, earlier by the offset, with the sign of a delay."""
@@ -61,6 +62,6 @@ class TimeOffset(SystematicEffect):
         return float(0.5 * (fit.coefficients @ fit.coefficients - rest @ rest + step))
 
 
-def _course(conditions: Conditions) -> CubicSpline:
+def _course(conditions: Conditions) -> BSpline:
     """Return the input of the own axis between its samples."""
-    return CubicSpline(conditions.time, conditions.input(TimeOffset, [conditions.axis])[:, 0])
+    return course(conditions.time, conditions.input(TimeOffset, [conditions.axis])[:, 0])

@@ -8,12 +8,13 @@ import numpy as np
 from imugap.discovery.axis import AxisFit
 from imugap.discovery.doubt.doubt import LEVEL, Doubt
 from imugap.discovery.doubt.mean import term_doubt
-from imugap.discovery.doubt.spectrum import MEMORY, noise_doubt
+from imugap.discovery.doubt.memory import MEANS, MEMORY, in_place_of_means
+from imugap.discovery.doubt.spectrum import noise_doubt
 from imugap.discovery.doubt.variance import change_doubt
 from imugap.discovery.noise import log_likelihood
 from imugap.discovery.search import MANY, SLOW, Key, Search, at, removed
 from imugap.discovery.unsteady import Band
-from imugap.effects import BiasStep, RandomTelegraph, RateRamp, Sinusoid, Temperature, WarmUp
+from imugap.effects import BiasStep, RandomTelegraph, Sinusoid
 
 FAR = 2.0
 """Factor of the frequency of a line in doubt beyond which others have nothing to do with it."""
@@ -30,6 +31,7 @@ def doubts(search: Search, fit: AxisFit) -> dict[Key, Doubt]:
         same = [key for key in keys if isinstance(at(fit.description, key), kind)]
         if len(same) > most:
             found |= {key: Doubt(f"{len(same)} of them", -np.inf) for key in same}
+    found |= _remembered(search, fit, keys)
     found |= _after_clusters(search, fit, found) | _beside_a_mean(search, fit, keys, found)
     found |= _parts_of_it(fit, keys, found)
     clear = _clear_of_lines(search, fit, keys, found)
@@ -47,6 +49,13 @@ def beside_a_sweep(search: Search, fit: AxisFit, keys: Sequence[Key], bands: Seq
         for key in keys
         if key.part == "noise" and not _certain_outside(search, fit, key, band.low, band.high)
     }
+
+
+def _remembered(search: Search, fit: AxisFit, keys: Sequence[Key]) -> dict[Key, Doubt]:
+    """Return the means that a memory of the temperature explains better."""
+    doubt = in_place_of_means(search, fit)
+    means = [key for key in keys if key.part == "term" and isinstance(at(fit.description, key), MEANS)]
+    return {key: doubt for key in means if doubt.log_p < LEVEL}
 
 
 def _clear_of_lines(search: Search, fit: AxisFit, keys: Sequence[Key], found: Mapping[Key, Doubt]) -> set[Key]:
@@ -104,7 +113,7 @@ def _parts_of_it(fit: AxisFit, keys: Sequence[Key], found: Mapping[Key, Doubt]) 
     if not slow:
         return {}
     worst = min((found[key] for key in slow), key=lambda doubt: doubt.log_p)
-    kinds = (BiasStep, RateRamp, Temperature, WarmUp) if worst.reason == MEMORY else (BiasStep,)
+    kinds = MEANS if worst.reason == MEMORY else (BiasStep,)
     return {key: worst for key in keys if key not in found and isinstance(at(fit.description, key), kinds)}
 
 

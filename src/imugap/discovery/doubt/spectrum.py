@@ -6,12 +6,13 @@ import numpy as np
 from scipy.fft import idct
 from scipy.stats import ncx2
 
-from imugap.discovery import hysteresis, waves
-from imugap.discovery.axis import AxisFit, Description
+from imugap.discovery import waves
+from imugap.discovery.axis import AxisFit
 from imugap.discovery.doubt.doubt import LEVEL, Doubt, divergence
+from imugap.discovery.doubt.memory import in_place_of_noise, over
 from imugap.discovery.noise import STEP, Noise, log_likelihood
 from imugap.discovery.power_law import PowerLaw
-from imugap.discovery.search import SLOW, Key, Search, Trial, at, log_chance
+from imugap.discovery.search import SLOW, Key, Search, at, log_chance
 from imugap.discovery.telegraph import compare
 from imugap.effects import RandomTelegraph
 from imugap.effects.effect import TINY, StochasticEffect
@@ -19,7 +20,11 @@ from imugap.stream import stream
 
 OTHER_SLOPE = np.log(1e-2)
 """Log-probability of chance below which a free slope of slow noise makes a doubt: no other test answers it as well."""
-MEMORY = "a memory of the temperature explains it better"
+LIKELIER = 2.0
+"""Log-likelihood by which a process of two parameters has to be likelier than a power law, which has as many.
+
+Of fractional noise between flicker and walk a Gauss-Markov process is likelier by chance, by up to 2.
+"""
 SHARE = 0.05
 """Share of the variance of a band above which an effect answers for the band."""
 BANDS = 24
@@ -44,7 +49,7 @@ def noise_doubt(search: Search, fit: AxisFit, key: Key) -> Doubt:
     else:
         doubts.append(Doubt("it comes in bursts or jumps", _uncommon(fit, share)))
     if isinstance(effect, (*SLOW, RandomTelegraph)):
-        doubts += [_repeated(search, fit, key), _remembered(search, fit, key)]
+        doubts += [_repeated(search, fit, key), in_place_of_noise(search, fit, key)]
     return min([*doubts, *_power_law(search, fit)], key=lambda doubt: doubt.log_p)
 
 
@@ -68,30 +73,7 @@ def _repeated(search: Search, fit: AxisFit, key: Key) -> Doubt:
     """Weigh a wave of any shape in the place of slow noise."""
     own, without = search.weighed(fit, key)
     wave = log_chance(waves.gain(without), waves.MORE) + np.log(waves.TRIALS)
-    return Doubt("a wave of one period explains it better", _over(own, wave, search.log_alpha))
-
-
-def _remembered(search: Search, fit: AxisFit, key: Key) -> Doubt:
-    """Weigh a loop over the temperature in the place of slow noise: of this, or of all, that of the start model too."""
-    if fit.sequence.conditions.temperature is None:
-        return Doubt(MEMORY, 0.0)
-    own, without = search.weighed(fit, key)
-    bare = search.fitted(fit.sequence, _bare(fit.description))
-    gain = max(one.log_likelihood + hysteresis.gain(one) for one in (without, bare)) - without.log_likelihood
-    loop = log_chance(gain, hysteresis.MORE) + np.log(len(hysteresis.HALVES))
-    return Doubt(MEMORY, _over(own, loop, search.log_alpha))
-
-
-def _bare(description: Description) -> Description:
-    """Return the description without slow noise."""
-    noise = description.noise
-    kept = tuple(effect for effect in noise.effects if not isinstance(effect, (*SLOW, RandomTelegraph)))
-    return replace(description, noise=replace(noise, effects=kept or noise.effects[:1]))
-
-
-def _over(own: Trial, other: float, log_alpha: float) -> float:
-    """Return the log-probability of a doubt that is at the level where another mean does as well as the noise."""
-    return LEVEL + other - own.log_p if other < log_alpha else 0.0
+    return Doubt("a wave of one period explains it better", over(own.log_p, wave, search.log_alpha))
 
 
 def _uncommon(fit: AxisFit, share: np.ndarray) -> float:
@@ -176,9 +158,13 @@ def _power_law(search: Search, fit: AxisFit) -> list[Doubt]:
     size = max(without.room(PowerLaw(1.0, 1.5)), 1e-12 * float(np.sqrt(without.variance.mean())))
     law = replace(without.description, noise=replace(noise, effects=(*kept, PowerLaw(size, 1.5))))
     other = search.fitted(fit.sequence, law)
-    if len(slow) == 1:
-        chance = log_chance(other.log_likelihood - fit.log_likelihood, 1)
+    more = other.log_likelihood - fit.log_likelihood
+    parameters = sum(len(one.parameters()) for one in slow)
+    if parameters == 1:
+        chance = log_chance(more, 1)
         return [Doubt("a power law of another slope explains it better", LEVEL - OTHER_SLOPE + chance)]
-    named = log_chance(fit.log_likelihood - without.log_likelihood, sum(len(one.parameters()) for one in slow))
+    if len(slow) == 1:
+        return [Doubt("a power law explains it as well", LEVEL - LIKELIER - more)]
+    named = log_chance(fit.log_likelihood - without.log_likelihood, parameters)
     unnamed = log_chance(other.log_likelihood - without.log_likelihood, 2)
     return [Doubt("one power law explains all slow noise better", LEVEL + unnamed - named)]

@@ -1,0 +1,57 @@
+"""Is it a memory of the temperature? A loop over it wanders as slow noise does, and as means of time do."""
+
+from collections.abc import Iterable
+from dataclasses import replace
+
+from imugap.discovery.axis import AxisFit, Description
+from imugap.discovery.doubt.doubt import LEVEL, Doubt
+from imugap.discovery.hysteresis import Hysteresis
+from imugap.discovery.search import SLOW, Key, Search, Trial, log_chance
+from imugap.effects import BiasStep, RandomTelegraph, RateRamp, Temperature, WarmUp
+
+MEMORY = "a memory of the temperature explains it better"
+MEANS = (BiasStep, RateRamp, Temperature, WarmUp)
+"""Means that a loop over the temperature may look like."""
+NONE = Doubt(MEMORY, 0.0)
+
+
+def in_place_of_noise(search: Search, fit: AxisFit, key: Key) -> Doubt:
+    """Weigh a loop in the place of slow noise: of this, or of all, that of the start model too."""
+    own, without = search.weighed(fit, key)
+    looped = list(_looped(search, (without, search.fitted(fit.sequence, _without_slow_noise(fit.description)))))
+    if not looped:
+        return NONE
+    best = max(looped, key=lambda trial: trial.fit.log_likelihood)
+    loop = replace(best, gain=best.fit.log_likelihood - without.log_likelihood)
+    return Doubt(MEMORY, over(own.log_p, loop.log_p, search.log_alpha))
+
+
+def in_place_of_means(search: Search, fit: AxisFit) -> Doubt:
+    """Weigh a loop beside the means of a fit, and in the place of those of them that were added."""
+    first = len(search.start.terms)
+    added = [term for term in fit.description.terms[first:] if isinstance(term.effect, MEANS)]
+    if not added:
+        return NONE
+    kept = tuple(term for term in fit.description.terms if not any(term is one for one in added))
+    without = search.fitted(fit.sequence, replace(fit.description, terms=kept))
+    beside, instead = list(_looped(search, (fit,))), list(_looped(search, (without,)))
+    if not beside:
+        return NONE
+    named = log_chance(fit.log_likelihood - without.log_likelihood, sum(len(term.free) for term in added))
+    return Doubt(MEMORY, min(beside[0].log_p, over(named, instead[0].log_p, search.log_alpha)))
+
+
+def over(named: float, other: float, log_alpha: float) -> float:
+    """Return the log-probability of a doubt that is at the level where something else does as well as what is named."""
+    return LEVEL + other - named if other < log_alpha else 0.0
+
+
+def _looped(search: Search, fits: Iterable[AxisFit]) -> Iterable[Trial]:
+    """Yield the fits with a loop over the temperature more, where it is known and varies."""
+    return (search.judged(start, fit) for fit in fits for start in Hysteresis.starts(fit))
+
+
+def _without_slow_noise(description: Description) -> Description:
+    noise = description.noise
+    kept = tuple(effect for effect in noise.effects if not isinstance(effect, (*SLOW, RandomTelegraph)))
+    return replace(description, noise=replace(noise, effects=kept or noise.effects[:1]))
