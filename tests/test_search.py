@@ -551,6 +551,21 @@ def test_beside_a_wave_of_another_shape_a_step_keeps_its_name():
     assert names(told_of(*wave, BiasStep(250.0, 1e-3), count=12_000)) == ["bias_step"]
 
 
+@pytest.mark.parametrize(("shape", "reasons"), [("teeth", ["a wave of one period explains it better"]), ("step", [])])
+def test_a_jump_of_a_wave_is_no_step(shape, reasons):
+    """The walk of the start model hides the wave but for a jump of it; a step alone keeps its name."""
+    known = RandomWalk(5e-5)
+    data = sequence(known, label="jump")
+    time = data.conditions.time
+    added = {"teeth": 2e-3 * (time / 96.3 % 1), "step": -2e-3 * (time > 4 * 96.3)}[shape]
+    moved = replace(data, values=data.values + added)
+    before = fit(moved, Description((), Noise((WHITE, known))))
+    step = Term(BiasStep(4 * 96.3, -2e-3), ("step",))
+    found = fit(moved, replace(before.description, terms=(step,)))
+    doubtful = doubts(Search(before.description, (BiasStep,), LOG_ALPHA), found)
+    assert [doubt.reason for doubt in doubtful.values()] == reasons
+
+
 def test_a_steady_line_is_not_in_doubt():
     data = sequence(Sinusoid(0.8, 5e-4, 0.3), count=12_000)
     search = Search(plain(data).description, tuple(CATALOGUE.values()), LOG_ALPHA)

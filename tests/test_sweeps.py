@@ -4,11 +4,14 @@ import numpy as np
 import pytest
 
 from imugap.discovery.axis import Description, fit
+from imugap.discovery.doubt import beside_a_sweep
 from imugap.discovery.noise import Noise
+from imugap.discovery.search import Key, Search
 from imugap.discovery.sequence import Sequence
 from imugap.discovery.story import concluded, told
 from imugap.discovery.sweeps import swept
-from imugap.effects import CATALOGUE, Sinusoid, WhiteNoise
+from imugap.discovery.unsteady import Band
+from imugap.effects import CATALOGUE, OutputFilter, Sinusoid, WhiteNoise
 from imugap.effects.effect import Conditions
 from imugap.stream import stream
 
@@ -61,6 +64,20 @@ def test_a_faint_chirp_is_a_place_without_a_name():
     assert story.findings == ()
     (band,) = story.bands
     assert band.low < 2 < 4 < band.high
+
+
+@pytest.mark.parametrize(("cutoff", "doubtful"), [(24.6, True), (2.0, False)])
+def test_a_filter_that_only_the_band_of_a_chirp_shows_is_none(cutoff, doubtful):
+    """All frequencies that the chirp reaches are louder, so that those above look filtered."""
+    conditions = Conditions(INTERVAL * np.arange(COUNT), INTERVAL, axis="accel_y")
+    noise, filtered = white("filter"), OutputFilter(cutoff, 1)
+    noise = noise if doubtful else filtered.apply(noise, conditions, stream(1))
+    data = Sequence(1e-2 * (noise + chirp(2.3, 18.1, 30)), conditions, np.zeros(COUNT, bool))
+    density = WhiteNoise(1e-2 * np.sqrt(INTERVAL))
+    search = Search(Description((), Noise((density,))), tuple(CATALOGUE.values()), LOG_ALPHA)
+    seen = fit(data, Description((), Noise((density,), filtered)))
+    doubts = beside_a_sweep(search, seen, [Key("filter", 0)], [Band(2.3, 18.1, -500.0)])
+    assert list(doubts) == ([Key("filter", 0)] if doubtful else [])
 
 
 def test_the_fit_of_a_steady_line_leaves_no_sweep():

@@ -16,6 +16,11 @@ class Doubt:
     log_p: float
 
 
+def over(named: float, other: float, log_alpha: float) -> float:
+    """Return the log-probability of a doubt that is at the level where something else does as well as what is named."""
+    return LEVEL + other - named if other < log_alpha else 0.0
+
+
 def divergence(power: np.ndarray, number: np.ndarray) -> np.ndarray:
     """Return the gain of log-likelihood of a free variance in each band."""
     ratio = power / number

@@ -42,12 +42,12 @@ def doubts(search: Search, fit: AxisFit) -> dict[Key, Doubt]:
 
 
 def beside_a_sweep(search: Search, fit: AxisFit, keys: Sequence[Key], bands: Sequence[Band]) -> dict[Key, Doubt]:
-    """Return the random effects among ``keys`` that are uncertain but for the band of a line that sweeps."""
+    """Return the random effects and the filter among ``keys`` that are uncertain but for the band of such a line."""
     return {
         key: Doubt("a line that sweeps explains it", band.log_p)
         for band in bands
         for key in keys
-        if key.part == "noise" and not _certain_outside(search, fit, key, band.low, band.high)
+        if key.part in ("noise", "filter") and not _certain_outside(search, fit, key, band.low, band.high)
     }
 
 

@@ -6,10 +6,11 @@ import numpy as np
 
 from imugap.discovery.axis import AxisFit
 from imugap.discovery.doubt.doubt import Doubt
+from imugap.discovery.doubt.wave import repeated
 from imugap.discovery.parameters import term_intervals
 from imugap.discovery.search import Key, Search, at, log_chance
 from imugap.discovery.unsteady import NEAR
-from imugap.effects import Sinusoid
+from imugap.effects import BiasStep, Sinusoid
 from imugap.effects.effect import TINY
 
 HARMONICS, ALONE = 9, 0.1
@@ -25,7 +26,10 @@ def term_doubt(search: Search, fit: AxisFit, key: Key) -> Doubt | None:
         return Doubt("lines at its multiples make it a wave of another shape", -np.inf)
     if _split(fit, key) or _modulated(fit, key):
         return Doubt("lines beside it make it one that swells or drifts", -np.inf)
-    return Doubt("the mean is not quite of its shape", nearly(fit, key.index))
+    bent = Doubt("the mean is not quite of its shape", nearly(fit, key.index))
+    if not isinstance(at(fit.description, key), BiasStep):
+        return bent
+    return min(bent, repeated(search, fit, key), key=lambda doubt: doubt.log_p)
 
 
 def nearly(fit: AxisFit, index: int) -> float:

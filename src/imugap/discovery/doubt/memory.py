@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from imugap.discovery.axis import AxisFit, Description
-from imugap.discovery.doubt.doubt import LEVEL, Doubt
+from imugap.discovery.doubt.doubt import Doubt, over
 from imugap.discovery.hysteresis import Hysteresis
 from imugap.discovery.search import SLOW, Key, Search, Trial, log_chance
 from imugap.effects import BiasStep, RandomTelegraph, RateRamp, Temperature, WarmUp
@@ -39,11 +39,6 @@ def in_place_of_means(search: Search, fit: AxisFit) -> Doubt:
         return NONE
     named = log_chance(fit.log_likelihood - without.log_likelihood, sum(len(term.free) for term in added))
     return Doubt(MEMORY, min(beside[0].log_p, over(named, instead[0].log_p, search.log_alpha)))
-
-
-def over(named: float, other: float, log_alpha: float) -> float:
-    """Return the log-probability of a doubt that is at the level where something else does as well as what is named."""
-    return LEVEL + other - named if other < log_alpha else 0.0
 
 
 def _looped(search: Search, fits: Iterable[AxisFit]) -> Iterable[Trial]:

@@ -6,10 +6,10 @@ import numpy as np
 from scipy.fft import idct
 from scipy.stats import ncx2
 
-from imugap.discovery import waves
 from imugap.discovery.axis import AxisFit
 from imugap.discovery.doubt.doubt import LEVEL, Doubt, divergence
-from imugap.discovery.doubt.memory import in_place_of_noise, over
+from imugap.discovery.doubt.memory import in_place_of_noise
+from imugap.discovery.doubt.wave import repeated
 from imugap.discovery.noise import STEP, Noise, log_likelihood
 from imugap.discovery.power_law import PowerLaw
 from imugap.discovery.search import SLOW, Key, Search, at, log_chance
@@ -49,7 +49,7 @@ def noise_doubt(search: Search, fit: AxisFit, key: Key) -> Doubt:
     else:
         doubts.append(Doubt("it comes in bursts or jumps", _uncommon(fit, share)))
     if isinstance(effect, (*SLOW, RandomTelegraph)):
-        doubts += [_repeated(search, fit, key), in_place_of_noise(search, fit, key)]
+        doubts += [repeated(search, fit, key), in_place_of_noise(search, fit, key)]
     return min([*doubts, *_power_law(search, fit)], key=lambda doubt: doubt.log_p)
 
 
@@ -67,13 +67,6 @@ def share_of(fit: AxisFit, effect: StochasticEffect) -> np.ndarray:
     bins, noise = fit.sequence.bins, fit.description.noise
     own = Noise((effect,), noise.output_filter).variance(bins)
     return own / noise.variance(bins)
-
-
-def _repeated(search: Search, fit: AxisFit, key: Key) -> Doubt:
-    """Weigh a wave of any shape in the place of slow noise."""
-    own, without = search.weighed(fit, key)
-    wave = log_chance(waves.gain(without), waves.MORE) + np.log(waves.TRIALS)
-    return Doubt("a wave of one period explains it better", over(own.log_p, wave, search.log_alpha))
 
 
 def _uncommon(fit: AxisFit, share: np.ndarray) -> float:
