@@ -24,6 +24,12 @@ def test_delayed_line_is_itself_earlier():
     np.testing.assert_allclose(line(inside - 0.013), expected, atol=2e-4)
 
 
+def test_a_smooth_signal_is_met_to_its_ends():
+    line, between = course(TIME, np.sin(TIME)), np.linspace(0, TIME[-1], 9999)
+    np.testing.assert_allclose(line(between), np.sin(between), atol=1e-6)
+    np.testing.assert_allclose(line(between, 1), np.cos(between), atol=1e-4)
+
+
 def test_samples_are_met_and_ends_do_not_swing():
     values = np.random.default_rng(1).standard_normal(400)
     line = course(TIME[:400], values)

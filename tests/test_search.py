@@ -10,7 +10,7 @@ from imugap.discovery.axis import Description, Term, cosines, fit, jacobian
 from imugap.discovery.common import _errors, shared
 from imugap.discovery.discover import _nameless
 from imugap.discovery.doubt import Doubt, doubts
-from imugap.discovery.doubt.doubts import _parts_of_it
+from imugap.discovery.doubt.doubts import _of_the_spectrum, _parts_of_it
 from imugap.discovery.doubt.memory import MEMORY
 from imugap.discovery.finding import Gap
 from imugap.discovery.gaps import gaps
@@ -302,22 +302,40 @@ def test_bursts_are_no_noise_though_their_spectrum_is():
 
 
 @pytest.mark.parametrize(
-    ("doubtful", "reason", "withheld"),
-    [("noise", "bursts", [BiasStep]), ("noise", MEMORY, [BiasStep, WarmUp]), ("line", "drifts", [])],
+    ("doubtful", "reason", "warm", "withheld"),
+    [
+        ("noise", "bursts", 2e-2, [BiasStep]),
+        ("noise", "bursts", 2e-3, [BiasStep, WarmUp]),
+        ("noise", MEMORY, 2e-2, [BiasStep, WarmUp]),
+        ("line", "drifts", 2e-3, []),
+    ],
 )
-def test_what_slow_noise_without_a_name_may_have_made_has_none_either(doubtful, reason, withheld):
+def test_what_slow_noise_without_a_name_may_have_made_has_none_either(doubtful, reason, warm, withheld):
     terms = [
         Term(BiasStep(200.0, 2e-2), ("step",)),
         Term(Sinusoid(0.8, 5e-4, 0.3), ("amplitude",)),
-        Term(WarmUp(1e-3, 20.0), ("amplitude",)),
+        Term(WarmUp(warm, 20.0), ("amplitude",)),
     ]
     described = Description(tuple(terms), Noise((WHITE, GaussMarkov(1e-3, 6.0))))
-    found = fit(sequence(BiasStep(200.0, 2e-2), GaussMarkov(1e-3, 6.0), count=12_000), described)
+    data = sequence(BiasStep(200.0, 2e-2), WarmUp(warm, 20.0), GaussMarkov(1e-3, 6.0), count=12_000)
+    search = Search(Description((), Noise((WHITE,))), tuple(CATALOGUE.values()), LOG_ALPHA)
     keys = [*(Key("term", index) for index in range(3)), Key("noise", 1)]
     doubt = {keys[3 if doubtful == "noise" else 1]: Doubt(reason, -20.0)}
-    of_it = _parts_of_it(found, keys, doubt)
+    found = fit(data, described)
+    of_it = _parts_of_it(search, found, keys, doubt)
     assert [type(at(found.description, key)) for key in of_it] == withheld
     assert all(one.reason == reason for one in of_it.values())
+
+
+def test_a_line_or_filter_where_noise_without_a_name_is_the_power_has_none_either():
+    """A peak of a spectrum that is not known is not known to be a line."""
+    lines = tuple(Term(Sinusoid(f, 5e-4, 0.3), ("amplitude",)) for f in (0.1, 9.0))
+    keys, doubt = [Key("term", 0), Key("term", 1), Key("noise", 1), Key("filter", 0)], Doubt("bursts", -20.0)
+    for cutoff, nameless in ((0.1, [Key("term", 0), Key("filter", 0)]), (9.0, [Key("term", 0)])):
+        noise = Noise((WHITE, GaussMarkov(1e-2, 1.0)), OutputFilter(cutoff, 1))
+        found = fit(sequence(GaussMarkov(1e-2, 1.0), count=12_000), Description(lines, noise))
+        described = replace(found, description=Description(lines, noise))
+        assert list(_of_the_spectrum(described, keys, {Key("noise", 1): doubt})) == nameless
 
 
 @pytest.mark.parametrize(

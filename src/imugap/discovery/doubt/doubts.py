@@ -9,13 +9,16 @@ from imugap.discovery.axis import AxisFit
 from imugap.discovery.doubt.doubt import LEVEL, Doubt
 from imugap.discovery.doubt.mean import term_doubt
 from imugap.discovery.doubt.memory import MEANS, MEMORY, in_place_of_means
-from imugap.discovery.doubt.spectrum import noise_doubt
+from imugap.discovery.doubt.spectrum import noise_doubt, share_of, with_power_law
 from imugap.discovery.doubt.variance import change_doubt
 from imugap.discovery.noise import log_likelihood
 from imugap.discovery.search import MANY, SLOW, Key, Search, at, removed
 from imugap.discovery.unsteady import Band
 from imugap.effects import BiasStep, RandomTelegraph, Sinusoid
+from imugap.effects.effect import Effect
 
+MOST = 0.5
+"""Share of the power at the frequency of a line or a filter above which noise in doubt leaves neither a name."""
 FAR = 2.0
 """Factor of the frequency of a line in doubt beyond which others have nothing to do with it."""
 
@@ -33,7 +36,7 @@ def doubts(search: Search, fit: AxisFit) -> dict[Key, Doubt]:
             found |= {key: Doubt(f"{len(same)} of them", -np.inf) for key in same}
     found |= _remembered(search, fit, keys)
     found |= _after_clusters(search, fit, found) | _beside_a_mean(search, fit, keys, found)
-    found |= _parts_of_it(fit, keys, found)
+    found |= _parts_of_it(search, fit, keys, found) | _of_the_spectrum(fit, keys, found)
     clear = _clear_of_lines(search, fit, keys, found)
     for part in {key.part for key in found}:
         worst = min((found[key] for key in found if key.part == part), key=lambda doubt: doubt.log_p)
@@ -104,17 +107,48 @@ def _beside_a_mean(search: Search, fit: AxisFit, keys: Sequence[Key], found: Map
     return {key: Doubt("the mean beside it has no known shape", min(bent.values())) for key in doubtful}
 
 
-def _parts_of_it(fit: AxisFit, keys: Sequence[Key], found: Mapping[Key, Doubt]) -> dict[Key, Doubt]:
-    """Return the means beside slow noise in doubt that what has no name may have made.
+def _parts_of_it(search: Search, fit: AxisFit, keys: Sequence[Key], found: Mapping[Key, Doubt]) -> dict[Key, Doubt]:
+    """Return what stands beside slow noise in doubt and may be made by the same thing without a name.
 
-    Any may have made steps, a memory of the temperature whatever else goes with the temperature or with time.
+    Any may have made steps, a memory of the temperature whatever else goes with the temperature or with time. Other
+    means keep their names if they are certain beside a power law too.
     """
     slow = [key for key in found if isinstance(at(fit.description, key), (*SLOW, RandomTelegraph))]
     if not slow:
         return {}
     worst = min((found[key] for key in slow), key=lambda doubt: doubt.log_p)
     kinds = MEANS if worst.reason == MEMORY else (BiasStep,)
-    return {key: worst for key in keys if key not in found and isinstance(at(fit.description, key), kinds)}
+    means = [key for key in keys if key not in found and isinstance(at(fit.description, key), MEANS)]
+    law = with_power_law(search, fit)
+    return {
+        key: worst
+        for key in means
+        if isinstance(at(fit.description, key), kinds) or (law is not None and not _certain_in(search, law, fit, key))
+    }
+
+
+def _certain_in(search: Search, other: AxisFit, fit: AxisFit, key: Key) -> bool:
+    """Return whether chance does not explain a term of a fit in another fit with the same terms either."""
+    without = search.fitted(fit.sequence, removed(other.description, key))
+    gain = other.log_likelihood - without.log_likelihood
+    return replace(search.weighed(fit, key)[0], gain=gain).log_p < search.log_alpha
+
+
+def _of_the_spectrum(fit: AxisFit, keys: Sequence[Key], found: Mapping[Key, Doubt]) -> dict[Key, Doubt]:
+    """Return the lines and the filter where noise in doubt is most of the power: the spectrum there has no name."""
+    doubtful = [key for key in found if key.part == "noise"]
+    if not doubtful:
+        return {}
+    share = sum(share_of(fit, at(fit.description, key)) for key in doubtful)
+    worst = min((found[key] for key in doubtful), key=lambda doubt: doubt.log_p)
+    at_lines = {key: _frequency(at(fit.description, key)) for key in keys if key not in found}
+    places = {key: np.searchsorted(fit.sequence.bins.frequency, f) for key, f in at_lines.items() if f is not None}
+    return {key: worst for key, place in places.items() if share[min(place, len(share) - 1)] > MOST}
+
+
+def _frequency(effect: Effect) -> float | None:
+    """Return the frequency at which a line is, or a filter acts [Hz]."""
+    return getattr(effect, "frequency", getattr(effect, "cutoff", None))
 
 
 def _evidence_below(fit: AxisFit, key: Key, frequency: float) -> float:

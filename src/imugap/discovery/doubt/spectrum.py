@@ -139,18 +139,35 @@ def _off_in_bands(fit: AxisFit, share: np.ndarray) -> Doubt:
     return Doubt("its spectrum has another shape", float(np.log(max(chance, TINY))))
 
 
+def with_power_law(search: Search, fit: AxisFit) -> AxisFit | None:
+    """Return the fit with one power law in the place of the slow processes that were added; None without any."""
+    slow = _added_slow(search, fit)
+    if not slow:
+        return None
+    without = _without(search, fit, slow)
+    size = max(without.room(PowerLaw(1.0, 1.5)), 1e-12 * float(np.sqrt(without.variance.mean())))
+    noise = without.description.noise
+    law = replace(noise, effects=(*noise.effects, PowerLaw(size, 1.5)))
+    return search.fitted(fit.sequence, replace(without.description, noise=law))
+
+
+def _added_slow(search: Search, fit: AxisFit) -> list[StochasticEffect]:
+    added = fit.description.noise.effects[len(search.start.noise.effects) :]
+    return [effect for effect in added if isinstance(effect, SLOW)]
+
+
+def _without(search: Search, fit: AxisFit, effects: list[StochasticEffect]) -> AxisFit:
+    """Return the fit without some of its random processes."""
+    noise = fit.description.noise
+    kept = tuple(effect for effect in noise.effects if not any(effect is one for one in effects))
+    return search.fitted(fit.sequence, replace(fit.description, noise=replace(noise, effects=kept)))
+
+
 def _power_law(search: Search, fit: AxisFit) -> list[Doubt]:
     """Weigh one power law against the added slow processes: its slope may be another, or it says more than two do."""
-    first = len(search.start.noise.effects)
-    noise = fit.description.noise
-    slow = [effect for effect in noise.effects[first:] if isinstance(effect, SLOW)]
-    if not slow:
+    other, slow = with_power_law(search, fit), _added_slow(search, fit)
+    if other is None:
         return []
-    kept = tuple(effect for effect in noise.effects if not any(effect is one for one in slow))
-    without = search.fitted(fit.sequence, replace(fit.description, noise=replace(noise, effects=kept)))
-    size = max(without.room(PowerLaw(1.0, 1.5)), 1e-12 * float(np.sqrt(without.variance.mean())))
-    law = replace(without.description, noise=replace(noise, effects=(*kept, PowerLaw(size, 1.5))))
-    other = search.fitted(fit.sequence, law)
     more = other.log_likelihood - fit.log_likelihood
     parameters = sum(len(one.parameters()) for one in slow)
     if parameters == 1:
@@ -158,6 +175,7 @@ def _power_law(search: Search, fit: AxisFit) -> list[Doubt]:
         return [Doubt("a power law of another slope explains it better", LEVEL - OTHER_SLOPE + chance)]
     if len(slow) == 1:
         return [Doubt("a power law explains it as well", LEVEL - LIKELIER - more)]
+    without = _without(search, fit, slow)
     named = log_chance(fit.log_likelihood - without.log_likelihood, parameters)
     unnamed = log_chance(other.log_likelihood - without.log_likelihood, 2)
     return [Doubt("one power law explains all slow noise better", LEVEL + unnamed - named)]
