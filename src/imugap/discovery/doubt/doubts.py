@@ -14,8 +14,7 @@ from imugap.discovery.doubt.variance import change_doubt
 from imugap.discovery.noise import log_likelihood
 from imugap.discovery.search import MANY, SLOW, Key, Search, at, removed
 from imugap.discovery.unsteady import Band
-from imugap.effects import BiasStep, RandomTelegraph, Sinusoid
-from imugap.effects.effect import Effect
+from imugap.effects import BiasStep, OutputFilter, RandomTelegraph, Sinusoid
 
 MOST = 0.5
 """Share of the power at the frequency of a line or a filter above which noise in doubt leaves neither a name."""
@@ -141,14 +140,18 @@ def _of_the_spectrum(fit: AxisFit, keys: Sequence[Key], found: Mapping[Key, Doub
         return {}
     share = sum(share_of(fit, at(fit.description, key)) for key in doubtful)
     worst = min((found[key] for key in doubtful), key=lambda doubt: doubt.log_p)
-    at_lines = {key: _frequency(at(fit.description, key)) for key in keys if key not in found}
-    places = {key: np.searchsorted(fit.sequence.bins.frequency, f) for key, f in at_lines.items() if f is not None}
-    return {key: worst for key, place in places.items() if share[min(place, len(share) - 1)] > MOST}
+    return {
+        key: worst
+        for key in keys
+        if key not in found
+        and isinstance(effect := at(fit.description, key), (Sinusoid, OutputFilter))
+        and np.interp(_frequency(effect), fit.sequence.bins.frequency, share) > MOST
+    }
 
 
-def _frequency(effect: Effect) -> float | None:
+def _frequency(effect: Sinusoid | OutputFilter) -> float:
     """Return the frequency at which a line is, or a filter acts [Hz]."""
-    return getattr(effect, "frequency", getattr(effect, "cutoff", None))
+    return effect.frequency if isinstance(effect, Sinusoid) else effect.cutoff
 
 
 def _evidence_below(fit: AxisFit, key: Key, frequency: float) -> float:
