@@ -5,8 +5,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
+from scipy.interpolate import CubicHermiteSpline
 
-from imugap.course import Course, course
+from imugap.course import course
 from imugap.effects.effect import Conditions, Start, SystematicEffect, parameter
 from imugap.log import AXES
 
@@ -61,6 +62,6 @@ class TimeOffset(SystematicEffect):
         return float(0.5 * (fit.coefficients @ fit.coefficients - rest @ rest + step))
 
 
-def _course(conditions: Conditions) -> Course:
+def _course(conditions: Conditions) -> CubicHermiteSpline:
     """Return the input of the own axis between its samples."""
     return course(conditions.time, conditions.input(TimeOffset, [conditions.axis])[:, 0])
