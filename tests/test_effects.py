@@ -942,7 +942,7 @@ def test_lever_arm_is_the_acceleration_of_the_point_that_turns_with_the_body():
 def test_lever_arm_on_a_turntable_is_centripetal():
     sampled = {name: LeverArm(0.2, 0.0, 0.1).sample(held(name, gyro_z=3.0), stream(1)) for name in log.ACCEL}
     np.testing.assert_allclose(sampled["accel_x"], -(3.0**2) * 0.2, rtol=1e-12)
-    np.testing.assert_allclose(sampled["accel_y"], 0.0, atol=1e-13)
+    np.testing.assert_allclose(sampled["accel_y"], 0.0, atol=1e-14)
     np.testing.assert_allclose(sampled["accel_z"], 0.0, atol=1e-14)
 
 

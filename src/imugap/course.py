@@ -17,11 +17,12 @@ END = 30
 def course(time: np.ndarray, values: np.ndarray) -> CubicHermiteSpline:
     """Return the course through values, shape (n,) or (n, m), at ``time`` [s], shape (n,), n > 1."""
     count = min(END, len(time) - 1)
-    inner = make_interp_spline(_mirrored(time, count), _mirrored(values, count), k=min(DEGREE, 2 * count + 1))
+    rise = _mirrored(values - values[0], count)  # a constant has no slope at all, not even by rounding
+    inner = make_interp_spline(_mirrored(time, count), rise, k=min(DEGREE, 2 * count + 1))
     outer, nodes = CubicSpline(time, values), _halved(time)
     inside = (nodes > time[count]) & (nodes < time[-1 - count])
     heights, slopes = outer(nodes), outer(nodes, 1)
-    heights[inside], slopes[inside] = inner(nodes[inside]), inner(nodes[inside], 1)
+    heights[inside], slopes[inside] = values[0] + inner(nodes[inside]), inner(nodes[inside], 1)
     return CubicHermiteSpline(nodes, heights, slopes)
 
 
