@@ -4,7 +4,7 @@ A delay is that of the whole device, a lever arm that of its accelerometers (``c
 :class:`imugap.effects.effect.Effect`). A search of one axis decides on its own data only. Here the axes that show such
 an effect are pooled by the weights of their information; a chi-square test says whether they agree. The other axes are
 then tested at an uncorrected level: they have the effect too unless their data contradict it. Where no axis shows it,
-all of them together may.
+all of them together may. As a delay and a lever arm may stand for each other, all such effects are estimated together.
 """
 
 from collections.abc import Collection, Mapping, Sequence

@@ -22,7 +22,10 @@ HALVES = 0.03, 0.06, 0.1, 0.15, 0.22, 0.33
 
 @dataclass(frozen=True)
 class Hysteresis(SystematicEffect):
-    """Bias = coefficient T + memory P: T the temperature, P what it drags along with a play of twice ``half``."""
+    """Bias = coefficient T + memory P: T the temperature, P what it drags along with a play of twice ``half``.
+
+    ``half`` is one of :data:`HALVES`.
+    """
 
     name: ClassVar[str] = "hysteresis"
     coefficient: float = parameter("{u}/degC", "change of the bias per degree", low=-np.inf)

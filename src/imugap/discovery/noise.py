@@ -141,11 +141,12 @@ class Noise:
     def beneath(self, bins: Bins, power: np.ndarray) -> "Noise":
         """Return the same processes behind the same filter, each as large as it is alone beneath a spectrum.
 
-        Above the cutoff a spectrum says little of what the filter lets through, and is not asked.
+        Above the cutoff a spectrum says little of what the filter lets through, and is not asked beyond its first bins.
         """
         filtered = self.output_filter
-        below = bins.frequency < (np.inf if filtered is None else filtered.cutoff)
-        groups = np.array_split(np.flatnonzero(below), max(below.sum() // NEIGHBOURS, 1))
+        below = np.sum(bins.frequency < (np.inf if filtered is None else filtered.cutoff))
+        asked = np.arange(min(max(below, NEIGHBOURS), len(bins.frequency)))
+        groups = np.array_split(asked, max(len(asked) // NEIGHBOURS, 1))
         level = power / bins.number
         effects = []
         for effect in self.effects:

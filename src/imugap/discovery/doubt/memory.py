@@ -17,6 +17,8 @@ NONE = Doubt(MEMORY, 0.0)
 
 def in_place_of_noise(search: Search, fit: AxisFit, key: Key) -> Doubt:
     """Weigh a loop in the place of slow noise: of this, or of all, that of the start model too."""
+    if fit.sequence.conditions.temperature is None:
+        return NONE
     own, without = search.weighed(fit, key)
     looped = list(_looped(search, (without, search.fitted(fit.sequence, _without_slow_noise(fit.description)))))
     if not looped:
@@ -30,7 +32,7 @@ def in_place_of_means(search: Search, fit: AxisFit) -> Doubt:
     """Weigh a loop beside the means of a fit, and in the place of those of them that were added."""
     first = len(search.start.terms)
     added = [term for term in fit.description.terms[first:] if isinstance(term.effect, MEANS)]
-    if not added:
+    if not added or fit.sequence.conditions.temperature is None:
         return NONE
     kept = tuple(term for term in fit.description.terms if not any(term is one for one in added))
     without = search.fitted(fit.sequence, replace(fit.description, terms=kept))

@@ -23,7 +23,7 @@ OTHER_SLOPE = np.log(1e-2)
 LIKELIER = 2.0
 """Log-likelihood by which a process of two parameters has to be likelier than a power law, which has as many.
 
-Of fractional noise between flicker and walk a Gauss-Markov process is likelier by chance, by up to 2.
+Of fractional noise between flicker and walk a Gauss-Markov process is seldom likelier by more.
 """
 SHARE = 0.05
 """Share of the variance of a band above which an effect answers for the band."""
