@@ -634,12 +634,13 @@ def test_slow_noise_beside_a_walk_of_the_start_model_is_found():
     assert [effect.name for effect in after.description.noise.effects[2:]] == ["gauss_markov"]
 
 
-@pytest.mark.parametrize(("count", "asked"), [(20, 8), (24_000, 8)])
-def test_noise_beneath_a_spectrum_does_not_rise_above_it(count, asked):
-    """Also where a log is too short to have a frequency below the cutoff: it touches what there is."""
+@pytest.mark.parametrize("count", [20, 24_000])
+def test_noise_beneath_a_spectrum_does_not_rise_above_it(count):
+    """Also where a log is too short to have a frequency below the cutoff: it touches the first that there are."""
     data = sequence(count=count)
     power = data.bins.sums(cosines(data.values) ** 2)
     noise = Noise((WHITE,), OutputFilter(0.2, 1)).beneath(data.bins, power)
-    over = power / data.bins.number / noise.variance(data.bins)
-    assert np.median(over[:asked]) >= 1 - 1e-9
-    assert count > 20 or np.median(over[:asked]) == pytest.approx(1)
+    asked = slice(max(8, np.sum(data.bins.frequency < 0.2)))
+    over = power[asked] / data.bins.number[asked] / noise.variance(data.bins)[asked]
+    assert np.mean(over >= 1 - 1e-9) >= 0.5
+    assert over.min() <= 1 + 1e-9
