@@ -466,6 +466,19 @@ def test_a_markov_process_is_no_power_law(run):
     assert doubts(search, found) == {}
 
 
+@pytest.mark.parametrize(
+    "change", [VarianceChange(200.0, 290.0, 1.3), VarianceChange(0.0, 960.0, depth=0.15, frequency=0.01, phase=1.0)]
+)
+def test_a_change_of_variance_is_weighed_again_as_it_was_taken(change):
+    search = Search(Description((), Noise((WHITE,))), (VarianceChange,), LOG_ALPHA)
+    before = search.fitted(sequence(change), search.start)
+    taken = min(search.trials(before, LOG_ALPHA), key=lambda trial: trial.log_p)
+    again, _ = search.weighed(taken.fit, Key("change", 0))
+    assert (again.parameters, again.trials) == (taken.parameters, taken.trials)
+    assert again.log_p == pytest.approx(taken.log_p)
+    assert search.settled(taken.fit).description.changes
+
+
 @pytest.mark.parametrize("growth", [-4.0, 0.0, 4.0])
 def test_a_variance_that_grows_is_no_swing_without_bounds(growth):
     """Less than half a cycle of a swing of any depth is what a trend of the variance looks like."""

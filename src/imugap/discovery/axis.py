@@ -61,7 +61,8 @@ class Description:
 
     def size(self) -> int:
         """Return the number of adjusted parameters."""
-        return sum(len(term.free) for term in self.terms) + len(self.noise.parameters()) + 3 * len(self.changes)
+        free = (*(term.free for term in self.terms), self.noise.parameters(), *(one.free() for one in self.changes))
+        return sum(map(len, free))
 
 
 @dataclass(frozen=True, eq=False)

@@ -314,9 +314,9 @@ class Search:
             return Trial(outliers, found, self.tails[outliers].gain, 2, TAILS), found
         without = self.fitted(found.sequence, removed(found.description, key))
         effect = at(found.description, key)
-        trials = max((start.trials for start in type(effect).starts(without)), default=1.0)
         more = max(found.description.size() - without.description.size(), 1)
-        return Trial(effect, found, found.log_likelihood - without.log_likelihood, more, trials), without
+        gain = found.log_likelihood - without.log_likelihood
+        return Trial(effect, found, gain, more, _places(effect, more, without)), without
 
     def rivals(self, found: AxisFit, key: "Key", without: AxisFit, bar: float) -> list[Trial]:
         """Return every other effect in the place of one, fitted, whose log-probability may come below ``bar``."""
@@ -382,6 +382,13 @@ def with_effect(description: Description, start: Start) -> Description:
     if isinstance(effect, OutputFilter):
         return replace(description, noise=replace(noise, output_filter=effect))
     return replace(description, noise=replace(noise, effects=(*noise.effects, effect)))
+
+
+def _places(effect: Effect, parameters: int, without: AxisFit) -> float:
+    """Return the independent places or shapes among which an effect of so many parameters is chosen."""
+    starts = list(type(effect).starts(without))
+    alike = [start.trials for start in starts if len(start.free) == parameters]
+    return max(alike or [start.trials for start in starts], default=1.0)
 
 
 def _little(effect: StochasticEffect) -> StochasticEffect:

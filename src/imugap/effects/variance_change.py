@@ -17,6 +17,8 @@ LEAST = 1e-6
 """Smallest ratio of variances that a search tells from zero."""
 SWINGS = 1e3
 """Independent frequencies of a swing, on the safe side."""
+STRETCH, SWING = ("ratio",), ("depth", "frequency", "phase")
+"""What is fitted of a stretch of another level, and of a swing over the whole log."""
 
 
 @dataclass(frozen=True)
@@ -50,6 +52,10 @@ class VarianceChange(Effect):
         swing = self.depth * np.cos(2 * np.pi * self.frequency * time + self.phase) if self.depth else 0.0
         return np.where(self.within(time), self.ratio * np.exp(swing), 1.0)
 
+    def free(self) -> tuple[str, ...]:
+        """Return the parameters that a search chooses besides the place: those of the swing if it swings."""
+        return SWING if self.depth else STRETCH
+
     def apply(self, sequence: np.ndarray, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
         """Scale the noise during the change."""
         return np.sqrt(self.factor(conditions.time)) * sequence
@@ -66,7 +72,7 @@ class VarianceChange(Effect):
             inside, outside = squares[first:last].mean(), np.r_[squares[:first], squares[last:]].mean()
             stop = float(time[last]) if last < len(time) else end
             ratio = float(np.clip(inside / max(outside, LEAST), LEAST, 1 / LEAST))
-            yield Start(cls(float(time[first]), stop, ratio), ("ratio",), STRETCHES, gain)
+            yield Start(cls(float(time[first]), stop, ratio), STRETCH, STRETCHES, gain)
         frequency, depth, phase, gain = fit.swing
         effect = cls(float(time[0]), end, depth=depth, frequency=frequency, phase=phase)
-        yield Start(effect, ("depth", "frequency", "phase"), SWINGS, gain)
+        yield Start(effect, SWING, SWINGS, gain)
