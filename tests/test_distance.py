@@ -6,7 +6,7 @@ from scipy.stats import binomtest
 
 from imugap import log
 from imugap.discovery.axis import Description, Term, fit
-from imugap.discovery.distance import distribution, drifts, together
+from imugap.discovery.distance import Compared, together
 from imugap.discovery.noise import Noise
 from imugap.discovery.sequence import Sequence
 from imugap.discovery.uncertain import Uncertain
@@ -44,7 +44,7 @@ def model(*effects, axes=log.AXES):
 def test_the_right_model_is_at_the_floor_and_the_poor_one_is_not(hidden):
     axes = ("gyro_x", "accel_z")
     measured = model(hidden, axes=axes).simulate(rest(axes=axes), 1)
-    found = together([distribution(measured, 50.0, model(axes=axes), model(hidden, axes=axes), seed=1)])
+    found = together([Compared(measured, 50.0, model(axes=axes), model(hidden, axes=axes)).distribution(seed=1)])
     assert found.before.low > found.floor.high
     assert found.before.value > 1.5 * found.after.value
     assert found.floor.low * 0.95 < found.after.value < found.floor.high * 1.05
@@ -55,14 +55,16 @@ def test_the_right_model_is_at_the_floor_and_the_poor_one_is_not(hidden):
 def test_an_effect_that_is_not_there_does_no_good():
     axes = ("gyro_x",)
     measured = model(axes=axes).simulate(rest(axes=axes), 1)
-    found = together([distribution(measured, 50.0, model(axes=axes), model(Sinusoid(3.0, 3e-3), axes=axes), seed=1)])
+    found = together(
+        [Compared(measured, 50.0, model(axes=axes), model(Sinusoid(3.0, 3e-3), axes=axes)).distribution(seed=1)]
+    )
     assert found.after.value > max(found.before.high, found.floor.high)
     assert found.after.value > found.floor.high
 
 
 def test_navigation_sees_what_drifts():
     measured = model(RandomWalk(1e-3)).simulate(rest(), 2)
-    found = together([drifts(measured, 40.0, model(), model(RandomWalk(1e-3)), seed=1).apart()])
+    found = together([Compared(measured, 40.0, model(), model(RandomWalk(1e-3))).drifts(seed=1).apart()])
     assert found.before.low > found.floor.high
     assert found.floor.low * 0.9 < found.after.value < found.floor.high * 1.1
 
@@ -72,8 +74,8 @@ def test_the_level_of_a_device_at_rest_and_its_biases_do_not_matter():
     measured = model(axes=axes).simulate(rest(axes=axes), 1)
     shifted = measured + 5.0
     biased = ErrorModel({"gyro_x": AxisModel((Bias(3.0), WHITE))})
-    one = together([distribution(measured, 50.0, model(axes=axes), model(axes=axes), seed=1)])
-    other = together([distribution(shifted, 50.0, model(axes=axes), biased, seed=1)])
+    one = together([Compared(measured, 50.0, model(axes=axes), model(axes=axes)).distribution(seed=1)])
+    other = together([Compared(shifted, 50.0, model(axes=axes), biased).distribution(seed=1)])
     for name in ("before", "after", "floor"):
         assert getattr(other, name).value == pytest.approx(getattr(one, name).value, rel=1e-6)
 
@@ -84,7 +86,8 @@ def test_motion_is_compared_with_its_reference():
     reference = log.from_samples({"gyro_x": swing}, INTERVAL)
     hidden = model(ScaleFactor(5e-3), axes=("gyro_x",))
     measured = hidden.simulate(reference, 1)
-    found = together([distribution(measured, 50.0, model(axes=("gyro_x",)), hidden, seed=1, reference=reference)])
+    compared = Compared(measured, 50.0, model(axes=("gyro_x",)), hidden, reference)
+    found = together([compared.distribution(seed=1)])
     assert found.before.low > found.floor.high
     assert found.floor.low * 0.9 < found.after.value < found.floor.high * 1.1
 
@@ -94,7 +97,7 @@ def test_a_split_that_leaves_nothing_is_refused(split):
     axes = ("gyro_x",)
     measured = model(axes=axes).simulate(rest(axes=axes), 1)
     with pytest.raises(ValueError, match=r"split: expected 64 samples on either side"):
-        distribution(measured, split, model(axes=axes), model(axes=axes), seed=1)
+        Compared(measured, split, model(axes=axes), model(axes=axes)).distribution(seed=1)
 
 
 def fitted(measured, held_in, description):
@@ -158,7 +161,8 @@ def test_the_right_model_lands_in_the_floor_in_95_percent_of_cases(kind):
         if kind == "estimated":
             found = fitted(measured, 720, described)
             after = Uncertain(ErrorModel({"gyro_x": AxisModel(found.description.effects())}), {"gyro_x": found})
-        asked = measured, 14.4, true, after, seed, 39
-        found = together([drifts(*asked).apart() if kind == "navigation" else distribution(*asked)])
+        asked = Compared(measured, 14.4, true, after)
+        seen = asked.drifts(seed, 39).apart() if kind == "navigation" else asked.distribution(seed, 39)
+        found = together([seen])
         inside += found.floor.low <= found.after.value <= found.floor.high
     assert binomtest(inside, logs, 0.95).pvalue > 0.002

@@ -1,54 +1,23 @@
 """Logs beside the models that they are compared with: the last part of a log, or further runs of the device."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 
 import pandas as pd
 from threadpoolctl import threadpool_limits
 
-from imugap.discovery.distance import Apart, Distances, Drifts, distribution, drifts, together
+from imugap.discovery.distance import SIDES, Compared, Distances, Drifts, Summary, distribution, together
 from imugap.discovery.record import Record, prepare
 from imugap.discovery.story import Story
 from imugap.discovery.uncertain import Uncertain
 from imugap.effects import BiasStep, SampleLoss, TurnOnBias, VarianceChange
 from imugap.effects.effect import Effect
-from imugap.log import AXES, TEMPERATURE, from_samples
+from imugap.log import TEMPERATURE, from_samples
 from imugap.model import AxisModel, ErrorModel
 
 HELD_IN = 0.8
 """Share of a log that names and parameters come from, where no test log is given."""
 LEVELLED = 0.2
 """Share of a test log that tells the level of a device at rest."""
-
-
-@dataclass(frozen=True, eq=False)
-class Compared:
-    """A log with the models that it is compared with: what is simulated counts from ``split`` [s] on.
-
-    Before it, the mean of each axis would be ``level`` without a full scale.
-    """
-
-    measured: pd.DataFrame
-    split: float
-    level: Mapping[str, float]
-    before: Uncertain
-    after: Uncertain
-    reference: pd.DataFrame | None
-
-    def distribution(self, seed: int, count: int) -> Apart:
-        """Return the distances over views."""
-        asked = (self.measured, self.split, self.before, self.after, seed, count)
-        return distribution(*asked, self.reference, self.level)
-
-    def drifts(self, seed: int, count: int) -> Drifts:
-        """Return the drifts of a device at rest."""
-        return drifts(self.measured, self.split, self.before, self.after, seed, count, self.level)
-
-    @property
-    def kinds(self) -> tuple[str, ...]:
-        """Return the names of the distances that can be taken."""
-        navigable = self.reference is None and all(axis in self.measured for axis in AXES)
-        return ("distribution", "drifts") if navigable else ("distribution",)
 
 
 def held_out(record: Record, stories: Mapping[str, Story], start: ErrorModel, model: Callable) -> Compared:
@@ -81,7 +50,7 @@ def _compared(record: Record, share: float, before: Uncertain, after: Uncertain)
         reference = conditions.ideal[list(record.outputs)].set_axis(measured.index)
     if conditions.temperature is not None:
         measured = measured.assign(temperature=conditions.temperature)
-    return Compared(measured, split, level, before, after, reference)
+    return Compared(measured, split, before, after, reference, level)
 
 
 def distances(
@@ -92,19 +61,21 @@ def distances(
     Each log has a seed of its own, counted from ``seed``; ``count`` simulations are made of each model, and ``each``
     applies a function to many arguments, several at a time perhaps.
     """
-    tasks = [(one, seed + number, count, kind) for number, one in enumerate(logs) for kind in one.kinds]
-    found = list(each(_one_distance, *zip(*tasks, strict=True)))
-    apart = {"distribution": together([one for one in found if isinstance(one, Apart)])}
-    paths = tuple(one for one in found if isinstance(one, Drifts))
+    tasks = [(one, name, seed + number, count) for name in SIDES for number, one in enumerate(logs)]
+    ensembles = list(each(_ensemble, *zip(*tasks, strict=True)))
+    befores, afters = ensembles[: len(logs)], ensembles[len(logs) :]
+    seen = [(one, one.own(), *pair) for one, *pair in zip(logs, befores, afters, strict=True)]
+    apart = {"distribution": together([distribution(*summaries) for _, *summaries in seen])}
+    paths = tuple(one.navigated(*summaries) for one, *summaries in seen if one.course is not None)
     if paths:
         apart["navigation"] = together([path.apart() for path in paths])
     return apart, paths
 
 
-def _one_distance(compared: Compared, seed: int, count: int, kind: str) -> Apart | Drifts:
-    """Return one distance of one log."""
+def _ensemble(compared: Compared, name: str, seed: int, count: int) -> list[Summary]:
+    """Return the summaries of simulations of one model."""
     with threadpool_limits(1):
-        return getattr(compared, kind)(seed, count)
+        return compared.ensemble(name, seed, count)
 
 
 def _in_run(model: ErrorModel) -> ErrorModel:

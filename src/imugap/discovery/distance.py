@@ -8,6 +8,7 @@ Logs are taken as evenly sampled; errors of the clock are left out.
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from math import radians
 
 import numpy as np
@@ -43,6 +44,8 @@ HORIZONS = np.array([1 / 16, 1 / 8, 1 / 4, 1 / 2, 1])
 LEAST = 0.1
 """Smallest scatter of an entry, over the median one of its view: some hardly vary."""
 LEVEL = 0.95
+SIDES = ("before", "after")
+"""Names of the two models."""
 ANYWHERE = Site(radians(45.0), 0.0)
 """Where a device stands if nobody says: only the gravity of the place matters."""
 
@@ -88,19 +91,27 @@ def together(logs: Sequence[Apart]) -> Distances:
     return Distances(_interval(before), _interval(after), _interval(np.median(floor, axis=1)))
 
 
-def distribution(
-    measured: pd.DataFrame,
-    split: float,
-    before: Model,
-    after: Model,
-    seed: int,
-    count: int = COUNT,
-    reference: pd.DataFrame | None = None,
-    level: Mapping[str, float] | None = None,
-) -> Apart:
-    """Return the distances over views of the error: Allan variance, spectrum, block means and variances, shares.
+@dataclass(frozen=True, eq=False)
+class Summary:
+    """What is compared of one log.
 
-    Parameters
+    Attributes
+    ----------
+    views
+        Of each axis the logarithms of Allan variance, spectrum and block variances, block means, and shares.
+    path
+        Drift through the held-out part, position north, east, down [m], shape (epochs, 3); None if not navigated.
+    """
+
+    views: list[np.ndarray]
+    path: np.ndarray | None
+
+
+@dataclass(frozen=True, eq=False)
+class Compared:
+    """A log beside two models: what follows on its first part is compared with what they make of it.
+
+    Attributes
     ----------
     measured
         The whole log.
@@ -114,21 +125,105 @@ def distribution(
         Mean of each axis over the held-in part, which is that of the measured values unless it is given: clipped
         values have another one than the device.
     """
-    held_in, axes = _split(measured, split), log.axes(measured)
 
-    def errors(table: pd.DataFrame) -> dict[str, np.ndarray]:
-        own = table[list(axes)] if reference is None else table[list(axes)] - reference[list(axes)].to_numpy()
+    measured: pd.DataFrame
+    split: float
+    before: Model
+    after: Model
+    reference: pd.DataFrame | None = None
+    level: Mapping[str, float] | None = None
+
+    @cached_property
+    def held_in(self) -> int:
+        """Return the number of samples of the held-in part; ValueError if either part has too few."""
+        held_in = int(np.searchsorted(self.measured.index.to_numpy(), self.split))
+        fewest = 4 * SHORTEST
+        if min(held_in, len(self.measured) - held_in) < fewest:
+            raise ValueError(
+                f"split: expected {fewest} samples on either side; found {held_in} before {self.split:g} s"
+            )
+        return held_in
+
+    @cached_property
+    def course(self) -> drift.Course | None:
+        """Return how the held-out part is navigated, from biases that are the means of the held-in one.
+
+        None for a device in motion or without all six axes.
+        """
+        if self.reference is not None or not all(axis in self.measured for axis in log.AXES):
+            return None
+        interval = log.interval(self.measured)
+        length = (len(self.measured) - self.held_in - 1) // EPOCHS * EPOCHS
+        return drift.Course(ANYWHERE, False, self.held_in * interval, length * interval, length // EPOCHS * interval)
+
+    def own(self) -> Summary:
+        """Return the summary of the measured log."""
+        return self._summary(self.measured)
+
+    def ensemble(self, name: str, seed: int, count: int) -> list[Summary]:
+        """Return the summaries of ``count`` simulations of a model, ``before`` or ``after``."""
+        return [self._summary(table) for table in self._simulations(name, seed, count)]
+
+    def distribution(self, seed: int, count: int = COUNT) -> Apart:
+        """Return the distances over views of the error."""
+        return distribution(self.own(), *(self.ensemble(name, seed, count) for name in SIDES))
+
+    def drifts(self, seed: int, count: int = COUNT) -> "Drifts":
+        """Return the drifts of a device at rest."""
+        return self.navigated(self.own(), *(self.ensemble(name, seed, count) for name in SIDES))
+
+    def navigated(self, own: Summary, before: Sequence[Summary], after: Sequence[Summary]) -> "Drifts":
+        """Return the drifts of which summaries tell."""
+        start, final = (np.array([one.path for one in ensemble]) for ensemble in (before, after))
+        return Drifts(self.course.epochs(), own.path, start, final)
+
+    def _summary(self, table: pd.DataFrame) -> Summary:
+        """Return the summary of the log or of a simulation of it."""
+        first, errors, scale = self.held_in, self._errors(table), self._scale
+        views = [view for axis, x in errors.items() for view in _views(x[first:], x[:first].mean(), scale[axis])]
+        return Summary(views, None if self.course is None else self._path(table))
+
+    def _path(self, table: pd.DataFrame) -> np.ndarray:
+        even = log.from_samples({axis: table[axis].to_numpy(float) for axis in log.AXES}, log.interval(self.measured))
+        return self.course.drift(even)[drift.STARTS.index("calibrated"), :, :3]
+
+    def _errors(self, table: pd.DataFrame) -> dict[str, np.ndarray]:
+        axes = list(log.axes(self.measured))
+        own = table[axes] if self.reference is None else table[axes] - self.reference[axes].to_numpy()
         return {axis: own[axis].to_numpy(float) for axis in axes}
 
-    scale = {axis: values[:held_in].std() for axis, values in errors(measured).items()}
+    @cached_property
+    def _scale(self) -> dict[str, float]:
+        """Return the standard deviation of the measured errors of the held-in part."""
+        return {axis: values[: self.held_in].std() for axis, values in self._errors(self.measured).items()}
 
-    def vector(table: pd.DataFrame) -> list[np.ndarray]:
-        columns = errors(table).items()
-        return [one for axis, x in columns for one in _views(x[held_in:], x[:held_in].mean(), scale[axis])]
+    def _simulations(self, name: str, seed: int, count: int) -> Iterator[pd.DataFrame]:
+        """Simulate the whole log, the held-out part as what follows on the held-in one."""
+        model = getattr(self, name)
+        for index in range(count):
+            labels = ("distance", name, index)
+            rng = stream(seed, *labels, "parameters")
+            drawn = model.draw(rng) if isinstance(model, Uncertain) else model
+            sensors = ErrorModel({axis: drawn.axes.get(axis, AxisModel()) for axis in log.axes(self.measured)})
+            yield sensors.simulate(self._ideal(sensors), seed, *labels)
 
-    simulations = Simulations(_means(measured, held_in) if level is None else level, seed, count, reference)
-    start, final = ([vector(one) for one in tables] for tables in simulations.both(measured, before, after))
-    return _apart(vector(measured), start, final)
+    def _ideal(self, model: ErrorModel) -> pd.DataFrame:
+        """Return the error-free log: the reference, or the level less the model's biases."""
+        table = self.measured.copy() if self.reference is None else self.reference.set_axis(self.measured.index)
+        if self.reference is None:
+            interval = log.interval(self.measured)
+            for axis in log.axes(self.measured):
+                biases = sum(effect.value for effect in model[axis] if isinstance(effect, Bias))
+                table[axis] = level_ahead(self._levels[axis], model[axis], interval) - biases
+        if log.TEMPERATURE in self.measured:
+            table[log.TEMPERATURE] = self.measured[log.TEMPERATURE]
+        return table.set_axis(pd.Index(self.measured.index - self.measured.index[0], name=log.TIME))
+
+    @cached_property
+    def _levels(self) -> Mapping[str, float]:
+        if self.level is not None:
+            return self.level
+        return {axis: float(self.measured[axis].iloc[: self.held_in].mean()) for axis in log.axes(self.measured)}
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,90 +252,9 @@ class Drifts:
         return _apart(list(self.measured[at]), start, final)
 
 
-def drifts(
-    measured: pd.DataFrame,
-    split: float,
-    before: Model,
-    after: Model,
-    seed: int,
-    count: int = COUNT,
-    level: Mapping[str, float] | None = None,
-    site: Site = ANYWHERE,
-) -> Drifts:
-    """Return the drifts from biases that are the means of the held-in part.
-
-    Parameters as those of :func:`distribution`; all six axes have to be there.
-    """
-    held_in, interval = _split(measured, split), log.interval(measured)
-    length = (len(measured) - held_in - 1) // EPOCHS * EPOCHS
-    course = drift.Course(site, False, held_in * interval, length * interval, length // EPOCHS * interval)
-
-    def positions(table: pd.DataFrame) -> np.ndarray:
-        even = log.from_samples({axis: table[axis].to_numpy(float) for axis in log.AXES}, interval)
-        return course.drift(even)[drift.STARTS.index("calibrated"), :, :3]
-
-    simulations = Simulations(_means(measured, held_in) if level is None else level, seed, count)
-    start, final = (
-        np.array([positions(one) for one in tables]) for tables in simulations.both(measured, before, after)
-    )
-    return Drifts(course.epochs(), positions(measured), start, final)
-
-
-def _split(measured: pd.DataFrame, split: float) -> int:
-    """Return the number of samples of the held-in part."""
-    held_in = int(np.searchsorted(measured.index.to_numpy(), split))
-    fewest = 4 * SHORTEST
-    if min(held_in, len(measured) - held_in) < fewest:
-        raise ValueError(f"split: expected {fewest} samples on either side; found {held_in} before {split:g} s")
-    return held_in
-
-
-def _means(measured: pd.DataFrame, held_in: int) -> dict[str, float]:
-    return {axis: float(measured[axis].iloc[:held_in].mean()) for axis in log.axes(measured)}
-
-
-@dataclass(frozen=True, eq=False)
-class Simulations:
-    """How a log is simulated again and again.
-
-    Attributes
-    ----------
-    level
-        Mean output of each axis of a device at rest.
-    seed, count
-        Seed and number of simulations.
-    reference
-        Error-free log, or None for a device at rest.
-    """
-
-    level: Mapping[str, float]
-    seed: int
-    count: int
-    reference: pd.DataFrame | None = None
-
-    def both(self, measured: pd.DataFrame, before: Model, after: Model) -> tuple[Iterator[pd.DataFrame], ...]:
-        """Simulate with the start and with the final model."""
-        return self.of(measured, before, "before"), self.of(measured, after, "after")
-
-    def of(self, measured: pd.DataFrame, model: Model, name: str) -> Iterator[pd.DataFrame]:
-        """Simulate the whole log, the held-out part as what follows on the held-in one."""
-        for index in range(self.count):
-            labels = ("distance", name, index)
-            rng = stream(self.seed, *labels, "parameters")
-            drawn = model.draw(rng) if isinstance(model, Uncertain) else model
-            sensors = ErrorModel({axis: drawn.axes.get(axis, AxisModel()) for axis in log.axes(measured)})
-            yield sensors.simulate(self._ideal(measured, sensors), self.seed, *labels)
-
-    def _ideal(self, measured: pd.DataFrame, model: ErrorModel) -> pd.DataFrame:
-        """Return the error-free log: the reference, or the level less the model's biases."""
-        table = measured.copy() if self.reference is None else self.reference.set_axis(measured.index)
-        if self.reference is None:
-            for axis in log.axes(measured):
-                biases = sum(effect.value for effect in model[axis] if isinstance(effect, Bias))
-                table[axis] = level_ahead(self.level[axis], model[axis], log.interval(measured)) - biases
-        if log.TEMPERATURE in measured:
-            table[log.TEMPERATURE] = measured[log.TEMPERATURE]
-        return table.set_axis(pd.Index(measured.index - measured.index[0], name=log.TIME))
+def distribution(own: Summary, before: Sequence[Summary], after: Sequence[Summary]) -> Apart:
+    """Return the distances over views: of the measured log and of simulations of the start and of the final model."""
+    return _apart(own.views, *([one.views for one in ensemble] for ensemble in (before, after)))
 
 
 def _views(values: np.ndarray, level: float, scale: float) -> list[np.ndarray]:
