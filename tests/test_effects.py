@@ -1077,6 +1077,20 @@ def test_a_single_flat_top_is_a_full_scale_and_a_flat_slope_is_stuck():
     assert StuckSamples.found(stuck, place) is not None
 
 
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_full_scale_that_one_side_shows_holds_where_the_other_reaches_it_once(sign):
+    """A smooth motion with several peaks above the full scale, and a single one below it, which could be stuck."""
+    time = np.arange(20_000) * 0.01
+    noise = 1e-3 * stream(12, "flat").standard_normal(len(time))
+    motion = 0.35 + np.sin(0.35 * time) - 0.8 * np.exp(-(((time - 100.0) / 3) ** 2)) + noise
+    clipped = sign * np.clip(motion, -0.7, 0.7)
+    found = Saturation.found(clipped, conditions(len(time)))
+    np.testing.assert_array_equal(found.flawed, np.abs(clipped) == 0.7)
+    below = np.flatnonzero(sign * clipped == -0.7)
+    assert len(below) > 5
+    assert np.ptp(below) == len(below) - 1
+
+
 @pytest.mark.parametrize("place", [0.0, 0.2, 0.5])
 @pytest.mark.parametrize("step", [0.3, 1.0, 2.0, 3.0])
 def test_rounded_normal_values_tell_mean_and_deviation_of_those_ahead(step, place):

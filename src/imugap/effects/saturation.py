@@ -39,7 +39,7 @@ class Saturation(Effect):
         """Return the full scale that the output ``values``, shape (n,), NaN where lost, runs against, or None.
 
         The tail next to the extreme value is taken as exponential; that of every law with a log-concave density
-        falls faster still. One side suffices.
+        falls faster still. One side suffices; where the other reaches as far, it ends there too.
         """
         known = np.isfinite(values)
         if np.count_nonzero(known) < TAIL:
@@ -50,8 +50,10 @@ class Saturation(Effect):
         clipped = [sign for sign, log_p in sides.items() if log_p < np.log(IMPROBABLE)]
         if not clipped:
             return None
-        limit = float(max(np.max(sign * values[known]) for sign in clipped))
-        flawed = np.any([known & (sign * values == np.max(sign * values[known])) for sign in clipped], axis=0)
+        tops = {sign: float(np.max(sign * values[known])) for sign in sides}
+        limit = max(tops[sign] for sign in clipped)
+        ends = [sign for sign in sides if sign in clipped or abs(tops[sign] - limit) <= fine]
+        flawed = np.any([known & (sign * values == tops[sign]) for sign in ends], axis=0)
         intervals = {"limit": (limit - fine / 2, limit + fine / 2)}
         return Evidence(cls(limit), intervals, float(min(sides.values())), flawed)
 
