@@ -139,8 +139,7 @@ def discover(
     record = prepare(logs[0], reference, question.seed, question.start)
     steps.count -= 2 * len(record.silent)
     log_alpha = question.log_alpha(len(record.sequences))
-    tales, joints = _together(_tales(record, known, question, log_alpha, steps))
-    stories = _each(concluded, [(tale,) for tale in tales.values()], tales, question.workers, steps, "names")
+    stories, joints = _stories(record, known, question, log_alpha, steps)
     befores = {axis: story.before for axis, story in stories.items()}
     wholes = {axis: story.whole for axis, story in stories.items()}
     steps.begin("gaps")
@@ -223,6 +222,14 @@ def _many(workers: int) -> Iterator[Callable]:
         return
     with ProcessPoolExecutor(workers) as pool:
         yield pool.map
+
+
+def _stories(
+    record: Record, known: ErrorModel, question: Question, log_alpha: float, steps: _Steps
+) -> tuple[dict[str, Story], tuple[Joint, ...]]:
+    """Return the story of each axis, and what axes have by one value."""
+    tales, joints = _together(_tales(record, known, question, log_alpha, steps))
+    return _each(concluded, [(tale,) for tale in tales.values()], tales, question.workers, steps, "names"), joints
 
 
 def _tales(record: Record, known: ErrorModel, question: Question, log_alpha: float, steps: _Steps) -> dict[str, Tale]:

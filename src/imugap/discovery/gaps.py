@@ -177,16 +177,16 @@ def _alone(groups: list[Twins], statistics: Mapping) -> list[Verdict]:
     for number, group in enumerate(groups):
         for member in group.fits:
             over = group.concern(member.sequence.conditions.axis)
-            for key, curve in views.curves(member, over).items():
+            for key, curve in views.curves(member.bare(), over).items():
                 found.append(Verdict(curve, Envelope(np.array(statistics[number, *key]), curve.signed)))
     return found
 
 
 def _pairs(pairs: list[tuple[str, str]], fits: Mapping[str, AxisFit], statistics: Mapping) -> list[Verdict]:
     """Return the verdicts on two axes each; where nothing is common, against pairs of independent replicates."""
-    found = []
+    found, bare = [], {axis: fit.bare() for axis, fit in fits.items()}
     for pair in pairs:
-        members = [fits[axis] for axis in pair]
+        members = [bare[axis] for axis in pair]
         curve, independent = views.of_coherence(*members), ("independent", views.shared_last(*members))
         rows = statistics[pair if pair in statistics else independent]
         found.append(Verdict(curve, Envelope(np.array(rows), curve.signed)))
