@@ -5,6 +5,7 @@ from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
+from types import MappingProxyType
 
 import numpy as np
 import pandas as pd
@@ -156,7 +157,8 @@ def discover(
     later, left = _left(seen, stories, record, common, question, outputs)
     left = (*_unsteady(stories), *left)
     steps.begin("distances")
-    model = partial(_model, known=known, findings=outside)
+    switching = {axis: (story.switching.effect,) for axis, story in stories.items() if story.switching is not None}
+    model = partial(_model, known=known, findings=outside, beside=switching)
     start, final = _model(befores, known), model(wholes)
     compared = [tested(test, stories, start, final, question.seed) for test in tests]
     with _many(question.workers) as each:
@@ -367,9 +369,16 @@ def _pairs(axes: Sequence[str]) -> list[tuple[str, str]]:
     return [(one, other) for one in axes for other in axes if one < other]
 
 
-def _model(fits: Mapping[str, AxisFit], known: ErrorModel, findings: Sequence[Finding] = ()) -> ErrorModel:
-    """Return the fits of all axes as a model, with what was found outside of them."""
-    axes = {axis: AxisModel((*model_of(fit), *_outputs(known, axis))) for axis, fit in fits.items()}
+def _model(
+    fits: Mapping[str, AxisFit],
+    known: ErrorModel,
+    findings: Sequence[Finding] = (),
+    beside: Mapping[str, tuple[Effect, ...]] = MappingProxyType({}),
+) -> ErrorModel:
+    """Return the fits of all axes as a model, with what was found outside of them and what they are without."""
+    axes = {
+        axis: AxisModel((*model_of(fit), *beside.get(axis, ()), *_outputs(known, axis))) for axis, fit in fits.items()
+    }
     for finding in findings:
         for axis, effect in finding.effects.items():
             axes[axis] = _with(axes.get(axis, AxisModel()), effect)

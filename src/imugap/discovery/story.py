@@ -16,6 +16,7 @@ from imugap.discovery.search import MANY, SLOW, Key, Search, at, log_chance, rem
 from imugap.discovery.sequence import Sequence
 from imugap.discovery.start import described
 from imugap.discovery.sweeps import swept
+from imugap.discovery.switching import Switching, switching
 from imugap.discovery.telegraph import compare
 from imugap.discovery.unsteady import Band
 from imugap.discovery.withheld import Withheld, withheld
@@ -52,8 +53,9 @@ class Tale:
         The same of the whole log, with what only its last part shows.
     held_out
         The last part.
-    bands
-        Of lines that are not steady; the fits are without them, but for that of the start model.
+    bands, switching
+        Lines that are not steady, and telegraph noise that only the samples tell; the fits, but for that of the start
+        model, are without them.
     """
 
     before: AxisFit
@@ -63,6 +65,7 @@ class Tale:
     late: Search
     held_out: Sequence
     bands: tuple[Band, ...] = ()
+    switching: Switching | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,6 +86,8 @@ class Story:
         What was seen but fits no name.
     bands
         Of lines that are not steady; no name fits them.
+    switching
+        Telegraph noise that only the samples tell, which both fits after the start model are without.
     """
 
     before: AxisFit
@@ -91,6 +96,7 @@ class Story:
     findings: tuple[Finding, ...]
     withheld: tuple[Withheld, ...]
     bands: tuple[Band, ...] = ()
+    switching: Switching | None = None
 
     def unnamed(self) -> tuple[tuple[str, str], ...]:
         """Return the nearest name, and the reason why it is not given, of what was seen."""
@@ -100,7 +106,7 @@ class Story:
     @property
     def seen(self) -> bool:
         """Return whether anything was added to the start model, or was seen and has no name."""
-        return _names(self.before) != _names(self.whole) or bool(self.withheld)
+        return _names(self.before) != _names(self.whole) or bool(self.withheld) or self.switching is not None
 
     @property
     def settled(self) -> bool:
@@ -147,7 +153,8 @@ def told(
         whole = unsteady.without(part(sequence, 0, len(sequence.values)), early.bands)
         kept = replace(early.found.description, outliers=None, changes=before.description.changes)
         again = search.afresh()
-        late = _searched(again, again.settled(again.cleared(fit(whole, kept))), early.bands)
+        begun = again.cleared(fit(whole, kept if early.switching is None else search.start))
+        late = _searched(again, again.settled(begun), early.bands)
         return Tale(
             before.bare(),
             early.found.bare(),
@@ -156,27 +163,46 @@ def told(
             late.search.forgetful(),
             held_out,
             late.bands,
+            late.switching,
         )
 
 
 @dataclass(frozen=True, eq=False)
 class _Searched:
-    """The end of a search, and the bands that were taken out on the way."""
+    """The end of a search, and what was taken out on the way."""
 
     search: Search
     found: AxisFit
     bands: tuple[Band, ...]
+    switching: Switching | None
 
 
-def _searched(search: Search, before: AxisFit, taken: tuple[Band, ...] = ()) -> _Searched:
-    """Search, and again without the bands of lines that turn out not to be steady."""
+def _searched(
+    search: Search, before: AxisFit, taken: tuple[Band, ...] = (), switched: Switching | None = None
+) -> _Searched:
+    """Search, and again without the bands of lines that are not steady, or telegraph noise that another hides."""
     found = _told_apart(search, search.explore(before))
     bands = unsteady.bands(found) if len(taken) < MOST_BANDS else ()
-    if not bands:
-        return _Searched(search, found, taken)
-    cleared = unsteady.without(before.sequence, bands)
     again = search.afresh()
-    return _searched(again, again.cleared(fit(cleared, search.start)), (*taken, *bands))
+    if bands:
+        cleared = unsteady.without(before.sequence, bands)
+        return _searched(again, again.cleared(fit(cleared, search.start)), (*taken, *bands), switched)
+    switched_too = _hidden_telegraph(search, found) if switched is None else None
+    if switched_too is None:
+        return _Searched(search, found, taken, switched)
+    cleared = switched_too.without(before.sequence)
+    return _searched(again, again.cleared(fit(cleared, search.start)), taken, switched_too)
+
+
+def _hidden_telegraph(search: Search, found: AxisFit) -> Switching | None:
+    """Return the telegraph noise of a fit beside another process, in the place of steps and slow noise too."""
+    keys = search.added(found.description)
+    if not any(isinstance(at(found.description, key), RandomTelegraph) for key in keys):
+        return None
+    stepless = _without(found, [key for key in keys if isinstance(at(found.description, key), BiasStep)])
+    effects = (at(stepless.description, key) for key in search.added(stepless.description))
+    slow = tuple(effect for effect in effects if isinstance(effect, (*SLOW, RandomTelegraph)))
+    return switching(stepless, slow, search.log_alpha)
 
 
 def concluded(tale: Tale) -> Story:
@@ -188,11 +214,25 @@ def concluded(tale: Tale) -> Story:
         sure = [key for key in search.added(whole.description) if key not in doubtful]
         doubtful |= beside_a_sweep(search, tale.whole, sure, sweeps)
         named = [key for key in search.added(whole.description) if key not in doubtful]
-        findings = tuple(_finding(tale, whole, key) for key in named)
+        findings = (*(_finding(tale, whole, key) for key in named), *_of_samples(tale))
         nameless = tuple(withheld(search, tale.whole, key, doubt) for key, doubt in doubtful.items())
         after = _without(tale.after, list(doubts(tale.early, tale.after)))
         final = _without(whole, list(doubtful))
-        return Story(tale.before, after.bare(), final.bare(), findings, nameless, (*tale.bands, *sweeps))
+        bands = (*tale.bands, *sweeps)
+        return Story(tale.before, after.bare(), final.bare(), findings, nameless, bands, tale.switching)
+
+
+def _of_samples(tale: Tale) -> tuple[Finding, ...]:
+    """Return the telegraph noise that only the samples tell as a finding, if there is one."""
+    if tale.switching is None:
+        return ()
+    effect, axis = tale.switching.effect, tale.whole.sequence.conditions.axis
+    units = effect.units(axis_unit(axis))
+    parameters = {
+        name: Interval(value, *tale.switching.intervals[name], units[name])
+        for name, value in effect.parameters().items()
+    }
+    return (Finding({axis: effect}, parameters, max(tale.switching.log_p, CERTAIN), tale.switching.gain),)
 
 
 def _two_valued(found: AxisFit) -> AxisFit:

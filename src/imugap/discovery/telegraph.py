@@ -5,6 +5,7 @@ likelihood of as many terms as there are paths: the moments of the walk given th
 multiple model (Blom and Bar-Shalom 1988).
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -45,12 +46,58 @@ class Verdict:
         95 % intervals of its step and rate.
     uneven
         Gain of log-likelihood of two rates, up and down, over one.
+    log_likelihood
+        That of telegraph noise.
     """
 
     gain: float
     effect: RandomTelegraph
     intervals: tuple[tuple[float, float], tuple[float, float]]
     uneven: float
+    log_likelihood: float
+
+
+@dataclass(frozen=True, eq=False)
+class Blocks:
+    """Block means of what a fit leaves, on the scale of its slow processes.
+
+    Attributes
+    ----------
+    means
+        Of blocks of ``width`` samples, shape (blocks,).
+    step
+        From one block to the next [s].
+    time
+        Shortest correlation time of the slow processes [s].
+    white, std
+        Standard deviation of the noise that is white on this scale, and of what else the means have.
+    """
+
+    means: np.ndarray
+    width: int
+    step: float
+    time: float
+    white: float
+    std: float
+
+    @classmethod
+    def of(cls, fit: AxisFit, slow: tuple[StochasticEffect, ...], fine: float = FINE) -> "Blocks":
+        """Cut the residual of a fit in blocks, in which only its processes besides the slow ones are white noise.
+
+        There are ``fine`` blocks, or as many as there are samples, to the shortest correlation time.
+        """
+        interval, count = fit.sequence.conditions.interval, len(fit.residual)
+        lorentzian = [one.equivalent if isinstance(one, RandomTelegraph) else one for one in slow]
+        times = [one.correlation_time for one in lorentzian if isinstance(one, GaussMarkov)]
+        time = min(times, default=interval * count / LONG)
+        width = max(int(time / fine / interval), count // MOST, 1)
+        means = fit.residual[: count // width * width].reshape(-1, width).mean(axis=1)
+        rest = [one for one in fit.description.noise.effects if one not in slow]
+        step = width * interval
+        density = sum(effect.sampled_psd(np.array([0.25 / step]), interval)[0] for effect in rest)
+        white = float(np.sqrt(density / step))
+        std = float(np.sqrt(max(means.var() - white**2, 0.01 * means.var())))
+        return cls(means, width, step, time, white, std)
 
 
 def compare(fit: AxisFit, slow: tuple[StochasticEffect, ...]) -> Verdict:
@@ -58,17 +105,8 @@ def compare(fit: AxisFit, slow: tuple[StochasticEffect, ...]) -> Verdict:
 
     The noise besides is white on the scale of the blocks, or wanders from one to the next.
     """
-    interval, count = fit.sequence.conditions.interval, len(fit.residual)
-    lorentzian = [one.equivalent if isinstance(one, RandomTelegraph) else one for one in slow]
-    times = [one.correlation_time for one in lorentzian if isinstance(one, GaussMarkov)]
-    time = min(times, default=interval * count / LONG)
-    width = max(int(time / FINE / interval), count // MOST, 1)
-    means = fit.residual[: count // width * width].reshape(-1, width).mean(axis=1)
-    rest = [one for one in fit.description.noise.effects if one not in slow]
-    step = width * interval
-    density = sum(effect.sampled_psd(np.array([0.25 / step]), interval)[0] for effect in rest)
-    white = float(np.sqrt(density / step))
-    std = float(np.sqrt(max(means.var() - white**2, 0.01 * means.var())))
+    blocks = Blocks.of(fit, slow)
+    means, step, time, white, std = blocks.means, blocks.step, blocks.time, blocks.white, blocks.std
     least, wide = np.log(std) - DEEP, means.var()
 
     def beside(theta):
@@ -91,7 +129,8 @@ def compare(fit: AxisFit, slow: tuple[StochasticEffect, ...]) -> Verdict:
     ends = [tuple(_positive(best.x[i] + side * 1.96 * error[i]) for side in (-1, 1)) for i in (0, 1)]
     effect = RandomTelegraph(_positive(best.x[0]), _positive(best.x[1]))
     apart = _lowest(uneven, [[*best.x, side] for side in (-1.0, 1.0)])
-    return Verdict(float(smooth.fun - best.fun), effect, (ends[0], ends[1]), float(best.fun - apart.fun))
+    gain, more = float(smooth.fun - best.fun), float(best.fun - apart.fun)
+    return Verdict(gain, effect, (ends[0], ends[1]), more, -float(best.fun))
 
 
 def _positive(logarithm: float) -> float:
@@ -108,14 +147,22 @@ def _value(result) -> float:
     return result.fun
 
 
-def _errors(cost, top: np.ndarray) -> np.ndarray:
-    step = 1e-3
+def _errors(cost: Callable, top: np.ndarray) -> np.ndarray:
+    return np.sqrt(np.abs(np.diag(np.linalg.pinv(curvature(cost, top), hermitian=True))))
+
+
+def curvature(cost: Callable, top: np.ndarray, step: float = 1e-3) -> np.ndarray:
+    """Return the second derivatives of a cost."""
     units = np.eye(len(top)) * step
-    hessian = [
-        [(cost(top + a + b) - cost(top + a - b) - cost(top - a + b) + cost(top - a - b)) / (4 * step**2) for b in units]
-        for a in units
-    ]
-    return np.sqrt(np.abs(np.diag(np.linalg.pinv(np.array(hessian), hermitian=True))))
+    return np.array(
+        [
+            [
+                (cost(top + a + b) - cost(top + a - b) - cost(top - a + b) + cost(top - a - b)) / (4 * step**2)
+                for b in units
+            ]
+            for a in units
+        ]
+    )
 
 
 @njit(cache=True)

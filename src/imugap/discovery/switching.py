@@ -1,0 +1,217 @@
+"""Telegraph noise beside a process that reverts to its mean: one spectrum, but two values in the samples.
+
+A search by spectra cannot tell two Lorentzians apart and ends with steps beside one of them. The samples can
+(:mod:`imugap.discovery.telegraph`, the walk of which gives way to a Gauss-Markov process): what switches is found,
+taken out of the samples, and the search starts again with what is left.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+from scipy.optimize import OptimizeResult, minimize
+
+from imugap.discovery.axis import AxisFit
+from imugap.discovery.parameters import NORMAL
+from imugap.discovery.search import log_chance
+from imugap.discovery.sequence import Sequence
+from imugap.discovery.telegraph import Blocks, compare, curvature
+from imugap.effects import RandomTelegraph
+from imugap.effects.effect import StochasticEffect
+from imugap.stream import stream
+
+TIMES = (1.0, 5.0)
+"""Correlation times of the process beside, over the shortest that there is, from which a fit starts."""
+FAR = 60.0
+"""Logarithm that stands for none or no bound."""
+OPTIONS = {"maxiter": 4000, "xatol": 1e-3, "fatol": 1e-3, "adaptive": True}
+NEAR, STRETCHES = 0.02, 40
+"""Step of a difference quotient; stretches of the log of which the scores are taken."""
+SURE = 1e-12
+"""Least probability of either value."""
+
+
+@dataclass(frozen=True, eq=False)
+class Switching:
+    """Telegraph noise that its samples tell beside another process.
+
+    Attributes
+    ----------
+    effect
+        The telegraph noise.
+    intervals
+        95 % intervals of its parameters, by name.
+    gain
+        Log-likelihood over that of a continuum.
+    path
+        Its values at the samples, plus or minus half its step, drawn given all of them, shape (n,).
+    """
+
+    effect: RandomTelegraph
+    intervals: dict[str, tuple[float, float]]
+    gain: float
+    path: np.ndarray
+
+    @property
+    def log_p(self) -> float:
+        """Return the log-probability that a continuum looks as much like two values by chance."""
+        return log_chance(self.gain, len(self.intervals))
+
+    def without(self, sequence: Sequence) -> Sequence:
+        """Return the sequence without it."""
+        return sequence.changed(sequence.values - self.path)
+
+
+def switching(found: AxisFit, slow: tuple[StochasticEffect, ...], log_alpha: float) -> Switching | None:
+    """Return the telegraph noise among slow processes of a fit, if it is certain that another one is beside it.
+
+    None where the samples do not show two values, or are at one of them more often than at the other.
+    """
+    verdict, blocks = compare(found, slow), Blocks.of(found, slow)
+    if log_chance(verdict.gain, 2) > log_alpha:
+        return None
+    first = np.log([verdict.effect.step, verdict.effect.rate, blocks.white, 0.5 * blocks.std])
+    starts = [np.r_[first, np.log(blocks.time * factor), 0.0] for factor in TIMES]
+    best = _lowest(lambda theta: _cost(blocks, _even(theta)), starts)
+    if log_chance(-best.fun - verdict.log_likelihood, 2) > log_alpha:
+        return None
+    apart = _lowest(lambda theta: _cost(blocks, theta), [np.r_[best.x, side] for side in (-1.0, 1.0)])
+    if log_chance(best.fun - apart.fun, 1) < log_alpha:
+        return None
+    return _told(found, Blocks.of(found, slow, np.inf), best.x, blocks.width, verdict.gain)
+
+
+def _told(found: AxisFit, blocks: Blocks, near: np.ndarray, width: int, gain: float) -> Switching:
+    """Return what blocks as fine as can be tell, in which no switch is a third value; ``near`` is of coarser ones."""
+    start = near.copy()
+    start[2] += 0.5 * np.log(width / blocks.width)
+    best = _lowest(lambda theta: _cost(blocks, _even(theta)), [start])
+    error = _errors(blocks, best.x)
+    ends = [tuple(float(np.exp(best.x[i] + side * NORMAL * error[i])) for side in (-1, 1)) for i in (0, 1)]
+    effect = RandomTelegraph(*np.exp(best.x[:2]).tolist())
+    return Switching(effect, dict(zip(effect.parameters(), ends, strict=True)), gain, _path(found, blocks, best.x))
+
+
+def _lowest(cost, starts: list[np.ndarray]) -> OptimizeResult:
+    found = (minimize(cost, start, method="Nelder-Mead", options=OPTIONS) for start in starts)
+    return min(found, key=lambda one: one.fun)
+
+
+def _errors(blocks: Blocks, best: np.ndarray) -> np.ndarray:
+    """Return the standard deviations of parameters at the highest likelihood (White 1982, Econometrica 50, 1-25).
+
+    The filter keeps two Gaussians where there are as many as paths: its likelihood is not quite that of the data, so
+    that their scores, in stretches that hardly depend on each other, tell how far the parameters scatter.
+    """
+    units = NEAR * np.eye(len(best))
+    slopes = np.array([_densities(blocks, _even(best + one)) - _densities(blocks, _even(best - one)) for one in units])
+    scores = np.add.reduceat(slopes, np.linspace(0, slopes.shape[1], STRETCHES + 1).astype(int)[:-1], axis=1) / (
+        2 * NEAR
+    )
+    bent = curvature(lambda theta: _cost(blocks, _even(theta)), best, NEAR)
+    inverse = np.linalg.pinv(bent, hermitian=True)
+    return np.sqrt(np.diag(inverse @ (scores @ scores.T) @ inverse))
+
+
+def _even(theta: np.ndarray) -> np.ndarray:
+    """Return the parameters of as many switches up as down."""
+    return np.r_[theta, 0.0]
+
+
+def _cost(blocks: Blocks, theta: np.ndarray) -> float:
+    """Return minus the log-likelihood."""
+    return -float(np.sum(_densities(blocks, theta)))
+
+
+def _densities(blocks: Blocks, theta: np.ndarray) -> np.ndarray:
+    """Return the log-density of each block, given those before.
+
+    ``theta`` has the logarithms of step, rate, white noise, and of standard deviation and correlation time of the
+    process beside; its mean, over the scale of the blocks; the logarithm of the switches up over those on average.
+    """
+    step, rate, white, std, time = np.exp(np.clip(theta[:5], -FAR, FAR))
+    up, down = blocks.step * rate * np.exp(np.clip([theta[6], -theta[6]], -FAR, FAR))
+    values = blocks.means - theta[5] * blocks.std
+    return _filtered(values, step / 2, up, down, white, np.exp(-blocks.step / time), std)[0]
+
+
+def _path(found: AxisFit, blocks: Blocks, theta: np.ndarray) -> np.ndarray:
+    """Draw the values at the samples, given all of them, shape (n,).
+
+    Without values so drawn samples scatter as those of a device that does not switch; without the likeliest ones they
+    would scatter less, or more where these are wrong (data augmentation: Tanner and Wong 1987, doi:10.2307/2289457).
+    """
+    conditions = found.sequence.conditions
+    step, rate, white, std, time = np.exp(theta[:5])
+    decay, noise = np.exp(-conditions.interval / time), white * np.sqrt(blocks.width)
+    each = rate * conditions.interval
+    values = found.residual - theta[5] * blocks.std
+    _, odds, means, variances = _filtered(values, step / 2, each, each, noise, decay, std)
+    rng = stream(0, "switching", conditions.axis)
+    uniform, normal = rng.random(len(values)), rng.standard_normal(len(values))
+    up = _drawn(odds, means, variances, np.exp(-2 * each), decay, std, uniform, normal)
+    return np.where(up, step / 2, -step / 2)
+
+
+@njit(cache=True)
+def _filtered(values, half, rise, fall, white, decay, std):
+    """Return the log-density of each value, +- half beside a Gauss-Markov process in white noise, and what is known.
+
+    That are the log-odds of +, shape (n,), and mean and variance of the process given + and given -, each of shape
+    (n, 2), with the values up to each one and with it. ``rise`` and ``fall`` are switches per value, ``decay`` is the
+    correlation of the process from one value to the next. Of the paths that lead to either value the first two moments
+    are kept, as in :mod:`imugap.discovery.telegraph`.
+    """
+    mean_up, kept = rise / (rise + fall), np.exp(-(rise + fall))
+    to_up, to_down = mean_up * (1 - kept), (1 - mean_up) * (1 - kept)
+    up, driven = mean_up, std**2 * (1 - decay**2)
+    high, low, high_variance, low_variance = 0.0, 0.0, std**2, std**2
+    densities, odds = np.empty(len(values)), np.empty(len(values))
+    means, variances = np.empty((len(values), 2)), np.empty((len(values), 2))
+    for k in range(len(values)):
+        stayed, left = up * (1 - to_down), (1 - up) * (1 - to_up)
+        new_up = stayed + (1 - up) * to_up
+        apart, share_up, share_down = (high - low) ** 2, stayed / new_up, left / (1 - new_up)
+        first = decay * (share_up * high + (1 - share_up) * low)
+        second = decay * (share_down * low + (1 - share_down) * high)
+        mixed_high = share_up * high_variance + (1 - share_up) * (low_variance + share_up * apart)
+        mixed_low = share_down * low_variance + (1 - share_down) * (high_variance + share_down * apart)
+        first_variance, second_variance = decay**2 * mixed_high + driven, decay**2 * mixed_low + driven
+        high_total, low_total = first_variance + white**2, second_variance + white**2
+        above, below = values[k] - half - first, values[k] + half - second
+        log_high = np.log(new_up) - 0.5 * (np.log(high_total) + above**2 / high_total)
+        log_low = np.log(1 - new_up) - 0.5 * (np.log(low_total) + below**2 / low_total)
+        top = max(log_high, log_low)
+        total = np.exp(log_high - top) + np.exp(log_low - top)
+        densities[k], odds[k] = top + np.log(total) - 0.5 * np.log(2 * np.pi), log_high - log_low
+        up = min(max(np.exp(log_high - top) / total, SURE), 1 - SURE)
+        high, low = first + first_variance / high_total * above, second + second_variance / low_total * below
+        high_variance = first_variance * white**2 / high_total
+        low_variance = second_variance * white**2 / low_total
+        means[k, 0], means[k, 1], variances[k, 0], variances[k, 1] = high, low, high_variance, low_variance
+    return densities, odds, means, variances
+
+
+@njit(cache=True)
+def _drawn(odds, means, variances, kept, decay, std, uniform, normal):
+    """Return whether the value is + at each place, drawn backwards together with the process beside.
+
+    ``kept`` is the correlation of the two values from one place to the next, with as many switches up as down.
+    """
+    up = np.empty(len(odds), np.bool_)
+    driven, bonus, level = std**2 * (1 - decay**2), 0.0, 0.0
+    for k in range(len(odds) - 1, -1, -1):
+        total = decay**2 * variances[k] + driven
+        if k < len(odds) - 1:
+            apart = level - decay * means[k]
+            close = -0.5 * (np.log(total) + apart**2 / total)
+            stay = np.log((1 + kept) / (1 - kept))
+            bonus = close[0] - close[1] + (stay if up[k + 1] else -stay)
+        up[k] = uniform[k] < 1 / (1 + np.exp(-(odds[k] + bonus)))
+        side = 0 if up[k] else 1
+        mean, variance = means[k, side], variances[k, side]
+        if k < len(odds) - 1:
+            gain = decay * variance / total[side]
+            mean, variance = mean + gain * (level - decay * mean), variance * driven / total[side]
+        level = mean + np.sqrt(variance) * normal[k]
+    return up

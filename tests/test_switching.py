@@ -1,0 +1,102 @@
+"""Telegraph noise beside other slow noise: told by its samples, and taken out of them."""
+
+import numpy as np
+import pytest
+
+from imugap.discovery.axis import Description, fit
+from imugap.discovery.noise import Noise
+from imugap.discovery.sequence import Sequence
+from imugap.discovery.story import concluded, told
+from imugap.discovery.switching import _drawn, _filtered, switching
+from imugap.effects import BiasStep, GaussMarkov, RandomTelegraph, RandomWalk, WhiteNoise
+from imugap.effects.effect import Conditions
+from imugap.model import AxisModel
+from imugap.stream import stream
+
+COUNT, INTERVAL = 24_000, 0.04
+WHITE = WhiteNoise(1e-3)
+SWITCHES, REVERTS = RandomTelegraph(2e-2, 0.06), GaussMarkov(4e-3, 6.0)
+LOG_ALPHA = np.log(0.01 / 6 / 28)
+
+
+def sequence(*effects, label="switching", count=COUNT):
+    conditions = Conditions(INTERVAL * np.arange(count), INTERVAL, axis="gyro_x")
+    values = AxisModel((WHITE, *effects)).simulate(np.zeros(count), conditions, 1, label)
+    return Sequence(values, conditions, np.zeros(count, bool))
+
+
+def with_markov(data):
+    return fit(data, Description((), Noise((WHITE, GaussMarkov(6e-3, 8.0)))))
+
+
+def test_without_switches_the_filter_is_that_of_a_gauss_markov_process():
+    """The dense normal density of a process in white noise, with half a step of nothing."""
+    values = stream(1, "filter").standard_normal(40)
+    decay, std, white = 0.8, 1.3, 0.4
+    lag = np.abs(np.subtract.outer(np.arange(40), np.arange(40)))
+    covariance = std**2 * decay**lag + white**2 * np.eye(40)
+    expected = -0.5 * (
+        40 * np.log(2 * np.pi) + np.linalg.slogdet(covariance)[1] + values @ np.linalg.solve(covariance, values)
+    )
+    found = _filtered(values, 0.0, 0.1, 0.1, white, decay, std)
+    assert found[0].sum() == pytest.approx(expected, rel=1e-9)
+    np.testing.assert_allclose(found[1], 0.0, atol=1e-9)
+
+
+def test_odds_of_either_value_are_those_of_all_paths():
+    """Two values in white noise alone: a hidden Markov chain, summed over every path."""
+    values, half, change, white = stream(2, "odds").standard_normal(8), 0.7, 0.3, 0.9
+    stay = 0.5 * (1 + np.exp(-2 * change))
+    paths = np.array(np.meshgrid(*[[-1, 1]] * 8)).reshape(8, -1).T
+    moves = np.where(paths[:, 1:] == paths[:, :-1], stay, 1 - stay).prod(axis=1) / 2
+    weights = (
+        moves * np.exp(-0.5 * ((values - half * paths) / white) ** 2).prod(axis=1) / (np.sqrt(2 * np.pi) * white) ** 8
+    )
+    densities, odds, means, variances = _filtered(values, half, change, change, white, 0.5, 1e-9)
+    assert densities.sum() == pytest.approx(np.log(weights.sum()), rel=1e-9)
+    last = np.log(weights[paths[:, -1] > 0].sum() / weights[paths[:, -1] < 0].sum())
+    assert odds[-1] == pytest.approx(last, rel=1e-6)
+    rng, count = stream(3, "draws"), 20_000
+    drawn = np.mean(
+        [
+            _drawn(odds, means, variances, np.exp(-2 * change), 0.5, 1e-9, rng.random(8), rng.standard_normal(8))
+            for _ in range(count)
+        ],
+        axis=0,
+    )
+    expected = weights @ (paths > 0) / weights.sum()
+    assert np.all(np.abs(drawn - expected) < 4.5 * np.sqrt(expected * (1 - expected) / count))
+
+
+@pytest.mark.parametrize("run", range(3))
+def test_what_switches_is_taken_out_and_what_reverts_stays(run):
+    """Of 160 correlation times: the standard deviation to 6 %, the time to 12 %; four times as much is allowed."""
+    data, clean = (sequence(*effects, label=f"out {run}") for effects in ((SWITCHES, REVERTS), (REVERTS,)))
+    found = with_markov(data)
+    told_apart = switching(found, found.description.noise.effects[1:], LOG_ALPHA)
+    for name, value in SWITCHES.parameters().items():
+        low, high = np.log(told_apart.intervals[name])
+        assert abs(np.log(value) - (low + high) / 2) < 2 * (high - low) / 2
+    rest = told_apart.without(data)
+    reverts = with_markov(rest).description.noise.effects[1]
+    assert reverts.std == pytest.approx(REVERTS.std, rel=0.24)
+    assert reverts.correlation_time == pytest.approx(REVERTS.correlation_time, rel=0.48)
+    assert np.std(rest.values - clean.values) < 0.5 * SWITCHES.step / 2
+
+
+@pytest.mark.parametrize("effects", [(REVERTS,), (SWITCHES,), (SWITCHES, RandomWalk(3e-4)), (RandomWalk(1e-3),)])
+def test_nothing_is_taken_out_where_no_two_values_stand_beside_what_reverts(effects):
+    found = with_markov(sequence(*effects, label="alone"))
+    assert switching(found, found.description.noise.effects[1:], LOG_ALPHA) is None
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("run", range(2))
+def test_telegraph_noise_and_a_markov_process_on_one_axis_are_both_named(run):
+    data = sequence(SWITCHES, REVERTS, label=f"pair {run}")
+    story = concluded(told(data, (), (BiasStep, GaussMarkov, RandomWalk), LOG_ALPHA, int(0.8 * COUNT)))
+    assert sorted(finding.name for finding in story.findings) == ["gauss_markov", "random_telegraph"]
+    for finding in story.findings:
+        truth = (SWITCHES if finding.name == "random_telegraph" else REVERTS).parameters()
+        for name, interval in finding.parameters.items():
+            assert 0.5 * interval.low < truth[name] < 2 * interval.high
