@@ -157,7 +157,7 @@ def discover(
     later, left = _left(seen, stories, record, common, question, outputs)
     left = (*_unsteady(stories), *left)
     steps.begin("distances")
-    switching = {axis: (story.switching.effect,) for axis, story in stories.items() if story.switching is not None}
+    switching = {axis: (story.switching,) for axis, story in stories.items() if story.switching is not None}
     model = partial(_model, known=known, findings=outside, beside=switching)
     start, final = _model(befores, known), model(wholes)
     compared = [tested(test, stories, start, final, question.seed) for test in tests]

@@ -96,7 +96,7 @@ class Story:
     findings: tuple[Finding, ...]
     withheld: tuple[Withheld, ...]
     bands: tuple[Band, ...] = ()
-    switching: Switching | None = None
+    switching: RandomTelegraph | None = None
 
     def unnamed(self) -> tuple[tuple[str, str], ...]:
         """Return the nearest name, and the reason why it is not given, of what was seen."""
@@ -219,7 +219,8 @@ def concluded(tale: Tale) -> Story:
         after = _without(tale.after, list(doubts(tale.early, tale.after)))
         final = _without(whole, list(doubtful))
         bands = (*tale.bands, *sweeps)
-        return Story(tale.before, after.bare(), final.bare(), findings, nameless, bands, tale.switching)
+        switches = None if tale.switching is None else tale.switching.effect
+        return Story(tale.before, after.bare(), final.bare(), findings, nameless, bands, switches)
 
 
 def _of_samples(tale: Tale) -> tuple[Finding, ...]:

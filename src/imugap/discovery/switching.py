@@ -5,6 +5,7 @@ A search by spectra cannot tell two Lorentzians apart and ends with steps beside
 taken out of the samples, and the search starts again with what is left.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -92,7 +93,7 @@ def _told(found: AxisFit, blocks: Blocks, near: np.ndarray, width: int, gain: fl
     return Switching(effect, dict(zip(effect.parameters(), ends, strict=True)), gain, _path(found, blocks, best.x))
 
 
-def _lowest(cost, starts: list[np.ndarray]) -> OptimizeResult:
+def _lowest(cost: Callable, starts: list[np.ndarray]) -> OptimizeResult:
     found = (minimize(cost, start, method="Nelder-Mead", options=OPTIONS) for start in starts)
     return min(found, key=lambda one: one.fun)
 
@@ -105,9 +106,8 @@ def _errors(blocks: Blocks, best: np.ndarray) -> np.ndarray:
     """
     units = NEAR * np.eye(len(best))
     slopes = np.array([_densities(blocks, _even(best + one)) - _densities(blocks, _even(best - one)) for one in units])
-    scores = np.add.reduceat(slopes, np.linspace(0, slopes.shape[1], STRETCHES + 1).astype(int)[:-1], axis=1) / (
-        2 * NEAR
-    )
+    first = np.linspace(0, slopes.shape[1], STRETCHES + 1).astype(int)[:-1]
+    scores = np.add.reduceat(slopes / (2 * NEAR), first, axis=1)
     bent = curvature(lambda theta: _cost(blocks, _even(theta)), best, NEAR)
     inverse = np.linalg.pinv(bent, hermitian=True)
     return np.sqrt(np.diag(inverse @ (scores @ scores.T) @ inverse))
