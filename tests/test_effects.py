@@ -1091,6 +1091,38 @@ def test_a_full_scale_that_one_side_shows_holds_where_the_other_reaches_it_once(
     assert np.ptp(below) == len(below) - 1
 
 
+def test_equal_ends_on_both_sides_are_a_full_scale():
+    """One stay at either end, each of which alone could be stuck; at two places one magnitude to the last digit."""
+    time = np.arange(20_000) * 0.01
+    noise = 1e-3 * stream(12, "flat").standard_normal(len(time))
+    swing = np.sin(0.11 * time) * np.where(np.abs(time - 100) < 55, 1.0, 0.5) + noise
+    found = Saturation.found(np.clip(swing, -0.999, 0.999), conditions(len(time)))
+    assert found.effect.limit == 0.999
+    assert {-0.999, 0.999} == set(np.clip(swing, -0.999, 0.999)[found.flawed])
+
+
+@pytest.mark.parametrize("effects", [(), (ScaleFactor(0.02, -0.01, 0.01),)])
+def test_one_sample_that_falls_short_of_a_known_motion_is_clipped_and_a_lone_outlier_is_not(effects):
+    """A motion so rough that a single sample is beyond the full scale, by a sixth of the input."""
+    count = 6000
+    rough = stream(13, "rough").standard_normal(count)
+    largest = int(np.argmax(np.abs(rough)))
+    rough[largest] *= 1.2
+    ideal = log.from_samples({"gyro_z": rough}, 0.01)
+    place = Conditions(ideal.index.to_numpy(), 0.01, None, "gyro_z", ideal)
+    values = AxisModel((WhiteNoise(1e-4), *effects)).simulate(rough, place, 1, "short")
+    assert Saturation.found(values, place) is None
+    clipped = np.clip(values, *(side * 0.85 * abs(values[largest]) for side in (-1, 1)))
+    found = Saturation.found(clipped, place)
+    assert np.flatnonzero(found.flawed) == [largest]
+    assert found.effect.limit == np.abs(clipped).max()
+    assert found.log_p < np.log(1e-4)
+    for where in (largest - 1, int(np.argsort(np.abs(rough))[-2])):
+        outlier = values.copy()
+        outlier[where] -= 0.1 * np.sign(rough[where])
+        assert Saturation.found(outlier, place) is None
+
+
 @pytest.mark.parametrize("place", [0.0, 0.2, 0.5])
 @pytest.mark.parametrize("step", [0.3, 1.0, 2.0, 3.0])
 def test_rounded_normal_values_tell_mean_and_deviation_of_those_ahead(step, place):

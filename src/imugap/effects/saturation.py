@@ -18,6 +18,8 @@ FLAT = 3
 """Samples at the extreme value, of values without a lattice, below which nothing is said: one time may be one hold."""
 NEXT = 5
 """Samples below the extreme value that tell how far apart values are there."""
+CLEAR = 1.5
+"""Times the largest of all other errors that the one of a sample has to be to be called clipped by itself."""
 MANY = 10
 """Samples at the extreme value of a lattice below which a heavy tail may hold them."""
 
@@ -39,7 +41,8 @@ class Saturation(Effect):
         """Return the full scale that the output ``values``, shape (n,), NaN where lost, runs against, or None.
 
         The tail next to the extreme value is taken as exponential; that of every law with a log-concave density
-        falls faster still. One side suffices; where the other reaches as far, it ends there too.
+        falls faster still. One side suffices; where the other reaches as far, it ends there too. Where the motion is
+        known, one sample does that falls short of it.
         """
         known = np.isfinite(values)
         if np.count_nonzero(known) < TAIL:
@@ -47,15 +50,19 @@ class Saturation(Effect):
         step, _ = spacing(values[known])
         fine = max(step, float(grain(values[known]).max()))
         sides = {sign: _log_chance(sign * values[known], fine, bool(step)) for sign in (1, -1)}
-        clipped = [sign for sign, log_p in sides.items() if log_p < np.log(IMPROBABLE)]
-        if not clipped:
-            return None
         tops = {sign: float(np.max(sign * values[known])) for sign in sides}
+        clipped = [sign for sign, log_p in sides.items() if log_p < np.log(IMPROBABLE)] or [max(tops, key=tops.get)]
         limit = max(tops[sign] for sign in clipped)
+        alike = _log_chance(np.abs(values[known]), fine, bool(step))
+        log_p = min(*sides.values(), alike)
+        if log_p >= np.log(IMPROBABLE):
+            log_p = _log_shortfall(values[known], np.broadcast_to(conditions.error_free, values.shape)[known])
+            if log_p == 0.0:
+                return None
         ends = [sign for sign in sides if sign in clipped or abs(tops[sign] - limit) <= fine]
         flawed = np.any([known & (sign * values == tops[sign]) for sign in ends], axis=0)
         intervals = {"limit": (limit - fine / 2, limit + fine / 2)}
-        return Evidence(cls(limit), intervals, float(min(sides.values())), flawed)
+        return Evidence(cls(limit), intervals, log_p, flawed)
 
 
 def _log_chance(values: np.ndarray, step: float, lattice: bool) -> float:
@@ -93,6 +100,27 @@ def _log_chance(values: np.ndarray, step: float, lattice: bool) -> float:
     size = visits / np.count_nonzero(near)
     least, most = int(np.count_nonzero(at) * size), int(np.ceil((len(inside) + np.count_nonzero(at)) * size))
     return float(np.log(max(bdtrc(least - 1, most, share), TINY)))
+
+
+def _log_shortfall(values: np.ndarray, ideal: np.ndarray) -> float:
+    """Return the log-probability that the only sample far off its error-free input is the largest of all by chance.
+
+    Both have shape (n,). Zero unless it is: it falls short of the largest input of all, while others nearly as large,
+    and all the rest, are where the smooth errors of a sensor, which go with its input, let them be.
+    """
+    size = np.abs(ideal)
+    top = int(np.argmax(size))
+    if size[top] == 0 or np.abs(values[top]) < np.abs(values).max():
+        return 0.0
+    share = ideal / size[top]
+    columns = np.column_stack([np.ones_like(share), share, np.abs(share), share**2, share**3])
+    others = np.arange(len(values)) != top
+    error = values - ideal
+    rest = error - columns @ np.linalg.lstsq(columns[others], error[others], rcond=None)[0]
+    short = -np.sign(ideal[top]) * rest[top]
+    if short < CLEAR * np.abs(rest[others]).max():
+        return 0.0
+    return float(-np.log(2 * len(values)))
 
 
 def _slope(distance: np.ndarray) -> float:
