@@ -64,7 +64,9 @@ class Blocks:
     Attributes
     ----------
     means
-        Of blocks of ``width`` samples, shape (blocks,).
+        Shape (blocks,).
+    width
+        Samples of a block.
     step
         From one block to the next [s].
     time

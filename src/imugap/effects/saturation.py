@@ -20,6 +20,8 @@ NEXT = 5
 """Samples below the extreme value that tell how far apart values are there."""
 CLEAR = 1.5
 """Times the largest of all other errors that the one of a sample has to be to be called clipped by itself."""
+LONE = 1e-4
+"""Probability of chance below which it is; a log of less than 5000 samples does not tell."""
 MANY = 10
 """Samples at the extreme value of a lattice below which a heavy tail may hold them."""
 
@@ -57,7 +59,7 @@ class Saturation(Effect):
         log_p = min(*sides.values(), alike)
         if log_p >= np.log(IMPROBABLE):
             log_p = _log_shortfall(values[known], np.broadcast_to(conditions.error_free, values.shape)[known])
-            if log_p == 0.0:
+            if log_p >= np.log(LONE):
                 return None
         ends = [sign for sign in sides if sign in clipped or abs(tops[sign] - limit) <= fine]
         flawed = np.any([known & (sign * values == tops[sign]) for sign in ends], axis=0)
