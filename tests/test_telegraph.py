@@ -10,7 +10,7 @@ from scipy.stats import multivariate_normal
 from imugap.discovery.axis import Description, fit
 from imugap.discovery.noise import Noise
 from imugap.discovery.sequence import Sequence
-from imugap.discovery.telegraph import _continuum, _two_values, compare
+from imugap.discovery.telegraph import _continuum, compare, filtered
 from imugap.effects import GaussMarkov, RandomTelegraph, RandomWalk, WhiteNoise
 from imugap.effects.effect import Conditions
 from imugap.stream import stream
@@ -45,7 +45,7 @@ def test_two_values_have_the_density_of_all_their_paths(walk, wide, tolerance):
         signs = 2 * np.array(path) - 1
         law = multivariate_normal(means.mean() + half * signs, wandering(white, walk, wide))
         logs.append(chance + law.logpdf(means))
-    found = _two_values(means, half, rise, fall, white, walk, wide)
+    found = filtered(means, half, rise, fall, white, 1.0, walk**2, means.mean(), wide)[0].sum()
     assert found == pytest.approx(logsumexp(logs), abs=tolerance)
 
 

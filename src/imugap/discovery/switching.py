@@ -16,7 +16,7 @@ from imugap.discovery.axis import AxisFit
 from imugap.discovery.parameters import NORMAL
 from imugap.discovery.search import log_chance
 from imugap.discovery.sequence import Sequence
-from imugap.discovery.telegraph import Blocks, compare, curvature
+from imugap.discovery.telegraph import Blocks, compare, curvature, filtered
 from imugap.effects import RandomTelegraph
 from imugap.effects.effect import StochasticEffect
 from imugap.stream import stream
@@ -28,8 +28,6 @@ FAR = 60.0
 OPTIONS = {"maxiter": 4000, "xatol": 1e-3, "fatol": 1e-3, "adaptive": True}
 NEAR, STRETCHES = 0.02, 40
 """Step of a difference quotient; stretches of the log of which the scores are taken."""
-SURE = 1e-12
-"""Least probability of either value."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,7 +130,12 @@ def _densities(blocks: Blocks, theta: np.ndarray) -> np.ndarray:
     step, rate, white, std, time = np.exp(np.clip(theta[:5], -FAR, FAR))
     up, down = blocks.step * rate * np.exp(np.clip([theta[6], -theta[6]], -FAR, FAR))
     values = blocks.means - theta[5] * blocks.std
-    return _filtered(values, step / 2, up, down, white, np.exp(-blocks.step / time), std)[0]
+    return filtered(values, step / 2, up, down, white, *_reverting(std, np.exp(-blocks.step / time)))[0]
+
+
+def _reverting(std: float, decay: float) -> tuple[float, float, float, float]:
+    """Return a stationary Gauss-Markov process as :func:`imugap.discovery.telegraph.filtered` asks for it."""
+    return decay, std**2 * (1 - decay**2), 0.0, std**2
 
 
 def _path(found: AxisFit, blocks: Blocks, theta: np.ndarray) -> np.ndarray:
@@ -146,50 +149,11 @@ def _path(found: AxisFit, blocks: Blocks, theta: np.ndarray) -> np.ndarray:
     decay, noise = np.exp(-conditions.interval / time), white * np.sqrt(blocks.width)
     each = rate * conditions.interval
     values = found.residual - theta[5] * blocks.std
-    _, odds, means, variances = _filtered(values, step / 2, each, each, noise, decay, std)
+    _, odds, means, variances = filtered(values, step / 2, each, each, noise, *_reverting(std, decay))
     rng = stream(0, "switching", conditions.axis)
     uniform, normal = rng.random(len(values)), rng.standard_normal(len(values))
     up = _drawn(odds, means, variances, np.exp(-2 * each), decay, std, uniform, normal)
     return np.where(up, step / 2, -step / 2)
-
-
-@njit(cache=True)
-def _filtered(values, half, rise, fall, white, decay, std):
-    """Return the log-density of each value, +- half beside a Gauss-Markov process in white noise, and what is known.
-
-    That are the log-odds of +, shape (n,), and mean and variance of the process given + and given -, each of shape
-    (n, 2), with the values up to each one and with it. ``rise`` and ``fall`` are switches per value, ``decay`` is the
-    correlation of the process from one value to the next. Of the paths that lead to either value the first two moments
-    are kept, as in :mod:`imugap.discovery.telegraph`.
-    """
-    mean_up, kept = rise / (rise + fall), np.exp(-(rise + fall))
-    to_up, to_down = mean_up * (1 - kept), (1 - mean_up) * (1 - kept)
-    up, driven = mean_up, std**2 * (1 - decay**2)
-    high, low, high_variance, low_variance = 0.0, 0.0, std**2, std**2
-    densities, odds = np.empty(len(values)), np.empty(len(values))
-    means, variances = np.empty((len(values), 2)), np.empty((len(values), 2))
-    for k in range(len(values)):
-        stayed, left = up * (1 - to_down), (1 - up) * (1 - to_up)
-        new_up = stayed + (1 - up) * to_up
-        apart, share_up, share_down = (high - low) ** 2, stayed / new_up, left / (1 - new_up)
-        first = decay * (share_up * high + (1 - share_up) * low)
-        second = decay * (share_down * low + (1 - share_down) * high)
-        mixed_high = share_up * high_variance + (1 - share_up) * (low_variance + share_up * apart)
-        mixed_low = share_down * low_variance + (1 - share_down) * (high_variance + share_down * apart)
-        first_variance, second_variance = decay**2 * mixed_high + driven, decay**2 * mixed_low + driven
-        high_total, low_total = first_variance + white**2, second_variance + white**2
-        above, below = values[k] - half - first, values[k] + half - second
-        log_high = np.log(new_up) - 0.5 * (np.log(high_total) + above**2 / high_total)
-        log_low = np.log(1 - new_up) - 0.5 * (np.log(low_total) + below**2 / low_total)
-        top = max(log_high, log_low)
-        total = np.exp(log_high - top) + np.exp(log_low - top)
-        densities[k], odds[k] = top + np.log(total) - 0.5 * np.log(2 * np.pi), log_high - log_low
-        up = min(max(np.exp(log_high - top) / total, SURE), 1 - SURE)
-        high, low = first + first_variance / high_total * above, second + second_variance / low_total * below
-        high_variance = first_variance * white**2 / high_total
-        low_variance = second_variance * white**2 / low_total
-        means[k, 0], means[k, 1], variances[k, 0], variances[k, 1] = high, low, high_variance, low_variance
-    return densities, odds, means, variances
 
 
 @njit(cache=True)

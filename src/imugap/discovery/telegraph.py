@@ -26,6 +26,8 @@ CALM = 0.03
 """Step of the walk from block to block over the slow process, at the start."""
 MOST = 60_000
 """Blocks at most."""
+SURE = 1e-12
+"""Least probability of either value."""
 HUGE = 300.0
 """Logarithm that stands for none or no bound."""
 RARE, OFTEN = np.log(1e-9), np.log(1e3)
@@ -116,7 +118,9 @@ def compare(fit: AxisFit, slow: tuple[StochasticEffect, ...]) -> Verdict:
 
     def uneven(theta):
         switches = np.log(step) + theta[1] + np.array([theta[4], -theta[4]])
-        return -_two_values(means, np.exp(theta[0]) / 2, *np.exp(np.clip(switches, RARE, OFTEN)), *beside(theta))
+        switched, (white, walk, wide) = np.exp(np.clip(switches, RARE, OFTEN)), beside(theta)
+        slow = 1.0, walk**2, means.mean(), wide
+        return -float(filtered(means, np.exp(theta[0]) / 2, *switched, white, *slow)[0].sum())
 
     def telegraph(theta):
         return uneven(np.r_[theta, 0.0])
@@ -168,33 +172,42 @@ def curvature(cost: Callable, top: np.ndarray, step: float = 1e-3) -> np.ndarray
 
 
 @njit(cache=True)
-def _two_values(means, half, rise, fall, white, walk, wide):
-    """Return the log-likelihood of +- half on a walk in white noise; ``rise`` and ``fall`` are switches per block."""
+def filtered(values, half, rise, fall, white, decay, driven, begin, spread):
+    """Return the log-density of each value, +- half beside a slow process in white noise, and what is known.
+
+    That are the log-odds of +, shape (n,), and mean and variance of the process given + and given -, each of shape
+    (n, 2), with the values up to each one and with it. ``rise`` and ``fall`` are switches per value; the process keeps
+    a share ``decay`` of itself from one value to the next, ``driven`` is the variance that it gains, ``begin`` and
+    ``spread`` are its mean and variance before the first. A walk keeps all, a Gauss-Markov process reverts. Of the
+    paths that lead to either value the first two moments are kept.
+    """
     mean_up, kept = rise / (rise + fall), np.exp(-(rise + fall))
     to_up, to_down = mean_up * (1 - kept), (1 - mean_up) * (1 - kept)
-    up, value = mean_up, 0.0
-    high = low = means.mean()
-    high_variance = low_variance = wide
-    for mean in means:
+    up, high, low, high_variance, low_variance = mean_up, begin, begin, spread, spread
+    densities, odds = np.empty(len(values)), np.empty(len(values))
+    means, variances = np.empty((len(values), 2)), np.empty((len(values), 2))
+    for k in range(len(values)):
         stayed, left = up * (1 - to_down), (1 - up) * (1 - to_up)
         new_up = stayed + (1 - up) * to_up
         apart, share_up, share_down = (high - low) ** 2, stayed / new_up, left / (1 - new_up)
-        first = share_up * high + (1 - share_up) * low
-        second = share_down * low + (1 - share_down) * high
-        first_variance = share_up * high_variance + (1 - share_up) * (low_variance + share_up * apart) + walk**2
-        second_variance = share_down * low_variance + (1 - share_down) * (high_variance + share_down * apart) + walk**2
+        first = decay * (share_up * high + (1 - share_up) * low)
+        second = decay * (share_down * low + (1 - share_down) * high)
+        mixed_high = share_up * high_variance + (1 - share_up) * (low_variance + share_up * apart)
+        mixed_low = share_down * low_variance + (1 - share_down) * (high_variance + share_down * apart)
+        first_variance, second_variance = decay**2 * mixed_high + driven, decay**2 * mixed_low + driven
         high_total, low_total = first_variance + white**2, second_variance + white**2
-        above, below = mean - half - first, mean + half - second
+        above, below = values[k] - half - first, values[k] + half - second
         log_high = np.log(new_up) - 0.5 * (np.log(high_total) + above**2 / high_total)
         log_low = np.log(1 - new_up) - 0.5 * (np.log(low_total) + below**2 / low_total)
         top = max(log_high, log_low)
         total = np.exp(log_high - top) + np.exp(log_low - top)
-        value += top + np.log(total) - 0.5 * np.log(2 * np.pi)
-        up = min(max(np.exp(log_high - top) / total, 1e-12), 1 - 1e-12)
+        densities[k], odds[k] = top + np.log(total) - 0.5 * np.log(2 * np.pi), log_high - log_low
+        up = min(max(np.exp(log_high - top) / total, SURE), 1 - SURE)
         high, low = first + first_variance / high_total * above, second + second_variance / low_total * below
         high_variance = first_variance * white**2 / high_total
         low_variance = second_variance * white**2 / low_total
-    return value
+        means[k, 0], means[k, 1], variances[k, 0], variances[k, 1] = high, low, high_variance, low_variance
+    return densities, odds, means, variances
 
 
 @njit(cache=True)
