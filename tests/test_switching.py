@@ -9,7 +9,7 @@ from imugap.discovery.sequence import Sequence
 from imugap.discovery.story import concluded, told
 from imugap.discovery.switching import _drawn, _reverting, switching
 from imugap.discovery.telegraph import filtered
-from imugap.effects import BiasStep, GaussMarkov, RandomTelegraph, RandomWalk, WhiteNoise
+from imugap.effects import BiasStep, GaussMarkov, RandomTelegraph, RandomWalk, VarianceChange, WhiteNoise
 from imugap.effects.effect import Conditions
 from imugap.model import AxisModel
 from imugap.stream import stream
@@ -39,19 +39,19 @@ def test_without_switches_the_filter_is_that_of_a_gauss_markov_process():
     expected = -0.5 * (
         40 * np.log(2 * np.pi) + np.linalg.slogdet(covariance)[1] + values @ np.linalg.solve(covariance, values)
     )
-    found = filtered(values, 0.0, 0.1, 0.1, white, *_reverting(std, decay))
+    found = filtered(values, 0.0, 0.1, 0.1, np.full(40, white), *_reverting(std, decay))
     assert found[0].sum() == pytest.approx(expected, rel=1e-9)
     np.testing.assert_allclose(found[1], 0.0, atol=1e-9)
 
 
 def test_odds_of_either_value_are_those_of_all_paths():
     """Two values in white noise alone: a hidden Markov chain, summed over every path."""
-    values, half, change, white = stream(2, "odds").standard_normal(8), 0.7, 0.3, 0.9
+    values, half, change, white = stream(2, "odds").standard_normal(8), 0.7, 0.3, np.repeat([0.9, 2.0], 4)
     stay = 0.5 * (1 + np.exp(-2 * change))
     paths = np.array(np.meshgrid(*[[-1, 1]] * 8)).reshape(8, -1).T
     moves = np.where(paths[:, 1:] == paths[:, :-1], stay, 1 - stay).prod(axis=1) / 2
     weights = (
-        moves * np.exp(-0.5 * ((values - half * paths) / white) ** 2).prod(axis=1) / (np.sqrt(2 * np.pi) * white) ** 8
+        moves * np.exp(-0.5 * ((values - half * paths) / white) ** 2).prod(axis=1) / (np.sqrt(2 * np.pi) * white).prod()
     )
     densities, odds, means, variances = filtered(values, half, change, change, white, *_reverting(1e-9, 0.5))
     assert densities.sum() == pytest.approx(np.log(weights.sum()), rel=1e-9)
@@ -101,3 +101,30 @@ def test_telegraph_noise_and_a_markov_process_on_one_axis_are_both_named(run):
         truth = (SWITCHES if finding.name == "random_telegraph" else REVERTS).parameters()
         for name, interval in finding.parameters.items():
             assert 0.5 * interval.low < truth[name] < 2 * interval.high
+
+
+@pytest.mark.slow
+def test_switches_in_noise_that_changes_are_named_beside_the_change():
+    """The spectrum has either another noise within the change or another step: the samples tell."""
+    change = VarianceChange(500.0, 700.0, 8.0)
+    data = sequence(SWITCHES, change, label="changed")
+    catalogue = (BiasStep, GaussMarkov, RandomWalk, VarianceChange)
+    story = concluded(told(data, (), catalogue, LOG_ALPHA, int(0.8 * COUNT)))
+    found = {finding.name: finding.parameters for finding in story.findings}
+    assert sorted(found) == ["random_telegraph", "variance_change"]
+    for name, value in SWITCHES.parameters().items():
+        assert 0.5 * found["random_telegraph"][name].low < value < 2 * found["random_telegraph"][name].high
+    assert found["variance_change"]["ratio"].low < change.ratio < found["variance_change"]["ratio"].high
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("run", range(4))
+def test_a_cluster_of_switches_is_no_change_of_the_noise(run):
+    """Two switches within a fifth of a second, in noise of a third of the step."""
+    data = sequence(RandomTelegraph(1.5e-2, 0.1), label=f"cluster {run}")
+    values = data.values.copy()
+    values[12_000:12_005] += np.array(1.5e-2) * (1 if values[11_990:12_000].mean() < values.mean() else -1)
+    story = concluded(
+        told(data.changed(values), (), (RandomWalk, GaussMarkov, VarianceChange), LOG_ALPHA, int(0.8 * COUNT))
+    )
+    assert [finding.name for finding in story.findings] == ["random_telegraph"]

@@ -30,7 +30,7 @@ def test_a_continuum_has_the_density_of_its_covariance(walk):
     lags = np.abs(np.subtract.outer(np.arange(COUNT), np.arange(COUNT)))
     covariance = wandering(0.5, walk, 40.0) + 0.8**2 * 0.9**lags
     law = multivariate_normal(np.full(COUNT, means.mean()), covariance)
-    assert _continuum(means, 0.8, 0.9, 0.5, walk, 40.0) == pytest.approx(law.logpdf(means), abs=1e-9)
+    assert _continuum(means, 0.8, 0.9, np.full(COUNT, 0.5), walk, 40.0) == pytest.approx(law.logpdf(means), abs=1e-9)
 
 
 @pytest.mark.parametrize(("walk", "wide", "tolerance"), [(0.0, 1e-12, 1e-6), (0.05, 0.25, 0.3)])
@@ -45,7 +45,7 @@ def test_two_values_have_the_density_of_all_their_paths(walk, wide, tolerance):
         signs = 2 * np.array(path) - 1
         law = multivariate_normal(means.mean() + half * signs, wandering(white, walk, wide))
         logs.append(chance + law.logpdf(means))
-    found = filtered(means, half, rise, fall, white, 1.0, walk**2, means.mean(), wide)[0].sum()
+    found = filtered(means, half, rise, fall, np.full(COUNT, white), 1.0, walk**2, means.mean(), wide)[0].sum()
     assert found == pytest.approx(logsumexp(logs), abs=tolerance)
 
 

@@ -7,6 +7,7 @@ import numpy as np
 from scipy.ndimage import uniform_filter1d
 from scipy.special import log_ndtr, ndtri_exp
 
+from imugap.discovery.autoregression import Autoregression
 from imugap.discovery.noise import USED, Bins
 from imugap.effects.effect import Conditions
 
@@ -64,13 +65,14 @@ class Sequence:
     def mended(self, flawed: np.ndarray, rng: np.random.Generator) -> "Sequence":
         """Return the sequence with further samples replaced by their surroundings.
 
-        A stretch of flawed samples becomes the straight line between the means of its neighbourhoods plus white noise
-        of the size that neighbouring samples differ by, so that neither level nor spectrum sees it.
+        They are drawn given the others (:mod:`imugap.discovery.autoregression`), so that neither level nor spectrum
+        sees them, whatever the noise is.
         """
         if not flawed.any():
             return self
         good = ~(flawed | self.flawed)
-        return replace(self, values=_mended(self.values, flawed, good, rng), flawed=~good)
+        values = Autoregression.of(self.values, good).drawn(self.values, ~good, rng)
+        return replace(self, values=values, flawed=~good)
 
     def beyond(self, bound: np.ndarray, side: np.ndarray, rng: np.random.Generator) -> "Sequence":
         """Return the sequence with clipped samples drawn anew from what lies beyond the full scale: flawed no more.
@@ -91,16 +93,6 @@ class Sequence:
             values[at] = level - side * spread * ndtri_exp(chance)
         flawed[at] = False
         return replace(self, values=values, flawed=flawed)
-
-
-def _mended(values: np.ndarray, flawed: np.ndarray, good: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-    near = np.flatnonzero(good)
-    kernel = min(REACH, len(near))
-    means = np.convolve(np.pad(values[near], (kernel // 2, kernel - 1 - kernel // 2), "edge"), np.ones(kernel), "valid")
-    level = np.interp(np.flatnonzero(flawed), near, means / kernel)
-    result = values.copy()
-    result[flawed] = level + _spread(values[near]) * rng.standard_normal(len(level))
-    return result
 
 
 def _spread(values: np.ndarray) -> float:

@@ -17,7 +17,7 @@ from imugap.discovery.sequence import Sequence
 from imugap.discovery.start import described
 from imugap.discovery.sweeps import swept
 from imugap.discovery.switching import Switching, switching
-from imugap.discovery.telegraph import compare
+from imugap.discovery.telegraph import Blocks, compare, weighed
 from imugap.discovery.unsteady import Band
 from imugap.discovery.withheld import Withheld, withheld
 from imugap.effects import (
@@ -25,8 +25,9 @@ from imugap.effects import (
     BiasStep,
     RandomTelegraph,
     Sinusoid,
+    VarianceChange,
 )
-from imugap.effects.effect import Effect
+from imugap.effects.effect import Effect, StochasticEffect
 from imugap.model import AxisModel
 
 SWITCHES, ALIKE = 3, 0.4
@@ -181,7 +182,7 @@ def _searched(
     search: Search, before: AxisFit, taken: tuple[Band, ...] = (), switched: Switching | None = None
 ) -> _Searched:
     """Search, and again without the bands of lines that are not steady, or telegraph noise that another hides."""
-    found = _told_apart(search, search.explore(before))
+    found = _steady(search, _told_apart(search, search.explore(before)))
     bands = unsteady.bands(found) if len(taken) < MOST_BANDS else ()
     again = search.afresh()
     if bands:
@@ -194,15 +195,36 @@ def _searched(
     return _searched(again, again.cleared(fit(cleared, search.start)), taken, switched_too)
 
 
+def _steady(search: Search, found: AxisFit) -> AxisFit:
+    """Return the fit without the added changes of variance that are clusters of switches of telegraph noise."""
+    if not _added(search, found, RandomTelegraph):
+        return found
+    blocks = Blocks.of(found, _slow(search, found))
+    likelihood = weighed(blocks).log_likelihood
+    for key in _added(search, found, VarianceChange):
+        others = removed(found.description, key).changes
+        gain = likelihood - weighed(blocks.changed(found.sequence, others)).log_likelihood
+        if log_chance(gain, 1) > search.log_alpha:
+            return _steady(search, _without(found, [key]))
+    return found
+
+
 def _hidden_telegraph(search: Search, found: AxisFit) -> Switching | None:
     """Return the telegraph noise of a fit beside another process, in the place of steps and slow noise too."""
-    keys = search.added(found.description)
-    if not any(isinstance(at(found.description, key), RandomTelegraph) for key in keys):
+    if not _added(search, found, RandomTelegraph):
         return None
-    stepless = _without(found, [key for key in keys if isinstance(at(found.description, key), BiasStep)])
-    effects = (at(stepless.description, key) for key in search.added(stepless.description))
-    slow = tuple(effect for effect in effects if isinstance(effect, (*SLOW, RandomTelegraph)))
-    return switching(stepless, slow, search.log_alpha)
+    stepless = _without(found, _added(search, found, BiasStep))
+    return switching(stepless, _slow(search, stepless), search.log_alpha)
+
+
+def _slow(search: Search, found: AxisFit) -> tuple[StochasticEffect, ...]:
+    """Return the slow processes of a fit that were added."""
+    return tuple(at(found.description, key) for key in _added(search, found, (*SLOW, RandomTelegraph)))
+
+
+def _added(search: Search, found: AxisFit, kinds: type[Effect] | tuple[type[Effect], ...]) -> list[Key]:
+    """Return where the effects of some kinds are that the start model does not have."""
+    return [key for key in search.added(found.description) if isinstance(at(found.description, key), kinds)]
 
 
 def concluded(tale: Tale) -> Story:
@@ -246,7 +268,7 @@ def _two_valued(found: AxisFit) -> AxisFit:
 def _told_apart(search: Search, found: AxisFit) -> AxisFit:
     """Return the fit with telegraph noise in the place of what the samples show to have two values."""
     found = _one_telegraph(search, _switching(search, _many_steps(search, found)))
-    keys = [key for key in search.added(found.description) if isinstance(at(found.description, key), SLOW)]
+    keys = _added(search, found, SLOW)
     if not keys or found.has(RandomTelegraph):
         return found
     verdict = compare(found, tuple(at(found.description, key) for key in keys))
@@ -261,7 +283,7 @@ def _told_apart(search: Search, found: AxisFit) -> AxisFit:
 
 def _one_telegraph(search: Search, found: AxisFit) -> AxisFit:
     """Return the fit with one telegraph noise in the place of several that were added, which no log tells apart."""
-    added = [key for key in search.added(found.description) if isinstance(at(found.description, key), RandomTelegraph)]
+    added = _added(search, found, RandomTelegraph)
     if len(added) < 2:
         return found
     one = compare(found, tuple(at(found.description, key) for key in added)).effect
@@ -277,13 +299,13 @@ def _stepless(search: Search) -> Search:
 def _without_switches(search: Search, found: AxisFit) -> AxisFit:
     """Return the fit without the added steps that are switches of its telegraph noise, for their size."""
     most = TWICE * max(one.step for one in found.description.noise.effects if isinstance(one, RandomTelegraph))
-    added = [(key, at(found.description, key)) for key in search.added(found.description)]
-    return _without(found, [key for key, one in added if isinstance(one, BiasStep) and abs(one.step) < most])
+    steps = _added(search, found, BiasStep)
+    return _without(found, [key for key in steps if abs(at(found.description, key).step) < most])
 
 
 def _many_steps(search: Search, found: AxisFit) -> AxisFit:
     """Return the fit with telegraph noise in the place of more steps than can have their name, if it is that."""
-    steps = [key for key in search.added(found.description) if isinstance(at(found.description, key), BiasStep)]
+    steps = _added(search, found, BiasStep)
     if len(steps) <= MANY[BiasStep]:
         return found
     stepless = _stepless(search)
@@ -293,8 +315,7 @@ def _many_steps(search: Search, found: AxisFit) -> AxisFit:
 
 def _switching(search: Search, found: AxisFit) -> AxisFit:
     """Return the fit with telegraph noise in the place of steps to and fro of one size."""
-    added = search.added(found.description)
-    steps = [key for key in added if isinstance(at(found.description, key), BiasStep)]
+    steps = _added(search, found, BiasStep)
     sizes = [at(found.description, key) for key in steps]
     jumps = np.array([effect.step for effect in sorted(sizes, key=lambda effect: effect.time)])
     if (

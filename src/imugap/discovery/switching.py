@@ -64,7 +64,8 @@ class Switching:
 def switching(found: AxisFit, slow: tuple[StochasticEffect, ...], log_alpha: float) -> Switching | None:
     """Return the telegraph noise among slow processes of a fit, if it is certain that another one is beside it.
 
-    None where the samples do not show two values, or are at one of them more often than at the other.
+    Or if a change of the variance is, which a search by spectra takes for one of the switches too. None where the
+    samples do not show two values, or are at one of them more often than at the other.
     """
     verdict, blocks = compare(found, slow), Blocks.of(found, slow)
     if log_chance(verdict.gain, 2) > log_alpha:
@@ -72,7 +73,7 @@ def switching(found: AxisFit, slow: tuple[StochasticEffect, ...], log_alpha: flo
     first = np.log([verdict.effect.step, verdict.effect.rate, blocks.white, 0.5 * blocks.std])
     starts = [np.r_[first, np.log(blocks.time * factor), 0.0] for factor in TIMES]
     best = _lowest(lambda theta: _cost(blocks, _even(theta)), starts)
-    if log_chance(-best.fun - verdict.log_likelihood, 2) > log_alpha:
+    if log_chance(-best.fun - verdict.log_likelihood, 2) > log_alpha and not found.description.changes:
         return None
     apart = _lowest(lambda theta: _cost(blocks, theta), [np.r_[best.x, side] for side in (-1.0, 1.0)])
     if log_chance(best.fun - apart.fun, 1) < log_alpha:
@@ -130,7 +131,9 @@ def _densities(blocks: Blocks, theta: np.ndarray) -> np.ndarray:
     step, rate, white, std, time = np.exp(np.clip(theta[:5], -FAR, FAR))
     up, down = blocks.step * rate * np.exp(np.clip([theta[6], -theta[6]], -FAR, FAR))
     values = blocks.means - theta[5] * blocks.std
-    return filtered(values, step / 2, up, down, white, *_reverting(std, np.exp(-blocks.step / time)))[0]
+    return filtered(values, step / 2, up, down, white * blocks.profile, *_reverting(std, np.exp(-blocks.step / time)))[
+        0
+    ]
 
 
 def _reverting(std: float, decay: float) -> tuple[float, float, float, float]:
@@ -145,10 +148,11 @@ def _path(found: AxisFit, blocks: Blocks, theta: np.ndarray) -> np.ndarray:
     would scatter less, or more where these are wrong (data augmentation: Tanner and Wong 1987, doi:10.2307/2289457).
     """
     conditions = found.sequence.conditions
-    step, rate, white, std, time = np.exp(theta[:5])
+    step, rate, white, std, time = np.exp(np.clip(theta[:5], -FAR, FAR))
     decay, noise = np.exp(-conditions.interval / time), white * np.sqrt(blocks.width)
     each = rate * conditions.interval
-    values = found.residual - theta[5] * blocks.std
+    values = found.residual * found.scale - theta[5] * blocks.std
+    noise *= np.broadcast_to(found.scale, len(values))
     _, odds, means, variances = filtered(values, step / 2, each, each, noise, *_reverting(std, decay))
     rng = stream(0, "switching", conditions.axis)
     uniform, normal = rng.random(len(values)), rng.standard_normal(len(values))

@@ -6,14 +6,15 @@ multiple model (Blom and Bar-Shalom 1988).
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numba import njit
 from scipy.optimize import minimize
 
-from imugap.discovery.axis import AxisFit
-from imugap.effects import GaussMarkov, RandomTelegraph
+from imugap.discovery.axis import AxisFit, scale
+from imugap.discovery.sequence import Sequence
+from imugap.effects import GaussMarkov, RandomTelegraph, VarianceChange
 from imugap.effects.effect import StochasticEffect
 
 FINE = 48
@@ -67,6 +68,8 @@ class Blocks:
     ----------
     means
         Shape (blocks,).
+    profile
+        Standard deviation of the white noise over its own outside of changes of variance, shape (blocks,).
     width
         Samples of a block.
     step
@@ -78,6 +81,7 @@ class Blocks:
     """
 
     means: np.ndarray
+    profile: np.ndarray
     width: int
     step: float
     time: float
@@ -95,13 +99,27 @@ class Blocks:
         times = [one.correlation_time for one in lorentzian if isinstance(one, GaussMarkov)]
         time = min(times, default=interval * count / LONG)
         width = max(int(time / fine / interval), count // MOST, 1)
-        means = fit.residual[: count // width * width].reshape(-1, width).mean(axis=1)
+        means = _means(fit.residual * fit.scale, width)
+        profile = _profile(fit.sequence, fit.description.changes, width)
         rest = [one for one in fit.description.noise.effects if one not in slow]
         step = width * interval
         density = sum(effect.sampled_psd(np.array([0.25 / step]), interval)[0] for effect in rest)
         white = float(np.sqrt(density / step))
         std = float(np.sqrt(max(means.var() - white**2, 0.01 * means.var())))
-        return cls(means, width, step, time, white, std)
+        return cls(means, profile, width, step, time, white, std)
+
+    def changed(self, sequence: Sequence, changes: tuple[VarianceChange, ...]) -> "Blocks":
+        """Return them with other changes of the variance of their white noise."""
+        return replace(self, profile=_profile(sequence, changes, self.width))
+
+
+def _profile(sequence: Sequence, changes: tuple[VarianceChange, ...], width: int) -> np.ndarray:
+    factor = np.broadcast_to(scale(sequence, changes), len(sequence.values))
+    return np.sqrt(_means(factor**2, width))
+
+
+def _means(values: np.ndarray, width: int) -> np.ndarray:
+    return values[: len(values) // width * width].reshape(-1, width).mean(axis=1)
 
 
 def compare(fit: AxisFit, slow: tuple[StochasticEffect, ...]) -> Verdict:
@@ -109,12 +127,17 @@ def compare(fit: AxisFit, slow: tuple[StochasticEffect, ...]) -> Verdict:
 
     The noise besides is white on the scale of the blocks, or wanders from one to the next.
     """
-    blocks = Blocks.of(fit, slow)
+    return weighed(Blocks.of(fit, slow))
+
+
+def weighed(blocks: Blocks) -> Verdict:
+    """Weigh telegraph noise against Gauss-Markov noise in block means."""
     means, step, time, white, std = blocks.means, blocks.step, blocks.time, blocks.white, blocks.std
     least, wide = np.log(std) - DEEP, means.var()
 
     def beside(theta):
-        return (*np.exp(np.maximum(theta[2:4], least)), wide)
+        white, walk = np.exp(np.maximum(theta[2:4], least))
+        return white * blocks.profile, walk, wide
 
     def uneven(theta):
         switches = np.log(step) + theta[1] + np.array([theta[4], -theta[4]])
@@ -176,10 +199,11 @@ def filtered(values, half, rise, fall, white, decay, driven, begin, spread):
     """Return the log-density of each value, +- half beside a slow process in white noise, and what is known.
 
     That are the log-odds of +, shape (n,), and mean and variance of the process given + and given -, each of shape
-    (n, 2), with the values up to each one and with it. ``rise`` and ``fall`` are switches per value; the process keeps
-    a share ``decay`` of itself from one value to the next, ``driven`` is the variance that it gains, ``begin`` and
-    ``spread`` are its mean and variance before the first. A walk keeps all, a Gauss-Markov process reverts. Of the
-    paths that lead to either value the first two moments are kept.
+    (n, 2), with the values up to each one and with it. ``white`` is the noise of each value, shape (n,); ``rise`` and
+    ``fall`` are switches per value; the process keeps a share ``decay`` of itself from one value to the next,
+    ``driven`` is the variance that it gains, ``begin`` and ``spread`` are its mean and variance before the first. A
+    walk keeps all, a Gauss-Markov process reverts. Of the paths that lead to either value the first two moments are
+    kept.
     """
     mean_up, kept = rise / (rise + fall), np.exp(-(rise + fall))
     to_up, to_down = mean_up * (1 - kept), (1 - mean_up) * (1 - kept)
@@ -187,6 +211,7 @@ def filtered(values, half, rise, fall, white, decay, driven, begin, spread):
     densities, odds = np.empty(len(values)), np.empty(len(values))
     means, variances = np.empty((len(values), 2)), np.empty((len(values), 2))
     for k in range(len(values)):
+        noise = white[k] ** 2
         stayed, left = up * (1 - to_down), (1 - up) * (1 - to_up)
         new_up = stayed + (1 - up) * to_up
         apart, share_up, share_down = (high - low) ** 2, stayed / new_up, left / (1 - new_up)
@@ -195,7 +220,7 @@ def filtered(values, half, rise, fall, white, decay, driven, begin, spread):
         mixed_high = share_up * high_variance + (1 - share_up) * (low_variance + share_up * apart)
         mixed_low = share_down * low_variance + (1 - share_down) * (high_variance + share_down * apart)
         first_variance, second_variance = decay**2 * mixed_high + driven, decay**2 * mixed_low + driven
-        high_total, low_total = first_variance + white**2, second_variance + white**2
+        high_total, low_total = first_variance + noise, second_variance + noise
         above, below = values[k] - half - first, values[k] + half - second
         log_high = np.log(new_up) - 0.5 * (np.log(high_total) + above**2 / high_total)
         log_low = np.log(1 - new_up) - 0.5 * (np.log(low_total) + below**2 / low_total)
@@ -204,8 +229,8 @@ def filtered(values, half, rise, fall, white, decay, driven, begin, spread):
         densities[k], odds[k] = top + np.log(total) - 0.5 * np.log(2 * np.pi), log_high - log_low
         up = min(max(np.exp(log_high - top) / total, SURE), 1 - SURE)
         high, low = first + first_variance / high_total * above, second + second_variance / low_total * below
-        high_variance = first_variance * white**2 / high_total
-        low_variance = second_variance * white**2 / low_total
+        high_variance = first_variance * noise / high_total
+        low_variance = second_variance * noise / low_total
         means[k, 0], means[k, 1], variances[k, 0], variances[k, 1] = high, low, high_variance, low_variance
     return densities, odds, means, variances
 
@@ -215,8 +240,8 @@ def _continuum(means, std, decay, white, walk, wide):
     """Return the log-likelihood of a Gauss-Markov process on a walk in white noise (Kalman filter)."""
     state, level, value = 0.0, means.mean(), 0.0
     own, shared, other = std**2, 0.0, wide + walk**2
-    for mean in means:
-        innovation, total = mean - state - level, own + 2 * shared + other + white**2
+    for k in range(len(means)):
+        innovation, total = means[k] - state - level, own + 2 * shared + other + white[k] ** 2
         value -= 0.5 * (np.log(2 * np.pi * total) + innovation**2 / total)
         first, second = (own + shared) / total, (shared + other) / total
         state, level = decay * (state + first * innovation), level + second * innovation

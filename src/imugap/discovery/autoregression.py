@@ -1,0 +1,102 @@
+"""Samples told by those around them: what lost ones can have been."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+from numpy.lib.stride_tricks import sliding_window_view
+from scipy.linalg import cho_solve_banded, cholesky_banded, solve_banded
+
+ORDER = 32
+"""Samples before each from which it is told."""
+SEVERAL = 100
+"""Samples for each coefficient at least; with fewer that have none flawed before them the order is halved."""
+ENOUGH = 100_000
+"""Samples from which coefficients are taken at most, spread over the log."""
+RIDGE = 1e-12
+"""Share of the power of a filter that is added to it, for lines that leave nothing."""
+
+
+@dataclass(frozen=True, eq=False)
+class Autoregression:
+    """A sequence that is told by its past, or by its future, but for white noise.
+
+    Attributes
+    ----------
+    level
+        Its mean.
+    whitening
+        Filter that leaves the white noise, shape (order + 1,), its last coefficient, that of the sample itself, 1.
+        Backwards in time it is the same, as for any stationary Gaussian sequence.
+    std
+        Standard deviation of the white noise, whatever a few of its values are.
+    """
+
+    level: float
+    whitening: np.ndarray
+    std: float
+
+    @classmethod
+    def of(cls, values: np.ndarray, good: np.ndarray) -> "Autoregression":
+        """Fit the good ones of some samples, by least squares; both of shape (n,)."""
+        level, order = float(values[good].mean()), ORDER
+        while len(at := _complete(good, order)) < SEVERAL * (order + 1) and order > 0:
+            order //= 2
+        rows = at[:: -(-len(at) // ENOUGH), None] + np.arange(order + 1)
+        past = values[rows] - level
+        triangle = np.linalg.qr(past, mode="r")
+        weights = np.linalg.lstsq(triangle[:, :-1], triangle[:, -1])[0]
+        whitening = np.r_[-weights, 1.0]
+        return cls(level, whitening, float(np.median(np.abs(past @ whitening)) / 0.6745))
+
+    def drawn(self, values: np.ndarray, flawed: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+        """Return samples with the flawed ones drawn given all others; ``values`` and ``flawed`` of shape (n,).
+
+        They are Gaussian, their precision that of the white noise which depends on them, and are drawn by its banded
+        Cholesky factor (Rue and Held 2005, Gaussian Markov Random Fields, section 2.4). The first part of the log is
+        told backwards, the last one forwards, so that nothing is asked of what was before and comes after it.
+        """
+        reach, at = len(self.whitening) - 1, np.flatnonzero(flawed)
+        known, turn = np.where(flawed, 0.0, values - self.level), self._turn(flawed)
+        backward = np.correlate(known, self.whitening[::-1], "valid")
+        forward = np.correlate(known, self.whitening, "valid")
+        backward[turn:], forward[:turn] = 0.0, 0.0
+        pull = np.convolve(backward, self.whitening[::-1]) + np.convolve(forward, self.whitening)
+        bands = _precision(at, self.whitening, len(values) - reach, turn)
+        bands[-1] += RIDGE * np.sum(self.whitening**2)
+        factor = cholesky_banded(bands)
+        noise = solve_banded((0, reach), factor, self.std * rng.standard_normal(len(at)))
+        known[at] = noise - cho_solve_banded((factor, False), pull[at])
+        return np.where(flawed, self.level + known, values)
+
+    def _turn(self, flawed: np.ndarray) -> int:
+        """Return the first stretch that is told forwards, in the longest way from any flawed sample if there is one."""
+        reach = len(self.whitening) - 1
+        calm = _complete(~flawed, 3 * reach)
+        middle = (len(flawed) - reach) // 2
+        return int(calm[np.argmin(np.abs(calm - middle))]) + reach if len(calm) else middle
+
+
+def _complete(good: np.ndarray, order: int) -> np.ndarray:
+    """Return the first of each run of ``order`` + 1 good samples."""
+    if len(good) <= order:
+        return np.empty(0, int)
+    return np.flatnonzero(sliding_window_view(good, order + 1).all(axis=1))
+
+
+@njit(cache=True)
+def _precision(at, whitening, count, turn):
+    """Return the upper bands of the precision of the samples ``at``, over the variance of the white noise.
+
+    There are ``count`` stretches of the length of the filter; those before ``turn`` are told backwards.
+    """
+    reach = len(whitening) - 1
+    bands = np.zeros((reach + 1, len(at)))
+    for a in range(len(at)):
+        for b in range(a, min(a + reach + 1, len(at))):
+            for k in range(max(0, at[b] - reach), min(at[a] + 1, count)):
+                first, second = at[a] - k, at[b] - k
+                if k < turn:
+                    first, second = reach - first, reach - second
+                bands[reach - (b - a), b] += whitening[first] * whitening[second]
+    return bands
