@@ -88,6 +88,13 @@ class AxisModel:
         return sum((effect.state_space() for effect in self.stochastic()), StateSpace.white(0.0))
 
 
+def conditions(ideal: pd.DataFrame) -> dict[str, Conditions]:
+    """Return the conditions of each axis of an error-free log."""
+    temperature = ideal[canonical.TEMPERATURE].to_numpy() if canonical.TEMPERATURE in ideal else None
+    everywhere = Conditions(ideal.index.to_numpy(), canonical.interval(ideal), temperature, ideal=ideal)
+    return {axis: replace(everywhere, axis=axis) for axis in canonical.axes(ideal)}
+
+
 @dataclass(frozen=True)
 class ErrorModel:
     """The errors of a device: an :class:`AxisModel` for each axis (canonical names), and for the clock (``time``)."""
@@ -117,16 +124,18 @@ class ErrorModel:
         """Return the models of the sensor axes, without that of the clock."""
         return {axis: model for axis, model in self.axes.items() if axis != canonical.TIME}
 
-    def simulate(self, ideal: pd.DataFrame, seed: int, *labels: object) -> pd.DataFrame:
+    def simulate(
+        self, ideal: pd.DataFrame, seed: int, *labels: object, at: Mapping[str, Conditions] | None = None
+    ) -> pd.DataFrame:
         """Return the log that the device would have written for the error-free log ``ideal``.
 
         Axes without a model pass unchanged. The temperature, where ``ideal`` has one, drives the effects. The errors
-        of the clock come last.
+        of the clock come last. ``at`` are the conditions of ``ideal`` (:func:`conditions`), which know what several
+        logs share.
         """
-        temperature = ideal[canonical.TEMPERATURE].to_numpy() if canonical.TEMPERATURE in ideal else None
-        everywhere = Conditions(ideal.index.to_numpy(), canonical.interval(ideal), temperature, ideal=ideal)
+        at = at or conditions(ideal)
         measured = {
-            axis: self.axes[axis].simulate(ideal[axis].to_numpy(), replace(everywhere, axis=axis), seed, *labels)
+            axis: self.axes[axis].simulate(ideal[axis].to_numpy(), at[axis], seed, *labels)
             for axis in canonical.axes(ideal)
             if axis in self.axes
         }

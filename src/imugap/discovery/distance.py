@@ -23,7 +23,8 @@ from imugap.discovery.uncertain import Uncertain
 from imugap.discovery.views.curve import blocks
 from imugap.discovery.views.spectral import bands
 from imugap.effects import Bias
-from imugap.model import AxisModel, ErrorModel
+from imugap.effects.effect import Conditions
+from imugap.model import AxisModel, ErrorModel, conditions
 from imugap.site import Site
 from imugap.stream import stream
 
@@ -205,18 +206,27 @@ class Compared:
             rng = stream(seed, *labels, "parameters")
             drawn = model.draw(rng) if isinstance(model, Uncertain) else model
             sensors = ErrorModel({axis: drawn.axes.get(axis, AxisModel()) for axis in log.axes(self.measured)})
-            yield sensors.simulate(self._ideal(sensors), seed, *labels)
+            ideal, at = (self._at_rest(sensors), None) if self.reference is None else self._in_motion
+            yield sensors.simulate(ideal, seed, *labels, at=at)
 
-    def _ideal(self, model: ErrorModel) -> pd.DataFrame:
-        """Return the error-free log: the reference, or the level less the model's biases."""
-        table = self.measured.copy() if self.reference is None else self.reference.set_axis(self.measured.index)
-        if self.reference is None:
-            interval = log.interval(self.measured)
-            for axis in log.axes(self.measured):
-                biases = sum(effect.value for effect in model[axis] if isinstance(effect, Bias))
-                table[axis] = level_ahead(self._levels[axis], model[axis], interval) - biases
+    def _at_rest(self, model: ErrorModel) -> pd.DataFrame:
+        """Return the error-free log of a device at rest: the level less the model's biases."""
+        table, interval = self.measured.copy(), log.interval(self.measured)
+        for axis in log.axes(self.measured):
+            biases = sum(effect.value for effect in model[axis] if isinstance(effect, Bias))
+            table[axis] = level_ahead(self._levels[axis], model[axis], interval) - biases
+        return self._warm(table)
+
+    @cached_property
+    def _in_motion(self) -> tuple[pd.DataFrame, Mapping[str, Conditions]]:
+        """Return the reference as the error-free log, and its conditions, which all simulations share."""
+        ideal = self._warm(self.reference.copy())
+        return ideal, conditions(ideal)
+
+    def _warm(self, table: pd.DataFrame) -> pd.DataFrame:
+        """Return an error-free log with the temperature of the measured one, at times since its start."""
         if log.TEMPERATURE in self.measured:
-            table[log.TEMPERATURE] = self.measured[log.TEMPERATURE]
+            table[log.TEMPERATURE] = self.measured[log.TEMPERATURE].to_numpy()
         return table.set_axis(pd.Index(self.measured.index - self.measured.index[0], name=log.TIME))
 
     @cached_property

@@ -6,6 +6,7 @@ was added is taken out again and exchanged for every other, so that what came fi
 """
 
 from collections.abc import Iterator
+from collections.abc import Sequence as Several
 from dataclasses import dataclass, field, fields, replace
 from itertools import combinations
 
@@ -325,15 +326,16 @@ class Search:
         name = at(found.description, key).name
         return [trial for trial in self.trials(without, bar) if trial.name != name]
 
-    def added(self, description: Description) -> list["Key"]:
-        """Return where the effects are that the start model does not have."""
+    def added(self, description: Description, kinds: type[Effect] | tuple[type[Effect], ...] = Effect) -> list["Key"]:
+        """Return where the effects are, of some kinds, that the start model does not have."""
         keys = [Key("term", i) for i in range(len(self.start.terms), len(description.terms))]
         keys += [Key("noise", i) for i in range(len(self.start.noise.effects), len(description.noise.effects))]
         if description.noise.output_filter is not None and self.start.noise.output_filter is None:
             keys.append(Key("filter", 0))
         if description.outliers is not None and self.start.outliers is None:
             keys.append(Key("outliers", 0))
-        return keys + [Key("change", i) for i in range(len(self.start.changes), len(description.changes))]
+        keys += [Key("change", i) for i in range(len(self.start.changes), len(description.changes))]
+        return [key for key in keys if isinstance(at(description, key), kinds)]
 
 
 @dataclass(frozen=True)
@@ -358,16 +360,26 @@ def at(description: Description, key: Key) -> Effect:
 def removed(description: Description, key: Key) -> Description:
     """Return the description without the effect at ``key``."""
     if key.part == "term":
-        return replace(description, terms=_without(description.terms, key.index))
+        return replace(description, terms=_rest(description.terms, key.index))
     if key.part == "change":
-        return replace(description, changes=_without(description.changes, key.index))
+        return replace(description, changes=_rest(description.changes, key.index))
+    if key.part == "outliers":
+        return replace(description, outliers=None)
     noise = description.noise
     if key.part == "filter":
         return replace(description, noise=replace(noise, output_filter=None))
-    return replace(description, noise=replace(noise, effects=_without(noise.effects, key.index)))
+    return replace(description, noise=replace(noise, effects=_rest(noise.effects, key.index)))
 
 
-def _without(items: tuple, index: int) -> tuple:
+def without(found: AxisFit, keys: Several[Key]) -> AxisFit:
+    """Return the fit without the effects at some keys."""
+    description = found.description
+    for key in sorted(keys, key=lambda key: -key.index):
+        description = removed(description, key)
+    return fit(found.sequence, description) if keys else found
+
+
+def _rest(items: tuple, index: int) -> tuple:
     return items[:index] + items[index + 1 :]
 
 

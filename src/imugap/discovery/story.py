@@ -12,28 +12,19 @@ from imugap.discovery.axis import AxisFit, fit, log_score, offset
 from imugap.discovery.doubt import beside_a_sweep, doubts
 from imugap.discovery.finding import CERTAIN, Finding, Interval
 from imugap.discovery.parameters import axis_unit, intervals
-from imugap.discovery.search import MANY, SLOW, Key, Search, at, log_chance, removed
+from imugap.discovery.search import Key, Search, at, log_chance, without
 from imugap.discovery.sequence import Sequence
 from imugap.discovery.start import described
 from imugap.discovery.sweeps import swept
-from imugap.discovery.switching import Switching, switching
-from imugap.discovery.telegraph import Blocks, compare, weighed
+from imugap.discovery.switching import Switching
+from imugap.discovery.telegraph import compare
+from imugap.discovery.two_values import hidden_telegraph, steady, told_apart, two_valued
 from imugap.discovery.unsteady import Band
 from imugap.discovery.withheld import Withheld, withheld
-from imugap.effects import (
-    Bias,
-    BiasStep,
-    RandomTelegraph,
-    Sinusoid,
-    VarianceChange,
-)
-from imugap.effects.effect import Effect, StochasticEffect
+from imugap.effects import Bias, RandomTelegraph, Sinusoid
+from imugap.effects.effect import Effect
 from imugap.model import AxisModel
 
-SWITCHES, ALIKE = 3, 0.4
-"""Steps to and fro at least, and largest difference of their sizes over the largest, that are telegraph noise."""
-TWICE = 2.0
-"""Size of a step, in those of telegraph noise beside it, below which it is one of its switches."""
 PLACES = 12.0
 """Logarithm of the largest number of places of which an effect is tried at the best."""
 MOST_BANDS = 4
@@ -182,64 +173,32 @@ def _searched(
     search: Search, before: AxisFit, taken: tuple[Band, ...] = (), switched: Switching | None = None
 ) -> _Searched:
     """Search, and again without the bands of lines that are not steady, or telegraph noise that another hides."""
-    found = _steady(search, _told_apart(search, search.explore(before)))
+    found = steady(search, told_apart(search, search.explore(before)))
     bands = unsteady.bands(found) if len(taken) < MOST_BANDS else ()
     again = search.afresh()
     if bands:
         cleared = unsteady.without(before.sequence, bands)
         return _searched(again, again.cleared(fit(cleared, search.start)), (*taken, *bands), switched)
-    switched_too = _hidden_telegraph(search, found) if switched is None else None
+    switched_too = hidden_telegraph(search, found) if switched is None else None
     if switched_too is None:
         return _Searched(search, found, taken, switched)
     cleared = switched_too.without(before.sequence)
     return _searched(again, again.cleared(fit(cleared, search.start)), taken, switched_too)
 
 
-def _steady(search: Search, found: AxisFit) -> AxisFit:
-    """Return the fit without the added changes of variance that are clusters of switches of telegraph noise."""
-    if not _added(search, found, RandomTelegraph):
-        return found
-    blocks = Blocks.of(found, _slow(search, found))
-    likelihood = weighed(blocks).log_likelihood
-    for key in _added(search, found, VarianceChange):
-        others = removed(found.description, key).changes
-        gain = likelihood - weighed(blocks.changed(found.sequence, others)).log_likelihood
-        if log_chance(gain, 1) > search.log_alpha:
-            return _steady(search, _without(found, [key]))
-    return found
-
-
-def _hidden_telegraph(search: Search, found: AxisFit) -> Switching | None:
-    """Return the telegraph noise of a fit beside another process, in the place of steps and slow noise too."""
-    if not _added(search, found, RandomTelegraph):
-        return None
-    stepless = _without(found, _added(search, found, BiasStep))
-    return switching(stepless, _slow(search, stepless), search.log_alpha)
-
-
-def _slow(search: Search, found: AxisFit) -> tuple[StochasticEffect, ...]:
-    """Return the slow processes of a fit that were added."""
-    return tuple(at(found.description, key) for key in _added(search, found, (*SLOW, RandomTelegraph)))
-
-
-def _added(search: Search, found: AxisFit, kinds: type[Effect] | tuple[type[Effect], ...]) -> list[Key]:
-    """Return where the effects of some kinds are that the start model does not have."""
-    return [key for key in search.added(found.description) if isinstance(at(found.description, key), kinds)]
-
-
 def concluded(tale: Tale) -> Story:
     """Return what a search says: names with intervals, and what is withheld."""
     with threadpool_limits(1):
-        search, whole = tale.late, _two_valued(tale.whole)
+        search, whole = tale.late, two_valued(tale.whole)
         doubtful = doubts(search, tale.whole)
-        sweeps = swept(_without(whole, list(doubtful)), search.log_alpha)
+        sweeps = swept(without(whole, list(doubtful)), search.log_alpha)
         sure = [key for key in search.added(whole.description) if key not in doubtful]
         doubtful |= beside_a_sweep(search, tale.whole, sure, sweeps)
         named = [key for key in search.added(whole.description) if key not in doubtful]
         findings = (*(_finding(tale, whole, key) for key in named), *_of_samples(tale))
         nameless = tuple(withheld(search, tale.whole, key, doubt) for key, doubt in doubtful.items())
-        after = _without(tale.after, list(doubts(tale.early, tale.after)))
-        final = _without(whole, list(doubtful))
+        after = without(tale.after, list(doubts(tale.early, tale.after)))
+        final = without(whole, list(doubtful))
         bands = (*tale.bands, *sweeps)
         switches = None if tale.switching is None else tale.switching.effect
         return Story(tale.before, after.bare(), final.bare(), findings, nameless, bands, switches)
@@ -256,87 +215,6 @@ def _of_samples(tale: Tale) -> tuple[Finding, ...]:
         for name, value in effect.parameters().items()
     }
     return (Finding({axis: effect}, parameters, max(tale.switching.log_p, CERTAIN), tale.switching.gain),)
-
-
-def _two_valued(found: AxisFit) -> AxisFit:
-    """Return the fit with the telegraph noise that the samples, not their spectrum alone, make most likely."""
-    noise = found.description.noise
-    effects = tuple(compare(found, (one,)).effect if isinstance(one, RandomTelegraph) else one for one in noise.effects)
-    return replace(found, description=replace(found.description, noise=replace(noise, effects=effects)))
-
-
-def _told_apart(search: Search, found: AxisFit) -> AxisFit:
-    """Return the fit with telegraph noise in the place of what the samples show to have two values."""
-    found = _one_telegraph(search, _switching(search, _many_steps(search, found)))
-    keys = _added(search, found, SLOW)
-    if not keys or found.has(RandomTelegraph):
-        return found
-    verdict = compare(found, tuple(at(found.description, key) for key in keys))
-    if verdict.gain < -search.log_alpha / 2:
-        return found
-    noise = _without(found, keys).description.noise
-    effects = replace(noise, effects=(*noise.effects, verdict.effect))
-    switching = _without_switches(search, fit(found.sequence, replace(found.description, noise=effects)))
-    beside = _stepless(search).explore(switching)
-    return _one_telegraph(search, beside) if beside.has(RandomTelegraph) else switching
-
-
-def _one_telegraph(search: Search, found: AxisFit) -> AxisFit:
-    """Return the fit with one telegraph noise in the place of several that were added, which no log tells apart."""
-    added = _added(search, found, RandomTelegraph)
-    if len(added) < 2:
-        return found
-    one = compare(found, tuple(at(found.description, key) for key in added)).effect
-    rest = _without(found, added).description
-    return fit(found.sequence, replace(rest, noise=replace(rest.noise, effects=(*rest.noise.effects, one))))
-
-
-def _stepless(search: Search) -> Search:
-    """Return the search that looks for no steps of the mean."""
-    return replace(search, catalogue=tuple(kind for kind in search.catalogue if kind is not BiasStep))
-
-
-def _without_switches(search: Search, found: AxisFit) -> AxisFit:
-    """Return the fit without the added steps that are switches of its telegraph noise, for their size."""
-    most = TWICE * max(one.step for one in found.description.noise.effects if isinstance(one, RandomTelegraph))
-    steps = _added(search, found, BiasStep)
-    return _without(found, [key for key in steps if abs(at(found.description, key).step) < most])
-
-
-def _many_steps(search: Search, found: AxisFit) -> AxisFit:
-    """Return the fit with telegraph noise in the place of more steps than can have their name, if it is that."""
-    steps = _added(search, found, BiasStep)
-    if len(steps) <= MANY[BiasStep]:
-        return found
-    stepless = _stepless(search)
-    other = _told_apart(stepless, stepless.explore(_without(found, steps)))
-    return other if other.has(RandomTelegraph) else found
-
-
-def _switching(search: Search, found: AxisFit) -> AxisFit:
-    """Return the fit with telegraph noise in the place of steps to and fro of one size."""
-    steps = _added(search, found, BiasStep)
-    sizes = [at(found.description, key) for key in steps]
-    jumps = np.array([effect.step for effect in sorted(sizes, key=lambda effect: effect.time)])
-    if (
-        len(jumps) < SWITCHES
-        or np.any(np.diff(np.sign(jumps)) == 0)
-        or np.ptp(np.abs(jumps)) > ALIKE * np.abs(jumps).max()
-    ):
-        return found
-    rest = _without(found, steps).description
-    duration = found.sequence.conditions.interval * len(found.sequence.values)
-    effect = RandomTelegraph(float(np.abs(jumps).mean()), len(jumps) / duration)
-    noise = replace(rest.noise, effects=(*rest.noise.effects, effect))
-    return fit(found.sequence, replace(rest, noise=noise))
-
-
-def _without(found: AxisFit, keys: list[Key]) -> AxisFit:
-    """Return the fit without some of its effects."""
-    description = found.description
-    for key in sorted(keys, key=lambda key: -key.index):
-        description = replace(description, outliers=None) if key.part == "outliers" else removed(description, key)
-    return fit(found.sequence, description) if keys else found
 
 
 def _finding(tale: Tale, found: AxisFit, key: Key) -> Finding:

@@ -96,7 +96,7 @@ class Conditions:
         missing = [axis for axis in axes if axis not in self.ideal]
         if missing:
             raise ValueError(f"{effect.name}: expected an error-free log with {', '.join(missing)}; found none")
-        return self.ideal[list(axes)].to_numpy(float)
+        return np.array([self.ideal[axis].to_numpy(float) for axis in axes]).reshape(len(axes), len(self)).T
 
     def once(self, make: Callable[["Conditions"], Made]) -> Made:
         """Return ``make(self)``, made at the first call: what a fit asks for at every step."""

@@ -30,7 +30,7 @@ class TimeOffset(SystematicEffect):
         """Interpolate (:mod:`imugap.course`); before the first and after the last sample the input is held."""
         conditions.own_axis(self)
         between, time = conditions.once(_course), conditions.time
-        return between(np.clip(time - self.offset, time[0], time[-1])) - between(time)
+        return between(np.clip(time - self.offset, time[0], time[-1])) - conditions.error_free
 
     def slopes(self, conditions: Conditions) -> dict[str, np.ndarray]:
         """Return the derivative of the input, earlier by the offset, with the sign of a delay."""
