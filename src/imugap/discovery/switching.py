@@ -5,13 +5,12 @@ A search by spectra cannot tell two Lorentzians apart and ends with steps beside
 taken out of the samples, and the search starts again with what is left.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numba import njit
-from scipy.optimize import OptimizeResult, minimize
 
+from imugap.discovery.ascent import highest
 from imugap.discovery.axis import AxisFit
 from imugap.discovery.parameters import NORMAL
 from imugap.discovery.search import log_chance
@@ -25,7 +24,6 @@ TIMES = (1.0, 5.0)
 """Correlation times of the process beside, over the shortest that there is, from which a fit starts."""
 FAR = 60.0
 """Logarithm that stands for none or no bound."""
-OPTIONS = {"maxiter": 4000, "xatol": 1e-3, "fatol": 1e-3, "adaptive": True}
 NEAR, STRETCHES = 0.02, 40
 """Step of a difference quotient; stretches of the log of which the scores are taken."""
 
@@ -67,34 +65,30 @@ def switching(found: AxisFit, slow: tuple[StochasticEffect, ...], log_alpha: flo
     Or if a change of the variance is, which a search by spectra takes for one of the switches too. None where the
     samples do not show two values, or are at one of them more often than at the other.
     """
-    verdict, blocks = compare(found, slow), Blocks.of(found, slow)
+    verdict = compare(found, slow)
+    blocks = verdict.blocks
     if log_chance(verdict.gain, 2) > log_alpha:
         return None
     first = np.log([verdict.effect.step, verdict.effect.rate, blocks.white, 0.5 * blocks.std])
     starts = [np.r_[first, np.log(blocks.time * factor), 0.0] for factor in TIMES]
-    best = _lowest(lambda theta: _cost(blocks, _even(theta)), starts)
-    if log_chance(-best.fun - verdict.log_likelihood, 2) > log_alpha and not found.description.changes:
+    best = highest(lambda theta: _densities(blocks, _even(theta)), starts)
+    if log_chance(best.log_likelihood - verdict.two.log_likelihood, 2) > log_alpha and not found.description.changes:
         return None
-    apart = _lowest(lambda theta: _cost(blocks, theta), [np.r_[best.x, side] for side in (-1.0, 1.0)])
-    if log_chance(best.fun - apart.fun, 1) < log_alpha:
+    apart = highest(lambda theta: _densities(blocks, theta), [np.r_[best.theta, side] for side in (-1.0, 1.0)])
+    if log_chance(apart.log_likelihood - best.log_likelihood, 1) < log_alpha:
         return None
-    return _told(found, Blocks.of(found, slow, np.inf), best.x, blocks.width, verdict.gain)
+    return _told(found, Blocks.of(found, slow, np.inf), best.theta, blocks.width, verdict.gain)
 
 
 def _told(found: AxisFit, blocks: Blocks, near: np.ndarray, width: int, gain: float) -> Switching:
     """Return what blocks as fine as can be tell, in which no switch is a third value; ``near`` is of coarser ones."""
     start = near.copy()
     start[2] += 0.5 * np.log(width / blocks.width)
-    best = _lowest(lambda theta: _cost(blocks, _even(theta)), [start])
-    error = _errors(blocks, best.x)
-    ends = [tuple(float(np.exp(best.x[i] + side * NORMAL * error[i])) for side in (-1, 1)) for i in (0, 1)]
-    effect = RandomTelegraph(*np.exp(best.x[:2]).tolist())
-    return Switching(effect, dict(zip(effect.parameters(), ends, strict=True)), gain, _path(found, blocks, best.x))
-
-
-def _lowest(cost: Callable, starts: list[np.ndarray]) -> OptimizeResult:
-    found = (minimize(cost, start, method="Nelder-Mead", options=OPTIONS) for start in starts)
-    return min(found, key=lambda one: one.fun)
+    best = highest(lambda theta: _densities(blocks, _even(theta)), [start]).theta
+    error = _errors(blocks, best)
+    ends = [tuple(float(np.exp(best[i] + side * NORMAL * error[i])) for side in (-1, 1)) for i in (0, 1)]
+    effect = RandomTelegraph(*np.exp(best[:2]).tolist())
+    return Switching(effect, dict(zip(effect.parameters(), ends, strict=True)), gain, _path(found, blocks, best))
 
 
 def _errors(blocks: Blocks, best: np.ndarray) -> np.ndarray:
@@ -107,7 +101,7 @@ def _errors(blocks: Blocks, best: np.ndarray) -> np.ndarray:
     slopes = np.array([_densities(blocks, _even(best + one)) - _densities(blocks, _even(best - one)) for one in units])
     first = np.linspace(0, slopes.shape[1], STRETCHES + 1).astype(int)[:-1]
     scores = np.add.reduceat(slopes / (2 * NEAR), first, axis=1)
-    bent = curvature(lambda theta: _cost(blocks, _even(theta)), best, NEAR)
+    bent = curvature(lambda theta: _densities(blocks, _even(theta)), best, NEAR)
     inverse = np.linalg.pinv(bent, hermitian=True)
     return np.sqrt(np.diag(inverse @ (scores @ scores.T) @ inverse))
 
@@ -115,11 +109,6 @@ def _errors(blocks: Blocks, best: np.ndarray) -> np.ndarray:
 def _even(theta: np.ndarray) -> np.ndarray:
     """Return the parameters of as many switches up as down."""
     return np.r_[theta, 0.0]
-
-
-def _cost(blocks: Blocks, theta: np.ndarray) -> float:
-    """Return minus the log-likelihood."""
-    return -float(np.sum(_densities(blocks, theta)))
 
 
 def _densities(blocks: Blocks, theta: np.ndarray) -> np.ndarray:

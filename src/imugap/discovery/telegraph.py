@@ -7,11 +7,12 @@ multiple model (Blom and Bar-Shalom 1988).
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property, partial
 
 import numpy as np
 from numba import njit
-from scipy.optimize import minimize
 
+from imugap.discovery.ascent import Top, highest
 from imugap.discovery.axis import AxisFit, scale
 from imugap.discovery.sequence import Sequence
 from imugap.effects import GaussMarkov, RandomTelegraph, VarianceChange
@@ -23,41 +24,18 @@ LONG = 20.0
 """Correlation times in a log, where nothing tells more."""
 QUIET, DEEP = 1e-3, 10.0
 """White noise over the slow process: least share at the start, and logarithm of the least share at all."""
-CALM = 0.03
-"""Step of the walk from block to block over the slow process, at the start."""
+CALM = (0.03, 0.3)
+"""Steps of the walk from block to block over the slow process, at the start."""
 MOST = 60_000
 """Blocks at most."""
+TIMES, RATES = (0.1, 1.0, 8.0), (0.3, 1.0, 3.0)
+"""Correlation times and rates at the start, over those of the spectrum."""
 SURE = 1e-12
 """Least probability of either value."""
 HUGE = 300.0
 """Logarithm that stands for none or no bound."""
 RARE, OFTEN = np.log(1e-9), np.log(1e3)
 """Logarithm of the least and of the largest number of switches per block that is asked for."""
-
-
-@dataclass(frozen=True)
-class Verdict:
-    """The likelihoods of two values and of a continuum on the same block means.
-
-    Attributes
-    ----------
-    gain
-        Log-likelihood of telegraph noise less that of a Gauss-Markov process.
-    effect
-        Telegraph noise at its maximum of likelihood.
-    intervals
-        95 % intervals of its step and rate.
-    uneven
-        Gain of log-likelihood of two rates, up and down, over one.
-    log_likelihood
-        That of telegraph noise.
-    """
-
-    gain: float
-    effect: RandomTelegraph
-    intervals: tuple[tuple[float, float], tuple[float, float]]
-    uneven: float
-    log_likelihood: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,66 +100,100 @@ def _means(values: np.ndarray, width: int) -> np.ndarray:
     return values[: len(values) // width * width].reshape(-1, width).mean(axis=1)
 
 
+@dataclass(frozen=True, eq=False)
+class Verdict:
+    """Two values and a continuum on the same block means.
+
+    Attributes
+    ----------
+    blocks
+        The block means.
+    smooth, two
+        Gauss-Markov and telegraph noise at their highest likelihoods.
+    """
+
+    blocks: Blocks
+    smooth: Top
+    two: Top
+
+    @property
+    def gain(self) -> float:
+        """Return the log-likelihood of telegraph noise less that of a Gauss-Markov process."""
+        return self.two.log_likelihood - self.smooth.log_likelihood
+
+    @property
+    def effect(self) -> RandomTelegraph:
+        """Return the telegraph noise at its highest likelihood."""
+        return RandomTelegraph(_positive(self.two.theta[0]), _positive(self.two.theta[1]))
+
+    @cached_property
+    def intervals(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Return the 95 % intervals of its step and rate."""
+        bent = curvature(partial(_two_valued, self.blocks), self.two.theta)
+        error = np.sqrt(np.abs(np.diag(np.linalg.pinv(bent, hermitian=True))))
+        ends = [[_positive(self.two.theta[i] + side * 1.96 * error[i]) for side in (-1, 1)] for i in (0, 1)]
+        return tuple(ends[0]), tuple(ends[1])
+
+    @cached_property
+    def uneven(self) -> float:
+        """Return the gain of log-likelihood of two rates, up and down, over one."""
+        starts = [np.r_[self.two.theta, side] for side in (-1.0, 1.0)]
+        return highest(partial(_two_valued, self.blocks), starts).log_likelihood - self.two.log_likelihood
+
+
 def compare(fit: AxisFit, slow: tuple[StochasticEffect, ...]) -> Verdict:
     """Weigh telegraph noise against Gauss-Markov noise in the place of the slow processes of a fit.
 
     The noise besides is white on the scale of the blocks, or wanders from one to the next.
     """
-    return weighed(Blocks.of(fit, slow))
+    blocks = Blocks.of(fit, slow)
+    starts = [np.r_[np.log([blocks.std, blocks.time * factor]), calm] for factor in TIMES for calm in _beside(blocks)]
+    return Verdict(blocks, highest(partial(_smooth, blocks), starts), best(blocks))
 
 
-def weighed(blocks: Blocks) -> Verdict:
-    """Weigh telegraph noise against Gauss-Markov noise in block means."""
-    means, step, time, white, std = blocks.means, blocks.step, blocks.time, blocks.white, blocks.std
-    least, wide = np.log(std) - DEEP, means.var()
+def best(blocks: Blocks) -> Top:
+    """Return telegraph noise in block means at its highest likelihood: logarithms of its step and rate come first."""
+    size, rate = 2 * blocks.std, 0.5 / blocks.time
+    starts = [np.r_[np.log([size, rate * factor]), calm] for factor in RATES for calm in _beside(blocks)]
+    return highest(partial(_two_valued, blocks), starts)
 
-    def beside(theta):
-        white, walk = np.exp(np.maximum(theta[2:4], least))
-        return white * blocks.profile, walk, wide
 
-    def uneven(theta):
-        switches = np.log(step) + theta[1] + np.array([theta[4], -theta[4]])
-        switched, (white, walk, wide) = np.exp(np.clip(switches, RARE, OFTEN)), beside(theta)
-        slow = 1.0, walk**2, means.mean(), wide
-        return -float(filtered(means, np.exp(theta[0]) / 2, *switched, white, *slow)[0].sum())
+def _beside(blocks: Blocks) -> list[np.ndarray]:
+    """Return starts of the logarithms of the noise of a block and of the step of the walk between two."""
+    return [np.log([max(blocks.white, QUIET * blocks.std), calm * blocks.std]) for calm in CALM]
 
-    def telegraph(theta):
-        return uneven(np.r_[theta, 0.0])
 
-    def markov(theta):
-        return -_continuum(means, np.exp(theta[0]), np.exp(-step / np.exp(theta[1])), *beside(theta))
+def _noise(blocks: Blocks, theta: np.ndarray) -> tuple[np.ndarray, float]:
+    """Return the noise of each block and the step of the walk."""
+    white, walk = np.exp(np.maximum(theta[2:4], np.log(blocks.std) - DEEP))
+    return white * blocks.profile, walk
 
-    beside_it = [np.log(max(white, QUIET * std)), np.log(CALM * std)]
-    smooth = _lowest(markov, [[np.log(std), np.log(time * f), *beside_it] for f in (1.0, 8.0)])
-    best = _lowest(telegraph, [[np.log(2 * std), np.log(0.5 / time * f), *beside_it] for f in (0.3, 1.0, 3.0)])
-    error = _errors(telegraph, best.x)
-    ends = [tuple(_positive(best.x[i] + side * 1.96 * error[i]) for side in (-1, 1)) for i in (0, 1)]
-    effect = RandomTelegraph(_positive(best.x[0]), _positive(best.x[1]))
-    apart = _lowest(uneven, [[*best.x, side] for side in (-1.0, 1.0)])
-    gain, more = float(smooth.fun - best.fun), float(best.fun - apart.fun)
-    return Verdict(gain, effect, (ends[0], ends[1]), more, -float(best.fun))
+
+def _two_valued(blocks: Blocks, theta: np.ndarray) -> np.ndarray:
+    """Return the log-density of each block; a fifth parameter is the logarithm of the switches up over the average."""
+    side = theta[4] if len(theta) > 4 else 0.0
+    switched = np.exp(np.clip(np.log(blocks.step) + theta[1] + np.array([side, -side]), RARE, OFTEN))
+    white, walk = _noise(blocks, theta)
+    slow = 1.0, walk**2, blocks.means.mean(), blocks.means.var()
+    return filtered(blocks.means, np.exp(theta[0]) / 2, *switched, white, *slow)[0]
+
+
+def _smooth(blocks: Blocks, theta: np.ndarray) -> np.ndarray:
+    """Return the log-density of each block of a Gauss-Markov process, given by its size and correlation time."""
+    decay = np.exp(-blocks.step / np.exp(theta[1]))
+    return _continuum(blocks.means, np.exp(theta[0]), decay, *_noise(blocks, theta), blocks.means.var())
 
 
 def _positive(logarithm: float) -> float:
     return float(np.exp(np.clip(logarithm, -HUGE, HUGE)))
 
 
-def _lowest(cost, starts):
-    """Return the lowest of the minima that starts lead to."""
-    options = {"maxiter": 2000, "xatol": 1e-4, "fatol": 1e-4}
-    return min((minimize(cost, start, method="Nelder-Mead", options=options) for start in starts), key=_value)
+def curvature(densities: Callable, top: np.ndarray, step: float = 1e-3) -> np.ndarray:
+    """Return the second derivatives of minus the log-likelihood."""
 
+    def cost(theta):
+        return -float(np.sum(densities(theta)))
 
-def _value(result) -> float:
-    return result.fun
-
-
-def _errors(cost: Callable, top: np.ndarray) -> np.ndarray:
-    return np.sqrt(np.abs(np.diag(np.linalg.pinv(curvature(cost, top), hermitian=True))))
-
-
-def curvature(cost: Callable, top: np.ndarray, step: float = 1e-3) -> np.ndarray:
-    """Return the second derivatives of a cost."""
     units = np.eye(len(top)) * step
     return np.array(
         [
@@ -237,15 +249,15 @@ def filtered(values, half, rise, fall, white, decay, driven, begin, spread):
 
 @njit(cache=True)
 def _continuum(means, std, decay, white, walk, wide):
-    """Return the log-likelihood of a Gauss-Markov process on a walk in white noise (Kalman filter)."""
-    state, level, value = 0.0, means.mean(), 0.0
+    """Return the log-density of each value of a Gauss-Markov process on a walk in white noise (Kalman filter)."""
+    state, level, densities = 0.0, means.mean(), np.empty(len(means))
     own, shared, other = std**2, 0.0, wide + walk**2
     for k in range(len(means)):
         innovation, total = means[k] - state - level, own + 2 * shared + other + white[k] ** 2
-        value -= 0.5 * (np.log(2 * np.pi * total) + innovation**2 / total)
+        densities[k] = -0.5 * (np.log(2 * np.pi * total) + innovation**2 / total)
         first, second = (own + shared) / total, (shared + other) / total
         state, level = decay * (state + first * innovation), level + second * innovation
         own = decay**2 * (own - first**2 * total) + (1 - decay**2) * std**2
         shared = decay * (shared - first * second * total)
         other += walk**2 - second**2 * total
-    return value
+    return densities

@@ -7,7 +7,7 @@ import numpy as np
 from imugap.discovery.axis import AxisFit, fit
 from imugap.discovery.search import MANY, SLOW, Search, at, log_chance, removed, without
 from imugap.discovery.switching import Switching, switching
-from imugap.discovery.telegraph import Blocks, compare, weighed
+from imugap.discovery.telegraph import Blocks, best, compare
 from imugap.effects import BiasStep, RandomTelegraph, VarianceChange
 from imugap.effects.effect import StochasticEffect
 
@@ -39,10 +39,10 @@ def steady(search: Search, found: AxisFit) -> AxisFit:
     if not changes or not search.added(found.description, RandomTelegraph):
         return found
     blocks = Blocks.of(found, _slow(search, found))
-    likelihood = weighed(blocks).log_likelihood
+    likelihood = best(blocks).log_likelihood
     for key in changes:
         others = removed(found.description, key).changes
-        gain = likelihood - weighed(blocks.changed(found.sequence, others)).log_likelihood
+        gain = likelihood - best(blocks.changed(found.sequence, others)).log_likelihood
         if log_chance(gain, 1) > search.log_alpha:
             return steady(search, without(found, [key]))
     return found

@@ -1,0 +1,88 @@
+"""The top of a likelihood of which the density of every value is known.
+
+Their slopes give the direction of a step and, by the outer products of the scores, its length (Berndt, Hall, Hall and
+Hausman 1974), damped where it does not lead up (Marquardt 1963, doi:10.1137/0111030).
+"""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+STEP = 1e-4
+"""Step of a difference quotient."""
+LONGEST = 1.0
+"""Longest step in a parameter."""
+ROUNDS = 100
+"""Steps up at most."""
+SETTLED = 1e-4
+"""Gain of log-likelihood that the scores promise at most at the top."""
+DAMPING, LESS, MOST = 1e-3, 8.0, 1e8
+"""Damping at first, factor by which it changes, and at which no step is left."""
+FLAT = 1e-6
+"""Information that is added, where a parameter does nothing."""
+
+
+@dataclass(frozen=True, eq=False)
+class Top:
+    """Highest point that was reached.
+
+    Attributes
+    ----------
+    theta
+        Parameters, shape (p,).
+    densities
+        Logarithm of the density of each value, shape (n,).
+    """
+
+    theta: np.ndarray
+    densities: np.ndarray
+
+    @property
+    def log_likelihood(self) -> float:
+        """Return the log-likelihood."""
+        return float(np.sum(self.densities))
+
+
+def highest(densities: Callable[[np.ndarray], np.ndarray], starts: Iterable[np.ndarray]) -> Top:
+    """Return the highest of the tops that starts lead to.
+
+    ``densities`` gives the logarithm of the density of each value, given those before, for parameters of shape (p,)
+    that are about one or logarithms.
+    """
+    return max((_climbed(densities, np.asarray(start, float)) for start in starts), key=lambda top: top.log_likelihood)
+
+
+def _climbed(densities: Callable[[np.ndarray], np.ndarray], start: np.ndarray) -> Top:
+    here, damping = Top(start, densities(start)), DAMPING
+    for _ in range(ROUNDS):
+        units = STEP * np.eye(len(start))
+        scores = np.array([densities(here.theta + unit) - here.densities for unit in units]) / STEP
+        if not np.isfinite(scores).all():
+            return here
+        information, slope = scores @ scores.T, scores.sum(axis=1)
+        if slope @ np.linalg.lstsq(information, slope)[0] / 2 < SETTLED:
+            return here
+        there = here
+        while not there.log_likelihood > here.log_likelihood and damping < MOST:
+            damped = information + damping * np.diag(np.diag(information) + FLAT)
+            step = np.linalg.lstsq(damped, slope)[0]
+            there = _moved(densities, here, step)
+            damping *= LESS
+        if not there.log_likelihood > here.log_likelihood:
+            return here
+        here, damping = _extended(densities, there, step), damping / LESS**2
+    return here
+
+
+def _extended(densities: Callable[[np.ndarray], np.ndarray], here: Top, step: np.ndarray) -> Top:
+    """Go on by steps twice as long each, as long as they lead up: far from the top, scores make them too short."""
+    further = _moved(densities, here, step)
+    if not further.log_likelihood > here.log_likelihood + SETTLED:
+        return here
+    return _extended(densities, further, 2 * step)
+
+
+def _moved(densities: Callable[[np.ndarray], np.ndarray], here: Top, step: np.ndarray) -> Top:
+    theta = here.theta + np.clip(step, -LONGEST, LONGEST)
+    return Top(theta, densities(theta))
