@@ -125,7 +125,7 @@ def test_a_cluster_of_switches_is_no_change_of_the_noise(run):
     """Two switches within a fifth of a second, in noise of a third of the step."""
     data = sequence(RandomTelegraph(1.5e-2, 0.1), label=f"cluster {run}")
     values = data.values.copy()
-    values[12_000:12_005] += np.array(1.5e-2) * (1 if values[11_990:12_000].mean() < values.mean() else -1)
+    values[12_000:12_005] += 1.5e-2 * (1 if values[11_990:12_000].mean() < values.mean() else -1)
     story = concluded(
         told(data.changed(values), (), (RandomWalk, GaussMarkov, VarianceChange), LOG_ALPHA, int(0.8 * COUNT))
     )

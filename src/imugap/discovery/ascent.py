@@ -1,7 +1,8 @@
 """The top of a likelihood of which the density of every value is known.
 
 Their slopes give the direction of a step and, by the outer products of the scores, its length (Berndt, Hall, Hall and
-Hausman 1974), damped where it does not lead up (Marquardt 1963, doi:10.1137/0111030).
+Hausman 1974, Annals of Economic and Social Measurement 3, 653-665), damped where it does not lead up (Marquardt 1963,
+doi:10.1137/0111030).
 """
 
 from collections.abc import Callable, Iterable

@@ -24,12 +24,12 @@ class Autoregression:
     Attributes
     ----------
     level
-        Its mean.
+        Its mean, in the unit of the sequence.
     whitening
         Filter that leaves the white noise, shape (order + 1,), its last coefficient, that of the sample itself, 1.
         Backwards in time it is the same, as for any stationary Gaussian sequence.
     std
-        Standard deviation of the white noise, whatever a few of its values are.
+        Standard deviation of the white noise, in the same unit, whatever a few of its values are.
     """
 
     level: float
@@ -70,7 +70,7 @@ class Autoregression:
         return np.where(flawed, self.level + known, values)
 
     def _turn(self, flawed: np.ndarray) -> int:
-        """Return the first stretch that is told forwards, in the longest way from any flawed sample if there is one."""
+        """Return the first stretch told forwards: near the middle, and far from flawed samples where it can be."""
         reach = len(self.whitening) - 1
         calm = _complete(~flawed, 3 * reach)
         middle = (len(flawed) - reach) // 2

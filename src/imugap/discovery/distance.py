@@ -215,15 +215,15 @@ class Compared:
         for axis in log.axes(self.measured):
             biases = sum(effect.value for effect in model[axis] if isinstance(effect, Bias))
             table[axis] = level_ahead(self._levels[axis], model[axis], interval) - biases
-        return self._warm(table)
+        return self._with_temperature(table)
 
     @cached_property
     def _in_motion(self) -> tuple[pd.DataFrame, Mapping[str, Conditions]]:
         """Return the reference as the error-free log, and its conditions, which all simulations share."""
-        ideal = self._warm(self.reference.copy())
+        ideal = self._with_temperature(self.reference.copy())
         return ideal, conditions(ideal)
 
-    def _warm(self, table: pd.DataFrame) -> pd.DataFrame:
+    def _with_temperature(self, table: pd.DataFrame) -> pd.DataFrame:
         """Return an error-free log with the temperature of the measured one, at times since its start."""
         if log.TEMPERATURE in self.measured:
             table[log.TEMPERATURE] = self.measured[log.TEMPERATURE].to_numpy()

@@ -129,7 +129,7 @@ class Verdict:
     @cached_property
     def intervals(self) -> tuple[tuple[float, float], tuple[float, float]]:
         """Return the 95 % intervals of its step and rate."""
-        bent = curvature(partial(_two_valued, self.blocks), self.two.theta)
+        bent = curvature(partial(_telegraph_densities, self.blocks), self.two.theta)
         error = np.sqrt(np.abs(np.diag(np.linalg.pinv(bent, hermitian=True))))
         ends = [[_positive(self.two.theta[i] + side * 1.96 * error[i]) for side in (-1, 1)] for i in (0, 1)]
         return tuple(ends[0]), tuple(ends[1])
@@ -138,7 +138,7 @@ class Verdict:
     def uneven(self) -> float:
         """Return the gain of log-likelihood of two rates, up and down, over one."""
         starts = [np.r_[self.two.theta, side] for side in (-1.0, 1.0)]
-        return highest(partial(_two_valued, self.blocks), starts).log_likelihood - self.two.log_likelihood
+        return highest(partial(_telegraph_densities, self.blocks), starts).log_likelihood - self.two.log_likelihood
 
 
 def compare(fit: AxisFit, slow: tuple[StochasticEffect, ...]) -> Verdict:
@@ -148,14 +148,14 @@ def compare(fit: AxisFit, slow: tuple[StochasticEffect, ...]) -> Verdict:
     """
     blocks = Blocks.of(fit, slow)
     starts = [np.r_[np.log([blocks.std, blocks.time * factor]), calm] for factor in TIMES for calm in _beside(blocks)]
-    return Verdict(blocks, highest(partial(_smooth, blocks), starts), best(blocks))
+    return Verdict(blocks, highest(partial(_markov_densities, blocks), starts), likeliest(blocks))
 
 
-def best(blocks: Blocks) -> Top:
+def likeliest(blocks: Blocks) -> Top:
     """Return telegraph noise in block means at its highest likelihood: logarithms of its step and rate come first."""
     size, rate = 2 * blocks.std, 0.5 / blocks.time
     starts = [np.r_[np.log([size, rate * factor]), calm] for factor in RATES for calm in _beside(blocks)]
-    return highest(partial(_two_valued, blocks), starts)
+    return highest(partial(_telegraph_densities, blocks), starts)
 
 
 def _beside(blocks: Blocks) -> list[np.ndarray]:
@@ -169,7 +169,7 @@ def _noise(blocks: Blocks, theta: np.ndarray) -> tuple[np.ndarray, float]:
     return white * blocks.profile, walk
 
 
-def _two_valued(blocks: Blocks, theta: np.ndarray) -> np.ndarray:
+def _telegraph_densities(blocks: Blocks, theta: np.ndarray) -> np.ndarray:
     """Return the log-density of each block; a fifth parameter is the logarithm of the switches up over the average."""
     side = theta[4] if len(theta) > 4 else 0.0
     switched = np.exp(np.clip(np.log(blocks.step) + theta[1] + np.array([side, -side]), RARE, OFTEN))
@@ -178,7 +178,7 @@ def _two_valued(blocks: Blocks, theta: np.ndarray) -> np.ndarray:
     return filtered(blocks.means, np.exp(theta[0]) / 2, *switched, white, *slow)[0]
 
 
-def _smooth(blocks: Blocks, theta: np.ndarray) -> np.ndarray:
+def _markov_densities(blocks: Blocks, theta: np.ndarray) -> np.ndarray:
     """Return the log-density of each block of a Gauss-Markov process, given by its size and correlation time."""
     decay = np.exp(-blocks.step / np.exp(theta[1]))
     return _continuum(blocks.means, np.exp(theta[0]), decay, *_noise(blocks, theta), blocks.means.var())

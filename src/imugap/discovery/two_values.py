@@ -7,7 +7,7 @@ import numpy as np
 from imugap.discovery.axis import AxisFit, fit
 from imugap.discovery.search import MANY, SLOW, Search, at, log_chance, removed, without
 from imugap.discovery.switching import Switching, switching
-from imugap.discovery.telegraph import Blocks, best, compare
+from imugap.discovery.telegraph import Blocks, compare, likeliest
 from imugap.effects import BiasStep, RandomTelegraph, VarianceChange
 from imugap.effects.effect import StochasticEffect
 
@@ -28,9 +28,9 @@ def told_apart(search: Search, found: AxisFit) -> AxisFit:
         return found
     noise = without(found, keys).description.noise
     effects = replace(noise, effects=(*noise.effects, verdict.effect))
-    switching = _without_switches(search, fit(found.sequence, replace(found.description, noise=effects)))
-    beside = _stepless(search).explore(switching)
-    return _one_telegraph(search, beside) if beside.has(RandomTelegraph) else switching
+    exchanged = _without_switches(search, fit(found.sequence, replace(found.description, noise=effects)))
+    beside = _stepless(search).explore(exchanged)
+    return _one_telegraph(search, beside) if beside.has(RandomTelegraph) else exchanged
 
 
 def steady(search: Search, found: AxisFit) -> AxisFit:
@@ -39,10 +39,10 @@ def steady(search: Search, found: AxisFit) -> AxisFit:
     if not changes or not search.added(found.description, RandomTelegraph):
         return found
     blocks = Blocks.of(found, _slow(search, found))
-    likelihood = best(blocks).log_likelihood
+    likelihood = likeliest(blocks).log_likelihood
     for key in changes:
         others = removed(found.description, key).changes
-        gain = likelihood - best(blocks.changed(found.sequence, others)).log_likelihood
+        gain = likelihood - likeliest(blocks.changed(found.sequence, others)).log_likelihood
         if log_chance(gain, 1) > search.log_alpha:
             return steady(search, without(found, [key]))
     return found
