@@ -755,6 +755,14 @@ def test_filter_starts_in_its_steady_state():
     )
 
 
+@pytest.mark.parametrize("order", [1, 4])
+def test_a_filter_lets_go_of_what_was_before_the_log_as_its_decay_says(order):
+    smooth, values = OutputFilter(3.0, order), stream(11, "decay").standard_normal((400, 2))
+    long = smooth.passed(np.concatenate([np.full((500, 2), [9.8, -0.4]), values]), 0.01)[500:]
+    begun = smooth.passed(np.concatenate([np.zeros((500, 2)), values]), 0.01)[500:]
+    np.testing.assert_allclose(long - begun, np.outer(smooth.decay(400, 0.01), [9.8, -0.4]), atol=1e-9)
+
+
 @pytest.mark.parametrize("cutoff", [50.0, 80.0])
 def test_a_cutoff_beyond_half_the_rate_is_refused(cutoff):
     message = r"output_filter\.cutoff: expected less than half the rate, 50 Hz; found"
@@ -915,6 +923,22 @@ def test_vibration_rectification_of_a_shock_lasts_for_its_window():
         Conditions(ideal.index.to_numpy(), 0.25, None, "gyro_x", ideal), stream(1)
     )
     np.testing.assert_allclose(sequence, [0, 0, *[0.2 * 0.8] * 5, 0, 0], atol=1e-12)
+
+
+def test_vibration_rectification_of_the_own_component_knows_no_other():
+    at = moving(400, "accel_y")
+    alone = at.ideal.assign(accel_x=0.0, accel_z=-9.8)
+    own = VibrationRectification(0.04, own=1).sample(at, stream(1))
+    np.testing.assert_allclose(own, VibrationRectification(0.04).sample(replace(at, ideal=alone), stream(1)))
+
+
+def test_motion_slower_than_the_window_is_no_vibration():
+    at = moving(400, "accel_y")
+    buzz = stream(11, "buzz").standard_normal(400)
+    shaken = replace(at, ideal=at.ideal.assign(accel_y=at.ideal["accel_y"] + buzz))
+    still = replace(at, ideal=at.ideal.assign(accel_y=buzz))
+    short = VibrationRectification(1.0, window=0.05, own=1)
+    np.testing.assert_allclose(short.sample(shaken, stream(1)), short.sample(still, stream(1)), rtol=0.25)
 
 
 def test_vibration_rectification_of_a_constant_force_is_zero():

@@ -196,6 +196,19 @@ def test_a_full_scale_is_found_on_one_side_or_both(step, offset):
     assert np.abs(record.sequences["gyro_x"].values).max() > 0.2
 
 
+@pytest.mark.parametrize("held", [1, 2])
+def test_the_top_of_the_motion_that_falls_short_of_it_is_a_full_scale(held):
+    """Whether one sample is cut off or two, which also look like one that is stuck."""
+    time = 0.04 * np.arange(9000)
+    rate = 0.3 + np.sin(2 * np.pi * 1.7 * time) * (1 + 0.3 * np.exp(-(((time - 140.62) / 0.3) ** 2)))
+    ideal = pd.DataFrame({"gyro_x": rate}, index=pd.Index(time, name="time"))
+    noise = 1e-4 * stream(1, "short").standard_normal(len(time))
+    limit = np.sort(rate)[-held - 1 : -held + 1 or None].mean()
+    record = prepare(pd.DataFrame({"gyro_x": np.clip(rate + noise, -limit, limit)}, index=ideal.index), ideal)
+    assert [name for _, name in names(record)] == ["saturation"]
+    assert parameters(record, "saturation")["limit"].value == pytest.approx(limit, rel=1e-12)
+
+
 @pytest.mark.parametrize("limit", [0.06, 0.12, 0.18])
 def test_what_is_clipped_biases_neither_mean_nor_spread(limit):
     clipped, free = prepared(Bias(0.05), Saturation(limit)), prepared(Bias(0.05))

@@ -4,6 +4,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from scipy.signal import butter, lfilter
+from scipy.stats import binom, chi2
 
 from imugap.discovery import scans, waves
 from imugap.discovery.axis import Description, Term, cosines, fit, jacobian
@@ -16,6 +17,7 @@ from imugap.discovery.finding import Gap
 from imugap.discovery.gaps import gaps
 from imugap.discovery.hysteresis import Hysteresis
 from imugap.discovery.noise import Noise, _Spectra, usable
+from imugap.discovery.parameters import _near
 from imugap.discovery.runs import turn_on
 from imugap.discovery.search import Key, Search, at
 from imugap.discovery.sequence import Sequence
@@ -72,7 +74,7 @@ def names(story):
 
 def test_gain_of_every_step_is_that_of_its_column():
     found = fit(sequence(BiasInstability(3e-4), count=4000), Description((), Noise((WHITE, BiasInstability(3e-4)))))
-    gains = found.steps
+    gains = found.steps.gains
     for place in (80, 777, 2000, 3500):
         column = (np.arange(4000) >= place).astype(float)
         assert gains[place] == pytest.approx(found.gains(found.whiten(column[:, None]))[0], rel=1e-6)
@@ -160,6 +162,63 @@ def test_tails_of_a_mixture():
     assert low < 0.004 < high
     assert least < 6.0 < most
     assert found.gain > 50
+
+
+def test_tails_of_samples_that_others_tell_count_for_nothing():
+    values = stream(5, "tails").standard_t(5, 4000)
+    once, held = tails(values), tails(np.repeat(values, 8), 1 / 8)
+    assert held.gain == pytest.approx(once.gain, rel=0.01)
+    assert held.intervals[0] == pytest.approx(once.intervals[0], rel=0.05)
+
+
+@pytest.mark.parametrize("walk", [0.0, 1.0, 1e4])
+def test_the_highest_step_comes_by_chance_as_often_as_its_places_say(walk):
+    """From white noise to a walk, of which each increment is a step of its own."""
+    noise = Noise((WHITE, RandomWalk(walk * 1e-3)) if walk else (WHITE,))
+    data = sequence(count=4000)
+    variance = data.bins.spread(noise.variance(data.bins))
+    chances = []
+    for run in range(400):
+        found = scans.steps(stream(run, "places").standard_normal(3999), variance)
+        gain = found.gains.max()
+        chances.append(found.places(gain) * chi2.sf(2 * gain, 1))
+    for level in (0.02, 0.1):
+        assert binom.ppf(1e-4, 400, 0.5 * level) <= np.sum(np.array(chances) < level) <= binom.isf(1e-4, 400, level)
+
+
+def filtered(order, cutoff, added=0.0, before=0.0):
+    """A log behind a filter that has still to let go of what was before."""
+    data, smooth = sequence(), OutputFilter(cutoff, order)
+    output = smooth.passed(data.values + added, INTERVAL) + before * smooth.decay(COUNT, INTERVAL)
+    moved = replace(data, values=output, share=usable(output))
+    return concluded(told(moved, (), tuple(CATALOGUE.values()), LOG_ALPHA, int(0.8 * COUNT)))
+
+
+@pytest.mark.parametrize(("order", "cutoff"), [(1, 0.5), (2, 0.5), (4, 1.5)])
+def test_a_step_behind_a_filter_is_one_and_has_its_time_and_size(order, cutoff):
+    story = filtered(order, cutoff, np.where(INTERVAL * np.arange(COUNT) >= 431.2, 0.02, 0.0))
+    assert names(story) == ["bias_step", "output_filter"]
+    step, smooth = sorted(story.findings, key=lambda finding: finding.name)
+    assert step.parameters["time"].low <= 431.2 <= step.parameters["time"].high
+    assert step.parameters["time"].high - step.parameters["time"].low < 2.0
+    assert step.parameters["step"].value == pytest.approx(0.02, rel=0.02)
+    assert smooth.parameters["cutoff"].value == pytest.approx(cutoff, rel=0.05)
+
+
+@pytest.mark.parametrize(("order", "cutoff"), [(1, 2.0), (2, 0.5), (3, 5.0)])
+@pytest.mark.parametrize("before", [0.05, 1.0])
+def test_a_filter_that_settles_is_a_filter_and_no_more(order, cutoff, before):
+    story = filtered(order, cutoff, before=before)
+    assert names(story) == ["output_filter"]
+    assert not story.withheld
+    assert story.findings[0].parameters["cutoff"].value == pytest.approx(cutoff, rel=0.05)
+
+
+def test_the_place_of_a_change_is_known_as_far_as_the_likelihood_says():
+    gain = np.array([0.0, 6.0, 5.0, 0.0, 9.0, 10.0, 5.0, 7.0, 2.0])
+    time = np.arange(9.0)
+    assert _near(gain, time, 5.0) == (4.0, 7.0)
+    assert _near(gain + np.eye(9)[1], time, 5.0) == (1.0, 7.0)
 
 
 def test_two_values_are_told_from_a_continuum():

@@ -10,7 +10,7 @@ from scipy.stats import multivariate_normal
 from imugap.discovery.axis import Description, fit
 from imugap.discovery.noise import Noise
 from imugap.discovery.sequence import Sequence
-from imugap.discovery.telegraph import _continuum, compare, filtered
+from imugap.discovery.telegraph import FINE, Blocks, _continuum, compare, filtered
 from imugap.effects import GaussMarkov, RandomTelegraph, RandomWalk, WhiteNoise
 from imugap.effects.effect import Conditions
 from imugap.stream import stream
@@ -74,6 +74,14 @@ def test_the_estimates_hold_the_truth_as_often_as_they_say(beside):
     assert 20 <= hits <= 24
     spread = np.std(errors, axis=0) / np.sqrt(len(errors))
     assert np.all(np.abs(np.mean(errors, axis=0)) < 3.5 * spread)
+
+
+def test_a_process_slower_than_the_log_has_blocks_too():
+    values = stream(1, "slower").standard_normal(5000)
+    data = Sequence(values, Conditions(0.04 * np.arange(5000), 0.04, axis="gyro_x"), np.zeros(5000, bool))
+    found = fit(data, Description((), Noise((WhiteNoise(0.2), GaussMarkov(1.0, 10.0)))))
+    slow = GaussMarkov(1.0, 1e6)
+    assert len(Blocks.of(found, (slow,)).means) >= FINE
 
 
 def test_a_continuum_is_told_from_two_values():

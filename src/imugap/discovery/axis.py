@@ -10,20 +10,22 @@ from functools import cached_property
 from math import exp
 
 import numpy as np
-from scipy.fft import dct, idct
+from scipy.fft import dct, idct, irfft, rfft, rfftfreq
 
 from imugap.discovery import scans
 from imugap.discovery.noise import Noise, NoiseFit, log_likelihood
 from imugap.discovery.noise import fit as fit_noise
 from imugap.discovery.sequence import Sequence
-from imugap.effects import Outliers, Quantization, VarianceChange
-from imugap.effects.effect import Effect, StochasticEffect
+from imugap.effects import Outliers, OutputFilter, Quantization, VarianceChange
+from imugap.effects.effect import TINY, Effect, StochasticEffect
 
 ROUNDS = 8
 """Turns between mean and spectrum."""
 SETTLED = 0.02
 """Change of log-likelihood below which the turns end."""
 HALVINGS = 6
+UNSURE = 0.03
+"""Standard deviation of the logarithm of a cutoff, as far as what a filter lets go of may say."""
 
 
 @dataclass(frozen=True)
@@ -125,9 +127,8 @@ class AxisFit:
         return full * idct(np.r_[0.0, self.coefficients], norm="ortho")
 
     def whiten(self, columns: np.ndarray) -> np.ndarray:
-        """Return columns, shape (n, m), in the basis and scale of :attr:`coefficients`, shape (n - 1, m)."""
-        scaled = columns / np.reshape(self.scale, (-1, 1))
-        return cosines(scaled) / self._root[:, None]
+        """Return columns of the error, (n, m), in basis and scale of :attr:`coefficients`, shape (n - 1, m)."""
+        return _whitened(columns, self.sequence, self.description, self._root)
 
     @cached_property
     def basis(self) -> np.ndarray:
@@ -181,9 +182,22 @@ class AxisFit:
         return scans.lines(self.whitened, self.sequence.conditions.interval)
 
     @cached_property
-    def steps(self) -> np.ndarray:
-        """Return the gain of log-likelihood of a step of the mean at each sample."""
-        return scans.steps(self.coefficients, self._root**2)
+    def steps(self) -> scans.Steps:
+        """Return what a step of the mean gains at each sample, ahead of the filter of the output."""
+        output_filter = self.description.noise.output_filter
+        if output_filter is None:
+            return scans.steps(self.coefficients, self._root**2)
+        ahead = replace(self.description, noise=replace(self.description.noise, output_filter=None))
+        spectrum, count = rfft(self.whitened), len(self.whitened)
+        interval = self.sequence.conditions.interval
+        turn = np.angle(output_filter.response(rfftfreq(count, interval), interval))
+        even = irfft(spectrum * np.exp(-1j * turn), count)
+        return scans.steps(cosines(even), _roots(self.sequence, ahead) ** 2)
+
+    def steps_without(self, index: int) -> scans.Steps:
+        """Return what a step gains at each sample in the place of a term, the rest as it is."""
+        terms = self.description.terms
+        return replace(self, description=replace(self.description, terms=terms[:index] + terms[index + 1 :])).steps
 
     @cached_property
     def stretch(self) -> tuple[float, int, int]:
@@ -231,22 +245,45 @@ def residual(sequence: Sequence, description: Description) -> np.ndarray:
     """Return the samples less the systematic terms and their mean, over the scale of the changes of variance."""
     rest = _rest(sequence, description)
     centred = (rest - _level(rest, sequence, description)) / scale(sequence, description.changes)
-    rounded = [effect for effect in description.noise.effects if isinstance(effect, Quantization)]
-    return _without_ends(centred, sequence, description, rounded[0].q) if rounded else centred
+    return _without_outside(centred, sequence, description)
 
 
-def _without_ends(values: np.ndarray, sequence: Sequence, description: Description, q: float) -> np.ndarray:
-    """Return samples, shape (n,), without the rounding errors before the first and at the last of them.
+def _without_outside(values: np.ndarray, sequence: Sequence, description: Description) -> np.ndarray:
+    """Return samples, shape (n,), without what comes from before the log or is cut off at its end.
 
-    Differences of rounding errors, S ~ f^2, are as smooth at the ends as the cosines need but for those two; they are
-    replaced by nothing where the log tells them (their posterior mean), and stay where other noise hides them.
+    Differences of rounding errors, S ~ f^2, are as smooth at the ends as the cosines need but for those before the
+    first and at the last; they are replaced by nothing where the log tells them (their posterior mean), and stay where
+    other noise hides them. A filter has still to let go of what was there before the log, of which nothing is known.
     """
-    ends = np.zeros((len(values), 2))
-    ends[[0, -1], [0, 1]] = q / sequence.conditions.interval
+    rounded = [effect.q for effect in description.noise.effects if isinstance(effect, Quantization)]
+    ends = np.zeros((len(values), 2 * len(rounded)))
+    if rounded:
+        ends[[0, -1], [0, 1]] = rounded[0] / sequence.conditions.interval
+    ends, known = _passed(ends, sequence, description), [1.0] * ends.shape[1]
+    if description.noise.output_filter is not None:
+        decay, turned = _decay(sequence, description.noise.output_filter)
+        size = _sizes(values, np.column_stack([ends, decay]), [*known, 0.0], sequence, description)[-1]
+        ends, known = np.column_stack([ends, decay, size * turned]), [*known, 0.0, 1.0]
+    return values - ends @ _sizes(values, ends, known, sequence, description) if known else values
+
+
+def _decay(sequence: Sequence, output_filter: OutputFilter) -> tuple[np.ndarray, np.ndarray]:
+    """Return how a filter lets go of what was before the log, and how else it would do so by a lower cutoff."""
+    count, interval = len(sequence.values), sequence.conditions.interval
+    lower = replace(output_filter, cutoff=output_filter.cutoff * (1 - UNSURE))
+    decay = output_filter.decay(count, interval)
+    return decay, lower.decay(count, interval) - decay
+
+
+def _sizes(
+    values: np.ndarray, columns: np.ndarray, known: Several[float], sequence: Sequence, description: Description
+) -> np.ndarray:
+    """Return the sizes of columns, shape (n, m), in samples; each is known to be zero to 1/sqrt(``known``) a priori."""
     root = _roots(sequence, description)
-    columns, whitened = cosines(ends) / root[:, None], cosines(values) / root
-    errors = np.linalg.solve(columns.T @ columns + np.eye(2), columns.T @ whitened)
-    return values - ends @ errors
+    whitened = cosines(columns) / root[:, None]
+    precision = whitened.T @ whitened + np.diag(known)
+    units = np.sqrt(np.maximum(np.diag(precision), TINY))
+    return np.linalg.lstsq(precision / np.outer(units, units), whitened.T @ (cosines(values) / root) / units)[0] / units
 
 
 def offset(sequence: Sequence, description: Description) -> float:
@@ -255,10 +292,16 @@ def offset(sequence: Sequence, description: Description) -> float:
 
 
 def _rest(sequence: Sequence, description: Description) -> np.ndarray:
-    rest = sequence.values.copy()
-    for term in description.terms:
-        rest -= term.effect.sample(sequence.conditions, None)
-    return rest
+    if not description.terms:
+        return sequence.values
+    mean = sum(term.effect.sample(sequence.conditions, None) for term in description.terms)
+    return sequence.values - _passed(mean, sequence, description)
+
+
+def _passed(values: np.ndarray, sequence: Sequence, description: Description) -> np.ndarray:
+    """Return what the filter of the output lets through of errors, shape (n,) or (n, m)."""
+    output_filter = description.noise.output_filter
+    return values if output_filter is None else output_filter.passed(values, sequence.conditions.interval)
 
 
 def _level(rest: np.ndarray, sequence: Sequence, description: Description) -> float:
@@ -291,12 +334,13 @@ def _basis(columns: np.ndarray) -> np.ndarray:
 def fit(sequence: Sequence, start: Description) -> AxisFit:
     """Fit a description to a sequence, from the values that it comes with."""
     description, last = start, -np.inf
+    fixed = not start.terms and start.noise.output_filter is None
     for _ in range(ROUNDS):
         rest = residual(sequence, description)
         noise = fit_noise(description.noise, sequence.bins, sequence.bins.sums(cosines(rest) ** 2))
         description = replace(description, noise=noise.noise)
         value = noise.log_likelihood - _jacobian_of_scale(sequence, description)
-        if value < last + SETTLED or not description.terms:
+        if value < last + SETTLED or fixed:
             break
         last = value
         description = _mean_moved(sequence, description)
@@ -320,10 +364,9 @@ def _jacobian_of_scale(sequence: Sequence, description: Description) -> float:
 def _mean_moved(sequence: Sequence, description: Description) -> Description:
     """Return the description after steps of Gauss and Newton of its terms under its spectrum."""
     root = _roots(sequence, description)
-    factor = np.reshape(scale(sequence, description.changes), (-1, 1))
     rest = cosines(residual(sequence, description)) / root
     for _ in range(HALVINGS):
-        columns = cosines(jacobian(description.terms, sequence) / factor) / root[:, None]
+        columns = _whitened(jacobian(description.terms, sequence), sequence, description, root)
         norms = np.linalg.norm(columns, axis=0)
         norms[norms == 0] = 1.0
         step = np.linalg.lstsq((columns / norms).T @ (columns / norms), (columns / norms).T @ rest, rcond=1e-10)[0]
@@ -335,6 +378,12 @@ def _mean_moved(sequence: Sequence, description: Description) -> Description:
         if gained < SETTLED:
             break
     return description
+
+
+def _whitened(columns: np.ndarray, sequence: Sequence, description: Description, root: np.ndarray) -> np.ndarray:
+    """Return columns of the error, shape (n, m), as cosine coefficients over their deviations ``root``."""
+    factor = np.reshape(scale(sequence, description.changes), (-1, 1))
+    return cosines(_passed(columns, sequence, description) / factor) / root[:, None]
 
 
 def _roots(sequence: Sequence, description: Description) -> np.ndarray:
@@ -366,8 +415,7 @@ def _covariance(sequence: Sequence, description: Description) -> np.ndarray:
     if not description.terms:
         return np.empty((0, 0))
     root = _roots(sequence, description)
-    factor = np.reshape(scale(sequence, description.changes), (-1, 1))
-    columns = cosines(jacobian(description.terms, sequence) / factor) / root[:, None]
+    columns = _whitened(jacobian(description.terms, sequence), sequence, description, root)
     norms = np.linalg.norm(columns, axis=0)
     norms[norms == 0] = np.inf
     inverse = np.linalg.pinv((columns / norms).T @ (columns / norms), rcond=1e-12, hermitian=True)

@@ -27,7 +27,7 @@ def intervals(fit: AxisFit, without: AxisFit, key: Key) -> dict[str, Interval]:
     if key.part == "term":
         ends = term_intervals(fit, key.index)
         if isinstance(effect, BiasStep):
-            ends["time"] = _stretch_of(without.steps, fit.sequence.conditions.time, effect.time)
+            ends["time"] = _near(fit.steps_without(key.index).gains, fit.sequence.conditions.time, effect.time)
     elif key.part == "change":
         ends = _swing(fit, effect) if effect.depth else _stretch(fit, effect)
     else:
@@ -101,17 +101,13 @@ def _stretch(fit: AxisFit, change: VarianceChange) -> dict[str, tuple[float, flo
     extended = np.r_[time, time[-1] + fit.sequence.conditions.interval]
     return {
         "ratio": (change.ratio * np.exp(-NORMAL * error), change.ratio * np.exp(NORMAL * error)),
-        "start": _stretch_of(-climb, extended, extended[first]),
-        "stop": _stretch_of(climb, extended, extended[last]),
+        "start": _near(-climb[:last], extended[:last], extended[first]),
+        "stop": _near(climb[first + 1 :], extended[first + 1 :], extended[last]),
     }
 
 
-def _stretch_of(gain: np.ndarray, time: np.ndarray, best: float) -> tuple[float, float]:
-    """Return the contiguous times around the best at which the gain has not dropped to the end of the interval."""
+def _near(gain: np.ndarray, time: np.ndarray, best: float) -> tuple[float, float]:
+    """Return the first and the last time at which the gain is no further below the best than the interval allows."""
     index = int(np.clip(np.searchsorted(time, best), 0, len(gain) - 1))
-    low = gain < gain[index] - DROP
-    left, right = np.flatnonzero(low[:index]), np.flatnonzero(low[index:])
-    return (
-        float(time[left[-1] + 1] if len(left) else time[0]),
-        float(time[index + right[0] - 1] if len(right) else time[-1]),
-    )
+    near = np.flatnonzero(gain >= gain[index] - DROP)
+    return float(time[near[0]]), float(time[near[-1]])

@@ -161,7 +161,28 @@ class Search:
         return self.memory[start]
 
     def explore(self, before: AxisFit) -> AxisFit:
-        """Return the fit to which nothing is to be added."""
+        """Return the fit to which nothing is to be added.
+
+        Behind a filter that was not known yet, a single event looks like many outliers: they are told anew.
+        """
+        found = self._explored(before)
+        keys = {key.part for key in self.added(found.description)}
+        if {"outliers", "filter"} <= keys:
+            raw = self.fitted(self.raw[found.description.outliers], replace(found.description, outliers=None))
+            found = self._explored(self.settled(raw))
+        return self.placed(found)
+
+    def placed(self, found: AxisFit) -> AxisFit:
+        """Return the fit with every added step where it is most likely beside all else, which came after it."""
+        for key in self.added(found.description, BiasStep):
+            time = found.sequence.conditions.time[np.argmax(found.steps_without(key.index).gains)]
+            terms = list(found.description.terms)
+            terms[key.index] = replace(terms[key.index], effect=replace(terms[key.index].effect, time=float(time)))
+            moved = self.fitted(found.sequence, replace(found.description, terms=tuple(terms)))
+            found = moved if moved.log_likelihood > found.log_likelihood else found
+        return found
+
+    def _explored(self, before: AxisFit) -> AxisFit:
         for _ in range(LIMIT):
             bar = HOPE if self.added(before.description) else self.log_alpha
             trials = sorted((one for one in self.trials(before, bar) if one.log_p < bar), key=lambda one: one.log_p)
@@ -255,7 +276,7 @@ class Search:
         """Return the fit to the samples without outliers, and what speaks for outliers; None where they are known."""
         if before.description.outliers is not None or before.sequence.coarse:
             return None
-        found = tails(before.whitened)
+        found = tails(before.whitened, before.sequence.bins.last / len(before.whitened))
         if log_chance(found.gain, 2) + np.log(TAILS) > self.log_alpha or not found.flagged.any():
             return None
         unit = float(np.sqrt(before.variance[: before.sequence.bins.last].mean()))
@@ -301,7 +322,8 @@ class Search:
         if own.log_p > self.log_alpha:
             return without
         bar = min(self.log_alpha, own.log_p + CLOSE)
-        others = (one for one in self.trials(without, bar) if one.name != own.name or one.parameters < own.parameters)
+        tried = self.trials(without, bar)
+        others = (one for one in tried if _another(one.effect, own.effect) or one.parameters < own.parameters)
         best = max(others, key=lambda trial: trial.worth, default=None)
         if best is not None and best.worth > own.worth + MARGIN:
             return best.fit
@@ -423,6 +445,12 @@ def _behind(start: Start, before: AxisFit) -> tuple[Start, Description]:
     best = max(fits, key=lambda one: one.log_likelihood).noise
     beside = replace(description, noise=replace(best, output_filter=None))
     return replace(start, effect=best.output_filter), beside
+
+
+def _another(one: Effect, other: Effect) -> bool:
+    """Return whether two effects differ in more than what a fit adjusts: in kind, or in a whole number."""
+    whole = [item.name for item in fields(one) if item.metadata["whole"]]
+    return one.name != other.name or any(getattr(one, name) != getattr(other, name) for name in whole)
 
 
 def _moves(effect: Effect, before: AxisFit) -> bool:

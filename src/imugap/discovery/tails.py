@@ -60,29 +60,34 @@ class Tails:
         return float(poisson.logsf(pairs - 1, flagged.mean() * flagged.sum()))
 
 
-def tails(sequence: np.ndarray) -> Tails:
-    """Fit the mixture by expectation and maximisation, from several starts; ``sequence`` has zero mean, shape (n,)."""
+def tails(sequence: np.ndarray, share: float = 1.0) -> Tails:
+    """Fit the mixture by expectation and maximisation, from several starts.
+
+    Parameters
+    ----------
+    sequence
+        Samples of zero mean, shape (n,).
+    share
+        Of the frequencies that they hold: so many of the samples are told by the others, and count for nothing.
+    """
     squares = sequence**2
-    binned = _binned(squares)
+    binned = _binned(squares, share)
     robust = np.median(np.abs(sequence)) / 0.6745
-    best = max(
-        (_climb(*binned, share, robust, factor * robust) for share, factor in STARTS), key=lambda found: found[0]
-    )
-    _, share, narrow, wide = best
-    value = float(binned[1] @ np.logaddexp(*_log_densities(binned[0], share, narrow, wide)))
-    single = -0.5 * len(squares) * (np.log(squares.mean()) + 1)
-    low, high = _log_densities(squares, share, narrow, wide)
-    return Tails(share, narrow, wide, value - single, expit(high - low), _intervals(*binned, *best[1:]))
+    starts = ((rare, robust, factor * robust) for rare, factor in STARTS)
+    value, *best = max((_climb(*binned, *start) for start in starts), key=lambda found: found[0])
+    single = -0.5 * binned[1].sum() * (np.log(squares.mean()) + 1)
+    low, high = _log_densities(squares, *best)
+    return Tails(*best, value - single, expit(high - low), _intervals(*binned, *best))
 
 
-def _binned(squares: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return means of the squares within bins of equal numbers, the largest one by one, and the numbers."""
+def _binned(squares: np.ndarray, share: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return means of the squares within bins of equal numbers, the largest one by one, and what the numbers count."""
     ordered = np.sort(squares)
     single = min(len(squares) // 2, BINS)
     edges = np.unique(np.linspace(0, len(squares) - single, BINS).astype(int)[:-1])
     edges = np.r_[edges, np.arange(len(squares) - single, len(squares))]
     number = np.diff(np.r_[edges, len(squares)])
-    return np.add.reduceat(ordered, edges) / number, number.astype(float)
+    return np.add.reduceat(ordered, edges) / number, number * share
 
 
 def _log_densities(squares, share, narrow, wide):

@@ -70,13 +70,14 @@ class Blocks:
     def of(cls, fit: AxisFit, slow: tuple[StochasticEffect, ...], fine: float = FINE) -> "Blocks":
         """Cut the residual of a fit in blocks, in which only its processes besides the slow ones are white noise.
 
-        There are ``fine`` blocks, or as many as there are samples, to the shortest correlation time.
+        There are ``fine`` blocks, or as many as there are samples, to the shortest correlation time, if the log has as
+        many.
         """
         interval, count = fit.sequence.conditions.interval, len(fit.residual)
         lorentzian = [one.equivalent if isinstance(one, RandomTelegraph) else one for one in slow]
         times = [one.correlation_time for one in lorentzian if isinstance(one, GaussMarkov)]
         time = min(times, default=interval * count / LONG)
-        width = max(int(time / fine / interval), count // MOST, 1)
+        width = max(min(int(time / fine / interval), count // FINE), count // MOST, 1)
         means = _means(fit.residual * fit.scale, width)
         profile = _profile(fit.sequence, fit.description.changes, width)
         rest = [one for one in fit.description.noise.effects if one not in slow]

@@ -11,8 +11,6 @@ from imugap.effects.effect import Conditions, Start, SystematicEffect, parameter
 if TYPE_CHECKING:
     from imugap.discovery.axis import AxisFit
 
-PLACES = 300.0
-"""Independent places of a step in a long log, on the safe side."""
 DECAY = 0.05
 """Decay, over the duration, of what is nearly a step."""
 
@@ -43,6 +41,6 @@ class BiasStep(SystematicEffect):
     @classmethod
     def starts(cls, fit: "AxisFit") -> Iterator[Start]:
         """Yield a step where the matched filter of all steps is highest."""
-        highest = np.argmax(fit.steps)
-        time = float(fit.sequence.conditions.time[highest])
-        yield Start(cls(time, 0.0), ("step",), trials=PLACES, gain=float(fit.steps[highest]))
+        highest = int(np.argmax(fit.steps.gains))
+        time, gain = float(fit.sequence.conditions.time[highest]), float(fit.steps.gains[highest])
+        yield Start(cls(time, 0.0), ("step",), trials=fit.steps.places(gain), gain=gain)

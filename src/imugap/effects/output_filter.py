@@ -32,11 +32,21 @@ class OutputFilter(Effect):
     all_pole: float = parameter("1", "1: poles alone, 0: Butterworth", high=1.0, whole=True, default=0)
 
     def apply(self, sequence: np.ndarray, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
-        """Filter the output, as if its first value had been there for ever."""
+        """Filter the output."""
+        return self.passed(sequence, conditions.interval)
+
+    def passed(self, values: np.ndarray, interval: float) -> np.ndarray:
+        """Return samples behind the filter, shape (n,) or (n, m), as if the first had been there for ever."""
         from scipy.signal import sosfilt, sosfilt_zi  # takes as long as all else here, and most models have no filter
 
-        sections = self._sections(conditions.interval)
-        return sosfilt(sections, sequence, zi=sosfilt_zi(sections) * sequence[0])[0]
+        sections = self._sections(interval)
+        steady = sosfilt_zi(sections)
+        state = steady * values[0] if values.ndim == 1 else steady[..., None] * values[0]
+        return sosfilt(sections, values, axis=0, zi=state)[0]
+
+    def decay(self, count: int, interval: float) -> np.ndarray:
+        """Return what the first ``count`` samples still hold of a one that was there for ever before them."""
+        return 1 - self.passed(np.r_[0.0, np.ones(count)], interval)[1:]
 
     def gain(self, frequency: np.ndarray, interval: float) -> np.ndarray:
         """Return the power gain at ``frequency`` [Hz], shape of it."""

@@ -105,22 +105,24 @@ def _log_chance(values: np.ndarray, step: float, lattice: bool) -> float:
 
 
 def _log_shortfall(values: np.ndarray, ideal: np.ndarray) -> float:
-    """Return the log-probability that the only sample far off its error-free input is the largest of all by chance.
+    """Return the log-probability that the only samples far off their error-free input are the largest by chance.
 
-    Both have shape (n,). Zero unless it is: it falls short of the largest input of all, while others nearly as large,
-    and all the rest, are where the smooth errors of a sensor, which go with its input, let them be.
+    Both have shape (n,). Zero unless they are: the largest value of all, at one time or held, falls short of the
+    largest input, while others nearly as large, and all the rest, are where the smooth errors of a sensor, which go
+    with its input, let them be. Held samples that are no full scale are off at other times too.
     """
     size = np.abs(ideal)
     top = int(np.argmax(size))
-    if size[top] == 0 or np.abs(values[top]) < np.abs(values).max():
+    at = np.abs(values) == np.abs(values).max()
+    if size[top] == 0 or not at[top]:
         return 0.0
     share = ideal / size[top]
     columns = np.column_stack([np.ones_like(share), share, np.abs(share), share**2, share**3])
-    others = np.arange(len(values)) != top
     error = values - ideal
-    rest = error - columns @ np.linalg.lstsq(columns[others], error[others], rcond=None)[0]
-    short = -np.sign(ideal[top]) * rest[top]
-    if short < CLEAR * np.abs(rest[others]).max():
+    rest = error - columns @ np.linalg.lstsq(columns[~at], error[~at], rcond=None)[0]
+    short = -np.sign(ideal[at]) * rest[at]
+    others = np.abs(rest[~at]).max()
+    if short.max() < CLEAR * others or short.min() < -others:
         return 0.0
     return float(-np.log(2 * len(values)))
 

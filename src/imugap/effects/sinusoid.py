@@ -52,8 +52,10 @@ class Sinusoid(SystematicEffect, AllanEffect):
 
     @classmethod
     def at(cls, frequency: float, fit: "AxisFit") -> "Sinusoid":
-        """Return the line of a frequency [Hz] as the residual of a fit shows it."""
-        wave = 2 * np.mean(fit.residual * np.exp(-2j * np.pi * frequency * fit.sequence.conditions.time))
+        """Return the line of a frequency [Hz] as the residual of a fit shows it, ahead of a filter of the output."""
+        output_filter, conditions = fit.description.noise.output_filter, fit.sequence.conditions
+        passed = 1.0 if output_filter is None else output_filter.response(np.array([frequency]), conditions.interval)[0]
+        wave = 2 * np.mean(fit.residual * np.exp(-2j * np.pi * frequency * conditions.time)) / passed
         return cls(frequency, float(abs(wave)), float(np.angle(wave)))
 
     @classmethod

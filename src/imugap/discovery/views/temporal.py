@@ -54,7 +54,7 @@ def of_extremes(fit: AxisFit) -> Curve:
 
 def of_change(fit: AxisFit) -> Curve:
     """Return the gain of log-likelihood of the best step of the mean in each block, over time [s]."""
-    first = blocks(len(fit.steps), BLOCKS, SHORTEST)
-    peaks, at = highest(fit.steps, first)
+    first = blocks(len(fit.steps.gains), BLOCKS, SHORTEST)
+    peaks, at = highest(fit.steps.gains, first)
     time = fit.sequence.conditions.time[at]
     return Curve("change", fit.sequence.conditions.axis, time, time, "s", peaks, signed=False, point=True)
