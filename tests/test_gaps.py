@@ -5,8 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.signal import butter, lfilter
 from scipy.stats import binomtest, kstest
 
+from imugap import log
 from imugap.discovery.axis import Description, Term, fit
 from imugap.discovery.gaps import gaps, threshold, twins, verdicts
 from imugap.discovery.noise import Noise
@@ -15,6 +17,7 @@ from imugap.effects import (
     BiasInstability,
     BiasStep,
     CommonMode,
+    Misalignment,
     Outliers,
     OutputFilter,
     RandomWalk,
@@ -26,18 +29,19 @@ from imugap.effects import (
 )
 from imugap.effects.effect import Conditions
 from imugap.model import AxisModel
+from imugap.stream import stream
 
 COUNT, INTERVAL = 12000, 0.02
 WHITE = WhiteNoise(1e-3)
 
 
-def fits(hidden, start=None, count=COUNT, seed=1):
+def fits(hidden, start=None, count=COUNT, seed=1, ideal=None):
     """Return fits of a start description (white noise) to axes with effects that it may miss."""
     time = INTERVAL * np.arange(count)
     temperature = 25 + 8 * (1 - np.exp(-4 * time / time[-1])) + 1.5 * np.sin(14 * time / time[-1])
     found = {}
     for axis, effects in hidden.items():
-        conditions = Conditions(time, INTERVAL, temperature, axis)
+        conditions = Conditions(time, INTERVAL, temperature, axis, ideal)
         values = AxisModel((WHITE, *effects)).simulate(np.zeros(count), conditions, seed, "gaps test")
         described = (start or {}).get(axis, Description((), Noise((WHITE,))))
         found[axis] = fit(Sequence(values, conditions, np.zeros(count, bool)), described)
@@ -90,6 +94,28 @@ def test_what_is_hidden_is_found_on_its_axis(effect, view, low, high):
     assert places[0].low <= high
     assert places[0].high >= low
     assert [gap.p_value for gap in found] == sorted(gap.p_value for gap in found)
+
+
+def swings():
+    """Return the error-free log of a device that turns about three axes at random."""
+    slow = lfilter(*butter(2, 0.02), stream(3, "swings").standard_normal((3, COUNT)))
+    return log.from_samples(dict(zip(log.GYRO, 20 * slow, strict=True)), INTERVAL)
+
+
+def test_what_goes_with_the_input_of_another_axis_is_found_over_it():
+    found = gaps(fits({"gyro_x": (), "gyro_y": (Misalignment(0.0, 0.0, 3e-4),)}, ideal=swings()), 0.01, seed=1)
+    assert ("rate", "gyro_y,gyro_z") in {(gap.view, gap.axis) for gap in found}
+    assert all("gyro_y" in gap.axis for gap in found)
+
+
+def test_what_goes_with_a_product_of_inputs_is_found_over_it():
+    ideal = swings()
+    hidden = fits({"gyro_x": (), "gyro_y": ()}, ideal=ideal)
+    sequence = hidden["gyro_x"].sequence
+    moved = sequence.changed(sequence.values + 4e-4 * (ideal["gyro_y"] * ideal["gyro_z"]).to_numpy())
+    found = gaps(hidden | {"gyro_x": fit(moved, Description((), Noise((WHITE,))))}, 0.01, seed=1)
+    assert ("rate_product", "gyro_x,gyro_y,gyro_z") in {(gap.view, gap.axis) for gap in found}
+    assert all("gyro_x" in gap.axis for gap in found)
 
 
 @pytest.mark.parametrize(

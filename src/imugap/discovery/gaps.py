@@ -144,7 +144,7 @@ def verdicts(
     for part in each(partial(_statistics, groups, common, lasts, seed), parts):
         for key, rows in part.items():
             statistics[key] += rows
-    alone = [one for one in _alone(groups, statistics) if one.curve.axis in asked]
+    alone = [one for one in _alone(groups, statistics) if one.curve.axis.split(",")[0] in asked]
     return alone + _pairs(pairs, fits, statistics)
 
 

@@ -90,7 +90,8 @@ def candidate_table(found: Discovery) -> pd.DataFrame:
 
 def verdict(found: Discovery) -> str:
     """Return the answer in plain words."""
-    lines = [_sentence(finding) for finding in found.findings] or ["Nothing is missing that the log can show."]
+    nameless = "has a name" if found.withheld or found.unexplained else "the log can show"
+    lines = [_sentence(finding) for finding in found.findings] or [f"Nothing is missing that {nameless}."]
     lines += [f"{axis}: something like {name}, but {reason}; not named." for axis, name, reason in found.withheld]
     if found.untold:
         kept = ", ".join(f"{name} of {axis}" for axis, name in found.untold)

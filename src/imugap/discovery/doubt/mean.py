@@ -5,7 +5,9 @@ from itertools import combinations
 import numpy as np
 
 from imugap.discovery.axis import AxisFit
+from imugap.discovery.carried import INERTIAL
 from imugap.discovery.doubt.doubt import Doubt
+from imugap.discovery.doubt.motion import in_place_of_motion
 from imugap.discovery.doubt.wave import repeated
 from imugap.discovery.parameters import term_intervals
 from imugap.discovery.search import Key, Search, at, log_chance
@@ -27,6 +29,8 @@ def term_doubt(search: Search, fit: AxisFit, key: Key) -> Doubt | None:
     if _split(fit, key) or _modulated(fit, key):
         return Doubt("lines beside it make it one that swells or drifts", -np.inf)
     bent = Doubt("the mean is not quite of its shape", nearly(fit, key.index))
+    if isinstance(at(fit.description, key), INERTIAL):
+        return min(bent, in_place_of_motion(search, fit, key), key=lambda doubt: doubt.log_p)
     if not isinstance(at(fit.description, key), BiasStep):
         return bent
     return min(bent, repeated(search, fit, key), key=lambda doubt: doubt.log_p)

@@ -7,7 +7,7 @@ from scipy.fft import idct
 from scipy.stats import ncx2
 
 from imugap.discovery.axis import AxisFit
-from imugap.discovery.doubt.doubt import LEVEL, Doubt, divergence
+from imugap.discovery.doubt.doubt import LEVEL, Doubt, divergence, over
 from imugap.discovery.doubt.memory import in_place_of_noise
 from imugap.discovery.doubt.wave import repeated
 from imugap.discovery.noise import STEP, Noise, log_likelihood
@@ -27,6 +27,8 @@ Of fractional noise between flicker and walk a Gauss-Markov process is seldom li
 """
 SHARE = 0.05
 """Share of the variance of a band above which an effect answers for the band."""
+AROUND = 4.0
+"""Factor of the frequencies that an effect answers for within which the spectrum is around it."""
 BANDS = 24
 SLIGHT = 0.05
 """Relative deviation of the power in a band that leaves a name as it is: no real spectrum is one of a catalogue."""
@@ -43,7 +45,14 @@ def noise_doubt(search: Search, fit: AxisFit, key: Key) -> Doubt:
     bins = fit.sequence.bins
     share = share_of(fit, effect)
     slope = _score(fit, share * np.log(bins.frequency / bins.frequency[0]))
-    doubts = [Doubt("its spectrum has another slope", slope), _off_in_bands(fit, share)]
+    mine = np.flatnonzero(share > SHARE)
+    around = _around(bins.frequency, mine)
+    named = search.weighed(fit, key)[0].log_p
+    doubts = [
+        Doubt("its spectrum has another slope", slope),
+        Doubt("its spectrum has another shape", _off_in_bands(fit, mine)),
+        Doubt("the spectrum around it is farther off", over(named, _off_in_bands(fit, around), search.log_alpha)),
+    ]
     if isinstance(effect, RandomTelegraph):
         doubts += _two_valued(search, fit, key)
     else:
@@ -120,12 +129,19 @@ def _score(fit: AxisFit, direction: np.ndarray) -> float:
     return log_chance(0.5 * float(rest @ excess) ** 2 / norm, 1) if norm > 1e-6 else 0.0
 
 
-def _off_in_bands(fit: AxisFit, share: np.ndarray) -> Doubt:
-    """Compare the power of bands that the effect answers for with the fit, slight deviations allowed for."""
+def _around(frequency: np.ndarray, mine: np.ndarray) -> np.ndarray:
+    """Return the indices of the frequencies within a factor of :data:`AROUND` of those of some; none of none."""
+    if not len(mine):
+        return mine
+    low, high = frequency[mine[[0, -1]]]
+    return np.flatnonzero((frequency > low / AROUND) & (frequency < high * AROUND))
+
+
+def _off_in_bands(fit: AxisFit, mine: np.ndarray) -> float:
+    """Return the log-probability that power is as far from the fit in bands of some bins, slight deviations aside."""
     bins = fit.sequence.bins
-    mine = np.flatnonzero(share > SHARE)
     if len(mine) < 2:
-        return Doubt("its spectrum has another shape", 0.0)
+        return 0.0
     edges = np.unique(np.geomspace(bins.frequency[mine[0]], bins.frequency[mine[-1]] * 1.001, BANDS + 1))
     band = np.digitize(bins.frequency[mine], edges)
     number = np.bincount(band, bins.number[mine])
@@ -136,7 +152,7 @@ def _off_in_bands(fit: AxisFit, share: np.ndarray) -> Doubt:
     free = max(int(used.sum()) - len(fit.description.noise.parameters()), 1)
     slight = 0.5 * SLIGHT**2 * float(number[used].sum())
     chance = float(ncx2.sf(np.sum(normal**2), free, slight))
-    return Doubt("its spectrum has another shape", float(np.log(max(chance, TINY))))
+    return float(np.log(max(chance, TINY)))
 
 
 def with_power_law(search: Search, fit: AxisFit) -> AxisFit | None:

@@ -2,8 +2,10 @@
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import combinations
 
 import numpy as np
+import pandas as pd
 from scipy.fft import idct
 from scipy.ndimage import uniform_filter1d
 
@@ -27,7 +29,7 @@ class Binning:
     Attributes
     ----------
     view, source
-        Name of the view, and of the axis whose input the quantity is; empty if it is none's.
+        Name of the view, and of the axes whose input the quantity is; empty if it is none's.
     unit
         Unit of the quantity.
     low, high
@@ -79,7 +81,7 @@ def binned(
 
 
 def binnings(sequence: Sequence) -> tuple[Binning, ...]:
-    """Return what the residuals of a log are looked at over: temperature, and the error-free input of each axis."""
+    """Return what the residuals of a log are looked at over: temperature, the error-free inputs and their products."""
     conditions, found = sequence.conditions, []
     shares = np.linspace(0, 1, CELLS + 1)
     if conditions.temperature is not None:
@@ -89,6 +91,7 @@ def binnings(sequence: Sequence) -> tuple[Binning, ...]:
     if conditions.ideal is not None:
         for axis in log.axes(conditions.ideal):
             found += _inputs(axis, conditions.ideal[axis].to_numpy(float), conditions.interval, shares)
+        found += _products(conditions.ideal, shares)
     return tuple(item for item in found if item is not None)
 
 
@@ -101,6 +104,16 @@ def _inputs(axis: str, values: np.ndarray, interval: float, shares: np.ndarray) 
         binned(view, axis, unit, values, shares),
         binned("time_shift", axis, slower, np.gradient(values, interval), shares),
         binned("full_scale", axis, unit, np.abs(values), top, np.sign(values)),
+    ]
+
+
+def _products(ideal: pd.DataFrame, shares: np.ndarray) -> list[Binning | None]:
+    """Return the cells of the products of two inputs of a triad."""
+    triads = ("rate_product", "rad^2/s^2", log.GYRO), ("force_product", "m^2/s^4", log.ACCEL)
+    return [
+        binned(view, f"{one},{other}", unit, (ideal[one] * ideal[other]).to_numpy(float), shares)
+        for view, unit, triad in triads
+        for one, other in combinations([axis for axis in triad if axis in ideal], 2)
     ]
 
 

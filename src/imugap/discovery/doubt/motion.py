@@ -1,0 +1,56 @@
+"""Does something else that goes with the motion explain a term better than its name does?"""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from itertools import combinations_with_replacement
+
+import numpy as np
+
+from imugap import log
+from imugap.discovery.axis import AxisFit, jacobian
+from imugap.discovery.doubt.doubt import Doubt, over
+from imugap.discovery.search import Key, Search, log_chance, removed
+from imugap.effects.effect import Conditions
+
+CLEARLY = 10.0
+"""Log-probability by which something without a name has to be surer than what has one."""
+ANOTHER = "another function of the motion explains it better"
+
+
+def in_place_of_motion(search: Search, fit: AxisFit, key: Key) -> Doubt:
+    """Weigh what has no name in the place of a term that answers the motion, and ask what the term says beside it."""
+    none, term = Doubt(ANOTHER, 0.0), fit.description.terms[key.index]
+    if not term.free:
+        return none
+    base = replace(fit, description=removed(fit.description, key))
+    own = base.whiten(jacobian((term,), fit.sequence))
+    named = log_chance(*base.joint_gain(own))
+    ways = list(_ways(fit.sequence.conditions))
+    doubts = [none]
+    for way in ways:
+        columns = base.whiten(way)
+        gain, rank = base.joint_gain(columns)
+        both, more = base.joint_gain(np.column_stack([columns, own]))
+        if rank and more > rank and log_chance(both - gain, more - rank) > search.log_alpha:
+            other = log_chance(gain, rank) + np.log(len(ways)) + CLEARLY
+            doubts.append(Doubt(ANOTHER, over(named, other, search.log_alpha)))
+    return min(doubts, key=lambda doubt: doubt.log_p)
+
+
+def _ways(conditions: Conditions) -> Iterator[np.ndarray]:
+    """Yield what an error may go with, columns of shape (n, m): inputs, their products and derivatives, their history.
+
+    All of a triad at a time; of the own axis the direction of its change, as that of a backlash, and a share that
+    drifts.
+    """
+    for triad in (log.GYRO, log.ACCEL):
+        known = [axis for axis in triad if conditions.knows([axis])]
+        if known:
+            inputs = np.column_stack([conditions.ideal[axis].to_numpy(float) for axis in known])
+            yield inputs
+            yield np.gradient(inputs, conditions.interval, axis=0)
+            yield np.column_stack([a * b for a, b in combinations_with_replacement(inputs.T, 2)])
+    if conditions.knows([conditions.axis]):
+        own = conditions.error_free
+        yield np.sign(np.gradient(own))[:, None]
+        yield (own * np.linspace(-1.0, 1.0, len(own)))[:, None]
