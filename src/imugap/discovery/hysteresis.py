@@ -56,14 +56,14 @@ class Hysteresis(SystematicEffect):
 def _columns(conditions: Conditions) -> np.ndarray:
     """Return the temperature and what each play makes of it, each less its mean, shape (n, 1 + plays)."""
     temperature = np.ascontiguousarray(conditions.temperature, dtype=float)
-    plays = [_play(temperature, half * np.ptp(temperature)) for half in HALVES]
+    plays = [play(temperature, half * np.ptp(temperature)) for half in HALVES]
     columns = np.column_stack([temperature, *plays])
     return columns - columns.mean(axis=0)
 
 
 @njit(cache=True)
-def _play(values, half):
-    """Return what a pointer shows that ``values`` drag along with a play of twice ``half``."""
+def play(values, half):
+    """Return what a pointer shows that ``values``, shape (n,), drag along with a play of twice ``half``."""
     dragged, at = np.empty(len(values)), values[0]
     for row in range(len(values)):
         at = min(max(at, values[row] - half), values[row] + half)

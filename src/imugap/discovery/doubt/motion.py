@@ -9,9 +9,12 @@ import numpy as np
 from imugap import log
 from imugap.discovery.axis import AxisFit, jacobian
 from imugap.discovery.doubt.doubt import Doubt, over
+from imugap.discovery.hysteresis import play
 from imugap.discovery.search import Key, Search, log_chance, removed
 from imugap.effects.effect import Conditions
 
+HALVES = 0.03, 0.1, 0.3, 1.0
+"""Halves of plays, in standard deviations of the input."""
 CLEARLY = 10.0
 """Log-probability by which something without a name has to be surer than what has one."""
 ANOTHER = "another function of the motion explains it better"
@@ -40,8 +43,7 @@ def in_place_of_motion(search: Search, fit: AxisFit, key: Key) -> Doubt:
 def _ways(conditions: Conditions) -> Iterator[np.ndarray]:
     """Yield what an error may go with, columns of shape (n, m): inputs, their products and derivatives, their history.
 
-    All of a triad at a time; of the own axis the direction of its change, as that of a backlash, and a share that
-    drifts.
+    All of a triad at a time; of the own axis what it drags along with some play, and a share that drifts.
     """
     for triad in (log.GYRO, log.ACCEL):
         known = [axis for axis in triad if conditions.knows([axis])]
@@ -51,6 +53,6 @@ def _ways(conditions: Conditions) -> Iterator[np.ndarray]:
             yield np.gradient(inputs, conditions.interval, axis=0)
             yield np.column_stack([a * b for a, b in combinations_with_replacement(inputs.T, 2)])
     if conditions.knows([conditions.axis]):
-        own = conditions.error_free
-        yield np.sign(np.gradient(own))[:, None]
+        own = np.ascontiguousarray(conditions.error_free)
+        yield np.column_stack([play(own, half * own.std()) for half in HALVES])
         yield (own * np.linspace(-1.0, 1.0, len(own)))[:, None]
