@@ -71,7 +71,7 @@ def test_samples_on_few_levels_stay_coarse_without_a_band():
 
 
 def test_beside_a_wandering_line_the_others_keep_their_names():
-    data = sequence(BiasStep(700.0, 3e-3), BiasInstability(1e-3), line=4e-3)
+    data = sequence(BiasStep(700.0, 4e-3), BiasInstability(1e-3), line=4e-3)
     story = concluded(told(data, (), tuple(CATALOGUE.values()), LOG_ALPHA, int(0.8 * COUNT)))
     assert sorted(finding.name for finding in story.findings) == ["bias_instability", "bias_step"]
     (band,) = story.bands
