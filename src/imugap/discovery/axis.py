@@ -190,8 +190,7 @@ class AxisFit:
         ahead = replace(self.description, noise=replace(self.description.noise, output_filter=None))
         spectrum, count = rfft(self.whitened), len(self.whitened)
         interval = self.sequence.conditions.interval
-        turn = np.angle(output_filter.response(rfftfreq(count, interval), interval))
-        even = irfft(spectrum * np.exp(-1j * turn), count)
+        even = irfft(output_filter.unturned(spectrum, rfftfreq(count, interval), interval), count)
         return scans.steps(cosines(even), _roots(self.sequence, ahead) ** 2)
 
     def steps_without(self, index: int) -> scans.Steps:
@@ -255,16 +254,27 @@ def _without_outside(values: np.ndarray, sequence: Sequence, description: Descri
     first and at the last; they are replaced by nothing where the log tells them (their posterior mean), and stay where
     other noise hides them. A filter has still to let go of what was there before the log, of which nothing is known.
     """
+    columns, output_filter = _ends(sequence, description), description.noise.output_filter
+    known = [1.0] * columns.shape[1]
+    if output_filter is not None:
+        columns, known = np.column_stack([columns, *_decay(sequence, output_filter)]), [*known, 0.0, 1.0]
+    if not known:
+        return values
+    root = _roots(sequence, description)
+    whitened, seen = cosines(columns) / root[:, None], cosines(values) / root
+    if output_filter is not None:
+        size = _sizes(whitened[:, :-1], seen, known[:-1])[-1]
+        columns[:, -1], whitened[:, -1] = size * columns[:, -1], size * whitened[:, -1]
+    return values - columns @ _sizes(whitened, seen, known)
+
+
+def _ends(sequence: Sequence, description: Description) -> np.ndarray:
+    """Return the rounding errors before the first sample and at the last, as the output has them, shape (n, 2 or 0)."""
     rounded = [effect.q for effect in description.noise.effects if isinstance(effect, Quantization)]
-    ends = np.zeros((len(values), 2 * len(rounded)))
+    ends = np.zeros((len(sequence.values), 2 * len(rounded)))
     if rounded:
         ends[[0, -1], [0, 1]] = rounded[0] / sequence.conditions.interval
-    ends, known = _passed(ends, sequence, description), [1.0] * ends.shape[1]
-    if description.noise.output_filter is not None:
-        decay, turned = _decay(sequence, description.noise.output_filter)
-        size = _sizes(values, np.column_stack([ends, decay]), [*known, 0.0], sequence, description)[-1]
-        ends, known = np.column_stack([ends, decay, size * turned]), [*known, 0.0, 1.0]
-    return values - ends @ _sizes(values, ends, known, sequence, description) if known else values
+    return _passed(ends, sequence, description)
 
 
 def _decay(sequence: Sequence, output_filter: OutputFilter) -> tuple[np.ndarray, np.ndarray]:
@@ -275,15 +285,11 @@ def _decay(sequence: Sequence, output_filter: OutputFilter) -> tuple[np.ndarray,
     return decay, lower.decay(count, interval) - decay
 
 
-def _sizes(
-    values: np.ndarray, columns: np.ndarray, known: Several[float], sequence: Sequence, description: Description
-) -> np.ndarray:
-    """Return the sizes of columns, shape (n, m), in samples; each is known to be zero to 1/sqrt(``known``) a priori."""
-    root = _roots(sequence, description)
-    whitened = cosines(columns) / root[:, None]
+def _sizes(whitened: np.ndarray, seen: np.ndarray, known: Several[float]) -> np.ndarray:
+    """Return the sizes of whitened columns, shape (n - 1, m); each is zero to 1/sqrt(``known``) a priori."""
     precision = whitened.T @ whitened + np.diag(known)
     units = np.sqrt(np.maximum(np.diag(precision), TINY))
-    return np.linalg.lstsq(precision / np.outer(units, units), whitened.T @ (cosines(values) / root) / units)[0] / units
+    return np.linalg.lstsq(precision / np.outer(units, units), whitened.T @ seen / units)[0] / units
 
 
 def offset(sequence: Sequence, description: Description) -> float:

@@ -130,7 +130,7 @@ def _correlation(fits: Sequence[AxisFit], good: np.ndarray) -> tuple[np.ndarray,
     for fit in fits:
         spectrum, output_filter = rfft(np.where(good, fit.whitened, 0.0))[1:], fit.description.noise.output_filter
         if output_filter is not None:
-            spectrum = spectrum * np.exp(-1j * np.angle(output_filter.response(frequency, interval)))
+            spectrum = output_filter.unturned(spectrum, frequency, interval)
         spectra.append(spectrum)
         clear.append(output_filter is None or output_filter.gain(frequency, interval) > CLEAR)
     correlation, number = np.eye(len(fits)), np.full((len(fits), len(fits)), good.sum())

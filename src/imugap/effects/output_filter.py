@@ -61,6 +61,10 @@ class OutputFilter(Effect):
 
         return sosfreqz(self._sections(interval), worN=frequency, fs=1 / interval)[1]
 
+    def unturned(self, spectrum: np.ndarray, frequency: np.ndarray, interval: float) -> np.ndarray:
+        """Return a spectrum at ``frequency`` [Hz], shape of it, without the phase that the filter gave it."""
+        return spectrum * np.exp(-1j * np.angle(self.response(frequency, interval)))
+
     def _sections(self, interval: float) -> np.ndarray:
         """Return the sections of second order.
 
