@@ -11,8 +11,9 @@ from imugap.discovery.axis import Description, Term, cosines, fit, jacobian
 from imugap.discovery.common import _errors, shared
 from imugap.discovery.discover import _nameless
 from imugap.discovery.doubt import Doubt, doubts
+from imugap.discovery.doubt.doubt import LEVEL
 from imugap.discovery.doubt.doubts import _of_the_spectrum, _parts_of_it
-from imugap.discovery.doubt.memory import MEMORY
+from imugap.discovery.doubt.memory import MEMORY, in_place_of_means
 from imugap.discovery.finding import Gap
 from imugap.discovery.gaps import gaps
 from imugap.discovery.hysteresis import Hysteresis
@@ -78,6 +79,19 @@ def test_gain_of_every_step_is_that_of_its_column():
     for place in (80, 777, 2000, 3500):
         column = (np.arange(4000) >= place).astype(float)
         assert gains[place] == pytest.approx(found.gains(found.whiten(column[:, None]))[0], rel=1e-6)
+
+
+@pytest.mark.parametrize("output_filter", [None, OutputFilter(2.0, 2)])
+def test_gain_of_every_step_is_that_beside_terms_which_move(output_filter):
+    """Behind a filter what leaks over the ends of the log is left out of it."""
+    terms = Term(RateRamp(0.0), ("slope",)), Term(Sinusoid(0.013, 1e-4, 0.4), ("frequency", "amplitude", "phase"))
+    effects = () if output_filter is None else (output_filter,)
+    found = fit(sequence(*effects, count=4000), Description(terms, Noise((WHITE,), output_filter)))
+    for place in (77, 700, 2000, 3200):
+        column = found.whiten((np.arange(4000) >= place).astype(float)[:, None])
+        gain, rank = found.joint_gain(column)
+        assert rank == 1
+        assert found.steps.gains[place] == pytest.approx(gain, rel=1e-6 if output_filter is None else 0.1, abs=0.05)
 
 
 def test_power_of_lines_in_noise_is_exponential():
@@ -179,7 +193,7 @@ def test_the_highest_step_comes_by_chance_as_often_as_its_places_say(walk):
     variance = data.bins.spread(noise.variance(data.bins))
     chances = []
     for run in range(400):
-        found = scans.steps(stream(run, "places").standard_normal(3999), variance)
+        found = scans.steps(stream(run, "places").standard_normal(3999), variance, np.empty((3999, 0)))
         gain = found.gains.max()
         chances.append(found.places(gain) * chi2.sf(2 * gain, 1))
     for level in (0.02, 0.1):
@@ -694,6 +708,27 @@ def test_nothing_stays_that_chance_explains_beside_the_rest(number):
 def test_two_means_that_nearly_cancel_are_found_together():
     found = two_means(-6e-7, 6e-5, "cancel").description.terms
     assert sorted(term.effect.name for term in found) == ["rate_ramp", "temperature"]
+
+
+@pytest.mark.parametrize("run", range(4))
+def test_a_step_and_a_ramp_that_nearly_cancel_are_found_together(run):
+    """A walk gains more than either of them alone, and hides both."""
+    found = told_of(BiasStep(480.0, -1.2e-3), RateRamp(1.8e-6), label=f"saw {run}")
+    assert names(found) == ["bias_step", "rate_ramp"]
+
+
+def test_a_temperature_beside_a_walk_is_seldom_a_memory_of_it():
+    count, interval, few = 3000, 0.2, []
+    time = interval * np.arange(count)
+    warming = 24 + 4 * (1 - np.exp(-time / 120)) + 0.5 * np.sin(2 * np.pi * time / 200)
+    conditions, straight = Conditions(time, interval, warming, "gyro_x"), Temperature(1e-3, 25.0)
+    described = Description((Term(straight, ("coefficient",)),), Noise((WHITE, RandomWalk(4e-5))))
+    for run in range(60):
+        values = AxisModel((WHITE, RandomWalk(4e-5), straight)).simulate(np.zeros(count), conditions, run, "nested")
+        found = fit(Sequence(values, conditions, np.zeros(count, bool)), described)
+        few.append(in_place_of_means(Search(Description((), Noise((WHITE,))), (), LOG_ALPHA), found).log_p)
+    assert np.sum(np.array(few) < LEVEL) <= 3
+    assert 15 <= np.sum(np.array(few) < np.log(0.5)) <= 45
 
 
 def test_slow_noise_beside_a_walk_of_the_start_model_is_found():

@@ -184,14 +184,26 @@ class AxisFit:
     @cached_property
     def steps(self) -> scans.Steps:
         """Return what a step of the mean gains at each sample, ahead of the filter of the output."""
-        output_filter = self.description.noise.output_filter
+        return self.steps_beside(np.empty((len(self.coefficients), 0)))
+
+    def steps_beside(self, columns: np.ndarray) -> scans.Steps:
+        """Return what a step gains at each sample beside whitened columns more, (n - 1, m), which are fitted too."""
+        more = _basis(self.beyond(columns))
+        rest = self.coefficients - more @ (more.T @ self.coefficients)
+        noise = self.description.noise
+        ahead = replace(self.description, noise=replace(noise, output_filter=None))
+        even = self._unturned(np.column_stack([rest, self.basis, more]))
+        return scans.steps(even[:, 0], _roots(self.sequence, ahead) ** 2, even[:, 1:])
+
+    def _unturned(self, coefficients: np.ndarray) -> np.ndarray:
+        """Return columns of cosine coefficients, shape (n - 1, m), without the phase of the filter of the output."""
+        output_filter, interval = self.description.noise.output_filter, self.sequence.conditions.interval
         if output_filter is None:
-            return scans.steps(self.coefficients, self._root**2)
-        ahead = replace(self.description, noise=replace(self.description.noise, output_filter=None))
-        spectrum, count = rfft(self.whitened), len(self.whitened)
-        interval = self.sequence.conditions.interval
-        even = irfft(output_filter.unturned(spectrum, rfftfreq(count, interval), interval), count)
-        return scans.steps(cosines(even), _roots(self.sequence, ahead) ** 2)
+            return coefficients
+        values = idct(np.pad(coefficients, ((1, 0), (0, 0))), axis=0, norm="ortho")
+        count = len(values)
+        spectrum = output_filter.unturned(rfft(values, axis=0).T, rfftfreq(count, interval), interval)
+        return cosines(irfft(spectrum.T, count, axis=0))
 
     def steps_without(self, index: int) -> scans.Steps:
         """Return what a step gains at each sample in the place of a term, the rest as it is."""

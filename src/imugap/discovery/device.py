@@ -3,12 +3,14 @@
 A delay is that of the whole device, a lever arm that of its accelerometers (``common`` of
 :class:`imugap.effects.effect.Effect`). A search of one axis decides on its own data only. Here the axes that show such
 an effect are pooled by the weights of their information; a chi-square test says whether they agree. The other axes are
-then tested at an uncorrected level: they have the effect too unless their data contradict it. Where no axis shows it,
-all of them together may. As a delay and a lever arm may stand for each other, all such effects are estimated together.
+then tested, those of a sensor together, at an uncorrected level: they have the effect too unless their data contradict
+it. Where no axis shows it, all of them together may. As a delay and a lever arm may stand for each other, all such
+effects are estimated together.
 """
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import chain
 
 import numpy as np
 from scipy.stats import chi2
@@ -16,6 +18,7 @@ from scipy.stats import chi2
 from imugap.discovery.axis import AxisFit, Term, fit
 from imugap.discovery.search import Search, log_chance, with_effect
 from imugap.effects.effect import Effect, SystematicEffect
+from imugap.log import ACCEL, GYRO
 
 LEVEL = 0.001
 """Probability below which axes disagree: at 0.01 one device in sixteen would lose one of its six axes by chance."""
@@ -164,8 +167,8 @@ def agreeing(estimates: Sequence[Estimate], level: float = LEVEL) -> list[Estima
     return kept
 
 
-def contradicts(one: Estimate, pool: Pool, level: float = LEVEL) -> bool:
-    """Return whether an estimate that is not in a pool is too far from it."""
+def contradicts(one: Estimate | Pool, pool: Pool, level: float = LEVEL) -> bool:
+    """Return whether an estimate, or several, that are not in a pool are too far from it."""
     covariance = np.linalg.pinv(one.information, hermitian=True) + pool.covariance
     gap = one.value - pool.value
     return bool(gap @ np.linalg.solve(covariance, gap) > chi2.isf(level, len(gap)))
@@ -205,13 +208,17 @@ def _joint(kind: type[Effect], members: Sequence[str], estimates: Sequence[Estim
 
 
 def _members(kind: type[Effect], estimates: Sequence[Estimate], device: Device, level: float) -> list[str]:
-    """Return the axes that have an effect by one value: those that show it and agree, and those that allow of it."""
+    """Return the axes that have an effect by one value: those that show it and agree, and those that allow of it.
+
+    The others of a sensor are asked together: where some of them do without it, those that do not tell have none.
+    """
     estimates = _about(kind, estimates)
     showing = [one for one in estimates if device.fits[one.axis].has(kind)]
     silent = [one for one in estimates if not device.fits[one.axis].has(kind)]
     anchor = agreeing(showing or silent, level)
-    others = [one for one in silent if one not in anchor and not contradicts(one, pooled(anchor), level)]
-    return [one.axis for one in (*anchor, *others)]
+    rest = [[one for one in silent if one.axis in sensor and one not in anchor] for sensor in (GYRO, ACCEL)]
+    allowing = [group for group in rest if group and not contradicts(pooled(group), pooled(anchor), level)]
+    return [one.axis for one in (*anchor, *chain.from_iterable(allowing))]
 
 
 def _together(kind: type[Effect], estimates: Sequence[Estimate], device: Device, level: float) -> bool:

@@ -12,6 +12,8 @@ EDGE, LONGEST_EDGE = 0.02, 64
 
 There a sharp filter, whose past and future the log does not hold, makes what looks like one.
 """
+LOST = 1e-6
+"""Share of a step that the other terms have to leave of it for it to be told from them."""
 BAND, FINER = 256, 4
 """Frequencies of a band over which the level of the power is taken; how often it is halved towards zero."""
 MEANS, FASTEST = 4096, 0.125
@@ -48,28 +50,47 @@ class Steps:
         return float(1 + 2 * max(gain, 0.0) * np.sum(self.apart * overshoot))
 
 
-def steps(coefficients: np.ndarray, variance: np.ndarray) -> Steps:
-    """Return what a step of the mean gains at each sample.
+def steps(coefficients: np.ndarray, variance: np.ndarray, basis: np.ndarray) -> Steps:
+    """Return what a step of the mean gains at each sample, beside terms that are free to move.
 
     The step at sample t has the cosine coefficients -sqrt(2/n) sin(pi k t/n)/(2 sin(pi k/(2 n))), so that with the
     spectrum S its matched filter is a sum of the samples weighted by 1/S, and products of two such filters are cosine
-    transforms. The other terms are taken as known.
+    transforms.
+
+    Parameters
+    ----------
+    coefficients
+        Cosine coefficients k = 1..n-1 of the residual over their standard deviations.
+    variance
+        Variance of each.
+    basis
+        Orthonormal columns that the other terms may move the coefficients in, shape (n - 1, m).
     """
     n = len(coefficients) + 1
     k = np.arange(1, n)
-    weighted = idct(np.r_[0.0, coefficients / np.sqrt(variance)], norm="ortho")
-    matched = np.r_[0.0, -np.cumsum(weighted)[:-1]]
     share = 2 / n / (4 * np.sin(np.pi * k / (2 * n)) ** 2) / variance
     cosine = np.real(rfft(np.r_[0.0, share], 2 * n))
     cosine = np.r_[cosine, cosine[-2:0:-1]]
-    norm = np.maximum(0.5 * (share.sum() - cosine[::2]), 1e-300)
-    product = 0.5 * (cosine[1] - cosine[1::2])
+    alone = np.maximum(0.5 * (share.sum() - cosine[::2]), 1e-300)
+    norm, product = alone.copy(), 0.5 * (cosine[1] - cosine[1::2])
+    for column in basis.T:
+        along = _matched(column, variance)
+        norm -= along**2
+        product -= along * np.r_[along[1:], 0.0]
     edge = min(max(int(EDGE * n), 8), LONGEST_EDGE)
-    inner = slice(edge, n - edge)
+    told = norm > LOST * alone
+    told[:edge] = told[n - edge :] = False
+    inner = np.flatnonzero(told[:-1] & told[1:])
     gains, apart = np.zeros(n), np.zeros(n)
-    gains[inner] = 0.5 * matched[inner] ** 2 / norm[inner]
-    apart[inner] = np.clip(1 - product[inner] / np.sqrt(norm[inner] * norm[edge + 1 : n - edge + 1]), 0.0, 2.0)
+    gains[told] = 0.5 * _matched(coefficients, variance)[told] ** 2 / norm[told]
+    apart[inner] = np.clip(1 - product[inner] / np.sqrt(norm[inner] * norm[inner + 1]), 0.0, 2.0)
     return Steps(gains, apart)
+
+
+def _matched(coefficients: np.ndarray, variance: np.ndarray) -> np.ndarray:
+    """Return the products of coefficients with those of a unit step at each sample, shape (n,)."""
+    weighted = idct(np.r_[0.0, coefficients / np.sqrt(variance)], norm="ortho")
+    return np.r_[0.0, -np.cumsum(weighted)[:-1]]
 
 
 def lines(whitened: np.ndarray, interval: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -5,7 +5,7 @@ together with all that is there, and the one that chance explains least is taken
 was added is taken out again and exchanged for every other, so that what came first by masquerade does not stay.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from collections.abc import Sequence as Several
 from dataclasses import dataclass, field, fields, replace
 from itertools import combinations
@@ -238,27 +238,41 @@ class Search:
                         yield self.judged(start, before, given_up)
 
     def couple(self, before: AxisFit, single: Trial) -> Trial | None:
-        """Return two smooth means that together are worth more than one slow effect, or None.
+        """Return two means that together are worth more than one slow effect, or None; one of them may be a step.
 
         Two that nearly cancel gain little by themselves, but much beside each other, and what stands for both hides
         them.
         """
         if not isinstance(single.effect, MASKS):
             return None
-        starts = [
-            start
-            for kind in self.catalogue
-            if issubclass(kind, SystematicEffect)
-            for start in kind.starts(before)
-            if start.trials <= FEW
-        ]
-        pairs = [(a, b) for a, b in combinations(starts, 2) if type(a.effect) is not type(b.effect)]
-        promised = _joint_gains(before, starts, pairs)
-        chosen = [pairs[i] for i in np.argsort(promised)[::-1][:COUPLES] if promised[i] > ALIKE * single.gain]
+        pairs = self._pairs(before)
+        promised = np.array([gain for _, gain in pairs])
+        chosen = [pairs[i][0] for i in np.argsort(promised)[::-1][:COUPLES] if promised[i] > ALIKE * single.gain]
         fitted = (self._coupled(pair, before, len(pairs)) for pair in chosen)
         best = max(fitted, key=lambda trial: trial.worth, default=None)
         better = best is not None and best.worth > single.worth + MARGIN
         return best if better and self._needs_both(best.fit, before) else None
+
+    def _pairs(self, before: AxisFit) -> list[tuple[tuple[Start, Start], float]]:
+        """Return pairs of means, with the gain of log-likelihood that they promise, all else held and to first order.
+
+        Of two steps the higher one shows by itself.
+        """
+        means = [kind for kind in self.catalogue if issubclass(kind, SystematicEffect)]
+        starts = [start for kind in means for start in kind.starts(before) if start.trials <= FEW]
+        columns = [before.whiten(jacobian((Term(start.effect, start.free),), before.sequence)) for start in starts]
+        gain = _joint_gain(before, columns)
+        pairs = [
+            ((starts[i], starts[j]), gain(i, j))
+            for i, j in combinations(range(len(starts)), 2)
+            if type(starts[i].effect) is not type(starts[j].effect)
+        ]
+        if BiasStep not in means:
+            return pairs
+        for index, (start, column) in enumerate(zip(starts, columns, strict=True)):
+            step = BiasStep.highest(before.steps_beside(column), before.sequence.conditions)
+            pairs.append(((start, step), gain(index) + step.gain))
+        return pairs
 
     def _needs_both(self, after: AxisFit, before: AxisFit) -> bool:
         """Return whether chance explains neither of the two terms that a fit has more, beside the other."""
@@ -464,19 +478,20 @@ def _hopeful(start: Start, bar: float) -> bool:
     return log_chance(SLACK * start.gain + SLACK, len(start.free)) + np.log(start.trials) < bar
 
 
-def _joint_gains(before: AxisFit, starts: list[Start], pairs: list[tuple[Start, Start]]) -> np.ndarray:
-    """Return the gains of log-likelihood that pairs of proposals promise, all else held and to first order."""
-    columns = [
-        before.beyond(before.whiten(jacobian((Term(start.effect, start.free),), before.sequence))) for start in starts
-    ]
-    columns = [column / np.maximum(np.linalg.norm(column, axis=0), TINY) for column in columns]
-    place = {id(start): column for start, column in zip(starts, columns, strict=True)}
-    gains = []
-    for pair in pairs:
-        both = np.column_stack([place[id(start)] for start in pair])
-        pull = both.T @ before.coefficients
-        gains.append(0.5 * pull @ np.linalg.pinv(both.T @ both, rcond=1e-8, hermitian=True) @ pull)
-    return np.array(gains)
+def _joint_gain(before: AxisFit, groups: list[np.ndarray]) -> Callable[..., float]:
+    """Return the function that gives, of some of the groups of columns together, the gain of log-likelihood."""
+    if not groups:
+        return lambda *chosen: 0.0
+    rest = before.beyond(np.column_stack(groups))
+    rest = rest / np.maximum(np.linalg.norm(rest, axis=0), TINY)
+    product, pull = rest.T @ rest, rest.T @ before.coefficients
+    own = np.split(np.arange(len(pull)), np.cumsum([group.shape[1] for group in groups])[:-1])
+
+    def gain(*chosen: int) -> float:
+        at = np.concatenate([own[i] for i in chosen])
+        return float(0.5 * pull[at] @ np.linalg.pinv(product[np.ix_(at, at)], rcond=1e-8, hermitian=True) @ pull[at])
+
+    return gain
 
 
 def log_chance(gain: float, more: int) -> float:

@@ -10,6 +10,7 @@ from imugap.effects.effect import Conditions, Start, SystematicEffect, parameter
 
 if TYPE_CHECKING:
     from imugap.discovery.axis import AxisFit
+    from imugap.discovery.scans import Steps
 
 DECAY = 0.05
 """Decay, over the duration, of what is nearly a step."""
@@ -41,6 +42,11 @@ class BiasStep(SystematicEffect):
     @classmethod
     def starts(cls, fit: "AxisFit") -> Iterator[Start]:
         """Yield a step where the matched filter of all steps is highest."""
-        highest = int(np.argmax(fit.steps.gains))
-        time, gain = float(fit.sequence.conditions.time[highest]), float(fit.steps.gains[highest])
-        yield Start(cls(time, 0.0), ("step",), trials=fit.steps.places(gain), gain=gain)
+        yield cls.highest(fit.steps, fit.sequence.conditions)
+
+    @classmethod
+    def highest(cls, steps: "Steps", conditions: Conditions) -> Start:
+        """Return a step where the matched filter is highest."""
+        place = int(np.argmax(steps.gains))
+        time, gain = float(conditions.time[place]), float(steps.gains[place])
+        return Start(cls(time, 0.0), ("step",), trials=steps.places(gain), gain=gain)
