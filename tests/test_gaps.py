@@ -108,13 +108,20 @@ def test_what_goes_with_the_input_of_another_axis_is_found_over_it():
     assert all("gyro_y" in gap.axis for gap in found)
 
 
-def test_what_goes_with_a_product_of_inputs_is_found_over_it():
+@pytest.mark.parametrize(
+    ("view", "source", "hidden"),
+    [
+        ("rate_product", "gyro_y,gyro_z", lambda ideal: 4e-4 * ideal["gyro_y"] * ideal["gyro_z"]),
+        ("angular_acceleration", "gyro_z", lambda ideal: 1e-4 * np.gradient(ideal["gyro_z"], INTERVAL)),
+    ],
+)
+def test_what_goes_with_the_motion_of_other_axes_is_found_over_it(view, source, hidden):
     ideal = swings()
-    hidden = fits({"gyro_x": (), "gyro_y": ()}, ideal=ideal)
-    sequence = hidden["gyro_x"].sequence
-    moved = sequence.changed(sequence.values + 4e-4 * (ideal["gyro_y"] * ideal["gyro_z"]).to_numpy())
-    found = gaps(hidden | {"gyro_x": fit(moved, Description((), Noise((WHITE,))))}, 0.01, seed=1)
-    assert ("rate_product", "gyro_x,gyro_y,gyro_z") in {(gap.view, gap.axis) for gap in found}
+    quiet = fits({"gyro_x": (), "gyro_y": ()}, ideal=ideal)
+    sequence = quiet["gyro_x"].sequence
+    moved = sequence.changed(sequence.values + np.asarray(hidden(ideal)))
+    found = gaps(quiet | {"gyro_x": fit(moved, Description((), Noise((WHITE,))))}, 0.01, seed=1)
+    assert (view, f"gyro_x,{source}") in {(gap.view, gap.axis) for gap in found}
     assert all("gyro_x" in gap.axis for gap in found)
 
 

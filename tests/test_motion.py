@@ -5,9 +5,19 @@ import pytest
 from scipy.signal import butter, lfilter
 
 from imugap import log
+from imugap.discovery.hysteresis import play
 from imugap.discovery.sequence import Sequence
 from imugap.discovery.story import concluded, told
-from imugap.effects import CATALOGUE, GSensitivity, Misalignment, ScaleFactor, VibrationRectification, WhiteNoise
+from imugap.effects import (
+    CATALOGUE,
+    GaussMarkov,
+    GSensitivity,
+    Misalignment,
+    OutputFilter,
+    ScaleFactor,
+    VibrationRectification,
+    WhiteNoise,
+)
 from imugap.effects.effect import Conditions
 from imugap.model import AxisModel
 from imugap.stream import stream
@@ -36,11 +46,13 @@ def story(axis, ideal, *effects, added=0.0):
         ("accel_z", Misalignment(0.0, 1e-3, 0.0)),
         ("gyro_x", GSensitivity(0.0, 1e-3, 0.0)),
         ("gyro_z", ScaleFactor(1e-3)),
+        ("gyro_z", ScaleFactor(1e-2)),
     ],
 )
-def test_what_answers_the_motion_keeps_its_name(axis, effect):
-    found = story(axis, turning(), effect)
-    assert [finding.name for finding in found.findings] == [effect.name]
+@pytest.mark.parametrize("beside", [(), (GaussMarkov(5e-3, 5.0),), (OutputFilter(5.0, 2),)])
+def test_what_answers_the_motion_keeps_its_name(axis, effect, beside):
+    found = story(axis, turning(), effect, *beside)
+    assert sorted(finding.name for finding in found.findings) == sorted(one.name for one in (effect, *beside))
     assert not found.withheld
 
 
@@ -50,6 +62,16 @@ def test_an_accelerometer_that_answers_the_rate_leans_to_no_axis(coupled):
     found = story("accel_z", ideal, added=2e-3 * ideal["gyro_z"].to_numpy())
     assert not found.findings
     assert "another function of the motion explains it better" in {one.reason for one in found.withheld}
+
+
+@pytest.mark.parametrize("half", [0.003, 0.03])
+def test_a_play_is_neither_what_it_looks_like_nor_the_noise_that_takes_it_up(half):
+    """A delay, a filter, outliers: each of them explains some of it."""
+    ideal = turning()
+    own = np.ascontiguousarray(ideal["gyro_y"])
+    found = story("gyro_y", ideal, added=play(own, half * own.std()) - own)
+    assert not found.findings
+    assert found.withheld
 
 
 @pytest.mark.parametrize("own", [0, 1])

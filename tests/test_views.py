@@ -164,6 +164,8 @@ def test_an_axis_is_seen_over_its_own_derivative_only():
     over = views.binnings(fitted(ideal=motion()).sequence)
     own = [item for item in over if item.concerns("gyro_x")]
     assert {item.source for item in own if item.view in ("time_shift", "full_scale")} == {"gyro_x"}
+    assert {item.source for item in own if item.view == "angular_acceleration"} == {"gyro_y", "gyro_z"}
+    assert {item.source for item in own if item.view == "jerk"} == set(log.ACCEL)
     assert {item.source for item in own if item.view == "rate"} == set(log.GYRO)
     assert {item.source for item in own if item.view == "specific_force"} == set(log.ACCEL)
 

@@ -188,8 +188,7 @@ class AxisFit:
 
     def steps_beside(self, columns: np.ndarray) -> scans.Steps:
         """Return what a step gains at each sample beside whitened columns more, (n - 1, m), which are fitted too."""
-        more = _basis(self.beyond(columns))
-        rest = self.coefficients - more @ (more.T @ self.coefficients)
+        more, rest = self.beside(columns)
         noise = self.description.noise
         ahead = replace(self.description, noise=replace(noise, output_filter=None))
         even = self._unturned(np.column_stack([rest, self.basis, more]))
@@ -223,6 +222,11 @@ class AxisFit:
     def beyond(self, columns: np.ndarray) -> np.ndarray:
         """Return what the terms leave of whitened columns, shape (n - 1, m)."""
         return columns - self.basis @ (self.basis.T @ columns)
+
+    def beside(self, columns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return a basis of what whitened columns say beside the terms, and the coefficients that are left of them."""
+        basis = _basis(self.beyond(columns))
+        return basis, self.coefficients - basis @ (basis.T @ self.coefficients)
 
     def gains(self, columns: np.ndarray) -> np.ndarray:
         """Return the gain of log-likelihood of each whitened column alone, shape (m,), the terms free to move."""

@@ -105,12 +105,18 @@ class Pool:
 
 @dataclass(frozen=True, eq=False)
 class Joint:
-    """An effect with one value on several axes, and the part of a pool that is about it."""
+    """An effect with one value on several axes, what each says of it, and the part of a pool that is about it."""
 
     effect: SystematicEffect
     axes: tuple[str, ...]
     free: tuple[str, ...]
+    shares: tuple[Estimate, ...]
     pool: Pool
+
+    def certain(self, axes: Collection[str], log_alpha: float) -> bool:
+        """Return whether chance does not explain it on some of the axes alone."""
+        shares = [one for one in self.shares if one.axis in axes]
+        return bool(shares) and log_chance(pooled(shares).gain, len(self.free)) < log_alpha
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,10 +136,15 @@ class Device:
     joints: tuple[Joint, ...] = ()
 
 
-def joined(fits: Mapping[str, AxisFit], searches: Mapping[str, Search], level: float = LEVEL) -> Device:
-    """Return the device that the fits of its axes make, effects of one value joined."""
+def joined(
+    fits: Mapping[str, AxisFit],
+    searches: Mapping[str, Search],
+    apart: Collection[type[Effect]] = (),
+    level: float = LEVEL,
+) -> Device:
+    """Return the device that the fits of its axes make, effects of one value joined but for kinds left ``apart``."""
     device = Device(dict(fits), dict(searches))
-    kinds = [kind for kind in next(iter(searches.values())).catalogue if kind.common]
+    kinds = [kind for kind in next(iter(searches.values())).catalogue if kind.common and kind not in apart]
     shown = [kind for kind in kinds if any(one.has(kind) for one in fits.values())]
     for kind in kinds:
         if kind not in shown and _together(kind, _estimates((*shown, kind), device), device, level):
@@ -204,7 +215,8 @@ def _joints(kinds: tuple[type[Effect], ...], device: Device, level: float) -> tu
 def _joint(kind: type[Effect], members: Sequence[str], estimates: Sequence[Estimate], pool: Pool) -> Joint:
     term = next(term for one in estimates if one.axis in members for term in one.terms if type(term.effect) is kind)
     effect = replace(term.effect, **dict(zip(term.free, pool.value.tolist(), strict=True)))
-    return Joint(effect, tuple(axis for axis in kind.common if axis in members), term.free, pool)
+    shares = tuple(one for one in _about(kind, estimates) if one.axis in members)
+    return Joint(effect, tuple(axis for axis in kind.common if axis in members), term.free, shares, pool)
 
 
 def _members(kind: type[Effect], estimates: Sequence[Estimate], device: Device, level: float) -> list[str]:

@@ -1,6 +1,6 @@
 """Discovery on the logs of a device: where, which, add, show."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -16,6 +16,7 @@ from imugap.discovery.common import shared
 from imugap.discovery.comparison import HELD_IN, distances, held_out, tested
 from imugap.discovery.device import Joint, joined
 from imugap.discovery.distance import Distances, Drifts
+from imugap.discovery.doubt.motion import ANOTHER
 from imugap.discovery.finding import CERTAIN, Finding, Gap, Interval
 from imugap.discovery.gaps import REPLICATES, Verdict, named, verdicts
 from imugap.discovery.parameters import NORMAL, axis_unit
@@ -140,7 +141,8 @@ def discover(
     record = prepare(logs[0], reference, question.seed, question.start)
     steps.count -= 2 * len(record.silent)
     log_alpha = question.log_alpha(len(record.sequences))
-    stories, joints = _stories(record, known, question, log_alpha, steps)
+    tales = _tales(record, known, question, log_alpha, steps)
+    stories, joints = _stories(tales, question, log_alpha, steps)
     befores = {axis: story.before for axis, story in stories.items()}
     wholes = {axis: story.whole for axis, story in stories.items()}
     steps.begin("gaps")
@@ -227,11 +229,25 @@ def _many(workers: int) -> Iterator[Callable]:
 
 
 def _stories(
-    record: Record, known: ErrorModel, question: Question, log_alpha: float, steps: _Steps
+    alone: dict[str, Tale],
+    question: Question,
+    log_alpha: float,
+    steps: _Steps,
+    apart: tuple[type[Effect], ...] = (),
 ) -> tuple[dict[str, Story], tuple[Joint, ...]]:
-    """Return the story of each axis, and what axes have by one value."""
-    tales, joints = _together(_tales(record, known, question, log_alpha, steps))
-    return _each(concluded, [(tale,) for tale in tales.values()], tales, question.workers, steps, "names"), joints
+    """Return the story of each axis, and what axes have by one value, but for kinds left ``apart``.
+
+    Apart is what is certain only with axes on which another function of the motion explains things better.
+    """
+    tales, joints = _together(alone, apart)
+    stories = _each(concluded, [(tale,) for tale in tales.values()], tales, question.workers, steps, "names")
+    moved = {axis for axis, story in stories.items() if any(one.reason == ANOTHER for one in story.withheld)}
+    touched = [joint for joint in joints if moved & set(joint.axes)]
+    doubtful = [type(joint.effect) for joint in touched if not joint.certain(set(joint.axes) - moved, log_alpha)]
+    if not doubtful:
+        return stories, joints
+    steps.count += len(tales)
+    return _stories(alone, question, log_alpha, steps, (*apart, *doubtful))
 
 
 def _tales(record: Record, known: ErrorModel, question: Question, log_alpha: float, steps: _Steps) -> dict[str, Tale]:
@@ -242,12 +258,11 @@ def _tales(record: Record, known: ErrorModel, question: Question, log_alpha: flo
     return _each(told, arguments, record.sequences, question.workers, steps, "search")
 
 
-def _together(tales: dict[str, Tale]) -> tuple[dict[str, Tale], tuple[Joint, ...]]:
+def _together(tales: dict[str, Tale], apart: Collection[type[Effect]]) -> tuple[dict[str, Tale], tuple[Joint, ...]]:
     """Return the tales with what axes have by one value joined, and what that is."""
-    early = joined(
-        {axis: tale.after for axis, tale in tales.items()}, {axis: tale.early for axis, tale in tales.items()}
-    )
-    late = joined({axis: tale.whole for axis, tale in tales.items()}, {axis: tale.late for axis, tale in tales.items()})
+    afters, earlies = ({axis: getattr(tale, part) for axis, tale in tales.items()} for part in ("after", "early"))
+    wholes, lates = ({axis: getattr(tale, part) for axis, tale in tales.items()} for part in ("whole", "late"))
+    early, late = joined(afters, earlies, apart), joined(wholes, lates, apart)
     changed = {
         axis: replace(
             tale, after=early.fits[axis], early=early.searches[axis], whole=late.fits[axis], late=late.searches[axis]

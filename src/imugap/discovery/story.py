@@ -9,7 +9,8 @@ from threadpoolctl import threadpool_limits
 
 from imugap.discovery import unsteady
 from imugap.discovery.axis import AxisFit, fit, log_score, offset
-from imugap.discovery.doubt import beside_a_sweep, doubts
+from imugap.discovery.doubt import LEVEL, beside_a_sweep, doubts
+from imugap.discovery.doubt.motion import in_place_of_all
 from imugap.discovery.finding import CERTAIN, Finding, Interval
 from imugap.discovery.parameters import axis_unit, intervals
 from imugap.discovery.search import Key, Search, at, log_chance, without
@@ -172,8 +173,14 @@ class _Searched:
 def _searched(
     search: Search, before: AxisFit, taken: tuple[Band, ...] = (), switched: Switching | None = None
 ) -> _Searched:
-    """Search, and again without the bands of lines that are not steady, or telegraph noise that another hides."""
-    found = steady(search, told_apart(search, search.explore(before)))
+    """Search, and again without the bands of lines that are not steady, or telegraph noise that another hides.
+
+    Of what goes with the motion in a way that has no name no more is to be told.
+    """
+    found = search.explore(before)
+    if in_place_of_all(search, found).log_p < LEVEL:
+        return _Searched(search, found, taken, switched)
+    found = steady(search, told_apart(search, found))
     bands = unsteady.bands(found) if len(taken) < MOST_BANDS else ()
     again = search.afresh()
     if bands:

@@ -40,6 +40,8 @@ TITLES = {
     "specific_force": "mean over specific force",
     "time_shift": "mean over the input's derivative",
     "full_scale": "mean towards full scale",
+    "angular_acceleration": "mean over angular acceleration",
+    "jerk": "mean over jerk",
     "rate_product": "mean over the product of rates",
     "force_product": "mean over the product of forces",
 }

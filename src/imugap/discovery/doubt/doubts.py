@@ -9,6 +9,7 @@ from imugap.discovery.axis import AxisFit
 from imugap.discovery.doubt.doubt import LEVEL, Doubt
 from imugap.discovery.doubt.mean import term_doubt
 from imugap.discovery.doubt.memory import MEANS, MEMORY, in_place_of_means
+from imugap.discovery.doubt.motion import in_place_of_all
 from imugap.discovery.doubt.spectrum import noise_doubt, share_of, with_power_law
 from imugap.discovery.doubt.variance import change_doubt
 from imugap.discovery.noise import log_likelihood
@@ -33,7 +34,7 @@ def doubts(search: Search, fit: AxisFit) -> dict[Key, Doubt]:
         same = [key for key in keys if isinstance(at(fit.description, key), kind)]
         if len(same) > most:
             found |= {key: Doubt(f"{len(same)} of them", -np.inf) for key in same}
-    found |= _remembered(search, fit, keys)
+    found |= _remembered(search, fit, keys) | _moved(search, fit, keys)
     found |= _after_clusters(search, fit, found) | _beside_a_mean(search, fit, keys, found)
     found |= _parts_of_it(search, fit, keys, found) | _of_the_spectrum(fit, keys, found)
     clear = _clear_of_lines(search, fit, keys, found)
@@ -58,6 +59,14 @@ def _remembered(search: Search, fit: AxisFit, keys: Sequence[Key]) -> dict[Key, 
     doubt = in_place_of_means(search, fit)
     means = [key for key in keys if key.part == "term" and isinstance(at(fit.description, key), MEANS)]
     return {key: doubt for key in means if doubt.log_p < LEVEL}
+
+
+def _moved(search: Search, fit: AxisFit, keys: Sequence[Key]) -> dict[Key, Doubt]:
+    """Return everything that was added, where a function of the motion without a name explains more by itself."""
+    if not keys:
+        return {}
+    doubt = in_place_of_all(search, fit)
+    return dict.fromkeys(keys, doubt) if doubt.log_p < LEVEL else {}
 
 
 def _clear_of_lines(search: Search, fit: AxisFit, keys: Sequence[Key], found: Mapping[Key, Doubt]) -> set[Key]:

@@ -8,28 +8,30 @@ import numpy as np
 
 from imugap import log
 from imugap.discovery.axis import AxisFit, jacobian
-from imugap.discovery.doubt.doubt import Doubt, over
+from imugap.discovery.doubt.doubt import LEVEL, Doubt, over
 from imugap.discovery.hysteresis import play
+from imugap.discovery.noise import fit as fit_noise
 from imugap.discovery.search import Key, Search, log_chance, removed
 from imugap.effects.effect import Conditions
 
-HALVES = 0.03, 0.1, 0.3, 1.0
+HALVES = 0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1.0
 """Halves of plays, in standard deviations of the input."""
 CLEARLY = 10.0
 """Log-probability by which something without a name has to be surer than what has one."""
 ANOTHER = "another function of the motion explains it better"
+NONE = Doubt(ANOTHER, 0.0)
 
 
 def in_place_of_motion(search: Search, fit: AxisFit, key: Key) -> Doubt:
     """Weigh what has no name in the place of a term that answers the motion, and ask what the term says beside it."""
-    none, term = Doubt(ANOTHER, 0.0), fit.description.terms[key.index]
+    term = fit.description.terms[key.index]
     if not term.free:
-        return none
+        return NONE
     base = replace(fit, description=removed(fit.description, key))
     own = base.whiten(jacobian((term,), fit.sequence))
     named = log_chance(*base.joint_gain(own))
     ways = list(_ways(fit.sequence.conditions))
-    doubts = [none]
+    doubts = [NONE]
     for way in ways:
         columns = base.whiten(way)
         gain, rank = base.joint_gain(columns)
@@ -38,6 +40,28 @@ def in_place_of_motion(search: Search, fit: AxisFit, key: Key) -> Doubt:
             other = log_chance(gain, rank) + np.log(len(ways)) + CLEARLY
             doubts.append(Doubt(ANOTHER, over(named, other, search.log_alpha)))
     return min(doubts, key=lambda doubt: doubt.log_p)
+
+
+def in_place_of_all(search: Search, fit: AxisFit) -> Doubt:
+    """Weigh what has no name in the place of all that was added, or of all terms; outliers are samples again."""
+    if fit.sequence.conditions.ideal is None:
+        return NONE
+    sequence = search.raw.get(fit.description.outliers, fit.sequence)
+    found, start = (replace(one, outliers=None) for one in (fit.description, search.start))
+    bases = [search.fitted(sequence, one) for one in (start, replace(found, terms=start.terms))]
+    ways = list(_ways(sequence.conditions))
+    best = max((_likelihood_beside(base, way) for base in bases for way in ways), default=-np.inf)
+    own = _likelihood_beside(bases[1], jacobian(found.terms[len(start.terms) :], sequence))
+    named = max(search.fitted(sequence, found).log_likelihood, own)
+    return Doubt(ANOTHER, min(LEVEL + CLEARLY + named - best, 0.0))
+
+
+def _likelihood_beside(base: AxisFit, way: np.ndarray) -> float:
+    """Return the log-likelihood of a fit with columns of the error, shape (n, m), more, its noise fitted anew."""
+    _, rest = base.beside(base.whiten(way))
+    bins, noise = base.sequence.bins, base.noise
+    power = bins.sums(rest**2) * noise.noise.variance(bins)
+    return base.log_likelihood - noise.log_likelihood + fit_noise(noise.noise, bins, power).log_likelihood
 
 
 def _ways(conditions: Conditions) -> Iterator[np.ndarray]:

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 from scipy.fft import idct
+from scipy.special import log_ndtr
 from scipy.stats import ncx2
 
 from imugap.discovery.axis import AxisFit
@@ -14,6 +15,7 @@ from imugap.discovery.noise import STEP, Noise, log_likelihood
 from imugap.discovery.power_law import PowerLaw
 from imugap.discovery.search import SLOW, Key, Search, at, log_chance
 from imugap.discovery.telegraph import compare
+from imugap.discovery.views.spectral import of_spectrum
 from imugap.effects import RandomTelegraph
 from imugap.effects.effect import TINY, StochasticEffect
 from imugap.stream import stream
@@ -27,7 +29,7 @@ Of fractional noise between flicker and walk a Gauss-Markov process is seldom li
 """
 SHARE = 0.05
 """Share of the variance of a band above which an effect answers for the band."""
-AROUND = 4.0
+AROUND = 10.0
 """Factor of the frequencies that an effect answers for within which the spectrum is around it."""
 BANDS = 24
 SLIGHT = 0.05
@@ -46,12 +48,11 @@ def noise_doubt(search: Search, fit: AxisFit, key: Key) -> Doubt:
     share = share_of(fit, effect)
     slope = _score(fit, share * np.log(bins.frequency / bins.frequency[0]))
     mine = np.flatnonzero(share > SHARE)
-    around = _around(bins.frequency, mine)
     named = search.weighed(fit, key)[0].log_p
     doubts = [
         Doubt("its spectrum has another slope", slope),
         Doubt("its spectrum has another shape", _off_in_bands(fit, mine)),
-        Doubt("the spectrum around it is farther off", over(named, _off_in_bands(fit, around), search.log_alpha)),
+        Doubt("the spectrum around it is farther off", over(named, _off_around(fit, mine), search.log_alpha)),
     ]
     if isinstance(effect, RandomTelegraph):
         doubts += _two_valued(search, fit, key)
@@ -129,12 +130,15 @@ def _score(fit: AxisFit, direction: np.ndarray) -> float:
     return log_chance(0.5 * float(rest @ excess) ** 2 / norm, 1) if norm > 1e-6 else 0.0
 
 
-def _around(frequency: np.ndarray, mine: np.ndarray) -> np.ndarray:
-    """Return the indices of the frequencies within a factor of :data:`AROUND` of those of some; none of none."""
+def _off_around(fit: AxisFit, mine: np.ndarray) -> float:
+    """Return the log-probability of the band of power that is farthest from the fit, within or around some bins."""
     if not len(mine):
-        return mine
-    low, high = frequency[mine[[0, -1]]]
-    return np.flatnonzero((frequency > low / AROUND) & (frequency < high * AROUND))
+        return 0.0
+    low, high = fit.sequence.bins.frequency[mine[[0, -1]]]
+    curve = of_spectrum(fit)
+    near = (curve.high > low / AROUND) & (curve.low < high * AROUND)
+    chance = np.log(2 * near.sum()) + log_ndtr(-np.abs(curve.statistic[near]).max(initial=0.0))
+    return min(float(chance), 0.0)
 
 
 def _off_in_bands(fit: AxisFit, mine: np.ndarray) -> float:

@@ -1,6 +1,6 @@
 """Views over what the residual may depend on: temperature, its rate, and in motion the error-free input."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import combinations
 
@@ -20,6 +20,8 @@ SMOOTH = 200
 """Share 1/n of a log over which the temperature is averaged before its rate is taken."""
 TOP = 10
 """Halvings of the share of samples nearest to full scale."""
+OWN = {"time_shift": True, "full_scale": True, "angular_acceleration": False, "jerk": False}
+"""Whether a view is over the input of the residual's own axis, or of the others."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +57,7 @@ class Binning:
 
     def concerns(self, axis: str) -> bool:
         """Return whether the residual of ``axis`` is looked at over this quantity."""
-        return self.view not in ("time_shift", "full_scale") or self.source == axis
+        return self.view not in OWN or OWN[self.view] == (self.source == axis)
 
     def curve(self, axis: str, score: np.ndarray, scale: float) -> Curve:
         """Return the sums of an axis' score in windows of cells, over their spread if the samples were independent."""
@@ -97,12 +99,16 @@ def binnings(sequence: Sequence) -> tuple[Binning, ...]:
 
 def _inputs(axis: str, values: np.ndarray, interval: float, shares: np.ndarray) -> list[Binning | None]:
     """Return the cells of an axis' input, of its derivative, and of its size towards full scale."""
-    view, unit = ("rate", "rad/s") if axis in log.GYRO else ("specific_force", "m/s^2")
-    slower = {"rad/s": "rad/s^2", "m/s^2": "m/s^3"}[unit]
+    gyro = axis in log.GYRO
+    view, unit, slope, per_second = (
+        ("rate", "rad/s", "angular_acceleration", "rad/s^2") if gyro else ("specific_force", "m/s^2", "jerk", "m/s^3")
+    )
+    change = binned(slope, axis, per_second, np.gradient(values, interval), shares)
     top = np.r_[0.0, 1 - 0.5 ** np.arange(1, TOP), 1.0]
     return [
         binned(view, axis, unit, values, shares),
-        binned("time_shift", axis, slower, np.gradient(values, interval), shares),
+        change,
+        None if change is None else replace(change, view="time_shift"),
         binned("full_scale", axis, unit, np.abs(values), top, np.sign(values)),
     ]
 
