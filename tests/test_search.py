@@ -254,6 +254,29 @@ def test_what_a_steep_filter_leaves_is_not_taken_for_noise(cutoff, order, count)
     assert plainly.description.noise.output_filter.cutoff == pytest.approx(cutoff, rel=0.03)
 
 
+def correlated(run, colour, size, own=()):
+    """Fits of two axes with noise of their own and in common, this filtered by the coefficients ``colour``."""
+    fits, common = {}, lfilter([1.0], colour, stream(run, "common").standard_normal(COUNT))
+    for axis in ("gyro_x", "gyro_y"):
+        data = sequence(*own, axis=axis, label=f"own {run}")
+        values = data.values + size * WHITE.density / np.sqrt(INTERVAL) * common / common.std()
+        fits[axis] = fit(replace(data, values=values), Description((), Noise((WHITE, *own))))
+    return fits
+
+
+@pytest.mark.parametrize(("size", "own"), [(0.2, ()), (0.5, (GaussMarkov(2e-3, 2.0),)), (2.0, ())])
+def test_white_noise_in_common_has_its_name(size, own):
+    for run in range(5):
+        (found,) = shared(correlated(run, [1.0], size, own), LOG_ALPHA)
+        assert found.axes == ("gyro_x", "gyro_y")
+
+
+@pytest.mark.parametrize("colour", [[1.0, -0.5], [1.0, -0.99], [1.0, 0.5]])
+def test_noise_in_common_that_is_not_white_has_no_name(colour):
+    for run in range(5):
+        assert shared(correlated(run, colour, 0.5), LOG_ALPHA) == ()
+
+
 @pytest.mark.parametrize("loading", [0.6, 3.0])
 @pytest.mark.parametrize("count", [2, 3])
 def test_errors_of_shared_noise_are_those_of_many_logs(loading, count):

@@ -8,15 +8,24 @@ import numpy as np
 from scipy.fft import rfft, rfftfreq
 from scipy.sparse.csgraph import connected_components
 from scipy.special import log_ndtr
+from scipy.stats import ncx2
 
 from imugap.discovery.axis import AxisFit
+from imugap.discovery.doubt import LEVEL
 from imugap.discovery.finding import Finding, Interval
-from imugap.effects import CommonMode
+from imugap.effects import CommonMode, WhiteNoise
+from imugap.effects.effect import TINY
 
 FAINT = 1e-9
 """Information of a sample that keeps what axes of no loading leave open finite."""
 CLEAR = 1e-3
 """Power gain of a filter above which what it lets through is the axis' own."""
+WHITE = (CommonMode, WhiteNoise)
+"""White noise."""
+BANDS, FEWEST = 16, 32
+"""Bands of frequency in which a correlation is looked at, and the coefficients in the lowest."""
+SLIGHT = 0.1
+"""Relative unevenness of a correlation that leaves noise white."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,12 +63,13 @@ class Shared:
 
 
 def shared(fits: dict[str, AxisFit], log_alpha: float) -> tuple[Shared, ...]:
-    """Return the groups of axes whose whitened residuals are correlated beyond chance."""
+    """Return the groups of axes whose whitened residuals are correlated beyond chance, as white noise makes them."""
     axes = tuple(fits)
     if len(axes) < 2:
         return ()
     good = ~np.any([fits[axis].sequence.flawed for axis in axes], axis=0)
-    correlation, number = _correlation([fits[axis] for axis in axes], good)
+    spectra = [_Spectrum.of(fits[axis], good) for axis in axes]
+    correlation, number = _correlation(spectra, good)
     scores = np.arctanh(np.clip(correlation, -0.999999, 0.999999)) * np.sqrt(np.maximum(number - 3, 1))
     pairs = list(combinations(range(len(axes)), 2))
     chance = {pair: float(np.log(2 * len(pairs)) + log_ndtr(-abs(scores[pair]))) for pair in pairs}
@@ -68,6 +78,7 @@ def shared(fits: dict[str, AxisFit], log_alpha: float) -> tuple[Shared, ...]:
         linked[pair] = chance[pair] < log_alpha
     _, label = connected_components(linked, directed=False)
     groups = [np.flatnonzero(label == one) for one in range(label.max() + 1)]
+    white = [members for members in groups if len(members) > 1 and _white_together(spectra, members)]
     return tuple(
         _group(
             axes,
@@ -77,8 +88,7 @@ def shared(fits: dict[str, AxisFit], log_alpha: float) -> tuple[Shared, ...]:
             min(chance[p] for p in pairs if set(p) <= set(members)),
             number[np.ix_(members, members)].min(),
         )
-        for members in groups
-        if len(members) > 1
+        for members in white
     )
 
 
@@ -118,29 +128,78 @@ def _errors(loadings: np.ndarray, n: int) -> np.ndarray:
     return np.sqrt(np.diag(np.linalg.inv(known))[: len(loadings)])
 
 
-def _correlation(fits: Sequence[AxisFit], good: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the correlations of the whitened residuals and from how many values each is, shape (axes, axes).
+@dataclass(frozen=True, eq=False)
+class _Spectrum:
+    """The spectrum of an axis' whitened residual, without the phase that a filter of the output gave it.
 
-    They are taken over frequency, without the phase that a filter of the output gave an axis, and where it lets through
-    more than what leaks in from other frequencies.
+    Attributes
+    ----------
+    values
+        Fourier coefficients from the second on, shape (m,), complex.
+    clear
+        Where a filter lets through more than what leaks in from other frequencies, shape (m,).
+    share
+        Share of the amplitude that is white noise, shape (m,).
     """
-    count, interval = len(good), fits[0].sequence.conditions.interval
-    frequency = rfftfreq(count, interval)[1:]
-    spectra, clear = [], []
-    for fit in fits:
-        spectrum, output_filter = rfft(np.where(good, fit.whitened, 0.0))[1:], fit.description.noise.output_filter
-        if output_filter is not None:
-            spectrum = output_filter.unturned(spectrum, frequency, interval)
-        spectra.append(spectrum)
-        clear.append(output_filter is None or output_filter.gain(frequency, interval) > CLEAR)
-    correlation, number = np.eye(len(fits)), np.full((len(fits), len(fits)), good.sum())
-    for i, j in combinations(range(len(fits)), 2):
-        both = np.broadcast_to(np.logical_and(clear[i], clear[j]), frequency.shape)
-        one, other = spectra[i][both], spectra[j][both]
+
+    values: np.ndarray
+    clear: np.ndarray
+    share: np.ndarray
+
+    @staticmethod
+    def of(fit: AxisFit, good: np.ndarray) -> "_Spectrum":
+        """Return that of a fit, of the samples that are ``good``."""
+        noise, interval = fit.description.noise, fit.sequence.conditions.interval
+        frequency = rfftfreq(len(good), interval)[1:]
+        values = rfft(np.where(good, fit.whitened, 0.0))[1:]
+        white = replace(noise, effects=tuple(one for one in noise.effects if isinstance(one, WHITE)))
+        share = np.sqrt(white.variance(fit.sequence.bins) / noise.variance(fit.sequence.bins))
+        share = np.interp(frequency, fit.sequence.bins.frequency, share)
+        if noise.output_filter is None:
+            return _Spectrum(values, np.ones(len(frequency), bool), share)
+        clear = noise.output_filter.gain(frequency, interval) > CLEAR
+        return _Spectrum(noise.output_filter.unturned(values, frequency, interval), clear, share)
+
+
+def _correlation(spectra: Sequence[_Spectrum], good: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the correlations of the whitened residuals and from how many values each is, shape (axes, axes)."""
+    correlation, number = np.eye(len(spectra)), np.full((len(spectra), len(spectra)), good.sum())
+    for i, j in combinations(range(len(spectra)), 2):
+        both = spectra[i].clear & spectra[j].clear
+        one, other = spectra[i].values[both], spectra[j].values[both]
         product = np.vdot(one, other).real / (np.linalg.norm(one) * np.linalg.norm(other))
         correlation[i, j] = correlation[j, i] = product
         number[i, j] = number[j, i] = int(good.sum() * both.mean())
     return correlation, number
+
+
+def _white_together(spectra: Sequence[_Spectrum], members: np.ndarray) -> bool:
+    """Return whether chance explains how uneven over frequency the correlations of all pairs are."""
+    chances = [_uneven(spectra[i], spectra[j]) for i, j in combinations(members, 2)]
+    return min(chances) + np.log(len(chances)) > LEVEL
+
+
+def _uneven(one: _Spectrum, other: _Spectrum) -> float:
+    """Return the log-probability that noise which is white has a correlation as uneven in bands of frequency.
+
+    A relative unevenness of :data:`SLIGHT` is none: no real noise is quite white.
+    """
+    both = one.clear & other.clear
+    if both.sum() < 2 * FEWEST:
+        return 0.0
+    first = np.unique(np.r_[0, np.geomspace(FEWEST, both.sum(), BANDS).astype(int)])[:-1]
+    a, b, share = one.values[both], other.values[both], (one.share * other.share)[both]
+    cross, power, other_power = (
+        np.add.reduceat(part, first) for part in ((a.conj() * b).real, np.abs(a) ** 2, np.abs(b) ** 2)
+    )
+    number = np.diff(np.r_[first, len(a)])
+    total, expected = number * cross / np.sqrt(power * other_power), np.add.reduceat(share, first)
+    size = total.sum() / expected.sum()
+    variance = number * (1 + (size * expected / number) ** 2) / 2
+    size = np.sum(total * expected / variance) / np.sum(expected**2 / variance)
+    apart = np.sum((total - size * expected) ** 2 / variance)
+    slight = np.sum((SLIGHT * size * expected) ** 2 / variance)
+    return float(np.log(max(ncx2.sf(apart, len(total) - 1, slight), TINY)))
 
 
 def _white(fit: AxisFit) -> float:
