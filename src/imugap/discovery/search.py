@@ -69,11 +69,15 @@ FEW = 10.0
 ALIKE = 0.6
 """Share of the gain of one effect that a couple has to promise to be fitted."""
 COUPLES = 4
-"""Couples that are fitted."""
+"""Couples that are fitted, of smooth means and with a step each."""
 CUTOFFS = (1.0, 0.3, 0.1, 0.03)
 """Cutoffs at which a filter is tried, over that which it proposes."""
 SLACK = 2.0
 """How many times the gain that an effect expects before the fit it may make after it."""
+
+
+Promise = tuple[tuple[Start, Start], float]
+"""Two proposals, and the gain of log-likelihood that they promise together."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -245,16 +249,20 @@ class Search:
         """
         if not isinstance(single.effect, MASKS):
             return None
-        pairs = self._pairs(before)
-        promised = np.array([gain for _, gain in pairs])
-        chosen = [pairs[i][0] for i in np.argsort(promised)[::-1][:COUPLES] if promised[i] > ALIKE * single.gain]
-        fitted = (self._coupled(pair, before, len(pairs)) for pair in chosen)
-        best = max(fitted, key=lambda trial: trial.worth, default=None)
-        better = best is not None and best.worth > single.worth + MARGIN
-        return best if better and self._needs_both(best.fit, before) else None
+        smooth, stepped = self._pairs(before)
+        both = smooth, stepped if isinstance(single.effect, SLOW) else []
+        count = sum(map(len, both))
+        for pairs in both:
+            likely = sorted(pairs, key=lambda pair: -pair[1])[:COUPLES]
+            chosen = [pair for pair, gain in likely if gain > ALIKE * single.gain]
+            fitted = (self._coupled(pair, before, count) for pair in chosen)
+            best = max(fitted, key=lambda trial: trial.worth, default=None)
+            if best is not None and best.worth > single.worth + MARGIN and self._needs_both(best.fit, before):
+                return best
+        return None
 
-    def _pairs(self, before: AxisFit) -> list[tuple[tuple[Start, Start], float]]:
-        """Return pairs of means, with the gain of log-likelihood that they promise, all else held and to first order.
+    def _pairs(self, before: AxisFit) -> tuple[list[Promise], list[Promise]]:
+        """Return pairs of smooth means, and of one and a step, with the gain that they promise, all else held.
 
         Of two steps the higher one shows by itself.
         """
@@ -262,17 +270,16 @@ class Search:
         starts = [start for kind in means for start in kind.starts(before) if start.trials <= FEW]
         columns = [before.whiten(jacobian((Term(start.effect, start.free),), before.sequence)) for start in starts]
         gain = _joint_gain(before, columns)
-        pairs = [
+        smooth = [
             ((starts[i], starts[j]), gain(i, j))
             for i, j in combinations(range(len(starts)), 2)
             if type(starts[i].effect) is not type(starts[j].effect)
         ]
-        if BiasStep not in means:
-            return pairs
-        for index, (start, column) in enumerate(zip(starts, columns, strict=True)):
+        stepped = []
+        for index, (start, column) in enumerate(zip(starts, columns, strict=True) if BiasStep in means else ()):
             step = BiasStep.highest(before.steps_beside(column), before.sequence.conditions)
-            pairs.append(((start, step), gain(index) + step.gain))
-        return pairs
+            stepped.append(((start, step), gain(index) + step.gain))
+        return smooth, stepped
 
     def _needs_both(self, after: AxisFit, before: AxisFit) -> bool:
         """Return whether chance explains neither of the two terms that a fit has more, beside the other."""

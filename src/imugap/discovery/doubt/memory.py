@@ -3,11 +3,9 @@
 from collections.abc import Iterable
 from dataclasses import replace
 
-import numpy as np
-
 from imugap.discovery.axis import AxisFit, Description
 from imugap.discovery.doubt.doubt import Doubt, over
-from imugap.discovery.hysteresis import HALVES, Hysteresis
+from imugap.discovery.hysteresis import Hysteresis
 from imugap.discovery.search import SLOW, Key, Search, Trial, log_chance
 from imugap.effects import BiasStep, RandomTelegraph, RateRamp, Temperature, WarmUp
 
@@ -33,17 +31,16 @@ def in_place_of_noise(search: Search, fit: AxisFit, key: Key) -> Doubt:
 def in_place_of_means(search: Search, fit: AxisFit) -> Doubt:
     """Weigh a loop beside the means of a fit, and in the place of those of them that were added.
 
-    A loop holds a straight line: beside one it is a parameter more, and in the place of one it says nothing else.
+    A loop holds a straight line: in the place of one it says no more than beside it.
     """
     first = len(search.start.terms)
     added = [term for term in fit.description.terms[first:] if isinstance(term.effect, MEANS)]
     if not added or fit.sequence.conditions.temperature is None:
         return NONE
-    straight = any(isinstance(term.effect, Temperature) for term in fit.description.terms)
-    beside = [log_chance(loop.gain, loop.parameters - straight) for loop in _looped(search, (fit,))]
+    beside = list(_looped(search, (fit,)))
     if not beside:
         return NONE
-    more = beside[0] + float(np.log(len(HALVES)))
+    more = beside[0].log_p
     if all(isinstance(term.effect, Temperature) and term.free == ("coefficient",) for term in added):
         return Doubt(MEMORY, more)
     kept = tuple(term for term in fit.description.terms if not any(term is one for one in added))
