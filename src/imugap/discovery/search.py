@@ -5,16 +5,16 @@ together with all that is there, and the one that chance explains least is taken
 was added is taken out again and exchanged for every other, so that what came first by masquerade does not stay.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from collections.abc import Sequence as Several
 from dataclasses import dataclass, field, fields, replace
-from itertools import combinations
 
 import numpy as np
 from scipy.special import gammaln
 from scipy.stats import chi2
 
-from imugap.discovery.axis import AxisFit, Description, Term, fit, jacobian
+from imugap.discovery.axis import AxisFit, Description, Term, fit
+from imugap.discovery.couples import Couple, Means
 from imugap.discovery.noise import fit as fit_noise
 from imugap.discovery.sequence import Sequence
 from imugap.discovery.tails import Tails, tails
@@ -31,7 +31,7 @@ from imugap.effects import (
     VarianceChange,
     WarmUp,
 )
-from imugap.effects.effect import TINY, Effect, Start, StochasticEffect, SystematicEffect
+from imugap.effects.effect import Effect, Start, StochasticEffect, SystematicEffect
 from imugap.stream import stream
 
 TAILS = 100.0
@@ -64,8 +64,6 @@ MASKS = (*SLOW, BiasStep, RateRamp, Sinusoid, Temperature, WarmUp)
 """Slow effects, which may stand for two smooth means."""
 LITTLE = 0.03
 """Share of its size that slow noise keeps where other slow noise is tried in its place."""
-FEW = 10.0
-"""Trials of a start up to which it is one of a couple."""
 ALIKE = 0.6
 """Share of the gain of one effect that a couple has to promise to be fitted."""
 COUPLES = 4
@@ -74,10 +72,6 @@ CUTOFFS = (1.0, 0.3, 0.1, 0.03)
 """Cutoffs at which a filter is tried, over that which it proposes."""
 SLACK = 2.0
 """How many times the gain that an effect expects before the fit it may make after it."""
-
-
-Promise = tuple[tuple[Start, Start], float]
-"""Two proposals, and the gain of log-likelihood that they promise together."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -249,49 +243,29 @@ class Search:
         """
         if not isinstance(single.effect, MASKS):
             return None
-        smooth, stepped = self._pairs(before)
-        both = smooth, stepped if isinstance(single.effect, SLOW) else []
+        means = Means.proposed(before, self.catalogue)
+        both = means.smooth(), means.stepped() if isinstance(single.effect, SLOW) else []
         count = sum(map(len, both))
-        for pairs in both:
-            likely = sorted(pairs, key=lambda pair: -pair[1])[:COUPLES]
-            chosen = [pair for pair, gain in likely if gain > ALIKE * single.gain]
-            fitted = (self._coupled(pair, before, count) for pair in chosen)
+        for couples in both:
+            likely = sorted(couples, key=lambda couple: -couple.gain)[:COUPLES]
+            chosen = [couple for couple in likely if couple.gain > ALIKE * single.gain]
+            fitted = (self._coupled(couple, before, count) for couple in chosen)
             best = max(fitted, key=lambda trial: trial.worth, default=None)
             if best is not None and best.worth > single.worth + MARGIN and self._needs_both(best.fit, before):
                 return best
         return None
-
-    def _pairs(self, before: AxisFit) -> tuple[list[Promise], list[Promise]]:
-        """Return pairs of smooth means, and of one and a step, with the gain that they promise, all else held.
-
-        Of two steps the higher one shows by itself.
-        """
-        means = [kind for kind in self.catalogue if issubclass(kind, SystematicEffect)]
-        starts = [start for kind in means for start in kind.starts(before) if start.trials <= FEW]
-        columns = [before.whiten(jacobian((Term(start.effect, start.free),), before.sequence)) for start in starts]
-        gain = _joint_gain(before, columns)
-        smooth = [
-            ((starts[i], starts[j]), gain(i, j))
-            for i, j in combinations(range(len(starts)), 2)
-            if type(starts[i].effect) is not type(starts[j].effect)
-        ]
-        stepped = []
-        for index, (start, column) in enumerate(zip(starts, columns, strict=True) if BiasStep in means else ()):
-            step = BiasStep.highest(before.steps_beside(column), before.sequence.conditions)
-            stepped.append(((start, step), gain(index) + step.gain))
-        return smooth, stepped
 
     def _needs_both(self, after: AxisFit, before: AxisFit) -> bool:
         """Return whether chance explains neither of the two terms that a fit has more, beside the other."""
         keys = [Key("term", index) for index in range(len(before.description.terms), len(after.description.terms))]
         return all(self.weighed(after, key)[0].log_p < self.log_alpha for key in keys)
 
-    def _coupled(self, pair: tuple[Start, Start], before: AxisFit, count: int) -> Trial:
-        """Fit two proposals together and judge them against the fit without them."""
-        description = with_effect(with_effect(before.description, pair[0]), pair[1])
-        after = self.fitted(before.sequence, description)
-        parameters, trials = sum(len(start.free) for start in pair), count * pair[0].trials * pair[1].trials
-        return Trial(pair[1].effect, after, after.log_likelihood - before.log_likelihood, parameters, trials)
+    def _coupled(self, couple: Couple, before: AxisFit, count: int) -> Trial:
+        """Fit two proposals together, one couple among ``count``, and judge them against the fit without them."""
+        one, other = couple.starts
+        after = self.fitted(before.sequence, with_effect(with_effect(before.description, one), other))
+        parameters, trials = len(one.free) + len(other.free), count * one.trials * other.trials
+        return Trial(other.effect, after, after.log_likelihood - before.log_likelihood, parameters, trials)
 
     def cleaned(self, before: AxisFit) -> Trial | None:
         """Return the fit to the samples without outliers, and what speaks for outliers; None where they are known."""
@@ -483,22 +457,6 @@ def _moves(effect: Effect, before: AxisFit) -> bool:
 def _hopeful(start: Start, bar: float) -> bool:
     """Return whether the log-probability of a proposal may come below ``bar``."""
     return log_chance(SLACK * start.gain + SLACK, len(start.free)) + np.log(start.trials) < bar
-
-
-def _joint_gain(before: AxisFit, groups: list[np.ndarray]) -> Callable[..., float]:
-    """Return the function that gives, of some of the groups of columns together, the gain of log-likelihood."""
-    if not groups:
-        return lambda *chosen: 0.0
-    rest = before.beyond(np.column_stack(groups))
-    rest = rest / np.maximum(np.linalg.norm(rest, axis=0), TINY)
-    product, pull = rest.T @ rest, rest.T @ before.coefficients
-    own = np.split(np.arange(len(pull)), np.cumsum([group.shape[1] for group in groups])[:-1])
-
-    def gain(*chosen: int) -> float:
-        at = np.concatenate([own[i] for i in chosen])
-        return float(0.5 * pull[at] @ np.linalg.pinv(product[np.ix_(at, at)], rcond=1e-8, hermitian=True) @ pull[at])
-
-    return gain
 
 
 def log_chance(gain: float, more: int) -> float:

@@ -100,10 +100,9 @@ def binnings(sequence: Sequence) -> tuple[Binning, ...]:
 def _inputs(axis: str, values: np.ndarray, interval: float, shares: np.ndarray) -> list[Binning | None]:
     """Return the cells of an axis' input, of its derivative, and of its size towards full scale."""
     gyro = axis in log.GYRO
-    view, unit, slope, per_second = (
-        ("rate", "rad/s", "angular_acceleration", "rad/s^2") if gyro else ("specific_force", "m/s^2", "jerk", "m/s^3")
-    )
-    change = binned(slope, axis, per_second, np.gradient(values, interval), shares)
+    view, unit = ("rate", "rad/s") if gyro else ("specific_force", "m/s^2")
+    derivative, slower = ("angular_acceleration", "rad/s^2") if gyro else ("jerk", "m/s^3")
+    change = binned(derivative, axis, slower, np.gradient(values, interval), shares)
     top = np.r_[0.0, 1 - 0.5 ** np.arange(1, TOP), 1.0]
     return [
         binned(view, axis, unit, values, shares),
