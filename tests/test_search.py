@@ -575,6 +575,20 @@ def test_a_change_of_variance_is_weighed_again_as_it_was_taken(change):
     assert search.settled(taken.fit).description.changes
 
 
+@pytest.mark.parametrize("apart", [2, 5, 30])
+def test_one_outlier_far_beyond_the_others_is_no_change_of_the_variance(apart):
+    data, rng = sequence(BiasInstability(3e-4)), stream(apart, "outliers")
+    places, white = rng.choice(COUNT, 20, replace=False), WHITE.density / np.sqrt(INTERVAL)
+    data.values[places] += np.r_[40.0, np.full(19, 10.0)] * white * rng.choice([-1.0, 1.0], 20)
+    story = concluded(told(data, (), tuple(CATALOGUE.values()), LOG_ALPHA, int(0.8 * COUNT)))
+    assert names(story) == ["bias_instability", "outliers"]
+
+
+@pytest.mark.parametrize("change", [VarianceChange(360.0, 372.0, 4.0), VarianceChange(200.0, 290.0, 1.5)])
+def test_a_change_of_variance_keeps_its_name_beside_outliers(change):
+    assert names(told_of(Outliers(1e-3, 0.1), change)) == ["outliers", "variance_change"]
+
+
 @pytest.mark.parametrize("growth", [-4.0, 0.0, 4.0])
 def test_a_variance_that_grows_is_no_swing_without_bounds(growth):
     """Less than half a cycle of a swing of any depth is what a trend of the variance looks like."""

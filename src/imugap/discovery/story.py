@@ -134,8 +134,8 @@ def told(
 ) -> Tale:
     """Search one axis; the samples from ``split`` on are held out.
 
-    Outliers and changes of the variance, which no later fit moves, are found in the whole log anew. One thread is
-    enough for vectors of this length, and axes are worked on side by side.
+    Outliers and changes of the variance, which no later fit moves, are found in the whole log anew, before anything is
+    exchanged. One thread is enough for vectors of this length, and axes are worked on side by side.
     """
     with threadpool_limits(1):
         held_in, held_out = part(sequence, 0, split), part(sequence, split, len(sequence.values))
@@ -147,7 +147,7 @@ def told(
         kept = replace(early.found.description, outliers=None, changes=before.description.changes)
         again = search.afresh()
         begun = again.cleared(fit(whole, kept if early.switching is None else search.start))
-        late = _searched(again, again.settled(begun), early.bands)
+        late = _searched(again, again.settled(begun) if kept == early.found.description else begun, early.bands)
         return Tale(
             before.bare(),
             early.found.bare(),
