@@ -589,6 +589,28 @@ def test_a_change_of_variance_keeps_its_name_beside_outliers(change):
     assert names(told_of(Outliers(1e-3, 0.1), change)) == ["outliers", "variance_change"]
 
 
+def switching(high, low, label):
+    """Return samples with two values, and the mean times that they last [s]."""
+    rng, place, up = stream(1, label), 0.0, False
+    path = np.zeros(COUNT)
+    while place < COUNT:
+        end = place + rng.exponential(high if up else low) / INTERVAL
+        path[int(place) : int(end)] = 4e-3 * up
+        place, up = end, not up
+    data = sequence()
+    return data.changed(data.values + path)
+
+
+@pytest.mark.parametrize(
+    ("high", "low", "expected"),
+    [(6.0, 6.0, ["random_telegraph"]), (4.0, 9.0, ["random_telegraph"]), (0.5, 20.0, [])],
+)
+def test_two_values_are_one_telegraph_noise_if_they_are_about_as_frequent(high, low, expected):
+    data = switching(high, low, "switching")
+    story = concluded(told(data, (), tuple(CATALOGUE.values()), LOG_ALPHA, int(0.8 * COUNT)))
+    assert [finding.name for finding in story.findings if finding.name == "random_telegraph"] == expected
+
+
 @pytest.mark.parametrize("growth", [-4.0, 0.0, 4.0])
 def test_a_variance_that_grows_is_no_swing_without_bounds(growth):
     """Less than half a cycle of a swing of any depth is what a trend of the variance looks like."""

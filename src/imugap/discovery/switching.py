@@ -15,7 +15,7 @@ from imugap.discovery.axis import AxisFit
 from imugap.discovery.parameters import NORMAL
 from imugap.discovery.search import log_chance
 from imugap.discovery.sequence import Sequence
-from imugap.discovery.telegraph import Blocks, compare, curvature, filtered
+from imugap.discovery.telegraph import Blocks, compare, curvature, filtered, uneven
 from imugap.effects import RandomTelegraph
 from imugap.effects.effect import StochasticEffect
 from imugap.stream import stream
@@ -74,8 +74,7 @@ def switching(found: AxisFit, slow: tuple[StochasticEffect, ...], log_alpha: flo
     best = highest(lambda theta: _densities(blocks, _even(theta)), starts)
     if log_chance(best.log_likelihood - verdict.two.log_likelihood, 2) > log_alpha and not found.description.changes:
         return None
-    apart = highest(lambda theta: _densities(blocks, theta), [np.r_[best.theta, side] for side in (-1.0, 1.0)])
-    if log_chance(apart.log_likelihood - best.log_likelihood, 1) < log_alpha:
+    if log_chance(uneven(lambda theta: _densities(blocks, theta), best), 1) < log_alpha:
         return None
     return _told(found, Blocks.of(found, slow, np.inf), best.theta, blocks.width, verdict.gain)
 

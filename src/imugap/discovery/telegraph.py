@@ -34,6 +34,8 @@ SURE = 1e-12
 """Least probability of either value."""
 HUGE = 300.0
 """Logarithm that stands for none or no bound."""
+EVEN = 0.5 * np.log(3.0)
+"""Half the logarithm of the ratio of two rates, up and down, up to which they are one: real ones are not quite."""
 RARE, OFTEN = np.log(1e-9), np.log(1e3)
 """Logarithm of the least and of the largest number of switches per block that is asked for."""
 
@@ -137,9 +139,8 @@ class Verdict:
 
     @cached_property
     def uneven(self) -> float:
-        """Return the gain of log-likelihood of two rates, up and down, over one."""
-        starts = [np.r_[self.two.theta, side] for side in (-1.0, 1.0)]
-        return highest(partial(_telegraph_densities, self.blocks), starts).log_likelihood - self.two.log_likelihood
+        """Return the gain of log-likelihood of two rates, up and down, that are farther apart than those of a name."""
+        return uneven(partial(_telegraph_densities, self.blocks), self.two)
 
 
 def compare(fit: AxisFit, slow: tuple[StochasticEffect, ...]) -> Verdict:
@@ -157,6 +158,17 @@ def likeliest(blocks: Blocks) -> Top:
     size, rate = 2 * blocks.std, 0.5 / blocks.time
     starts = [np.r_[np.log([size, rate * factor]), calm] for factor in RATES for calm in _beside(blocks)]
     return highest(partial(_telegraph_densities, blocks), starts)
+
+
+def uneven(densities: Callable[[np.ndarray], np.ndarray], even: Top) -> float:
+    """Return the gain of log-likelihood of two rates, up and down, over two no farther apart than :data:`EVEN`.
+
+    ``densities`` takes half the logarithm of their ratio as a parameter more than ``even`` has.
+    """
+    apart = highest(densities, [np.r_[even.theta, side] for side in (-1.0, 1.0)])
+    side = np.clip(apart.theta[-1], -EVEN, EVEN)
+    near = highest(lambda theta: densities(np.r_[theta, side]), [apart.theta[:-1]])
+    return apart.log_likelihood - max(near.log_likelihood, even.log_likelihood)
 
 
 def _beside(blocks: Blocks) -> list[np.ndarray]:
