@@ -16,6 +16,8 @@ from imugap.effects.effect import Conditions
 
 HALVES = 0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1.0
 """Halves of plays, in standard deviations of the input."""
+LAGS, LATEST = 10, 1.0
+"""Lags of an input, evenly up to the latest [s]."""
 CLEARLY = 10.0
 """Log-probability by which something without a name has to be surer than what has one."""
 ANOTHER = "another function of the motion explains it better"
@@ -30,16 +32,21 @@ def in_place_of_motion(search: Search, fit: AxisFit, key: Key) -> Doubt:
     base = replace(fit, description=removed(fit.description, key))
     own = base.whiten(jacobian((term,), fit.sequence))
     named = log_chance(*base.joint_gain(own))
-    ways = list(_ways(fit.sequence.conditions))
-    doubts = [NONE]
-    for way in ways:
-        columns = base.whiten(way)
-        gain, rank = base.joint_gain(columns)
-        both, more = base.joint_gain(np.column_stack([columns, own]))
-        if rank and more > rank and log_chance(both - gain, more - rank) > search.log_alpha:
-            other = log_chance(gain, rank) + np.log(len(ways)) + CLEARLY
-            doubts.append(Doubt(ANOTHER, over(named, other, search.log_alpha)))
-    return min(doubts, key=lambda doubt: doubt.log_p)
+    others = [_instead(base, own, way, search.log_alpha) for way in _ways(fit.sequence.conditions)]
+    clearly = np.log(max(len(others), 1)) + CLEARLY
+    return Doubt(ANOTHER, min((over(named, other + clearly, search.log_alpha) for other in others), default=0.0))
+
+
+def _instead(base: AxisFit, own: np.ndarray, way: np.ndarray, log_alpha: float) -> float:
+    """Return the log-probability of what a way gains by chance, or zero where a term still says something beside it.
+
+    ``own`` are the whitened columns of the term, ``way`` those of the error.
+    """
+    columns = base.whiten(way)
+    gain, rank = base.joint_gain(columns)
+    both, more = base.joint_gain(np.column_stack([columns, own]))
+    silent = rank and more > rank and log_chance(both - gain, more - rank) > log_alpha
+    return log_chance(gain, rank) if silent else 0.0
 
 
 def in_place_of_all(search: Search, fit: AxisFit) -> Doubt:
@@ -49,26 +56,32 @@ def in_place_of_all(search: Search, fit: AxisFit) -> Doubt:
     sequence = search.raw.get(fit.description.outliers, fit.sequence)
     found, start = (replace(one, outliers=None) for one in (fit.description, search.start))
     bases = [search.fitted(sequence, one) for one in (start, replace(found, terms=start.terms))]
-    ways = list(_ways(sequence.conditions))
-    best = max((_likelihood_beside(base, way) for base in bases for way in ways), default=-np.inf)
+    likelihoods = (_likelihood_beside(base, way) for way in _ways(sequence.conditions) for base in bases)
+    best = max(likelihoods, default=-np.inf)
     own = _likelihood_beside(bases[1], jacobian(found.terms[len(start.terms) :], sequence))
     named = max(search.fitted(sequence, found).log_likelihood, own)
     return Doubt(ANOTHER, min(LEVEL + CLEARLY + named - best, 0.0))
 
 
 def _likelihood_beside(base: AxisFit, way: np.ndarray) -> float:
-    """Return the log-likelihood of a fit with columns of the error, shape (n, m), more, its noise fitted anew."""
-    _, rest = base.beside(base.whiten(way))
+    """Return the log-likelihood of a fit with columns of the error, shape (n, m), more, its noise fitted anew.
+
+    Less what so many columns gain by chance.
+    """
+    basis, rest = base.beside(base.whiten(way))
     bins, noise = base.sequence.bins, base.noise
     power = bins.sums(rest**2) * noise.noise.variance(bins)
-    return base.log_likelihood - noise.log_likelihood + fit_noise(noise.noise, bins, power).log_likelihood
+    gain = fit_noise(noise.noise, bins, power).log_likelihood - noise.log_likelihood
+    return base.log_likelihood + gain - basis.shape[1] / 2
 
 
 def _ways(conditions: Conditions) -> Iterator[np.ndarray]:
     """Yield what an error may go with, columns of shape (n, m): inputs, their products and derivatives, their history.
 
-    All of a triad at a time; of the own axis what it drags along with some play, and a share that drifts.
+    All of a triad at a time; of each axis what comes late; of the own one what it drags along with some play, and a
+    share that drifts.
     """
+    lags = np.unique(np.round(np.linspace(0, LATEST / conditions.interval, LAGS)).astype(int))
     for triad in (log.GYRO, log.ACCEL):
         known = [axis for axis in triad if conditions.knows([axis])]
         if known:
@@ -76,7 +89,13 @@ def _ways(conditions: Conditions) -> Iterator[np.ndarray]:
             yield inputs
             yield np.gradient(inputs, conditions.interval, axis=0)
             yield np.column_stack([a * b for a, b in combinations_with_replacement(inputs.T, 2)])
+            yield from (np.column_stack([_late(one, lag) for lag in lags]) for one in inputs.T)
     if conditions.knows([conditions.axis]):
         own = np.ascontiguousarray(conditions.error_free)
         yield np.column_stack([play(own, half * own.std()) for half in HALVES])
         yield (own * np.linspace(-1.0, 1.0, len(own)))[:, None]
+
+
+def _late(values: np.ndarray, lag: int) -> np.ndarray:
+    """Return values so many samples late, the first one before."""
+    return np.r_[np.full(lag, values[0]), values[: len(values) - lag]]
