@@ -1,10 +1,14 @@
 """Names of what answers the motion, and what else may go with it."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from scipy.signal import butter, lfilter
+from scipy.stats import binom
 
 from imugap import log
+from imugap.discovery.doubt.motion import samples_in_motion
 from imugap.discovery.hysteresis import play
 from imugap.discovery.sequence import Sequence
 from imugap.discovery.story import concluded, told
@@ -13,8 +17,10 @@ from imugap.effects import (
     GaussMarkov,
     GSensitivity,
     Misalignment,
+    Outliers,
     OutputFilter,
     ScaleFactor,
+    VarianceChange,
     VibrationRectification,
     WhiteNoise,
 )
@@ -33,8 +39,12 @@ def turning(coupled=0.9):
     return log.from_samples(dict(zip(log.AXES, 8 * slow, strict=True)), INTERVAL)
 
 
+def conditions_of(axis, ideal):
+    return Conditions(ideal.index.to_numpy(), INTERVAL, None, axis, ideal)
+
+
 def story(axis, ideal, *effects, added=0.0):
-    conditions = Conditions(ideal.index.to_numpy(), INTERVAL, None, axis, ideal)
+    conditions = conditions_of(axis, ideal)
     noise = AxisModel((WhiteNoise(1e-3), *effects)).simulate(np.zeros(COUNT), conditions, 1, "motion")
     sequence = Sequence(noise + added, conditions, np.zeros(COUNT, bool))
     return concluded(told(sequence, (), tuple(CATALOGUE.values()), LOG_ALPHA, int(0.8 * COUNT)))
@@ -82,6 +92,31 @@ def test_what_comes_late_from_another_axis_leans_to_none(late):
     found = story("gyro_y", ideal, added=3e-3 * np.r_[np.full(lag, other[0]), other[:-lag]])
     assert not found.findings
     assert found.withheld
+
+
+@pytest.mark.parametrize(("axis", "size"), [("gyro_y", 0.8), ("gyro_y", 2.0), ("accel_x", 0.8)])
+def test_noise_that_grows_with_the_motion_has_no_name(axis, size):
+    ideal = turning()
+    change = np.gradient(ideal[axis].to_numpy())
+    noise = size * stream(9, "grows").standard_normal(COUNT) * change / change.std()
+    found = story("gyro_y", ideal, added=1e-3 / np.sqrt(INTERVAL) * noise)
+    assert not found.findings
+    assert found.withheld
+
+
+@pytest.mark.parametrize("effect", [Outliers(1e-3, 0.05), VarianceChange(100.0, 150.0, 1.6)])
+def test_what_comes_at_times_of_its_own_keeps_its_name_in_motion(effect):
+    found = story("gyro_y", turning(), effect)
+    assert [finding.name for finding in found.findings] == [effect.name]
+    assert not found.withheld
+
+
+def test_samples_by_chance_are_seldom_taken_to_come_with_the_motion():
+    ideal = turning()
+    fitted = SimpleNamespace(sequence=SimpleNamespace(conditions=conditions_of("gyro_y", ideal)))
+    rng = stream(3, "by chance")
+    chances = [samples_in_motion(fitted, rng.random(COUNT) < 5e-3) for _ in range(100)]
+    assert binom.ppf(0.001, 100, 0.02) <= np.sum(np.array(chances) < np.log(0.1)) <= binom.ppf(0.999, 100, 0.1)
 
 
 @pytest.mark.parametrize("own", [0, 1])

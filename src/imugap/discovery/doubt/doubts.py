@@ -9,7 +9,7 @@ from imugap.discovery.axis import AxisFit
 from imugap.discovery.doubt.doubt import LEVEL, Doubt
 from imugap.discovery.doubt.mean import term_doubt
 from imugap.discovery.doubt.memory import MEANS, MEMORY, in_place_of_means
-from imugap.discovery.doubt.motion import in_place_of_all
+from imugap.discovery.doubt.motion import in_place_of_all, samples_in_motion
 from imugap.discovery.doubt.spectrum import noise_doubt, share_of, with_power_law
 from imugap.discovery.doubt.variance import change_doubt
 from imugap.discovery.noise import log_likelihood
@@ -190,4 +190,7 @@ def _nothing(search: Search, fit: AxisFit, key: Key) -> None:
 
 
 def _clustered(search: Search, fit: AxisFit, key: Key) -> Doubt:
-    return Doubt("they come in clusters", search.tails[fit.description.outliers].clustered)
+    found = search.tails[fit.description.outliers]
+    clusters = Doubt("they come in clusters", found.clustered)
+    moved = Doubt("they come with the motion", samples_in_motion(fit, found.flagged))
+    return min(clusters, moved, key=lambda doubt: doubt.log_p)

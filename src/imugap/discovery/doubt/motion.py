@@ -5,10 +5,11 @@ from dataclasses import replace
 from itertools import combinations_with_replacement
 
 import numpy as np
+from scipy.special import xlogy
 
 from imugap import log
 from imugap.discovery.axis import AxisFit, jacobian
-from imugap.discovery.doubt.doubt import LEVEL, Doubt, over
+from imugap.discovery.doubt.doubt import LEVEL, Doubt, divergence, over
 from imugap.discovery.hysteresis import play
 from imugap.discovery.noise import fit as fit_noise
 from imugap.discovery.search import Key, Search, log_chance, removed
@@ -18,6 +19,8 @@ HALVES = 0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1.0
 """Halves of plays, in standard deviations of the input."""
 LAGS, LATEST = 10, 1.0
 """Lags of an input, evenly up to the latest [s]."""
+SHARES, FEW = 5, 20
+"""Equal shares of the samples by the size of a motion; samples told apart, below which they are not looked at."""
 CLEARLY = 10.0
 """Log-probability by which something without a name has to be surer than what has one."""
 ANOTHER = "another function of the motion explains it better"
@@ -61,6 +64,40 @@ def in_place_of_all(search: Search, fit: AxisFit) -> Doubt:
     own = _likelihood_beside(bases[1], jacobian(found.terms[len(start.terms) :], sequence))
     named = max(search.fitted(sequence, found).log_likelihood, own)
     return Doubt(ANOTHER, min(LEVEL + CLEARLY + named - best, 0.0))
+
+
+def samples_in_motion(fit: AxisFit, flagged: np.ndarray) -> float:
+    """Return the log-probability that flagged samples, shape (n,), come as unevenly over the sizes of the motion."""
+    if flagged.sum() < FEW:
+        return 0.0
+    counts = [np.bincount(shares[flagged], minlength=SHARES) for shares in _shares(fit.sequence.conditions)]
+    gains = (float(np.sum(xlogy(count, SHARES * count / count.sum()))) for count in counts)
+    return _least([log_chance(gain, SHARES - 1) for gain in gains])
+
+
+def variance_in_motion(search: Search, fit: AxisFit, key: Key) -> float:
+    """Weigh a variance that goes with the size of the motion in the place of one that changes in time."""
+    own, without = search.weighed(fit, key)
+    energies = without.whitened**2
+    totals = [np.bincount(shares, energies, SHARES) for shares in _shares(fit.sequence.conditions)]
+    number = np.full(SHARES, len(energies) / SHARES)
+    gains = (float(divergence(total / energies.mean(), number).sum()) for total in totals)
+    other = _least([log_chance(gain, SHARES - 1) for gain in gains])
+    return over(own.log_p, other + CLEARLY, search.log_alpha)
+
+
+def _least(chances: list[float]) -> float:
+    return min(min(chances) + float(np.log(len(chances))), 0.0) if chances else 0.0
+
+
+def _shares(conditions: Conditions) -> Iterator[np.ndarray]:
+    """Yield the share of the samples, shape (n,), that each is in by the size of an input or of its derivative."""
+    for axis in log.AXES:
+        if conditions.knows([axis]):
+            values = conditions.ideal[axis].to_numpy(float)
+            for motion in (values, np.gradient(values, conditions.interval)):
+                size = np.abs(motion - np.median(motion))
+                yield np.argsort(np.argsort(size)) * SHARES // len(size)
 
 
 def _likelihood_beside(base: AxisFit, way: np.ndarray) -> float:

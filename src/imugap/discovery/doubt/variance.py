@@ -5,6 +5,7 @@ from scipy.fft import rfft
 
 from imugap.discovery.axis import AxisFit
 from imugap.discovery.doubt.doubt import Doubt, divergence
+from imugap.discovery.doubt.motion import variance_in_motion
 from imugap.discovery.search import Key, Search, log_chance
 
 BLOCKS = 12
@@ -14,13 +15,14 @@ INNER = 0.95
 
 
 def change_doubt(search: Search, fit: AxisFit, key: Key) -> Doubt:
-    """Compare the energies of blocks within the stretch, and those of bands of the frequency."""
+    """Compare the energies of blocks within the stretch, those of bands of the frequency, and those of motions."""
     inside = fit.whitened[fit.description.changes[key.index].within(fit.sequence.conditions.time)]
     used = fit.sequence.bins.last / len(fit.coefficients)
     power = np.abs(rfft(inside - inside.mean()))[1 : int(INNER * used * len(inside) / 2)] ** 2
     return min(
         Doubt("the variance changes within the stretch", _scatter(inside**2, 1)),
         Doubt("the variance of some frequencies changes more than that of others", _scatter(power, 2)),
+        Doubt("the variance goes with the motion", variance_in_motion(search, fit, key)),
         key=lambda doubt: doubt.log_p,
     )
 
