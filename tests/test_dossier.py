@@ -9,6 +9,7 @@ import pandas as pd
 import pytest
 import yaml
 from jsonschema import Draft202012Validator
+from scipy.signal import butter, lfilter
 
 from imugap import cli, figures, log
 from imugap.discovery.discover import Question, discover
@@ -205,6 +206,49 @@ def one_axis():
     log.write(measured()[["gyro_x"]], "bad.csv")
 
 
+def half_rate():
+    log.write(measured(), "bad.csv")
+    rows = Path("bad.csv").read_text().splitlines()
+    rows[2::2] = [",".join([*row.split(",")[:-1], ""]) for row in rows[2::2]]
+    Path("bad.csv").write_text("\n".join(rows) + "\n")
+
+
+def held():
+    log.write(measured().assign(gyro_y=measured()["gyro_y"].to_numpy()[np.arange(COUNT) // 3 * 3]), "bad.csv")
+
+
+def two_in_one():
+    table = measured()
+    index = np.arange(COUNT) % (COUNT // 2) * INTERVAL
+    log.write(table, "bad.csv")
+    rows = Path("bad.csv").read_text().splitlines()
+    lines = [",".join([f"{time:.2f}", *row.split(",")[1:]]) for time, row in zip(index, rows[1:], strict=True)]
+    Path("bad.csv").write_text("\n".join([rows[0], *lines]) + "\n")
+
+
+def without_temperature():
+    for name, values in (("warm.csv", np.linspace(20.0, 30.0, COUNT)), ("bad.csv", np.full(COUNT, np.nan))):
+        measured().assign(temperature=values).to_csv(name)
+
+
+def other_axis_alive():
+    log.write(measured().assign(gyro_y=0.0), "mine.csv")
+    log.write(measured(seed=2).assign(gyro_x=0.0), "bad.csv")
+
+
+def holes():
+    table = still()
+    log.write(table[(table.index < 20.0) | (table.index > 40.0)], "bad.csv")
+
+
+def two_filters():
+    Path("bad.yaml").write_text("gyro_x: [{output_filter: {cutoff: 5}}, {output_filter: {cutoff: 9}}]")
+
+
+def lattice_in_degrees():
+    Path("bad.yaml").write_text("gyro_x: [{white_noise: {density: 1e-4}}, {resolution: {step: 10}}]")
+
+
 def broken_module():
     Path("broken_effects.py").write_text("import nothing_that_is_there\n")
 
@@ -259,6 +303,43 @@ FAULTS = {
         nothing,
         ["run1.csv", "--test", "run2.parquet", "--reference", "run1.csv"],
         "test: expected runs",
+    ),
+    "half the rate": (half_rate, ["bad.csv"], "bad.csv: column gyro_y: expected a value in every row.*one of 2 rows"),
+    "held values": (held, ["bad.csv"], "bad.csv: column gyro_y: expected a value in every row.*one of 3 rows"),
+    "two runs in one file": (
+        two_in_one,
+        ["bad.csv"],
+        "bad.csv: row 2000: expected a time that advances; found 0 s after 39.98 s",
+    ),
+    "test without temperature": (
+        without_temperature,
+        ["warm.csv", "--test", "bad.csv"],
+        "bad.csv: column temperature: expected values, as the first log has; found none",
+    ),
+    "another axis alive": (
+        other_axis_alive,
+        ["mine.csv", "bad.csv"],
+        "bad.csv: columns: expected values that vary on an axis on which those of the first log do, gyro_x; found none",
+    ),
+    "log of another rate": (
+        other_rate,
+        ["run1.csv", "bad.csv"],
+        "bad.csv: time: expected the rate of the first log, 50 Hz; found 25 Hz",
+    ),
+    "reference with holes": (
+        holes,
+        ["run1.csv", "--reference", "bad.csv"],
+        "bad.csv: time: expected stamps near 90 % of those of the log; found holes, which leave 75 %",
+    ),
+    "two filters": (
+        two_filters,
+        ["run1.csv", "--model", "bad.yaml"],
+        "bad.yaml: gyro_x: expected one output_filter at most; found 2",
+    ),
+    "a lattice beyond the values": (
+        lattice_in_degrees,
+        ["run1.csv", "--model", "bad.yaml"],
+        "bad.yaml: gyro_x: resolution: expected a step below the range of the values of the log.*found 10",
     ),
     "no module": (nothing, ["run1.csv", "--effects", "not_a_module"], "effects: expected a module.*not_a_module"),
     "broken module": (broken_module, ["run1.csv", "--effects", "broken_effects"], "nothing_that_is_there"),
@@ -317,6 +398,65 @@ def test_an_axis_without_two_values_is_a_place_and_does_not_stop_the_others():
     assert [(one.name, one.axes) for one in found.findings] == [("sinusoid", ("gyro_y",))]
     for gaps in (found.gaps, found.unexplained):
         assert {(gap.axis, gap.view) for gap in gaps} >= {("gyro_x", "values"), ("gyro_z", "values")}
+
+
+def test_a_change_of_variance_that_lasts_goes_on_in_what_no_fit_has_seen():
+    found = discover([measured(VarianceChange(48.0, 80.0, 3.0))], Question(**QUICK))
+    assert [one.name for one in found.findings] == ["variance_change"]
+    assert found.findings[0].log_score_gain > 0
+    apart = found.distances["distribution"]
+    assert apart.after.value < 0.6 * apart.before.value
+
+
+def test_outliers_of_the_start_model_stay_where_the_log_shows_none():
+    start = ErrorModel({**device().axes, "gyro_x": AxisModel((WhiteNoise(1e-4), Bias(1e-3), Outliers(1e-3, 0.02)))})
+    found = discover([measured()], Question(start, **QUICK))
+    assert "outliers" in {effect.name for effect in found.final["gyro_x"]}
+    assert ("gyro_x", "outliers") in found.untold
+
+
+def turning(axes, seed=7):
+    slow = lfilter(*butter(2, 0.05), np.random.default_rng(seed).standard_normal((len(axes), COUNT)))
+    return log.from_samples(dict(zip(axes, 3 * slow, strict=True)), INTERVAL)
+
+
+def test_a_log_of_one_axis_may_answer_a_motion_of_which_all_is_known():
+    ideal = turning(log.AXES)
+    answered = 2e-3 * ideal["accel_y"]
+    device = pd.DataFrame({"gyro_x": measured()["gyro_x"] + ideal["gyro_x"] + answered})
+    found = discover([device], Question(**QUICK), reference=ideal)
+    assert [one.name for one in found.findings] == ["g_sensitivity"]
+    assert found.distances["distribution"].after.value < found.distances["distribution"].before.value
+
+
+def test_noise_in_common_takes_no_place_of_what_an_axis_answers():
+    axes = ("gyro_x", "gyro_y")
+    ideal, shared = turning(axes), np.random.default_rng(3).standard_normal(COUNT) * 2e-3
+    errors = {"gyro_x": shared + 4e-3 * np.abs(ideal["gyro_y"]), "gyro_y": shared}
+    device = measured() + ideal + pd.DataFrame(errors, index=ideal.index)
+    found = discover([device], Question(**QUICK), reference=ideal)
+    assert "common_mode" in {one.name for one in found.findings}
+    assert any(gap.view == "rate" and gap.axis == "gyro_x,gyro_y" for gap in found.unexplained)
+
+
+def test_nothing_is_told_of_the_holes_of_a_reference():
+    ideal = turning(("gyro_x", "gyro_y"))
+    device = measured() + ideal
+    broken = ideal[(ideal.index < 30.0) | (ideal.index > 34.0)]
+    found = discover([device], Question(**QUICK), reference=broken)
+    assert (found.findings, found.unexplained) == ((), ())
+
+
+def test_times_count_from_the_first_sample_that_is_used(here):
+    table = measured(BiasStep(40.0, 5e-3))[["gyro_y"]]
+    table.iloc[:500] = np.nan
+    table.set_axis(table.index + 100.0).rename_axis("time").to_csv("late.csv")
+    assert discovered("late.csv") == 0
+    report = read_report("found")
+    (step,) = report["effects"]
+    (used,) = report["log"]
+    assert used["begin_s"] + step["parameters"]["time"]["value"] == pytest.approx(140.0, abs=0.1)
+    assert used["duration_s"] == pytest.approx(70.0)
 
 
 def test_a_test_run_knows_nothing_of_a_step_that_happened_in_the_log():

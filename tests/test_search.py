@@ -17,7 +17,7 @@ from imugap.discovery.doubt.memory import MEMORY, in_place_of_means
 from imugap.discovery.finding import Gap
 from imugap.discovery.gaps import gaps
 from imugap.discovery.hysteresis import Hysteresis
-from imugap.discovery.noise import Noise, _Spectra, usable
+from imugap.discovery.noise import Noise, _Spectra, limits, usable
 from imugap.discovery.parameters import _near
 from imugap.discovery.runs import turn_on
 from imugap.discovery.search import Key, Search, at
@@ -609,6 +609,28 @@ def test_two_values_are_one_telegraph_noise_if_they_are_about_as_frequent(high, 
     data = switching(high, low, "switching")
     story = concluded(told(data, (), tuple(CATALOGUE.values()), LOG_ALPHA, int(0.8 * COUNT)))
     assert [finding.name for finding in story.findings if finding.name == "random_telegraph"] == expected
+
+
+@pytest.mark.parametrize("unit", [1e-4, 1e4])
+def test_nothing_depends_on_the_unit(unit):
+    data = sequence(GaussMarkov(3e-3, 5.0), RandomWalk(1e-4))
+    here, there = (
+        concluded(told(one, (), tuple(CATALOGUE.values()), LOG_ALPHA, int(0.8 * COUNT)))
+        for one in (data, data.changed(unit * data.values))
+    )
+    assert names(here) == names(there)
+    for one, other in zip(here.findings, there.findings, strict=True):
+        assert one.log_p == pytest.approx(other.log_p, rel=1e-3)
+        sizes = [1.0 if name == "correlation_time" else unit for name in one.parameters]
+        for size, a, b in zip(sizes, one.parameters.values(), other.parameters.values(), strict=True):
+            assert [size * end for end in (a.value, a.low, a.high)] == pytest.approx([b.value, b.low, b.high], rel=2e-2)
+
+
+def test_the_limits_of_a_correlation_time_are_those_of_the_log():
+    data = sequence(RandomWalk(1e-6))
+    noise = Noise((WhiteNoise(1e-8), GaussMarkov(1e-8, 100.0)))
+    low, high = limits(noise, data.bins, data.bins.sums(cosines(1e-5 * data.values) ** 2))
+    assert np.exp([low[-1], high[-1]]) == pytest.approx([INTERVAL / 3, 30 * COUNT * INTERVAL])
 
 
 @pytest.mark.parametrize("growth", [-4.0, 0.0, 4.0])

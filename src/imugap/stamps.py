@@ -35,6 +35,8 @@ STRAIGHT = 3.0
 """Mean square of the means over windows, in variances of such a mean, above which a clock wanders."""
 SPARSE = 50
 """Samples per row above which the stamps are not those of one log."""
+ANEW = 0.1
+"""Steps back over stamps out of order below which a clock has begun anew, rather than that rows are swapped."""
 LEAST = 4 * WINDOW
 """Rows below which nothing is said of the scatter of stamps."""
 
@@ -149,6 +151,7 @@ def stamps(time: np.ndarray) -> Stamps:
     rounding = np.zeros(len(time))
     rounding[advancing] = grain(good)
     if np.count_nonzero(~advancing) > len(time) / 4:
+        _require_one_run(time, np.count_nonzero(~advancing))
         interval = (good[-1] - good[0]) / (len(time) - 1)
         return Stamps(time, float(interval), np.arange(len(time)), advancing, rounding, even=False)
     nominal = _nominal(good, float(rounding.max()))
@@ -161,6 +164,15 @@ def stamps(time: np.ndarray) -> Stamps:
     mean = float(np.polyfit(slots[advancing], good - good[0], 1)[0])
     interval = nominal if abs(mean - nominal) * slots.max() < nominal / 2 else mean
     return Stamps(time, interval, _filled(slots, advancing), advancing, rounding, even=True)
+
+
+def _require_one_run(time: np.ndarray, astray: int) -> None:
+    """Raise a LogError if a few steps back leave so many stamps out of order: the clock begins anew."""
+    backward = np.flatnonzero(np.diff(time) < 0)
+    if 0 < len(backward) < ANEW * astray:
+        row = int(backward[0]) + 1
+        found = f"{time[row]:g} s after {time[row - 1]:g} s (runs come in files of their own)"
+        raise LogError("log", f"row {row}", "a time that advances", found)
 
 
 def _require_dense(time: np.ndarray, interval: float) -> None:

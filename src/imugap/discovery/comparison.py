@@ -47,7 +47,7 @@ def _compared(record: Record, share: float, before: Uncertain, after: Uncertain)
     level = {axis: float(sequence.values[:held_in].mean()) for axis, sequence in record.sequences.items()}
     measured, reference = from_samples(record.outputs, conditions.interval), None
     if conditions.ideal is not None:
-        reference = conditions.ideal[list(record.outputs)].set_axis(measured.index)
+        reference = conditions.ideal.set_axis(measured.index)
     if conditions.temperature is not None:
         measured = measured.assign(temperature=conditions.temperature)
     return Compared(measured, split, before, after, reference, level)

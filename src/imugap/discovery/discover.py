@@ -27,8 +27,10 @@ from imugap.discovery.search import log_chance
 from imugap.discovery.sequence import Sequence as AxisSequence
 from imugap.discovery.start import described, noisy, untold
 from imugap.discovery.story import Story, Tale, concluded, model_of, noise_of, part, told
-from imugap.effects import CATALOGUE, Bias, CommonMode, WhiteNoise
+from imugap.discovery.views import COHERENCE, Curve
+from imugap.effects import CATALOGUE, Bias, CommonMode, Outliers, WhiteNoise
 from imugap.effects.effect import Effect, Stage
+from imugap.log import TIME
 from imugap.model import AxisModel, ErrorModel
 
 OTHER_STEPS = 4
@@ -167,7 +169,7 @@ def discover(
         asked = compared or [held_out(record, stories, start, model)]
         apart, paths = distances(asked, question.seed, question.simulations, each)
     steps.begin("done")
-    kept = _kept(known, record)
+    kept = _kept(known, record, wholes)
     return Discovery(
         start=_with_kept(start, kept),
         final=_with_kept(final, kept),
@@ -325,9 +327,20 @@ def _left(
     alike = {frozenset(pair) for finding in common for pair in _pairs(finding.axes)}
     with _many(question.workers) as each:
         judged = verdicts(fits, question.seed + 1, question.replicates, known, changed, each)
-    judged = [*judged, *(one for one in seen if not changed & set(one.curve.axis.split(",")))]
-    left = tuple(gap for gap in named(judged, question.alpha) if frozenset(gap.axis.split(",")) not in alike)
-    return tuple(one for one in judged if frozenset(one.curve.axis.split(",")) not in alike), left
+    judged += [one for one in seen if not changed & _about(one)]
+    left = tuple(gap for gap in named(judged, question.alpha) if not _common(gap, alike))
+    return tuple(one for one in judged if not _common(one.curve, alike)), left
+
+
+def _about(verdict: Verdict) -> set[str]:
+    """Return the axes whose fits a verdict is about: both of a coherence, else the first, that of the residual."""
+    axes = verdict.curve.axis.split(",")
+    return set(axes) if verdict.curve.view == COHERENCE else {axes[0]}
+
+
+def _common(one: Gap | Curve, alike: set[frozenset[str]]) -> bool:
+    """Return whether a place or a curve is of what two axes have in common, which is known."""
+    return one.view == COHERENCE and frozenset(one.axis.split(",")) in alike
 
 
 def _unsteady(stories: Mapping[str, Story]) -> tuple[Gap, ...]:
@@ -366,13 +379,14 @@ def _of_noise(wholes: Mapping[str, AxisFit], start: ErrorModel | None) -> tuple[
     return tuple(finding for axis in silent for finding in noise_of(wholes[axis]))
 
 
-def _kept(known: ErrorModel, record: Record) -> dict[str, tuple[Effect, ...]]:
+def _kept(known: ErrorModel, record: Record, wholes: Mapping[str, AxisFit]) -> dict[str, tuple[Effect, ...]]:
     """Return the effects that stay as the start model has them: what the log cannot tell, and those of the clock."""
-    sequences = record.sequences
-    return {
-        axis: untold(tuple(effects), sequences[axis]) if axis in sequences else tuple(effects)
-        for axis, effects in known.axes.items()
-    }
+    kept = {axis: tuple(effects) for axis, effects in known.axes.items()}
+    for axis, found in wholes.items():
+        effects = kept.get(axis, ())
+        rare = () if found.has(Outliers) else tuple(one for one in effects if isinstance(one, Outliers))
+        kept[axis] = (*untold(effects, record.sequences[axis]), *rare)
+    return kept
 
 
 def _with_kept(model: ErrorModel, kept: Mapping[str, tuple[Effect, ...]]) -> ErrorModel:
@@ -390,13 +404,17 @@ def _model(
     findings: Sequence[Finding] = (),
     beside: Mapping[str, tuple[Effect, ...]] = MappingProxyType({}),
 ) -> ErrorModel:
-    """Return the fits of all axes as a model, with what was found outside of them and what they are without."""
+    """Return the fits of all axes as a model, with what was found outside of them and what they are without.
+
+    One device has one clock: of those of several other runs the first.
+    """
     axes = {
         axis: AxisModel((*model_of(fit), *beside.get(axis, ()), *_outputs(known, axis))) for axis, fit in fits.items()
     }
     for finding in findings:
         for axis, effect in finding.effects.items():
-            axes[axis] = _with(axes.get(axis, AxisModel()), effect)
+            if not (axis == TIME and any(isinstance(one, type(effect)) for one in axes.get(axis, ()))):
+                axes[axis] = _with(axes.get(axis, AxisModel()), effect)
     return ErrorModel(
         {axis: _ahead(model, fits[axis].sequence) if axis in fits else model for axis, model in axes.items()}
     )

@@ -121,7 +121,8 @@ class Compared:
     before, after
         Start and final model, with or without the uncertainty of their parameters.
     reference
-        Error-free log at the same times, for a device in motion; a device at rest needs none.
+        Error-free log at the same times, of all axes that effects may go with, for a device in motion; a device at
+        rest needs none.
     level
         Mean of each axis over the held-in part, which is that of the measured values unless it is given: clipped
         values have another one than the device.

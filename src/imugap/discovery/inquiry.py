@@ -11,6 +11,8 @@ import pandas as pd
 from imugap import log, readers
 from imugap.discovery import report
 from imugap.discovery.discover import Discovery, Progress, Question, discover
+from imugap.discovery.record import unseen
+from imugap.effects import Outliers, OutputFilter, Resolution
 from imugap.extension import catalogue
 from imugap.log import LogError
 from imugap.model import ErrorModel
@@ -18,8 +20,10 @@ from imugap.stamps import Stamps, stamps
 
 FEWEST = 320
 """Samples that a log has to have: held-in and held-out part have to show their views."""
-ALIKE = 0.02
-"""Largest relative difference of the rates of logs that are compared."""
+ALIKE, NEAR = 0.02, 0.2
+"""Largest relative difference of the rates of a test and the log, and of logs of which the clocks are compared."""
+REGULAR = 0.9
+"""Share of the values that come at one number of rows after the one before, from which that is the rate of the axis."""
 COVERED = 0.9
 """Least share of the log that its reference has to cover; what it leaves out is not used."""
 
@@ -51,8 +55,8 @@ class Inquiry:
     Attributes
     ----------
     logs, tests
-        Path, sha256, rate [Hz], first stamp and duration [s] of each log. All times of the report and of the models
-        count from the first stamp.
+        Path, sha256, rate [Hz], first stamp and duration [s] of each log, of the first one those of what is used of
+        it. All times of the report and of the models count from its first stamp.
     alpha
         The level of the question.
     found
@@ -85,11 +89,14 @@ def ask(files: Files, question: Question, progress: Progress = lambda step, done
     logs, tests = _read(files.logs), _read(files.tests)
     for path, table in zip((*files.logs[1:], *files.tests), (*logs[1:], *tests), strict=True):
         _require_columns(table, path, list(logs[0].columns))
-    for path, table in zip(files.tests, tests, strict=True):
-        _require_rate(table, path, logs[0])
+        _require_values(table, path, logs[0])
+        _require_rate(table, path, logs[0], ALIKE if path in files.tests else NEAR)
+    if start is not None:
+        _require_described(start, files.model, logs[0])
     reference = None if files.reference is None else _reference(files.reference, logs[0])
     found = discover(logs, question, tests, reference, progress)
     described = [tuple(map(_described, *pair)) for pair in ((files.logs, logs), (files.tests, tests))]
+    described[0][0].update(_used(found))
     return Inquiry(*described, question.alpha, found)
 
 
@@ -101,14 +108,33 @@ def _read(paths: Sequence[Path]) -> list[pd.DataFrame]:
         axes = log.axes(table)
         if not axes:
             raise LogError(path, "columns", f"at least one of {', '.join(log.AXES)}", "none of them")
-        finite = {axis: table[axis][np.isfinite(table[axis])] for axis in axes}
-        varying = {axis: values for axis, values in finite.items() if values.nunique() > 1}
+        varying = _varying(table)
         if not varying:
             raise LogError(path, "columns", "values that vary on one axis at least", "one value everywhere")
         for axis, values in varying.items():
             if len(values) < FEWEST:
                 raise LogError(path, f"column {axis}", f"at least {FEWEST} samples", str(len(values)))
+            _require_own_rate(table, path, axis)
     return tables
+
+
+def _varying(table: pd.DataFrame) -> dict[str, pd.Series]:
+    """Return the values of the axes that have more than one."""
+    finite = {axis: table[axis][np.isfinite(table[axis])] for axis in log.axes(table)}
+    return {axis: values for axis, values in finite.items() if values.nunique() > 1}
+
+
+def _require_own_rate(table: pd.DataFrame, path: Path, axis: str) -> None:
+    """Raise a LogError if an axis has a new value in every so many rows only, the others being empty or alike."""
+    values = table[axis].to_numpy(float)
+    known = np.isfinite(values)
+    fresh = np.flatnonzero(known)
+    fresh = fresh[np.r_[True, np.diff(values[fresh]) != 0]]
+    steps, counts = np.unique(np.diff(fresh), return_counts=True)
+    most = int(steps[np.argmax(counts)])
+    if most > 1 and counts.max() > REGULAR * counts.sum():
+        expected = "a value in every row (logs of sensors of other rates come in files of their own)"
+        raise LogError(path, f"column {axis}", expected, f"a new one in one of {most} rows")
 
 
 def _clock(path: Path, table: pd.DataFrame) -> Stamps:
@@ -125,10 +151,36 @@ def _require_columns(table: pd.DataFrame, path: Path, names: Sequence[str]) -> N
         raise LogError(path, "columns", f"those of the first log, {', '.join(names)}", f"no {missing[0]}")
 
 
-def _require_rate(table: pd.DataFrame, path: Path, first: pd.DataFrame) -> None:
-    """Raise a LogError unless a test log has the rate of the first log: spectra and filters are those of a rate."""
+def _require_values(table: pd.DataFrame, path: Path, first: pd.DataFrame) -> None:
+    """Raise a LogError unless a further log has a temperature where the first has, and a varying axis of it."""
+    if log.TEMPERATURE in first and first[log.TEMPERATURE].notna().any() and table[log.TEMPERATURE].isna().all():
+        raise LogError(path, f"column {log.TEMPERATURE}", "values, as the first log has", "none")
+    if not set(_varying(first)) & set(_varying(table)):
+        names = ", ".join(_varying(first))
+        raise LogError(
+            path, "columns", f"values that vary on an axis on which those of the first log do, {names}", "none"
+        )
+
+
+def _require_described(model: ErrorModel, path: Path, measured: pd.DataFrame) -> None:
+    """Raise a ValueError unless a start model has what a description has, and a lattice that the log can be on."""
+    for axis, values in _varying(measured).items():
+        effects = tuple(model.axes.get(axis, ()))
+        for kind in (OutputFilter, Outliers):
+            count = sum(isinstance(one, kind) for one in effects)
+            if count > 1:
+                raise ValueError(f"{path}: {axis}: expected one {kind.name} at most; found {count}")
+        reach = float(np.ptp(values))
+        for step in (one.step for one in effects if isinstance(one, Resolution)):
+            if step > reach:
+                expected = f"a step below the range of the values of the log, {reach:.4g}"
+                raise ValueError(f"{path}: {axis}: resolution: expected {expected}; found {step:.4g}")
+
+
+def _require_rate(table: pd.DataFrame, path: Path, first: pd.DataFrame, most: float) -> None:
+    """Raise a LogError unless a further log has the rate of the first: spectra and filters are those of a rate."""
     found, expected = (1 / _clock(path, one).interval for one in (table, first))
-    if abs(found / expected - 1) > ALIKE:
+    if abs(found / expected - 1) > most:
         raise LogError(path, "time", f"the rate of the first log, {expected:.4g} Hz", f"{found:.4g} Hz")
 
 
@@ -137,11 +189,21 @@ def _reference(path: Path, measured: pd.DataFrame) -> pd.DataFrame:
     reference = log.check(readers.read_table(path), path)
     _require_columns(reference, path, log.axes(measured))
     time = measured.index.to_numpy(float)
-    inside = np.mean((time >= reference.index[0]) & (time <= reference.index[-1]))
-    if inside < COVERED:
+    covered = (time >= reference.index[0]) & (time <= reference.index[-1])
+    if np.mean(covered) < COVERED:
         expected = f"that of the log, {np.nanmin(time):g} to {np.nanmax(time):g} s"
         raise LogError(path, "time", expected, f"{reference.index[0]:g} to {reference.index[-1]:g} s")
+    covered &= ~unseen(reference, time)
+    if np.mean(covered) < COVERED:
+        found = f"holes, which leave {100 * np.mean(covered):.0f} %"
+        raise LogError(path, "time", f"stamps near {100 * COVERED:.0f} % of those of the log", found)
     return reference
+
+
+def _used(found: Discovery) -> dict:
+    """Return first stamp and duration [s] of what is used of the first log."""
+    conditions = next(iter(found.record.sequences.values())).conditions
+    return {"begin_s": found.record.begin, "duration_s": conditions.interval * len(conditions)}
 
 
 def _described(path: Path, table: pd.DataFrame) -> dict:

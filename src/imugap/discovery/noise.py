@@ -346,4 +346,4 @@ def _scales(effect: StochasticEffect, name: str) -> bool:
     """Return whether the spectrum goes with the square of this parameter."""
     f, interval = np.array([0.01, 0.1]), 1.0
     doubled = replace(effect, **{name: 2 * getattr(effect, name)})
-    return bool(np.allclose(doubled.sampled_psd(f, interval), 4 * effect.sampled_psd(f, interval), rtol=1e-9))
+    return bool(np.allclose(doubled.sampled_psd(f, interval), 4 * effect.sampled_psd(f, interval), rtol=1e-9, atol=0))

@@ -28,6 +28,8 @@ ALIGNED = 1e-6
 """Distance, in intervals, within which a stamp of the reference is that of a sample."""
 TAILED = 2.1
 """Largest displacement of a stamp, in standard deviations, that the ticks of another clock leave (uniform: 1.73)."""
+HOLE = 5.0
+"""Step of the stamps of the reference, over their usual one, above which nothing is known between two of them."""
 TOGETHER = 0.5
 """Share of the repeats of an axis that the others have to share for a common cause."""
 
@@ -47,6 +49,8 @@ class Record:
         The effects that were named on the way; each is at home on the axes under which it stands.
     gaps
         Where log and start model disagree, in the views ``stamps`` and ``values``, named or not.
+    begin
+        Stamp of the first sample, which is time zero.
     silent
         Axes without two different values, which are left out: their value, in the view ``values``.
     """
@@ -55,6 +59,7 @@ class Record:
     outputs: dict[str, np.ndarray]
     findings: tuple[Finding, ...]
     gaps: tuple[Gap, ...]
+    begin: float = 0.0
     silent: tuple[Gap, ...] = ()
 
 
@@ -68,7 +73,8 @@ def prepare(
     log
         Table as :func:`imugap.readers.read_table` gives it: stamps may be missing, repeated or reversed, values NaN.
     reference
-        Error-free log, or None for a log at rest; the time that it does not cover is left out.
+        Error-free log, or None for a log at rest; the time that it does not cover is left out, samples in its holes
+        are replaced.
     seed
         Of what replaces flawed samples.
     start
@@ -89,13 +95,14 @@ def prepare(
     outputs = {axis: _on_grid(rows[axis], clock) for axis in canonical.axes(rows)}
     at = {axis: _at(everywhere, axis) for axis in outputs}
     clipped = {axis: _values(news, axis, values, at[axis], clock.lost) for axis, values in outputs.items()}
-    flawed = {axis: np.isnan(values) | clipped[axis] for axis, values in outputs.items()}
+    blind = np.zeros(clock.count, bool) if reference is None else unseen(reference, clock.course)
+    flawed = {axis: np.isnan(values) | clipped[axis] | blind for axis, values in outputs.items()}
     _stuck(news, outputs, at, flawed)
     sequences = {
         axis: _sequence(values, at[axis], flawed[axis], clipped[axis], seed) for axis, values in outputs.items()
     }
-    whole = {axis: _without_gaps(values, sequences[axis]) for axis, values in outputs.items()}
-    return Record(sequences, whole, news.findings(), (*silent, *news.gaps), silent)
+    whole = {axis: _without_gaps(np.where(blind, np.nan, one), sequences[axis]) for axis, one in outputs.items()}
+    return Record(sequences, whole, news.findings(), (*silent, *news.gaps), float(time[0]), silent)
 
 
 class _News:
@@ -215,8 +222,17 @@ def _interpolated(reference: pd.DataFrame, clock: Stamps) -> pd.DataFrame:
         values = values[nearest]
     else:
         time = clock.course
-        values = CubicSpline(own, values)(np.clip(time, own[0], own[-1]))
+        inside, blind = np.clip(time, own[0], own[-1]), unseen(reference, time)
+        bridged = np.column_stack([np.interp(inside, own, column) for column in values.T])
+        values = np.where(blind[:, None], bridged, CubicSpline(own, values)(inside))
     return pd.DataFrame(values, columns=names, index=pd.Index(time, name=canonical.TIME))
+
+
+def unseen(reference: pd.DataFrame, time: np.ndarray) -> np.ndarray:
+    """Return which times, shape (n,), are in a hole of the reference, where it says nothing."""
+    own = reference.index.to_numpy(float)
+    steps, after = np.diff(own), np.clip(np.searchsorted(own, time), 1, len(own) - 1)
+    return steps[after - 1] > HOLE * np.median(steps)
 
 
 def _at(everywhere: Conditions, axis: str) -> Conditions:

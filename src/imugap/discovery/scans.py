@@ -14,6 +14,8 @@ There a sharp filter, whose past and future the log does not hold, makes what lo
 """
 LOST = 1e-6
 """Share of a step that the other terms have to leave of it for it to be told from them."""
+OPEN = 2.0
+"""Gain of log-likelihood that a change of variance has to make by ending before the samples do."""
 BAND, FINER = 256, 4
 """Frequencies of a band over which the level of the power is taken; how often it is halved towards zero."""
 MEANS, FASTEST = 4096, 0.125
@@ -128,7 +130,8 @@ def _level(power: np.ndarray) -> np.ndarray:
 def stretches(whitened: np.ndarray) -> tuple[float, int, int]:
     """Return the largest gain of log-likelihood that one stretch of another variance makes, and its first and last + 1.
 
-    Stretches of whole blocks first, then the ends to the sample.
+    Stretches of whole blocks first, then the ends to the sample. One that may as well last to an end of the samples
+    does.
     """
     n = len(whitened)
     width = max(n // BLOCKS, 8)
@@ -142,8 +145,11 @@ def stretches(whitened: np.ndarray) -> tuple[float, int, int]:
     for _ in range(2):
         start = _refined(squares, start, stop, width, side=0)
         stop = _refined(squares, start, stop, width, side=1)
-    gain = _change_gain(squares[stop] - squares[start], stop - start, squares[-1], n)
-    return float(gain), start, stop
+    ends = [(start, stop), *((a, b) for a, b in ((start, n), (0, stop)) if 0 < b - a < n)]
+    gains = [float(_change_gain(squares[b] - squares[a], b - a, squares[-1], n)) for a, b in ends]
+    lasting = int(np.argmax(gains[1:])) + 1 if len(ends) > 1 else 0
+    chosen = lasting if gains[lasting] > gains[0] - OPEN else 0
+    return gains[chosen], *ends[chosen]
 
 
 def swing(whitened: np.ndarray, time: np.ndarray) -> tuple[float, float, float, float]:

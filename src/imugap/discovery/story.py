@@ -143,6 +143,7 @@ def told(
         search = Search(begin.description, catalogue, log_alpha)
         before = search.cleared(begin)
         early = _searched(search, before)
+        end = float(sequence.conditions.time[-1] + sequence.conditions.interval)
         whole = unsteady.without(part(sequence, 0, len(sequence.values)), early.bands)
         kept = replace(early.found.description, outliers=None, changes=before.description.changes)
         again = search.afresh()
@@ -150,7 +151,7 @@ def told(
         late = _searched(again, again.settled(begun) if kept == early.found.description else begun, early.bands)
         return Tale(
             before.bare(),
-            early.found.bare(),
+            _lasting(early.found, end).bare(),
             early.search.forgetful(),
             late.found.bare(),
             late.search.forgetful(),
@@ -158,6 +159,13 @@ def told(
             late.bands,
             late.switching,
         )
+
+
+def _lasting(found: AxisFit, end: float) -> AxisFit:
+    """Return a fit whose changes of the variance go on until ``end`` [s] if they last as long as its samples do."""
+    description, last = found.description, found.sequence.conditions.time[-1]
+    changes = tuple(replace(one, stop=max(one.stop, end)) if one.stop > last else one for one in description.changes)
+    return replace(found, description=replace(description, changes=changes))
 
 
 @dataclass(frozen=True, eq=False)

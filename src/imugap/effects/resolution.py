@@ -9,6 +9,7 @@ from scipy.special import ndtr
 
 from imugap.effects.effect import TINY, Conditions, Effect, Evidence, Stage, parameter
 from imugap.grain import decimal, spacing
+from imugap.integrity import IMPROBABLE
 
 FORMAT = 0.05
 """Step of decimal numbers, in standard deviations of the noise, below which it is that of the file."""
@@ -79,7 +80,9 @@ class Resolution(Effect):
             return None
         returns = np.count_nonzero(np.diff(values[known])) + 1 - len(np.unique(values[known]))
         log_p = -float(returns) * np.log(step / max(error, np.spacing(step)))
-        return Evidence(cls(step), {"step": (step - error, step + error)}, min(log_p, 0.0), np.zeros(len(values), bool))
+        if log_p > np.log(IMPROBABLE):
+            return None
+        return Evidence(cls(step), {"step": (step - error, step + error)}, log_p, np.zeros(len(values), bool))
 
 
 def noise(values: np.ndarray, conditions: Conditions) -> float:

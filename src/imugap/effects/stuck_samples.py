@@ -58,7 +58,7 @@ class StuckSamples(Effect):
         if not runs.any():
             return None
         if chance * len(known) < RARE * np.count_nonzero(runs):
-            estimate = counted(runs[runs > 0], max(len(first) - 1, 1))
+            estimate = counted(runs[runs > 0], max(len(first) - 1, np.count_nonzero(runs)))
             log_p = float(np.log(max(pdtrc(np.count_nonzero(runs) - 1, max(chance, 1e-12) * len(known)), TINY)))
         else:
             lengths, counts = np.unique(runs, return_counts=True)
@@ -70,6 +70,8 @@ class StuckSamples(Effect):
         repeats = np.repeat(runs >= estimate.least, runs + 1)
         repeats[first] = False
         flawed[known[repeats]] = True
+        if not flawed.any():
+            return None
         probability, length = estimate.probability, estimate.length
         intervals = {"probability": probability[1:], "length": (max(length[1], 1.0), length[2])}
         return Evidence(cls(probability[0], max(length[0], 1.0)), intervals, log_p, flawed)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from imugap.effects.effect import Conditions, Effect, Stage, Start, parameter
+from imugap.effects.effect import TINY, Conditions, Effect, Stage, Start, parameter
 
 if TYPE_CHECKING:
     from imugap.discovery.axis import AxisFit
@@ -32,7 +32,7 @@ class VarianceChange(Effect):
     stage: ClassVar[Stage] = Stage.MODULATION
     start: float = parameter("s", "begin of the change since power-on")
     stop: float = parameter("s", "end of the change since power-on")
-    ratio: float = parameter("1", "variance during the change over that outside", default=1.0)
+    ratio: float = parameter("1", "variance during the change over that outside", low=TINY, default=1.0)
     depth: float = parameter("1", "swing of the logarithm of the variance during the change", default=0.0)
     frequency: float = parameter("Hz", "frequency of the swing", default=0.0)
     phase: float = parameter("rad", "phase of the swing at power-on", low=-np.inf, default=0.0)

@@ -7,13 +7,13 @@ from imugap.discovery.axis import AxisFit
 from imugap.discovery.views.conditional import Binning, binnings, of_conditions
 from imugap.discovery.views.curve import Curve
 from imugap.discovery.views.marginal import of_marginal
-from imugap.discovery.views.spectral import of_allan, of_coherence, of_line, of_spectrum, shared_last
+from imugap.discovery.views.spectral import COHERENCE, of_allan, of_coherence, of_line, of_spectrum, shared_last
 from imugap.discovery.views.temporal import of_change, of_extremes, of_mean, of_variance
 
 VIEWS = (of_allan, of_spectrum, of_line, of_mean, of_variance, of_marginal, of_extremes, of_change)
 """Views of one axis that need nothing besides its fit."""
 
-__all__ = ["VIEWS", "Binning", "Curve", "binnings", "curves", "of_coherence", "shared_last"]
+__all__ = ["COHERENCE", "VIEWS", "Binning", "Curve", "binnings", "curves", "of_coherence", "shared_last"]
 
 
 def curves(fit: AxisFit, over: tuple[Binning, ...] = ()) -> dict[tuple[str, str], Curve]:

@@ -15,6 +15,8 @@ WIDTH = 0.08
 """Relative width of the bands of power."""
 FEWEST = 24
 """Coefficients in the lowest band of coherence."""
+COHERENCE = "coherence"
+"""Name of the view of two axes that are told alike; the others of two are of the first, over the second."""
 CELLS = 512
 """Cells of frequency; each tells its highest line."""
 
@@ -97,4 +99,4 @@ def of_coherence(one: AxisFit, other: AxisFit, last: int | None = None) -> Curve
     score = correlation_score(product / np.sqrt(square * other_square), pooled(number))
     low, high = spans(*_range(one, first, number))
     names = f"{one.sequence.conditions.axis},{other.sequence.conditions.axis}"
-    return Curve("coherence", names, low, high, "Hz", score, windows=windows(len(first)))
+    return Curve(COHERENCE, names, low, high, "Hz", score, windows=windows(len(first)))
