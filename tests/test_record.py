@@ -264,6 +264,23 @@ def test_the_output_is_kept_as_it_is_but_for_what_was_lost(reference):
     assert {"saturation", "stuck_samples", "sample_loss"} <= {name for _, name in names(record)}
 
 
+@pytest.mark.parametrize(("size", "louder"), [(0.2, 6.0), (0.5, 6.0), (0.8, 4.0)])
+def test_what_a_coarse_lattice_repeats_is_not_stuck_though_the_noise_is_louder_for_a_while(size, louder):
+    for seed in range(30):
+        noise = size * stream(seed, "louder").standard_normal(4000)
+        noise[1000:1500] *= louder
+        record = prepare(log.from_samples({"gyro_x": 1e-4 * np.rint(noise)}, 0.01))
+        assert names(record) == {("gyro_x", "resolution")}
+
+
+@pytest.mark.parametrize("curve", ["line", "ramp", "step"])
+def test_values_without_noise_are_looked_at_all_the_same(curve):
+    time = 0.01 * np.arange(4000)
+    values = {"line": np.sin(2 * np.pi * 3 * time), "ramp": time, "step": (time > 20) * 1.0}[curve]
+    record = prepare(log.from_samples({"gyro_x": values}, 0.01))
+    assert all(gap.p_value < 1e-6 for gap in record.gaps)
+
+
 def test_repeats_of_all_axes_at_once_are_one_finding():
     axes = ("gyro_x", "gyro_y", "accel_z")
     table = device(Resolution(0.03), axes=axes).simulate(still(5000, axes), 4)

@@ -84,8 +84,9 @@ def _decimal(values: np.ndarray) -> np.ndarray:
 
 
 def _decades(values: np.ndarray) -> np.ndarray:
-    """Return the number of digits before the point of non-negative numbers, as floats; that of the largest for zero."""
-    return np.floor(np.log10(np.where(values > 0, values, max(values.max(), 1e-300))) + 1e-12) + 1
+    """Return the number of digits before the point of non-negative numbers, as floats; that of the least for zero."""
+    least = values[values > 0].min(initial=np.inf)
+    return np.floor(np.log10(np.where(values > 0, values, least if least < np.inf else 1e-300)) + 1e-12) + 1
 
 
 def _fits(values: np.ndarray, exponents: np.ndarray | int) -> bool:

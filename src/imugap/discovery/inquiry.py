@@ -132,7 +132,7 @@ def _require_own_rate(table: pd.DataFrame, path: Path, axis: str) -> None:
     fresh = fresh[np.r_[True, np.diff(values[fresh]) != 0]]
     steps, counts = np.unique(np.diff(fresh), return_counts=True)
     most = int(steps[np.argmax(counts)])
-    if most > 1 and counts.max() > REGULAR * counts.sum():
+    if most > 1 and counts.max() > max(REGULAR * counts.sum(), FEWEST / 8):
         expected = "a value in every row (logs of sensors of other rates come in files of their own)"
         raise LogError(path, f"column {axis}", expected, f"a new one in one of {most} rows")
 

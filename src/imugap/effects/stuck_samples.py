@@ -19,6 +19,10 @@ FEW = 30
 """Steps between neighbours of a lattice below which the nearest neighbours, whatever their step, tell more."""
 SPARSE = 0.3
 """Relative uncertainty of the chance of a repeat then."""
+PART, FEWEST = 250, 8
+"""Samples of a part of the log, and steps between neighbours of a lattice that it needs to tell of its noise."""
+FAR = 4.0
+"""Standard deviations by which repeats by chance differ in a part of other noise."""
 RARE = 0.01
 """Share of repeats by chance below which each is taken for a flaw."""
 
@@ -42,12 +46,14 @@ class StuckSamples(Effect):
         """Return the stretches of repeats in the output ``values``, NaN where lost, or None.
 
         ``values`` has shape (n,), or (n, axes) for repeats of all axes at once. How often noise repeats itself on a
-        lattice follows from how often it goes one step and two: the logarithm of a normal density is a parabola.
+        lattice follows from how often it goes one step and two: the logarithm of a normal density is a parabola. Parts
+        of the log in which the noise is louder or softer than in most of it are left out.
         """
         columns = values.reshape(len(values), -1)
         known = np.flatnonzero(np.isfinite(columns).all(axis=1))
         if len(known) < 2:
             return None
+        known = known[np.all([_alike(column) for column in columns[known].T], axis=0)]
         chances = [_chance(column[known]) for column in columns.T]
         if None in chances:
             return None
@@ -79,15 +85,46 @@ class StuckSamples(Effect):
 
 def _chance(values: np.ndarray) -> tuple[float, float] | None:
     """Return how often noise repeats a value, and the uncertainty of its logarithm; None on too coarse a lattice."""
-    step, _ = spacing(values)
-    fine = np.maximum(grain(values), step)
-    steps = np.diff(values) / np.maximum(fine[1:], fine[:-1])
-    one, two = (np.count_nonzero(np.abs(np.abs(steps) - k) < 0.5) for k in (1, 2))
+    steps = _steps(values)
+    one, two = _counts(steps)
     apart = np.abs(steps[steps != 0])
     if one < FEW:
         near = np.partition(apart, FEW)[FEW] if len(apart) > FEW else np.inf
         return FEW / 2 / near / len(steps), SPARSE
     if two == 0 or np.log(one / two) > STEEP:
         return None
-    expected = one / 2 * max(one / two, 1.0) ** (1 / 3)
+    expected = _expected(one, two)
     return expected / (len(apart) + expected), float(np.sqrt(16 / 9 / one + 1 / 9 / two + SHAPE**2))
+
+
+def _alike(values: np.ndarray) -> np.ndarray:
+    """Return which samples, shape (n,), are in parts of the log in which noise repeats itself as in most of it."""
+    parts = np.array_split(_steps(values), max(len(values) // PART, 1))
+    counts = np.array([_counts(part) for part in parts])
+    told = counts[:, 0] >= FEWEST
+    if np.count_nonzero(told) < 2:
+        return np.ones(len(values), bool)
+    one, two = np.maximum(counts[told], 0.5).T
+    moving = np.array([np.count_nonzero(part) for part in parts])[told]
+    ratio = np.log(_expected(one, two) / moving)
+    error = np.sqrt(16 / 9 / one + 1 / 9 / two + SHAPE**2)
+    far = np.zeros(len(parts), bool)
+    far[told] = np.abs(ratio - np.median(ratio)) > FAR * error
+    return np.r_[True, ~np.repeat(far, [len(part) for part in parts])]
+
+
+def _steps(values: np.ndarray) -> np.ndarray:
+    """Return the differences of neighbours in steps of the lattice, shape (n - 1,)."""
+    step, _ = spacing(values)
+    fine = np.maximum(grain(values), step)
+    return np.diff(values) / np.maximum(fine[1:], fine[:-1])
+
+
+def _counts(steps: np.ndarray) -> tuple[int, int]:
+    """Return how many steps are of one and of two."""
+    return tuple(np.count_nonzero(np.abs(np.abs(steps) - k) < 0.5) for k in (1, 2))
+
+
+def _expected(one, two):
+    """Return how many repeats noise makes where so many steps are of one and of two."""
+    return one / 2 * np.maximum(one / two, 1.0) ** (1 / 3)
