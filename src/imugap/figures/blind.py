@@ -19,6 +19,8 @@ SCORES = {"detected": ("found", FOUND, 0.94), "named": ("rightly named", NAMED, 
 FARTHEST = 3.0
 """Error, in half widths of the interval, beyond which it is drawn at the edge."""
 DRAWN = ("before", "after", "floor_low", "floor_high")
+HIGHEST = 1e3
+"""Largest distance over the floor drawn; from a model that does not scatter it has no bound."""
 LOWEST = 1e-3
 """Smallest p-value drawn."""
 
@@ -132,13 +134,15 @@ def coverage(parameters: pd.DataFrame, covered: pd.DataFrame) -> Figure:
 def distances(cases: pd.DataFrame) -> Figure:
     """Draw the held-out distances of each case before and after over the floor, the largest first.
 
+    What is beyond :data:`HIGHEST` is at the edge.
+
     ``cases`` has the columns of :attr:`imugap.blind.Scores.cases`.
     """
     figure, grid = panels_of(1, len(DISTANCES), 2.6)
     for name, title, panel in zip(DISTANCES, NAMES.values(), grid[0], strict=True):
         known = cases.dropna(subset=[f"{name}_after", f"{name}_floor"])
         over = pd.DataFrame({state: known[f"{name}_{state}"] / known[f"{name}_floor"] for state in DRAWN})
-        over = over.sort_values("before", ascending=False)
+        over = over.sort_values("before", ascending=False).clip(upper=HIGHEST)
         at = np.arange(1, len(over) + 1)
         panel.vlines(at, over["floor_low"], over["floor_high"], color=BAND, lw=4, label=f"floor ({LEVEL:.0%})")
         panel.vlines(at, over["after"], over["before"], color="#888888", lw=0.5)

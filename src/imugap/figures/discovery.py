@@ -42,8 +42,8 @@ TITLES = {
     "full_scale": "mean towards full scale",
     "angular_acceleration": "mean over angular acceleration",
     "jerk": "mean over jerk",
-    "rate_product": "mean over the product of rates",
-    "force_product": "mean over the product of forces",
+    "rate_product": "mean over rate products",
+    "force_product": "mean over force products",
 }
 LOCATIONS = {
     "allan": "averaging time",
