@@ -84,16 +84,6 @@ def test_a_play_is_neither_what_it_looks_like_nor_the_noise_that_takes_it_up(hal
     assert found.withheld
 
 
-@pytest.mark.parametrize("late", [0.12, 0.37])
-def test_what_comes_late_from_another_axis_leans_to_none(late):
-    ideal = turning()
-    lag = round(late / INTERVAL)
-    other = ideal["gyro_x"].to_numpy()
-    found = story("gyro_y", ideal, added=3e-3 * np.r_[np.full(lag, other[0]), other[:-lag]])
-    assert not found.findings
-    assert found.withheld
-
-
 @pytest.mark.parametrize(("axis", "size"), [("gyro_y", 0.8), ("gyro_y", 2.0), ("accel_x", 0.8)])
 def test_noise_that_grows_with_the_motion_has_no_name(axis, size):
     ideal = turning()

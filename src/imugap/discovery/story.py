@@ -22,7 +22,7 @@ from imugap.discovery.telegraph import compare
 from imugap.discovery.two_values import hidden_telegraph, steady, told_apart, two_valued
 from imugap.discovery.unsteady import Band
 from imugap.discovery.withheld import Withheld, withheld
-from imugap.effects import Bias, RandomTelegraph, Sinusoid
+from imugap.effects import Bias, RandomTelegraph, Sinusoid, VarianceChange
 from imugap.effects.effect import Effect
 from imugap.model import AxisModel
 
@@ -134,8 +134,9 @@ def told(
 ) -> Tale:
     """Search one axis; the samples from ``split`` on are held out.
 
-    Outliers and changes of the variance, which no later fit moves, are found in the whole log anew, before anything is
-    exchanged. One thread is enough for vectors of this length, and axes are worked on side by side.
+    Outliers and changes of the variance, which no later fit moves, are found in the whole log anew; nothing is
+    exchanged for a change before the outliers are out. One thread is enough for vectors of this length, and axes are
+    worked on side by side.
     """
     with threadpool_limits(1):
         held_in, held_out = part(sequence, 0, split), part(sequence, split, len(sequence.values))
@@ -148,7 +149,8 @@ def told(
         kept = replace(early.found.description, outliers=None, changes=before.description.changes)
         again = search.afresh()
         begun = again.cleared(fit(whole, kept if early.switching is None else search.start))
-        late = _searched(again, again.settled(begun) if kept == early.found.description else begun, early.bands)
+        lasting = replace(again, catalogue=tuple(kind for kind in catalogue if kind is not VarianceChange))
+        late = _searched(again, lasting.settled(begun), early.bands)
         return Tale(
             before.bare(),
             _lasting(early.found, end).bare(),

@@ -17,8 +17,6 @@ from imugap.effects.effect import Conditions
 
 HALVES = 0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1.0
 """Halves of plays, in standard deviations of the input."""
-LAGS, LATEST = 10, 1.0
-"""Lags of an input, evenly up to the latest [s]."""
 SHARES, FEW = 5, 20
 """Equal shares of the samples by the size of a motion; samples told apart, below which they are not looked at."""
 CLEARLY = 10.0
@@ -101,24 +99,18 @@ def _shares(conditions: Conditions) -> Iterator[np.ndarray]:
 
 
 def _likelihood_beside(base: AxisFit, way: np.ndarray) -> float:
-    """Return the log-likelihood of a fit with columns of the error, shape (n, m), more, its noise fitted anew.
-
-    Less what so many columns gain by chance.
-    """
-    basis, rest = base.beside(base.whiten(way))
+    """Return the log-likelihood of a fit with columns of the error, shape (n, m), more, its noise fitted anew."""
+    _, rest = base.beside(base.whiten(way))
     bins, noise = base.sequence.bins, base.noise
     power = bins.sums(rest**2) * noise.noise.variance(bins)
-    gain = fit_noise(noise.noise, bins, power).log_likelihood - noise.log_likelihood
-    return base.log_likelihood + gain - basis.shape[1] / 2
+    return base.log_likelihood - noise.log_likelihood + fit_noise(noise.noise, bins, power).log_likelihood
 
 
 def _ways(conditions: Conditions) -> Iterator[np.ndarray]:
     """Yield what an error may go with, columns of shape (n, m): inputs, their products and derivatives, their history.
 
-    All of a triad at a time; of each axis what comes late; of the own one what it drags along with some play, and a
-    share that drifts.
+    All of a triad at a time; of the own axis what it drags along with some play, and a share that drifts.
     """
-    lags = np.unique(np.round(np.linspace(0, LATEST / conditions.interval, LAGS)).astype(int))
     for triad in (log.GYRO, log.ACCEL):
         known = [axis for axis in triad if conditions.knows([axis])]
         if known:
@@ -126,13 +118,7 @@ def _ways(conditions: Conditions) -> Iterator[np.ndarray]:
             yield inputs
             yield np.gradient(inputs, conditions.interval, axis=0)
             yield np.column_stack([a * b for a, b in combinations_with_replacement(inputs.T, 2)])
-            yield from (np.column_stack([_late(one, lag) for lag in lags]) for one in inputs.T)
     if conditions.knows([conditions.axis]):
         own = np.ascontiguousarray(conditions.error_free)
         yield np.column_stack([play(own, half * own.std()) for half in HALVES])
         yield (own * np.linspace(-1.0, 1.0, len(own)))[:, None]
-
-
-def _late(values: np.ndarray, lag: int) -> np.ndarray:
-    """Return values so many samples late, the first one before."""
-    return np.r_[np.full(lag, values[0]), values[: len(values) - lag]]
