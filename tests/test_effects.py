@@ -694,7 +694,7 @@ def test_variance_change_scales_the_white_noise_and_nothing_else():
 
 def test_variance_change_includes_its_begin_and_not_its_end():
     at = Conditions(np.array([0.0, 1.0, 2.0, 3.0]), 1.0)
-    np.testing.assert_array_equal(VarianceChange(1.0, 3.0, 0.0).apply(np.ones(4), at, stream(1)), [1, 0, 0, 1])
+    np.testing.assert_array_equal(VarianceChange(1.0, 3.0, 4.0).apply(np.ones(4), at, stream(1)), [1, 2, 2, 1])
 
 
 def test_a_change_that_ends_before_it_begins_is_refused():
