@@ -22,8 +22,8 @@ FEWEST = 320
 """Samples that a log has to have: held-in and held-out part have to show their views."""
 ALIKE, NEAR = 0.02, 0.2
 """Largest relative difference of the rates of a test and the log, and of logs of which the clocks are compared."""
-REGULAR = 0.9
-"""Share of the values that come at one number of rows after the one before, from which that is the rate of the axis."""
+REGULAR, SEVERAL = 0.9, 40
+"""Share and number of the values that come equally many rows apart, from which that is the rate of the axis."""
 COVERED = 0.9
 """Least share of the log that its reference has to cover; what it leaves out is not used."""
 
@@ -95,9 +95,8 @@ def ask(files: Files, question: Question, progress: Progress = lambda step, done
         _require_described(start, files.model, logs[0])
     reference = None if files.reference is None else _reference(files.reference, logs[0])
     found = discover(logs, question, tests, reference, progress)
-    described = [tuple(map(_described, *pair)) for pair in ((files.logs, logs), (files.tests, tests))]
-    described[0][0].update(_used(found))
-    return Inquiry(*described, question.alpha, found)
+    first, *others = map(_described, files.logs, logs)
+    return Inquiry((first | _used(found), *others), tuple(map(_described, files.tests, tests)), question.alpha, found)
 
 
 def _read(paths: Sequence[Path]) -> list[pd.DataFrame]:
@@ -132,7 +131,7 @@ def _require_own_rate(table: pd.DataFrame, path: Path, axis: str) -> None:
     fresh = fresh[np.r_[True, np.diff(values[fresh]) != 0]]
     steps, counts = np.unique(np.diff(fresh), return_counts=True)
     most = int(steps[np.argmax(counts)])
-    if most > 1 and counts.max() > max(REGULAR * counts.sum(), FEWEST / 8):
+    if most > 1 and counts.max() > max(REGULAR * counts.sum(), SEVERAL):
         expected = "a value in every row (logs of sensors of other rates come in files of their own)"
         raise LogError(path, f"column {axis}", expected, f"a new one in one of {most} rows")
 

@@ -149,8 +149,8 @@ def told(
         kept = replace(early.found.description, outliers=None, changes=before.description.changes)
         again = search.afresh()
         begun = again.cleared(fit(whole, kept if early.switching is None else search.start))
-        lasting = replace(again, catalogue=tuple(kind for kind in catalogue if kind is not VarianceChange))
-        late = _searched(again, lasting.settled(begun), early.bands)
+        unchanging = replace(again, catalogue=tuple(kind for kind in catalogue if kind is not VarianceChange))
+        late = _searched(again, unchanging.settled(begun), early.bands)
         return Tale(
             before.bare(),
             _lasting(early.found, end).bare(),

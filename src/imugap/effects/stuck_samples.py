@@ -94,7 +94,7 @@ def _chance(values: np.ndarray) -> tuple[float, float] | None:
     if two == 0 or np.log(one / two) > STEEP:
         return None
     expected = _expected(one, two)
-    return expected / (len(apart) + expected), float(np.sqrt(16 / 9 / one + 1 / 9 / two + SHAPE**2))
+    return expected / (len(apart) + expected), float(_uncertainty(one, two))
 
 
 def _alike(values: np.ndarray) -> np.ndarray:
@@ -107,7 +107,7 @@ def _alike(values: np.ndarray) -> np.ndarray:
     one, two = np.maximum(counts[told], 0.5).T
     moving = np.array([np.count_nonzero(part) for part in parts])[told]
     ratio = np.log(_expected(one, two) / moving)
-    error = np.sqrt(16 / 9 / one + 1 / 9 / two + SHAPE**2)
+    error = _uncertainty(one, two)
     far = np.zeros(len(parts), bool)
     far[told] = np.abs(ratio - np.median(ratio)) > FAR * error
     return np.r_[True, ~np.repeat(far, [len(part) for part in parts])]
@@ -125,6 +125,11 @@ def _counts(steps: np.ndarray) -> tuple[int, int]:
     return tuple(np.count_nonzero(np.abs(np.abs(steps) - k) < 0.5) for k in (1, 2))
 
 
-def _expected(one, two):
+def _uncertainty(one: np.ndarray | int, two: np.ndarray | int) -> np.ndarray | float:
+    """Return the uncertainty of the logarithm of :func:`_expected`."""
+    return np.sqrt(16 / 9 / one + 1 / 9 / two + SHAPE**2)
+
+
+def _expected(one: np.ndarray | int, two: np.ndarray | int) -> np.ndarray | float:
     """Return how many repeats noise makes where so many steps are of one and of two."""
     return one / 2 * np.maximum(one / two, 1.0) ** (1 / 3)
