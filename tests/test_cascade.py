@@ -42,3 +42,11 @@ def test_counting_on_a_smooth_is_counting_on_the_sequence(process):
     deviation = np.sqrt(np.diag(means)[first:])
     scale = np.outer(deviation, deviation)
     np.testing.assert_allclose(smooth_means / scale, means[first:, first:] / scale, atol=5e-3)
+
+
+@pytest.mark.parametrize("process", PROCESSES, ids=lambda p: p.name)
+def test_the_same_question_has_the_same_answer_to_the_last_bit(process):
+    psd = wavelet._per_sample(process, INTERVAL)
+    first, *others = [cascade.counted(psd, 2**15, 13, 2, 4) for _ in range(3)]
+    for other in others:
+        np.testing.assert_array_equal(other, first)

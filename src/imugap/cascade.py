@@ -74,7 +74,18 @@ def _nodes(octaves: int) -> np.ndarray:
 @lru_cache
 def _interpolation(octaves: int) -> np.ndarray:
     """Return the weights of the top octave's nodes for 1/2 - f/2, shape (octaves - 1, NODES, NODES)."""
-    return BarycentricInterpolator(_nodes(1)[0], np.eye(NODES))(0.5 - _nodes(octaves)[1:])
+    return _interpolant(np.eye(NODES))(0.5 - _nodes(octaves)[1:])
+
+
+def _interpolant(values: np.ndarray) -> BarycentricInterpolator:
+    """Return the polynomial of these values at the nodes of the top octave.
+
+    Its weights are those of Gauss-Legendre nodes (Wang, Xiang 2012, Mathematics of Computation 81, 861-877); without
+    them they would be multiplied out in an order drawn at random, and differ in the last digits from call to call.
+    """
+    node, weight = leggauss(NODES)
+    signs = (-1.0) ** np.arange(NODES)
+    return BarycentricInterpolator(_nodes(1)[0], values, wi=signs * np.sqrt((1 - node**2) * weight))
 
 
 def _fold(spectrum: np.ndarray, width: int) -> np.ndarray:
@@ -206,5 +217,5 @@ def _smooth(psd: PSD, cycles: np.ndarray, halvings: int, width: int) -> np.ndarr
     result = np.empty(len(cycles))
     for k in range(octave.max() + 1):
         inside = octave == k
-        result[inside] = BarycentricInterpolator(_nodes(1)[0], spectrum[k])(cycles[inside] * 2.0**k)
+        result[inside] = _interpolant(spectrum[k])(cycles[inside] * 2.0**k)
     return result
