@@ -75,7 +75,7 @@ def _decimal(values: np.ndarray) -> np.ndarray:
     shifts = range(DIGITS)
     common = next((k for k in shifts if _fits(some, top - k) and _fits(values, top - k)), None)
     own = None
-    if len(np.unique(values)) > SEVERAL:  # few levels may share their number of digits by chance
+    if any(len(np.unique(ones)) > SEVERAL for ones in (some, values)):  # few levels may share their digits by chance
         own = next(
             (k for k in shifts[1:] if _fits(some, _decades(some) - k) and _fits(values, _decades(values) - k)), None
         )

@@ -6,7 +6,7 @@ a sequence without jumps at its ends (:mod:`imugap.likelihood`).
 """
 
 from dataclasses import dataclass, fields, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from math import isfinite
 
 import numpy as np
@@ -107,9 +107,14 @@ class Bins:
 
         The coefficients that are kept one by one keep their own.
         """
-        k = np.arange(1, self.count)
         means = self.edges + 1 + (self.number - 1) / 2
-        return np.exp(np.interp(np.log(k), np.log(means), np.log(values)))
+        return np.exp(np.interp(_logarithms(self.count), np.log(means), np.log(values)))
+
+
+@lru_cache(maxsize=4)
+def _logarithms(count: int) -> np.ndarray:
+    """Return the logarithms of k = 1..count-1."""
+    return np.log(np.arange(1, count))
 
 
 def _widening(count: int) -> np.ndarray:

@@ -1,6 +1,7 @@
 """Where in a residual an event or a line sits: matched filters over all places at once."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from scipy.fft import idct, next_fast_len, rfft
@@ -69,8 +70,7 @@ def steps(coefficients: np.ndarray, variance: np.ndarray, basis: np.ndarray) -> 
         Orthonormal columns that the other terms may move the coefficients in, shape (n - 1, m).
     """
     n = len(coefficients) + 1
-    k = np.arange(1, n)
-    share = 2 / n / (4 * np.sin(np.pi * k / (2 * n)) ** 2) / variance
+    share = _squares(n) / variance
     cosine = np.real(rfft(np.r_[0.0, share], 2 * n))
     cosine = np.r_[cosine, cosine[-2:0:-1]]
     alone = np.maximum(0.5 * (share.sum() - cosine[::2]), 1e-300)
@@ -89,6 +89,12 @@ def steps(coefficients: np.ndarray, variance: np.ndarray, basis: np.ndarray) -> 
     return Steps(gains, apart)
 
 
+@lru_cache(maxsize=4)
+def _squares(n: int) -> np.ndarray:
+    """Return the squared amplitudes, over its places, of the cosine coefficients of a unit step, shape (n - 1,)."""
+    return 2 / n / (4 * np.sin(np.pi * np.arange(1, n) / (2 * n)) ** 2)
+
+
 def _matched(coefficients: np.ndarray, variance: np.ndarray) -> np.ndarray:
     """Return the products of coefficients with those of a unit step at each sample, shape (n,)."""
     weighted = idct(np.r_[0.0, coefficients / np.sqrt(variance)], norm="ortho")
@@ -104,7 +110,8 @@ def lines(whitened: np.ndarray, interval: float) -> tuple[np.ndarray, np.ndarray
     """
     n = len(whitened)
     length = next_fast_len(2 * n, real=True)
-    power = np.abs(rfft(whitened, length)) ** 2 / n
+    spectrum = rfft(whitened, length)
+    power = (spectrum.real**2 + spectrum.imag**2) / n
     frequency = np.arange(len(power)) / (length * interval)
     inner = (frequency > 1.5 / (n * interval)) & (frequency < (0.5 - 1.0 / n) / interval)
     level = _level(power[inner])

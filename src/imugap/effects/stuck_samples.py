@@ -51,14 +51,13 @@ class StuckSamples(Effect):
         """
         columns = values.reshape(len(values), -1)
         known = np.flatnonzero(np.isfinite(columns).all(axis=1))
-        if len(known) < 2:
+        if not _repeats(columns[known]).any():
             return None
         known = known[np.all([_alike(column) for column in columns[known].T], axis=0)]
         chances = [_chance(column[known]) for column in columns.T]
         if None in chances:
             return None
-        same = np.all(columns[known[1:]] == columns[known[:-1]], axis=1)
-        first = np.flatnonzero(np.r_[True, ~same])
+        first = np.flatnonzero(np.r_[True, ~_repeats(columns[known])])
         runs = np.diff(np.r_[first, len(known)]) - 1
         chance, spread = float(np.prod([c for c, _ in chances])), float(np.hypot.reduce([s for _, s in chances]))
         if not runs.any():
@@ -81,6 +80,11 @@ class StuckSamples(Effect):
         probability, length = estimate.probability, estimate.length
         intervals = {"probability": probability[1:], "length": (max(length[1], 1.0), length[2])}
         return Evidence(cls(probability[0], max(length[0], 1.0)), intervals, log_p, flawed)
+
+
+def _repeats(columns: np.ndarray) -> np.ndarray:
+    """Return which rows after the first, shape (n - 1,), are the same as the one before."""
+    return np.all(columns[1:] == columns[:-1], axis=1)
 
 
 def _chance(values: np.ndarray) -> tuple[float, float] | None:
