@@ -327,8 +327,9 @@ def _passed(values: np.ndarray, sequence: Sequence, description: Description) ->
 
 
 def _level(rest: np.ndarray, sequence: Sequence, description: Description) -> float:
-    weights = np.broadcast_to(scale(sequence, description.changes), rest.shape) ** -2.0
-    return np.average(rest, weights=weights)
+    if not description.changes:
+        return np.mean(rest)
+    return np.average(rest, weights=scale(sequence, description.changes) ** -2.0)
 
 
 def jacobian(terms: Several[Term], sequence: Sequence) -> np.ndarray:
@@ -389,9 +390,10 @@ def _mean_moved(sequence: Sequence, description: Description) -> Description:
     rest = cosines(residual(sequence, description)) / root
     for _ in range(HALVINGS):
         columns = _whitened(jacobian(description.terms, sequence), sequence, description, root)
-        norms = np.linalg.norm(columns, axis=0)
+        precision = columns.T @ columns
+        norms = np.sqrt(np.diag(precision))
         norms[norms == 0] = 1.0
-        step = np.linalg.lstsq((columns / norms).T @ (columns / norms), (columns / norms).T @ rest, rcond=1e-10)[0]
+        step = np.linalg.lstsq(precision / np.outer(norms, norms), columns.T @ rest / norms, rcond=1e-10)[0]
         moved, after = _line_search(sequence, description, step / norms, root, rest)
         gained = 0.5 * (rest @ rest - after @ after)
         if gained <= 0:
@@ -438,7 +440,8 @@ def _covariance(sequence: Sequence, description: Description) -> np.ndarray:
         return np.empty((0, 0))
     root = _roots(sequence, description)
     columns = _whitened(jacobian(description.terms, sequence), sequence, description, root)
-    norms = np.linalg.norm(columns, axis=0)
+    precision = columns.T @ columns
+    norms = np.sqrt(np.diag(precision))
     norms[norms == 0] = np.inf
-    inverse = np.linalg.pinv((columns / norms).T @ (columns / norms), rcond=1e-12, hermitian=True)
+    inverse = np.linalg.pinv(precision / np.outer(norms, norms), rcond=1e-12, hermitian=True)
     return inverse / np.outer(norms, norms)

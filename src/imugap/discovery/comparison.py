@@ -1,6 +1,7 @@
 """Logs beside the models that they are compared with: the last part of a log, or further runs of the device."""
 
 from collections.abc import Callable, Mapping, Sequence
+from itertools import chain, islice
 
 import pandas as pd
 from threadpoolctl import threadpool_limits
@@ -14,6 +15,8 @@ from imugap.effects.effect import Effect
 from imugap.log import TEMPERATURE, from_samples
 from imugap.model import AxisModel, ErrorModel
 
+TOGETHER = 15
+"""Simulations of one model of one log that are made one after another, by one process."""
 HELD_IN = 0.8
 """Share of a log that names and parameters come from, where no test log is given."""
 LEVELLED = 0.2
@@ -61,9 +64,10 @@ def distances(
     Each log has a seed of its own, counted from ``seed``; ``count`` simulations are made of each model, and ``each``
     applies a function to many arguments, several at a time perhaps.
     """
-    tasks = [(one, name, seed + number, count) for name in SIDES for number, one in enumerate(logs)]
-    ensembles = list(each(_ensemble, *zip(*tasks, strict=True)))
-    befores, afters = ensembles[: len(logs)], ensembles[len(logs) :]
+    parts = [range(first, min(first + TOGETHER, count)) for first in range(0, count, TOGETHER)]
+    tasks = [(one, name, seed + k, part) for name in SIDES for k, one in enumerate(logs) for part in parts]
+    made = iter(each(_ensemble, *zip(*tasks, strict=True)))
+    befores, afters = ([list(chain.from_iterable(islice(made, len(parts)))) for _ in logs] for _ in SIDES)
     seen = [(one, one.own(), *pair) for one, *pair in zip(logs, befores, afters, strict=True)]
     apart = {"distribution": together([distribution(*summaries) for _, *summaries in seen])}
     paths = tuple(one.navigated(*summaries) for one, *summaries in seen if one.course is not None)
@@ -72,10 +76,10 @@ def distances(
     return apart, paths
 
 
-def _ensemble(compared: Compared, name: str, seed: int, count: int) -> list[Summary]:
-    """Return the summaries of simulations of one model."""
+def _ensemble(compared: Compared, name: str, seed: int, numbers: range) -> list[Summary]:
+    """Return the summaries of some simulations of one model."""
     with threadpool_limits(1):
-        return compared.ensemble(name, seed, count)
+        return compared.ensemble(name, seed, numbers)
 
 
 def _in_run(model: ErrorModel) -> ErrorModel:

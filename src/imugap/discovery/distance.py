@@ -6,7 +6,7 @@ model that claims to know more than it does is far away, not close.
 Logs are taken as evenly sampled; errors of the clock are left out.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import radians
@@ -162,17 +162,17 @@ class Compared:
         """Return the summary of the measured log."""
         return self._summary(self.measured)
 
-    def ensemble(self, name: str, seed: int, count: int) -> list[Summary]:
-        """Return the summaries of ``count`` simulations of a model, ``before`` or ``after``."""
-        return [self._summary(table) for table in self._simulations(name, seed, count)]
+    def ensemble(self, name: str, seed: int, numbers: Iterable[int]) -> list[Summary]:
+        """Return the summaries of the simulations of these numbers of a model, ``before`` or ``after``."""
+        return [self._summary(table) for table in self._simulations(name, seed, numbers)]
 
     def distribution(self, seed: int, count: int = COUNT) -> Apart:
         """Return the distances over views of the error."""
-        return distribution(self.own(), *(self.ensemble(name, seed, count) for name in SIDES))
+        return distribution(self.own(), *(self.ensemble(name, seed, range(count)) for name in SIDES))
 
     def drifts(self, seed: int, count: int = COUNT) -> "Drifts":
         """Return the drifts of a device at rest."""
-        return self.navigated(self.own(), *(self.ensemble(name, seed, count) for name in SIDES))
+        return self.navigated(self.own(), *(self.ensemble(name, seed, range(count)) for name in SIDES))
 
     def navigated(self, own: Summary, before: Sequence[Summary], after: Sequence[Summary]) -> "Drifts":
         """Return the drifts of which summaries tell."""
@@ -199,11 +199,11 @@ class Compared:
         """Return the standard deviation of the measured errors of the held-in part."""
         return {axis: values[: self.held_in].std() for axis, values in self._errors(self.measured).items()}
 
-    def _simulations(self, name: str, seed: int, count: int) -> Iterator[pd.DataFrame]:
+    def _simulations(self, name: str, seed: int, numbers: Iterable[int]) -> Iterator[pd.DataFrame]:
         """Simulate the whole log, the held-out part as what follows on the held-in one."""
         model = getattr(self, name)
-        for index in range(count):
-            labels = ("distance", name, index)
+        for number in numbers:
+            labels = ("distance", name, number)
             rng = stream(seed, *labels, "parameters")
             drawn = model.draw(rng) if isinstance(model, Uncertain) else model
             sensors = ErrorModel({axis: drawn.axes.get(axis, AxisModel()) for axis in log.axes(self.measured)})

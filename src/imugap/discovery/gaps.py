@@ -22,7 +22,7 @@ from imugap.model import AxisModel
 from imugap.stream import stream
 
 REPLICATES = 99
-TOGETHER = 11
+TOGETHER = 10
 """Replicates that are made one after another, by one process; neighbours among them tell of independent axes."""
 REPLACED = (SampleLoss, Saturation, StuckSamples)
 """Effects whose samples are replaced, all of them: a replicate has its replacements at the same places."""

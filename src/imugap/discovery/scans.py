@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from scipy.fft import idct, next_fast_len, rfft
+from scipy.fft import dct, idct, next_fast_len, rfft
 from scipy.optimize import minimize
 from scipy.special import ndtr
 
@@ -71,7 +71,7 @@ def steps(coefficients: np.ndarray, variance: np.ndarray, basis: np.ndarray) -> 
     """
     n = len(coefficients) + 1
     share = _squares(n) / variance
-    cosine = np.real(rfft(np.r_[0.0, share], 2 * n))
+    cosine = dct(np.r_[0.0, share, 0.0], type=1) / 2
     cosine = np.r_[cosine, cosine[-2:0:-1]]
     alone = np.maximum(0.5 * (share.sum() - cosine[::2]), 1e-300)
     norm, product = alone.copy(), 0.5 * (cosine[1] - cosine[1::2])
@@ -82,10 +82,9 @@ def steps(coefficients: np.ndarray, variance: np.ndarray, basis: np.ndarray) -> 
     edge = min(max(int(EDGE * n), 8), LONGEST_EDGE)
     told = norm > LOST * alone
     told[:edge] = told[n - edge :] = False
-    inner = np.flatnonzero(told[:-1] & told[1:])
-    gains, apart = np.zeros(n), np.zeros(n)
-    gains[told] = 0.5 * _matched(coefficients, variance)[told] ** 2 / norm[told]
-    apart[inner] = np.clip(1 - product[inner] / np.sqrt(norm[inner] * norm[inner + 1]), 0.0, 2.0)
+    norm = np.where(told, norm, np.inf)
+    gains, apart = 0.5 * _matched(coefficients, variance) ** 2 / norm, np.zeros(n)
+    apart[:-1] = np.clip(1 - product[:-1] / np.sqrt(norm[:-1] * norm[1:]), 0.0, 2.0) * (told[:-1] & told[1:])
     return Steps(gains, apart)
 
 
@@ -113,7 +112,8 @@ def lines(whitened: np.ndarray, interval: float) -> tuple[np.ndarray, np.ndarray
     spectrum = rfft(whitened, length)
     power = (spectrum.real**2 + spectrum.imag**2) / n
     frequency = np.arange(len(power)) / (length * interval)
-    inner = (frequency > 1.5 / (n * interval)) & (frequency < (0.5 - 1.0 / n) / interval)
+    first = np.searchsorted(frequency, 1.5 / (n * interval), side="right")
+    inner = slice(first, np.searchsorted(frequency, (0.5 - 1.0 / n) / interval))
     level = _level(power[inner])
     return frequency[inner], power[inner] / level, level
 

@@ -45,11 +45,10 @@ class BiasInstability(StochasticEffect):
         """
         count = len(conditions)
         length = next_fast_len(4 * count, real=True)
-        frequency = rfftfreq(length, conditions.interval)[1:]
-        scale = np.sqrt(self.sampled_psd(frequency, conditions.interval) * length / conditions.interval / 2)
-        spectrum = np.zeros(len(frequency) + 1, complex)
-        spectrum.real[1:] = scale * rng.standard_normal(len(frequency))
-        spectrum.imag[1:] = scale * rng.standard_normal(len(frequency))
+        scale = self.density_b * _amplitudes(type(self)(1.0), length, conditions.interval)
+        spectrum = np.zeros(len(scale) + 1, complex)
+        spectrum.real[1:] = scale * rng.standard_normal(len(scale))
+        spectrum.imag[1:] = scale * rng.standard_normal(len(scale))
         return irfft(spectrum, length)[:count]
 
     def psd(self, frequency: np.ndarray) -> np.ndarray:
@@ -90,6 +89,13 @@ class FractionalFlicker(BiasInstability):
     def sampled_psd(self, frequency: np.ndarray, interval: float) -> np.ndarray:
         """Return B^2 interval/(2 sin(pi f interval))."""
         return self.density_b**2 * interval / (2 * np.sin(np.pi * np.asarray(frequency, float) * interval))
+
+
+@lru_cache(maxsize=1)
+def _amplitudes(unit: BiasInstability, length: int, interval: float) -> np.ndarray:
+    """Return the deviation of either part of the Fourier coefficients of a synthesis, from the first one on."""
+    frequency = rfftfreq(length, interval)[1:]
+    return np.sqrt(unit.sampled_psd(frequency, interval) * length / interval / 2)
 
 
 LOBES = 400
