@@ -273,6 +273,45 @@ def test_what_a_coarse_lattice_repeats_is_not_stuck_though_the_noise_is_louder_f
         assert names(record) == {("gyro_x", "resolution")}
 
 
+@pytest.mark.parametrize("deviation", [4.0, 8.0])
+def test_what_a_converter_without_some_codes_repeats_is_not_stuck(deviation):
+    for seed in range(10):
+        rng = stream(seed, "codes")
+        codes = np.rint(deviation * rng.standard_normal(30_000))
+        codes += np.isin(codes, rng.choice(np.unique(codes), len(np.unique(codes)) // 4, replace=False))
+        record = prepare(log.from_samples({"gyro_x": 1e-4 * codes}, 0.01))
+        assert names(record) == {("gyro_x", "resolution")}
+
+
+def hand(seed, count=30_000):
+    """A motion of a hand that rests a while every minute, and what a device on a coarse lattice makes of it."""
+    rng, time = stream(seed, "hand"), 0.01 * np.arange(count)
+    turns = np.sin(2 * np.pi * rng.uniform(0.1, 2.0, (6, 1)) * time + rng.uniform(0, 6, (6, 1))).sum(axis=0)
+    ideal = 100 * turns * np.where(np.sin(2 * np.pi * time / 60) > 0.3, 0.02, 1.0)
+    return ideal, np.rint(ideal + 0.8 * rng.standard_normal(count))
+
+
+def of_steps(values):
+    return log.from_samples({"gyro_x": 1e-3 * values}, 0.01)
+
+
+def test_what_a_coarse_lattice_repeats_while_a_motion_is_slow_is_not_stuck():
+    for seed in range(10):
+        ideal, values = hand(seed)
+        assert names(prepare(of_steps(values), of_steps(ideal))) == {("gyro_x", "resolution")}
+
+
+def test_what_sticks_while_a_motion_is_fast_is_found_on_a_coarse_lattice():
+    held = 0
+    for seed in range(10):
+        ideal, values = hand(seed)
+        stuck = StuckSamples(2e-3, 5.0).apply(values, Conditions(np.arange(len(values)), 1.0), stream(seed, "held"))
+        found = parameters(prepare(of_steps(stuck), of_steps(ideal)), "stuck_samples")
+        held += found["probability"].low < 2e-3 < found["probability"].high
+        held += found["length"].low < 5.0 < found["length"].high
+    assert held >= binom.ppf(1e-3, 20, 0.95)
+
+
 @pytest.mark.parametrize("curve", ["line", "ramp", "step"])
 def test_values_without_noise_are_looked_at_all_the_same(curve):
     time = 0.01 * np.arange(4000)

@@ -1,15 +1,15 @@
 """Repeated values."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
-from scipy.special import pdtrc
+from scipy.special import bdtrc, pdtrc
 
 from imugap.effects.effect import TINY, Conditions, Effect, Evidence, Stage, parameter
 from imugap.grain import grain, spacing
 from imugap.integrity import IMPROBABLE
-from imugap.stretch import counted, disentangled, stretches
+from imugap.stretch import Estimate, counted, disentangled, stretches
 
 STEEP = 1.27
 """Log ratio of differences of one and of two steps above which the lattice is too coarse for the noise."""
@@ -25,6 +25,11 @@ FAR = 4.0
 """Standard deviations by which repeats by chance differ in a part of other noise."""
 RARE = 0.01
 """Share of repeats by chance below which each is taken for a flaw."""
+ROUNDS = 20
+"""Of the shares of levels, which come nearer by the share itself each time."""
+SLOW, FAST = 0.4, 4.0
+"""Standard deviations of the noise of a difference by which a motion that does not matter moves on in a sample (root
+mean square), and one that noise does not undo."""
 
 
 @dataclass(frozen=True)
@@ -47,7 +52,8 @@ class StuckSamples(Effect):
 
         ``values`` has shape (n,), or (n, axes) for repeats of all axes at once. How often noise repeats itself on a
         lattice follows from how often it goes one step and two: the logarithm of a normal density is a parabola. Parts
-        of the log in which the noise is louder or softer than in most of it are left out.
+        of the log in which the noise is louder or softer than in most of it are left out. In motion a step of nothing
+        is held against steps of one, up or down, where the motion is fast.
         """
         columns = values.reshape(len(values), -1)
         known = np.flatnonzero(np.isfinite(columns).all(axis=1))
@@ -57,29 +63,62 @@ class StuckSamples(Effect):
         chances = [_chance(column[known]) for column in columns.T]
         if None in chances:
             return None
-        first = np.flatnonzero(np.r_[True, ~_repeats(columns[known])])
-        runs = np.diff(np.r_[first, len(known)]) - 1
-        chance, spread = float(np.prod([c for c, _ in chances])), float(np.hypot.reduce([s for _, s in chances]))
-        if not runs.any():
+        judged = _judged(columns[known], np.broadcast_to(conditions.error_free, len(values))[known], chances)
+        if judged is None or judged[0].log_p > np.log(IMPROBABLE) or not judged[1].any():
             return None
-        if chance * len(known) < RARE * np.count_nonzero(runs):
-            estimate = counted(runs[runs > 0], max(len(first) - 1, np.count_nonzero(runs)))
-            log_p = float(np.log(max(pdtrc(np.count_nonzero(runs) - 1, max(chance, 1e-12) * len(known)), TINY)))
-        else:
-            lengths, counts = np.unique(runs, return_counts=True)
-            estimate = disentangled(lengths, counts, chance, spread, np.log(IMPROBABLE))
-            log_p = 0.0 if estimate is None else estimate.log_p
-        if log_p > np.log(IMPROBABLE):
-            return None
+        estimate, stuck = judged
         flawed = np.zeros(len(values), bool)
-        repeats = np.repeat(runs >= estimate.least, runs + 1)
-        repeats[first] = False
-        flawed[known[repeats]] = True
-        if not flawed.any():
-            return None
+        flawed[known[stuck]] = True
         probability, length = estimate.probability, estimate.length
         intervals = {"probability": probability[1:], "length": (max(length[1], 1.0), length[2])}
-        return Evidence(cls(probability[0], max(length[0], 1.0)), intervals, log_p, flawed)
+        return Evidence(cls(probability[0], max(length[0], 1.0)), intervals, estimate.log_p, flawed)
+
+
+def _judged(
+    columns: np.ndarray, ideal: np.ndarray, chances: list[tuple[float, float]]
+) -> tuple[Estimate, np.ndarray] | None:
+    """Return the stretches among the rows of ``columns``, shape (n, axes), and which rows are in one, shape (n,)."""
+    repeats = _repeats(columns)
+    first = np.flatnonzero(np.r_[True, ~repeats])
+    runs = np.diff(np.r_[first, len(columns)]) - 1
+    chance, spread = float(np.prod([c for c, _ in chances])), float(np.hypot.reduce([s for _, s in chances]))
+    begun = np.count_nonzero(runs)
+    if not begun:
+        return None
+    if chance * len(columns) < RARE * begun:
+        estimate = counted(runs[runs > 0], max(len(first) - 1, begun))
+        log_p = float(np.log(max(pdtrc(begun - 1, max(chance, 1e-12) * len(columns)), TINY)))
+        return replace(estimate, log_p=log_p), _within(runs > 0, runs, first)
+    fast = _fast(columns[:, 0], ideal)
+    if fast is None:
+        estimate = disentangled(*np.unique(runs, return_counts=True), chance, spread, np.log(IMPROBABLE))
+        return None if estimate is None else (estimate, _within(runs >= estimate.least, runs, first))
+    open_to = fast[first[:-1]]
+    held = open_to & (runs[:-1] > 0)
+    if not held.any():
+        return None
+    near = open_to & np.all([np.abs(_steps(column)[first[:-1]]) < 1.5 for column in columns.T], axis=0)
+    log_p = np.log(max(bdtrc(held.sum() - 1, near.sum(), 1 / 3 ** columns.shape[1]), TINY))
+    through = np.logical_or.reduceat(np.r_[repeats & fast, False], first)
+    return replace(counted(runs[:-1][held], int(open_to.sum())), log_p=float(log_p)), _within(through, runs, first)
+
+
+def _within(held: np.ndarray, runs: np.ndarray, first: np.ndarray) -> np.ndarray:
+    """Return which rows repeat the one before in the runs that are ``held``, shape (runs,)."""
+    rows = np.repeat(held, runs + 1)
+    rows[first] = False
+    return rows
+
+
+def _fast(values: np.ndarray, ideal: np.ndarray) -> np.ndarray | None:
+    """Return to which samples after the first, shape (n - 1,), the error-free signal moves farther than noise goes.
+
+    None where the motion is slow against the noise, as for a device at rest: it does not change how often noise repeats
+    itself. Where it is slow for a while only, noise repeats itself time and again then.
+    """
+    moved = np.diff(ideal)
+    noise = np.median(np.abs(np.diff(values) - moved)) / 0.6745
+    return None if np.sqrt(np.mean(moved**2)) <= SLOW * noise else np.abs(moved) > FAST * noise
 
 
 def _repeats(columns: np.ndarray) -> np.ndarray:
@@ -98,7 +137,19 @@ def _chance(values: np.ndarray) -> tuple[float, float] | None:
     if two == 0 or np.log(one / two) > STEEP:
         return None
     expected = _expected(one, two)
-    return expected / (len(apart) + expected), float(_uncertainty(one, two))
+    return max(expected / (len(apart) + expected), _coincidence(values)), float(_uncertainty(one, two))
+
+
+def _coincidence(values: np.ndarray) -> float:
+    """Return how often two draws of the values are the same: where codes are missing more than their steps tell.
+
+    Of samples that differ from the one before a level of share p has the share ``p (1 - p)``, but for a factor.
+    """
+    _, counts = np.unique(values[np.r_[True, values[1:] != values[:-1]]], return_counts=True)
+    shares = levels = counts / counts.sum()
+    for _ in range(ROUNDS):
+        levels = shares * (1 - levels @ levels) / (1 - levels)
+    return float(levels @ levels - 1 / counts.sum())
 
 
 def _alike(values: np.ndarray) -> np.ndarray:
