@@ -20,6 +20,7 @@ from imugap.effects.effect import Conditions
 from imugap.log import LogError
 from imugap.model import AxisModel, ErrorModel
 from imugap.stream import stream
+from imugap.stretch import stretches
 
 SD = 0.1
 NOISE = WhiteNoise(SD * 0.1)
@@ -283,12 +284,12 @@ def test_what_a_converter_without_some_codes_repeats_is_not_stuck(deviation):
         assert names(record) == {("gyro_x", "resolution")}
 
 
-def hand(seed, count=30_000):
-    """A motion of a hand that rests a while every minute, and what a device on a coarse lattice makes of it."""
-    rng, time = stream(seed, "hand"), 0.01 * np.arange(count)
+def hand(seed, deviation=0.8, axis="gyro_x", period=60, count=30_000):
+    """A motion of a hand that rests for a while in every period, and what a device on a coarse lattice makes of it."""
+    rng, time = stream(seed, "hand", axis), 0.01 * np.arange(count)
     turns = np.sin(2 * np.pi * rng.uniform(0.1, 2.0, (6, 1)) * time + rng.uniform(0, 6, (6, 1))).sum(axis=0)
-    ideal = 100 * turns * np.where(np.sin(2 * np.pi * time / 60) > 0.3, 0.02, 1.0)
-    return ideal, np.rint(ideal + 0.8 * rng.standard_normal(count))
+    ideal = 100 * turns * np.where(np.sin(2 * np.pi * time / period) > 0.3, 0.02, 1.0)
+    return ideal, np.rint(ideal + deviation * rng.standard_normal(count))
 
 
 def of_steps(values):
@@ -299,6 +300,28 @@ def test_what_a_coarse_lattice_repeats_while_a_motion_is_slow_is_not_stuck():
     for seed in range(10):
         ideal, values = hand(seed)
         assert names(prepare(of_steps(values), of_steps(ideal))) == {("gyro_x", "resolution")}
+
+
+def test_what_axes_repeat_while_all_of_them_rest_is_not_stuck():
+    for seed in range(10):
+        axes = {axis: hand(seed, 2.5, axis, 2) for axis in ("gyro_x", "gyro_y", "gyro_z")}
+        ideal, values = (log.from_samples({axis: 1e-3 * pair[k] for axis, pair in axes.items()}, 0.01) for k in (0, 1))
+        assert {name for _, name in names(prepare(values, ideal))} == {"resolution"}
+
+
+def test_what_sticks_on_all_axes_is_found_in_motion():
+    held, axes = 0, ("gyro_x", "gyro_y", "gyro_z")
+    for seed in range(8):
+        pairs = {axis: hand(seed, 1.7, axis) for axis in axes}
+        ideal, values = (log.from_samples({axis: 1e-3 * pair[k] for axis, pair in pairs.items()}, 0.01) for k in (0, 1))
+        stuck = stretches(len(values), 1e-3, 4.0, stream(seed, "held"))
+        rows = np.maximum.accumulate(np.where(stuck, 0, np.arange(len(values))))
+        record = prepare(values.iloc[rows].set_axis(values.index), ideal)
+        found = parameters(record, "stuck_samples")
+        assert {axis for axis, name in names(record) if name == "stuck_samples"} == set(axes)
+        held += found["probability"].low < 1e-3 < found["probability"].high
+        held += found["length"].low < 4.0 < found["length"].high
+    assert held >= binom.ppf(1e-3, 16, 0.95)
 
 
 def test_what_sticks_while_a_motion_is_fast_is_found_on_a_coarse_lattice():

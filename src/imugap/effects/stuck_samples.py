@@ -25,6 +25,8 @@ FAR = 4.0
 """Standard deviations by which repeats by chance differ in a part of other noise."""
 RARE = 0.01
 """Share of repeats by chance below which each is taken for a flaw."""
+SAFE = 2.0
+"""Factor that the repeats of several axes at once may be more than is expected by chance."""
 ROUNDS = 20
 """Of the shares of levels, which come nearer by the share itself each time."""
 SLOW, FAST = 0.4, 4.0
@@ -85,22 +87,42 @@ def _judged(
     begun = np.count_nonzero(runs)
     if not begun:
         return None
-    if chance * len(columns) < RARE * begun:
+    steps = np.column_stack([_steps(column) for column in columns.T])
+    expected = max(max(chance, 1e-12) * len(columns), _at_once(steps))
+    if expected < RARE * begun:
         estimate = counted(runs[runs > 0], max(len(first) - 1, begun))
-        log_p = float(np.log(max(pdtrc(begun - 1, max(chance, 1e-12) * len(columns)), TINY)))
+        log_p = float(np.log(max(pdtrc(begun - 1, expected), TINY)))
         return replace(estimate, log_p=log_p), _within(runs > 0, runs, first)
     fast = _fast(columns[:, 0], ideal)
-    if fast is None:
-        estimate = disentangled(*np.unique(runs, return_counts=True), chance, spread, np.log(IMPROBABLE))
+    if fast is None or (len(chances) > 1 and pdtrc(begun - 1, SAFE * expected) < IMPROBABLE):
+        lengths = np.unique(runs, return_counts=True)
+        estimate = disentangled(*lengths, expected / len(columns), spread, np.log(IMPROBABLE))
         return None if estimate is None else (estimate, _within(runs >= estimate.least, runs, first))
     open_to = fast[first[:-1]]
     held = open_to & (runs[:-1] > 0)
     if not held.any():
         return None
-    near = open_to & np.all([np.abs(_steps(column)[first[:-1]]) < 1.5 for column in columns.T], axis=0)
-    log_p = np.log(max(bdtrc(held.sum() - 1, near.sum(), 1 / 3 ** columns.shape[1]), TINY))
+    near = open_to & np.all(np.abs(steps[first[:-1]]) < 1.5, axis=1)
+    log_p = np.log(max(bdtrc(held.sum() - 1, near.sum(), 1 / 3 ** len(chances)), TINY))
     through = np.logical_or.reduceat(np.r_[repeats & fast, False], first)
     return replace(counted(runs[:-1][held], int(open_to.sum())), log_p=float(log_p)), _within(through, runs, first)
+
+
+def _at_once(steps: np.ndarray) -> float:
+    """Return how many repeats noise makes of several axes at once, by their ``steps``, shape (n, axes); 0 of one axis.
+
+    Axes that rest at the same times do so more often than each by itself tells: each is looked at where the others
+    move by a step at most, and all where they do not stay.
+    """
+    if steps.shape[1] == 1:
+        return 0.0
+    near = np.abs(steps) < 1.5
+    staying = 1.0
+    for axis in range(steps.shape[1]):
+        one, two = _counts(steps[np.delete(near, axis, axis=1).all(axis=1), axis])
+        expected = _expected(one, two) if min(one, two) > 0 else one / 2
+        staying *= expected / max(expected + one, 1.0)
+    return float(np.count_nonzero(near.all(axis=1) & (steps != 0).any(axis=1)) * staying / (1 - staying))
 
 
 def _within(held: np.ndarray, runs: np.ndarray, first: np.ndarray) -> np.ndarray:
