@@ -94,6 +94,16 @@ def test_noise_that_grows_with_the_motion_has_no_name(axis, size):
     assert found.withheld
 
 
+def test_noise_that_differs_at_rest_has_no_name():
+    """Coarse rounding, say, is louder or softer while nothing moves."""
+    moving = INTERVAL * np.arange(COUNT) > 20
+    ideal = turning().mul(moving, axis=0)
+    noise = stream(6, "rest").standard_normal(COUNT) * moving
+    found = story("gyro_y", ideal, added=1e-3 / np.sqrt(INTERVAL) * noise)
+    assert not found.findings
+    assert "the variance goes with the motion" in {one.reason for one in found.withheld}
+
+
 @pytest.mark.parametrize("effect", [Outliers(1e-3, 0.05), VarianceChange(100.0, 150.0, 1.6)])
 def test_what_comes_at_times_of_its_own_keeps_its_name_in_motion(effect):
     found = story("gyro_y", turning(), effect)

@@ -5,6 +5,7 @@ from dataclasses import replace
 from itertools import combinations_with_replacement
 
 import numpy as np
+from scipy.ndimage import maximum_filter1d, uniform_filter1d
 from scipy.special import xlogy
 
 from imugap import log
@@ -19,6 +20,8 @@ HALVES = 0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1.0
 """Halves of plays, in standard deviations of the input."""
 SHARES, FEW = 5, 20
 """Equal shares of the samples by the size of a motion; samples told apart, below which they are not looked at."""
+PAUSE, STILL = 1.0, 0.05
+"""Time [s] over which an input is at rest that moves by less than this share of its usual rate."""
 CLEARLY = 10.0
 """Log-probability by which something without a name has to be surer than what has one."""
 ANOTHER = "another function of the motion explains it better"
@@ -74,14 +77,23 @@ def samples_in_motion(fit: AxisFit, flagged: np.ndarray) -> float:
 
 
 def variance_in_motion(search: Search, fit: AxisFit, key: Key) -> float:
-    """Weigh a variance that goes with the size of the motion in the place of one that changes in time."""
+    """Weigh a variance that goes with the motion in the place of one that changes in time.
+
+    One that goes with its size has to be surer; one of the rests between motions only as sure: it is at the same times.
+    """
     own, without = search.weighed(fit, key)
     energies = without.whitened**2
-    totals = [np.bincount(shares, energies, SHARES) for shares in _shares(fit.sequence.conditions)]
-    number = np.full(SHARES, len(energies) / SHARES)
-    gains = (float(divergence(total / energies.mean(), number).sum()) for total in totals)
-    other = _least([log_chance(gain, SHARES - 1) for gain in gains])
-    return over(own.log_p, other + CLEARLY, search.log_alpha)
+    conditions = fit.sequence.conditions
+    sizes = _least([log_chance(_gain(energies, shares), SHARES - 1) for shares in _shares(conditions)])
+    rests = _least([log_chance(_gain(energies, rest.astype(int)), 1) for rest in _rests(conditions)])
+    return over(own.log_p, min(sizes + CLEARLY, rests), search.log_alpha)
+
+
+def _gain(energies: np.ndarray, groups: np.ndarray) -> float:
+    """Return the gain of log-likelihood of a variance of its own for each group of samples."""
+    number = np.bincount(groups)
+    power = np.bincount(groups, energies) / energies.mean()
+    return float(divergence(power[number > 0], number[number > 0]).sum())
 
 
 def _least(chances: list[float]) -> float:
@@ -96,6 +108,17 @@ def _shares(conditions: Conditions) -> Iterator[np.ndarray]:
             for motion in (values, np.gradient(values, conditions.interval)):
                 size = np.abs(motion - np.median(motion))
                 yield np.argsort(np.argsort(size)) * SHARES // len(size)
+
+
+def _rests(conditions: Conditions) -> Iterator[np.ndarray]:
+    """Yield which samples, shape (n,), are within a stretch in which an input hardly moves, where there is one."""
+    span = max(round(PAUSE / conditions.interval), 2)
+    for axis in log.AXES:
+        if conditions.knows([axis]):
+            power = np.gradient(conditions.ideal[axis].to_numpy(float), conditions.interval) ** 2
+            rest = maximum_filter1d(uniform_filter1d(power, span) < STILL**2 * power.mean(), span)
+            if 0 < np.count_nonzero(rest) < len(rest):
+                yield rest
 
 
 def _likelihood_beside(base: AxisFit, way: np.ndarray) -> float:
