@@ -324,6 +324,22 @@ def test_what_sticks_on_all_axes_is_found_in_motion():
     assert held >= binom.ppf(1e-3, 16, 0.95)
 
 
+def test_what_sticks_on_all_axes_is_found_where_some_lattices_are_too_coarse_to_tell():
+    held, deviations = 0, {"gyro_x": 0.9, "gyro_y": 1.7, "gyro_z": 0.4, "accel_x": 2.0, "accel_y": 3.0, "accel_z": 0.45}
+    for seed in range(8):
+        noise = {axis: size * stream(seed, axis).standard_normal(60_000) for axis, size in deviations.items()}
+        values = log.from_samples({axis: 1e-3 * np.rint(one) for axis, one in noise.items()}, 0.01)
+        assert {name for _, name in names(prepare(values))} == {"resolution"}
+        stuck = stretches(len(values), 1e-3, 6.0, stream(seed, "held"))
+        rows = np.maximum.accumulate(np.where(stuck, 0, np.arange(len(values))))
+        record = prepare(values.iloc[rows].set_axis(values.index))
+        found = parameters(record, "stuck_samples")
+        assert {axis for axis, name in names(record) if name == "stuck_samples"} == set(deviations)
+        held += found["probability"].low < 1e-3 < found["probability"].high
+        held += found["length"].low < 6.0 < found["length"].high
+    assert held >= binom.ppf(1e-3, 16, 0.95)
+
+
 def test_what_sticks_while_a_motion_is_fast_is_found_on_a_coarse_lattice():
     held = 0
     for seed in range(10):

@@ -13,11 +13,14 @@ import numpy as np
 from scipy.fft import dct, idct, irfft, rfft, rfftfreq
 
 from imugap.discovery import scans
+from imugap.discovery.cells import Cells
 from imugap.discovery.noise import Noise, NoiseFit, log_likelihood
 from imugap.discovery.noise import fit as fit_noise
 from imugap.discovery.sequence import Sequence
+from imugap.discovery.tails import Tails, tails
 from imugap.effects import Outliers, OutputFilter, Quantization, VarianceChange
 from imugap.effects.effect import TINY, Effect, StochasticEffect
+from imugap.stream import stream
 
 ROUNDS = 8
 """Turns between mean and spectrum."""
@@ -159,7 +162,7 @@ class AxisFit:
 
     def _room(self, effect: StochasticEffect) -> tuple[float, float]:
         bins, (excess, variance) = self.sequence.bins, self._excess
-        shape = Noise((effect,), self.description.noise.output_filter).variance(bins)
+        shape = Noise((effect,), self.description.noise.output_filter).passed(bins)
         weight = bins.number * shape / variance**2
         return float(weight @ excess), float(weight @ shape)
 
@@ -189,10 +192,14 @@ class AxisFit:
     def steps_beside(self, columns: np.ndarray) -> scans.Steps:
         """Return what a step gains at each sample beside whitened columns more, (n - 1, m), which are fitted too."""
         more, rest = self.beside(columns)
-        noise = self.description.noise
-        ahead = replace(self.description, noise=replace(noise, output_filter=None))
         even = self._unturned(np.column_stack([rest, self.basis, more]))
-        return scans.steps(even[:, 0], _roots(self.sequence, ahead) ** 2, even[:, 1:])
+        return scans.steps(even[:, 0], self._root**2 / self._gain, even[:, 1:])
+
+    @property
+    def _gain(self) -> np.ndarray | float:
+        """Return the gain of power of the filter of the output at each cosine coefficient k = 1..n-1, or 1."""
+        output_filter, bins = self.description.noise.output_filter, self.sequence.bins
+        return 1.0 if output_filter is None else bins.spread(output_filter.gain(bins.frequency, bins.interval))
 
     def _unturned(self, coefficients: np.ndarray) -> np.ndarray:
         """Return columns of cosine coefficients, shape (n - 1, m), without the phase of the filter of the output."""
@@ -210,14 +217,33 @@ class AxisFit:
         return replace(self, description=replace(self.description, terms=terms[:index] + terms[index + 1 :])).steps
 
     @cached_property
+    def cells(self) -> Cells | None:
+        """Return the cells in which the samples of a coarse lattice are known to be, if they say something."""
+        return Cells.of(self) if self.sequence.coarse else None
+
+    @cached_property
+    def unrounded(self) -> np.ndarray:
+        """Return the residual made white, ahead of a coarse lattice where its cells say something, shape (n,)."""
+        if self.cells is None:
+            return self.whitened
+        return self.cells.drawn(stream(0, "cells", self.sequence.conditions.axis))
+
+    @cached_property
+    def tails(self) -> Tails:
+        """Return the two normal laws in the residual made white, ahead of a coarse lattice if its cells tell them."""
+        if self.cells is not None:
+            return self.cells.tails()
+        return tails(self.whitened, self.sequence.bins.last / len(self.whitened))
+
+    @cached_property
     def stretch(self) -> tuple[float, int, int]:
         """Return gain, first sample and last sample + 1 of the stretch whose variance differs most."""
-        return scans.stretches(self.whitened)
+        return scans.stretches(self.unrounded)
 
     @cached_property
     def swing(self) -> tuple[float, float, float, float]:
         """Return frequency [Hz], depth, phase and gain of the swing of the variance that is most likely."""
-        return scans.swing(self.whitened, self.sequence.conditions.time)
+        return scans.swing(self.unrounded, self.sequence.conditions.time)
 
     def beyond(self, columns: np.ndarray) -> np.ndarray:
         """Return what the terms leave of whitened columns, shape (n - 1, m)."""

@@ -15,8 +15,7 @@ from imugap.discovery.envelope import Envelope
 from imugap.discovery.finding import Gap
 from imugap.discovery.rounding import level_ahead, unrounded
 from imugap.discovery.sequence import Sequence
-from imugap.discovery.tails import tails
-from imugap.effects import CommonMode, SampleLoss, Saturation, StuckSamples, WhiteNoise
+from imugap.effects import CommonMode, Resolution, SampleLoss, Saturation, StuckSamples, WhiteNoise
 from imugap.effects.effect import Effect
 from imugap.model import AxisModel
 from imugap.stream import stream
@@ -80,12 +79,13 @@ class Twins:
                 else level_ahead(mean, (*effects, *self.known), conditions.interval)
             )
             error = AxisModel(self.known).simulate(level + ideal + error, conditions, seed, *labels) - (mean + ideal)
-        clean = Sequence(error, conditions, np.zeros(len(conditions), bool), sequence.share)
+        step = sequence.step if any(isinstance(one, Resolution) for one in self.known) else 0.0
+        clean = Sequence(error, conditions, np.zeros(len(conditions), bool), sequence.share, step=step)
         rng = stream(seed, *labels, "mended")
         found = fit(clean.mended(sequence.flawed, rng), description)
         if description.outliers is None:
             return found
-        return fit(found.sequence.mended(tails(found.whitened).flagged, rng), description)
+        return fit(found.sequence.mended(found.tails.flagged, rng), description)
 
     def concern(self, axis: str) -> tuple[views.Binning, ...]:
         """Return what an axis' residual is looked at over."""

@@ -68,11 +68,19 @@ class Bins:
         Number of samples n and sampling interval [s].
     share
         Share of the frequencies that are used, from the lowest on.
+    step
+        Distance of the levels to which the output is rounded, or zero.
     """
 
     count: int
     interval: float
     share: float = USED
+    step: float = 0.0
+
+    @property
+    def rounding(self) -> float:
+        """Return the variance that rounding adds to each coefficient (Sheppard 1898)."""
+        return self.step**2 / 12
 
     @property
     def last(self) -> int:
@@ -139,7 +147,14 @@ class Noise:
     output_filter: OutputFilter | None = None
 
     def variance(self, bins: Bins) -> np.ndarray:
-        """Return the variance of a cosine coefficient in each bin, shape (bins,): that of S/interval, filtered."""
+        """Return the variance of a cosine coefficient in each bin, shape (bins,).
+
+        Rounding comes after a filter. Without one what it adds is a part of the white noise.
+        """
+        return self.passed(bins) + (0.0 if self.output_filter is None else bins.rounding)
+
+    def passed(self, bins: Bins) -> np.ndarray:
+        """Return that variance ahead of the rounding, shape (bins,): S/interval, filtered."""
         total = sum(effect.sampled_psd(bins.frequency, bins.interval) for effect in self.effects) / bins.interval
         return total if self.output_filter is None else total * self.output_filter.gain(bins.frequency, bins.interval)
 
@@ -155,7 +170,7 @@ class Noise:
         level = power / bins.number
         effects = []
         for effect in self.effects:
-            ratio = level / Noise((effect,), filtered).variance(bins)
+            ratio = level / Noise((effect,), filtered).passed(bins)
             size = next(name for name in effect.parameters() if _scales(effect, name))
             factor = np.sqrt(min(np.median(ratio[group]) for group in groups))
             effects.append(replace(effect, **{size: float(getattr(effect, size) * factor)}))
@@ -292,8 +307,9 @@ class _Spectra:
             self._add(process, theta, total, slopes)
         slopes /= total
         if self.noise.output_filter is not None:
-            gain, slope = self._filter(theta[-1])
-            total, slopes[-1] = total * gain, slope
+            gain, slopes[-1] = self._filter(theta[-1])
+            passed, total = total * gain, total * gain + self.bins.rounding
+            slopes *= passed / total
         gradient = 0.5 * slopes @ (power / total - self.bins.number)
         information = 0.5 * (slopes * self.bins.number) @ slopes.T
         return log_likelihood(total, power, self.bins.number), gradient, information

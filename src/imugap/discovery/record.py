@@ -94,12 +94,17 @@ def prepare(
     news.irregular(clock, jitter)
     outputs = {axis: _on_grid(rows[axis], clock) for axis in canonical.axes(rows)}
     at = {axis: _at(everywhere, axis) for axis in outputs}
-    clipped = {axis: _values(news, axis, values, at[axis], clock.lost) for axis, values in outputs.items()}
+    lattices = {axis: _lattice(values, at[axis]) for axis, values in outputs.items()}
+    clipped = {
+        axis: _values(news, axis, values, at[axis], clock.lost, lattices[axis]) for axis, values in outputs.items()
+    }
     blind = np.zeros(clock.count, bool) if reference is None else unseen(reference, clock.course)
     flawed = {axis: np.isnan(values) | clipped[axis] | blind for axis, values in outputs.items()}
     _stuck(news, outputs, at, flawed)
+    steps = {axis: 0.0 if lattice is None else lattice.effect.step for axis, lattice in lattices.items()}
     sequences = {
-        axis: _sequence(values, at[axis], flawed[axis], clipped[axis], seed) for axis, values in outputs.items()
+        axis: _sequence(values, at[axis], flawed[axis], clipped[axis], steps[axis], seed)
+        for axis, values in outputs.items()
     }
     whole = {axis: _without_gaps(np.where(blind, np.nan, one), sequences[axis]) for axis, one in outputs.items()}
     return Record(sequences, whole, news.findings(), (*silent, *news.gaps), float(time[0]), silent)
@@ -239,7 +244,14 @@ def _at(everywhere: Conditions, axis: str) -> Conditions:
     return Conditions(everywhere.time, everywhere.interval, everywhere.temperature, axis, everywhere.ideal)
 
 
-def _values(news: _News, axis: str, values: np.ndarray, conditions: Conditions, gone: np.ndarray) -> np.ndarray:
+def _lattice(values: np.ndarray, conditions: Conditions) -> Evidence | None:
+    """Return the lattice of the values of an axis, if it has values and they are on one."""
+    return None if np.isnan(values).all() else Resolution.found(values, conditions)
+
+
+def _values(
+    news: _News, axis: str, values: np.ndarray, conditions: Conditions, gone: np.ndarray, resolution: Evidence | None
+) -> np.ndarray:
     """Add what the values of one axis show, and return which are clipped, shape (n,); ``gone`` have no row at all."""
     lost, unclipped = np.isnan(values), np.zeros(len(values), bool)
     if lost.all():
@@ -247,7 +259,6 @@ def _values(news: _News, axis: str, values: np.ndarray, conditions: Conditions, 
     elsewhere = lost & ~gone
     if elsewhere.any():
         news.add(axis, SampleLoss.of(elsewhere), "values", *conditions.time[elsewhere][[0, -1]] + news.origin)
-    resolution = Resolution.found(values, conditions)
     if resolution is not None:
         news.add(axis, resolution, "values", np.nanmin(values), np.nanmax(values), _unit(axis))
     saturation = Saturation.found(values, conditions)
@@ -280,11 +291,11 @@ def _stuck(news, outputs, at, flawed) -> None:
 
 
 def _sequence(
-    values: np.ndarray, conditions: Conditions, flawed: np.ndarray, clipped: np.ndarray, seed: int
+    values: np.ndarray, conditions: Conditions, flawed: np.ndarray, clipped: np.ndarray, step: float, seed: int
 ) -> Sequence:
     side = np.where(clipped, np.sign(values), 0.0)
     values = values - conditions.error_free
-    whole = Sequence(np.where(np.isfinite(values), values, 0.0), conditions, np.zeros(len(values), bool))
+    whole = Sequence(np.where(np.isfinite(values), values, 0.0), conditions, np.zeros(len(values), bool), step=step)
     if flawed.all():
         return whole
     mended = whole.mended(flawed, stream(seed, "mended", conditions.axis))

@@ -6,13 +6,21 @@ from dataclasses import replace
 import numpy as np
 
 from imugap.discovery.sequence import Sequence
-from imugap.effects import Resolution, WhiteNoise
+from imugap.effects import OutputFilter, Resolution, WhiteNoise
 from imugap.effects.effect import Effect
+
+FREQUENCIES = 1000
+"""Frequencies over which the gain of a filter is averaged."""
 
 
 def unrounded(effects: Iterable[Effect], outputs: Iterable[Effect], sequence: Sequence) -> tuple[Effect, ...]:
-    """Return effects fitted to a sequence, its white noise as it is ahead of the lattices among ``outputs``."""
+    """Return effects fitted to a sequence, its white noise as it is ahead of the lattices among ``outputs``.
+
+    Behind a filter it was fitted beside what the rounding adds, and is ahead of it already.
+    """
     interval, found = sequence.conditions.interval, tuple(effects)
+    if any(isinstance(one, OutputFilter) for one in found):
+        return found
     for lattice in _lattices(outputs):
         found = tuple(
             replace(one, density=_std(lattice, one, sequence) * np.sqrt(interval))
@@ -29,7 +37,10 @@ def level_ahead(mean: float, effects: Iterable[Effect], interval: float) -> floa
     Of the effects of its axis the white noise alone takes values across the levels of a lattice.
     """
     known = tuple(effects)
-    std = float(np.sqrt(sum(one.density**2 for one in known if isinstance(one, WhiteNoise)) / interval))
+    variance = sum(one.density**2 for one in known if isinstance(one, WhiteNoise)) / interval
+    frequency = np.linspace(0.0, 0.5 / interval, FREQUENCIES)
+    passed = [np.mean(one.gain(frequency, interval)) for one in known if isinstance(one, OutputFilter)]
+    std = float(np.sqrt(variance * np.prod(passed)))
     for lattice in _lattices(known):
         mean = lattice.mean_ahead(mean, std) if std > 0 else mean
     return mean

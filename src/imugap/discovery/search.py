@@ -17,7 +17,7 @@ from imugap.discovery.axis import AxisFit, Description, Term, fit
 from imugap.discovery.couples import Couple, Means
 from imugap.discovery.noise import fit as fit_noise
 from imugap.discovery.sequence import Sequence
-from imugap.discovery.tails import Tails, tails
+from imugap.discovery.tails import Tails
 from imugap.effects import (
     BiasInstability,
     BiasStep,
@@ -269,9 +269,9 @@ class Search:
 
     def cleaned(self, before: AxisFit) -> Trial | None:
         """Return the fit to the samples without outliers, and what speaks for outliers; None where they are known."""
-        if before.description.outliers is not None or before.sequence.coarse:
+        if before.description.outliers is not None or (before.sequence.coarse and before.cells is None):
             return None
-        found = tails(before.whitened, before.sequence.bins.last / len(before.whitened))
+        found = before.tails
         if log_chance(found.gain, 2) + np.log(TAILS) > self.log_alpha or not found.flagged.any():
             return None
         unit = float(np.sqrt(before.variance[: before.sequence.bins.last].mean()))

@@ -37,6 +37,8 @@ class Sequence:
         Share of the frequencies, from the lowest on, that has power beyond leakage.
     few
         Whether the samples sat on few levels, where the values no longer show it.
+    step
+        Distance of the levels of the output, zero where it is on no lattice.
     """
 
     values: np.ndarray
@@ -44,11 +46,12 @@ class Sequence:
     flawed: np.ndarray
     share: float = USED
     few: bool | None = None
+    step: float = 0.0
 
     @cached_property
     def bins(self) -> Bins:
         """Return the bins of its cosine coefficients."""
-        return Bins(len(self.values), self.conditions.interval, self.share)
+        return Bins(len(self.values), self.conditions.interval, self.share, self.step)
 
     @cached_property
     def coarse(self) -> bool:

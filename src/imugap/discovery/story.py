@@ -126,6 +126,7 @@ def part(sequence: Sequence, first: int, last: int) -> Sequence:
         ),
         sequence.flawed[span],
         sequence.share,
+        step=sequence.step,
     )
 
 

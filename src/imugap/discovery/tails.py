@@ -1,5 +1,6 @@
 """Single samples far off: a mixture of two normal laws in what should be one (Tukey 1960)."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +14,10 @@ BINS = 1000
 ROUNDS = 500
 SETTLED = 1e-4
 """Gain of log-likelihood below which the mixture is fitted."""
+STEP = 1e-3
+"""Step of a parameter in a difference quotient."""
+LARGEST = 100.0
+"""Largest standard deviation of a logarithm that is told from no knowledge at all."""
 FLAGGED = 0.5
 """Posterior probability above which a sample counts as an outlier."""
 
@@ -118,13 +123,17 @@ def _intervals(squares, number, share, narrow, wide):
         low, high = _log_densities(squares, expit(theta[0]), np.exp(theta[1]), np.exp(theta[2]))
         return -float(number @ np.logaddexp(low, high))
 
-    top, step = np.array([logit(share), np.log(narrow), np.log(wide)]), 1e-3
-    units = np.eye(3) * step
+    low, high = ends(cost, np.array([logit(share), np.log(narrow), np.log(wide)]))
+    excess = tuple(np.sqrt(max(np.exp(2 * end[2]) - narrow**2, 0.0)) for end in (low, high))
+    return (float(expit(low[0])), float(expit(high[0]))), tuple(map(float, excess))
+
+
+def ends(cost: Callable[[np.ndarray], float], top: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return both ends of 95 % intervals of the parameters at the minimum of a negative log-likelihood, each (m,)."""
+    units = np.eye(len(top)) * STEP
     hessian = [
-        [(cost(top + a + b) - cost(top + a - b) - cost(top - a + b) + cost(top - a - b)) / (4 * step**2) for b in units]
+        [(cost(top + a + b) - cost(top + a - b) - cost(top - a + b) + cost(top - a - b)) / (4 * STEP**2) for b in units]
         for a in units
     ]
-    error = np.sqrt(np.abs(np.diag(np.linalg.pinv(np.array(hessian), hermitian=True))))
-    odds = [expit(logit(share) + side * 1.96 * error[0]) for side in (-1, 1)]
-    ends = [np.sqrt(max((wide * np.exp(side * 1.96 * error[2])) ** 2 - narrow**2, 0.0)) for side in (-1, 1)]
-    return (float(odds[0]), float(odds[1])), (float(ends[0]), float(ends[1]))
+    error = 1.96 * np.sqrt(np.abs(np.diag(np.linalg.pinv(np.array(hessian), hermitian=True)))).clip(max=LARGEST)
+    return top - error, top + error

@@ -54,21 +54,26 @@ class StuckSamples(Effect):
 
         ``values`` has shape (n,), or (n, axes) for repeats of all axes at once. How often noise repeats itself on a
         lattice follows from how often it goes one step and two: the logarithm of a normal density is a parabola. Parts
-        of the log in which the noise is louder or softer than in most of it are left out. In motion a step of nothing
-        is held against steps of one, up or down, where the motion is fast.
+        of the log in which the noise is louder or softer than in most of it are left out. An axis whose lattice is too
+        coarse for that is asked whether it repeats itself where the others are stuck. In motion a step of nothing is
+        held against steps of one, up or down, where the motion is fast.
         """
         columns = values.reshape(len(values), -1)
         known = np.flatnonzero(np.isfinite(columns).all(axis=1))
         if not _repeats(columns[known]).any():
             return None
         known = known[np.all([_alike(column) for column in columns[known].T], axis=0)]
-        chances = [_chance(column[known]) for column in columns.T]
-        if None in chances:
+        told = [_chance(column[known]) for column in columns.T]
+        telling = np.array([one is not None for one in told])
+        if not telling.any():
             return None
-        judged = _judged(columns[known], np.broadcast_to(conditions.error_free, len(values))[known], chances)
+        ideal, chances = np.broadcast_to(conditions.error_free, len(values))[known], list(filter(None, told))
+        judged = _judged(columns[np.ix_(known, telling)], ideal, chances)
         if judged is None or judged[0].log_p > np.log(IMPROBABLE) or not judged[1].any():
             return None
         estimate, stuck = judged
+        if not all(_along(column[known], stuck) for column in columns.T[~telling]):
+            return None
         flawed = np.zeros(len(values), bool)
         flawed[known[stuck]] = True
         probability, length = estimate.probability, estimate.length
@@ -160,6 +165,12 @@ def _chance(values: np.ndarray) -> tuple[float, float] | None:
         return None
     expected = _expected(one, two)
     return max(expected / (len(apart) + expected), _coincidence(values)), float(_uncertainty(one, two))
+
+
+def _along(values: np.ndarray, stuck: np.ndarray) -> bool:
+    """Return whether values repeat themselves in stuck rows, shape (n,), more often than in all of them."""
+    same = np.r_[False, values[1:] == values[:-1]]
+    return bdtrc(np.count_nonzero(same & stuck) - 1, np.count_nonzero(stuck), same.mean()) < IMPROBABLE
 
 
 def _coincidence(values: np.ndarray) -> float:

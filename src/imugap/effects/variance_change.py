@@ -64,7 +64,7 @@ class VarianceChange(Effect):
     def starts(cls, fit: "AxisFit") -> Iterator[Start]:
         """Yield the stretch of the whitened residual whose variance differs most, and the swing that does."""
         gain, first, last = fit.stretch
-        time, squares = fit.sequence.conditions.time, fit.whitened**2
+        time, squares = fit.sequence.conditions.time, fit.unrounded**2
         end = float(time[-1] + fit.sequence.conditions.interval)
         if gain > 0:
             if first == 0:  # what comes later has changed

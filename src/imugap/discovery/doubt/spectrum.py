@@ -75,7 +75,7 @@ def _two_valued(search: Search, fit: AxisFit, key: Key) -> list[Doubt]:
 def share_of(fit: AxisFit, effect: StochasticEffect) -> np.ndarray:
     """Return the share of an effect in the variance of each bin."""
     bins, noise = fit.sequence.bins, fit.description.noise
-    own = Noise((effect,), noise.output_filter).variance(bins)
+    own = Noise((effect,), noise.output_filter).passed(bins)
     return own / noise.variance(bins)
 
 

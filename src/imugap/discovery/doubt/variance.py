@@ -4,9 +4,10 @@ import numpy as np
 from scipy.fft import rfft
 
 from imugap.discovery.axis import AxisFit
-from imugap.discovery.doubt.doubt import Doubt, divergence
+from imugap.discovery.doubt.doubt import LEVEL, Doubt, divergence
 from imugap.discovery.doubt.motion import variance_in_motion
 from imugap.discovery.search import Key, Search, log_chance
+from imugap.effects import VarianceChange
 
 BLOCKS = 12
 """Blocks of a stretch of another variance, and bands of its frequencies, that have to agree."""
@@ -15,16 +16,37 @@ INNER = 0.95
 
 
 def change_doubt(search: Search, fit: AxisFit, key: Key) -> Doubt:
-    """Compare the energies of blocks within the stretch, those of bands of the frequency, and those of motions."""
-    inside = fit.whitened[fit.description.changes[key.index].within(fit.sequence.conditions.time)]
+    """Compare the energies of blocks within the stretch, those of bands of the frequency, and those of motions.
+
+    On a coarse lattice the change has to be one of the noise ahead of the rounding.
+    """
+    change = fit.description.changes[key.index]
+    inside = fit.unrounded[change.within(fit.sequence.conditions.time)]
     used = fit.sequence.bins.last / len(fit.coefficients)
     power = np.abs(rfft(inside - inside.mean()))[1 : int(INNER * used * len(inside) / 2)] ** 2
     return min(
         Doubt("the variance changes within the stretch", _scatter(inside**2, 1)),
         Doubt("the variance of some frequencies changes more than that of others", _scatter(power, 2)),
         Doubt("the variance goes with the motion", variance_in_motion(search, fit, key)),
+        Doubt("the rounding to a coarse lattice makes as much of it", _of_rounding(search, fit, key)),
         key=lambda doubt: doubt.log_p,
     )
+
+
+def _of_rounding(search: Search, fit: AxisFit, key: Key) -> float:
+    """Return the log-probability of a doubt whether noise ahead of a coarse lattice changes for certain."""
+    own, without = search.weighed(fit, key)
+    if without.cells is None:
+        return 0.0
+    gain = _gain(without.unrounded**2, fit.description.changes[key.index], without.sequence.conditions.time)
+    ahead = log_chance(gain, own.parameters) + float(np.log(own.trials))
+    return min(LEVEL + search.log_alpha - ahead, 0.0)
+
+
+def _gain(energies: np.ndarray, change: VarianceChange, time: np.ndarray) -> float:
+    """Return the gain of log-likelihood of a change, as it is, of squares of white noise."""
+    factor = change.factor(time)
+    return float(0.5 * (len(energies) * np.log(energies.mean() / np.mean(energies / factor)) - np.log(factor).sum()))
 
 
 def _scatter(energies: np.ndarray, each: int) -> float:
