@@ -1,5 +1,6 @@
 """What happens on one axis: from the start model through the search to names, doubts and intervals."""
 
+from collections.abc import Mapping
 from collections.abc import Sequence as Several
 from dataclasses import dataclass, replace
 
@@ -9,9 +10,9 @@ from threadpoolctl import threadpool_limits
 
 from imugap.discovery import unsteady
 from imugap.discovery.axis import AxisFit, fit, log_score, offset
-from imugap.discovery.doubt import LEVEL, beside_a_sweep, doubts
+from imugap.discovery.doubt import LEVEL, OF_SLOPE, VALUES, Doubt, beside_a_sweep, doubts
 from imugap.discovery.doubt.motion import in_place_of_all
-from imugap.discovery.finding import CERTAIN, Finding, Interval
+from imugap.discovery.finding import CERTAIN, Finding, Gap, Interval
 from imugap.discovery.parameters import axis_unit, intervals
 from imugap.discovery.search import Key, Search, at, log_chance, without
 from imugap.discovery.sequence import Sequence
@@ -22,7 +23,7 @@ from imugap.discovery.telegraph import compare
 from imugap.discovery.two_values import hidden_telegraph, steady, told_apart, two_valued
 from imugap.discovery.unsteady import Band
 from imugap.discovery.withheld import Withheld, withheld
-from imugap.effects import Bias, RandomTelegraph, Sinusoid, VarianceChange
+from imugap.effects import Bias, BiasStep, RandomTelegraph, Sinusoid, VarianceChange
 from imugap.effects.effect import Effect
 from imugap.model import AxisModel
 
@@ -213,26 +214,37 @@ def concluded(tale: Tale) -> Story:
         sure = [key for key in search.added(whole.description) if key not in doubtful]
         doubtful |= beside_a_sweep(search, tale.whole, sure, sweeps)
         named = [key for key in search.added(whole.description) if key not in doubtful]
-        findings = (*(_finding(tale, whole, key) for key in named), *_of_samples(tale))
-        nameless = tuple(withheld(search, tale.whole, key, doubt) for key, doubt in doubtful.items())
+        switching, odd = _of_samples(tale, doubtful)
+        findings = (*(_finding(tale, whole, key) for key in named), *switching)
+        nameless = (*(withheld(search, tale.whole, key, doubt) for key, doubt in doubtful.items()), *odd)
         after = without(tale.after, list(doubts(tale.early, tale.after)))
         final = without(whole, list(doubtful))
         bands = (*tale.bands, *sweeps)
-        switches = None if tale.switching is None else tale.switching.effect
+        switches = tale.switching.effect if switching else None
         return Story(tale.before, after.bare(), final.bare(), findings, nameless, bands, switches)
 
 
-def _of_samples(tale: Tale) -> tuple[Finding, ...]:
-    """Return the telegraph noise that only the samples tell as a finding, if there is one."""
+def _of_samples(tale: Tale, doubtful: Mapping[Key, Doubt]) -> tuple[tuple[Finding, ...], tuple[Withheld, ...]]:
+    """Return the telegraph noise that only the samples tell, if there is one, as a finding or as withheld.
+
+    They tell it where what is left is noise, of whatever slope.
+    """
     if tale.switching is None:
-        return ()
-    effect, axis = tale.switching.effect, tale.whole.sequence.conditions.axis
+        return (), ()
+    effect, log_p, conditions = tale.switching.effect, tale.switching.log_p, tale.whole.sequence.conditions
+    axis = conditions.axis
+    odd = [one.reason for key, one in doubtful.items() if key.part == "noise" and one.reason not in OF_SLOPE]
+    if len(tale.late.added(tale.whole.description, BiasStep)) >= VALUES:
+        odd.append("it has more than two values")
+    if odd:
+        ends = map(float, conditions.time[[0, -1]])
+        return (), (Withheld(effect.name, odd[0], Gap("change", axis, *ends, "s", float(np.exp(max(log_p, CERTAIN))))),)
     units = effect.units(axis_unit(axis))
     parameters = {
         name: Interval(value, *tale.switching.intervals[name], units[name])
         for name, value in effect.parameters().items()
     }
-    return (Finding({axis: effect}, parameters, max(tale.switching.log_p, CERTAIN), tale.switching.gain),)
+    return (Finding({axis: effect}, parameters, max(log_p, CERTAIN), tale.switching.gain),), ()
 
 
 def _finding(tale: Tale, found: AxisFit, key: Key) -> Finding:

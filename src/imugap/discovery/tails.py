@@ -4,8 +4,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.fft import next_fast_len, rfft
 from scipy.special import expit, logit
-from scipy.stats import poisson
+from scipy.stats import chi2, poisson
 
 STARTS = ((1e-4, 20.0), (1e-3, 8.0), (1e-2, 4.0), (0.1, 2.0))
 """Shares of the wide law, and its width over that of the narrow one, from which the mixture is fitted."""
@@ -20,6 +21,8 @@ LARGEST = 100.0
 """Largest standard deviation of a logarithm that is told from no knowledge at all."""
 FLAGGED = 0.5
 """Posterior probability above which a sample counts as an outlier."""
+EACH, PARTS = 5, 50
+"""Outliers in each part of the log that are expected at least, and parts at most, of which the numbers are compared."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,6 +66,23 @@ class Tails:
         flagged = self.flagged
         pairs = int(np.sum(flagged[1:] & flagged[:-1]))
         return float(poisson.logsf(pairs - 1, flagged.mean() * flagged.sum()))
+
+    @property
+    def uneven(self) -> float:
+        """Return the log-probability that as many in some parts of the log as there are come there by chance."""
+        count = int(self.flagged.sum()) // EACH
+        if count < 2:
+            return 0.0
+        counts = np.array([part.sum() for part in np.array_split(self.flagged, min(count, PARTS))])
+        return float(chi2.logsf(np.sum((counts - counts.mean()) ** 2) / counts.mean(), len(counts) - 1))
+
+    @property
+    def beating(self) -> float:
+        """Return the log-probability that outliers keep as well to any period by chance (Rayleigh's test)."""
+        flagged = self.flagged
+        even, share = next_fast_len(len(flagged), real=True), flagged.mean()
+        power = np.abs(rfft(flagged - share, even)[1:]) ** 2 / (flagged.sum() * (1 - share))
+        return min(float(np.log(len(power)) - power.max()), 0.0)
 
 
 def tails(sequence: np.ndarray, share: float = 1.0) -> Tails:

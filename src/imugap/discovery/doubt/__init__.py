@@ -6,8 +6,9 @@ does not explain what is left there, the name is withheld and the place reported
 """
 
 from imugap.discovery.doubt.doubt import LEVEL, Doubt
-from imugap.discovery.doubt.doubts import beside_a_sweep, doubts
+from imugap.discovery.doubt.doubts import VALUES, beside_a_sweep, doubts
 from imugap.discovery.doubt.mean import nearly
-from imugap.discovery.doubt.spectrum import SHARE, share_of
+from imugap.discovery.doubt.samples import SHARE
+from imugap.discovery.doubt.spectrum import OF_SLOPE, share_of
 
-__all__ = ["LEVEL", "SHARE", "Doubt", "beside_a_sweep", "doubts", "nearly", "share_of"]
+__all__ = ["LEVEL", "OF_SLOPE", "SHARE", "VALUES", "Doubt", "beside_a_sweep", "doubts", "nearly", "share_of"]

@@ -10,7 +10,7 @@ from imugap.discovery.doubt.doubt import LEVEL, Doubt
 from imugap.discovery.doubt.mean import term_doubt
 from imugap.discovery.doubt.memory import MEANS, MEMORY, in_place_of_means
 from imugap.discovery.doubt.motion import in_place_of_all, samples_in_motion
-from imugap.discovery.doubt.spectrum import noise_doubt, share_of, with_power_law
+from imugap.discovery.doubt.spectrum import filter_doubt, noise_doubt, share_of, with_power_law
 from imugap.discovery.doubt.variance import change_doubt
 from imugap.discovery.noise import log_likelihood
 from imugap.discovery.search import MANY, SLOW, Key, Search, at, removed
@@ -19,6 +19,10 @@ from imugap.effects import BiasStep, OutputFilter, RandomTelegraph, Sinusoid
 
 MOST = 0.5
 """Share of the power at the frequency of a line or a filter above which noise in doubt leaves neither a name."""
+JUMPS, VALUES = 3, 2
+"""Steps from which on they are jumps of slow noise, and further values of telegraph noise."""
+WIDE = 5.0
+"""Excess of outliers, in standard deviations, from which on no change of the variance makes them."""
 FAR = 2.0
 """Factor of the frequency of a line in doubt beyond which others have nothing to do with it."""
 
@@ -34,7 +38,8 @@ def doubts(search: Search, fit: AxisFit) -> dict[Key, Doubt]:
         same = [key for key in keys if isinstance(at(fit.description, key), kind)]
         if len(same) > most:
             found |= {key: Doubt(f"{len(same)} of them", -np.inf) for key in same}
-    found |= _remembered(search, fit, keys) | _moved(search, fit, keys)
+    found |= _remembered(search, fit, keys) | _moved(search, fit, keys) | _jumping(fit, keys)
+    found |= _of_the_variance(search, fit, keys, found)
     found |= _after_clusters(search, fit, found) | _beside_a_mean(search, fit, keys, found)
     found |= _parts_of_it(search, fit, keys, found) | _of_the_spectrum(fit, keys, found)
     clear = _clear_of_lines(search, fit, keys, found)
@@ -67,6 +72,26 @@ def _moved(search: Search, fit: AxisFit, keys: Sequence[Key]) -> dict[Key, Doubt
         return {}
     doubt = in_place_of_all(search, fit)
     return dict.fromkeys(keys, doubt) if doubt.log_p < LEVEL else {}
+
+
+def _jumping(fit: AxisFit, keys: Sequence[Key]) -> dict[Key, Doubt]:
+    """Return steps and slow noise, where the steps are too many to be anything but jumps of a process without a name.
+
+    Beside telegraph noise two are, which make it one of more values than two.
+    """
+    steps, slow, switches = (
+        [key for key in keys if isinstance(at(fit.description, key), kinds)]
+        for kinds in (BiasStep, SLOW, RandomTelegraph)
+    )
+    jumps = (slow and len(steps) >= JUMPS) or (switches and len(steps) >= VALUES)
+    return dict.fromkeys([*steps, *slow, *switches], Doubt("it jumps", -np.inf)) if jumps else {}
+
+
+def _of_the_variance(search: Search, fit: AxisFit, keys: Sequence[Key], found: Mapping[Key, Doubt]) -> dict[Key, Doubt]:
+    """Return outliers that are not far out, where the variance changes in a way that has no name."""
+    changes = [found[key] for key in found if key.part == "change"]
+    wide = [key for key in keys if key.part == "outliers" and search.tails[fit.description.outliers].excess < WIDE]
+    return dict.fromkeys(wide, min(changes, key=lambda doubt: doubt.log_p)) if changes else {}
 
 
 def _clear_of_lines(search: Search, fit: AxisFit, keys: Sequence[Key], found: Mapping[Key, Doubt]) -> set[Key]:
@@ -127,7 +152,7 @@ def _parts_of_it(search: Search, fit: AxisFit, keys: Sequence[Key], found: Mappi
     worst = min((found[key] for key in slow), key=lambda doubt: doubt.log_p)
     kinds = MEANS if worst.reason == MEMORY else (BiasStep,)
     means = [key for key in keys if key not in found and isinstance(at(fit.description, key), MEANS)]
-    law = with_power_law(search, fit)
+    law = with_power_law(search, fit, (*SLOW, RandomTelegraph))
     return {
         key: worst
         for key in means
@@ -178,19 +203,21 @@ def _doubt(search: Search, fit: AxisFit, key: Key) -> Doubt | None:
         "term": term_doubt,
         "noise": noise_doubt,
         "change": change_doubt,
-        "outliers": _clustered,
-        "filter": _nothing,
+        "outliers": _in_time,
+        "filter": filter_doubt,
     }
     doubt = tests[key.part](search, fit, key)
     return doubt if doubt is not None and doubt.log_p < LEVEL else None
 
 
-def _nothing(search: Search, fit: AxisFit, key: Key) -> None:
-    """Have no doubt: the catalogue's filters stand for all low-pass filters."""
-
-
-def _clustered(search: Search, fit: AxisFit, key: Key) -> Doubt:
+def _in_time(search: Search, fit: AxisFit, key: Key) -> Doubt:
+    """Ask whether outliers come by themselves, at any time; where the variance changes they need not."""
     found = search.tails[fit.description.outliers]
-    clusters = Doubt("they come in clusters", found.clustered)
-    moved = Doubt("they come with the motion", samples_in_motion(fit, found.flagged))
-    return min(clusters, moved, key=lambda doubt: doubt.log_p)
+    doubts = [
+        Doubt("they come in clusters", found.clustered),
+        Doubt("they come with the motion", samples_in_motion(fit, found.flagged)),
+        Doubt("they come at a beat", found.beating),
+    ]
+    if not fit.description.changes:
+        doubts.append(Doubt("they come at some times more often than at others", found.uneven))
+    return min(doubts, key=lambda doubt: doubt.log_p)

@@ -17,6 +17,8 @@ from imugap.effects.effect import TINY
 
 HARMONICS, ALONE = 9, 0.1
 """Highest multiple of a line, and share of its frequency, or of the distance of lines, within which these are known."""
+BESIDE = 0.01
+"""Distance of lines, over their frequency, within which they are sidebands of one that may not be there itself."""
 
 
 def term_doubt(search: Search, fit: AxisFit, key: Key) -> Doubt | None:
@@ -71,7 +73,9 @@ def _split(fit: AxisFit, key: Key) -> bool:
     lines = _lines(fit)
     duration = fit.sequence.conditions.interval * len(fit.residual)
     return key.index in lines and any(
-        abs(line - lines[key.index][0]) < NEAR / duration for index, (line, _) in lines.items() if index != key.index
+        abs(line - lines[key.index][0]) < max(NEAR / duration, BESIDE * line)
+        for index, (line, _) in lines.items()
+        if index != key.index
     )
 
 

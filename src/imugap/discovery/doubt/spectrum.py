@@ -3,13 +3,13 @@
 from dataclasses import replace
 
 import numpy as np
-from scipy.fft import idct
 from scipy.special import log_ndtr
 from scipy.stats import ncx2
 
 from imugap.discovery.axis import AxisFit
 from imugap.discovery.doubt.doubt import LEVEL, Doubt, divergence, over
 from imugap.discovery.doubt.memory import in_place_of_noise
+from imugap.discovery.doubt.samples import SHARE, of_samples
 from imugap.discovery.doubt.wave import repeated
 from imugap.discovery.noise import STEP, Noise, log_likelihood
 from imugap.discovery.power_law import PowerLaw
@@ -17,9 +17,13 @@ from imugap.discovery.search import SLOW, Key, Search, at, log_chance
 from imugap.discovery.telegraph import compare
 from imugap.discovery.views.spectral import of_spectrum
 from imugap.effects import RandomTelegraph
-from imugap.effects.effect import TINY, StochasticEffect
-from imugap.stream import stream
+from imugap.effects.effect import TINY, Effect, StochasticEffect
 
+SLOPE, LAW = "its spectrum has another slope", "a power law of another slope explains it better"
+LAW_TOO = "a power law explains it as well"
+OF_SLOPE = (SLOPE, LAW, LAW_TOO)
+"""Doubts that leave slow noise a process, of a slope that has no name."""
+AROUND_IT = "the spectrum around it is farther off"
 OTHER_SLOPE = np.log(1e-2)
 """Log-probability of chance below which a free slope of slow noise makes a doubt: no other test answers it as well."""
 LIKELIER = 2.0
@@ -27,18 +31,11 @@ LIKELIER = 2.0
 
 Of fractional noise between flicker and walk a Gauss-Markov process is seldom likelier by more.
 """
-SHARE = 0.05
-"""Share of the variance of a band above which an effect answers for the band."""
 AROUND = 10.0
 """Factor of the frequencies that an effect answers for within which the spectrum is around it."""
 BANDS = 24
 SLIGHT = 0.05
 """Relative deviation of the power in a band that leaves a name as it is: no real spectrum is one of a catalogue."""
-DRAWN, PARTS, FEWEST, MOST = 1999, 20, 40, 6000
-"""Draws of Gaussian noise, how many parts they are handled in; the fewest coefficients that tell its shape, the most
-that are asked."""
-USUAL = (-1.0, 1.0), (2.0, 6.0)
-"""Skewness and kurtosis that leave a name as it is: no real noise is quite Gaussian; up to that of Laplace's law."""
 
 
 def noise_doubt(search: Search, fit: AxisFit, key: Key) -> Doubt:
@@ -50,17 +47,28 @@ def noise_doubt(search: Search, fit: AxisFit, key: Key) -> Doubt:
     mine = np.flatnonzero(share > SHARE)
     named = search.weighed(fit, key)[0].log_p
     doubts = [
-        Doubt("its spectrum has another slope", slope),
+        Doubt(SLOPE, slope),
         Doubt("its spectrum has another shape", _off_in_bands(fit, mine)),
-        Doubt("the spectrum around it is farther off", over(named, _off_around(fit, mine), search.log_alpha)),
+        Doubt(AROUND_IT, over(named, _off_around(fit, mine), search.log_alpha)),
     ]
     if isinstance(effect, RandomTelegraph):
         doubts += _two_valued(search, fit, key)
     else:
-        doubts.append(Doubt("it comes in bursts or jumps", _uncommon(fit, share)))
+        doubts += of_samples(fit, share)
     if isinstance(effect, (*SLOW, RandomTelegraph)):
         doubts += [repeated(search, fit, key), in_place_of_noise(search, fit, key)]
     return min([*doubts, *_power_law(search, fit)], key=lambda doubt: doubt.log_p)
+
+
+def filter_doubt(search: Search, fit: AxisFit, key: Key) -> Doubt:
+    """Ask whether the filter is surer than what it leaves of the spectrum where it acts.
+
+    Its shape is no matter: the filters of the catalogue stand for all low-pass filters.
+    """
+    bins = fit.sequence.bins
+    acts = np.flatnonzero(at(fit.description, key).gain(bins.frequency, bins.interval) < 1 - SHARE)
+    named = search.weighed(fit, key)[0].log_p
+    return Doubt(AROUND_IT, over(named, _off_around(fit, acts), search.log_alpha))
 
 
 def _two_valued(search: Search, fit: AxisFit, key: Key) -> list[Doubt]:
@@ -77,34 +85,6 @@ def share_of(fit: AxisFit, effect: StochasticEffect) -> np.ndarray:
     bins, noise = fit.sequence.bins, fit.description.noise
     own = Noise((effect,), noise.output_filter).passed(bins)
     return own / noise.variance(bins)
-
-
-def _uncommon(fit: AxisFit, share: np.ndarray) -> float:
-    """Return the log-probability that Gaussian noise is as skewed, or of as high or low a kurtosis.
-
-    Asked of the whitened log, each frequency weighed by the share that the effect has in it: an impulse in what drives
-    a process stays one there. Gaussian noise so weighed is drawn :data:`DRAWN` times.
-    """
-    bins = fit.sequence.bins
-    weight = bins.spread(np.maximum(share, TINY))[: min(bins.last, MOST)]
-    last = max(np.flatnonzero(weight > SHARE), default=0) + 1
-    if last < FEWEST:
-        return 0.0
-    own = _shape(weight[:last] * fit.coefficients[None, :last])[0]
-    if all(low < value < high for value, (low, high) in zip(own, USUAL, strict=True)):
-        return 0.0
-    noise = weight[:last] * stream(0, "uncommon", last).standard_normal((DRAWN, last))
-    drawn = np.concatenate([_shape(part) for part in np.array_split(noise, PARTS)])
-    rank = np.sum(drawn >= own, axis=0) + 1
-    two_sided = 2 * np.minimum(rank, DRAWN + 2 - rank) / (DRAWN + 1)
-    return float(np.log(min(len(own) * two_sided.min(), 1.0)))
-
-
-def _shape(coefficients: np.ndarray) -> np.ndarray:
-    """Return skewness and kurtosis of signals, shape (signals, 2), from their cosine coefficients in rows."""
-    values = idct(np.pad(coefficients, ((0, 0), (1, coefficients.shape[1] - 1))), norm="ortho")
-    scaled = values / values.std(axis=1, keepdims=True)
-    return np.column_stack([np.mean(scaled**3, axis=1), np.mean(scaled**4, axis=1)])
 
 
 def _at_odds(fit: AxisFit, key: Key, other: StochasticEffect) -> float:
@@ -159,9 +139,9 @@ def _off_in_bands(fit: AxisFit, mine: np.ndarray) -> float:
     return float(np.log(max(chance, TINY)))
 
 
-def with_power_law(search: Search, fit: AxisFit) -> AxisFit | None:
-    """Return the fit with one power law in the place of the slow processes that were added; None without any."""
-    slow = _added_slow(search, fit)
+def with_power_law(search: Search, fit: AxisFit, kinds: tuple[type[Effect], ...] = SLOW) -> AxisFit | None:
+    """Return the fit with one power law in the place of the processes of some kinds that were added, if any were."""
+    slow = _added(search, fit, kinds)
     if not slow:
         return None
     without = _without(search, fit, slow)
@@ -171,9 +151,9 @@ def with_power_law(search: Search, fit: AxisFit) -> AxisFit | None:
     return search.fitted(fit.sequence, replace(without.description, noise=law))
 
 
-def _added_slow(search: Search, fit: AxisFit) -> list[StochasticEffect]:
+def _added(search: Search, fit: AxisFit, kinds: tuple[type[Effect], ...]) -> list[StochasticEffect]:
     added = fit.description.noise.effects[len(search.start.noise.effects) :]
-    return [effect for effect in added if isinstance(effect, SLOW)]
+    return [effect for effect in added if isinstance(effect, kinds)]
 
 
 def _without(search: Search, fit: AxisFit, effects: list[StochasticEffect]) -> AxisFit:
@@ -185,16 +165,16 @@ def _without(search: Search, fit: AxisFit, effects: list[StochasticEffect]) -> A
 
 def _power_law(search: Search, fit: AxisFit) -> list[Doubt]:
     """Weigh one power law against the added slow processes: its slope may be another, or it says more than two do."""
-    other, slow = with_power_law(search, fit), _added_slow(search, fit)
+    other, slow = with_power_law(search, fit), _added(search, fit, SLOW)
     if other is None:
         return []
     more = other.log_likelihood - fit.log_likelihood
     parameters = sum(len(one.parameters()) for one in slow)
     if parameters == 1:
         chance = log_chance(more, 1)
-        return [Doubt("a power law of another slope explains it better", LEVEL - OTHER_SLOPE + chance)]
+        return [Doubt(LAW, LEVEL - OTHER_SLOPE + chance)]
     if len(slow) == 1:
-        return [Doubt("a power law explains it as well", LEVEL - LIKELIER - more)]
+        return [Doubt(LAW_TOO, LEVEL - LIKELIER - more)]
     without = _without(search, fit, slow)
     named = log_chance(fit.log_likelihood - without.log_likelihood, parameters)
     unnamed = log_chance(other.log_likelihood - without.log_likelihood, 2)
