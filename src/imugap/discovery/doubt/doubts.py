@@ -9,7 +9,8 @@ from imugap.discovery.axis import AxisFit
 from imugap.discovery.doubt.doubt import LEVEL, Doubt
 from imugap.discovery.doubt.mean import term_doubt
 from imugap.discovery.doubt.memory import MEANS, MEMORY, in_place_of_means
-from imugap.discovery.doubt.motion import in_place_of_all, samples_in_motion
+from imugap.discovery.doubt.motion import in_place_of_all
+from imugap.discovery.doubt.outliers import outliers_doubt
 from imugap.discovery.doubt.spectrum import filter_doubt, noise_doubt, share_of, with_power_law
 from imugap.discovery.doubt.variance import change_doubt
 from imugap.discovery.noise import log_likelihood
@@ -88,10 +89,13 @@ def _jumping(fit: AxisFit, keys: Sequence[Key]) -> dict[Key, Doubt]:
 
 
 def _of_the_variance(search: Search, fit: AxisFit, keys: Sequence[Key], found: Mapping[Key, Doubt]) -> dict[Key, Doubt]:
-    """Return outliers that are not far out, where the variance changes in a way that has no name."""
-    changes = [found[key] for key in found if key.part == "change"]
-    wide = [key for key in keys if key.part == "outliers" and search.tails[fit.description.outliers].excess < WIDE]
-    return dict.fromkeys(wide, min(changes, key=lambda doubt: doubt.log_p)) if changes else {}
+    """Return outliers that are not far out where the variance changes in a way that has no name, and the reverse."""
+    outliers = fit.description.outliers
+    if outliers not in search.tails or search.tails[outliers].excess > WIDE:
+        return {}
+    both = [key for key in keys if key.part in ("change", "outliers")]
+    doubtful = [found[key] for key in both if key in found]
+    return dict.fromkeys(both, min(doubtful, key=lambda doubt: doubt.log_p)) if doubtful else {}
 
 
 def _clear_of_lines(search: Search, fit: AxisFit, keys: Sequence[Key], found: Mapping[Key, Doubt]) -> set[Key]:
@@ -199,25 +203,9 @@ def _evidence_below(fit: AxisFit, key: Key, frequency: float) -> float:
 
 
 def _doubt(search: Search, fit: AxisFit, key: Key) -> Doubt | None:
-    tests = {
-        "term": term_doubt,
-        "noise": noise_doubt,
-        "change": change_doubt,
-        "outliers": _in_time,
-        "filter": filter_doubt,
-    }
-    doubt = tests[key.part](search, fit, key)
+    if key.part == "outliers":
+        doubt = outliers_doubt(search, fit)
+    else:
+        tests = {"term": term_doubt, "noise": noise_doubt, "change": change_doubt, "filter": filter_doubt}
+        doubt = tests[key.part](search, fit, key)
     return doubt if doubt is not None and doubt.log_p < LEVEL else None
-
-
-def _in_time(search: Search, fit: AxisFit, key: Key) -> Doubt:
-    """Ask whether outliers come by themselves, at any time; where the variance changes they need not."""
-    found = search.tails[fit.description.outliers]
-    doubts = [
-        Doubt("they come in clusters", found.clustered),
-        Doubt("they come with the motion", samples_in_motion(fit, found.flagged)),
-        Doubt("they come at a beat", found.beating),
-    ]
-    if not fit.description.changes:
-        doubts.append(Doubt("they come at some times more often than at others", found.uneven))
-    return min(doubts, key=lambda doubt: doubt.log_p)

@@ -74,25 +74,33 @@ def _signals(coefficients: np.ndarray) -> np.ndarray:
 
 
 def _fading(own: np.ndarray, weight: np.ndarray) -> float:
-    """Return the log-probability that the power of stationary noise is as uneven over time, in octaves."""
-    drawn = _drawn(lambda noise: _unevenness(noise, weight), weight)
+    """Return the log-probability that the power of stationary noise is as uneven over time, in octaves.
+
+    Half a block less one is usual in each; with less nothing is drawn.
+    """
     found = float(_unevenness(own[None], weight)[0]) - FADING * _number(weight)
+    if found < 0.5 * sum(blocks - 1 for _, _, blocks in _octaves(len(weight))):
+        return 0.0
+    drawn = _drawn(lambda noise: _unevenness(noise, weight), weight)
     return float(np.log((np.sum(drawn >= found) + 1) / (DRAWN + 1)))
 
 
 def _unevenness(coefficients: np.ndarray, weight: np.ndarray) -> np.ndarray:
     """Return the divergence of the power of blocks of time from that of all, of each signal, summed over octaves."""
-    edges = [0, *OCTAVE * 2 ** np.arange(np.log2(max(len(weight) / OCTAVE / 2, 1)) + 1).astype(int), len(weight)]
     total = np.zeros(len(coefficients))
-    for first, last in pairwise(edges):
-        blocks = min((last - first) // EACH, BLOCKS)
-        if blocks < 2:
-            continue
+    for first, last, blocks in _octaves(len(weight)):
         energy = _signals(coefficients[:, first:last]) ** 2
         sums = np.add.reduceat(energy, np.linspace(0, energy.shape[1], blocks + 1).astype(int)[:-1], axis=1)
         number = _number(weight[first:last]) / blocks
         total += divergence(number * blocks * sums / sums.sum(axis=1, keepdims=True), number).sum(axis=1)
     return total
+
+
+def _octaves(count: int) -> list[tuple[int, int, int]]:
+    """Return first coefficient, last one + 1, and number of blocks of time of each octave that has two at least."""
+    edges = [0, *(OCTAVE << k for k in range(count.bit_length()) if OCTAVE << (k + 1) <= count), count]
+    octaves = ((first, last, min((last - first) // EACH, BLOCKS)) for first, last in pairwise(edges))
+    return [octave for octave in octaves if octave[2] > 1]
 
 
 def _number(weight: np.ndarray) -> float:

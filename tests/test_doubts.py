@@ -1,0 +1,199 @@
+"""Names that are withheld because what is there is not what they say."""
+
+import numpy as np
+import pytest
+from scipy.stats import binom
+
+from imugap.discovery.axis import Description, Term, fit
+from imugap.discovery.doubt import LEVEL, doubts, samples
+from imugap.discovery.doubt.doubts import _jumping, _of_the_variance
+from imugap.discovery.doubt.outliers import outliers_doubt
+from imugap.discovery.doubt.samples import of_samples
+from imugap.discovery.doubt.spectrum import share_of
+from imugap.discovery.noise import Noise
+from imugap.discovery.search import Search
+from imugap.discovery.sequence import Sequence
+from imugap.discovery.story import concluded, told
+from imugap.discovery.tails import tails
+from imugap.effects import (
+    CATALOGUE,
+    BiasInstability,
+    BiasStep,
+    GaussMarkov,
+    Outliers,
+    OutputFilter,
+    RandomTelegraph,
+    RandomWalk,
+    Sinusoid,
+    VarianceChange,
+    WhiteNoise,
+)
+from imugap.effects.effect import Conditions
+from imugap.model import AxisModel
+from imugap.stream import stream
+
+COUNT, INTERVAL = 24_000, 0.04
+WHITE = WhiteNoise(1e-3)
+LOG_ALPHA = np.log(0.01 / 6 / 28)
+
+
+def sequence(*effects, added=None, count=COUNT, label="doubts"):
+    """Return white noise and effects, and ``added`` of the time and a generator."""
+    conditions = Conditions(INTERVAL * np.arange(count), INTERVAL, axis="gyro_x")
+    values = AxisModel((WHITE, *effects)).simulate(np.zeros(count), conditions, 1, label)
+    more = 0.0 if added is None else added(conditions.time, stream(1, label, "added"))
+    return Sequence(values + more, conditions, np.zeros(count, bool))
+
+
+def story_of(data):
+    return concluded(told(data, (), tuple(CATALOGUE.values()), LOG_ALPHA, int(0.8 * len(data.values))))
+
+
+def names(story):
+    return sorted(finding.name for finding in story.findings)
+
+
+def explored(data, *kinds):
+    """Return a search among some kinds, and the fit that it ends with."""
+    search = Search(Description((), Noise((WHITE,))), kinds, LOG_ALPHA)
+    return search, search.explore(fit(data, search.start))
+
+
+def reasons(data, *kinds):
+    return {doubt.reason for doubt in doubts(*explored(data, *kinds)).values()}
+
+
+@pytest.mark.parametrize("effect", [GaussMarkov(5e-3, 8.0), BiasInstability(2e-3), RandomWalk(1e-3)])
+def test_stationary_noise_is_as_uneven_over_time_as_chance_makes_it(effect, monkeypatch):
+    """What is let pass of real noise apart."""
+    monkeypatch.setattr(samples, "FADING", 0.0)
+    chances = []
+    for label in range(60):
+        found = fit(sequence(effect, count=8000, label=label), Description((), Noise((WHITE, effect))))
+        _, fading = of_samples(found, share_of(found, found.description.noise.effects[1]))
+        chances.append(np.exp(fading.log_p))
+    for level in (0.05, 0.2):
+        low, high = binom.ppf([1e-3, 1 - 1e-3], len(chances), level)
+        assert low <= np.sum(np.array(chances) < level) <= high
+
+
+def rising(time, rng):
+    """Return a line whose frequency grows fifty times."""
+    growth = np.log(50) / time[-1]
+    return 4e-3 * np.sin(2 * np.pi * 0.02 * np.expm1(growth * time) / growth)
+
+
+def test_a_line_that_rises_exponentially_is_no_noise():
+    data = sequence(added=rising)
+    _, found = explored(data, GaussMarkov)
+    _, fading = of_samples(found, share_of(found, found.description.noise.effects[1]))
+    assert fading.log_p < LEVEL
+    assert names(story_of(data)) == []
+
+
+def relaxations(time, rng):
+    """Return jumps at random times, of random size, each of which dies away."""
+    since = time - rng.uniform(0, time[-1], (15, 1))
+    heights = 1e-2 * rng.standard_exponential((15, 1))
+    return np.sum(heights * np.where(since >= 0, np.exp(-np.maximum(since, 0) / 20), 0), axis=0)
+
+
+@pytest.mark.slow
+def test_what_jumps_and_relaxes_is_no_telegraph_noise():
+    assert names(story_of(sequence(added=relaxations, count=12_000))) == []
+
+
+@pytest.mark.parametrize(("noise", "most"), [(GaussMarkov(2e-3, 5.0), 2), (RandomTelegraph(4e-3, 0.1), 1)])
+def test_steps_are_jumps_where_there_are_many_beside_slow_noise(noise, most):
+    search = Search(Description((), Noise((WHITE,))), (), LOG_ALPHA)
+    for count in (most, most + 1):
+        steps = tuple(Term(BiasStep(200.0 * (k + 1), 0.05), ("step",)) for k in range(count))
+        effects = (noise, *(step.effect for step in steps))
+        found = fit(sequence(*effects), Description(steps, Noise((WHITE, noise))))
+        keys = search.added(found.description)
+        assert set(_jumping(found, keys)) == (set(keys) if count > most else set())
+
+
+def test_a_line_that_swells_without_a_carrier_is_two_that_have_no_name():
+    def beating(time, rng):
+        return 8e-4 * np.cos(2 * np.pi * 0.05 * time / 2) * np.cos(2 * np.pi * 9 * time)
+
+    data = sequence(added=beating)
+    assert reasons(data, Sinusoid) == {"lines beside it make it one that swells or drifts"}
+    apart = sequence(Sinusoid(9.0, 4e-4), Sinusoid(9.2, 4e-4))
+    assert reasons(apart, Sinusoid) == set()
+
+
+def test_a_filter_is_surer_than_what_it_leaves():
+    """A bump of the spectrum below Nyquist is followed by a fall, which alone would be a filter."""
+
+    def bump(time, rng):
+        frequency = np.fft.rfftfreq(len(time), INTERVAL)
+        gain = 1.2 * np.exp(-0.5 * (np.log(np.maximum(frequency, 1e-9) / 5) / 0.2) ** 2)
+        return np.fft.irfft(np.fft.rfft(rng.standard_normal(len(time)) * 1e-3 / np.sqrt(INTERVAL)) * gain, len(time))
+
+    assert reasons(sequence(added=bump), OutputFilter) == {"the spectrum around it is farther off"}
+    assert reasons(sequence(OutputFilter(5.0, 1)), OutputFilter) == set()
+
+
+def test_outliers_at_any_time_are_as_even_and_as_irregular_as_chance_makes_them():
+    rng, found = stream(5, "even"), []
+    for _ in range(200):
+        hit = rng.random(10_000) < 10 ** rng.uniform(-2.5, -1.5)
+        found.append(tails(rng.standard_normal(10_000) * np.where(hit, 12.0, 1.0)))
+    for level in (0.01, 0.1):
+        for chances in ([one.uneven for one in found], [one.beating for one in found]):
+            assert np.sum(np.exp(chances) < level) <= binom.isf(1e-3, len(found), level)
+    assert np.sum(np.exp([one.uneven for one in found]) < 0.5) >= binom.isf(1 - 1e-3, len(found), 0.4)
+
+
+def spikes(time, rng):
+    return 0.05 * (np.arange(len(time)) % 131 == 7)
+
+
+def fewer_and_fewer(time, rng):
+    hit = rng.random(len(time)) < 0.02 * np.exp(-4 * time / time[-1])
+    return np.where(hit, 0.05 * rng.standard_normal(len(time)), 0.0)
+
+
+def skewed(time, rng):
+    return 0.01 * (rng.standard_exponential(len(time)) - 1)
+
+
+@pytest.mark.parametrize(
+    ("added", "reason"),
+    [
+        (spikes, "they come at a beat"),
+        (fewer_and_fewer, "they come at some times more often than at others"),
+        (skewed, "all samples are of another distribution"),
+    ],
+)
+def test_what_comes_at_a_beat_or_dies_out_or_is_skewed_is_no_outlier(added, reason):
+    search, found = explored(sequence(added=added), Outliers)
+    assert found.has(Outliers)
+    assert outliers_doubt(search, found).reason == reason
+    assert reasons(sequence(added=added), Outliers) == {reason}
+
+
+@pytest.mark.parametrize("law", ["standard_normal", "laplace", "uniform"])
+def test_outliers_keep_their_name_whatever_their_distribution(law):
+    def far(time, rng):
+        size = 0.04 * (rng.uniform(-2, 2, len(time)) if law == "uniform" else getattr(rng, law)(size=len(time)))
+        return np.where(rng.random(len(time)) < 0.005, size, 0.0)
+
+    for label in range(5):
+        search, found = explored(sequence(added=far, label=label), Outliers)
+        assert found.has(Outliers)
+        assert doubts(search, found) == {}
+
+
+def test_volatile_noise_has_neither_outliers_nor_changes_of_variance():
+    def volatile(time, rng):
+        level = np.convolve(rng.standard_normal(len(time)), np.ones(200) / np.sqrt(200), "same")
+        return 5e-3 * np.exp(0.8 * level) * rng.standard_normal(len(time))
+
+    search, found = explored(sequence(added=volatile), Outliers, VarianceChange)
+    keys = search.added(found.description)
+    assert {key.part for key in keys} == {"outliers", "change"}
+    assert set(doubts(search, found)) == set(keys)
+    assert _of_the_variance(search, found, keys, {}) == {}
