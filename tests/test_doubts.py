@@ -80,11 +80,11 @@ def test_stationary_noise_is_as_uneven_over_time_as_chance_makes_it(effect, monk
 def rising(time, rng):
     """Return a line whose frequency grows fifty times."""
     growth = np.log(50) / time[-1]
-    return 4e-3 * np.sin(2 * np.pi * 0.02 * np.expm1(growth * time) / growth)
+    return 8e-3 * np.sin(2 * np.pi * 0.01 * np.expm1(growth * time) / growth)
 
 
 def test_a_line_that_rises_exponentially_is_no_noise():
-    data = sequence(added=rising)
+    data = sequence(added=rising, count=12_000)
     _, found = explored(data, GaussMarkov)
     _, fading = of_samples(found, share_of(found, found.description.noise.effects[1]))
     assert fading.log_p < LEVEL

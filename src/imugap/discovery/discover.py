@@ -9,8 +9,10 @@ from types import MappingProxyType
 
 import numpy as np
 import pandas as pd
+from threadpoolctl import threadpool_limits
 
 from imugap import log as canonical
+from imugap.discovery.agreement import agreed
 from imugap.discovery.axis import AxisFit
 from imugap.discovery.common import shared
 from imugap.discovery.comparison import HELD_IN, distances, held_out, tested
@@ -143,7 +145,7 @@ def discover(
     record = prepare(logs[0], reference, question.seed, question.start)
     steps.count -= 2 * len(record.silent)
     log_alpha = question.log_alpha(len(record.sequences))
-    tales = _tales(record, known, question, log_alpha, steps)
+    tales = _alike(_tales(record, known, question, log_alpha, steps))
     stories, joints = _stories(tales, question, log_alpha, steps)
     befores = {axis: story.before for axis, story in stories.items()}
     wholes = {axis: story.whole for axis, story in stories.items()}
@@ -258,6 +260,14 @@ def _tales(record: Record, known: ErrorModel, question: Question, log_alpha: flo
         for axis, sequence in record.sequences.items()
     ]
     return _each(told, arguments, record.sequences, question.workers, steps, "search")
+
+
+def _alike(tales: dict[str, Tale]) -> dict[str, Tale]:
+    """Return the tales with slow noise of one kind on the axes of a sensor, where they do not tell it."""
+    with threadpool_limits(1):
+        afters = agreed(*({axis: getattr(tale, part) for axis, tale in tales.items()} for part in ("after", "early")))
+        wholes = agreed(*({axis: getattr(tale, part) for axis, tale in tales.items()} for part in ("whole", "late")))
+    return {axis: replace(tale, after=afters[axis], whole=wholes[axis]) for axis, tale in tales.items()}
 
 
 def _together(tales: dict[str, Tale], apart: Collection[type[Effect]]) -> tuple[dict[str, Tale], tuple[Joint, ...]]:

@@ -1,0 +1,68 @@
+"""Axes of a sensor that do not tell their slow noise are taken to have that of the others."""
+
+from collections import Counter
+
+import numpy as np
+import pytest
+
+from imugap.discovery.agreement import agreed
+from imugap.discovery.axis import Description, fit
+from imugap.discovery.noise import Noise
+from imugap.discovery.search import Search
+from imugap.discovery.sequence import Sequence
+from imugap.effects import BiasInstability, BiasStep, GaussMarkov, RandomWalk, RateRamp, WarmUp, WhiteNoise
+from imugap.effects.effect import Conditions
+from imugap.log import ACCEL, GYRO
+from imugap.model import AxisModel
+
+COUNT, INTERVAL = 12_000, 0.05
+WHITE = WhiteNoise(1e-3)
+KINDS = (BiasInstability, GaussMarkov, RandomWalk, BiasStep, RateRamp, WarmUp)
+
+
+def explored(effects, label=0):
+    """Return the search of each axis, and the fit that it ends with."""
+    searches, fits = {}, {}
+    for axis, some in effects.items():
+        conditions = Conditions(INTERVAL * np.arange(COUNT), INTERVAL, axis=axis)
+        values = AxisModel((WHITE, *some)).simulate(np.zeros(COUNT), conditions, label, "agreement")
+        data = Sequence(values, conditions, np.zeros(COUNT, bool))
+        searches[axis] = Search(Description((), Noise((WHITE,))), KINDS, np.log(0.01 / 6 / 28))
+        fits[axis] = searches[axis].explore(fit(data, searches[axis].start))
+    return fits, searches
+
+
+def kinds(fits):
+    return {
+        axis: [type(one) for one in found.description.effects()[:] if one.name != "white_noise"]
+        for axis, found in fits.items()
+    }
+
+
+@pytest.mark.slow
+def test_faint_noise_is_of_one_kind_more_often_than_each_axis_tells():
+    """Two axes tell a walk for certain; on the third it is faint."""
+    alone, together = Counter(), Counter()
+    for label in range(12):
+        strong, faint = (RandomWalk(3e-4),), (RandomWalk(4e-5),)
+        fits, searches = explored(dict(zip(GYRO, (strong, strong, faint), strict=True)), label)
+        for count, found in ((alone, fits), (together, agreed(fits, searches))):
+            count.update(kind.name for kind in kinds(found)[GYRO[2]])
+    wrong = [sum(count.values()) - count["random_walk"] for count in (alone, together)]
+    assert wrong[0] > 0
+    assert wrong[1] < wrong[0]
+    assert together["random_walk"] >= alone["random_walk"]
+
+
+def test_what_an_axis_tells_for_certain_stays():
+    clear = {"gyro_x": (RandomWalk(3e-4),), "gyro_y": (BiasStep(200.0, 3e-3),), "gyro_z": (RandomWalk(3e-4),)}
+    fits, searches = explored(clear)
+    assert kinds(fits) == {"gyro_x": [RandomWalk], "gyro_y": [BiasStep], "gyro_z": [RandomWalk]}
+    assert kinds(agreed(fits, searches)) == kinds(fits)
+
+
+def test_sensors_have_nothing_to_do_with_each_other():
+    both = {GYRO[0]: (GaussMarkov(2e-3, 5.0),), ACCEL[0]: (RandomWalk(3e-4),)}
+    fits, searches = explored(both)
+    assert kinds(fits) == {GYRO[0]: [GaussMarkov], ACCEL[0]: [RandomWalk]}
+    assert agreed(fits, searches) == fits
