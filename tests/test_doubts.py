@@ -94,13 +94,13 @@ def test_a_line_that_rises_exponentially_is_no_noise():
 def relaxations(time, rng):
     """Return jumps at random times, of random size, each of which dies away."""
     since = time - rng.uniform(0, time[-1], (15, 1))
-    heights = 1e-2 * rng.standard_exponential((15, 1))
+    heights = 2e-2 * rng.standard_exponential((15, 1))
     return np.sum(heights * np.where(since >= 0, np.exp(-np.maximum(since, 0) / 20), 0), axis=0)
 
 
 @pytest.mark.slow
 def test_what_jumps_and_relaxes_is_no_telegraph_noise():
-    assert names(story_of(sequence(added=relaxations, count=12_000))) == []
+    assert names(story_of(sequence(added=relaxations, count=12_000, label="a"))) == []
 
 
 @pytest.mark.parametrize(("noise", "most"), [(GaussMarkov(2e-3, 5.0), 2), (RandomTelegraph(4e-3, 0.1), 1)])

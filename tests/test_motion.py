@@ -74,6 +74,16 @@ def test_an_accelerometer_that_answers_the_rate_leans_to_no_axis(coupled):
     assert "another function of the motion explains it better" in {one.reason for one in found.withheld}
 
 
+@pytest.mark.parametrize("waves", [2.5, 6.0])
+def test_a_wavy_transfer_is_no_noise(waves):
+    """An interpolation error repeats itself over the input; as the input moves, its spectrum is that of slow noise."""
+    ideal = turning()
+    rate = ideal["gyro_z"].to_numpy()
+    found = story("gyro_z", ideal, added=4e-3 * np.sin(2 * np.pi * waves * rate / np.ptp(rate)))
+    assert not found.findings
+    assert "another function of the motion explains it better" in {one.reason for one in found.withheld}
+
+
 @pytest.mark.parametrize("half", [0.003, 0.03])
 def test_a_play_is_neither_what_it_looks_like_nor_the_noise_that_takes_it_up(half):
     """A delay, a filter, outliers: each of them explains some of it."""

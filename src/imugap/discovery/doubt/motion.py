@@ -14,10 +14,12 @@ from imugap.discovery.doubt.doubt import LEVEL, Doubt, divergence, over
 from imugap.discovery.hysteresis import play
 from imugap.discovery.noise import fit as fit_noise
 from imugap.discovery.search import Key, Search, log_chance, removed
-from imugap.effects.effect import Conditions
+from imugap.effects.effect import TINY, Conditions
 
 HALVES = 0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1.0
 """Halves of plays, in standard deviations of the input."""
+WAVES, WITHIN = 12, (0.01, 0.99)
+"""Waves of the error over the range of the own input, and the quantiles between which that is."""
 SHARES, FEW = 5, 20
 """Equal shares of the samples by the size of a motion; samples told apart, below which they are not looked at."""
 PAUSE, STILL = 1.0, 0.05
@@ -122,17 +124,26 @@ def _rests(conditions: Conditions) -> Iterator[np.ndarray]:
 
 
 def _likelihood_beside(base: AxisFit, way: np.ndarray) -> float:
-    """Return the log-likelihood of a fit with columns of the error, shape (n, m), more, its noise fitted anew."""
+    """Return the log-likelihood of a fit with columns of the error, shape (n, m), more, its noise fitted anew.
+
+    Less what columns gain by chance on average.
+    """
     _, rest = base.beside(base.whiten(way))
     bins, noise = base.sequence.bins, base.noise
     power = bins.sums(rest**2) * noise.noise.variance(bins)
-    return base.log_likelihood - noise.log_likelihood + fit_noise(noise.noise, bins, power).log_likelihood
+    return (
+        base.log_likelihood
+        - noise.log_likelihood
+        + fit_noise(noise.noise, bins, power).log_likelihood
+        - 0.5 * way.shape[1]
+    )
 
 
 def _ways(conditions: Conditions) -> Iterator[np.ndarray]:
     """Yield what an error may go with, columns of shape (n, m): inputs, their products and derivatives, their history.
 
-    All of a triad at a time; of the own axis what it drags along with some play, and a share that drifts.
+    All of a triad at a time; of the own axis what it drags along with some play, a share that drifts, and any other
+    function of it.
     """
     for triad in (log.GYRO, log.ACCEL):
         known = [axis for axis in triad if conditions.knows([axis])]
@@ -145,3 +156,7 @@ def _ways(conditions: Conditions) -> Iterator[np.ndarray]:
         own = np.ascontiguousarray(conditions.error_free)
         yield np.column_stack([play(own, half * own.std()) for half in HALVES])
         yield (own * np.linspace(-1.0, 1.0, len(own)))[:, None]
+        turns = np.exp(
+            2j * np.pi * np.outer(own, np.arange(1, WAVES + 1)) / max(np.ptp(np.quantile(own, WITHIN)), TINY)
+        )
+        yield np.column_stack([turns.real, turns.imag])
