@@ -193,7 +193,7 @@ class Search:
                 first = not self.added(before.description) and couple is None
                 before = trials[0].fit if first else self.settled((couple or trials[0]).fit)
                 continue
-            hopes = (self.settled(trial.fit) for trial in trials[:HOPES])
+            hopes = (self.settled(trial.fit, type(trial.effect)) for trial in trials[:HOPES])
             proven = next((after for after in hopes if self._proven(after, before)), None)
             if proven is None:
                 break
@@ -293,10 +293,15 @@ class Search:
         gain = (after.log_likelihood - before.log_likelihood) / start.level
         return Trial(start.effect, after, gain, len(start.free), start.trials)
 
-    def settled(self, found: AxisFit) -> AxisFit:
-        """Return the fit after the removal or exchange of every added effect that is superfluous or another one."""
+    def settled(self, found: AxisFit, hoped: type[Effect] | None = None) -> AxisFit:
+        """Return the fit after the removal or exchange of every added effect that is superfluous or another one.
+
+        Effects of a kind ``hoped`` for come last: the exchange of the others may make them certain.
+        """
         for _ in range(LIMIT):
             keys = [key for key in self.added(found.description) if key.part != "outliers"]
+            if hoped is not None:
+                keys.sort(key=lambda key: isinstance(at(found.description, key), hoped))
             changed = next((other for key in keys if (other := self._improved(found, key)) is not None), None)
             if changed is None:
                 return found
