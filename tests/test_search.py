@@ -394,7 +394,7 @@ def test_bursts_are_no_noise_though_their_spectrum_is():
         found = search.explore(plain(moved))
         assert found.has(GaussMarkov)
         reasons.append([doubt.reason for doubt in doubts(search, found).values()])
-    assert reasons == [["it comes in bursts or jumps"], []]
+    assert reasons == [["it is stronger at some times than at others"], []]
 
 
 @pytest.mark.parametrize(
