@@ -60,8 +60,10 @@ def agreed(fits: Mapping[str, AxisFit], searches: Mapping[str, Search]) -> dict[
 
 
 def _choice(search: Search, fit: AxisFit, key: Key) -> _Choice:
+    """Return the effect at a key of a fit, and the likeliest slow noise of each kind in its place."""
     own, without = search.weighed(fit, key)
-    trials = [search.judged(start, without) for kind in SLOW for start in kind.starts(without)]
+    kinds = [kind for kind in SLOW if kind in search.catalogue]
+    trials = [search.judged(start, without) for kind in kinds for start in kind.starts(without)]
     best = {type(one.effect): one for one in sorted(trials, key=lambda trial: trial.worth)}
     return _Choice(own, without, best | {type(own.effect): own} if isinstance(own.effect, SLOW) else best)
 

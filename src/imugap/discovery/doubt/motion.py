@@ -131,12 +131,8 @@ def _likelihood_beside(base: AxisFit, way: np.ndarray) -> float:
     _, rest = base.beside(base.whiten(way))
     bins, noise = base.sequence.bins, base.noise
     power = bins.sums(rest**2) * noise.noise.variance(bins)
-    return (
-        base.log_likelihood
-        - noise.log_likelihood
-        + fit_noise(noise.noise, bins, power).log_likelihood
-        - 0.5 * way.shape[1]
-    )
+    gain = fit_noise(noise.noise, bins, power).log_likelihood - noise.log_likelihood
+    return base.log_likelihood + gain - 0.5 * way.shape[1]
 
 
 def _ways(conditions: Conditions) -> Iterator[np.ndarray]:
@@ -156,7 +152,6 @@ def _ways(conditions: Conditions) -> Iterator[np.ndarray]:
         own = np.ascontiguousarray(conditions.error_free)
         yield np.column_stack([play(own, half * own.std()) for half in HALVES])
         yield (own * np.linspace(-1.0, 1.0, len(own)))[:, None]
-        turns = np.exp(
-            2j * np.pi * np.outer(own, np.arange(1, WAVES + 1)) / max(np.ptp(np.quantile(own, WITHIN)), TINY)
-        )
+        span = max(np.ptp(np.quantile(own, WITHIN)), TINY)
+        turns = np.exp(2j * np.pi * np.outer(own, np.arange(1, WAVES + 1)) / span)
         yield np.column_stack([turns.real, turns.imag])

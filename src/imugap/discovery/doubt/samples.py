@@ -39,10 +39,9 @@ def of_samples(fit: AxisFit, share: np.ndarray) -> tuple[Doubt, ...]:
     if len(weight) < FEWEST:
         return ()
     own = weight * fit.coefficients[: len(weight)]
+    jumps = Doubt("it comes in bursts or jumps", _uncommon(own, weight))
     fading = 0.0 if fit.description.changes else _fading(own, weight)
-    return Doubt("it comes in bursts or jumps", _uncommon(own, weight)), Doubt(
-        "it is stronger at some times than at others", fading
-    )
+    return jumps, Doubt("it is stronger at some times than at others", fading)
 
 
 def _drawn(statistic: Callable[[np.ndarray], np.ndarray], weight: np.ndarray) -> np.ndarray:
