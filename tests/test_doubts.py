@@ -5,11 +5,11 @@ import pytest
 from scipy.stats import binom
 
 from imugap.discovery.axis import Description, Term, fit
-from imugap.discovery.doubt import LEVEL, doubts, samples
+from imugap.discovery.doubt import LEVEL, SHARE, doubts, samples
 from imugap.discovery.doubt.doubts import _jumping, _of_the_variance
 from imugap.discovery.doubt.outliers import outliers_doubt
 from imugap.discovery.doubt.samples import of_samples
-from imugap.discovery.doubt.spectrum import share_of
+from imugap.discovery.doubt.spectrum import _off_in_bands, share_of
 from imugap.discovery.noise import Noise
 from imugap.discovery.search import Search
 from imugap.discovery.sequence import Sequence
@@ -75,6 +75,20 @@ def test_stationary_noise_is_as_uneven_over_time_as_chance_makes_it(effect, monk
     for level in (0.05, 0.2):
         low, high = binom.ppf([1e-3, 1 - 1e-3], len(chances), level)
         assert low <= np.sum(np.array(chances) < level) <= high
+
+
+def test_a_spectrum_that_few_coefficients_tell_is_as_far_off_as_chance_makes_it():
+    """Bands take up no more parameters of the noise than they tell: the white noise is told by others."""
+    chances = []
+    for label in range(200):
+        effect = RandomWalk(2e-4)
+        found = fit(sequence(effect, label=label), Description((), Noise((WHITE, effect))))
+        mine = np.flatnonzero(share_of(found, found.description.noise.effects[1]) > SHARE)
+        assert 60 < len(mine) < 130
+        chances.append(_off_in_bands(found, mine))
+    for level in (0.01, 0.05, 0.2):
+        low, high = binom.ppf([1e-3, 1 - 1e-3], len(chances), level)
+        assert low <= np.sum(np.exp(chances) < level) <= high
 
 
 def rising(time, rng):

@@ -101,15 +101,28 @@ def _at_odds(fit: AxisFit, key: Key, other: StochasticEffect) -> float:
 
 def _score(fit: AxisFit, direction: np.ndarray) -> float:
     """Return the log-probability of the score of the log-spectrum in a direction, the parameters free to follow."""
-    bins, noise = fit.sequence.bins, fit.description.noise
-    theta, variance = noise.theta(), noise.variance(bins)
-    slopes = [(noise.at(theta + step).variance(bins) / variance - 1) / STEP for step in STEP * np.eye(len(theta))]
+    bins = fit.sequence.bins
     weighted = np.sqrt(bins.number / 2)
-    basis = np.linalg.qr((np.array(slopes) * weighted).T)[0]
+    basis = np.linalg.qr(_directions(fit).T)[0]
     rest = direction * weighted - basis @ (basis.T @ (direction * weighted))
     excess = (bins.sums(fit.coefficients**2) / bins.number - 1) * weighted
     norm = rest @ rest
     return log_chance(0.5 * float(rest @ excess) ** 2 / norm, 1) if norm > 1e-6 else 0.0
+
+
+def _directions(fit: AxisFit) -> np.ndarray:
+    """Return how the log-spectrum answers each parameter of the noise, over its standard error, (parameters, bins)."""
+    bins, noise = fit.sequence.bins, fit.description.noise
+    theta, variance = noise.theta(), noise.variance(bins)
+    slopes = [(noise.at(theta + step).variance(bins) / variance - 1) / STEP for step in STEP * np.eye(len(theta))]
+    return np.array(slopes) * np.sqrt(bins.number / 2)
+
+
+def _spent(fit: AxisFit, some: np.ndarray) -> float:
+    """Return how many of the parameters of the noise some of the bins tell: the trace of their share in what all do."""
+    directions = _directions(fit)
+    whole, part = directions @ directions.T, directions[:, some] @ directions[:, some].T
+    return float(np.trace(np.linalg.pinv(whole, hermitian=True) @ part))
 
 
 def _off_around(fit: AxisFit, mine: np.ndarray) -> float:
@@ -135,7 +148,7 @@ def _off_in_bands(fit: AxisFit, mine: np.ndarray) -> float:
     used = number >= 8
     deviation = (power[used] / number[used] - 1) * np.sqrt(number[used] / 2)
     normal = np.sign(deviation) * np.sqrt(2 * divergence(power[used], number[used]))
-    free = max(int(used.sum()) - len(fit.description.noise.parameters()), 1)
+    free = max(used.sum() - _spent(fit, mine[used[band]]), 1.0)
     slight = 0.5 * SLIGHT**2 * float(number[used].sum())
     chance = float(ncx2.sf(np.sum(normal**2), free, slight))
     return float(np.log(max(chance, TINY)))
