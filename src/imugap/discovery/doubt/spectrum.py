@@ -16,7 +16,7 @@ from imugap.discovery.power_law import PowerLaw
 from imugap.discovery.search import SLOW, Key, Search, at, log_chance
 from imugap.discovery.telegraph import compare
 from imugap.discovery.views.spectral import of_spectrum
-from imugap.effects import GaussMarkov, RandomTelegraph
+from imugap.effects import RandomTelegraph
 from imugap.effects.effect import TINY, Effect, StochasticEffect
 
 SLOPE, LAW = "its spectrum has another slope", "a power law of another slope explains it better"
@@ -46,9 +46,7 @@ def noise_doubt(search: Search, fit: AxisFit, key: Key) -> Doubt:
     slope = _score(fit, share * np.log(bins.frequency / bins.frequency[0]))
     mine = np.flatnonzero(share > SHARE)
     named = search.weighed(fit, key)[0].log_p
-    resolved = not isinstance(effect, GaussMarkov) or effect.correlation_time > bins.interval
     doubts = [
-        Doubt("it is over before the next sample", 0.0 if resolved else -np.inf),
         Doubt(SLOPE, slope),
         Doubt("its spectrum has another shape", _off_in_bands(fit, mine)),
         Doubt(AROUND_IT, over(named, _off_around(fit, mine), search.log_alpha)),
