@@ -21,7 +21,7 @@ from imugap.effects import BiasStep, OutputFilter, RandomTelegraph, Sinusoid
 MOST = 0.5
 """Share of the power at the frequency of a line or a filter above which noise in doubt leaves neither a name."""
 JUMPS, VALUES = 3, 2
-"""Steps from which on they are jumps of slow noise, and further values of telegraph noise."""
+"""Number of steps from which on they are jumps beside slow noise, and further values beside telegraph noise."""
 WIDE = 5.0
 """Excess of outliers, in standard deviations, from which on no change of the variance makes them."""
 FAR = 2.0

@@ -75,7 +75,7 @@ def _signals(coefficients: np.ndarray) -> np.ndarray:
 def _fading(own: np.ndarray, weight: np.ndarray) -> float:
     """Return the log-probability that the power of stationary noise is as uneven over time, in octaves.
 
-    Half a block less one is usual in each; with less nothing is drawn.
+    On average a block diverges by half, less one half for each octave; noise that does by less is even: none is drawn.
     """
     found = float(_unevenness(own[None], weight)[0]) - FADING * _number(weight)
     if found < 0.5 * sum(blocks - 1 for _, _, blocks in _octaves(len(weight))):
