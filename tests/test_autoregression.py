@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.linalg import toeplitz
 from scipy.signal import butter, lfilter
 
 from imugap.discovery.autoregression import Autoregression
@@ -59,6 +60,30 @@ def test_what_is_drawn_does_not_stand_out(kind):
     for part in (news[near], news[~near]):
         assert np.var(part) == pytest.approx(1.0, abs=0.05 + 4.5 * np.sqrt(2 / len(part)))
     assert np.abs(news[near]).max() < 5
+
+
+def test_scattered_samples_have_the_law_that_all_others_leave_them():
+    """Every third sample of an autoregression of order 3, to its middle, where none tells the others, too."""
+    whitening, count = np.array([0.3, -0.2, -0.5, 1.0]), 31
+    response = lfilter([1.0], whitening[::-1], np.eye(1, 400)[0])
+    covariance = toeplitz([response[lag:] @ response[: 400 - lag] for lag in range(count)])
+    flawed = np.arange(count) % 3 == 0
+    values = np.where(flawed, 0.0, np.random.default_rng(6).standard_normal(count))
+    weights = covariance[np.ix_(flawed, ~flawed)] @ np.linalg.inv(covariance[np.ix_(~flawed, ~flawed)])
+    means = weights @ values[~flawed]
+    variances = np.diag(covariance[np.ix_(flawed, flawed)] - weights @ covariance[np.ix_(~flawed, flawed)])
+    process, rng, runs = Autoregression(0.0, whitening, 1.0), stream(6, "scattered"), 20_000
+    drawn = np.array([process.drawn(values, flawed, rng)[flawed] for _ in range(runs)])
+    np.testing.assert_array_less(np.abs(drawn.mean(axis=0) - means), 4.5 * np.sqrt(variances / runs))
+    np.testing.assert_allclose(drawn.var(axis=0), variances, rtol=4.5 * np.sqrt(2 / runs))
+
+
+def test_the_middle_of_a_log_with_many_flawed_samples_does_not_stand_out():
+    values, flawed = noises()["white"], stream(7, "many").random(COUNT) < 0.2
+    process = Autoregression.of(values, ~flawed)
+    middle, rng = slice(COUNT // 2 - 50, COUNT // 2 + 50), stream(8, "many")
+    drawn = np.array([process.drawn(values, flawed, rng)[middle][flawed[middle]] for _ in range(40)])
+    assert np.var(drawn) == pytest.approx(1.0, abs=4.5 * np.sqrt(2 / drawn.size) + 0.05)
 
 
 @given(st.integers(1, 60), st.integers(0, 2**32 - 1), st.floats(0.01, 0.99))

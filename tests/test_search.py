@@ -342,6 +342,7 @@ def test_turn_on_bias_of_several_runs():
         Quantization(1e-4),
         OutputFilter(5.0, 2),
         OutputFilter(2.0, 1, 1),
+        OutputFilter(15.0, 1, 1),
         VarianceChange(200.0, 350.0, 1.6),
         VarianceChange(0.0, 960.0, depth=0.5, frequency=0.01, phase=1.0),
         Outliers(2e-3, 4e-2),

@@ -5,10 +5,12 @@ to have the kind that all axes of its sensor together speak for, if it explains 
 """
 
 from collections.abc import Mapping
+from collections.abc import Sequence as Several
 from dataclasses import dataclass
+from math import prod
 
 from imugap.discovery.axis import AxisFit
-from imugap.discovery.search import SLOW, Key, Search, Trial, at
+from imugap.discovery.search import SLOW, Key, Search, Trial, at, without
 from imugap.effects import BiasStep, RateRamp, WarmUp
 from imugap.effects.effect import Effect
 from imugap.log import ACCEL, GYRO
@@ -22,24 +24,40 @@ With no more does an axis speak against a kind: what it has may be its own.
 """
 FAINT = (*SLOW, BiasStep, RateRamp, WarmUp)
 """What faint slow noise may be taken for."""
+MOST = 2
+"""Number of effects that it may be taken for on one axis."""
 
 
 @dataclass(frozen=True, eq=False)
 class _Choice:
-    """The one effect on an axis that slow noise is or may be taken for, and slow noise of each kind in its place."""
+    """The effects on an axis that slow noise is or may be taken for, and slow noise of each kind in their place.
 
-    own: Trial
+    Attributes
+    ----------
+    kinds
+        Of the own effects.
+    own
+        What these are worth together.
+    found, without
+        The fits with and without them.
+    noise
+        Trials of each kind in their place.
+    """
+
+    kinds: tuple[type[Effect], ...]
+    own: float
+    found: AxisFit
     without: AxisFit
     noise: Mapping[type[Effect], Trial]
 
     def worth(self, kind: type[Effect]) -> float:
-        """Return what a kind is worth, over that of the own effect."""
-        return self.noise[kind].worth - self.own.worth if kind in self.noise else -BEFOREHAND
+        """Return what a kind is worth, over that of the own effects."""
+        return self.noise[kind].worth - self.own if kind in self.noise else -BEFOREHAND
 
     def alike(self, kind: type[Effect], log_alpha: float) -> AxisFit:
         """Return the fit with noise of a kind, if it is not much less likely; without any, if that is uncertain."""
         if self.worth(kind) < -BEFOREHAND:
-            return self.own.fit
+            return self.found
         other = self.noise[kind]
         return other.fit if other.log_p < log_alpha else self.without
 
@@ -49,28 +67,37 @@ def agreed(fits: Mapping[str, AxisFit], searches: Mapping[str, Search]) -> dict[
     found = dict(fits)
     for sensor in (GYRO, ACCEL):
         keys = {axis: searches[axis].added(fits[axis].description, FAINT) for axis in sensor if axis in fits}
-        single = {axis: some[0] for axis, some in keys.items() if len(some) == 1}
-        if len({type(at(fits[axis].description, key)) for axis, key in single.items()}) < 2:
+        few = {axis: some for axis, some in keys.items() if 1 <= len(some) <= MOST}
+        if len({_kinds(fits[axis], some) for axis, some in few.items()}) < 2:
             continue
-        choices = {axis: _choice(searches[axis], fits[axis], key) for axis, key in single.items()}
+        choices = {axis: _choice(searches[axis], fits[axis], some) for axis, some in few.items()}
         kind = _spoken_for(list(choices.values()))
         if kind is not None:
             found |= {axis: choice.alike(kind, searches[axis].log_alpha) for axis, choice in choices.items()}
     return found
 
 
-def _choice(search: Search, fit: AxisFit, key: Key) -> _Choice:
-    """Return the effect at a key of a fit, and the likeliest slow noise of each kind in its place."""
-    own, without = search.weighed(fit, key)
-    kinds = [kind for kind in SLOW if kind in search.catalogue]
-    trials = [search.judged(start, without) for kind in kinds for start in kind.starts(without)]
-    best = {type(one.effect): one for one in sorted(trials, key=lambda trial: trial.worth)}
-    return _Choice(own, without, best | {type(own.effect): own} if isinstance(own.effect, SLOW) else best)
+def _kinds(fit: AxisFit, keys: Several[Key]) -> tuple[type[Effect], ...]:
+    return tuple(type(at(fit.description, key)) for key in keys)
+
+
+def _choice(search: Search, fit: AxisFit, keys: Several[Key]) -> _Choice:
+    """Return the effects at some keys of a fit, and the likeliest slow noise of each kind in their place."""
+    weighed = [search.weighed(fit, key)[0] for key in keys]
+    kinds, trials = _kinds(fit, keys), prod(one.trials for one in weighed)
+    bare = search.fitted(fit.sequence, without(fit, keys).description)
+    gain, parameters = fit.log_likelihood - bare.log_likelihood, sum(one.parameters for one in weighed)
+    own = Trial(weighed[-1].effect, fit, gain, parameters, trials)
+    others = [search.judged(start, bare) for kind in SLOW if kind in search.catalogue for start in kind.starts(bare)]
+    noise = {type(one.effect): one for one in sorted(others, key=lambda trial: trial.worth)}
+    if kinds[0] in SLOW and len(kinds) == 1:
+        noise[kinds[0]] = own
+    return _Choice(kinds, own.worth, fit, bare, noise)
 
 
 def _spoken_for(choices: list[_Choice]) -> type[Effect] | None:
     """Return the kind of slow noise of an axis that all together make much likelier than any other, if there is one."""
     totals = {kind: sum(max(choice.worth(kind), -BEFOREHAND) for choice in choices) for kind in SLOW}
     second, first = sorted(totals, key=totals.get)[-2:]
-    shown = any(isinstance(choice.own.effect, first) for choice in choices)
+    shown = any(choice.kinds == (first,) for choice in choices)
     return first if shown and totals[first] > totals[second] + CLEAR else None

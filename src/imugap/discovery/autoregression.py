@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 from numpy.lib.stride_tricks import sliding_window_view
-from scipy.linalg import cho_solve_banded, cholesky_banded, solve_banded
+from scipy.linalg import cho_solve_banded, cholesky_banded, solve_banded, toeplitz
 
 ORDER = 32
 """Samples before each from which it is told."""
@@ -54,7 +54,7 @@ class Autoregression:
 
         They are Gaussian, their precision that of the white noise which depends on them, and are drawn by its banded
         Cholesky factor (Rue and Held 2005, Gaussian Markov Random Fields, section 2.4). The first part of the log is
-        told backwards, the last one forwards, so that nothing is asked of what was before and comes after it.
+        told backwards, the last one forwards, from a core between them that nothing but itself tells.
         """
         reach, at = len(self.whitening) - 1, np.flatnonzero(flawed)
         known, turn = np.where(flawed, 0.0, values - self.level), self._turn(flawed)
@@ -62,12 +62,27 @@ class Autoregression:
         forward = np.correlate(known, self.whitening, "valid")
         backward[turn:], forward[:turn] = 0.0, 0.0
         pull = np.convolve(backward, self.whitening[::-1]) + np.convolve(forward, self.whitening)
-        bands = _precision(at, self.whitening, len(values) - reach, turn)
+        core = self._core()
+        pull[turn : turn + reach] += core @ known[turn : turn + reach]
+        bands = _precision(at, self.whitening, len(values) - reach, turn, core)
         bands[-1] += RIDGE * np.sum(self.whitening**2)
         factor = cholesky_banded(bands)
         noise = solve_banded((0, reach), factor, self.std * rng.standard_normal(len(at)))
         known[at] = noise - cho_solve_banded((factor, False), pull[at])
         return np.where(flawed, self.level + known, values)
+
+    def _core(self) -> np.ndarray:
+        """Return the precision of as many samples as the order, over that of the white noise, shape (order, order).
+
+        By the formula of Gohberg and Semencul (Brockwell and Davis 1991, Time Series, section 8.7, problem 8.5); of a
+        sequence that is hardly stationary no direction has less than none.
+        """
+        ahead, behind = self.whitening[:0:-1], self.whitening[:-1]
+        first, last = (
+            toeplitz(column, np.zeros(len(column))) if len(column) else np.empty((0, 0)) for column in (ahead, behind)
+        )
+        values, vectors = np.linalg.eigh(first @ first.T - last @ last.T)
+        return (vectors * np.maximum(values, 0.0)) @ vectors.T
 
     def _turn(self, flawed: np.ndarray) -> int:
         """Return the first stretch told forwards: near the middle, and far from flawed samples where it can be."""
@@ -85,10 +100,11 @@ def _complete(good: np.ndarray, order: int) -> np.ndarray:
 
 
 @njit(cache=True)
-def _precision(at, whitening, count, turn):
-    """Return the upper bands of the precision of the samples ``at``, over the variance of the white noise.
+def _precision(at, whitening, count, turn, core):
+    """Return the upper bands of the precision of the samples ``at``, over that of the white noise.
 
-    There are ``count`` stretches of the length of the filter; those before ``turn`` are told backwards.
+    There are ``count`` stretches of the length of the filter; those before ``turn`` are told backwards, and ``core``
+    is the precision of the samples from there on by themselves.
     """
     reach = len(whitening) - 1
     bands = np.zeros((reach + 1, len(at)))
@@ -99,4 +115,6 @@ def _precision(at, whitening, count, turn):
                 if k < turn:
                     first, second = reach - first, reach - second
                 bands[reach - (b - a), b] += whitening[first] * whitening[second]
+            if at[a] >= turn and at[b] < turn + reach:
+                bands[reach - (b - a), b] += core[at[a] - turn, at[b] - turn]
     return bands

@@ -348,7 +348,7 @@ def limits(noise: Noise, bins: Bins, power: np.ndarray) -> tuple[np.ndarray, np.
     for i, name in noise.parameters():
         effect, (least, most) = effects[i], effects[i].limits()[name]
         if isinstance(effect, OutputFilter):
-            spans.append((1e-3 / bins.interval, 0.499 / bins.interval))
+            spans.append((1e-3 / bins.interval, effect.highest(bins.interval)))
         elif isfinite(most):
             spans.append((least * (1 + 2 * STEP), most * (1 - 2 * STEP)))
         elif _scales(effect, name):

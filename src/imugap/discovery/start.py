@@ -11,8 +11,8 @@ from imugap.discovery.sequence import Sequence
 from imugap.effects import Bias, Outliers, OutputFilter, Sinusoid, VarianceChange, WhiteNoise
 from imugap.effects.effect import Conditions, Effect, Stage, StochasticEffect, SystematicEffect
 
-WIDEST = 0.489
-"""Cutoff of a filter, times the interval, above which samples do not show it, nor those of a run two percent slower."""
+WIDEST = 0.98
+"""Share of the highest cutoff that a fit can tell above which a run two percent slower does not show it."""
 
 
 def described(effects: Several[Effect], sequence: Sequence) -> Description:
@@ -56,7 +56,7 @@ def _shows(effect: Effect, conditions: Conditions) -> bool:
 
 
 def _seen(effect: OutputFilter, sequence: Sequence) -> OutputFilter:
-    return replace(effect, cutoff=min(effect.cutoff, WIDEST / sequence.conditions.interval))
+    return replace(effect, cutoff=min(effect.cutoff, WIDEST * effect.highest(sequence.conditions.interval)))
 
 
 def _white(sequence: Sequence) -> WhiteNoise:

@@ -19,15 +19,17 @@ SHAPES = ((1, 0), (2, 0), (3, 0), (4, 0), (1, 1), (2, 1))
 
 @dataclass(frozen=True)
 class OutputFilter(Effect):
-    """Maximally flat low-pass filter of the output: 1/(1 + (w(f)/w(cutoff))^(2 order)) is its power gain.
+    """Maximally flat low-pass filter of the output: 1/(1 + (w(f)/c)^(2 order)) is its power gain.
 
-    With w(f) = tan(pi f interval) it is the Butterworth filter through the bilinear transform, which blocks half the
-    sampling rate. With w(f) = sin(pi f interval) it has poles alone; that of order 1 is exponential smoothing.
+    With w(f) = tan(pi f interval) and c = tan(pi cutoff interval) it is the Butterworth filter through the bilinear
+    transform, which blocks half the sampling rate. With w(f) = sin(pi f interval) and c = sinh(pi cutoff interval) it
+    has poles alone, and its cutoff may be beyond half the rate; that of order 1 is exponential smoothing, and white
+    noise behind it is that behind an RC element of this cutoff, sampled.
     """
 
     name: ClassVar[str] = "output_filter"
     stage: ClassVar[Stage] = Stage.FILTER
-    cutoff: float = parameter("Hz", "frequency at which the power gain is 1/2", low=TINY)
+    cutoff: float = parameter("Hz", "frequency at which the power gain is 1/2 ahead of the sampling", low=TINY)
     order: float = parameter("1", "order", low=1.0, high=8.0, whole=True, default=1)
     all_pole: float = parameter("1", "1: poles alone, 0: Butterworth", high=1.0, whole=True, default=0)
 
@@ -51,8 +53,8 @@ class OutputFilter(Effect):
     def gain(self, frequency: np.ndarray, interval: float) -> np.ndarray:
         """Return the power gain at ``frequency`` [Hz], shape of it."""
         self._check(interval)
-        warped = np.sin if self.all_pole else np.tan
-        ratio = warped(np.pi * np.asarray(frequency, float) * interval) / warped(np.pi * self.cutoff * interval)
+        warped, corner = (np.sin, np.sinh) if self.all_pole else (np.tan, np.tan)
+        ratio = warped(np.pi * np.asarray(frequency, float) * interval) / corner(np.pi * self.cutoff * interval)
         return 1 / (1 + np.abs(ratio) ** (2 * self.order))
 
     def response(self, frequency: np.ndarray, interval: float) -> np.ndarray:
@@ -68,7 +70,7 @@ class OutputFilter(Effect):
     def _sections(self, interval: float) -> np.ndarray:
         """Return the sections of second order.
 
-        Poles alone: where (sin^2(pi f interval))^order is -(sin^2(pi cutoff interval))^order, sin^2 being
+        Poles alone: where (sin^2(pi f interval))^order is -(sinh^2(pi cutoff interval))^order, sin^2 being
         (2 - z - 1/z)/4, inside the unit circle.
         """
         from scipy.signal import butter, zpk2sos
@@ -77,9 +79,9 @@ class OutputFilter(Effect):
         if not self.all_pole:
             return butter(int(self.order), self.cutoff, fs=1 / interval, output="sos")
         turns = np.exp(1j * np.pi * (2 * np.arange(self.order) + 1) / self.order)
-        middle = 1 - 2 * np.sin(np.pi * self.cutoff * interval) ** 2 * turns
+        middle = 1 - 2 * np.sinh(np.pi * self.cutoff * interval) ** 2 * turns
         root = np.sqrt(middle**2 - 1)
-        poles = np.where(np.abs(middle + root) < 1, middle + root, middle - root)
+        poles = 1 / np.where(np.abs(middle + root) > 1, middle + root, middle - root)
         return zpk2sos(np.zeros(len(poles)), poles, np.prod(1 - poles).real)
 
     @classmethod
@@ -89,8 +91,12 @@ class OutputFilter(Effect):
             for shape in SHAPES:
                 yield Start(cls(0.3 / fit.sequence.conditions.interval, *shape), ("cutoff",), trials=len(SHAPES))
 
+    def highest(self, interval: float) -> float:
+        """Return the highest cutoff that a fit can tell [Hz]."""
+        return (1.0 if self.all_pole else 0.499) / interval
+
     def _check(self, interval: float) -> None:
-        if self.cutoff * interval >= 0.5:
+        if self.cutoff * interval >= 0.5 and not self.all_pole:
             raise ValueError(
                 f"{self.name}.cutoff: expected less than half the rate, {0.5 / interval:g} Hz; found {self.cutoff:g} Hz"
             )
