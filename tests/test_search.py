@@ -277,6 +277,15 @@ def test_noise_in_common_that_is_not_white_has_no_name(colour):
         assert shared(correlated(run, colour, 0.5), LOG_ALPHA) == ()
 
 
+def test_noise_in_common_for_a_moment_has_no_name():
+    """For a hundredth of the log, as long as a shock."""
+    shock = 3 * WHITE.density / np.sqrt(INTERVAL) * stream(1, "shock").standard_normal(COUNT)
+    shock[np.abs(np.arange(COUNT) - 0.6 * COUNT) > COUNT / 200] = 0.0
+    data = {axis: sequence(axis=axis) for axis in ("gyro_x", "gyro_y")}
+    shaken = {axis: plain(replace(one, values=one.values + shock)) for axis, one in data.items()}
+    assert shared(shaken, LOG_ALPHA) == ()
+
+
 @pytest.mark.parametrize("loading", [0.6, 3.0])
 @pytest.mark.parametrize("count", [2, 3])
 def test_errors_of_shared_noise_are_those_of_many_logs(loading, count):
@@ -343,6 +352,7 @@ def test_turn_on_bias_of_several_runs():
         OutputFilter(5.0, 2),
         OutputFilter(2.0, 1, 1),
         OutputFilter(15.0, 1, 1),
+        OutputFilter(6.0, 4, 2),
         VarianceChange(200.0, 350.0, 1.6),
         VarianceChange(0.0, 960.0, depth=0.5, frequency=0.01, phase=1.0),
         Outliers(2e-3, 4e-2),

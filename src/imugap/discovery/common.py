@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
-from scipy.fft import rfft, rfftfreq
+from scipy.fft import irfft, rfft, rfftfreq
 from scipy.sparse.csgraph import connected_components
 from scipy.special import log_ndtr
 from scipy.stats import ncx2
@@ -26,6 +26,8 @@ BANDS, FEWEST = 16, 32
 """Bands of frequency in which a correlation is looked at, and the coefficients in the lowest."""
 SLIGHT = 0.1
 """Relative unevenness of a correlation that leaves noise white."""
+BLOCKS, MOMENTS, LEFT = 20, 4, 1 / 3
+"""Blocks of time, the number of those that may not hold all, and the share of the product that others have to hold."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +80,8 @@ def shared(fits: dict[str, AxisFit], log_alpha: float) -> tuple[Shared, ...]:
         linked[pair] = chance[pair] < log_alpha
     _, label = connected_components(linked, directed=False)
     groups = [np.flatnonzero(label == one) for one in range(label.max() + 1)]
-    white = [members for members in groups if len(members) > 1 and _white_together(spectra, members)]
+    several = [members for members in groups if len(members) > 1]
+    white = [members for members in several if _white_together(spectra, members) and _lasting(spectra, members)]
     return tuple(
         _group(
             axes,
@@ -177,6 +180,19 @@ def _white_together(spectra: Sequence[_Spectrum], members: np.ndarray) -> bool:
     """Return whether chance explains how uneven over frequency the correlations of all pairs are."""
     chances = [_uneven(spectra[i], spectra[j]) for i, j in combinations(members, 2)]
     return min(chances) + np.log(len(chances)) > LEVEL
+
+
+def _lasting(spectra: Sequence[_Spectrum], members: np.ndarray) -> bool:
+    """Return whether axes go together all the time: noise in common is no event of a few moments."""
+    pairs = [_products(spectra[i], spectra[j]) for i, j in combinations(members, 2)]
+    together = np.sort(np.sum([pair * np.sign(pair.sum()) for pair in pairs], axis=0))
+    return together[:-MOMENTS].sum() > LEFT * together.sum()
+
+
+def _products(one: _Spectrum, other: _Spectrum) -> np.ndarray:
+    """Return the sums of the product of two axes over blocks of time, shape (blocks,)."""
+    a, b = (irfft(np.r_[0.0, np.where(axis.clear, axis.values, 0.0)]) for axis in (one, other))
+    return np.array([block.sum() for block in np.array_split(a * b, BLOCKS)])
 
 
 def _uneven(one: _Spectrum, other: _Spectrum) -> float:

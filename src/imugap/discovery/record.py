@@ -14,6 +14,7 @@ from imugap import log as canonical
 from imugap.discovery.finding import Finding, Gap, Interval
 from imugap.discovery.noise import usable
 from imugap.discovery.sequence import Sequence
+from imugap.discovery.thermometer import smoothed
 from imugap.effects import Resolution, SampleLoss, Saturation, StuckSamples, TimestampJitter
 from imugap.effects.effect import Conditions, Effect, Evidence
 from imugap.effects.timestamp_jitter import ROUNDED
@@ -210,7 +211,7 @@ def _conditions(rows: pd.DataFrame, clock: Stamps, reference: pd.DataFrame | Non
     if canonical.TEMPERATURE in rows:
         temperature = _on_grid(rows[canonical.TEMPERATURE], clock)
         measured = np.isfinite(temperature)
-        temperature = np.interp(even, even[measured], temperature[measured]) if measured.any() else None
+        temperature = smoothed(np.interp(even, even[measured], temperature[measured])) if measured.any() else None
     ideal = None if reference is None else _interpolated(reference, clock).set_axis(even)
     return Conditions(even, clock.interval, temperature, ideal=ideal)
 

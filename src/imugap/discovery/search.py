@@ -56,6 +56,8 @@ HOPE, HOPES = -4.0, 2
 
 They stay if the exchange of what is there makes all of it certain: an effect that stands for two others hides both.
 """
+EXPECTED = 1.5
+"""Logarithm of how much likelier slow noise is than another effect before any sample: most sensors have some."""
 MANY = {BiasStep: 3, VarianceChange: 3, Sinusoid: 5}
 """Number of effects of a kind on one axis above which they are not what they are called; no more are looked for."""
 SLOW = (BiasInstability, GaussMarkov, RandomWalk)
@@ -109,7 +111,8 @@ class Trial:
     @property
     def worth(self) -> float:
         """Return the gain less what parameters and trials cost: what effects are weighed by against each other."""
-        return self.gain - PARAMETER * self.parameters - float(np.log(self.trials))
+        beforehand = EXPECTED if isinstance(self.effect, SLOW) else 0.0
+        return self.gain - PARAMETER * self.parameters - float(np.log(self.trials)) + beforehand
 
 
 @dataclass(frozen=True, eq=False)

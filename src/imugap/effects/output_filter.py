@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
+from scipy.fft import irfft, next_fast_len, rfft, rfftfreq
 
 from imugap.effects.effect import TINY, Conditions, Effect, Stage, Start, parameter
 
@@ -13,8 +14,12 @@ if TYPE_CHECKING:
 
 DEFICIT = -2.5
 """Standard deviations by which the power near half the rate is too low where a search tries a filter."""
-SHAPES = ((1, 0), (2, 0), (3, 0), (4, 0), (1, 1), (2, 1))
-"""Order, and whether of poles alone, of the filters that a search tries."""
+BILINEAR, ALL_POLE, ANALOGUE = 0, 1, 2
+"""Forms: Butterworth through the bilinear transform, poles alone, and Butterworth ahead of the sampling."""
+SHAPES = ((1, 0), (2, 0), (3, 0), (4, 0), (1, 1), (2, 1), (1, 2), (2, 2), (3, 2), (4, 2))
+"""Order and form of the filters that a search tries."""
+SETTLED = 20.0
+"""Time, in radians of the cutoff for each order, in which an analogue filter forgets."""
 
 
 @dataclass(frozen=True)
@@ -23,15 +28,16 @@ class OutputFilter(Effect):
 
     With w(f) = tan(pi f interval) and c = tan(pi cutoff interval) it is the Butterworth filter through the bilinear
     transform, which blocks half the sampling rate. With w(f) = sin(pi f interval) and c = sinh(pi cutoff interval) it
-    has poles alone, and its cutoff may be beyond half the rate; that of order 1 is exponential smoothing, and white
-    noise behind it is that behind an RC element of this cutoff, sampled.
+    has poles alone; that of order 1 is exponential smoothing, and white noise behind it is that behind an RC element
+    of this cutoff, sampled. With w(f) = f and c = cutoff it is the analogue Butterworth filter of a signal that has
+    nothing beyond half the rate. The cutoff of the last two may be there.
     """
 
     name: ClassVar[str] = "output_filter"
     stage: ClassVar[Stage] = Stage.FILTER
     cutoff: float = parameter("Hz", "frequency at which the power gain is 1/2 ahead of the sampling", low=TINY)
     order: float = parameter("1", "order", low=1.0, high=8.0, whole=True, default=1)
-    all_pole: float = parameter("1", "1: poles alone, 0: Butterworth", high=1.0, whole=True, default=0)
+    form: float = parameter("1", "0: bilinear, 1: poles alone, 2: analogue", high=2.0, whole=True, default=0)
 
     def apply(self, sequence: np.ndarray, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
         """Filter the output."""
@@ -39,6 +45,8 @@ class OutputFilter(Effect):
 
     def passed(self, values: np.ndarray, interval: float) -> np.ndarray:
         """Return samples behind the filter, shape (n,) or (n, m), as if the first had been there for ever."""
+        if self.form == ANALOGUE:
+            return self._analogue(values, interval)
         from scipy.signal import sosfilt, sosfilt_zi  # takes as long as all else here, and most models have no filter
 
         sections = self._sections(interval)
@@ -53,19 +61,41 @@ class OutputFilter(Effect):
     def gain(self, frequency: np.ndarray, interval: float) -> np.ndarray:
         """Return the power gain at ``frequency`` [Hz], shape of it."""
         self._check(interval)
-        warped, corner = (np.sin, np.sinh) if self.all_pole else (np.tan, np.tan)
-        ratio = warped(np.pi * np.asarray(frequency, float) * interval) / corner(np.pi * self.cutoff * interval)
+        ratio = self._ratio(np.asarray(frequency, float), interval)
         return 1 / (1 + np.abs(ratio) ** (2 * self.order))
+
+    def _ratio(self, frequency: np.ndarray, interval: float) -> np.ndarray:
+        """Return w(f)/c."""
+        if self.form == ANALOGUE:
+            return frequency / self.cutoff
+        x, c = np.pi * frequency * interval, np.pi * self.cutoff * interval
+        return np.sin(x) / np.sinh(c) if self.form == ALL_POLE else np.tan(x) / np.tan(c)
 
     def response(self, frequency: np.ndarray, interval: float) -> np.ndarray:
         """Return the complex gain at ``frequency`` [Hz], shape of it."""
-        from scipy.signal import sosfreqz
+        from scipy.signal import buttap, sosfreqz
 
+        if self.form == ANALOGUE:
+            poles = buttap(int(self.order))[1]
+            return 1 / np.prod(1j * np.asarray(frequency)[..., None] / self.cutoff - poles, axis=-1)
         return sosfreqz(self._sections(interval), worN=frequency, fs=1 / interval)[1]
 
     def unturned(self, spectrum: np.ndarray, frequency: np.ndarray, interval: float) -> np.ndarray:
         """Return a spectrum at ``frequency`` [Hz], shape of it, without the phase that the filter gave it."""
         return spectrum * np.exp(-1j * np.angle(self.response(frequency, interval)))
+
+    def _analogue(self, values: np.ndarray, interval: float) -> np.ndarray:
+        """Filter by the spectrum of the samples, the first held before them, and a slope back to it behind them."""
+        count = len(values)
+        lead = min(int(np.ceil(SETTLED * self.order / (2 * np.pi * self.cutoff * interval))), count) + 1
+        length = next_fast_len(count + 3 * lead, real=True)
+        own = values[:, None] if values.ndim == 1 else values
+        slope = np.linspace(1.0, 0.0, length - count - 2 * lead)[:, None]
+        held = np.vstack([np.zeros((lead, own.shape[1])), own - own[0], np.repeat(own[-1:] - own[0], lead, axis=0)])
+        padded = np.vstack([held, slope * (own[-1:] - own[0])])
+        gain = self.response(rfftfreq(length, interval), interval)[:, None]
+        passed = irfft(rfft(padded, axis=0) * gain, length, axis=0)[lead : lead + count] + own[0]
+        return passed.reshape(values.shape)
 
     def _sections(self, interval: float) -> np.ndarray:
         """Return the sections of second order.
@@ -76,7 +106,7 @@ class OutputFilter(Effect):
         from scipy.signal import butter, zpk2sos
 
         self._check(interval)
-        if not self.all_pole:
+        if self.form == BILINEAR:
             return butter(int(self.order), self.cutoff, fs=1 / interval, output="sos")
         turns = np.exp(1j * np.pi * (2 * np.arange(self.order) + 1) / self.order)
         middle = 1 - 2 * np.sinh(np.pi * self.cutoff * interval) ** 2 * turns
@@ -93,10 +123,10 @@ class OutputFilter(Effect):
 
     def highest(self, interval: float) -> float:
         """Return the highest cutoff that a fit can tell [Hz]."""
-        return (1.0 if self.all_pole else 0.499) / interval
+        return (0.499 if self.form == BILINEAR else 1.0) / interval
 
     def _check(self, interval: float) -> None:
-        if self.cutoff * interval >= 0.5 and not self.all_pole:
+        if self.form == BILINEAR and self.cutoff * interval >= 0.5:
             raise ValueError(
                 f"{self.name}.cutoff: expected less than half the rate, {0.5 / interval:g} Hz; found {self.cutoff:g} Hz"
             )
