@@ -284,6 +284,13 @@ def test_what_a_converter_without_some_codes_repeats_is_not_stuck(deviation):
         assert names(record) == {("gyro_x", "resolution")}
 
 
+@pytest.mark.parametrize(("cutoff", "order", "size"), [(0.08, 2, 6.0), (0.14, 4, 6.0), (0.04, 2, 10.0), (0.3, 4, 3.3)])
+def test_what_a_smooth_signal_repeats_where_it_turns_is_not_stuck(cutoff, order, size):
+    smooth = lfilter(*butter(order, cutoff), stream(1, "smooth").standard_normal(100_000))
+    record = prepare(log.from_samples({"gyro_x": 1e-4 * np.rint(size * smooth / smooth.std())}, 0.01))
+    assert names(record) == {("gyro_x", "resolution")}
+
+
 def hand(seed, deviation=0.8, axis="gyro_x", period=60, count=30_000):
     """A motion of a hand that rests for a while in every period, and what a device on a coarse lattice makes of it."""
     rng, time = stream(seed, "hand", axis), 0.01 * np.arange(count)

@@ -27,6 +27,8 @@ RARE = 0.01
 """Share of repeats by chance below which each is taken for a flaw."""
 SAFE = 2.0
 """Factor that the repeats of several axes at once may be more than is expected by chance."""
+TURNS = 3.0
+"""Mean number of repeats that a smooth signal, whose steps go on as they were, may make wherever it turns."""
 ROUNDS = 20
 """Of the shares of levels, which come nearer by the share itself each time."""
 SLOW, FAST = 0.4, 4.0
@@ -102,7 +104,9 @@ def _judged(
     if fast is None or (len(chances) > 1 and pdtrc(begun - 1, SAFE * expected) < IMPROBABLE):
         lengths = np.unique(runs, return_counts=True)
         estimate = disentangled(*lengths, expected / len(columns), spread, np.log(IMPROBABLE))
-        return None if estimate is None else (estimate, _within(runs >= estimate.least, runs, first))
+        if estimate is None or (estimate.length[1] < TURNS and any(map(_smooth, steps.T))):
+            return None
+        return estimate, _within(runs >= estimate.least, runs, first)
     open_to = fast[first[:-1]]
     held = open_to & (runs[:-1] > 0)
     if not held.any():
@@ -111,6 +115,11 @@ def _judged(
     log_p = np.log(max(bdtrc(held.sum() - 1, near.sum(), 1 / 3 ** len(chances)), TINY))
     through = np.logical_or.reduceat(np.r_[repeats & fast, False], first)
     return replace(counted(runs[:-1][held], int(open_to.sum())), log_p=float(log_p)), _within(through, runs, first)
+
+
+def _smooth(steps: np.ndarray) -> bool:
+    """Return whether each of the ``steps``, shape (n,), is rather like the one before it than the opposite."""
+    return bool(steps[1:] @ steps[:-1] > 0)
 
 
 def _at_once(steps: np.ndarray) -> float:
