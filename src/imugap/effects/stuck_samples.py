@@ -104,7 +104,7 @@ def _judged(
     if fast is None or (len(chances) > 1 and pdtrc(begun - 1, SAFE * expected) < IMPROBABLE):
         lengths = np.unique(runs, return_counts=True)
         estimate = disentangled(*lengths, expected / len(columns), spread, np.log(IMPROBABLE))
-        if estimate is None or (estimate.length[1] < TURNS and any(map(_smooth, steps.T))):
+        if estimate is None or (len(chances) == 1 and estimate.length[1] < TURNS and _smooth(steps[:, 0])):
             return None
         return estimate, _within(runs >= estimate.least, runs, first)
     open_to = fast[first[:-1]]
