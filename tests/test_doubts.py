@@ -6,7 +6,7 @@ from scipy.stats import binom
 
 from imugap.discovery.axis import Description, Term, fit
 from imugap.discovery.doubt import LEVEL, SHARE, doubts, samples
-from imugap.discovery.doubt.doubts import _jumping, _of_the_variance
+from imugap.discovery.doubt.doubts import _jumping, _of_the_variance, _wandering
 from imugap.discovery.doubt.outliers import outliers_doubt
 from imugap.discovery.doubt.samples import of_samples
 from imugap.discovery.doubt.spectrum import _off_in_bands, share_of
@@ -24,8 +24,10 @@ from imugap.effects import (
     OutputFilter,
     RandomTelegraph,
     RandomWalk,
+    RateRamp,
     Sinusoid,
     VarianceChange,
+    WarmUp,
     WhiteNoise,
 )
 from imugap.effects.effect import Conditions
@@ -37,9 +39,9 @@ WHITE = WhiteNoise(1e-3)
 LOG_ALPHA = np.log(0.01 / 6 / 28)
 
 
-def sequence(*effects, added=None, count=COUNT, label="doubts"):
+def sequence(*effects, added=None, count=COUNT, label="doubts", temperature=None):
     """Return white noise and effects, and ``added`` of the time and a generator."""
-    conditions = Conditions(INTERVAL * np.arange(count), INTERVAL, axis="gyro_x")
+    conditions = Conditions(INTERVAL * np.arange(count), INTERVAL, temperature, axis="gyro_x")
     values = AxisModel((WHITE, *effects)).simulate(np.zeros(count), conditions, 1, label)
     more = 0.0 if added is None else added(conditions.time, stream(1, label, "added"))
     return Sequence(values + more, conditions, np.zeros(count, bool))
@@ -103,6 +105,55 @@ def test_a_line_that_rises_exponentially_is_no_noise():
     _, fading = of_samples(found, share_of(found, found.description.noise.effects[1]))
     assert fading.log_p < LEVEL
     assert names(story_of(data)) == []
+
+
+def chamber(time):
+    """Return the temperature of cycles between two plateaus, which come slowly to rest."""
+    return 20 + 25 * np.tanh(3 * np.sin(2 * np.pi * time / 320)) + 5 * np.sin(2 * np.pi * time / 777)
+
+
+def test_a_curve_over_the_temperature_is_no_noise():
+    """One that bends at a level, as where water freezes."""
+    warm = chamber(INTERVAL * np.arange(COUNT))
+    data = sequence(added=lambda time, rng: 2e-4 * np.maximum(warm - 5, 0) - 4e-6 * warm**2, temperature=warm)
+    assert "a curve over the temperature explains it better" in reasons(data, BiasInstability, GaussMarkov, RandomWalk)
+
+
+@pytest.mark.parametrize("course", [chamber, lambda time: 20 + 10 * np.exp(-time / 300), lambda time: 20 + time / 100])
+@pytest.mark.parametrize("effect", [BiasInstability(2e-3), RandomWalk(1e-4), RandomWalk(1e-3)])
+def test_noise_keeps_its_name_whatever_the_temperature(effect, course):
+    warm = course(INTERVAL * np.arange(COUNT))
+    withheld = [
+        reasons(sequence(effect, label=label, temperature=warm), BiasInstability, GaussMarkov, RandomWalk)
+        for label in range(5)
+    ]
+    assert not any("temperature" in reason for found in withheld for reason in found)
+
+
+def steep(time, rng):
+    """Return noise of a spectrum of slope -2.7."""
+    frequency = np.fft.rfftfreq(8 * len(time), INTERVAL)[1:]
+    spectrum = np.r_[0.0, frequency**-1.35] * (
+        rng.standard_normal(len(frequency) + 1) + 1j * rng.standard_normal(len(frequency) + 1)
+    )
+    values = np.fft.irfft(spectrum)[: len(time)]
+    return 2e-3 * (values - values.mean()) / values.std()
+
+
+def test_means_that_a_steep_spectrum_makes_have_no_name():
+    kinds, more = (BiasStep, RateRamp, WarmUp), 0
+    for label in range(12):
+        search, found = explored(sequence(added=steep, label=f"steep {label}"), *kinds)
+        keys = search.added(found.description)
+        more += len(keys) > 1 and _wandering(search, found, keys).keys() == set(keys)
+    assert more > 3
+
+
+def test_means_that_are_there_are_likelier_than_a_steep_spectrum():
+    data = sequence(BiasStep(400.0, -1e-3), RateRamp(2e-6), WarmUp(3e-3, 60.0))
+    search, found = explored(data, BiasStep, RateRamp, WarmUp)
+    assert len(search.added(found.description)) > 1
+    assert _wandering(search, found, search.added(found.description)) == {}
 
 
 def relaxations(time, rng):

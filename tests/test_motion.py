@@ -84,6 +84,17 @@ def test_a_wavy_transfer_is_no_noise(waves):
     assert "another function of the motion explains it better" in {one.reason for one in found.withheld}
 
 
+@pytest.mark.parametrize("waves", [1, 2])
+def test_an_error_that_goes_with_the_heading_is_no_noise(waves):
+    """Iron of a vehicle, say: it is the same wherever the vehicle heads the same way."""
+    ideal = turning()
+    heading = INTERVAL * np.cumsum(0.2 * ideal["gyro_z"].to_numpy())
+    ideal["gyro_z"] *= 0.2
+    found = story("gyro_x", ideal, added=2e-3 * np.sin(waves * heading + 1))
+    assert not found.findings
+    assert {one.reason for one in found.withheld} == {"another function of the motion explains it better"}
+
+
 @pytest.mark.parametrize("half", [0.003, 0.03])
 def test_a_play_is_neither_what_it_looks_like_nor_the_noise_that_takes_it_up(half):
     """A delay, a filter, outliers: each of them explains some of it."""

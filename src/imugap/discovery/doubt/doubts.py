@@ -11,17 +11,19 @@ from imugap.discovery.doubt.mean import term_doubt
 from imugap.discovery.doubt.memory import MEANS, MEMORY, in_place_of_means
 from imugap.discovery.doubt.motion import in_place_of_all
 from imugap.discovery.doubt.outliers import outliers_doubt
-from imugap.discovery.doubt.spectrum import filter_doubt, noise_doubt, share_of, with_power_law
+from imugap.discovery.doubt.spectrum import filter_doubt, noise_doubt, share_of, wandering, with_power_law
 from imugap.discovery.doubt.variance import change_doubt
 from imugap.discovery.noise import log_likelihood
 from imugap.discovery.search import MANY, SLOW, Key, Search, at, removed
 from imugap.discovery.unsteady import Band
-from imugap.effects import BiasStep, OutputFilter, RandomTelegraph, Sinusoid
+from imugap.effects import BiasStep, OutputFilter, RandomTelegraph, RateRamp, Sinusoid, WarmUp
 
 MOST = 0.5
 """Share of the power at the frequency of a line or a filter above which noise in doubt leaves neither a name."""
 JUMPS, VALUES = 3, 2
 """Number of steps from which on they are jumps beside slow noise, and further values beside telegraph noise."""
+OF_TIME, SEVERAL = (BiasStep, RateRamp, WarmUp), 2
+"""Means of time, and the number from which on they may be a process that wanders."""
 WIDE = 5.0
 """Excess of outliers, in standard deviations, from which on no change of the variance makes them."""
 FAR = 2.0
@@ -40,6 +42,7 @@ def doubts(search: Search, fit: AxisFit) -> dict[Key, Doubt]:
         if len(same) > most:
             found |= {key: Doubt(f"{len(same)} of them", -np.inf) for key in same}
     found |= _remembered(search, fit, keys) | _moved(search, fit, keys) | _jumping(fit, keys)
+    found |= _wandering(search, fit, keys)
     found |= _of_the_variance(search, fit, keys, found)
     found |= _after_clusters(search, fit, found) | _beside_a_mean(search, fit, keys, found)
     found |= _parts_of_it(search, fit, keys, found) | _of_the_spectrum(fit, keys, found)
@@ -86,6 +89,14 @@ def _jumping(fit: AxisFit, keys: Sequence[Key]) -> dict[Key, Doubt]:
     )
     jumps = (slow and len(steps) >= JUMPS) or (switches and len(steps) >= VALUES)
     return dict.fromkeys([*steps, *slow, *switches], Doubt("it jumps", -np.inf)) if jumps else {}
+
+
+def _wandering(search: Search, fit: AxisFit, keys: Sequence[Key]) -> dict[Key, Doubt]:
+    """Return means of time, two or more, and slow noise, where one power law is worth more than all of them."""
+    means, slow = ([key for key in keys if isinstance(at(fit.description, key), kinds)] for kinds in (OF_TIME, SLOW))
+    both = [*means, *slow]
+    more = wandering(search, fit, both) if len(means) >= SEVERAL else 0.0
+    return dict.fromkeys(both, Doubt("one power law explains all of it better", -np.inf)) if more > 0 else {}
 
 
 def _of_the_variance(search: Search, fit: AxisFit, keys: Sequence[Key], found: Mapping[Key, Doubt]) -> dict[Key, Doubt]:

@@ -3,8 +3,11 @@
 from collections.abc import Iterable
 from dataclasses import replace
 
+import numpy as np
+
 from imugap.discovery.axis import AxisFit, Description
-from imugap.discovery.doubt.doubt import Doubt, over
+from imugap.discovery.doubt.beside import CLEARLY, likelihood_beside
+from imugap.discovery.doubt.doubt import LEVEL, Doubt, over
 from imugap.discovery.hysteresis import Hysteresis
 from imugap.discovery.search import SLOW, Key, Search, Trial, log_chance
 from imugap.effects import BiasStep, RandomTelegraph, RateRamp, Temperature, WarmUp
@@ -12,17 +15,30 @@ from imugap.effects import BiasStep, RandomTelegraph, RateRamp, Temperature, War
 MEMORY = "a memory of the temperature explains it better"
 MEANS = (BiasStep, RateRamp, Temperature, WarmUp)
 """Means that a loop over the temperature may look like."""
+LEVELS = np.linspace(0.05, 0.95, 8)
+"""Quantiles of the temperature at which a curve over it may bend."""
 NONE = Doubt(MEMORY, 0.0)
 
 
 def in_place_of_noise(search: Search, fit: AxisFit, key: Key) -> Doubt:
     """Weigh a loop in the place of slow noise: of this, or of all, that of the start model too."""
-    if fit.sequence.conditions.temperature is None:
+    temperature = fit.sequence.conditions.temperature
+    if temperature is None or np.ptp(temperature) == 0:
         return NONE
     own, without = search.weighed(fit, key)
-    looped = list(_looped(search, (without, search.fitted(fit.sequence, _without_slow_noise(fit.description)))))
-    if not looped:
-        return NONE
+    bases = without, search.fitted(fit.sequence, _without_slow_noise(fit.description))
+    bent = max(likelihood_beside(base, _bends(temperature)) for base in bases)
+    return min(
+        Doubt("a curve over the temperature explains it better", min(LEVEL + CLEARLY + fit.log_likelihood - bent, 0.0)),
+        _of_a_loop(search, fit, own, bases),
+        key=lambda doubt: doubt.log_p,
+    )
+
+
+def _of_a_loop(search: Search, fit: AxisFit, own: Trial, bases: tuple[AxisFit, AxisFit]) -> Doubt:
+    """Weigh a loop in the place of slow noise: beside the rest, or in the place of all slow noise."""
+    without, _ = bases
+    looped = list(_looped(search, bases))
     best = max(looped, key=lambda trial: trial.fit.log_likelihood)
     loop = replace(best, gain=best.fit.log_likelihood - without.log_likelihood)
     return Doubt(MEMORY, over(own.log_p, loop.log_p, search.log_alpha))
@@ -53,6 +69,13 @@ def in_place_of_means(search: Search, fit: AxisFit) -> Doubt:
 def _looped(search: Search, fits: Iterable[AxisFit]) -> Iterable[Trial]:
     """Yield the fits with a loop over the temperature more, where it is known and varies."""
     return (search.judged(start, fit) for fit in fits for start in Hysteresis.starts(fit))
+
+
+def _bends(temperature: np.ndarray) -> np.ndarray:
+    """Return the temperature, and what is of it above each of a few levels, shape (n, 1 + levels)."""
+    return np.column_stack(
+        [temperature, *(np.maximum(temperature - level, 0) for level in np.quantile(temperature, LEVELS))]
+    )
 
 
 def _without_slow_noise(description: Description) -> Description:

@@ -10,9 +10,9 @@ from scipy.special import xlogy
 
 from imugap import log
 from imugap.discovery.axis import AxisFit, jacobian
+from imugap.discovery.doubt.beside import CLEARLY, likelihood_beside
 from imugap.discovery.doubt.doubt import LEVEL, Doubt, divergence, over
 from imugap.discovery.hysteresis import play
-from imugap.discovery.noise import fit as fit_noise
 from imugap.discovery.search import Key, Search, log_chance, removed
 from imugap.effects.effect import TINY, Conditions
 
@@ -24,8 +24,8 @@ SHARES, FEW = 5, 20
 """Equal shares of the samples by the size of a motion; samples told apart, below which they are not looked at."""
 PAUSE, STILL = 1.0, 0.05
 """Time [s] over which an input is at rest that moves by less than this share of its usual rate."""
-CLEARLY = 10.0
-"""Log-probability by which something without a name has to be surer than what has one."""
+TURN, HEADINGS = 1.0, 3
+"""Angle [rad] that a motion turns through at least, and waves in a turn, of an error that goes with the heading."""
 ANOTHER = "another function of the motion explains it better"
 NONE = Doubt(ANOTHER, 0.0)
 
@@ -62,9 +62,9 @@ def in_place_of_all(search: Search, fit: AxisFit) -> Doubt:
     sequence = search.raw.get(fit.description.outliers, fit.sequence)
     found, start = (replace(one, outliers=None) for one in (fit.description, search.start))
     bases = [search.fitted(sequence, one) for one in (start, replace(found, terms=start.terms))]
-    likelihoods = (_likelihood_beside(base, way) for way in _ways(sequence.conditions) for base in bases)
+    likelihoods = (likelihood_beside(base, way) for way in _ways(sequence.conditions) for base in bases)
     best = max(likelihoods, default=-np.inf)
-    own = _likelihood_beside(bases[1], jacobian(found.terms[len(start.terms) :], sequence))
+    own = likelihood_beside(bases[1], jacobian(found.terms[len(start.terms) :], sequence))
     named = max(search.fitted(sequence, found).log_likelihood, own)
     return Doubt(ANOTHER, min(LEVEL + CLEARLY + named - best, 0.0))
 
@@ -123,23 +123,11 @@ def _rests(conditions: Conditions) -> Iterator[np.ndarray]:
                 yield rest
 
 
-def _likelihood_beside(base: AxisFit, way: np.ndarray) -> float:
-    """Return the log-likelihood of a fit with columns of the error, shape (n, m), more, its noise fitted anew.
-
-    Less what columns gain by chance on average.
-    """
-    _, rest = base.beside(base.whiten(way))
-    bins, noise = base.sequence.bins, base.noise
-    power = bins.sums(rest**2) * noise.noise.variance(bins)
-    gain = fit_noise(noise.noise, bins, power).log_likelihood - noise.log_likelihood
-    return base.log_likelihood + gain - 0.5 * way.shape[1]
-
-
 def _ways(conditions: Conditions) -> Iterator[np.ndarray]:
     """Yield what an error may go with, columns of shape (n, m): inputs, their products and derivatives, their history.
 
-    All of a triad at a time; of the own axis what it drags along with some play, a share that drifts, and any other
-    function of it.
+    All of a triad at a time; of each turn the angle; of the own axis what it drags along with some play, a share that
+    drifts, and any other function of it.
     """
     for triad in (log.GYRO, log.ACCEL):
         known = [axis for axis in triad if conditions.knows([axis])]
@@ -148,6 +136,12 @@ def _ways(conditions: Conditions) -> Iterator[np.ndarray]:
             yield inputs
             yield np.gradient(inputs, conditions.interval, axis=0)
             yield np.column_stack([a * b for a, b in combinations_with_replacement(inputs.T, 2)])
+    for axis in log.GYRO:
+        if conditions.knows([axis]):
+            angle = np.cumsum(conditions.ideal[axis].to_numpy(float)) * conditions.interval
+            if np.ptp(angle) > TURN:
+                turns = np.exp(1j * np.outer(angle, np.arange(1, HEADINGS + 1)))
+                yield np.column_stack([turns.real, turns.imag])
     if conditions.knows([conditions.axis]):
         own = np.ascontiguousarray(conditions.error_free)
         yield np.column_stack([play(own, half * own.std()) for half in HALVES])

@@ -1,6 +1,7 @@
 """Is noise what its name says? Its spectrum, its samples, and means that wander as it does."""
 
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import fields, replace
 
 import numpy as np
 from scipy.special import log_ndtr
@@ -13,7 +14,7 @@ from imugap.discovery.doubt.samples import SHARE, of_samples
 from imugap.discovery.doubt.wave import repeated
 from imugap.discovery.noise import STEP, Noise, log_likelihood
 from imugap.discovery.power_law import PowerLaw
-from imugap.discovery.search import SLOW, Key, Search, at, log_chance
+from imugap.discovery.search import PARAMETER, SLOW, Key, Search, at, log_chance, without
 from imugap.discovery.telegraph import compare
 from imugap.discovery.views.spectral import of_spectrum
 from imugap.effects import RandomTelegraph
@@ -31,6 +32,8 @@ LIKELIER = 2.0
 
 Of fractional noise between flicker and walk a Gauss-Markov process is seldom likelier by more.
 """
+STEEP = 1.5, 2.5, 3.5
+"""Slopes from which a power law is fitted that may stand for means too."""
 AROUND = 10.0
 """Factor of the frequencies that an effect answers for within which the spectrum is around it."""
 BANDS = 24
@@ -157,11 +160,28 @@ def with_power_law(search: Search, fit: AxisFit, kinds: tuple[type[Effect], ...]
     slow = _added(search, fit, kinds)
     if not slow:
         return None
-    without = _without(search, fit, slow)
-    size = max(without.room(PowerLaw(1.0, 1.5)), 1e-12 * float(np.sqrt(without.variance.mean())))
-    noise = without.description.noise
-    law = replace(noise, effects=(*noise.effects, PowerLaw(size, 1.5)))
-    return search.fitted(fit.sequence, replace(without.description, noise=law))
+    return _beside_power_law(search, _without(search, fit, slow), 1.5)
+
+
+def wandering(search: Search, fit: AxisFit, keys: Sequence[Key]) -> float:
+    """Return by how much one power law, however steep, is worth more than several means and slow noise together.
+
+    Each of these is one of the catalogue, and costs that too.
+    """
+    own = [search.weighed(fit, key)[0] for key in keys]
+    bare = search.fitted(fit.sequence, without(fit, keys).description)
+    laws = [_beside_power_law(search, bare, slope).log_likelihood for slope in STEEP]
+    costs = sum(PARAMETER * one.parameters + np.log(one.trials * len(search.catalogue)) for one in own)
+    law = max(laws) - PARAMETER * len(fields(PowerLaw)) - np.log(len(search.catalogue))
+    return float(law - fit.log_likelihood + costs)
+
+
+def _beside_power_law(search: Search, bare: AxisFit, slope: float) -> AxisFit:
+    """Return a fit with a power law more, from a slope."""
+    size = max(bare.room(PowerLaw(1.0, slope)), 1e-12 * float(np.sqrt(bare.variance.mean())))
+    noise = bare.description.noise
+    law = replace(noise, effects=(*noise.effects, PowerLaw(size, slope)))
+    return search.fitted(bare.sequence, replace(bare.description, noise=law))
 
 
 def _added(search: Search, fit: AxisFit, kinds: tuple[type[Effect], ...]) -> list[StochasticEffect]:
@@ -188,7 +208,7 @@ def _power_law(search: Search, fit: AxisFit) -> list[Doubt]:
         return [Doubt(LAW, LEVEL - OTHER_SLOPE + chance)]
     if len(slow) == 1:
         return [Doubt(LAW_TOO, LEVEL - LIKELIER - more)]
-    without = _without(search, fit, slow)
-    named = log_chance(fit.log_likelihood - without.log_likelihood, parameters)
-    unnamed = log_chance(other.log_likelihood - without.log_likelihood, 2)
+    bare = _without(search, fit, slow)
+    named = log_chance(fit.log_likelihood - bare.log_likelihood, parameters)
+    unnamed = log_chance(other.log_likelihood - bare.log_likelihood, 2)
     return [Doubt("one power law explains all slow noise better", LEVEL + unnamed - named)]
