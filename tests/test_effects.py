@@ -738,6 +738,15 @@ def test_the_filter_of_one_pole_is_an_rc_element_sampled(cutoff):
     np.testing.assert_allclose(gain, analogue / analogue[0], rtol=2e-5)
 
 
+@pytest.mark.parametrize("form", [1, 2])
+@pytest.mark.parametrize("order", [1, 2, 8])
+@pytest.mark.parametrize("cutoff", [1e4, 1e6])
+def test_a_filter_far_beyond_the_rate_changes_nothing(cutoff, order, form):
+    values, effect = stream(3, "open").standard_normal(500), OutputFilter(cutoff, order, form)
+    np.testing.assert_allclose(effect.passed(values, 0.01), values, atol=0.1)
+    np.testing.assert_allclose(effect.gain(np.linspace(0, 50, 9), 0.01), 1.0, atol=1e-3)
+
+
 @pytest.mark.parametrize("weight", [0.1, 0.5, 0.8, 0.99])
 def test_the_filter_of_one_pole_is_exponential_smoothing(weight):
     cutoff = -100 * np.log(1 - weight) / (2 * np.pi)

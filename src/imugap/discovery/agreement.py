@@ -7,11 +7,11 @@ to have the kind that all axes of its sensor together speak for, if it explains 
 from collections.abc import Mapping
 from collections.abc import Sequence as Several
 from dataclasses import dataclass
-from math import prod
+
+import numpy as np
 
 from imugap.discovery.axis import AxisFit
-from imugap.discovery.search import SLOW, Key, Search, Trial, at, without
-from imugap.effects import BiasStep, RateRamp, WarmUp
+from imugap.discovery.search import EXPECTED, OF_TIME, PARAMETER, SLOW, Key, Search, Trial, at, without
 from imugap.effects.effect import Effect
 from imugap.log import ACCEL, GYRO
 
@@ -22,7 +22,7 @@ BEFOREHAND = 4.0
 
 With no more does an axis speak against a kind: what it has may be its own.
 """
-FAINT = (*SLOW, BiasStep, RateRamp, WarmUp)
+FAINT = (*SLOW, *OF_TIME)
 """What faint slow noise may be taken for."""
 MOST = 2
 """Number of effects that it may be taken for on one axis."""
@@ -84,15 +84,16 @@ def _kinds(fit: AxisFit, keys: Several[Key]) -> tuple[type[Effect], ...]:
 def _choice(search: Search, fit: AxisFit, keys: Several[Key]) -> _Choice:
     """Return the effects at some keys of a fit, and the likeliest slow noise of each kind in their place."""
     weighed = [search.weighed(fit, key)[0] for key in keys]
-    kinds, trials = _kinds(fit, keys), prod(one.trials for one in weighed)
+    kinds = _kinds(fit, keys)
     bare = search.fitted(fit.sequence, without(fit, keys).description)
-    gain, parameters = fit.log_likelihood - bare.log_likelihood, sum(one.parameters for one in weighed)
-    own = Trial(weighed[-1].effect, fit, gain, parameters, trials)
+    cost = sum(PARAMETER * one.parameters + np.log(one.trials) for one in weighed)
+    beforehand = EXPECTED if set(kinds) & set(SLOW) else 0.0
+    own = float(fit.log_likelihood - bare.log_likelihood - cost + beforehand)
     others = [search.judged(start, bare) for kind in SLOW if kind in search.catalogue for start in kind.starts(bare)]
     noise = {type(one.effect): one for one in sorted(others, key=lambda trial: trial.worth)}
-    if kinds[0] in SLOW and len(kinds) == 1:
-        noise[kinds[0]] = own
-    return _Choice(kinds, own.worth, fit, bare, noise)
+    if len(kinds) == 1 and kinds[0] in SLOW:
+        noise[kinds[0]] = weighed[0]
+    return _Choice(kinds, own, fit, bare, noise)
 
 
 def _spoken_for(choices: list[_Choice]) -> type[Effect] | None:

@@ -62,6 +62,8 @@ MANY = {BiasStep: 3, VarianceChange: 3, Sinusoid: 5}
 """Number of effects of a kind on one axis above which they are not what they are called; no more are looked for."""
 SLOW = (BiasInstability, GaussMarkov, RandomWalk)
 """Slow random processes."""
+OF_TIME = (BiasStep, RateRamp, WarmUp)
+"""Means that follow from the time alone, for which slow noise may be taken."""
 MASKS = (*SLOW, BiasStep, RateRamp, Sinusoid, Temperature, WarmUp)
 """Slow effects, which may stand for two smooth means."""
 LITTLE = 0.03

@@ -18,6 +18,8 @@ BILINEAR, ALL_POLE, ANALOGUE = 0, 1, 2
 """Forms: Butterworth through the bilinear transform, poles alone, and Butterworth ahead of the sampling."""
 SHAPES = ((1, 0), (2, 0), (3, 0), (4, 0), (1, 1), (2, 1), (1, 2), (2, 2), (3, 2), (4, 2))
 """Order and form of the filters that a search tries."""
+OPEN = 20.0
+"""Angle pi cutoff interval from which on the gain is 1 to the last digit."""
 SETTLED = 20.0
 """Time, in radians of the cutoff for each order, in which an analogue filter forgets."""
 
@@ -68,8 +70,13 @@ class OutputFilter(Effect):
         """Return w(f)/c."""
         if self.form == ANALOGUE:
             return frequency / self.cutoff
-        x, c = np.pi * frequency * interval, np.pi * self.cutoff * interval
-        return np.sin(x) / np.sinh(c) if self.form == ALL_POLE else np.tan(x) / np.tan(c)
+        x = np.pi * frequency * interval
+        return np.sin(x) / self._corner(interval) if self.form == ALL_POLE else np.tan(x) / self._corner(interval)
+
+    def _corner(self, interval: float) -> float:
+        """Return c of the digital filters; one of poles alone far beyond the rate lets everything through."""
+        angle = np.pi * self.cutoff * interval
+        return float(np.sinh(min(angle, OPEN)) if self.form == ALL_POLE else np.tan(angle))
 
     def response(self, frequency: np.ndarray, interval: float) -> np.ndarray:
         """Return the complex gain at ``frequency`` [Hz], shape of it."""
@@ -109,7 +116,7 @@ class OutputFilter(Effect):
         if self.form == BILINEAR:
             return butter(int(self.order), self.cutoff, fs=1 / interval, output="sos")
         turns = np.exp(1j * np.pi * (2 * np.arange(self.order) + 1) / self.order)
-        middle = 1 - 2 * np.sinh(np.pi * self.cutoff * interval) ** 2 * turns
+        middle = 1 - 2 * self._corner(interval) ** 2 * turns
         root = np.sqrt(middle**2 - 1)
         poles = 1 / np.where(np.abs(middle + root) > 1, middle + root, middle - root)
         return zpk2sos(np.zeros(len(poles)), poles, np.prod(1 - poles).real)

@@ -11,19 +11,19 @@ from imugap.discovery.doubt.mean import term_doubt
 from imugap.discovery.doubt.memory import MEANS, MEMORY, in_place_of_means
 from imugap.discovery.doubt.motion import in_place_of_all
 from imugap.discovery.doubt.outliers import outliers_doubt
-from imugap.discovery.doubt.spectrum import filter_doubt, noise_doubt, share_of, wandering, with_power_law
+from imugap.discovery.doubt.spectrum import filter_doubt, noise_doubt, share_of, surplus_of_one_law, with_power_law
 from imugap.discovery.doubt.variance import change_doubt
 from imugap.discovery.noise import log_likelihood
-from imugap.discovery.search import MANY, SLOW, Key, Search, at, removed
+from imugap.discovery.search import MANY, OF_TIME, SLOW, Key, Search, at, removed
 from imugap.discovery.unsteady import Band
-from imugap.effects import BiasStep, OutputFilter, RandomTelegraph, RateRamp, Sinusoid, WarmUp
+from imugap.effects import BiasStep, OutputFilter, RandomTelegraph, Sinusoid
 
 MOST = 0.5
 """Share of the power at the frequency of a line or a filter above which noise in doubt leaves neither a name."""
 JUMPS, VALUES = 3, 2
 """Number of steps from which on they are jumps beside slow noise, and further values beside telegraph noise."""
-OF_TIME, SEVERAL = (BiasStep, RateRamp, WarmUp), 2
-"""Means of time, and the number from which on they may be a process that wanders."""
+SEVERAL = 2
+"""Means of time from which on they may be a process that wanders."""
 WIDE = 5.0
 """Excess of outliers, in standard deviations, from which on no change of the variance makes them."""
 FAR = 2.0
@@ -95,7 +95,7 @@ def _wandering(search: Search, fit: AxisFit, keys: Sequence[Key]) -> dict[Key, D
     """Return means of time, two or more, and slow noise, where one power law is worth more than all of them."""
     means, slow = ([key for key in keys if isinstance(at(fit.description, key), kinds)] for kinds in (OF_TIME, SLOW))
     both = [*means, *slow]
-    more = wandering(search, fit, both) if len(means) >= SEVERAL else 0.0
+    more = surplus_of_one_law(search, fit, both) if len(means) >= SEVERAL else 0.0
     return dict.fromkeys(both, Doubt("one power law explains all of it better", -np.inf)) if more > 0 else {}
 
 

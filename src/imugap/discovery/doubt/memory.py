@@ -1,4 +1,8 @@
-"""Is it a memory of the temperature? A loop over it wanders as slow noise does, and as means of time do."""
+"""Does it go with the temperature in a way that has no name?
+
+A loop over the temperature, which is a memory of it, wanders as slow noise does, and as means of time do; so does a
+curve with a bend.
+"""
 
 from collections.abc import Iterable
 from dataclasses import replace
@@ -21,7 +25,7 @@ NONE = Doubt(MEMORY, 0.0)
 
 
 def in_place_of_noise(search: Search, fit: AxisFit, key: Key) -> Doubt:
-    """Weigh a loop in the place of slow noise: of this, or of all, that of the start model too."""
+    """Weigh a curve and a loop over the temperature in the place of slow noise: of this, or of all."""
     temperature = fit.sequence.conditions.temperature
     if temperature is None or np.ptp(temperature) == 0:
         return NONE
@@ -36,7 +40,7 @@ def in_place_of_noise(search: Search, fit: AxisFit, key: Key) -> Doubt:
 
 
 def _of_a_loop(search: Search, fit: AxisFit, own: Trial, bases: tuple[AxisFit, AxisFit]) -> Doubt:
-    """Weigh a loop in the place of slow noise: beside the rest, or in the place of all slow noise."""
+    """Weigh a loop in the ``bases``: the fits without the one process, and without any slow one, of the start too."""
     without, _ = bases
     looped = list(_looped(search, bases))
     best = max(looped, key=lambda trial: trial.fit.log_likelihood)

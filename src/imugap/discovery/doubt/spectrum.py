@@ -163,7 +163,7 @@ def with_power_law(search: Search, fit: AxisFit, kinds: tuple[type[Effect], ...]
     return _beside_power_law(search, _without(search, fit, slow), 1.5)
 
 
-def wandering(search: Search, fit: AxisFit, keys: Sequence[Key]) -> float:
+def surplus_of_one_law(search: Search, fit: AxisFit, keys: Sequence[Key]) -> float:
     """Return by how much one power law, however steep, is worth more than several means and slow noise together.
 
     Each of these is one of the catalogue, and costs that too.
