@@ -54,6 +54,25 @@ def test_faint_noise_is_of_one_kind_more_often_than_each_axis_tells():
     assert together["random_walk"] >= alone["random_walk"]
 
 
+@pytest.mark.slow
+def test_noise_too_faint_to_be_named_speaks_against_a_step_too():
+    """Walks of all axes, seldom certain on any, now and then look like a step or a trend."""
+    alone, together = Counter(), Counter()
+    for label in range(16):
+        fits, searches = explored({axis: (RandomWalk(6e-5),) for axis in GYRO}, label)
+        for count, found in ((alone, fits), (together, agreed(fits, searches))):
+            count.update(kind.name for some in kinds(found).values() for kind in some)
+    means = [sum(count[kind.name] for kind in (BiasStep, RateRamp, WarmUp)) for count in (alone, together)]
+    assert means[0] > 3
+    assert means[1] < means[0] / 2
+
+
+def test_a_step_beside_axes_with_nothing_stays():
+    fits, searches = explored({"gyro_x": (), "gyro_y": (BiasStep(200.0, 1e-3),), "gyro_z": ()})
+    assert kinds(fits) == {"gyro_x": [], "gyro_y": [BiasStep], "gyro_z": []}
+    assert agreed(fits, searches) == fits
+
+
 def test_what_an_axis_tells_for_certain_stays():
     clear = {"gyro_x": (RandomWalk(3e-4),), "gyro_y": (BiasStep(200.0, 3e-3),), "gyro_z": (RandomWalk(3e-4),)}
     fits, searches = explored(clear)

@@ -35,7 +35,7 @@ class _Choice:
     Attributes
     ----------
     kinds
-        Of the own effects.
+        Of the own effects, of which there may be none.
     own
         What these are worth together.
     found, without
@@ -67,13 +67,14 @@ def agreed(fits: Mapping[str, AxisFit], searches: Mapping[str, Search]) -> dict[
     found = dict(fits)
     for sensor in (GYRO, ACCEL):
         keys = {axis: searches[axis].added(fits[axis].description, FAINT) for axis in sensor if axis in fits}
-        few = {axis: some for axis, some in keys.items() if 1 <= len(some) <= MOST}
-        if len({_kinds(fits[axis], some) for axis, some in few.items()}) < 2:
+        few = {axis: some for axis, some in keys.items() if len(some) <= MOST}
+        kinds = {_kinds(fits[axis], some) for axis, some in few.items() if some}
+        if len(kinds) < 2 and not (len(few) > 1 and any(kind in OF_TIME for some in kinds for kind in some)):
             continue
         choices = {axis: _choice(searches[axis], fits[axis], some) for axis, some in few.items()}
         kind = _spoken_for(list(choices.values()))
         if kind is not None:
-            found |= {axis: choice.alike(kind, searches[axis].log_alpha) for axis, choice in choices.items()}
+            found |= {axis: choices[axis].alike(kind, searches[axis].log_alpha) for axis, some in few.items() if some}
     return found
 
 
@@ -97,8 +98,11 @@ def _choice(search: Search, fit: AxisFit, keys: Several[Key]) -> _Choice:
 
 
 def _spoken_for(choices: list[_Choice]) -> type[Effect] | None:
-    """Return the kind of slow noise of an axis that all together make much likelier than any other, if there is one."""
+    """Return the kind of slow noise that all axes together make much likelier than any other, if there is one.
+
+    On one of them it is the kind of what was found, or it is much likelier than what was found on all.
+    """
     totals = {kind: sum(max(choice.worth(kind), -BEFOREHAND) for choice in choices) for kind in SLOW}
     second, first = sorted(totals, key=totals.get)[-2:]
-    shown = any(choice.kinds == (first,) for choice in choices)
+    shown = any(choice.kinds == (first,) for choice in choices) or totals[first] > CLEAR
     return first if shown and totals[first] > totals[second] + CLEAR else None
