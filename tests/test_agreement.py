@@ -8,16 +8,16 @@ import pytest
 from imugap.discovery.agreement import agreed
 from imugap.discovery.axis import Description, fit
 from imugap.discovery.noise import Noise
-from imugap.discovery.search import Search
+from imugap.discovery.search import OF_TIME, SLOW, Search
 from imugap.discovery.sequence import Sequence
-from imugap.effects import BiasInstability, BiasStep, GaussMarkov, RandomWalk, RateRamp, WarmUp, WhiteNoise
+from imugap.effects import BiasStep, GaussMarkov, RandomWalk, WhiteNoise
 from imugap.effects.effect import Conditions
 from imugap.log import ACCEL, GYRO
 from imugap.model import AxisModel
 
 COUNT, INTERVAL = 12_000, 0.05
 WHITE = WhiteNoise(1e-3)
-KINDS = (BiasInstability, GaussMarkov, RandomWalk, BiasStep, RateRamp, WarmUp)
+KINDS = (*SLOW, *OF_TIME)
 
 
 def explored(effects, label=0):
@@ -62,7 +62,7 @@ def test_noise_too_faint_to_be_named_speaks_against_a_step_too():
         fits, searches = explored({axis: (RandomWalk(6e-5),) for axis in GYRO}, label)
         for count, found in ((alone, fits), (together, agreed(fits, searches))):
             count.update(kind.name for some in kinds(found).values() for kind in some)
-    means = [sum(count[kind.name] for kind in (BiasStep, RateRamp, WarmUp)) for count in (alone, together)]
+    means = [sum(count[kind.name] for kind in OF_TIME) for count in (alone, together)]
     assert means[0] > 3
     assert means[1] < means[0] / 2
 

@@ -8,10 +8,8 @@ from collections.abc import Mapping
 from collections.abc import Sequence as Several
 from dataclasses import dataclass
 
-import numpy as np
-
 from imugap.discovery.axis import AxisFit
-from imugap.discovery.search import EXPECTED, OF_TIME, PARAMETER, SLOW, Key, Search, Trial, at, without
+from imugap.discovery.search import OF_TIME, SLOW, Key, Search, Trial, at, expected, without
 from imugap.effects.effect import Effect
 from imugap.log import ACCEL, GYRO
 
@@ -68,14 +66,19 @@ def agreed(fits: Mapping[str, AxisFit], searches: Mapping[str, Search]) -> dict[
     for sensor in (GYRO, ACCEL):
         keys = {axis: searches[axis].added(fits[axis].description, FAINT) for axis in sensor if axis in fits}
         few = {axis: some for axis, some in keys.items() if len(some) <= MOST}
-        kinds = {_kinds(fits[axis], some) for axis, some in few.items() if some}
-        if len(kinds) < 2 and not (len(few) > 1 and any(kind in OF_TIME for some in kinds for kind in some)):
+        if not _at_issue([_kinds(fits[axis], some) for axis, some in few.items()]):
             continue
         choices = {axis: _choice(searches[axis], fits[axis], some) for axis, some in few.items()}
         kind = _spoken_for(list(choices.values()))
         if kind is not None:
             found |= {axis: choices[axis].alike(kind, searches[axis].log_alpha) for axis, some in few.items() if some}
     return found
+
+
+def _at_issue(kinds: list[tuple[type[Effect], ...]]) -> bool:
+    """Return whether axes differ in what they have, or one of several has a mean that noise may be taken for."""
+    differ = len({some for some in kinds if some}) > 1
+    return differ or (len(kinds) > 1 and any(kind in OF_TIME for some in kinds for kind in some))
 
 
 def _kinds(fit: AxisFit, keys: Several[Key]) -> tuple[type[Effect], ...]:
@@ -87,9 +90,7 @@ def _choice(search: Search, fit: AxisFit, keys: Several[Key]) -> _Choice:
     weighed = [search.weighed(fit, key)[0] for key in keys]
     kinds = _kinds(fit, keys)
     bare = search.fitted(fit.sequence, without(fit, keys).description)
-    cost = sum(PARAMETER * one.parameters + np.log(one.trials) for one in weighed)
-    beforehand = EXPECTED if set(kinds) & set(SLOW) else 0.0
-    own = float(fit.log_likelihood - bare.log_likelihood - cost + beforehand)
+    own = fit.log_likelihood - bare.log_likelihood - sum(one.cost for one in weighed) + expected(*kinds)
     others = [search.judged(start, bare) for kind in SLOW if kind in search.catalogue for start in kind.starts(bare)]
     noise = {type(one.effect): one for one in sorted(others, key=lambda trial: trial.worth)}
     if len(kinds) == 1 and kinds[0] in SLOW:
@@ -100,7 +101,7 @@ def _choice(search: Search, fit: AxisFit, keys: Several[Key]) -> _Choice:
 def _spoken_for(choices: list[_Choice]) -> type[Effect] | None:
     """Return the kind of slow noise that all axes together make much likelier than any other, if there is one.
 
-    On one of them it is the kind of what was found, or it is much likelier than what was found on all.
+    On one of them it is what was found, or all are much likelier with it than with what was found.
     """
     totals = {kind: sum(max(choice.worth(kind), -BEFOREHAND) for choice in choices) for kind in SLOW}
     second, first = sorted(totals, key=totals.get)[-2:]

@@ -111,10 +111,14 @@ class Trial:
         return min(log_chance(self.gain, self.parameters) + float(np.log(self.trials)), 0.0)
 
     @property
+    def cost(self) -> float:
+        """Return what its parameters and trials cost in log-likelihood."""
+        return PARAMETER * self.parameters + float(np.log(self.trials))
+
+    @property
     def worth(self) -> float:
-        """Return the gain less what parameters and trials cost: what effects are weighed by against each other."""
-        beforehand = EXPECTED if isinstance(self.effect, SLOW) else 0.0
-        return self.gain - PARAMETER * self.parameters - float(np.log(self.trials)) + beforehand
+        """Return the gain less the cost: what effects are weighed by against each other."""
+        return self.gain - self.cost + expected(type(self.effect))
 
 
 @dataclass(frozen=True, eq=False)
@@ -467,6 +471,11 @@ def _moves(effect: Effect, before: AxisFit) -> bool:
 def _hopeful(start: Start, bar: float) -> bool:
     """Return whether the log-probability of a proposal may come below ``bar``."""
     return log_chance(SLACK * start.gain + SLACK, len(start.free)) + np.log(start.trials) < bar
+
+
+def expected(*kinds: type[Effect]) -> float:
+    """Return the logarithm of how much likelier effects of some kinds are beforehand: slow noise, whatever beside."""
+    return EXPECTED if any(issubclass(kind, SLOW) for kind in kinds) else 0.0
 
 
 def log_chance(gain: float, more: int) -> float:

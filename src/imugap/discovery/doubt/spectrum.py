@@ -171,7 +171,7 @@ def surplus_of_one_law(search: Search, fit: AxisFit, keys: Sequence[Key]) -> flo
     own = [search.weighed(fit, key)[0] for key in keys]
     bare = search.fitted(fit.sequence, without(fit, keys).description)
     laws = [_beside_power_law(search, bare, slope).log_likelihood for slope in STEEP]
-    costs = sum(PARAMETER * one.parameters + np.log(one.trials * len(search.catalogue)) for one in own)
+    costs = sum(one.cost + np.log(len(search.catalogue)) for one in own)
     law = max(laws) - PARAMETER * len(fields(PowerLaw)) - np.log(len(search.catalogue))
     return float(law - fit.log_likelihood + costs)
 
