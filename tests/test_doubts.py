@@ -6,9 +6,10 @@ from scipy.stats import binom
 
 from imugap.discovery.axis import Description, Term, fit
 from imugap.discovery.doubt import LEVEL, SHARE, doubts, samples
-from imugap.discovery.doubt.doubts import _jumping, _of_the_variance, _wandering
+from imugap.discovery.doubt.doubt import Doubt
+from imugap.discovery.doubt.doubts import FADED, _fading_away, _jumping, _of_the_variance, _wandering
 from imugap.discovery.doubt.outliers import outliers_doubt
-from imugap.discovery.doubt.samples import of_samples
+from imugap.discovery.doubt.samples import BURSTS, of_samples
 from imugap.discovery.doubt.spectrum import _off_in_bands, share_of
 from imugap.discovery.noise import Noise
 from imugap.discovery.search import Search
@@ -177,6 +178,32 @@ def test_steps_are_jumps_where_there_are_many_beside_slow_noise(noise, most):
         found = fit(sequence(*effects), Description(steps, Noise((WHITE, noise))))
         keys = search.added(found.description)
         assert set(_jumping(found, keys)) == (set(keys) if count > most else set())
+
+
+@pytest.mark.parametrize(("second", "doubtful"), [(0.5, True), (2.0, False)])
+def test_steps_within_a_warm_up_make_it_a_transient_of_another_shape(second, doubtful):
+    """Within its five time constants; a single step is one, and so are others that come after it is over."""
+    over = FADED * 40.0
+    terms = (
+        Term(WarmUp(0.05, 40.0), ("amplitude", "time_constant")),
+        *(Term(BiasStep(time, 0.02), ("step",)) for time in (0.25 * over, second * over)),
+    )
+    search = Search(Description((), Noise((WHITE,))), (), LOG_ALPHA)
+    found = fit(sequence(*(term.effect for term in terms)), Description(terms, Noise((WHITE,))))
+    keys = search.added(found.description)
+    assert len(keys) == 3
+    assert set(_fading_away(found, keys)) == (set(keys) if doubtful else set())
+
+
+def test_bursts_change_the_variance_and_leave_no_change_of_it_a_name():
+    change = VarianceChange(200.0, 300.0, 4.0)
+    search = Search(Description((), Noise((WHITE,))), (), LOG_ALPHA)
+    noise = GaussMarkov(2e-3, 5.0)
+    found = fit(sequence(noise, change), Description((), Noise((WHITE, noise)), (change,)))
+    slow, changes = (key for key in search.added(found.description))
+    bursts = Doubt(BURSTS, -20.0)
+    assert _of_the_variance(search, found, [slow, changes], {slow: bursts}) == {changes: bursts}
+    assert _of_the_variance(search, found, [slow, changes], {slow: Doubt("its spectrum has another slope", -20.0)}) == {}
 
 
 def test_a_line_that_swells_without_a_carrier_is_two_that_have_no_name():

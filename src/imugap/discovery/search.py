@@ -5,7 +5,7 @@ together with all that is there, and the one that chance explains least is taken
 was added is taken out again and exchanged for every other, so that what came first by masquerade does not stay.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from collections.abc import Sequence as Several
 from dataclasses import dataclass, field, fields, replace
 
@@ -37,7 +37,7 @@ from imugap.stream import stream
 TAILS = 100.0
 """Independent shapes of tails, on the safe side."""
 LIMIT = 12
-"""Additions to one axis."""
+"""Additions to one axis; each gains less than the one before, as a rule."""
 FAR = 300.0
 """Gain of log-likelihood above which the probability of a chance is its asymptote."""
 MARGIN = 0.1
@@ -76,6 +76,10 @@ CUTOFFS = (1.0, 0.3, 0.1, 0.03)
 """Cutoffs at which a filter is tried, over that which it proposes."""
 SLACK = 2.0
 """How many times the gain that an effect expects before the fit it may make after it."""
+
+
+def _nothing(_: AxisFit) -> float:
+    return -np.inf
 
 
 @dataclass(frozen=True, eq=False)
@@ -167,16 +171,24 @@ class Search:
             self.memory[older] = self.memory[older].bare()
         return self.memory[start]
 
-    def explore(self, before: AxisFit) -> AxisFit:
+    def explore(self, before: AxisFit, nameless: Callable[[AxisFit], float] = _nothing) -> AxisFit:
         """Return the fit to which nothing is to be added.
 
         Behind a filter that was not known yet, a single event looks like many outliers: they are told anew.
+
+        Parameters
+        ----------
+        before
+            Fit to begin with.
+        nameless
+            Of a fit the log-likelihood of what has no name in the place of what was added; where all that may be added
+            does not reach it, nothing more is.
         """
-        found = self._explored(before)
+        found = self._explored(before, nameless)
         keys = {key.part for key in self.added(found.description)}
         if {"outliers", "filter"} <= keys:
             raw = self.fitted(self.raw[found.description.outliers], replace(found.description, outliers=None))
-            found = self._explored(self.settled(raw))
+            found = self._explored(self.settled(raw), nameless)
         return self.placed(found)
 
     def placed(self, found: AxisFit) -> AxisFit:
@@ -189,7 +201,7 @@ class Search:
             found = moved if moved.log_likelihood > found.log_likelihood else found
         return found
 
-    def _explored(self, before: AxisFit) -> AxisFit:
+    def _explored(self, before: AxisFit, nameless: Callable[[AxisFit], float]) -> AxisFit:
         for _ in range(LIMIT):
             bar = HOPE if self.added(before.description) else self.log_alpha
             trials = sorted((one for one in self.trials(before, bar) if one.log_p < bar), key=lambda one: one.log_p)
@@ -197,6 +209,9 @@ class Search:
             if wide is not None and wide.log_p < min([self.log_alpha, *(one.log_p for one in trials)]):
                 before = self.settled(wide.fit)
                 continue
+            most = max((one.fit.log_likelihood - before.log_likelihood for one in trials), default=0.0)
+            if trials and nameless(before) > before.log_likelihood + LIMIT * most:
+                break
             if trials and trials[0].log_p < self.log_alpha:
                 couple = self.couple(before, trials[0])
                 first = not self.added(before.description) and couple is None

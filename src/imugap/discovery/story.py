@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from collections.abc import Sequence as Several
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from scipy.fft import next_fast_len
@@ -11,7 +12,7 @@ from threadpoolctl import threadpool_limits
 from imugap.discovery import unsteady
 from imugap.discovery.axis import AxisFit, fit, log_score, offset
 from imugap.discovery.doubt import LEVEL, OF_SLOPE, VALUES, Doubt, beside_a_sweep, doubts
-from imugap.discovery.doubt.motion import in_place_of_all
+from imugap.discovery.doubt.motion import in_place_of_all, without_a_name
 from imugap.discovery.finding import CERTAIN, Finding, Gap, Interval
 from imugap.discovery.parameters import axis_unit, intervals
 from imugap.discovery.search import Key, Search, at, log_chance, without
@@ -189,7 +190,7 @@ def _searched(
 
     Of what goes with the motion in a way that has no name no more is to be told.
     """
-    found = search.explore(before)
+    found = search.explore(before, partial(without_a_name, search))
     if in_place_of_all(search, found).log_p < LEVEL:
         return _Searched(search, found, taken, switched)
     found = steady(search, told_apart(search, found))

@@ -11,19 +11,28 @@ from imugap.discovery.doubt.mean import term_doubt
 from imugap.discovery.doubt.memory import MEANS, MEMORY, in_place_of_means
 from imugap.discovery.doubt.motion import in_place_of_all
 from imugap.discovery.doubt.outliers import outliers_doubt
-from imugap.discovery.doubt.spectrum import filter_doubt, noise_doubt, share_of, surplus_of_one_law, with_power_law
+from imugap.discovery.doubt.spectrum import (
+    IN_BURSTS,
+    filter_doubt,
+    noise_doubt,
+    share_of,
+    surplus_of_one_law,
+    with_power_law,
+)
 from imugap.discovery.doubt.variance import change_doubt
 from imugap.discovery.noise import log_likelihood
 from imugap.discovery.search import MANY, OF_TIME, SLOW, Key, Search, at, removed
 from imugap.discovery.unsteady import Band
-from imugap.effects import BiasStep, OutputFilter, RandomTelegraph, Sinusoid
+from imugap.effects import BiasStep, OutputFilter, RandomTelegraph, Sinusoid, WarmUp
 
 MOST = 0.5
 """Share of the power at the frequency of a line or a filter above which noise in doubt leaves neither a name."""
 JUMPS, VALUES = 3, 2
 """Number of steps from which on they are jumps beside slow noise, and further values beside telegraph noise."""
 SEVERAL = 2
-"""Means of time from which on they may be a process that wanders."""
+"""Means of time from which on they may be a process that wanders; steps from which on they shape a transient."""
+FADED = 5.0
+"""Time constants after which a warm-up is over: 0.7 % of it are left."""
 WIDE = 5.0
 """Excess of outliers, in standard deviations, from which on no change of the variance makes them."""
 FAR = 2.0
@@ -36,12 +45,15 @@ def doubts(search: Search, fit: AxisFit) -> dict[Key, Doubt]:
     Beside lines in doubt a term keeps its name that is certain from other frequencies.
     """
     keys = search.added(fit.description)
+    moved = _moved(search, fit, keys)
+    if moved:
+        return moved
     found = {key: doubt for key in keys if (doubt := _doubt(search, fit, key)) is not None}
     for kind, most in MANY.items():
         same = [key for key in keys if isinstance(at(fit.description, key), kind)]
         if len(same) > most:
             found |= {key: Doubt(f"{len(same)} of them", -np.inf) for key in same}
-    found |= _remembered(search, fit, keys) | _moved(search, fit, keys) | _jumping(fit, keys)
+    found |= _remembered(search, fit, keys) | _jumping(fit, keys) | _fading_away(fit, keys)
     found |= _wandering(search, fit, keys)
     found |= _of_the_variance(search, fit, keys, found)
     found |= _after_clusters(search, fit, found) | _beside_a_mean(search, fit, keys, found)
@@ -91,6 +103,19 @@ def _jumping(fit: AxisFit, keys: Sequence[Key]) -> dict[Key, Doubt]:
     return dict.fromkeys([*steps, *slow, *switches], Doubt("it jumps", -np.inf)) if jumps else {}
 
 
+def _fading_away(fit: AxisFit, keys: Sequence[Key]) -> dict[Key, Doubt]:
+    """Return a warm-up and the steps before it is over, where these are several: a transient of another shape."""
+    found = {}
+    for key in keys:
+        effect = at(fit.description, key)
+        if isinstance(effect, WarmUp):
+            over = FADED * effect.time_constant
+            steps = [one for one in keys if isinstance(step := at(fit.description, one), BiasStep) and step.time < over]
+            if len(steps) >= SEVERAL:
+                found |= dict.fromkeys([key, *steps], Doubt("it fades away in another way", -np.inf))
+    return found
+
+
 def _wandering(search: Search, fit: AxisFit, keys: Sequence[Key]) -> dict[Key, Doubt]:
     """Return means of time, two or more, and slow noise, where one power law is worth more than all of them."""
     means, slow = ([key for key in keys if isinstance(at(fit.description, key), kinds)] for kinds in (OF_TIME, SLOW))
@@ -100,13 +125,19 @@ def _wandering(search: Search, fit: AxisFit, keys: Sequence[Key]) -> dict[Key, D
 
 
 def _of_the_variance(search: Search, fit: AxisFit, keys: Sequence[Key], found: Mapping[Key, Doubt]) -> dict[Key, Doubt]:
-    """Return outliers that are not far out where the variance changes in a way that has no name, and the reverse."""
+    """Return what of the variance may be made by what has no name: changes beside bursts, outliers beside changes.
+
+    Those are outliers that are not far out where the variance changes in a way that has no name, and the reverse.
+    """
+    changes = [key for key in keys if key.part == "change"]
+    bursts = [doubt for doubt in found.values() if doubt.reason in IN_BURSTS]
+    doubtful = dict.fromkeys(changes, bursts[0]) if bursts else {}
     outliers = fit.description.outliers
     if outliers not in search.tails or search.tails[outliers].excess > WIDE:
-        return {}
+        return doubtful
     both = [key for key in keys if key.part in ("change", "outliers")]
-    doubtful = [found[key] for key in both if key in found]
-    return dict.fromkeys(both, min(doubtful, key=lambda doubt: doubt.log_p)) if doubtful else {}
+    odd = [found[key] for key in both if key in found]
+    return doubtful | (dict.fromkeys(both, min(odd, key=lambda doubt: doubt.log_p)) if odd else {})
 
 
 def _clear_of_lines(search: Search, fit: AxisFit, keys: Sequence[Key], found: Mapping[Key, Doubt]) -> set[Key]:

@@ -9,11 +9,12 @@ from scipy.ndimage import maximum_filter1d, uniform_filter1d
 from scipy.special import xlogy
 
 from imugap import log
-from imugap.discovery.axis import AxisFit, jacobian
+from imugap.discovery.axis import AxisFit, Description, jacobian
 from imugap.discovery.doubt.beside import CLEARLY, likelihood_beside
 from imugap.discovery.doubt.doubt import LEVEL, Doubt, divergence, over
 from imugap.discovery.hysteresis import play
 from imugap.discovery.search import Key, Search, log_chance, removed
+from imugap.discovery.sequence import Sequence
 from imugap.effects.effect import TINY, Conditions
 
 HALVES = 0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1.0
@@ -59,14 +60,29 @@ def in_place_of_all(search: Search, fit: AxisFit) -> Doubt:
     """Weigh what has no name in the place of all that was added, or of all terms; outliers are samples again."""
     if fit.sequence.conditions.ideal is None:
         return NONE
-    sequence = search.raw.get(fit.description.outliers, fit.sequence)
-    found, start = (replace(one, outliers=None) for one in (fit.description, search.start))
-    bases = [search.fitted(sequence, one) for one in (start, replace(found, terms=start.terms))]
-    likelihoods = (likelihood_beside(base, way) for way in _ways(sequence.conditions) for base in bases)
-    best = max(likelihoods, default=-np.inf)
-    own = likelihood_beside(bases[1], jacobian(found.terms[len(start.terms) :], sequence))
+    sequence, found, without = _with_outliers(search, fit)
+    own = likelihood_beside(without, jacobian(found.terms[len(search.start.terms) :], sequence))
     named = max(search.fitted(sequence, found).log_likelihood, own)
-    return Doubt(ANOTHER, min(LEVEL + CLEARLY + named - best, 0.0))
+    return Doubt(ANOTHER, min(LEVEL + CLEARLY + named - without_a_name(search, fit), 0.0))
+
+
+def without_a_name(search: Search, fit: AxisFit) -> float:
+    """Return the log-likelihood of the best of what has no name and goes with the motion, which there may be none of.
+
+    In the place of all that was added, or of all terms.
+    """
+    if fit.sequence.conditions.ideal is None:
+        return -np.inf
+    sequence, _, without = _with_outliers(search, fit)
+    bases = search.fitted(sequence, replace(search.start, outliers=None)), without
+    return max((likelihood_beside(base, way) for way in _ways(sequence.conditions) for base in bases), default=-np.inf)
+
+
+def _with_outliers(search: Search, fit: AxisFit) -> tuple[Sequence, Description, AxisFit]:
+    """Return the samples of a fit with their outliers, what else describes them, and the fit without added terms."""
+    sequence = search.raw.get(fit.description.outliers, fit.sequence)
+    found = replace(fit.description, outliers=None)
+    return sequence, found, search.fitted(sequence, replace(found, terms=search.start.terms))
 
 
 def samples_in_motion(fit: AxisFit, flagged: np.ndarray) -> float:

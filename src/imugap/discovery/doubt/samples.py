@@ -15,6 +15,7 @@ from imugap.discovery.doubt.doubt import Doubt, divergence
 from imugap.effects.effect import TINY
 from imugap.stream import stream
 
+BURSTS, UNEVEN = "it comes in bursts or jumps", "it is stronger at some times than at others"
 SHARE = 0.05
 """Share of the variance of a coefficient above which it says something of the noise."""
 DRAWN, PARTS, FEWEST, MOST = 1999, 20, 40, 6000
@@ -39,9 +40,9 @@ def of_samples(fit: AxisFit, share: np.ndarray) -> tuple[Doubt, ...]:
     if len(weight) < FEWEST:
         return ()
     own = weight * fit.coefficients[: len(weight)]
-    jumps = Doubt("it comes in bursts or jumps", _uncommon(own, weight))
+    jumps = Doubt(BURSTS, _uncommon(own, weight))
     fading = 0.0 if fit.description.changes else _fading(own, weight)
-    return jumps, Doubt("it is stronger at some times than at others", fading)
+    return jumps, Doubt(UNEVEN, fading)
 
 
 def _drawn(statistic: Callable[[np.ndarray], np.ndarray], weight: np.ndarray) -> np.ndarray:

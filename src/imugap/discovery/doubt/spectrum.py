@@ -10,7 +10,7 @@ from scipy.stats import ncx2
 from imugap.discovery.axis import AxisFit
 from imugap.discovery.doubt.doubt import LEVEL, Doubt, divergence, over
 from imugap.discovery.doubt.memory import in_place_of_noise
-from imugap.discovery.doubt.samples import SHARE, of_samples
+from imugap.discovery.doubt.samples import BURSTS, SHARE, UNEVEN, of_samples
 from imugap.discovery.doubt.wave import repeated
 from imugap.discovery.noise import STEP, Noise, log_likelihood
 from imugap.discovery.power_law import PowerLaw
@@ -24,7 +24,10 @@ SLOPE, LAW = "its spectrum has another slope", "a power law of another slope exp
 LAW_TOO = "a power law explains it as well"
 OF_SLOPE = (SLOPE, LAW, LAW_TOO)
 """Doubts that leave slow noise a process, of a slope that has no name."""
+AT_ODDS = "its samples and its spectrum disagree"
 AROUND_IT = "the spectrum around it is farther off"
+IN_BURSTS = (AT_ODDS, BURSTS, UNEVEN)
+"""Doubts that leave slow noise something that comes and goes, and changes the variance as it does."""
 OTHER_SLOPE = np.log(1e-2)
 """Log-probability of chance below which a free slope of slow noise makes a doubt: no other test answers it as well."""
 LIKELIER = 2.0
@@ -80,7 +83,7 @@ def _two_valued(search: Search, fit: AxisFit, key: Key) -> list[Doubt]:
     uneven = Doubt("it is at one of its values more often than at the other", log_chance(verdict.uneven, 1))
     if sum(key.part == "noise" for key in search.added(fit.description)) > 1:
         return [uneven]
-    return [uneven, Doubt("its samples and its spectrum disagree", _at_odds(fit, key, verdict.effect))]
+    return [uneven, Doubt(AT_ODDS, _at_odds(fit, key, verdict.effect))]
 
 
 def share_of(fit: AxisFit, effect: StochasticEffect) -> np.ndarray:
