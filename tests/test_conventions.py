@@ -31,6 +31,7 @@ from imugap.effects import (
     BiasInstability,
     Conditions,
     GaussMarkov,
+    PowerLaw,
     Quantization,
     RandomWalk,
     RateRamp,
@@ -189,6 +190,19 @@ def test_a_gauss_markov_process_alone_keeps_itself(std, time, horizon):
 def test_flicker_becomes_the_walk_that_crosses_its_floor_at_the_horizon(flicker, horizon):
     found = reduced("gyro_x", WhiteNoise(1.0) + BiasInstability(flicker), Rule(RATE, horizon))
     assert RandomWalk(found.walk).allan_variance(horizon) == pytest.approx((FLOOR * flicker) ** 2, rel=1e-9)
+
+
+@pytest.mark.parametrize("exponent", [0.6, 1.0, 2.0, 2.9])
+def test_noise_of_any_slope_becomes_the_walk_that_crosses_it_at_the_horizon(exponent):
+    law = PowerLaw(1e-3, exponent)
+    found = reduced("gyro_x", WhiteNoise(1.0) + law, Rule(RATE, 20.0))
+    assert RandomWalk(found.walk).allan_variance(20.0) == pytest.approx(float(law.allan_variance(20.0)), rel=1e-9)
+    assert not left_out(WhiteNoise(1.0) + law)
+
+
+def test_a_trend_is_refused():
+    with pytest.raises(ValueError, match="expected an exponent below 3"):
+        reduced("gyro_x", WhiteNoise(1.0) + PowerLaw(1e-3, 3.2), Rule(RATE))
 
 
 @given(st.floats(1e-3, 1e3))

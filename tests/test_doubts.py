@@ -10,11 +10,11 @@ from imugap.discovery.doubt.doubt import Doubt
 from imugap.discovery.doubt.doubts import FADED, _fading_away, _jumping, _of_the_variance, _wandering
 from imugap.discovery.doubt.outliers import outliers_doubt
 from imugap.discovery.doubt.samples import BURSTS, of_samples
-from imugap.discovery.doubt.spectrum import _off_in_bands, share_of
+from imugap.discovery.doubt.spectrum import LAW, _off_in_bands, share_of
 from imugap.discovery.noise import Noise
-from imugap.discovery.search import Search
+from imugap.discovery.search import Key, Search
 from imugap.discovery.sequence import Sequence
-from imugap.discovery.story import concluded, told
+from imugap.discovery.story import _carried, concluded, told
 from imugap.discovery.tails import tails
 from imugap.effects import (
     CATALOGUE,
@@ -23,6 +23,7 @@ from imugap.effects import (
     GaussMarkov,
     Outliers,
     OutputFilter,
+    PowerLaw,
     RandomTelegraph,
     RandomWalk,
     RateRamp,
@@ -164,6 +165,27 @@ def relaxations(time, rng):
     return np.sum(heights * np.where(since >= 0, np.exp(-np.maximum(since, 0) / 20), 0), axis=0)
 
 
+@pytest.mark.parametrize("exponent", [0.6, 1.5])
+def test_noise_of_a_slope_without_a_name_is_in_the_model_as_what_it_is(exponent):
+    found = story_of(sequence(PowerLaw(4e-3, exponent), label=exponent))
+    assert found.withheld
+    assert not found.findings
+    ends = found.of_any_slope.parameters["exponent"]
+    assert ends.low < exponent < ends.high
+    for one in (found.after, found.whole):
+        assert [effect.name for effect in one.description.effects()] == ["white_noise", "power_law"]
+    assert found.settled
+
+
+@pytest.mark.parametrize("reason", [LAW, BURSTS])
+def test_what_is_no_noise_is_not_in_the_model_as_noise(reason):
+    search = Search(Description((), Noise((WHITE,))), (), LOG_ALPHA)
+    found = fit(sequence(PowerLaw(4e-3, 1.5)), Description((), Noise((WHITE, RandomWalk(1e-3)))))
+    carried = _carried(search, found, {Key("noise", 1): Doubt(reason, -20.0)})
+    assert carried.has(PowerLaw) == (reason == LAW)
+    assert not carried.has(RandomWalk)
+
+
 @pytest.mark.slow
 def test_what_jumps_and_relaxes_is_no_telegraph_noise():
     assert names(story_of(sequence(added=relaxations, count=12_000, label="a"))) == []
@@ -203,7 +225,9 @@ def test_bursts_change_the_variance_and_leave_no_change_of_it_a_name():
     slow, changes = (key for key in search.added(found.description))
     bursts = Doubt(BURSTS, -20.0)
     assert _of_the_variance(search, found, [slow, changes], {slow: bursts}) == {changes: bursts}
-    assert _of_the_variance(search, found, [slow, changes], {slow: Doubt("its spectrum has another slope", -20.0)}) == {}
+    assert (
+        _of_the_variance(search, found, [slow, changes], {slow: Doubt("its spectrum has another slope", -20.0)}) == {}
+    )
 
 
 def test_a_line_that_swells_without_a_carrier_is_two_that_have_no_name():

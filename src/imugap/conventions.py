@@ -5,9 +5,9 @@ is the one with which the tool propagates the covariance (or draws the noise) of
 and file.
 
 A tool has white noise and at most one slow process. What a model has beyond that is reduced (:class:`Reduced`): the
-white noises to one, and random walk, Gauss-Markov and flicker processes together to one process of the tool's kind with
-the same Allan variance at one averaging time, the horizon. For a Gauss-Markov process far slower than the horizon this
-is a random walk with K^2 = S_B = 2 std^2/T; a random walk keeps its K.
+white noises to one, and random walk, Gauss-Markov, flicker and power-law processes together to one process of the
+tool's kind with the same Allan variance at one averaging time, the horizon. For a Gauss-Markov process far slower than
+the horizon this is a random walk with K^2 = S_B = 2 std^2/T; a random walk keeps its K.
 """
 
 from collections.abc import Callable, Iterable
@@ -17,10 +17,11 @@ from math import hypot, inf, sqrt
 
 import numpy as np
 
-from imugap.effects import Bias, BiasInstability, Effect, GaussMarkov, RandomWalk, TurnOnBias, WhiteNoise
+from imugap.effects import Bias, BiasInstability, Effect, GaussMarkov, PowerLaw, RandomWalk, TurnOnBias, WhiteNoise
+from imugap.effects.power_law import STEEPEST
 from imugap.model import AxisModel
 
-SLOW = (RandomWalk, GaussMarkov, BiasInstability)
+SLOW = (RandomWalk, GaussMarkov, BiasInstability, PowerLaw)
 """Effects that are reduced to the one slow process of a tool."""
 KEPT = (WhiteNoise, Bias, TurnOnBias, *SLOW)
 HOUR = 3600.0
@@ -100,6 +101,9 @@ def reduced(axis: str, model: AxisModel, rule: Rule) -> Reduced:
     white = hypot(*(effect.density for effect in _of(model, WhiteNoise)))
     if not white:
         raise ValueError(f"{axis}: expected white noise; found {', '.join(e.name for e in model) or 'no effect'}")
+    for law in _of(model, PowerLaw):
+        if law.exponent >= STEEPEST:
+            raise ValueError(f"{axis}: {law.name}: expected an exponent below {STEEPEST:g}; found {law.exponent:g}")
     processes = [effect for effect in _of(model, SLOW) if effect.allan_variance(rule.horizon) > 0]
     slow = sum(float(effect.allan_variance(rule.horizon)) for effect in processes)
     alone = len(processes) == 1 and isinstance(processes[0], GaussMarkov)

@@ -66,18 +66,27 @@ def _spectral_integral(psd: Spectrum, tau: float, interval: float, end: float, a
     rest = 0.0
     if top > far:
         rest = -_oscillating(g, far, 1) + (_oscillating(g, top, -1) if np.isfinite(top) else 0.0)
-    previous = np.inf
+    slowest, previous = _slowest(g, edges[1]), np.inf
     for halvings in range(HALVINGS):
-        near = _panels(lambda u: g(u) * np.sin(u) ** 4, edges, halvings)
+        near = _panels(lambda u: g(u) * np.sin(u) ** 4, edges[1:], halvings)
         beyond = _panels(lambda u: 3 / 8 * g(u), tail, halvings) if top > far else np.zeros(1)
-        total = near.sum() + beyond.sum() + rest
-        lost = near[0] + (beyond[-1] if np.isinf(top) else 0.0)
-        if abs(total - previous) + abs(lost) <= accuracy * abs(total):
+        total = slowest + near.sum() + beyond.sum() + rest
+        lost = beyond[-1] if np.isinf(top) else 0.0
+        if np.isfinite(total) and abs(total - previous) + abs(lost) <= accuracy * abs(total):
             return 4 / (np.pi * tau) * total
         previous = total
     raise ValueError(
         f"Allan variance: expected a PSD whose integral at tau = {tau:g} s converges; found {total:g} and more"
     )
+
+
+def _slowest(g: Spectrum, end: float) -> float:
+    """Return the integral of g u^4 up to ``end``, the power of u that g is there going on; infinite from u^-5 on."""
+    values = g(end * np.array([1.0, 2.0]))
+    if not values.all():
+        return 0.0
+    power = 5 + np.log2(values[1] / values[0])
+    return values[0] * end**5 / power if power > 0 else np.inf
 
 
 def _panels(function: Spectrum, edges: np.ndarray, halvings: int) -> np.ndarray:

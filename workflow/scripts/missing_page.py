@@ -110,19 +110,24 @@ def places_page(reports):
 
 
 def withheld(reports):
-    """Return what was seen but not named."""
-    rows = [{"start": start} | one for start, report in reports.items() for one in report["withheld"]]
-    return pd.DataFrame(rows, columns=["start", "axis", "name", "reason"])
+    """Return what was seen but not named, and the exponent of the noise that the final model has on its axis."""
+    rows = []
+    for start, report in reports.items():
+        exponents = {one["axis"]: one["parameters"]["exponent"] for one in report["described"]}
+        for one in report["withheld"]:
+            ends = exponents.get(one["axis"], {})
+            rows.append({"start": start} | one | {f"exponent_{end}": ends.get(end) for end in ENDS})
+    return pd.DataFrame(rows, columns=["start", "axis", "name", "reason", *(f"exponent_{end}" for end in ENDS)])
 
 
 def withheld_page(data):
     """Lay out what was not named, and why."""
-    grouped = data.groupby(["start", "axis", "name", "reason"], sort=False).size()
-    rows = [
-        (TITLES[start], AXIS_TITLES.get(axis, axis), name.replace("_", " "), reason, count)
-        for (start, axis, name, reason), count in grouped.items()
-    ]
-    heads = ["start model", "axis", "something like", "not named because", "times"]
+    rows = []
+    for (start, axis, name, reason), group in data.groupby(["start", "axis", "name", "reason"], sort=False):
+        ends = [float(group[f"exponent_{end}"].iloc[0]) for end in ENDS]
+        model = tables.interval(*ends) if isfinite(ends[0]) else "—"
+        rows.append((TITLES[start], AXIS_TITLES.get(axis, axis), name.replace("_", " "), reason, len(group), model))
+    heads = ["start model", "axis", "something like", "not named because", "times", "exponent"]
     return pd.DataFrame(rows or [["—"] * len(heads)], columns=heads)
 
 
@@ -170,6 +175,7 @@ def numbers(reports, data):
             "effects": len(report["effects"]),
             "names": ", ".join(dict.fromkeys(one["name"].replace("_", " ") for one in report["effects"])),
             "withheld": len(report["withheld"]),
+            "described_axes": axes_of(one["axis"] for one in report["described"]),
         } | {
             key: {
                 "within": bool(rows.loc[name, "before_value"] <= rows.loc[name, "floor_high"]),

@@ -57,6 +57,8 @@ class Discovery:
         Where the final model and the log still disagree.
     withheld
         (axis, name, reason) of what was seen but not named.
+    described
+        Noise that fits no name, which the final model has as noise of the slope that it has.
     untold
         (axis, name) of the effects of the start model that the log cannot tell, which stay as they were.
     distances
@@ -76,6 +78,7 @@ class Discovery:
     findings: tuple[Finding, ...]
     unexplained: tuple[Gap, ...]
     withheld: tuple[tuple[str, str, str], ...]
+    described: tuple[Finding, ...]
     untold: tuple[tuple[str, str], ...]
     distances: Mapping[str, Distances]
     drifts: tuple[Drifts, ...]
@@ -179,6 +182,7 @@ def discover(
         findings=findings,
         unexplained=(*record.silent, *left, *_nameless(stories, left, question.alpha)),
         withheld=tuple((axis, *one) for axis, story in stories.items() for one in story.unnamed()),
+        described=tuple(one.of_any_slope for one in stories.values() if one.of_any_slope is not None),
         untold=tuple((axis, one.name) for axis, some in kept.items() for one in some if axis in stories),
         distances=apart,
         drifts=paths,

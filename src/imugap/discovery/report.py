@@ -26,6 +26,9 @@ def to_mapping(found: Discovery, logs: Sequence[dict], tests: Sequence[dict] = (
         "effects": [_effect(finding) for finding in found.findings],
         "unexplained": [_gap(gap) for gap in found.unexplained],
         "withheld": [dict(zip(("axis", "name", "reason"), one, strict=True)) for one in found.withheld],
+        "described": [
+            {"axis": one.axes[0], "name": one.name, "parameters": _parameters(one)} for one in found.described
+        ],
     }
     for key, name in (("distance", "distribution"), ("navigation_distance", "navigation")):
         apart = found.distances.get(name)
@@ -38,11 +41,15 @@ def _effect(finding: Finding) -> dict:
     return {
         "name": finding.name,
         "axes": list(finding.axes),
-        "parameters": {name: _ends(one) | {"unit": one.unit} for name, one in finding.parameters.items()},
+        "parameters": _parameters(finding),
         "p_value": exp(max(finding.log_p, SMALLEST)),
         "log_score_gain": _number(finding.log_score_gain),
         "alternatives": [{"name": name, "log_score_gain": _number(gain)} for name, gain in finding.alternatives],
     }
+
+
+def _parameters(finding: Finding) -> dict[str, dict]:
+    return {name: _ends(one) | {"unit": one.unit} for name, one in finding.parameters.items()}
 
 
 def _ends(interval: Interval) -> dict[str, float | None]:
@@ -93,6 +100,7 @@ def verdict(found: Discovery) -> str:
     nameless = "has a name" if found.withheld or found.unexplained else "the log can show"
     lines = [_sentence(finding) for finding in found.findings] or [f"Nothing is missing that {nameless}."]
     lines += [f"{axis}: something like {name}, but {reason}; not named." for axis, name, reason in found.withheld]
+    lines += [_slope(one) for one in found.described]
     if found.untold:
         kept = ", ".join(f"{name} of {axis}" for axis, name in found.untold)
         lines.append(f"The log cannot tell {kept}; kept as the start model has it.")
@@ -111,6 +119,12 @@ def _sentence(finding: Finding) -> str:
     if finding.alternatives:
         told += f"; the log cannot tell it from {', '.join(name for name, _ in finding.alternatives)}"
     return told + "."
+
+
+def _slope(finding: Finding) -> str:
+    exponent = finding.parameters["exponent"]
+    ends = f"{exponent.value:.2f} ({exponent.low:.2f} to {exponent.high:.2f})"
+    return f"{finding.axes[0]}: the final model has noise of spectrum 1/f^{ends} in its place."
 
 
 def place(gap: Gap) -> str:

@@ -13,7 +13,7 @@ from imugap.discovery.doubt import nearly
 from imugap.discovery.finding import Finding, Interval
 from imugap.discovery.parameters import NORMAL, axis_unit, term_intervals
 from imugap.discovery.sequence import Sequence
-from imugap.effects import BiasInstability, BiasStep, ClockScale, RandomWalk, Sinusoid, TurnOnBias
+from imugap.effects import BiasInstability, BiasStep, ClockScale, PowerLaw, RandomWalk, Sinusoid, TurnOnBias
 from imugap.effects.effect import StochasticEffect
 from imugap.effects.sinusoid import LINE
 from imugap.log import TIME, from_samples
@@ -91,10 +91,11 @@ def _memories(run: AxisFit) -> Iterator[float]:
 def _of_mean(effect: StochasticEffect, duration: float, interval: float) -> float:
     """Return the variance of the mean of noise over a run, the integral of S(f) sinc^2(f duration).
 
-    A random walk begins with its run: below :data:`BEGIN` periods per run nothing is missing, which makes it
-    K^2 duration/3; and neither is of flicker, whose variance has no bound.
+    A random walk begins with its run, as any noise of its slope does: below :data:`BEGIN` periods per run nothing is
+    missing, which makes it K^2 duration/3; and neither is of flicker, whose variance has no bound.
     """
-    lowest = (BEGIN if isinstance(effect, (RandomWalk, BiasInstability)) else NEVER) / duration
+    begins = isinstance(effect, (RandomWalk, BiasInstability)) or (isinstance(effect, PowerLaw) and effect.integrations)
+    lowest = (BEGIN if begins else NEVER) / duration
     frequency = np.geomspace(lowest, 0.5 / interval, FREQUENCIES)
     passed = effect.sampled_psd(frequency, interval) * np.sinc(frequency * duration) ** 2
     return 2 * float(np.trapezoid(passed, frequency))

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from collections.abc import Sequence as Several
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import partial
 
 import numpy as np
@@ -11,7 +11,7 @@ from threadpoolctl import threadpool_limits
 
 from imugap.discovery import unsteady
 from imugap.discovery.axis import AxisFit, fit, log_score, offset
-from imugap.discovery.doubt import LEVEL, OF_SLOPE, VALUES, Doubt, beside_a_sweep, doubts
+from imugap.discovery.doubt import LEVEL, OF_NOISE, OF_SLOPE, VALUES, Doubt, beside_a_sweep, beside_power_law, doubts
 from imugap.discovery.doubt.motion import in_place_of_all, without_a_name
 from imugap.discovery.finding import CERTAIN, Finding, Gap, Interval
 from imugap.discovery.parameters import axis_unit, intervals
@@ -24,12 +24,15 @@ from imugap.discovery.telegraph import compare
 from imugap.discovery.two_values import hidden_telegraph, steady, told_apart, two_valued
 from imugap.discovery.unsteady import Band
 from imugap.discovery.withheld import Withheld, withheld
-from imugap.effects import Bias, BiasStep, RandomTelegraph, Sinusoid, VarianceChange
+from imugap.effects import Bias, BiasStep, PowerLaw, RandomTelegraph, Sinusoid, VarianceChange
 from imugap.effects.effect import Effect
+from imugap.effects.power_law import STEEPEST
 from imugap.model import AxisModel
 
 PLACES = 12.0
 """Logarithm of the largest number of places of which an effect is tried at the best."""
+SLOPE = 1.5
+"""Exponent from which noise of any slope is fitted."""
 MOST_BANDS = 4
 """Bands of lines that are not steady at most; with more the spectrum is another than that of lines."""
 
@@ -72,7 +75,7 @@ class Story:
     before
         Fit of the start model to the held-in part.
     after
-        Fit of the named effects to the held-in part.
+        Fit of the named effects to the held-in part, and of noise of any slope for such noise without a name.
     whole
         The same to the whole log, with what only its last part shows.
     findings
@@ -83,6 +86,8 @@ class Story:
         Of lines that are not steady; no name fits them.
     switching
         Telegraph noise that only the samples tell, which both fits after the start model are without.
+    of_any_slope
+        Noise that fits no name, as the fit to the whole log has it; it is not among the findings.
     """
 
     before: AxisFit
@@ -92,6 +97,7 @@ class Story:
     withheld: tuple[Withheld, ...]
     bands: tuple[Band, ...] = ()
     switching: RandomTelegraph | None = None
+    of_any_slope: Finding | None = None
 
     def unnamed(self) -> tuple[tuple[str, str], ...]:
         """Return the nearest name, and the reason why it is not given, of what was seen."""
@@ -105,12 +111,12 @@ class Story:
 
     @property
     def settled(self) -> bool:
-        """Return whether the held-in part shows every effect that the whole log shows."""
+        """Return whether the held-in part shows every effect with a name that the whole log shows."""
         return _names(self.after) == _names(self.whole)
 
 
 def _names(found: AxisFit) -> list[str]:
-    return sorted(effect.name for effect in found.description.effects())
+    return sorted(effect.name for effect in found.description.effects() if not isinstance(effect, PowerLaw))
 
 
 def part(sequence: Sequence, first: int, last: int) -> Sequence:
@@ -218,11 +224,35 @@ def concluded(tale: Tale) -> Story:
         switching, odd = _of_samples(tale, doubtful)
         findings = (*(_finding(tale, whole, key) for key in named), *switching)
         nameless = (*(withheld(search, tale.whole, key, doubt) for key, doubt in doubtful.items()), *odd)
-        after = without(tale.after, list(doubts(tale.early, tale.after)))
-        final = without(whole, list(doubtful))
+        after = _carried(tale.early, tale.after, doubts(tale.early, tale.after))
+        final = _carried(search, whole, doubtful)
         bands = (*tale.bands, *sweeps)
         switches = tale.switching.effect if switching else None
-        return Story(tale.before, after.bare(), final.bare(), findings, nameless, bands, switches)
+        slope = _of_any_slope(search, final)
+        return Story(tale.before, after.bare(), final.bare(), findings, nameless, bands, switches, slope)
+
+
+def _carried(search: Search, found: AxisFit, doubtful: Mapping[Key, Doubt]) -> AxisFit:
+    """Return the fit without what is in doubt; if that is slow noise, with noise of the slope that it has.
+
+    Only where nothing but slow noise is in doubt, and nothing but its spectrum: what is no noise has no place there.
+    """
+    kept = without(found, list(doubtful))
+    if not doubtful or any(doubt.reason not in OF_NOISE for doubt in doubtful.values()) or kept.has(PowerLaw):
+        return kept
+    carried = beside_power_law(search.afresh(), kept, SLOPE)
+    gain = carried.log_likelihood - kept.log_likelihood
+    steep = max(one.exponent for one in carried.description.effects() if isinstance(one, PowerLaw)) >= STEEPEST
+    return kept if steep or log_chance(gain, len(fields(PowerLaw))) > search.log_alpha else carried
+
+
+def _of_any_slope(search: Search, found: AxisFit) -> Finding | None:
+    """Return the power law that a fit has more than the start model, with its intervals."""
+    laws = search.added(found.description, PowerLaw)
+    if not laws:
+        return None
+    law = at(found.description, laws[0])
+    return Finding({found.sequence.conditions.axis: law}, intervals(found, found, laws[0]), CERTAIN)
 
 
 def _of_samples(tale: Tale, doubtful: Mapping[Key, Doubt]) -> tuple[tuple[Finding, ...], tuple[Withheld, ...]]:

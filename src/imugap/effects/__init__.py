@@ -12,6 +12,7 @@ from imugap.effects.lever_arm import LeverArm
 from imugap.effects.misalignment import Misalignment
 from imugap.effects.outliers import Outliers
 from imugap.effects.output_filter import OutputFilter
+from imugap.effects.power_law import PowerLaw
 from imugap.effects.quantization import Quantization
 from imugap.effects.random_telegraph import RandomTelegraph
 from imugap.effects.random_walk import RandomWalk
@@ -47,6 +48,7 @@ CATALOGUE: dict[str, type[Effect]] = {
         Misalignment,
         Outliers,
         OutputFilter,
+        PowerLaw,
         Quantization,
         RandomTelegraph,
         RandomWalk,

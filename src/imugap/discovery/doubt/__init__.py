@@ -9,6 +9,7 @@ from imugap.discovery.doubt.doubt import LEVEL, Doubt
 from imugap.discovery.doubt.doubts import VALUES, beside_a_sweep, doubts
 from imugap.discovery.doubt.mean import nearly
 from imugap.discovery.doubt.samples import SHARE
-from imugap.discovery.doubt.spectrum import OF_SLOPE, share_of
+from imugap.discovery.doubt.spectrum import OF_NOISE, OF_SLOPE, beside_power_law, share_of
 
-__all__ = ["LEVEL", "OF_SLOPE", "SHARE", "VALUES", "Doubt", "beside_a_sweep", "doubts", "nearly", "share_of"]
+__all__ = ["LEVEL", "OF_NOISE", "OF_SLOPE", "SHARE", "VALUES", "Doubt"]
+__all__ += ["beside_a_sweep", "beside_power_law", "doubts", "nearly", "share_of"]

@@ -13,12 +13,12 @@ from imugap.discovery.doubt.memory import in_place_of_noise
 from imugap.discovery.doubt.samples import BURSTS, SHARE, UNEVEN, of_samples
 from imugap.discovery.doubt.wave import repeated
 from imugap.discovery.noise import STEP, Noise, log_likelihood
-from imugap.discovery.power_law import PowerLaw
 from imugap.discovery.search import PARAMETER, SLOW, Key, Search, at, log_chance, without
 from imugap.discovery.telegraph import compare
 from imugap.discovery.views.spectral import of_spectrum
 from imugap.effects import RandomTelegraph
 from imugap.effects.effect import TINY, Effect, StochasticEffect
+from imugap.effects.power_law import PowerLaw
 
 SLOPE, LAW = "its spectrum has another slope", "a power law of another slope explains it better"
 LAW_TOO = "a power law explains it as well"
@@ -28,6 +28,9 @@ AT_ODDS = "its samples and its spectrum disagree"
 AROUND_IT = "the spectrum around it is farther off"
 IN_BURSTS = (AT_ODDS, BURSTS, UNEVEN)
 """Doubts that leave slow noise something that comes and goes, and changes the variance as it does."""
+ALL_SLOW = "one power law explains all slow noise better"
+OF_NOISE = (*OF_SLOPE, AT_ODDS, ALL_SLOW)
+"""Doubts that leave slow noise, of whatever spectrum, noise."""
 OTHER_SLOPE = np.log(1e-2)
 """Log-probability of chance below which a free slope of slow noise makes a doubt: no other test answers it as well."""
 LIKELIER = 2.0
@@ -163,7 +166,7 @@ def with_power_law(search: Search, fit: AxisFit, kinds: tuple[type[Effect], ...]
     slow = _added(search, fit, kinds)
     if not slow:
         return None
-    return _beside_power_law(search, _without(search, fit, slow), 1.5)
+    return beside_power_law(search, _without(search, fit, slow), 1.5)
 
 
 def surplus_of_one_law(search: Search, fit: AxisFit, keys: Sequence[Key]) -> float:
@@ -173,13 +176,13 @@ def surplus_of_one_law(search: Search, fit: AxisFit, keys: Sequence[Key]) -> flo
     """
     own = [search.weighed(fit, key)[0] for key in keys]
     bare = search.fitted(fit.sequence, without(fit, keys).description)
-    laws = [_beside_power_law(search, bare, slope).log_likelihood for slope in STEEP]
+    laws = [beside_power_law(search, bare, slope).log_likelihood for slope in STEEP]
     costs = sum(one.cost + np.log(len(search.catalogue)) for one in own)
     law = max(laws) - PARAMETER * len(fields(PowerLaw)) - np.log(len(search.catalogue))
     return float(law - fit.log_likelihood + costs)
 
 
-def _beside_power_law(search: Search, bare: AxisFit, slope: float) -> AxisFit:
+def beside_power_law(search: Search, bare: AxisFit, slope: float) -> AxisFit:
     """Return a fit with a power law more, from a slope."""
     size = max(bare.room(PowerLaw(1.0, slope)), 1e-12 * float(np.sqrt(bare.variance.mean())))
     noise = bare.description.noise
@@ -214,4 +217,4 @@ def _power_law(search: Search, fit: AxisFit) -> list[Doubt]:
     bare = _without(search, fit, slow)
     named = log_chance(fit.log_likelihood - bare.log_likelihood, parameters)
     unnamed = log_chance(other.log_likelihood - bare.log_likelihood, 2)
-    return [Doubt("one power law explains all slow noise better", LEVEL + unnamed - named)]
+    return [Doubt(ALL_SLOW, LEVEL + unnamed - named)]

@@ -1,0 +1,101 @@
+"""Noise of any slope."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import lru_cache, partial
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+from scipy.fft import irfft, next_fast_len, rfft
+from scipy.special import gamma
+
+from imugap import spectrum
+from imugap.effects.effect import Conditions, Start, StochasticEffect, parameter
+
+if TYPE_CHECKING:
+    from imugap.discovery.axis import AxisFit
+
+STEEPEST = 3.0
+"""Exponent from which on the Allan variance has no bound: the log is a trend."""
+ACCURACY = 1e-10
+"""Relative error of an Allan variance."""
+
+
+@dataclass(frozen=True)
+class PowerLaw(StochasticEffect):
+    """Noise of PSD density^2 |2 sin(pi f interval)/interval|^-exponent: fractionally integrated white noise.
+
+    No name of the vocabulary: noise of any slope, which slow processes are weighed against, and which stands in a
+    model for noise that fits no name. Of an exponent from one on it begins with its run, at zero.
+    Source: Kasdin 1995, Proc. IEEE 83, 802-827.
+    """
+
+    name: ClassVar[str] = "power_law"
+    density: float = parameter("{u}/sqrt(Hz)*(rad/s)^(exponent/2)", "square root of the two-sided PSD at 1 rad/s")
+    exponent: float = parameter("1", "exponent of 1/f", low=0.05, high=4.0)
+
+    @classmethod
+    def starts(cls, fit: "AxisFit") -> Iterator[Start]:
+        """Yield nothing: it is no name."""
+        return iter(())
+
+    @property
+    def integrations(self) -> int:
+        """Return how many times stationary noise is summed up: those that leave it one."""
+        return int((self.exponent + 1) // 2)
+
+    def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
+        """Draw stationary noise of this spectrum, or sums from zero of such noise; its covariance is exact.
+
+        By circulant embedding (Davies and Harte 1987, Biometrika 74, 95-101).
+        """
+        count, sums = len(conditions), self.integrations
+        white = self.density**2 * conditions.interval ** (self.exponent - 1)
+        length = next_fast_len(2 * count, real=True)
+        deviation = np.sqrt(white) * _deviation(self.exponent / 2 - sums, length)
+        drawn = rng.standard_normal((2, len(deviation)))
+        drawn[1, [0, -1] if length % 2 == 0 else [0]] = 0.0
+        drawn[0, [0, -1] if length % 2 == 0 else [0]] *= np.sqrt(2)
+        values = irfft(deviation * np.sqrt(length / 2) * (drawn[0] + 1j * drawn[1]), length)[:count]
+        for _ in range(sums):
+            values = np.cumsum(np.r_[0.0, values[1:]])
+        return values
+
+    def psd(self, frequency: np.ndarray) -> np.ndarray:
+        """Return density^2 |2 pi f|^-exponent."""
+        return self.density**2 * (2 * np.pi * np.abs(np.asarray(frequency, float))) ** -self.exponent
+
+    def allan_variance(self, tau: np.ndarray) -> np.ndarray:
+        """Return the Allan variance of :meth:`psd`; infinite from an exponent of :data:`STEEPEST` on."""
+        return self._bounded(
+            np.asarray(tau, float), lambda tau: spectrum.allan_variance(self.psd, tau, accuracy=ACCURACY)
+        )
+
+    def sampled_psd(self, frequency: np.ndarray, interval: float) -> np.ndarray:
+        """Return the PSD of the samples."""
+        sine = np.sin(np.pi * np.asarray(frequency, float) * interval)
+        return self.density**2 * (2 / interval * sine) ** -self.exponent
+
+    def sampled_allan_variance(self, averaging: np.ndarray, interval: float) -> np.ndarray:
+        """Return the Allan variance of the samples; infinite from an exponent of :data:`STEEPEST` on."""
+        psd = partial(self.sampled_psd, interval=interval)
+        return self._bounded(
+            interval * np.asarray(averaging), lambda tau: spectrum.allan_variance(psd, tau, interval, accuracy=ACCURACY)
+        )
+
+    def _bounded(self, tau: np.ndarray, variance: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+        return variance(tau) if self.exponent < STEEPEST else np.full(tau.shape, np.inf)
+
+
+@lru_cache(maxsize=1)
+def _deviation(order: float, length: int) -> np.ndarray:
+    """Return the square roots of the eigenvalues of the circulant covariance of fractionally integrated unit noise.
+
+    The covariance at lag k is gamma_0 prod_j (j - 1 + d)/(j - d) (Hosking 1981, Biometrika 68, 165-176), d the
+    ``order``.
+    """
+    lag = np.arange(1, length // 2 + 1)
+    first = gamma(1 - 2 * order) / gamma(1 - order) ** 2
+    half = first * np.cumprod(np.r_[1.0, (lag - 1 + order) / (lag - order)])
+    circle = np.r_[half, half[1 : length - len(half) + 1][::-1]]
+    return np.sqrt(np.maximum(rfft(circle).real, 0.0))
