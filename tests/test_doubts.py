@@ -7,10 +7,11 @@ from scipy.stats import binom
 from imugap.discovery.axis import Description, Term, fit
 from imugap.discovery.doubt import LEVEL, SHARE, doubts, samples
 from imugap.discovery.doubt.doubt import Doubt
-from imugap.discovery.doubt.doubts import FADED, _fading_away, _jumping, _of_the_variance, _wandering
+from imugap.discovery.doubt.doubts import _jumping, _of_the_variance, _wandering
 from imugap.discovery.doubt.outliers import outliers_doubt
 from imugap.discovery.doubt.samples import BURSTS, of_samples
 from imugap.discovery.doubt.spectrum import LAW, _off_in_bands, share_of
+from imugap.discovery.doubt.transient import FADED, of_transients
 from imugap.discovery.noise import Noise
 from imugap.discovery.search import Key, Search
 from imugap.discovery.sequence import Sequence
@@ -214,7 +215,28 @@ def test_steps_within_a_warm_up_make_it_a_transient_of_another_shape(second, dou
     found = fit(sequence(*(term.effect for term in terms)), Description(terms, Noise((WHITE,))))
     keys = search.added(found.description)
     assert len(keys) == 3
-    assert set(_fading_away(found, keys)) == (set(keys) if doubtful else set())
+    assert set(of_transients(search, found, keys)) == (set(keys) if doubtful else set())
+
+
+def relaxing(kind):
+    """What ages by itself, in white noise; a warm-up and a ramp among it."""
+    time = INTERVAL * np.arange(COUNT)
+    return {
+        "logarithm": lambda: 3e-3 * np.log1p(time / 5),
+        "power": lambda: 1e-3 * time**0.4,
+        "stretched": lambda: 1.5e-2 * np.exp(-np.sqrt(time / 50)),
+        "warm-up and ramp": lambda: 3e-3 * np.exp(-time / 60) + 2e-6 * time,
+    }[kind]()
+
+
+@pytest.mark.parametrize("kind", ["logarithm", "power", "stretched", "warm-up and ramp"])
+def test_a_transient_of_another_shape_is_no_warm_up_beside_a_ramp(kind):
+    data = sequence(added=lambda time, rng: relaxing(kind), label=kind)
+    search, found = explored(data, WarmUp, RateRamp, BiasStep)
+    keys = search.added(found.description)
+    assert len(keys) >= 2
+    doubtful = doubts(search, found)
+    assert set(doubtful) == (set() if kind == "warm-up and ramp" else set(keys))
 
 
 def test_bursts_change_the_variance_and_leave_no_change_of_it_a_name():
@@ -301,6 +323,12 @@ def test_outliers_keep_their_name_whatever_their_distribution(law):
         search, found = explored(sequence(added=far, label=label), Outliers)
         assert found.has(Outliers)
         assert doubts(search, found) == {}
+
+
+def test_heavy_tails_of_all_samples_are_no_outliers():
+    assert reasons(sequence(added=lambda time, rng: 5e-3 * rng.laplace(size=len(time))), Outliers) == {
+        "they are not rare"
+    }
 
 
 def test_volatile_noise_has_neither_outliers_nor_changes_of_variance():

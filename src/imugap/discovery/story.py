@@ -14,6 +14,7 @@ from imugap.discovery.axis import AxisFit, fit, log_score, offset
 from imugap.discovery.doubt import LEVEL, OF_NOISE, OF_SLOPE, VALUES, Doubt, beside_a_sweep, beside_power_law, doubts
 from imugap.discovery.doubt.motion import in_place_of_all, without_a_name
 from imugap.discovery.finding import CERTAIN, Finding, Gap, Interval
+from imugap.discovery.glints import glints
 from imugap.discovery.parameters import axis_unit, intervals
 from imugap.discovery.search import Key, Search, at, log_chance, without
 from imugap.discovery.sequence import Sequence
@@ -217,7 +218,7 @@ def concluded(tale: Tale) -> Story:
     with threadpool_limits(1):
         search, whole = tale.late, two_valued(tale.whole)
         doubtful = doubts(search, tale.whole)
-        sweeps = swept(without(whole, list(doubtful)), search.log_alpha)
+        sweeps = (*swept(without(whole, list(doubtful)), search.log_alpha), *glints(whole))
         sure = [key for key in search.added(whole.description) if key not in doubtful]
         doubtful |= beside_a_sweep(search, tale.whole, sure, sweeps)
         named = [key for key in search.added(whole.description) if key not in doubtful]

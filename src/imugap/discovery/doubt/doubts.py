@@ -19,20 +19,19 @@ from imugap.discovery.doubt.spectrum import (
     surplus_of_one_law,
     with_power_law,
 )
+from imugap.discovery.doubt.transient import of_transients
 from imugap.discovery.doubt.variance import change_doubt
 from imugap.discovery.noise import log_likelihood
 from imugap.discovery.search import MANY, OF_TIME, SLOW, Key, Search, at, removed
 from imugap.discovery.unsteady import Band
-from imugap.effects import BiasStep, OutputFilter, RandomTelegraph, Sinusoid, WarmUp
+from imugap.effects import BiasStep, OutputFilter, RandomTelegraph, Sinusoid
 
 MOST = 0.5
 """Share of the power at the frequency of a line or a filter above which noise in doubt leaves neither a name."""
 JUMPS, VALUES = 3, 2
 """Number of steps from which on they are jumps beside slow noise, and further values beside telegraph noise."""
 SEVERAL = 2
-"""Means of time from which on they may be a process that wanders; steps from which on they shape a transient."""
-FADED = 5.0
-"""Time constants after which a warm-up is over: 0.7 % of it are left."""
+"""Means of time from which on they may be a process that wanders."""
 WIDE = 5.0
 """Excess of outliers, in standard deviations, from which on no change of the variance makes them."""
 FAR = 2.0
@@ -53,7 +52,7 @@ def doubts(search: Search, fit: AxisFit) -> dict[Key, Doubt]:
         same = [key for key in keys if isinstance(at(fit.description, key), kind)]
         if len(same) > most:
             found |= {key: Doubt(f"{len(same)} of them", -np.inf) for key in same}
-    found |= _remembered(search, fit, keys) | _jumping(fit, keys) | _fading_away(fit, keys)
+    found |= _remembered(search, fit, keys) | _jumping(fit, keys) | of_transients(search, fit, keys)
     found |= _wandering(search, fit, keys)
     found |= _of_the_variance(search, fit, keys, found)
     found |= _after_clusters(search, fit, found) | _beside_a_mean(search, fit, keys, found)
@@ -68,7 +67,7 @@ def doubts(search: Search, fit: AxisFit) -> dict[Key, Doubt]:
 def beside_a_sweep(search: Search, fit: AxisFit, keys: Sequence[Key], bands: Sequence[Band]) -> dict[Key, Doubt]:
     """Return the random effects and the filter among ``keys`` that are uncertain but for the band of such a line."""
     return {
-        key: Doubt("a line that sweeps explains it", band.log_p)
+        key: Doubt("a line that sweeps or wanders explains it", band.log_p)
         for band in bands
         for key in keys
         if key.part in ("noise", "filter") and not _certain_outside(search, fit, key, band.low, band.high)
@@ -103,19 +102,6 @@ def _jumping(fit: AxisFit, keys: Sequence[Key]) -> dict[Key, Doubt]:
     return dict.fromkeys([*steps, *slow, *switches], Doubt("it jumps", -np.inf)) if jumps else {}
 
 
-def _fading_away(fit: AxisFit, keys: Sequence[Key]) -> dict[Key, Doubt]:
-    """Return a warm-up and the steps before it is over, where these are several: a transient of another shape."""
-    found = {}
-    for key in keys:
-        effect = at(fit.description, key)
-        if isinstance(effect, WarmUp):
-            over = FADED * effect.time_constant
-            steps = [one for one in keys if isinstance(step := at(fit.description, one), BiasStep) and step.time < over]
-            if len(steps) >= SEVERAL:
-                found |= dict.fromkeys([key, *steps], Doubt("it fades away in another way", -np.inf))
-    return found
-
-
 def _wandering(search: Search, fit: AxisFit, keys: Sequence[Key]) -> dict[Key, Doubt]:
     """Return means of time, two or more, and slow noise, where one power law is worth more than all of them."""
     means, slow = ([key for key in keys if isinstance(at(fit.description, key), kinds)] for kinds in (OF_TIME, SLOW))
@@ -125,19 +111,17 @@ def _wandering(search: Search, fit: AxisFit, keys: Sequence[Key]) -> dict[Key, D
 
 
 def _of_the_variance(search: Search, fit: AxisFit, keys: Sequence[Key], found: Mapping[Key, Doubt]) -> dict[Key, Doubt]:
-    """Return what of the variance may be made by what has no name: changes beside bursts, outliers beside changes.
+    """Return what of the variance may be made by what has no name: changes beside bursts, or outliers in doubt.
 
-    Those are outliers that are not far out where the variance changes in a way that has no name, and the reverse.
+    And outliers that are not far out where a change is in doubt.
     """
     changes = [key for key in keys if key.part == "change"]
-    bursts = [doubt for doubt in found.values() if doubt.reason in IN_BURSTS]
-    doubtful = dict.fromkeys(changes, bursts[0]) if bursts else {}
-    outliers = fit.description.outliers
-    if outliers not in search.tails or search.tails[outliers].excess > WIDE:
-        return doubtful
-    both = [key for key in keys if key.part in ("change", "outliers")]
-    odd = [found[key] for key in both if key in found]
-    return doubtful | (dict.fromkeys(both, min(odd, key=lambda doubt: doubt.log_p)) if odd else {})
+    outliers = [key for key in keys if key.part == "outliers"]
+    near = [key for key in outliers if search.tails[fit.description.outliers].excess <= WIDE]
+    bursts = [doubt for key, doubt in found.items() if key in outliers or doubt.reason in IN_BURSTS]
+    doubtful = dict.fromkeys(changes, min(bursts, key=lambda doubt: doubt.log_p)) if bursts else {}
+    odd = [found[key] for key in changes if key in found]
+    return doubtful | (dict.fromkeys(near, min(odd, key=lambda doubt: doubt.log_p)) if odd else {})
 
 
 def _clear_of_lines(search: Search, fit: AxisFit, keys: Sequence[Key], found: Mapping[Key, Doubt]) -> set[Key]:

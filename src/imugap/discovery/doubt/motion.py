@@ -140,28 +140,33 @@ def _rests(conditions: Conditions) -> Iterator[np.ndarray]:
 
 
 def _ways(conditions: Conditions) -> Iterator[np.ndarray]:
-    """Yield what an error may go with, columns of shape (n, m): inputs, their products and derivatives, their history.
+    """Yield what an error may go with, columns of shape (n, m): inputs, their powers, products and derivatives.
 
     All of a triad at a time; of each turn the angle; of the own axis what it drags along with some play, a share that
     drifts, and any other function of it.
     """
-    for triad in (log.GYRO, log.ACCEL):
-        known = [axis for axis in triad if conditions.knows([axis])]
-        if known:
-            inputs = np.column_stack([conditions.ideal[axis].to_numpy(float) for axis in known])
-            yield inputs
-            yield np.gradient(inputs, conditions.interval, axis=0)
-            yield np.column_stack([a * b for a, b in combinations_with_replacement(inputs.T, 2)])
+    turns, forces = (
+        np.array([conditions.ideal[axis].to_numpy(float) for axis in triad if conditions.knows([axis])])
+        for triad in (log.GYRO, log.ACCEL)
+    )
+    for inputs in (turns, forces):
+        if len(inputs):
+            yield inputs.T
+            yield np.gradient(inputs.T, conditions.interval, axis=0)
+            yield np.column_stack([a * b for a, b in combinations_with_replacement(inputs, 2)])
+            yield np.vstack([inputs**3, np.abs(inputs)]).T
+    if len(turns) and len(forces):
+        yield np.column_stack([turn * force for turn in turns for force in forces])
     for axis in log.GYRO:
         if conditions.knows([axis]):
             angle = np.cumsum(conditions.ideal[axis].to_numpy(float)) * conditions.interval
             if np.ptp(angle) > TURN:
-                turns = np.exp(1j * np.outer(angle, np.arange(1, HEADINGS + 1)))
-                yield np.column_stack([turns.real, turns.imag])
+                headings = np.exp(1j * np.outer(angle, np.arange(1, HEADINGS + 1)))
+                yield np.column_stack([headings.real, headings.imag])
     if conditions.knows([conditions.axis]):
         own = np.ascontiguousarray(conditions.error_free)
         yield np.column_stack([play(own, half * own.std()) for half in HALVES])
         yield (own * np.linspace(-1.0, 1.0, len(own)))[:, None]
         span = max(np.ptp(np.quantile(own, WITHIN)), TINY)
-        turns = np.exp(2j * np.pi * np.outer(own, np.arange(1, WAVES + 1)) / span)
-        yield np.column_stack([turns.real, turns.imag])
+        waves = np.exp(2j * np.pi * np.outer(own, np.arange(1, WAVES + 1)) / span)
+        yield np.column_stack([waves.real, waves.imag])

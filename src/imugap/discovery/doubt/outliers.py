@@ -5,7 +5,7 @@ from scipy.special import ndtr
 from scipy.stats import ncx2
 
 from imugap.discovery.axis import AxisFit
-from imugap.discovery.doubt.doubt import Doubt
+from imugap.discovery.doubt.doubt import LEVEL, Doubt
 from imugap.discovery.doubt.motion import samples_in_motion
 from imugap.discovery.search import Search
 from imugap.effects.effect import TINY
@@ -15,6 +15,8 @@ CORE, INSIDE = 2.0, 0.7737413
 """Standard deviations within which most samples are no outliers, and the mean of the squares of normal ones there."""
 ROUNDS, BINS = 40, 12
 """Rounds in which mean and deviation of the core settle; bins of equal probability in it."""
+RARE = 0.1
+"""Share of the samples above which they are none, but the tails of another distribution."""
 SLIGHT = 0.005
 """Squared relative deviation of the core's density that leaves the name as it is: no real noise is quite normal."""
 
@@ -26,6 +28,7 @@ def outliers_doubt(search: Search, fit: AxisFit) -> Doubt:
     """
     found = search.tails[fit.description.outliers]
     doubts = [
+        Doubt("they are not rare", LEVEL - 1.0 if found.probability > RARE else 0.0),
         Doubt("they come in clusters", found.clustered),
         Doubt("they come with the motion", samples_in_motion(fit, found.flagged)),
         Doubt("they come at a beat", found.beating),
