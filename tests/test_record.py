@@ -463,3 +463,26 @@ def test_a_log_without_time_or_axes_is_refused():
         prepare(pd.DataFrame({"gyro_x": np.ones(9)}, index=np.zeros(9)))
     with pytest.raises(LogError, match="columns"):
         prepare(pd.DataFrame({"temperature": np.ones(9)}, index=np.arange(9.0)))
+
+
+@pytest.mark.parametrize(("every", "step"), [(2, 0.0), (4, 0.0), (1, 0.0), (1, 1e-4), (1, 2e-3)])
+def test_an_axis_that_was_interpolated_says_nothing_and_is_told(every, step):
+    """Neither noise nor noise on a fine or a coarse lattice is."""
+    rng, time = stream(1, "interpolated"), 0.02 * np.arange(6000)
+    values = rng.standard_normal((2, 6000)) * 1e-3
+    knots = np.arange(0, 6000, every)
+    values[1] = np.interp(np.arange(6000), knots, values[1, : len(knots)])
+    values = np.round(values / step) * step if step else values
+    record = prepare(pd.DataFrame({"gyro_x": values[0], "gyro_y": values[1]}, index=pd.Index(time, name="time")))
+    assert list(record.sequences) == (["gyro_x", "gyro_y"] if every == 1 else ["gyro_x"])
+    for place in record.silent:
+        assert (place.view, place.axis, place.unit) == ("values", "gyro_y", "s")
+        assert place.low == pytest.approx(0.02 * every, rel=0.02)
+
+
+def test_a_log_of_nothing_but_interpolated_values_is_taken_as_it_is():
+    values = np.interp(np.arange(6000), np.arange(0, 6000, 3), stream(2, "interpolated").standard_normal(2000))
+    log = pd.DataFrame({"gyro_x": values}, index=pd.Index(0.02 * np.arange(6000), name="time"))
+    record = prepare(log)
+    assert not record.silent
+    assert list(record.sequences) == ["gyro_x"]

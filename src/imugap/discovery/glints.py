@@ -43,9 +43,12 @@ def glints(found: AxisFit) -> tuple[Band, ...]:
     lengths = [length for length in LENGTHS if len(whitened) >= SEGMENTS * length]
     used = found.sequence.bins.last / len(whitened)
     bands = [_loud(_chances(whitened, length, used), length * interval) for length in lengths]
-    best = min(bands, key=lambda band: band.log_p, default=None)
-    trials = np.log(len(lengths) * (len(LEVELS) + 1)) if lengths else 0.0
-    return (best,) if best is not None and best.log_p + trials < CERTAIN else ()
+    trials = np.log(max(len(lengths), 1) * (len(LEVELS) + 1))
+    loud = [band for band in bands if band.log_p + trials < CERTAIN]
+    if not loud:
+        return ()
+    low, high, log_p = min(band.low for band in loud), max(band.high for band in loud), min(band.log_p for band in loud)
+    return (Band(float(low), float(high), log_p),)
 
 
 def _chances(whitened: np.ndarray, length: int, used: float) -> np.ndarray:

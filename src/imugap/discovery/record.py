@@ -31,6 +31,11 @@ TAILED = 2.1
 """Largest displacement of a stamp, in standard deviations, that the ticks of another clock leave (uniform: 1.73)."""
 HOLE = 5.0
 """Step of the stamps of the reference, over their usual one, above which nothing is known between two of them."""
+INTERPOLATED, STRAIGHT = 0.3, 1e-3
+"""Share of the samples that are on the line between their neighbours, within so much of the usual difference of two,
+from which on they were interpolated."""
+DISTINCT = 0.2
+"""Least share of different values of an axis of which that is asked."""
 TOGETHER = 0.5
 """Share of the repeats of an axis that the others have to share for a common cause."""
 
@@ -53,7 +58,8 @@ class Record:
     begin
         Stamp of the first sample, which is time zero.
     silent
-        Axes without two different values, which are left out: their value, in the view ``values``.
+        Axes that say nothing, in the view ``values``, which are left out: without two different values, the value;
+        of samples between which the others were interpolated, their distance in time.
     """
 
     sequences: dict[str, Sequence]
@@ -171,13 +177,34 @@ def _unit(axis: str) -> str:
 
 
 def _silent(log: pd.DataFrame) -> tuple[Gap, ...]:
-    """Return the axes without two different values, each as a place, if there are others."""
-    values = {axis: log[axis].replace([np.inf, -np.inf], np.nan).dropna().unique() for axis in canonical.axes(log)}
-    silent = {axis: found for axis, found in values.items() if len(found) < 2}
-    if len(silent) == len(values):
-        return ()
-    levels = {axis: float(found[0]) if len(found) else np.nan for axis, found in silent.items()}
-    return tuple(Gap("values", axis, level, level, _unit(axis), 0.0) for axis, level in levels.items())
+    """Return the axes that say nothing, each as a place, if there are others.
+
+    Those without two different values, and those of samples between which the others were interpolated.
+    """
+    values = {axis: log[axis].replace([np.inf, -np.inf], np.nan).dropna() for axis in canonical.axes(log)}
+    silent = {}
+    for axis, found in values.items():
+        unique = found.unique()
+        if len(unique) < 2:
+            level = float(unique[0]) if len(unique) else np.nan
+            silent[axis] = Gap("values", axis, level, level, _unit(axis), 0.0)
+        elif (every := _samples_to_a_knot(found.to_numpy(float))) > 1:
+            period = every * float(np.median(np.diff(found.index)))
+            silent[axis] = Gap("values", axis, period, period, "s", 0.0)
+    return () if len(silent) == len(values) else tuple(silent.values())
+
+
+def _samples_to_a_knot(values: np.ndarray) -> float:
+    """Return how many samples there are to each that is not on the line between its neighbours; one if most are not.
+
+    On a coarse lattice neighbours are often as far apart by chance.
+    """
+    slope = np.diff(values)
+    if len(slope) < 2 or len(np.unique(values)) < DISTINCT * len(values):
+        return 1.0
+    straight = np.abs(np.diff(slope)) < STRAIGHT * np.sqrt(np.mean(slope**2))
+    share = float(np.mean(straight & (slope[1:] != 0)))
+    return 1 / (1 - share) if INTERPOLATED < share < 1 else 1.0
 
 
 def _rows(log: pd.DataFrame, reference: pd.DataFrame | None) -> pd.DataFrame:

@@ -237,8 +237,11 @@ def _carried(search: Search, found: AxisFit, doubtful: Mapping[Key, Doubt]) -> A
     """Return the fit without what is in doubt; if that is slow noise, with noise of the slope that it has.
 
     Only where nothing but slow noise is in doubt, and nothing but its spectrum: what is no noise has no place there.
+    Outliers in doubt are samples again.
     """
     kept = without(found, list(doubtful))
+    if any(key.part == "outliers" for key in doubtful):
+        kept = fit(search.raw[found.description.outliers], kept.description)
     if not doubtful or any(doubt.reason not in OF_NOISE for doubt in doubtful.values()) or kept.has(PowerLaw):
         return kept
     carried = beside_power_law(search.afresh(), kept, SLOPE)

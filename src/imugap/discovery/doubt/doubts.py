@@ -34,6 +34,8 @@ SEVERAL = 2
 """Means of time from which on they may be a process that wanders."""
 WIDE = 5.0
 """Excess of outliers, in standard deviations, from which on no change of the variance makes them."""
+EDGE = 1.1
+"""Factor by which the band of a line that sweeps or wanders may reach farther."""
 FAR = 2.0
 """Factor of the frequency of a line in doubt beyond which others have nothing to do with it."""
 
@@ -70,7 +72,7 @@ def beside_a_sweep(search: Search, fit: AxisFit, keys: Sequence[Key], bands: Seq
         key: Doubt("a line that sweeps or wanders explains it", band.log_p)
         for band in bands
         for key in keys
-        if key.part in ("noise", "filter") and not _certain_outside(search, fit, key, band.low, band.high)
+        if key.part in ("noise", "filter") and not _certain_outside(search, fit, key, band.low / EDGE, band.high * EDGE)
     }
 
 
@@ -135,15 +137,22 @@ def _clear_of_lines(search: Search, fit: AxisFit, keys: Sequence[Key], found: Ma
 
 
 def _certain_outside(search: Search, fit: AxisFit, key: Key, low: float, high: float) -> bool:
-    """Return whether chance does not explain what an effect gains outside of a band of frequencies [Hz]."""
+    """Return whether chance does not explain what an effect gains outside of a band of frequencies [Hz].
+
+    What is within the band may have lifted the level of all: without the effect it is that of the others.
+    """
     own, without = search.weighed(fit, key)
     frequency = np.arange(1, fit.sequence.bins.last + 1) / (2 * len(fit.residual) * fit.sequence.conditions.interval)
     outside = (frequency < low) | (frequency > high)
+    if not outside.any():
+        return False
     full, less = (
-        np.sum((one.coefficients[: len(frequency)] ** 2 + np.log(one.variance[: len(frequency)]))[outside])
+        (one.coefficients[: len(frequency)][outside] ** 2, one.variance[: len(frequency)][outside])
         for one in (fit, without)
     )
-    return replace(own, gain=0.5 * float(less - full)).log_p < search.log_alpha
+    level = np.mean(less[0])
+    gain = 0.5 * float(np.sum(less[0] / level + np.log(level * less[1])) - np.sum(full[0] + np.log(full[1])))
+    return replace(own, gain=gain).log_p < search.log_alpha
 
 
 def _after_clusters(search: Search, fit: AxisFit, found: Mapping[Key, Doubt]) -> dict[Key, Doubt]:

@@ -1,7 +1,7 @@
 """Does a mean that dies away, with others beside it, stand for one transient of another shape?
 
-What relaxes by many processes at once ages with the logarithm of time, a power of it, or a stretched exponential of it
-(Kohlrausch 1854, Annalen der Physik 167, 56-82). A warm-up, a ramp and a step together come close.
+What relaxes by many processes at once ages with the logarithm of time, a power of it, a hyperbola, or a stretched
+exponential (Kohlrausch 1854, Annalen der Physik 167, 56-82). A warm-up, a ramp and a step together come close.
 """
 
 from collections.abc import Iterator, Sequence
@@ -21,6 +21,7 @@ FADED = 5.0
 """Time constants after which a warm-up is over: 0.7 % of it are left."""
 POWERS = np.r_[np.arange(0.1, 1.0, 0.1), 1.5, 2.0, 3.0]
 STRETCHED = np.arange(0.3, 0.9, 0.1)
+HYPERBOLIC = 0.5, 1.0, 2.0
 TIMES = 20
 """Times of a transient at which a search looks."""
 PARAMETERS = 3
@@ -72,4 +73,5 @@ def _shapes(time: np.ndarray) -> Iterator[np.ndarray]:
     yield (since / since[-1])[:, None] ** POWERS
     for scale in np.geomspace(10 * since[1], since[-1] / 2, TIMES):
         aged = since / scale
-        yield np.column_stack([np.log1p(aged), *(np.exp(-(aged**power)) for power in STRETCHED)])
+        stretched = (np.exp(-(aged**power)) for power in STRETCHED)
+        yield np.column_stack([np.log1p(aged), *stretched, *((1 + aged) ** -power for power in HYPERBOLIC)])
