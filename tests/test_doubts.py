@@ -2,12 +2,14 @@
 
 import numpy as np
 import pytest
+from scipy.ndimage import uniform_filter1d
 from scipy.stats import binom
 
 from imugap.discovery.axis import Description, Term, fit
 from imugap.discovery.doubt import LEVEL, SHARE, doubts, samples
 from imugap.discovery.doubt.doubt import Doubt
 from imugap.discovery.doubt.doubts import _jumping, _of_the_variance, _wandering
+from imugap.discovery.doubt.memory import CURVE
 from imugap.discovery.doubt.outliers import outliers_doubt
 from imugap.discovery.doubt.samples import BURSTS, of_samples
 from imugap.discovery.doubt.spectrum import LAW, _off_in_bands, share_of
@@ -119,15 +121,26 @@ def test_a_curve_over_the_temperature_is_no_noise():
     """One that bends at a level, as where water freezes."""
     warm = chamber(INTERVAL * np.arange(COUNT))
     data = sequence(added=lambda time, rng: 2e-4 * np.maximum(warm - 5, 0) - 4e-6 * warm**2, temperature=warm)
-    assert "a curve over the temperature explains it better" in reasons(data, BiasInstability, GaussMarkov, RandomWalk)
+    assert CURVE in reasons(data, BiasInstability, GaussMarkov, RandomWalk)
+
+
+def test_what_jumps_as_the_temperature_turns_is_no_telegraph_noise():
+    wanders = uniform_filter1d(stream(2, "warm").standard_normal(COUNT), 300)
+    warm = 20 + 2 * uniform_filter1d(np.cumsum(wanders), 300)
+    data = sequence(added=lambda time, rng: 5e-3 * np.sign(np.gradient(warm, INTERVAL)), temperature=warm)
+    assert reasons(data, GaussMarkov) == {CURVE}
 
 
 @pytest.mark.parametrize("course", [chamber, lambda time: 20 + 10 * np.exp(-time / 300), lambda time: 20 + time / 100])
-@pytest.mark.parametrize("effect", [BiasInstability(2e-3), RandomWalk(1e-4), RandomWalk(1e-3)])
+@pytest.mark.parametrize(
+    "effect", [BiasInstability(2e-3), RandomWalk(1e-4), RandomWalk(1e-3), RandomTelegraph(4e-3, 0.02)]
+)
 def test_noise_keeps_its_name_whatever_the_temperature(effect, course):
     warm = course(INTERVAL * np.arange(COUNT))
     withheld = [
-        reasons(sequence(effect, label=label, temperature=warm), BiasInstability, GaussMarkov, RandomWalk)
+        reasons(
+            sequence(effect, label=label, temperature=warm), BiasInstability, GaussMarkov, RandomTelegraph, RandomWalk
+        )
         for label in range(5)
     ]
     assert not any("temperature" in reason for found in withheld for reason in found)

@@ -17,10 +17,11 @@ from imugap.discovery.search import SLOW, Key, Search, Trial, log_chance
 from imugap.effects import BiasStep, RandomTelegraph, RateRamp, Temperature, WarmUp
 
 MEMORY = "a memory of the temperature explains it better"
+CURVE = "a curve over the temperature or its rate explains it better"
 MEANS = (BiasStep, RateRamp, Temperature, WarmUp)
 """Means that a loop over the temperature may look like."""
 LEVELS = np.linspace(0.05, 0.95, 8)
-"""Quantiles of the temperature at which a curve over it may bend."""
+"""Quantiles of the temperature at which a curve over it may bend, and of its rate at which one may jump."""
 NONE = Doubt(MEMORY, 0.0)
 
 
@@ -31,9 +32,10 @@ def in_place_of_noise(search: Search, fit: AxisFit, key: Key) -> Doubt:
         return NONE
     own, without = search.weighed(fit, key)
     bases = without, search.fitted(fit.sequence, _without_slow_noise(fit.description))
-    bent = max(likelihood_beside(base, _bends(temperature)) for base in bases)
+    curves = _bends(temperature), _steps(np.gradient(temperature, fit.sequence.conditions.interval))
+    bent = max(likelihood_beside(base, curve) for base in bases for curve in curves)
     return min(
-        Doubt("a curve over the temperature explains it better", min(LEVEL + CLEARLY + fit.log_likelihood - bent, 0.0)),
+        Doubt(CURVE, min(LEVEL + CLEARLY + fit.log_likelihood - bent, 0.0)),
         _of_a_loop(search, fit, own, bases),
         key=lambda doubt: doubt.log_p,
     )
@@ -80,6 +82,11 @@ def _bends(temperature: np.ndarray) -> np.ndarray:
     return np.column_stack(
         [temperature, *(np.maximum(temperature - level, 0) for level in np.quantile(temperature, LEVELS))]
     )
+
+
+def _steps(rate: np.ndarray) -> np.ndarray:
+    """Return the rate of the temperature, and where it is above zero and a few levels, shape (n, 1 + levels)."""
+    return np.column_stack([rate, *(rate > level for level in np.unique([0.0, *np.quantile(rate, LEVELS)]))])
 
 
 def _without_slow_noise(description: Description) -> Description:

@@ -4,9 +4,10 @@ What relaxes by many processes at once ages with the logarithm of time, a power 
 exponential (Kohlrausch 1854, Annalen der Physik 167, 56-82). A warm-up, a ramp and a step together come close.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
+from scipy.optimize import minimize
 
 from imugap.discovery.axis import AxisFit
 from imugap.discovery.doubt.beside import likelihood_beside
@@ -19,11 +20,10 @@ SEVERAL = 2
 """Steps within a transient from which on they shape it."""
 FADED = 5.0
 """Time constants after which a warm-up is over: 0.7 % of it are left."""
-POWERS = np.r_[np.arange(0.1, 1.0, 0.1), 1.5, 2.0, 3.0]
-STRETCHED = np.arange(0.3, 0.9, 0.1)
-HYPERBOLIC = 0.5, 1.0, 2.0
-TIMES = 20
-"""Times of a transient at which a search looks."""
+TIMES, EVALUATIONS = 8, 60
+"""Times of a transient, and evaluations from the best one on, with which a search looks."""
+LONGER, STEEPEST = 3.0, 4.0
+"""Logarithm of how much longer than half the log a time may be, and the largest power."""
 PARAMETERS = 3
 """Size, time and shape of a transient."""
 
@@ -54,24 +54,41 @@ def of_transients(search: Search, fit: AxisFit, keys: Sequence[Key]) -> dict[Key
 def _another_shape(search: Search, fit: AxisFit, keys: Sequence[Key]) -> float:
     """Return the log-probability of a doubt whether some means are surer than one transient in their place."""
     bare = without(fit, keys)
-    best = max((_best(bare, some) for some in _shapes(fit.sequence.conditions.time)), key=lambda one: one[0])[1]
+    time = fit.sequence.conditions.time
+    best = max((_best(bare, time, kind) for kind in (_aged, _stretched)), key=lambda shape: _gain(bare, shape))
     more = fit.description.size() - bare.description.size()
     named = log_chance(fit.log_likelihood - bare.log_likelihood, more)
     other = log_chance(likelihood_beside(bare, best) - bare.log_likelihood, PARAMETERS)
     return over(named, other, search.log_alpha)
 
 
-def _best(bare: AxisFit, shapes: np.ndarray) -> tuple[float, np.ndarray]:
-    """Return the largest gain of log-likelihood by one of some shapes, and that one, shape (n, 1)."""
-    gains = bare.gains(bare.whiten(shapes))
-    return float(gains.max()), shapes[:, [np.argmax(gains)]]
+def _best(bare: AxisFit, time: np.ndarray, kind: Callable) -> np.ndarray:
+    """Return the likeliest transient of a kind, shape (n, 1), from the best one of a few times and powers."""
+    since, spans = time - time[0], np.log(np.geomspace(10 * (time[1] - time[0]), np.ptp(time) / 2, TIMES))
+    tried = [(span, power) for span in spans for power in POWERS[kind]]
+
+    def loss(place: np.ndarray) -> float:
+        return -_gain(bare, kind(since, *place))
+
+    begin = min(tried, key=loss)
+    bounds = [(spans[0], spans[-1] + LONGER), (-STEEPEST, STEEPEST)]
+    found = minimize(loss, begin, method="Nelder-Mead", bounds=bounds, options={"maxfev": EVALUATIONS})
+    return kind(since, *found.x)
 
 
-def _shapes(time: np.ndarray) -> Iterator[np.ndarray]:
-    """Yield transients of other shapes over a time from its begin, shape (n, shapes)."""
-    since = time - time[0]
-    yield (since / since[-1])[:, None] ** POWERS
-    for scale in np.geomspace(10 * since[1], since[-1] / 2, TIMES):
-        aged = since / scale
-        stretched = (np.exp(-(aged**power)) for power in STRETCHED)
-        yield np.column_stack([np.log1p(aged), *stretched, *((1 + aged) ** -power for power in HYPERBOLIC)])
+def _gain(bare: AxisFit, shape: np.ndarray) -> float:
+    return float(bare.gains(bare.whiten(shape))[0])
+
+
+def _aged(since: np.ndarray, span: float, power: float) -> np.ndarray:
+    """Return a power of the age, over exp(span) [s], shape (n, 1); that of a power near zero is its logarithm."""
+    return ((1 + since / np.exp(span)) ** power)[:, None]
+
+
+def _stretched(since: np.ndarray, span: float, power: float) -> np.ndarray:
+    """Return a stretched exponential, shape (n, 1)."""
+    return np.exp(-((since / np.exp(span)) ** abs(power)))[:, None]
+
+
+POWERS = {_aged: (-2.0, -1.0, -0.5, -0.1, 0.1, 0.3, 0.6, 1.5), _stretched: (0.3, 0.5, 0.7, 0.85)}
+"""Powers from which transients of a kind are fitted."""
