@@ -13,7 +13,7 @@ from imugap.discovery.doubt.memory import CURVE
 from imugap.discovery.doubt.outliers import outliers_doubt
 from imugap.discovery.doubt.samples import BURSTS, of_samples
 from imugap.discovery.doubt.spectrum import LAW, _off_in_bands, share_of
-from imugap.discovery.doubt.transient import FADED, of_transients
+from imugap.discovery.doubt.transient import FADING, of_transients
 from imugap.discovery.noise import Noise
 from imugap.discovery.search import Key, Search
 from imugap.discovery.sequence import Sequence
@@ -200,6 +200,14 @@ def test_what_is_no_noise_is_not_in_the_model_as_noise(reason):
     assert not carried.has(RandomWalk)
 
 
+def test_a_step_in_doubt_beside_slow_noise_is_not_in_the_model_as_noise():
+    search = Search(Description((), Noise((WHITE,))), (), LOG_ALPHA)
+    described = Description((Term(BiasStep(400.0, 0.1), ("step",)),), Noise((WHITE, RandomWalk(1e-3))))
+    found = fit(sequence(PowerLaw(4e-3, 1.5), BiasStep(400.0, 0.1)), described)
+    doubtful = dict.fromkeys([Key("term", 0), Key("noise", 1)], Doubt(LAW, -20.0))
+    assert [one.name for one in _carried(search, found, doubtful).description.effects()] == ["white_noise"]
+
+
 @pytest.mark.slow
 def test_what_jumps_and_relaxes_is_no_telegraph_noise():
     assert names(story_of(sequence(added=relaxations, count=12_000, label="a"))) == []
@@ -218,8 +226,8 @@ def test_steps_are_jumps_where_there_are_many_beside_slow_noise(noise, most):
 
 @pytest.mark.parametrize(("second", "doubtful"), [(0.5, True), (2.0, False)])
 def test_steps_within_a_warm_up_make_it_a_transient_of_another_shape(second, doubtful):
-    """Within its five time constants; a single step is one, and so are others that come after it is over."""
-    over = FADED * 40.0
+    """Within two time constants; a single step is one, and so are others that come after it is over."""
+    over = FADING * 40.0
     terms = (
         Term(WarmUp(0.05, 40.0), ("amplitude", "time_constant")),
         *(Term(BiasStep(time, 0.02), ("step",)) for time in (0.25 * over, second * over)),

@@ -1,5 +1,7 @@
 """Tones that wander, come and go, or ring, and what is none."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.stats import binom
@@ -80,6 +82,12 @@ def test_a_steady_line_and_a_step_that_are_not_described_are_none():
     assert glints(fit(data, Description((), Noise((WHITE,))))) == ()
     line = Term(Sinusoid(3.0, STD), ("amplitude",))
     assert glints(fit(data, Description((line,), Noise((WHITE,))))) == ()
+
+
+@pytest.mark.parametrize("share", [0.01, 0.1, 1.0])
+def test_frequencies_above_those_that_a_fit_asks_are_not_asked_either(share):
+    data = replace(sequence(), share=share)
+    assert glints(fit(data, Description((), Noise((WHITE,))))) == ()
 
 
 def test_cells_of_white_noise_are_as_loud_as_said():

@@ -480,6 +480,14 @@ def test_an_axis_that_was_interpolated_says_nothing_and_is_told(every, step):
         assert place.low == pytest.approx(0.02 * every, rel=0.02)
 
 
+@pytest.mark.parametrize("shock", [300.0, -9999.0])
+def test_a_shock_does_not_make_the_rest_of_an_axis_look_straight(shock):
+    values = stream(3, "interpolated").standard_normal((2, 6000)) * 1e-3
+    values[1, 3000] = shock
+    log = pd.DataFrame(dict(zip(("gyro_x", "gyro_y"), values, strict=True)), index=pd.Index(0.02 * np.arange(6000)))
+    assert not prepare(log.rename_axis("time")).silent
+
+
 def test_a_log_of_nothing_but_interpolated_values_is_taken_as_it_is():
     values = np.interp(np.arange(6000), np.arange(0, 6000, 3), stream(2, "interpolated").standard_normal(2000))
     log = pd.DataFrame({"gyro_x": values}, index=pd.Index(0.02 * np.arange(6000), name="time"))

@@ -5,9 +5,9 @@ import pytest
 
 from imugap.discovery.axis import Description, Term, fit
 from imugap.discovery.noise import Noise
-from imugap.discovery.runs import as_first, clocks, turn_on
+from imugap.discovery.runs import _error, _of_mean, as_first, clocks, turn_on
 from imugap.discovery.sequence import Sequence
-from imugap.effects import GaussMarkov, RandomWalk, RateRamp, Sinusoid, WarmUp, WhiteNoise
+from imugap.effects import GaussMarkov, PowerLaw, RandomWalk, RateRamp, Sinusoid, WarmUp, WhiteNoise
 from imugap.effects.effect import Conditions
 from imugap.stream import stream
 
@@ -113,3 +113,15 @@ def test_slow_noise_makes_runs_differ_as_often_as_it_should(noise):
     level = np.log(0.05)
     chance = [turn_on(levelled(number, (0.0, 0.0), (), (noise,)), level) for number in range(60)]
     assert sum(map(len, chance)) <= 9  # binomial: more than 9 of 60 at 5 % in 0.2 %
+
+
+@pytest.mark.parametrize("duration", [100.0, 4000.0])
+def test_the_mean_of_a_walk_has_a_third_of_the_variance_of_its_end(duration):
+    assert _of_mean(RandomWalk(0.3), duration, 0.1) == pytest.approx(0.3**2 * duration / 3, rel=1e-3)
+
+
+def test_noise_of_any_slope_may_hold_a_level_through_a_run():
+    conditions = Conditions(0.1 * np.arange(2000), 0.1, axis="gyro_x")
+    values = stream(1, "slope").standard_normal(2000)
+    noise = Noise((WhiteNoise(0.3), PowerLaw(0.01, 1.2)))
+    assert np.isinf(_error(fit(Sequence(values, conditions, np.zeros(2000, bool)), Description((), noise))))

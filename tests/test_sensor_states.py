@@ -1,7 +1,16 @@
 import numpy as np
 import pytest
 
-from imugap.effects import Bias, BiasInstability, GaussMarkov, Quantization, RandomWalk, TurnOnBias, WhiteNoise
+from imugap.effects import (
+    Bias,
+    BiasInstability,
+    GaussMarkov,
+    PowerLaw,
+    Quantization,
+    RandomWalk,
+    TurnOnBias,
+    WhiteNoise,
+)
 from imugap.model import AxisModel, ErrorModel
 from imugap.sensor_states import FLICKER_S, FLICKER_STATES, SensorStates
 
@@ -56,3 +65,18 @@ def test_scale_factors_keep_their_variance_whatever_their_correlation_time(corre
     np.testing.assert_allclose(states.variance, np.repeat([1e-6, 4e-6], 3))
     np.testing.assert_allclose(states.decay, 1 / correlation)
     np.testing.assert_allclose(states.driving_psd, 2 * states.decay * states.variance)
+
+
+@pytest.mark.parametrize(("exponent", "like"), [(1.0, BiasInstability(0.7)), (2.0, RandomWalk(0.7))])
+def test_noise_of_the_slope_of_a_name_has_the_states_of_that(exponent, like):
+    """In other cases the nearer one, of the same Allan variance in the middle of the range."""
+    found, expected = (
+        SensorStates.of(ErrorModel({"accel_x": AxisModel((one,))})) for one in (PowerLaw(0.7, exponent), like)
+    )
+    for name in ("decay", "driving_psd", "variance"):
+        np.testing.assert_allclose(getattr(found, name), getattr(expected, name), rtol=1e-6)
+
+
+@pytest.mark.parametrize(("exponent", "states"), [(1.3, FLICKER_STATES), (1.7, 1)])
+def test_noise_of_any_slope_has_states(exponent, states):
+    assert len(SensorStates.of(ErrorModel({"accel_x": AxisModel((PowerLaw(0.7, exponent),))}))) == states

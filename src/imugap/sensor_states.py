@@ -2,7 +2,8 @@
 
 Every process of the library that has a state space is a sum of independent first-order states: a constant, a random
 walk, a Gauss-Markov process. Flicker noise (:class:`imugap.effects.BiasInstability`), which has none, is taken for the
-nearest bank of Gauss-Markov processes over a stated range of averaging times (:mod:`imugap.flicker`). A turn-on bias
+nearest bank of Gauss-Markov processes over a stated range of averaging times (:mod:`imugap.flicker`), and noise of any
+slope for the flicker noise or random walk that is nearer. A turn-on bias
 and a random walk of the same axis share a state (:mod:`imugap.augmentation`). The fixed bias is compensated as it
 stands. Quantisation is left out, since its integral does not grow; of the effects of the signal chain the filter knows
 nothing but the scale factor, if it is told to estimate it: a Gauss-Markov process, or a constant.
@@ -13,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from imugap.augmentation import augmentation
-from imugap.effects import Bias, BiasInstability, Quantization
+from imugap.effects import Bias, BiasInstability, PowerLaw, Quantization, RandomWalk, StochasticEffect
 from imugap.flicker import bank
 from imugap.log import ACCEL, AXES, GYRO
 from imugap.model import AxisModel, ErrorModel
@@ -22,6 +23,8 @@ FLICKER_S = (1.0, 1000.0)
 """Range of averaging times over which flicker noise is approximated [s]."""
 FLICKER_STATES = 3
 """Gauss-Markov processes in its place; their Allan deviation errs by 4 % at most over the range."""
+NEARER = 1.5
+"""Exponent of noise of any slope from which on a random walk is nearer."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,6 +108,18 @@ def _finite(model: AxisModel) -> AxisModel:
     """Return the model without quantisation, and with flicker noise approximated by processes of finite order."""
     effects = []
     for effect in (one for one in model if not isinstance(one, Quantization)):
-        flicker = isinstance(effect, BiasInstability)
-        effects += bank(effect.density_b, *FLICKER_S, FLICKER_STATES) if flicker else [effect]
+        one = _named(effect) if isinstance(effect, PowerLaw) else effect
+        flicker = isinstance(one, BiasInstability)
+        effects += bank(one.density_b, *FLICKER_S, FLICKER_STATES) if flicker else [one]
     return AxisModel(tuple(effects))
+
+
+def _named(law: PowerLaw) -> StochasticEffect:
+    """Return the flicker noise or the random walk, whichever slope is nearer, of the same Allan variance at its middle.
+
+    That is the middle of the averaging times over which flicker noise is approximated.
+    """
+    tau = np.sqrt(np.prod(FLICKER_S))
+    unit = BiasInstability(1.0) if law.exponent < NEARER else RandomWalk(1.0)
+    size = float(np.sqrt(law.allan_variance(tau) / unit.allan_variance(tau)))
+    return type(unit)(size)

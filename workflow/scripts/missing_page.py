@@ -2,7 +2,7 @@
 
 import json
 from itertools import groupby
-from math import isfinite
+from math import isfinite, nan
 from pathlib import Path
 from shutil import copyfile
 
@@ -21,6 +21,8 @@ STATES, ENDS = ("before", "after", "floor"), ("value", "low", "high")
 FEW = 3
 """Effects of one name and the same axes that a page shows; of more it tells where the others are."""
 PAIRS = "two axes"
+SLOW_NOISE = ("bias_instability", "gauss_markov", "random_walk", "random_telegraph")
+"""What noise of any slope may stand for."""
 
 
 def axes_of(names):
@@ -115,8 +117,8 @@ def withheld(reports):
     for start, report in reports.items():
         exponents = {one["axis"]: one["parameters"]["exponent"] for one in report["described"]}
         for one in report["withheld"]:
-            ends = exponents.get(one["axis"], {})
-            rows.append({"start": start} | one | {f"exponent_{end}": ends.get(end) for end in ENDS})
+            ends = exponents.get(one["axis"], {}) if one["name"] in SLOW_NOISE else {}
+            rows.append({"start": start} | one | {f"exponent_{end}": ends.get(end, nan) for end in ENDS})
     return pd.DataFrame(rows, columns=["start", "axis", "name", "reason", *(f"exponent_{end}" for end in ENDS)])
 
 

@@ -40,8 +40,8 @@ def glints(found: AxisFit) -> tuple[Band, ...]:
     if found.sequence.coarse:
         return ()
     whitened, interval = found.whitened, found.sequence.conditions.interval
-    lengths = [length for length in LENGTHS if len(whitened) >= SEGMENTS * length]
     used = found.sequence.bins.last / len(whitened)
+    lengths = [n for n in LENGTHS if len(whitened) >= SEGMENTS * n and _last(n, used) - LOWEST >= NEAR // 2]
     bands = [_loud(_chances(whitened, length, used), length * interval) for length in lengths]
     trials = np.log(max(len(lengths), 1) * (len(LEVELS) + 1))
     loud = [band for band in bands if band.log_p + trials < CERTAIN]
@@ -56,11 +56,16 @@ def _chances(whitened: np.ndarray, length: int, used: float) -> np.ndarray:
 
     Of a share ``used`` of the frequencies, above which the fit asks nothing.
     """
-    segments, last = len(whitened) // length, int(used * (length // 2)) - 1
+    segments, last = len(whitened) // length, _last(length, used)
     power = np.abs(rfft(whitened[: segments * length].reshape(segments, length), axis=1)[:, LOWEST:last]) ** 2
     steady = np.median(power, axis=0) / power.mean()
     power /= np.where(steady > STEADY, steady, 1.0)
     return np.hstack([_above(part) for part in np.array_split(power, max((last - LOWEST) // NEAR, 1), axis=1)])
+
+
+def _last(length: int, used: float) -> int:
+    """Return the number of the last frequency of a segment that is used, + 1."""
+    return int(used * (length // 2)) - 1
 
 
 def _above(power: np.ndarray) -> np.ndarray:

@@ -69,7 +69,8 @@ def _random(fit: AxisFit, key: Key) -> dict[str, tuple[float, float]]:
             error = np.sqrt(max(covariance[j, j], 0.0))
             known = information[j, j] > 0 and error < WIDEST
             factor = np.exp(NORMAL * error) if known else np.inf
-            ends[name] = (value / factor, value * factor)
+            limits = list(noise)[i].limits()[name]
+            ends[name] = tuple(float(np.clip(end, *limits)) for end in (value / factor, value * factor))
     return ends
 
 

@@ -202,7 +202,7 @@ def _samples_to_a_knot(values: np.ndarray) -> float:
     slope = np.diff(values)
     if len(slope) < 2 or len(np.unique(values)) < DISTINCT * len(values):
         return 1.0
-    straight = np.abs(np.diff(slope)) < STRAIGHT * np.sqrt(np.mean(slope**2))
+    straight = np.abs(np.diff(slope)) < STRAIGHT * np.median(np.abs(slope))
     share = float(np.mean(straight & (slope[1:] != 0)))
     return 1 / (1 - share) if INTERPOLATED < share < 1 else 1.0
 

@@ -124,7 +124,7 @@ def _sentence(finding: Finding) -> str:
 def _slope(finding: Finding) -> str:
     exponent = finding.parameters["exponent"]
     ends = f"{exponent.value:.2f} ({exponent.low:.2f} to {exponent.high:.2f})"
-    return f"{finding.axes[0]}: the final model has noise of spectrum 1/f^{ends} in its place."
+    return f"{finding.axes[0]}: in the place of slow noise without a name the model has noise of spectrum 1/f^{ends}."
 
 
 def place(gap: Gap) -> str:

@@ -19,8 +19,12 @@ from imugap.effects.sinusoid import LINE
 from imugap.log import TIME, from_samples
 
 LEAST = 1e-300
-BEGIN, NEVER = 3 / (2 * np.pi**2), 1e-7
-"""Periods per run above which noise adds to the variance of a mean: of what begins with the run, and of other noise."""
+BEGIN, NEVER = 0.1049769, 1e-7
+"""Periods per run above which noise adds to the variance of a mean: of what begins with the run, and of other noise.
+
+From the first on the spectrum of a random walk makes that of its mean, K^2 duration/3: the integral of sinc^2(x)/x^2
+is 2 pi^2/3.
+"""
 LASTING = 0.2
 """Correlation time, in runs, from which on noise holds a level through a run."""
 FREQUENCIES = 20_000
@@ -68,11 +72,11 @@ def _turn_on(axis: str, runs: list[AxisFit], log_alpha: float) -> Finding | None
 def _error(run: AxisFit) -> float:
     """Return the standard deviation of the level of a run: that of its mean, and of the terms that are taken off it.
 
-    Infinite beside noise with a memory that may be as long as the run: it holds a level like a bias.
+    Infinite beside noise with a memory that may be as long as the run, or of any slope: it holds a level like a bias.
     """
     conditions, noise = run.sequence.conditions, run.description.noise
     duration = conditions.interval * len(conditions)
-    if any(memory > LASTING * duration for memory in _memories(run)):
+    if any(memory > LASTING * duration for memory in _memories(run)) or run.has(PowerLaw):
         return np.inf
     slopes = jacobian(run.description.terms, run.sequence).mean(axis=0)
     variance = sum(_of_mean(effect, duration, conditions.interval) for effect in noise.effects)
@@ -91,11 +95,10 @@ def _memories(run: AxisFit) -> Iterator[float]:
 def _of_mean(effect: StochasticEffect, duration: float, interval: float) -> float:
     """Return the variance of the mean of noise over a run, the integral of S(f) sinc^2(f duration).
 
-    A random walk begins with its run, as any noise of its slope does: below :data:`BEGIN` periods per run nothing is
+    A random walk begins with its run: below :data:`BEGIN` periods per run nothing is
     missing, which makes it K^2 duration/3; and neither is of flicker, whose variance has no bound.
     """
-    begins = isinstance(effect, (RandomWalk, BiasInstability)) or (isinstance(effect, PowerLaw) and effect.integrations)
-    lowest = (BEGIN if begins else NEVER) / duration
+    lowest = (BEGIN if isinstance(effect, (RandomWalk, BiasInstability)) else NEVER) / duration
     frequency = np.geomspace(lowest, 0.5 / interval, FREQUENCIES)
     passed = effect.sampled_psd(frequency, interval) * np.sinc(frequency * duration) ** 2
     return 2 * float(np.trapezoid(passed, frequency))

@@ -38,6 +38,8 @@ TAILS = 100.0
 """Independent shapes of tails, on the safe side."""
 LIMIT = 12
 """Additions to one axis; each gains less than the one before, as a rule."""
+ASKED = 4
+"""Additions from which on it is asked whether something without a name says more than all that may come."""
 FAR = 300.0
 """Gain of log-likelihood above which the probability of a chance is its asymptote."""
 MARGIN = 0.1
@@ -181,8 +183,8 @@ class Search:
         before
             Fit to begin with.
         nameless
-            Of a fit the log-likelihood of what has no name in the place of what was added; where all that may be added
-            does not reach it, nothing more is.
+            Of a fit the gain of log-likelihood by what has no name, in the place of what was added; where all that may
+            be added does not reach it, nothing more is.
         """
         found = self._explored(before, nameless)
         keys = {key.part for key in self.added(found.description)}
@@ -210,7 +212,8 @@ class Search:
                 before = self.settled(wide.fit)
                 continue
             most = max((one.fit.log_likelihood - before.log_likelihood for one in trials), default=0.0)
-            if trials and nameless(before) > before.log_likelihood + LIMIT * most:
+            many = len(self.added(before.description)) >= ASKED
+            if trials and many and nameless(before) > LIMIT * most:
                 break
             if trials and trials[0].log_p < self.log_alpha:
                 couple = self.couple(before, trials[0])

@@ -16,7 +16,7 @@ from imugap.discovery.doubt.motion import in_place_of_all, without_a_name
 from imugap.discovery.finding import CERTAIN, Finding, Gap, Interval
 from imugap.discovery.glints import glints
 from imugap.discovery.parameters import axis_unit, intervals
-from imugap.discovery.search import Key, Search, at, log_chance, without
+from imugap.discovery.search import SLOW, Key, Search, at, log_chance, without
 from imugap.discovery.sequence import Sequence
 from imugap.discovery.start import described
 from imugap.discovery.sweeps import swept
@@ -32,8 +32,6 @@ from imugap.model import AxisModel
 
 PLACES = 12.0
 """Logarithm of the largest number of places of which an effect is tried at the best."""
-SLOPE = 1.5
-"""Exponent from which noise of any slope is fitted."""
 MOST_BANDS = 4
 """Bands of lines that are not steady at most; with more the spectrum is another than that of lines."""
 
@@ -236,18 +234,24 @@ def concluded(tale: Tale) -> Story:
 def _carried(search: Search, found: AxisFit, doubtful: Mapping[Key, Doubt]) -> AxisFit:
     """Return the fit without what is in doubt; if that is slow noise, with noise of the slope that it has.
 
-    Only where nothing but slow noise is in doubt, and nothing but its spectrum: what is no noise has no place there.
-    Outliers in doubt are samples again.
+    Only where nothing but slow noise is in doubt, and nothing but its spectrum: what is no noise has no place there,
+    nor has a slope that may be that of a trend. Outliers in doubt are samples again.
     """
-    kept = without(found, list(doubtful))
     if any(key.part == "outliers" for key in doubtful):
-        kept = fit(search.raw[found.description.outliers], kept.description)
-    if not doubtful or any(doubt.reason not in OF_NOISE for doubt in doubtful.values()) or kept.has(PowerLaw):
+        raw = replace(found, sequence=search.raw[found.description.outliers])
+        return without(raw, list(doubtful))
+    kept = without(found, list(doubtful))
+    kinds = (*SLOW, RandomTelegraph)
+    of_noise = (
+        isinstance(at(found.description, key), kinds) and doubt.reason in OF_NOISE for key, doubt in doubtful.items()
+    )
+    if not doubtful or not all(of_noise) or kept.has(PowerLaw):
         return kept
-    carried = beside_power_law(search.afresh(), kept, SLOPE)
+    carried = beside_power_law(search.afresh(), kept)
     gain = carried.log_likelihood - kept.log_likelihood
-    steep = max(one.exponent for one in carried.description.effects() if isinstance(one, PowerLaw)) >= STEEPEST
-    return kept if steep or log_chance(gain, len(fields(PowerLaw))) > search.log_alpha else carried
+    exponent = _of_any_slope(search, carried).parameters["exponent"]
+    bounded = exponent.high < STEEPEST
+    return carried if bounded and log_chance(gain, len(fields(PowerLaw))) < search.log_alpha else kept
 
 
 def _of_any_slope(search: Search, found: AxisFit) -> Finding | None:

@@ -139,7 +139,7 @@ def _clear_of_lines(search: Search, fit: AxisFit, keys: Sequence[Key], found: Ma
 def _certain_outside(search: Search, fit: AxisFit, key: Key, low: float, high: float) -> bool:
     """Return whether chance does not explain what an effect gains outside of a band of frequencies [Hz].
 
-    What is within the band may have lifted the level of all: without the effect it is that of the others.
+    What is within the band may have lifted the level of all: with and without the effect it is that of the others.
     """
     own, without = search.weighed(fit, key)
     frequency = np.arange(1, fit.sequence.bins.last + 1) / (2 * len(fit.residual) * fit.sequence.conditions.interval)
@@ -147,12 +147,11 @@ def _certain_outside(search: Search, fit: AxisFit, key: Key, low: float, high: f
     if not outside.any():
         return False
     full, less = (
-        (one.coefficients[: len(frequency)][outside] ** 2, one.variance[: len(frequency)][outside])
+        outside.sum() * np.log(np.mean(one.coefficients[: len(frequency)][outside] ** 2))
+        + np.sum(np.log(one.variance[: len(frequency)][outside]))
         for one in (fit, without)
     )
-    level = np.mean(less[0])
-    gain = 0.5 * float(np.sum(less[0] / level + np.log(level * less[1])) - np.sum(full[0] + np.log(full[1])))
-    return replace(own, gain=gain).log_p < search.log_alpha
+    return replace(own, gain=0.5 * float(less - full)).log_p < search.log_alpha
 
 
 def _after_clusters(search: Search, fit: AxisFit, found: Mapping[Key, Doubt]) -> dict[Key, Doubt]:

@@ -63,19 +63,21 @@ def in_place_of_all(search: Search, fit: AxisFit) -> Doubt:
     sequence, found, without = _with_outliers(search, fit)
     own = likelihood_beside(without, jacobian(found.terms[len(search.start.terms) :], sequence))
     named = max(search.fitted(sequence, found).log_likelihood, own)
-    return Doubt(ANOTHER, min(LEVEL + CLEARLY + named - without_a_name(search, fit), 0.0))
+    more = without_a_name(search, fit) + search.fitted(sequence, found).log_likelihood - named
+    return Doubt(ANOTHER, min(LEVEL + CLEARLY - more, 0.0))
 
 
 def without_a_name(search: Search, fit: AxisFit) -> float:
-    """Return the log-likelihood of the best of what has no name and goes with the motion, which there may be none of.
+    """Return how much log-likelihood the best of what has no name and goes with the motion gains over a fit, if any.
 
     In the place of all that was added, or of all terms.
     """
     if fit.sequence.conditions.ideal is None:
         return -np.inf
-    sequence, _, without = _with_outliers(search, fit)
+    sequence, found, without = _with_outliers(search, fit)
     bases = search.fitted(sequence, replace(search.start, outliers=None)), without
-    return max((likelihood_beside(base, way) for way in _ways(sequence.conditions) for base in bases), default=-np.inf)
+    found_by = (likelihood_beside(base, way) for way in _ways(sequence.conditions) for base in bases)
+    return max(found_by, default=-np.inf) - search.fitted(sequence, found).log_likelihood
 
 
 def _with_outliers(search: Search, fit: AxisFit) -> tuple[Sequence, Description, AxisFit]:

@@ -39,7 +39,7 @@ LIKELIER = 2.0
 Of fractional noise between flicker and walk a Gauss-Markov process is seldom likelier by more.
 """
 STEEP = 1.5, 2.5, 3.5
-"""Slopes from which a power law is fitted that may stand for means too."""
+"""Slopes from which a power law is fitted: from the first if it stands for noise, from all if for means too."""
 AROUND = 10.0
 """Factor of the frequencies that an effect answers for within which the spectrum is around it."""
 BANDS = 24
@@ -166,7 +166,7 @@ def with_power_law(search: Search, fit: AxisFit, kinds: tuple[type[Effect], ...]
     slow = _added(search, fit, kinds)
     if not slow:
         return None
-    return beside_power_law(search, _without(search, fit, slow), 1.5)
+    return beside_power_law(search, _without(search, fit, slow))
 
 
 def surplus_of_one_law(search: Search, fit: AxisFit, keys: Sequence[Key]) -> float:
@@ -182,7 +182,7 @@ def surplus_of_one_law(search: Search, fit: AxisFit, keys: Sequence[Key]) -> flo
     return float(law - fit.log_likelihood + costs)
 
 
-def beside_power_law(search: Search, bare: AxisFit, slope: float) -> AxisFit:
+def beside_power_law(search: Search, bare: AxisFit, slope: float = STEEP[0]) -> AxisFit:
     """Return a fit with a power law more, from a slope."""
     size = max(bare.room(PowerLaw(1.0, slope)), 1e-12 * float(np.sqrt(bare.variance.mean())))
     noise = bare.description.noise

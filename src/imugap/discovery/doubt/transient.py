@@ -18,8 +18,8 @@ from imugap.effects import BiasStep, RateRamp, Temperature, WarmUp
 REASON = "it fades away in another way"
 SEVERAL = 2
 """Steps within a transient from which on they shape it."""
-FADED = 5.0
-"""Time constants after which a warm-up is over: 0.7 % of it are left."""
+FADING = 2.0
+"""Time constants in which most of a warm-up goes by, 86 % of it."""
 TIMES, EVALUATIONS = 8, 60
 """Times of a transient, and evaluations from the best one on, with which a search looks."""
 LONGER, STEEPEST = 3.0, 4.0
@@ -29,7 +29,7 @@ PARAMETERS = 3
 
 
 def of_transients(search: Search, fit: AxisFit, keys: Sequence[Key]) -> dict[Key, Doubt]:
-    """Return the doubts of a warm-up among ``keys`` and of what shapes it: steps before it is over, and a ramp.
+    """Return the doubts of a warm-up among ``keys`` and of what shapes it: steps while it goes by, and a ramp.
 
     Several steps need no rival: a transient has none.
     """
@@ -37,7 +37,7 @@ def of_transients(search: Search, fit: AxisFit, keys: Sequence[Key]) -> dict[Key
     warm = next((key for key, effect in effects.items() if isinstance(effect, WarmUp)), None)
     if warm is None:
         return {}
-    over_at = FADED * effects[warm].time_constant
+    over_at = FADING * effects[warm].time_constant
     steps = [key for key, effect in effects.items() if isinstance(effect, BiasStep) and effect.time < over_at]
     ramps = [key for key, effect in effects.items() if isinstance(effect, RateRamp)]
     if len(steps) >= SEVERAL:
