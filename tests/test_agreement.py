@@ -5,7 +5,7 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from imugap.discovery.agreement import agreed
+from imugap.discovery.agreement import _Choice, agreed
 from imugap.discovery.axis import Description, fit
 from imugap.discovery.noise import Noise
 from imugap.discovery.search import OF_TIME, SLOW, Search
@@ -37,6 +37,11 @@ def kinds(fits):
         axis: [type(one) for one in found.description.effects()[:] if one.name != "white_noise"]
         for axis, found in fits.items()
     }
+
+
+def test_an_axis_that_has_no_room_for_the_kind_of_the_others_keeps_its_own():
+    found = object()
+    assert _Choice((GaussMarkov,), 0.0, found, object(), {}).alike(RandomWalk, -8.0) is found
 
 
 @pytest.mark.slow

@@ -53,8 +53,11 @@ class _Choice:
         return self.noise[kind].worth - self.own if kind in self.noise else -BEFOREHAND
 
     def alike(self, kind: type[Effect], log_alpha: float) -> AxisFit:
-        """Return the fit with noise of a kind, if it is not much less likely; without any, if that is uncertain."""
-        if self.worth(kind) < -BEFOREHAND:
+        """Return the fit with noise of a kind, if it is not much less likely; without any, if that is uncertain.
+
+        Where there is no room for that kind, the fit as it is.
+        """
+        if kind not in self.noise or self.worth(kind) < -BEFOREHAND:
             return self.found
         other = self.noise[kind]
         return other.fit if other.log_p < log_alpha else self.without
