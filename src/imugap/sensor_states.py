@@ -3,10 +3,10 @@
 Every process of the library that has a state space is a sum of independent first-order states: a constant, a random
 walk, a Gauss-Markov process. Flicker noise (:class:`imugap.effects.BiasInstability`), which has none, is taken for the
 nearest bank of Gauss-Markov processes over a stated range of averaging times (:mod:`imugap.flicker`), and noise of any
-slope for the flicker noise or random walk that is nearer. A turn-on bias
-and a random walk of the same axis share a state (:mod:`imugap.augmentation`). The fixed bias is compensated as it
-stands. Quantisation is left out, since its integral does not grow; of the effects of the signal chain the filter knows
-nothing but the scale factor, if it is told to estimate it: a Gauss-Markov process, or a constant.
+slope for the flicker noise or random walk that is nearer. A turn-on bias and a random walk of the same axis share a
+state (:mod:`imugap.augmentation`). The fixed bias is compensated as it stands. Quantisation is left out, since its
+integral does not grow; of the effects of the signal chain the filter knows nothing but the scale factor, if it is told
+to estimate it: a Gauss-Markov process, or a constant.
 """
 
 from dataclasses import dataclass
@@ -105,7 +105,7 @@ class SensorStates:
 
 
 def _finite(model: AxisModel) -> AxisModel:
-    """Return the model without quantisation, and with flicker noise approximated by processes of finite order."""
+    """Return the model without quantisation, and with what has no finite order approximated by processes that have."""
     effects = []
     for effect in (one for one in model if not isinstance(one, Quantization)):
         one = _named(effect) if isinstance(effect, PowerLaw) else effect

@@ -54,8 +54,8 @@ class PowerLaw(StochasticEffect):
         length = next_fast_len(2 * count, real=True)
         deviation = np.sqrt(white) * _deviation(self.exponent / 2 - sums, length)
         drawn = rng.standard_normal((2, len(deviation)))
-        drawn[1, [0, -1] if length % 2 == 0 else [0]] = 0.0
-        drawn[0, [0, -1] if length % 2 == 0 else [0]] *= np.sqrt(2)
+        real = [0, -1] if length % 2 == 0 else [0]
+        drawn[:, real] *= np.array([[np.sqrt(2)], [0.0]])
         values = irfft(deviation * np.sqrt(length / 2) * (drawn[0] + 1j * drawn[1]), length)[:count]
         for _ in range(sums):
             values = np.cumsum(np.r_[0.0, values[1:]])
