@@ -59,6 +59,7 @@ from imugap.effects.effect import SystematicEffect
 from imugap.effects.gauss_markov import FLAT_TOP
 from imugap.model import AxisModel
 from imugap.stability import bias_stability
+from imugap.stamps import stamps
 from imugap.stream import stream
 
 PUBLISHED = pd.read_csv(
@@ -876,6 +877,19 @@ def test_jitter_displaces_stamps_by_its_deviation_and_no_sample():
     assert sharp_std(kept.index.to_numpy() - table.index.to_numpy(), 5e-4)
     np.testing.assert_array_equal(kept.to_numpy(), table.to_numpy())
     assert log.check(kept) is kept
+
+
+@pytest.mark.parametrize("share", [0.002, 0.3])
+def test_the_interval_of_a_jitter_in_ticks_holds_its_deviation(share):
+    """A share of the stamps is a tick early or late: the fewer, the less is known of the deviation."""
+    tick, held = 1e-4, 0
+    for run in range(200):
+        rng = stream(12, "ticks", run)
+        ticks = rng.choice([-1, 0, 1], size=5000, p=[share / 2, 1 - share, share / 2])
+        found = TimestampJitter.found(stamps(np.arange(5000) / 97.3 + tick * ticks))
+        low, high = found.intervals["std"]
+        held += low <= tick * np.sqrt(share) <= high
+    assert binom.ppf(0.001, 200, 0.91) <= held < 200
 
 
 @pytest.mark.parametrize("std", [0.01, 1.0])

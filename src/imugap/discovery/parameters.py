@@ -108,7 +108,10 @@ def _stretch(fit: AxisFit, change: VarianceChange) -> dict[str, tuple[float, flo
 
 
 def _near(gain: np.ndarray, time: np.ndarray, best: float) -> tuple[float, float]:
-    """Return the first and the last time at which the gain is no further below the best than the interval allows."""
+    """Return the first and the last time at which the gain is no further below the best than the interval allows.
+
+    A change that the sample at ``time`` is the first to show came at any time since the sample before.
+    """
     index = int(np.clip(np.searchsorted(time, best), 0, len(gain) - 1))
     near = np.flatnonzero(gain >= gain[index] - DROP)
-    return float(time[near[0]]), float(time[near[-1]])
+    return float(time[max(near[0] - 1, 0)]), float(time[near[-1]])
