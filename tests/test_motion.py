@@ -43,11 +43,15 @@ def conditions_of(axis, ideal):
     return Conditions(ideal.index.to_numpy(), INTERVAL, None, axis, ideal)
 
 
-def story(axis, ideal, *effects, added=0.0):
+def tale(axis, ideal, *effects, added=0.0):
     conditions = conditions_of(axis, ideal)
     noise = AxisModel((WhiteNoise(1e-3), *effects)).simulate(np.zeros(COUNT), conditions, 1, "motion")
     sequence = Sequence(noise + added, conditions, np.zeros(COUNT, bool))
-    return concluded(told(sequence, (), tuple(CATALOGUE.values()), LOG_ALPHA, int(0.8 * COUNT)))
+    return told(sequence, (), tuple(CATALOGUE.values()), LOG_ALPHA, int(0.8 * COUNT))
+
+
+def story(axis, ideal, *effects, added=0.0):
+    return concluded(tale(axis, ideal, *effects, added=added))
 
 
 @pytest.mark.parametrize(
@@ -103,6 +107,18 @@ def test_a_play_is_neither_what_it_looks_like_nor_the_noise_that_takes_it_up(hal
     found = story("gyro_y", ideal, added=play(own, half * own.std()) - own)
     assert not found.findings
     assert found.withheld
+
+
+def test_what_has_no_name_is_not_searched_through_again_in_the_whole_log():
+    """It stands for whatever a search would make of it, and the search would go on and on."""
+    ideal = turning()
+    rate = ideal["gyro_x"].to_numpy()
+    found = tale("gyro_x", ideal, added=np.where(np.abs(rate) < 0.1 * rate.std(), -rate, 0.0))
+    early, whole = ([type(one) for one in part.description.effects()] for part in (found.after, found.whole))
+    assert whole == early != [WhiteNoise]
+    told_of = concluded(found)
+    assert not told_of.findings
+    assert {one.reason for one in told_of.withheld} == {"another function of the motion explains it better"}
 
 
 @pytest.mark.parametrize(("axis", "size"), [("gyro_y", 0.8), ("gyro_y", 2.0), ("accel_x", 0.8)])

@@ -143,8 +143,9 @@ def told(
     """Search one axis; the samples from ``split`` on are held out.
 
     Outliers and changes of the variance, which no later fit moves, are found in the whole log anew; nothing is
-    exchanged for a change before the outliers are out. One thread is enough for vectors of this length, and axes are
-    worked on side by side.
+    exchanged for a change before the outliers are out. Where a function of the motion without a name says more than all
+    that the first part shows, in the whole log too, no more is looked for. One thread is enough for vectors of this
+    length, and axes are worked on side by side.
     """
     with threadpool_limits(1):
         held_in, held_out = part(sequence, 0, split), part(sequence, split, len(sequence.values))
@@ -158,7 +159,7 @@ def told(
         again = search.afresh()
         begun = again.cleared(fit(whole, kept if early.switching is None else search.start))
         unchanging = replace(again, catalogue=tuple(kind for kind in catalogue if kind is not VarianceChange))
-        late = _searched(again, unchanging.settled(begun), early.bands)
+        late = _odd_again(again, begun, early) or _searched(again, unchanging.settled(begun), early.bands)
         return Tale(
             before.bare(),
             _lasting(early.found, end).bare(),
@@ -180,12 +181,26 @@ def _lasting(found: AxisFit, end: float) -> AxisFit:
 
 @dataclass(frozen=True, eq=False)
 class _Searched:
-    """The end of a search, and what was taken out on the way."""
+    """The end of a search, and what was taken out on the way.
+
+    It is ``odd`` where a function of the motion without a name says more than all that was found.
+    """
 
     search: Search
     found: AxisFit
-    bands: tuple[Band, ...]
-    switching: Switching | None
+    bands: tuple[Band, ...] = ()
+    switching: Switching | None = None
+    odd: bool = False
+
+
+def _odd_again(search: Search, begun: AxisFit, early: _Searched) -> _Searched | None:
+    """Return what was found in the first part, outliers too, fitted to the whole log, if it is odd there as well."""
+    if not early.odd or early.switching is not None:
+        return None
+    wide = None if early.found.description.outliers is None else search.cleaned(begun)
+    found = begun if wide is None else wide.fit
+    odd = search.added(found.description) and in_place_of_all(search, found).log_p < LEVEL
+    return _Searched(search, found, early.bands, odd=True) if odd else None
 
 
 def _searched(
@@ -197,7 +212,7 @@ def _searched(
     """
     found = search.explore(before, partial(without_a_name, search))
     if in_place_of_all(search, found).log_p < LEVEL:
-        return _Searched(search, found, taken, switched)
+        return _Searched(search, found, taken, switched, odd=True)
     found = steady(search, told_apart(search, found))
     bands = unsteady.bands(found) if len(taken) < MOST_BANDS else ()
     again = search.afresh()
