@@ -24,7 +24,7 @@ def scene(noise=WHITE, count=COUNT, motion=None, axis="gyro_x", seed=1):
     time = INTERVAL * np.arange(count)
     moving = MOTIONS[motion](stream(seed, "motion")) if motion else rest()
     warmth = 25 + 3 * np.sin(2 * np.pi * time / time[-1])
-    return Scene(axis, time, INTERVAL, noise, warmth, moving if motion else None, moving.ideal(time))
+    return Scene(axis, time, INTERVAL, noise, warmth, moving if motion else None, moving.ideal(time), 0.0)
 
 
 def within(values, truth, sigmas=4.0, share=0.05):
@@ -239,9 +239,10 @@ def test_a_larger_size_is_a_lower_cutoff_and_a_smaller_full_scale():
     assert np.abs(place.ideal["gyro_x"]).max() > scales[0] > scales[1] > scales[2] > 0
 
 
-def test_the_clipped_excess_is_as_strong_as_asked():
-    place = scene(Noise(density=1e-3), motion="hand")
-    values = place.ideal["gyro_x"].to_numpy()
+@pytest.mark.parametrize("bias", [0.0, -0.3])
+def test_the_clipped_excess_is_as_strong_as_asked(bias):
+    place = replace(scene(Noise(density=1e-3), motion="hand"), bias=bias)
+    values = place.ideal["gyro_x"].to_numpy() + bias
     effect = output.Saturation().of_size(10.0, [place])
     clipped = effect.act(values, place, stream(18))
     assert np.abs(clipped).max() == effect.full_scale == effect.parameters()["limit"]

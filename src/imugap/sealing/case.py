@@ -79,7 +79,10 @@ def _scenes(case: Case, device: Device, recipe: Mapping, run: int, ratio: float)
     time = interval * np.arange(round(case.duration_s * case.rate_hz)) / ratio
     warmth = temperature(time, recipe["temperature"], _stream(case, "temperature", run))
     ideal = device.ideal(time)
-    return {axis: Scene(axis, time, interval, device.noise[axis], warmth, device.motion, ideal) for axis in log.AXES}
+    return {
+        axis: Scene(axis, time, interval, device.noise[axis], warmth, device.motion, ideal, device.bias[axis])
+        for axis in log.AXES
+    }
 
 
 def _hide(case: Case, device: Device, ranges: Mapping, scenes: Mapping[str, Scene]) -> list[Hidden]:
@@ -100,7 +103,7 @@ def _record(case: Case, device: Device, hidden: Sequence[Hidden], recipe: Mappin
     """Return the log of a run."""
     ratios = [item.effect.ratio for item in hidden if isinstance(item.effect, ClockScale) and run == OFF_RUN]
     scenes = _scenes(case, device, recipe, run, float(np.prod(ratios)))
-    samples = {axis: _axis(case, device, hidden, scenes[axis], run) for axis in log.AXES}
+    samples = {axis: _axis(case, hidden, scenes[axis], run) for axis in log.AXES}
     if case.temperature:
         samples[log.TEMPERATURE] = scenes[log.AXES[0]].temperature.round(2)
     table = log.from_samples(samples, 1 / case.rate_hz)
@@ -110,7 +113,7 @@ def _record(case: Case, device: Device, hidden: Sequence[Hidden], recipe: Mappin
     return log.check(table, case.name)
 
 
-def _axis(case: Case, device: Device, hidden: Sequence[Hidden], scene: Scene, run: int) -> np.ndarray:
+def _axis(case: Case, hidden: Sequence[Hidden], scene: Scene, run: int) -> np.ndarray:
     """Return the samples of an axis: noise, biases and signals added up, then what acts on the output."""
     here = [item for item in hidden if scene.axis in item.axes]
     rng = _stream(case, "noise", run, scene.axis)
@@ -118,7 +121,7 @@ def _axis(case: Case, device: Device, hidden: Sequence[Hidden], scene: Scene, ru
     for item in here:
         if isinstance(item.effect, Modulation):
             white *= np.sqrt(item.effect.variance(scene))
-    values = scene.ideal[scene.axis].to_numpy() + device.bias[scene.axis] + white
+    values = scene.ideal[scene.axis].to_numpy() + scene.bias + white
     values += scene.noise.coloured(scene.count, scene.interval, rng) + scene.noise.line(scene.time, rng)
     for item in here:
         if isinstance(item.effect, Additive):

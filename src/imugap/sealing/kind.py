@@ -29,6 +29,8 @@ class Scene:
         True temperature [degC], shape (n,).
     motion, ideal
         How the device moves (None at rest), and the error-free log of all axes.
+    bias
+        Bias of the base device.
     """
 
     axis: str
@@ -38,6 +40,7 @@ class Scene:
     temperature: np.ndarray
     motion: Motion | None
     ideal: pd.DataFrame
+    bias: float
 
     @property
     def count(self) -> int:

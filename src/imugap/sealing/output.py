@@ -121,7 +121,7 @@ class Saturation(Output):
     def of_size(self, size: float, scenes: Sequence[Scene]) -> "Saturation":
         """Return the full scale whose clipped excess is ``size`` times as strong as at the limit."""
         (scene,) = scenes
-        level = np.abs(scene.ideal[scene.axis].to_numpy())
+        level = np.abs(scene.ideal[scene.axis].to_numpy() + scene.bias)
 
         def strength(depth: float) -> float:
             return float(np.linalg.norm(np.maximum(level - level.max() + depth, 0)) / scene.std)
