@@ -247,6 +247,18 @@ def test_a_large_step_came_between_the_samples_that_it_parts(since):
     assert low < came < high <= low + 1.5 * INTERVAL
 
 
+@pytest.mark.parametrize("run", range(3))
+def test_outliers_beside_a_louder_stretch_have_their_share_and_size(run):
+    """Its noise is not taken for small outliers."""
+    effects = Outliers(5e-4, 0.1), VarianceChange(1000.0, 1200.0, 2.4)
+    story = told_of(*effects, count=100_000, label=f"louder {run}")
+    assert names(story) == ["outliers", "variance_change"]
+    found = next(finding for finding in story.findings if finding.name == "outliers").parameters
+    for name, truth in effects[0].parameters().items():
+        error = (found[name].high - found[name].low) / 3.92
+        assert abs(found[name].value - truth) < 3 * error < truth
+
+
 def test_two_values_are_told_from_a_continuum():
     for effect, sign in ((RandomTelegraph(2e-3, 0.05), 1), (GaussMarkov(1e-3, 10.0), -1)):
         found = fit(sequence(effect), Description((), Noise((WHITE, GaussMarkov(1e-3, 10.0)))))

@@ -191,7 +191,16 @@ class Search:
         if {"outliers", "filter"} <= keys:
             raw = self.fitted(self.raw[found.description.outliers], replace(found.description, outliers=None))
             found = self._explored(self.settled(raw), nameless)
-        return self.placed(found)
+        return self.placed(self.retold(found))
+
+    def retold(self, found: AxisFit) -> AxisFit:
+        """Return the fit with outliers told beside changes of the variance, which came after them."""
+        outliers = found.description.outliers
+        if outliers not in self.raw or not self.added(found.description, VarianceChange):
+            return found
+        before = replace(found, sequence=self.raw[outliers], description=replace(found.description, outliers=None))
+        again = self.cleaned(before)
+        return found if again is None else again.fit
 
     def placed(self, found: AxisFit) -> AxisFit:
         """Return the fit with every added step where it is most likely beside all else, which came after it."""
