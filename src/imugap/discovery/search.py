@@ -194,13 +194,13 @@ class Search:
         return self.placed(self.retold(found))
 
     def retold(self, found: AxisFit) -> AxisFit:
-        """Return the fit with outliers told beside changes of the variance, which came after them."""
+        """Return the fit with the outliers as they are beside changes of the variance, which came after them."""
         outliers = found.description.outliers
         if outliers not in self.raw or not self.added(found.description, VarianceChange):
             return found
         before = replace(found, sequence=self.raw[outliers], description=replace(found.description, outliers=None))
-        again = self.cleaned(before)
-        return found if again is None else again.fit
+        again = self._outliers(before)
+        return found if again is None else replace(found, description=replace(found.description, outliers=again))
 
     def placed(self, found: AxisFit) -> AxisFit:
         """Return the fit with every added step where it is most likely beside all else, which came after it."""
@@ -307,14 +307,23 @@ class Search:
         """Return the fit to the samples without outliers, and what speaks for outliers; None where they are known."""
         if before.description.outliers is not None or (before.sequence.coarse and before.cells is None):
             return None
+        outliers = self._outliers(before)
+        if outliers is None:
+            return None
+        found, axis = self.tails[outliers], before.sequence.conditions.axis
+        sequence = before.sequence.mended(found.flagged, stream(0, "mended", axis))
+        after = self.fitted(sequence, replace(before.description, outliers=outliers))
+        return Trial(outliers, after, found.gain, 2, TAILS)
+
+    def _outliers(self, before: AxisFit) -> Outliers | None:
+        """Return the outliers of samples that are described but for them, if chance does not explain them."""
         found = before.tails
         if log_chance(found.gain, 2) + np.log(TAILS) > self.log_alpha or not found.flagged.any():
             return None
         unit = float(np.sqrt(before.variance[: before.sequence.bins.last].mean()))
-        named = replace(before.description, outliers=Outliers(found.probability, found.excess * unit))
-        sequence = before.sequence.mended(found.flagged, stream(0, "mended", before.sequence.conditions.axis))
-        self.tails[named.outliers], self.raw[named.outliers] = found, before.sequence
-        return Trial(named.outliers, self.fitted(sequence, named), found.gain, 2, TAILS)
+        outliers = Outliers(found.probability, found.excess * unit)
+        self.tails[outliers], self.raw[outliers] = found, before.sequence
+        return outliers
 
     def cleared(self, before: AxisFit) -> AxisFit:
         """Return the fit to the samples without the outliers that the start model knows of, if it knows of some."""
