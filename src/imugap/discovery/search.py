@@ -305,9 +305,7 @@ class Search:
 
     def cleaned(self, before: AxisFit) -> Trial | None:
         """Return the fit to the samples without outliers, and what speaks for outliers; None where they are known."""
-        if before.description.outliers is not None or (before.sequence.coarse and before.cells is None):
-            return None
-        outliers = self._outliers(before)
+        outliers = None if before.description.outliers is not None else self._outliers(before)
         if outliers is None:
             return None
         found, axis = self.tails[outliers], before.sequence.conditions.axis
@@ -317,6 +315,8 @@ class Search:
 
     def _outliers(self, before: AxisFit) -> Outliers | None:
         """Return the outliers of samples that are described but for them, if chance does not explain them."""
+        if before.sequence.coarse and before.cells is None:
+            return None
         found = before.tails
         if log_chance(found.gain, 2) + np.log(TAILS) > self.log_alpha or not found.flagged.any():
             return None

@@ -188,7 +188,7 @@ class _Searched:
 
     search: Search
     found: AxisFit
-    bands: tuple[Band, ...] = ()
+    bands: tuple[Band, ...]
     switching: Switching | None = None
     odd: bool = False
 

@@ -30,7 +30,7 @@ class Scene:
     motion, ideal
         How the device moves (None at rest), and the error-free log of all axes.
     bias
-        Bias of the base device.
+        Bias of the base device [unit].
     """
 
     axis: str

@@ -104,8 +104,8 @@ class OutputFilter(Output):
 class Saturation(Output):
     """Output clipped to +-``limit``.
 
-    Limit: the full scale at which the root of the clipped excess's energy over the noise is 2.33; a smaller one is
-    ``size`` times as strong in this measure.
+    Limit: the full scale at which the root of the energy that it clips off input and bias, over the noise, is 2.33; a
+    smaller one is ``size`` times as strong in this measure.
     """
 
     name: ClassVar[str] = "saturation"
