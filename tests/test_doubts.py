@@ -3,17 +3,20 @@
 import numpy as np
 import pytest
 from scipy.ndimage import uniform_filter1d
+from scipy.special import ndtr
 from scipy.stats import binom
 
 from imugap.discovery.axis import Description, Term, fit
 from imugap.discovery.doubt import LEVEL, SHARE, doubts, samples
 from imugap.discovery.doubt.doubt import Doubt
 from imugap.discovery.doubt.doubts import _jumping, _of_the_variance, _wandering
+from imugap.discovery.doubt.mean import nearly
 from imugap.discovery.doubt.memory import CURVE
 from imugap.discovery.doubt.outliers import outliers_doubt
 from imugap.discovery.doubt.samples import BURSTS, of_samples
 from imugap.discovery.doubt.spectrum import LAW, _off_in_bands, share_of
 from imugap.discovery.doubt.transient import FADING, of_transients
+from imugap.discovery.doubt.transition import of_transitions
 from imugap.discovery.noise import Noise
 from imugap.discovery.search import Key, Search
 from imugap.discovery.sequence import Sequence
@@ -237,6 +240,42 @@ def test_steps_within_a_warm_up_make_it_a_transient_of_another_shape(second, dou
     keys = search.added(found.description)
     assert len(keys) == 3
     assert set(of_transients(search, found, keys)) == (set(keys) if doubtful else set())
+
+
+def passing(size):
+    """Return a passage to another level, which takes a minute or so."""
+    return lambda time, rng: size * ndtr((time - 480) / 20)
+
+
+@pytest.mark.parametrize(("size", "kinds", "most"), [(4e-3, (BiasStep,), 4), (4e-3, (RandomWalk, GaussMarkov), 2)])
+def test_what_follows_a_gradual_transition_is_no_staircase_and_no_noise(size, kinds, most):
+    search, found = explored(sequence(added=passing(size)), *kinds)
+    keys = search.added(found.description)
+    assert 0 < len(keys) <= most
+    assert set(of_transitions(search, found, keys)) == set(keys)
+
+
+@pytest.mark.parametrize(
+    "effects", [(BiasStep(460.0, 1e-3), BiasStep(500.0, 1e-3)), (RandomWalk(1e-4),), (RandomTelegraph(2e-3, 0.02),)]
+)
+def test_steps_one_way_and_slow_noise_keep_their_names(effects):
+    for label in range(10):
+        search, found = explored(sequence(*effects, label=label), BiasStep, RandomWalk, RandomTelegraph)
+        keys = search.added(found.description)
+        assert keys
+        assert of_transitions(search, found, keys) == {}
+
+
+@pytest.mark.parametrize("later", [True, False])
+def test_a_step_that_comes_or_settles_in_its_time_is_not_quite_one(later):
+    """With a time constant of a hundredth of the log, before or after it."""
+
+    def crept(time, rng):
+        late = np.maximum(time - 480 if later else 480 - time, 0.0)
+        return 4e-3 * np.where(late > 0, np.exp(-late / 9.6), 0.0) * (-1 if later else 1) + 4e-3 * (time >= 480)
+
+    found = fit(sequence(added=crept), Description((Term(BiasStep(480.0, 4e-3), ("step",)),), Noise((WHITE,))))
+    assert nearly(found, 0) < LEVEL - 10
 
 
 def relaxing(kind):

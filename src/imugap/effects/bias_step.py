@@ -12,8 +12,8 @@ if TYPE_CHECKING:
     from imugap.discovery.axis import AxisFit
     from imugap.discovery.scans import Steps
 
-DECAY = 0.05
-"""Decay, over the duration, of what is nearly a step."""
+WIDTHS = 0.01, 0.05
+"""Times, over the duration, in which what is nearly a step comes and settles."""
 
 
 @dataclass(frozen=True)
@@ -33,11 +33,13 @@ class BiasStep(SystematicEffect):
         return {"step": np.where(conditions.time >= self.time, 1.0, 0.0)}
 
     def near_misses(self, conditions: Conditions) -> list[np.ndarray]:
-        """Return trends before and after the step, and a decay after it."""
+        """Return trends before and after the step, with an onset before and a decay after it, quick or slow."""
         late = conditions.time - self.time
-        duration = conditions.time[-1] - conditions.time[0]
-        decay = np.where(late >= 0, np.exp(-np.maximum(late, 0.0) / (DECAY * duration)), 0.0)
-        return [np.column_stack([np.minimum(late, 0.0), np.maximum(late, 0.0), decay])]
+        before, after = np.minimum(late, 0.0), np.maximum(late, 0.0)
+        return [
+            np.column_stack([before, after, (late < 0) * np.exp(before / width), (late >= 0) * np.exp(-after / width)])
+            for width in np.array(WIDTHS) * np.ptp(conditions.time)
+        ]
 
     @classmethod
     def starts(cls, fit: "AxisFit") -> Iterator[Start]:

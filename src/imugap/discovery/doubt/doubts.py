@@ -20,6 +20,7 @@ from imugap.discovery.doubt.spectrum import (
     with_power_law,
 )
 from imugap.discovery.doubt.transient import of_transients
+from imugap.discovery.doubt.transition import of_transitions
 from imugap.discovery.doubt.variance import change_doubt
 from imugap.discovery.noise import log_likelihood
 from imugap.discovery.search import MANY, OF_TIME, SLOW, Key, Search, at, removed
@@ -55,7 +56,7 @@ def doubts(search: Search, fit: AxisFit) -> dict[Key, Doubt]:
         if len(same) > most:
             found |= {key: Doubt(f"{len(same)} of them", -np.inf) for key in same}
     found |= _remembered(search, fit, keys) | _jumping(fit, keys) | of_transients(search, fit, keys)
-    found |= _wandering(search, fit, keys)
+    found |= of_transitions(search, fit, keys) | _wandering(search, fit, keys)
     found |= _of_the_variance(search, fit, keys, found)
     found |= _after_clusters(search, fit, found) | _beside_a_mean(search, fit, keys, found)
     found |= _parts_of_it(search, fit, keys, found) | _of_the_spectrum(fit, keys, found)
