@@ -1,13 +1,17 @@
 """Logs beside the models that they are compared with: the last part of a log, or further runs of the device."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
+from collections.abc import Sequence as Several
+from dataclasses import replace
 from itertools import chain, islice
 
 import pandas as pd
 from threadpoolctl import threadpool_limits
 
+from imugap.discovery.axis import AxisFit, log_score
 from imugap.discovery.distance import SIDES, Compared, Distances, Drifts, Summary, distribution, together
 from imugap.discovery.record import Record, prepare
+from imugap.discovery.sequence import Sequence
 from imugap.discovery.story import Story
 from imugap.discovery.uncertain import Uncertain
 from imugap.effects import BiasStep, SampleLoss, TurnOnBias, VarianceChange
@@ -36,10 +40,11 @@ def held_out(record: Record, stories: Mapping[str, Story], start: ErrorModel, mo
 def tested(
     test: pd.DataFrame, stories: Mapping[str, Story], start: ErrorModel, final: ErrorModel, seed: int
 ) -> Compared:
-    """Return a further run with the models of the first one, without what happened in that one."""
+    """Return a further run with the models of the first one, without what happened in that one alone."""
     record = prepare(test[[name for name in test if name in stories or name == TEMPERATURE]], seed=seed)
-    before = Uncertain(_in_another(start), {axis: story.before for axis, story in stories.items()})
-    after = Uncertain(_in_another(final), {axis: story.whole for axis, story in stories.items()})
+    befores, afters = ({axis: getattr(story, name) for axis, story in stories.items()} for name in ("before", "whole"))
+    before = Uncertain(_in_another(start, befores, record.sequences), befores)
+    after = Uncertain(_in_another(final, afters, record.sequences), afters)
     return _compared(record, LEVELLED, before, after)
 
 
@@ -57,7 +62,7 @@ def _compared(record: Record, share: float, before: Uncertain, after: Uncertain)
 
 
 def distances(
-    logs: Sequence[Compared], seed: int, count: int, each: Callable = map
+    logs: Several[Compared], seed: int, count: int, each: Callable = map
 ) -> tuple[dict[str, Distances], tuple[Drifts, ...]]:
     """Return the distances over logs, and the drifts of those that can be navigated.
 
@@ -84,19 +89,31 @@ def _ensemble(compared: Compared, name: str, seed: int, numbers: range) -> list[
 
 def _in_run(model: ErrorModel) -> ErrorModel:
     """Return the model of one even run: without its clock and its gaps, and without what differs only between runs."""
-    return _but_for(model, lambda effect: isinstance(effect, (SampleLoss, TurnOnBias)))
+    return _but_for(model, lambda _, effect: isinstance(effect, (SampleLoss, TurnOnBias)))
 
 
-def _in_another(model: ErrorModel) -> ErrorModel:
-    """Return the model of another even run, in which neither steps nor changes of variance happen at the same times."""
-    return _but_for(_in_run(model), lambda effect: isinstance(effect, BiasStep) or _once(effect))
+def _in_another(model: ErrorModel, fits: Mapping[str, AxisFit], sequences: Mapping[str, Sequence]) -> ErrorModel:
+    """Return the model of another even run, in which a step or a change of variance may happen at the same time."""
+    once = {
+        axis: [one for one in model[axis] if _happens(one) and not _recurs(one, fits[axis], run)]
+        for axis, run in sequences.items()
+    }
+    return _but_for(_in_run(model), lambda axis, effect: effect in once.get(axis, []))
 
 
-def _once(effect: Effect) -> bool:
-    return isinstance(effect, VarianceChange) and effect.depth == 0
+def _happens(effect: Effect) -> bool:
+    return isinstance(effect, BiasStep) or (isinstance(effect, VarianceChange) and effect.depth == 0)
 
 
-def _but_for(model: ErrorModel, left_out: Callable[[Effect], bool]) -> ErrorModel:
+def _recurs(event: Effect, fit: AxisFit, run: Sequence) -> bool:
+    """Return whether a further run is likelier with an event of the first one at the same time than without it."""
+    found = fit.description
+    terms = tuple(term for term in found.terms if term.effect != event)
+    without = replace(found, terms=terms, changes=tuple(one for one in found.changes if one != event))
+    return log_score(run, found) > log_score(run, without)
+
+
+def _but_for(model: ErrorModel, left_out: Callable[[str, Effect], bool]) -> ErrorModel:
     """Return the models of the sensor axes without some effects."""
-    kept = {axis: [one for one in effects if not left_out(one)] for axis, effects in model.sensors.items()}
+    kept = {axis: [one for one in effects if not left_out(axis, one)] for axis, effects in model.sensors.items()}
     return ErrorModel({axis: AxisModel(tuple(effects)) for axis, effects in kept.items()})
