@@ -1,5 +1,7 @@
 """Names that are withheld because what is there is not what they say."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.ndimage import uniform_filter1d
@@ -14,7 +16,7 @@ from imugap.discovery.doubt.mean import nearly
 from imugap.discovery.doubt.memory import CURVE
 from imugap.discovery.doubt.outliers import outliers_doubt
 from imugap.discovery.doubt.samples import BURSTS, of_samples
-from imugap.discovery.doubt.spectrum import LAW, _off_in_bands, share_of
+from imugap.discovery.doubt.spectrum import LAW, _at_odds, _off_in_bands, share_of
 from imugap.discovery.doubt.transient import FADING, of_transients
 from imugap.discovery.doubt.transition import of_transitions
 from imugap.discovery.noise import Noise
@@ -276,6 +278,16 @@ def test_a_step_that_comes_or_settles_in_its_time_is_not_quite_one(later):
 
     found = fit(sequence(added=crept), Description((Term(BiasStep(480.0, 4e-3), ("step",)),), Noise((WHITE,))))
     assert nearly(found, 0) < LEVEL - 10
+
+
+@pytest.mark.parametrize(("factor", "odd"), [(1.0, False), (4.0, True)])
+def test_samples_and_spectrum_agree_where_a_walk_has_taken_the_place_of_telegraph_noise(factor, odd):
+    true = RandomTelegraph(4e-3, 0.05)
+    found = fit(sequence(true), Description((), Noise((WHITE, RandomWalk(4e-4)))))
+    hidden = replace(true, step=1e-9)
+    beside = Description((), replace(found.description.noise, effects=(*found.description.noise.effects, hidden)))
+    log_p = _at_odds(replace(found, description=beside), Key("noise", 2), replace(true, step=factor * true.step))
+    assert (log_p < LEVEL) == odd
 
 
 def relaxing(kind):

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.fft import dct
 
 from imugap.effects import OutputFilter
-from imugap.effects.effect import StochasticEffect
+from imugap.effects.effect import TINY, StochasticEffect
 
 SINGLE = 64
 """Lowest and highest coefficients that are kept one by one."""
@@ -359,7 +359,7 @@ def limits(noise: Noise, bins: Bins, power: np.ndarray) -> tuple[np.ndarray, np.
             spans.append((bins.interval / 3, 30 * duration))
         else:
             spans.append((0.1 / duration, 1 / bins.interval))
-    low, high = np.log(spans).T
+    low, high = np.log(np.maximum(spans, TINY)).T
     return low, high
 
 

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import fields, replace
 
 import numpy as np
+from scipy.optimize import minimize
 from scipy.special import log_ndtr
 from scipy.stats import ncx2
 
@@ -12,7 +13,7 @@ from imugap.discovery.doubt.doubt import LEVEL, Doubt, divergence, over
 from imugap.discovery.doubt.memory import in_place_of_noise
 from imugap.discovery.doubt.samples import BURSTS, SHARE, UNEVEN, of_samples
 from imugap.discovery.doubt.wave import repeated
-from imugap.discovery.noise import STEP, Noise, log_likelihood
+from imugap.discovery.noise import STEP, Noise, limits, log_likelihood
 from imugap.discovery.search import PARAMETER, SLOW, Key, Search, at, log_chance, without
 from imugap.discovery.telegraph import compare
 from imugap.discovery.views.spectral import of_spectrum
@@ -97,13 +98,24 @@ def share_of(fit: AxisFit, effect: StochasticEffect) -> np.ndarray:
 
 
 def _at_odds(fit: AxisFit, key: Key, other: StochasticEffect) -> float:
-    """Return the log-probability that the spectrum is as unlikely as it is with another effect at ``key``."""
+    """Return the log-probability that the spectrum is as unlikely as it is with another effect at ``key``.
+
+    The sizes of all else are free to follow it.
+    """
     bins, noise = fit.sequence.bins, fit.description.noise
-    effects = tuple(other if i == key.index else one for i, one in enumerate(noise.effects))
-    variances = noise.variance(bins), replace(noise, effects=effects).variance(bins)
-    power = bins.sums(fit.coefficients**2) * variances[0]
-    best, here = (log_likelihood(variance, power, bins.number) for variance in variances)
-    return log_chance(best - here, len(other.parameters()))
+    power = bins.sums(fit.coefficients**2) * noise.variance(bins)
+    moved = replace(noise, effects=tuple(other if i == key.index else one for i, one in enumerate(noise.effects)))
+    free = np.array([index != key.index for index, _ in moved.parameters()])
+
+    def loss(theta: np.ndarray) -> float:
+        placed = moved.theta()
+        placed[free] = theta
+        return -log_likelihood(moved.at(placed).variance(bins), power, bins.number)
+
+    bounds = np.transpose(limits(moved, bins, power))[free]
+    here = minimize(loss, np.clip(moved.theta()[free], *bounds.T), method="L-BFGS-B", bounds=bounds)
+    best = log_likelihood(noise.variance(bins), power, bins.number)
+    return log_chance(best + here.fun, len(other.parameters()))
 
 
 def _score(fit: AxisFit, direction: np.ndarray) -> float:
