@@ -210,7 +210,7 @@ def _searched(
 
     Of what goes with the motion in a way that has no name no more is to be told.
     """
-    found = search.explore(before, partial(without_a_name, search))
+    found = search.explore(before, partial(_nameless, search, len(taken) < MOST_BANDS))
     if in_place_of_all(search, found).log_p < LEVEL:
         return _Searched(search, found, taken, switched, odd=True)
     found = steady(search, told_apart(search, found))
@@ -224,6 +224,14 @@ def _searched(
         return _Searched(search, found, taken, switched)
     cleared = switched_too.without(before.sequence)
     return _searched(again, again.cleared(fit(cleared, search.start)), taken, switched_too)
+
+
+def _nameless(search: Search, taken_out: bool, fit: AxisFit) -> float:
+    """Return how much log-likelihood what has no name gains over a fit; no end of lines where one is not steady.
+
+    ``taken_out`` is whether such lines are, before anything else is looked for.
+    """
+    return np.inf if taken_out and unsteady.bands(fit) else without_a_name(search, fit)
 
 
 def concluded(tale: Tale) -> Story:

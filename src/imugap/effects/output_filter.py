@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
@@ -49,20 +50,19 @@ class OutputFilter(Effect):
         """Return samples behind the filter, shape (n,) or (n, m), as if the first had been there for ever."""
         if self.form == ANALOGUE:
             return self._analogue(values, interval)
-        from scipy.signal import sosfilt, sosfilt_zi  # takes as long as all else here, and most models have no filter
+        from scipy.signal import sosfilt  # takes as long as all else here, and most models have no filter
 
-        sections = self._sections(interval)
-        steady = sosfilt_zi(sections)
+        sections, steady = _sections(self, interval)
         state = steady * values[0] if values.ndim == 1 else steady[..., None] * values[0]
         return sosfilt(sections, values, axis=0, zi=state)[0]
 
     def decay(self, count: int, interval: float) -> np.ndarray:
         """Return what the first ``count`` samples still hold of a one that was there for ever before them."""
-        return 1 - self.passed(np.r_[0.0, np.ones(count)], interval)[1:]
+        return _decay(self, count, interval)
 
     def gain(self, frequency: np.ndarray, interval: float) -> np.ndarray:
         """Return the power gain at ``frequency`` [Hz], shape of it."""
-        self._check(interval)
+        self.check_rate(interval)
         ratio = self._ratio(np.asarray(frequency, float), interval)
         return 1 / (1 + np.abs(ratio) ** (2 * self.order))
 
@@ -71,9 +71,9 @@ class OutputFilter(Effect):
         if self.form == ANALOGUE:
             return frequency / self.cutoff
         x = np.pi * frequency * interval
-        return np.sin(x) / self._corner(interval) if self.form == ALL_POLE else np.tan(x) / self._corner(interval)
+        return np.sin(x) / self.corner(interval) if self.form == ALL_POLE else np.tan(x) / self.corner(interval)
 
-    def _corner(self, interval: float) -> float:
+    def corner(self, interval: float) -> float:
         """Return c of the digital filters; one of poles alone far beyond the rate lets everything through."""
         angle = np.pi * self.cutoff * interval
         return float(np.sinh(min(angle, OPEN)) if self.form == ALL_POLE else np.tan(angle))
@@ -85,7 +85,7 @@ class OutputFilter(Effect):
         if self.form == ANALOGUE:
             poles = buttap(int(self.order))[1]
             return 1 / np.prod(1j * np.asarray(frequency)[..., None] / self.cutoff - poles, axis=-1)
-        return sosfreqz(self._sections(interval), worN=frequency, fs=1 / interval)[1]
+        return sosfreqz(_sections(self, interval)[0], worN=frequency, fs=1 / interval)[1]
 
     def unturned(self, spectrum: np.ndarray, frequency: np.ndarray, interval: float) -> np.ndarray:
         """Return a spectrum at ``frequency`` [Hz], shape of it, without the phase that the filter gave it."""
@@ -104,23 +104,6 @@ class OutputFilter(Effect):
         passed = irfft(rfft(padded, axis=0) * gain, length, axis=0)[lead : lead + count] + own[0]
         return passed.reshape(values.shape)
 
-    def _sections(self, interval: float) -> np.ndarray:
-        """Return the sections of second order.
-
-        Poles alone: where (sin^2(pi f interval))^order is -(sinh^2(pi cutoff interval))^order, sin^2 being
-        (2 - z - 1/z)/4, inside the unit circle.
-        """
-        from scipy.signal import butter, zpk2sos
-
-        self._check(interval)
-        if self.form == BILINEAR:
-            return butter(int(self.order), self.cutoff, fs=1 / interval, output="sos")
-        turns = np.exp(1j * np.pi * (2 * np.arange(self.order) + 1) / self.order)
-        middle = 1 - 2 * self._corner(interval) ** 2 * turns
-        root = np.sqrt(middle**2 - 1)
-        poles = 1 / np.where(np.abs(middle + root) > 1, middle + root, middle - root)
-        return zpk2sos(np.zeros(len(poles)), poles, np.prod(1 - poles).real)
-
     @classmethod
     def starts(cls, fit: "AxisFit") -> Iterator[Start]:
         """Yield filters of a few orders, where there is none yet."""
@@ -132,8 +115,36 @@ class OutputFilter(Effect):
         """Return the highest cutoff that a fit can tell [Hz]."""
         return (0.499 if self.form == BILINEAR else 1.0) / interval
 
-    def _check(self, interval: float) -> None:
+    def check_rate(self, interval: float) -> None:
+        """Raise ValueError if the rate is too low for the cutoff."""
         if self.form == BILINEAR and self.cutoff * interval >= 0.5:
             raise ValueError(
                 f"{self.name}.cutoff: expected less than half the rate, {0.5 / interval:g} Hz; found {self.cutoff:g} Hz"
             )
+
+
+@lru_cache(maxsize=64)
+def _sections(one: OutputFilter, interval: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return the sections of second order of a digital filter, and their states behind a constant.
+
+    Poles alone: where (sin^2(pi f interval))^order is -(sinh^2(pi cutoff interval))^order, sin^2 being
+    (2 - z - 1/z)/4, inside the unit circle.
+    """
+    from scipy.signal import butter, sosfilt_zi, zpk2sos
+
+    one.check_rate(interval)
+    if one.form == BILINEAR:
+        sections = butter(int(one.order), one.cutoff, fs=1 / interval, output="sos")
+    else:
+        turns = np.exp(1j * np.pi * (2 * np.arange(one.order) + 1) / one.order)
+        middle = 1 - 2 * one.corner(interval) ** 2 * turns
+        root = np.sqrt(middle**2 - 1)
+        poles = 1 / np.where(np.abs(middle + root) > 1, middle + root, middle - root)
+        sections = zpk2sos(np.zeros(len(poles)), poles, np.prod(1 - poles).real)
+    return sections, sosfilt_zi(sections)
+
+
+@lru_cache(maxsize=4)
+def _decay(one: OutputFilter, count: int, interval: float) -> np.ndarray:
+    """Return what is left of a first sample that was there for ever: a fit asks again and again."""
+    return 1 - one.passed(np.r_[0.0, np.ones(count)], interval)[1:]
