@@ -146,5 +146,7 @@ def _sections(one: OutputFilter, interval: float) -> tuple[np.ndarray, np.ndarra
 
 @lru_cache(maxsize=4)
 def _decay(one: OutputFilter, count: int, interval: float) -> np.ndarray:
-    """Return what is left of a first sample that was there for ever: a fit asks again and again."""
-    return 1 - one.passed(np.r_[0.0, np.ones(count)], interval)[1:]
+    """Return what is left of a first sample that was there for ever, read-only: a fit asks again and again."""
+    left = 1 - one.passed(np.r_[0.0, np.ones(count)], interval)[1:]
+    left.flags.writeable = False
+    return left

@@ -100,7 +100,7 @@ def share_of(fit: AxisFit, effect: StochasticEffect) -> np.ndarray:
 def _at_odds(fit: AxisFit, key: Key, other: StochasticEffect) -> float:
     """Return the log-probability that the spectrum is as unlikely as it is with another effect at ``key``.
 
-    The sizes of all else are free to follow it.
+    All else of the noise, and the filter, are free to follow it.
     """
     bins, noise = fit.sequence.bins, fit.description.noise
     power = bins.sums(fit.coefficients**2) * noise.variance(bins)
