@@ -158,6 +158,10 @@ class Noise:
         total = sum(effect.sampled_psd(bins.frequency, bins.interval) for effect in self.effects) / bins.interval
         return total if self.output_filter is None else total * self.output_filter.gain(bins.frequency, bins.interval)
 
+    def share(self, index: int, bins: Bins) -> np.ndarray:
+        """Return the share of one process in the variance ahead of the rounding, shape (bins,)."""
+        return Noise((self.effects[index],), self.output_filter).passed(bins) / self.passed(bins)
+
     def beneath(self, bins: Bins, power: np.ndarray) -> "Noise":
         """Return the same processes behind the same filter, each as large as it is alone beneath a spectrum.
 
@@ -245,15 +249,10 @@ def fit(start: Noise, bins: Bins, power: np.ndarray) -> NoiseFit:
     theta, damping = np.clip(start.theta(), low, high), 1e-3
     value, gradient, information = spectra.expand(theta, power)
     for _ in range(ITERATIONS):
-        scale = np.diag(information) + 1e-9
-        free = ~(((theta <= low) & (gradient < 0)) | ((theta >= high) & (gradient > 0)))
-        step = np.zeros(len(theta))
-        damped = (information + np.diag(damping * scale))[np.ix_(free, free)]
-        step[free] = np.linalg.solve(damped, gradient[free])
-        step *= min(1.0, LONGEST_STEP / max(np.abs(step).max(initial=0.0), 1e-300))
-        trial = np.clip(theta + step, low, high)
-        gain = gradient @ (trial - theta)
-        if gain < FLAT:
+        damped = information + np.diag(damping * (np.diag(information) + 1e-9))
+        ends = np.maximum(low - theta, -LONGEST_STEP), np.minimum(high - theta, LONGEST_STEP)
+        trial = theta + _step(gradient, damped, *ends)
+        if abs(gradient @ (trial - theta)) < FLAT:
             break
         expanded = spectra.expand(trial, power)
         if expanded[0] > value:
@@ -261,6 +260,23 @@ def fit(start: Noise, bins: Bins, power: np.ndarray) -> NoiseFit:
         else:
             damping = min(max(damping * 8, 1e-3), 1e9)
     return NoiseFit(start.at(theta), value, information)
+
+
+def _step(gradient: np.ndarray, information: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    """Return the step to the top of a quadratic within a box; what leads out of it stays at the end, the rest follows.
+
+    A process much fainter than the others leads far out: a step shortened as a whole would not move the others.
+    """
+    step, free = np.zeros(len(gradient)), np.ones(len(gradient), bool)
+    while free.any():
+        rest = gradient[free] - information[np.ix_(free, ~free)] @ step[~free]
+        step[free] = np.linalg.solve(information[np.ix_(free, free)], rest)
+        beyond = free & ((step < low) | (step > high))
+        if not beyond.any():
+            break
+        step[beyond] = np.clip(step, low, high)[beyond]
+        free &= ~beyond
+    return step
 
 
 @dataclass(frozen=True, eq=False)

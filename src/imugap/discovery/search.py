@@ -60,6 +60,8 @@ They stay if the exchange of what is there makes all of it certain: an effect th
 """
 EXPECTED = 1.5
 """Logarithm of how much likelier slow noise is than another effect before any sample: most sensors have some."""
+TRACE = 0.01
+"""Share of the power at every frequency below which white noise is gone."""
 MANY = {BiasStep: 3, VarianceChange: 3, Sinusoid: 5}
 """Number of effects of a kind on one axis above which they are not what they are called; no more are looked for."""
 SLOW = (BiasInstability, GaussMarkov, RandomWalk)
@@ -123,8 +125,12 @@ class Trial:
 
     @property
     def worth(self) -> float:
-        """Return the gain less the cost: what effects are weighed by against each other."""
-        return self.gain - self.cost + expected(type(self.effect))
+        """Return the gain less the cost: what effects are weighed by against each other.
+
+        Slow noise is no likelier than another effect where it leaves no room for the white noise that every sensor has.
+        """
+        white = self.fit.description.noise.share(0, self.fit.sequence.bins).max()
+        return self.gain - self.cost + (expected(type(self.effect)) if white > TRACE else 0.0)
 
 
 @dataclass(frozen=True, eq=False)
