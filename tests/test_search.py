@@ -21,7 +21,7 @@ from imugap.discovery.hysteresis import Hysteresis
 from imugap.discovery.noise import Noise, _Spectra, limits, usable
 from imugap.discovery.parameters import _near
 from imugap.discovery.runs import turn_on
-from imugap.discovery.search import Key, Search, at
+from imugap.discovery.search import MANY, Key, Search, at
 from imugap.discovery.sequence import Sequence
 from imugap.discovery.story import concluded, told
 from imugap.discovery.tails import tails
@@ -867,3 +867,12 @@ def test_noise_beneath_a_spectrum_does_not_rise_above_it(count):
     over = power[asked] / data.bins.number[asked] / noise.variance(data.bins)[asked]
     assert np.mean(over >= 1 - 1e-9) >= 0.5
     assert over.min() <= 1 + 1e-9
+
+
+@pytest.mark.parametrize("number", [MANY[VarianceChange], MANY[VarianceChange] + 1])
+def test_beside_more_changes_of_the_variance_than_have_a_name_nothing_else_is_looked_for(number):
+    changes = tuple(VarianceChange(start, start + 50.0, 3.0) for start in 100.0 + 200.0 * np.arange(number))
+    data = sequence(*changes, BiasStep(480.0, 2e-3), label="restless")
+    search = Search(Description((), Noise((WHITE,))), tuple(CATALOGUE.values()), LOG_ALPHA)
+    found = search.explore(fit(data, replace(search.start, changes=changes)))
+    assert found.has(BiasStep) == (number == MANY[VarianceChange])

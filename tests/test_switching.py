@@ -1,14 +1,18 @@
 """Telegraph noise beside other slow noise: told by its samples, and taken out of them."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from imugap.discovery.axis import Description, fit
 from imugap.discovery.noise import Noise
+from imugap.discovery.search import MANY, Search
 from imugap.discovery.sequence import Sequence
 from imugap.discovery.story import concluded, told
 from imugap.discovery.switching import _drawn, _reverting, switching
 from imugap.discovery.telegraph import filtered
+from imugap.discovery.two_values import told_apart
 from imugap.effects import BiasStep, GaussMarkov, RandomTelegraph, RandomWalk, VarianceChange, WhiteNoise
 from imugap.effects.effect import Conditions
 from imugap.model import AxisModel
@@ -117,6 +121,16 @@ def test_switches_in_noise_that_changes_are_named_beside_the_change():
     within, without = 5000, 19_000  # samples, whose variances scatter by sqrt(2 / n)
     allowed = 4.5 * np.sqrt(2 / within + 2 / without)
     assert found["variance_change"]["ratio"].value == pytest.approx(change.ratio, rel=allowed)
+
+
+@pytest.mark.parametrize("number", [MANY[VarianceChange], MANY[VarianceChange] + 1])
+def test_switches_for_which_slow_noise_of_the_start_model_and_changes_of_variance_stand_are_told(number):
+    data = sequence(SWITCHES, label="stands for")
+    known = Description((), Noise((WHITE, RandomWalk(1e-3))))
+    changes = tuple(VarianceChange(start, start + 20.0, 1.1) for start in 100.0 + 150.0 * np.arange(number))
+    search = Search(known, (BiasStep, GaussMarkov, RandomWalk, VarianceChange), LOG_ALPHA)
+    found = told_apart(search, fit(data, replace(known, changes=changes)))
+    assert found.has(RandomTelegraph) == (number > MANY[VarianceChange])
 
 
 @pytest.mark.slow

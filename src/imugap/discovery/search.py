@@ -220,6 +220,8 @@ class Search:
 
     def _explored(self, before: AxisFit, nameless: Callable[[AxisFit], float]) -> AxisFit:
         for _ in range(LIMIT):
+            if self.restless(before.description):
+                break
             bar = HOPE if self.added(before.description) else self.log_alpha
             trials = sorted((one for one in self.trials(before, bar) if one.log_p < bar), key=lambda one: one.log_p)
             wide = self.cleaned(before)
@@ -241,6 +243,13 @@ class Search:
                 break
             before = proven
         return before
+
+    def restless(self, description: Description) -> bool:
+        """Return whether more changes of the variance were added than can have their name; they stand for what has not.
+
+        What else such samples show is not to be told.
+        """
+        return len(self.added(description, VarianceChange)) > MANY[VarianceChange]
 
     def _proven(self, after: AxisFit, before: AxisFit) -> bool:
         """Return whether a fit has more effects than before, each of which chance does not explain."""
@@ -270,7 +279,7 @@ class Search:
             if not isinstance(effect, SLOW):
                 continue
             without = self.fitted(before.sequence, removed(before.description, Key("noise", index)))
-            effects = (*noise.effects[:index], _little(effect), *noise.effects[index + 1 :])
+            effects = (*noise.effects[:index], little(effect), *noise.effects[index + 1 :])
             given_up = replace(before.description, noise=replace(noise, effects=effects))
             for kind in self.catalogue:
                 if issubclass(kind, SLOW) and kind is not type(effect):
@@ -476,7 +485,7 @@ def _places(effect: Effect, parameters: int, without: AxisFit) -> float:
     return max(alike or [start.trials for start in starts], default=1.0)
 
 
-def _little(effect: StochasticEffect) -> StochasticEffect:
+def little(effect: StochasticEffect) -> StochasticEffect:
     """Return slow noise much smaller; its first parameter is its size."""
     size = fields(effect)[0].name
     return replace(effect, **{size: LITTLE * getattr(effect, size)})

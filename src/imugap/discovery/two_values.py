@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from imugap.discovery.axis import AxisFit, fit
-from imugap.discovery.search import MANY, SLOW, Search, at, log_chance, removed, without
+from imugap.discovery.search import MANY, SLOW, Search, at, little, log_chance, removed, without
 from imugap.discovery.switching import Switching, switching
 from imugap.discovery.telegraph import Blocks, compare, likeliest
 from imugap.effects import BiasStep, RandomTelegraph, VarianceChange
@@ -20,14 +20,17 @@ TWICE = 2.0
 def told_apart(search: Search, found: AxisFit) -> AxisFit:
     """Return the fit with telegraph noise in the place of what the samples show to have two values."""
     found = _one_telegraph(search, _switching(search, _many_steps(search, found)))
-    keys = search.added(found.description, SLOW)
-    if not keys or found.has(RandomTelegraph):
+    slow = _slow_part(search, found)
+    if not slow or found.has(RandomTelegraph):
         return found
-    verdict = compare(found, tuple(at(found.description, key) for key in keys))
+    verdict = compare(found, slow)
     if verdict.gain < -search.log_alpha / 2:
         return found
-    noise = without(found, keys).description.noise
-    effects = replace(noise, effects=(*noise.effects, verdict.effect))
+    noise = found.description.noise
+    known = len(search.start.noise.effects)
+    kept = (little(one) if one in slow else one for one in noise.effects[:known])
+    rest = (one for one in noise.effects[known:] if one not in slow)
+    effects = replace(noise, effects=(*kept, *rest, verdict.effect))
     exchanged = _without_switches(search, fit(found.sequence, replace(found.description, noise=effects)))
     beside = _stepless(search).explore(exchanged)
     return _one_telegraph(search, beside) if beside.has(RandomTelegraph) else exchanged
@@ -111,6 +114,17 @@ def _one_telegraph(search: Search, found: AxisFit) -> AxisFit:
 def _stepless(search: Search) -> Search:
     """Return the search that looks for no steps of the mean."""
     return replace(search, catalogue=tuple(kind for kind in search.catalogue if kind is not BiasStep))
+
+
+def _slow_part(search: Search, found: AxisFit) -> tuple[StochasticEffect, ...]:
+    """Return the slow noise that was added; where changes of the variance stand for its switches, what stands for it.
+
+    That may be slow noise of the start model, which is free.
+    """
+    added = tuple(at(found.description, key) for key in search.added(found.description, SLOW))
+    if added or not search.restless(found.description):
+        return added
+    return tuple(one for one in found.description.noise.effects if isinstance(one, SLOW))
 
 
 def _slow(search: Search, found: AxisFit) -> tuple[StochasticEffect, ...]:
