@@ -82,15 +82,12 @@ class AxisFit:
         Log-density of the samples, free of their offset.
     noise
         Fit of the random part.
-    covariance
-        Covariance of the free parameters of the terms, in their order.
     """
 
     sequence: Sequence
     description: Description
     log_likelihood: float
     noise: NoiseFit
-    covariance: np.ndarray
 
     @cached_property
     def scale(self) -> np.ndarray | float:
@@ -137,6 +134,16 @@ class AxisFit:
     def basis(self) -> np.ndarray:
         """Return an orthonormal basis of the directions that the terms can move the mean in, whitened."""
         return _basis(self.whiten(jacobian(self.description.terms, self.sequence)))
+
+    @cached_property
+    def covariance(self) -> np.ndarray:
+        """Return the covariance of the terms' free parameters, in their order, the spectrum taken as known."""
+        columns = self.whiten(jacobian(self.description.terms, self.sequence))
+        precision = columns.T @ columns
+        norms = np.sqrt(np.diag(precision))
+        norms[norms == 0] = np.inf
+        inverse = np.linalg.pinv(precision / np.outer(norms, norms), rcond=1e-12, hermitian=True)
+        return inverse / np.outer(norms, norms)
 
     def bare(self) -> "AxisFit":
         """Return the fit without what was derived from it, which is many times its size."""
@@ -393,7 +400,7 @@ def fit(sequence: Sequence, start: Description) -> AxisFit:
             break
         last = value
         description = _mean_moved(sequence, description)
-    return AxisFit(sequence, description, value, noise, _covariance(sequence, description))
+    return AxisFit(sequence, description, value, noise)
 
 
 def log_score(sequence: Sequence, description: Description) -> float:
@@ -458,16 +465,3 @@ def _line_search(
             return moved, after
         step = step / 3
     return description, rest
-
-
-def _covariance(sequence: Sequence, description: Description) -> np.ndarray:
-    """Return the covariance of the terms' free parameters, the spectrum taken as known."""
-    if not description.terms:
-        return np.empty((0, 0))
-    root = _roots(sequence, description)
-    columns = _whitened(jacobian(description.terms, sequence), sequence, description, root)
-    precision = columns.T @ columns
-    norms = np.sqrt(np.diag(precision))
-    norms[norms == 0] = np.inf
-    inverse = np.linalg.pinv(precision / np.outer(norms, norms), rcond=1e-12, hermitian=True)
-    return inverse / np.outer(norms, norms)

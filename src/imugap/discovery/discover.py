@@ -341,15 +341,9 @@ def _left(
     alike = {frozenset(pair) for finding in common for pair in _pairs(finding.axes)}
     with _many(question.workers) as each:
         judged = verdicts(fits, question.seed + 1, question.replicates, known, changed, each)
-    judged += [one for one in seen if not changed & _about(one)]
+    judged += [one for one in seen if not changed & one.axes]
     left = tuple(gap for gap in named(judged, question.alpha) if not _common(gap, alike))
     return tuple(one for one in judged if not _common(one.curve, alike)), left
-
-
-def _about(verdict: Verdict) -> set[str]:
-    """Return the axes whose fits a verdict is about: both of a coherence, else the first, that of the residual."""
-    axes = verdict.curve.axis.split(",")
-    return set(axes) if verdict.curve.view == COHERENCE else {axes[0]}
 
 
 def _common(one: Gap | Curve, alike: set[frozenset[str]]) -> bool:

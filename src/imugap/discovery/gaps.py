@@ -1,7 +1,7 @@
 """Where measured data leave the model: all views of all axes against replicates of the fitted model, refitted."""
 
 from collections import defaultdict
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from itertools import combinations
@@ -21,6 +21,8 @@ from imugap.model import AxisModel
 from imugap.stream import stream
 
 REPLICATES = 99
+FIRST, DOUBT = 40, 0.02
+"""Replicates that every axis has, and the probability by chance of a view below which an axis has the others too."""
 TOGETHER = 10
 """Replicates that are made one after another, by one process; neighbours among them tell of independent axes."""
 REPLACED = (SampleLoss, Saturation, StuckSamples)
@@ -38,6 +40,12 @@ class Verdict:
     def p_value(self) -> float:
         """Return the probability of as large a deviation anywhere in the view if the model is right."""
         return float(self.envelope.p_value(self.envelope.deviation(self.curve.statistic).max()))
+
+    @property
+    def axes(self) -> set[str]:
+        """Return the axes whose fits it is about: both of a coherence, else the first, that of the residual."""
+        axes = self.curve.axis.split(",")
+        return set(axes) if self.curve.view == views.COHERENCE else {axes[0]}
 
     def gaps(self, level: float) -> list[Gap]:
         """Return the places beyond the envelope of a level."""
@@ -64,6 +72,11 @@ class Twins:
     fits: tuple[AxisFit, ...]
     known: tuple[Effect, ...]
     over: tuple[views.Binning, ...]
+
+    @property
+    def axes(self) -> set[str]:
+        """Return the names of the axes."""
+        return {found.sequence.conditions.axis for found in self.fits}
 
     def replicate(self, seed: int, index: int) -> AxisFit:
         """Simulate the fitted description of the first axis, with its repairs, and fit it again."""
@@ -120,6 +133,8 @@ def verdicts(
 ) -> list[Verdict]:
     """Return every view of every axis, and of every two axes, against replicates of the fitted model.
 
+    The first replicates tell which axes are in doubt; only these have all of them.
+
     Parameters
     ----------
     fits
@@ -136,19 +151,26 @@ def verdicts(
         return []
     pairs = [pair for pair in combinations(fits, 2) if asked & set(pair)]
     common = [pair for pair in pairs if all(fits[axis].has(CommonMode) for axis in pair)]
-    drawn = asked.union(*common)
-    groups = twins({axis: replace(found) for axis, found in fits.items() if axis in drawn}, known or {})
+    doubtful = asked.union(*common)
+    groups = twins({axis: replace(found) for axis, found in fits.items() if axis in doubtful}, known or {})
     lasts = {views.shared_last(*(fits[axis] for axis in pair)) for pair in pairs}
-    parts = [range(first, min(first + TOGETHER, replicates)) for first in range(0, replicates, TOGETHER)]
-    statistics: dict[object, list[np.ndarray]] = defaultdict(list)
-    for part in each(partial(_statistics, groups, common, lasts, seed), parts):
-        for key, rows in part.items():
-            statistics[key] += rows
-    alone = [one for one in _alone(groups, statistics) if one.curve.axis.split(",")[0] in asked]
-    return alone + _pairs(pairs, fits, statistics)
+    seen = [*_alone(groups, asked), *_pairs(pairs, common, fits)]
+    judged, statistics = [], defaultdict(list)
+    for first, last in ((0, min(FIRST, replicates)), (FIRST, replicates)):
+        some = {number: group for number, group in enumerate(groups) if doubtful & group.axes}
+        together = [pair for pair in common if set(pair) <= set().union(*(group.axes for group in some.values()))]
+        parts = [range(begin, min(begin + TOGETHER, last)) for begin in range(first, last, TOGETHER)] if some else []
+        for part in each(partial(_statistics, some, together, lasts, seed), parts):
+            for key, rows in part.items():
+                statistics[key] += rows
+        judged = [Verdict(curve, Envelope(np.array(statistics[key]), curve.signed)) for key, curve in seen]
+        doubtful = set().union(*(one.axes for one in judged if one.p_value < DOUBT))
+    return judged
 
 
-def _statistics(groups: list[Twins], common: list[tuple[str, str]], lasts: set[int], seed: int, indices: range) -> dict:
+def _statistics(
+    groups: Mapping[int, Twins], common: list[tuple[str, str]], lasts: set[int], seed: int, indices: range
+) -> dict:
     """Return the statistics of replicates: by group and view, by pair of axes, and of independent pairs.
 
     Those of independent pairs are taken up to each of the coefficients ``lasts``.
@@ -158,9 +180,9 @@ def _statistics(groups: list[Twins], common: list[tuple[str, str]], lasts: set[i
     with threadpool_limits(1):
         for index in indices:
             last, drawn = newest, {}
-            for number, group in enumerate(groups):
+            for number, group in groups.items():
                 found = group.replicate(seed, index)
-                drawn |= {member.sequence.conditions.axis: found for member in group.fits}
+                drawn |= dict.fromkeys(group.axes, found)
                 for key, curve in views.curves(found, group.over).items():
                     statistics[number, *key].append(curve.statistic)
             newest = max(drawn.values(), key=lambda found: found.sequence.bins.last)
@@ -172,25 +194,24 @@ def _statistics(groups: list[Twins], common: list[tuple[str, str]], lasts: set[i
     return dict(statistics)
 
 
-def _alone(groups: list[Twins], statistics: Mapping) -> list[Verdict]:
-    found = []
+def _alone(groups: list[Twins], asked: Collection[str]) -> Iterator[tuple[object, views.Curve]]:
+    """Yield the curves of the axes that are asked for, each after the name of its statistics."""
     for number, group in enumerate(groups):
         for member in group.fits:
-            over = group.concern(member.sequence.conditions.axis)
-            for key, curve in views.curves(member.bare(), over).items():
-                found.append(Verdict(curve, Envelope(np.array(statistics[number, *key]), curve.signed)))
-    return found
+            axis = member.sequence.conditions.axis
+            if axis in asked:
+                for key, curve in views.curves(member.bare(), group.concern(axis)).items():
+                    yield (number, *key), curve
 
 
-def _pairs(pairs: list[tuple[str, str]], fits: Mapping[str, AxisFit], statistics: Mapping) -> list[Verdict]:
-    """Return the verdicts on two axes each; where nothing is common, against pairs of independent replicates."""
-    found, bare = [], {axis: fit.bare() for axis, fit in fits.items()}
+def _pairs(
+    pairs: list[tuple[str, str]], common: list[tuple[str, str]], fits: Mapping[str, AxisFit]
+) -> Iterator[tuple[object, views.Curve]]:
+    """Yield the curves of two axes each; where nothing is common, they go with pairs of independent replicates."""
+    bare = {axis: fit.bare() for axis, fit in fits.items()}
     for pair in pairs:
         members = [bare[axis] for axis in pair]
-        curve, independent = views.of_coherence(*members), ("independent", views.shared_last(*members))
-        rows = statistics[pair if pair in statistics else independent]
-        found.append(Verdict(curve, Envelope(np.array(rows), curve.signed)))
-    return found
+        yield pair if pair in common else ("independent", views.shared_last(*members)), views.of_coherence(*members)
 
 
 def threshold(p_values: np.ndarray, alpha: float) -> float:

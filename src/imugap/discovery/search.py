@@ -78,6 +78,8 @@ COUPLES = 4
 """Couples that are fitted, of smooth means and with a step each."""
 CUTOFFS = (1.0, 0.3, 0.1, 0.03)
 """Cutoffs at which a filter is tried, over that which it proposes."""
+RESHAPED = 30.0
+"""Gain of log-likelihood, at most, that the terms are expected to make by what a filter does to them."""
 SLACK = 2.0
 """How many times the gain that an effect expects before the fit it may make after it."""
 
@@ -264,9 +266,12 @@ class Search:
             if sum(isinstance(one, kind) for one in before.description.effects()) > MANY.get(kind, LIMIT):
                 continue
             for start in kind.starts(before):
-                if _moves(start.effect, before) or _hopeful(start, bar):
-                    start, beside = _behind(start, before) if kind is OutputFilter else (start, None)
-                    yield self.judged(start, before, beside)
+                if kind is OutputFilter:
+                    start, beside = _behind(start, before)
+                    if _hopeful(start, bar):
+                        yield self.judged(start, before, beside)
+                elif _moves(start.effect, before) or _hopeful(start, bar):
+                    yield self.judged(start, before)
         yield from self._instead(before)
 
     def _instead(self, before: AxisFit) -> Iterator[Trial]:
@@ -494,7 +499,8 @@ def little(effect: StochasticEffect) -> StochasticEffect:
 def _behind(start: Start, before: AxisFit) -> tuple[Start, Description]:
     """Return a filter, and the description with the noise behind it, from which a fit is most likely to get there.
 
-    Without the filter noise has gone far to look like it, and may not find back.
+    Without the filter noise has gone far to look like it, and may not find back. What the noise gains is known by then,
+    what the terms may gain is not.
     """
     description, bins = before.description, before.sequence.bins
     fits = []
@@ -502,9 +508,10 @@ def _behind(start: Start, before: AxisFit) -> tuple[Start, Description]:
         filtered = replace(start.effect, cutoff=factor * start.effect.cutoff)
         noise = replace(description.noise, output_filter=filtered)
         fits += [fit_noise(one, bins, before.power) for one in (noise, noise.beneath(bins, before.power))]
-    best = max(fits, key=lambda one: one.log_likelihood).noise
-    beside = replace(description, noise=replace(best, output_filter=None))
-    return replace(start, effect=best.output_filter), beside
+    best = max(fits, key=lambda one: one.log_likelihood)
+    beside = replace(description, noise=replace(best.noise, output_filter=None))
+    gain = best.log_likelihood - before.noise.log_likelihood + RESHAPED
+    return replace(start, effect=best.noise.output_filter, gain=gain), beside
 
 
 def _another(one: Effect, other: Effect) -> bool:
