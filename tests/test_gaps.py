@@ -10,7 +10,7 @@ from scipy.stats import binomtest, kstest
 
 from imugap import log
 from imugap.discovery.axis import Description, Term, fit
-from imugap.discovery.gaps import gaps, threshold, twins, verdicts
+from imugap.discovery.gaps import DOUBT, FIRST, REPLICATES, gaps, threshold, twins, verdicts
 from imugap.discovery.noise import Noise
 from imugap.discovery.sequence import Sequence
 from imugap.effects import (
@@ -176,6 +176,20 @@ def test_axes_of_white_noise_share_replicates():
     assert groups == [["gyro_x", "gyro_y"], ["gyro_z"]]
     known = [len(group.fits) for group in twins(found, {"gyro_x": (Resolution(0.01),)})]
     assert known == [1, 1, 1]
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_only_axes_that_the_first_replicates_put_in_doubt_have_all(seed):
+    slow = RandomWalk(3e-4)
+    start = {"gyro_x": Description((), Noise((WHITE, slow)))}
+    found = fits({"gyro_x": (slow,), "gyro_y": (Sinusoid(7.3, 1e-3, 1.0),)}, start, seed=seed)
+    doubtful = set().union(*(one.axes for one in verdicts(found, 1, FIRST) if one.p_value < DOUBT))
+    assert "gyro_y" in doubtful
+    counts = defaultdict(set)
+    for one in verdicts(found, 1):
+        counts[one.curve.axis].add(len(one.envelope.replicates))
+    for axis in found:
+        assert counts[axis] == {REPLICATES if axis in doubtful else FIRST}
 
 
 def test_the_seed_decides():

@@ -130,15 +130,19 @@ class AxisFit:
         """Return columns of the error, (n, m), in basis and scale of :attr:`coefficients`, shape (n - 1, m)."""
         return _whitened(columns, self.sequence, self.description, self._root)
 
+    def _directions(self) -> np.ndarray:
+        """Return the derivatives of the mean by the terms' free parameters, whitened, shape (n - 1, parameters)."""
+        return self.whiten(jacobian(self.description.terms, self.sequence))
+
     @cached_property
     def basis(self) -> np.ndarray:
         """Return an orthonormal basis of the directions that the terms can move the mean in, whitened."""
-        return _basis(self.whiten(jacobian(self.description.terms, self.sequence)))
+        return _basis(self._directions())
 
     @cached_property
     def covariance(self) -> np.ndarray:
         """Return the covariance of the terms' free parameters, in their order, the spectrum taken as known."""
-        columns = self.whiten(jacobian(self.description.terms, self.sequence))
+        columns = self._directions()
         precision = columns.T @ columns
         norms = np.sqrt(np.diag(precision))
         norms[norms == 0] = np.inf
