@@ -22,7 +22,7 @@ from imugap.discovery.doubt.transition import of_transitions
 from imugap.discovery.noise import Noise
 from imugap.discovery.search import Key, Search
 from imugap.discovery.sequence import Sequence
-from imugap.discovery.story import _carried, concluded, told
+from imugap.discovery.story import _carried, _of_any_slope, concluded, told
 from imugap.discovery.tails import tails
 from imugap.effects import (
     CATALOGUE,
@@ -41,6 +41,7 @@ from imugap.effects import (
     WhiteNoise,
 )
 from imugap.effects.effect import Conditions
+from imugap.effects.power_law import STEEPEST
 from imugap.model import AxisModel
 from imugap.stream import stream
 
@@ -203,6 +204,18 @@ def test_what_is_no_noise_is_not_in_the_model_as_noise(reason):
     carried = _carried(search, found, {Key("noise", 1): Doubt(reason, -20.0)})
     assert carried.has(PowerLaw) == (reason == LAW)
     assert not carried.has(RandomWalk)
+
+
+def test_noise_that_is_rather_a_trend_is_not_in_the_model_as_noise():
+    """Nor is one left out that may be a trend, if it rather is noise."""
+    search = Search(Description((), Noise((WHITE,))), (), LOG_ALPHA)
+    trend = sequence(added=lambda time, rng: 2e-2 * np.sin(2 * np.pi * (time / time[-1]) ** 2))
+    for data, noise in ((trend, False), (sequence(PowerLaw(1e-4, 2.6), label="s1"), True)):
+        found = fit(data, Description((), Noise((WHITE, RandomWalk(1e-4)))))
+        carried = _carried(search, found, {Key("noise", 1): Doubt(LAW, -20.0)})
+        assert carried.has(PowerLaw) == noise
+    ends = _of_any_slope(search, carried).parameters["exponent"]
+    assert ends.low < 2.6 < STEEPEST < ends.high
 
 
 def test_a_step_in_doubt_beside_slow_noise_is_not_in_the_model_as_noise():

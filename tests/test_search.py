@@ -21,7 +21,7 @@ from imugap.discovery.hysteresis import Hysteresis
 from imugap.discovery.noise import Noise, _Spectra, limits, usable
 from imugap.discovery.parameters import _near
 from imugap.discovery.runs import turn_on
-from imugap.discovery.search import MANY, Key, Search, at
+from imugap.discovery.search import MANY, RESHAPED, Key, Search, _behind, _hopeful, at
 from imugap.discovery.sequence import Sequence
 from imugap.discovery.story import concluded, told
 from imugap.discovery.tails import tails
@@ -491,6 +491,23 @@ def test_a_filter_is_found_behind_noise_that_went_far_to_look_like_it(known, cut
     assert names(story) == ["output_filter"]
     (found,) = story.findings
     assert found.parameters["cutoff"].low < cutoff < found.parameters["cutoff"].high
+
+
+@pytest.mark.parametrize("slow", [(), (RandomWalk(3e-5),)])
+@pytest.mark.parametrize("cutoff", [0.5, 3.0, 12.0, None])
+def test_what_a_filter_gains_is_known_before_it_is_fitted(cutoff, slow):
+    data = sequence(*slow, count=6000)
+    if cutoff is not None:
+        output = OutputFilter(cutoff, 2).apply(data.values, data.conditions, stream(1))
+        data = replace(data, values=output, share=usable(output))
+    description = Description((), Noise((WHITE, *slow)))
+    before = fit(data, description)
+    search = Search(description, tuple(CATALOGUE.values()), LOG_ALPHA)
+    for start in OutputFilter.starts(before):
+        expected, beside = _behind(start, before)
+        found = search.judged(expected, before, beside)
+        assert found.gain == pytest.approx(expected.gain - RESHAPED, abs=RESHAPED / 3)
+        assert _hopeful(expected, LOG_ALPHA) or found.log_p > LOG_ALPHA
 
 
 @pytest.mark.parametrize("base", [RandomWalk(1.5e-4), BiasInstability(4e-4), GaussMarkov(1e-3, 20.0)])

@@ -258,7 +258,7 @@ def _carried(search: Search, found: AxisFit, doubtful: Mapping[Key, Doubt]) -> A
     """Return the fit without what is in doubt; if that is slow noise, with noise of the slope that it has.
 
     Only where nothing but slow noise is in doubt, and nothing but its spectrum: what is no noise has no place there,
-    nor has a slope that may be that of a trend. Outliers in doubt are samples again.
+    nor has a slope as steep as that of a trend. Outliers in doubt are samples again.
     """
     if any(key.part == "outliers" for key in doubtful):
         raw = replace(found, sequence=search.raw[found.description.outliers])
@@ -273,8 +273,7 @@ def _carried(search: Search, found: AxisFit, doubtful: Mapping[Key, Doubt]) -> A
     carried = beside_power_law(search.afresh(), kept)
     gain = carried.log_likelihood - kept.log_likelihood
     exponent = _of_any_slope(search, carried).parameters["exponent"]
-    bounded = exponent.high < STEEPEST
-    return carried if bounded and log_chance(gain, len(fields(PowerLaw))) < search.log_alpha else kept
+    return carried if exponent.value < STEEPEST and log_chance(gain, len(fields(PowerLaw))) < search.log_alpha else kept
 
 
 def _of_any_slope(search: Search, found: AxisFit) -> Finding | None:

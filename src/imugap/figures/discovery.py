@@ -145,6 +145,7 @@ def _scaled(row: Sequence[Axes], curve: Curve) -> None:
             panel.set_yscale("symlog", linthresh=LINEAR)
             panel.set_ylim(bottom=min(float(curve.statistic.min()), 0.0) - 1)
             panel.yaxis.set_major_formatter(PLAIN)
+        panel.minorticks_off()
 
 
 def distance(found: Discovery) -> Figure:
