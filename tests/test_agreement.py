@@ -5,7 +5,7 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from imugap.discovery.agreement import _Choice, agreed
+from imugap.discovery.agreement import BEFOREHAND, _Choice, _choice, agreed
 from imugap.discovery.axis import Description, fit
 from imugap.discovery.noise import Noise
 from imugap.discovery.search import OF_TIME, SLOW, Search
@@ -89,4 +89,14 @@ def test_sensors_have_nothing_to_do_with_each_other():
     both = {GYRO[0]: (GaussMarkov(2e-3, 5.0),), ACCEL[0]: (RandomWalk(3e-4),)}
     fits, searches = explored(both)
     assert kinds(fits) == {GYRO[0]: [GaussMarkov], ACCEL[0]: [RandomWalk]}
+    assert agreed(fits, searches) == fits
+
+
+def test_a_walk_beside_far_faster_processes_is_none_of_them():
+    """A process slow enough is as good as a walk, but not one like those of the others."""
+    fast, walk = (GaussMarkov(2e-3, 3.0),), (RandomWalk(7e-5),)
+    fits, searches = explored({"gyro_x": fast, "gyro_y": walk, "gyro_z": fast}, 3)
+    own = _choice(searches["gyro_y"], fits["gyro_y"], searches["gyro_y"].added(fits["gyro_y"].description))
+    assert own.time > 1000
+    assert own.worth(GaussMarkov) > -BEFOREHAND
     assert agreed(fits, searches) == fits

@@ -20,9 +20,10 @@ from imugap.discovery.doubt.spectrum import LAW, _at_odds, _off_in_bands, share_
 from imugap.discovery.doubt.transient import FADING, of_transients
 from imugap.discovery.doubt.transition import of_transitions
 from imugap.discovery.noise import Noise
-from imugap.discovery.search import Key, Search
+from imugap.discovery.search import Key, Search, without
 from imugap.discovery.sequence import Sequence
 from imugap.discovery.story import _carried, _of_any_slope, concluded, told
+from imugap.discovery.sweeps import swept
 from imugap.discovery.tails import tails
 from imugap.effects import (
     CATALOGUE,
@@ -216,6 +217,17 @@ def test_noise_that_is_rather_a_trend_is_not_in_the_model_as_noise():
         assert carried.has(PowerLaw) == noise
     ends = _of_any_slope(search, carried).parameters["exponent"]
     assert ends.low < 2.6 < STEEPEST < ends.high
+
+
+def test_slow_noise_in_doubt_is_no_line_that_sweeps(monkeypatch):
+    data = sequence(RandomWalk(3e-5), count=300_000, label="w0")
+    tale = told(data, (), (RandomWalk,), LOG_ALPHA, 240_000)
+    walk = tale.late.added(tale.whole.description)
+    assert swept(without(tale.whole, walk), LOG_ALPHA) != ()
+    monkeypatch.setattr("imugap.discovery.story.doubts", lambda search, found: dict.fromkeys(walk, Doubt(LAW, -20.0)))
+    story = concluded(tale)
+    assert [one.name for one in story.withheld] == ["random_walk"]
+    assert story.bands == ()
 
 
 def test_a_step_in_doubt_beside_slow_noise_is_not_in_the_model_as_noise():

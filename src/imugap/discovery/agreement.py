@@ -6,10 +6,13 @@ to have the kind that all axes of its sensor together speak for, if it explains 
 
 from collections.abc import Mapping
 from collections.abc import Sequence as Several
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+import numpy as np
 
 from imugap.discovery.axis import AxisFit
 from imugap.discovery.search import OF_TIME, SLOW, Key, Search, Trial, at, expected, without
+from imugap.effects import GaussMarkov
 from imugap.effects.effect import Effect
 from imugap.log import ACCEL, GYRO
 
@@ -24,6 +27,8 @@ FAINT = (*SLOW, *OF_TIME)
 """What faint slow noise may be taken for."""
 MOST = 2
 """Number of effects that it may be taken for on one axis."""
+SLOWER = 10.0
+"""By how much longer a correlation time may be than on the axes that have such a process of their own."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,6 +57,18 @@ class _Choice:
         """Return what a kind is worth, over that of the own effects."""
         return self.noise[kind].worth - self.own if kind in self.noise else -BEFOREHAND
 
+    @property
+    def time(self) -> float:
+        """Return the correlation time [s] of the Gauss-Markov process in their place."""
+        effects = self.noise[GaussMarkov].fit.description.noise
+        return [effect.correlation_time for effect in effects if isinstance(effect, GaussMarkov)][-1]
+
+    def no_slower(self, longest: float) -> "_Choice":
+        """Return the choice without a Gauss-Markov process of a correlation time above the longest [s]."""
+        if GaussMarkov not in self.noise or self.time <= longest:
+            return self
+        return replace(self, noise={kind: one for kind, one in self.noise.items() if kind is not GaussMarkov})
+
     def alike(self, kind: type[Effect], log_alpha: float) -> AxisFit:
         """Return the fit with noise of a kind, if it is not much less likely; without any, if that is uncertain.
 
@@ -71,7 +88,7 @@ def agreed(fits: Mapping[str, AxisFit], searches: Mapping[str, Search]) -> dict[
         few = {axis: some for axis, some in keys.items() if len(some) <= MOST}
         if not _at_issue([_kinds(fits[axis], some) for axis, some in few.items()]):
             continue
-        choices = {axis: _choice(searches[axis], fits[axis], some) for axis, some in few.items()}
+        choices = _of_one_time({axis: _choice(searches[axis], fits[axis], some) for axis, some in few.items()})
         kind = _spoken_for(list(choices.values()))
         if kind is not None:
             found |= {axis: choices[axis].alike(kind, searches[axis].log_alpha) for axis, some in few.items() if some}
@@ -99,6 +116,13 @@ def _choice(search: Search, fit: AxisFit, keys: Several[Key]) -> _Choice:
     if len(kinds) == 1 and kinds[0] in SLOW:
         noise[kinds[0]] = weighed[0]
     return _Choice(kinds, own, fit, bare, noise)
+
+
+def _of_one_time(choices: Mapping[str, _Choice]) -> dict[str, _Choice]:
+    """Return the choices without processes far slower than those that axes have of their own; they are not alike."""
+    own = [choice.time for choice in choices.values() if choice.kinds == (GaussMarkov,)]
+    longest = SLOWER * max(own, default=np.inf)
+    return {axis: choice.no_slower(longest) for axis, choice in choices.items()}
 
 
 def _spoken_for(choices: list[_Choice]) -> type[Effect] | None:

@@ -239,15 +239,17 @@ def concluded(tale: Tale) -> Story:
     with threadpool_limits(1):
         search, whole = tale.late, two_valued(tale.whole)
         doubtful = doubts(search, tale.whole)
-        sweeps = (*swept(without(whole, list(doubtful)), search.log_alpha), *glints(whole))
+        kept = _carried(search, whole, doubtful)
+        sweeps = (*swept(kept, search.log_alpha), *glints(whole))
         sure = [key for key in search.added(whole.description) if key not in doubtful]
-        doubtful |= beside_a_sweep(search, tale.whole, sure, sweeps)
+        swept_up = beside_a_sweep(search, tale.whole, sure, sweeps)
+        final = _carried(search, whole, doubtful | swept_up) if swept_up else kept
+        doubtful |= swept_up
         named = [key for key in search.added(whole.description) if key not in doubtful]
         switching, odd = _of_samples(tale, doubtful)
         findings = (*(_finding(tale, whole, key) for key in named), *switching)
         nameless = (*(withheld(search, tale.whole, key, doubt) for key, doubt in doubtful.items()), *odd)
         after = _carried(tale.early, tale.after, doubts(tale.early, tale.after))
-        final = _carried(search, whole, doubtful)
         bands = (*tale.bands, *sweeps)
         switches = tale.switching.effect if switching else None
         slope = _of_any_slope(search, final)
