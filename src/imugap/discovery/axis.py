@@ -6,20 +6,21 @@ mean leaves, in turn until neither moves; both in the basis of the cosine transf
 
 from collections.abc import Sequence as Several
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from math import exp
 
 import numpy as np
-from scipy.fft import dct, idct, irfft, rfft, rfftfreq
+from scipy.fft import idct, irfft, rfft, rfftfreq
 
 from imugap.discovery import scans
 from imugap.discovery.cells import Cells
-from imugap.discovery.noise import Noise, NoiseFit, log_likelihood
+from imugap.discovery.noise import Noise, NoiseFit, cosines, log_likelihood
 from imugap.discovery.noise import fit as fit_noise
+from imugap.discovery.outside import Outside, over_time
 from imugap.discovery.sequence import Sequence
 from imugap.discovery.tails import Tails, tails
-from imugap.effects import Outliers, OutputFilter, Quantization, VarianceChange
-from imugap.effects.effect import TINY, Effect, StochasticEffect
+from imugap.effects import Outliers, OutputFilter, VarianceChange
+from imugap.effects.effect import Effect, StochasticEffect
 from imugap.stream import stream
 
 ROUNDS = 8
@@ -27,8 +28,8 @@ ROUNDS = 8
 SETTLED = 0.02
 """Change of log-likelihood below which the turns end."""
 HALVINGS = 6
-UNSURE = 0.03
-"""Standard deviation of the logarithm of a cutoff, as far as what a filter lets go of may say."""
+SHARED = 4
+"""Systematic parts whose transforms are kept: fits that differ only in their noise have the same."""
 
 
 @dataclass(frozen=True)
@@ -101,24 +102,31 @@ class AxisFit:
         return bins.spread(self.description.noise.variance(bins))
 
     @cached_property
-    def _root(self) -> np.ndarray:
-        """Return the standard deviation of each coefficient, infinite where it is not used."""
-        return _roots(self.sequence, self.description)
+    def _scatter(self) -> "_Scatter":
+        return _Scatter.of(self.sequence, self.description)
 
     @cached_property
     def residual(self) -> np.ndarray:
         """Return what the systematic terms leave, of equal variance over time, shape (n,)."""
-        return residual(self.sequence, self.description)
+        centred, outside = _centred(self.sequence, self.description), self._scatter.outside
+        if outside is None:
+            return centred
+        columns = over_time(self.description.noise, len(centred), self.sequence.conditions.interval)
+        return centred - columns @ outside.sizes(_seen(self.sequence, self.description))
+
+    @cached_property
+    def _left(self) -> np.ndarray:
+        return self._scatter.left(self.description)
 
     @cached_property
     def power(self) -> np.ndarray:
         """Return the sums of the residual's squared cosine coefficients over the bins."""
-        return self.sequence.bins.sums(cosines(self.residual) ** 2)
+        return self.sequence.bins.sums(self._left**2)
 
     @cached_property
     def coefficients(self) -> np.ndarray:
         """Return the residual's cosine coefficients over their standard deviations, k = 1..n-1; zero if not used."""
-        return cosines(self.residual) / self._root
+        return self._left / self._scatter.root
 
     @cached_property
     def whitened(self) -> np.ndarray:
@@ -128,7 +136,7 @@ class AxisFit:
 
     def whiten(self, columns: np.ndarray) -> np.ndarray:
         """Return columns of the error, (n, m), in basis and scale of :attr:`coefficients`, shape (n - 1, m)."""
-        return _whitened(columns, self.sequence, self.description, self._root)
+        return self._scatter.whiten(columns, self.description)
 
     def _directions(self) -> np.ndarray:
         """Return the derivatives of the mean by the terms' free parameters, whitened, shape (n - 1, parameters)."""
@@ -204,7 +212,7 @@ class AxisFit:
         """Return what a step gains at each sample beside whitened columns more, (n - 1, m), which are fitted too."""
         more, rest = self.beside(columns)
         even = self._unturned(np.column_stack([rest, self.basis, more]))
-        return scans.steps(even[:, 0], self._root**2 / self._gain, even[:, 1:])
+        return scans.steps(even[:, 0], self._scatter.root**2 / self._gain, even[:, 1:])
 
     @property
     def _gain(self) -> np.ndarray | float:
@@ -281,11 +289,6 @@ class AxisFit:
         return float(0.5 * np.sum((basis.T @ self.coefficients) ** 2)), basis.shape[1]
 
 
-def cosines(values: np.ndarray) -> np.ndarray:
-    """Return the orthonormal cosine coefficients k = 1..n-1 of columns."""
-    return dct(values, axis=0, norm="ortho")[1:]
-
-
 def scale(sequence: Sequence, changes: Several[VarianceChange]) -> np.ndarray | float:
     """Return the factor of the standard deviation at each sample, shape (n,), or 1."""
     if not changes:
@@ -293,56 +296,64 @@ def scale(sequence: Sequence, changes: Several[VarianceChange]) -> np.ndarray | 
     return np.sqrt(np.prod([change.factor(sequence.conditions.time) for change in changes], axis=0))
 
 
-def residual(sequence: Sequence, description: Description) -> np.ndarray:
+def _centred(sequence: Sequence, description: Description) -> np.ndarray:
     """Return the samples less the systematic terms and their mean, over the scale of the changes of variance."""
     rest = _rest(sequence, description)
-    centred = (rest - _level(rest, sequence, description)) / scale(sequence, description.changes)
-    return _without_outside(centred, sequence, description)
+    return (rest - _level(rest, sequence, description)) / scale(sequence, description.changes)
 
 
-def _without_outside(values: np.ndarray, sequence: Sequence, description: Description) -> np.ndarray:
-    """Return samples, shape (n,), without what comes from before the log or is cut off at its end.
+def _seen(sequence: Sequence, description: Description) -> np.ndarray:
+    """Return the cosine coefficients of what the systematic terms leave, whatever noise is described."""
+    return _seen_beside(sequence, description.terms, description.changes, description.noise.output_filter)
 
-    Differences of rounding errors, S ~ f^2, are as smooth at the ends as the cosines need but for those before the
-    first and at the last; they are replaced by nothing where the log tells them (their posterior mean), and stay where
-    other noise hides them. A filter has still to let go of what was there before the log, of which nothing is known.
+
+@lru_cache(maxsize=SHARED)
+def _seen_beside(
+    sequence: Sequence,
+    terms: tuple[Term, ...],
+    changes: tuple[VarianceChange, ...],
+    output_filter: OutputFilter | None,
+) -> np.ndarray:
+    seen = cosines(_centred(sequence, Description(terms, Noise((), output_filter), changes)))
+    seen.flags.writeable = False
+    return seen
+
+
+@dataclass(frozen=True, eq=False)
+class _Scatter:
+    """How the cosine coefficients of a sequence scatter under the noise of a description.
+
+    Attributes
+    ----------
+    sequence
+        The samples.
+    root
+        Standard deviation of each coefficient, infinite where it is not used, shape (n - 1,).
+    outside
+        What may be in them from outside the log.
     """
-    columns, output_filter = _ends(sequence, description), description.noise.output_filter
-    known = [1.0] * columns.shape[1]
-    if output_filter is not None:
-        columns, known = np.column_stack([columns, *_decay(sequence, output_filter)]), [*known, 0.0, 1.0]
-    if not known:
-        return values
-    root = _roots(sequence, description)
-    whitened, seen = cosines(columns) / root[:, None], cosines(values) / root
-    if output_filter is not None:
-        size = _sizes(whitened[:, :-1], seen, known[:-1])[-1]
-        columns[:, -1], whitened[:, -1] = size * columns[:, -1], size * whitened[:, -1]
-    return values - columns @ _sizes(whitened, seen, known)
 
+    sequence: Sequence
+    root: np.ndarray
+    outside: Outside | None
 
-def _ends(sequence: Sequence, description: Description) -> np.ndarray:
-    """Return the rounding errors before the first sample and at the last, as the output has them, shape (n, 2 or 0)."""
-    rounded = [effect.q for effect in description.noise.effects if isinstance(effect, Quantization)]
-    ends = np.zeros((len(sequence.values), 2 * len(rounded)))
-    if rounded:
-        ends[[0, -1], [0, 1]] = rounded[0] / sequence.conditions.interval
-    return _passed(ends, sequence, description)
+    @classmethod
+    def of(cls, sequence: Sequence, description: Description) -> "_Scatter":
+        """Return that of a description's noise and filter."""
+        bins, noise = sequence.bins, description.noise
+        root = np.sqrt(bins.spread(noise.variance(bins)))
+        root[bins.last :] = np.inf
+        return cls(sequence, root, Outside.of(noise, len(sequence.values), sequence.conditions.interval, root))
 
+    def left(self, description: Description) -> np.ndarray:
+        """Return the coefficients of what a description's terms leave, without what is from outside the log."""
+        seen = _seen(self.sequence, description)
+        return seen if self.outside is None else self.outside.without(seen)
 
-def _decay(sequence: Sequence, output_filter: OutputFilter) -> tuple[np.ndarray, np.ndarray]:
-    """Return how a filter lets go of what was before the log, and how else it would do so by a lower cutoff."""
-    count, interval = len(sequence.values), sequence.conditions.interval
-    lower = replace(output_filter, cutoff=output_filter.cutoff * (1 - UNSURE))
-    decay = output_filter.decay(count, interval)
-    return decay, lower.decay(count, interval) - decay
-
-
-def _sizes(whitened: np.ndarray, seen: np.ndarray, known: Several[float]) -> np.ndarray:
-    """Return the sizes of whitened columns, shape (n - 1, m); each is zero to 1/sqrt(``known``) a priori."""
-    precision = whitened.T @ whitened + np.diag(known)
-    units = np.sqrt(np.maximum(np.diag(precision), TINY))
-    return np.linalg.lstsq(precision / np.outer(units, units), whitened.T @ seen / units)[0] / units
+    def whiten(self, columns: np.ndarray, description: Description) -> np.ndarray:
+        """Return columns of the error, shape (n, m), as coefficients over their deviations, shape (n - 1, m)."""
+        factor = np.reshape(scale(self.sequence, description.changes), (-1, 1))
+        return cosines(_passed(columns, self.sequence, description) / factor) / self.root[:, None]
 
 
 def offset(sequence: Sequence, description: Description) -> float:
@@ -396,8 +407,8 @@ def fit(sequence: Sequence, start: Description) -> AxisFit:
     description, last = start, -np.inf
     fixed = not start.terms and start.noise.output_filter is None
     for _ in range(ROUNDS):
-        rest = residual(sequence, description)
-        noise = fit_noise(description.noise, sequence.bins, sequence.bins.sums(cosines(rest) ** 2))
+        left = _Scatter.of(sequence, description).left(description)
+        noise = fit_noise(description.noise, sequence.bins, sequence.bins.sums(left**2))
         description = replace(description, noise=noise.noise)
         value = noise.log_likelihood - _jacobian_of_scale(sequence, description)
         if value < last + SETTLED or fixed:
@@ -410,7 +421,7 @@ def fit(sequence: Sequence, start: Description) -> AxisFit:
 def log_score(sequence: Sequence, description: Description) -> float:
     """Return the log-density of a sequence, free of its offset, under a description with values from elsewhere."""
     bins = sequence.bins
-    power = bins.sums(cosines(residual(sequence, description)) ** 2)
+    power = bins.sums(_Scatter.of(sequence, description).left(description) ** 2)
     variance = description.noise.variance(bins)
     return log_likelihood(variance, power, bins.number) - _jacobian_of_scale(sequence, description)
 
@@ -423,15 +434,15 @@ def _jacobian_of_scale(sequence: Sequence, description: Description) -> float:
 
 def _mean_moved(sequence: Sequence, description: Description) -> Description:
     """Return the description after steps of Gauss and Newton of its terms under its spectrum."""
-    root = _roots(sequence, description)
-    rest = cosines(residual(sequence, description)) / root
+    scatter = _Scatter.of(sequence, description)
+    rest = scatter.left(description) / scatter.root
     for _ in range(HALVINGS):
-        columns = _whitened(jacobian(description.terms, sequence), sequence, description, root)
+        columns = scatter.whiten(jacobian(description.terms, sequence), description)
         precision = columns.T @ columns
         norms = np.sqrt(np.diag(precision))
         norms[norms == 0] = 1.0
         step = np.linalg.lstsq(precision / np.outer(norms, norms), columns.T @ rest / norms, rcond=1e-10)[0]
-        moved, after = _line_search(sequence, description, step / norms, root, rest)
+        moved, after = _line_search(scatter, description, step / norms, rest)
         gained = 0.5 * (rest @ rest - after @ after)
         if gained <= 0:
             break
@@ -441,22 +452,8 @@ def _mean_moved(sequence: Sequence, description: Description) -> Description:
     return description
 
 
-def _whitened(columns: np.ndarray, sequence: Sequence, description: Description, root: np.ndarray) -> np.ndarray:
-    """Return columns of the error, shape (n, m), as cosine coefficients over their deviations ``root``."""
-    factor = np.reshape(scale(sequence, description.changes), (-1, 1))
-    return cosines(_passed(columns, sequence, description) / factor) / root[:, None]
-
-
-def _roots(sequence: Sequence, description: Description) -> np.ndarray:
-    """Return the standard deviation of each coefficient, infinite where it is not used."""
-    bins = sequence.bins
-    root = np.sqrt(bins.spread(description.noise.variance(bins)))
-    root[bins.last :] = np.inf
-    return root
-
-
 def _line_search(
-    sequence: Sequence, description: Description, step: np.ndarray, root: np.ndarray, rest: np.ndarray
+    scatter: _Scatter, description: Description, step: np.ndarray, rest: np.ndarray
 ) -> tuple[Description, np.ndarray]:
     for _ in range(HALVINGS):
         first, terms = 0, []
@@ -464,7 +461,7 @@ def _line_search(
             terms.append(term.moved(step[first : first + len(term.free)]))
             first += len(term.free)
         moved = replace(description, terms=tuple(terms))
-        after = cosines(residual(sequence, moved)) / root
+        after = scatter.left(moved) / scatter.root
         if after @ after < rest @ rest:
             return moved, after
         step = step / 3

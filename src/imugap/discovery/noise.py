@@ -58,6 +58,11 @@ def usable(values: np.ndarray) -> float:
     return float(min(USED, (loud[-1] + 1) * width / len(power))) if len(loud) else USED
 
 
+def cosines(values: np.ndarray) -> np.ndarray:
+    """Return the orthonormal cosine coefficients k = 1..n-1 of columns."""
+    return dct(values, axis=0, norm="ortho")[1:]
+
+
 @dataclass(frozen=True, eq=False)
 class Bins:
     """Neighbouring cosine coefficients k = 1..n-1 of a sequence, summed.
