@@ -112,7 +112,7 @@ def test_drawn_models_scatter_as_their_fit_says():
     measured = model(GaussMarkov(3e-3, 2.0), RateRamp(1e-4), axes=axes).simulate(rest(axes=axes), 1)
     found = fitted(measured, 4000, described)
     fixed = Resolution(1e-4)
-    uncertain = Uncertain(
+    uncertain = Uncertain.of(
         ErrorModel({"gyro_x": AxisModel((*found.description.effects(), fixed)), "gyro_y": AxisModel((WHITE,))}),
         {"gyro_x": found},
     )
@@ -139,7 +139,7 @@ def test_a_drawn_filter_ends_below_half_the_rate():
     measured = model(axes=("gyro_x",)).simulate(rest(400, ("gyro_x",)), 1)
     described = Description((), Noise((WHITE,), OutputFilter(0.4 / INTERVAL, 1)))
     found = fitted(measured, 400, described)
-    uncertain = Uncertain(ErrorModel({"gyro_x": AxisModel(found.description.effects())}), {"gyro_x": found})
+    uncertain = Uncertain.of(ErrorModel({"gyro_x": AxisModel(found.description.effects())}), {"gyro_x": found})
     rng = stream(1, "draws")
     drawn = [uncertain.draw(rng)["gyro_x"].effects[-1] for _ in range(300)]
     cutoffs = np.array([effect.cutoff for effect in drawn if isinstance(effect, OutputFilter)])
@@ -160,7 +160,7 @@ def test_the_right_model_lands_in_the_floor_in_95_percent_of_cases(kind):
         after = true
         if kind == "estimated":
             found = fitted(measured, 720, described)
-            after = Uncertain(ErrorModel({"gyro_x": AxisModel(found.description.effects())}), {"gyro_x": found})
+            after = Uncertain.of(ErrorModel({"gyro_x": AxisModel(found.description.effects())}), {"gyro_x": found})
         asked = Compared(measured, 14.4, true, after)
         seen = asked.drifts(seed, 39).apart() if kind == "navigation" else asked.distribution(seed, 39)
         found = together([seen])

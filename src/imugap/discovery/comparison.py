@@ -33,8 +33,8 @@ def held_out(record: Record, stories: Mapping[str, Story], start: ErrorModel, mo
     Where only the last part shows an effect, the parameters of its axis come from the whole log.
     """
     fits = {axis: story.after if story.settled else story.whole for axis, story in stories.items()}
-    before = Uncertain(_in_run(start), {axis: story.before for axis, story in stories.items()})
-    return _compared(record, HELD_IN, before, Uncertain(_in_run(model(fits)), fits))
+    before = Uncertain.of(_in_run(start), {axis: story.before for axis, story in stories.items()})
+    return _compared(record, HELD_IN, before, Uncertain.of(_in_run(model(fits)), fits))
 
 
 def tested(
@@ -43,8 +43,8 @@ def tested(
     """Return a further run with the models of the first one, without what happened in that one alone."""
     record = prepare(test[[name for name in test if name in stories or name == TEMPERATURE]], seed=seed)
     befores, afters = ({axis: getattr(story, name) for axis, story in stories.items()} for name in ("before", "whole"))
-    before = Uncertain(_in_another(start, befores, record.sequences), befores)
-    after = Uncertain(_in_another(final, afters, record.sequences), afters)
+    before = Uncertain.of(_in_another(start, befores, record.sequences), befores)
+    after = Uncertain.of(_in_another(final, afters, record.sequences), afters)
     return _compared(record, LEVELLED, before, after)
 
 

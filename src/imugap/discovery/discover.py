@@ -148,8 +148,7 @@ def discover(
     record = prepare(logs[0], reference, question.seed, question.start)
     steps.count -= 2 * len(record.silent)
     log_alpha = question.log_alpha(len(record.sequences))
-    tales = _alike(_tales(record, known, question, log_alpha, steps))
-    stories, joints = _stories(tales, question, log_alpha, steps)
+    stories, joints = _stories(_alike(_tales(record, known, question, log_alpha, steps)), question, log_alpha, steps)
     befores = {axis: story.before for axis, story in stories.items()}
     wholes = {axis: story.whole for axis, story in stories.items()}
     steps.begin("gaps")

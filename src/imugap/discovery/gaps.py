@@ -78,6 +78,11 @@ class Twins:
         """Return the names of the axes."""
         return {found.sequence.conditions.axis for found in self.fits}
 
+    @property
+    def last(self) -> int:
+        """Return the number of coefficients that their views use."""
+        return self.fits[0].sequence.bins.last
+
     def replicate(self, seed: int, index: int) -> AxisFit:
         """Simulate the fitted description of the first axis, with its repairs, and fit it again."""
         sequence, description = self.fits[0].sequence, self.fits[0].description
@@ -176,16 +181,18 @@ def _statistics(
     Those of independent pairs are taken up to each of the coefficients ``lasts``.
     """
     statistics: dict[object, list[np.ndarray]] = defaultdict(list)
-    newest = None
+    widest = max(groups, key=lambda number: groups[number].last)
+    paired, newest = {axis for pair in common for axis in pair}, None
     with threadpool_limits(1):
         for index in indices:
             last, drawn = newest, {}
             for number, group in groups.items():
                 found = group.replicate(seed, index)
-                drawn |= dict.fromkeys(group.axes, found)
                 for key, curve in views.curves(found, group.over).items():
                     statistics[number, *key].append(curve.statistic)
-            newest = max(drawn.values(), key=lambda found: found.sequence.bins.last)
+                drawn |= dict.fromkeys(group.axes & paired, found)
+                newest = found if number == widest else newest
+                del found
             if last is not None:
                 for end in lasts:
                     statistics["independent", end].append(views.of_coherence(newest, last, end).statistic)

@@ -76,7 +76,7 @@ def _random(fit: AxisFit, key: Key) -> dict[str, tuple[float, float]]:
 
 def _swing(fit: AxisFit, change: VarianceChange) -> dict[str, tuple[float, float]]:
     """Return the intervals of a line of amplitude ``depth`` in squares of relative variance 2 (Rife, Boorstyn 1974)."""
-    count, interval = len(fit.residual), fit.sequence.conditions.interval
+    count, interval = len(fit.sequence.values), fit.sequence.conditions.interval
     errors = {
         "depth": 2 / np.sqrt(count),
         "phase": 4 / change.depth / np.sqrt(count),

@@ -75,7 +75,7 @@ class Blocks:
         There are ``fine`` blocks, or as many as there are samples, to the shortest correlation time, if the log has as
         many.
         """
-        interval, count = fit.sequence.conditions.interval, len(fit.residual)
+        interval, count = fit.sequence.conditions.interval, len(fit.sequence.values)
         lorentzian = [one.equivalent if isinstance(one, RandomTelegraph) else one for one in slow]
         times = [one.correlation_time for one in lorentzian if isinstance(one, GaussMarkov)]
         time = min(times, default=interval * count / LONG)

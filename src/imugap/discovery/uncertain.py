@@ -5,10 +5,48 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from imugap.discovery.axis import AxisFit
+from imugap.discovery.axis import AxisFit, Description
 from imugap.discovery.noise import limits
 from imugap.effects.effect import Effect
 from imugap.model import AxisModel, ErrorModel
+
+
+@dataclass(frozen=True, eq=False)
+class Open:
+    """What a fit leaves open of the effects that it adjusted.
+
+    Attributes
+    ----------
+    description
+        The effects.
+    of_terms, of_noise
+        Covariances of the terms' free parameters and of the logarithms of the noise's.
+    limits
+        Lowest and highest logarithms that the noise's parameters had in the fit.
+    """
+
+    description: Description
+    of_terms: np.ndarray
+    of_noise: np.ndarray
+    limits: tuple[np.ndarray, np.ndarray]
+
+    @classmethod
+    def of(cls, fit: AxisFit) -> "Open":
+        """Return that of a fit."""
+        own, bins, noise = fit.bare(), fit.sequence.bins, fit.description.noise
+        power = bins.sums(own.coefficients**2) * noise.variance(bins)
+        return cls(fit.description, own.covariance, fit.noise.covariance, limits(noise, bins, power))
+
+    def drawn(self, rng: np.random.Generator) -> dict[Effect, Effect]:
+        """Return each adjusted effect with the drawn one in its place."""
+        description = self.description
+        found, first = {}, 0
+        steps = _normal(self.of_terms, rng)
+        for term in description.terms:
+            found[term.effect] = term.moved(steps[first : first + len(term.free)]).effect
+            first += len(term.free)
+        theta = np.clip(description.noise.theta() + _normal(self.of_noise, rng), *self.limits)
+        return found | dict(zip(description.noise, description.noise.at(theta), strict=True))
 
 
 @dataclass(frozen=True, eq=False)
@@ -19,38 +57,25 @@ class Uncertain:
     ----------
     model
         The model.
-    fits
-        Axis to the fit that effects of its model come from; an effect that is in no fit is certain.
+    left
+        Axis to what the fit leaves open that effects of its model come from; an effect that is in no fit is certain.
     """
 
     model: ErrorModel
-    fits: Mapping[str, AxisFit] = field(default_factory=dict)
+    left: Mapping[str, Open] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, model: ErrorModel, fits: Mapping[str, AxisFit]) -> "Uncertain":
+        """Return a model whose effects come from the fits of its axes."""
+        return cls(model, {axis: Open.of(found) for axis, found in fits.items()})
 
     def draw(self, rng: np.random.Generator) -> ErrorModel:
         """Draw a model: terms under their covariance, logarithms of the noise's parameters under its information."""
         axes = {}
         for axis, model in self.model.axes.items():
-            drawn = _drawn(self.fits[axis], rng) if axis in self.fits else {}
+            drawn = self.left[axis].drawn(rng) if axis in self.left else {}
             axes[axis] = AxisModel(tuple(drawn.get(effect, effect) for effect in model))
         return ErrorModel(axes)
-
-
-def _drawn(fit: AxisFit, rng: np.random.Generator) -> dict[Effect, Effect]:
-    """Return each adjusted effect of a fit with the drawn one in its place."""
-    description = fit.description
-    found, first = {}, 0
-    steps = _normal(fit.covariance, rng)
-    for term in description.terms:
-        found[term.effect] = term.moved(steps[first : first + len(term.free)]).effect
-        first += len(term.free)
-    theta = np.clip(description.noise.theta() + _normal(fit.noise.covariance, rng), *_limits(fit))
-    return found | dict(zip(description.noise, description.noise.at(theta), strict=True))
-
-
-def _limits(fit: AxisFit) -> tuple[np.ndarray, np.ndarray]:
-    """Return the limits that the logarithms of the noise's parameters had in the fit."""
-    bins, noise = fit.sequence.bins, fit.description.noise
-    return limits(noise, bins, bins.sums(fit.coefficients**2) * noise.variance(bins))
 
 
 def _normal(covariance: np.ndarray, rng: np.random.Generator) -> np.ndarray:

@@ -143,7 +143,9 @@ def _certain_outside(search: Search, fit: AxisFit, key: Key, low: float, high: f
     What is within the band may have lifted the level of all: with and without the effect it is that of the others.
     """
     own, without = search.weighed(fit, key)
-    frequency = np.arange(1, fit.sequence.bins.last + 1) / (2 * len(fit.residual) * fit.sequence.conditions.interval)
+    frequency = np.arange(1, fit.sequence.bins.last + 1) / (
+        2 * len(fit.sequence.values) * fit.sequence.conditions.interval
+    )
     outside = (frequency < low) | (frequency > high)
     if not outside.any():
         return False

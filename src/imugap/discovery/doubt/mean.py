@@ -71,7 +71,7 @@ def _lines(fit: AxisFit) -> dict[int, tuple[float, float]]:
 def _split(fit: AxisFit, key: Key) -> bool:
     """Return whether another line is so near to one that both may be parts of a line that is not steady."""
     lines = _lines(fit)
-    duration = fit.sequence.conditions.interval * len(fit.residual)
+    duration = fit.sequence.conditions.interval * len(fit.sequence.values)
     return key.index in lines and any(
         abs(line - lines[key.index][0]) < max(NEAR / duration, BESIDE * line)
         for index, (line, _) in lines.items()

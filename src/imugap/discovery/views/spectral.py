@@ -24,9 +24,9 @@ CELLS = 512
 def of_allan(fit: AxisFit) -> Curve:
     """Return the Allan variance of the residual against the one that the fitted spectrum implies, over tau [s]."""
     interval = fit.sequence.conditions.interval
-    averaging = allan.factors(len(fit.residual), PER_DECADE)
+    averaging = allan.factors(len(fit.sequence.values), PER_DECADE)
     ratio = allan.variance(fit.residual, averaging) / implied(fit.variance, averaging)
-    degrees = np.maximum(0.75 * len(fit.residual) / averaging - 1, 1.0)
+    degrees = np.maximum(0.75 * len(fit.sequence.values) / averaging - 1, 1.0)
     tau = averaging * interval
     return Curve("allan", fit.sequence.conditions.axis, tau, tau, "s", chi_score(ratio, degrees))
 
@@ -55,7 +55,7 @@ def bands(last: int, width: float, fewest: int) -> tuple[np.ndarray, np.ndarray]
 
 def _range(fit: AxisFit, first: np.ndarray, number: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the lowest and highest frequency [Hz] of bands."""
-    resolution = 1 / (2 * len(fit.residual) * fit.sequence.conditions.interval)
+    resolution = 1 / (2 * len(fit.sequence.values) * fit.sequence.conditions.interval)
     return (first + 1) * resolution, (first + number) * resolution
 
 
@@ -75,7 +75,7 @@ def of_line(fit: AxisFit) -> Curve:
     first = blocks(len(gains), CELLS, 16)
     peaks, at = highest(gains, first)
     chance = np.log(np.diff(np.r_[first, len(gains)]))
-    half = 0.5 / (len(fit.residual) * fit.sequence.conditions.interval)
+    half = 0.5 / (len(fit.sequence.values) * fit.sequence.conditions.interval)
     where = frequency[at]
     return Curve(
         "line", fit.sequence.conditions.axis, where - half, where + half, "Hz", peaks - chance, signed=False, point=True
