@@ -95,7 +95,7 @@ class AxisFit:
         """Return the factor of the standard deviation over time that the changes of variance make."""
         return scale(self.sequence, self.description.changes)
 
-    @cached_property
+    @property
     def variance(self) -> np.ndarray:
         """Return the variance of each cosine coefficient k = 1..n-1."""
         bins = self.sequence.bins
@@ -115,18 +115,15 @@ class AxisFit:
         return centred - columns @ outside.sizes(_seen(self.sequence, self.description))
 
     @cached_property
-    def _left(self) -> np.ndarray:
-        return self._scatter.left(self.description)
-
-    @cached_property
     def power(self) -> np.ndarray:
         """Return the sums of the residual's squared cosine coefficients over the bins."""
-        return self.sequence.bins.sums(self._left**2)
+        last = self.sequence.bins.last
+        return self.sequence.bins.sums((self.coefficients[:last] * self._scatter.root[:last]) ** 2)
 
     @cached_property
     def coefficients(self) -> np.ndarray:
         """Return the residual's cosine coefficients over their standard deviations, k = 1..n-1; zero if not used."""
-        return self._left / self._scatter.root
+        return self._scatter.left(self.description) / self._scatter.root
 
     @cached_property
     def whitened(self) -> np.ndarray:
@@ -266,7 +263,7 @@ class AxisFit:
 
     def beyond(self, columns: np.ndarray) -> np.ndarray:
         """Return what the terms leave of whitened columns, shape (n - 1, m)."""
-        return columns - self.basis @ (self.basis.T @ columns)
+        return columns - self.basis @ (self.basis.T @ columns) if self.basis.size else columns
 
     def beside(self, columns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return a basis of what whitened columns say beside the terms, and the coefficients that are left of them."""
@@ -283,10 +280,12 @@ class AxisFit:
     def joint_gain(self, columns: np.ndarray) -> tuple[float, int]:
         """Return the gain of log-likelihood of whitened columns together and their rank beyond the terms."""
         rest = self.beyond(columns)
-        norms = np.linalg.norm(columns, axis=0)
-        kept = np.linalg.norm(rest, axis=0) > 1e-3 * norms
-        basis = _basis(rest[:, kept] / norms[kept])
-        return float(0.5 * np.sum((basis.T @ self.coefficients) ** 2)), basis.shape[1]
+        gram, seen = rest.T @ rest, rest.T @ self.coefficients
+        norms = np.sqrt(np.diag(gram))
+        kept = norms > 1e-3 * np.linalg.norm(columns, axis=0)
+        values, vectors = _principal(gram[np.ix_(kept, kept)])
+        parts = (vectors / norms[kept, None]).T @ seen[kept]
+        return float(0.5 * np.sum(parts**2 / values)), len(values)
 
 
 def scale(sequence: Sequence, changes: Several[VarianceChange]) -> np.ndarray | float:
@@ -352,8 +351,12 @@ class _Scatter:
 
     def whiten(self, columns: np.ndarray, description: Description) -> np.ndarray:
         """Return columns of the error, shape (n, m), as coefficients over their deviations, shape (n - 1, m)."""
-        factor = np.reshape(scale(self.sequence, description.changes), (-1, 1))
-        return cosines(_passed(columns, self.sequence, description) / factor) / self.root[:, None]
+        output = _passed(columns, self.sequence, description)
+        if description.changes:
+            output = output / scale(self.sequence, description.changes)[:, None]
+        coefficients = cosines(output)
+        coefficients /= self.root[:, None]
+        return coefficients
 
 
 def offset(sequence: Sequence, description: Description) -> float:
@@ -395,11 +398,19 @@ def _basis(columns: np.ndarray) -> np.ndarray:
     """Return an orthonormal basis of the span of columns, shape (n, rank)."""
     if not columns.shape[1]:
         return columns
-    norms = np.linalg.norm(columns, axis=0)
-    scaled = columns / np.where(norms > 0, norms, 1.0)
-    values, vectors = np.linalg.eigh(scaled.T @ scaled)
+    gram = columns.T @ columns
+    norms = np.sqrt(np.diag(gram))
+    values, vectors = _principal(gram)
+    return columns @ (vectors / (np.where(norms > 0, norms, 1.0)[:, None] * np.sqrt(values)))
+
+
+def _principal(gram: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return variances and directions that columns of a Gram matrix, of norm 1 each, span; (rank,) and (m, rank)."""
+    norms = np.sqrt(np.diag(gram))
+    norms[norms == 0] = 1.0
+    values, vectors = np.linalg.eigh(gram / np.outer(norms, norms))
     kept = values > 1e-9 * len(values)
-    return scaled @ (vectors[:, kept] / np.sqrt(values[kept]))
+    return values[kept], vectors[:, kept]
 
 
 def fit(sequence: Sequence, start: Description) -> AxisFit:

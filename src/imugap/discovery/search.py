@@ -44,7 +44,7 @@ FAR = 300.0
 """Gain of log-likelihood above which the probability of a chance is its asymptote."""
 MARGIN = 0.1
 """Gain of log-likelihood, parameters and places paid for, that an exchange has to make."""
-HELD = 5e6
+HELD = 3e6
 """Samples of all fits together that have what is derived from them in memory."""
 CLOSE = 20.0
 """Log-probability by which an effect that is worth more may be less certain."""
@@ -175,7 +175,7 @@ class Search:
         """Return the fit from a start, made once; what was derived from it is kept of the latest fits only."""
         found = self.memory.pop(start, None)
         self.memory[start] = fit(sequence, start) if found is None else found
-        latest = max(int(HELD / len(sequence.values)), 4)
+        latest = max(int(HELD / len(sequence.values)), 3)
         if len(self.memory) > latest:
             older = list(self.memory)[-latest - 1]
             self.memory[older] = self.memory[older].bare()

@@ -149,27 +149,34 @@ def told(
     """
     with threadpool_limits(1):
         held_in, held_out = part(sequence, 0, split), part(sequence, split, len(sequence.values))
-        begin = fit(held_in, described(start, held_in))
-        search = Search(begin.description, catalogue, log_alpha)
-        before = search.cleared(begin)
-        early = _searched(search, before)
+        before, early = _early(held_in, start, catalogue, log_alpha)
         end = float(sequence.conditions.time[-1] + sequence.conditions.interval)
         whole = unsteady.without(part(sequence, 0, len(sequence.values)), early.bands)
         kept = replace(early.found.description, outliers=None, changes=before.description.changes)
-        again = search.afresh()
-        begun = again.cleared(fit(whole, kept if early.switching is None else search.start))
+        again = early.search.afresh()
+        begun = again.cleared(fit(whole, kept if early.switching is None else again.start))
         unchanging = replace(again, catalogue=tuple(kind for kind in catalogue if kind is not VarianceChange))
-        late = _odd_again(again, begun, early) or _searched(again, unchanging.settled(begun), early.bands)
+        late = (_odd_again(again, begun, early) or _searched(again, unchanging.settled(begun), early.bands)).bare()
         return Tale(
-            before.bare(),
-            _lasting(early.found, end).bare(),
-            early.search.forgetful(),
-            late.found.bare(),
-            late.search.forgetful(),
+            before,
+            _lasting(early.found, end),
+            early.search,
+            late.found,
+            late.search,
             held_out,
             late.bands,
             late.switching,
         )
+
+
+def _early(
+    held_in: Sequence, start: Several[Effect], catalogue: tuple[type[Effect], ...], log_alpha: float
+) -> tuple[AxisFit, "_Searched"]:
+    """Return the fit of the start model, and the end of the search that begins with it."""
+    begin = fit(held_in, described(start, held_in))
+    search = Search(begin.description, catalogue, log_alpha)
+    before = search.cleared(begin)
+    return before.bare(), _searched(search, before).bare()
 
 
 def _lasting(found: AxisFit, end: float) -> AxisFit:
@@ -191,6 +198,10 @@ class _Searched:
     bands: tuple[Band, ...]
     switching: Switching | None = None
     odd: bool = False
+
+    def bare(self) -> "_Searched":
+        """Return the same without the fits on the way, and without what was derived from the last one."""
+        return replace(self, search=self.search.forgetful(), found=self.found.bare())
 
 
 def _odd_again(search: Search, begun: AxisFit, early: _Searched) -> _Searched | None:

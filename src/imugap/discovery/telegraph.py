@@ -12,6 +12,7 @@ from functools import cached_property, partial
 import numpy as np
 from numba import njit
 
+from imugap.discovery import scans
 from imugap.discovery.ascent import Top, highest
 from imugap.discovery.axis import AxisFit, scale
 from imugap.discovery.sequence import Sequence
@@ -80,7 +81,7 @@ class Blocks:
         times = [one.correlation_time for one in lorentzian if isinstance(one, GaussMarkov)]
         time = min(times, default=interval * count / LONG)
         width = max(min(int(time / fine / interval), count // FINE), count // MOST, 1)
-        means = _means(fit.residual * fit.scale, width)
+        means = scans.means(fit.residual * fit.scale, width)
         profile = _profile(fit.sequence, fit.description.changes, width)
         rest = [one for one in fit.description.noise.effects if one not in slow]
         step = width * interval
@@ -96,11 +97,7 @@ class Blocks:
 
 def _profile(sequence: Sequence, changes: tuple[VarianceChange, ...], width: int) -> np.ndarray:
     factor = np.broadcast_to(scale(sequence, changes), len(sequence.values))
-    return np.sqrt(_means(factor**2, width))
-
-
-def _means(values: np.ndarray, width: int) -> np.ndarray:
-    return values[: len(values) // width * width].reshape(-1, width).mean(axis=1)
+    return np.sqrt(scans.means(factor**2, width))
 
 
 @dataclass(frozen=True, eq=False)

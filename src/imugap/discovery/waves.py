@@ -8,12 +8,15 @@ import numpy as np
 from scipy.fft import next_fast_len, rfft
 
 from imugap.discovery.axis import AxisFit
+from imugap.discovery.scans import means
 
 FEWEST, MOST = 3, 100
 """Periods in a log: of fewer nothing is known to repeat, and more make lines that are found one by one."""
 HARMONICS = 4
 FINER = 8
 """Frequencies tried per period in the log."""
+FINE = 32
+"""Means of the log that are taken per period of the highest harmonic, of a log that has more samples."""
 MORE = 2 * HARMONICS + 1
 """Parameters of a wave: two of each harmonic, and the frequency."""
 TRIALS = HARMONICS * (MOST - FEWEST)
@@ -22,17 +25,20 @@ TRIALS = HARMONICS * (MOST - FEWEST)
 
 def gain(fit: AxisFit) -> float:
     """Return the gain of log-likelihood by the best wave."""
-    length = next_fast_len(FINER * len(fit.whitened), real=True)
-    power = np.abs(rfft(fit.whitened, length)) ** 2
+    width = max(len(fit.whitened) // (FINE * HARMONICS * MOST), 1)
+    coarse = means(fit.whitened, width)
+    length = next_fast_len(FINER * len(coarse), real=True)
+    power = np.abs(rfft(coarse, length)) ** 2
     bins = np.arange(FEWEST * FINER, MOST * FINER)
     bins = bins[HARMONICS * bins < len(power)]
     if not len(bins):
         return 0.0
     best = bins[np.argmax(sum(power[k * bins] for k in range(1, HARMONICS + 1)))]
-    spacing = 1 / (length * fit.sequence.conditions.interval)
+    spacing = 1 / (length * width * fit.sequence.conditions.interval)
     return max(_gain_at(near * spacing, fit) for near in best + np.linspace(-0.5, 0.5, 5))
 
 
 def _gain_at(frequency: float, fit: AxisFit) -> float:
-    wave = np.exp(2j * np.pi * frequency * fit.sequence.conditions.time)[:, None] ** np.arange(1, HARMONICS + 1)
-    return fit.joint_gain(fit.whiten(np.column_stack([wave.real, wave.imag])))[0]
+    angle = 2 * np.pi * frequency * fit.sequence.conditions.time
+    wave = [part(k * angle) for k in range(1, HARMONICS + 1) for part in (np.cos, np.sin)]
+    return fit.joint_gain(fit.whiten(np.column_stack(wave)))[0]

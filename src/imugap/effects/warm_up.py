@@ -45,7 +45,7 @@ class WarmUp(SystematicEffect):
             return
         conditions = fit.sequence.conditions
         grid = np.geomspace(10 * conditions.interval, conditions.interval * len(conditions) / 2, CONSTANTS)
-        columns = np.exp(-conditions.time[:, None] / grid)
-        gains = fit.gains(fit.whiten(columns))
+        decays = (np.exp(-conditions.time[:, None] / constant) for constant in grid)
+        gains = np.array([fit.gains(fit.whiten(decay))[0] for decay in decays])
         start = cls(0.0, float(grid[np.argmax(gains)]))
         yield Start(start, ("amplitude", "time_constant"), trials=CONSTANTS / 2, gain=float(gains.max()))
