@@ -88,6 +88,16 @@ def test_a_wavy_transfer_is_no_noise(waves):
     assert "another function of the motion explains it better" in {one.reason for one in found.withheld}
 
 
+@pytest.mark.parametrize("gravity", [0.0, -9.8])
+def test_a_cube_about_where_the_input_is_is_no_scale_factor(gravity):
+    ideal = turning()
+    moved = ideal["accel_z"].to_numpy()
+    ideal["accel_z"] += gravity
+    found = story("accel_z", ideal, added=3e-3 * moved**3)
+    assert not found.findings
+    assert "another function of the motion explains it better" in {one.reason for one in found.withheld}
+
+
 @pytest.mark.parametrize("waves", [1, 2])
 def test_an_error_that_goes_with_the_heading_is_no_noise(waves):
     """Iron of a vehicle, say: it is the same wherever the vehicle heads the same way."""

@@ -144,8 +144,8 @@ def _rests(conditions: Conditions) -> Iterator[np.ndarray]:
 def _ways(conditions: Conditions) -> Iterator[np.ndarray]:
     """Yield what an error may go with, columns of shape (n, m): inputs, their powers, products and derivatives.
 
-    All of a triad at a time; of each turn the angle; of the own axis what it drags along with some play, a share that
-    drifts, and any other function of it.
+    All of a triad at a time, cubes about the mean, as gravity makes those about zero straight lines; of each turn the
+    angle; of the own axis what it drags along with some play, a share that drifts, and any other function of it.
     """
     turns, forces = (
         np.array([conditions.ideal[axis].to_numpy(float) for axis in triad if conditions.knows([axis])])
@@ -156,7 +156,8 @@ def _ways(conditions: Conditions) -> Iterator[np.ndarray]:
             yield inputs.T
             yield np.gradient(inputs.T, conditions.interval, axis=0)
             yield np.column_stack([a * b for a, b in combinations_with_replacement(inputs, 2)])
-            yield np.vstack([inputs**3, np.abs(inputs)]).T
+            about_mean = inputs - inputs.mean(axis=1, keepdims=True)
+            yield np.vstack([about_mean**3, np.abs(inputs)]).T
     if len(turns) and len(forces):
         yield np.column_stack([turn * force for turn in turns for force in forces])
     for axis in log.GYRO:
