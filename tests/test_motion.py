@@ -1,5 +1,6 @@
 """Names of what answers the motion, and what else may go with it."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -8,8 +9,10 @@ from scipy.signal import butter, lfilter
 from scipy.stats import binom
 
 from imugap import log
+from imugap.discovery.axis import Description, Term, fit
 from imugap.discovery.doubt.motion import samples_in_motion
 from imugap.discovery.hysteresis import play
+from imugap.discovery.noise import Noise
 from imugap.discovery.sequence import Sequence
 from imugap.discovery.story import concluded, told
 from imugap.effects import (
@@ -45,8 +48,9 @@ def conditions_of(axis, ideal):
 
 def tale(axis, ideal, *effects, added=0.0):
     conditions = conditions_of(axis, ideal)
-    noise = AxisModel((WhiteNoise(1e-3), *effects)).simulate(np.zeros(COUNT), conditions, 1, "motion")
-    sequence = Sequence(noise + added, conditions, np.zeros(COUNT, bool))
+    own = conditions.error_free
+    error = AxisModel((WhiteNoise(1e-3), *effects)).simulate(own, conditions, 1, "motion") - own
+    sequence = Sequence(error + added, conditions, np.zeros(COUNT, bool))
     return told(sequence, (), tuple(CATALOGUE.values()), LOG_ALPHA, int(0.8 * COUNT))
 
 
@@ -86,6 +90,27 @@ def test_a_wavy_transfer_is_no_noise(waves):
     found = story("gyro_z", ideal, added=4e-3 * np.sin(2 * np.pi * waves * rate / np.ptp(rate)))
     assert not found.findings
     assert "another function of the motion explains it better" in {one.reason for one in found.withheld}
+
+
+def test_the_cutoff_of_a_filter_of_the_motion_scatters_as_its_error_says():
+    """What the filter takes from the motion tells it, beside a scale factor that takes some of it too."""
+    ideal, log_cutoff, seen = turning().iloc[:3000], np.log(5.0), []
+    own = conditions_of("gyro_z", ideal).error_free
+    scatter = []
+    for number in range(60):
+        conditions = conditions_of("gyro_z", ideal)
+        model = AxisModel((WhiteNoise(0.02), ScaleFactor(0.01), OutputFilter(5.0, 2)))
+        error = model.simulate(own, conditions, number, "cutoff") - own
+        data = Sequence(error, conditions, np.zeros(len(ideal), bool))
+        terms = (Term(ScaleFactor(0.0), ("error",)),)
+        found = fit(data, Description(terms, Noise((WhiteNoise(0.02),), OutputFilter(4.0, 2))))
+        seen.append(np.log(found.description.noise.output_filter.cutoff) - log_cutoff)
+        scatter.append(np.sqrt(found.noise.covariance[-1, -1]))
+    z = np.array(seen) / scatter
+    assert abs(z.mean()) < 4 / np.sqrt(60)
+    assert 0.7 < z.std() < 1.35
+    free = fit(replace(data, conditions=replace(data.conditions, ideal=None)), replace(found.description, terms=()))
+    assert scatter[-1] < 0.5 * np.sqrt(free.noise.covariance[-1, -1])
 
 
 @pytest.mark.parametrize("gravity", [0.0, -9.8])

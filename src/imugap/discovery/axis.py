@@ -28,6 +28,8 @@ ROUNDS = 8
 SETTLED = 0.02
 """Change of log-likelihood below which the turns end."""
 HALVINGS = 6
+CUTOFF_STEP, LONGEST = 1e-4, 0.3
+"""In the logarithm of a cutoff: half the step of a slope, and the longest step."""
 SHARED = 4
 """Systematic parts whose transforms are kept: fits that differ only in their noise have the same."""
 
@@ -102,13 +104,14 @@ class AxisFit:
         return bins.spread(self.description.noise.variance(bins))
 
     @cached_property
-    def _scatter(self) -> "_Scatter":
-        return _Scatter.of(self.sequence, self.description)
+    def scatter(self) -> "Scatter":
+        """Return how its coefficients scatter under the noise."""
+        return Scatter.of(self.sequence, self.description)
 
     @cached_property
     def residual(self) -> np.ndarray:
         """Return what the systematic terms leave, of equal variance over time, shape (n,)."""
-        centred, outside = _centred(self.sequence, self.description), self._scatter.outside
+        centred, outside = _centred(self.sequence, self.description), self.scatter.outside
         if outside is None:
             return centred
         columns = over_time(self.description.noise, len(centred), self.sequence.conditions.interval)
@@ -118,12 +121,19 @@ class AxisFit:
     def power(self) -> np.ndarray:
         """Return the sums of the residual's squared cosine coefficients over the bins."""
         last = self.sequence.bins.last
-        return self.sequence.bins.sums((self.coefficients[:last] * self._scatter.root[:last]) ** 2)
+        return self.sequence.bins.sums((self.coefficients[:last] * self.scatter.root[:last]) ** 2)
+
+    def power_behind(self, output_filter: OutputFilter) -> np.ndarray:
+        """Return the sums of squared coefficients of what would be left of the input and the terms behind a filter."""
+        if not self.sequence.moved:
+            return self.power
+        described = replace(self.description, noise=replace(self.description.noise, output_filter=output_filter))
+        return self.sequence.bins.sums(Scatter.of(self.sequence, described).left(described) ** 2)
 
     @cached_property
     def coefficients(self) -> np.ndarray:
         """Return the residual's cosine coefficients over their standard deviations, k = 1..n-1; zero if not used."""
-        return self._scatter.left(self.description) / self._scatter.root
+        return self.scatter.left(self.description) / self.scatter.root
 
     @cached_property
     def whitened(self) -> np.ndarray:
@@ -133,7 +143,7 @@ class AxisFit:
 
     def whiten(self, columns: np.ndarray) -> np.ndarray:
         """Return columns of the error, (n, m), in basis and scale of :attr:`coefficients`, shape (n - 1, m)."""
-        return self._scatter.whiten(columns, self.description)
+        return self.scatter.whiten(columns, self.description)
 
     def _directions(self) -> np.ndarray:
         """Return the derivatives of the mean by the terms' free parameters, whitened, shape (n - 1, parameters)."""
@@ -209,7 +219,7 @@ class AxisFit:
         """Return what a step gains at each sample beside whitened columns more, (n - 1, m), which are fitted too."""
         more, rest = self.beside(columns)
         even = self._unturned(np.column_stack([rest, self.basis, more]))
-        return scans.steps(even[:, 0], self._scatter.root**2 / self._gain, even[:, 1:])
+        return scans.steps(even[:, 0], self.scatter.root**2 / self._gain, even[:, 1:])
 
     @property
     def _gain(self) -> np.ndarray | float:
@@ -319,7 +329,7 @@ def _seen_beside(
 
 
 @dataclass(frozen=True, eq=False)
-class _Scatter:
+class Scatter:
     """How the cosine coefficients of a sequence scatter under the noise of a description.
 
     Attributes
@@ -337,7 +347,7 @@ class _Scatter:
     outside: Outside | None
 
     @classmethod
-    def of(cls, sequence: Sequence, description: Description) -> "_Scatter":
+    def of(cls, sequence: Sequence, description: Description) -> "Scatter":
         """Return that of a description's noise and filter."""
         bins, noise = sequence.bins, description.noise
         root = np.sqrt(bins.spread(noise.variance(bins)))
@@ -365,10 +375,14 @@ def offset(sequence: Sequence, description: Description) -> float:
 
 
 def _rest(sequence: Sequence, description: Description) -> np.ndarray:
-    if not description.terms:
+    """Return the samples less the systematic terms, and less what a filter of the output takes from the input."""
+    if not description.terms and description.noise.output_filter is None:
         return sequence.values
-    mean = sum(term.effect.sample(sequence.conditions, None) for term in description.terms)
-    return sequence.values - _passed(mean, sequence, description)
+    ideal = sequence.conditions.error_free
+    mean = sum((term.effect.sample(sequence.conditions, None) for term in description.terms), ideal)
+    if np.ndim(mean) == 0:
+        return sequence.values - mean
+    return sequence.values - (_passed(mean, sequence, description) - ideal)
 
 
 def _passed(values: np.ndarray, sequence: Sequence, description: Description) -> np.ndarray:
@@ -414,12 +428,59 @@ def _principal(gram: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def fit(sequence: Sequence, start: Description) -> AxisFit:
-    """Fit a description to a sequence, from the values that it comes with."""
+    """Fit a description to a sequence, from the values that it comes with.
+
+    What a filter takes from a known input tells its cutoff, far better than the noise does: there it is adjusted by
+    steps of Gauss and Newton of both together, ahead of all else.
+    """
+    if start.noise.output_filter is None or not sequence.moved:
+        return _fitted(sequence, start)
+    found = _surer(_fitted(sequence, start, held=True))
+    for _ in range(ROUNDS):
+        moved = _cut_off_anew(found)
+        if moved.log_likelihood < found.log_likelihood + SETTLED:
+            break
+        found = moved
+    return found
+
+
+def _surer(found: AxisFit) -> AxisFit:
+    """Return a fit whose noise knows what the mean tells of the log cutoff besides, the terms free to move."""
+    sequence, interval = found.sequence, found.sequence.conditions.interval
+    ends = (_seen(sequence, _cut_off(found.description, side, interval)) for side in (CUTOFF_STEP, -CUTOFF_STEP))
+    slope = found.beyond(np.subtract(*ends)[:, None] / (2 * CUTOFF_STEP) / found.scatter.root[:, None])[:, 0]
+    gradient, information = found.noise.gradient.copy(), found.noise.information.copy()
+    gradient[-1] -= slope @ found.coefficients
+    information[-1, -1] += slope @ slope
+    return replace(found, noise=replace(found.noise, gradient=gradient, information=information))
+
+
+def _cut_off_anew(found: AxisFit) -> AxisFit:
+    """Return the fit after a step of the log cutoff, shortened until it is no worse, or the same fit."""
+    step, sequence = found.noise.covariance[-1, -1] * found.noise.gradient[-1], found.sequence
+    step = float(np.clip(step, -LONGEST, LONGEST))
+    for _ in range(HALVINGS):
+        moved = _fitted(sequence, _cut_off(found.description, step, sequence.conditions.interval), held=True)
+        if moved.log_likelihood >= found.log_likelihood:
+            return _surer(moved)
+        step = step / 3
+    return found
+
+
+def _cut_off(description: Description, step: float, interval: float) -> Description:
+    """Return a description with the cutoff of its filter moved by a step of its logarithm, as far as a fit can tell."""
+    noise, one = description.noise, description.noise.output_filter
+    moved = replace(one, cutoff=min(one.cutoff * float(np.exp(step)), one.highest(interval)))
+    return replace(description, noise=replace(noise, output_filter=moved))
+
+
+def _fitted(sequence: Sequence, start: Description, held: bool = False) -> AxisFit:
+    """Return the fit of mean and noise in turn; the cutoff of a filter stays where it is ``held``."""
     description, last = start, -np.inf
     fixed = not start.terms and start.noise.output_filter is None
     for _ in range(ROUNDS):
-        left = _Scatter.of(sequence, description).left(description)
-        noise = fit_noise(description.noise, sequence.bins, sequence.bins.sums(left**2))
+        left = Scatter.of(sequence, description).left(description)
+        noise = fit_noise(description.noise, sequence.bins, sequence.bins.sums(left**2), held)
         description = replace(description, noise=noise.noise)
         value = noise.log_likelihood - _jacobian_of_scale(sequence, description)
         if value < last + SETTLED or fixed:
@@ -432,7 +493,7 @@ def fit(sequence: Sequence, start: Description) -> AxisFit:
 def log_score(sequence: Sequence, description: Description) -> float:
     """Return the log-density of a sequence, free of its offset, under a description with values from elsewhere."""
     bins = sequence.bins
-    power = bins.sums(_Scatter.of(sequence, description).left(description) ** 2)
+    power = bins.sums(Scatter.of(sequence, description).left(description) ** 2)
     variance = description.noise.variance(bins)
     return log_likelihood(variance, power, bins.number) - _jacobian_of_scale(sequence, description)
 
@@ -445,7 +506,7 @@ def _jacobian_of_scale(sequence: Sequence, description: Description) -> float:
 
 def _mean_moved(sequence: Sequence, description: Description) -> Description:
     """Return the description after steps of Gauss and Newton of its terms under its spectrum."""
-    scatter = _Scatter.of(sequence, description)
+    scatter = Scatter.of(sequence, description)
     rest = scatter.left(description) / scatter.root
     for _ in range(HALVINGS):
         columns = scatter.whiten(jacobian(description.terms, sequence), description)
@@ -464,7 +525,7 @@ def _mean_moved(sequence: Sequence, description: Description) -> Description:
 
 
 def _line_search(
-    scatter: _Scatter, description: Description, step: np.ndarray, rest: np.ndarray
+    scatter: Scatter, description: Description, step: np.ndarray, rest: np.ndarray
 ) -> tuple[Description, np.ndarray]:
     for _ in range(HALVINGS):
         first, terms = 0, []

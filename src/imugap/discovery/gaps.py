@@ -88,9 +88,10 @@ class Twins:
         sequence, description = self.fits[0].sequence, self.fits[0].description
         conditions, labels = sequence.conditions, ("gaps", index)
         effects = unrounded(description.effects(), self.known, sequence)
-        error = AxisModel(effects).simulate(np.zeros(len(conditions)), conditions, seed, *labels)
+        ideal = np.broadcast_to(conditions.error_free, len(conditions))
+        error = AxisModel(effects).simulate(ideal, conditions, seed, *labels) - ideal
         if self.known:
-            mean, ideal = float(np.mean(sequence.values)), conditions.error_free
+            mean = float(np.mean(sequence.values))
             level = (
                 mean
                 if conditions.ideal is not None

@@ -224,11 +224,14 @@ class NoiseFit:
         Log-density of the coefficients.
     information
         Expected information of the log parameters, in the order of :meth:`Noise.parameters`.
+    gradient
+        That of the log-density in the same: zero but for what was held, or is at a limit.
     """
 
     noise: Noise
     log_likelihood: float
     information: np.ndarray
+    gradient: np.ndarray
 
     @property
     def covariance(self) -> np.ndarray:
@@ -241,16 +244,20 @@ def log_likelihood(variance: np.ndarray, power: np.ndarray, number: np.ndarray) 
     return float(-0.5 * np.sum(number * np.log(2 * np.pi * variance) + power / variance))
 
 
-def fit(start: Noise, bins: Bins, power: np.ndarray) -> NoiseFit:
+def fit(start: Noise, bins: Bins, power: np.ndarray, held: bool = False) -> NoiseFit:
     """Climb Whittle's likelihood from ``start`` by damped Fisher scoring.
 
     Parameters
     ----------
     power
         Sums of the squared cosine coefficients over the bins, shape (bins,).
+    held
+        Whether the cutoff of the filter stays as it is.
     """
     spectra = _Spectra(start, bins)
     low, high = limits(start, bins, power)
+    if held:
+        low[-1] = high[-1] = start.theta()[-1]
     theta, damping = np.clip(start.theta(), low, high), 1e-3
     value, gradient, information = spectra.expand(theta, power)
     for _ in range(ITERATIONS):
@@ -264,7 +271,7 @@ def fit(start: Noise, bins: Bins, power: np.ndarray) -> NoiseFit:
             theta, (value, gradient, information), damping = trial, expanded, max(damping / 5, 1e-9)
         else:
             damping = min(max(damping * 8, 1e-3), 1e9)
-    return NoiseFit(start.at(theta), value, information)
+    return NoiseFit(start.at(theta), value, information, gradient)
 
 
 def _step(gradient: np.ndarray, information: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:

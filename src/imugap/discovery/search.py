@@ -500,17 +500,18 @@ def _behind(start: Start, before: AxisFit) -> tuple[Start, Description]:
     """Return a filter, and the description with the noise behind it, from which a fit is most likely to get there.
 
     Without the filter noise has gone far to look like it, and may not find back. What the noise gains is known by then,
-    what the terms may gain is not.
+    what the terms may gain is not, nor what the filter takes from the input.
     """
-    description, bins = before.description, before.sequence.bins
+    description, sequence = before.description, before.sequence
     fits = []
     for factor in CUTOFFS:
         filtered = replace(start.effect, cutoff=factor * start.effect.cutoff)
-        noise = replace(description.noise, output_filter=filtered)
-        fits += [fit_noise(one, bins, before.power) for one in (noise, noise.beneath(bins, before.power))]
+        noise, power = replace(description.noise, output_filter=filtered), before.power_behind(filtered)
+        both = noise, noise.beneath(sequence.bins, power)
+        fits += [fit_noise(one, sequence.bins, power, held=sequence.moved) for one in both]
     best = max(fits, key=lambda one: one.log_likelihood)
     beside = replace(description, noise=replace(best.noise, output_filter=None))
-    gain = best.log_likelihood - before.noise.log_likelihood + RESHAPED
+    gain = np.inf if sequence.moved else best.log_likelihood - before.noise.log_likelihood + RESHAPED
     return replace(start, effect=best.noise.output_filter, gain=gain), beside
 
 

@@ -53,6 +53,11 @@ class Sequence:
         """Return the bins of its cosine coefficients."""
         return Bins(len(self.values), self.conditions.interval, self.share, self.step)
 
+    @property
+    def moved(self) -> bool:
+        """Return whether the error-free signal of the axis is known, as for a device in motion."""
+        return self.conditions.axis is not None and self.conditions.knows([self.conditions.axis])
+
     @cached_property
     def coarse(self) -> bool:
         """Return whether the values sit on so few levels that their law says nothing of tails."""

@@ -142,7 +142,8 @@ def _rests(conditions: Conditions) -> Iterator[np.ndarray]:
 
 
 def _ways(conditions: Conditions) -> Iterator[np.ndarray]:
-    """Yield what an error may go with, columns of shape (n, m): inputs, their powers, products and derivatives.
+    """Yield what an error may go with, columns of shape (n, m): inputs, their powers, products and derivatives, and
+    the squares of these.
 
     All of a triad at a time, cubes about the mean, as gravity makes those about zero straight lines; of each turn the
     angle; of the own axis what it drags along with some play, a share that drifts, and any other function of it.
@@ -154,7 +155,9 @@ def _ways(conditions: Conditions) -> Iterator[np.ndarray]:
     for inputs in (turns, forces):
         if len(inputs):
             yield inputs.T
-            yield np.gradient(inputs.T, conditions.interval, axis=0)
+            first = np.gradient(inputs.T, conditions.interval, axis=0)
+            yield first
+            yield np.hstack([first, np.gradient(first, conditions.interval, axis=0)]) ** 2
             yield np.column_stack([a * b for a, b in combinations_with_replacement(inputs, 2)])
             about_mean = inputs - inputs.mean(axis=1, keepdims=True)
             yield np.vstack([about_mean**3, np.abs(inputs)]).T
