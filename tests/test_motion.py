@@ -13,6 +13,7 @@ from imugap.discovery.axis import Description, Term, fit
 from imugap.discovery.doubt.motion import samples_in_motion
 from imugap.discovery.hysteresis import play
 from imugap.discovery.noise import Noise
+from imugap.discovery.search import Trial, _in_noise
 from imugap.discovery.sequence import Sequence
 from imugap.discovery.story import concluded, told
 from imugap.effects import (
@@ -23,6 +24,7 @@ from imugap.effects import (
     Outliers,
     OutputFilter,
     ScaleFactor,
+    TimeOffset,
     VarianceChange,
     VibrationRectification,
     WhiteNoise,
@@ -111,6 +113,21 @@ def test_the_cutoff_of_a_filter_of_the_motion_scatters_as_its_error_says():
     assert 0.7 < z.std() < 1.35
     free = fit(replace(data, conditions=replace(data.conditions, ideal=None)), replace(found.description, terms=()))
     assert scatter[-1] < 0.5 * np.sqrt(free.noise.covariance[-1, -1])
+
+
+@pytest.mark.parametrize(("effect", "shown"), [(TimeOffset(5e-5), False), (OutputFilter(15.0, 1), True)])
+def test_a_delay_is_no_filter_that_noise_does_not_show(effect, shown):
+    """One whose cutoff is next to half the rate delays the motion a little, and does nothing else."""
+    conditions = conditions_of("gyro_z", turning())
+    own = conditions.error_free
+    error = AxisModel((WhiteNoise(1e-4), effect)).simulate(own, conditions, 1, "delay") - own
+    data = Sequence(error, conditions, np.zeros(COUNT, bool))
+    plain = fit(data, Description((), Noise((WhiteNoise(1e-4),))))
+    near = OutputFilter(15.0 if shown else 24.9, 1)
+    filtered = fit(data, Description((), Noise((WhiteNoise(1e-4),), near)))
+    gain = filtered.log_likelihood - plain.log_likelihood
+    assert gain > 100
+    assert _in_noise(Trial(near, filtered, gain, 1, 10.0), LOG_ALPHA) == shown
 
 
 @pytest.mark.parametrize("gravity", [0.0, -9.8])

@@ -269,7 +269,9 @@ class Search:
                 if kind is OutputFilter:
                     start, beside = _behind(start, before)
                     if _hopeful(start, bar):
-                        yield self.judged(start, before, beside)
+                        trial = self.judged(start, before, beside)
+                        if not before.sequence.moved or _in_noise(trial, self.log_alpha):
+                            yield trial
                 elif _moves(start.effect, before) or _hopeful(start, bar):
                     yield self.judged(start, before)
         yield from self._instead(before)
@@ -513,6 +515,14 @@ def _behind(start: Start, before: AxisFit) -> tuple[Start, Description]:
     beside = replace(description, noise=replace(best.noise, output_filter=None))
     gain = np.inf if sequence.moved else best.log_likelihood - before.noise.log_likelihood + RESHAPED
     return replace(start, effect=best.noise.output_filter, gain=gain), beside
+
+
+def _in_noise(filtered: Trial, log_alpha: float) -> bool:
+    """Return whether the noise shows a filter, besides the motion: else what the motion shows may be a mere delay."""
+    fit, bins = filtered.fit, filtered.fit.sequence.bins
+    unfiltered = fit_noise(replace(fit.noise.noise, output_filter=None), bins, fit.power)
+    gain = fit.noise.log_likelihood - unfiltered.log_likelihood
+    return log_chance(gain, filtered.parameters) + np.log(filtered.trials) < log_alpha
 
 
 def _another(one: Effect, other: Effect) -> bool:
