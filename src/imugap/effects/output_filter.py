@@ -29,6 +29,8 @@ SETTLED = 20.0
 class OutputFilter(Effect):
     """Maximally flat low-pass filter of the output: 1/(1 + (w(f)/c)^(2 order)) is its power gain.
 
+    It acts on all that is sensed, a motion and its errors alike; what it takes from a motion is an error too.
+
     With w(f) = tan(pi f interval) and c = tan(pi cutoff interval) it is the Butterworth filter through the bilinear
     transform, which blocks half the sampling rate. With w(f) = sin(pi f interval) and c = sinh(pi cutoff interval) it
     has poles alone; that of order 1 is exponential smoothing, and white noise behind it is that behind an RC element
