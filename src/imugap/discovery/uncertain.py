@@ -33,9 +33,9 @@ class Open:
     @classmethod
     def of(cls, fit: AxisFit) -> "Open":
         """Return that of a fit."""
-        own, bins, noise = fit.bare(), fit.sequence.bins, fit.description.noise
-        power = bins.sums(own.coefficients**2) * noise.variance(bins)
-        return cls(fit.description, own.covariance, fit.noise.covariance, limits(noise, bins, power))
+        own = fit.bare()
+        ends = limits(fit.description.noise, fit.sequence.bins, own.power)
+        return cls(fit.description, own.covariance, fit.noise.covariance, ends)
 
     def drawn(self, rng: np.random.Generator) -> dict[Effect, Effect]:
         """Return each adjusted effect with the drawn one in its place."""

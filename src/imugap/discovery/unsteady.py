@@ -47,7 +47,7 @@ class Band:
 
 def bands(found: AxisFit) -> tuple[Band, ...]:
     """Return the bands of the lines of a fit that are several where one is meant, as far as their power reaches."""
-    resolution = 1 / (2 * found.sequence.conditions.interval * len(found.residual))
+    resolution = 1 / (2 * found.sequence.conditions.interval * len(found.sequence.values))
     lowest = 2 * STRIDE / (WIDEST - 1) * resolution
     grown = (_grown(found.sequence, group) for group in _groups(found) if len(group) > 1 and group[0] > lowest)
     narrow = tuple(band for band in grown if band.narrow)
@@ -69,7 +69,7 @@ def without(sequence: Sequence, taken: tuple[Band, ...]) -> Sequence:
 def _groups(found: AxisFit) -> Iterator[list[float]]:
     """Yield the frequencies of lines that are near each other, in groups."""
     lines = sorted(one.frequency for one in found.description.effects() if isinstance(one, Sinusoid))
-    near = NEAR / (found.sequence.conditions.interval * len(found.residual))
+    near = NEAR / (found.sequence.conditions.interval * len(found.sequence.values))
     breaks = np.flatnonzero(np.diff(lines) > near) + 1
     yield from (group.tolist() for group in np.split(np.array(lines), breaks))
 
