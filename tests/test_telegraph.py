@@ -11,7 +11,7 @@ from imugap.discovery.axis import Description, fit
 from imugap.discovery.noise import Noise
 from imugap.discovery.sequence import Sequence
 from imugap.discovery.telegraph import FINE, Blocks, _continuum, compare, filtered
-from imugap.effects import GaussMarkov, RandomTelegraph, RandomWalk, WhiteNoise
+from imugap.effects import GaussMarkov, OutputFilter, RandomTelegraph, RandomWalk, WhiteNoise
 from imugap.effects.effect import Conditions
 from imugap.stream import stream
 
@@ -51,24 +51,36 @@ def test_two_values_have_the_density_of_all_their_paths(walk, wide, tolerance):
     assert found == pytest.approx(logsumexp(logs), abs=tolerance)
 
 
-def sequence(seed, beside, count=60000, interval=0.02):
+def sequence(seed, beside, step=2e-4, passes=None, count=60000, interval=0.02):
     conditions = Conditions(np.arange(count) * interval, interval)
     rng = stream(seed, "telegraph")
-    effects = (WhiteNoise(1e-4), RandomTelegraph(2e-4, 0.1), *beside)
+    effects = (WhiteNoise(1e-4), RandomTelegraph(step, 0.1), *beside)
     values = sum(effect.sample(conditions, rng) for effect in effects)
+    if passes is not None:
+        values = passes.apply(values, conditions, rng)
     return Sequence(values, conditions, np.zeros(count, bool)), effects
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("beside", [(), (RandomWalk(3e-6),)], ids=["alone", "on a walk"])
-def test_the_estimates_hold_the_truth_as_often_as_they_say(beside):
+@pytest.mark.parametrize(
+    ("beside", "step", "passes"),
+    [
+        ((), 2e-4, None),
+        ((RandomWalk(3e-6),), 2e-4, None),
+        ((), 3e-3, None),
+        ((RandomWalk(3e-6),), 3e-3, None),
+        ((), 2.5e-3, OutputFilter(5.0, 2)),
+    ],
+    ids=["alone", "on a walk", "strong", "strong on a walk", "strong behind a filter"],
+)
+def test_the_estimates_hold_the_truth_as_often_as_they_say(beside, step, passes):
     hits, errors = 0, []
     for seed in range(12):
-        one, effects = sequence(seed, beside)
-        found = fit(one, Description((), Noise(effects)))
+        one, effects = sequence(seed, beside, step, passes)
+        found = fit(one, Description((), Noise(effects, passes)))
         verdict = compare(found, tuple(found.description.noise.effects[1:2]))
         assert verdict.gain > 0
-        truth = (2e-4, 0.1)
+        truth = (step, 0.1)
         hits += sum(low <= true <= high for true, (low, high) in zip(truth, verdict.intervals, strict=True))
         errors.append(np.log([verdict.effect.step / truth[0], verdict.effect.rate / truth[1]]))
     assert 20 <= hits <= 24

@@ -15,12 +15,21 @@ from numba import njit
 from imugap.discovery import scans
 from imugap.discovery.ascent import Top, highest
 from imugap.discovery.axis import AxisFit, scale
+from imugap.discovery.parameters import NORMAL
 from imugap.discovery.sequence import Sequence
 from imugap.effects import GaussMarkov, RandomTelegraph, VarianceChange
 from imugap.effects.effect import StochasticEffect
 
 FINE = 48
 """Blocks per correlation time; one in which a switch falls looks like a third value, and raises the rate."""
+APART = np.log(4.5)
+"""Logarithm of the step over the noise of a block, from which on such a third value shows."""
+NEAR = np.arange(-1, 3)
+"""Blocks from one in which the samples show a switch on in which it may fall."""
+LEFT = 0.01
+"""Share of a step that is left to come behind a filter when it has settled."""
+UNKNOWN = 1e6
+"""Noise of a block that tells nothing, over that of the others."""
 LONG = 20.0
 """Correlation times in a log, where nothing tells more."""
 QUIET, DEEP = 1e-3, 10.0
@@ -59,6 +68,8 @@ class Blocks:
         Shortest correlation time of the slow processes [s].
     white, std
         Standard deviation of the noise that is white on this scale, and of what else the means have.
+    settling
+        Blocks after a step until the filter has settled.
     """
 
     means: np.ndarray
@@ -68,6 +79,7 @@ class Blocks:
     time: float
     white: float
     std: float
+    settling: int
 
     @classmethod
     def of(cls, fit: AxisFit, slow: tuple[StochasticEffect, ...], fine: float = FINE) -> "Blocks":
@@ -88,11 +100,32 @@ class Blocks:
         density = sum(effect.sampled_psd(np.array([0.25 / step]), interval)[0] for effect in rest)
         white = float(np.sqrt(density / step))
         std = float(np.sqrt(max(means.var() - white**2, 0.01 * means.var())))
-        return cls(means, profile, width, step, time, white, std)
+        settling = -(-_settling(fit) // width)
+        return cls(means, profile, width, step, time, white, std, settling)
 
     def changed(self, sequence: Sequence, changes: tuple[VarianceChange, ...]) -> "Blocks":
         """Return them with other changes of the variance of their white noise."""
         return replace(self, profile=_profile(sequence, changes, self.width))
+
+    def of_one_value(self, odds: np.ndarray) -> np.ndarray:
+        """Return in which blocks no switch falls or is settling, given the log-odds of + with the blocks up to each.
+
+        If these are not even half of them, all are returned.
+        """
+        near = np.r_[NEAR, NEAR[-1] + 1 + np.arange(self.settling)]
+        switched = np.flatnonzero(np.diff(odds > 0))[:, None] + near
+        kept = np.ones(len(self.means), bool)
+        kept[np.clip(switched, 0, len(kept) - 1)] = False
+        return kept if np.mean(kept) > 0.5 else np.ones(len(kept), bool)
+
+
+def _settling(fit: AxisFit) -> int:
+    """Return after how many samples the output filter of a fit has settled."""
+    passes = fit.description.noise.output_filter
+    if passes is None:
+        return 0
+    left = passes.decay(len(fit.sequence.values), fit.sequence.conditions.interval)
+    return int(np.sum(np.abs(left) > LEFT))
 
 
 def _profile(sequence: Sequence, changes: tuple[VarianceChange, ...], width: int) -> np.ndarray:
@@ -124,15 +157,28 @@ class Verdict:
     @property
     def effect(self) -> RandomTelegraph:
         """Return the telegraph noise at its highest likelihood."""
-        return RandomTelegraph(_positive(self.two.theta[0]), _positive(self.two.theta[1]))
+        return RandomTelegraph(_positive(self._step[0]), _positive(self.two.theta[1]))
 
     @cached_property
     def intervals(self) -> tuple[tuple[float, float], tuple[float, float]]:
         """Return the 95 % intervals of its step and rate."""
-        bent = curvature(partial(_telegraph_densities, self.blocks), self.two.theta)
-        error = np.sqrt(np.abs(np.diag(np.linalg.pinv(bent, hermitian=True))))
-        ends = [[_positive(self.two.theta[i] + side * 1.96 * error[i]) for side in (-1, 1)] for i in (0, 1)]
-        return tuple(ends[0]), tuple(ends[1])
+        densities = partial(_telegraph_densities, self.blocks)
+        values = (self._step, (self.two.theta[1], _errors(densities, self.two.theta)[1]))
+        ends = [tuple(_positive(value + side * NORMAL * error) for side in (-1, 1)) for value, error in values]
+        return ends[0], ends[1]
+
+    @cached_property
+    def _step(self) -> tuple[float, float]:
+        """Return the logarithm of its step and the standard deviation of it.
+
+        The mean of a block in which a switch falls is a third value. Where that shows it draws the two to each other,
+        and the blocks of one value alone tell the step; the rate is in the others.
+        """
+        densities, theta = partial(_telegraph_densities, self.blocks), self.two.theta
+        if theta[0] - theta[2] > APART:
+            densities = _of_one_value(self.blocks, theta)
+            theta = highest(densities, [theta]).theta
+        return theta[0], _errors(densities, theta)[0]
 
     @cached_property
     def uneven(self) -> float:
@@ -180,12 +226,29 @@ def _noise(blocks: Blocks, theta: np.ndarray) -> tuple[np.ndarray, float]:
 
 
 def _telegraph_densities(blocks: Blocks, theta: np.ndarray) -> np.ndarray:
-    """Return the log-density of each block; a fifth parameter is the logarithm of the switches up over the average."""
+    """Return the log-density of each block."""
+    return _telegraph(blocks, theta)[0]
+
+
+def _telegraph(blocks: Blocks, theta: np.ndarray) -> tuple[np.ndarray, ...]:
+    """Return the blocks filtered; a fifth parameter is the logarithm of the switches up over the average."""
     side = theta[4] if len(theta) > 4 else 0.0
     switched = np.exp(np.clip(np.log(blocks.step) + theta[1] + np.array([side, -side]), RARE, OFTEN))
     white, walk = _noise(blocks, theta)
     slow = 1.0, walk**2, blocks.means.mean(), blocks.means.var()
-    return filtered(blocks.means, np.exp(theta[0]) / 2, *switched, white, *slow)[0]
+    return filtered(blocks.means, np.exp(theta[0]) / 2, *switched, white, *slow)
+
+
+def _of_one_value(blocks: Blocks, theta: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
+    """Return the log-densities, given their parameters, of the blocks in which no switch falls."""
+    kept = blocks.of_one_value(_telegraph(blocks, theta)[1])
+    others_unknown = replace(blocks, profile=np.where(kept, blocks.profile, UNKNOWN * blocks.profile))
+    return lambda theta: _telegraph_densities(others_unknown, theta)[kept]
+
+
+def _errors(densities: Callable[[np.ndarray], np.ndarray], top: np.ndarray) -> np.ndarray:
+    """Return the standard deviations of parameters at the top of their likelihood."""
+    return np.sqrt(np.abs(np.diag(np.linalg.pinv(curvature(densities, top), hermitian=True))))
 
 
 def _markov_densities(blocks: Blocks, theta: np.ndarray) -> np.ndarray:
