@@ -43,7 +43,7 @@ def test_without_switches_the_filter_is_that_of_a_gauss_markov_process():
     expected = -0.5 * (
         40 * np.log(2 * np.pi) + np.linalg.slogdet(covariance)[1] + values @ np.linalg.solve(covariance, values)
     )
-    found = filtered(values, 0.0, 0.1, 0.1, np.full(40, white), *_reverting(std, decay))
+    found = filtered(values, 1, 0.0, 0.1, 0.1, np.full(40, white), *_reverting(std, decay))
     assert found[0].sum() == pytest.approx(expected, rel=1e-9)
     np.testing.assert_allclose(found[1], 0.0, atol=1e-9)
 
@@ -57,7 +57,7 @@ def test_odds_of_either_value_are_those_of_all_paths():
     weights = (
         moves * np.exp(-0.5 * ((values - half * paths) / white) ** 2).prod(axis=1) / (np.sqrt(2 * np.pi) * white).prod()
     )
-    densities, odds, means, variances = filtered(values, half, change, change, white, *_reverting(1e-9, 0.5))
+    densities, odds, means, variances = filtered(values, 1, half, change, change, white, *_reverting(1e-9, 0.5))
     assert densities.sum() == pytest.approx(np.log(weights.sum()), rel=1e-9)
     last = np.log(weights[paths[:, -1] > 0].sum() / weights[paths[:, -1] < 0].sum())
     assert odds[-1] == pytest.approx(last, rel=1e-6)

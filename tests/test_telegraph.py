@@ -35,19 +35,25 @@ def test_a_continuum_has_the_density_of_its_covariance(walk):
     )
 
 
+@pytest.mark.parametrize("width", [1, 4])
 @pytest.mark.parametrize(("walk", "wide", "tolerance"), [(0.0, 1e-12, 1e-6), (0.05, 0.25, 0.3)])
-def test_two_values_have_the_density_of_all_their_paths(walk, wide, tolerance):
+def test_two_values_have_the_density_of_all_their_paths(walk, wide, tolerance, width):
+    """A mean of four samples has none, one, two or three of them before a switch; one may come ahead of all."""
     half, rise, fall, white = 1.0, 0.02, 0.01, 0.4
     means = white * stream(2, "paths").standard_normal(COUNT) + np.where(np.arange(COUNT) < 5, half, -half)
     up, kept = rise / (rise + fall), np.exp(-(rise + fall))
     change = np.array([[1 - up * (1 - kept), up * (1 - kept)], [(1 - up) * (1 - kept), 1 - (1 - up) * (1 - kept)]])
     logs = []
-    for path in product((0, 1), repeat=COUNT):
+    for path in product((0, 1), repeat=COUNT + 1):
         chance = np.log([1 - up, up][path[0]]) + np.sum(np.log(change[path[:-1], path[1:]]))
-        signs = 2 * np.array(path) - 1
-        law = multivariate_normal(means.mean() + half * signs, wandering(white, walk, wide))
+        signs, switched = 2 * np.array(path[1:]) - 1, np.diff(path) != 0
+        within = half * (1 - 2 * np.arange(width) / width)
+        levels = signs * np.where(switched, within.mean(), half)
+        law = multivariate_normal(
+            means.mean() + levels, wandering(white, walk, wide) + np.diag(within.var() * switched)
+        )
         logs.append(chance + law.logpdf(means))
-    found = filtered(means, half, rise, fall, np.full(COUNT, white), 1.0, walk**2, means.mean(), wide)[0].sum()
+    found = filtered(means, width, half, rise, fall, np.full(COUNT, white), 1.0, walk**2, means.mean(), wide)[0].sum()
     assert found == pytest.approx(logsumexp(logs), abs=tolerance)
 
 
@@ -70,8 +76,9 @@ def sequence(seed, beside, step=2e-4, passes=None, count=60000, interval=0.02):
         ((), 3e-3, None),
         ((RandomWalk(3e-6),), 3e-3, None),
         ((), 2.5e-3, OutputFilter(5.0, 2)),
+        ((), 2.5e-3, OutputFilter(1.5, 2)),
     ],
-    ids=["alone", "on a walk", "strong", "strong on a walk", "strong behind a filter"],
+    ids=["alone", "on a walk", "strong", "strong on a walk", "strong behind a filter", "strong behind a slow filter"],
 )
 def test_the_estimates_hold_the_truth_as_often_as_they_say(beside, step, passes):
     hits, errors = 0, []

@@ -119,9 +119,8 @@ def _densities(blocks: Blocks, theta: np.ndarray) -> np.ndarray:
     step, rate, white, std, time = np.exp(np.clip(theta[:5], -FAR, FAR))
     up, down = blocks.step * rate * np.exp(np.clip([theta[6], -theta[6]], -FAR, FAR))
     values = blocks.means - theta[5] * blocks.std
-    return filtered(values, step / 2, up, down, white * blocks.profile, *_reverting(std, np.exp(-blocks.step / time)))[
-        0
-    ]
+    process = _reverting(std, np.exp(-blocks.step / time))
+    return filtered(values, blocks.width, step / 2, up, down, white * blocks.profile, *process)[0]
 
 
 def _reverting(std: float, decay: float) -> tuple[float, float, float, float]:
@@ -141,7 +140,7 @@ def _path(found: AxisFit, blocks: Blocks, theta: np.ndarray) -> np.ndarray:
     each = rate * conditions.interval
     values = found.residual * found.scale - theta[5] * blocks.std
     noise *= np.broadcast_to(found.scale, len(values))
-    _, odds, means, variances = filtered(values, step / 2, each, each, noise, *_reverting(std, decay))
+    _, odds, means, variances = filtered(values, 1, step / 2, each, each, noise, *_reverting(std, decay))
     rng = stream(0, "switching", conditions.axis)
     uniform, normal = rng.random(len(values)), rng.standard_normal(len(values))
     up = _drawn(odds, means, variances, np.exp(-2 * each), decay, std, uniform, normal)

@@ -15,21 +15,14 @@ from numba import njit
 from imugap.discovery import scans
 from imugap.discovery.ascent import Top, highest
 from imugap.discovery.axis import AxisFit, scale
-from imugap.discovery.parameters import NORMAL
 from imugap.discovery.sequence import Sequence
 from imugap.effects import GaussMarkov, RandomTelegraph, VarianceChange
 from imugap.effects.effect import StochasticEffect
 
 FINE = 48
-"""Blocks per correlation time; one in which a switch falls looks like a third value, and raises the rate."""
-APART = np.log(4.5)
-"""Logarithm of the step over the noise of a block, from which on such a third value shows."""
-NEAR = np.arange(-1, 3)
-"""Blocks from one in which the samples show a switch on in which it may fall."""
+"""Blocks per correlation time, as far as the filter lets a step be over within one."""
 LEFT = 0.01
-"""Share of a step that is left to come behind a filter when it has settled."""
-UNKNOWN = 1e6
-"""Noise of a block that tells nothing, over that of the others."""
+"""Share of a step that is left to come behind a filter when it is over."""
 LONG = 20.0
 """Correlation times in a log, where nothing tells more."""
 QUIET, DEEP = 1e-3, 10.0
@@ -68,8 +61,6 @@ class Blocks:
         Shortest correlation time of the slow processes [s].
     white, std
         Standard deviation of the noise that is white on this scale, and of what else the means have.
-    settling
-        Blocks after a step until the filter has settled.
     """
 
     means: np.ndarray
@@ -79,7 +70,6 @@ class Blocks:
     time: float
     white: float
     std: float
-    settling: int
 
     @classmethod
     def of(cls, fit: AxisFit, slow: tuple[StochasticEffect, ...], fine: float = FINE) -> "Blocks":
@@ -92,7 +82,7 @@ class Blocks:
         lorentzian = [one.equivalent if isinstance(one, RandomTelegraph) else one for one in slow]
         times = [one.correlation_time for one in lorentzian if isinstance(one, GaussMarkov)]
         time = min(times, default=interval * count / LONG)
-        width = max(min(int(time / fine / interval), count // FINE), count // MOST, 1)
+        width = max(min(max(int(time / fine / interval), _settling(fit)), count // FINE), count // MOST, 1)
         means = scans.means(fit.residual * fit.scale, width)
         profile = _profile(fit.sequence, fit.description.changes, width)
         rest = [one for one in fit.description.noise.effects if one not in slow]
@@ -100,27 +90,15 @@ class Blocks:
         density = sum(effect.sampled_psd(np.array([0.25 / step]), interval)[0] for effect in rest)
         white = float(np.sqrt(density / step))
         std = float(np.sqrt(max(means.var() - white**2, 0.01 * means.var())))
-        settling = -(-_settling(fit) // width)
-        return cls(means, profile, width, step, time, white, std, settling)
+        return cls(means, profile, width, step, time, white, std)
 
     def changed(self, sequence: Sequence, changes: tuple[VarianceChange, ...]) -> "Blocks":
         """Return them with other changes of the variance of their white noise."""
         return replace(self, profile=_profile(sequence, changes, self.width))
 
-    def of_one_value(self, odds: np.ndarray) -> np.ndarray:
-        """Return in which blocks no switch falls or is settling, given the log-odds of + with the blocks up to each.
-
-        If these are not even half of them, all are returned.
-        """
-        near = np.r_[NEAR, NEAR[-1] + 1 + np.arange(self.settling)]
-        switched = np.flatnonzero(np.diff(odds > 0))[:, None] + near
-        kept = np.ones(len(self.means), bool)
-        kept[np.clip(switched, 0, len(kept) - 1)] = False
-        return kept if np.mean(kept) > 0.5 else np.ones(len(kept), bool)
-
 
 def _settling(fit: AxisFit) -> int:
-    """Return after how many samples the output filter of a fit has settled."""
+    """Return after how many samples a step is over behind the output filter of a fit."""
     passes = fit.description.noise.output_filter
     if passes is None:
         return 0
@@ -157,28 +135,15 @@ class Verdict:
     @property
     def effect(self) -> RandomTelegraph:
         """Return the telegraph noise at its highest likelihood."""
-        return RandomTelegraph(_positive(self._step[0]), _positive(self.two.theta[1]))
+        return RandomTelegraph(_positive(self.two.theta[0]), _positive(self.two.theta[1]))
 
     @cached_property
     def intervals(self) -> tuple[tuple[float, float], tuple[float, float]]:
         """Return the 95 % intervals of its step and rate."""
-        densities = partial(_telegraph_densities, self.blocks)
-        values = (self._step, (self.two.theta[1], _errors(densities, self.two.theta)[1]))
-        ends = [tuple(_positive(value + side * NORMAL * error) for side in (-1, 1)) for value, error in values]
-        return ends[0], ends[1]
-
-    @cached_property
-    def _step(self) -> tuple[float, float]:
-        """Return the logarithm of its step and the standard deviation of it.
-
-        The mean of a block in which a switch falls is a third value. Where that shows it draws the two to each other,
-        and the blocks of one value alone tell the step; the rate is in the others.
-        """
-        densities, theta = partial(_telegraph_densities, self.blocks), self.two.theta
-        if theta[0] - theta[2] > APART:
-            densities = _of_one_value(self.blocks, theta)
-            theta = highest(densities, [theta]).theta
-        return theta[0], _errors(densities, theta)[0]
+        bent = curvature(partial(_telegraph_densities, self.blocks), self.two.theta)
+        error = np.sqrt(np.abs(np.diag(np.linalg.pinv(bent, hermitian=True))))
+        ends = [[_positive(self.two.theta[i] + side * 1.96 * error[i]) for side in (-1, 1)] for i in (0, 1)]
+        return tuple(ends[0]), tuple(ends[1])
 
     @cached_property
     def uneven(self) -> float:
@@ -226,29 +191,12 @@ def _noise(blocks: Blocks, theta: np.ndarray) -> tuple[np.ndarray, float]:
 
 
 def _telegraph_densities(blocks: Blocks, theta: np.ndarray) -> np.ndarray:
-    """Return the log-density of each block."""
-    return _telegraph(blocks, theta)[0]
-
-
-def _telegraph(blocks: Blocks, theta: np.ndarray) -> tuple[np.ndarray, ...]:
-    """Return the blocks filtered; a fifth parameter is the logarithm of the switches up over the average."""
+    """Return the log-density of each block; a fifth parameter is the logarithm of the switches up over the average."""
     side = theta[4] if len(theta) > 4 else 0.0
     switched = np.exp(np.clip(np.log(blocks.step) + theta[1] + np.array([side, -side]), RARE, OFTEN))
     white, walk = _noise(blocks, theta)
     slow = 1.0, walk**2, blocks.means.mean(), blocks.means.var()
-    return filtered(blocks.means, np.exp(theta[0]) / 2, *switched, white, *slow)
-
-
-def _of_one_value(blocks: Blocks, theta: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
-    """Return the log-densities, given their parameters, of the blocks in which no switch falls."""
-    kept = blocks.of_one_value(_telegraph(blocks, theta)[1])
-    others_unknown = replace(blocks, profile=np.where(kept, blocks.profile, UNKNOWN * blocks.profile))
-    return lambda theta: _telegraph_densities(others_unknown, theta)[kept]
-
-
-def _errors(densities: Callable[[np.ndarray], np.ndarray], top: np.ndarray) -> np.ndarray:
-    """Return the standard deviations of parameters at the top of their likelihood."""
-    return np.sqrt(np.abs(np.diag(np.linalg.pinv(curvature(densities, top), hermitian=True))))
+    return filtered(blocks.means, blocks.width, np.exp(theta[0]) / 2, *switched, white, *slow)[0]
 
 
 def _markov_densities(blocks: Blocks, theta: np.ndarray) -> np.ndarray:
@@ -280,44 +228,57 @@ def curvature(densities: Callable, top: np.ndarray, step: float = 1e-3) -> np.nd
 
 
 @njit(cache=True)
-def filtered(values, half, rise, fall, white, decay, driven, begin, spread):
+def filtered(values, width, half, rise, fall, white, decay, driven, begin, spread):
     """Return the log-density of each value, +- half beside a slow process in white noise, and what is known.
 
-    That are the log-odds of +, shape (n,), and mean and variance of the process given + and given -, each of shape
-    (n, 2), with the values up to each one and with it. ``white`` is the noise of each value, shape (n,); ``rise`` and
-    ``fall`` are switches per value; the process keeps a share ``decay`` of itself from one value to the next,
-    ``driven`` is the variance that it gains, ``begin`` and ``spread`` are its mean and variance before the first. A
-    walk keeps all, a Gauss-Markov process reverts. Of the paths that lead to either value the first two moments are
+    That are the log-odds of + at its end, shape (n,), and mean and variance of the process given + and given -, each
+    of shape (n, 2), with the values up to each one and with it. Each value is the mean of ``width`` samples; with a
+    switch among these it has a mean and a variance between + and -. ``white`` is the noise of each value, shape (n,);
+    ``rise`` and ``fall`` are switches per value; the process keeps a share ``decay`` of itself from one value to the
+    next, ``driven`` is the variance that it gains, ``begin`` and ``spread`` are its mean and variance before the first.
+    A walk keeps all, a Gauss-Markov process reverts. Of the paths that lead to either value the first two moments are
     kept.
     """
     mean_up, kept = rise / (rise + fall), np.exp(-(rise + fall))
     to_up, to_down = mean_up * (1 - kept), (1 - mean_up) * (1 - kept)
+    between, scatter = half / width, half**2 * (1 - 1 / width**2) / 3
     up, high, low, high_variance, low_variance = mean_up, begin, begin, spread, spread
     densities, odds = np.empty(len(values)), np.empty(len(values))
     means, variances = np.empty((len(values), 2)), np.empty((len(values), 2))
     for k in range(len(values)):
         noise = white[k] ** 2
-        stayed, left = up * (1 - to_down), (1 - up) * (1 - to_up)
-        new_up = stayed + (1 - up) * to_up
-        apart, share_up, share_down = (high - low) ** 2, stayed / new_up, left / (1 - new_up)
-        first = decay * (share_up * high + (1 - share_up) * low)
-        second = decay * (share_down * low + (1 - share_down) * high)
-        mixed_high = share_up * high_variance + (1 - share_up) * (low_variance + share_up * apart)
-        mixed_low = share_down * low_variance + (1 - share_down) * (high_variance + share_down * apart)
-        first_variance, second_variance = decay**2 * mixed_high + driven, decay**2 * mixed_low + driven
-        high_total, low_total = first_variance + noise, second_variance + noise
-        above, below = values[k] - half - first, values[k] + half - second
-        log_high = np.log(new_up) - 0.5 * (np.log(high_total) + above**2 / high_total)
-        log_low = np.log(1 - new_up) - 0.5 * (np.log(low_total) + below**2 / low_total)
-        top = max(log_high, log_low)
-        total = np.exp(log_high - top) + np.exp(log_low - top)
-        densities[k], odds[k] = top + np.log(total) - 0.5 * np.log(2 * np.pi), log_high - log_low
-        up = min(max(np.exp(log_high - top) / total, SURE), 1 - SURE)
-        high, low = first + first_variance / high_total * above, second + second_variance / low_total * below
-        high_variance = first_variance * noise / high_total
-        low_variance = second_variance * noise / low_total
+        high, high_variance = decay * high, decay**2 * high_variance + driven
+        low, low_variance = decay * low, decay**2 * low_variance + driven
+        stay_up = _way(up * (1 - to_down), values[k] - half, high, high_variance, noise)
+        rises = _way((1 - up) * to_up, values[k] - between, low, low_variance, noise + scatter)
+        stay_down = _way((1 - up) * (1 - to_up), values[k] + half, low, low_variance, noise)
+        falls = _way(up * to_down, values[k] + between, high, high_variance, noise + scatter)
+        log_high, high, high_variance = _merged(stay_up, rises)
+        log_low, low, low_variance = _merged(stay_down, falls)
+        odds[k] = log_high - log_low
+        densities[k] = max(log_high, log_low) + np.log1p(np.exp(-abs(odds[k]))) - 0.5 * np.log(2 * np.pi)
+        up = min(max(1 / (1 + np.exp(-odds[k])), SURE), 1 - SURE)
         means[k, 0], means[k, 1], variances[k, 0], variances[k, 1] = high, low, high_variance, low_variance
     return densities, odds, means, variances
+
+
+@njit(cache=True)
+def _way(chance, value, mean, variance, noise):
+    """Return log-probability of a value of a normal process in white noise, and its mean and variance given that."""
+    total, apart = variance + noise, value - mean
+    weight = np.log(chance) - 0.5 * (np.log(total) + apart**2 / total)
+    return weight, mean + variance / total * apart, variance * noise / total
+
+
+@njit(cache=True)
+def _merged(one, other):
+    """Return the log-probability of two ways together, and mean and variance over both."""
+    top = max(one[0], other[0])
+    total = np.exp(one[0] - top) + np.exp(other[0] - top)
+    share = np.exp(one[0] - top) / total
+    mean = share * one[1] + (1 - share) * other[1]
+    variance = share * (one[2] + (one[1] - mean) ** 2) + (1 - share) * (other[2] + (other[1] - mean) ** 2)
+    return top + np.log(total), mean, variance
 
 
 @njit(cache=True)
