@@ -93,7 +93,12 @@ def _shown(found: Discovery) -> list[tuple[str, str]]:
 def _compared(found: Discovery, alpha: float, drawn: Sequence[tuple[str, str]]) -> Figure:
     """Draw views before and after, a row for each view and axis."""
     if not drawn:
-        return said("No view of the log leaves the start model.")
+        views = sorted({gap.view for gap in found.gaps})
+        return said(
+            f"The log leaves the start model where no curve shows it: {', '.join(views)}."
+            if views
+            else "No view of the log leaves the start model."
+        )
     before, after = ({(one.curve.view, one.curve.axis): one for one in some} for some in (found.before, found.after))
     figure, grid = panels_of(len(drawn), 2, 1.5 * len(drawn) + 0.6, sharex="row", sharey="row")
     for key, row in zip(drawn, grid, strict=True):
