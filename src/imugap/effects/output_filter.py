@@ -15,14 +15,17 @@ if TYPE_CHECKING:
 
 DEFICIT = -2.5
 """Standard deviations by which the power near half the rate is too low where a search tries a filter."""
-BILINEAR, ALL_POLE, ANALOGUE = 0, 1, 2
-"""Forms: Butterworth through the bilinear transform, poles alone, and Butterworth ahead of the sampling."""
-SHAPES = ((1, 0), (2, 0), (3, 0), (4, 0), (1, 1), (2, 1), (1, 2), (2, 2), (3, 2), (4, 2))
+BILINEAR, ALL_POLE, ANALOGUE, SAMPLED = 0, 1, 2, 3
+"""Forms: Butterworth through the bilinear transform, poles alone, and Butterworth ahead of the sampling, behind which
+there is nothing beyond half the rate, or what the sampling folds back."""
+SHAPES = ((1, 0), (2, 0), (3, 0), (4, 0), (1, 1), (2, 1), (1, 2), (2, 2), (3, 2), (4, 2), (2, 3), (3, 3), (4, 3))
 """Order and form of the filters that a search tries."""
 OPEN = 20.0
 """Angle pi cutoff interval from which on the gain is 1 to the last digit."""
 SETTLED = 20.0
 """Time, in radians of the cutoff for each order, in which an analogue filter forgets."""
+FOLDS = np.arange(-8, 9)
+"""Multiples of the rate from which the sampling folds noise back."""
 
 
 @dataclass(frozen=True)
@@ -35,14 +38,18 @@ class OutputFilter(Effect):
     transform, which blocks half the sampling rate. With w(f) = sin(pi f interval) and c = sinh(pi cutoff interval) it
     has poles alone; that of order 1 is exponential smoothing, and white noise behind it is that behind an RC element
     of this cutoff, sampled. With w(f) = f and c = cutoff it is the analogue Butterworth filter of a signal that has
-    nothing beyond half the rate. The cutoff of the last two may be there.
+    nothing beyond half the rate. The cutoff of the last two may be there. The last form is the analogue filter ahead of
+    samples that fold back what it lets through beyond half the rate of white noise there: its power gain is the sum of
+    that at all frequencies that become one, over the sum at 0. That of order 1 has the shape of poles alone.
     """
 
     name: ClassVar[str] = "output_filter"
     stage: ClassVar[Stage] = Stage.FILTER
     cutoff: float = parameter("Hz", "frequency at which the power gain is 1/2 ahead of the sampling", low=TINY)
     order: float = parameter("1", "order", low=1.0, high=8.0, whole=True, default=1)
-    form: float = parameter("1", "0: bilinear, 1: poles alone, 2: analogue", high=2.0, whole=True, default=0)
+    form: float = parameter(
+        "1", "0: bilinear, 1: poles alone, 2: analogue, 3: analogue, folded", high=3.0, whole=True, default=0
+    )
 
     def apply(self, sequence: np.ndarray, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
         """Filter the output."""
@@ -50,7 +57,7 @@ class OutputFilter(Effect):
 
     def passed(self, values: np.ndarray, interval: float) -> np.ndarray:
         """Return samples behind the filter, shape (n,) or (n, m), as if the first had been there for ever."""
-        if self.form == ANALOGUE:
+        if self.form in (ANALOGUE, SAMPLED):
             return self._analogue(values, interval)
         from scipy.signal import sosfilt  # takes as long as all else here, and most models have no filter
 
@@ -65,12 +72,21 @@ class OutputFilter(Effect):
     def gain(self, frequency: np.ndarray, interval: float) -> np.ndarray:
         """Return the power gain at ``frequency`` [Hz], shape of it."""
         self.check_rate(interval)
-        ratio = self._ratio(np.asarray(frequency, float), interval)
-        return 1 / (1 + np.abs(ratio) ** (2 * self.order))
+        if self.form == SAMPLED:
+            return self._folded(np.asarray(frequency, float), interval) / self._folded(np.zeros(1), interval)
+        return self._plain(np.asarray(frequency, float), interval)
+
+    def _plain(self, frequency: np.ndarray, interval: float) -> np.ndarray:
+        """Return the power gain without folding."""
+        return 1 / (1 + np.abs(self._ratio(frequency, interval)) ** (2 * self.order))
+
+    def _folded(self, frequency: np.ndarray, interval: float) -> np.ndarray:
+        """Return the sum of the power gains at all frequencies that become one."""
+        return sum(self._plain(frequency + fold / interval, interval) for fold in FOLDS)
 
     def _ratio(self, frequency: np.ndarray, interval: float) -> np.ndarray:
         """Return w(f)/c."""
-        if self.form == ANALOGUE:
+        if self.form in (ANALOGUE, SAMPLED):
             return frequency / self.cutoff
         x = np.pi * frequency * interval
         return np.sin(x) / self.corner(interval) if self.form == ALL_POLE else np.tan(x) / self.corner(interval)
@@ -84,9 +100,10 @@ class OutputFilter(Effect):
         """Return the complex gain at ``frequency`` [Hz], shape of it."""
         from scipy.signal import buttap, sosfreqz
 
-        if self.form == ANALOGUE:
-            poles = buttap(int(self.order))[1]
-            return 1 / np.prod(1j * np.asarray(frequency)[..., None] / self.cutoff - poles, axis=-1)
+        if self.form in (ANALOGUE, SAMPLED):
+            own = np.asarray(frequency, float)
+            passed = 1 / np.prod(1j * own[..., None] / self.cutoff - buttap(int(self.order))[1], axis=-1)
+            return passed * np.sqrt(self.gain(own, interval) / self._plain(own, interval))
         return sosfreqz(_sections(self, interval)[0], worN=frequency, fs=1 / interval)[1]
 
     def unturned(self, spectrum: np.ndarray, frequency: np.ndarray, interval: float) -> np.ndarray:
