@@ -5,7 +5,9 @@ A search by spectra cannot tell two Lorentzians apart and ends with steps beside
 taken out of the samples, and the search starts again with what is left.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numba import njit
@@ -83,24 +85,25 @@ def _told(found: AxisFit, blocks: Blocks, near: np.ndarray, width: int, gain: fl
     """Return what blocks as fine as can be tell, in which no switch is a third value; ``near`` is of coarser ones."""
     start = near.copy()
     start[2] += 0.5 * np.log(width / blocks.width)
-    best = highest(lambda theta: _densities(blocks, _even(theta)), [start]).theta
-    error = _errors(blocks, best)
+    measured = partial(_measured, blocks)
+    best = highest(measured, [start]).theta
+    error = _errors(measured, best)
     ends = [tuple(float(np.exp(best[i] + side * NORMAL * error[i])) for side in (-1, 1)) for i in (0, 1)]
     effect = RandomTelegraph(*np.exp(best[:2]).tolist())
     return Switching(effect, dict(zip(effect.parameters(), ends, strict=True)), gain, _path(found, blocks, best))
 
 
-def _errors(blocks: Blocks, best: np.ndarray) -> np.ndarray:
+def _errors(densities: Callable[[np.ndarray], np.ndarray], best: np.ndarray) -> np.ndarray:
     """Return the standard deviations of parameters at the highest likelihood (White 1982, Econometrica 50, 1-25).
 
     The filter keeps two Gaussians where there are as many as paths: its likelihood is not quite that of the data, so
     that their scores, in stretches that hardly depend on each other, tell how far the parameters scatter.
     """
     units = NEAR * np.eye(len(best))
-    slopes = np.array([_densities(blocks, _even(best + one)) - _densities(blocks, _even(best - one)) for one in units])
+    slopes = np.array([densities(best + one) - densities(best - one) for one in units])
     first = np.linspace(0, slopes.shape[1], STRETCHES + 1).astype(int)[:-1]
     scores = np.add.reduceat(slopes / (2 * NEAR), first, axis=1)
-    bent = curvature(lambda theta: _densities(blocks, _even(theta)), best, NEAR)
+    bent = curvature(densities, best, NEAR)
     inverse = np.linalg.pinv(bent, hermitian=True)
     return np.sqrt(np.diag(inverse @ (scores @ scores.T) @ inverse))
 
@@ -110,8 +113,13 @@ def _even(theta: np.ndarray) -> np.ndarray:
     return np.r_[theta, 0.0]
 
 
-def _densities(blocks: Blocks, theta: np.ndarray) -> np.ndarray:
-    """Return the log-density of each block, given those before.
+def _measured(blocks: Blocks, theta: np.ndarray) -> np.ndarray:
+    """Return the log-density of each block, within which a switch may fall."""
+    return _densities(blocks, _even(theta), blocks.width)
+
+
+def _densities(blocks: Blocks, theta: np.ndarray, width: int = 1) -> np.ndarray:
+    """Return the log-density of each block, given those before; a switch may fall among ``width`` samples of one.
 
     ``theta`` has the logarithms of step, rate, white noise, and of standard deviation and correlation time of the
     process beside; its mean, over the scale of the blocks; the logarithm of the switches up over those on average.
@@ -120,7 +128,7 @@ def _densities(blocks: Blocks, theta: np.ndarray) -> np.ndarray:
     up, down = blocks.step * rate * np.exp(np.clip([theta[6], -theta[6]], -FAR, FAR))
     values = blocks.means - theta[5] * blocks.std
     process = _reverting(std, np.exp(-blocks.step / time))
-    return filtered(values, blocks.width, step / 2, up, down, white * blocks.profile, *process)[0]
+    return filtered(values, width, step / 2, up, down, white * blocks.profile, *process)[0]
 
 
 def _reverting(std: float, decay: float) -> tuple[float, float, float, float]:

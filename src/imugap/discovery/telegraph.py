@@ -135,15 +135,27 @@ class Verdict:
     @property
     def effect(self) -> RandomTelegraph:
         """Return the telegraph noise at its highest likelihood."""
-        return RandomTelegraph(_positive(self.two.theta[0]), _positive(self.two.theta[1]))
+        step, rate = self._measured[:2]
+        return RandomTelegraph(_positive(step), _positive(rate))
 
     @cached_property
     def intervals(self) -> tuple[tuple[float, float], tuple[float, float]]:
         """Return the 95 % intervals of its step and rate."""
-        bent = curvature(partial(_telegraph_densities, self.blocks), self.two.theta)
+        top = self._measured
+        bent = curvature(partial(_telegraph_densities, self.blocks, width=self.blocks.width), top)
         error = np.sqrt(np.abs(np.diag(np.linalg.pinv(bent, hermitian=True))))
-        ends = [[_positive(self.two.theta[i] + side * 1.96 * error[i]) for side in (-1, 1)] for i in (0, 1)]
+        ends = [[_positive(top[i] + side * 1.96 * error[i]) for side in (-1, 1)] for i in (0, 1)]
         return tuple(ends[0]), tuple(ends[1])
+
+    @cached_property
+    def _measured(self) -> np.ndarray:
+        """Return its parameters where a switch may fall within a block, the mean of which is between the two values.
+
+        Taken for one of them it draws both to each other. In the likelihood that is weighed against a continuum there
+        are no such blocks: noise of many values would take them for its own.
+        """
+        densities = partial(_telegraph_densities, self.blocks, width=self.blocks.width)
+        return highest(densities, [self.two.theta]).theta
 
     @cached_property
     def uneven(self) -> float:
@@ -190,13 +202,16 @@ def _noise(blocks: Blocks, theta: np.ndarray) -> tuple[np.ndarray, float]:
     return white * blocks.profile, walk
 
 
-def _telegraph_densities(blocks: Blocks, theta: np.ndarray) -> np.ndarray:
-    """Return the log-density of each block; a fifth parameter is the logarithm of the switches up over the average."""
+def _telegraph_densities(blocks: Blocks, theta: np.ndarray, width: int = 1) -> np.ndarray:
+    """Return the log-density of each block; a fifth parameter is the logarithm of the switches up over the average.
+
+    A switch may fall among ``width`` samples of a block.
+    """
     side = theta[4] if len(theta) > 4 else 0.0
     switched = np.exp(np.clip(np.log(blocks.step) + theta[1] + np.array([side, -side]), RARE, OFTEN))
     white, walk = _noise(blocks, theta)
     slow = 1.0, walk**2, blocks.means.mean(), blocks.means.var()
-    return filtered(blocks.means, blocks.width, np.exp(theta[0]) / 2, *switched, white, *slow)[0]
+    return filtered(blocks.means, width, np.exp(theta[0]) / 2, *switched, white, *slow)[0]
 
 
 def _markov_densities(blocks: Blocks, theta: np.ndarray) -> np.ndarray:
