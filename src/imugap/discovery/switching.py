@@ -82,12 +82,12 @@ def switching(found: AxisFit, slow: tuple[StochasticEffect, ...], log_alpha: flo
 
 
 def _told(found: AxisFit, blocks: Blocks, near: np.ndarray, width: int, gain: float) -> Switching:
-    """Return what blocks as fine as can be tell, in which no switch is a third value; ``near`` is of coarser ones."""
+    """Return what blocks as fine as can be tell, within which a switch may fall; ``near`` is of coarser ones."""
     start = near.copy()
     start[2] += 0.5 * np.log(width / blocks.width)
-    measured = partial(_measured, blocks)
-    best = highest(measured, [start]).theta
-    error = _errors(measured, best)
+    parted = partial(_parted, blocks)
+    best = highest(parted, [start]).theta
+    error = _errors(parted, best)
     ends = [tuple(float(np.exp(best[i] + side * NORMAL * error[i])) for side in (-1, 1)) for i in (0, 1)]
     effect = RandomTelegraph(*np.exp(best[:2]).tolist())
     return Switching(effect, dict(zip(effect.parameters(), ends, strict=True)), gain, _path(found, blocks, best))
@@ -113,7 +113,7 @@ def _even(theta: np.ndarray) -> np.ndarray:
     return np.r_[theta, 0.0]
 
 
-def _measured(blocks: Blocks, theta: np.ndarray) -> np.ndarray:
+def _parted(blocks: Blocks, theta: np.ndarray) -> np.ndarray:
     """Return the log-density of each block, within which a switch may fall."""
     return _densities(blocks, _even(theta), blocks.width)
 

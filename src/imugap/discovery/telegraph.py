@@ -142,7 +142,7 @@ class Verdict:
     def intervals(self) -> tuple[tuple[float, float], tuple[float, float]]:
         """Return the 95 % intervals of its step and rate."""
         top = self._measured
-        bent = curvature(partial(_telegraph_densities, self.blocks, width=self.blocks.width), top)
+        bent = curvature(self._parted, top)
         error = np.sqrt(np.abs(np.diag(np.linalg.pinv(bent, hermitian=True))))
         ends = [[_positive(top[i] + side * 1.96 * error[i]) for side in (-1, 1)] for i in (0, 1)]
         return tuple(ends[0]), tuple(ends[1])
@@ -154,8 +154,11 @@ class Verdict:
         Taken for one of them it draws both to each other. In the likelihood that is weighed against a continuum there
         are no such blocks: noise of many values would take them for its own.
         """
-        densities = partial(_telegraph_densities, self.blocks, width=self.blocks.width)
-        return highest(densities, [self.two.theta]).theta
+        return highest(self._parted, [self.two.theta]).theta
+
+    def _parted(self, theta: np.ndarray) -> np.ndarray:
+        """Return the log-density of each block, within which a switch may fall."""
+        return _telegraph_densities(self.blocks, theta, self.blocks.width)
 
     @cached_property
     def uneven(self) -> float:

@@ -18,6 +18,8 @@ DEFICIT = -2.5
 BILINEAR, ALL_POLE, ANALOGUE, SAMPLED = 0, 1, 2, 3
 """Forms: Butterworth through the bilinear transform, poles alone, and Butterworth ahead of the sampling, behind which
 there is nothing beyond half the rate, or what the sampling folds back."""
+AHEAD = (ANALOGUE, SAMPLED)
+"""Forms of a filter that is ahead of the sampling."""
 SHAPES = ((1, 0), (2, 0), (3, 0), (4, 0), (1, 1), (2, 1), (1, 2), (2, 2), (3, 2), (4, 2), (2, 3), (3, 3), (4, 3))
 """Order and form of the filters that a search tries."""
 OPEN = 20.0
@@ -57,7 +59,7 @@ class OutputFilter(Effect):
 
     def passed(self, values: np.ndarray, interval: float) -> np.ndarray:
         """Return samples behind the filter, shape (n,) or (n, m), as if the first had been there for ever."""
-        if self.form in (ANALOGUE, SAMPLED):
+        if self.form in AHEAD:
             return self._analogue(values, interval)
         from scipy.signal import sosfilt  # takes as long as all else here, and most models have no filter
 
@@ -86,7 +88,7 @@ class OutputFilter(Effect):
 
     def _ratio(self, frequency: np.ndarray, interval: float) -> np.ndarray:
         """Return w(f)/c."""
-        if self.form in (ANALOGUE, SAMPLED):
+        if self.form in AHEAD:
             return frequency / self.cutoff
         x = np.pi * frequency * interval
         return np.sin(x) / self.corner(interval) if self.form == ALL_POLE else np.tan(x) / self.corner(interval)
@@ -100,7 +102,7 @@ class OutputFilter(Effect):
         """Return the complex gain at ``frequency`` [Hz], shape of it."""
         from scipy.signal import buttap, sosfreqz
 
-        if self.form in (ANALOGUE, SAMPLED):
+        if self.form in AHEAD:
             own = np.asarray(frequency, float)
             passed = 1 / np.prod(1j * own[..., None] / self.cutoff - buttap(int(self.order))[1], axis=-1)
             return passed * np.sqrt(self.gain(own, interval) / self._plain(own, interval))
