@@ -46,6 +46,8 @@ MARGIN = 0.1
 """Gain of log-likelihood, parameters and places paid for, that an exchange has to make."""
 HELD = 3e6
 """Samples of all fits together that have what is derived from them in memory."""
+RETOLD = 3
+"""Rounds in which outliers and changes of the variance are told beside each other."""
 CLOSE = 20.0
 """Log-probability by which an effect that is worth more may be less certain."""
 PARAMETER = 2.5
@@ -202,13 +204,33 @@ class Search:
         return self.placed(self.retold(found))
 
     def retold(self, found: AxisFit) -> AxisFit:
-        """Return the fit with the outliers as they are beside changes of the variance, which came after them."""
-        outliers = found.description.outliers
-        if outliers not in self.raw or not self.added(found.description, VarianceChange):
-            return found
-        before = replace(found, sequence=self.raw[outliers], description=replace(found.description, outliers=None))
-        again = self._outliers(before)
-        return found if again is None else replace(found, description=replace(found.description, outliers=again))
+        """Return the fit with outliers and changes of the variance each as they are beside the others.
+
+        Outliers came first: what more noise has farthest out was taken for some of them, and is missed in the change.
+        """
+        for _ in range(RETOLD):
+            outliers = found.description.outliers
+            if outliers not in self.raw or not self.added(found.description, VarianceChange):
+                break
+            found = self._changed(found)
+            raw = replace(found, sequence=self.raw[outliers], description=replace(found.description, outliers=None))
+            wide = self.cleaned(raw)
+            if wide is None or np.array_equal(raw.tails.flagged, self.tails[outliers].flagged):
+                break
+            found = wide.fit
+        return found
+
+    def _changed(self, found: AxisFit) -> AxisFit:
+        """Return the fit with every added change of the variance as it is most likely beside all else."""
+        for key in self.added(found.description, VarianceChange):
+            own = at(found.description, key)
+            without = self.fitted(found.sequence, removed(found.description, key))
+            changes = list(found.description.changes)
+            alike = (start.effect for start in VarianceChange.starts(without) if start.free == own.free())
+            changes[key.index] = next(alike, own)
+            moved = self.fitted(found.sequence, replace(found.description, changes=tuple(changes)))
+            found = moved if moved.log_likelihood > found.log_likelihood else found
+        return found
 
     def placed(self, found: AxisFit) -> AxisFit:
         """Return the fit with every added step where it is most likely beside all else, which came after it."""
@@ -228,7 +250,7 @@ class Search:
             trials = sorted((one for one in self.trials(before, bar) if one.log_p < bar), key=lambda one: one.log_p)
             wide = self.cleaned(before)
             if wide is not None and wide.log_p < min([self.log_alpha, *(one.log_p for one in trials)]):
-                before = self.settled(wide.fit)
+                before = self.retold(self.settled(wide.fit))
                 continue
             most = max((one.fit.log_likelihood - before.log_likelihood for one in trials), default=0.0)
             many = len(self.added(before.description)) >= ASKED
@@ -237,7 +259,7 @@ class Search:
             if trials and trials[0].log_p < self.log_alpha:
                 couple = self.couple(before, trials[0])
                 first = not self.added(before.description) and couple is None
-                before = trials[0].fit if first else self.settled((couple or trials[0]).fit)
+                before = self.retold(trials[0].fit if first else self.settled((couple or trials[0]).fit))
                 continue
             hopes = (self.settled(trial.fit, type(trial.effect)) for trial in trials[:HOPES])
             proven = next((after for after in hopes if self._proven(after, before)), None)
