@@ -247,21 +247,28 @@ def test_a_large_step_came_between_the_samples_that_it_parts(since):
     assert low < came < high <= low + 1.5 * INTERVAL
 
 
+LOUDER = VarianceChange(1000.0, 1200.0, 2.4)
+
+
 @pytest.mark.parametrize(
-    "change",
-    [VarianceChange(1000.0, 1200.0, 2.4), VarianceChange(1000.0, 1100.0, 4.5), VarianceChange(1000.0, 2000.0, 10.0)],
+    ("change", "label"),
+    [
+        *((LOUDER, f"louder {run}") for run in range(3)),
+        *(
+            (replace(LOUDER, stop=stop, ratio=ratio), f"louder {ratio}")
+            for stop, ratio in ((1100.0, 4.5), (2000.0, 10.0))
+        ),
+    ],
 )
-def test_outliers_beside_a_louder_stretch_have_their_share_and_size_and_it_its_ratio(change):
+def test_outliers_beside_a_louder_stretch_have_their_share_and_size_and_it_its_ratio(change, label):
     """Its noise is not taken for small outliers, nor they for noise."""
-    effects = Outliers(5e-4, 0.1), change
-    story = told_of(*effects, count=100_000, label=f"louder {change.ratio}")
+    outliers = Outliers(5e-4, 0.1)
+    story = told_of(outliers, change, count=100_000, label=label)
     assert names(story) == ["outliers", "variance_change"]
-    for finding, effect in zip(sorted(story.findings, key=lambda one: one.name), effects, strict=True):
-        for name in ("probability", "std", "ratio"):
-            if name in finding.parameters:
-                interval, truth = finding.parameters[name], getattr(effect, name)
-                error = (interval.high - interval.low) / 3.92
-                assert abs(interval.value - truth) < 3 * error < truth
+    found = {name: interval for finding in story.findings for name, interval in finding.parameters.items()}
+    for name, truth in {**outliers.parameters(), "ratio": change.ratio}.items():
+        error = (found[name].high - found[name].low) / 3.92
+        assert abs(found[name].value - truth) < 3 * error < truth
 
 
 def test_two_values_are_told_from_a_continuum():
@@ -643,7 +650,10 @@ def test_one_outlier_far_beyond_the_others_is_no_change_of_the_variance(apart):
 
 @pytest.mark.parametrize("change", [VarianceChange(360.0, 372.0, 4.0), VarianceChange(200.0, 290.0, 1.5)])
 def test_a_change_of_variance_keeps_its_name_beside_outliers(change):
-    assert names(told_of(Outliers(1e-3, 0.1), change, label="beside")) == ["outliers", "variance_change"]
+    """Outliers take it from no draw of the noise that shows it without them."""
+    outliers = Outliers(1e-3, 0.1)
+    assert names(told_of(outliers, change, label="beside")) == ["outliers", "variance_change"]
+    assert names(told_of(outliers, change)) == ["outliers", *names(told_of(change))]
 
 
 def switching(high, low, label):

@@ -212,15 +212,16 @@ class Search:
             outliers = found.description.outliers
             if outliers not in self.raw or not self.added(found.description, VarianceChange):
                 break
-            found = self._changed(found)
+            found = self._changes_anew(found)
             raw = replace(found, sequence=self.raw[outliers], description=replace(found.description, outliers=None))
-            wide = self.cleaned(raw)
-            if wide is None or np.array_equal(raw.tails.flagged, self.tails[outliers].flagged):
+            same = np.array_equal(raw.tails.flagged, self.tails[outliers].flagged)
+            wide = None if same else self.cleaned(raw)
+            if wide is None:
                 break
             found = wide.fit
         return found
 
-    def _changed(self, found: AxisFit) -> AxisFit:
+    def _changes_anew(self, found: AxisFit) -> AxisFit:
         """Return the fit with every added change of the variance as it is most likely beside all else."""
         for key in self.added(found.description, VarianceChange):
             own = at(found.description, key)
