@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.stats import chi2
 
 from imugap.discovery.axis import Description, fit
 from imugap.discovery.noise import Noise
@@ -24,9 +25,9 @@ SWITCHES, REVERTS = RandomTelegraph(2e-2, 0.06), GaussMarkov(4e-3, 6.0)
 LOG_ALPHA = np.log(0.01 / 6 / 28)
 
 
-def sequence(*effects, label="switching", count=COUNT):
+def sequence(*effects, label="switching", count=COUNT, white=WHITE):
     conditions = Conditions(INTERVAL * np.arange(count), INTERVAL, axis="gyro_x")
-    values = AxisModel((WHITE, *effects)).simulate(np.zeros(count), conditions, 1, label)
+    values = AxisModel((white, *effects)).simulate(np.zeros(count), conditions, 1, label)
     return Sequence(values, conditions, np.zeros(count, bool))
 
 
@@ -45,10 +46,11 @@ def test_without_switches_the_filter_is_that_of_a_gauss_markov_process():
     )
     found = filtered(values, 1, 0.0, 0.1, 0.1, np.full(40, white), *_reverting(std, decay))
     assert found[0].sum() == pytest.approx(expected, rel=1e-9)
-    np.testing.assert_allclose(found[1], 0.0, atol=1e-9)
+    np.testing.assert_allclose(found[1][:, 0, 0], found[1][:, 1, 0], atol=1e-9)
 
 
-def test_odds_of_either_value_are_those_of_all_paths():
+@pytest.mark.parametrize("kept", [1, 2])
+def test_odds_of_either_value_are_those_of_all_paths(kept):
     """Two values in white noise alone: a hidden Markov chain, summed over every path."""
     values, half, change, white = stream(2, "odds").standard_normal(8), 0.7, 0.3, np.repeat([0.9, 2.0], 4)
     stay = 0.5 * (1 + np.exp(-2 * change))
@@ -57,16 +59,14 @@ def test_odds_of_either_value_are_those_of_all_paths():
     weights = (
         moves * np.exp(-0.5 * ((values - half * paths) / white) ** 2).prod(axis=1) / (np.sqrt(2 * np.pi) * white).prod()
     )
-    densities, odds, means, variances = filtered(values, 1, half, change, change, white, *_reverting(1e-9, 0.5))
+    densities, known = filtered(values, 1, half, change, change, white, *_reverting(1e-9, 0.5), kept)
     assert densities.sum() == pytest.approx(np.log(weights.sum()), rel=1e-9)
     last = np.log(weights[paths[:, -1] > 0].sum() / weights[paths[:, -1] < 0].sum())
-    assert odds[-1] == pytest.approx(last, rel=1e-6)
+    chances = np.exp(known[-1, :, 0])
+    assert np.log(chances[:kept].sum() / chances[kept:].sum()) == pytest.approx(last, rel=1e-6)
     rng, count = stream(3, "draws"), 20_000
     drawn = np.mean(
-        [
-            _drawn(odds, means, variances, np.exp(-2 * change), 0.5, 1e-9, rng.random(8), rng.standard_normal(8))
-            for _ in range(count)
-        ],
+        [_drawn(known, np.exp(-2 * change), 0.5, 1e-9, rng.random(8), rng.standard_normal(8)) for _ in range(count)],
         axis=0,
     )
     expected = weights @ (paths > 0) / weights.sum()
@@ -87,6 +87,27 @@ def test_what_switches_is_taken_out_and_what_reverts_stays(run):
     assert reverts.std == pytest.approx(REVERTS.std, rel=0.24)
     assert reverts.correlation_time == pytest.approx(REVERTS.correlation_time, rel=0.48)
     assert np.std(rest.values - clean.values) < 0.5 * SWITCHES.step / 2
+
+
+@pytest.mark.slow
+def test_a_process_half_as_large_as_the_step_leaves_its_interval_true():
+    """Of some 60 switches the rate is known to one in sqrt(60), or a little less; the intervals of the step are alike.
+
+    One Gaussian for each value had several tops there, and intervals of a fifth of the error.
+    """
+    white, switches, reverts = WhiteNoise(2.3e-3), RandomTelegraph(2.1e-2, 0.025), GaussMarkov(1.05e-2, 23.5)
+    errors, off = [], []
+    for run in range(6):
+        data = sequence(switches, reverts, label=f"large {run}", count=60_000, white=white)
+        found = fit(data, Description((), Noise((white, GaussMarkov(1.5e-2, 22.0)))))
+        told_apart = switching(found, found.description.noise.effects[1:], LOG_ALPHA)
+        low, high = np.log([told_apart.intervals[name] for name in ("step", "rate")]).T
+        errors.append((high - low) / 2 / 1.96)
+        off.append((np.log([switches.step, switches.rate]) - (low + high) / 2) / errors[-1])
+    assert np.all(np.max(errors, axis=0) < 1.6 * np.min(errors, axis=0))
+    assert np.all(np.abs(np.array(errors)[:, 1] * np.sqrt(60) - 1) < 0.3)
+    assert np.all(np.abs(off) < 3.5)
+    assert np.all(np.sum(np.square(off), axis=0) < chi2.ppf(0.999, 6))
 
 
 @pytest.mark.parametrize("effects", [(REVERTS,), (SWITCHES,), (SWITCHES, RandomWalk(3e-4)), (RandomWalk(1e-3),)])

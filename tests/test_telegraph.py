@@ -36,13 +36,16 @@ def test_a_continuum_has_the_density_of_its_covariance(walk):
 
 
 @pytest.mark.parametrize("width", [1, 4])
-@pytest.mark.parametrize(("walk", "wide", "tolerance"), [(0.0, 1e-12, 1e-6), (0.05, 0.25, 0.3)])
-def test_two_values_have_the_density_of_all_their_paths(walk, wide, tolerance, width):
+@pytest.mark.parametrize(
+    ("walk", "wide", "kept", "tolerance"),
+    [(0.0, 1e-12, 1, 1e-6), (0.0, 1e-12, 2, 1e-6), (0.05, 0.25, 1, 0.3), (0.05, 0.25, 2, 2e-3)],
+)
+def test_two_values_have_the_density_of_all_their_paths(walk, wide, kept, tolerance, width):
     """A mean of four samples has none, one, two or three of them before a switch; one may come ahead of all."""
     half, rise, fall, white = 1.0, 0.02, 0.01, 0.4
     means = white * stream(2, "paths").standard_normal(COUNT) + np.where(np.arange(COUNT) < 5, half, -half)
-    up, kept = rise / (rise + fall), np.exp(-(rise + fall))
-    change = np.array([[1 - up * (1 - kept), up * (1 - kept)], [(1 - up) * (1 - kept), 1 - (1 - up) * (1 - kept)]])
+    up, same = rise / (rise + fall), np.exp(-(rise + fall))
+    change = np.array([[1 - up * (1 - same), up * (1 - same)], [(1 - up) * (1 - same), 1 - (1 - up) * (1 - same)]])
     logs = []
     for path in product((0, 1), repeat=COUNT + 1):
         chance = np.log([1 - up, up][path[0]]) + np.sum(np.log(change[path[:-1], path[1:]]))
@@ -53,7 +56,8 @@ def test_two_values_have_the_density_of_all_their_paths(walk, wide, tolerance, w
             means.mean() + levels, wandering(white, walk, wide) + np.diag(within.var() * switched)
         )
         logs.append(chance + law.logpdf(means))
-    found = filtered(means, width, half, rise, fall, np.full(COUNT, white), 1.0, walk**2, means.mean(), wide)[0].sum()
+    slow = 1.0, walk**2, means.mean(), wide
+    found = filtered(means, width, half, rise, fall, np.full(COUNT, white), *slow, kept)[0].sum()
     assert found == pytest.approx(logsumexp(logs), abs=tolerance)
 
 

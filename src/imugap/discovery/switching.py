@@ -5,7 +5,6 @@ A search by spectra cannot tell two Lorentzians apart and ends with steps beside
 taken out of the samples, and the search starts again with what is left.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 
@@ -17,7 +16,7 @@ from imugap.discovery.axis import AxisFit
 from imugap.discovery.parameters import NORMAL
 from imugap.discovery.search import log_chance
 from imugap.discovery.sequence import Sequence
-from imugap.discovery.telegraph import Blocks, compare, curvature, filtered, uneven
+from imugap.discovery.telegraph import FEW, Blocks, compare, errors, filtered, uneven
 from imugap.effects import RandomTelegraph
 from imugap.effects.effect import StochasticEffect
 from imugap.stream import stream
@@ -26,8 +25,6 @@ TIMES = (1.0, 5.0)
 """Correlation times of the process beside, over the shortest that there is, from which a fit starts."""
 FAR = 60.0
 """Logarithm that stands for none or no bound."""
-NEAR, STRETCHES = 0.02, 40
-"""Step of a difference quotient; stretches of the log of which the scores are taken."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,25 +84,10 @@ def _told(found: AxisFit, blocks: Blocks, near: np.ndarray, width: int, gain: fl
     start[2] += 0.5 * np.log(width / blocks.width)
     parted = partial(_parted, blocks)
     best = highest(parted, [start]).theta
-    error = _errors(parted, best)
+    error = errors(parted, best)
     ends = [tuple(float(np.exp(best[i] + side * NORMAL * error[i])) for side in (-1, 1)) for i in (0, 1)]
     effect = RandomTelegraph(*np.exp(best[:2]).tolist())
     return Switching(effect, dict(zip(effect.parameters(), ends, strict=True)), gain, _path(found, blocks, best))
-
-
-def _errors(densities: Callable[[np.ndarray], np.ndarray], best: np.ndarray) -> np.ndarray:
-    """Return the standard deviations of parameters at the highest likelihood (White 1982, Econometrica 50, 1-25).
-
-    The filter keeps two Gaussians where there are as many as paths: its likelihood is not quite that of the data, so
-    that their scores, in stretches that hardly depend on each other, tell how far the parameters scatter.
-    """
-    units = NEAR * np.eye(len(best))
-    slopes = np.array([densities(best + one) - densities(best - one) for one in units])
-    first = np.linspace(0, slopes.shape[1], STRETCHES + 1).astype(int)[:-1]
-    scores = np.add.reduceat(slopes / (2 * NEAR), first, axis=1)
-    bent = curvature(densities, best, NEAR)
-    inverse = np.linalg.pinv(bent, hermitian=True)
-    return np.sqrt(np.diag(inverse @ (scores @ scores.T) @ inverse))
 
 
 def _even(theta: np.ndarray) -> np.ndarray:
@@ -115,11 +97,13 @@ def _even(theta: np.ndarray) -> np.ndarray:
 
 def _parted(blocks: Blocks, theta: np.ndarray) -> np.ndarray:
     """Return the log-density of each block, within which a switch may fall."""
-    return _densities(blocks, _even(theta), blocks.width)
+    return _densities(blocks, _even(theta), blocks.width, FEW)
 
 
-def _densities(blocks: Blocks, theta: np.ndarray, width: int = 1) -> np.ndarray:
+def _densities(blocks: Blocks, theta: np.ndarray, width: int = 1, kept: int = 1) -> np.ndarray:
     """Return the log-density of each block, given those before; a switch may fall among ``width`` samples of one.
+
+    Of the paths to either value ``kept`` Gaussians are kept.
 
     ``theta`` has the logarithms of step, rate, white noise, and of standard deviation and correlation time of the
     process beside; its mean, over the scale of the blocks; the logarithm of the switches up over those on average.
@@ -128,7 +112,7 @@ def _densities(blocks: Blocks, theta: np.ndarray, width: int = 1) -> np.ndarray:
     up, down = blocks.step * rate * np.exp(np.clip([theta[6], -theta[6]], -FAR, FAR))
     values = blocks.means - theta[5] * blocks.std
     process = _reverting(std, np.exp(-blocks.step / time))
-    return filtered(values, width, step / 2, up, down, white * blocks.profile, *process)[0]
+    return filtered(values, width, step / 2, up, down, white * blocks.profile, *process, kept)[0]
 
 
 def _reverting(std: float, decay: float) -> tuple[float, float, float, float]:
@@ -148,33 +132,36 @@ def _path(found: AxisFit, blocks: Blocks, theta: np.ndarray) -> np.ndarray:
     each = rate * conditions.interval
     values = found.residual * found.scale - theta[5] * blocks.std
     noise *= np.broadcast_to(found.scale, len(values))
-    _, odds, means, variances = filtered(values, 1, step / 2, each, each, noise, *_reverting(std, decay))
+    known = filtered(values, 1, step / 2, each, each, noise, *_reverting(std, decay), FEW)[1]
     rng = stream(0, "switching", conditions.axis)
     uniform, normal = rng.random(len(values)), rng.standard_normal(len(values))
-    up = _drawn(odds, means, variances, np.exp(-2 * each), decay, std, uniform, normal)
+    up = _drawn(known, np.exp(-2 * each), decay, std, uniform, normal)
     return np.where(up, step / 2, -step / 2)
 
 
 @njit(cache=True)
-def _drawn(odds, means, variances, kept, decay, std, uniform, normal):
+def _drawn(known, kept, decay, std, uniform, normal):
     """Return whether the value is + at each place, drawn backwards together with the process beside.
 
     ``kept`` is the correlation of the two values from one place to the next, with as many switches up as down.
     """
-    up = np.empty(len(odds), np.bool_)
-    driven, bonus, level = std**2 * (1 - decay**2), 0.0, 0.0
-    for k in range(len(odds) - 1, -1, -1):
-        total = decay**2 * variances[k] + driven
-        if k < len(odds) - 1:
-            apart = level - decay * means[k]
-            close = -0.5 * (np.log(total) + apart**2 / total)
-            stay = np.log((1 + kept) / (1 - kept))
-            bonus = close[0] - close[1] + (stay if up[k + 1] else -stay)
-        up[k] = uniform[k] < 1 / (1 + np.exp(-(odds[k] + bonus)))
-        side = 0 if up[k] else 1
-        mean, variance = means[k, side], variances[k, side]
-        if k < len(odds) - 1:
-            gain = decay * variance / total[side]
-            mean, variance = mean + gain * (level - decay * mean), variance * driven / total[side]
+    count, few = known.shape[0], known.shape[1]
+    up, driven, level = np.empty(count, np.bool_), std**2 * (1 - decay**2), 0.0
+    weights = np.empty(few)
+    for k in range(count - 1, -1, -1):
+        for one in range(few):
+            weights[one] = known[k, one, 0]
+            if k < count - 1:
+                total = decay**2 * known[k, one, 2] + driven
+                stays = (one < few // 2) == up[k + 1]
+                chance = np.log((1 + kept) / 2 if stays else (1 - kept) / 2)
+                weights[one] += chance - 0.5 * (np.log(total) + (level - decay * known[k, one, 1]) ** 2 / total)
+        shares = np.cumsum(np.exp(weights - weights.max()))
+        one = np.searchsorted(shares, uniform[k] * shares[-1])
+        up[k] = one < few // 2
+        mean, variance = known[k, one, 1], known[k, one, 2]
+        if k < count - 1:
+            total = decay**2 * variance + driven
+            mean, variance = mean + decay * variance / total * (level - decay * mean), variance * driven / total
         level = mean + np.sqrt(variance) * normal[k]
     return up

@@ -2,7 +2,9 @@
 
 Both are weighed beside a random walk and white noise, the walk for whatever else is slow. Two values on a walk have a
 likelihood of as many terms as there are paths: the moments of the walk given the value are kept, as in the interacting
-multiple model (Blom and Bar-Shalom 1988).
+multiple model (Blom and Bar-Shalom 1988). That is enough to weigh the two. To measure, two Gaussians are kept for each
+value, and those merged that lose least by it (Runnalls 2007, doi:10.1109/TAES.2007.4383588): beside a process as large
+as the step the likelihood of one has several tops.
 """
 
 from collections.abc import Callable
@@ -33,8 +35,14 @@ MOST = 60_000
 """Blocks at most."""
 TIMES, RATES = (0.1, 1.0, 8.0), (0.3, 1.0, 3.0)
 """Correlation times and rates at the start, over those of the spectrum."""
-SURE = 1e-12
-"""Least probability of either value."""
+LEAST = np.log(1e-12)
+"""Least log-probability of a Gaussian that is kept."""
+NEAR, WIDE = 0.02, 0.3
+"""First and longest step of a difference quotient at the top."""
+ROUNDS = 3
+"""Times that the steps are chosen anew, the first one aside."""
+FEW = 2
+"""Gaussians for each value, to measure with."""
 HUGE = 300.0
 """Logarithm that stands for none or no bound."""
 EVEN = 0.5 * np.log(3.0)
@@ -142,8 +150,7 @@ class Verdict:
     def intervals(self) -> tuple[tuple[float, float], tuple[float, float]]:
         """Return the 95 % intervals of its step and rate."""
         top = self._measured
-        bent = curvature(self._parted, top)
-        error = np.sqrt(np.abs(np.diag(np.linalg.pinv(bent, hermitian=True))))
+        error = errors(self._parted, top)
         ends = [[_positive(top[i] + side * 1.96 * error[i]) for side in (-1, 1)] for i in (0, 1)]
         return tuple(ends[0]), tuple(ends[1])
 
@@ -158,7 +165,7 @@ class Verdict:
 
     def _parted(self, theta: np.ndarray) -> np.ndarray:
         """Return the log-density of each block, within which a switch may fall."""
-        return _telegraph_densities(self.blocks, theta, self.blocks.width)
+        return _telegraph_densities(self.blocks, theta, self.blocks.width, FEW)
 
     @cached_property
     def uneven(self) -> float:
@@ -205,16 +212,16 @@ def _noise(blocks: Blocks, theta: np.ndarray) -> tuple[np.ndarray, float]:
     return white * blocks.profile, walk
 
 
-def _telegraph_densities(blocks: Blocks, theta: np.ndarray, width: int = 1) -> np.ndarray:
+def _telegraph_densities(blocks: Blocks, theta: np.ndarray, width: int = 1, kept: int = 1) -> np.ndarray:
     """Return the log-density of each block; a fifth parameter is the logarithm of the switches up over the average.
 
-    A switch may fall among ``width`` samples of a block.
+    A switch may fall among ``width`` samples of a block; ``kept`` Gaussians are kept for each value.
     """
     side = theta[4] if len(theta) > 4 else 0.0
     switched = np.exp(np.clip(np.log(blocks.step) + theta[1] + np.array([side, -side]), RARE, OFTEN))
     white, walk = _noise(blocks, theta)
     slow = 1.0, walk**2, blocks.means.mean(), blocks.means.var()
-    return filtered(blocks.means, width, np.exp(theta[0]) / 2, *switched, white, *slow)[0]
+    return filtered(blocks.means, width, np.exp(theta[0]) / 2, *switched, white, *slow, kept)[0]
 
 
 def _markov_densities(blocks: Blocks, theta: np.ndarray) -> np.ndarray:
@@ -227,76 +234,119 @@ def _positive(logarithm: float) -> float:
     return float(np.exp(np.clip(logarithm, -HUGE, HUGE)))
 
 
-def curvature(densities: Callable, top: np.ndarray, step: float = 1e-3) -> np.ndarray:
-    """Return the second derivatives of minus the log-likelihood."""
+def errors(densities: Callable[[np.ndarray], np.ndarray], top: np.ndarray) -> np.ndarray:
+    """Return the standard deviations of parameters at the highest likelihood, by the outer products of the scores.
 
-    def cost(theta):
-        return -float(np.sum(densities(theta)))
-
-    units = np.eye(len(top)) * step
-    return np.array(
-        [
-            [
-                (cost(top + a + b) - cost(top + a - b) - cost(top - a + b) + cost(top - a - b)) / (4 * step**2)
-                for b in units
-            ]
-            for a in units
-        ]
-    )
-
-
-@njit(cache=True)
-def filtered(values, width, half, rise, fall, white, decay, driven, begin, spread):
-    """Return the log-density of each value, +- half beside a slow process in white noise, and what is known.
-
-    That are the log-odds of + at its end, shape (n,), and mean and variance of the process given + and given -, each
-    of shape (n, 2), with the values up to each one and with it. Each value is the mean of ``width`` samples; with a
-    switch among these it has a mean and a variance between + and -. ``white`` is the noise of each value, shape (n,);
-    ``rise`` and ``fall`` are switches per value; the process keeps a share ``decay`` of itself from one value to the
-    next, ``driven`` is the variance that it gains, ``begin`` and ``spread`` are its mean and variance before the first.
-    A walk keeps all, a Gauss-Markov process reverts. Of the paths that lead to either value the first two moments are
-    kept.
+    These are difference quotients over about a standard deviation given the other parameters: which Gaussians are
+    merged changes from place to place, so that over much shorter ones the likelihood is not smooth.
     """
-    mean_up, kept = rise / (rise + fall), np.exp(-(rise + fall))
-    to_up, to_down = mean_up * (1 - kept), (1 - mean_up) * (1 - kept)
+    steps = np.full(len(top), NEAR)
+    for _ in range(ROUNDS):
+        scores = np.array([densities(top + one) - densities(top - one) for one in np.diag(steps)]) / (
+            2 * steps[:, None]
+        )
+        information = scores @ scores.T
+        steps = 1 / np.sqrt(np.diag(information) + WIDE**-2)
+    return np.sqrt(np.diag(np.linalg.pinv(information, hermitian=True)))
+
+
+@njit(cache=True, error_model="numpy")
+def filtered(values, width, half, rise, fall, white, decay, driven, begin, spread, kept=1):
+    """Return the log-density of each value, +- half beside a slow process in white noise, and what is known with it.
+
+    Each value is the mean of ``width`` samples; with a switch among these it has a mean and a variance between + and -.
+    ``white`` is the noise of each value, shape (n,); ``rise`` and ``fall`` are switches per value; the process keeps a
+    share ``decay`` of itself from one value to the next, ``driven`` is the variance that it gains, ``begin`` and
+    ``spread`` are its mean and variance before the first. A walk keeps all, a Gauss-Markov process reverts.
+
+    Of the paths that lead to either value ``kept`` Gaussians are kept. They come after the densities, those of + before
+    those of -, each as its log-probability, and mean and variance of the process, shape (n, 2 kept, 3).
+    """
+    mean_up, same = rise / (rise + fall), np.exp(-(rise + fall))
+    to_up, to_down = mean_up * (1 - same), (1 - mean_up) * (1 - same)
+    rises, falls, stays_up, stays_down = np.log(to_up), np.log(to_down), np.log1p(-to_down), np.log1p(-to_up)
     between, scatter = half / width, half**2 * (1 - 1 / width**2) / 3
-    up, high, low, high_variance, low_variance = mean_up, begin, begin, spread, spread
-    densities, odds = np.empty(len(values)), np.empty(len(values))
-    means, variances = np.empty((len(values), 2)), np.empty((len(values), 2))
+    densities, known = np.empty(len(values)), np.empty((len(values), 2 * kept, 3))
+    state, ups, downs = np.empty((2 * kept, 3)), np.empty((2 * kept, 3)), np.empty((2 * kept, 3))
+    state[:kept, 0], state[kept:, 0] = np.log(mean_up / kept), np.log((1 - mean_up) / kept)
+    state[:, 1], state[:, 2] = begin, spread
     for k in range(len(values)):
-        noise = white[k] ** 2
-        high, high_variance = decay * high, decay**2 * high_variance + driven
-        low, low_variance = decay * low, decay**2 * low_variance + driven
-        stay_up = _way(up * (1 - to_down), values[k] - half, high, high_variance, noise)
-        rises = _way((1 - up) * to_up, values[k] - between, low, low_variance, noise + scatter)
-        stay_down = _way((1 - up) * (1 - to_up), values[k] + half, low, low_variance, noise)
-        falls = _way(up * to_down, values[k] + between, high, high_variance, noise + scatter)
-        log_high, high, high_variance = _merged(stay_up, rises)
-        log_low, low, low_variance = _merged(stay_down, falls)
-        odds[k] = log_high - log_low
-        densities[k] = max(log_high, log_low) + np.log1p(np.exp(-abs(odds[k]))) - 0.5 * np.log(2 * np.pi)
-        up = min(max(1 / (1 + np.exp(-odds[k])), SURE), 1 - SURE)
-        means[k, 0], means[k, 1], variances[k, 0], variances[k, 1] = high, low, high_variance, low_variance
-    return densities, odds, means, variances
+        noise, high, low = white[k] ** 2, values[k] - half, values[k] + half
+        for one in range(2 * kept):
+            chance, mean, variance = state[one, 0], decay * state[one, 1], decay**2 * state[one, 2] + driven
+            if one < kept:
+                _way(ups, one, chance + stays_up, high, mean, variance, noise)
+                _way(downs, one, chance + falls, values[k] + between, mean, variance, noise + scatter)
+            else:
+                _way(ups, one, chance + rises, values[k] - between, mean, variance, noise + scatter)
+                _way(downs, one, chance + stays_down, low, mean, variance, noise)
+        _merge(ups, kept)
+        _merge(downs, kept)
+        total = _together(ups, downs, kept)
+        densities[k] = total - 0.5 * np.log(2 * np.pi)
+        for one in range(kept):
+            for i in range(3):
+                state[one, i], state[kept + one, i] = ups[one, i], downs[one, i]
+        for one in range(2 * kept):
+            state[one, 0] = max(state[one, 0] - total, LEAST)
+            for i in range(3):
+                known[k, one, i] = state[one, i]
+    return densities, known
 
 
-@njit(cache=True)
-def _way(chance, value, mean, variance, noise):
-    """Return log-probability of a value of a normal process in white noise, and its mean and variance given that."""
+@njit(cache=True, error_model="numpy")
+def _way(ways, one, chance, value, mean, variance, noise):
+    """Fill in the log-probability of a value of a normal process in white noise, its mean and variance given that."""
     total, apart = variance + noise, value - mean
-    weight = np.log(chance) - 0.5 * (np.log(total) + apart**2 / total)
-    return weight, mean + variance / total * apart, variance * noise / total
+    ways[one, 0] = chance - 0.5 * (np.log(total) + apart**2 / total)
+    ways[one, 1], ways[one, 2] = mean + variance / total * apart, variance * noise / total
 
 
-@njit(cache=True)
-def _merged(one, other):
-    """Return the log-probability of two ways together, and mean and variance over both."""
-    top = max(one[0], other[0])
-    total = np.exp(one[0] - top) + np.exp(other[0] - top)
-    share = np.exp(one[0] - top) / total
-    mean = share * one[1] + (1 - share) * other[1]
-    variance = share * (one[2] + (one[1] - mean) ** 2) + (1 - share) * (other[2] + (other[1] - mean) ** 2)
-    return top + np.log(total), mean, variance
+@njit(cache=True, error_model="numpy")
+def _together(ups, downs, kept):
+    """Return the log-probability of all."""
+    top, total = -np.inf, 0.0
+    for one in range(kept):
+        top = max(top, ups[one, 0], downs[one, 0])
+    for one in range(kept):
+        total += np.exp(ups[one, 0] - top) + np.exp(downs[one, 0] - top)
+    return top + np.log(total)
+
+
+@njit(cache=True, error_model="numpy")
+def _merge(ways, kept):
+    """Merge Gaussians, log-probability, mean and variance each, in place until as many are left, which come first.
+
+    Each is merged with another with the moments of both.
+    """
+    for count in range(len(ways), kept, -1):
+        one, other = _closest(ways, count) if count > 2 else (0, 1)
+        top, apart = max(ways[one, 0], ways[other, 0]), ways[one, 1] - ways[other, 1]
+        first, second = np.exp(ways[one, 0] - top), np.exp(ways[other, 0] - top)
+        share = first / (first + second)
+        ways[one, 0] = top + np.log(first + second)
+        ways[one, 1] = ways[other, 1] + share * apart
+        ways[one, 2] = share * ways[one, 2] + (1 - share) * ways[other, 2] + share * (1 - share) * apart**2
+        for i in range(3):
+            ways[other, i] = ways[count - 1, i]
+
+
+@njit(cache=True, error_model="numpy")
+def _closest(ways, count):
+    """Return which two of the first Gaussians lose least if they are merged (Runnalls 2007, eq. 21)."""
+    top, least, pair = -np.inf, np.inf, (0, 1)
+    for one in range(count):
+        top = max(top, ways[one, 0])
+    for one in range(count):
+        first = np.exp(ways[one, 0] - top)
+        for other in range(one):
+            second, apart = np.exp(ways[other, 0] - top), ways[one, 1] - ways[other, 1]
+            share = first / (first + second)
+            both = share * ways[one, 2] + (1 - share) * ways[other, 2] + share * (1 - share) * apart**2
+            loss = first * np.log(both / ways[one, 2]) + second * np.log(both / ways[other, 2])
+            if loss < least:
+                least, pair = loss, (other, one)
+    return pair
 
 
 @njit(cache=True)
