@@ -908,3 +908,26 @@ def test_beside_more_changes_of_the_variance_than_have_a_name_nothing_else_is_lo
     search = Search(Description((), Noise((WHITE,))), tuple(CATALOGUE.values()), LOG_ALPHA)
     found = search.explore(fit(data, replace(search.start, changes=changes)))
     assert found.has(BiasStep) == (number == MANY[VarianceChange])
+
+
+@pytest.mark.parametrize(
+    ("beside", "step"),
+    [
+        (GaussMarkov(6e-3, 2.0), 0.0),
+        (RandomTelegraph(1.2e-2, 0.3), 0.0),
+        (BiasInstability(4e-3), 0.0),
+        (GaussMarkov(3e-3, 2.0), 1.2e-2),
+    ],
+    ids=["gauss_markov", "random_telegraph", "bias_instability", "on a coarse lattice"],
+)
+def test_outliers_in_noise_that_is_not_white_have_their_size(beside, step):
+    """In the residual made white they are one over the mean of 1/sqrt(S), not over the root of the mean of S."""
+    data, rng = sequence(beside, count=100_000, label="coloured"), stream(1, "coloured")
+    outliers = 0.06 * rng.standard_normal(400)
+    data.values[rng.choice(100_000, 400, replace=False)] += outliers
+    values = step * np.rint(data.values / step) if step else data.values
+    data = Sequence(values, data.conditions, np.zeros(100_000, bool), step=step)
+    before = fit(data, Description((), Noise((WHITE, beside))))
+    assert (before.cells is not None) == (step > 0)
+    cleaned = Search(before.description, (), LOG_ALPHA).cleaned(before)
+    assert cleaned.effect.std == pytest.approx(np.sqrt(np.mean(outliers**2)), rel=0.06)

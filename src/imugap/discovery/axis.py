@@ -262,6 +262,14 @@ class AxisFit:
         return tails(self.whitened, self.sequence.bins.last / len(self.whitened))
 
     @cached_property
+    def outlier(self) -> float:
+        """Return the size of an outlier that is one off in the residual made white, or in the cells."""
+        if self.cells is not None:
+            return self.cells.unit
+        last = self.sequence.bins.last
+        return np.sqrt(len(self.variance) / last) / float(np.mean(self.variance[:last] ** -0.5))
+
+    @cached_property
     def stretch(self) -> tuple[float, int, int]:
         """Return gain, first sample and last sample + 1 of the stretch whose variance differs most."""
         return scans.stretches(self.unrounded)

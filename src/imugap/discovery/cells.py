@@ -47,10 +47,13 @@ class Cells:
         Rounded samples less the mean that is expected of each, shape (n,).
     half
         Half of the widths of the cells, shape (n,).
+    unit
+        Size of a single sample that is one off in them: what is slower takes up its share of it.
     """
 
     centres: np.ndarray
     half: np.ndarray
+    unit: float = 1.0
 
     @classmethod
     def of(cls, fit: "AxisFit") -> "Cells | None":
@@ -68,7 +71,7 @@ class Cells:
         output, scale, std = fit.sequence.values + fit.sequence.conditions.error_free, fit.scale * unit, unit
         half = np.broadcast_to(step / 2 / scale, own.shape)
         for _ in range(ROUNDS):
-            cells = cls((output - ahead(output - own, step, std)) / scale, half)
+            cells = cls((output - ahead(output - own, step, std)) / scale, half, unit / float(share.mean()))
             std = unit * float(np.exp(cells._normal[1]))
         return cells if step < WIDEST * std else None
 

@@ -365,8 +365,7 @@ class Search:
         found = before.tails
         if log_chance(found.gain, 2) + np.log(TAILS) > self.log_alpha or not found.flagged.any():
             return None
-        unit = float(np.sqrt(before.variance[: before.sequence.bins.last].mean()))
-        outliers = Outliers(found.probability, found.excess * unit)
+        outliers = Outliers(found.probability, found.excess * before.outlier)
         self.tails[outliers], self.raw[outliers] = found, before.sequence
         return outliers
 
