@@ -262,8 +262,12 @@ class AxisFit:
         return tails(self.whitened, self.sequence.bins.last / len(self.whitened))
 
     @cached_property
-    def outlier(self) -> float:
-        """Return the size of an outlier that is one off in the residual made white, or in the cells."""
+    def unit(self) -> float:
+        """Return the size, in the unit of the axis, of a single sample that is one off in what the tails are told from.
+
+        A single sample has a share of every cosine, so that it comes out of the residual made white by the mean of
+        1/sqrt(S) over the frequencies, whatever the root of the mean of S is.
+        """
         if self.cells is not None:
             return self.cells.unit
         last = self.sequence.bins.last

@@ -48,12 +48,12 @@ class Cells:
     half
         Half of the widths of the cells, shape (n,).
     unit
-        Size of a single sample that is one off in them: what is slower takes up its share of it.
+        Size, in the unit of the axis, of a single sample that is one off in them: what is slower takes up a share.
     """
 
     centres: np.ndarray
     half: np.ndarray
-    unit: float = 1.0
+    unit: float
 
     @classmethod
     def of(cls, fit: "AxisFit") -> "Cells | None":

@@ -365,7 +365,7 @@ class Search:
         found = before.tails
         if log_chance(found.gain, 2) + np.log(TAILS) > self.log_alpha or not found.flagged.any():
             return None
-        outliers = Outliers(found.probability, found.excess * before.outlier)
+        outliers = Outliers(found.probability, found.excess * before.unit)
         self.tails[outliers], self.raw[outliers] = found, before.sequence
         return outliers
 

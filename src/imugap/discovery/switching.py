@@ -101,9 +101,9 @@ def _parted(blocks: Blocks, theta: np.ndarray) -> np.ndarray:
 
 
 def _densities(blocks: Blocks, theta: np.ndarray, width: int = 1, kept: int = 1) -> np.ndarray:
-    """Return the log-density of each block, given those before; a switch may fall among ``width`` samples of one.
+    """Return the log-density of each block, given those before.
 
-    Of the paths to either value ``kept`` Gaussians are kept.
+    A switch may fall among ``width`` samples of a block; ``kept`` Gaussians are kept for each value.
 
     ``theta`` has the logarithms of step, rate, white noise, and of standard deviation and correlation time of the
     process beside; its mean, over the scale of the blocks; the logarithm of the switches up over those on average.
@@ -140,10 +140,11 @@ def _path(found: AxisFit, blocks: Blocks, theta: np.ndarray) -> np.ndarray:
 
 
 @njit(cache=True)
-def _drawn(known, kept, decay, std, uniform, normal):
+def _drawn(known, correlation, decay, std, uniform, normal):
     """Return whether the value is + at each place, drawn backwards together with the process beside.
 
-    ``kept`` is the correlation of the two values from one place to the next, with as many switches up as down.
+    ``known`` is what :func:`imugap.discovery.telegraph.filtered` knows, ``correlation`` that of the two values from one
+    place to the next, with as many switches up as down.
     """
     count, few = known.shape[0], known.shape[1]
     up, driven, level = np.empty(count, np.bool_), std**2 * (1 - decay**2), 0.0
@@ -154,7 +155,7 @@ def _drawn(known, kept, decay, std, uniform, normal):
             if k < count - 1:
                 total = decay**2 * known[k, one, 2] + driven
                 stays = (one < few // 2) == up[k + 1]
-                chance = np.log((1 + kept) / 2 if stays else (1 - kept) / 2)
+                chance = np.log((1 + correlation) / 2 if stays else (1 - correlation) / 2)
                 weights[one] += chance - 0.5 * (np.log(total) + (level - decay * known[k, one, 1]) ** 2 / total)
         shares = np.cumsum(np.exp(weights - weights.max()))
         one = np.searchsorted(shares, uniform[k] * shares[-1])

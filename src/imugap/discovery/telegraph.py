@@ -40,7 +40,7 @@ LEAST = np.log(1e-12)
 NEAR, WIDE = 0.02, 0.3
 """First and longest step of a difference quotient at the top."""
 ROUNDS = 3
-"""Times that the steps are chosen anew, the first one aside."""
+"""Times that the scores are taken, each over steps that those before tell."""
 FEW = 2
 """Gaussians for each value, to measure with."""
 HUGE = 300.0
@@ -235,17 +235,16 @@ def _positive(logarithm: float) -> float:
 
 
 def errors(densities: Callable[[np.ndarray], np.ndarray], top: np.ndarray) -> np.ndarray:
-    """Return the standard deviations of parameters at the highest likelihood, by the outer products of the scores.
+    """Return the standard deviations of parameters at the highest likelihood, shape (p,).
 
-    These are difference quotients over about a standard deviation given the other parameters: which Gaussians are
-    merged changes from place to place, so that over much shorter ones the likelihood is not smooth.
+    By the outer products of the scores, which are difference quotients over about a standard deviation given the other
+    parameters: which Gaussians are merged changes from place to place, so that over much shorter ones the likelihood is
+    not smooth.
     """
     steps = np.full(len(top), NEAR)
     for _ in range(ROUNDS):
-        scores = np.array([densities(top + one) - densities(top - one) for one in np.diag(steps)]) / (
-            2 * steps[:, None]
-        )
-        information = scores @ scores.T
+        scores = [(densities(top + one) - densities(top - one)) / (2 * one.max()) for one in np.diag(steps)]
+        information = np.array(scores) @ np.transpose(scores)
         steps = 1 / np.sqrt(np.diag(information) + WIDE**-2)
     return np.sqrt(np.diag(np.linalg.pinv(information, hermitian=True)))
 

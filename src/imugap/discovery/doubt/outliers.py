@@ -45,7 +45,7 @@ def _another_core(fit: AxisFit) -> float:
     Fine steps of the values are spread over their width.
     """
     axis, step = fit.sequence.conditions.axis, 0.0 if fit.sequence.coarse else fit.sequence.step
-    width = step / fit.outlier
+    width = step / fit.unit
     values = fit.unrounded + width * (stream(0, "core", axis).random(len(fit.unrounded)) - 0.5)
     middle, scale = np.median(values), values.std()
     for _ in range(ROUNDS):
