@@ -11,9 +11,9 @@ from imugap.discovery.noise import Noise
 from imugap.discovery.search import OF_TIME, SLOW, Search
 from imugap.discovery.sequence import Sequence
 from imugap.effects import BiasStep, GaussMarkov, RandomWalk, WhiteNoise
-from imugap.effects.effect import Conditions
+from imugap.effects.conditions import Conditions
+from imugap.effects.effect import AxisModel
 from imugap.log import ACCEL, GYRO
-from imugap.model import AxisModel
 
 COUNT, INTERVAL = 12_000, 0.05
 WHITE = WhiteNoise(1e-3)

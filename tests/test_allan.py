@@ -20,7 +20,7 @@ from imugap.effects import (
     RateRamp,
     WhiteNoise,
 )
-from imugap.model import AxisModel
+from imugap.effects.effect import AxisModel
 from imugap.stream import stream
 
 NBS14 = pd.read_csv(Path(__file__).parent / "reference" / "nbs14.csv", comment="#")

@@ -8,7 +8,8 @@ from scipy.stats import chi2, norm
 from imugap import log, reference
 from imugap.attitude import Assumptions, Start, fuse
 from imugap.effects import GaussMarkov, RandomWalk, WhiteNoise
-from imugap.model import AxisModel, ErrorModel
+from imugap.effects.effect import AxisModel
+from imugap.model import ErrorModel
 from imugap.rotation import from_euler
 from imugap.stream import stream
 

@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 
 from imugap.augmentation import Chain, augmentation, residual
 from imugap.effects import Bias, GaussMarkov, RandomWalk, TurnOnBias, WhiteNoise
-from imugap.model import AxisModel
+from imugap.effects.effect import AxisModel
 
 FREQUENCY = np.logspace(-4, 1, 20)
 densities = st.floats(1e-3, 10.0)

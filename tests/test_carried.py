@@ -5,8 +5,9 @@ import pytest
 from imugap import log
 from imugap.discovery.carried import agreement, explained, inertial
 from imugap.effects import Bias, LeverArm, Misalignment, ScaleFactor, WhiteNoise
+from imugap.effects.effect import AxisModel
 from imugap.figures import discovery as drawn
-from imugap.model import AxisModel, ErrorModel
+from imugap.model import ErrorModel
 from imugap.stream import stream
 
 INTERVAL, COUNT = 0.05, 2000

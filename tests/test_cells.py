@@ -20,7 +20,7 @@ from imugap.effects import (
     VarianceChange,
     WhiteNoise,
 )
-from imugap.effects.effect import Conditions
+from imugap.effects.conditions import Conditions
 from imugap.stream import stream
 
 COUNT, INTERVAL = 40_000, 0.01

@@ -14,7 +14,7 @@ from imugap.effects import (
     RateRamp,
     WhiteNoise,
 )
-from imugap.model import AxisModel
+from imugap.effects.effect import AxisModel
 from imugap.stream import stream
 
 INTERVAL, COUNT = 0.1, 12_000

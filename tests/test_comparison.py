@@ -10,8 +10,9 @@ from imugap.discovery.noise import Noise
 from imugap.discovery.sequence import Sequence
 from imugap.discovery.story import Story
 from imugap.effects import Bias, BiasStep, VarianceChange, WhiteNoise
-from imugap.effects.effect import Conditions
-from imugap.model import AxisModel, ErrorModel
+from imugap.effects.conditions import Conditions
+from imugap.effects.effect import AxisModel
+from imugap.model import ErrorModel
 
 COUNT, INTERVAL = 6000, 0.1
 WHITE, STEP, CHANGE = WhiteNoise(1e-3), BiasStep(200.0, 2e-3), VarianceChange(300.0, 400.0, 2.0)

@@ -11,9 +11,10 @@ from imugap import allan, log
 from imugap.compensation import End, at_stand, inside, plain, subtracted
 from imugap.contenders import AxisIndices, restoration
 from imugap.effects import Bias, GaussMarkov, TurnOnBias, WhiteNoise
+from imugap.effects.effect import AxisModel
 from imugap.gait import Course, Walk
 from imugap.log import AXES, GYRO
-from imugap.model import AxisModel, ErrorModel
+from imugap.model import ErrorModel
 from imugap.strapdown import COLUMNS
 
 ROOT = Path(__file__).parents[1]

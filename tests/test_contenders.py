@@ -8,9 +8,9 @@ from scipy.stats import chi2
 from imugap import allan
 from imugap.contenders import CONTENDERS, AxisIndices, fit, nbk
 from imugap.effects import Bias, Conditions, GaussMarkov, RandomWalk, TurnOnBias, WhiteNoise
+from imugap.effects.effect import AxisModel
 from imugap.effects.gauss_markov import FLAT_TOP
 from imugap.figures.static import TITLES
-from imugap.model import AxisModel
 from imugap.stability import bias_stability
 from imugap.stream import stream
 

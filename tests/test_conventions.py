@@ -39,7 +39,7 @@ from imugap.effects import (
     WhiteNoise,
 )
 from imugap.effects.bias_instability import FLOOR
-from imugap.model import AxisModel
+from imugap.effects.effect import AxisModel
 from imugap.stream import stream
 from imugap.units import FACTORS, from_si, to_si
 

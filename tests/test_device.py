@@ -12,7 +12,7 @@ from imugap.discovery.search import Search, at
 from imugap.discovery.sequence import Sequence
 from imugap.discovery.start import described
 from imugap.effects import CATALOGUE, LeverArm, Misalignment, ScaleFactor, TimeOffset, WhiteNoise
-from imugap.effects.effect import Conditions
+from imugap.effects.conditions import Conditions
 from imugap.stream import stream
 
 INTERVAL, COUNT = 0.02, 5000

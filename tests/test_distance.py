@@ -21,8 +21,9 @@ from imugap.effects import (
     Sinusoid,
     WhiteNoise,
 )
-from imugap.effects.effect import Conditions
-from imugap.model import AxisModel, ErrorModel
+from imugap.effects.conditions import Conditions
+from imugap.effects.effect import AxisModel
+from imugap.model import ErrorModel
 from imugap.stream import stream
 
 INTERVAL = 0.02

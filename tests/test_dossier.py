@@ -32,7 +32,8 @@ from imugap.effects import (
     VarianceChange,
     WhiteNoise,
 )
-from imugap.model import AxisModel, ErrorModel
+from imugap.effects.effect import AxisModel
+from imugap.model import ErrorModel
 
 SCHEMA = yaml.safe_load((Path(__file__).parents[1] / "workflow/schemas/discovery.schema.yaml").read_text())
 INTERVAL, COUNT = 0.02, 4000

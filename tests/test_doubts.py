@@ -41,9 +41,9 @@ from imugap.effects import (
     WarmUp,
     WhiteNoise,
 )
-from imugap.effects.effect import Conditions
+from imugap.effects.conditions import Conditions
+from imugap.effects.effect import AxisModel
 from imugap.effects.power_law import STEEPEST
-from imugap.model import AxisModel
 from imugap.stream import stream
 
 COUNT, INTERVAL = 24_000, 0.04

@@ -56,9 +56,8 @@ from imugap.effects import (
     WhiteNoise,
 )
 from imugap.effects.bias_instability import FLOOR, FractionalFlicker
-from imugap.effects.effect import SystematicEffect
+from imugap.effects.effect import AxisModel, SystematicEffect
 from imugap.effects.gauss_markov import FLAT_TOP
-from imugap.model import AxisModel
 from imugap.stability import bias_stability
 from imugap.stamps import stamps
 from imugap.stream import stream

@@ -20,8 +20,9 @@ from imugap.effects import (
     TurnOnBias,
     WhiteNoise,
 )
+from imugap.effects.effect import AxisModel
 from imugap.export import Target, export
-from imugap.model import AxisModel, ErrorModel
+from imugap.model import ErrorModel
 from imugap.units import to_si
 
 RULE = Rule(rate=100.0)

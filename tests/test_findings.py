@@ -14,9 +14,9 @@ from imugap.effects import (
     RateRamp,
     WhiteNoise,
 )
+from imugap.effects.effect import AxisModel
 from imugap.findings import Inquiry, Method, curves, find, kinds_of, table, to_json
 from imugap.log import from_samples
-from imugap.model import AxisModel
 from imugap.wavelet import EFFICIENCY
 
 INTERVAL, COUNT = 0.02, 6000

@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 
 from imugap import allan, flicker, spectrum
 from imugap.effects import BiasInstability, Conditions, GaussMarkov
-from imugap.model import AxisModel
+from imugap.effects.effect import AxisModel
 from imugap.stream import stream
 
 

@@ -27,8 +27,8 @@ from imugap.effects import (
     VarianceChange,
     WhiteNoise,
 )
-from imugap.effects.effect import Conditions
-from imugap.model import AxisModel
+from imugap.effects.conditions import Conditions
+from imugap.effects.effect import AxisModel
 from imugap.stream import stream
 
 COUNT, INTERVAL = 12000, 0.02

@@ -4,7 +4,7 @@ from scipy.stats import binomtest
 
 from imugap import goodness, maximum_likelihood
 from imugap.effects import Conditions, GaussMarkov, WhiteNoise
-from imugap.model import AxisModel
+from imugap.effects.effect import AxisModel
 
 INTERVAL, COUNT = 0.01, 20_000
 MODEL = WhiteNoise(1e-3) + GaussMarkov(5e-3, 1.0)

@@ -7,9 +7,9 @@ import pytest
 from imugap import maximum_likelihood, wavelet
 from imugap.bound import bound
 from imugap.effects import Conditions, GaussMarkov, Quantization, RandomWalk, WhiteNoise
+from imugap.effects.effect import AxisModel
 from imugap.estimate import Verdict
 from imugap.indirect import fit, fit_curve, point, simulated
-from imugap.model import AxisModel
 from imugap.moments import Weighting
 from imugap.stream import stream
 

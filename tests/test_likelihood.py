@@ -6,6 +6,7 @@ from scipy.linalg import null_space, toeplitz
 from scipy.stats import multivariate_normal
 
 from imugap.effects import BiasInstability, Conditions, GaussMarkov, RandomWalk, WhiteNoise
+from imugap.effects.effect import AxisModel
 from imugap.likelihood import (
     Composition,
     Cosines,
@@ -17,7 +18,6 @@ from imugap.likelihood import (
     slope_density,
     value_and_gradient,
 )
-from imugap.model import AxisModel
 from imugap.stream import stream
 
 INTERVAL = 0.1

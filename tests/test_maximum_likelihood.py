@@ -4,10 +4,10 @@ import pytest
 
 from imugap.bound import bound
 from imugap.effects import BiasInstability, Conditions, GaussMarkov, Quantization, RandomWalk, RateRamp, WhiteNoise
+from imugap.effects.effect import AxisModel
 from imugap.estimate import Verdict
 from imugap.likelihood import log_likelihood
 from imugap.maximum_likelihood import fit, quantile
-from imugap.model import AxisModel
 from imugap.stream import stream
 
 INTERVAL, COUNT = 0.1, 108_000

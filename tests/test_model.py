@@ -36,7 +36,8 @@ from imugap.effects import (
     VarianceChange,
     WhiteNoise,
 )
-from imugap.model import AxisModel, ErrorModel
+from imugap.effects.effect import AxisModel
+from imugap.model import ErrorModel
 from imugap.stability import bias_stability
 from imugap.stream import stream
 

@@ -29,8 +29,8 @@ from imugap.effects import (
     VibrationRectification,
     WhiteNoise,
 )
-from imugap.effects.effect import Conditions
-from imugap.model import AxisModel
+from imugap.effects.conditions import Conditions
+from imugap.effects.effect import AxisModel
 from imugap.stream import stream
 
 COUNT, INTERVAL = 20_000, 0.02

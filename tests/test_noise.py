@@ -5,7 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from imugap.discovery.noise import Bins, Noise, _Spectra, fit, limits
+from imugap.discovery.cosine_bins import Bins
+from imugap.discovery.noise import Noise, _Spectra, fit, limits
 from imugap.effects import BiasInstability, GaussMarkov, OutputFilter, RandomWalk, WhiteNoise
 from imugap.stream import stream
 

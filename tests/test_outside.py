@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from imugap.discovery.noise import Noise, cosines
+from imugap.discovery.cosine_bins import cosines
+from imugap.discovery.noise import Noise
 from imugap.discovery.outside import Outside, over_time
 from imugap.effects import OutputFilter, Quantization, WhiteNoise
 from imugap.stream import stream

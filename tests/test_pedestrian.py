@@ -9,10 +9,11 @@ from scipy.special import bdtr, bdtrc
 from imugap import catalogue, reference
 from imugap.consistency import nees_band
 from imugap.effects import Bias
+from imugap.effects.effect import AxisModel
 from imugap.footprints import footprints
 from imugap.gait import Course, Leg, Walk
 from imugap.log import ACCEL, AXES, GYRO, LogError
-from imugap.model import AxisModel, ErrorModel
+from imugap.model import ErrorModel
 from imugap.pedestrian import ARM, Assumptions, navigate
 from imugap.readers import read_positions, read_raw, read_strides
 from imugap.rotation import from_euler

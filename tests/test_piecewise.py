@@ -18,8 +18,8 @@ from imugap.effects import (
     TurnOnBias,
     WhiteNoise,
 )
+from imugap.effects.effect import AxisModel
 from imugap.estimate import Verdict
-from imugap.model import AxisModel
 from imugap.piecewise import SYMBOLS, TOP, fit
 
 PEERS = pd.read_csv(Path(__file__).parent / "reference" / "montecarlo_allan.csv", comment="#")

@@ -16,9 +16,10 @@ from imugap.effects import (
     TimestampJitter,
     WhiteNoise,
 )
-from imugap.effects.effect import Conditions
+from imugap.effects.conditions import Conditions
+from imugap.effects.effect import AxisModel
 from imugap.log import LogError
-from imugap.model import AxisModel, ErrorModel
+from imugap.model import ErrorModel
 from imugap.stream import stream
 from imugap.stretch import stretches
 

@@ -6,8 +6,9 @@ import pytest
 
 from imugap.compensation import granted
 from imugap.effects import Misalignment, ScaleFactor
+from imugap.effects.effect import AxisModel
 from imugap.gait import Course, Walk
-from imugap.model import AxisModel, ErrorModel
+from imugap.model import ErrorModel
 from imugap.pedestrian import navigate
 from imugap.replay import Replay
 from imugap.strapdown import POSITION

@@ -3,8 +3,8 @@ import pandas as pd
 import pytest
 
 from imugap.effects import WhiteNoise
+from imugap.effects.effect import AxisModel
 from imugap.estimate import Estimate, Fit
-from imugap.model import AxisModel
 from imugap.replication import row, summary
 from imugap.stream import stream
 

@@ -8,7 +8,7 @@ from imugap.discovery.noise import Noise
 from imugap.discovery.runs import _error, _of_mean, as_first, clocks, turn_on
 from imugap.discovery.sequence import Sequence
 from imugap.effects import GaussMarkov, PowerLaw, RandomWalk, RateRamp, Sinusoid, WarmUp, WhiteNoise
-from imugap.effects.effect import Conditions
+from imugap.effects.conditions import Conditions
 from imugap.stream import stream
 
 INTERVAL = 0.02

@@ -5,8 +5,9 @@ import pytest
 
 from imugap import log, schemes
 from imugap.effects import GaussMarkov, RandomWalk, WhiteNoise
+from imugap.effects.effect import AxisModel
 from imugap.estimate import Estimate, Fit, verdict
-from imugap.model import AxisModel, ErrorModel
+from imugap.model import ErrorModel
 
 
 def estimate(effect, parameter, value, low, high):

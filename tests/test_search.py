@@ -10,6 +10,7 @@ from scipy.stats import binom, chi2
 from imugap.discovery import scans, waves
 from imugap.discovery.axis import Description, Term, cosines, fit, jacobian
 from imugap.discovery.common import _errors, shared
+from imugap.discovery.cosine_bins import usable
 from imugap.discovery.discover import _nameless
 from imugap.discovery.doubt import Doubt, doubts
 from imugap.discovery.doubt.doubt import LEVEL
@@ -18,7 +19,7 @@ from imugap.discovery.doubt.memory import MEMORY, in_place_of_means
 from imugap.discovery.finding import Gap
 from imugap.discovery.gaps import gaps
 from imugap.discovery.hysteresis import Hysteresis
-from imugap.discovery.noise import Noise, _Spectra, limits, usable
+from imugap.discovery.noise import Noise, _Spectra, limits
 from imugap.discovery.parameters import _near
 from imugap.discovery.runs import turn_on
 from imugap.discovery.search import MANY, RESHAPED, Key, Search, _behind, _hopeful, at
@@ -45,8 +46,8 @@ from imugap.effects import (
     WarmUp,
     WhiteNoise,
 )
-from imugap.effects.effect import Conditions
-from imugap.model import AxisModel
+from imugap.effects.conditions import Conditions
+from imugap.effects.effect import AxisModel
 from imugap.sealing.noise import fractional
 from imugap.stream import stream
 

@@ -11,7 +11,8 @@ from imugap.effects import (
     TurnOnBias,
     WhiteNoise,
 )
-from imugap.model import AxisModel, ErrorModel
+from imugap.effects.effect import AxisModel
+from imugap.model import ErrorModel
 from imugap.sensor_states import FLICKER_S, FLICKER_STATES, SensorStates
 
 

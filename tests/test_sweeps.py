@@ -12,7 +12,7 @@ from imugap.discovery.story import concluded, told
 from imugap.discovery.sweeps import swept
 from imugap.discovery.unsteady import Band
 from imugap.effects import CATALOGUE, OutputFilter, Sinusoid, WhiteNoise
-from imugap.effects.effect import Conditions
+from imugap.effects.conditions import Conditions
 from imugap.stream import stream
 
 COUNT, INTERVAL = 30_000, 0.02

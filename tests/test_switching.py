@@ -15,8 +15,8 @@ from imugap.discovery.switching import _drawn, _reverting, switching
 from imugap.discovery.telegraph import filtered
 from imugap.discovery.two_values import told_apart
 from imugap.effects import BiasStep, GaussMarkov, RandomTelegraph, RandomWalk, VarianceChange, WhiteNoise
-from imugap.effects.effect import Conditions
-from imugap.model import AxisModel
+from imugap.effects.conditions import Conditions
+from imugap.effects.effect import AxisModel
 from imugap.stream import stream
 
 COUNT, INTERVAL = 24_000, 0.04

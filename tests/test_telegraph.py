@@ -12,7 +12,7 @@ from imugap.discovery.noise import Noise
 from imugap.discovery.sequence import Sequence
 from imugap.discovery.telegraph import FINE, Blocks, _continuum, compare, filtered
 from imugap.effects import GaussMarkov, OutputFilter, RandomTelegraph, RandomWalk, WhiteNoise
-from imugap.effects.effect import Conditions
+from imugap.effects.conditions import Conditions
 from imugap.stream import stream
 
 COUNT = 9

@@ -5,7 +5,8 @@ from hypothesis import strategies as st
 
 from imugap import allan, flicker, spectrum
 from imugap.effects import BiasInstability, Conditions, GaussMarkov, RandomWalk, WhiteNoise
-from imugap.model import AxisModel, ErrorModel
+from imugap.effects.effect import AxisModel
+from imugap.model import ErrorModel
 from imugap.stream import stream
 from imugap.tutorial import MODELS, TITLES, Readings, flicker_bank
 

@@ -9,8 +9,8 @@ from imugap.discovery.sequence import Sequence
 from imugap.discovery.story import concluded, told
 from imugap.discovery.unsteady import Band
 from imugap.effects import CATALOGUE, BiasInstability, BiasStep, Sinusoid, WhiteNoise
-from imugap.effects.effect import Conditions
-from imugap.model import AxisModel
+from imugap.effects.conditions import Conditions
+from imugap.effects.effect import AxisModel
 from imugap.stream import stream
 
 COUNT, INTERVAL = 12_000, 0.1

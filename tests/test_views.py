@@ -25,8 +25,8 @@ from imugap.effects import (
     VarianceChange,
     WhiteNoise,
 )
-from imugap.effects.effect import Conditions
-from imugap.model import AxisModel
+from imugap.effects.conditions import Conditions
+from imugap.effects.effect import AxisModel
 from imugap.stream import stream
 
 COUNT, INTERVAL = 20000, 0.01

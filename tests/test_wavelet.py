@@ -16,7 +16,7 @@ from imugap import wavelet
 from imugap.catalogue import load
 from imugap.daubechies import WIDTHS, depth, length
 from imugap.effects import BiasInstability, Conditions, GaussMarkov, Quantization, RandomWalk, RateRamp, WhiteNoise
-from imugap.model import AxisModel
+from imugap.effects.effect import AxisModel
 from imugap.readers import read_raw
 from imugap.stream import stream
 from imugap.units import from_si

@@ -15,7 +15,8 @@ import yaml
 from imugap import log
 from imugap.discovery.dossier import FILES
 from imugap.effects import Bias, Sinusoid, WhiteNoise
-from imugap.model import AxisModel, ErrorModel
+from imugap.effects.effect import AxisModel
+from imugap.model import ErrorModel
 
 ROOT = Path(__file__).parents[1]
 QUICK = "workflow/config/quick.yaml"

@@ -29,8 +29,9 @@ from numba import njit
 
 from imugap import log as canonical
 from imugap import strapdown
+from imugap.effects.effect import AxisModel
 from imugap.log import ACCEL, AXES, GYRO, LogError
-from imugap.model import AxisModel, ErrorModel
+from imugap.model import ErrorModel
 from imugap.reference import QUATERNION
 from imugap.rotation import from_euler, mat_from_quat, multiply, quat_from_rotvec, renormalise
 from imugap.site import Site

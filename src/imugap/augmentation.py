@@ -7,7 +7,7 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from imugap.effects import TurnOnBias
-from imugap.model import AxisModel
+from imugap.effects.effect import AxisModel
 from imugap.statespace import StateSpace
 
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pandas as pd
 
+from imugap.effects.effect import AxisModel
 from imugap.likelihood import Grid, core_matrix, decompose, parameters
-from imugap.model import AxisModel
 
 
 def fisher(theta: np.ndarray, shapes: np.ndarray, grid: Grid, ramp: bool = False) -> np.ndarray:

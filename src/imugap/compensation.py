@@ -14,9 +14,10 @@ import pandas as pd
 
 from imugap import log as canonical
 from imugap.effects import Bias, StabilityRestoration, WhiteNoise
+from imugap.effects.effect import AxisModel
 from imugap.gait import Walk
 from imugap.log import ACCEL, AXES, GYRO
-from imugap.model import AxisModel, ErrorModel
+from imugap.model import ErrorModel
 from imugap.pedestrian import Assumptions, Solution
 from imugap.rotation import wrap
 from imugap.strapdown import POSITION

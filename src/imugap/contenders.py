@@ -11,8 +11,9 @@ import pandas as pd
 from scipy.optimize import nnls
 
 from imugap.effects import Bias, GaussMarkov, RandomWalk, StabilityRestoration, TurnOnBias, WhiteNoise
+from imugap.effects.effect import AxisModel
 from imugap.effects.gauss_markov import FLAT_TOP
-from imugap.model import AxisModel, ErrorModel
+from imugap.model import ErrorModel
 
 
 @dataclass(frozen=True)

@@ -18,8 +18,8 @@ from math import hypot, inf, sqrt
 import numpy as np
 
 from imugap.effects import Bias, BiasInstability, Effect, GaussMarkov, PowerLaw, RandomWalk, TurnOnBias, WhiteNoise
+from imugap.effects.effect import AxisModel
 from imugap.effects.power_law import STEEPEST
-from imugap.model import AxisModel
 
 SLOW = (RandomWalk, GaussMarkov, BiasInstability, PowerLaw)
 """Effects that are reduced to the one slow process of a tool."""

@@ -8,8 +8,8 @@ import numpy as np
 
 from imugap.effects import BiasInstability, GaussMarkov, RandomWalk, TurnOnBias, WhiteNoise
 from imugap.effects.bias_instability import FLOOR
+from imugap.effects.effect import AxisModel
 from imugap.effects.gauss_markov import FLAT_TOP
-from imugap.model import AxisModel
 
 
 class Slow(StrEnum):

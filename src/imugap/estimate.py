@@ -6,7 +6,7 @@ from math import isfinite
 
 import pandas as pd
 
-from imugap.model import AxisModel
+from imugap.effects.effect import AxisModel
 
 
 class Verdict(StrEnum):

@@ -8,7 +8,8 @@ import pandas as pd
 import yaml
 
 from imugap.effects import Conditions, GaussMarkov
-from imugap.model import AxisModel, ErrorModel
+from imugap.effects.effect import AxisModel
+from imugap.model import ErrorModel
 
 
 @dataclass(frozen=True)

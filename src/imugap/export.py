@@ -30,8 +30,8 @@ from imugap.conventions import (
     reduced,
 )
 from imugap.effects import GaussMarkov, RandomWalk, WhiteNoise
-from imugap.effects.effect import Effect
-from imugap.model import AxisModel, ErrorModel
+from imugap.effects.effect import AxisModel, Effect
+from imugap.model import ErrorModel
 from imugap.units import from_si
 
 TRIADS = {"gyro": log.GYRO, "accel": log.ACCEL}

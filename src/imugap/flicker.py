@@ -11,8 +11,8 @@ import numpy as np
 from scipy.optimize import linprog, minimize
 
 from imugap.effects import BiasInstability, GaussMarkov
+from imugap.effects.effect import AxisModel
 from imugap.effects.gauss_markov import FLAT_TOP
-from imugap.model import AxisModel
 
 POINTS_PER_DECADE = 40
 """Averaging times at which the bank is fitted and its error is taken."""

@@ -13,8 +13,8 @@ from scipy.special import chdtr, chdtrc
 from imugap import wavelet
 from imugap.bound import fisher
 from imugap.daubechies import depth
+from imugap.effects.effect import AxisModel
 from imugap.likelihood import Composition, Grid, parameters
-from imugap.model import AxisModel
 
 FITS = "fits"
 DIFFERENCE = 1e-4

@@ -14,8 +14,9 @@ import pandas as pd
 from scipy.special import ndtri
 
 from imugap.effects import GSensitivity, Misalignment, ScaleFactor, StanceMotion, TimeOffset
+from imugap.effects.effect import AxisModel
 from imugap.log import ACCEL, AXES, GYRO, triad
-from imugap.model import AxisModel, ErrorModel
+from imugap.model import ErrorModel
 from imugap.pedestrian import Assumptions, navigate
 from imugap.zero_velocity import STANCE
 

@@ -31,8 +31,8 @@ from numba import njit
 from scipy.fft import dct
 
 from imugap.effects import GaussMarkov
+from imugap.effects.effect import AxisModel
 from imugap.matrix import invert
-from imugap.model import AxisModel
 
 SINGLE = 64
 """Lowest coefficients of each parity that are kept one by one."""

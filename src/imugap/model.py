@@ -1,91 +1,18 @@
 """Error models: an immutable sum of effects for each axis; the same object simulates, estimates and filters."""
 
-from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from pathlib import Path
 from types import MappingProxyType
 
-import numpy as np
 import pandas as pd
 import yaml
 
 from imugap import log as canonical
 from imugap.effects import CATALOGUE
-from imugap.effects.effect import AllanEffect, Conditions, Effect, Stage, StochasticEffect
-from imugap.statespace import StateSpace
-from imugap.stream import stream
-
-
-@dataclass(frozen=True)
-class AxisModel:
-    """The error of one axis: a sum of effects, kept in the order of the signal chain."""
-
-    effects: tuple[Effect, ...] = ()
-
-    def __post_init__(self) -> None:
-        """Sort by stage; within a stage the given order stays."""
-        object.__setattr__(self, "effects", tuple(sorted(self.effects, key=lambda effect: effect.stage)))
-
-    def __add__(self, other: "Effect | AxisModel") -> "AxisModel":
-        """Add an effect or all effects of another axis model."""
-        if isinstance(other, Effect):
-            return AxisModel((*self.effects, other))
-        return AxisModel(self.effects + other.effects) if isinstance(other, AxisModel) else NotImplemented
-
-    def __iter__(self) -> Iterator[Effect]:
-        """Iterate over the effects."""
-        return iter(self.effects)
-
-    def streams(
-        self, seed: int, *labels: object, axis: str | None = None
-    ) -> Iterator[tuple[Effect, np.random.Generator]]:
-        """Iterate over the effects with the random stream of each; a shared one has no axis in its name."""
-        count: Counter = Counter()
-        for effect in self.effects:
-            count[effect.name] += 1
-            own = () if axis is None or effect.shared else (axis,)
-            yield effect, stream(seed, *labels, *own, effect.name, count[effect.name])
-
-    def simulate(self, ideal: np.ndarray, conditions: Conditions, seed: int, *labels: object) -> np.ndarray:
-        """Return the output, shape (n,), for the error-free input ``ideal``; each effect draws from its own stream."""
-        error, output = np.zeros(len(conditions)), None
-        for effect, rng in self.streams(seed, *labels, axis=conditions.axis):
-            if effect.stage < Stage.FILTER:
-                error = effect.apply(error, conditions, rng)
-            else:
-                output = effect.apply(ideal + error if output is None else output, conditions, rng)
-        return ideal + error if output is None else output
-
-    def stochastic(self) -> tuple[StochasticEffect, ...]:
-        """Return the effects that have a spectrum."""
-        return tuple(effect for effect in self.effects if isinstance(effect, StochasticEffect))
-
-    def psd(self, frequency: np.ndarray) -> np.ndarray:
-        """Return the two-sided PSD [unit^2/Hz] of the stochastic effects at ``frequency`` [Hz]."""
-        return sum((effect.psd(frequency) for effect in self.stochastic()), np.zeros(np.shape(frequency)))
-
-    def sampled_psd(self, frequency: np.ndarray, interval: float) -> np.ndarray:
-        """Return the two-sided PSD [unit^2/Hz], aliases included, of the samples of the stochastic effects."""
-        zero = np.zeros(np.shape(frequency))
-        return sum((effect.sampled_psd(frequency, interval) for effect in self.stochastic()), zero)
-
-    def allan_variance(self, tau: np.ndarray) -> np.ndarray:
-        """Return the Allan variance [unit^2] at ``tau`` [s] of the effects that have one, stochastic or ramp."""
-        return sum((effect.allan_variance(tau) for effect in self._with_allan()), np.zeros(np.shape(tau)))
-
-    def sampled_allan_variance(self, averaging: np.ndarray, interval: float) -> np.ndarray:
-        """Return the Allan variance [unit^2] of their samples, exactly, at averaging factors ``averaging``."""
-        zero = np.zeros(np.shape(averaging))
-        return sum((effect.sampled_allan_variance(averaging, interval) for effect in self._with_allan()), zero)
-
-    def _with_allan(self) -> tuple[AllanEffect, ...]:
-        return tuple(effect for effect in self.effects if isinstance(effect, AllanEffect))
-
-    def state_space(self) -> StateSpace:
-        """Return the state space of the stochastic effects."""
-        return sum((effect.state_space() for effect in self.stochastic()), StateSpace.white(0.0))
+from imugap.effects.conditions import Conditions
+from imugap.effects.effect import AxisModel, Effect
 
 
 def conditions(ideal: pd.DataFrame) -> dict[str, Conditions]:

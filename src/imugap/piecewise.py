@@ -14,9 +14,9 @@ from scipy.special import ndtri
 from imugap import allan
 from imugap.allan import LAWS, Tangent
 from imugap.effects import BiasInstability, GaussMarkov, Quantization, RandomWalk, RateRamp, WhiteNoise
+from imugap.effects.effect import AxisModel
 from imugap.effects.gauss_markov import FLAT_TOP
 from imugap.estimate import Estimate, Fit, verdict
-from imugap.model import AxisModel
 
 SYMBOLS = {Quantization: "Q", WhiteNoise: "N", BiasInstability: "B", RandomWalk: "K", RateRamp: "R"}
 """The law of each process of one parameter."""

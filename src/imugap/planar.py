@@ -17,8 +17,8 @@ from numba import njit
 from imugap.augmentation import Chain, augmentation, residual
 from imugap.datasheet import DataSheet, Slow
 from imugap.effects import Conditions, WhiteNoise
+from imugap.effects.effect import AxisModel
 from imugap.matrix import invert
-from imugap.model import AxisModel
 from imugap.statespace import StateSpace
 from imugap.stream import stream
 

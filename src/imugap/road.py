@@ -22,9 +22,10 @@ from scipy.spatial.transform import Rotation
 
 from imugap import gnss, log, reference
 from imugap.effects import ScaleFactor, WhiteNoise
+from imugap.effects.effect import AxisModel
 from imugap.flight import ORDER, step
 from imugap.log import ACCEL, AXES, GYRO
-from imugap.model import AxisModel, ErrorModel
+from imugap.model import ErrorModel
 from imugap.rotation import add_scaled, from_euler, kernel, multiply, to_euler
 from imugap.strapdown import ATTITUDE, COLUMNS, POSITION, VELOCITY, Ellipsoid, ellipsoid_step, increments
 from imugap.stream import stream

@@ -19,11 +19,11 @@ from imugap import gnss, schemes
 from imugap.ablation import SMOOTHED, WHEELS, WHOLE, lasting
 from imugap.departure import Departure, depart
 from imugap.effects import RandomWalk, TurnOnBias, WhiteNoise
-from imugap.effects.effect import Effect
+from imugap.effects.effect import AxisModel, Effect
 from imugap.faults import Event, mark
 from imugap.hindsight import LOOKED_BACK, OPENED
 from imugap.log import ACCEL, AXES, GYRO, interval
-from imugap.model import AxisModel, ErrorModel
+from imugap.model import ErrorModel
 from imugap.quality import NOTHING, SCHEMES, Quality
 from imugap.recordings import Recording
 from imugap.rotation import from_euler

@@ -10,10 +10,11 @@ from dataclasses import replace
 import pandas as pd
 
 from imugap.effects import GaussMarkov, RandomWalk, WhiteNoise
+from imugap.effects.effect import AxisModel
 from imugap.estimate import Fit, Verdict
 from imugap.log import ACCEL, GYRO, interval
 from imugap.methods import METHODS, Method
-from imugap.model import AxisModel, ErrorModel
+from imugap.model import ErrorModel
 
 SCHEMES: dict[str, Method] = {
     "allan": METHODS["allan"],

@@ -15,9 +15,10 @@ import numpy as np
 
 from imugap.augmentation import augmentation
 from imugap.effects import Bias, BiasInstability, PowerLaw, Quantization, RandomWalk, StochasticEffect
+from imugap.effects.effect import AxisModel
 from imugap.flicker import bank
 from imugap.log import ACCEL, AXES, GYRO
-from imugap.model import AxisModel, ErrorModel
+from imugap.model import ErrorModel
 
 FLICKER_S = (1.0, 1000.0)
 """Range of averaging times over which flicker noise is approximated [s]."""

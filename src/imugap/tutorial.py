@@ -14,8 +14,8 @@ import pandas as pd
 from imugap import allan, flicker
 from imugap.effects import GaussMarkov, RandomWalk, WhiteNoise
 from imugap.effects.bias_instability import FLOOR
+from imugap.effects.effect import AxisModel
 from imugap.effects.gauss_markov import FLAT_TOP
-from imugap.model import AxisModel
 from imugap.piecewise import TOP
 
 KNOWN = 0.25

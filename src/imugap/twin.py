@@ -15,10 +15,10 @@ import yaml
 
 from imugap import reference
 from imugap.effects import CATALOGUE
-from imugap.effects.effect import Effect
+from imugap.effects.effect import AxisModel, Effect
 from imugap.gait import Course, Leg, Walk
 from imugap.log import ACCEL, AXES, GYRO, triad
-from imugap.model import AxisModel, ErrorModel
+from imugap.model import ErrorModel
 from imugap.pedestrian import SHORTEST_STRIDE_M, Assumptions, Solution
 from imugap.strapdown import POSITION, VELOCITY
 from imugap.stream import stream

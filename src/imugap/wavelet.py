@@ -21,8 +21,7 @@ from scipy.special import chdtri, stdtr
 from imugap import cascade
 from imugap.daubechies import check, depth, filters, free, length
 from imugap.effects import RateRamp
-from imugap.effects.effect import StochasticEffect
-from imugap.model import AxisModel
+from imugap.effects.effect import AxisModel, StochasticEffect
 
 EFFICIENCY = 0.6
 """Efficiency, at the Gaussian, of the robust estimate: as gmwm and wv have it."""

@@ -15,7 +15,7 @@ import pandas as pd
 from scipy.optimize import minimize_scalar
 
 from imugap.effects import BiasInstability, GaussMarkov, RandomWalk, WhiteNoise
-from imugap.model import AxisModel
+from imugap.effects.effect import AxisModel
 from imugap.tutorial import left, white_and_walk
 
 

@@ -7,10 +7,10 @@ import pandas as pd
 from imugap import figures, tables
 from imugap.bound import bound
 from imugap.effects import GaussMarkov, RandomWalk, WhiteNoise
+from imugap.effects.effect import AxisModel
 from imugap.experiment import Experiment
 from imugap.figures import indirect
 from imugap.journal import journal
-from imugap.model import AxisModel
 
 COMPOSITIONS = {
     "N": (WhiteNoise,),

@@ -9,8 +9,8 @@ from scipy.stats import beta
 
 from imugap import allan, tables
 from imugap.effects import BiasInstability, Conditions, GaussMarkov, Quantization, RandomWalk, RateRamp, WhiteNoise
+from imugap.effects.effect import AxisModel
 from imugap.journal import journal
-from imugap.model import AxisModel
 
 WHITE = WhiteNoise(1.0)
 LOGS = {

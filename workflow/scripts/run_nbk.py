@@ -3,8 +3,9 @@
 import pandas as pd
 
 from imugap.contenders import fit
+from imugap.effects.effect import AxisModel
 from imugap.journal import journal
-from imugap.model import AxisModel, ErrorModel
+from imugap.model import ErrorModel
 
 
 def without_nothing(model):

@@ -9,10 +9,11 @@ import yaml
 from imugap.compensation import granted
 from imugap.discovery.discover import Question, discover
 from imugap.discovery.record import prepare
+from imugap.effects.effect import AxisModel
 from imugap.gait import Course, Walk
 from imugap.innovations import judged
 from imugap.journal import journal
-from imugap.model import AxisModel, ErrorModel
+from imugap.model import ErrorModel
 
 RATE_HZ = 100
 

@@ -8,10 +8,11 @@ import pandas as pd
 from imugap import catalogue, readers
 from imugap.catalogue import RawFiles
 from imugap.effects import WhiteNoise
+from imugap.effects.effect import AxisModel
 from imugap.footprints import footprints
 from imugap.journal import journal
 from imugap.log import ACCEL
-from imugap.model import AxisModel, ErrorModel
+from imugap.model import ErrorModel
 from imugap.pedestrian import Assumptions, navigate
 from imugap.stamps import filled
 from imugap.walk import USUAL

@@ -8,9 +8,9 @@ import pandas as pd
 
 from imugap import figures, spectrum, tables
 from imugap.effects import GaussMarkov, RandomWalk, WhiteNoise
+from imugap.effects.effect import AxisModel
 from imugap.figures import tutorial as chapter
 from imugap.journal import journal
-from imugap.model import AxisModel
 from imugap.worked_example import Example, checks
 
 TAU = np.geomspace(0.1, 1000, 161)

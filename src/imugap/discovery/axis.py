@@ -14,7 +14,8 @@ from scipy.fft import idct, irfft, rfft, rfftfreq
 
 from imugap.discovery import scans
 from imugap.discovery.cells import Cells
-from imugap.discovery.noise import Noise, NoiseFit, cosines, log_likelihood
+from imugap.discovery.cosine_bins import cosines
+from imugap.discovery.noise import Noise, NoiseFit, log_likelihood
 from imugap.discovery.noise import fit as fit_noise
 from imugap.discovery.outside import Outside, over_time
 from imugap.discovery.sequence import Sequence
@@ -245,7 +246,9 @@ class AxisFit:
     @cached_property
     def cells(self) -> Cells | None:
         """Return the cells in which the samples of a coarse lattice are known to be, if they say something."""
-        return Cells.of(self) if self.sequence.coarse else None
+        if not self.sequence.coarse:
+            return None
+        return Cells.of(self.sequence, self.description.noise, self.residual, self.scale)
 
     @cached_property
     def unrounded(self) -> np.ndarray:

@@ -14,7 +14,8 @@ from imugap.effects import (
     TimeOffset,
     VibrationRectification,
 )
-from imugap.model import AxisModel, ErrorModel
+from imugap.effects.effect import AxisModel
+from imugap.model import ErrorModel
 
 INERTIAL = (ScaleFactor, Misalignment, GSensitivity, LeverArm, TimeOffset, VibrationRectification)
 """Effects that answer the motion, and nothing else."""

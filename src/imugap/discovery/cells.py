@@ -7,18 +7,16 @@ Whoever asks for the law of the white noise therefore has to ask the cells.
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.fft import dct, idct
 from scipy.optimize import minimize
 from scipy.special import expit, logit, ndtr, ndtri
 
+from imugap.discovery.noise import Noise
+from imugap.discovery.sequence import Sequence
 from imugap.discovery.tails import STARTS, Tails, ends
 from imugap.effects import WhiteNoise
-
-if TYPE_CHECKING:
-    from imugap.discovery.axis import AxisFit
 
 WHITE = 0.5
 """Least share of white noise in the power, with which its samples can be told from what is slower."""
@@ -56,22 +54,34 @@ class Cells:
     unit: float
 
     @classmethod
-    def of(cls, fit: "AxisFit") -> "Cells | None":
-        """Return the cells of the white noise of a fit, None where it is not told from the rest of the signal."""
-        step, noise = fit.sequence.step, fit.description.noise
+    def of(cls, sequence: Sequence, noise: Noise, residual: np.ndarray, scale: np.ndarray | float) -> "Cells | None":
+        """Return the cells of the white noise of a fit, None where it is not told from the rest of the signal.
+
+        Parameters
+        ----------
+        sequence
+            The rounded samples.
+        noise
+            Fitted noise.
+        residual
+            Samples less the fitted mean, over ``scale``, shape (n,).
+        scale
+            Factor of the standard deviation of each sample, shape (n,), or 1.
+        """
+        step, bins = sequence.step, sequence.bins
         white = [effect for effect in noise.effects if isinstance(effect, WhiteNoise)]
         if not step or noise.output_filter is not None or not white:
             return None
-        unit = white[0].density / np.sqrt(fit.sequence.conditions.interval)
-        share = np.minimum(unit**2 / fit.variance, 1.0)
+        unit = white[0].density / np.sqrt(sequence.conditions.interval)
+        share = np.minimum(unit**2 / bins.spread(noise.variance(bins)), 1.0)
         if share.mean() < WHITE:
             return None
-        share[fit.sequence.bins.last :] = 1.0
-        own = fit.scale * idct(np.r_[0.0, share] * dct(fit.residual, norm="ortho"), norm="ortho")
-        output, scale, std = fit.sequence.values + fit.sequence.conditions.error_free, fit.scale * unit, unit
-        half = np.broadcast_to(step / 2 / scale, own.shape)
+        share[bins.last :] = 1.0
+        own = scale * idct(np.r_[0.0, share] * dct(residual, norm="ortho"), norm="ortho")
+        output, deviation, std = sequence.values + sequence.conditions.error_free, scale * unit, unit
+        half = np.broadcast_to(step / 2 / deviation, own.shape)
         for _ in range(ROUNDS):
-            cells = cls((output - ahead(output - own, step, std)) / scale, half, unit / float(share.mean()))
+            cells = cls((output - ahead(output - own, step, std)) / deviation, half, unit / float(share.mean()))
             std = unit * float(np.exp(cells._normal[1]))
         return cells if step < WIDEST * std else None
 

@@ -15,9 +15,9 @@ from imugap.discovery.sequence import Sequence
 from imugap.discovery.story import Story
 from imugap.discovery.uncertain import Uncertain
 from imugap.effects import BiasStep, SampleLoss, TurnOnBias, VarianceChange
-from imugap.effects.effect import Effect
+from imugap.effects.effect import AxisModel, Effect
 from imugap.log import TEMPERATURE, from_samples
-from imugap.model import AxisModel, ErrorModel
+from imugap.model import ErrorModel
 
 TOGETHER = 15
 """Simulations of one model of one log that are made one after another, by one process."""

@@ -31,9 +31,9 @@ from imugap.discovery.start import described, noisy, untold
 from imugap.discovery.story import Story, Tale, concluded, model_of, noise_of, part, told
 from imugap.discovery.views import COHERENCE, Curve
 from imugap.effects import CATALOGUE, Bias, CommonMode, Outliers, WhiteNoise
-from imugap.effects.effect import Effect, Stage
+from imugap.effects.effect import AxisModel, Effect, Stage
 from imugap.log import TIME
-from imugap.model import AxisModel, ErrorModel
+from imugap.model import ErrorModel
 
 OTHER_STEPS = 4
 """Steps besides the two of each axis."""

@@ -23,8 +23,9 @@ from imugap.discovery.uncertain import Uncertain
 from imugap.discovery.views.curve import blocks
 from imugap.discovery.views.spectral import bands
 from imugap.effects import Bias
-from imugap.effects.effect import Conditions
-from imugap.model import AxisModel, ErrorModel, conditions
+from imugap.effects.conditions import Conditions
+from imugap.effects.effect import AxisModel
+from imugap.model import ErrorModel, conditions
 from imugap.site import Site
 from imugap.stream import stream
 

@@ -16,8 +16,7 @@ from imugap.discovery.finding import Gap
 from imugap.discovery.rounding import level_ahead, unrounded
 from imugap.discovery.sequence import Sequence
 from imugap.effects import CommonMode, Resolution, SampleLoss, Saturation, StuckSamples, WhiteNoise
-from imugap.effects.effect import Effect
-from imugap.model import AxisModel
+from imugap.effects.effect import AxisModel, Effect
 from imugap.stream import stream
 
 REPLICATES = 99

@@ -14,7 +14,8 @@ import numpy as np
 from numba import njit
 
 from imugap.discovery.axis import AxisFit
-from imugap.effects.effect import Conditions, Start, SystematicEffect, parameter
+from imugap.effects.conditions import Conditions
+from imugap.effects.effect import Start, SystematicEffect, parameter
 
 HALVES = 0.03, 0.06, 0.1, 0.15, 0.22, 0.33
 """Halves of the widths, in ranges of the temperature."""

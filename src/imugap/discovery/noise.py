@@ -6,25 +6,14 @@ a sequence without jumps at its ends (:mod:`imugap.likelihood`).
 """
 
 from dataclasses import dataclass, fields, replace
-from functools import cached_property, lru_cache
 from math import isfinite
 
 import numpy as np
-from scipy.fft import dct
 
+from imugap.discovery.cosine_bins import Bins
 from imugap.effects import OutputFilter
 from imugap.effects.effect import TINY, StochasticEffect
 
-SINGLE = 64
-"""Lowest and highest coefficients that are kept one by one."""
-WIDTH = 0.03
-"""Relative width of the bins above, and towards half the sampling rate, where filters end."""
-USED = 0.98
-"""Share of the frequencies that are used at most: half the sampling rate itself, where filters have a zero, is not."""
-QUIET, WINDOW = 1e-4, 1 / 200
-"""Power, over the median, below which leakage from the ends of a log may be all there is; share of a mean over it."""
-OVER = 100.0
-"""Times the leaked power that a frequency has to have to be used."""
 STEP = 1e-4
 """Step of a log parameter in a difference quotient."""
 ITERATIONS = 60
@@ -40,100 +29,6 @@ NEIGHBOURS = 8
 """Bins whose median is what a spectrum is at their place."""
 FAINT = 1e-7
 """Share of the power, in every bin, below which a process counts as absent."""
-
-
-def usable(values: np.ndarray) -> float:
-    """Return the share of frequencies, from the lowest on, up to which samples have power beyond leakage.
-
-    What the cosine transform leaks to high frequencies is of the slopes s at both ends, where it folds the samples: to
-    coefficient k of n a power 2/n (s_first^2 + s_last^2)/(2 sin(pi k/(2 n)))^4. Any sample may be at the end of a part;
-    so the slopes are those of all.
-    """
-    power = dct(values - values.mean(), norm="ortho")[1:] ** 2
-    width = max(int(WINDOW * len(power)), 1)
-    means = power[: len(power) // width * width].reshape(-1, width).mean(axis=1)
-    place = (np.arange(len(means)) + 0.5) * width / len(values)
-    leaked = 4 / len(values) * np.mean(np.diff(values) ** 2) / (2 * np.sin(np.pi / 2 * place)) ** 4
-    loud = np.flatnonzero((means > QUIET * np.median(means)) & (means > OVER * leaked))
-    return float(min(USED, (loud[-1] + 1) * width / len(power))) if len(loud) else USED
-
-
-def cosines(values: np.ndarray) -> np.ndarray:
-    """Return the orthonormal cosine coefficients k = 1..n-1 of columns."""
-    return dct(values, axis=0, norm="ortho")[1:]
-
-
-@dataclass(frozen=True, eq=False)
-class Bins:
-    """Neighbouring cosine coefficients k = 1..n-1 of a sequence, summed.
-
-    Attributes
-    ----------
-    count, interval
-        Number of samples n and sampling interval [s].
-    share
-        Share of the frequencies that are used, from the lowest on.
-    step
-        Distance of the levels to which the output is rounded, or zero.
-    """
-
-    count: int
-    interval: float
-    share: float = USED
-    step: float = 0.0
-
-    @property
-    def rounding(self) -> float:
-        """Return the variance that rounding adds to each coefficient (Sheppard 1898)."""
-        return self.step**2 / 12
-
-    @property
-    def last(self) -> int:
-        """Return the number of coefficients that are used."""
-        return int(self.share * (self.count - 1))
-
-    @cached_property
-    def edges(self) -> np.ndarray:
-        """Return the first coefficient (0 for k = 1) of each bin."""
-        last = self.last
-        if last <= 4 * SINGLE:
-            return np.arange(last)
-        return np.unique(np.concatenate([_widening(last // 2), last - _widening(last - last // 2)[1:]]))
-
-    @cached_property
-    def number(self) -> np.ndarray:
-        """Return the number of coefficients in each bin."""
-        return np.diff(np.r_[self.edges, self.last]).astype(float)
-
-    @cached_property
-    def frequency(self) -> np.ndarray:
-        """Return the mean frequency of each bin [Hz]."""
-        first = self.edges + 1
-        return (first + (self.number - 1) / 2) / (2 * self.count * self.interval)
-
-    def sums(self, values: np.ndarray) -> np.ndarray:
-        """Return the sums over bins of ``values``, shape (n - 1,)."""
-        return np.add.reduceat(values[: self.last], self.edges)
-
-    def spread(self, values: np.ndarray) -> np.ndarray:
-        """Return a value per bin as a value per coefficient, shape (n - 1,), straight between the bins' means.
-
-        The coefficients that are kept one by one keep their own.
-        """
-        means = self.edges + 1 + (self.number - 1) / 2
-        return np.exp(np.interp(_logarithms(self.count), np.log(means), np.log(values)))
-
-
-@lru_cache(maxsize=4)
-def _logarithms(count: int) -> np.ndarray:
-    """Return the logarithms of k = 1..count-1."""
-    return np.log(np.arange(1, count))
-
-
-def _widening(count: int) -> np.ndarray:
-    """Return edges from 0 up to ``count``: single at first, then wider and wider."""
-    bins = int(np.ceil(np.log(count / SINGLE) / WIDTH))
-    return np.r_[0:SINGLE, np.rint(np.geomspace(SINGLE, count, bins + 1)).astype(int)]
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from imugap.discovery.noise import Noise, cosines
+from imugap.discovery.cosine_bins import cosines
+from imugap.discovery.noise import Noise
 from imugap.effects import OutputFilter, Quantization
 from imugap.effects.effect import TINY
 

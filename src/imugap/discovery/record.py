@@ -11,15 +11,16 @@ import pandas as pd
 from scipy.interpolate import CubicSpline
 
 from imugap import log as canonical
+from imugap.discovery.cosine_bins import usable
 from imugap.discovery.finding import Finding, Gap, Interval
-from imugap.discovery.noise import usable
 from imugap.discovery.sequence import Sequence
 from imugap.discovery.thermometer import smoothed
 from imugap.effects import Resolution, SampleLoss, Saturation, StuckSamples, TimestampJitter
-from imugap.effects.effect import Conditions, Effect, Evidence
+from imugap.effects.conditions import Conditions
+from imugap.effects.effect import AxisModel, Effect, Evidence
 from imugap.effects.timestamp_jitter import ROUNDED
 from imugap.log import ACCEL, GYRO, LogError
-from imugap.model import AxisModel, ErrorModel
+from imugap.model import ErrorModel
 from imugap.stamps import LEAST, Stamps, stamps
 from imugap.stream import stream
 

@@ -8,8 +8,8 @@ from scipy.ndimage import uniform_filter1d
 from scipy.special import log_ndtr, ndtri_exp
 
 from imugap.discovery.autoregression import Autoregression
-from imugap.discovery.noise import USED, Bins
-from imugap.effects.effect import Conditions
+from imugap.discovery.cosine_bins import USED, Bins
+from imugap.effects.conditions import Conditions
 
 COARSE = 1 / 3
 """Share of one value above which a lattice of values is coarse: its step is the standard deviation or more."""

@@ -9,7 +9,8 @@ from imugap.discovery.axis import Description, Term
 from imugap.discovery.noise import Noise
 from imugap.discovery.sequence import Sequence
 from imugap.effects import Bias, Outliers, OutputFilter, Sinusoid, VarianceChange, WhiteNoise
-from imugap.effects.effect import Conditions, Effect, Stage, StochasticEffect, SystematicEffect
+from imugap.effects.conditions import Conditions
+from imugap.effects.effect import Effect, Stage, StochasticEffect, SystematicEffect
 
 WIDEST = 0.98
 """Share of the highest cutoff that a fit can tell above which a run two percent slower does not show it."""

@@ -26,9 +26,8 @@ from imugap.discovery.two_values import hidden_telegraph, steady, told_apart, tw
 from imugap.discovery.unsteady import Band
 from imugap.discovery.withheld import Withheld, withheld
 from imugap.effects import Bias, BiasStep, PowerLaw, RandomTelegraph, Sinusoid, VarianceChange
-from imugap.effects.effect import Effect
+from imugap.effects.effect import AxisModel, Effect
 from imugap.effects.power_law import STEEPEST
-from imugap.model import AxisModel
 
 PLACES = 12.0
 """Logarithm of the largest number of places of which an effect is tried at the best."""

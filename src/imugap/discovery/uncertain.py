@@ -7,8 +7,8 @@ import numpy as np
 
 from imugap.discovery.axis import AxisFit, Description
 from imugap.discovery.noise import limits
-from imugap.effects.effect import Effect
-from imugap.model import AxisModel, ErrorModel
+from imugap.effects.effect import AxisModel, Effect
+from imugap.model import ErrorModel
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,7 +5,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from imugap.effects.effect import AdditiveEffect, Conditions, parameter
+from imugap.effects.conditions import Conditions
+from imugap.effects.effect import AdditiveEffect, parameter
 
 
 @dataclass(frozen=True)

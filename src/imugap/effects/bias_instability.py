@@ -3,17 +3,16 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from numpy.polynomial.legendre import leggauss
 from scipy.fft import irfft, next_fast_len, rfftfreq
 from scipy.integrate import quad
 
-from imugap.effects.effect import Conditions, Start, StochasticEffect, parameter
-
-if TYPE_CHECKING:
-    from imugap.discovery.axis import AxisFit
+from imugap.effects.conditions import Conditions
+from imugap.effects.effect import Start, StochasticEffect, parameter
+from imugap.effects.residual import Residual
 
 FLOOR = np.sqrt(2 * np.log(2) / np.pi)
 """Allan deviation of flicker noise over B: 0.664 (IEEE 952)."""
@@ -29,7 +28,7 @@ class BiasInstability(StochasticEffect):
     density_b: float = parameter("{u}", "B")
 
     @classmethod
-    def starts(cls, fit: "AxisFit") -> Iterator[Start]:
+    def starts(cls, fit: Residual) -> Iterator[Start]:
         """Yield it in either form that samples of it may have, where the residual's spectrum has room for it."""
         if not fit.has(BiasInstability):
             for form in (BiasInstability, FractionalFlicker):

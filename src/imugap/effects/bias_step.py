@@ -2,15 +2,13 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
-from imugap.effects.effect import Conditions, Start, SystematicEffect, parameter
-
-if TYPE_CHECKING:
-    from imugap.discovery.axis import AxisFit
-    from imugap.discovery.scans import Steps
+from imugap.effects.conditions import Conditions
+from imugap.effects.effect import Start, SystematicEffect, parameter
+from imugap.effects.residual import Residual, StepGains
 
 WIDTHS = 0.01, 0.05
 """Times, over the duration, in which what is nearly a step comes and settles."""
@@ -42,12 +40,12 @@ class BiasStep(SystematicEffect):
         ]
 
     @classmethod
-    def starts(cls, fit: "AxisFit") -> Iterator[Start]:
+    def starts(cls, fit: Residual) -> Iterator[Start]:
         """Yield a step where the matched filter of all steps is highest."""
         yield cls.highest(fit.steps, fit.sequence.conditions)
 
     @classmethod
-    def highest(cls, steps: "Steps", conditions: Conditions) -> Start:
+    def highest(cls, steps: StepGains, conditions: Conditions) -> Start:
         """Return a step where the matched filter is highest."""
         place = int(np.argmax(steps.gains))
         time, gain = float(conditions.time[place]), float(steps.gains[place])

@@ -5,7 +5,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from imugap.effects.effect import Conditions, EquivalentEffect, parameter
+from imugap.effects.conditions import Conditions
+from imugap.effects.effect import EquivalentEffect, parameter
 from imugap.effects.white_noise import WhiteNoise
 from imugap.statespace import StateSpace
 

@@ -1,22 +1,22 @@
 """What every effect is: a frozen value with described parameters that acts on a sequence at its stage of the chain."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections import Counter
+from collections.abc import Iterator, Sequence
 from dataclasses import Field, dataclass, field, fields
 from enum import IntEnum
 from math import isfinite
 from numbers import Real
-from typing import TYPE_CHECKING, ClassVar, TypeVar
+from typing import ClassVar
 
 import numpy as np
 import pandas as pd
 
+from imugap.effects.conditions import Conditions
+from imugap.effects.residual import Residual
 from imugap.log import TIME
 from imugap.statespace import StateSpace
+from imugap.stream import stream
 
-if TYPE_CHECKING:
-    from imugap.discovery.axis import AxisFit
-
-Made = TypeVar("Made")
 TINY = float(np.finfo(float).tiny)
 """Lower limit of parameters that have to be positive."""
 
@@ -44,69 +44,6 @@ class Stage(IntEnum):
     """The rows and stamps of the log, which all axes share: the pseudo-axis :data:`imugap.log.TIME`."""
     STANCE = 10
     """Acts on no log: on what a filter takes for known while the device stands."""
-
-
-@dataclass(frozen=True)
-class Conditions:
-    """What an effect may depend on besides its parameters and its random stream.
-
-    Attributes
-    ----------
-    time
-        Time of the samples since power-on [s], shape (n,).
-    interval
-        Sampling interval [s].
-    temperature
-        Temperature of the device [degC], shape (n,), or None where it is not known.
-    axis
-        Canonical name of the axis, or None where it is not known.
-    ideal
-        Error-free log of all axes, or None where it is not known.
-    """
-
-    time: np.ndarray
-    interval: float
-    temperature: np.ndarray | None = None
-    axis: str | None = None
-    ideal: pd.DataFrame | None = None
-    _made: dict = field(init=False, repr=False, compare=False, default_factory=dict)
-
-    def __len__(self) -> int:
-        """Return the number of samples."""
-        return len(self.time)
-
-    @property
-    def error_free(self) -> np.ndarray | float:
-        """Return the error-free signal of the axis, shape (n,); 0 where it is not known, as for a device at rest."""
-        if self.ideal is None or self.axis not in self.ideal:
-            return 0.0
-        return self.ideal[self.axis].to_numpy(float)
-
-    def own_axis(self, effect: "Effect") -> str:
-        """Return the axis, on which ``effect`` has to be at home; ValueError where it is not, or none is known."""
-        if self.axis is None:
-            raise ValueError(f"{effect.name}: expected conditions with an axis; found none")
-        effect.check_axis(self.axis)
-        return self.axis
-
-    def input(self, effect: "Effect | type[Effect]", axes: Sequence[str]) -> np.ndarray:
-        """Return the error-free signals of ``axes``, shape (n, len(axes)); ValueError where ``effect`` misses one."""
-        if self.ideal is None:
-            raise ValueError(f"{effect.name}: expected conditions with an error-free log; found none")
-        missing = [axis for axis in axes if axis not in self.ideal]
-        if missing:
-            raise ValueError(f"{effect.name}: expected an error-free log with {', '.join(missing)}; found none")
-        return np.array([self.ideal[axis].to_numpy(float) for axis in axes]).reshape(len(axes), len(self)).T
-
-    def once(self, make: Callable[["Conditions"], Made]) -> Made:
-        """Return ``make(self)``, made at the first call: what a fit asks for at every step."""
-        if make not in self._made:
-            self._made[make] = make(self)
-        return self._made[make]
-
-    def knows(self, axes: Sequence[str]) -> bool:
-        """Return whether the own axis and the error-free signals of ``axes`` are known."""
-        return self.axis is not None and self.ideal is not None and set(axes) <= set(self.ideal)
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,6 +131,23 @@ class Effect:
         if axis == TIME:
             raise ValueError(f"{self.name}: expected a sensor axis; found the pseudo-axis {TIME}")
 
+    def own_axis(self, conditions: Conditions) -> str:
+        """Return the axis of the conditions; ValueError where there is none, or the effect has no place on it."""
+        if conditions.axis is None:
+            raise ValueError(f"{self.name}: expected conditions with an axis; found none")
+        self.check_axis(conditions.axis)
+        return conditions.axis
+
+    @classmethod
+    def error_free(cls, conditions: Conditions, axes: Sequence[str]) -> np.ndarray:
+        """Return the error-free signals of ``axes``, shape (n, len(axes)); ValueError where one is not known."""
+        if conditions.ideal is None:
+            raise ValueError(f"{cls.name}: expected conditions with an error-free log; found none")
+        missing = [axis for axis in axes if axis not in conditions.ideal]
+        if missing:
+            raise ValueError(f"{cls.name}: expected an error-free log with {', '.join(missing)}; found none")
+        return np.array([conditions.ideal[axis].to_numpy(float) for axis in axes]).reshape(len(axes), len(conditions)).T
+
     def apply(self, sequence: np.ndarray, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
         """Return what becomes of ``sequence``, shape (n,): the error up to this stage, or the output."""
         raise NotImplementedError
@@ -213,14 +167,12 @@ class Effect:
         return {item.name: (item.metadata["low"], item.metadata["high"]) for item in fields(cls)}
 
     @classmethod
-    def starts(cls, fit: "AxisFit") -> Iterator[Start]:
+    def starts(cls, fit: Residual) -> Iterator[Start]:
         """Yield where fits start of an effect of this kind that ``fit`` may miss; none unless a subclass tells."""
         return iter(())
 
     def __add__(self, other):
         """Compose: ``WhiteNoise(1e-4) + RandomWalk(2e-6)`` is the error of an axis."""
-        from imugap.model import AxisModel
-
         return AxisModel((self,)) + other
 
 
@@ -251,7 +203,7 @@ class SystematicEffect(AdditiveEffect):
         """Return, for each way of being nearly this effect, the columns, shape (n, m), that are the difference."""
         return []
 
-    def proposed(self, fit: "AxisFit", free: tuple[str, ...], trials: float = 1.0) -> Iterator[Start]:
+    def proposed(self, fit: Residual, free: tuple[str, ...], trials: float = 1.0) -> Iterator[Start]:
         """Yield the start from here with ``free`` parameters if the data tell them from each other and the terms.
 
         The expected gain is that of the linear effect of these parameters.
@@ -300,7 +252,7 @@ class StochasticEffect(AllanEffect):
         raise NotImplementedError
 
     @classmethod
-    def starts(cls, fit: "AxisFit") -> Iterator[Start]:
+    def starts(cls, fit: Residual) -> Iterator[Start]:
         """Yield the size at which the residual's spectrum, near the fit, has most room for the process.
 
         Only for processes of one density, of which there is one of a kind; others say themselves where they start.
@@ -360,3 +312,73 @@ class ClockEffect(Effect):
         """Raise a ValueError unless ``axis`` is the pseudo-axis."""
         if axis != TIME:
             raise ValueError(f"{self.name}: expected the pseudo-axis {TIME}; found {axis}")
+
+
+@dataclass(frozen=True)
+class AxisModel:
+    """The error of one axis: a sum of effects, kept in the order of the signal chain."""
+
+    effects: tuple[Effect, ...] = ()
+
+    def __post_init__(self) -> None:
+        """Sort by stage; within a stage the given order stays."""
+        object.__setattr__(self, "effects", tuple(sorted(self.effects, key=lambda effect: effect.stage)))
+
+    def __add__(self, other: "Effect | AxisModel") -> "AxisModel":
+        """Add an effect or all effects of another axis model."""
+        if isinstance(other, Effect):
+            return AxisModel((*self.effects, other))
+        return AxisModel(self.effects + other.effects) if isinstance(other, AxisModel) else NotImplemented
+
+    def __iter__(self) -> Iterator[Effect]:
+        """Iterate over the effects."""
+        return iter(self.effects)
+
+    def streams(
+        self, seed: int, *labels: object, axis: str | None = None
+    ) -> Iterator[tuple[Effect, np.random.Generator]]:
+        """Iterate over the effects with the random stream of each; a shared one has no axis in its name."""
+        count: Counter = Counter()
+        for effect in self.effects:
+            count[effect.name] += 1
+            own = () if axis is None or effect.shared else (axis,)
+            yield effect, stream(seed, *labels, *own, effect.name, count[effect.name])
+
+    def simulate(self, ideal: np.ndarray, conditions: Conditions, seed: int, *labels: object) -> np.ndarray:
+        """Return the output, shape (n,), for the error-free input ``ideal``; each effect draws from its own stream."""
+        error, output = np.zeros(len(conditions)), None
+        for effect, rng in self.streams(seed, *labels, axis=conditions.axis):
+            if effect.stage < Stage.FILTER:
+                error = effect.apply(error, conditions, rng)
+            else:
+                output = effect.apply(ideal + error if output is None else output, conditions, rng)
+        return ideal + error if output is None else output
+
+    def stochastic(self) -> tuple[StochasticEffect, ...]:
+        """Return the effects that have a spectrum."""
+        return tuple(effect for effect in self.effects if isinstance(effect, StochasticEffect))
+
+    def psd(self, frequency: np.ndarray) -> np.ndarray:
+        """Return the two-sided PSD [unit^2/Hz] of the stochastic effects at ``frequency`` [Hz]."""
+        return sum((effect.psd(frequency) for effect in self.stochastic()), np.zeros(np.shape(frequency)))
+
+    def sampled_psd(self, frequency: np.ndarray, interval: float) -> np.ndarray:
+        """Return the two-sided PSD [unit^2/Hz], aliases included, of the samples of the stochastic effects."""
+        zero = np.zeros(np.shape(frequency))
+        return sum((effect.sampled_psd(frequency, interval) for effect in self.stochastic()), zero)
+
+    def allan_variance(self, tau: np.ndarray) -> np.ndarray:
+        """Return the Allan variance [unit^2] at ``tau`` [s] of the effects that have one, stochastic or ramp."""
+        return sum((effect.allan_variance(tau) for effect in self._with_allan()), np.zeros(np.shape(tau)))
+
+    def sampled_allan_variance(self, averaging: np.ndarray, interval: float) -> np.ndarray:
+        """Return the Allan variance [unit^2] of their samples, exactly, at averaging factors ``averaging``."""
+        zero = np.zeros(np.shape(averaging))
+        return sum((effect.sampled_allan_variance(averaging, interval) for effect in self._with_allan()), zero)
+
+    def _with_allan(self) -> tuple[AllanEffect, ...]:
+        return tuple(effect for effect in self.effects if isinstance(effect, AllanEffect))
+
+    def state_space(self) -> StateSpace:
+        """Return the state space of the stochastic effects."""
+        return sum((effect.state_space() for effect in self.stochastic()), StateSpace.white(0.0))

@@ -2,15 +2,14 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
-from imugap.effects.effect import Conditions, Start, SystematicEffect, parameter
+from imugap.effects.conditions import Conditions
+from imugap.effects.effect import Start, SystematicEffect, parameter
+from imugap.effects.residual import Residual
 from imugap.log import ACCEL, GYRO
-
-if TYPE_CHECKING:
-    from imugap.discovery.axis import AxisFit
 
 
 @dataclass(frozen=True)
@@ -29,16 +28,16 @@ class GSensitivity(SystematicEffect):
 
     def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
         """Return the sum of the components of the specific force, each times its sensitivity."""
-        conditions.own_axis(self)
-        return conditions.input(self, ACCEL) @ np.array([self.x, self.y, self.z])
+        self.own_axis(conditions)
+        return self.error_free(conditions, ACCEL) @ np.array([self.x, self.y, self.z])
 
     def slopes(self, conditions: Conditions) -> dict[str, np.ndarray]:
         """Return the components of the specific force."""
-        conditions.own_axis(self)
-        return dict(zip(("x", "y", "z"), conditions.input(self, ACCEL).T, strict=True))
+        self.own_axis(conditions)
+        return dict(zip(("x", "y", "z"), self.error_free(conditions, ACCEL).T, strict=True))
 
     @classmethod
-    def starts(cls, fit: "AxisFit") -> Iterator[Start]:
+    def starts(cls, fit: Residual) -> Iterator[Start]:
         """Yield the sensitivities to the components that vary, where the specific force is known."""
         conditions, start = fit.sequence.conditions, cls(0.0, 0.0, 0.0)
         if conditions.axis not in GYRO or not conditions.knows(ACCEL) or fit.has(cls):

@@ -2,14 +2,16 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from numba import njit
 from numpy.polynomial.polynomial import polyval
 from scipy.special import factorial
 
-from imugap.effects.effect import TINY, Conditions, Start, StochasticEffect, parameter
+from imugap.effects.conditions import Conditions
+from imugap.effects.effect import TINY, Start, StochasticEffect, parameter
+from imugap.effects.residual import Residual
 from imugap.statespace import StateSpace
 
 FLAT_TOP = 1.89
@@ -19,9 +21,6 @@ BRACKET = np.r_[0.0, (-1.0) ** ORDER * (4 - 2.0**ORDER) / factorial(ORDER)]
 """Taylor coefficients of (2 x - 3 + 4 exp(-x) - exp(-2 x))/x^2."""
 SINH = np.r_[0.0, (ORDER % 2) / factorial(ORDER)]
 """Taylor coefficients of (sinh x - x)/x^2."""
-
-if TYPE_CHECKING:
-    from imugap.discovery.axis import AxisFit
 
 MOST = 3
 """Processes on one axis that a search looks for."""
@@ -52,7 +51,7 @@ class GaussMarkov(StochasticEffect):
         return _recurse(decay, noise)
 
     @classmethod
-    def starts(cls, fit: "AxisFit") -> Iterator[Start]:
+    def starts(cls, fit: Residual) -> Iterator[Start]:
         """Yield the correlation times, from a grid, at which the residual's spectrum has most room."""
         if sum(type(effect) is cls for effect in fit.description.noise) >= MOST:
             return

@@ -2,16 +2,15 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
 from imugap.course import course
-from imugap.effects.effect import Conditions, Start, SystematicEffect, parameter
+from imugap.effects.conditions import Conditions
+from imugap.effects.effect import Start, SystematicEffect, parameter
+from imugap.effects.residual import Residual
 from imugap.log import ACCEL, GYRO
-
-if TYPE_CHECKING:
-    from imugap.discovery.axis import AxisFit
 
 
 @dataclass(frozen=True)
@@ -36,11 +35,11 @@ class LeverArm(SystematicEffect):
 
     def slopes(self, conditions: Conditions) -> dict[str, np.ndarray]:
         """Return what arms of one metre along x, y and z add along the own axis."""
-        component = ACCEL.index(conditions.own_axis(self))
+        component = ACCEL.index(self.own_axis(conditions))
         return dict(zip(("x", "y", "z"), conditions.once(_fields)[:, :, component], strict=True))
 
     @classmethod
-    def starts(cls, fit: "AxisFit") -> Iterator[Start]:
+    def starts(cls, fit: Residual) -> Iterator[Start]:
         """Yield the arm, where the angular rate is known and tells its components from each other."""
         conditions = fit.sequence.conditions
         if conditions.axis in ACCEL and conditions.knows(GYRO) and not fit.has(cls):
@@ -49,6 +48,6 @@ class LeverArm(SystematicEffect):
 
 def _fields(conditions: Conditions) -> np.ndarray:
     """Return the specific force that arms of one metre along x, y and z add, shape (3 arms, n, 3 components)."""
-    rate = conditions.input(LeverArm, GYRO)
+    rate = LeverArm.error_free(conditions, GYRO)
     change = course(conditions.time, rate)(conditions.time, 1)
     return np.array([np.cross(rate, np.cross(rate, arm)) + np.cross(change, arm) for arm in np.eye(3)])

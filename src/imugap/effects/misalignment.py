@@ -2,15 +2,14 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
-from imugap.effects.effect import Conditions, Start, SystematicEffect, parameter
+from imugap.effects.conditions import Conditions
+from imugap.effects.effect import Start, SystematicEffect, parameter
+from imugap.effects.residual import Residual
 from imugap.log import triad
-
-if TYPE_CHECKING:
-    from imugap.discovery.axis import AxisFit
 
 
 @dataclass(frozen=True)
@@ -34,19 +33,19 @@ class Misalignment(SystematicEffect):
 
     def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
         """Return the sum of the inputs of the other axes, each times its angle."""
-        angles = dict(zip(triad(conditions.own_axis(self)), (self.x, self.y, self.z), strict=True))
+        angles = dict(zip(triad(self.own_axis(conditions)), (self.x, self.y, self.z), strict=True))
         leaning = {axis: angle for axis, angle in angles.items() if angle}
-        return conditions.input(self, list(leaning)) @ np.array(list(leaning.values()))
+        return self.error_free(conditions, list(leaning)) @ np.array(list(leaning.values()))
 
     def slopes(self, conditions: Conditions) -> dict[str, np.ndarray]:
         """Return the inputs of the other axes of the triad, of those that are known."""
-        own = conditions.own_axis(self)
+        own = self.own_axis(conditions)
         others = [axis for axis in triad(own) if axis != own]
         others = [axis for axis in others if conditions.knows([axis])] or others
-        return {axis[-1]: column for axis, column in zip(others, conditions.input(self, others).T, strict=True)}
+        return {axis[-1]: column for axis, column in zip(others, self.error_free(conditions, others).T, strict=True)}
 
     @classmethod
-    def starts(cls, fit: "AxisFit") -> Iterator[Start]:
+    def starts(cls, fit: Residual) -> Iterator[Start]:
         """Yield the angles to the axes with an input, where one is known."""
         conditions = fit.sequence.conditions
         if conditions.axis is None or fit.has(cls):

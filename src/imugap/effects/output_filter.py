@@ -3,15 +3,14 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from scipy.fft import irfft, next_fast_len, rfft, rfftfreq
 
-from imugap.effects.effect import TINY, Conditions, Effect, Stage, Start, parameter
-
-if TYPE_CHECKING:
-    from imugap.discovery.axis import AxisFit
+from imugap.effects.conditions import Conditions
+from imugap.effects.effect import TINY, Effect, Stage, Start, parameter
+from imugap.effects.residual import Residual
 
 DEFICIT = -2.5
 """Standard deviations by which the power near half the rate is too low where a search tries a filter."""
@@ -126,7 +125,7 @@ class OutputFilter(Effect):
         return passed.reshape(values.shape)
 
     @classmethod
-    def starts(cls, fit: "AxisFit") -> Iterator[Start]:
+    def starts(cls, fit: Residual) -> Iterator[Start]:
         """Yield filters of a few orders, where there is none yet."""
         if fit.description.noise.output_filter is None and fit.top < DEFICIT:
             for shape in SHAPES:

@@ -3,17 +3,16 @@
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import lru_cache, partial
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from scipy.fft import irfft, next_fast_len, rfft
 from scipy.special import gamma
 
 from imugap import spectrum
-from imugap.effects.effect import Conditions, Start, StochasticEffect, parameter
-
-if TYPE_CHECKING:
-    from imugap.discovery.axis import AxisFit
+from imugap.effects.conditions import Conditions
+from imugap.effects.effect import Start, StochasticEffect, parameter
+from imugap.effects.residual import Residual
 
 STEEPEST = 3.0
 """Exponent from which on the Allan variance has no bound: the log is a trend."""
@@ -35,7 +34,7 @@ class PowerLaw(StochasticEffect):
     exponent: float = parameter("1", "exponent of 1/f", low=0.05, high=4.0)
 
     @classmethod
-    def starts(cls, fit: "AxisFit") -> Iterator[Start]:
+    def starts(cls, fit: Residual) -> Iterator[Start]:
         """Yield nothing: it is no name."""
         return iter(())
 

@@ -5,7 +5,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from imugap.effects.effect import Conditions, StochasticEffect, parameter
+from imugap.effects.conditions import Conditions
+from imugap.effects.effect import StochasticEffect, parameter
 
 
 @dataclass(frozen=True)

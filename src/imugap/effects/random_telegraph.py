@@ -5,7 +5,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from imugap.effects.effect import TINY, Conditions, EquivalentEffect, parameter
+from imugap.effects.conditions import Conditions
+from imugap.effects.effect import TINY, EquivalentEffect, parameter
 from imugap.effects.gauss_markov import GaussMarkov
 
 

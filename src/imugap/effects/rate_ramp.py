@@ -2,14 +2,13 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
-from imugap.effects.effect import AllanEffect, Conditions, Start, SystematicEffect, parameter
-
-if TYPE_CHECKING:
-    from imugap.discovery.axis import AxisFit
+from imugap.effects.conditions import Conditions
+from imugap.effects.effect import AllanEffect, Start, SystematicEffect, parameter
+from imugap.effects.residual import Residual
 
 
 @dataclass(frozen=True)
@@ -33,7 +32,7 @@ class RateRamp(SystematicEffect, AllanEffect):
         return [np.column_stack([centred**2, centred**3])]
 
     @classmethod
-    def starts(cls, fit: "AxisFit") -> Iterator[Start]:
+    def starts(cls, fit: Residual) -> Iterator[Start]:
         """Yield a flat ramp, where there is none yet."""
         if not fit.has(cls):
             gain = fit.gains(fit.whiten(fit.sequence.conditions.time[:, None]))[0]

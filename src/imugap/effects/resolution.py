@@ -7,7 +7,8 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.special import ndtr
 
-from imugap.effects.effect import TINY, Conditions, Effect, Evidence, Stage, parameter
+from imugap.effects.conditions import Conditions
+from imugap.effects.effect import TINY, Effect, Evidence, Stage, parameter
 from imugap.grain import decimal, spacing
 from imugap.integrity import IMPROBABLE
 

@@ -7,7 +7,8 @@ import numpy as np
 import pandas as pd
 from scipy.special import log_ndtr
 
-from imugap.effects.effect import ClockEffect, Conditions, Evidence, parameter
+from imugap.effects.conditions import Conditions
+from imugap.effects.effect import ClockEffect, Evidence, parameter
 from imugap.integrity import IMPROBABLE
 from imugap.stamps import Stamps
 from imugap.stretch import counted, stretches

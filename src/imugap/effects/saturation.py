@@ -6,7 +6,8 @@ from typing import ClassVar
 import numpy as np
 from scipy.special import bdtrc
 
-from imugap.effects.effect import TINY, Conditions, Effect, Evidence, Stage, parameter
+from imugap.effects.conditions import Conditions
+from imugap.effects.effect import TINY, Effect, Evidence, Stage, parameter
 from imugap.grain import grain, spacing
 from imugap.integrity import IMPROBABLE
 

@@ -2,14 +2,13 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
-from imugap.effects.effect import Conditions, Start, SystematicEffect, parameter
-
-if TYPE_CHECKING:
-    from imugap.discovery.axis import AxisFit
+from imugap.effects.conditions import Conditions
+from imugap.effects.effect import Start, SystematicEffect, parameter
+from imugap.effects.residual import Residual
 
 LAWS = (("error",), ("error", "asymmetry"), ("error", "nonlinearity"))
 """Parameters that a search adjusts together."""
@@ -26,16 +25,16 @@ class ScaleFactor(SystematicEffect):
 
     def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
         """Return error u + asymmetry abs(u) + nonlinearity u^2."""
-        u = conditions.input(self, [conditions.own_axis(self)])[:, 0]
+        u = self.error_free(conditions, [self.own_axis(conditions)])[:, 0]
         return self.error * u + self.asymmetry * np.abs(u) + self.nonlinearity * u**2
 
     def slopes(self, conditions: Conditions) -> dict[str, np.ndarray]:
         """Return u, abs(u) and u^2."""
-        u = conditions.input(self, [conditions.own_axis(self)])[:, 0]
+        u = self.error_free(conditions, [self.own_axis(conditions)])[:, 0]
         return {"error": u, "asymmetry": np.abs(u), "nonlinearity": u**2}
 
     @classmethod
-    def starts(cls, fit: "AxisFit") -> Iterator[Start]:
+    def starts(cls, fit: Residual) -> Iterator[Start]:
         """Yield the error alone, with an asymmetry, and with a nonlinearity, where the input is known."""
         conditions = fit.sequence.conditions
         if conditions.knows([conditions.axis]) and not fit.has(cls):

@@ -2,15 +2,14 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from scipy.special import diric
 
-from imugap.effects.effect import TINY, AllanEffect, Conditions, Start, SystematicEffect, parameter
-
-if TYPE_CHECKING:
-    from imugap.discovery.axis import AxisFit
+from imugap.effects.conditions import Conditions
+from imugap.effects.effect import TINY, AllanEffect, Start, SystematicEffect, parameter
+from imugap.effects.residual import Residual
 
 HIGHEST = 0.48
 """Highest frequency times interval of a harmonic."""
@@ -51,7 +50,7 @@ class Sinusoid(SystematicEffect, AllanEffect):
         return [np.column_stack([way.real, way.imag]) for way in (drifting, *harmonics)]
 
     @classmethod
-    def at(cls, frequency: float, fit: "AxisFit") -> "Sinusoid":
+    def at(cls, frequency: float, fit: Residual) -> "Sinusoid":
         """Return the line of a frequency [Hz] as the residual of a fit shows it, ahead of a filter of the output."""
         output_filter, conditions = fit.description.noise.output_filter, fit.sequence.conditions
         passed = 1.0 if output_filter is None else output_filter.response(np.array([frequency]), conditions.interval)[0]
@@ -59,7 +58,7 @@ class Sinusoid(SystematicEffect, AllanEffect):
         return cls(frequency, float(abs(wave)), float(np.angle(wave)))
 
     @classmethod
-    def starts(cls, fit: "AxisFit") -> Iterator[Start]:
+    def starts(cls, fit: Residual) -> Iterator[Start]:
         """Yield the highest line of the whitened residual's spectrum."""
         frequency, gains, level = fit.lines
         best = int(np.argmax(gains))

@@ -5,7 +5,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from imugap.effects.effect import TINY, Conditions, Effect, Stage, parameter
+from imugap.effects.conditions import Conditions
+from imugap.effects.effect import TINY, Effect, Stage, parameter
 from imugap.stability import bias_stability
 
 

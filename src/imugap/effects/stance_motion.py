@@ -5,7 +5,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from imugap.effects.effect import Conditions, Effect, Stage, parameter
+from imugap.effects.conditions import Conditions
+from imugap.effects.effect import Effect, Stage, parameter
 
 
 @dataclass(frozen=True)

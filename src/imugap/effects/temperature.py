@@ -2,15 +2,14 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 
-from imugap.effects.effect import Conditions, Start, SystematicEffect, parameter
-
-if TYPE_CHECKING:
-    from imugap.discovery.axis import AxisFit
+from imugap.effects.conditions import Conditions
+from imugap.effects.effect import Start, SystematicEffect, parameter
+from imugap.effects.residual import Residual
 
 LAWS = (("coefficient",), ("coefficient", "quadratic"), ("coefficient", "rate"))
 """Parameters that a search adjusts together."""
@@ -59,7 +58,7 @@ class Temperature(SystematicEffect):
         return [np.column_stack([distance**3]), np.column_stack([sign, distance * sign])]
 
     @classmethod
-    def starts(cls, fit: "AxisFit") -> Iterator[Start]:
+    def starts(cls, fit: Residual) -> Iterator[Start]:
         """Yield the linear, the quadratic and the rate-dependent law, where the temperature is known and varies."""
         temperature = fit.sequence.conditions.temperature
         if temperature is None or np.ptp(temperature) == 0 or fit.has(cls):

@@ -2,17 +2,16 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
 from imugap.course import course
-from imugap.effects.effect import Conditions, Start, SystematicEffect, parameter
+from imugap.effects.conditions import Conditions
+from imugap.effects.effect import Start, SystematicEffect, parameter
+from imugap.effects.residual import Residual
 from imugap.log import AXES
-
-if TYPE_CHECKING:
-    from imugap.discovery.axis import AxisFit
 
 REACH = 5
 """Samples, either way, within which a search for a delay starts."""
@@ -28,20 +27,20 @@ class TimeOffset(SystematicEffect):
 
     def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
         """Interpolate (:mod:`imugap.course`); before the first and after the last sample the input is held."""
-        conditions.own_axis(self)
+        self.own_axis(conditions)
         between, time = conditions.once(_course), conditions.time
         return between(np.clip(time - self.offset, time[0], time[-1])) - conditions.error_free
 
     def slopes(self, conditions: Conditions) -> dict[str, np.ndarray]:
         """Return the derivative of the input, earlier by the offset, with the sign of a delay."""
-        conditions.own_axis(self)
+        self.own_axis(conditions)
         time = conditions.time
         earlier = time - self.offset
         held = (earlier < time[0]) | (earlier > time[-1])
         return {"offset": np.where(held, 0.0, -conditions.once(_course)(earlier, 1))}
 
     @classmethod
-    def starts(cls, fit: "AxisFit") -> Iterator[Start]:
+    def starts(cls, fit: Residual) -> Iterator[Start]:
         """Yield the best of the delays by whole samples, none included, and what a step from there gains at best."""
         conditions = fit.sequence.conditions
         if not conditions.knows([conditions.axis]) or fit.has(cls):
@@ -51,7 +50,7 @@ class TimeOffset(SystematicEffect):
         if gain > 0:
             yield Start(best, ("offset",), gain=gain)
 
-    def _reached(self, fit: "AxisFit") -> float:
+    def _reached(self, fit: Residual) -> float:
         """Return the gain of log-likelihood of this delay, to second order moved to where it is highest near by."""
         conditions = fit.sequence.conditions
         columns = np.column_stack([self.sample(conditions, None), self.slopes(conditions)["offset"]])
@@ -64,4 +63,4 @@ class TimeOffset(SystematicEffect):
 
 def _course(conditions: Conditions) -> CubicHermiteSpline:
     """Return the input of the own axis between its samples."""
-    return course(conditions.time, conditions.input(TimeOffset, [conditions.axis])[:, 0])
+    return course(conditions.time, TimeOffset.error_free(conditions, [conditions.axis])[:, 0])

@@ -2,14 +2,13 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
-from imugap.effects.effect import TINY, Conditions, Effect, Stage, Start, parameter
-
-if TYPE_CHECKING:
-    from imugap.discovery.axis import AxisFit
+from imugap.effects.conditions import Conditions
+from imugap.effects.effect import TINY, Effect, Stage, Start, parameter
+from imugap.effects.residual import Residual
 
 STRETCHES = 1e5
 """Independent stretches of a long log, on the safe side."""
@@ -61,7 +60,7 @@ class VarianceChange(Effect):
         return np.sqrt(self.factor(conditions.time)) * sequence
 
     @classmethod
-    def starts(cls, fit: "AxisFit") -> Iterator[Start]:
+    def starts(cls, fit: Residual) -> Iterator[Start]:
         """Yield the stretch of the whitened residual whose variance differs most, and the swing that does."""
         gain, first, last = fit.stretch
         time, squares = fit.sequence.conditions.time, fit.unrounded**2

@@ -2,16 +2,15 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 import pandas as pd
 
-from imugap.effects.effect import TINY, Conditions, Start, SystematicEffect, parameter
+from imugap.effects.conditions import Conditions
+from imugap.effects.effect import TINY, Start, SystematicEffect, parameter
+from imugap.effects.residual import Residual
 from imugap.log import ACCEL
-
-if TYPE_CHECKING:
-    from imugap.discovery.axis import AxisFit
 
 WINDOWS = (0.03, 0.1, 0.3, 1.0, 3.0)
 """Lengths of the window of the running variance that a search tries [s]."""
@@ -46,7 +45,7 @@ class VibrationRectification(SystematicEffect):
         return {"coefficient": conditions.once(_Power(self.window, bool(self.own)))}
 
     @classmethod
-    def starts(cls, fit: "AxisFit") -> Iterator[Start]:
+    def starts(cls, fit: Residual) -> Iterator[Start]:
         """Yield the power that promises most, where the specific force is known and its variance varies."""
         conditions = fit.sequence.conditions
         if not conditions.knows(ACCEL) or fit.has(cls):
@@ -66,7 +65,7 @@ class _Power:
     own: bool
 
     def __call__(self, conditions: Conditions) -> np.ndarray:
-        force = pd.DataFrame(conditions.input(VibrationRectification, ACCEL))
+        force = pd.DataFrame(VibrationRectification.error_free(conditions, ACCEL))
         asked = force.iloc[:, ["xyz".index(conditions.axis[-1])] if self.own else [0, 1, 2]]
         around = {"center": True, "min_periods": 1}
         power = asked.rolling(_length(self.window, conditions), **around).var(ddof=0).sum(axis=1)

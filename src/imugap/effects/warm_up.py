@@ -2,14 +2,13 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
-from imugap.effects.effect import TINY, Conditions, Start, SystematicEffect, parameter
-
-if TYPE_CHECKING:
-    from imugap.discovery.axis import AxisFit
+from imugap.effects.conditions import Conditions
+from imugap.effects.effect import TINY, Start, SystematicEffect, parameter
+from imugap.effects.residual import Residual
 
 CONSTANTS = 14
 """Time constants at which a search looks."""
@@ -39,7 +38,7 @@ class WarmUp(SystematicEffect):
         return [np.column_stack([*decays, conditions.time])]
 
     @classmethod
-    def starts(cls, fit: "AxisFit") -> Iterator[Start]:
+    def starts(cls, fit: Residual) -> Iterator[Start]:
         """Yield the time constant, from a grid, whose exponential fits the residual best."""
         if fit.has(cls):
             return

@@ -15,7 +15,8 @@ from imugap.discovery.doubt.doubt import LEVEL, Doubt, divergence, over
 from imugap.discovery.hysteresis import play
 from imugap.discovery.search import Key, Search, log_chance, removed
 from imugap.discovery.sequence import Sequence
-from imugap.effects.effect import TINY, Conditions
+from imugap.effects.conditions import Conditions
+from imugap.effects.effect import TINY
 
 HALVES = 0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1.0
 """Halves of plays, in standard deviations of the input."""

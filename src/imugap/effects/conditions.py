@@ -1,0 +1,57 @@
+"""What the error of an axis may depend on: time, temperature, and the error-free motion."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import TypeVar
+
+import numpy as np
+import pandas as pd
+
+Made = TypeVar("Made")
+
+
+@dataclass(frozen=True)
+class Conditions:
+    """What an effect may depend on besides its parameters and its random stream.
+
+    Attributes
+    ----------
+    time
+        Time of the samples since power-on [s], shape (n,).
+    interval
+        Sampling interval [s].
+    temperature
+        Temperature of the device [degC], shape (n,), or None where it is not known.
+    axis
+        Canonical name of the axis, or None where it is not known.
+    ideal
+        Error-free log of all axes, or None where it is not known.
+    """
+
+    time: np.ndarray
+    interval: float
+    temperature: np.ndarray | None = None
+    axis: str | None = None
+    ideal: pd.DataFrame | None = None
+    _made: dict = field(init=False, repr=False, compare=False, default_factory=dict)
+
+    def __len__(self) -> int:
+        """Return the number of samples."""
+        return len(self.time)
+
+    @property
+    def error_free(self) -> np.ndarray | float:
+        """Return the error-free signal of the axis, shape (n,); 0 where it is not known, as for a device at rest."""
+        if self.ideal is None or self.axis not in self.ideal:
+            return 0.0
+        return self.ideal[self.axis].to_numpy(float)
+
+    def once(self, make: Callable[["Conditions"], Made]) -> Made:
+        """Return ``make(self)``, made at the first call: what a fit asks for at every step."""
+        if make not in self._made:
+            self._made[make] = make(self)
+        return self._made[make]
+
+    def knows(self, axes: Sequence[str]) -> bool:
+        """Return whether the own axis and the error-free signals of ``axes`` are known."""
+        return self.axis is not None and self.ideal is not None and set(axes) <= set(self.ideal)
