@@ -1,4 +1,4 @@
-"""Keep compiled kernels of different versions of the library apart (see :func:`imugap.dependencies.digest`).
+"""Keep compiled kernels of different versions of the library apart (see :func:`imugap.workflow.dependencies.digest`).
 
 Property tests draw the same examples every time, and take the time that they take: the first call of a kernel compiles.
 """
@@ -13,8 +13,8 @@ import yaml
 from hypothesis import settings
 from jsonschema import Draft202012Validator
 
-from imugap import goodness
-from imugap.dependencies import digest
+from imugap.estimation import goodness_of_fit as goodness
+from imugap.workflow.dependencies import digest
 
 ROOT = Path(__file__).parents[1]
 os.environ.setdefault("NUMBA_CACHE_DIR", str(ROOT / ".pytest_cache" / "numba" / digest()))

@@ -16,18 +16,18 @@ ErrorModel
     under the pseudo-axis ``time``.
 Trajectory
     ``pandas.DataFrame``, index ``time`` [s], columns ``north east down`` [m], ``vel_n vel_e vel_d`` [m/s],
-    ``roll pitch heading`` [rad] (:mod:`imugap.strapdown`).
+    ``roll pitch heading`` [rad] (:mod:`imugap.kinematics.strapdown`).
 Reference
     ``pandas.DataFrame``, index ``time`` [s], columns ``quat_x quat_y quat_z quat_w`` (unit quaternion ``quat_nb``,
     scalar last) and ``moving`` (whether the body is meant to move); only instants at which the attitude is known
-    (:mod:`imugap.reference`).
+    (:mod:`imugap.io.reference`).
 Fixes
     ``pandas.DataFrame``, index ``time`` [s], columns ``latitude longitude`` [rad], ``height`` [m], optionally
-    ``vel_n vel_e vel_d`` [m/s] and standard deviations: the log of a GNSS receiver (:mod:`imugap.gnss`).
+    ``vel_n vel_e vel_d`` [m/s] and standard deviations: the log of a GNSS receiver (:mod:`imugap.io.gnss`).
 Solution
     What a filter says of attitude and sensor errors over time, with covariances and innovations
-    (:mod:`imugap.attitude`); of a walk or a drive, a Trajectory with standard deviations in the same columns
-    (:mod:`imugap.pedestrian`, :mod:`imugap.vehicle`).
+    (:mod:`imugap.navigation.attitude`); of a walk or a drive, a Trajectory with standard deviations in the same columns
+    (:mod:`imugap.navigation.pedestrian`, :mod:`imugap.navigation.vehicle`).
 
 Units
 -----

@@ -12,13 +12,16 @@ import numpy as np
 import pandas as pd
 from tqdm import tqdm
 
-from imugap import findings, integrity, log, readers
+from imugap import log
 from imugap.atomic import atomic, write_together
-from imugap.conventions import HOUR, Rule, Triad
-from imugap.export import Target
-from imugap.export import export as exported
-from imugap.extension import catalogue
-from imugap.indices import INDICES, of_run, over_runs, shortest
+from imugap.estimation import report as findings
+from imugap.estimation.indices import INDICES, of_run, over_runs, shortest
+from imugap.integrity import report as integrity
+from imugap.interchange.conventions import HOUR, Rule, Triad
+from imugap.interchange.export import Target
+from imugap.interchange.export import export as exported
+from imugap.interchange.plugins import catalogue
+from imugap.io import readers
 from imugap.model import ErrorModel
 from imugap.units import from_si, to_si
 
@@ -113,9 +116,10 @@ def simulate(options: argparse.Namespace) -> None:
 
 def discover(options: argparse.Namespace) -> None:
     """Find where a simulator and a device disagree and name what is missing; write the folder ``--out``."""
-    from imugap.discovery import dossier, report  # discovery takes longer to import than the rest
-    from imugap.discovery.discover import Question
-    from imugap.discovery.inquiry import Files
+    from imugap.commands import discover as dossier
+    from imugap.discovery import report  # discovery takes longer to import than the rest
+    from imugap.discovery.device import Question
+    from imugap.discovery.inputs import Files
 
     reference, model = (None if path is None else Path(path) for path in (options.reference, options.model))
     files = Files(tuple(map(Path, options.log)), tuple(map(Path, options.test)), reference, model, options.effects)
@@ -132,8 +136,8 @@ def discover(options: argparse.Namespace) -> None:
 
 def walk(options: argparse.Namespace) -> None:
     """Navigate a walk with the device on a foot; print its summary and write the folder ``--out``."""
-    from imugap import walk as walks  # compiled kernels take longer to import than the rest
-    from imugap.pedestrian import Assumptions
+    from imugap.commands import walk as walks  # compiled kernels take longer to import than the rest
+    from imugap.navigation.pedestrian import Assumptions
 
     ground = Assumptions() if options.outdoors else walks.INDOORS
     assumptions = replace(ground, gravity=options.gravity, full_scale=to_si(options.full_scale, "g"))
@@ -143,7 +147,7 @@ def walk(options: argparse.Namespace) -> None:
 
 def drive(options: argparse.Namespace) -> None:
     """Navigate a drive by device and receiver; print its summary and write the folder ``--out``."""
-    from imugap import drive as drives  # compiled kernels take longer to import than the rest
+    from imugap.commands import drive as drives  # compiled kernels take longer to import than the rest
 
     found = drives.compose(options.log, options.fixes, options.out, options.config, options.effects)
     print(json.dumps(found, indent=1))

@@ -1,7 +1,7 @@
 """The canonical log: a table of one device over time, checked once, at reading.
 
 Index ``time`` [s], strictly increasing; columns from :data:`AXES` (rad/s, m/s^2, in this order, any subset) and
-optionally ``temperature`` [degC]. What a log *is* lives here; how foreign files become one is :mod:`imugap.readers`.
+optionally ``temperature`` [degC]. What a log *is* lives here; how foreign files become one is :mod:`imugap.io.readers`.
 """
 
 from pathlib import Path

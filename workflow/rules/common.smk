@@ -3,11 +3,11 @@ from collections import defaultdict
 from pathlib import Path
 
 import yaml
-from imugap.catalogue import available, load, locate
-from imugap.configuration import ConfigurationError, configure
-from imugap.contenders import CONTENDERS
-from imugap.datasheet import TRUTHS
-from imugap.dependencies import digest, modules_of
+from imugap.io.datasets import available, load, locate
+from imugap.io.configuration import ConfigurationError, configure
+from imugap.interchange.from_indices import CONTENDERS
+from imugap.interchange.datasheet import TRUTHS
+from imugap.workflow.dependencies import digest, modules_of
 
 config.update(configure(config, "workflow/schemas/study.schema.yaml"))
 

@@ -4,7 +4,7 @@ import pandas as pd
 
 from imugap import figures
 from imugap.figures import static
-from imugap.journal import journal
+from imugap.workflow.job_log import journal
 
 if __name__ == "__main__":
     with journal(snakemake.log[0]):

@@ -2,9 +2,9 @@
 
 import pandas as pd
 
-from imugap import tables
-from imugap.audit import findings
-from imugap.journal import journal
+from imugap.study.he2023 import findings
+from imugap.workflow import tables
+from imugap.workflow.job_log import journal
 
 if __name__ == "__main__":
     with journal(snakemake.log[0]):

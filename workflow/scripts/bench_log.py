@@ -1,8 +1,8 @@
 """Generate one raw log of the virtual bench."""
 
 from imugap import log
-from imugap.bench import Bench
-from imugap.journal import journal
+from imugap.simulation.bench import Bench
+from imugap.workflow.job_log import journal
 
 
 def main(recipe, run, params, path):

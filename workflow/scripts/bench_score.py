@@ -6,11 +6,11 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from imugap import tables
+from imugap.estimation.indices import INDICES
 from imugap.figures import AXIS_TITLES
-from imugap.indices import INDICES
-from imugap.journal import journal
 from imugap.units import from_si
+from imugap.workflow import tables
+from imugap.workflow.job_log import journal
 
 TRUTH = {
     "bias": ("bias", "value"),

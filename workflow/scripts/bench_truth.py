@@ -3,8 +3,8 @@
 import json
 from pathlib import Path
 
-from imugap.bench import Bench
-from imugap.journal import journal
+from imugap.simulation.bench import Bench
+from imugap.workflow.job_log import journal
 
 if __name__ == "__main__":
     with journal(snakemake.log[0]):

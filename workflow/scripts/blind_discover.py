@@ -4,10 +4,10 @@ import json
 from pathlib import Path
 from time import perf_counter
 
-from imugap.discovery.discover import Question
-from imugap.discovery.inquiry import Files, ask
+from imugap.discovery.device import Question
+from imugap.discovery.inputs import Files, ask
 from imugap.discovery.report import view_table
-from imugap.journal import journal
+from imugap.workflow.job_log import journal
 
 
 def main(case, question, output):

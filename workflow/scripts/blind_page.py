@@ -6,10 +6,12 @@ from pathlib import Path
 import pandas as pd
 import yaml
 
-from imugap import blind, figures, tables
+from imugap import figures
+from imugap.benchmark import scores as blind
 from imugap.figures import AXIS_TITLES
 from imugap.figures import blind as drawn
-from imugap.journal import journal
+from imugap.workflow import tables
+from imugap.workflow.job_log import journal
 
 TERMS = {"white_noise": "WN", "quantization": "QN", "random_walk": "RW", "gauss_markov": "AR1", "rate_ramp": "DR"}
 """What the R package gmwm calls the names that its choice of a model can give."""

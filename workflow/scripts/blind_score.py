@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pandas as pd
 
-from imugap import blind
-from imugap.journal import journal
+from imugap.benchmark import scores as blind
+from imugap.workflow.job_log import journal
 
 
 def main(source, output):

@@ -4,9 +4,9 @@ from pathlib import Path
 
 import yaml
 
-from imugap.configuration import configure
-from imugap.journal import journal
-from imugap.sealing import plan, seal, write
+from imugap.benchmark.sealing import plan, seal, write
+from imugap.io.configuration import configure
+from imugap.workflow.job_log import journal
 
 
 def main(recipe, params, cases, keys):

@@ -4,13 +4,14 @@ from itertools import product
 
 import pandas as pd
 
-from imugap import figures, tables
-from imugap.bound import bound
+from imugap import figures
 from imugap.effects import GaussMarkov, RandomWalk, WhiteNoise
 from imugap.effects.effect import AxisModel
-from imugap.experiment import Experiment
+from imugap.estimation.cramer_rao import bound
 from imugap.figures import indirect
-from imugap.journal import journal
+from imugap.study.experiment import Experiment
+from imugap.workflow import tables
+from imugap.workflow.job_log import journal
 
 COMPOSITIONS = {
     "N": (WhiteNoise,),

@@ -5,9 +5,11 @@ from pathlib import Path
 
 import pandas as pd
 
-from imugap import goodness, log, readers
-from imugap.choice import choose, title
-from imugap.journal import journal
+from imugap import log
+from imugap.estimation import goodness_of_fit as goodness
+from imugap.estimation.model_selection import choose, title
+from imugap.io import readers
+from imugap.workflow.job_log import journal
 
 
 def chosen(table):

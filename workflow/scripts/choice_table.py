@@ -5,10 +5,11 @@ from pathlib import Path
 
 import pandas as pd
 
-from imugap import figures, tables
-from imugap.estimate import Verdict
+from imugap import figures
+from imugap.estimation.result import Verdict
 from imugap.figures import AXIS_TITLES, indirect
-from imugap.journal import journal
+from imugap.workflow import tables
+from imugap.workflow.job_log import journal
 
 
 def rows(choice):

@@ -2,10 +2,10 @@
 
 import pandas as pd
 
-from imugap import tables
-from imugap.contenders import SOURCE
-from imugap.drift import QUANTITIES
-from imugap.journal import journal
+from imugap.interchange.from_indices import SOURCE
+from imugap.kinematics.free_inertial import QUANTITIES
+from imugap.workflow import tables
+from imugap.workflow.job_log import journal
 
 
 def smallest(five):

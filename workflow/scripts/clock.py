@@ -6,10 +6,11 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from imugap import figures, log, tables
-from imugap.clock import relative_interval, spectra
+from imugap import figures, log
 from imugap.figures import static
-from imugap.journal import journal
+from imugap.integrity.sampling_clock import relative_interval, spectra
+from imugap.workflow import tables
+from imugap.workflow.job_log import journal
 
 
 def measure(paths, runs):

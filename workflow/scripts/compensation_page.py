@@ -6,11 +6,14 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from imugap import audit, bootstrap, figures, tables
+from imugap import figures
 from imugap.figures import pedestrian
-from imugap.gait import Walk
-from imugap.journal import journal
+from imugap.numerics import block_bootstrap as bootstrap
+from imugap.simulation.walk import Walk
 from imugap.stream import stream
+from imugap.study import he2023 as audit
+from imugap.workflow import tables
+from imugap.workflow.job_log import journal
 
 QUANTITIES = {"position": ("position error at the end", "m"), "heading": ("heading error at the end", "°")}
 ROWS = {"position": "end_position_error", "heading": "end_heading_error"}

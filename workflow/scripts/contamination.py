@@ -7,16 +7,17 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from imugap import figures, tables
-from imugap import indirect as inference
-from imugap.bound import bound
-from imugap.experiment import Experiment
+from imugap import figures
+from imugap.estimation.cramer_rao import bound
+from imugap.estimation.gmwm import estimator as inference
+from imugap.estimation.methods import METHODS
+from imugap.estimation.wavelet_variance import EFFICIENCY
 from imugap.figures import indirect
-from imugap.journal import journal
-from imugap.methods import METHODS
-from imugap.replication import row, summary
 from imugap.stream import stream
-from imugap.wavelet import EFFICIENCY
+from imugap.study.experiment import Experiment
+from imugap.study.monte_carlo import row, summary
+from imugap.workflow import tables
+from imugap.workflow.job_log import journal
 
 COMPARED = {
     "indirect_full": METHODS["indirect_full"],

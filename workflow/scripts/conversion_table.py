@@ -4,12 +4,13 @@ from itertools import zip_longest
 
 import pandas as pd
 
-from imugap import log, tables
-from imugap.conventions import CONVENTIONS, HOUR, Rule, combined, reduced
-from imugap.export import TRIADS
-from imugap.journal import journal
+from imugap import log
+from imugap.interchange.conventions import CONVENTIONS, HOUR, Rule, combined, reduced
+from imugap.interchange.export import TRIADS
 from imugap.model import ErrorModel
 from imugap.units import from_si
+from imugap.workflow import tables
+from imugap.workflow.job_log import journal
 
 NAMES = {"bench": "virtual bench", "adis16405": "ADIS16405", "own": "own device"}
 

@@ -2,8 +2,8 @@
 
 import pandas as pd
 
-from imugap.indices import over_runs
-from imugap.journal import journal
+from imugap.estimation.indices import over_runs
+from imugap.workflow.job_log import journal
 
 
 def stacked(paths, runs):

@@ -2,11 +2,11 @@
 
 from pathlib import Path
 
-from imugap.discovery.discover import Question
-from imugap.discovery.dossier import compose
-from imugap.discovery.inquiry import Files
+from imugap.commands.discover import compose
+from imugap.discovery.device import Question
+from imugap.discovery.inputs import Files
 from imugap.discovery.report import verdict
-from imugap.journal import journal
+from imugap.workflow.job_log import journal
 
 if __name__ == "__main__":
     with journal(snakemake.log[0]):

@@ -3,9 +3,9 @@
 import numpy as np
 
 from imugap import figures
-from imugap.drift import QUANTITIES, STARTS, differences
 from imugap.figures import static
-from imugap.journal import journal
+from imugap.kinematics.free_inertial import QUANTITIES, STARTS, differences
+from imugap.workflow.job_log import journal
 
 
 def main(measured_path, simulated_paths, params, output):

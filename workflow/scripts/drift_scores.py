@@ -3,8 +3,8 @@
 import numpy as np
 import pandas as pd
 
-from imugap.drift import QUANTITIES, STARTS, crps, errors
-from imugap.journal import journal
+from imugap.kinematics.free_inertial import QUANTITIES, STARTS, crps, errors
+from imugap.workflow.job_log import journal
 
 
 def scores(contender, start, measured, simulated, horizons, at):

@@ -6,13 +6,14 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from imugap import figures, tables
-from imugap.contenders import SOURCE
-from imugap.drift import QUANTITIES
+from imugap import figures
 from imugap.figures import static
 from imugap.figures.static import TITLES
-from imugap.journal import journal
+from imugap.interchange.from_indices import SOURCE
+from imugap.kinematics.free_inertial import QUANTITIES
 from imugap.stream import stream
+from imugap.workflow import tables
+from imugap.workflow.job_log import journal
 
 SPREADLESS = ("bias_only", "white")
 DRAWS = 2000

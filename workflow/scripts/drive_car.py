@@ -6,9 +6,11 @@ import numpy as np
 import pandas as pd
 import yaml
 
-from imugap import catalogue, gnss, recordings, roadtest
-from imugap.faults import Faults
-from imugap.journal import journal
+from imugap.io import datasets as catalogue
+from imugap.io import gnss, recordings
+from imugap.simulation.gnss_faults import Faults
+from imugap.study import recorded_drive as roadtest
+from imugap.workflow.job_log import journal
 
 NAME = "rtklibexplorer_drive"
 

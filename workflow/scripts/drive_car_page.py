@@ -6,15 +6,16 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from imugap import figures, tables
-from imugap.ablation import SMOOTHED, WHEELS, WHOLE
-from imugap.consistency import nees_band
+from imugap import figures
 from imugap.figures import ablation as drawn
 from imugap.figures import roadtest
-from imugap.journal import journal
-from imugap.quality import SCHEMES
-from imugap.roadtest import TUNED, WHEELS_STD
+from imugap.filters.consistency import nees_band
+from imugap.filters.innovation_gate import SCHEMES
+from imugap.study.fault_ablation import SMOOTHED, WHEELS, WHOLE
+from imugap.study.recorded_drive import TUNED, WHEELS_STD
 from imugap.units import from_si
+from imugap.workflow import tables
+from imugap.workflow.job_log import journal
 
 SHOWN = (*SCHEMES, SMOOTHED, WHEELS[WHOLE], WHEELS[SMOOTHED])
 

@@ -6,11 +6,15 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from imugap import catalogue, figures, recordings, roadtest, tables
-from imugap.consistency import nees_band
+from imugap import figures
 from imugap.figures import roadtest as drawn
-from imugap.journal import journal
-from imugap.strapdown import ATTITUDE
+from imugap.filters.consistency import nees_band
+from imugap.io import datasets as catalogue
+from imugap.io import recordings
+from imugap.kinematics.strapdown import ATTITUDE
+from imugap.study import recorded_drive as roadtest
+from imugap.workflow import tables
+from imugap.workflow.job_log import journal
 
 NAME = "thor_flight75"
 IN_THE_AIR_S = (230.0, 560.0)

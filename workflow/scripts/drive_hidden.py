@@ -2,9 +2,9 @@
 
 import pandas as pd
 
-from imugap import hidden
-from imugap.ablation import Ablation, hide
-from imugap.journal import journal
+from imugap.navigation import vehicle_diagnosis as hidden
+from imugap.study.fault_ablation import Ablation, hide
+from imugap.workflow.job_log import journal
 
 NOTHING = "nothing"
 

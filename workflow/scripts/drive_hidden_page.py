@@ -6,9 +6,9 @@ from pathlib import Path
 import pandas as pd
 import yaml
 
-from imugap import tables
-from imugap.hidden import CANDIDATES
-from imugap.journal import journal
+from imugap.navigation.vehicle_diagnosis import CANDIDATES
+from imugap.workflow import tables
+from imugap.workflow.job_log import journal
 
 NOTHING = "nothing"
 TESTS = {"mean": "not zero-mean", "white": "not white", "size": "not as large"}

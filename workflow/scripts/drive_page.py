@@ -8,14 +8,28 @@ import pandas as pd
 import yaml
 from scipy.stats import binomtest
 
-from imugap import bootstrap, figures, tables
-from imugap.ablation import ALONE, CLEAN, CONTAMINATED, LOST, ORACLE, PARTS, PLAIN, SMOOTHED, WHEELS, WHOLE, Ablation
-from imugap.faults import OUTAGE, OUTLIER, RAMP, STRETCH
+from imugap import figures
 from imugap.figures import ablation as drawn
-from imugap.journal import journal
-from imugap.quality import SCHEMES
+from imugap.filters.innovation_gate import SCHEMES
+from imugap.numerics import block_bootstrap as bootstrap
+from imugap.simulation.gnss_faults import OUTAGE, OUTLIER, RAMP, STRETCH
 from imugap.stream import stream
+from imugap.study.fault_ablation import (
+    ALONE,
+    CLEAN,
+    CONTAMINATED,
+    LOST,
+    ORACLE,
+    PARTS,
+    PLAIN,
+    SMOOTHED,
+    WHEELS,
+    WHOLE,
+    Ablation,
+)
 from imugap.units import from_si
+from imugap.workflow import tables
+from imugap.workflow.job_log import journal
 
 COLUMNS = {
     "horizontal_95": ("position, 95 % [m]", "m"),

@@ -4,8 +4,8 @@ from dataclasses import asdict
 
 import pandas as pd
 
-from imugap.ablation import CASES, CLEAN, CONTAMINATED, Ablation
-from imugap.journal import journal
+from imugap.study.fault_ablation import CASES, CLEAN, CONTAMINATED, Ablation
+from imugap.workflow.job_log import journal
 
 
 def main(ablation, runs, parted, seed, output):

@@ -2,10 +2,10 @@
 
 import pandas as pd
 
-from imugap import ablation
-from imugap.ablation import CLEAN, CONTAMINATED
-from imugap.faults import OUTLIER, Event
-from imugap.journal import journal
+from imugap.simulation.gnss_faults import OUTLIER, Event
+from imugap.study import fault_ablation as ablation
+from imugap.study.fault_ablation import CLEAN, CONTAMINATED
+from imugap.workflow.job_log import journal
 
 KEY = ["run", "case", "scheme"]
 

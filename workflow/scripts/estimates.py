@@ -2,11 +2,12 @@
 
 import pandas as pd
 
-from imugap import log, readers
+from imugap import log
 from imugap.effects import GaussMarkov, RandomWalk, WhiteNoise
-from imugap.journal import journal
-from imugap.methods import METHODS
-from imugap.replication import row
+from imugap.estimation.methods import METHODS
+from imugap.io import readers
+from imugap.study.monte_carlo import row
+from imugap.workflow.job_log import journal
 
 MODELS = {"gyro": (WhiteNoise, GaussMarkov), "accel": (WhiteNoise, RandomWalk)}
 

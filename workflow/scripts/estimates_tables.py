@@ -6,13 +6,13 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from imugap import tables
 from imugap.effects import CATALOGUE
-from imugap.estimate import Verdict
+from imugap.estimation.result import Verdict
 from imugap.figures import AXIS_TITLES
 from imugap.figures.indirect import SYMBOLS, TITLES
-from imugap.journal import journal
 from imugap.units import from_si
+from imugap.workflow import tables
+from imugap.workflow.job_log import journal
 
 DATASHEET = {
     ("gyro", "density"): "deg/sqrt(h)",

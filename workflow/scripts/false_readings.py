@@ -7,10 +7,11 @@ import numpy as np
 import pandas as pd
 from scipy.stats import beta
 
-from imugap import allan, tables
 from imugap.effects import BiasInstability, Conditions, GaussMarkov, Quantization, RandomWalk, RateRamp, WhiteNoise
 from imugap.effects.effect import AxisModel
-from imugap.journal import journal
+from imugap.estimation import allan
+from imugap.workflow import tables
+from imugap.workflow.job_log import journal
 
 WHITE = WhiteNoise(1.0)
 LOGS = {

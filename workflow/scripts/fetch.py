@@ -2,8 +2,8 @@
 
 import sys
 
-from imugap.catalogue import FetchError, fetch, load
-from imugap.journal import journal
+from imugap.io.datasets import FetchError, fetch, load
+from imugap.workflow.job_log import journal
 
 
 def main(folder, mirror):

@@ -2,8 +2,8 @@
 
 import pandas as pd
 
-from imugap.contenders import averaged, fit
-from imugap.journal import journal
+from imugap.interchange.from_indices import averaged, fit
+from imugap.workflow.job_log import journal
 
 if __name__ == "__main__":
     with journal(snakemake.log[0]):

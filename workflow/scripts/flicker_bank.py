@@ -6,10 +6,12 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from imugap import figures, flicker, tables
+from imugap import figures
 from imugap.effects import BiasInstability
 from imugap.figures import tutorial as chapter
-from imugap.journal import journal
+from imugap.interchange import flicker_bank as flicker
+from imugap.workflow import tables
+from imugap.workflow.job_log import journal
 
 DECADES = (1, 2, 3, 4, 5)
 DRAWN = 3

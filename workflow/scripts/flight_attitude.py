@@ -8,9 +8,9 @@ import pandas as pd
 import yaml
 
 from imugap import log
-from imugap.attitude import Assumptions, Start, fuse
-from imugap.journal import journal
 from imugap.model import ErrorModel
+from imugap.navigation.attitude import Assumptions, Start, fuse
+from imugap.workflow.job_log import journal
 
 STEP_S = 0.1
 """Step of the stored attitudes."""

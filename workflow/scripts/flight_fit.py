@@ -5,8 +5,9 @@ from pathlib import Path
 import pandas as pd
 import yaml
 
-from imugap import log, schemes
-from imugap.journal import journal
+from imugap import log
+from imugap.study import attitude_schemes as schemes
+from imugap.workflow.job_log import journal
 
 if __name__ == "__main__":
     with journal(snakemake.log[0]):

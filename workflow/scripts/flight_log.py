@@ -1,8 +1,8 @@
 """Simulate one flight and the static log ahead of it."""
 
 from imugap import log
-from imugap.flight import Flight
-from imugap.journal import journal
+from imugap.simulation.flight import Flight
+from imugap.workflow.job_log import journal
 
 if __name__ == "__main__":
     with journal(snakemake.log[0]):

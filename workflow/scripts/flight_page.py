@@ -7,13 +7,15 @@ import numpy as np
 import pandas as pd
 import yaml
 
-from imugap import bootstrap, figures, tables
-from imugap.estimate import Verdict
+from imugap import figures
+from imugap.estimation.result import Verdict
 from imugap.figures import attitude
-from imugap.journal import journal
 from imugap.log import GYRO
+from imugap.numerics import block_bootstrap as bootstrap
 from imugap.stream import stream
 from imugap.units import from_si
+from imugap.workflow import tables
+from imugap.workflow.job_log import journal
 
 MEASURES = {"variance": "error variance [°²]", "mean_abs": "mean absolute error [°]", "range": "range [°]"}
 PARAMETERS = {

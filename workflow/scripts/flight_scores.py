@@ -2,10 +2,11 @@
 
 import pandas as pd
 
-from imugap import reference, scoring
-from imugap.journal import journal
-from imugap.strapdown import ATTITUDE
+from imugap.io import reference
+from imugap.kinematics.strapdown import ATTITUDE
 from imugap.stream import stream
+from imugap.study import attitude_scores as scoring
+from imugap.workflow.job_log import journal
 
 KEY = ["run", "minutes", "scheme"]
 

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import yaml
 
-from imugap.flight import Flight
-from imugap.journal import journal
+from imugap.simulation.flight import Flight
+from imugap.workflow.job_log import journal
 
 if __name__ == "__main__":
     with journal(snakemake.log[0]):

@@ -2,10 +2,11 @@
 
 import pandas as pd
 
-from imugap import allan, log
-from imugap.indices import INDICES, of_run
-from imugap.journal import journal
-from imugap.site import Site
+from imugap import log
+from imugap.estimation import allan
+from imugap.estimation.indices import INDICES, of_run
+from imugap.kinematics.site import Site
+from imugap.workflow.job_log import journal
 
 
 def main(path, site, period, indices, curves):

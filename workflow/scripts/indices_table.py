@@ -2,10 +2,10 @@
 
 import pandas as pd
 
-from imugap import tables
-from imugap.indices import INDICES
-from imugap.journal import journal
+from imugap.estimation.indices import INDICES
 from imugap.units import from_si
+from imugap.workflow import tables
+from imugap.workflow.job_log import journal
 
 
 def in_datasheet_units(indices):

@@ -4,8 +4,11 @@ import json
 from dataclasses import asdict
 from pathlib import Path
 
-from imugap import catalogue, integrity, log, readers
-from imugap.journal import journal
+from imugap import log
+from imugap.integrity import report as integrity
+from imugap.io import datasets as catalogue
+from imugap.io import readers
+from imugap.workflow.job_log import journal
 
 
 def main(raw, device, run, log_path, report_path):

@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pandas as pd
 
-from imugap import tables
-from imugap.journal import journal
 from imugap.units import from_si
+from imugap.workflow import tables
+from imugap.workflow.job_log import journal
 
 
 def page_row(run, facts):

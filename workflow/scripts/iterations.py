@@ -1,10 +1,10 @@
 """Follow the iterations of indirect inference on one run (figure 2 of the source)."""
 
 from imugap import figures
-from imugap.experiment import Experiment
+from imugap.estimation.gmwm.estimator import Weighting, fit, simulated
 from imugap.figures import indirect
-from imugap.indirect import Weighting, fit, simulated
-from imugap.journal import journal
+from imugap.study.experiment import Experiment
+from imugap.workflow.job_log import journal
 
 if __name__ == "__main__":
     with journal(snakemake.log[0]):

@@ -1,7 +1,8 @@
 """Cut logs short and average them over blocks."""
 
-from imugap import log, readers
-from imugap.journal import journal
+from imugap import log
+from imugap.io import readers
+from imugap.workflow.job_log import journal
 
 if __name__ == "__main__":
     with journal(snakemake.log[0]):

@@ -3,8 +3,8 @@
 import numpy as np
 
 from imugap import log
-from imugap.drift import Course
-from imugap.journal import journal
+from imugap.kinematics.free_inertial import Course
+from imugap.workflow.job_log import journal
 
 
 def reachable(tables, course):

@@ -8,13 +8,13 @@ from shutil import copyfile
 
 import pandas as pd
 
-from imugap import tables
 from imugap.discovery.finding import Gap
 from imugap.discovery.report import span
 from imugap.figures import AXIS_TITLES
 from imugap.figures import discovery as drawn
 from imugap.figures.static import TITLES
-from imugap.journal import journal
+from imugap.workflow import tables
+from imugap.workflow.job_log import journal
 
 DISTANCES = {"distance": "distribution", "navigation_distance": "navigation drift"}
 STATES, ENDS = ("before", "after", "floor"), ("value", "low", "high")

@@ -5,10 +5,10 @@ from pathlib import Path
 
 import pandas as pd
 
-from imugap import tables
 from imugap.figures import AXIS_TITLES
 from imugap.figures.static import TITLES
-from imugap.journal import journal
+from imugap.workflow import tables
+from imugap.workflow.job_log import journal
 
 NOT_MISSING = ("bias", "white_noise", "turn_on_bias")
 """What every start model has, and a bias that is drawn anew, which one run cannot show."""

@@ -3,9 +3,10 @@
 import numpy as np
 import pandas as pd
 
-from imugap import allan, log
-from imugap.journal import journal
+from imugap import log
+from imugap.estimation import allan
 from imugap.model import ErrorModel
+from imugap.workflow.job_log import journal
 
 
 def main(model_path, log_path, contender, params, path):

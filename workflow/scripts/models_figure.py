@@ -6,10 +6,11 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from imugap import figures, tables
+from imugap import figures
 from imugap.figures import static
 from imugap.figures.static import TITLES
-from imugap.journal import journal
+from imugap.workflow import tables
+from imugap.workflow.job_log import journal
 
 
 def agreement(device, simulated):

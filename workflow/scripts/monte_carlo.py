@@ -2,11 +2,11 @@
 
 import pandas as pd
 
-from imugap import indirect
-from imugap.experiment import Experiment
-from imugap.journal import journal
-from imugap.methods import METHODS
-from imugap.replication import row
+from imugap.estimation.gmwm import estimator as indirect
+from imugap.estimation.methods import METHODS
+from imugap.study.experiment import Experiment
+from imugap.study.monte_carlo import row
+from imugap.workflow.job_log import journal
 
 
 def estimates(experiment, time, seed, runs, printed):

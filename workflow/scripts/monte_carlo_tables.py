@@ -6,13 +6,14 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from imugap import figures, tables
-from imugap.bound import bound
-from imugap.experiment import Experiment
+from imugap import figures
+from imugap.estimation.cramer_rao import bound
+from imugap.estimation.methods import METHODS
 from imugap.figures import indirect
-from imugap.journal import journal
-from imugap.methods import METHODS
-from imugap.replication import summary
+from imugap.study.experiment import Experiment
+from imugap.study.monte_carlo import summary
+from imugap.workflow import tables
+from imugap.workflow.job_log import journal
 
 TIME = ("gauss_markov", 1, "correlation_time")
 

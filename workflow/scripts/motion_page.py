@@ -6,13 +6,14 @@ from pathlib import Path
 
 import pandas as pd
 
-from imugap import figures, log, tables
-from imugap.discovery.carried import INERTIAL, agreement, explained
+from imugap import figures, log
+from imugap.discovery.transfer import INERTIAL, agreement, explained
 from imugap.figures import AXIS_TITLES
 from imugap.figures import discovery as drawn
-from imugap.journal import journal
 from imugap.model import ErrorModel
 from imugap.stream import stream
+from imugap.workflow import tables
+from imugap.workflow.job_log import journal
 
 NAMES = [effect.name for effect in INERTIAL]
 SCALES = {"1": ("%", 1e2), "rad": ("mrad", 1e3), "m": ("mm", 1e3), "s": ("ms", 1e3),

@@ -6,7 +6,7 @@ import nbformat
 from nbclient import NotebookClient
 from nbconvert import HTMLExporter
 
-from imugap.journal import journal
+from imugap.workflow.job_log import journal
 
 if __name__ == "__main__":
     with journal(snakemake.log[0]):

@@ -2,7 +2,7 @@
 
 import typst
 
-from imugap.journal import journal
+from imugap.workflow.job_log import journal
 
 if __name__ == "__main__":
     with journal(snakemake.log[0]):

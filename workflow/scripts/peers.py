@@ -6,11 +6,13 @@ from time import process_time
 
 import pandas as pd
 
-from imugap import log, readers, tables
+from imugap import log
 from imugap.effects import GaussMarkov, Quantization, RandomWalk, WhiteNoise
+from imugap.estimation.gmwm.estimator import Weighting, fit, point
 from imugap.figures import AXIS_TITLES
-from imugap.indirect import Weighting, fit, point
-from imugap.journal import journal
+from imugap.io import readers
+from imugap.workflow import tables
+from imugap.workflow.job_log import journal
 
 KINDS = {"WN": (WhiteNoise,), "RW": (RandomWalk,), "QN": (Quantization,), "AR1": (GaussMarkov,)}
 KINDS["2AR1"] = (GaussMarkov, GaussMarkov)

@@ -6,13 +6,14 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from imugap import allan, tables
-from imugap.bound import bound
 from imugap.effects import Conditions, GaussMarkov, WhiteNoise
 from imugap.effects.gauss_markov import FLAT_TOP
-from imugap.estimate import Verdict
-from imugap.journal import journal
-from imugap.piecewise import TOP, fit
+from imugap.estimation import allan
+from imugap.estimation.allan_slopes import TOP, fit
+from imugap.estimation.cramer_rao import bound
+from imugap.estimation.result import Verdict
+from imugap.workflow import tables
+from imugap.workflow.job_log import journal
 
 TIMES = (10.0, 50.0, 200.0)
 WHITE, STD = 0.005, 1 / 180

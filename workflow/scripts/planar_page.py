@@ -6,13 +6,14 @@ from pathlib import Path
 import pandas as pd
 import yaml
 
-from imugap import figures, tables
-from imugap.augmentation import augmentation
-from imugap.datasheet import MODELS
+from imugap import figures
 from imugap.figures import planar
-from imugap.journal import journal
-from imugap.planar import QUANTITIES, SCOPES, VEHICLE, Example
+from imugap.interchange.augmentation import augmentation
+from imugap.interchange.datasheet import MODELS
+from imugap.navigation.planar import QUANTITIES, SCOPES, VEHICLE, Example
 from imugap.units import from_si
+from imugap.workflow import tables
+from imugap.workflow.job_log import journal
 
 SHOWN = {
     "gyro": {"white": "deg/sqrt(h)", "flicker": "deg/h", "walk": "deg/h/sqrt(h)", "turn_on": "deg/h"},

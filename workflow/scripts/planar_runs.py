@@ -3,10 +3,10 @@
 import numpy as np
 import pandas as pd
 
-from imugap.consistency import nees_band, root_mean_square
-from imugap.datasheet import MODELS, TRUTHS, Slow
-from imugap.journal import journal
-from imugap.planar import QUANTITIES, SCOPES, Example, covariances, monte_carlo
+from imugap.filters.consistency import nees_band, root_mean_square
+from imugap.interchange.datasheet import MODELS, TRUTHS, Slow
+from imugap.navigation.planar import QUANTITIES, SCOPES, Example, covariances, monte_carlo
+from imugap.workflow.job_log import journal
 
 
 def spread(drive, errors, computed):

@@ -2,10 +2,10 @@
 
 import pandas as pd
 
-from imugap.contenders import fit
 from imugap.effects.effect import AxisModel
-from imugap.journal import journal
+from imugap.interchange.from_indices import fit
 from imugap.model import ErrorModel
+from imugap.workflow.job_log import journal
 
 
 def without_nothing(model):

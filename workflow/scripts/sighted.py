@@ -2,9 +2,12 @@
 
 import pandas as pd
 
-from imugap import catalogue, log, optical, readers, reference
-from imugap.journal import journal
-from imugap.site import Site
+from imugap import log
+from imugap.io import datasets as catalogue
+from imugap.io import motion_capture as optical
+from imugap.io import readers, reference
+from imugap.kinematics.site import Site
+from imugap.workflow.job_log import journal
 
 if __name__ == "__main__":
     with journal(snakemake.log[0]):

@@ -3,9 +3,9 @@
 import numpy as np
 from tqdm import trange
 
-from imugap.drift import QUANTITIES, Course
-from imugap.journal import journal
+from imugap.kinematics.free_inertial import QUANTITIES, Course
 from imugap.model import ErrorModel
+from imugap.workflow.job_log import journal
 
 
 def main(model_path, measured, contender, params, path):

@@ -15,29 +15,35 @@ import numpy as np
 import pandas as pd
 from numba import njit
 
-from imugap import allan, catalogue, indirect, log, maximum_likelihood, readers, tables, wavelet
-from imugap.ablation import Ablation
-from imugap.departure import depart
-from imugap.experiment import Experiment
-from imugap.faults import Faults
-from imugap.gait import Walk
-from imugap.indices import INDICES, of_run
-from imugap.journal import journal
-from imugap.pedestrian import Assumptions
-from imugap.pedestrian import navigate as navigate_foot
-from imugap.quality import Quality
-from imugap.road import Drive
-from imugap.strapdown import Ellipsoid, Local, State, navigate
+from imugap import log
+from imugap.estimation import allan, maximum_likelihood
+from imugap.estimation import wavelet_variance as wavelet
+from imugap.estimation.gmwm import estimator as indirect
+from imugap.estimation.indices import INDICES, of_run
+from imugap.filters.innovation_gate import Quality
+from imugap.io import datasets as catalogue
+from imugap.io import readers
+from imugap.kinematics.strapdown import Ellipsoid, Local, State, navigate
+from imugap.navigation.pedestrian import Assumptions
+from imugap.navigation.pedestrian import navigate as navigate_foot
+from imugap.navigation.vehicle import navigate as navigate_vehicle
+from imugap.navigation.vehicle_alignment import depart
+from imugap.simulation.drive import Drive
+from imugap.simulation.gnss_faults import Faults
+from imugap.simulation.walk import Walk
 from imugap.stream import stream
-from imugap.vehicle import navigate as navigate_vehicle
+from imugap.study.experiment import Experiment
+from imugap.study.fault_ablation import Ablation
+from imugap.workflow import tables
+from imugap.workflow.job_log import journal
 
 INTERVAL = 0.01
 FIRST_WALK = """
 import sys
 from time import perf_counter
 start = perf_counter()
-from imugap.gait import Walk
-from imugap.pedestrian import Assumptions, navigate
+from imugap.simulation.walk import Walk
+from imugap.navigation.pedestrian import Assumptions, navigate
 walk = Walk.read(sys.argv[1])
 navigate(walk.record(0, 0), walk.model, Assumptions(gravity=walk.site.gravity, arm_std=0.0))
 print(perf_counter() - start)

@@ -3,9 +3,9 @@
 import numpy as np
 
 from imugap import log
-from imugap.extension import catalogue
-from imugap.journal import journal
+from imugap.interchange.plugins import catalogue
 from imugap.model import ErrorModel
+from imugap.workflow.job_log import journal
 
 if __name__ == "__main__":
     with journal(snakemake.log[0]):

@@ -4,9 +4,9 @@ from pathlib import Path
 
 import yaml
 
-from imugap.configuration import configure
-from imugap.journal import journal
-from imugap.sealing import Case, Hides, Planned, seal, write
+from imugap.benchmark.sealing import Case, Hides, Planned, seal, write
+from imugap.io.configuration import configure
+from imugap.workflow.job_log import journal
 
 if __name__ == "__main__":
     with journal(snakemake.log[0]):

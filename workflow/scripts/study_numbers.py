@@ -7,10 +7,12 @@ from pathlib import Path
 
 import pandas as pd
 
-from imugap import allan, catalogue, tables
-from imugap.contenders import CONTENDERS
+from imugap.estimation import allan
 from imugap.figures.static import TITLES
-from imugap.journal import journal
+from imugap.interchange.from_indices import CONTENDERS
+from imugap.io import datasets as catalogue
+from imugap.workflow import tables
+from imugap.workflow.job_log import journal
 
 PACKAGES = ("imugap", "numpy", "scipy", "pandas", "numba", "matplotlib", "allantools", "snakemake")
 

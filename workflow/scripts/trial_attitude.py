@@ -6,12 +6,13 @@ from pathlib import Path
 import pandas as pd
 import yaml
 
-from imugap import log, reference
-from imugap.attitude import Assumptions, Start, fuse
+from imugap import log
 from imugap.effects import GaussMarkov
-from imugap.journal import journal
+from imugap.io import reference
 from imugap.model import ErrorModel
-from imugap.rotation import to_euler
+from imugap.navigation.attitude import Assumptions, Start, fuse
+from imugap.numerics.rotation import to_euler
+from imugap.workflow.job_log import journal
 
 STEP_S = 0.1
 """Step of the stored attitudes."""

@@ -6,14 +6,15 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from imugap import figures, tables
-from imugap.catalogue import load
-from imugap.estimate import Verdict
+from imugap import figures
+from imugap.estimation.result import Verdict
 from imugap.figures import attitude
-from imugap.journal import journal
+from imugap.io.datasets import load
+from imugap.io.reference import ERROR
 from imugap.log import GYRO
-from imugap.reference import ERROR
 from imugap.units import from_si
+from imugap.workflow import tables
+from imugap.workflow.job_log import journal
 
 MODELS = {"rest": "of the rest", "margin": "with a margin"}
 ANGLES = {"north": "tilt about north", "east": "tilt about east", "down": "heading"}

@@ -1,7 +1,8 @@
 """Read the optical reference attitude of a trial."""
 
-from imugap import catalogue, readers
-from imugap.journal import journal
+from imugap.io import datasets as catalogue
+from imugap.io import readers
+from imugap.workflow.job_log import journal
 
 if __name__ == "__main__":
     with journal(snakemake.log[0]):

@@ -2,11 +2,13 @@
 
 import pandas as pd
 
-from imugap import log, reference, scoring
-from imugap.journal import journal
-from imugap.rotation import from_euler, to_euler
-from imugap.strapdown import level
+from imugap import log
+from imugap.io import reference
+from imugap.kinematics.strapdown import level
+from imugap.numerics.rotation import from_euler, to_euler
 from imugap.stream import stream
+from imugap.study import attitude_scores as scoring
+from imugap.workflow.job_log import journal
 
 KEY = ["trial", "model", "scheme"]
 

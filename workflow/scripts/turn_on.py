@@ -4,11 +4,12 @@ import numpy as np
 import pandas as pd
 from scipy.stats import chi2
 
-from imugap import figures, log, tables
+from imugap import figures, log
+from imugap.estimation.indices import INDICES, of_run, repeatability
 from imugap.figures import AXIS_TITLES, static
-from imugap.indices import INDICES, of_run, repeatability
-from imugap.journal import journal
 from imugap.units import from_si
+from imugap.workflow import tables
+from imugap.workflow.job_log import journal
 
 
 def cycle(path, period):

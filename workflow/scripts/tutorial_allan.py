@@ -5,11 +5,13 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from imugap import allan, log, spectrum
-from imugap.journal import journal
+from imugap import log
+from imugap.estimation import allan
 from imugap.model import ErrorModel
+from imugap.numerics import allan_from_psd as spectrum
 from imugap.stream import stream
-from imugap.tutorial import COMPOSED
+from imugap.study.farrell2022 import COMPOSED
+from imugap.workflow.job_log import journal
 
 
 def rows(axis, model, interval, count, trials, labels):

@@ -6,10 +6,11 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from imugap import figures, tables
+from imugap import figures
 from imugap.figures import tutorial as chapter
-from imugap.journal import journal
-from imugap.tutorial import COMPOSED, KNOWN, TITLES
+from imugap.study.farrell2022 import COMPOSED, KNOWN, TITLES
+from imugap.workflow import tables
+from imugap.workflow.job_log import journal
 
 
 def departures(device, models):

@@ -4,9 +4,9 @@ from dataclasses import asdict
 
 import pandas as pd
 
-from imugap.journal import journal
 from imugap.model import ErrorModel
-from imugap.tutorial import MODELS, Readings
+from imugap.study.farrell2022 import MODELS, Readings
+from imugap.workflow.job_log import journal
 
 if __name__ == "__main__":
     with journal(snakemake.log[0]):

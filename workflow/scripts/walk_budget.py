@@ -6,13 +6,13 @@ from pathlib import Path
 
 import pandas as pd
 
-from imugap.gait import Course, Gait, Leg, Walk
-from imugap.journal import journal
+from imugap.commands.walk import USUAL
+from imugap.kinematics.strapdown import POSITION
 from imugap.model import ErrorModel
-from imugap.pedestrian import Assumptions, navigate
-from imugap.strapdown import POSITION
-from imugap.twin import SLIP, Kind, without
-from imugap.walk import USUAL
+from imugap.navigation.pedestrian import Assumptions, navigate
+from imugap.simulation.walk import Course, Gait, Leg, Walk
+from imugap.simulation.walk_twin import SLIP, Kind, without
+from imugap.workflow.job_log import journal
 
 ALL, NONE = ("all", "all"), ("none", "none")
 LOOP = 60

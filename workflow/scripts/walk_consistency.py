@@ -4,11 +4,11 @@ from dataclasses import asdict, replace
 
 import pandas as pd
 
-from imugap.compensation import End, granted
-from imugap.gait import Course, Walk
-from imugap.journal import journal
-from imugap.pedestrian import Assumptions, navigate
-from imugap.twin import measured
+from imugap.navigation.pedestrian import Assumptions, navigate
+from imugap.simulation.walk import Course, Walk
+from imugap.simulation.walk_twin import measured
+from imugap.study.walk_compensation import End, granted
+from imugap.workflow.job_log import journal
 
 END_S = 0.4
 """Stand at the end of the loop: too short to be taken for one."""

@@ -6,14 +6,14 @@ from pathlib import Path
 import pandas as pd
 import yaml
 
-from imugap.compensation import granted
-from imugap.discovery.discover import Question, discover
-from imugap.discovery.record import prepare
+from imugap.discovery.device import Question, discover
+from imugap.discovery.preparation.prepare import prepare
 from imugap.effects.effect import AxisModel
-from imugap.gait import Course, Walk
-from imugap.innovations import judged
-from imugap.journal import journal
 from imugap.model import ErrorModel
+from imugap.navigation.stance_innovations import judged
+from imugap.simulation.walk import Course, Walk
+from imugap.study.walk_compensation import granted
+from imugap.workflow.job_log import journal
 
 RATE_HZ = 100
 

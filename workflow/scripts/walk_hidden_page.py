@@ -6,9 +6,9 @@ from pathlib import Path
 import pandas as pd
 import yaml
 
-from imugap import tables
-from imugap.journal import journal
 from imugap.model import ErrorModel
+from imugap.workflow import tables
+from imugap.workflow.job_log import journal
 
 SHOWN = 2
 """Places that a row of the table shows."""

@@ -6,10 +6,11 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from imugap import figures, tables
-from imugap.blind import rate
+from imugap import figures
+from imugap.benchmark.scores import rate
 from imugap.figures import pedestrian
-from imugap.journal import journal
+from imugap.workflow import tables
+from imugap.workflow.job_log import journal
 
 SETS = {
     "embedded": "embedded",

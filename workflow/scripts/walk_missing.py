@@ -5,22 +5,23 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from imugap import catalogue, readers
-from imugap.catalogue import RawFiles
+from imugap.commands.walk import USUAL
 from imugap.effects import CATALOGUE
-from imugap.footprints import closed, footprints
-from imugap.gait import Walk
-from imugap.innovations import sinking, suspects
-from imugap.journal import journal
+from imugap.integrity.timestamps import filled
+from imugap.io import datasets as catalogue
+from imugap.io import readers
+from imugap.io.datasets import RawFiles
+from imugap.kinematics.strapdown import POSITION
 from imugap.model import ErrorModel
-from imugap.pedestrian import Assumptions
-from imugap.replay import Replay
-from imugap.stamps import filled
-from imugap.strapdown import POSITION
+from imugap.navigation.pedestrian import Assumptions
+from imugap.navigation.score_test import Testimony, heard, judge
+from imugap.navigation.stance_innovations import sinking, suspects
+from imugap.simulation.camera_track import closed, footprints
+from imugap.simulation.walk import Walk
+from imugap.simulation.walk_replay import Replay
+from imugap.simulation.walk_twin import AT_REST, Kind
 from imugap.stream import stream
-from imugap.testimony import Testimony, heard, judge
-from imugap.twin import AT_REST, Kind
-from imugap.walk import USUAL
+from imugap.workflow.job_log import journal
 
 SUSPECTS = (*suspects(), sinking())
 SINKING = len(SUSPECTS) - 1

@@ -6,11 +6,13 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from imugap import bootstrap, figures, tables
-from imugap.ensemble import energy_score, place
+from imugap import figures
 from imugap.figures import pedestrian
-from imugap.journal import journal
+from imugap.numerics import block_bootstrap as bootstrap
 from imugap.stream import stream
+from imugap.study.proper_scores import energy_score, place
+from imugap.workflow import tables
+from imugap.workflow.job_log import journal
 
 SHORT = {"openshoe_kth": "OpenShoe", "xio_gait_tracking": "xio", "gaitmap_2x20m": "gaitmap", "pyshoe_vicon": "PyShoe"}
 REST, NAMED, SHARED = "at rest", "named", "other sets"

@@ -5,14 +5,15 @@ from pathlib import Path
 import pandas as pd
 import yaml
 
-from imugap import allan, log
-from imugap.choice import choose
-from imugap.contenders import CONTENDERS, averaged, fit
+from imugap import log
 from imugap.effects import Bias, TurnOnBias
-from imugap.gait import Walk
-from imugap.indices import INDICES, of_run, over_runs
-from imugap.journal import journal
+from imugap.estimation import allan
+from imugap.estimation.indices import INDICES, of_run, over_runs
+from imugap.estimation.model_selection import choose
+from imugap.interchange.from_indices import CONTENDERS, averaged, fit
 from imugap.model import ErrorModel
+from imugap.simulation.walk import Walk
+from imugap.workflow.job_log import journal
 
 SYMBOLS = tuple(symbol for symbol in INDICES if symbol != "repeatability")
 

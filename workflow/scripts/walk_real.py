@@ -8,16 +8,18 @@ import numpy as np
 import pandas as pd
 from scipy.stats import spearmanr
 
-from imugap import catalogue, integrity, readers
-from imugap.catalogue import RawFiles
-from imugap.footprints import footprints
-from imugap.gait import Walk
-from imugap.journal import journal
+from imugap.commands.walk import INDOORS, USUAL, walked
+from imugap.integrity import report as integrity
+from imugap.integrity.timestamps import filled
+from imugap.io import datasets as catalogue
+from imugap.io import readers
+from imugap.io.datasets import RawFiles
 from imugap.log import ACCEL
-from imugap.pedestrian import Assumptions, navigate
-from imugap.stamps import filled
-from imugap.twin import twin
-from imugap.walk import INDOORS, USUAL, walked
+from imugap.navigation.pedestrian import Assumptions, navigate
+from imugap.simulation.camera_track import footprints
+from imugap.simulation.walk import Walk
+from imugap.simulation.walk_twin import twin
+from imugap.workflow.job_log import journal
 
 STEP_S = 0.1
 """Step of the stored tracks [s]."""

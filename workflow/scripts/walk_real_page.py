@@ -6,10 +6,11 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from imugap import figures, tables
+from imugap import figures
+from imugap.commands.walk import STD
 from imugap.figures import pedestrian
-from imugap.journal import journal
-from imugap.walk import STD
+from imugap.workflow import tables
+from imugap.workflow.job_log import journal
 
 SHORT = {"openshoe_kth": "OpenShoe", "xio_gait_tracking": "xio", "gaitmap_2x20m": "gaitmap", "pyshoe_vicon": "PyShoe"}
 FEET = {1: "left foot", 2: "right foot"}

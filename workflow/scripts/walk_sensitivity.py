@@ -5,18 +5,19 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 
-from imugap import catalogue, readers
-from imugap.catalogue import RawFiles
+from imugap.commands.walk import USUAL
 from imugap.effects import WhiteNoise
 from imugap.effects.effect import AxisModel
-from imugap.footprints import footprints
-from imugap.journal import journal
+from imugap.filters.zero_velocity import Statistic
+from imugap.integrity.timestamps import filled
+from imugap.io import datasets as catalogue
+from imugap.io import readers
+from imugap.io.datasets import RawFiles
 from imugap.log import ACCEL
 from imugap.model import ErrorModel
-from imugap.pedestrian import Assumptions, navigate
-from imugap.stamps import filled
-from imugap.walk import USUAL
-from imugap.zero_velocity import Statistic
+from imugap.navigation.pedestrian import Assumptions, navigate
+from imugap.simulation.camera_track import footprints
+from imugap.workflow.job_log import journal
 
 USUAL_CHOICE = Assumptions()
 DETECTOR = USUAL_CHOICE.detector

@@ -6,11 +6,11 @@ from pathlib import Path
 import pandas as pd
 import yaml
 
-from imugap.compensation import End, at_stand, granted, plain, subtracted
-from imugap.gait import Walk
-from imugap.journal import journal
 from imugap.model import ErrorModel
-from imugap.pedestrian import navigate
+from imugap.navigation.pedestrian import navigate
+from imugap.simulation.walk import Walk
+from imugap.study.walk_compensation import End, at_stand, granted, plain, subtracted
+from imugap.workflow.job_log import journal
 
 STEP_S = 0.5
 """Step of the stored tracks."""

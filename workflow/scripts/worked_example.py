@@ -6,12 +6,14 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from imugap import figures, spectrum, tables
+from imugap import figures
 from imugap.effects import GaussMarkov, RandomWalk, WhiteNoise
 from imugap.effects.effect import AxisModel
 from imugap.figures import tutorial as chapter
-from imugap.journal import journal
-from imugap.worked_example import Example, checks
+from imugap.numerics import allan_from_psd as spectrum
+from imugap.study.farrell2022_example import Example, checks
+from imugap.workflow import tables
+from imugap.workflow.job_log import journal
 
 TAU = np.geomspace(0.1, 1000, 161)
 NAMES = {WhiteNoise: "N", RandomWalk: "K", GaussMarkov: "B as read"}

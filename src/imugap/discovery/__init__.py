@@ -1,5 +1,5 @@
-"""Find where simulation and measurement disagree, name the missing effect, add it, show the gap shrink.
+"""Discovery: find where simulation and measurement disagree, name the missing effect, add it, show the gap shrink.
 
-:func:`imugap.discovery.dossier.compose` works on files and writes a folder; :func:`imugap.discovery.discover.discover`
-works on tables.
+:mod:`.inputs` works on files, :mod:`.device` on tables. The stages: preparation, search of each axis, pooling of axes,
+checks, comparison of runs, evaluation, report. May import simulation, estimation, effects, io and what lies below.
 """

@@ -1,555 +1,401 @@
-"""A description of one axis and its fit: systematic terms, random processes, stretches of another variance.
+"""What happens on one axis: from the start model through the search to names, doubts and intervals."""
 
-The mean is fitted by generalised least squares under the spectrum, the spectrum by Whittle's likelihood to what the
-mean leaves, in turn until neither moves; both in the basis of the cosine transform.
-"""
-
+from collections.abc import Mapping
 from collections.abc import Sequence as Several
-from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
-from math import exp
+from dataclasses import dataclass, fields, replace
+from functools import partial
 
 import numpy as np
-from scipy.fft import idct, irfft, rfft, rfftfreq
+from scipy.fft import next_fast_len
+from threadpoolctl import threadpool_limits
 
-from imugap.discovery import scans
-from imugap.discovery.cells import Cells
-from imugap.discovery.cosine_bins import cosines
-from imugap.discovery.noise import Noise, NoiseFit, log_likelihood
-from imugap.discovery.noise import fit as fit_noise
-from imugap.discovery.outside import Outside, over_time
-from imugap.discovery.sequence import Sequence
-from imugap.discovery.tails import Tails, tails
-from imugap.effects import Outliers, OutputFilter, VarianceChange
-from imugap.effects.effect import Effect, StochasticEffect
-from imugap.stream import stream
+from imugap.discovery.checks import (
+    LEVEL,
+    OF_NOISE,
+    OF_SLOPE,
+    VALUES,
+    Doubt,
+    beside_a_sweep,
+    beside_power_law,
+    doubts,
+)
+from imugap.discovery.checks.motion import in_place_of_all, without_a_name
+from imugap.discovery.checks.withheld import Withheld, withheld
+from imugap.discovery.finding import CERTAIN, Finding, Gap, Interval
+from imugap.discovery.fit.axis_fit import AxisFit, fit, log_score, offset
+from imugap.discovery.fit.start_model import described
+from imugap.discovery.fit.telegraph_likelihood import compare
+from imugap.discovery.preparation.sequence import Sequence
+from imugap.discovery.search.intervals import axis_unit, intervals
+from imugap.discovery.search.search import SLOW, Key, Search, at, log_chance, without
+from imugap.discovery.search.telegraph import hidden_telegraph, steady, told_apart, two_valued
+from imugap.discovery.search.telegraph_in_noise import Switching
+from imugap.discovery.unnamed import wandering_lines as unsteady
+from imugap.discovery.unnamed.chirps import swept
+from imugap.discovery.unnamed.tone_bursts import glints
+from imugap.discovery.unnamed.wandering_lines import Band
+from imugap.effects import Bias, BiasStep, PowerLaw, RandomTelegraph, Sinusoid, VarianceChange
+from imugap.effects.effect import AxisModel, Effect
+from imugap.effects.power_law import STEEPEST
 
-ROUNDS = 8
-"""Turns between mean and spectrum."""
-SETTLED = 0.02
-"""Change of log-likelihood below which the turns end."""
-HALVINGS = 6
-CUTOFF_STEP, LONGEST = 1e-4, 0.3
-"""In the logarithm of a cutoff: half the step of a slope, and the longest step."""
-SHARED = 4
-"""Systematic parts whose transforms are kept: fits that differ only in their noise have the same."""
-
-
-@dataclass(frozen=True)
-class Term:
-    """A systematic effect and which of its parameters a fit adjusts."""
-
-    effect: Effect
-    free: tuple[str, ...]
-
-    def moved(self, step: np.ndarray) -> "Term":
-        """Return the term with its free parameters changed by ``step``, kept within their physical limits."""
-        values = {item: self._moved(item, change) for item, change in zip(self.free, step.tolist(), strict=True)}
-        return Term(replace(self.effect, **values), self.free)
-
-    def _moved(self, name: str, change: float) -> float:
-        """Return a parameter after a change; one that has to be positive changes by a factor, of e at most."""
-        value, (low, high) = getattr(self.effect, name), self.effect.limits()[name]
-        if low > 0:
-            return min(value * exp(min(max(change / value, -1.0), 1.0)), high)
-        return min(max(value + change, low), high)
-
-
-@dataclass(frozen=True)
-class Description:
-    """What is said to be on an axis besides an offset."""
-
-    terms: tuple[Term, ...]
-    noise: Noise
-    changes: tuple[VarianceChange, ...] = ()
-    outliers: Outliers | None = None
-
-    def effects(self) -> tuple[Effect, ...]:
-        """Return all effects."""
-        return (*(term.effect for term in self.terms), *self.noise, *self.changes, *filter(None, [self.outliers]))
-
-    def size(self) -> int:
-        """Return the number of adjusted parameters."""
-        free = (*(term.free for term in self.terms), self.noise.parameters(), *(one.free() for one in self.changes))
-        return sum(map(len, free))
+PLACES = 12.0
+"""Logarithm of the largest number of places of which an effect is tried at the best."""
+MOST_BANDS = 4
+"""Bands of lines that are not steady at most; with more the spectrum is another than that of lines."""
 
 
 @dataclass(frozen=True, eq=False)
-class AxisFit:
-    """A description at its maximum of likelihood on a sequence.
+class Tale:
+    """The search on one axis.
 
     Attributes
     ----------
-    sequence, description
-        The data and the fitted description.
-    log_likelihood
-        Log-density of the samples, free of their offset.
-    noise
-        Fit of the random part.
+    before
+        Fit of the start model to the held-in part.
+    after, early
+        Fit to the held-in part with what was added, and the search that added it.
+    whole, late
+        The same of the whole log, with what only its last part shows.
+    held_out
+        The last part.
+    bands, switching
+        Lines that are not steady, and telegraph noise that only the samples tell; the fits, but for that of the start
+        model, are without them.
     """
 
-    sequence: Sequence
-    description: Description
-    log_likelihood: float
-    noise: NoiseFit
-
-    @cached_property
-    def scale(self) -> np.ndarray | float:
-        """Return the factor of the standard deviation over time that the changes of variance make."""
-        return scale(self.sequence, self.description.changes)
-
-    @property
-    def variance(self) -> np.ndarray:
-        """Return the variance of each cosine coefficient k = 1..n-1."""
-        bins = self.sequence.bins
-        return bins.spread(self.description.noise.variance(bins))
-
-    @cached_property
-    def scatter(self) -> "Scatter":
-        """Return how its coefficients scatter under the noise."""
-        return Scatter.of(self.sequence, self.description)
-
-    @cached_property
-    def residual(self) -> np.ndarray:
-        """Return what the systematic terms leave, of equal variance over time, shape (n,)."""
-        centred, outside = _centred(self.sequence, self.description), self.scatter.outside
-        if outside is None:
-            return centred
-        columns = over_time(self.description.noise, len(centred), self.sequence.conditions.interval)
-        return centred - columns @ outside.sizes(_seen(self.sequence, self.description))
-
-    @cached_property
-    def power(self) -> np.ndarray:
-        """Return the sums of the residual's squared cosine coefficients over the bins."""
-        last = self.sequence.bins.last
-        return self.sequence.bins.sums((self.coefficients[:last] * self.scatter.root[:last]) ** 2)
-
-    def power_behind(self, output_filter: OutputFilter) -> np.ndarray:
-        """Return the sums of squared coefficients of what would be left of the input and the terms behind a filter."""
-        if not self.sequence.moved:
-            return self.power
-        described = replace(self.description, noise=replace(self.description.noise, output_filter=output_filter))
-        return self.sequence.bins.sums(Scatter.of(self.sequence, described).left(described) ** 2)
-
-    @cached_property
-    def coefficients(self) -> np.ndarray:
-        """Return the residual's cosine coefficients over their standard deviations, k = 1..n-1; zero if not used."""
-        return self.scatter.left(self.description) / self.scatter.root
-
-    @cached_property
-    def whitened(self) -> np.ndarray:
-        """Return the residual made white, shape (n,): of unit variance if the description is right."""
-        full = np.sqrt(len(self.coefficients) / self.sequence.bins.last)
-        return full * idct(np.r_[0.0, self.coefficients], norm="ortho")
-
-    def whiten(self, columns: np.ndarray) -> np.ndarray:
-        """Return columns of the error, (n, m), in basis and scale of :attr:`coefficients`, shape (n - 1, m)."""
-        return self.scatter.whiten(columns, self.description)
-
-    def _directions(self) -> np.ndarray:
-        """Return the derivatives of the mean by the terms' free parameters, whitened, shape (n - 1, parameters)."""
-        return self.whiten(jacobian(self.description.terms, self.sequence))
-
-    @cached_property
-    def basis(self) -> np.ndarray:
-        """Return an orthonormal basis of the directions that the terms can move the mean in, whitened."""
-        return _basis(self._directions())
-
-    @cached_property
-    def covariance(self) -> np.ndarray:
-        """Return the covariance of the terms' free parameters, in their order, the spectrum taken as known."""
-        columns = self._directions()
-        precision = columns.T @ columns
-        norms = np.sqrt(np.diag(precision))
-        norms[norms == 0] = np.inf
-        inverse = np.linalg.pinv(precision / np.outer(norms, norms), rcond=1e-12, hermitian=True)
-        return inverse / np.outer(norms, norms)
-
-    def bare(self) -> "AxisFit":
-        """Return the fit without what was derived from it, which is many times its size."""
-        return replace(self)
-
-    def has(self, kind: type[Effect]) -> bool:
-        """Return whether an effect of a kind is described."""
-        return any(isinstance(effect, kind) for effect in self.description.effects())
-
-    @cached_property
-    def _excess(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return excess and variance of the power per coefficient in each bin."""
-        bins = self.sequence.bins
-        variance = self.description.noise.variance(bins)
-        return bins.sums(self.coefficients**2) / bins.number * variance - variance, variance
-
-    @cached_property
-    def top(self) -> float:
-        """Return by how many standard deviations the power of the upper fifth of what is used exceeds the fit."""
-        last = self.sequence.bins.last
-        upper = self.coefficients[int(0.8 * last) : last]
-        return float((np.mean(upper**2) - 1) * np.sqrt(len(upper) / 2))
-
-    def _room(self, effect: StochasticEffect) -> tuple[float, float]:
-        bins, (excess, variance) = self.sequence.bins, self._excess
-        shape = Noise((effect,), self.description.noise.output_filter).passed(bins)
-        weight = bins.number * shape / variance**2
-        return float(weight @ excess), float(weight @ shape)
-
-    def room(self, effect: StochasticEffect) -> float:
-        """Return the factor of an effect's amplitude at which the spectrum, to first order, has most room for it.
-
-        Zero where the likelihood falls as soon as the effect is there.
-        """
-        score, information = self._room(effect)
-        return float(np.sqrt(max(score, 0.0) / information))
-
-    def gain_of(self, effect: StochasticEffect) -> float:
-        """Return the gain of log-likelihood, to second order, of adding an effect of the given size."""
-        score, information = self._room(effect)
-        return 0.5 * score - 0.25 * information
-
-    @cached_property
-    def lines(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return frequencies [Hz], gains of log-likelihood of a sinusoid at each, and the level around it."""
-        return scans.lines(self.whitened, self.sequence.conditions.interval)
-
-    @cached_property
-    def steps(self) -> scans.Steps:
-        """Return what a step of the mean gains at each sample, ahead of the filter of the output."""
-        return self.steps_beside(np.empty((len(self.coefficients), 0)))
-
-    def steps_beside(self, columns: np.ndarray) -> scans.Steps:
-        """Return what a step gains at each sample beside whitened columns more, (n - 1, m), which are fitted too."""
-        more, rest = self.beside(columns)
-        even = self._unturned(np.column_stack([rest, self.basis, more]))
-        return scans.steps(even[:, 0], self.scatter.root**2 / self._gain, even[:, 1:])
-
-    @property
-    def _gain(self) -> np.ndarray | float:
-        """Return the gain of power of the filter of the output at each cosine coefficient k = 1..n-1, or 1."""
-        output_filter, bins = self.description.noise.output_filter, self.sequence.bins
-        return 1.0 if output_filter is None else bins.spread(output_filter.gain(bins.frequency, bins.interval))
-
-    def _unturned(self, coefficients: np.ndarray) -> np.ndarray:
-        """Return columns of cosine coefficients, shape (n - 1, m), without the phase of the filter of the output."""
-        output_filter, interval = self.description.noise.output_filter, self.sequence.conditions.interval
-        if output_filter is None:
-            return coefficients
-        values = idct(np.pad(coefficients, ((1, 0), (0, 0))), axis=0, norm="ortho")
-        count = len(values)
-        spectrum = output_filter.unturned(rfft(values, axis=0).T, rfftfreq(count, interval), interval)
-        return cosines(irfft(spectrum.T, count, axis=0))
-
-    def steps_without(self, index: int) -> scans.Steps:
-        """Return what a step gains at each sample in the place of a term, the rest as it is."""
-        terms = self.description.terms
-        return replace(self, description=replace(self.description, terms=terms[:index] + terms[index + 1 :])).steps
-
-    @cached_property
-    def cells(self) -> Cells | None:
-        """Return the cells in which the samples of a coarse lattice are known to be, if they say something."""
-        if not self.sequence.coarse:
-            return None
-        return Cells.of(self.sequence, self.description.noise, self.residual, self.scale)
-
-    @cached_property
-    def unrounded(self) -> np.ndarray:
-        """Return the residual made white, ahead of a coarse lattice where its cells say something, shape (n,)."""
-        if self.cells is None:
-            return self.whitened
-        return self.cells.drawn(stream(0, "cells", self.sequence.conditions.axis))
-
-    @cached_property
-    def tails(self) -> Tails:
-        """Return the two normal laws in the residual made white, ahead of a coarse lattice if its cells tell them."""
-        if self.cells is not None:
-            return self.cells.tails()
-        return tails(self.whitened, self.sequence.bins.last / len(self.whitened))
-
-    @cached_property
-    def unit(self) -> float:
-        """Return the size, in the unit of the axis, of a single sample that is one off in what the tails are told from.
-
-        A single sample has a share of every cosine, so that it comes out of the residual made white by the mean of
-        1/sqrt(S) over the frequencies, whatever the root of the mean of S is.
-        """
-        if self.cells is not None:
-            return self.cells.unit
-        last = self.sequence.bins.last
-        return np.sqrt(len(self.variance) / last) / float(np.mean(self.variance[:last] ** -0.5))
-
-    @cached_property
-    def stretch(self) -> tuple[float, int, int]:
-        """Return gain, first sample and last sample + 1 of the stretch whose variance differs most."""
-        return scans.stretches(self.unrounded)
-
-    @cached_property
-    def swing(self) -> tuple[float, float, float, float]:
-        """Return frequency [Hz], depth, phase and gain of the swing of the variance that is most likely."""
-        return scans.swing(self.unrounded, self.sequence.conditions.time)
-
-    def beyond(self, columns: np.ndarray) -> np.ndarray:
-        """Return what the terms leave of whitened columns, shape (n - 1, m)."""
-        return columns - self.basis @ (self.basis.T @ columns) if self.basis.size else columns
-
-    def beside(self, columns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return a basis of what whitened columns say beside the terms, and the coefficients that are left of them."""
-        basis = _basis(self.beyond(columns))
-        return basis, self.coefficients - basis @ (basis.T @ self.coefficients)
-
-    def gains(self, columns: np.ndarray) -> np.ndarray:
-        """Return the gain of log-likelihood of each whitened column alone, shape (m,), the terms free to move."""
-        rest = self.beyond(columns)
-        norm = np.einsum("ij,ij->j", rest, rest)
-        lost = norm < 1e-6 * np.einsum("ij,ij->j", columns, columns)
-        return np.where(lost, 0.0, 0.5 * (rest.T @ self.coefficients) ** 2 / np.where(lost, 1.0, norm))
-
-    def joint_gain(self, columns: np.ndarray) -> tuple[float, int]:
-        """Return the gain of log-likelihood of whitened columns together and their rank beyond the terms."""
-        rest = self.beyond(columns)
-        gram, seen = rest.T @ rest, rest.T @ self.coefficients
-        norms = np.sqrt(np.diag(gram))
-        kept = norms > 1e-3 * np.linalg.norm(columns, axis=0)
-        values, vectors = _principal(gram[np.ix_(kept, kept)])
-        parts = (vectors / norms[kept, None]).T @ seen[kept]
-        return float(0.5 * np.sum(parts**2 / values)), len(values)
-
-
-def scale(sequence: Sequence, changes: Several[VarianceChange]) -> np.ndarray | float:
-    """Return the factor of the standard deviation at each sample, shape (n,), or 1."""
-    if not changes:
-        return 1.0
-    return np.sqrt(np.prod([change.factor(sequence.conditions.time) for change in changes], axis=0))
-
-
-def _centred(sequence: Sequence, description: Description) -> np.ndarray:
-    """Return the samples less the systematic terms and their mean, over the scale of the changes of variance."""
-    rest = _rest(sequence, description)
-    return (rest - _level(rest, sequence, description)) / scale(sequence, description.changes)
-
-
-def _seen(sequence: Sequence, description: Description) -> np.ndarray:
-    """Return the cosine coefficients of what the systematic terms leave, whatever noise is described."""
-    return _seen_beside(sequence, description.terms, description.changes, description.noise.output_filter)
-
-
-@lru_cache(maxsize=SHARED)
-def _seen_beside(
-    sequence: Sequence,
-    terms: tuple[Term, ...],
-    changes: tuple[VarianceChange, ...],
-    output_filter: OutputFilter | None,
-) -> np.ndarray:
-    seen = cosines(_centred(sequence, Description(terms, Noise((), output_filter), changes)))
-    seen.flags.writeable = False
-    return seen
+    before: AxisFit
+    after: AxisFit
+    early: Search
+    whole: AxisFit
+    late: Search
+    held_out: Sequence
+    bands: tuple[Band, ...] = ()
+    switching: Switching | None = None
 
 
 @dataclass(frozen=True, eq=False)
-class Scatter:
-    """How the cosine coefficients of a sequence scatter under the noise of a description.
+class Story:
+    """The discovery on one axis.
 
     Attributes
     ----------
-    sequence
-        The samples.
-    root
-        Standard deviation of each coefficient, infinite where it is not used, shape (n - 1,).
-    outside
-        What may be in them from outside the log.
+    before
+        Fit of the start model to the held-in part.
+    after
+        Fit of the named effects to the held-in part, and of noise of any slope for such noise without a name.
+    whole
+        The same to the whole log, with what only its last part shows.
+    findings
+        The effects that were named.
+    withheld
+        What was seen but fits no name.
+    bands
+        Of lines that are not steady; no name fits them.
+    switching
+        Telegraph noise that only the samples tell, which both fits after the start model are without.
+    of_any_slope
+        Noise that fits no name, as the fit to the whole log has it; it is not among the findings.
     """
 
-    sequence: Sequence
-    root: np.ndarray
-    outside: Outside | None
+    before: AxisFit
+    after: AxisFit
+    whole: AxisFit
+    findings: tuple[Finding, ...]
+    withheld: tuple[Withheld, ...]
+    bands: tuple[Band, ...] = ()
+    switching: RandomTelegraph | None = None
+    of_any_slope: Finding | None = None
 
-    @classmethod
-    def of(cls, sequence: Sequence, description: Description) -> "Scatter":
-        """Return that of a description's noise and filter."""
-        bins, noise = sequence.bins, description.noise
-        root = np.sqrt(bins.spread(noise.variance(bins)))
-        root[bins.last :] = np.inf
-        return cls(sequence, root, Outside.of(noise, len(sequence.values), sequence.conditions.interval, root))
+    def unnamed(self) -> tuple[tuple[str, str], ...]:
+        """Return the nearest name, and the reason why it is not given, of what was seen."""
+        lines = ((Sinusoid.name, f"it is not steady, {band.low:.4g} to {band.high:.4g} Hz") for band in self.bands)
+        return (*((one.name, one.reason) for one in self.withheld), *lines)
 
-    def left(self, description: Description) -> np.ndarray:
-        """Return the coefficients of what a description's terms leave, without what is from outside the log."""
-        seen = _seen(self.sequence, description)
-        return seen if self.outside is None else self.outside.without(seen)
+    @property
+    def seen(self) -> bool:
+        """Return whether anything was added to the start model, or was seen and has no name."""
+        return _names(self.before) != _names(self.whole) or bool(self.withheld) or self.switching is not None
 
-    def whiten(self, columns: np.ndarray, description: Description) -> np.ndarray:
-        """Return columns of the error, shape (n, m), as coefficients over their deviations, shape (n - 1, m)."""
-        output = _passed(columns, self.sequence, description)
-        if description.changes:
-            output = output / scale(self.sequence, description.changes)[:, None]
-        coefficients = cosines(output)
-        coefficients /= self.root[:, None]
-        return coefficients
+    @property
+    def settled(self) -> bool:
+        """Return whether the held-in part shows every effect with a name that the whole log shows."""
+        return _names(self.after) == _names(self.whole)
 
 
-def offset(sequence: Sequence, description: Description) -> float:
-    """Return the mean of the samples less the systematic terms, the noisier stretches of less weight."""
-    return float(_level(_rest(sequence, description), sequence, description))
+def _names(found: AxisFit) -> list[str]:
+    return sorted(effect.name for effect in found.description.effects() if not isinstance(effect, PowerLaw))
 
 
-def _rest(sequence: Sequence, description: Description) -> np.ndarray:
-    """Return the samples less the systematic terms, and less what a filter of the output takes from the input."""
-    if not description.terms and description.noise.output_filter is None:
-        return sequence.values
-    ideal = sequence.conditions.error_free
-    mean = sum((term.effect.sample(sequence.conditions, None) for term in description.terms), ideal)
-    if np.ndim(mean) == 0:
-        return sequence.values - mean
-    return sequence.values - (_passed(mean, sequence, description) - ideal)
+def part(sequence: Sequence, first: int, last: int) -> Sequence:
+    """Return samples ``first`` to ``last``, a few less where that makes transforms fast."""
+    while next_fast_len(last - first, real=True) != last - first:
+        last -= 1
+    conditions, span = sequence.conditions, slice(first, last)
+    return Sequence(
+        sequence.values[span],
+        replace(
+            conditions,
+            time=conditions.time[span],
+            temperature=None if conditions.temperature is None else conditions.temperature[span],
+            ideal=None if conditions.ideal is None else conditions.ideal.iloc[span],
+        ),
+        sequence.flawed[span],
+        sequence.share,
+        step=sequence.step,
+    )
 
 
-def _passed(values: np.ndarray, sequence: Sequence, description: Description) -> np.ndarray:
-    """Return what the filter of the output lets through of errors, shape (n,) or (n, m)."""
-    output_filter = description.noise.output_filter
-    return values if output_filter is None else output_filter.passed(values, sequence.conditions.interval)
+def told(
+    sequence: Sequence, start: Several[Effect], catalogue: tuple[type[Effect], ...], log_alpha: float, split: int
+) -> Tale:
+    """Search one axis; the samples from ``split`` on are held out.
 
-
-def _level(rest: np.ndarray, sequence: Sequence, description: Description) -> float:
-    if not description.changes:
-        return np.mean(rest)
-    return np.average(rest, weights=scale(sequence, description.changes) ** -2.0)
-
-
-def jacobian(terms: Several[Term], sequence: Sequence) -> np.ndarray:
-    """Return the derivatives of the mean in the free parameters, shape (n, parameters)."""
-    columns = [column for term in terms for column in _slopes(term, sequence)]
-    return np.array(columns).T if columns else np.empty((len(sequence.values), 0))
-
-
-def _slopes(term: Term, sequence: Sequence) -> list[np.ndarray]:
-    slopes = term.effect.slopes(sequence.conditions)
-    return [slopes[name] for name in term.free]
-
-
-def _basis(columns: np.ndarray) -> np.ndarray:
-    """Return an orthonormal basis of the span of columns, shape (n, rank)."""
-    if not columns.shape[1]:
-        return columns
-    gram = columns.T @ columns
-    norms = np.sqrt(np.diag(gram))
-    values, vectors = _principal(gram)
-    return columns @ (vectors / (np.where(norms > 0, norms, 1.0)[:, None] * np.sqrt(values)))
-
-
-def _principal(gram: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return variances and directions that columns of a Gram matrix, of norm 1 each, span; (rank,) and (m, rank)."""
-    norms = np.sqrt(np.diag(gram))
-    norms[norms == 0] = 1.0
-    values, vectors = np.linalg.eigh(gram / np.outer(norms, norms))
-    kept = values > 1e-9 * len(values)
-    return values[kept], vectors[:, kept]
-
-
-def fit(sequence: Sequence, start: Description) -> AxisFit:
-    """Fit a description to a sequence, from the values that it comes with.
-
-    What a filter takes from a known input tells its cutoff, far better than the noise does: there it is adjusted by
-    steps of Gauss and Newton of both together, ahead of all else.
+    Outliers and changes of the variance, which no later fit moves, are found in the whole log anew; nothing is
+    exchanged for a change before the outliers are out. Where a function of the motion without a name says more than all
+    that the first part shows, in the whole log too, no more is looked for. One thread is enough for vectors of this
+    length, and axes are worked on side by side.
     """
-    if start.noise.output_filter is None or not sequence.moved:
-        return _fitted(sequence, start)
-    found = _surer(_fitted(sequence, start, held=True))
-    for _ in range(ROUNDS):
-        moved = _cut_off_anew(found)
-        if moved.log_likelihood < found.log_likelihood + SETTLED:
-            break
-        found = moved
-    return found
+    with threadpool_limits(1):
+        held_in, held_out = part(sequence, 0, split), part(sequence, split, len(sequence.values))
+        before, early = _early(held_in, start, catalogue, log_alpha)
+        end = float(sequence.conditions.time[-1] + sequence.conditions.interval)
+        whole = unsteady.without(part(sequence, 0, len(sequence.values)), early.bands)
+        kept = replace(early.found.description, outliers=None, changes=before.description.changes)
+        again = early.search.afresh()
+        begun = again.cleared(fit(whole, kept if early.switching is None else again.start))
+        unchanging = replace(again, catalogue=tuple(kind for kind in catalogue if kind is not VarianceChange))
+        late = (_odd_again(again, begun, early) or _searched(again, unchanging.settled(begun), early.bands)).bare()
+        return Tale(
+            before,
+            _lasting(early.found, end),
+            early.search,
+            late.found,
+            late.search,
+            held_out,
+            late.bands,
+            late.switching,
+        )
 
 
-def _surer(found: AxisFit) -> AxisFit:
-    """Return a fit whose noise knows what the mean tells of the log cutoff besides, the terms free to move."""
-    sequence, interval = found.sequence, found.sequence.conditions.interval
-    ends = (_seen(sequence, _cut_off(found.description, side, interval)) for side in (CUTOFF_STEP, -CUTOFF_STEP))
-    slope = found.beyond(np.subtract(*ends)[:, None] / (2 * CUTOFF_STEP) / found.scatter.root[:, None])[:, 0]
-    gradient, information = found.noise.gradient.copy(), found.noise.information.copy()
-    gradient[-1] -= slope @ found.coefficients
-    information[-1, -1] += slope @ slope
-    return replace(found, noise=replace(found.noise, gradient=gradient, information=information))
+def _early(
+    held_in: Sequence, start: Several[Effect], catalogue: tuple[type[Effect], ...], log_alpha: float
+) -> tuple[AxisFit, "_Searched"]:
+    """Return the fit of the start model, and the end of the search that begins with it."""
+    begin = fit(held_in, described(start, held_in))
+    search = Search(begin.description, catalogue, log_alpha)
+    before = search.cleared(begin)
+    return before.bare(), _searched(search, before).bare()
 
 
-def _cut_off_anew(found: AxisFit) -> AxisFit:
-    """Return the fit after a step of the log cutoff, shortened until it is no worse, or the same fit."""
-    step, sequence = found.noise.covariance[-1, -1] * found.noise.gradient[-1], found.sequence
-    step = float(np.clip(step, -LONGEST, LONGEST))
-    for _ in range(HALVINGS):
-        moved = _fitted(sequence, _cut_off(found.description, step, sequence.conditions.interval), held=True)
-        if moved.log_likelihood >= found.log_likelihood:
-            return _surer(moved)
-        step = step / 3
-    return found
+def _lasting(found: AxisFit, end: float) -> AxisFit:
+    """Return a fit whose changes of the variance go on until ``end`` [s] if they last as long as its samples do."""
+    description, last = found.description, found.sequence.conditions.time[-1]
+    changes = tuple(replace(one, stop=max(one.stop, end)) if one.stop > last else one for one in description.changes)
+    return replace(found, description=replace(description, changes=changes))
 
 
-def _cut_off(description: Description, step: float, interval: float) -> Description:
-    """Return a description with the cutoff of its filter moved by a step of its logarithm, as far as a fit can tell."""
-    noise, one = description.noise, description.noise.output_filter
-    moved = replace(one, cutoff=min(one.cutoff * float(np.exp(step)), one.highest(interval)))
-    return replace(description, noise=replace(noise, output_filter=moved))
+@dataclass(frozen=True, eq=False)
+class _Searched:
+    """The end of a search, and what was taken out on the way.
+
+    It is ``odd`` where a function of the motion without a name says more than all that was found.
+    """
+
+    search: Search
+    found: AxisFit
+    bands: tuple[Band, ...]
+    switching: Switching | None = None
+    odd: bool = False
+
+    def bare(self) -> "_Searched":
+        """Return the same without the fits on the way, and without what was derived from the last one."""
+        return replace(self, search=self.search.forgetful(), found=self.found.bare())
 
 
-def _fitted(sequence: Sequence, start: Description, held: bool = False) -> AxisFit:
-    """Return the fit of mean and noise in turn; the cutoff of a filter stays where it is ``held``."""
-    description, last = start, -np.inf
-    fixed = not start.terms and start.noise.output_filter is None
-    for _ in range(ROUNDS):
-        left = Scatter.of(sequence, description).left(description)
-        noise = fit_noise(description.noise, sequence.bins, sequence.bins.sums(left**2), held)
-        description = replace(description, noise=noise.noise)
-        value = noise.log_likelihood - _jacobian_of_scale(sequence, description)
-        if value < last + SETTLED or fixed:
-            break
-        last = value
-        description = _mean_moved(sequence, description)
-    return AxisFit(sequence, description, value, noise)
+def _odd_again(search: Search, begun: AxisFit, early: _Searched) -> _Searched | None:
+    """Return what was found in the first part, outliers too, fitted to the whole log, if it is odd there as well."""
+    if not early.odd or early.switching is not None:
+        return None
+    wide = None if early.found.description.outliers is None else search.cleaned(begun)
+    found = begun if wide is None else wide.fit
+    odd = search.added(found.description) and in_place_of_all(search, found).log_p < LEVEL
+    return _Searched(search, found, early.bands, odd=True) if odd else None
 
 
-def log_score(sequence: Sequence, description: Description) -> float:
-    """Return the log-density of a sequence, free of its offset, under a description with values from elsewhere."""
-    bins = sequence.bins
-    power = bins.sums(Scatter.of(sequence, description).left(description) ** 2)
-    variance = description.noise.variance(bins)
-    return log_likelihood(variance, power, bins.number) - _jacobian_of_scale(sequence, description)
+def _searched(
+    search: Search, before: AxisFit, taken: tuple[Band, ...] = (), switched: Switching | None = None
+) -> _Searched:
+    """Search, and again without the bands of lines that are not steady, or telegraph noise that another hides.
+
+    Of what goes with the motion in a way that has no name no more is to be told.
+    """
+    found = search.explore(before, partial(_nameless, search, len(taken) < MOST_BANDS))
+    if in_place_of_all(search, found).log_p < LEVEL:
+        return _Searched(search, found, taken, switched, odd=True)
+    found = steady(search, told_apart(search, found))
+    bands = unsteady.bands(found) if len(taken) < MOST_BANDS else ()
+    again = search.afresh()
+    if bands:
+        cleared = unsteady.without(before.sequence, bands)
+        return _searched(again, again.cleared(fit(cleared, search.start)), (*taken, *bands), switched)
+    switched_too = hidden_telegraph(search, found) if switched is None else None
+    if switched_too is None:
+        return _Searched(search, found, taken, switched)
+    cleared = switched_too.without(before.sequence)
+    return _searched(again, again.cleared(fit(cleared, search.start)), taken, switched_too)
 
 
-def _jacobian_of_scale(sequence: Sequence, description: Description) -> float:
-    """Return the logarithm of what the scale does to the density of the coefficients that are used."""
-    bins = sequence.bins
-    return bins.last * float(np.mean(np.log(scale(sequence, description.changes))))
+def _nameless(search: Search, taken_out: bool, fit: AxisFit) -> float:
+    """Return how much log-likelihood what has no name gains over a fit; no end of lines where one is not steady.
+
+    ``taken_out`` is whether such lines are, before anything else is looked for.
+    """
+    return np.inf if taken_out and unsteady.bands(fit) else without_a_name(search, fit)
 
 
-def _mean_moved(sequence: Sequence, description: Description) -> Description:
-    """Return the description after steps of Gauss and Newton of its terms under its spectrum."""
-    scatter = Scatter.of(sequence, description)
-    rest = scatter.left(description) / scatter.root
-    for _ in range(HALVINGS):
-        columns = scatter.whiten(jacobian(description.terms, sequence), description)
-        precision = columns.T @ columns
-        norms = np.sqrt(np.diag(precision))
-        norms[norms == 0] = 1.0
-        step = np.linalg.lstsq(precision / np.outer(norms, norms), columns.T @ rest / norms, rcond=1e-10)[0]
-        moved, after = _line_search(scatter, description, step / norms, rest)
-        gained = 0.5 * (rest @ rest - after @ after)
-        if gained <= 0:
-            break
-        description, rest = moved, after
-        if gained < SETTLED:
-            break
-    return description
+def concluded(tale: Tale) -> Story:
+    """Return what a search says: names with intervals, and what is withheld."""
+    with threadpool_limits(1):
+        search, whole = tale.late, two_valued(tale.whole)
+        doubtful = doubts(search, tale.whole)
+        kept = _carried(search, whole, doubtful)
+        sweeps = (*swept(kept, search.log_alpha), *glints(whole))
+        sure = [key for key in search.added(whole.description) if key not in doubtful]
+        swept_up = beside_a_sweep(search, tale.whole, sure, sweeps)
+        final = _carried(search, whole, doubtful | swept_up) if swept_up else kept
+        doubtful |= swept_up
+        named = [key for key in search.added(whole.description) if key not in doubtful]
+        switching, odd = _of_samples(tale, doubtful)
+        findings = (*(_finding(tale, whole, key) for key in named), *switching)
+        nameless = (*(withheld(search, tale.whole, key, doubt) for key, doubt in doubtful.items()), *odd)
+        after = _carried(tale.early, tale.after, doubts(tale.early, tale.after))
+        bands = (*tale.bands, *sweeps)
+        switches = tale.switching.effect if switching else None
+        slope = _of_any_slope(search, final)
+        return Story(tale.before, after.bare(), final.bare(), findings, nameless, bands, switches, slope)
 
 
-def _line_search(
-    scatter: Scatter, description: Description, step: np.ndarray, rest: np.ndarray
-) -> tuple[Description, np.ndarray]:
-    for _ in range(HALVINGS):
-        first, terms = 0, []
-        for term in description.terms:
-            terms.append(term.moved(step[first : first + len(term.free)]))
-            first += len(term.free)
-        moved = replace(description, terms=tuple(terms))
-        after = scatter.left(moved) / scatter.root
-        if after @ after < rest @ rest:
-            return moved, after
-        step = step / 3
-    return description, rest
+def _carried(search: Search, found: AxisFit, doubtful: Mapping[Key, Doubt]) -> AxisFit:
+    """Return the fit without what is in doubt; if that is slow noise, with noise of the slope that it has.
+
+    Only where nothing but slow noise is in doubt, and nothing but its spectrum: what is no noise has no place there,
+    nor has a slope as steep as that of a trend. Outliers in doubt are samples again.
+    """
+    if any(key.part == "outliers" for key in doubtful):
+        raw = replace(found, sequence=search.raw[found.description.outliers])
+        return without(raw, list(doubtful))
+    kept = without(found, list(doubtful))
+    kinds = (*SLOW, RandomTelegraph)
+    of_noise = (
+        isinstance(at(found.description, key), kinds) and doubt.reason in OF_NOISE for key, doubt in doubtful.items()
+    )
+    if not doubtful or not all(of_noise) or kept.has(PowerLaw):
+        return kept
+    carried = beside_power_law(search.afresh(), kept)
+    gain = carried.log_likelihood - kept.log_likelihood
+    exponent = _of_any_slope(search, carried).parameters["exponent"]
+    return carried if exponent.value < STEEPEST and log_chance(gain, len(fields(PowerLaw))) < search.log_alpha else kept
+
+
+def _of_any_slope(search: Search, found: AxisFit) -> Finding | None:
+    """Return the power law that a fit has more than the start model, with its intervals."""
+    laws = search.added(found.description, PowerLaw)
+    if not laws:
+        return None
+    law = at(found.description, laws[0])
+    return Finding({found.sequence.conditions.axis: law}, intervals(found, found, laws[0]), CERTAIN)
+
+
+def _of_samples(tale: Tale, doubtful: Mapping[Key, Doubt]) -> tuple[tuple[Finding, ...], tuple[Withheld, ...]]:
+    """Return the telegraph noise that only the samples tell, if there is one, as a finding or as withheld.
+
+    They tell it where what is left is noise, of whatever slope.
+    """
+    if tale.switching is None:
+        return (), ()
+    effect, log_p, conditions = tale.switching.effect, tale.switching.log_p, tale.whole.sequence.conditions
+    axis = conditions.axis
+    odd = [one.reason for key, one in doubtful.items() if key.part == "noise" and one.reason not in OF_SLOPE]
+    if len(tale.late.added(tale.whole.description, BiasStep)) >= VALUES:
+        odd.append("it has more than two values")
+    if odd:
+        ends = map(float, conditions.time[[0, -1]])
+        return (), (Withheld(effect.name, odd[0], Gap("change", axis, *ends, "s", float(np.exp(max(log_p, CERTAIN))))),)
+    units = effect.units(axis_unit(axis))
+    parameters = {
+        name: Interval(value, *tale.switching.intervals[name], units[name])
+        for name, value in effect.parameters().items()
+    }
+    return (Finding({axis: effect}, parameters, max(log_p, CERTAIN), tale.switching.gain),), ()
+
+
+def _finding(tale: Tale, found: AxisFit, key: Key) -> Finding:
+    """Return one effect with its intervals, its gain on held-out data, and what cannot be told from it."""
+    search, axis = tale.late, found.sequence.conditions.axis
+    effect = at(found.description, key)
+    own, without = search.weighed(found, key)
+    near = found.log_likelihood + search.log_alpha / 2
+    alternatives = {}
+    bar = min(log_chance(near - without.log_likelihood, 1) + PLACES, search.log_alpha)
+    for rival in search.rivals(found, key, without, bar):
+        if rival.fit.log_likelihood > near:
+            gain = rival.fit.log_likelihood - found.log_likelihood
+            alternatives[rival.name] = max(gain, alternatives.get(rival.name, -np.inf))
+    if isinstance(effect, RandomTelegraph):
+        alternatives.pop("gauss_markov", None)
+        verdict, units = compare(found, (effect,)), effect.units(axis_unit(axis))
+        parameters = {
+            name: Interval(value, *ends, units[name])
+            for (name, value), ends in zip(effect.parameters().items(), verdict.intervals, strict=True)
+        }
+        gain = verdict.gain
+    elif key.part == "outliers":
+        parameters, gain = _of_outliers(search, found), search.tails[effect].gain
+    else:
+        parameters = intervals(found, without, key)
+        gain = _gain(tale, effect, found, without)
+    return Finding({axis: effect}, parameters, max(own.log_p, CERTAIN), float(gain), tuple(alternatives.items()))
+
+
+def _gain(tale: Tale, effect: Effect, found: AxisFit, without: AxisFit) -> float:
+    """Return the gain of log-density of the held-out part by an effect, by fits to the held-in part.
+
+    Where that does not show it, by those to the whole log, ``found`` and ``without``.
+    """
+    added = [(key, at(tale.after.description, key)) for key in tale.early.added(tale.after.description)]
+    same = [(_apart(one, effect), key) for key, one in added if type(one) is type(effect)]
+    if same:
+        key = min(same, key=lambda one: one[0])[1]
+        found, without = tale.after, tale.early.weighed(tale.after, key)[1]
+    return log_score(tale.held_out, found.description) - log_score(tale.held_out, without.description)
+
+
+def _apart(one: Effect, other: Effect) -> float:
+    """Return how far the parameters of two effects of a kind are apart, each relative to its size."""
+    pairs = zip(one.parameters().values(), other.parameters().values(), strict=True)
+    return sum(abs(a - b) / (abs(a) + abs(b) or 1.0) for a, b in pairs)
+
+
+def noise_of(found: AxisFit) -> tuple[Finding, ...]:
+    """Return the white noise of an axis whose start model has no noise at all as a finding, where there is some."""
+    axis, effect = found.sequence.conditions.axis, found.description.noise.effects[0]
+    parameters = intervals(found, found, Key("noise", 0))
+    seen = parameters["density"].low > 0
+    return (Finding({axis: effect}, parameters, CERTAIN),) if seen else ()
+
+
+def _of_outliers(search: Search, found: AxisFit) -> dict[str, Interval]:
+    effect = found.description.outliers
+    tails = search.tails[effect]
+    share, excess = tails.intervals
+    unit = effect.std / tails.excess
+    ends = tuple(end * unit for end in excess)
+    return {
+        "probability": Interval(effect.probability, *share, "1"),
+        "std": Interval(effect.std, *ends, axis_unit(found.sequence.conditions.axis)),
+    }
+
+
+def model_of(found: AxisFit) -> AxisModel:
+    """Return the fitted description as a model of the axis, its offset as a bias."""
+    return AxisModel((Bias(offset(found.sequence, found.description)), *found.description.effects()))

@@ -1,285 +1,450 @@
-"""Effects that the axes of a device have by one physical value: their evidence is pooled, and the others are asked.
+"""Discovery on the logs of a device: where, which, add, show."""
 
-A delay is that of the whole device, a lever arm that of its accelerometers (``common`` of
-:class:`imugap.effects.effect.Effect`). A search of one axis decides on its own data only. Here the axes that show such
-an effect are pooled by the weights of their information; a chi-square test says whether they agree. The other axes are
-then tested, those of a sensor together, at an uncorrected level: they have the effect too unless their data contradict
-it. Where no axis shows it, all of them together may. As a delay and a lever arm may stand for each other, all such
-effects are estimated together.
-"""
-
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from itertools import chain
+from functools import partial
+from types import MappingProxyType
 
 import numpy as np
-from scipy.stats import chi2
+import pandas as pd
+from threadpoolctl import threadpool_limits
 
-from imugap.discovery.axis import AxisFit, Term, fit
-from imugap.discovery.search import Search, log_chance, with_effect
-from imugap.effects.effect import Effect, SystematicEffect
-from imugap.log import ACCEL, GYRO
+from imugap import log as canonical
+from imugap.discovery.axis import Story, Tale, concluded, model_of, noise_of, part, told
+from imugap.discovery.between_runs import as_first, clocks, turn_on
+from imugap.discovery.checks.motion import ANOTHER
+from imugap.discovery.common_noise import shared
+from imugap.discovery.evaluation.distance import Distances, Drifts
+from imugap.discovery.evaluation.held_out import HELD_IN, distances, held_out, tested
+from imugap.discovery.finding import CERTAIN, Finding, Gap, Interval
+from imugap.discovery.fit.axis_fit import AxisFit
+from imugap.discovery.fit.start_model import described, noisy, untold
+from imugap.discovery.preparation.prepare import Record, prepare
+from imugap.discovery.preparation.rounding import level_ahead, unrounded
+from imugap.discovery.preparation.sequence import Sequence as AxisSequence
+from imugap.discovery.search.intervals import NORMAL, axis_unit
+from imugap.discovery.search.noise_agreement import agreed
+from imugap.discovery.search.search import log_chance
+from imugap.discovery.search.shared_effects import Joint, joined
+from imugap.discovery.views import COHERENCE, Curve
+from imugap.discovery.views.gaps import REPLICATES, Verdict, named, verdicts
+from imugap.effects import CATALOGUE, Bias, CommonMode, Outliers, WhiteNoise
+from imugap.effects.effect import AxisModel, Effect, Stage
+from imugap.log import TIME
+from imugap.model import ErrorModel
 
-LEVEL = 0.001
-"""Probability below which axes disagree: at 0.01 one device in sixteen would lose one of its six axes by chance."""
-
-
-Label = tuple[type[Effect], str]
-"""Kind of an effect and name of one of its parameters."""
+OTHER_STEPS = 4
+"""Steps besides the two of each axis."""
+Progress = Callable[[str, int, int], None]
+"""Called with the name of a step as it begins, how many steps are done, and how many there are."""
 
 
 @dataclass(frozen=True, eq=False)
-class Estimate:
-    """What one axis says of effects that it may have in common with others.
+class Discovery:
+    """What was found on a device.
 
     Attributes
     ----------
-    axis, terms
-        Name of the axis, and the effects as fitted there, with k fitted parameters.
-    information
-        Inverse of their covariance, the other parameters of the axis free, shape (k, k).
+    start, final
+        Error models before and after.
+    gaps
+        Where the start model and the held-in part disagree.
+    findings
+        The effects that were added, surest first.
+    unexplained
+        Where the final model and the log still disagree.
+    withheld
+        (axis, name, reason) of what was seen but not named.
+    described
+        Noise that fits no name, which the final model has as noise of the slope that it has.
+    untold
+        (axis, name) of the effects of the start model that the log cannot tell, which stay as they were.
+    distances
+        Between measured and simulated held-out data, by name of the distance.
+    drifts
+        Navigation of the held-out data, measured and simulated, of each log that is compared; none for a device in
+        motion or without all six axes.
+    before, after
+        Every view of the log against replicates of the start model (held-in part) and of the final one (whole log).
+    record, stories
+        The log and the discovery on each axis of it.
     """
 
-    axis: str
-    terms: tuple[Term, ...]
-    information: np.ndarray
-
-    @property
-    def labels(self) -> tuple[Label, ...]:
-        """Return what the k parameters are."""
-        return tuple((type(term.effect), name) for term in self.terms for name in term.free)
-
-    @property
-    def value(self) -> np.ndarray:
-        """Return the fitted parameters, shape (k,)."""
-        return np.array([getattr(term.effect, name) for term in self.terms for name in term.free])
-
-    def about(self, kinds: Collection[type[Effect]]) -> "Estimate":
-        """Return what the axis says of effects of some kinds, the others free."""
-        terms = tuple(term for term in self.terms if type(term.effect) in kinds)
-        return Estimate(self.axis, terms, _marginal(self.information, [kind in kinds for kind, _ in self.labels]))
+    start: ErrorModel
+    final: ErrorModel
+    gaps: tuple[Gap, ...]
+    findings: tuple[Finding, ...]
+    unexplained: tuple[Gap, ...]
+    withheld: tuple[tuple[str, str, str], ...]
+    described: tuple[Finding, ...]
+    untold: tuple[tuple[str, str], ...]
+    distances: Mapping[str, Distances]
+    drifts: tuple[Drifts, ...]
+    before: tuple[Verdict, ...]
+    after: tuple[Verdict, ...]
+    record: Record
+    stories: Mapping[str, Story]
 
 
-@dataclass(frozen=True, eq=False)
-class Pool:
-    """One value for several estimates, weighted by their information.
+@dataclass(frozen=True)
+class Question:
+    """How discovery is asked.
 
     Attributes
     ----------
-    labels
-        What the k parameters are.
-    value, information
-        Parameters, shape (k,), and the sum of the informations, shape (k, k).
-    distance, freedom
-        Sum of the squared distances of the estimates from it in units of their covariance, and the degrees of freedom
-        of its chi-square law where they estimate the same.
+    start
+        Model that the simulator has now; None for a constant bias and white noise fitted to the log.
+    alpha
+        Probability that a log with nothing hidden gets any name.
+    seed
+        Of all simulations.
+    catalogue
+        Kinds of effects that may be missing.
+    replicates, simulations
+        Of the bootstrap of gaps, and of the distances.
+    workers
+        Processes that work at a time.
     """
 
-    labels: tuple[Label, ...]
-    value: np.ndarray
-    information: np.ndarray
-    distance: float
-    freedom: int
+    start: ErrorModel | None = None
+    alpha: float = 0.01
+    seed: int = 0
+    catalogue: tuple[type[Effect], ...] = tuple(CATALOGUE.values())
+    replicates: int = REPLICATES
+    simulations: int = 60
+    workers: int = 1
 
-    @property
-    def covariance(self) -> np.ndarray:
-        """Return the covariance of the value, shape (k, k)."""
-        return np.linalg.pinv(self.information, hermitian=True)
-
-    @property
-    def agreement(self) -> float:
-        """Return the probability of so large a distance where the axes agree; one for a single axis."""
-        return float(chi2.sf(self.distance, self.freedom)) if self.freedom else 1.0
-
-    @property
-    def gain(self) -> float:
-        """Return the gain of log-likelihood of the value over zero, to second order."""
-        return float(0.5 * (self.value @ self.information @ self.value))
-
-    def about(self, kind: type[Effect]) -> "Pool":
-        """Return the part of the pool that is about effects of one kind, the others free."""
-        mine = [one is kind for one, _ in self.labels]
-        labels = tuple(label for label in self.labels if label[0] is kind)
-        return replace(self, labels=labels, value=self.value[mine], information=_marginal(self.information, mine))
+    def log_alpha(self, axes: int) -> float:
+        """Return the logarithm of the probability that one proposal of one axis is taken by chance."""
+        return float(np.log(self.alpha / axes / len(self.catalogue)))
 
 
-@dataclass(frozen=True, eq=False)
-class Joint:
-    """An effect with one value on several axes, what each says of it, and the part of a pool that is about it."""
+def discover(
+    logs: Sequence[pd.DataFrame],
+    question: Question,
+    tests: Sequence[pd.DataFrame] = (),
+    reference: pd.DataFrame | None = None,
+    progress: Progress = lambda step, done, steps: None,
+) -> Discovery:
+    """Find where a simulator and a device disagree, name what is missing and show that the gap shrinks.
 
-    effect: SystematicEffect
-    axes: tuple[str, ...]
-    free: tuple[str, ...]
-    shares: tuple[Estimate, ...]
-    pool: Pool
-
-    def certain(self, axes: Collection[str], log_alpha: float) -> bool:
-        """Return whether chance does not explain it on some of the axes alone."""
-        shares = [one for one in self.shares if one.axis in axes]
-        return bool(shares) and log_chance(pooled(shares).gain, len(self.free)) < log_alpha
-
-
-@dataclass(frozen=True, eq=False)
-class Device:
-    """The fits of the axes, and the effects that they have together.
-
-    Attributes
+    Parameters
     ----------
-    fits, searches
-        Fit and search of each axis; the effects of :attr:`joints` are held at their values.
-    joints
-        Effects with one value for several axes.
+    logs
+        Runs of one device, as :func:`imugap.io.readers.read_table` gives them. Effects within a run are discovered on
+        the first; all are compared with each other.
+    tests
+        Further runs, on which distances are taken; without them it is the last part of the first log.
+    reference
+        Error-free log of the first run, for a device in motion.
+    progress
+        Told of each step.
     """
+    known = ErrorModel({}) if question.start is None else question.start
+    steps = _Steps(progress, OTHER_STEPS + 2 * len(canonical.axes(logs[0])))
+    steps.begin("integrity")
+    record = prepare(logs[0], reference, question.seed, question.start)
+    steps.count -= 2 * len(record.silent)
+    log_alpha = question.log_alpha(len(record.sequences))
+    stories, joints = _stories(_alike(_tales(record, known, question, log_alpha, steps)), question, log_alpha, steps)
+    befores = {axis: story.before for axis, story in stories.items()}
+    wholes = {axis: story.whole for axis, story in stories.items()}
+    steps.begin("gaps")
+    outputs = {axis: _outputs(known, axis) for axis in stories}
+    with _many(question.workers) as each:
+        seen = verdicts(befores, question.seed, question.replicates, outputs, each=each)
+    where = (*named(seen, question.alpha), *_unsteady(stories))
+    own = (*(one for story in stories.values() for one in story.findings), *map(_of_joint, joints))
+    common = _news((one.finding(f"{axis_unit(one.axes[0])}/sqrt(Hz)") for one in shared(wholes, log_alpha)), known)
+    between = _news(_between_runs(logs, wholes, known, question, log_alpha), known)
+    outside = (*record.findings, *common, *between)
+    findings = _ordered((*own, *_of_noise(wholes, question.start), *outside))
+    steps.begin("gaps that remain")
+    later, left = _left(seen, stories, record, common, question, outputs)
+    left = (*_unsteady(stories), *left)
+    steps.begin("distances")
+    switching = {axis: (story.switching,) for axis, story in stories.items() if story.switching is not None}
+    model = partial(_model, known=known, findings=outside, beside=switching)
+    start, final = _model(befores, known), model(wholes)
+    compared = [tested(test, stories, start, final, question.seed) for test in tests]
+    with _many(question.workers) as each:
+        asked = compared or [held_out(record, stories, start, model)]
+        apart, paths = distances(asked, question.seed, question.simulations, each)
+    steps.begin("done")
+    kept = _kept(known, record, wholes)
+    return Discovery(
+        start=_with_kept(start, kept),
+        final=_with_kept(final, kept),
+        gaps=(*record.gaps, *where, *_nameless(stories, where, question.alpha)),
+        findings=findings,
+        unexplained=(*record.silent, *left, *_nameless(stories, left, question.alpha)),
+        withheld=tuple((axis, *one) for axis, story in stories.items() for one in story.unnamed()),
+        described=tuple(one.of_any_slope for one in stories.values() if one.of_any_slope is not None),
+        untold=tuple((axis, one.name) for axis, some in kept.items() for one in some if axis in stories),
+        distances=apart,
+        drifts=paths,
+        before=tuple(seen),
+        after=later,
+        record=record,
+        stories=stories,
+    )
 
-    fits: dict[str, AxisFit]
-    searches: dict[str, Search]
-    joints: tuple[Joint, ...] = ()
+
+@dataclass
+class _Steps:
+    """Counts the steps as they begin."""
+
+    progress: Progress
+    count: int
+    done: int = 0
+
+    def begin(self, name: str) -> None:
+        self.progress(name, self.done, self.count)
+        self.done += 1
 
 
-def joined(
-    fits: Mapping[str, AxisFit],
-    searches: Mapping[str, Search],
-    apart: Collection[type[Effect]] = (),
-    level: float = LEVEL,
-) -> Device:
-    """Return the device that the fits of its axes make, effects of one value joined but for kinds left ``apart``."""
-    device = Device(dict(fits), dict(searches))
-    kinds = [kind for kind in next(iter(searches.values())).catalogue if kind.common and kind not in apart]
-    shown = [kind for kind in kinds if any(one.has(kind) for one in fits.values())]
-    for kind in kinds:
-        if kind not in shown and _together(kind, _estimates((*shown, kind), device), device, level):
-            shown.append(kind)
-    for joint in _joints(tuple(kind for kind in kinds if kind in shown), device, level):
-        device = _held(device, joint)
-    return device
+def _ordered(findings: Sequence[Finding]) -> tuple[Finding, ...]:
+    """Return the findings, those of integrity first, the others surest first."""
+    return tuple(
+        sorted(findings, key=lambda finding: (next(iter(finding.effects.values())).stage < Stage.RANGE, finding.log_p))
+    )
 
 
-def pooled(estimates: Sequence[Estimate]) -> Pool:
-    """Return the mean of estimates, of the same parameters or some of them, weighted by their informations."""
-    labels = tuple(dict.fromkeys(label for one in estimates for label in one.labels))
-    total, weighted = np.zeros((len(labels), len(labels))), np.zeros(len(labels))
-    places = [[labels.index(label) for label in one.labels] for one in estimates]
-    for one, place in zip(estimates, places, strict=True):
-        total[np.ix_(place, place)] += one.information
-        weighted[place] += one.information @ one.value
-    value = np.linalg.pinv(total, hermitian=True) @ weighted
-    gaps = [one.value - value[place] for one, place in zip(estimates, places, strict=True)]
-    distance = sum(gap @ one.information @ gap for one, gap in zip(estimates, gaps, strict=True))
-    ranks = [np.linalg.matrix_rank(one.information, hermitian=True) for one in estimates]
-    return Pool(labels, value, total, float(distance), int(sum(ranks) - np.linalg.matrix_rank(total, hermitian=True)))
+def _each(
+    task: Callable, arguments: Sequence[tuple], axes: Iterable[str], workers: int, steps: _Steps, step: str
+) -> dict:
+    """Return what a task makes of the arguments of each axis, several axes at a time."""
+    found = {}
+    with _many(workers) as each:
+        results = iter(each(task, *zip(*arguments, strict=True)))
+        for axis in axes:
+            steps.begin(step)
+            found[axis] = next(results)
+    return found
 
 
-def agreeing(estimates: Sequence[Estimate], level: float = LEVEL) -> list[Estimate]:
-    """Return the estimates that agree, after the removal, one by one, of that without which they agree best."""
-    kept = list(estimates)
-    while len(kept) > 1 and pooled(kept).agreement < level:
-        rest = [[other for other in kept if other is not one] for one in kept]
-        kept = min(rest, key=lambda others: (pooled(others).distance, -pooled(others).gain))
+@contextmanager
+def _many(workers: int) -> Iterator[Callable]:
+    """Yield what applies a function to many arguments, in so many processes."""
+    if workers == 1:
+        yield map
+        return
+    with ProcessPoolExecutor(workers) as pool:
+        yield pool.map
+
+
+def _stories(
+    alone: dict[str, Tale],
+    question: Question,
+    log_alpha: float,
+    steps: _Steps,
+    apart: tuple[type[Effect], ...] = (),
+) -> tuple[dict[str, Story], tuple[Joint, ...]]:
+    """Return the story of each axis, and what axes have by one value, but for kinds left ``apart``.
+
+    Apart is what is certain only with axes on which another function of the motion explains things better.
+    """
+    tales, joints = _together(alone, apart)
+    stories = _each(concluded, [(tale,) for tale in tales.values()], tales, question.workers, steps, "names")
+    moved = {axis for axis, story in stories.items() if any(one.reason == ANOTHER for one in story.withheld)}
+    touched = [joint for joint in joints if moved & set(joint.axes)]
+    doubtful = [type(joint.effect) for joint in touched if not joint.certain(set(joint.axes) - moved, log_alpha)]
+    if not doubtful:
+        return stories, joints
+    steps.count += len(tales)
+    return _stories(alone, question, log_alpha, steps, (*apart, *doubtful))
+
+
+def _tales(record: Record, known: ErrorModel, question: Question, log_alpha: float, steps: _Steps) -> dict[str, Tale]:
+    arguments = [
+        (sequence, _effects(known, axis), question.catalogue, log_alpha, int(HELD_IN * len(sequence.values)))
+        for axis, sequence in record.sequences.items()
+    ]
+    return _each(told, arguments, record.sequences, question.workers, steps, "search")
+
+
+def _alike(tales: dict[str, Tale]) -> dict[str, Tale]:
+    """Return the tales with slow noise of one kind on the axes of a sensor, where they do not tell it."""
+    with threadpool_limits(1):
+        afters = agreed(*({axis: getattr(tale, part) for axis, tale in tales.items()} for part in ("after", "early")))
+        wholes = agreed(*({axis: getattr(tale, part) for axis, tale in tales.items()} for part in ("whole", "late")))
+    return {axis: replace(tale, after=afters[axis], whole=wholes[axis]) for axis, tale in tales.items()}
+
+
+def _together(tales: dict[str, Tale], apart: Collection[type[Effect]]) -> tuple[dict[str, Tale], tuple[Joint, ...]]:
+    """Return the tales with what axes have by one value joined, and what that is."""
+    afters, earlies = ({axis: getattr(tale, part) for axis, tale in tales.items()} for part in ("after", "early"))
+    wholes, lates = ({axis: getattr(tale, part) for axis, tale in tales.items()} for part in ("whole", "late"))
+    early, late = joined(afters, earlies, apart), joined(wholes, lates, apart)
+    changed = {
+        axis: replace(
+            tale, after=early.fits[axis], early=early.searches[axis], whole=late.fits[axis], late=late.searches[axis]
+        )
+        for axis, tale in tales.items()
+    }
+    return changed, late.joints
+
+
+def _of_joint(joint: Joint) -> Finding:
+    """Return an effect of one value on several axes as a finding."""
+    errors = NORMAL * np.sqrt(np.diag(joint.pool.covariance))
+    units = joint.effect.units(axis_unit(joint.axes[0]))
+    parameters = {
+        name: Interval(value, value - error, value + error, units[name])
+        for name, value, error in zip(joint.free, joint.pool.value.tolist(), errors.tolist(), strict=True)
+    }
+    return Finding(dict.fromkeys(joint.axes, joint.effect), parameters, log_chance(joint.pool.gain, len(joint.free)))
+
+
+def _outputs(model: ErrorModel, axis: str) -> tuple[Effect, ...]:
+    """Return the effects of an axis that act on the output behind the filter."""
+    return tuple(effect for effect in _effects(model, axis) if effect.stage > Stage.FILTER)
+
+
+def _found_outputs(record: Record, axis: str, known: tuple[Effect, ...]) -> tuple[Effect, ...]:
+    return known + tuple(finding.effects[axis] for finding in record.findings if axis in finding.effects)
+
+
+def _between_runs(
+    logs: Sequence[pd.DataFrame], wholes: Mapping[str, AxisFit], known: ErrorModel, question: Question, log_alpha: float
+) -> tuple[Finding, ...]:
+    """Return what differs between the runs."""
+    if len(logs) < 2:
+        return ()
+    fits = [wholes]
+    for log in logs[1:]:
+        sequences = prepare(log, None, question.seed, question.start).sequences
+        whole = {axis: part(sequences[axis], 0, len(sequences[axis].values)) for axis in wholes if axis in sequences}
+        starts = {axis: described(_effects(known, axis), one) for axis, one in whole.items()}
+        fits.append({axis: as_first(one, starts[axis].terms, wholes[axis]) for axis, one in whole.items()})
+    return (*turn_on(fits, log_alpha), *clocks(fits, log_alpha))
+
+
+def _left(
+    seen: Sequence[Verdict],
+    stories: Mapping[str, Story],
+    record: Record,
+    common: Sequence[Finding],
+    question: Question,
+    outputs: Mapping,
+) -> tuple[tuple[Verdict, ...], tuple[Gap, ...]]:
+    """Return all views of the final model, and where it leaves the log.
+
+    Axes on which nothing was seen are as they were; axes whose noise is shared are not held against each other.
+    """
+    fits = {axis: story.whole for axis, story in stories.items()}
+    known = {axis: _found_outputs(record, axis, outputs[axis]) for axis in fits}
+    changed = {axis for axis, story in stories.items() if story.seen or known[axis] != outputs[axis]}
+    alike = {frozenset(pair) for finding in common for pair in _pairs(finding.axes)}
+    with _many(question.workers) as each:
+        judged = verdicts(fits, question.seed + 1, question.replicates, known, changed, each)
+    judged += [one for one in seen if not changed & one.axes]
+    left = tuple(gap for gap in named(judged, question.alpha) if not _common(gap, alike))
+    return tuple(one for one in judged if not _common(one.curve, alike)), left
+
+
+def _common(one: Gap | Curve, alike: set[frozenset[str]]) -> bool:
+    """Return whether a place or a curve is of what two axes have in common, which is known."""
+    return one.view == COHERENCE and frozenset(one.axis.split(",")) in alike
+
+
+def _unsteady(stories: Mapping[str, Story]) -> tuple[Gap, ...]:
+    """Return the places of lines that are not steady; neither model has them."""
+    return tuple(
+        Gap("line", axis, band.low, band.high, "Hz", float(np.exp(max(band.log_p, CERTAIN))))
+        for axis, story in stories.items()
+        for band in story.bands
+    )
+
+
+def _nameless(stories: Mapping[str, Story], places: Sequence[Gap], alpha: float) -> tuple[Gap, ...]:
+    """Return where what has no name was seen for certain, of the axes on which no view shows it."""
+    shown = {axis for place in places for axis in place.axis.split(",")}
+    unseen = [one.place for axis, story in stories.items() if axis not in shown for one in story.withheld]
+    return tuple(place for place in unseen if place.p_value < alpha)
+
+
+def _effects(model: ErrorModel, axis: str) -> tuple[Effect, ...]:
+    return tuple(model.axes.get(axis, AxisModel()))
+
+
+def _news(findings: Iterable[Finding], known: ErrorModel) -> tuple[Finding, ...]:
+    """Return the findings of which the start model does not have that kind on every axis of it."""
+
+    def old(finding: Finding) -> bool:
+        axes = finding.effects.items()
+        return all(any(isinstance(one, type(effect)) for one in _effects(known, axis)) for axis, effect in axes)
+
+    return tuple(finding for finding in findings if not old(finding))
+
+
+def _of_noise(wholes: Mapping[str, AxisFit], start: ErrorModel | None) -> tuple[Finding, ...]:
+    """Return the white noise of the axes of which a start model has no noise at all."""
+    silent = [axis for axis in wholes if start is not None and not any(map(noisy, _effects(start, axis)))]
+    return tuple(finding for axis in silent for finding in noise_of(wholes[axis]))
+
+
+def _kept(known: ErrorModel, record: Record, wholes: Mapping[str, AxisFit]) -> dict[str, tuple[Effect, ...]]:
+    """Return the effects that stay as the start model has them: what the log cannot tell, and those of the clock."""
+    kept = {axis: tuple(effects) for axis, effects in known.axes.items()}
+    for axis, found in wholes.items():
+        effects = kept.get(axis, ())
+        rare = () if found.has(Outliers) else tuple(one for one in effects if isinstance(one, Outliers))
+        kept[axis] = (*untold(effects, record.sequences[axis]), *rare)
     return kept
 
 
-def contradicts(one: Estimate | Pool, pool: Pool, level: float = LEVEL) -> bool:
-    """Return whether an estimate, or several, that are not in a pool are too far from it."""
-    covariance = np.linalg.pinv(one.information, hermitian=True) + pool.covariance
-    gap = one.value - pool.value
-    return bool(gap @ np.linalg.solve(covariance, gap) > chi2.isf(level, len(gap)))
+def _with_kept(model: ErrorModel, kept: Mapping[str, tuple[Effect, ...]]) -> ErrorModel:
+    more = {axis: AxisModel((*effects, *_effects(model, axis))) for axis, effects in kept.items()}
+    return ErrorModel({**model.axes, **more})
 
 
-def _marginal(information: np.ndarray, mine: Sequence[bool]) -> np.ndarray:
-    """Return the information on some parameters, the others free."""
-    covariance = np.linalg.pinv(information, hermitian=True)
-    return np.linalg.pinv(covariance[np.ix_(mine, mine)], hermitian=True)
+def _pairs(axes: Sequence[str]) -> list[tuple[str, str]]:
+    return [(one, other) for one in axes for other in axes if one < other]
 
 
-def _joints(kinds: tuple[type[Effect], ...], device: Device, level: float) -> tuple[Joint, ...]:
-    """Return the effects of some kinds that axes of the device have together, if two of them or more do.
+def _model(
+    fits: Mapping[str, AxisFit],
+    known: ErrorModel,
+    findings: Sequence[Finding] = (),
+    beside: Mapping[str, tuple[Effect, ...]] = MappingProxyType({}),
+) -> ErrorModel:
+    """Return the fits of all axes as a model, with what was found outside of them and what they are without.
 
-    All are estimated together, as each may stand for the others. One that chance explains beside them is none.
+    One device has one clock: of those of several other runs the first.
     """
-    if not kinds:
-        return ()
-    estimates = _estimates(kinds, device)
-    members = {kind: _members(kind, estimates, device, level) for kind in kinds}
-    several = tuple(kind for kind in kinds if len(members[kind]) > 1)
-    if several != kinds:
-        return _joints(several, device, level)
-    shares = [one.about([kind for kind in kinds if one.axis in members[kind]]) for one in estimates]
-    pool = pooled([one for one in shares if one.terms])
-    chances = {kind: log_chance(pool.about(kind).gain, len(pool.about(kind).value)) for kind in kinds}
-    weakest = max(kinds, key=lambda kind: chances[kind])
-    if chances[weakest] > next(iter(device.searches.values())).log_alpha:
-        return _joints(tuple(kind for kind in kinds if kind is not weakest), device, level)
-    return tuple(_joint(kind, members[kind], estimates, pool.about(kind)) for kind in kinds)
+    axes = {
+        axis: AxisModel((*model_of(fit), *beside.get(axis, ()), *_outputs(known, axis))) for axis, fit in fits.items()
+    }
+    for finding in findings:
+        for axis, effect in finding.effects.items():
+            if not (axis == TIME and any(isinstance(one, type(effect)) for one in axes.get(axis, ()))):
+                axes[axis] = _with(axes.get(axis, AxisModel()), effect)
+    return ErrorModel(
+        {axis: _ahead(model, fits[axis].sequence) if axis in fits else model for axis, model in axes.items()}
+    )
 
 
-def _joint(kind: type[Effect], members: Sequence[str], estimates: Sequence[Estimate], pool: Pool) -> Joint:
-    term = next(term for one in estimates if one.axis in members for term in one.terms if type(term.effect) is kind)
-    effect = replace(term.effect, **dict(zip(term.free, pool.value.tolist(), strict=True)))
-    shares = tuple(one for one in _about(kind, estimates) if one.axis in members)
-    return Joint(effect, tuple(axis for axis in kind.common if axis in members), term.free, shares, pool)
+def _ahead(model: AxisModel, sequence: AxisSequence) -> AxisModel:
+    """Return the model whose rounded values are like those to which it was fitted."""
+    effects = unrounded(model, model, sequence)
+    if sequence.conditions.ideal is None:
+        mean = float(sequence.values.mean())
+        shift = level_ahead(mean, effects, sequence.conditions.interval) - mean
+        effects = tuple(Bias(one.value + shift) if isinstance(one, Bias) else one for one in effects)
+    return AxisModel(effects)
 
 
-def _members(kind: type[Effect], estimates: Sequence[Estimate], device: Device, level: float) -> list[str]:
-    """Return the axes that have an effect by one value: those that show it and agree, and those that allow of it.
-
-    The others of a sensor are asked together: where some of them do without it, those that do not tell have none.
-    """
-    estimates = _about(kind, estimates)
-    showing = [one for one in estimates if device.fits[one.axis].has(kind)]
-    silent = [one for one in estimates if not device.fits[one.axis].has(kind)]
-    anchor = agreeing(showing or silent, level)
-    rest = [[one for one in silent if one.axis in sensor and one not in anchor] for sensor in (GYRO, ACCEL)]
-    allowing = [group for group in rest if group and not contradicts(pooled(group), pooled(anchor), level)]
-    return [one.axis for one in (*anchor, *chain.from_iterable(allowing))]
-
-
-def _together(kind: type[Effect], estimates: Sequence[Estimate], device: Device, level: float) -> bool:
-    """Return whether axes none of which shows an effect agree on one that chance does not explain."""
-    silent = _about(kind, estimates)
-    if len(silent) < 2:
-        return False
-    pool, log_alpha = pooled(silent), device.searches[silent[0].axis].log_alpha
-    return pool.agreement >= level and log_chance(pool.gain, len(pool.value)) < log_alpha
-
-
-def _about(kind: type[Effect], estimates: Sequence[Estimate]) -> list[Estimate]:
-    """Return what axes say of effects of one kind, those that say something."""
-    return [part for one in estimates if (part := one.about([kind])).terms]
-
-
-def _estimates(kinds: Sequence[type[Effect]], device: Device) -> list[Estimate]:
-    """Return what the axes say of effects of some kinds, shown there or not, all of them free.
-
-    Axes whose start model has one are not asked for it.
-    """
-    estimates = []
-    for axis, found in device.fits.items():
-        asked = [kind for kind in kinds if axis in kind.common and not device.searches[axis].knows(kind)]
-        for kind in asked:
-            start = None if found.has(kind) else next(kind.starts(found), None)
-            found = found if start is None else fit(found.sequence, with_effect(found.description, start))
-        if any(found.has(kind) for kind in asked):
-            estimates.append(_estimate(axis, found, asked))
-    return estimates
-
-
-def _estimate(axis: str, found: AxisFit, kinds: Sequence[type[Effect]]) -> Estimate:
-    """Return what a fit says of its terms of some kinds, the other terms free."""
-    terms = found.description.terms
-    mine = [type(term.effect) in kinds for term in terms]
-    places = np.repeat(mine, [len(term.free) for term in terms])
-    information = np.linalg.pinv(found.covariance[np.ix_(places, places)], hermitian=True)
-    return Estimate(axis, tuple(term for term, own in zip(terms, mine, strict=True) if own), information)
-
-
-def _held(device: Device, joint: Joint) -> Device:
-    """Return the device with an effect held at its common value, and without what was there in its place."""
-    fits, searches = dict(device.fits), dict(device.searches)
-    for axis in joint.axes:
-        search, term = searches[axis], Term(joint.effect, ())
-        known = len(search.start.terms)
-        terms = [one for one in fits[axis].description.terms if not isinstance(one.effect, type(joint.effect))]
-        searches[axis] = replace(search, start=replace(search.start, terms=(*search.start.terms, term)), memory={})
-        description = replace(fits[axis].description, terms=(*terms[:known], term, *terms[known:]))
-        fits[axis] = searches[axis].pruned(fit(fits[axis].sequence, description))
-    return Device(fits, searches, (*device.joints, joint))
+def _with(model: AxisModel, effect: Effect) -> AxisModel:
+    """Return the model with an effect more; noise that is shared is no longer the axis' own."""
+    if isinstance(effect, CommonMode):
+        own = [
+            replace(one, density=float(np.sqrt(max(one.density**2 - (effect.density * effect.loading) ** 2, 0.0))))
+            if isinstance(one, WhiteNoise)
+            else one
+            for one in model
+        ]
+        return AxisModel((*own, effect))
+    return AxisModel((*model, effect))

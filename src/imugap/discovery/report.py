@@ -6,7 +6,7 @@ from math import exp, isfinite
 
 import pandas as pd
 
-from imugap.discovery.discover import Discovery
+from imugap.discovery.device import Discovery
 from imugap.discovery.finding import Finding, Gap, Interval
 
 SCHEMA = "imugap/discovery/1"

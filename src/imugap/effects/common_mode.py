@@ -8,7 +8,7 @@ import numpy as np
 from imugap.effects.conditions import Conditions
 from imugap.effects.effect import EquivalentEffect, parameter
 from imugap.effects.white_noise import WhiteNoise
-from imugap.statespace import StateSpace
+from imugap.numerics.state_space import StateSpace
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ import pandas as pd
 from imugap.effects.conditions import Conditions
 from imugap.effects.residual import Residual
 from imugap.log import TIME
-from imugap.statespace import StateSpace
+from imugap.numerics.state_space import StateSpace
 from imugap.stream import stream
 
 TINY = float(np.finfo(float).tiny)
@@ -226,8 +226,8 @@ class AllanEffect(AdditiveEffect):
     def sampled_allan_variance(self, averaging: np.ndarray, interval: float) -> np.ndarray:
         """Return the Allan variance [unit^2] of what :meth:`sample` draws, exactly, at averaging factors ``averaging``.
 
-        It is the expectation of :func:`imugap.allan.variance`; the continuous :meth:`allan_variance` is its limit for
-        averaging times far above the interval.
+        It is the expectation of :func:`imugap.estimation.allan.variance`; the continuous :meth:`allan_variance` is its
+        limit for averaging times far above the interval.
         """
         raise NotImplementedError
 

@@ -12,7 +12,7 @@ from scipy.special import factorial
 from imugap.effects.conditions import Conditions
 from imugap.effects.effect import TINY, Start, StochasticEffect, parameter
 from imugap.effects.residual import Residual
-from imugap.statespace import StateSpace
+from imugap.numerics.state_space import StateSpace
 
 FLAT_TOP = 1.89
 """Averaging time, in correlation times, at which the Allan deviation is largest (Farrell et al. 2022, eq. 37)."""

@@ -6,11 +6,11 @@ from typing import ClassVar
 
 import numpy as np
 
-from imugap.course import course
 from imugap.effects.conditions import Conditions
 from imugap.effects.effect import Start, SystematicEffect, parameter
 from imugap.effects.residual import Residual
 from imugap.log import ACCEL, GYRO
+from imugap.numerics.band_limited import course
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class LeverArm(SystematicEffect):
             raise ValueError(f"{self.name}: expected one of {', '.join(ACCEL)}; found {axis}")
 
     def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
-        """Return the component along the own axis; dw/dt is that of :mod:`imugap.course`."""
+        """Return the component along the own axis; dw/dt is that of :mod:`imugap.numerics.band_limited`."""
         slopes = self.slopes(conditions)
         return self.x * slopes["x"] + self.y * slopes["y"] + self.z * slopes["z"]
 

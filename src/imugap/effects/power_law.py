@@ -9,10 +9,10 @@ import numpy as np
 from scipy.fft import irfft, next_fast_len, rfft
 from scipy.special import gamma
 
-from imugap import spectrum
 from imugap.effects.conditions import Conditions
 from imugap.effects.effect import Start, StochasticEffect, parameter
 from imugap.effects.residual import Residual
+from imugap.numerics import allan_from_psd as spectrum
 
 STEEPEST = 3.0
 """Exponent from which on the Allan variance has no bound: the log is a trend."""

@@ -9,8 +9,8 @@ from scipy.special import ndtr
 
 from imugap.effects.conditions import Conditions
 from imugap.effects.effect import TINY, Effect, Evidence, Stage, parameter
-from imugap.grain import decimal, spacing
-from imugap.integrity import IMPROBABLE
+from imugap.integrity.precision import decimal, spacing
+from imugap.integrity.report import IMPROBABLE
 
 FORMAT = 0.05
 """Step of decimal numbers, in standard deviations of the noise, below which it is that of the file."""

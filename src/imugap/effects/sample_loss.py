@@ -9,14 +9,14 @@ from scipy.special import log_ndtr
 
 from imugap.effects.conditions import Conditions
 from imugap.effects.effect import ClockEffect, Evidence, parameter
-from imugap.integrity import IMPROBABLE
-from imugap.stamps import Stamps
-from imugap.stretch import counted, stretches
+from imugap.integrity.report import IMPROBABLE
+from imugap.integrity.timestamps import Stamps
+from imugap.numerics.random_runs import counted, stretches
 
 
 @dataclass(frozen=True)
 class SampleLoss(ClockEffect):
-    """Gaps: rows are missing, the stamps of the others are right (:func:`imugap.stretch.stretches`).
+    """Gaps: rows are missing, the stamps of the others are right (:func:`imugap.numerics.random_runs.stretches`).
 
     Samples that are lost on one axis alone are NaN: there the effect stands on the axis.
     """

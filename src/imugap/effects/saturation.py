@@ -8,8 +8,8 @@ from scipy.special import bdtrc
 
 from imugap.effects.conditions import Conditions
 from imugap.effects.effect import TINY, Effect, Evidence, Stage, parameter
-from imugap.grain import grain, spacing
-from imugap.integrity import IMPROBABLE
+from imugap.integrity.precision import grain, spacing
+from imugap.integrity.report import IMPROBABLE
 
 TAIL = 100
 """Samples below the extreme value that tell what it should hold."""

@@ -8,9 +8,9 @@ from scipy.special import bdtrc, pdtrc
 
 from imugap.effects.conditions import Conditions
 from imugap.effects.effect import TINY, Effect, Evidence, Stage, parameter
-from imugap.grain import grain, spacing
-from imugap.integrity import IMPROBABLE
-from imugap.stretch import Estimate, counted, disentangled, stretches
+from imugap.integrity.precision import grain, spacing
+from imugap.integrity.report import IMPROBABLE
+from imugap.numerics.random_runs import Estimate, counted, disentangled, stretches
 
 STEEP = 1.27
 """Log ratio of differences of one and of two steps above which the lattice is too coarse for the noise."""
@@ -39,7 +39,7 @@ mean square), and one that noise does not undo."""
 
 @dataclass(frozen=True)
 class StuckSamples(Effect):
-    """Output that repeats its last value for a stretch of samples (:func:`imugap.stretch.stretches`)."""
+    """Output that repeats its last value for a stretch of samples (:func:`imugap.numerics.random_runs.stretches`)."""
 
     name: ClassVar[str] = "stuck_samples"
     stage: ClassVar[Stage] = Stage.TRANSFER

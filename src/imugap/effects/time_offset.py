@@ -7,11 +7,11 @@ from typing import ClassVar
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
-from imugap.course import course
 from imugap.effects.conditions import Conditions
 from imugap.effects.effect import Start, SystematicEffect, parameter
 from imugap.effects.residual import Residual
 from imugap.log import AXES
+from imugap.numerics.band_limited import course
 
 REACH = 5
 """Samples, either way, within which a search for a delay starts."""
@@ -26,7 +26,7 @@ class TimeOffset(SystematicEffect):
     offset: float = parameter("s", "delay of the input", low=-np.inf)
 
     def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
-        """Interpolate (:mod:`imugap.course`); before the first and after the last sample the input is held."""
+        """Interpolate band-limited; before the first and after the last sample the input is held."""
         self.own_axis(conditions)
         between, time = conditions.once(_course), conditions.time
         return between(np.clip(time - self.offset, time[0], time[-1])) - conditions.error_free

@@ -9,7 +9,7 @@ from scipy.special import chdtrc, chdtri
 from scipy.stats import kurtosis
 
 from imugap.effects.effect import TINY, ClockEffect, Evidence, parameter
-from imugap.stamps import LEAST, Stamps
+from imugap.integrity.timestamps import LEAST, Stamps
 
 ROUNDED = 2.0
 """Variance of the stamps, in variances of their rounding, below which there is no other cause."""

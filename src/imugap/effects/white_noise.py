@@ -7,7 +7,7 @@ import numpy as np
 
 from imugap.effects.conditions import Conditions
 from imugap.effects.effect import Stage, StochasticEffect, parameter
-from imugap.statespace import StateSpace
+from imugap.numerics.state_space import StateSpace
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,7 @@
-"""Figures of the paper: the look that they share; one module per chapter draws them."""
+"""Figures: one module per chapter; tables in, matplotlib figures out.
+
+May import the library below, for names, units and constants of what is drawn; computes no result.
+"""
 
 from pathlib import Path
 

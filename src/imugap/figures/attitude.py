@@ -33,7 +33,7 @@ def flight(truth: pd.DataFrame, errors: pd.DataFrame, disturbance: tuple[float, 
     Parameters
     ----------
     truth
-        Index ``time`` [s], columns :data:`imugap.strapdown.ATTITUDE` [rad].
+        Index ``time`` [s], columns :data:`imugap.kinematics.strapdown.ATTITUDE` [rad].
     errors
         Columns ``time``, ``scheme`` and the same angles: estimated - true [rad].
     disturbance

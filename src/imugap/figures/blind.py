@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter, PercentFormatter
 from scipy.stats import binom
 
-from imugap.blind import DISTANCES, EVERY, LEVEL, NONE, UNKNOWN
+from imugap.benchmark.scores import DISTANCES, EVERY, LEVEL, NONE, UNKNOWN
 from imugap.figures import legend_below, panels_of, said
 from imugap.figures.discovery import AFTER, BEFORE, NAMES, PLAIN, TITLES
 
@@ -136,7 +136,7 @@ def distances(cases: pd.DataFrame) -> Figure:
 
     What is beyond :data:`HIGHEST` is at the edge.
 
-    ``cases`` has the columns of :attr:`imugap.blind.Scores.cases`.
+    ``cases`` has the columns of :attr:`imugap.benchmark.scores.Scores.cases`.
     """
     figure, grid = panels_of(1, len(DISTANCES), 2.6)
     for name, title, panel in zip(DISTANCES, NAMES.values(), grid[0], strict=True):

@@ -9,13 +9,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from imugap.discovery.discover import Discovery
-from imugap.discovery.distance import Drifts
+from imugap.discovery.device import Discovery
+from imugap.discovery.evaluation.distance import Drifts
 from imugap.discovery.finding import Gap
-from imugap.discovery.gaps import Verdict
 from imugap.discovery.views import Curve
+from imugap.discovery.views.gaps import Verdict
 from imugap.figures import AXIS_TITLES, legend_below, panels_of, said
-from imugap.tables import unit
+from imugap.workflow.tables import unit
 
 MOST, FEW = 20, 6
 """Views that a figure shows, the surest first; those of a figure that has to fit a page."""

@@ -4,11 +4,11 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from imugap import gnss
 from imugap.figures import WIDTH, decades, legend_below, panels_of
+from imugap.filters.innovation_gate import TAKEN, Record
+from imugap.io import gnss
 from imugap.log import AXES
-from imugap.quality import TAKEN, Record
-from imugap.vehicle import Solution
+from imugap.navigation.vehicle import Solution
 
 FILTER, SMOOTHER, FIX, WEIGHED, REMOVED = "#0072B2", "#009E73", "#999999", "#E69F00", "#D55E00"
 OFFSET = "#CC79A7"

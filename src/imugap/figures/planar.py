@@ -7,7 +7,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from imugap.figures import WIDTH, decades, legend_below, panels_of
-from imugap.planar import SCOPES, Drive
+from imugap.navigation.planar import SCOPES, Drive
 from imugap.units import from_si
 
 COLOURS = {"N": "#56B4E9", "N + K": "#E69F00", "N + B": "#CC79A7", "N + B + K": "#009E73"}

@@ -6,8 +6,8 @@ from matplotlib.figure import Figure
 
 from imugap.figures import WIDTH, decades, legend_below, panels_of
 from imugap.figures.ablation import COLOURS, TITLES
-from imugap.strapdown import ATTITUDE
-from imugap.vehicle import Solution
+from imugap.kinematics.strapdown import ATTITUDE
+from imugap.navigation.vehicle import Solution
 
 MODELS = {"rest": ("model of the rest", "#D55E00"), "tuned": ("tuned model", "#0072B2"),
           "wheels": ("tuned model, wheels", "#882255")}  # fmt: skip

@@ -7,9 +7,9 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from imugap.allan import LAWS
+from imugap.estimation.allan import LAWS
+from imugap.estimation.indices import INDICES
 from imugap.figures import AXIS_TITLES, allan_panels, allan_unit, legend_below, panels_of
-from imugap.indices import INDICES
 from imugap.units import from_si
 
 TITLES = {
@@ -46,7 +46,7 @@ def allan(curves: pd.DataFrame, tangents: pd.DataFrame) -> Figure:
     curves
         Columns ``run``, ``axis``, ``tau``, ``deviation``, ``low``, ``high``; SI.
     tangents
-        Rows of :func:`imugap.indices.of_run` with a column ``run``; readings of the first run are drawn.
+        Rows of :func:`imugap.estimation.indices.of_run` with a column ``run``; readings of the first run are drawn.
     """
     figure, panels = allan_panels()
     runs = sorted(curves["run"].unique())
@@ -114,7 +114,7 @@ def drift(time: np.ndarray, paths: Mapping[str, np.ndarray]) -> Figure:
     time
         Epochs [s], shape (epochs,).
     paths
-        Start to drifts, shape (runs, epochs, 9), columns of :data:`imugap.strapdown.COLUMNS`.
+        Start to drifts, shape (runs, epochs, 9), columns of :data:`imugap.kinematics.strapdown.COLUMNS`.
     """
     groups = {
         "attitude [°]": (6, ("roll", "pitch", "heading"), np.rad2deg),
@@ -222,7 +222,7 @@ def clock(clocks: pd.DataFrame, spread: pd.DataFrame) -> Figure:
     Parameters
     ----------
     clocks
-        One row of :meth:`imugap.clock.Clock.row` per run, with a column ``run``.
+        One row of :meth:`imugap.integrity.sampling_clock.Clock.row` per run, with a column ``run``.
     spread
         Index axis; columns ``nominal``, ``corrected``: relative scatter of N over the runs.
     """

@@ -4,8 +4,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from imugap.figures import WIDTH, panels_of
-from imugap.pedestrian import Solution
-from imugap.zero_velocity import MOVING
+from imugap.filters.zero_velocity import MOVING
+from imugap.navigation.pedestrian import Solution
 
 COLOUR = "#0072B2"
 STANCE = "#D55E00"

@@ -1,9 +1,9 @@
 """Views of a fit: vectors of statistics that show where data and model differ.
 
-Each maps an :class:`imugap.discovery.axis.AxisFit`, or two, to a :class:`Curve` over a location.
+Each maps an :class:`imugap.discovery.fit.axis_fit.AxisFit`, or two, to a :class:`Curve` over a location.
 """
 
-from imugap.discovery.axis import AxisFit
+from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.discovery.views.conditional import Binning, binnings, of_conditions
 from imugap.discovery.views.curve import Curve
 from imugap.discovery.views.marginal import of_marginal

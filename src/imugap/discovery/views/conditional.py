@@ -10,8 +10,8 @@ from scipy.fft import idct
 from scipy.ndimage import uniform_filter1d
 
 from imugap import log
-from imugap.discovery.axis import AxisFit
-from imugap.discovery.sequence import Sequence
+from imugap.discovery.fit.axis_fit import AxisFit
+from imugap.discovery.preparation.sequence import Sequence
 from imugap.discovery.views.curve import Curve, pooled, spans, windows
 
 CELLS = 24

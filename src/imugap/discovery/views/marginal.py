@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.stats import norm
 
-from imugap.discovery.axis import AxisFit
+from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.discovery.views.curve import Curve
 
 CELL = 0.25

@@ -5,9 +5,9 @@ from functools import lru_cache
 import numpy as np
 from scipy.fft import dct
 
-from imugap import allan
-from imugap.discovery.axis import AxisFit
+from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.discovery.views.curve import Curve, blocks, chi_score, correlation_score, highest, pooled, spans, windows
+from imugap.estimation import allan
 
 PER_DECADE = 6
 """Averaging times per decade."""

@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.stats import norm
 
-from imugap.discovery.axis import AxisFit
+from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.discovery.views.curve import Curve, blocks, chi_score, highest, pooled, spans, windows
 
 BLOCKS, SHORTEST = 128, 16

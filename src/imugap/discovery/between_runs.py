@@ -1,0 +1,220 @@
+"""Several runs of one device: does its bias differ from run to run, does its sampling clock?"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+
+import numpy as np
+from scipy.stats import chi2
+
+from imugap.discovery.checks import LEVEL as DRIFTING
+from imugap.discovery.checks import nearly
+from imugap.discovery.finding import Finding, Interval
+from imugap.discovery.fit.axis_fit import AxisFit, Description, Term, fit, jacobian, offset
+from imugap.discovery.preparation.sequence import Sequence
+from imugap.discovery.search.intervals import NORMAL, axis_unit, term_intervals
+from imugap.effects import BiasInstability, BiasStep, ClockScale, PowerLaw, RandomWalk, Sinusoid, TurnOnBias
+from imugap.effects.effect import StochasticEffect
+from imugap.effects.sinusoid import LINE
+from imugap.integrity.sampling_clock import BLOCKS, SHORTEST, relative_interval, spectra
+from imugap.log import TIME, from_samples
+
+LEAST = 1e-300
+BEGIN, NEVER = 0.1049769, 1e-7
+"""Periods per run above which noise adds to the variance of a mean: of what begins with the run, and of other noise.
+
+From the first on the spectrum of a random walk makes that of its mean, K^2 duration/3: the integral of sinc^2(x)/x^2
+is 2 pi^2/3.
+"""
+LASTING = 0.2
+"""Correlation time, in runs, from which on noise holds a level through a run."""
+FREQUENCIES = 20_000
+"""At which the integral over the spectrum is taken."""
+NEAR = 0.01
+"""Largest relative difference of the frequency of a line between runs whose clocks nothing else compares."""
+CLEAR = 20.0
+"""Gain of log-likelihood from which a line is the one of the other run."""
+WIDE = 4.0
+"""Standard deviations of the ratio of clocks, or periods per log, within which a line is looked for."""
+CONFLICT = 0.01
+"""Probability below which kinds of evidence disagree."""
+Runs = list[Mapping[str, AxisFit]]
+"""Axis to its fit, for each run."""
+
+
+def turn_on(fits: Runs, log_alpha: float) -> tuple[Finding, ...]:
+    """Return the axes whose levels differ between runs by more than the noise of each run lets them.
+
+    A level is the mean less the systematic terms, which every run may have; where it stands is told by
+    :func:`_error`. The weighted scatter of the levels is chi-square distributed with one degree of freedom less than
+    runs.
+    """
+    axes = [axis for axis in fits[0] if all(axis in one for one in fits)]
+    found = (_turn_on(axis, [one[axis] for one in fits], log_alpha) for axis in axes)
+    return tuple(finding for finding in found if finding is not None)
+
+
+def _turn_on(axis: str, runs: list[AxisFit], log_alpha: float) -> Finding | None:
+    levels = np.array([offset(run.sequence, run.description) for run in runs])
+    errors, free = np.array([_error(run) for run in runs]), len(runs) - 1
+    if not np.isfinite(errors).all():
+        return None
+    scatter = float(np.sum((levels - np.average(levels, weights=errors**-2)) ** 2 / errors**2))
+    log_p = float(chi2.logsf(scatter, free))
+    if log_p > log_alpha:
+        return None
+    squares, noise = float(np.sum((levels - levels.mean()) ** 2)), float(np.mean(errors**2))
+    low, high = (np.sqrt(max(squares / chi2.ppf(share, free) - noise, 0.0)) for share in (0.975, 0.025))
+    std = float(np.sqrt(max(squares / free - noise, LEAST)))
+    interval = Interval(std, float(low), float(high), axis_unit(axis))
+    return Finding({axis: TurnOnBias(std)}, {"std": interval}, log_p)
+
+
+def _error(run: AxisFit) -> float:
+    """Return the standard deviation of the level of a run: that of its mean, and of the terms that are taken off it.
+
+    Infinite beside noise with a memory that may be as long as the run, or of any slope: it holds a level like a bias.
+    """
+    conditions, noise = run.sequence.conditions, run.description.noise
+    duration = conditions.interval * len(conditions)
+    if any(memory > LASTING * duration for memory in _memories(run)) or run.has(PowerLaw):
+        return np.inf
+    slopes = jacobian(run.description.terms, run.sequence).mean(axis=0)
+    variance = sum(_of_mean(effect, duration, conditions.interval) for effect in noise.effects)
+    return float(np.sqrt(variance + slopes @ run.covariance @ slopes))
+
+
+def _memories(run: AxisFit) -> Iterator[float]:
+    """Yield the correlation time of each Gauss-Markov process, the upper end of its interval [s]."""
+    covariance = run.noise.covariance
+    for place, (index, name) in enumerate(run.description.noise.parameters()):
+        if name == "correlation_time":
+            time = run.description.noise.effects[index].correlation_time
+            yield float(time * np.exp(NORMAL * np.sqrt(covariance[place, place])))
+
+
+def _of_mean(effect: StochasticEffect, duration: float, interval: float) -> float:
+    """Return the variance of the mean of noise over a run, the integral of S(f) sinc^2(f duration).
+
+    A random walk begins with its run: below :data:`BEGIN` periods per run nothing is
+    missing, which makes it K^2 duration/3; and neither is of flicker, whose variance has no bound.
+    """
+    lowest = (BEGIN if isinstance(effect, (RandomWalk, BiasInstability)) else NEVER) / duration
+    frequency = np.geomspace(lowest, 0.5 / interval, FREQUENCIES)
+    passed = effect.sampled_psd(frequency, interval) * np.sinc(frequency * duration) ** 2
+    return 2 * float(np.trapezoid(passed, frequency))
+
+
+def clocks(fits: Runs, log_alpha: float) -> tuple[Finding, ...]:
+    """Return the runs whose clock differs from that of the first, each with its number: lines and roll-off have moved.
+
+    Evidence are the spectra of blocks (:mod:`imugap.integrity.sampling_clock`), which find any ratio, and the lines
+    that are steady through both runs, which tell a ratio near one as closely as their frequencies are known. The other
+    terms of the fits but the lines have to be what any run of the device has.
+    """
+    first, *others = fits
+    found = (_clock(first, other, run, log_alpha - np.log(len(others))) for run, other in enumerate(others, start=2))
+    return tuple(finding for finding in found if finding is not None)
+
+
+def _clock(first: Mapping[str, AxisFit], other: Mapping[str, AxisFit], run: int, log_alpha: float) -> Finding | None:
+    """Return by how much the clock of a run differs, if it does; nothing where kinds of evidence disagree."""
+    blocks = _mean(_by_blocks(first, other))
+    lines = _mean(_by_lines(first, other, blocks))
+    known = _mean([one for one in (blocks, lines) if one is not None])
+    if known is None:
+        return None
+    mean, sd = known
+    log_p = float(chi2.logsf((mean / sd) ** 2, 1))
+    if log_p > log_alpha:
+        return None
+    ratio, *ends = (float(np.exp(-mean + side * NORMAL * sd)) for side in (0, -1, 1))
+    parameters = {"ratio": Interval(ratio, *ends, "1"), "run": Interval(run, run, run, "1")}
+    return Finding({TIME: ClockScale(ratio)}, parameters, log_p)
+
+
+Evidence = tuple[float, float]
+"""Logarithm of the true sampling interval of a run over that of its stamps, of which the first run sets the measure,
+and its standard deviation."""
+
+
+def _mean(found: list[Evidence]) -> Evidence | None:
+    """Return the mean by inverse variance, or None where there is none or what there is disagrees."""
+    if not found:
+        return None
+    values, weights = np.array([value for value, _ in found]), np.array([sd**-2 for _, sd in found])
+    mean = float(np.average(values, weights=weights))
+    agree = chi2.sf(weights @ (values - mean) ** 2, max(len(found) - 1, 1)) > CONFLICT
+    return (mean, float(weights.sum() ** -0.5)) if agree or len(found) == 1 else None
+
+
+def _by_blocks(first: Mapping[str, AxisFit], other: Mapping[str, AxisFit]) -> list[Evidence]:
+    """Return what the spectra of blocks say, if the runs are long enough for them.
+
+    They compare samples; that the stamps of the runs have other intervals is no error of a clock.
+    """
+    intervals = [next(iter(one.values())).sequence.conditions.interval for one in (first, other)]
+    logs = [
+        from_samples({axis: found.sequence.values for axis, found in one.items()}, interval)
+        for one, interval in zip((first, other), intervals, strict=True)
+    ]
+    if min(map(len, logs)) < BLOCKS * SHORTEST:
+        return []
+    clock = relative_interval(*map(spectra, logs))
+    stamped = float(np.log(intervals[1] / intervals[0]))
+    return [(one.log_ratio - stamped, one.sd) for one in (clock.lines, clock.rolloff) if one and one.sd > 0]
+
+
+def _by_lines(first: Mapping[str, AxisFit], other: Mapping[str, AxisFit], blocks: Evidence | None) -> list[Evidence]:
+    """Return the ratio of the frequencies of each line that is steady in both runs."""
+    return [
+        evidence for axis, found in first.items() if axis in other for evidence in _moved(found, other[axis], blocks)
+    ]
+
+
+def _moved(first: AxisFit, other: AxisFit, blocks: Evidence | None) -> Iterator[Evidence]:
+    terms = first.description.terms
+    quiet = fit(other.sequence, replace(other.description, terms=_others(other.description.terms)))
+    for index in (i for i, term in enumerate(terms) if isinstance(term.effect, Sinusoid)):
+        line = _line_near(quiet, terms[index].effect.frequency, blocks)
+        if line is None:
+            continue
+        found = fit(other.sequence, replace(quiet.description, terms=(*quiet.description.terms, line)))
+        if _steady(first, index) and _steady(found, len(found.description.terms) - 1):
+            before, after = _frequency(first, index), _frequency(found, len(found.description.terms) - 1)
+            yield float(np.log(after[0] / before[0])), float(np.hypot(before[1] / before[0], after[1] / after[0]))
+
+
+def _others(terms: tuple[Term, ...]) -> tuple[Term, ...]:
+    return tuple(term for term in terms if not isinstance(term.effect, Sinusoid))
+
+
+def _line_near(quiet: AxisFit, frequency: float, blocks: Evidence | None) -> Term | None:
+    """Return the highest line where that of the first run may be, or None if none is clear."""
+    ratio, sd = blocks or (0.0, NEAR / WIDE)
+    duration = quiet.sequence.conditions.interval * len(quiet.residual)
+    tried, gains, _ = quiet.lines
+    near = np.abs(tried - frequency * np.exp(ratio)) < WIDE * max(sd * frequency, 1 / duration)
+    if not near.any() or gains[near].max() < CLEAR:
+        return None
+    best = float(tried[near][np.argmax(gains[near])])
+    return Term(Sinusoid.at(best, quiet), LINE)
+
+
+def _steady(found: AxisFit, index: int) -> bool:
+    return nearly(found, index) > DRIFTING
+
+
+def _frequency(found: AxisFit, index: int) -> tuple[float, float]:
+    """Return the frequency of a line and its standard deviation [Hz]."""
+    low, high = term_intervals(found, index)["frequency"]
+    return found.description.terms[index].effect.frequency, (high - low) / 2 / NORMAL
+
+
+def as_first(sequence: Sequence, terms: tuple[Term, ...], first: AxisFit) -> AxisFit:
+    """Fit another run of a device: the terms of the start model, and terms and noise that the first run shows.
+
+    Lines have another phase in each run, and steps another time.
+    """
+    added = first.description.terms[len(terms) :]
+    repeated = tuple(term for term in added if not isinstance(term.effect, (BiasStep, Sinusoid)))
+    return fit(sequence, Description((*terms, *repeated), first.description.noise))

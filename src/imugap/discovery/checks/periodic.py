@@ -1,0 +1,15 @@
+"""Does it repeat itself? A wave of one period, in whatever shape, jumps and wanders as steps and slow noise do."""
+
+import numpy as np
+
+from imugap.discovery.checks.misfit import Doubt, over
+from imugap.discovery.fit.axis_fit import AxisFit
+from imugap.discovery.search.search import Key, Search, log_chance
+from imugap.discovery.unnamed import periodic as waves
+
+
+def repeated(search: Search, fit: AxisFit, key: Key) -> Doubt:
+    """Weigh a wave in the place of an effect."""
+    own, without = search.weighed(fit, key)
+    wave = log_chance(waves.gain(without), waves.MORE) + np.log(waves.TRIALS)
+    return Doubt("a wave of one period explains it better", over(own.log_p, wave, search.log_alpha))

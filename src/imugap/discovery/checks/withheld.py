@@ -1,0 +1,49 @@
+"""What is seen and has no name: the nearest name, why it is not given, and the place where it shows."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from imugap.discovery.checks import SHARE, Doubt, share_of
+from imugap.discovery.finding import CERTAIN, Gap
+from imugap.discovery.fit.axis_fit import AxisFit
+from imugap.discovery.search.intervals import term_intervals
+from imugap.discovery.search.search import Key, Search, at
+from imugap.effects import BiasStep, Sinusoid
+
+
+@dataclass(frozen=True)
+class Withheld:
+    """The nearest name, the reason why it is not given, and the place."""
+
+    name: str
+    reason: str
+    place: Gap
+
+
+def withheld(search: Search, fit: AxisFit, key: Key, doubt: Doubt) -> Withheld:
+    """Return what is told of an effect of a fit whose name is in doubt."""
+    log_p = search.weighed(fit, key)[0].log_p
+    place = Gap(*_extent(fit, key), float(np.exp(np.clip(log_p, CERTAIN, 0.0))))
+    return Withheld(at(fit.description, key).name, doubt.reason, place)
+
+
+def _extent(fit: AxisFit, key: Key) -> tuple[str, str, float, float, str]:
+    """Return view, axis, both ends, and their unit."""
+    effect, conditions = at(fit.description, key), fit.sequence.conditions
+    axis, begin, end = conditions.axis, float(conditions.time[0]), float(conditions.time[-1])
+    if key.part == "noise":
+        frequency = fit.sequence.bins.frequency
+        own = share_of(fit, effect)
+        mine = frequency[own >= min(SHARE, own.max())]
+        return "spectrum", axis, float(mine[0]), float(mine[-1]), "Hz"
+    if key.part == "change":
+        return "variance", axis, max(effect.start, begin), min(effect.stop, end), "s"
+    if key.part == "outliers":
+        return "extremes", axis, begin, end, "s"
+    if isinstance(effect, Sinusoid):
+        low, high = term_intervals(fit, key.index)["frequency"]
+        return "line", axis, float(max(low, 0.0)), float(high), "Hz"
+    if isinstance(effect, BiasStep):
+        return "change", axis, effect.time, effect.time, "s"
+    return "mean", axis, begin, end, "s"

@@ -1,0 +1,555 @@
+"""A description of one axis and its fit: systematic terms, random processes, stretches of another variance.
+
+The mean is fitted by generalised least squares under the spectrum, the spectrum by Whittle's likelihood to what the
+mean leaves, in turn until neither moves; both in the basis of the cosine transform.
+"""
+
+from collections.abc import Sequence as Several
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
+from math import exp
+
+import numpy as np
+from scipy.fft import idct, irfft, rfft, rfftfreq
+
+from imugap.discovery.fit import matched_filters as scans
+from imugap.discovery.fit.boundary import Outside, over_time
+from imugap.discovery.fit.contaminated_normal import Tails, tails
+from imugap.discovery.fit.rounded_samples import Cells
+from imugap.discovery.fit.whittle import Noise, NoiseFit, log_likelihood
+from imugap.discovery.fit.whittle import fit as fit_noise
+from imugap.discovery.preparation.cosine_bins import cosines
+from imugap.discovery.preparation.sequence import Sequence
+from imugap.effects import Outliers, OutputFilter, VarianceChange
+from imugap.effects.effect import Effect, StochasticEffect
+from imugap.stream import stream
+
+ROUNDS = 8
+"""Turns between mean and spectrum."""
+SETTLED = 0.02
+"""Change of log-likelihood below which the turns end."""
+HALVINGS = 6
+CUTOFF_STEP, LONGEST = 1e-4, 0.3
+"""In the logarithm of a cutoff: half the step of a slope, and the longest step."""
+SHARED = 4
+"""Systematic parts whose transforms are kept: fits that differ only in their noise have the same."""
+
+
+@dataclass(frozen=True)
+class Term:
+    """A systematic effect and which of its parameters a fit adjusts."""
+
+    effect: Effect
+    free: tuple[str, ...]
+
+    def moved(self, step: np.ndarray) -> "Term":
+        """Return the term with its free parameters changed by ``step``, kept within their physical limits."""
+        values = {item: self._moved(item, change) for item, change in zip(self.free, step.tolist(), strict=True)}
+        return Term(replace(self.effect, **values), self.free)
+
+    def _moved(self, name: str, change: float) -> float:
+        """Return a parameter after a change; one that has to be positive changes by a factor, of e at most."""
+        value, (low, high) = getattr(self.effect, name), self.effect.limits()[name]
+        if low > 0:
+            return min(value * exp(min(max(change / value, -1.0), 1.0)), high)
+        return min(max(value + change, low), high)
+
+
+@dataclass(frozen=True)
+class Description:
+    """What is said to be on an axis besides an offset."""
+
+    terms: tuple[Term, ...]
+    noise: Noise
+    changes: tuple[VarianceChange, ...] = ()
+    outliers: Outliers | None = None
+
+    def effects(self) -> tuple[Effect, ...]:
+        """Return all effects."""
+        return (*(term.effect for term in self.terms), *self.noise, *self.changes, *filter(None, [self.outliers]))
+
+    def size(self) -> int:
+        """Return the number of adjusted parameters."""
+        free = (*(term.free for term in self.terms), self.noise.parameters(), *(one.free() for one in self.changes))
+        return sum(map(len, free))
+
+
+@dataclass(frozen=True, eq=False)
+class AxisFit:
+    """A description at its maximum of likelihood on a sequence.
+
+    Attributes
+    ----------
+    sequence, description
+        The data and the fitted description.
+    log_likelihood
+        Log-density of the samples, free of their offset.
+    noise
+        Fit of the random part.
+    """
+
+    sequence: Sequence
+    description: Description
+    log_likelihood: float
+    noise: NoiseFit
+
+    @cached_property
+    def scale(self) -> np.ndarray | float:
+        """Return the factor of the standard deviation over time that the changes of variance make."""
+        return scale(self.sequence, self.description.changes)
+
+    @property
+    def variance(self) -> np.ndarray:
+        """Return the variance of each cosine coefficient k = 1..n-1."""
+        bins = self.sequence.bins
+        return bins.spread(self.description.noise.variance(bins))
+
+    @cached_property
+    def scatter(self) -> "Scatter":
+        """Return how its coefficients scatter under the noise."""
+        return Scatter.of(self.sequence, self.description)
+
+    @cached_property
+    def residual(self) -> np.ndarray:
+        """Return what the systematic terms leave, of equal variance over time, shape (n,)."""
+        centred, outside = _centred(self.sequence, self.description), self.scatter.outside
+        if outside is None:
+            return centred
+        columns = over_time(self.description.noise, len(centred), self.sequence.conditions.interval)
+        return centred - columns @ outside.sizes(_seen(self.sequence, self.description))
+
+    @cached_property
+    def power(self) -> np.ndarray:
+        """Return the sums of the residual's squared cosine coefficients over the bins."""
+        last = self.sequence.bins.last
+        return self.sequence.bins.sums((self.coefficients[:last] * self.scatter.root[:last]) ** 2)
+
+    def power_behind(self, output_filter: OutputFilter) -> np.ndarray:
+        """Return the sums of squared coefficients of what would be left of the input and the terms behind a filter."""
+        if not self.sequence.moved:
+            return self.power
+        described = replace(self.description, noise=replace(self.description.noise, output_filter=output_filter))
+        return self.sequence.bins.sums(Scatter.of(self.sequence, described).left(described) ** 2)
+
+    @cached_property
+    def coefficients(self) -> np.ndarray:
+        """Return the residual's cosine coefficients over their standard deviations, k = 1..n-1; zero if not used."""
+        return self.scatter.left(self.description) / self.scatter.root
+
+    @cached_property
+    def whitened(self) -> np.ndarray:
+        """Return the residual made white, shape (n,): of unit variance if the description is right."""
+        full = np.sqrt(len(self.coefficients) / self.sequence.bins.last)
+        return full * idct(np.r_[0.0, self.coefficients], norm="ortho")
+
+    def whiten(self, columns: np.ndarray) -> np.ndarray:
+        """Return columns of the error, (n, m), in basis and scale of :attr:`coefficients`, shape (n - 1, m)."""
+        return self.scatter.whiten(columns, self.description)
+
+    def _directions(self) -> np.ndarray:
+        """Return the derivatives of the mean by the terms' free parameters, whitened, shape (n - 1, parameters)."""
+        return self.whiten(jacobian(self.description.terms, self.sequence))
+
+    @cached_property
+    def basis(self) -> np.ndarray:
+        """Return an orthonormal basis of the directions that the terms can move the mean in, whitened."""
+        return _basis(self._directions())
+
+    @cached_property
+    def covariance(self) -> np.ndarray:
+        """Return the covariance of the terms' free parameters, in their order, the spectrum taken as known."""
+        columns = self._directions()
+        precision = columns.T @ columns
+        norms = np.sqrt(np.diag(precision))
+        norms[norms == 0] = np.inf
+        inverse = np.linalg.pinv(precision / np.outer(norms, norms), rcond=1e-12, hermitian=True)
+        return inverse / np.outer(norms, norms)
+
+    def bare(self) -> "AxisFit":
+        """Return the fit without what was derived from it, which is many times its size."""
+        return replace(self)
+
+    def has(self, kind: type[Effect]) -> bool:
+        """Return whether an effect of a kind is described."""
+        return any(isinstance(effect, kind) for effect in self.description.effects())
+
+    @cached_property
+    def _excess(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return excess and variance of the power per coefficient in each bin."""
+        bins = self.sequence.bins
+        variance = self.description.noise.variance(bins)
+        return bins.sums(self.coefficients**2) / bins.number * variance - variance, variance
+
+    @cached_property
+    def top(self) -> float:
+        """Return by how many standard deviations the power of the upper fifth of what is used exceeds the fit."""
+        last = self.sequence.bins.last
+        upper = self.coefficients[int(0.8 * last) : last]
+        return float((np.mean(upper**2) - 1) * np.sqrt(len(upper) / 2))
+
+    def _room(self, effect: StochasticEffect) -> tuple[float, float]:
+        bins, (excess, variance) = self.sequence.bins, self._excess
+        shape = Noise((effect,), self.description.noise.output_filter).passed(bins)
+        weight = bins.number * shape / variance**2
+        return float(weight @ excess), float(weight @ shape)
+
+    def room(self, effect: StochasticEffect) -> float:
+        """Return the factor of an effect's amplitude at which the spectrum, to first order, has most room for it.
+
+        Zero where the likelihood falls as soon as the effect is there.
+        """
+        score, information = self._room(effect)
+        return float(np.sqrt(max(score, 0.0) / information))
+
+    def gain_of(self, effect: StochasticEffect) -> float:
+        """Return the gain of log-likelihood, to second order, of adding an effect of the given size."""
+        score, information = self._room(effect)
+        return 0.5 * score - 0.25 * information
+
+    @cached_property
+    def lines(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return frequencies [Hz], gains of log-likelihood of a sinusoid at each, and the level around it."""
+        return scans.lines(self.whitened, self.sequence.conditions.interval)
+
+    @cached_property
+    def steps(self) -> scans.Steps:
+        """Return what a step of the mean gains at each sample, ahead of the filter of the output."""
+        return self.steps_beside(np.empty((len(self.coefficients), 0)))
+
+    def steps_beside(self, columns: np.ndarray) -> scans.Steps:
+        """Return what a step gains at each sample beside whitened columns more, (n - 1, m), which are fitted too."""
+        more, rest = self.beside(columns)
+        even = self._unturned(np.column_stack([rest, self.basis, more]))
+        return scans.steps(even[:, 0], self.scatter.root**2 / self._gain, even[:, 1:])
+
+    @property
+    def _gain(self) -> np.ndarray | float:
+        """Return the gain of power of the filter of the output at each cosine coefficient k = 1..n-1, or 1."""
+        output_filter, bins = self.description.noise.output_filter, self.sequence.bins
+        return 1.0 if output_filter is None else bins.spread(output_filter.gain(bins.frequency, bins.interval))
+
+    def _unturned(self, coefficients: np.ndarray) -> np.ndarray:
+        """Return columns of cosine coefficients, shape (n - 1, m), without the phase of the filter of the output."""
+        output_filter, interval = self.description.noise.output_filter, self.sequence.conditions.interval
+        if output_filter is None:
+            return coefficients
+        values = idct(np.pad(coefficients, ((1, 0), (0, 0))), axis=0, norm="ortho")
+        count = len(values)
+        spectrum = output_filter.unturned(rfft(values, axis=0).T, rfftfreq(count, interval), interval)
+        return cosines(irfft(spectrum.T, count, axis=0))
+
+    def steps_without(self, index: int) -> scans.Steps:
+        """Return what a step gains at each sample in the place of a term, the rest as it is."""
+        terms = self.description.terms
+        return replace(self, description=replace(self.description, terms=terms[:index] + terms[index + 1 :])).steps
+
+    @cached_property
+    def cells(self) -> Cells | None:
+        """Return the cells in which the samples of a coarse lattice are known to be, if they say something."""
+        if not self.sequence.coarse:
+            return None
+        return Cells.of(self.sequence, self.description.noise, self.residual, self.scale)
+
+    @cached_property
+    def unrounded(self) -> np.ndarray:
+        """Return the residual made white, ahead of a coarse lattice where its cells say something, shape (n,)."""
+        if self.cells is None:
+            return self.whitened
+        return self.cells.drawn(stream(0, "cells", self.sequence.conditions.axis))
+
+    @cached_property
+    def tails(self) -> Tails:
+        """Return the two normal laws in the residual made white, ahead of a coarse lattice if its cells tell them."""
+        if self.cells is not None:
+            return self.cells.tails()
+        return tails(self.whitened, self.sequence.bins.last / len(self.whitened))
+
+    @cached_property
+    def unit(self) -> float:
+        """Return the size, in the unit of the axis, of a single sample that is one off in what the tails are told from.
+
+        A single sample has a share of every cosine, so that it comes out of the residual made white by the mean of
+        1/sqrt(S) over the frequencies, whatever the root of the mean of S is.
+        """
+        if self.cells is not None:
+            return self.cells.unit
+        last = self.sequence.bins.last
+        return np.sqrt(len(self.variance) / last) / float(np.mean(self.variance[:last] ** -0.5))
+
+    @cached_property
+    def stretch(self) -> tuple[float, int, int]:
+        """Return gain, first sample and last sample + 1 of the stretch whose variance differs most."""
+        return scans.stretches(self.unrounded)
+
+    @cached_property
+    def swing(self) -> tuple[float, float, float, float]:
+        """Return frequency [Hz], depth, phase and gain of the swing of the variance that is most likely."""
+        return scans.swing(self.unrounded, self.sequence.conditions.time)
+
+    def beyond(self, columns: np.ndarray) -> np.ndarray:
+        """Return what the terms leave of whitened columns, shape (n - 1, m)."""
+        return columns - self.basis @ (self.basis.T @ columns) if self.basis.size else columns
+
+    def beside(self, columns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return a basis of what whitened columns say beside the terms, and the coefficients that are left of them."""
+        basis = _basis(self.beyond(columns))
+        return basis, self.coefficients - basis @ (basis.T @ self.coefficients)
+
+    def gains(self, columns: np.ndarray) -> np.ndarray:
+        """Return the gain of log-likelihood of each whitened column alone, shape (m,), the terms free to move."""
+        rest = self.beyond(columns)
+        norm = np.einsum("ij,ij->j", rest, rest)
+        lost = norm < 1e-6 * np.einsum("ij,ij->j", columns, columns)
+        return np.where(lost, 0.0, 0.5 * (rest.T @ self.coefficients) ** 2 / np.where(lost, 1.0, norm))
+
+    def joint_gain(self, columns: np.ndarray) -> tuple[float, int]:
+        """Return the gain of log-likelihood of whitened columns together and their rank beyond the terms."""
+        rest = self.beyond(columns)
+        gram, seen = rest.T @ rest, rest.T @ self.coefficients
+        norms = np.sqrt(np.diag(gram))
+        kept = norms > 1e-3 * np.linalg.norm(columns, axis=0)
+        values, vectors = _principal(gram[np.ix_(kept, kept)])
+        parts = (vectors / norms[kept, None]).T @ seen[kept]
+        return float(0.5 * np.sum(parts**2 / values)), len(values)
+
+
+def scale(sequence: Sequence, changes: Several[VarianceChange]) -> np.ndarray | float:
+    """Return the factor of the standard deviation at each sample, shape (n,), or 1."""
+    if not changes:
+        return 1.0
+    return np.sqrt(np.prod([change.factor(sequence.conditions.time) for change in changes], axis=0))
+
+
+def _centred(sequence: Sequence, description: Description) -> np.ndarray:
+    """Return the samples less the systematic terms and their mean, over the scale of the changes of variance."""
+    rest = _rest(sequence, description)
+    return (rest - _level(rest, sequence, description)) / scale(sequence, description.changes)
+
+
+def _seen(sequence: Sequence, description: Description) -> np.ndarray:
+    """Return the cosine coefficients of what the systematic terms leave, whatever noise is described."""
+    return _seen_beside(sequence, description.terms, description.changes, description.noise.output_filter)
+
+
+@lru_cache(maxsize=SHARED)
+def _seen_beside(
+    sequence: Sequence,
+    terms: tuple[Term, ...],
+    changes: tuple[VarianceChange, ...],
+    output_filter: OutputFilter | None,
+) -> np.ndarray:
+    seen = cosines(_centred(sequence, Description(terms, Noise((), output_filter), changes)))
+    seen.flags.writeable = False
+    return seen
+
+
+@dataclass(frozen=True, eq=False)
+class Scatter:
+    """How the cosine coefficients of a sequence scatter under the noise of a description.
+
+    Attributes
+    ----------
+    sequence
+        The samples.
+    root
+        Standard deviation of each coefficient, infinite where it is not used, shape (n - 1,).
+    outside
+        What may be in them from outside the log.
+    """
+
+    sequence: Sequence
+    root: np.ndarray
+    outside: Outside | None
+
+    @classmethod
+    def of(cls, sequence: Sequence, description: Description) -> "Scatter":
+        """Return that of a description's noise and filter."""
+        bins, noise = sequence.bins, description.noise
+        root = np.sqrt(bins.spread(noise.variance(bins)))
+        root[bins.last :] = np.inf
+        return cls(sequence, root, Outside.of(noise, len(sequence.values), sequence.conditions.interval, root))
+
+    def left(self, description: Description) -> np.ndarray:
+        """Return the coefficients of what a description's terms leave, without what is from outside the log."""
+        seen = _seen(self.sequence, description)
+        return seen if self.outside is None else self.outside.without(seen)
+
+    def whiten(self, columns: np.ndarray, description: Description) -> np.ndarray:
+        """Return columns of the error, shape (n, m), as coefficients over their deviations, shape (n - 1, m)."""
+        output = _passed(columns, self.sequence, description)
+        if description.changes:
+            output = output / scale(self.sequence, description.changes)[:, None]
+        coefficients = cosines(output)
+        coefficients /= self.root[:, None]
+        return coefficients
+
+
+def offset(sequence: Sequence, description: Description) -> float:
+    """Return the mean of the samples less the systematic terms, the noisier stretches of less weight."""
+    return float(_level(_rest(sequence, description), sequence, description))
+
+
+def _rest(sequence: Sequence, description: Description) -> np.ndarray:
+    """Return the samples less the systematic terms, and less what a filter of the output takes from the input."""
+    if not description.terms and description.noise.output_filter is None:
+        return sequence.values
+    ideal = sequence.conditions.error_free
+    mean = sum((term.effect.sample(sequence.conditions, None) for term in description.terms), ideal)
+    if np.ndim(mean) == 0:
+        return sequence.values - mean
+    return sequence.values - (_passed(mean, sequence, description) - ideal)
+
+
+def _passed(values: np.ndarray, sequence: Sequence, description: Description) -> np.ndarray:
+    """Return what the filter of the output lets through of errors, shape (n,) or (n, m)."""
+    output_filter = description.noise.output_filter
+    return values if output_filter is None else output_filter.passed(values, sequence.conditions.interval)
+
+
+def _level(rest: np.ndarray, sequence: Sequence, description: Description) -> float:
+    if not description.changes:
+        return np.mean(rest)
+    return np.average(rest, weights=scale(sequence, description.changes) ** -2.0)
+
+
+def jacobian(terms: Several[Term], sequence: Sequence) -> np.ndarray:
+    """Return the derivatives of the mean in the free parameters, shape (n, parameters)."""
+    columns = [column for term in terms for column in _slopes(term, sequence)]
+    return np.array(columns).T if columns else np.empty((len(sequence.values), 0))
+
+
+def _slopes(term: Term, sequence: Sequence) -> list[np.ndarray]:
+    slopes = term.effect.slopes(sequence.conditions)
+    return [slopes[name] for name in term.free]
+
+
+def _basis(columns: np.ndarray) -> np.ndarray:
+    """Return an orthonormal basis of the span of columns, shape (n, rank)."""
+    if not columns.shape[1]:
+        return columns
+    gram = columns.T @ columns
+    norms = np.sqrt(np.diag(gram))
+    values, vectors = _principal(gram)
+    return columns @ (vectors / (np.where(norms > 0, norms, 1.0)[:, None] * np.sqrt(values)))
+
+
+def _principal(gram: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return variances and directions that columns of a Gram matrix, of norm 1 each, span; (rank,) and (m, rank)."""
+    norms = np.sqrt(np.diag(gram))
+    norms[norms == 0] = 1.0
+    values, vectors = np.linalg.eigh(gram / np.outer(norms, norms))
+    kept = values > 1e-9 * len(values)
+    return values[kept], vectors[:, kept]
+
+
+def fit(sequence: Sequence, start: Description) -> AxisFit:
+    """Fit a description to a sequence, from the values that it comes with.
+
+    What a filter takes from a known input tells its cutoff, far better than the noise does: there it is adjusted by
+    steps of Gauss and Newton of both together, ahead of all else.
+    """
+    if start.noise.output_filter is None or not sequence.moved:
+        return _fitted(sequence, start)
+    found = _surer(_fitted(sequence, start, held=True))
+    for _ in range(ROUNDS):
+        moved = _cut_off_anew(found)
+        if moved.log_likelihood < found.log_likelihood + SETTLED:
+            break
+        found = moved
+    return found
+
+
+def _surer(found: AxisFit) -> AxisFit:
+    """Return a fit whose noise knows what the mean tells of the log cutoff besides, the terms free to move."""
+    sequence, interval = found.sequence, found.sequence.conditions.interval
+    ends = (_seen(sequence, _cut_off(found.description, side, interval)) for side in (CUTOFF_STEP, -CUTOFF_STEP))
+    slope = found.beyond(np.subtract(*ends)[:, None] / (2 * CUTOFF_STEP) / found.scatter.root[:, None])[:, 0]
+    gradient, information = found.noise.gradient.copy(), found.noise.information.copy()
+    gradient[-1] -= slope @ found.coefficients
+    information[-1, -1] += slope @ slope
+    return replace(found, noise=replace(found.noise, gradient=gradient, information=information))
+
+
+def _cut_off_anew(found: AxisFit) -> AxisFit:
+    """Return the fit after a step of the log cutoff, shortened until it is no worse, or the same fit."""
+    step, sequence = found.noise.covariance[-1, -1] * found.noise.gradient[-1], found.sequence
+    step = float(np.clip(step, -LONGEST, LONGEST))
+    for _ in range(HALVINGS):
+        moved = _fitted(sequence, _cut_off(found.description, step, sequence.conditions.interval), held=True)
+        if moved.log_likelihood >= found.log_likelihood:
+            return _surer(moved)
+        step = step / 3
+    return found
+
+
+def _cut_off(description: Description, step: float, interval: float) -> Description:
+    """Return a description with the cutoff of its filter moved by a step of its logarithm, as far as a fit can tell."""
+    noise, one = description.noise, description.noise.output_filter
+    moved = replace(one, cutoff=min(one.cutoff * float(np.exp(step)), one.highest(interval)))
+    return replace(description, noise=replace(noise, output_filter=moved))
+
+
+def _fitted(sequence: Sequence, start: Description, held: bool = False) -> AxisFit:
+    """Return the fit of mean and noise in turn; the cutoff of a filter stays where it is ``held``."""
+    description, last = start, -np.inf
+    fixed = not start.terms and start.noise.output_filter is None
+    for _ in range(ROUNDS):
+        left = Scatter.of(sequence, description).left(description)
+        noise = fit_noise(description.noise, sequence.bins, sequence.bins.sums(left**2), held)
+        description = replace(description, noise=noise.noise)
+        value = noise.log_likelihood - _jacobian_of_scale(sequence, description)
+        if value < last + SETTLED or fixed:
+            break
+        last = value
+        description = _mean_moved(sequence, description)
+    return AxisFit(sequence, description, value, noise)
+
+
+def log_score(sequence: Sequence, description: Description) -> float:
+    """Return the log-density of a sequence, free of its offset, under a description with values from elsewhere."""
+    bins = sequence.bins
+    power = bins.sums(Scatter.of(sequence, description).left(description) ** 2)
+    variance = description.noise.variance(bins)
+    return log_likelihood(variance, power, bins.number) - _jacobian_of_scale(sequence, description)
+
+
+def _jacobian_of_scale(sequence: Sequence, description: Description) -> float:
+    """Return the logarithm of what the scale does to the density of the coefficients that are used."""
+    bins = sequence.bins
+    return bins.last * float(np.mean(np.log(scale(sequence, description.changes))))
+
+
+def _mean_moved(sequence: Sequence, description: Description) -> Description:
+    """Return the description after steps of Gauss and Newton of its terms under its spectrum."""
+    scatter = Scatter.of(sequence, description)
+    rest = scatter.left(description) / scatter.root
+    for _ in range(HALVINGS):
+        columns = scatter.whiten(jacobian(description.terms, sequence), description)
+        precision = columns.T @ columns
+        norms = np.sqrt(np.diag(precision))
+        norms[norms == 0] = 1.0
+        step = np.linalg.lstsq(precision / np.outer(norms, norms), columns.T @ rest / norms, rcond=1e-10)[0]
+        moved, after = _line_search(scatter, description, step / norms, rest)
+        gained = 0.5 * (rest @ rest - after @ after)
+        if gained <= 0:
+            break
+        description, rest = moved, after
+        if gained < SETTLED:
+            break
+    return description
+
+
+def _line_search(
+    scatter: Scatter, description: Description, step: np.ndarray, rest: np.ndarray
+) -> tuple[Description, np.ndarray]:
+    for _ in range(HALVINGS):
+        first, terms = 0, []
+        for term in description.terms:
+            terms.append(term.moved(step[first : first + len(term.free)]))
+            first += len(term.free)
+        moved = replace(description, terms=tuple(terms))
+        after = scatter.left(moved) / scatter.root
+        if after @ after < rest @ rest:
+            return moved, after
+        step = step / 3
+    return description, rest

@@ -1,0 +1,73 @@
+"""The start model on one axis: what a fit adjusts of it, and what a log cannot tell."""
+
+from collections.abc import Sequence as Several
+from dataclasses import replace
+
+import numpy as np
+
+from imugap.discovery.fit.axis_fit import Description, Term
+from imugap.discovery.fit.whittle import Noise
+from imugap.discovery.preparation.sequence import Sequence
+from imugap.effects import Bias, Outliers, OutputFilter, Sinusoid, VarianceChange, WhiteNoise
+from imugap.effects.conditions import Conditions
+from imugap.effects.effect import Effect, Stage, StochasticEffect, SystematicEffect
+
+WIDEST = 0.98
+"""Share of the highest cutoff that a fit can tell above which a run two percent slower does not show it."""
+
+
+def described(effects: Several[Effect], sequence: Sequence) -> Description:
+    """Return the start model of an axis as a description: what a fit can adjust of it; a bias is the offset."""
+    random = tuple(effect for effect in effects if noisy(effect))
+    filters = tuple(_seen(effect, sequence) for effect in effects if isinstance(effect, OutputFilter))
+    terms = tuple(_term(effect, sequence) for effect in effects if _shows(effect, sequence.conditions))
+    changes = tuple(effect for effect in effects if isinstance(effect, VarianceChange))
+    outliers = next((effect for effect in effects if isinstance(effect, Outliers)), None)
+    return Description(terms, Noise(random or (_white(sequence),), *filters[:1]), changes, outliers)
+
+
+def noisy(effect: Effect) -> bool:
+    """Return whether an effect is random noise, and none of size zero."""
+    return isinstance(effect, StochasticEffect) and all(effect.parameters().values())
+
+
+def untold(effects: Several[Effect], sequence: Sequence) -> tuple[Effect, ...]:
+    """Return the effects that no fit to the log of one axis adjusts, and that its output does not show either.
+
+    What takes a motion or a temperature that is not known, and what differs between runs only.
+    """
+    kept = (Bias, StochasticEffect, OutputFilter, VarianceChange, Outliers)
+    return tuple(
+        effect
+        for effect in effects
+        if effect.stage < Stage.FILTER and not isinstance(effect, kept) and not _shows(effect, sequence.conditions)
+    )
+
+
+def _shows(effect: Effect, conditions: Conditions) -> bool:
+    """Return whether an effect is a mean that follows from the conditions that are known."""
+    if not isinstance(effect, SystematicEffect):
+        return False
+    try:
+        effect.slopes(conditions)
+        effect.sample(conditions, np.random.default_rng(0))
+    except ValueError:
+        return False
+    return True
+
+
+def _seen(effect: OutputFilter, sequence: Sequence) -> OutputFilter:
+    return replace(effect, cutoff=min(effect.cutoff, WIDEST * effect.highest(sequence.conditions.interval)))
+
+
+def _white(sequence: Sequence) -> WhiteNoise:
+    """Return white noise of the size of the differences of neighbours."""
+    spread = np.std(np.diff(sequence.values)) / np.sqrt(2)
+    return WhiteNoise(float(max(spread, 1e-12) * np.sqrt(sequence.conditions.interval)))
+
+
+def _term(effect: SystematicEffect, sequence: Sequence) -> Term:
+    if isinstance(effect, Sinusoid):
+        turns = np.exp(-2j * np.pi * effect.frequency * sequence.conditions.time)
+        effect = replace(effect, phase=float(np.angle(np.mean((sequence.values - sequence.values.mean()) * turns))))
+    return Term(effect, tuple(effect.slopes(sequence.conditions)))

@@ -1,0 +1,293 @@
+"""Random part of an axis: sums of spectra, fitted to the cosine coefficients of what the mean leaves.
+
+In the cosine basis (DCT-II) the coefficients of white noise and of a random walk are independent with the variances
+S(f_k)/interval, f_k = k/(2 n interval); for other processes this is Whittle's approximation, whose leakage is that of
+a sequence without jumps at its ends (:mod:`imugap.estimation.likelihood`).
+"""
+
+from dataclasses import dataclass, fields, replace
+from math import isfinite
+
+import numpy as np
+
+from imugap.discovery.preparation.cosine_bins import Bins
+from imugap.effects import OutputFilter
+from imugap.effects.effect import TINY, StochasticEffect
+
+STEP = 1e-4
+"""Step of a log parameter in a difference quotient."""
+ITERATIONS = 60
+LONGEST_STEP = 1.5
+"""Largest change of a log parameter in one iteration."""
+FLAT = 1e-5
+"""Predicted gain of log-likelihood at which a climb ends."""
+LOUD = 20.0
+"""Largest amplitude, over that which alone would make the highest power there is."""
+LOOSE = 1.0
+"""Standard deviation of the logarithm of a parameter that the data say nothing of."""
+NEIGHBOURS = 8
+"""Bins whose median is what a spectrum is at their place."""
+FAINT = 1e-7
+"""Share of the power, in every bin, below which a process counts as absent."""
+
+
+@dataclass(frozen=True)
+class Noise:
+    """The random effects of an axis and the filter behind them.
+
+    Attributes
+    ----------
+    effects
+        Random processes with a sampled spectrum.
+    output_filter
+        Low-pass filter of the output, or None.
+    """
+
+    effects: tuple[StochasticEffect, ...]
+    output_filter: OutputFilter | None = None
+
+    def variance(self, bins: Bins) -> np.ndarray:
+        """Return the variance of a cosine coefficient in each bin, shape (bins,).
+
+        Rounding comes after a filter. Without one what it adds is a part of the white noise.
+        """
+        return self.passed(bins) + (0.0 if self.output_filter is None else bins.rounding)
+
+    def passed(self, bins: Bins) -> np.ndarray:
+        """Return that variance ahead of the rounding, shape (bins,): S/interval, filtered."""
+        total = sum(effect.sampled_psd(bins.frequency, bins.interval) for effect in self.effects) / bins.interval
+        return total if self.output_filter is None else total * self.output_filter.gain(bins.frequency, bins.interval)
+
+    def share(self, index: int, bins: Bins) -> np.ndarray:
+        """Return the share of one process in the variance ahead of the rounding, shape (bins,)."""
+        return Noise((self.effects[index],), self.output_filter).passed(bins) / self.passed(bins)
+
+    def beneath(self, bins: Bins, power: np.ndarray) -> "Noise":
+        """Return the same processes behind the same filter, each as large as it is alone beneath a spectrum.
+
+        Above the cutoff a spectrum says little of what the filter lets through, and is not asked beyond its first bins.
+        """
+        filtered = self.output_filter
+        below = np.sum(bins.frequency < (np.inf if filtered is None else filtered.cutoff))
+        asked = np.arange(min(max(below, NEIGHBOURS), len(bins.frequency)))
+        groups = np.array_split(asked, max(len(asked) // NEIGHBOURS, 1))
+        level = power / bins.number
+        effects = []
+        for effect in self.effects:
+            ratio = level / Noise((effect,), filtered).passed(bins)
+            size = next(name for name in effect.parameters() if _scales(effect, name))
+            factor = np.sqrt(min(np.median(ratio[group]) for group in groups))
+            effects.append(replace(effect, **{size: float(getattr(effect, size) * factor)}))
+        return replace(self, effects=tuple(effects))
+
+    def __iter__(self):
+        """Iterate over all effects, the filter last."""
+        return iter(self.effects if self.output_filter is None else (*self.effects, self.output_filter))
+
+    def parameters(self) -> tuple[tuple[int, str], ...]:
+        """Return (index of the effect, parameter) of all that a fit adjusts: no numbers that are whole, no signed ones.
+
+        A loading of common noise has a sign, and its size is that of the density.
+        """
+        items = [(i, item.name, item.metadata) for i, effect in enumerate(self) for item in fields(effect)]
+        return tuple((i, name) for i, name, limits in items if not limits["whole"] and limits["low"] >= 0)
+
+    def theta(self) -> np.ndarray:
+        """Return the logarithms of the parameters."""
+        effects = list(self)
+        return np.log([getattr(effects[i], name) for i, name in self.parameters()])
+
+    def at(self, theta: np.ndarray) -> "Noise":
+        """Return the same effects with log parameters ``theta``."""
+        effects = list(self)
+        for (i, name), value in zip(self.parameters(), np.exp(theta).tolist(), strict=True):
+            effects[i] = replace(effects[i], **{name: value})
+        if self.output_filter is None:
+            return Noise(tuple(effects))
+        return Noise(tuple(effects[:-1]), effects[-1])
+
+
+@dataclass(frozen=True, eq=False)
+class NoiseFit:
+    """Random effects at the maximum of Whittle's likelihood.
+
+    Attributes
+    ----------
+    noise
+        The effects.
+    log_likelihood
+        Log-density of the coefficients.
+    information
+        Expected information of the log parameters, in the order of :meth:`Noise.parameters`.
+    gradient
+        That of the log-density in the same: zero but for what was held, or is at a limit.
+    """
+
+    noise: Noise
+    log_likelihood: float
+    information: np.ndarray
+    gradient: np.ndarray
+
+    @property
+    def covariance(self) -> np.ndarray:
+        """Return the covariance of the log parameters, of which nothing is known beyond :data:`LOOSE` a priori."""
+        return np.linalg.inv(self.information + np.eye(len(self.information)) / LOOSE**2)
+
+
+def log_likelihood(variance: np.ndarray, power: np.ndarray, number: np.ndarray) -> float:
+    """Return the log-density of coefficients with sums of squares ``power`` and variances ``variance`` per bin."""
+    return float(-0.5 * np.sum(number * np.log(2 * np.pi * variance) + power / variance))
+
+
+def fit(start: Noise, bins: Bins, power: np.ndarray, held: bool = False) -> NoiseFit:
+    """Climb Whittle's likelihood from ``start`` by damped Fisher scoring.
+
+    Parameters
+    ----------
+    power
+        Sums of the squared cosine coefficients over the bins, shape (bins,).
+    held
+        Whether the cutoff of the filter stays as it is.
+    """
+    spectra = _Spectra(start, bins)
+    low, high = limits(start, bins, power)
+    if held:
+        low[-1] = high[-1] = start.theta()[-1]
+    theta, damping = np.clip(start.theta(), low, high), 1e-3
+    value, gradient, information = spectra.expand(theta, power)
+    for _ in range(ITERATIONS):
+        damped = information + np.diag(damping * (np.diag(information) + 1e-9))
+        ends = np.maximum(low - theta, -LONGEST_STEP), np.minimum(high - theta, LONGEST_STEP)
+        trial = theta + _step(gradient, damped, *ends)
+        if abs(gradient @ (trial - theta)) < FLAT:
+            break
+        expanded = spectra.expand(trial, power)
+        if expanded[0] > value:
+            theta, (value, gradient, information), damping = trial, expanded, max(damping / 5, 1e-9)
+        else:
+            damping = min(max(damping * 8, 1e-3), 1e9)
+    return NoiseFit(start.at(theta), value, information, gradient)
+
+
+def _step(gradient: np.ndarray, information: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    """Return the step to the top of a quadratic within a box; what leads out of it stays at the end, the rest follows.
+
+    A process much fainter than the others leads far out: a step shortened as a whole would not move the others.
+    """
+    step, free = np.zeros(len(gradient)), np.ones(len(gradient), bool)
+    while free.any():
+        rest = gradient[free] - information[np.ix_(free, ~free)] @ step[~free]
+        step[free] = np.linalg.solve(information[np.ix_(free, free)], rest)
+        beyond = free & ((step < low) | (step > high))
+        if not beyond.any():
+            break
+        step[beyond] = np.clip(step, low, high)[beyond]
+        free &= ~beyond
+    return step
+
+
+@dataclass(frozen=True, eq=False)
+class _Process:
+    """A random effect as a function of its log parameters, of which ``size`` only scales its spectrum.
+
+    ``places`` are those of its parameters in the vector; ``unit`` is its spectrum at unit size, where nothing else
+    shapes it.
+    """
+
+    effect: StochasticEffect
+    names: tuple[str, ...]
+    places: tuple[int, ...]
+    size: str
+    unit: np.ndarray | None
+
+    def shape(self, theta: np.ndarray, bins: Bins) -> np.ndarray:
+        """Return the variance of a coefficient at unit size, shape (bins,)."""
+        if self.unit is not None:
+            return self.unit
+        values = {name: float(np.exp(theta[i])) for name, i in zip(self.names, self.places, strict=True)}
+        effect = replace(self.effect, **(values | {self.size: 1.0}))
+        return effect.sampled_psd(bins.frequency, bins.interval) / bins.interval
+
+
+class _Spectra:
+    """Variances of the coefficients and their derivatives as functions of the log parameters."""
+
+    def __init__(self, noise: Noise, bins: Bins) -> None:
+        self.noise, self.bins, self.processes = noise, bins, []
+        for i, effect in enumerate(noise.effects):
+            mine = [(name, j) for j, (index, name) in enumerate(noise.parameters()) if index == i]
+            names, places = zip(*mine, strict=True)
+            size = next(name for name in names if _scales(effect, name))
+            process = _Process(effect, names, places, size, None)
+            if len(names) == 1:
+                process = replace(process, unit=process.shape(np.zeros(places[0] + 1), bins))
+            self.processes.append(process)
+
+    def expand(self, theta: np.ndarray, power: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
+        """Return log-likelihood, gradient and expected information in the log parameters."""
+        total, slopes = np.zeros(len(power)), np.zeros((len(theta), len(power)))
+        for process in self.processes:
+            self._add(process, theta, total, slopes)
+        slopes /= total
+        if self.noise.output_filter is not None:
+            gain, slopes[-1] = self._filter(theta[-1])
+            passed, total = total * gain, total * gain + self.bins.rounding
+            slopes *= passed / total
+        gradient = 0.5 * slopes @ (power / total - self.bins.number)
+        information = 0.5 * (slopes * self.bins.number) @ slopes.T
+        return log_likelihood(total, power, self.bins.number), gradient, information
+
+    def _add(self, process: _Process, theta: np.ndarray, total: np.ndarray, slopes: np.ndarray) -> None:
+        """Add the variances of a process and their derivatives in place."""
+        factor = np.exp(2 * theta[process.places[process.names.index(process.size)]])
+        variance = factor * process.shape(theta, self.bins)
+        total += variance
+        for name, place in zip(process.names, process.places, strict=True):
+            if name == process.size:
+                slopes[place] = 2 * variance
+                continue
+            ends = []
+            for side in (-STEP, STEP):
+                moved = theta.copy()
+                moved[place] += side
+                ends.append(process.shape(moved, self.bins))
+            slopes[place] = factor * (ends[1] - ends[0]) / (2 * STEP)
+
+    def _filter(self, log_cutoff: float) -> tuple[np.ndarray, np.ndarray]:
+        """Return gain of the filter and the derivative of its logarithm in the log cutoff."""
+        gains = [
+            replace(self.noise.output_filter, cutoff=float(np.exp(log_cutoff + side))).gain(
+                self.bins.frequency, self.bins.interval
+            )
+            for side in (-STEP, 0.0, STEP)
+        ]
+        return gains[1], np.log(gains[2] / gains[0]) / (2 * STEP)
+
+
+def limits(noise: Noise, bins: Bins, power: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the limits of the log parameters: powers by the power there is, times by the log, cutoffs by the rate."""
+    effects, spans = list(noise), []
+    level, duration = power / bins.number, bins.count * bins.interval
+    for i, name in noise.parameters():
+        effect, (least, most) = effects[i], effects[i].limits()[name]
+        if isinstance(effect, OutputFilter):
+            spans.append((1e-3 / bins.interval, effect.highest(bins.interval)))
+        elif isfinite(most):
+            spans.append((least * (1 + 2 * STEP), most * (1 - 2 * STEP)))
+        elif _scales(effect, name):
+            ratio = level / (effect.sampled_psd(bins.frequency, bins.interval) / bins.interval)
+            value = getattr(effect, name)
+            spans.append((value * np.sqrt(FAINT * ratio.min()), value * np.sqrt(ratio.max()) * LOUD))
+        elif effect.units("")[name] == "s":
+            spans.append((bins.interval / 3, 30 * duration))
+        else:
+            spans.append((0.1 / duration, 1 / bins.interval))
+    low, high = np.log(np.maximum(spans, TINY)).T
+    return low, high
+
+
+def _scales(effect: StochasticEffect, name: str) -> bool:
+    """Return whether the spectrum goes with the square of this parameter."""
+    f, interval = np.array([0.01, 0.1]), 1.0
+    doubled = replace(effect, **{name: 2 * getattr(effect, name)})
+    return bool(np.allclose(doubled.sampled_psd(f, interval), 4 * effect.sampled_psd(f, interval), rtol=1e-9, atol=0))

@@ -1,0 +1,338 @@
+"""What a log says before any statistics: stamps, lost, stuck and clipped samples, lattice of the values.
+
+These flaws are effects like others, and are named here, since they would disturb all that comes after; what is left
+are even sequences, one for each axis.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pandas as pd
+from scipy.interpolate import CubicSpline
+
+from imugap import log as canonical
+from imugap.discovery.finding import Finding, Gap, Interval
+from imugap.discovery.preparation.cosine_bins import usable
+from imugap.discovery.preparation.sequence import Sequence
+from imugap.discovery.preparation.thermometer import smoothed
+from imugap.effects import Resolution, SampleLoss, Saturation, StuckSamples, TimestampJitter
+from imugap.effects.conditions import Conditions
+from imugap.effects.effect import AxisModel, Effect, Evidence
+from imugap.effects.timestamp_jitter import ROUNDED
+from imugap.integrity.timestamps import LEAST, Stamps, stamps
+from imugap.log import ACCEL, GYRO, LogError
+from imugap.model import ErrorModel
+from imugap.stream import stream
+
+CERTAIN = -1e6
+"""Logarithm of the least probability that is told from zero."""
+ALIGNED = 1e-6
+"""Distance, in intervals, within which a stamp of the reference is that of a sample."""
+TAILED = 2.1
+"""Largest displacement of a stamp, in standard deviations, that the ticks of another clock leave (uniform: 1.73)."""
+HOLE = 5.0
+"""Step of the stamps of the reference, over their usual one, above which nothing is known between two of them."""
+INTERPOLATED, STRAIGHT = 0.3, 1e-3
+"""Share of the samples that are on the line between their neighbours, within so much of the usual difference of two,
+from which on they were interpolated."""
+DISTINCT = 0.2
+"""Least share of different values of an axis of which that is asked."""
+TOGETHER = 0.5
+"""Share of the repeats of an axis that the others have to share for a common cause."""
+
+
+@dataclass(frozen=True, eq=False)
+class Record:
+    """A log made ready for discovery.
+
+    Attributes
+    ----------
+    sequences
+        Error of each axis, even in time from 0 = power-on on; flawed samples are replaced and marked. Where there is a
+        resolution the values stay on its lattice (:meth:`imugap.effects.Resolution.found`).
+    outputs
+        Output of each axis at the same times, flawed as it is; only what was lost is replaced.
+    findings
+        The effects that were named on the way; each is at home on the axes under which it stands.
+    gaps
+        Where log and start model disagree, in the views ``stamps`` and ``values``, named or not.
+    begin
+        Stamp of the first sample, which is time zero.
+    silent
+        Axes that say nothing, in the view ``values``, which are left out: without two different values, the value;
+        of samples between which the others were interpolated, their distance in time.
+    """
+
+    sequences: dict[str, Sequence]
+    outputs: dict[str, np.ndarray]
+    findings: tuple[Finding, ...]
+    gaps: tuple[Gap, ...]
+    begin: float = 0.0
+    silent: tuple[Gap, ...] = ()
+
+
+def prepare(
+    log: pd.DataFrame, reference: pd.DataFrame | None = None, seed: int = 0, start: ErrorModel | None = None
+) -> Record:
+    """Find and take out what must not come into statistics.
+
+    Parameters
+    ----------
+    log
+        Table as :func:`imugap.io.readers.read_table` gives it: stamps may be missing, repeated or reversed, values NaN.
+    reference
+        Error-free log, or None for a log at rest; the time that it does not cover is left out, samples in its holes
+        are replaced.
+    seed
+        Of what replaces flawed samples.
+    start
+        Model whose effects are known: they are taken out, but are no news.
+    """
+    known = ErrorModel({}) if start is None else start
+    silent = _silent(log)
+    rows = _rows(log.drop(columns=[gap.axis for gap in silent]), reference)
+    clock = stamps(rows.index.to_numpy(float))
+    jitter, loss = TimestampJitter.found(clock), SampleLoss.found(clock)
+    time = clock.grid if jitter is None else clock.line
+    everywhere = _conditions(rows, clock, reference)
+    news = _News(known, float(time[0]))
+    for evidence in (jitter, loss):
+        if evidence is not None:
+            news.add(canonical.TIME, evidence, "stamps", time[0], time[-1])
+    news.irregular(clock, jitter)
+    outputs = {axis: _on_grid(rows[axis], clock) for axis in canonical.axes(rows)}
+    at = {axis: _at(everywhere, axis) for axis in outputs}
+    lattices = {axis: _lattice(values, at[axis]) for axis, values in outputs.items()}
+    clipped = {
+        axis: _values(news, axis, values, at[axis], clock.lost, lattices[axis]) for axis, values in outputs.items()
+    }
+    blind = np.zeros(clock.count, bool) if reference is None else unseen(reference, clock.course)
+    flawed = {axis: np.isnan(values) | clipped[axis] | blind for axis, values in outputs.items()}
+    _stuck(news, outputs, at, flawed)
+    steps = {axis: 0.0 if lattice is None else lattice.effect.step for axis, lattice in lattices.items()}
+    sequences = {
+        axis: _sequence(values, at[axis], flawed[axis], clipped[axis], steps[axis], seed)
+        for axis, values in outputs.items()
+    }
+    whole = {axis: _without_gaps(np.where(blind, np.nan, one), sequences[axis]) for axis, one in outputs.items()}
+    return Record(sequences, whole, news.findings(), (*silent, *news.gaps), float(time[0]), silent)
+
+
+class _News:
+    """Evidence as it comes in: what the start model does not know becomes a gap and a finding."""
+
+    def __init__(self, known: ErrorModel, origin: float) -> None:
+        self.known, self.origin, self.gaps = known, origin, []
+        self.evidence: dict[type[Effect], dict[str, Evidence]] = {}
+
+    def add(self, axis: str, evidence: Evidence, view: str, low: float, high: float, unit: str = "s") -> None:
+        kind = type(evidence.effect)
+        if any(isinstance(effect, kind) for effect in self.known.axes.get(axis, AxisModel())):
+            return
+        self.evidence.setdefault(kind, {})[axis] = evidence
+        self.place(view, axis, low, high, unit, evidence.log_p)
+
+    def place(self, view: str, axis: str, low: float, high: float, unit: str, log_p: float) -> None:
+        shift = self.origin if unit == "s" else 0.0
+        p_value = float(np.exp(max(log_p, CERTAIN)))
+        self.gaps.append(Gap(view, axis, float(low - shift), float(high - shift), unit, p_value))
+
+    def irregular(self, clock: Stamps, jitter: Evidence | None) -> None:
+        """Tell of stamps that are out of order, or scatter in a way that has no name."""
+        bad = np.flatnonzero(~clock.advancing)
+        if len(bad):
+            near = clock.time[clock.advancing]
+            spots = np.interp(bad, np.flatnonzero(clock.advancing), near)
+            self.place("stamps", canonical.TIME, spots[0], spots[-1], "s", CERTAIN)
+        scattered = clock.scatter.size >= LEAST and clock.variance > ROUNDED * clock.rounding_variance
+        tailed = scattered and np.abs(clock.scatter).max() > TAILED * np.sqrt(clock.variance)
+        if clock.even and tailed and jitter is None:
+            first, last = clock.time[clock.advancing][[0, -1]]
+            self.place("stamps", canonical.TIME, first, last, "s", CERTAIN)
+
+    def findings(self) -> tuple[Finding, ...]:
+        """Return one finding for each effect: axes that have it by the same values share it."""
+        shared: dict[tuple, dict[str, Evidence]] = {}
+        for kind, found in self.evidence.items():
+            for axis, evidence in found.items():
+                units, values = kind.units(_unit(axis)), evidence.effect.parameters()
+                same = (kind, *((name, f"{value:.4g}", units[name]) for name, value in values.items()))
+                shared.setdefault(same, {})[axis] = evidence
+        return tuple(map(_finding, shared.values()))
+
+
+def _finding(found: dict[str, Evidence]) -> Finding:
+    """Return what is found of one effect."""
+    axis, surest = min(found.items(), key=lambda one: one[1].log_p)
+    units = surest.effect.units(_unit(axis))
+    parameters = {
+        name: Interval(value, *map(float, surest.intervals[name]), units[name])
+        for name, value in surest.effect.parameters().items()
+    }
+    effects = {axis: evidence.effect for axis, evidence in found.items()}
+    return Finding(effects, parameters, max(float(surest.log_p), CERTAIN))
+
+
+def _unit(axis: str) -> str:
+    return {canonical.TIME: "s"}.get(axis, "rad/s" if axis in GYRO else "m/s^2")
+
+
+def _silent(log: pd.DataFrame) -> tuple[Gap, ...]:
+    """Return the axes that say nothing, each as a place, if there are others.
+
+    Those without two different values, and those of samples between which the others were interpolated.
+    """
+    values = {axis: log[axis].replace([np.inf, -np.inf], np.nan).dropna() for axis in canonical.axes(log)}
+    silent = {}
+    for axis, found in values.items():
+        unique = found.unique()
+        if len(unique) < 2:
+            level = float(unique[0]) if len(unique) else np.nan
+            silent[axis] = Gap("values", axis, level, level, _unit(axis), 0.0)
+        elif (every := _samples_to_a_knot(found.to_numpy(float))) > 1:
+            period = every * float(np.median(np.diff(found.index)))
+            silent[axis] = Gap("values", axis, period, period, "s", 0.0)
+    return () if len(silent) == len(values) else tuple(silent.values())
+
+
+def _samples_to_a_knot(values: np.ndarray) -> float:
+    """Return how many samples there are to each that is not on the line between its neighbours; one if most are not.
+
+    On a coarse lattice neighbours are often as far apart by chance.
+    """
+    slope = np.diff(values)
+    if len(slope) < 2 or len(np.unique(values)) < DISTINCT * len(values):
+        return 1.0
+    straight = np.abs(np.diff(slope)) < STRAIGHT * np.median(np.abs(slope))
+    share = float(np.mean(straight & (slope[1:] != 0)))
+    return 1 / (1 - share) if INTERPOLATED < share < 1 else 1.0
+
+
+def _rows(log: pd.DataFrame, reference: pd.DataFrame | None) -> pd.DataFrame:
+    """Return the rows that hold a value, within the time of the reference."""
+    names = list(canonical.axes(log))
+    if not names:
+        raise LogError("log", "columns", f"at least one of {', '.join(canonical.AXES)}", "none of them")
+    log = log.replace([np.inf, -np.inf], np.nan)
+    held = log[names].notna().any(axis=1).to_numpy()
+    if reference is not None:
+        missing = [name for name in names if name not in reference]
+        if missing:
+            raise LogError("reference", "columns", f"those of the log, {', '.join(names)}", f"no {missing[0]}")
+        time = log.index.to_numpy(float)
+        held = held & ~((time < reference.index[0]) | (time > reference.index[-1]))
+    if np.count_nonzero(held) < 2:
+        raise LogError("log", "rows", "at least 2 that hold a value", str(np.count_nonzero(held)))
+    return log[held]
+
+
+def _on_grid(column: pd.Series, clock: Stamps) -> np.ndarray:
+    """Return a column at every sample of the clock, NaN where it has no value."""
+    values = np.full(clock.count, np.nan)
+    values[clock.slots[clock.kept]] = column.to_numpy(float)[clock.kept]
+    return values
+
+
+def _conditions(rows: pd.DataFrame, clock: Stamps, reference: pd.DataFrame | None) -> Conditions:
+    even = clock.interval * np.arange(clock.count)
+    temperature = None
+    if canonical.TEMPERATURE in rows:
+        temperature = _on_grid(rows[canonical.TEMPERATURE], clock)
+        measured = np.isfinite(temperature)
+        temperature = smoothed(np.interp(even, even[measured], temperature[measured])) if measured.any() else None
+    ideal = None if reference is None else _interpolated(reference, clock).set_axis(even)
+    return Conditions(even, clock.interval, temperature, ideal=ideal)
+
+
+def _interpolated(reference: pd.DataFrame, clock: Stamps) -> pd.DataFrame:
+    """Return the reference at the samples: as it is where it has the same stamps, else by cubic splines.
+
+    Samples are taken at even times, whatever a rounded or scattered stamp says.
+    """
+    names, own, time = list(canonical.axes(reference)), reference.index.to_numpy(float), clock.grid
+    nearest = np.clip(np.searchsorted(own, time - ALIGNED * clock.interval), 0, len(own) - 1)
+    values = reference[names].to_numpy(float)
+    if np.all(np.diff(nearest) == 1) and np.all(np.abs(own[nearest] - time) < ALIGNED * clock.interval):
+        values = values[nearest]
+    else:
+        time = clock.course
+        inside, blind = np.clip(time, own[0], own[-1]), unseen(reference, time)
+        bridged = np.column_stack([np.interp(inside, own, column) for column in values.T])
+        values = np.where(blind[:, None], bridged, CubicSpline(own, values)(inside))
+    return pd.DataFrame(values, columns=names, index=pd.Index(time, name=canonical.TIME))
+
+
+def unseen(reference: pd.DataFrame, time: np.ndarray) -> np.ndarray:
+    """Return which times, shape (n,), are in a hole of the reference, where it says nothing."""
+    own = reference.index.to_numpy(float)
+    steps, after = np.diff(own), np.clip(np.searchsorted(own, time), 1, len(own) - 1)
+    return steps[after - 1] > HOLE * np.median(steps)
+
+
+def _at(everywhere: Conditions, axis: str) -> Conditions:
+    return Conditions(everywhere.time, everywhere.interval, everywhere.temperature, axis, everywhere.ideal)
+
+
+def _lattice(values: np.ndarray, conditions: Conditions) -> Evidence | None:
+    """Return the lattice of the values of an axis, if it has values and they are on one."""
+    return None if np.isnan(values).all() else Resolution.found(values, conditions)
+
+
+def _values(
+    news: _News, axis: str, values: np.ndarray, conditions: Conditions, gone: np.ndarray, resolution: Evidence | None
+) -> np.ndarray:
+    """Add what the values of one axis show, and return which are clipped, shape (n,); ``gone`` have no row at all."""
+    lost, unclipped = np.isnan(values), np.zeros(len(values), bool)
+    if lost.all():
+        return unclipped
+    elsewhere = lost & ~gone
+    if elsewhere.any():
+        news.add(axis, SampleLoss.of(elsewhere), "values", *conditions.time[elsewhere][[0, -1]] + news.origin)
+    if resolution is not None:
+        news.add(axis, resolution, "values", np.nanmin(values), np.nanmax(values), _unit(axis))
+    saturation = Saturation.found(values, conditions)
+    if saturation is None:
+        return unclipped
+    reached = np.abs(values[saturation.flawed])
+    news.add(axis, saturation, "values", reached.min(), reached.max(), _unit(axis))
+    return saturation.flawed
+
+
+def _stuck(news, outputs, at, flawed) -> None:
+    """Add repeats, of all axes at once where they share them, else of each axis alone; mark them."""
+    free = {axis: np.where(flawed[axis], np.nan, values) for axis, values in outputs.items()}
+    alone = {axis: StuckSamples.found(values, at[axis]) for axis, values in free.items()}
+    for axes in (tuple(outputs), *(tuple(axis for axis in outputs if axis in triad) for triad in (GYRO, ACCEL))):
+        if len(axes) < 2:
+            continue
+        together = StuckSamples.found(np.column_stack([free[axis] for axis in axes]), at[axes[0]])
+        if together is None:
+            continue
+        shared = np.count_nonzero(together.flawed)
+        counts = [np.count_nonzero(alone[axis].flawed) for axis in axes if alone[axis] is not None]
+        if shared >= TOGETHER * max(counts, default=0):
+            alone |= dict.fromkeys(axes, together)
+            break
+    for axis, evidence in alone.items():
+        if evidence is not None:
+            news.add(axis, evidence, "values", *(at[axis].time[evidence.flawed][[0, -1]] + news.origin))
+            flawed[axis] = flawed[axis] | evidence.flawed
+
+
+def _sequence(
+    values: np.ndarray, conditions: Conditions, flawed: np.ndarray, clipped: np.ndarray, step: float, seed: int
+) -> Sequence:
+    side = np.where(clipped, np.sign(values), 0.0)
+    values = values - conditions.error_free
+    whole = Sequence(np.where(np.isfinite(values), values, 0.0), conditions, np.zeros(len(values), bool), step=step)
+    if flawed.all():
+        return whole
+    mended = whole.mended(flawed, stream(seed, "mended", conditions.axis))
+    if clipped.any():
+        mended = mended.beyond(whole.values, side, stream(seed, "beyond", conditions.axis))
+    return replace(mended, share=usable(mended.values))
+
+
+def _without_gaps(values: np.ndarray, sequence: Sequence) -> np.ndarray:
+    """Return the output of an axis with the replacements of its sequence where it has no value."""
+    return np.where(np.isnan(values), sequence.values + sequence.conditions.error_free, values)

@@ -1,0 +1,58 @@
+"""What was fitted to rounded values, as it is ahead of the rounding."""
+
+from collections.abc import Iterable
+from dataclasses import replace
+
+import numpy as np
+
+from imugap.discovery.preparation.sequence import Sequence
+from imugap.effects import OutputFilter, Resolution, WhiteNoise
+from imugap.effects.effect import Effect
+
+FREQUENCIES = 1000
+"""Frequencies over which the gain of a filter is averaged."""
+
+
+def unrounded(effects: Iterable[Effect], outputs: Iterable[Effect], sequence: Sequence) -> tuple[Effect, ...]:
+    """Return effects fitted to a sequence, its white noise as it is ahead of the lattices among ``outputs``.
+
+    Behind a filter it was fitted beside what the rounding adds, and is ahead of it already.
+    """
+    interval, found = sequence.conditions.interval, tuple(effects)
+    if any(isinstance(one, OutputFilter) for one in found):
+        return found
+    for lattice in _lattices(outputs):
+        found = tuple(
+            replace(one, density=_std(lattice, one, sequence) * np.sqrt(interval))
+            if isinstance(one, WhiteNoise)
+            else one
+            for one in found
+        )
+    return found
+
+
+def level_ahead(mean: float, effects: Iterable[Effect], interval: float) -> float:
+    """Return the level of a device at rest whose output has the given mean, lattices being among its effects.
+
+    Of the effects of its axis the white noise alone takes values across the levels of a lattice.
+    """
+    known = tuple(effects)
+    variance = sum(one.density**2 for one in known if isinstance(one, WhiteNoise)) / interval
+    frequency = np.linspace(0.0, 0.5 / interval, FREQUENCIES)
+    passed = [np.mean(one.gain(frequency, interval)) for one in known if isinstance(one, OutputFilter)]
+    std = float(np.sqrt(variance * np.prod(passed)))
+    for lattice in _lattices(known):
+        mean = lattice.mean_ahead(mean, std) if std > 0 else mean
+    return mean
+
+
+def _lattices(effects: Iterable[Effect]) -> tuple[Resolution, ...]:
+    return tuple(one for one in effects if isinstance(one, Resolution))
+
+
+def _std(lattice: Resolution, white: WhiteNoise, sequence: Sequence) -> float:
+    """Return the standard deviation ahead of a lattice; a motion takes the values evenly across its levels."""
+    variance = white.density**2 / sequence.conditions.interval
+    if sequence.conditions.ideal is not None:
+        return float(np.sqrt(max(variance - lattice.step**2 / 12, 0.0)))
+    return lattice.std_ahead(float(sequence.values.mean()), variance)

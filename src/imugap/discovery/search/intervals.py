@@ -1,0 +1,117 @@
+"""Values and 95 % intervals of the effects of a fitted axis."""
+
+import numpy as np
+
+from imugap.discovery.finding import Interval
+from imugap.discovery.fit.axis_fit import AxisFit, Term
+from imugap.discovery.search.search import Key, at
+from imugap.effects import BiasStep, VarianceChange
+from imugap.log import GYRO
+
+NORMAL = 1.959963984540054
+"""Quantile of the normal law for 95 %, two-sided."""
+DROP = 3.676
+"""Drop of log-likelihood at the ends of a 95 % interval of the place of a change.
+
+On either side of the true place the likelihood is a random walk that falls; how far it climbs above its begin is
+exponential, and the higher of the two climbs is below x in the share (1 - exp(-x))^2 of cases (Hinkley 1970).
+"""
+WIDEST = 20.0
+"""Standard deviation of a log parameter above which nothing is known of it."""
+
+
+def intervals(fit: AxisFit, without: AxisFit, key: Key) -> dict[str, Interval]:
+    """Return the parameters of the effect at ``key``; ``without`` is the fit without it."""
+    effect, axis = at(fit.description, key), fit.sequence.conditions.axis
+    units = effect.units(axis_unit(axis))
+    if key.part == "term":
+        ends = term_intervals(fit, key.index)
+        if isinstance(effect, BiasStep):
+            ends["time"] = _near(fit.steps_without(key.index).gains, fit.sequence.conditions.time, effect.time)
+    elif key.part == "change":
+        ends = _swing(fit, effect) if effect.depth else _stretch(fit, effect)
+    else:
+        ends = _random(fit, key)
+    return {
+        name: Interval(value, *map(float, ends.get(name, (value, value))), units[name])
+        for name, value in effect.parameters().items()
+    }
+
+
+def axis_unit(axis: str) -> str:
+    """Return the SI unit of an axis."""
+    return "rad/s" if axis in GYRO else "m/s^2"
+
+
+def term_intervals(fit: AxisFit, index: int) -> dict[str, tuple[float, float]]:
+    """Return the 95 % interval of each free parameter of a term."""
+    first = sum(len(term.free) for term in fit.description.terms[:index])
+    term: Term = fit.description.terms[index]
+    errors = np.sqrt(np.maximum(np.diag(fit.covariance), 0.0))[first : first + len(term.free)]
+    values = {name: getattr(term.effect, name) for name in term.free}
+    limits = term.effect.limits()
+    return {
+        name: tuple(float(np.clip(values[name] + side * NORMAL * error, *limits[name])) for side in (-1, 1))
+        for name, error in zip(term.free, errors, strict=True)
+    }
+
+
+def _random(fit: AxisFit, key: Key) -> dict[str, tuple[float, float]]:
+    """Return intervals, in logarithms, from the expected information."""
+    noise = fit.description.noise
+    index = len(noise.effects) if key.part == "filter" else key.index
+    information = fit.noise.information
+    covariance = np.linalg.pinv(information, rcond=1e-12, hermitian=True)
+    ends = {}
+    for j, (i, name) in enumerate(noise.parameters()):
+        if i == index:
+            value = getattr(list(noise)[i], name)
+            error = np.sqrt(max(covariance[j, j], 0.0))
+            known = information[j, j] > 0 and error < WIDEST
+            factor = np.exp(NORMAL * error) if known else np.inf
+            limits = list(noise)[i].limits()[name]
+            ends[name] = tuple(float(np.clip(end, *limits)) for end in (value / factor, value * factor))
+    return ends
+
+
+def _swing(fit: AxisFit, change: VarianceChange) -> dict[str, tuple[float, float]]:
+    """Return the intervals of a line of amplitude ``depth`` in squares of relative variance 2 (Rife, Boorstyn 1974)."""
+    count, interval = len(fit.sequence.values), fit.sequence.conditions.interval
+    errors = {
+        "depth": 2 / np.sqrt(count),
+        "phase": 4 / change.depth / np.sqrt(count),
+        "frequency": np.sqrt(48 / count) / change.depth / (2 * np.pi * count * interval),
+    }
+    return {
+        name: (getattr(change, name) - NORMAL * error, getattr(change, name) + NORMAL * error)
+        for name, error in errors.items()
+    }
+
+
+def _stretch(fit: AxisFit, change: VarianceChange) -> dict[str, tuple[float, float]]:
+    """Return the ratio's interval from the numbers of samples, and the ends from the likelihood of their places."""
+    time = fit.sequence.conditions.time
+    inside = change.within(time)
+    count = inside.sum()
+    error = np.sqrt(2 / count + 2 / max(len(time) - count, 1))
+    raw = fit.residual**2 * np.square(fit.scale)
+    low, high = raw[~inside].mean(), raw[inside].mean()
+    slope = 0.5 * (raw * (1 / low - 1 / high) - np.log(high / low))
+    climb = np.r_[0.0, np.cumsum(slope)]
+    first, last = np.searchsorted(time, [change.start, change.stop])
+    extended = np.r_[time, time[-1] + fit.sequence.conditions.interval]
+    return {
+        "ratio": (change.ratio * np.exp(-NORMAL * error), change.ratio * np.exp(NORMAL * error)),
+        "start": _near(-climb[:last], extended[:last], extended[first]),
+        "stop": _near(climb[first + 1 :], extended[first + 1 :], extended[last]),
+    }
+
+
+def _near(gain: np.ndarray, time: np.ndarray, best: float) -> tuple[float, float]:
+    """Return the first and the last time at which the gain is no further below the best than the interval allows.
+
+    A change that the sample at ``time`` is the first to show came at any time since the sample before.
+    """
+    index = int(np.clip(np.searchsorted(time, best), 0, len(gain) - 1))
+    near = np.flatnonzero(gain >= gain[index] - DROP)
+    return float(time[max(near[0] - 1, 0)]), float(time[near[-1]])

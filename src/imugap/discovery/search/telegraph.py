@@ -1,0 +1,132 @@
+"""Telegraph noise in the place of what a search by spectra makes of its switches."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from imugap.discovery.fit.axis_fit import AxisFit, fit
+from imugap.discovery.fit.telegraph_likelihood import Blocks, compare, likeliest
+from imugap.discovery.search.search import MANY, SLOW, Search, at, little, log_chance, removed, without
+from imugap.discovery.search.telegraph_in_noise import Switching, switching
+from imugap.effects import BiasStep, RandomTelegraph, VarianceChange
+from imugap.effects.effect import StochasticEffect
+
+SWITCHES, ALIKE = 3, 0.4
+"""Steps to and fro at least, and largest difference of their sizes over the largest, that are telegraph noise."""
+TWICE = 2.0
+"""Size of a step, in those of telegraph noise beside it, below which it is one of its switches."""
+
+
+def told_apart(search: Search, found: AxisFit) -> AxisFit:
+    """Return the fit with telegraph noise in the place of what the samples show to have two values."""
+    found = _one_telegraph(search, _switching(search, _many_steps(search, found)))
+    slow = _slow_part(search, found)
+    if not slow or found.has(RandomTelegraph):
+        return found
+    verdict = compare(found, slow)
+    if verdict.gain < -search.log_alpha / 2:
+        return found
+    noise = found.description.noise
+    known = len(search.start.noise.effects)
+    kept = (little(one) if one in slow else one for one in noise.effects[:known])
+    rest = (one for one in noise.effects[known:] if one not in slow)
+    effects = replace(noise, effects=(*kept, *rest, verdict.effect))
+    exchanged = _without_switches(search, fit(found.sequence, replace(found.description, noise=effects)))
+    beside = _stepless(search).explore(exchanged)
+    return _one_telegraph(search, beside) if beside.has(RandomTelegraph) else exchanged
+
+
+def steady(search: Search, found: AxisFit) -> AxisFit:
+    """Return the fit without the added changes of variance that are clusters of switches of telegraph noise."""
+    changes = search.added(found.description, VarianceChange)
+    if not changes or not search.added(found.description, RandomTelegraph):
+        return found
+    blocks = Blocks.of(found, _slow(search, found))
+    likelihood = likeliest(blocks).log_likelihood
+    for key in changes:
+        others = removed(found.description, key).changes
+        gain = likelihood - likeliest(blocks.changed(found.sequence, others)).log_likelihood
+        if log_chance(gain, 1) > search.log_alpha:
+            return steady(search, without(found, [key]))
+    return found
+
+
+def hidden_telegraph(search: Search, found: AxisFit) -> Switching | None:
+    """Return the telegraph noise of a fit beside another process, in the place of steps and slow noise too."""
+    if not search.added(found.description, RandomTelegraph):
+        return None
+    stepless = without(found, search.added(found.description, BiasStep))
+    return switching(stepless, _slow(search, stepless), search.log_alpha)
+
+
+def two_valued(found: AxisFit) -> AxisFit:
+    """Return the fit with the telegraph noise that the samples, not their spectrum alone, make most likely."""
+    noise = found.description.noise
+    effects = tuple(compare(found, (one,)).effect if isinstance(one, RandomTelegraph) else one for one in noise.effects)
+    return replace(found, description=replace(found.description, noise=replace(noise, effects=effects)))
+
+
+def _many_steps(search: Search, found: AxisFit) -> AxisFit:
+    """Return the fit with telegraph noise in the place of more steps than can have their name, if it is that."""
+    steps = search.added(found.description, BiasStep)
+    if len(steps) <= MANY[BiasStep]:
+        return found
+    stepless = _stepless(search)
+    other = told_apart(stepless, stepless.explore(without(found, steps)))
+    return other if other.has(RandomTelegraph) else found
+
+
+def _switching(search: Search, found: AxisFit) -> AxisFit:
+    """Return the fit with telegraph noise in the place of steps to and fro of one size."""
+    steps = search.added(found.description, BiasStep)
+    sizes = [at(found.description, key) for key in steps]
+    jumps = np.array([effect.step for effect in sorted(sizes, key=lambda effect: effect.time)])
+    if (
+        len(jumps) < SWITCHES
+        or np.any(np.diff(np.sign(jumps)) == 0)
+        or np.ptp(np.abs(jumps)) > ALIKE * np.abs(jumps).max()
+    ):
+        return found
+    rest = without(found, steps).description
+    duration = found.sequence.conditions.interval * len(found.sequence.values)
+    effect = RandomTelegraph(float(np.abs(jumps).mean()), len(jumps) / duration)
+    noise = replace(rest.noise, effects=(*rest.noise.effects, effect))
+    return fit(found.sequence, replace(rest, noise=noise))
+
+
+def _without_switches(search: Search, found: AxisFit) -> AxisFit:
+    """Return the fit without the added steps that are switches of its telegraph noise, for their size."""
+    most = TWICE * max(one.step for one in found.description.noise.effects if isinstance(one, RandomTelegraph))
+    steps = search.added(found.description, BiasStep)
+    return without(found, [key for key in steps if abs(at(found.description, key).step) < most])
+
+
+def _one_telegraph(search: Search, found: AxisFit) -> AxisFit:
+    """Return the fit with one telegraph noise in the place of several that were added, which no log tells apart."""
+    added = search.added(found.description, RandomTelegraph)
+    if len(added) < 2:
+        return found
+    one = compare(found, tuple(at(found.description, key) for key in added)).effect
+    rest = without(found, added).description
+    return fit(found.sequence, replace(rest, noise=replace(rest.noise, effects=(*rest.noise.effects, one))))
+
+
+def _stepless(search: Search) -> Search:
+    """Return the search that looks for no steps of the mean."""
+    return replace(search, catalogue=tuple(kind for kind in search.catalogue if kind is not BiasStep))
+
+
+def _slow_part(search: Search, found: AxisFit) -> tuple[StochasticEffect, ...]:
+    """Return the slow noise that was added; where changes of the variance stand for its switches, what stands for it.
+
+    That may be slow noise of the start model, which is free.
+    """
+    added = tuple(at(found.description, key) for key in search.added(found.description, SLOW))
+    if added or not search.restless(found.description):
+        return added
+    return tuple(one for one in found.description.noise.effects if isinstance(one, SLOW))
+
+
+def _slow(search: Search, found: AxisFit) -> tuple[StochasticEffect, ...]:
+    """Return the slow processes of a fit that were added."""
+    return tuple(at(found.description, key) for key in search.added(found.description, (*SLOW, RandomTelegraph)))

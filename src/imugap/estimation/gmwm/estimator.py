@@ -1,0 +1,322 @@
+"""Indirect inference from wavelet variances: the generalised method of wavelet moments.
+
+The estimate is the composition whose implied wavelet variances nu come nearest to the observed ones, nuhat, in the
+distance (nuhat - nu)' W (nuhat - nu) (Liu, Ren, Li 2016; Guerrier, Skaloud, Stebler, Victoria-Feser 2013, Journal of
+the American Statistical Association 108, 1021-1030). Where W depends on the model, it is that of the estimate.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pandas as pd
+from scipy.special import chdtri
+
+from imugap.effects import Conditions, RateRamp
+from imugap.estimation import wavelet_variance as wavelet
+from imugap.estimation.gmwm.implied import Binding
+from imugap.estimation.gmwm.moments import Problem, Spread, Weighting
+from imugap.estimation.gmwm.quasi_likelihood import Held, Hold, Profile, Settling, Weights
+from imugap.estimation.gmwm.start import Point
+from imugap.estimation.likelihood import Composition, Quantity
+from imugap.estimation.result import Estimate, Fit, verdict
+from imugap.model import ErrorModel
+
+REFINEMENTS = 2
+"""Times that an end of an interval is looked for with the weights of the one found before."""
+NARROW = 0.2
+"""Half width of an interval, and change of its ends, in logarithms, that needs no refinement."""
+STEPS = 30
+"""Gauss-Newton steps on simulated wavelet variances."""
+SHIFT = 1e-3
+"""Change of a log parameter in a difference quotient of simulated wavelet variances."""
+STILL = 1e-6
+"""Squared change of the implied wavelet variances, in standard deviations, at which these steps end."""
+
+
+@dataclass(frozen=True)
+class IndirectFit(Fit):
+    """A model fitted to wavelet variances.
+
+    The objective is the weighted sum of squared deviations; with FULL weights it has, for a model that is right, a
+    chi-square law on levels - parameters degrees of freedom, but for the few degrees of freedom of the deep levels.
+
+    An interval ends where the quasi-deviance (:mod:`imugap.estimation.gmwm.quasi_likelihood`), the other parameters at
+    their best, has risen to the quantile of chi-square times the ratio of the sandwich variance to the inverse
+    curvature, which is 1 with FULL weights.
+
+    Attributes
+    ----------
+    history
+        Iterations: index ``iteration``; columns ``objective`` and each parameter. Weights change on the way.
+    covariance
+        Sandwich covariance of the logarithms of the parameters; missing for those of a process with density zero.
+    curve
+        Index ``level``; columns ``tau`` [s], ``observed``, ``low``, ``high``, ``implied`` [unit^2].
+    """
+
+    history: pd.DataFrame
+    covariance: pd.DataFrame
+    curve: pd.DataFrame
+
+
+def fit(
+    sequence: np.ndarray,
+    interval: float,
+    kinds: Sequence[type],
+    ramp: bool = False,
+    weighting: Weighting = Weighting.FULL,
+    width: int = 2,
+    efficiency: float = 1.0,
+    level: float = 0.95,
+) -> IndirectFit:
+    """Fit a sum of processes to an error sequence of unknown mean.
+
+    Parameters
+    ----------
+    sequence, interval
+        Samples, shape (n,), and sampling interval [s].
+    kinds
+        Types of the processes, e.g. ``(WhiteNoise, GaussMarkov, RandomWalk)``; any number of Gauss-Markov processes.
+    ramp
+        Whether the mean may have a ramp. Its sign is not seen; only Haar (width 2) sees its size.
+    weighting, width
+        Weights of the levels; width of Daubechies' filter.
+    efficiency
+        Below 1, the robust wavelet variance of that efficiency; the covariance is divided by it.
+    level
+        Confidence level of the intervals.
+    """
+    curve = wavelet.curve(np.asarray(sequence, float), interval, width, efficiency)
+    return fit_curve(curve, len(sequence), interval, kinds, ramp, weighting, width, efficiency, level)
+
+
+def point(
+    sequence: np.ndarray,
+    interval: float,
+    kinds: Sequence[type],
+    ramp: bool = False,
+    weighting: Weighting = Weighting.FULL,
+    width: int = 2,
+    efficiency: float = 1.0,
+) -> tuple[ErrorModel, float]:
+    """Return the model of :func:`fit` and its objective alone; most of the time of a fit goes into its intervals."""
+    sequence = np.asarray(sequence, float)
+    curve = wavelet.curve(sequence, interval, width, efficiency)
+    problem = _problem(curve, len(sequence), interval, kinds, ramp, weighting, width, efficiency)
+    best = problem.estimate()[0][-1]
+    best = best.reordered(np.argsort(best.times))
+    return problem.binding.composition.model(problem.theta(best)), best.distance
+
+
+def fit_curve(
+    curve: pd.DataFrame,
+    count: int,
+    interval: float,
+    kinds: Sequence[type],
+    ramp: bool = False,
+    weighting: Weighting = Weighting.FULL,
+    width: int = 2,
+    efficiency: float = 1.0,
+    level: float = 0.95,
+) -> IndirectFit:
+    """Fit a sum of processes to the wavelet variances of ``count`` samples (the rest as in :func:`fit`).
+
+    Parameters
+    ----------
+    curve
+        Columns ``variance``, ``low``, ``high`` [unit^2]; a row for each level from 1, as of :func:`wavelet.curve`.
+    """
+    problem = _problem(curve, count, interval, kinds, ramp, weighting, width, efficiency)
+    path, weights, converged = problem.estimate()
+    return _result(problem, path, path[-1], weights, converged, level)
+
+
+def simulated(
+    sequence: np.ndarray,
+    interval: float,
+    kinds: Sequence[type],
+    seed: int,
+    replicates: int = 20,
+    ramp: bool = False,
+    weighting: Weighting = Weighting.FULL,
+    width: int = 2,
+    efficiency: float = 1.0,
+    level: float = 0.95,
+) -> IndirectFit:
+    """Fit by simulation, as the source describes it literally (the rest as in :func:`fit`).
+
+    The auxiliary parameters are the mean wavelet variances of ``replicates`` simulated sequences as long as the
+    observed one; their random numbers stay the same (Gourieroux, Monfort, Renault 1993). Gauss-Newton steps in the log
+    parameters, with difference quotients for slopes, start from a coarse grid; the weights are those of the analytic
+    estimate, and processes that it does without are left out. The covariance counts 1 + 1/replicates times. Intervals
+    are those of the analytic problem, its wavelet variances times what the simulated ones are of the analytic ones at
+    the estimate.
+    """
+    sequence = np.asarray(sequence, float)
+    curve = wavelet.curve(sequence, interval, width, efficiency)
+    analytic = _problem(curve, len(sequence), interval, kinds, ramp, weighting, width, efficiency)
+    path, *_ = analytic.estimate()
+    present, coarse = path[-1].squares > 0, path[0].squares
+    start = replace(path[0], squares=np.where(present, np.where(coarse > 0, coarse, path[-1].squares), 0.0))
+    problem = replace(analytic, efficiency=efficiency / (1 + 1 / replicates))
+    weights = problem.weights(path[-1])
+    auxiliary = Auxiliary(problem, weights.white(path[-1].implied), seed, replicates, efficiency)
+    way, converged = auxiliary.descend(problem.theta(start))
+    point, implied = way[-1]
+    scaled = replace(problem, curve=curve.assign(variance=curve["variance"] * point.implied / implied))
+    centre = Settling(scaled.binding, scaled.observed, weights).settle(point)[0][-1]
+    result = _result(scaled, [step for step, _ in way], centre, weights, converged, level)
+    return replace(result, curve=result.curve.assign(observed=curve["variance"], implied=implied))
+
+
+@dataclass(frozen=True, eq=False)
+class Auxiliary:
+    """Wavelet variances by simulation, and the descent to the observed ones.
+
+    Attributes
+    ----------
+    problem, white
+        Observed wavelet variances and family; the matrix that makes deviations white, shape (levels, levels).
+    seed, replicates, efficiency
+        Seed and number of the simulated sequences, and efficiency of their wavelet variances.
+    """
+
+    problem: Problem
+    white: np.ndarray
+    seed: int
+    replicates: int
+    efficiency: float
+
+    def descend(self, theta: np.ndarray) -> tuple[list[tuple[Point, np.ndarray]], bool]:
+        """Return the points of damped Gauss-Newton steps with their simulated wavelet variances, and the success."""
+        way, damping, moves = [self._at(theta)], 1e-3, np.isfinite(theta)
+        for _ in range(STEPS):
+            implied = way[-1][1]
+            slopes = self.white @ self._slopes(theta, implied)
+            curvature, pull = slopes.T @ slopes, slopes.T @ (self.white @ (self.problem.observed - implied))
+            step = np.linalg.solve(curvature + damping * np.diag(np.diag(curvature)), pull)
+            if np.sum((slopes @ step) ** 2) < STILL:
+                return way, True
+            ahead = theta.copy()
+            ahead[moves] += step * min(1.0, 1 / np.abs(step).max())
+            trial = self._at(ahead)
+            if trial[0].distance < way[-1][0].distance:
+                theta, damping = ahead, damping / 10
+                way.append(trial)
+            else:
+                damping = max(10 * damping, 1e-2)
+        return way, False
+
+    def _at(self, theta: np.ndarray) -> tuple[Point, np.ndarray]:
+        """Return the point with log parameters ``theta``, at its simulated distance, and its wavelet variances."""
+        implied = self._simulate(theta)
+        distance = np.sum((self.white @ (self.problem.observed - implied)) ** 2)
+        return replace(self.problem.at(theta), distance=float(distance)), implied
+
+    def _slopes(self, theta: np.ndarray, implied: np.ndarray) -> np.ndarray:
+        """Return the slopes of the simulated wavelet variances in the finite log parameters."""
+        steps = SHIFT * np.eye(len(theta))[np.isfinite(theta)]
+        return np.transpose([self._simulate(theta + step) - implied for step in steps]) / SHIFT
+
+    def _simulate(self, theta: np.ndarray) -> np.ndarray:
+        """Return the mean wavelet variances of the simulated sequences, shape (levels,)."""
+        binding, total = self.problem.binding, 0.0
+        model, still = binding.composition.model(theta), np.zeros(binding.count)
+        conditions = Conditions(binding.interval * np.arange(binding.count), binding.interval)
+        for replicate in range(self.replicates):
+            sequence = model.simulate(still, conditions, self.seed, "auxiliary", replicate)
+            total = total + wavelet.estimated(sequence, binding.levels, binding.width, self.efficiency)
+        return total / self.replicates
+
+
+def _problem(
+    curve: pd.DataFrame,
+    count: int,
+    interval: float,
+    kinds: Sequence[type],
+    ramp: bool,
+    weighting: Weighting,
+    width: int,
+    efficiency: float,
+) -> Problem:
+    if ramp and width != 2:
+        raise ValueError(f"indirect: expected width 2 with a ramp, which wider wavelets do not see; found {width}")
+    if not (curve["variance"] > 0).all():
+        raise ValueError("indirect: expected positive wavelet variances; found zero, negative or missing ones")
+    composition = Composition.of(*kinds, *[RateRamp] * ramp)
+    needed = len(composition.densities) + 2 * composition.markov
+    if needed > len(curve):
+        raise ValueError(f"indirect: expected at least as many levels as parameters, {needed}; found {len(curve)}")
+    binding = Binding(composition, interval, count, len(curve), width)
+    return Problem(binding, curve, Weighting(weighting), efficiency)
+
+
+def _result(
+    problem: Problem, path: list[Point], centre: Point, weights: Weights, converged: bool, level: float
+) -> IndirectFit:
+    """Return the estimate at the end of ``path``; intervals are about ``centre``, where the quasi-score vanishes."""
+    order = np.argsort(path[-1].times)
+    path, centre = [step.reordered(order) for step in path], centre.reordered(order)
+    point, composition = path[-1], problem.binding.composition
+    spread = Spread.of(problem, centre, weights)
+    estimates = []
+    for quantity, hold in zip(composition.quantities(), _holds(composition), strict=True):
+        ends = [_end(problem, centre, weights, quantity, hold, side, chdtri(1, 1 - level)) for side in (-1, 1)]
+        power = 2 if hold.what is Held.SQUARE else 1
+        value, low, high = (float(end ** (1 / power)) for end in (hold.of(point), *ends))
+        error = spread.of_quantity(quantity, hold)[1]
+        estimates.append(Estimate(*quantity.key, value, low, high, error, verdict(low, high)))
+    names = [" ".join(map(str, row.key)) for row in composition.quantities() if np.sum(row.direction != 0) == 1]
+    rows = [[step.distance, *np.exp(problem.theta(step))] for step in path]
+    return IndirectFit(
+        model=composition.model(problem.theta(point)),
+        estimates=tuple(estimates),
+        objective=point.distance,
+        converged=converged,
+        history=pd.DataFrame(rows, columns=["objective", *names]).rename_axis("iteration"),
+        covariance=pd.DataFrame(spread.covariance(), index=names, columns=names),
+        curve=_curve(problem, point),
+    )
+
+
+def _end(
+    problem: Problem, centre: Point, weights: Weights, quantity: Quantity, hold: Hold, side: int, target: float
+) -> float:
+    """Return an end of the interval of what is held.
+
+    Whether a value is compatible with the log is judged by the weights and by the scatter of the very model with this
+    value. Where the interval is narrow they are those of the estimate.
+    """
+    where, best, found = centre, centre, np.nan
+    for _ in range(REFINEMENTS + 1):
+        inflation, error = Spread.of(problem, where, weights).of_quantity(quantity, hold)
+        power = 2 if hold.what is Held.SQUARE else 1
+        settling = Settling(problem.binding, problem.observed, weights)
+        last, (found, where) = found, Profile(settling, best).end(hold, side, inflation * target, power * error)
+        near = hold.of(centre) if np.isnan(last) else last
+        if not 0 < found < np.inf or (near > 0 and abs(np.log(found / near)) < power * NARROW):
+            break
+        weights = problem.weights(where)
+        best = replace(settling, weights=weights).settle(best)[0][-1]
+    return found
+
+
+def _holds(composition: Composition) -> Iterator[Hold]:
+    """Return what to hold for each quantity of a composition."""
+    first = len(composition.densities)
+    yield from (Hold(Held.SQUARE, column) for column in range(first))
+    for i in range(composition.markov):
+        yield from (Hold(what, first + i, i) for what in (Held.SQUARE, Held.TIME, Held.DRIVING))
+
+
+def _curve(problem: Problem, point: Point) -> pd.DataFrame:
+    index = pd.RangeIndex(1, problem.binding.levels + 1, name="level")
+    columns = {
+        "tau": 2.0 ** (index - 1) * problem.binding.interval,
+        "observed": problem.observed,
+        "low": problem.curve["low"].to_numpy(float),
+        "high": problem.curve["high"].to_numpy(float),
+        "implied": point.implied,
+    }
+    return pd.DataFrame(columns, index=index)

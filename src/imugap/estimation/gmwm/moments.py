@@ -1,0 +1,185 @@
+"""The estimation problem of wavelet moments: observed wavelet variances, a family, and the weights of the levels."""
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+import pandas as pd
+
+from imugap.estimation import wavelet_variance as wavelet
+from imugap.estimation.gmwm.implied import Binding
+from imugap.estimation.gmwm.quasi_likelihood import Held, Hold, Settling, Weights
+from imugap.estimation.gmwm.start import Nearest, Point
+from imugap.estimation.likelihood import Quantity
+
+ROUNDS = 12
+"""Times that the covariance is computed at the latest estimate."""
+SETTLED = 1e-3
+"""Squared change of the implied wavelet variances, in standard deviations, after which none is worth while.
+
+The next would change them by about a thousandth of that.
+"""
+COARSE, FINE = 1e-3, 1e-13
+"""Relative accuracy of minima under weights that are not yet, or are, the final ones."""
+NEAR = 0.01
+"""Difference of log correlation times of minima that are the same."""
+BETTER = 1e-3
+"""Quasi-deviance by which another minimum must be lower to be taken."""
+
+
+class Weighting(StrEnum):
+    """What the deviations of the wavelet variances are weighted with."""
+
+    INTERVAL = "interval"
+    """1/(high - low)^2 of their intervals: the objective of gmwm."""
+    DIAGONAL = "diagonal"
+    """The inverse of their variances under the estimated model."""
+    FULL = "full"
+    """The inverse of their covariance under the estimated model."""
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """Observed wavelet variances and the family that they are to be explained by.
+
+    Attributes
+    ----------
+    binding, curve
+        The family; the wavelet variances: columns ``variance``, ``low``, ``high`` [unit^2], a row for each level.
+    weighting, efficiency
+        Weights of the levels; efficiency of the wavelet variances relative to the plain ones.
+    """
+
+    binding: Binding
+    curve: pd.DataFrame
+    weighting: Weighting
+    efficiency: float
+
+    @property
+    def observed(self) -> np.ndarray:
+        """Return the observed wavelet variances, shape (levels,)."""
+        return self.curve["variance"].to_numpy(float)
+
+    def estimate(self) -> tuple[list[Point], Weights, bool]:
+        """Return the way to the estimate, its weights, and whether the quasi-score vanishes there."""
+        weights = self._first_weights()
+        nearest = Nearest(self.binding, self.observed, weights.white(self.observed))
+        path, converged = nearest.descend_all(COARSE if weights.relative else FINE)[0]
+        if self.weighting is Weighting.INTERVAL:
+            return path, weights, converged
+        path, weights, converged = self._iterate(path)
+        other = self._rival(path[-1], weights)
+        return (path, weights, converged) if other is None else self._iterate([*path, other])
+
+    def _rival(self, point: Point, weights: Weights) -> Point | None:
+        """Return the best of the other minima under the weights of ``point`` if its quasi-deviance is lower."""
+        settling = Settling(self.binding, self.observed, weights)
+        ways = Nearest(self.binding, self.observed, weights.white(point.implied)).descend_all(COARSE)
+        ends = [way[-1] for way, _ in ways if not np.allclose(way[-1].times, point.times, atol=NEAR)]
+        others = [settling.settle(end)[0][-1] for end in ends]
+        lead = [weights.deviance(self.observed, point.implied, other.implied) for other in others]
+        return others[int(np.argmin(lead))] if min(lead, default=0.0) < -BETTER else None
+
+    def _first_weights(self) -> Weights:
+        """Return weights that need no model."""
+        if self.weighting is Weighting.INTERVAL:
+            return Weights(np.diag(1 / (self.curve["high"] - self.curve["low"]).to_numpy(float)), relative=False)
+        edf = wavelet.edf_octave(self.binding.count, self.binding.levels, self.binding.width)
+        return Weights(np.diag(np.sqrt(edf * self.efficiency / 2)), relative=True)
+
+    def _iterate(self, path: list[Point]) -> tuple[list[Point], Weights, bool]:
+        """Go on until the weights are those of the estimate."""
+        for _ in range(ROUNDS):
+            point = path[-1]
+            weights = self.weights(point)
+            further, converged = Settling(self.binding, self.observed, weights).settle(point)
+            path = path + further[1:]
+            change = weights.white(point.implied) @ (path[-1].implied - point.implied)
+            if not converged or change @ change < SETTLED:
+                return path, weights, converged
+        return path, weights, False
+
+    def weights(self, point: Point) -> Weights:
+        """Return the weights of the model at ``point``."""
+        if self.weighting is Weighting.INTERVAL:
+            return self._first_weights()
+        relative = self.covariance(point) / np.outer(point.implied, point.implied)
+        if self.weighting is Weighting.DIAGONAL:
+            return Weights(np.diag(np.diag(relative) ** -0.5), relative=True)
+        return Weights(np.linalg.inv(np.linalg.cholesky(relative)), relative=True)
+
+    def covariance(self, point: Point) -> np.ndarray:
+        """Return the covariance of the wavelet variances, shape (levels, levels), under the model at ``point``."""
+        model, binding = self.binding.composition.model(self.theta(point)), self.binding
+        plain = wavelet.covariance(model, binding.interval, binding.count, binding.levels, binding.width)
+        return plain / self.efficiency
+
+    def at(self, theta: np.ndarray) -> Point:
+        """Return the point with log parameters ``theta``; a density is absent at minus infinity."""
+        first = len(self.binding.composition.densities)
+        stds, times = theta[first:].reshape(-1, 2).T
+        columns = np.hstack([self.binding.densities, self.binding.markov(times)])
+        return Point(times, columns, np.exp(2 * np.r_[theta[:first], stds]), np.nan)
+
+    def theta(self, point: Point) -> np.ndarray:
+        """Return the log parameters, in the order of the composition."""
+        first = len(self.binding.composition.densities)
+        with np.errstate(divide="ignore"):
+            densities = np.log(point.squares) / 2
+        return np.r_[densities[:first], np.c_[densities[first:], point.times].ravel()]
+
+
+@dataclass(frozen=True, eq=False)
+class Spread:
+    """Slopes and covariance of whitened wavelet variances, and what they say of the errors of the parameters.
+
+    Attributes
+    ----------
+    slopes
+        In the log parameters, shape (levels, parameters); of an absent process in its squared density.
+    scatter
+        Covariance of the observed ones, shape (levels, levels).
+    present
+        Whether the process of a parameter is there, shape (parameters,).
+    """
+
+    slopes: np.ndarray
+    scatter: np.ndarray
+    present: np.ndarray
+
+    @classmethod
+    def of(cls, problem: Problem, point: Point, weights: Weights) -> "Spread":
+        """Return those of the model at ``point``."""
+        first = len(problem.binding.composition.densities)
+        there = point.squares > 0
+        by_square = point.columns * np.where(there, 2 * point.squares, 1.0)
+        by_time = problem.binding.slopes(point.times)[1] * point.squares[first:]
+        pairs = np.stack([by_square[:, first:], by_time], axis=2).reshape(len(by_square), -1)
+        white = weights.white(point.implied)
+        present = np.r_[there[:first], np.repeat(there[first:], 2)]
+        slopes = white @ np.hstack([by_square[:, :first], pairs])
+        return cls(slopes, white @ problem.covariance(point) @ white.T, present)
+
+    def covariance(self) -> np.ndarray:
+        """Return the sandwich covariance of the log parameters; missing for an absent process."""
+        result = np.full((len(self.present), len(self.present)), np.nan)
+        result[np.ix_(self.present, self.present)] = self._pair(self.present)[1]
+        return result
+
+    def of_quantity(self, quantity: Quantity, hold: Hold) -> tuple[float, float]:
+        """Return sandwich variance over inverse curvature of a quantity, and its relative standard deviation."""
+        chosen = self.present.copy()
+        own = np.flatnonzero(quantity.direction)[0]
+        there = chosen[own]
+        if not there and hold.what is Held.TIME:
+            return 1.0, np.inf
+        chosen[own] = True
+        naive, sandwich = (quantity.direction[chosen] @ m @ quantity.direction[chosen] for m in self._pair(chosen))
+        return float(sandwich / naive), float(np.sqrt(sandwich)) if there else np.inf
+
+    def _pair(self, chosen: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return inverse curvature and sandwich covariance of some parameters."""
+        slopes = self.slopes[:, chosen]
+        scale = np.linalg.norm(slopes, axis=0)
+        inverse = np.linalg.pinv(slopes / scale, rcond=1e-10) / scale[:, None]
+        return inverse @ inverse.T, inverse @ self.scatter @ inverse.T

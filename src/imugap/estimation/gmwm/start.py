@@ -1,0 +1,161 @@
+"""The composition whose implied wavelet variances come nearest to the observed ones, wherever the search starts.
+
+Given the correlation times, the wavelet variances are linear in the squared densities, which cannot be negative: the
+weighted distance is a non-negative least-squares problem (Lawson & Hanson 1974), in which a density that is not needed
+becomes exactly zero. What is left is a search over the logarithms of the correlation times (variable projection: Golub
+& Pereyra 1973, SIAM J. Numer. Anal. 10, 413-432): on a grid, and by damped Gauss-Newton steps from its best points.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+from scipy.optimize import nnls
+
+from imugap.estimation.gmwm.implied import Binding
+
+GRID = {0: 1, 1: 36, 2: 24, 3: 14}
+"""Points of the grid of correlation times, by number of Gauss-Markov processes."""
+STARTS = 4
+"""Best points of the grid from which steps start."""
+ITERATIONS = 60
+PLAIN = 5
+"""Gauss-Newton steps before the residuals are let into the curvature: only poor fits need that."""
+LONGEST_STEP = 1.0
+"""Largest change of the logarithm of a correlation time in one step."""
+DIFFERENCE = 1e-4
+"""Step of the logarithm of a correlation time in a difference quotient."""
+
+
+@dataclass(frozen=True, eq=False)
+class Point:
+    """A member of the family, with its distance from the observed wavelet variances.
+
+    Attributes
+    ----------
+    times
+        Logarithms of the correlation times, shape (markov,).
+    columns
+        Wavelet variances of each process at unit density or std, shape (levels, processes).
+    squares
+        Squared densities, then squared stds, shape (processes,).
+    distance
+        Weighted sum of the squared deviations.
+    """
+
+    times: np.ndarray
+    columns: np.ndarray
+    squares: np.ndarray
+    distance: float
+
+    @property
+    def implied(self) -> np.ndarray:
+        """Return the wavelet variances, shape (levels,)."""
+        return self.columns @ self.squares
+
+    def reordered(self, order: np.ndarray) -> "Point":
+        """Return the same with the Gauss-Markov processes in another order."""
+        index = np.arange(len(self.squares))
+        first = len(index) - len(order)
+        index[first:] = first + order
+        return Point(self.times[order], self.columns[:, index], self.squares[index], self.distance)
+
+
+@dataclass(frozen=True, eq=False)
+class Nearest:
+    """The search among the members of a family, under the norm of ``white`` times the deviations.
+
+    Attributes
+    ----------
+    binding, observed
+        The family, and the wavelet variances to come near, shape (levels,).
+    white
+        Shape (levels, levels).
+    """
+
+    binding: Binding
+    observed: np.ndarray
+    white: np.ndarray
+
+    def descend_all(self, accuracy: float) -> list[tuple[list[Point], bool]]:
+        """Return what :meth:`descend` makes of the best points of the grid, no two of them neighbours; best first."""
+        ways = [self.descend(start, accuracy) for start in self._starts()]
+        return sorted(ways, key=lambda way: way[0][-1].distance)
+
+    def descend(self, start: Point, accuracy: float) -> tuple[list[Point], bool]:
+        """Return the points of damped Gauss-Newton steps from ``start``, and whether the last is stationary.
+
+        The steps end where they promise less than ``accuracy`` of the distance (or of one).
+        """
+        low, high = self.binding.limits
+        path, damping = [start], 1e-6
+        for _ in range(ITERATIONS):
+            point = path[-1]
+            step, gain = self._step(point, damping, len(path) > PLAIN)
+            if gain <= accuracy * max(point.distance, 1.0):
+                return path, True
+            trial = self._at(np.clip(point.times + step, low, high))
+            if trial.distance < point.distance:
+                path.append(trial)
+                damping = max(damping / 10, 1e-12)
+            else:
+                damping = max(10 * damping, 1e-3)
+        return path, False
+
+    def _starts(self) -> list[Point]:
+        ranked, best = sorted(self._grid(), key=lambda row: row[1].distance), []
+        while ranked and len(best) < STARTS:
+            centre, point = ranked[0]
+            best.append(point)
+            ranked = [row for row in ranked if np.abs(row[0] - centre).max(initial=0) > 1]
+        return best
+
+    def _grid(self) -> Iterator[tuple[np.ndarray, Point]]:
+        markov = self.binding.composition.markov
+        times = np.linspace(*self.binding.limits, GRID.get(markov, 11))
+        fixed, columns = self.binding.densities, self.binding.markov(times)
+        for chosen in combinations(range(len(times)), markov):
+            index = np.array(chosen, int)
+            yield index, self._solve(times[index], np.hstack([fixed, columns[:, index]]))
+
+    def _at(self, times: np.ndarray) -> Point:
+        return self._solve(times, np.hstack([self.binding.densities, self.binding.markov(times)]))
+
+    def _solve(self, times: np.ndarray, columns: np.ndarray) -> Point:
+        basis = self.white @ columns
+        scale = np.sqrt(np.einsum("ij,ij->j", basis, basis))
+        squares, distance = nnls(basis / scale, self.white @ self.observed)
+        return Point(times, columns, squares / scale, float(distance) ** 2)
+
+    def _step(self, point: Point, damping: float, exact: bool) -> tuple[np.ndarray, float]:
+        """Return the damped step of the log correlation times and the gain that it promises."""
+        low, high = self.binding.limits
+        step = np.zeros(len(point.times))
+        pull, curvature = self._pull(point)
+        moves = (np.diag(curvature) > 0) & ((point.times > low) | (pull > 0)) & ((point.times < high) | (pull < 0))
+        if not moves.any():
+            return step, 0.0
+        inner = curvature[np.ix_(moves, moves)]
+        if exact:
+            full = self._curvature(point, moves)
+            inner = full if np.linalg.eigvalsh(full).min() > 0 else inner
+        step[moves] = np.linalg.solve(inner + damping * np.diag(np.diag(inner)), pull[moves])
+        step *= min(1.0, LONGEST_STEP / max(np.abs(step).max(), 1e-300))
+        return step, float(pull @ step)
+
+    def _pull(self, point: Point) -> tuple[np.ndarray, np.ndarray]:
+        """Return minus half the slope of the distance in the log correlation times, and Gauss-Newton's curvature."""
+        markov = point.squares[len(point.squares) - len(point.times) :]
+        onto, _ = np.linalg.qr(self.white @ point.columns[:, point.squares > 0])
+        jacobian = self.white @ (self.binding.slopes(point.times)[1] * markov)
+        jacobian -= onto @ (onto.T @ jacobian)
+        return jacobian.T @ (self.white @ (self.observed - point.implied)), jacobian.T @ jacobian
+
+    def _curvature(self, point: Point, moves: np.ndarray) -> np.ndarray:
+        """Return half the curvature of the distance, what the residuals add included, by difference quotients."""
+        rows = []
+        for shift in DIFFERENCE * np.eye(len(moves))[moves]:
+            below, above = (self._pull(self._at(point.times + sign * shift))[0][moves] for sign in (-1, 1))
+            rows.append((below - above) / (2 * DIFFERENCE))
+        return (np.array(rows) + np.transpose(rows)) / 2

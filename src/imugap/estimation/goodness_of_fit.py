@@ -1,0 +1,146 @@
+"""Does a model describe a log, and if not, where?
+
+The wavelet variances of the log are held, octave by octave, against those that the model implies; how far they may
+scatter, the model itself says.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+from scipy.special import chdtr, chdtrc
+
+from imugap.effects.effect import AxisModel
+from imugap.estimation import wavelet_variance as wavelet
+from imugap.estimation.cramer_rao import fisher
+from imugap.estimation.likelihood import Composition, Grid, parameters
+from imugap.numerics.daubechies import depth
+
+FITS = "fits"
+DIFFERENCE = 1e-4
+"""Change of a log parameter in a difference quotient."""
+SATURATED = 1e-3
+"""Least share of the variance of an octave that a fit leaves."""
+UNKNOWN = 1e-12
+"""Information that keeps the matrix of parameters that the log does not tell apart invertible."""
+NAMED = 3
+"""Ranges of octaves that a verdict names."""
+TIMES = 3.0
+"""Ratio above which a verdict says how many times."""
+SMALLEST = 1e-12
+"""Smallest p-value that a verdict gives as a number."""
+
+
+@dataclass(frozen=True)
+class Goodness:
+    """How well a model describes a log.
+
+    Attributes
+    ----------
+    table
+        Index ``level``; columns ``tau`` [s], ``low_hz``, ``high_hz`` (the octave), ``observed``, ``implied`` [unit^2],
+        ``ratio``, ``deviation`` (in standard deviations under the model with known parameters), ``p`` (two-sided).
+    p_value
+        Probability that a right model is as far off in any octave, a little too large (Sidak's inequality).
+    verdict
+        "fits", or which octaves are off, by how much, the most significant first, and the p-value.
+    """
+
+    table: pd.DataFrame
+    p_value: float
+    verdict: str
+
+    @property
+    def fits(self) -> bool:
+        """Return whether nothing speaks against the model."""
+        return self.verdict == FITS
+
+
+def of(
+    model: AxisModel,
+    sequence: np.ndarray,
+    interval: float,
+    level: float = 0.95,
+    width: int = 2,
+    fitted: bool = True,
+) -> Goodness:
+    """Judge a model of an error sequence.
+
+    Parameters
+    ----------
+    sequence, interval
+        Samples, shape (n,), and sampling interval [s].
+    level
+        Probability that a right model fits.
+    width
+        Width of the wavelet filter. Wider ones tell octaves apart more sharply, but see no ramp.
+    fitted
+        Whether the parameters come from this very sequence. The residuals of an efficient estimate have the covariance
+        C - J V J', C of the wavelet variances, J their slopes, V the Cramer-Rao bound of the parameters; a ramp counts
+        as known.
+    """
+    sequence = np.asarray(sequence, float)
+    levels = depth(len(sequence), width)
+    observed, implied = wavelet.variance(sequence, levels, width), wavelet.implied(model, interval, levels, width)
+    variance = np.diag(wavelet.covariance(model, interval, len(sequence), levels, width))
+    taken = _taken(model, interval, len(sequence), levels, width) if fitted else np.zeros(levels)
+    index = pd.RangeIndex(1, levels + 1, name="level")
+    columns = {
+        "tau": 2.0 ** (index - 1) * interval,
+        "low_hz": 2.0 ** -(index + 1) / interval,
+        "high_hz": 2.0**-index / interval,
+        "observed": observed,
+        "implied": implied,
+        "ratio": observed / implied,
+        "deviation": (observed - implied) / np.sqrt(variance),
+        "p": _probability(observed / implied, 2 * implied**2 / np.maximum(variance - taken, SATURATED * variance)),
+    }
+    table = pd.DataFrame(columns, index=index)
+    joint = float(-np.expm1(levels * np.log1p(-table["p"].min())))
+    off = table[table["p"] < 1 - level ** (1 / levels)]
+    return Goodness(table, joint, _verdict(off, joint) if len(off) else FITS)
+
+
+def _taken(model: AxisModel, interval: float, count: int, levels: int, width: int) -> np.ndarray:
+    """Return the variance of each wavelet variance, shape (levels,), that a fit of the parameters takes up: J V J'."""
+    composition, theta = parameters(AxisModel(tuple(effect for effect in model.stochastic() if _present(effect))))
+    grid = Grid.of(count, interval)
+    information = fisher(theta, composition.shapes(grid), grid) + UNKNOWN * np.eye(len(theta))
+    slopes = [_slope(composition, theta, step, (interval, levels, width)) for step in DIFFERENCE * np.eye(len(theta))]
+    return np.einsum("il,ij,jl->l", slopes, np.linalg.inv(information), slopes)
+
+
+def _present(effect) -> bool:
+    """Return whether an effect has any power."""
+    return all(effect.parameters().values())
+
+
+def _slope(composition: Composition, theta: np.ndarray, step: np.ndarray, analysis: tuple) -> np.ndarray:
+    below, above = (wavelet.implied(composition.model(theta + side * step), *analysis) for side in (-1, 1))
+    return (above - below) / (2 * DIFFERENCE)
+
+
+def _probability(ratio: np.ndarray, edf: np.ndarray) -> np.ndarray:
+    """Return the two-sided probability of a ratio whose law is that of a chi-square variance."""
+    return np.minimum(2 * np.minimum(chdtr(edf, edf * ratio), chdtrc(edf, edf * ratio)), 1 - 1e-16)
+
+
+def _verdict(off: pd.DataFrame, p_value: float) -> str:
+    """Return the ranges of octaves that are off, neighbours of the same sign in one."""
+    more = off["ratio"] > 1
+    starts = more.ne(more.shift()) | (off.index.to_series().diff() != 1)
+    ranges = sorted((run for _, run in off.groupby(starts.cumsum())), key=lambda run: -run["deviation"].abs().max())
+    rest = len(ranges) - NAMED
+    named = [*map(_range, ranges[:NAMED]), *([f"{rest} more"] if rest > 0 else [])]
+    chance = f"p = {p_value:.2g}" if p_value > SMALLEST else f"p < {SMALLEST:g}"
+    return f"misfit at {'; '.join(named)} ({chance})"
+
+
+def _range(run: pd.DataFrame) -> str:
+    """Return octaves and size of a misfit, e.g. "12.5-25 Hz: 34 % more than the model"."""
+    ratio = run["ratio"].loc[run["deviation"].abs().idxmax()]
+    span = f"{run['low_hz'].min():.3g}-{run['high_hz'].max():.3g} Hz"
+    if ratio > TIMES:
+        return f"{span}: {ratio:.2g} times the model"
+    percent = float(f"{100 * abs(ratio - 1):.2g}")
+    return f"{span}: {percent:g} % {'more' if ratio > 1 else 'less'} than the model"

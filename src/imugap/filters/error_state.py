@@ -1,0 +1,287 @@
+"""The error state of an inertial navigator: how its covariance grows, what a measurement tells, and how it is fed back.
+
+The state is position [m], velocity [m/s] and attitude [rad] in ``n``, then the states of the sensors
+(:mod:`imugap.filters.sensor_states`), then any constants. All are *estimated - true*; the attitude error is the
+rotation vector in ``n`` that turns the true into the estimated attitude. What is estimated is fed back at once, so that
+the error state itself is always zero (Groves 2013, section 14.2), and only its covariance is carried: a square array
+with one row for each state, symmetric.
+
+The transition over an epoch is the trapezoidal rule, one variable after the other: attitude, then velocity with the
+mean of the attitude error before and after, then position with that of the velocity error. It errs by the third order
+of the interval. Rates of Earth and transport are neglected, as in :class:`imugap.kinematics.strapdown.Local`.
+
+Every function is compiled and changes arrays in place; vectors are tuples of floats as in
+:mod:`imugap.numerics.rotation`. Sources: P. D. Groves, Principles of GNSS, Inertial, and Multisensor Integrated
+Navigation Systems, 2nd ed., 2013; P. S. Maybeck, Stochastic Models, Estimation, and Control, vol. 1, 1979; G. J.
+Bierman, Fixed interval smoothing with discrete measurements, Int. J. Control 18 (1973) 65-75; S. F. Schmidt,
+Application of state-space methods to navigation problems, Adv. Control Syst. 3 (1966) 293-340.
+"""
+
+from imugap.numerics.rotation import kernel, multiply, quat_from_rotvec, renormalise
+
+NAVIGATION = 9
+"""States of position, velocity and attitude."""
+POSITION, VELOCITY, ATTITUDE = 0, 3, 6
+"""The first of their rows."""
+
+
+@kernel
+def mix(source, target, columns, mat_nb, force_n, dt, axis, gain, shift):
+    """Put the rows of the navigation in the product of the transition and ``source`` into columns of ``target``.
+
+    Parameters
+    ----------
+    columns
+        How many columns of ``source`` are taken, from the first; each becomes a row of ``target``.
+    mat_nb, force_n
+        Attitude, and specific force in ``n`` [m/s^2], as the epoch has them.
+    dt
+        Length of the epoch [s].
+    axis
+        Axis of each sensor state, 0 to 5, shape (sensor states,).
+    gain
+        What a unit of each state adds to its axis: 1 for a bias, the input for a scale factor.
+    shift
+        Room for the sums over the states of each axis, shape (6, states).
+    """
+    for a in range(6):
+        for j in range(columns):
+            shift[a, j] = 0.0
+    for s in range(len(axis)):
+        a, factor = axis[s], dt * gain[s]
+        for j in range(columns):
+            shift[a, j] += factor * source[NAVIGATION + s, j]
+    half = 0.5 * dt
+    (c00, c01, c02), (c10, c11, c12), (c20, c21, c22) = mat_nb
+    f0, f1, f2 = half * force_n[0], half * force_n[1], half * force_n[2]
+    for j in range(columns):
+        g0, g1, g2 = shift[0, j], shift[1, j], shift[2, j]
+        a0, a1, a2 = shift[3, j], shift[4, j], shift[5, j]
+        t0 = source[6, j] - (c00 * g0 + c01 * g1 + c02 * g2)
+        t1 = source[7, j] - (c10 * g0 + c11 * g1 + c12 * g2)
+        t2 = source[8, j] - (c20 * g0 + c21 * g1 + c22 * g2)
+        s0, s1, s2 = source[6, j] + t0, source[7, j] + t1, source[8, j] + t2
+        v0 = source[3, j] + (f2 * s1 - f1 * s2) - (c00 * a0 + c01 * a1 + c02 * a2)
+        v1 = source[4, j] + (f0 * s2 - f2 * s0) - (c10 * a0 + c11 * a1 + c12 * a2)
+        v2 = source[5, j] + (f1 * s0 - f0 * s1) - (c20 * a0 + c21 * a1 + c22 * a2)
+        target[j, 0] = source[0, j] + half * (source[3, j] + v0)
+        target[j, 1] = source[1, j] + half * (source[4, j] + v1)
+        target[j, 2] = source[2, j] + half * (source[5, j] + v2)
+        target[j, 3], target[j, 4], target[j, 5] = v0, v1, v2
+        target[j, 6], target[j, 7], target[j, 8] = t0, t1, t2
+
+
+@kernel
+def transform(source, target, columns, mat_nb, force_n, dt, axis, gain, hold, shift):
+    """Put the product of the transition and columns of ``source`` into the rows of ``target``, both (states, states).
+
+    Parameters
+    ----------
+    columns, mat_nb, force_n, dt, axis, gain, shift
+        As in :func:`mix`.
+    hold
+        What is left of each state after the epoch.
+    """
+    mix(source, target, columns, mat_nb, force_n, dt, axis, gain, shift)
+    for j in range(columns):
+        for s in range(len(axis)):
+            target[j, NAVIGATION + s] = hold[s] * source[NAVIGATION + s, j]
+        for i in range(NAVIGATION + len(axis), len(source)):
+            target[j, i] = source[i, j]
+
+
+@kernel
+def predict(covariance, work, mat_nb, force_n, dt, axis, gain, hold, drive, white, shift):
+    """Carry the covariance over an epoch; ``work`` is room of its shape.
+
+    Only the rows and columns of the navigation are mixed; those of sensors and constants are held, and what both share
+    is written twice.
+
+    Parameters
+    ----------
+    mat_nb, force_n, dt, axis, gain, hold, shift
+        As in :func:`transform`.
+    drive
+        Variance that drives each sensor state over the epoch.
+    white
+        Two-sided PSD of the white noise of the six axes [unit^2/Hz].
+    """
+    size, sensors, half = len(covariance), len(axis), 0.5 * dt
+    mix(covariance, work, size, mat_nb, force_n, dt, axis, gain, shift)
+    mix(work, covariance, NAVIGATION, mat_nb, force_n, dt, axis, gain, shift)
+    for row in range(NAVIGATION, size):
+        left = hold[row - NAVIGATION] if row < NAVIGATION + sensors else 1.0
+        for i in range(NAVIGATION):
+            covariance[row, i] = left * work[row, i]
+        for i in range(NAVIGATION):
+            covariance[i, row] = covariance[row, i]
+    for s in range(sensors):
+        row, left = NAVIGATION + s, hold[s]
+        if left != 1.0:
+            for j in range(NAVIGATION, size):
+                covariance[row, j] *= left
+            for j in range(NAVIGATION, size):
+                covariance[j, row] *= left
+        covariance[row, row] += drive[s]
+    for i in range(3):
+        row = mat_nb[i]
+        for j in range(3):
+            other = mat_nb[j]
+            turn = dt * (row[0] * white[0] * other[0] + row[1] * white[1] * other[1] + row[2] * white[2] * other[2])
+            push = dt * (row[0] * white[3] * other[0] + row[1] * white[4] * other[1] + row[2] * white[5] * other[2])
+            covariance[ATTITUDE + i, ATTITUDE + j] += turn
+            covariance[VELOCITY + i, VELOCITY + j] += push
+            covariance[POSITION + i, VELOCITY + j] += half * push
+            covariance[VELOCITY + j, POSITION + i] += half * push
+            covariance[POSITION + i, POSITION + j] += half * half * push
+
+
+@kernel
+def backward(target, work, mat_nb, force_n, dt, axis, gain, hold, shift):
+    """Put the transition, transposed, into ``target``; arguments as in :func:`transform`, ``work`` as in predict."""
+    size = len(work)
+    for i in range(size):
+        for j in range(size):
+            work[i, j] = 1.0 if i == j else 0.0
+    transform(work, target, size, mat_nb, force_n, dt, axis, gain, hold, shift)
+
+
+@kernel
+def project(covariance, row, noise, spread):
+    """Put ``P h'`` into ``spread`` and return the variance of the innovation, ``h P h' + noise``, for a row ``h``."""
+    size = len(row)
+    for j in range(size):
+        spread[j] = 0.0
+    for i in range(size):
+        if row[i] != 0.0:
+            for j in range(size):
+                spread[j] += row[i] * covariance[i, j]
+    variance = noise
+    for j in range(size):
+        variance += row[j] * spread[j]
+    return variance
+
+
+@kernel
+def update(covariance, spread, weight, variance):
+    """Take a scalar measurement into the covariance, whatever its weight (Joseph's form, Maybeck 1979, eq. 5-84).
+
+    With h the row of the measurement, R its noise and k the weight, ``(I - k h) P (I - k h)' + k R k'``.
+
+    Parameters
+    ----------
+    covariance
+        P, shape (states, states).
+    spread
+        P h', shape (states,).
+    weight
+        k, shape (states,); the best is ``spread / variance``.
+    variance
+        Of the innovation: h P h' + R.
+    """
+    for i in range(len(spread)):
+        left = variance * weight[i] - spread[i]
+        for j in range(len(spread)):
+            covariance[i, j] += left * weight[j] - weight[i] * spread[j]
+
+
+@kernel
+def corrected(position, velocity, quat_nb, error):
+    """Return position, velocity and attitude less the first nine numbers of an estimated error."""
+    turn = quat_from_rotvec((-error[6], -error[7], -error[8]))
+    return (
+        (position[0] - error[0], position[1] - error[1], position[2] - error[2]),
+        (velocity[0] - error[3], velocity[1] - error[4], velocity[2] - error[5]),
+        renormalise(multiply(turn, quat_nb)),
+    )
+
+
+@kernel
+def measure(covariance, errors, row, residual, noise, spread, weight, nav, fed):
+    """Take in a scalar measurement by its best weight and feed back what it tells.
+
+    Where the states behind the navigation are not to be fed back their weight is zero, and theirs alone: they are
+    considered (Schmidt 1966). The covariance is that of the weight, whatever it is.
+
+    Parameters
+    ----------
+    covariance, errors
+        P, and the estimates of the states behind the navigation, shape (states - 9,); both are changed.
+    row, residual, noise
+        The row h of the measurement, estimated less measured, and the variance of its noise.
+    spread, weight
+        Room, shape (states,); ``weight`` is that of the measurement afterwards.
+    nav
+        Position, velocity and quaternion.
+    fed
+        Whether the states behind the navigation are fed back.
+
+    Returns
+    -------
+    tuple
+        The corrected navigation, and the variance of the innovation: the square of the residual over it is chi-square
+        with one degree of freedom, and sums of such from one row after the other with as many as there are rows.
+    """
+    variance = project(covariance, row, noise, spread)
+    scale = 1.0 / variance
+    for j in range(len(row)):
+        weight[j] = scale * spread[j] if fed or j < NAVIGATION else 0.0
+    update(covariance, spread, weight, variance)
+    for s in range(len(errors)):
+        errors[s] -= residual * weight[NAVIGATION + s]
+    for j in range(NAVIGATION):
+        spread[j] = residual * weight[j]
+    return corrected(nav[0], nav[1], nav[2], spread), variance
+
+
+@kernel
+def unlearn(adjoint, information, row, weight, residual, variance, work):
+    """Take a scalar measurement back through the adjoint of the smoother (Bierman 1973).
+
+    With h the row, k the weight, y the residual and S its variance, ``l - h'(k'l + y/S)`` and
+    ``(I - k h)' L (I - k h) + h' h/S``.
+
+    Parameters
+    ----------
+    adjoint, information
+        l, shape (states,), and L, shape (states, states): what the measurements from here on tell of the error.
+    work
+        Room, shape (states,).
+    """
+    size = len(row)
+    along, inner = residual / variance, 1.0 / variance
+    for i in range(size):
+        along += weight[i] * adjoint[i]
+        work[i] = 0.0
+        for j in range(size):
+            work[i] += information[i, j] * weight[j]
+        inner += weight[i] * work[i]
+    for i in range(size):
+        adjoint[i] -= row[i] * along
+        for j in range(size):
+            information[i, j] += inner * row[i] * row[j] - work[i] * row[j] - row[i] * work[j]
+
+
+@kernel
+def retreat(adjoint, information, backward, work):
+    """Take the adjoint of the smoother back over an epoch whose transition is ``backward``, transposed."""
+    size = len(adjoint)
+    for i in range(size):
+        for j in range(size):
+            work[i, j] = 0.0
+        for m in range(size):
+            factor = backward[i, m]
+            if factor != 0.0:
+                for j in range(size):
+                    work[i, j] += factor * information[m, j]
+    for i in range(size):
+        for j in range(size):
+            information[i, j] = 0.0
+            for m in range(size):
+                information[i, j] += work[i, m] * backward[j, m]
+    for i in range(size):
+        work[0, i] = 0.0
+        for m in range(size):
+            work[0, i] += backward[i, m] * adjoint[m]
+    for i in range(size):
+        adjoint[i] = work[0, i]

@@ -1,0 +1,246 @@
+"""Files of a fitted error model for the filters and simulators that people use, and for one's own filter.
+
+The numbers and their sources are those of :mod:`imugap.interchange.conventions`. Each file begins with what was kept,
+what was approximated and how well, and what was left out.
+"""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
+from difflib import get_close_matches
+from enum import StrEnum
+
+import numpy as np
+import yaml
+
+from imugap import log
+from imugap.effects import GaussMarkov, RandomWalk, WhiteNoise
+from imugap.effects.effect import AxisModel, Effect
+from imugap.interchange.augmentation import augmentation
+from imugap.interchange.conventions import (
+    GAZEBO,
+    HOUR,
+    KALIBR,
+    KF_GINS,
+    ROS,
+    VINS,
+    Convention,
+    Parameter,
+    Reduced,
+    Rule,
+    combined,
+    left_out,
+    reduced,
+)
+from imugap.model import ErrorModel
+from imugap.units import from_si
+
+TRIADS = {"gyro": log.GYRO, "accel": log.ACCEL}
+
+
+class Target(StrEnum):
+    """What a model is exported to."""
+
+    KALIBR = "kalibr"
+    """Kalibr's imu.yaml; OpenVINS reads the same keys below imu0."""
+    VINS = "vins"
+    ROS = "ros"
+    GAZEBO = "gazebo"
+    KF_GINS = "kf-gins"
+    IMUGAP = "imugap"
+    """The model with its discrete state space per axis, for a filter of one's own."""
+
+    @classmethod
+    def of(cls, name: str) -> "Target":
+        """Return the target of that name; an unknown one is a ValueError that names the nearest."""
+        if name not in list(cls):
+            near = get_close_matches(name.lower(), list(cls), 1) or [", ".join(cls)]
+            raise ValueError(f"target: expected {near[0]}; found {name!r}")
+        return cls(name)
+
+
+def export(model: ErrorModel, target: Target, rule: Rule) -> str:
+    """Return the text of the file for ``target``.
+
+    A model that lacks an axis, or white noise on one, or what the target insists on, is a ValueError.
+    """
+    if target is Target.IMUGAP:
+        return _own(model, rule)
+    missing = [axis for axis in log.AXES if axis not in model.axes]
+    if missing:
+        raise ValueError(f"model: expected all of {', '.join(log.AXES)}; found none of {', '.join(missing)}")
+    return WRITERS[target](model, rule)
+
+
+def _kalibr(model: ErrorModel, rule: Rule) -> str:
+    notes, lines = _per_triad(model, KALIBR, rule, "Kalibr refuses a random walk of 0")
+    lines += ["rostopic: /imu0  # set to yours", f"update_rate: {float(rule.rate)}  # Hz"]
+    return _commented(notes, lines)
+
+
+def _vins(model: ErrorModel, rule: Rule) -> str:
+    notes, lines = _per_triad(model, VINS, rule, "with a random walk of 0 the covariance of VINS has no inverse")
+    notes += [
+        f"Valid at {rule.rate:g} Hz only: VINS takes the numbers per sample.",
+        "acc_n and gyr_n hold a factor sqrt(2): VINS takes the two samples of its midpoint rule for independent of",
+        "those of the next step, and would else propagate half the variance.",
+    ]
+    return _commented(notes, lines)
+
+
+def _per_triad(model: ErrorModel, convention: Convention, rule: Rule, reason: str) -> tuple[list[str], list[str]]:
+    """Return notes and lines for a tool that takes one white noise and one random walk for each triad."""
+    axes = _reduced(model, rule)
+    triads = {kind: combined((axes[axis] for axis in own), rule.triad) for kind, own in TRIADS.items()}
+    for kind, one in triads.items():
+        if not one.walk:
+            raise ValueError(f"{kind}: expected a slow process; found white noise alone ({reason})")
+    taken = {
+        axis: (WhiteNoise(triads[kind].white), RandomWalk(triads[kind].walk))
+        for kind, own in TRIADS.items()
+        for axis in own
+    }
+    lines = [
+        f"{one.name}: {_number(_shown(one, triads[kind], rule))}  # {one.unit}, {one.meaning}"
+        for kind, parameters in _by_kind(convention).items()
+        for one in parameters
+    ]
+    notes = [
+        *_head(model, convention, rule, taken),
+        f"Each number stands for three axes ({rule.triad}):",
+        *(f"  {axis}: N = {_number(one.white)}, K = {_number(one.walk)}" for axis, one in axes.items()),
+        "Bias and turn-on bias have no place here: the tool estimates the bias.",
+    ]
+    return notes, lines
+
+
+def _ros(model: ErrorModel, rule: Rule) -> str:
+    axes = _reduced(model, rule)
+    lines = [f"orientation_covariance: [-1.0, {', '.join(8 * ['0.0'])}]  # no estimate of the orientation"]
+    for kind, (parameter,) in _by_kind(ROS).items():
+        diagonal = np.diag([parameter.value(axes[axis], rule) for axis in TRIADS[kind]]).ravel()
+        lines.append(f"{parameter.name}: [{', '.join(map(_number, diagonal))}]  # {parameter.unit}")
+    notes = [
+        *_head(model, ROS, rule, {axis: (WhiteNoise(one.white),) for axis, one in axes.items()}),
+        f"Valid at {rule.rate:g} Hz only: the message holds the variance of a sample.",
+        "Biases and slow processes are no part of the variance of a sample: the filter has to estimate them.",
+    ]
+    return _commented(notes, lines)
+
+
+def _gazebo(model: ErrorModel, rule: Rule) -> str:
+    axes = _reduced(model, rule)
+    lines = ["<imu>"]
+    for kind, parameters in _by_kind(GAZEBO).items():
+        element = parameters[0].name.split()[0]
+        lines.append(f"  <{element}>")
+        for axis in TRIADS[kind]:
+            values = ((one.name.split()[1], _number(one.value(axes[axis], rule))) for one in parameters)
+            noise = "".join(f"<{name}>{value}</{name}>" for name, value in values)
+            lines.append(f'    <{axis[-1]}><noise type="gaussian">{noise}</noise></{axis[-1]}>')
+        lines.append(f"  </{element}>")
+    notes = [
+        *_head(model, GAZEBO, rule, _markovian(axes)),
+        f"Valid at {rule.rate:g} Hz only: stddev is that of a sample.",
+        "dynamic_bias_stddev is the density of the driving noise, not the standard deviation of the bias.",
+        "Gazebo draws the sign of the bias, and lets it decay with the correlation time.",
+    ]
+    return "\n".join([*(f"<!-- {note.replace('--', '-')} -->" for note in notes), *lines, "</imu>"]) + "\n"
+
+
+def _kf_gins(model: ErrorModel, rule: Rule) -> str:
+    rule = replace(rule, correlation_time=rule.correlation_time or HOUR)
+    axes = _reduced(model, rule)
+    rows = {}
+    for kind, parameters in _by_kind(KF_GINS).items():
+        for one in parameters:
+            values = [_number(_shown(one, axes[axis], rule)) for axis in TRIADS[kind]]
+            rows[one.name] = f"{one.name}: [{', '.join(values)}]  # {one.unit}"
+    common = KF_GINS.accel[-1]
+    rows[common.name] = f"{common.name}: {_number(_shown(common, axes['accel_x'], rule))}  # {common.unit}"
+    lines = [rows[name] for name in ("initgyrbias", "initaccbias", "initbgstd", "initbastd")]
+    lines += ["imunoise:", *(f"  {rows[name]}" for name in ("arw", "vrw", "gbstd", "abstd"))]
+    lines += [f"  {name}: [0.0, 0.0, 0.0]  # ppm" for name in ("gsstd", "asstd")] + [f"  {rows['corrtime']}"]
+    notes = [
+        *_head(model, KF_GINS, rule, _markovian(axes)),
+        "Axes: forward, right, down, as those of the model. One correlation time for all biases.",
+        "The model holds no scale factor errors: set gsstd and asstd from the data sheet.",
+    ]
+    return _commented(notes, lines)
+
+
+def _own(model: ErrorModel, rule: Rule) -> str:
+    """Write the model and, per axis, Phi, Qd, H, Rd of its discrete state space and the covariance at power-on."""
+    axes = {}
+    for axis, one in model.sensors.items():
+        try:
+            space = augmentation(one)
+        except ValueError as error:
+            raise ValueError(f"{axis}: {error}") from error
+        transition, noise = space.discretise(1 / rule.rate)
+        axes[axis] = {
+            "Phi": transition.tolist(), "Qd": noise.tolist(), "H": space.output.tolist(),
+            "Rd": float(space.output_psd * rule.rate), "P0": space.initial_covariance.tolist(),
+        }  # fmt: skip
+    notes = [
+        "Error model and its discrete state space, SI. Per axis: z(k+1) = Phi z(k) + w, cov w = Qd; error = H z + v,",
+        "var v = Rd; cov z(0) = P0, mean 0. A random walk and the turn-on bias share a state. Take off the bias first.",
+        *(f"Not in the state space: {axis} {effect.name}" for axis in model.axes for effect in left_out(model[axis])),
+    ]
+    body = {"rate_hz": float(rule.rate), "model": model.to_mapping(), "axes": axes}
+    return _commented(notes, [yaml.safe_dump(body, sort_keys=False, default_flow_style=None, width=100).rstrip()])
+
+
+WRITERS: Mapping[Target, Callable[[ErrorModel, Rule], str]] = {
+    Target.KALIBR: _kalibr,
+    Target.VINS: _vins,
+    Target.ROS: _ros,
+    Target.GAZEBO: _gazebo,
+    Target.KF_GINS: _kf_gins,
+}
+
+
+def _reduced(model: ErrorModel, rule: Rule) -> dict[str, Reduced]:
+    return {axis: reduced(axis, model[axis], rule) for axis in log.AXES}
+
+
+def _by_kind(convention: Convention) -> dict[str, tuple[Parameter, ...]]:
+    return {"gyro": convention.gyro, "accel": convention.accel}
+
+
+def _markovian(axes: Mapping[str, Reduced]) -> dict[str, Sequence[Effect]]:
+    """Return what a tool with a white noise and a Gauss-Markov process per axis takes."""
+    return {axis: (WhiteNoise(one.white), GaussMarkov(one.markov, one.correlation_time)) for axis, one in axes.items()}
+
+
+def _head(model: ErrorModel, convention: Convention, rule: Rule, taken: Mapping[str, Sequence[Effect]]) -> list[str]:
+    """Say what the file is for, what was left out, and how far what is ``taken`` for an axis is from its model."""
+    tau = np.geomspace(1 / rule.rate, 10 * rule.horizon, 200)
+    ratios = {
+        axis: np.sqrt(AxisModel(tuple(effects)).allan_variance(tau) / model[axis].allan_variance(tau))
+        for axis, effects in taken.items()
+    }
+    return [
+        f"Error model for {convention.tool}.",
+        f"Conventions: {convention.source}.",
+        f"A slow process here has the Allan variance of all slow processes of the model at {rule.horizon:g} s.",
+        f"Allan deviation here over that of the model, {tau[0]:g} to {tau[-1]:g} s:",
+        *(f"  {axis}: {ratio.min():.2f} to {ratio.max():.2f}" for axis, ratio in ratios.items()),
+        *(f"Left out: {axis} {_described(effect)}" for axis in log.AXES for effect in left_out(model[axis])),
+    ]
+
+
+def _described(effect: Effect) -> str:
+    return f"{effect.name} ({', '.join(f'{name} {_number(value)}' for name, value in effect.parameters().items())})"
+
+
+def _shown(parameter: Parameter, of: Reduced, rule: Rule) -> float:
+    return from_si(parameter.value(of, rule), parameter.unit)
+
+
+def _number(value: float) -> str:
+    """Return a number that YAML 1.1 reads as one: with a point, also where it has an exponent."""
+    return "0.0" if value == 0 else f"{value:.6e}"
+
+
+def _commented(notes: Iterable[str], lines: Iterable[str]) -> str:
+    return "\n".join([*(f"# {note}" for note in notes), *lines]) + "\n"

@@ -1,0 +1,194 @@
+"""Error-free log of a device from where cameras saw it: angular rate and specific force from orientation and position.
+
+A Track is a table with index ``time`` [s], evenly spaced, the columns :data:`imugap.io.reference.QUATERNION`
+(``quat_nb``, NaN where the cameras lost the device) and :data:`imugap.kinematics.strapdown.POSITION` [m]. Differences
+of neighbouring samples are exact but noisy; so the log and what the track says are cut to the same band by the same
+linear filter, after which their difference holds errors of both within the band and nothing else. Within it the noise
+of an angle with standard deviation s per sample of interval T has the two-sided spectrum (2 pi f)^2 s^2 T as a rate,
+that of a position (2 pi f)^4 s^2 T as a specific force.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+from scipy.fft import dct, idct
+from scipy.interpolate import CubicSpline
+from scipy.ndimage import binary_dilation
+from scipy.spatial.transform import Rotation
+
+from imugap.io.reference import QUATERNION, alignment, rotations
+from imugap.kinematics.strapdown import POSITION
+from imugap.log import AXES, GYRO, TIME, interval
+
+BLOCK = 28
+"""Samples over which means are taken before the vertical is fitted: of second differences, the ends remain."""
+FAR = 4.0
+"""Multiple of the median misfit beyond which a block does not count."""
+ROUNDS = 8
+
+
+@dataclass(frozen=True, eq=False)
+class Sighted:
+    """A log and the error-free log of the same instants, cut to the same band.
+
+    Attributes
+    ----------
+    log, ideal
+        Canonical logs with the same evenly spaced index.
+    unseen
+        Instants next to which the cameras lost the device, shape (n,); the ideal is filled in there.
+    """
+
+    log: pd.DataFrame
+    ideal: pd.DataFrame
+    unseen: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class Alignment:
+    """How a log lies to a track.
+
+    Attributes
+    ----------
+    lag
+        How much later than the track the log stamps the same event [s].
+    rotation
+        Turns vectors from the body frame of the track into that of the log.
+    gravity
+        Gravity [m/s^2] in the frame of the positions, shape (3,).
+    """
+
+    lag: float
+    rotation: Rotation
+    gravity: np.ndarray
+
+
+def track_of(reference: pd.DataFrame, positions: pd.DataFrame) -> pd.DataFrame:
+    """Return the Track of a Reference and of evenly spaced positions, on the clock of the positions."""
+    found = positions.reindex(columns=[*QUATERNION, *POSITION])
+    found.iloc[positions.index.get_indexer(reference.index, method="nearest"), : len(QUATERNION)] = reference[
+        list(QUATERNION)
+    ]
+    return found.where(found.notna().all(axis=1))
+
+
+def ideal(track: pd.DataFrame, alignment: Alignment) -> pd.DataFrame:
+    """Return the unfiltered error-free log of a track, NaN where a sample that it needs is lost.
+
+    Each row is the mean over the interval that it ends: of the rate exactly but for coning, of the specific force as
+    the mean of its values at both ends, with second differences of the position.
+    """
+    time, step = track.index.to_numpy(), interval(track)
+    quat, position = track[list(QUATERNION)].to_numpy(), track[list(POSITION)].to_numpy()
+    seen = np.isfinite(quat).all(axis=1) & np.isfinite(position).all(axis=1)
+    rotation = Rotation.from_quat(np.where(seen[:, None], quat, [0.0, 0.0, 0.0, 1.0])) * alignment.rotation.inv()
+    rate = (rotation[:-1].inv() * rotation[1:]).as_rotvec() / step
+    acceleration = np.full(position.shape, np.nan)
+    acceleration[1:-1] = np.diff(position, 2, axis=0) / step**2
+    force = rotation.inv().apply(acceleration - alignment.gravity)
+    values = np.hstack([rate, (force[:-1] + force[1:]) / 2])
+    values[~(seen[:-1] & seen[1:])] = np.nan
+    return pd.DataFrame(values, index=pd.Index(time[1:], name=TIME), columns=list(AXES))
+
+
+def sighted(log: pd.DataFrame, track: pd.DataFrame, alignment: Alignment, bandwidth_hz: float) -> Sighted:
+    """Return a log and its ideal within a band, sampled at twice its width or a little faster.
+
+    The log is read between its samples by a cubic spline, at the instants of the track. Both are cut by dropping the
+    cosine coefficients above the band. Where the track is lost the ideal is the log less the median difference, so that
+    next to nothing is said there.
+    """
+    raw, stamps, measured = _together(log, track, alignment)
+    known = raw.to_numpy(copy=True)
+    lost = ~np.isfinite(known).all(axis=1)
+    known[lost] = measured[lost] - np.median((measured - known)[~lost], axis=0)
+    step = interval(raw)
+    factor = int(0.5 / step / bandwidth_hz)
+    count = len(stamps) // factor
+    thin = pd.Index(stamps[0] + step * (factor * (np.arange(count) + 0.5) - 0.5), name=TIME)
+    tables = (pd.DataFrame(_thinned(one, factor), index=thin, columns=list(AXES)) for one in (measured, known))
+    unseen = lost[: count * factor].reshape(count, factor).any(axis=1)
+    return Sighted(*tables, binary_dilation(unseen, iterations=2))
+
+
+def aligned(log: pd.DataFrame, track: pd.DataFrame, reference: pd.DataFrame, gravity: float) -> Alignment:
+    """Return how a log lies to its track.
+
+    Lag and rotation come from the angular rates in motion (:func:`imugap.io.reference.alignment`); then gravity, of the
+    given size [m/s^2], gets the direction that fits the specific forces best; biases, scale factors, an arm and a delay
+    of the accelerometers are free, so that none of them tilts it, and glimpses far off do not count.
+
+    Parameters
+    ----------
+    reference
+        The attitudes of the track as a Reference, its mask of motion included.
+    """
+    values = alignment(log, reference)["value"]
+    rotation = Rotation.from_rotvec(values[["frame_x", "frame_y", "frame_z"]].to_numpy(copy=True))
+    level = Alignment(float(values["lag"]), rotation, np.zeros(3))
+    raw, _, measured = _together(log, track, level)
+    seen = np.isfinite(raw.to_numpy()).all(axis=1)
+    down = np.full((len(raw), 3, 3), np.nan)
+    down[seen] = -rotations(_middle(track, level).loc[raw.index[seen]]).inv().as_matrix()
+    gap = (measured - raw.to_numpy())[:, len(GYRO) :]
+    found = _trimmed(np.concatenate([down, _nuisances(measured, interval(raw))], axis=2), gap)
+    return Alignment(level.lag, rotation, gravity * found[:3] / np.linalg.norm(found[:3]))
+
+
+def _together(
+    log: pd.DataFrame, track: pd.DataFrame, alignment: Alignment
+) -> tuple[pd.DataFrame, np.ndarray, np.ndarray]:
+    """Return the unfiltered ideal as far as the log goes, the log's stamps of its rows, and its values there."""
+    raw = ideal(track, alignment)
+    stamps = raw.index.to_numpy() + alignment.lag
+    inside = np.flatnonzero(raw.notna().all(axis=1) & (stamps >= log.index[0]) & (stamps <= log.index[-1]))
+    whole = slice(inside[0], inside[-1] + 1)
+    measured = CubicSpline(log.index.to_numpy(), log[list(AXES)].to_numpy())(stamps[whole])
+    return raw.iloc[whole], stamps[whole], measured
+
+
+def _middle(track: pd.DataFrame, alignment: Alignment) -> pd.DataFrame:
+    """Return the attitudes of the log's body frame in the middle of the intervals that rows of the ideal end."""
+    quat = track[list(QUATERNION)].to_numpy()
+    seen = np.isfinite(quat).all(axis=1)
+    rotation = Rotation.from_quat(np.where(seen[:, None], quat, [0.0, 0.0, 0.0, 1.0])) * alignment.rotation.inv()
+    half = Rotation.from_rotvec((rotation[:-1].inv() * rotation[1:]).as_rotvec() / 2)
+    return pd.DataFrame((rotation[:-1] * half).as_quat(), index=track.index[1:], columns=list(QUATERNION))
+
+
+def _nuisances(measured: np.ndarray, step: float) -> np.ndarray:
+    """Return what biases, scale factors, an arm and a delay of the accelerometers add, shape (n, 3, 10)."""
+    rate, force = measured[:, : len(GYRO)], measured[:, len(GYRO) :]
+    change = np.gradient(measured, step, axis=0)
+    arms = [np.cross(rate, np.cross(rate, arm)) + np.cross(change[:, : len(GYRO)], arm) for arm in np.eye(3)]
+    own = np.einsum("ni,ij->nij", force, np.eye(3))
+    delay = change[:, len(GYRO) :, None]
+    return np.concatenate([np.broadcast_to(np.eye(3), own.shape), own, np.stack(arms, axis=-1), delay], axis=2)
+
+
+def _trimmed(design: np.ndarray, gap: np.ndarray) -> np.ndarray:
+    """Return the least-squares solution over means of blocks, those far off left out in turn.
+
+    Parameters
+    ----------
+    design, gap
+        Arrays of shape (n, 3, k) and (n, 3); a block with a NaN does not count.
+    """
+    size = len(gap) // BLOCK * BLOCK
+    design, gap = (one[:size].reshape(-1, BLOCK, *one.shape[1:]).mean(axis=1) for one in (design, gap))
+    whole = np.isfinite(design).all(axis=(1, 2)) & np.isfinite(gap).all(axis=1)
+    design, gap = design[whole], gap[whole]
+    near = np.ones(len(gap), bool)
+    for _ in range(ROUNDS):
+        found = np.linalg.lstsq(design[near].reshape(-1, design.shape[2]), gap[near].ravel())[0]
+        left = np.linalg.norm(gap - design @ found, axis=1)
+        near = left < FAR * np.median(left)
+    return found
+
+
+def _thinned(values: np.ndarray, factor: int) -> np.ndarray:
+    """Return every so many samples of columns of which only the cosine coefficients of that band are kept."""
+    count = len(values) // factor
+    kept = dct(values[: count * factor], axis=0, norm="ortho")[:count]
+    return idct(kept, axis=0, norm="ortho") / np.sqrt(factor)

@@ -1,0 +1,408 @@
+"""Foreign files become canonical logs: read, convert to SI, check, and say exactly where a file is not what it should.
+
+A user's own log, CSV or Parquet with a column ``time`` [s] and canonical columns in SI units, comes in by
+:func:`read`, that of a GNSS receiver, with latitude and longitude in degrees, by :func:`read_fixes`. A file of the
+catalogue, whatever its format and units, comes in by :func:`read_raw`. Files are read by the fastest reader there is;
+the slow look, line by line, is only for telling what is wrong.
+"""
+
+import csv
+import difflib
+import warnings
+from functools import partial
+from itertools import islice
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pyarrow as pa
+import pyarrow.csv
+from scipy.io import loadmat
+from scipy.spatial.transform import Rotation
+
+from imugap.integrity.report import gravity_unit
+from imugap.io import gnss, reference
+from imugap.io.datasets import EVENTS, LOG, POSITIONS, DataSet
+from imugap.kinematics.strapdown import POSITION
+from imugap.log import ACCEL, COLUMNS, GYRO, LogError, check
+from imugap.units import from_si, to_si
+
+KNOWN = ("time", *COLUMNS)
+FASTEST_GYRO_DEG_PER_S = 4000.0
+EXCERPT = 60
+
+
+def read(path: str | Path, repair: bool = False) -> pd.DataFrame:
+    """Read a user's own log, CSV or Parquet, and check it.
+
+    Parameters
+    ----------
+    path
+        File with columns ``time`` [s] and any of :data:`imugap.log.COLUMNS` (rad/s, m/s^2, degC), in any order.
+    repair
+        Drop the rows whose stamp is missing or does not exceed all stamps before it, instead of raising.
+
+    Returns
+    -------
+    DataFrame
+        A canonical log. Anything else is a :class:`imugap.log.LogError` with file, line, column.
+    """
+    table = read_table(path)
+    if repair:
+        table = table[_advances(table.index.to_numpy())]
+    else:
+        _require_order(table, Path(path))
+    _require_numbers(table, Path(path))
+    _require_si(table, path)
+    return check(table, path)
+
+
+def read_table(path: str | Path) -> pd.DataFrame:
+    """Read the table of a user's log unchecked: stamps may repeat or go back, samples may be NaN.
+
+    This is what :func:`imugap.integrity.report.report` looks at. Columns are canonical and numeric, in canonical order.
+    """
+    table = _decoded(Path(path), TABLES, "a log")
+    return table.set_index("time")[[name for name in COLUMNS if name in table.columns]]
+
+
+def read_fixes(path: str | Path) -> pd.DataFrame:
+    """Read the log of a GNSS receiver, CSV or Parquet, and check it.
+
+    Parameters
+    ----------
+    path
+        File with columns ``time`` [s], ``latitude`` and ``longitude`` [deg], ``height`` [m], and any of the others of
+        :data:`imugap.io.gnss.COLUMNS`, whose cells may be empty.
+
+    Returns
+    -------
+    DataFrame
+        A log of fixes (:mod:`imugap.io.gnss`). Anything else is a :class:`imugap.log.LogError` with file, line, column.
+    """
+    path, known = Path(path), ("time", *gnss.COLUMNS)
+    table = _decoded(path, {end: partial(decode, known=known) for end, decode in TABLES.items()}, "a log of fixes")
+    table = table.set_index("time")
+    _require_order(table, path)
+    _require_numbers(table[[name for name in gnss.PLACE if name in table]], path)
+    for name in ("latitude", "longitude"):
+        if name in table:
+            table[name] = to_si(table[name], "deg")
+    return gnss.check(table, path, partial(_place, path))
+
+
+def read_raw(path: str | Path, dataset: DataSet, run: int) -> pd.DataFrame:
+    """Read one run of a catalogue file as a canonical log, in SI units.
+
+    Without a time column the samples are spaced evenly at the nominal rate of ``dataset``. A row that repeats the one
+    before, stamp and all, says nothing and is left out.
+    """
+    table = read_raw_table(path, dataset, run)
+    return check(table[_advances(table.index.to_numpy()) | ~table.reset_index().duplicated().to_numpy()], path)
+
+
+def read_raw_table(path: str | Path, dataset: DataSet, run: int) -> pd.DataFrame:
+    """Read one run of a catalogue file in SI units as it is: stamps may repeat, samples may be NaN.
+
+    This is what :func:`imugap.integrity.report.report` looks at.
+    """
+    path, file = Path(path), dataset.file(run)
+    decoders = {".mat": partial(_side_by_side, names=dataset.arrays)} if dataset.arrays else RECORDINGS
+    samples = _decoded(path, decoders, f"{file.size_bytes} bytes")
+    if samples.ndim == 3 and len(samples) == len(file.runs):
+        samples = samples[file.runs.index(run)].T
+    width = len(dataset.columns)
+    if samples.ndim != 2 or samples.shape[1] != width:
+        expected = f"{len(file.runs)} recording(s) of {width} columns ({' '.join(dataset.columns)})"
+        raise LogError(path, "shape", expected, " x ".join(map(str, samples.shape)))
+    converted = zip(dataset.columns, samples.T, dataset.units, strict=True)
+    table = {name: to_si(values.astype(float), unit) for name, values, unit in converted}
+    time = pd.Index(table.pop("time", np.arange(len(samples)) / dataset.rate_hz), name="time")
+    return pd.DataFrame({name: table[name] for name in COLUMNS if name in table}, index=time)
+
+
+def read_reference(path: str | Path, dataset: DataSet, run: int) -> pd.DataFrame:
+    """Read the reference attitude of one run of a catalogue file, evenly spaced at the nominal rate of ``dataset``.
+
+    Returns
+    -------
+    DataFrame
+        A Reference (:mod:`imugap.io.reference`) without the instants at which it was lost.
+    """
+    path, file = Path(path), dataset.file(run)
+    decoders = {".mat": partial(_side_by_side, names=dataset.reference)}
+    samples = _decoded(path, decoders, f"{file.size_bytes} bytes")
+    if samples.shape[1] != 5:
+        raise LogError(path, f"arrays {', '.join(dataset.reference)}", "4 and 1 columns", f"{samples.shape[1]} in all")
+    known = np.isfinite(samples).all(axis=1)
+    if not known.any():
+        raise LogError(path, f"array {dataset.reference[0]}", "quaternions", f"{len(samples)} rows of NaN")
+    time = np.flatnonzero(known) / dataset.rate_hz
+    quat_ub = Rotation.from_quat(samples[known][:, [1, 2, 3, 0]])
+    return reference.from_rotations(time, reference.ENU_TO_NED * quat_ub, samples[known, 4] != 0)
+
+
+def read_positions(path: str | Path, dataset: DataSet, run: int) -> pd.DataFrame:
+    """Read the reference positions of one run of a catalogue file, by the stamps of its log or evenly spaced.
+
+    Parameters
+    ----------
+    path
+        The file of the positions: that of the log where they come with it.
+
+    Returns
+    -------
+    DataFrame
+        Index ``time`` [s], columns :data:`imugap.kinematics.strapdown.POSITION` [m] from the origin of the reference.
+    """
+    path = Path(path)
+    content = POSITIONS if dataset.position_rate_hz else LOG
+    file = dataset.file(run, content)
+    names = dataset.positions
+    name = names[file.runs.index(run)] if len(names) == len(file.runs) else names[0]
+    decoders = {".mat": partial(_side_by_side, names=(name,)), ".csv": partial(_marker, name=name)}
+    samples = _decoded(path, decoders, f"{file.size_bytes} bytes")
+    if samples.shape[1] != 3:
+        raise LogError(path, f"positions {name}", "3 columns", str(samples.shape[1]))
+    if dataset.position_rate_hz:
+        time = np.arange(len(samples)) / dataset.position_rate_hz
+    else:
+        time = read_raw_table(path, dataset, run).index.to_numpy()
+    columns = [to_si(samples[:, "xyz".index(axis[-1])], dataset.position_unit) for axis in dataset.position_axes]
+    signs = [-1.0 if axis.startswith("-") else 1.0 for axis in dataset.position_axes]
+    return pd.DataFrame(np.column_stack(columns) * signs, index=pd.Index(time, name="time"), columns=list(POSITION))
+
+
+def read_strides(path: str | Path, dataset: DataSet, run: int) -> pd.DataFrame:
+    """Read when the strides of one run of a catalogue file begin and end.
+
+    The file has columns ``foot``, ``start`` and ``end``, the latter in samples of the log; its feet, in their order,
+    are the runs.
+
+    Returns
+    -------
+    DataFrame
+        Columns ``start``, ``end`` [s].
+    """
+    table = pd.read_csv(path)
+    feet = list(dict.fromkeys(table["foot"]))
+    own = table[table["foot"] == feet[dataset.file(run, EVENTS).runs.index(run)]]
+    return (own[["start", "end"]] / dataset.rate_hz).reset_index(drop=True)
+
+
+def _decoded(path: Path, decoders: dict, whole: str) -> pd.DataFrame | np.ndarray:
+    """Return what the decoder of the file's suffix makes of it; whatever it raises becomes a LogError."""
+    decode = decoders.get(path.suffix.lower())
+    if decode is None:
+        raise LogError(path, "file name", f"one that ends in {', '.join(decoders)}", path.suffix or "no ending")
+    if not path.is_file():
+        raise LogError(path, "file", f"{whole} in {path.suffix} format", "no such file")
+    try:
+        return decode(path)
+    except LogError:
+        raise
+    except Exception as error:  # decoders of foreign formats fail in every way on a damaged file
+        cause = f"{type(error).__name__}: {error}".splitlines()[0]
+        found = f"{path.stat().st_size} bytes that cannot be read ({cause[: 4 * EXCERPT]})"
+        raise LogError(path, "file", f"{whole} in {path.suffix} format", found) from error
+
+
+def _csv_table(path: Path, known: tuple[str, ...] = KNOWN) -> pd.DataFrame:
+    if path.stat().st_size == 0:
+        raise LogError(path, "line 1", f"a header of time and {', '.join(known[1:])}", "an empty file")
+    with path.open("rb") as handle:
+        header = handle.readline().decode("utf-8-sig", errors="replace")
+        handle.seek(-1, 2)
+        ended = handle.read() in (b"\n", b"\r")
+    if not ended:
+        raise _cut_off(path)
+    names = [name.strip() for name in next(csv.reader([header], skipinitialspace=True), [])]
+    _require_names(names, path, "line 1", known)
+    options = pa.csv.ConvertOptions(column_types=dict.fromkeys(names, pa.float64()))
+    reading = pa.csv.ReadOptions(column_names=names, skip_rows=1)
+    try:
+        table = pa.csv.read_csv(path, read_options=reading, convert_options=options)
+    except pa.ArrowInvalid as error:
+        raise _diagnosis(path, names, str(error)) from error
+    return table.to_pandas()
+
+
+def _parquet_table(path: Path, known: tuple[str, ...] = KNOWN) -> pd.DataFrame:
+    table = pd.read_parquet(path)
+    if table.index.name == "time":
+        table = table.reset_index()
+    _require_names([str(name) for name in table.columns], path, "columns", known)
+    for name in table.columns:
+        if table[name].dtype.kind not in "iuf":
+            raise LogError(path, f"column {name}", "numbers", str(table[name].dtype))
+    return pd.DataFrame({name: table[name].to_numpy(float, na_value=np.nan) for name in table.columns})
+
+
+def _rda(path: Path) -> np.ndarray:
+    import rdata  # takes half a second, and most logs are in other formats
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # the R class of the object has no Python constructor, and needs none
+        objects = rdata.read_rda(path)
+    return _only(objects)
+
+
+def _npy(path: Path) -> np.ndarray:
+    return np.load(path, allow_pickle=False)
+
+
+def _mat(path: Path) -> np.ndarray:
+    return _only({name: value for name, value in loadmat(path).items() if not name.startswith("__")})
+
+
+def _side_by_side(path: Path, names: tuple[str, ...]) -> np.ndarray:
+    objects = loadmat(path, variable_names=names)
+    absent = [name for name in names if name not in objects]
+    if absent:
+        raise ValueError(f"expected an array {absent[0]}, found none")
+    return np.hstack([objects[name].T if len(objects[name]) == 1 else objects[name] for name in names]).astype(float)
+
+
+def _only(objects: dict) -> np.ndarray:
+    if len(objects) != 1:
+        raise ValueError(f"expected one array, found {', '.join(objects) or 'none'}")
+    return np.asarray(next(iter(objects.values())), dtype=float)
+
+
+def _csv_samples(path: Path) -> np.ndarray:
+    with path.open(encoding="utf-8") as handle:
+        stacked = handle.readline().startswith("sensor,")
+    return _sensor_samples(path) if stacked else pa.csv.read_csv(path).to_pandas().to_numpy(float)
+
+
+def _sensor_samples(path: Path) -> np.ndarray:
+    """Return one recording for each sensor, shape (sensors, columns, n), of a table headed by sensor and axis."""
+    table = pd.read_csv(path, header=[0, 1], index_col=0)
+    sensors = dict.fromkeys(table.columns.get_level_values(0))
+    return np.array([table[sensor].to_numpy(float).T for sensor in sensors])
+
+
+def _marker(path: Path, name: str) -> np.ndarray:
+    """Return the columns of one marker of a table headed by marker and axis, shape (n, 3)."""
+    return pd.read_csv(path, header=[0, 1], index_col=0)[name][["x", "y", "z"]].to_numpy(float)
+
+
+def _txt(path: Path) -> np.ndarray:
+    """Return what follows the header byte, specific force and angular rate, on each line of a 3DM-GX2 recording."""
+    lines = path.read_text(encoding="ascii").splitlines()
+    return np.array([line.split()[1:7] for line in lines if line.lstrip().startswith("0x")], dtype=float)
+
+
+def _parquet_samples(path: Path) -> np.ndarray:
+    return pd.read_parquet(path).to_numpy(float)
+
+
+TABLES = {".csv": _csv_table, ".parquet": _parquet_table}
+RECORDINGS = {
+    ".rda": _rda,
+    ".npy": _npy,
+    ".mat": _mat,
+    ".csv": _csv_samples,
+    ".txt": _txt,
+    ".parquet": _parquet_samples,
+}
+
+
+def _require_names(names: list[str], path: Path, place: str, known: tuple[str, ...]) -> None:
+    """Raise unless ``names`` are ``time``, at least one known column, and nothing else, each once."""
+    for name in names:
+        if name not in known:
+            near = difflib.get_close_matches(name.lower(), known, n=1, cutoff=0.4)
+            hint = f" (did you mean {near[0]}?)" if near else ""
+            raise LogError(path, place, f"columns among {', '.join(known)}", f"{name[:EXCERPT]!r}{hint}")
+    repeated = {name for name in names if names.count(name) > 1}
+    if repeated:
+        raise LogError(path, place, "every column once", f"{', '.join(sorted(repeated))} more than once")
+    if "time" not in names or len(names) < 2:
+        raise LogError(path, place, "the column time and at least one other", ", ".join(names) or "nothing")
+
+
+def _advances(time: np.ndarray) -> np.ndarray:
+    """Tell which stamps, shape (n,), are finite and exceed all stamps before them."""
+    time = np.where(np.isfinite(time), time, np.nan)
+    return time > np.fmax.accumulate(np.concatenate([[-np.inf], time[:-1]]))
+
+
+def _require_order(table: pd.DataFrame, path: Path) -> None:
+    time = table.index.to_numpy()
+    late = np.flatnonzero(~_advances(time))
+    if len(late):
+        row = int(late[0])
+        found = f"{time[row]} after {time[row - 1]}" if row else f"{time[row]}"
+        raise LogError(path, f"{_place(path, row)}, column time", "a time that increases", f"{found} ({_rows(late)})")
+
+
+def _require_numbers(table: pd.DataFrame, path: Path) -> None:
+    rows, columns = np.nonzero(~np.isfinite(table.to_numpy()))
+    if len(rows):
+        place = f"{_place(path, int(rows[0]))}, column {table.columns[columns[0]]}"
+        raise LogError(path, place, "a finite number", f"{table.iat[rows[0], columns[0]]} ({_rows(np.unique(rows))})")
+
+
+def _require_si(table: pd.DataFrame, path: str | Path) -> None:
+    """Raise if the median norm of the specific force is gravity in another unit, or a rate is beyond any gyroscope.
+
+    Walking and driving keep the median norm near gravity; free fall and single axes are not judged.
+    """
+    if set(ACCEL) <= set(table.columns) and len(table):
+        norm = float(np.median(np.linalg.norm(table[list(ACCEL)], axis=1)))
+        unit = gravity_unit(norm)
+        if unit not in ("m/s^2", None):
+            found = f"a median norm of {norm:.4g}, which would be gravity in {unit}"
+            raise LogError(path, "columns accel_x to accel_z", "specific force in m/s^2", found)
+    for name in (name for name in GYRO if name in table.columns):
+        fastest = table[name].abs().quantile(0.99)
+        if fastest > to_si(FASTEST_GYRO_DEG_PER_S, "deg/s"):
+            found = f"{fastest:.4g}, or {from_si(fastest, 'deg/s'):.0f} deg/s; is it in deg/s?"
+            raise LogError(path, f"column {name}", "angular rate in rad/s", found)
+
+
+def _rows(rows: np.ndarray) -> str:
+    return f"{len(rows)} such row{'s' if len(rows) > 1 else ''}"
+
+
+def _place(path: Path, row: int) -> str:
+    """Return where data row ``row`` is: the line of a text file (header and empty lines counted), else the row."""
+    if path.suffix.lower() != ".csv":
+        return f"row {row}"
+    with path.open("rb") as handle:
+        filled = (number for number, line in enumerate(handle, start=1) if line.strip(b"\r\n"))
+        return f"line {next(islice(filled, row + 1, None), row + 2)}"
+
+
+def _cut_off(path: Path) -> LogError:
+    with path.open("rb") as handle:
+        for number, line in enumerate(handle, start=1):
+            last = number, line
+    text = last[1].decode("utf-8", errors="replace")[-EXCERPT:]
+    expected = "a line end after the last row (add it if the row is whole, remove the row if it is cut off)"
+    return LogError(path, f"line {last[0]}", expected, f"the end of the file after {text!r}")
+
+
+def _diagnosis(path: Path, names: list[str], cause: str) -> LogError:
+    """Look line by line for what made the fast reader give up with ``cause``."""
+    with path.open(newline="", encoding="utf-8", errors="replace") as handle:
+        rows = csv.reader(handle)
+        next(rows)
+        for row in filter(None, rows):
+            place = f"line {rows.line_num}"
+            if len(row) != len(names):
+                found = f"{len(row)}: {','.join(row)[:EXCERPT]!r}"
+                return LogError(path, place, f"{len(names)} values ({', '.join(names)})", found)
+            for name, text in zip(names, row, strict=True):
+                if text and not _is_number(text):
+                    return LogError(path, f"{place}, column {name}", "a number", repr(text[:EXCERPT]))
+    return LogError(path, "text", "rows of numbers", cause.splitlines()[0][: 4 * EXCERPT])
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return "_" not in text

@@ -1,0 +1,152 @@
+"""Free-inertial drift of static logs, and how far simulated drifts are from measured ones (He et al. 2023, eqs. 19-21).
+
+A *drift* is navigated minus true for a device at rest: an array of shape (starts, epochs, 9), columns
+:data:`imugap.kinematics.strapdown.COLUMNS` with the heading unwrapped. The starts are :data:`STARTS`: ``raw`` navigates
+the log as it is, as the source does; ``calibrated`` first takes off the mean over the calibration time ahead of the
+start, save for the input with which the mechanisation stays at rest.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pandas as pd
+
+from imugap import log
+from imugap.kinematics import strapdown
+from imugap.kinematics.site import Site
+
+STARTS = ("raw", "calibrated")
+QUANTITIES = {"east": strapdown.COLUMNS.index("east"), "north": 0, "heading": strapdown.COLUMNS.index("heading")}
+"""The compared quantities and their columns: positions [m], heading [rad]."""
+
+
+@dataclass(frozen=True)
+class Course:
+    """How static logs are navigated.
+
+    Attributes
+    ----------
+    site
+        Where the device rests; its gravity and, if the heading is known, the Earth rate are the true input.
+    full
+        Whether Earth rate, transport rate and ellipsoid are in the mechanisation, or the local form is used.
+    calibration_s, length_s, epoch_s
+        Rest ahead of the start, length of the navigation, step of the stored drift [s].
+    """
+
+    site: Site
+    full: bool
+    calibration_s: float
+    length_s: float
+    epoch_s: float
+
+    @classmethod
+    def from_mapping(cls, site: dict, navigation: dict, length_s: float) -> "Course":
+        """Build from the configuration of a site and of the navigation, and the length to navigate [s]."""
+        return cls(
+            Site.from_mapping(site),
+            navigation["mechanisation"] == "ellipsoid",
+            navigation["calibration_s"],
+            length_s,
+            navigation["epoch_s"],
+        )
+
+    def epochs(self) -> np.ndarray:
+        """Return the times of the stored drift since the start [s]."""
+        return self.epoch_s * np.arange(round(self.length_s / self.epoch_s) + 1)
+
+    def ideal(self, interval: float) -> pd.DataFrame:
+        """Return the error-free log of calibration and navigation."""
+        count = round((self.calibration_s + self.length_s) / interval) + 1
+        return self.site.rest(count, interval)
+
+    def rest(self) -> pd.Series:
+        """Return the input with which the mechanisation stays at rest, per axis, SI.
+
+        The local form stays without any rate, the full one at the Earth rate (for a heading of north, where it is not
+        known). It is what a calibration of a device at rest aims at, whatever the device really senses.
+        """
+        place = self.site if self.site.heading is not None else replace(self.site, heading=0.0)
+        ideal = place.ideal()
+        return ideal if self.full else ideal.where(~ideal.index.isin(log.GYRO), 0.0)
+
+    def _check_steps(self, time: np.ndarray, interval: float) -> None:
+        """Refuse gaps, and an epoch that is not a whole number of intervals (within one in a thousand)."""
+        largest = np.diff(time).max()
+        if largest > 1.5 * interval:
+            raise log.LogError("log", "time", f"steps of {interval:g} s to navigate", f"one of {largest:g} s")
+        steps = self.epoch_s / interval
+        if abs(steps / max(round(steps), 1) - 1) > 1e-3:
+            raise ValueError(f"epoch_s: expected a multiple of the interval {interval:g} s; found {self.epoch_s} s")
+
+    def drift(self, table: pd.DataFrame) -> np.ndarray:
+        """Navigate the log of a device at rest from both starts; return its drift, shape (2, epochs, 9)."""
+        interval = log.interval(table)
+        start, count = round(self.calibration_s / interval), round(self.length_s / interval) + 1
+        if len(table) < start + count:
+            raise log.LogError("log", "rows", f"{start + count} samples to navigate", str(len(table)))
+        self._check_steps(table.index.to_numpy()[: start + count], interval)
+        samples = table[list(log.AXES)].to_numpy()[: start + count]
+        error = samples[:start].mean(axis=0) - self.rest().to_numpy()
+        moving = np.stack([samples[start:], samples[start:] - error])
+        place = self.site
+        mechanisation = (
+            strapdown.Ellipsoid(place.latitude, 0.0, place.height) if self.full else strapdown.Local(place.gravity)
+        )
+        attitude = np.array([0.0, 0.0, place.heading or 0.0])
+        path = strapdown.navigate(
+            moving[..., :3], moving[..., 3:], interval, strapdown.State(attitude=tuple(attitude)), mechanisation,
+            round(self.epoch_s / interval),
+        )  # fmt: skip
+        path[..., 8] = np.unwrap(path[..., 8], axis=-1)
+        path[..., 6:] -= attitude
+        return path
+
+
+def differences(measured: np.ndarray, simulated: np.ndarray) -> np.ndarray:
+    """Return d = measured - simulated (eq. 19) for every run and trial, shape (runs, trials, epochs, quantities)."""
+    return measured[:, None] - simulated[None]
+
+
+def errors(measured: np.ndarray, simulated: np.ndarray, at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return e_abs = max |d| and e_rel = e_abs/|measured(end)| (eqs. 20-21) for navigations that end at epochs ``at``.
+
+    Parameters
+    ----------
+    measured
+        Drifts of the runs, shape (runs, epochs, quantities).
+    simulated
+        Drifts of the trials, shape (trials, epochs, quantities).
+    at
+        Indices of the last epoch, shape (horizons,).
+
+    Returns
+    -------
+    tuple of numpy.ndarray
+        Both of shape (runs, trials, horizons, quantities).
+    """
+    largest = np.empty((len(measured), len(simulated), len(at), measured.shape[-1]))
+    for run, drift in enumerate(measured):
+        running = np.maximum.accumulate(np.abs(drift - simulated), axis=1)
+        largest[run] = running[:, at]
+    return largest, largest / np.abs(measured[:, None][:, :, at])
+
+
+def crps(observed: np.ndarray, ensemble: np.ndarray) -> np.ndarray:
+    """Return the continuous ranked probability score of an ensemble, a proper score in the unit of the observation.
+
+    The fair form E|X - y| - E|X - X'|/2 over distinct members (Ferro 2014, eq. 6): its expectation does not depend on
+    the ensemble size, and no ensemble does better on average than the distribution that the observations come from.
+
+    Parameters
+    ----------
+    observed
+        Shape (runs, ...).
+    ensemble
+        Shape (trials, ...).
+    """
+    trials = len(ensemble)
+    ordered = np.sort(ensemble, axis=0)
+    weights = 2 * np.arange(1, trials + 1) - trials - 1
+    spread = np.tensordot(weights, ordered, axes=1) / (trials * (trials - 1))
+    return np.array([np.abs(ensemble - value).mean(axis=0) for value in observed]) - spread

@@ -1,0 +1,201 @@
+"""A navigated walk beside what cameras saw of it: a marker on the foot, in a frame and a time of their own.
+
+The marker is not the device. It sits at an arm from it, constant on a stiff foot, which with the heading, the origin
+and the offset of the clocks is fitted to the whole walk; lengths are never scaled. What is left is the error of the
+navigation, less the little that eight parameters take of it. Cameras lose a marker, and some then say where it was last
+or jump to another; such instants are left out.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+from scipy.optimize import least_squares
+
+from imugap.kinematics.strapdown import ATTITUDE, POSITION
+from imugap.navigation.pedestrian import Sight, Solution
+from imugap.numerics.rotation import from_euler
+
+STEP_S = 0.02
+"""Step of the instants at which both are compared [s]."""
+FASTEST_M_PER_S = 10.0
+"""Above this speed it is not a foot that moves."""
+FROZEN = 3
+"""So many samples alike to the bit are not seen."""
+MARGIN_S = 0.05
+"""Time around what was not seen that is left out [s]."""
+MARKER_STD_M, ORIGIN_STD_M, HEADING_STD = 0.01, 0.03, np.radians(3.0)
+"""How far a marker, or a foot that comes back, is from where it should be [m]; how far place and heading of the begin
+are uncertain where they were fitted to the walk [m], [rad]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Footprints:
+    """A walk as navigated and as seen.
+
+    Attributes
+    ----------
+    time
+        Instants of the log [s], shape (n,).
+    found, seen
+        Positions of the marker, navigated and seen, in the frame of the reference [m], shape (n, 3): north, east, down;
+        NaN where it was not seen.
+    heading, lag
+        What turns the navigated walk into the frame of the reference [rad]; how much later the reference stamps the
+        same event [s].
+    arm
+        From the device to the marker, in ``b`` [m], shape (3,).
+    """
+
+    time: np.ndarray
+    found: np.ndarray
+    seen: np.ndarray
+    heading: float
+    lag: float
+    arm: np.ndarray
+
+    @property
+    def error(self) -> np.ndarray:
+        """Return navigated less seen [m], shape (n, 3)."""
+        return self.found - self.seen
+
+    def rmse(self) -> tuple[float, float]:
+        """Return the root mean square error, horizontal and vertical [m]."""
+        square = np.nanmean(self.error**2, axis=0)
+        return float(np.sqrt(square[0] + square[1])), float(np.sqrt(square[2]))
+
+    @property
+    def off(self) -> np.ndarray:
+        """Return the error of the way from begin to end in the frame of the solution [m], shape (3,)."""
+        known = self.error[np.isfinite(self.error[:, 0])]
+        return (known[-1] - known[0]) @ _frame(self.heading)
+
+    def end(self) -> tuple[float, float]:
+        """Return the error of the way from begin to end: its horizontal length, and the height too much [m]."""
+        north, east, down = self.off
+        return float(np.hypot(north, east)), -float(down)
+
+    def sight(self, solution: Solution) -> Sight:
+        """Return where cameras saw the device in the middle of each stance, in the frame of the solution.
+
+        Parameters
+        ----------
+        solution
+            The solution that was laid over what cameras saw.
+        """
+        time = solution.time.to_numpy()
+        rows, at = np.searchsorted(time, self.time), solution.stances()
+        place = np.searchsorted(self.time, time[at])
+        place = place[place < len(rows)]
+        position = np.full((len(time), 3), np.nan)
+        navigated = solution.trajectory[list(POSITION)].to_numpy()[rows[place]]
+        position[rows[place]] = navigated - self.error[place] @ _frame(self.heading)
+        return Sight(position, MARKER_STD_M, HEADING_STD, ORIGIN_STD_M)
+
+    def reach(self) -> tuple[float, float]:
+        """Return the largest horizontal distance from the begin, navigated and seen [m]."""
+        known = np.isfinite(self.seen[:, 0])
+        found, seen = (np.hypot(*(one[known] - one[known][0])[:, :2].T).max() for one in (self.found, self.seen))
+        return float(found), float(seen)
+
+    def strides(self, strides: pd.DataFrame) -> pd.DataFrame:
+        """Return the horizontal lengths ``found`` and ``seen`` [m] of strides from ``start`` to ``end`` [s].
+
+        Those of which an end was not seen are left out.
+        """
+        known = strides[(strides["start"] >= self.time[0]) & (strides["end"] <= self.time[-1])]
+        lengths = {}
+        for name, track in {"found": self.found, "seen": self.seen}.items():
+            ends = [[np.interp(known[at], self.time, track[:, i]) for i in (0, 1)] for at in ("start", "end")]
+            lengths[name] = np.hypot(*(np.array(ends[1]) - ends[0]))
+        return known[["start", "end"]].assign(**lengths).dropna()
+
+
+def closed(solution: Solution) -> Sight:
+    """Return what is known of a walk that ends where it began."""
+    position = np.full((len(solution.time), 3), np.nan)
+    position[-1] = 0.0
+    return Sight(position, MARKER_STD_M)
+
+
+def footprints(solution: Solution, seen: pd.DataFrame, stiff: bool = True) -> Footprints:
+    """Lay a solution over the positions of a marker that was seen.
+
+    Parameters
+    ----------
+    seen
+        Index ``time`` [s], columns :data:`imugap.kinematics.strapdown.POSITION` [m]
+        (:func:`imugap.io.readers.read_positions`).
+    stiff
+        Whether the arm is fitted; if not, the marker is taken to be where the device is.
+    """
+    table, seen = solution.trajectory, _seen(seen)
+    begin, end = max(table.index[0], seen.index[0]), min(table.index[-1], seen.index[-1])
+    time = np.arange(begin + MARGIN_S, end - MARGIN_S, STEP_S)
+    every = np.unique(np.clip(np.searchsorted(table.index, time), 0, len(table) - 1))
+    time = table.index.to_numpy()[every]
+    known = _known(seen, time)
+    position = table[list(POSITION)].to_numpy()[every]
+    turns = from_euler(table[list(ATTITUDE)].to_numpy()[every]).as_matrix()
+    heading, lag = _clocked(seen, time[known], position[known], turns[known], stiff)
+    origin, arm = _placed(_at(seen, time[known] + lag), position[known], turns[known], heading, stiff)
+    found = (position + turns @ arm) @ _frame(heading).T + origin
+    target = np.where(known[:, None], _at(seen, time + lag), np.nan)
+    return Footprints(time, found, target, heading, lag, arm)
+
+
+def _clocked(
+    seen: pd.DataFrame, time: np.ndarray, position: np.ndarray, turns: np.ndarray, stiff: bool
+) -> tuple[float, float]:
+    """Return the heading and the lag with which the marker, best placed, is nearest to where it was seen."""
+
+    def misfit(parameters: np.ndarray) -> np.ndarray:
+        heading, lag = parameters
+        target = _at(seen, time + lag)
+        origin, arm = _placed(target, position, turns, heading, stiff)
+        return ((position + turns @ arm) @ _frame(heading).T + origin - target).ravel()
+
+    away, aim = (one - one.mean(axis=0) for one in (position, _at(seen, time)))
+    across, along = away[:, 0] @ aim[:, 1] - away[:, 1] @ aim[:, 0], np.sum(away[:, :2] * aim[:, :2])
+    heading, lag = least_squares(misfit, [np.arctan2(across, along), 0.0]).x
+    return float(heading), float(lag)
+
+
+def _placed(
+    target: np.ndarray, position: np.ndarray, turns: np.ndarray, heading: float, stiff: bool
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the origin and the arm, least squares, for a heading."""
+    frame = _frame(heading)
+    left = target - position @ frame.T
+    if not stiff:
+        return left.mean(axis=0), np.zeros(3)
+    design = np.concatenate([frame @ turns, np.broadcast_to(np.eye(3), turns.shape)], axis=2)
+    solved = np.linalg.lstsq(design.reshape(-1, 6), left.ravel())[0]
+    return solved[3:], solved[:3]
+
+
+def _frame(heading: float) -> np.ndarray:
+    c, s = np.cos(heading), np.sin(heading)
+    return np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
+
+
+def _seen(table: pd.DataFrame) -> pd.DataFrame:
+    """Leave out what is NaN, what repeats itself to the bit, and what jumps."""
+    table = table.dropna()
+    steps = np.diff(table.to_numpy(), axis=0, prepend=np.nan)
+    speed = np.linalg.norm(steps, axis=1) / np.diff(table.index, prepend=np.nan)
+    repeats = pd.Series((steps == 0).all(axis=1))
+    run = repeats.groupby((~repeats).cumsum()).transform("sum").to_numpy()
+    return table[(run < FROZEN) & ~(speed > FASTEST_M_PER_S)]
+
+
+def _known(seen: pd.DataFrame, time: np.ndarray) -> np.ndarray:
+    """Tell which instants lie among what was seen, away from its gaps."""
+    stamps = seen.index.to_numpy()
+    place = np.clip(np.searchsorted(stamps, time), 1, len(stamps) - 1)
+    near = np.diff(stamps)[place - 1] < MARGIN_S
+    return np.convolve(~near, np.ones(2 * round(MARGIN_S / STEP_S) + 1), "same") < 0.5
+
+
+def _at(seen: pd.DataFrame, time: np.ndarray) -> np.ndarray:
+    return np.column_stack([np.interp(time, seen.index, seen[name]) for name in POSITION])

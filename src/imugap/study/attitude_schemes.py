@@ -1,0 +1,60 @@
+"""The schemes of the attitude experiment: whence the filter has the parameters of its error model.
+
+After Liu, Ren and Li (2016): scheme 1 reads them from the Allan curve, scheme 2 infers them from wavelet variances.
+The likelihood is a third. All of them see the same static log and the same processes.
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import pandas as pd
+
+from imugap.effects import GaussMarkov, RandomWalk, WhiteNoise
+from imugap.effects.effect import AxisModel
+from imugap.estimation.methods import METHODS, Method
+from imugap.estimation.result import Fit, Verdict
+from imugap.log import ACCEL, GYRO, interval
+from imugap.model import ErrorModel
+
+SCHEMES: dict[str, Method] = {
+    "allan": METHODS["allan"],
+    "indirect": METHODS["indirect_full"],
+    "likelihood": METHODS["likelihood"],
+}
+"""Scheme to method of estimation."""
+KINDS = dict.fromkeys(GYRO, (WhiteNoise, GaussMarkov)) | dict.fromkeys(ACCEL, (WhiteNoise, RandomWalk))
+"""The processes of each axis, as the source finds them on its device."""
+
+
+def fit(log: pd.DataFrame, scheme: str) -> dict[str, Fit]:
+    """Fit every axis of a log at rest."""
+    step = interval(log)
+    return {axis: SCHEMES[scheme](log[axis].to_numpy(), step, kinds) for axis, kinds in KINDS.items()}
+
+
+def believed(fits: Mapping[str, Fit]) -> ErrorModel:
+    """Return what the filter is given, by one rule for all schemes.
+
+    A parameter that is only bounded from above enters with its upper limit, the most that the log allows: a filter that
+    takes a sensor for worse than it is loses little, one that takes it for better believes itself. Every other
+    parameter enters with its value.
+    """
+    return ErrorModel({axis: _cautious(one) for axis, one in fits.items()})
+
+
+def _cautious(fit: Fit) -> AxisModel:
+    effects = []
+    for effect in fit.model:
+        bounded = [
+            one
+            for one in fit.estimates
+            if one.effect == effect.name and one.parameter in effect.parameters() and one.verdict is Verdict.UPPER_BOUND
+        ]
+        effects.append(replace(effect, **{one.parameter: one.high for one in bounded}))
+    return AxisModel(tuple(effects))
+
+
+def table(fits: Mapping[str, Fit], **labels: object) -> pd.DataFrame:
+    """Return the estimates of all axes as rows, with a column for each of ``labels``."""
+    rows = [one.table().reset_index().assign(axis=axis, **labels) for axis, one in fits.items()]
+    return pd.concat(rows, ignore_index=True)

@@ -1,0 +1,510 @@
+"""Discovery on files: the folder is whole and keeps its schema, bad input is one message and leaves nothing."""
+
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+import yaml
+from jsonschema import Draft202012Validator
+from scipy.signal import butter, lfilter
+
+from imugap import cli, figures, log
+from imugap.commands.discover import FILES, compose
+from imugap.discovery.device import Question, discover
+from imugap.discovery.inputs import Files
+from imugap.discovery.report import verdict
+from imugap.effects import (
+    Bias,
+    BiasStep,
+    CommonMode,
+    Outliers,
+    RandomWalk,
+    Resolution,
+    Saturation,
+    ScaleFactor,
+    Sinusoid,
+    Temperature,
+    TimestampJitter,
+    TurnOnBias,
+    VarianceChange,
+    WhiteNoise,
+)
+from imugap.effects.effect import AxisModel
+from imugap.model import ErrorModel
+
+SCHEMA = yaml.safe_load((Path(__file__).parents[2] / "workflow/schemas/discovery.schema.yaml").read_text())
+INTERVAL, COUNT = 0.02, 4000
+LINE = Sinusoid(7.3, 6e-4)
+QUICK = {"replicates": 30, "simulations": 20}
+
+
+def device(*hidden, axes=("gyro_x", "gyro_y")):
+    white = {axis: WhiteNoise(1e-4 if axis in log.GYRO else 1e-3) for axis in axes}
+    return ErrorModel({a: AxisModel((white[a], Bias(1e-3), *(hidden if a == axes[-1] else ()))) for a in axes})
+
+
+def still(axes=("gyro_x", "gyro_y"), count=COUNT):
+    return log.from_samples({axis: np.full(count, -9.8 if axis == "accel_z" else 0.0) for axis in axes}, INTERVAL)
+
+
+def measured(*hidden, seed=1, axes=("gyro_x", "gyro_y"), count=COUNT):
+    return device(*hidden, axes=axes).simulate(still(axes, count), seed, "dossier")
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    """A working directory with two runs of a device that has a line, and another one."""
+    monkeypatch.chdir(tmp_path)
+    for seed, name in ((1, "run1.csv"), (2, "run2.parquet")):
+        log.write(measured(LINE, seed=seed), name)
+    return tmp_path
+
+
+def names(folder):
+    return {path.name for path in Path(folder).iterdir()}
+
+
+def discovered(*arguments, out="found"):
+    return cli.main(["discover", *arguments, "--workers", "1", "--out", out])
+
+
+def read_report(folder):
+    def refuse(constant):
+        raise AssertionError(f"{constant} is no JSON")
+
+    report = json.loads((Path(folder) / "report.json").read_text(), parse_constant=refuse)
+    Draft202012Validator(SCHEMA).validate(report)
+    return report
+
+
+def test_the_folder_is_whole_and_tells_the_line(here, capsys):
+    assert discovered("run1.csv") == 0
+    out, _ = capsys.readouterr()
+    assert "gyro_y: sinusoid (frequency 7.3 Hz" in out
+    assert names("found") == set(FILES)
+    report = read_report("found")
+    (effect,) = report["effects"]
+    assert (effect["name"], effect["axes"]) == ("sinusoid", ["gyro_y"])
+    frequency = effect["parameters"]["frequency"]
+    assert frequency["low"] < 7.3 < frequency["high"]
+    assert report["test"] == []
+    assert report["navigation_distance"] is None
+    (one,) = report["log"]
+    assert one["rate_hz"] == pytest.approx(50)
+    assert one["duration_s"] == pytest.approx(80)
+    assert report["distance"]["before"]["value"] > report["distance"]["after"]["value"]
+    final = ErrorModel.read("found/model.yaml")
+    assert final.to_mapping() == report["final_model"]
+    gaps = pd.read_csv("found/gaps.csv")
+    assert {("gyro_y", "line", "start")} <= set(zip(gaps["axis"], gaps["view"], gaps["model"], strict=True))
+    page = Path("found/report.md").read_text()
+    assert set(re.findall(r"\]\((\S+)\)", page)) == {name for name in FILES if name.endswith(".svg")}
+    for name in re.findall(r"\]\((\S+)\)", page):
+        assert "<svg" in (Path("found") / name).read_text()
+
+
+def test_two_runs_of_the_command_write_the_same_bytes(here):
+    for out in ("one", "two"):
+        compose(Files((Path("run1.csv"),)), Question(**QUICK), out)
+    for name in FILES:
+        assert (here / "one" / name).read_bytes() == (here / "two" / name).read_bytes()
+
+
+def test_the_gap_shrinks_on_a_run_that_no_fit_has_seen(here):
+    found = compose(Files((Path("run1.csv"),), (Path("run2.parquet"),)), Question(**QUICK), "found").found
+    report = read_report("found")
+    assert [one["path"] for one in report["test"]] == ["run2.parquet"]
+    apart = found.distances["distribution"]
+    assert apart.before.low > apart.floor.high
+    assert apart.floor.low * 0.9 < apart.after.value < apart.floor.high * 1.1
+
+
+def test_a_test_run_of_another_device_stays_far(here):
+    log.write(measured(Sinusoid(11.0, 6e-4), seed=3), "other.csv")
+    found = compose(Files((Path("run1.csv"),), (Path("other.csv"),)), Question(**QUICK), "found").found
+    apart = found.distances["distribution"]
+    assert apart.after.low > apart.floor.high
+
+
+def test_distances_over_two_runs_are_root_mean_squares():
+    runs = [measured(LINE, seed=seed) for seed in (1, 2, 3)]
+    question = Question(**QUICK)
+    alone = discover(runs[:1], question, runs[1:2]).distances["distribution"]
+    both = discover(runs[:1], question, [runs[1], runs[1]]).distances["distribution"]
+    # the same run twice: each with simulations of its own, so that only the scatter differs
+    assert both.before.value == pytest.approx(alone.before.value, rel=0.1)
+    assert both.floor.high - both.floor.low < alone.floor.high - alone.floor.low
+
+
+def test_six_axes_at_rest_are_navigated():
+    found = discover([measured(axes=log.AXES, count=1600)], Question(**QUICK))
+    assert set(found.distances) == {"distribution", "navigation"}
+    (path,) = found.drifts
+    assert path.before.shape == path.after.shape == (20, *path.measured.shape)
+    assert path.time[-1] == pytest.approx(0.2 * 1600 * INTERVAL, abs=17 * INTERVAL)
+
+
+def test_a_clipped_log_with_lost_values_is_compared_as_it_is():
+    flawed = measured(Saturation(1.4e-3))
+    flawed.iloc[100:2000:50, 0] = np.nan
+    apart = discover([flawed], Question(**QUICK)).distances["distribution"]
+    assert apart.floor.high < apart.before.value
+    assert apart.after.value < apart.floor.high
+
+
+def test_steps_are_told_in_order_to_the_last():
+    told = []
+    discover([measured()], Question(**QUICK), progress=lambda *step: told.append(step))
+    assert [done for _, done, _ in told] == list(range(told[0][2] + 1))
+    assert (told[0][0], told[-1][0]) == ("integrity", "done")
+
+
+def table(change):
+    """A fault of the log: a change of its table."""
+
+    def make():
+        change(measured()).to_csv("bad.csv")
+
+    return make
+
+
+def cut(table):
+    return table[:100]
+
+
+def flat(table):
+    return table.assign(gyro_x=1e-3, gyro_y=1e-3)
+
+
+def stray(table):
+    return table.set_axis(pd.Index([0.0, *(1.6e9 + table.index[1:])], name="time"))
+
+
+def other_rate():
+    log.write(measured()[::2], "bad.csv")
+
+
+def foreign():
+    Path("bad.csv").write_text("time,giro_x\n0.0,0.1\n0.1,0.1\n")
+
+
+def unknown_effect():
+    Path("bad.yaml").write_text("gyro_x: [{white_nois: {density: 1}}]")
+
+
+def short_reference():
+    log.write(still(count=COUNT // 2), "bad.csv")
+
+
+def other_axes():
+    log.write(still(("gyro_x",)), "bad.csv")
+
+
+def one_axis():
+    log.write(measured()[["gyro_x"]], "bad.csv")
+
+
+def half_rate():
+    log.write(measured(), "bad.csv")
+    rows = Path("bad.csv").read_text().splitlines()
+    rows[2::2] = [",".join([*row.split(",")[:-1], ""]) for row in rows[2::2]]
+    Path("bad.csv").write_text("\n".join(rows) + "\n")
+
+
+def held():
+    log.write(measured().assign(gyro_y=measured()["gyro_y"].to_numpy()[np.arange(COUNT) // 3 * 3]), "bad.csv")
+
+
+def two_in_one():
+    table = measured()
+    index = np.arange(COUNT) % (COUNT // 2) * INTERVAL
+    log.write(table, "bad.csv")
+    rows = Path("bad.csv").read_text().splitlines()
+    lines = [",".join([f"{time:.2f}", *row.split(",")[1:]]) for time, row in zip(index, rows[1:], strict=True)]
+    Path("bad.csv").write_text("\n".join([rows[0], *lines]) + "\n")
+
+
+def without_temperature():
+    for name, values in (("warm.csv", np.linspace(20.0, 30.0, COUNT)), ("bad.csv", np.full(COUNT, np.nan))):
+        measured().assign(temperature=values).to_csv(name)
+
+
+def other_axis_alive():
+    log.write(measured().assign(gyro_y=0.0), "mine.csv")
+    log.write(measured(seed=2).assign(gyro_x=0.0), "bad.csv")
+
+
+def holes():
+    table = still()
+    log.write(table[(table.index < 20.0) | (table.index > 40.0)], "bad.csv")
+
+
+def two_filters():
+    Path("bad.yaml").write_text("gyro_x: [{output_filter: {cutoff: 5}}, {output_filter: {cutoff: 9}}]")
+
+
+def lattice_in_degrees():
+    Path("bad.yaml").write_text("gyro_x: [{white_noise: {density: 1e-4}}, {resolution: {step: 10}}]")
+
+
+def broken_module():
+    Path("broken_effects.py").write_text("import nothing_that_is_there\n")
+
+
+def empty_module():
+    Path("empty_effects.py").write_text("A = 1\n")
+
+
+def nothing():
+    """Leave no file."""
+
+
+FAULTS = {
+    "no log": (nothing, ["bad.csv"], "bad.csv: file: .*no such file"),
+    "no test": (nothing, ["run1.csv", "--test", "bad.csv"], "bad.csv: file: .*no such file"),
+    "wrong columns": (foreign, ["bad.csv"], "bad.csv: line 1: .*did you mean gyro_x"),
+    "short": (table(cut), ["bad.csv"], "bad.csv: column gyro_x: expected at least 320 samples; found 100"),
+    "constant": (table(flat), ["bad.csv"], "bad.csv: columns: expected values that vary on one axis at least"),
+    "stray stamp": (table(stray), ["bad.csv"], "bad.csv: index: expected a row for one in 50 samples at least"),
+    "reference for two": (
+        nothing,
+        ["run1.csv", "run2.parquet", "--reference", "run1.csv"],
+        "reference: expected one log, which it is the error-free one of; found 2",
+    ),
+    "test of another rate": (
+        other_rate,
+        ["run1.csv", "--test", "bad.csv"],
+        "bad.csv: time: expected the rate of the first log, 50 Hz; found 25 Hz",
+    ),
+    "no model": (nothing, ["run1.csv", "--model", "bad.yaml"], "No such file.*bad.yaml"),
+    "unknown effect": (
+        unknown_effect,
+        ["run1.csv", "--model", "bad.yaml"],
+        "bad.yaml: gyro_x: effect: expected white_noise; found 'white_nois'",
+    ),
+    "reference of other length": (
+        short_reference,
+        ["run1.csv", "--reference", "bad.csv"],
+        "bad.csv: time: expected that of the log, 0 to 79.98 s; found 0 to 39.98 s",
+    ),
+    "reference without an axis": (
+        other_axes,
+        ["run1.csv", "--reference", "bad.csv"],
+        "bad.csv: columns: expected those of the first log, gyro_x, gyro_y; found no gyro_y",
+    ),
+    "test without an axis": (
+        one_axis,
+        ["run1.csv", "--test", "bad.csv"],
+        "bad.csv: columns: expected those of the first log, gyro_x, gyro_y; found no gyro_y",
+    ),
+    "test in motion": (
+        nothing,
+        ["run1.csv", "--test", "run2.parquet", "--reference", "run1.csv"],
+        "test: expected runs",
+    ),
+    "half the rate": (half_rate, ["bad.csv"], "bad.csv: column gyro_y: expected a value in every row.*one of 2 rows"),
+    "held values": (held, ["bad.csv"], "bad.csv: column gyro_y: expected a value in every row.*one of 3 rows"),
+    "two runs in one file": (
+        two_in_one,
+        ["bad.csv"],
+        "bad.csv: row 2000: expected a time that advances; found 0 s after 39.98 s",
+    ),
+    "test without temperature": (
+        without_temperature,
+        ["warm.csv", "--test", "bad.csv"],
+        "bad.csv: column temperature: expected values, as the first log has; found none",
+    ),
+    "another axis alive": (
+        other_axis_alive,
+        ["mine.csv", "bad.csv"],
+        "bad.csv: columns: expected values that vary on an axis on which those of the first log do, gyro_x; found none",
+    ),
+    "log of another rate": (
+        other_rate,
+        ["run1.csv", "bad.csv"],
+        "bad.csv: time: expected the rate of the first log, 50 Hz; found 25 Hz",
+    ),
+    "reference with holes": (
+        holes,
+        ["run1.csv", "--reference", "bad.csv"],
+        "bad.csv: time: expected stamps near 90 % of those of the log; found holes, which leave 75 %",
+    ),
+    "two filters": (
+        two_filters,
+        ["run1.csv", "--model", "bad.yaml"],
+        "bad.yaml: gyro_x: expected one output_filter at most; found 2",
+    ),
+    "a lattice beyond the values": (
+        lattice_in_degrees,
+        ["run1.csv", "--model", "bad.yaml"],
+        "bad.yaml: gyro_x: resolution: expected a step below the range of the values of the log.*found 10",
+    ),
+    "no module": (nothing, ["run1.csv", "--effects", "not_a_module"], "effects: expected a module.*not_a_module"),
+    "broken module": (broken_module, ["run1.csv", "--effects", "broken_effects"], "nothing_that_is_there"),
+    "module without effects": (empty_module, ["run1.csv", "--effects", "empty_effects"], "empty_effects has none"),
+}
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_bad_input_is_one_message_and_leaves_nothing(here, capsys, fault):
+    make, arguments, message = FAULTS[fault]
+    make()
+    before = names(here)
+    assert discovered(*arguments) == 1
+    lines = [line for line in capsys.readouterr().err.replace("\r", "\n").splitlines() if line.startswith("imugap:")]
+    assert len(lines) == 1
+    assert re.match(f"imugap: .*{message}", lines[0])
+    assert names(here) - {"__pycache__"} == before
+
+
+def test_a_file_in_the_place_of_the_folder_is_refused_before_the_work(here, capsys):
+    Path("found").write_text("mine")
+    assert discovered("run1.csv") == 1
+    assert "found: expected a folder; found a file" in capsys.readouterr().err
+    assert Path("found").read_text() == "mine"
+
+
+def test_what_the_log_cannot_tell_stays_as_the_start_model_has_it(here, capsys):
+    clock = {"time": AxisModel((TimestampJitter(1e-5),))}
+    start = {**device(ScaleFactor(1e-3), Temperature(1e-4), TurnOnBias(1e-3)).axes, **clock}
+    ErrorModel(start | {"accel_z": AxisModel((WhiteNoise(1e-3),))}).write("sheet.yaml")
+    assert discovered("run1.csv", "--model", "sheet.yaml") == 0
+    assert (
+        "cannot tell scale_factor of gyro_y, temperature of gyro_y, turn_on_bias of gyro_y" in capsys.readouterr().out
+    )
+    report = read_report("found")
+    assert [(one["name"], one["axes"]) for one in report["effects"]] == [("sinusoid", ["gyro_y"])]
+    for key in ("start_model", "final_model"):
+        kept = ErrorModel.from_mapping(report[key])
+        assert {"scale_factor", "temperature", "turn_on_bias"} <= {effect.name for effect in kept["gyro_y"]}
+        assert (kept["time"], kept["accel_z"]) == (clock["time"], AxisModel((WhiteNoise(1e-3),)))
+
+
+def test_what_the_start_model_knows_is_not_named_again():
+    white = WhiteNoise(1e-4)
+    start = ErrorModel({
+        "gyro_x": AxisModel((white, Bias(0.0), Outliers(5e-3, 2e-2), CommonMode(1e-4, 1.0))),
+        "gyro_y": AxisModel((white, Bias(0.0), RandomWalk(0.0), CommonMode(1e-4, -0.8))),
+    })  # fmt: skip
+    found = discover([start.simulate(still(), 5)], Question(start, **QUICK))
+    assert (found.findings, found.unexplained) == ((), ())
+    assert {"outliers", "common_mode"} <= {effect.name for effect in found.final["gyro_x"]}
+
+
+def test_an_axis_without_two_values_is_a_place_and_does_not_stop_the_others():
+    found = discover([measured(LINE).assign(gyro_x=2.0, gyro_z=np.nan)], Question(**QUICK))
+    assert [(one.name, one.axes) for one in found.findings] == [("sinusoid", ("gyro_y",))]
+    for gaps in (found.gaps, found.unexplained):
+        assert {(gap.axis, gap.view) for gap in gaps} >= {("gyro_x", "values"), ("gyro_z", "values")}
+
+
+def test_a_change_of_variance_that_lasts_goes_on_in_what_no_fit_has_seen():
+    found = discover([measured(VarianceChange(48.0, 80.0, 3.0))], Question(**QUICK))
+    assert [one.name for one in found.findings] == ["variance_change"]
+    assert found.findings[0].log_score_gain > 0
+    apart = found.distances["distribution"]
+    assert apart.after.value < 0.6 * apart.before.value
+
+
+def test_outliers_of_the_start_model_stay_where_the_log_shows_none():
+    start = ErrorModel({**device().axes, "gyro_x": AxisModel((WhiteNoise(1e-4), Bias(1e-3), Outliers(1e-3, 0.02)))})
+    found = discover([measured()], Question(start, **QUICK))
+    assert "outliers" in {effect.name for effect in found.final["gyro_x"]}
+    assert ("gyro_x", "outliers") in found.untold
+
+
+def turning(axes, seed=7):
+    slow = lfilter(*butter(2, 0.05), np.random.default_rng(seed).standard_normal((len(axes), COUNT)))
+    return log.from_samples(dict(zip(axes, 3 * slow, strict=True)), INTERVAL)
+
+
+def test_a_log_of_one_axis_may_answer_a_motion_of_which_all_is_known():
+    ideal = turning(log.AXES)
+    answered = 2e-3 * ideal["accel_y"]
+    device = pd.DataFrame({"gyro_x": measured()["gyro_x"] + ideal["gyro_x"] + answered})
+    found = discover([device], Question(**QUICK), reference=ideal)
+    assert [one.name for one in found.findings] == ["g_sensitivity"]
+    assert found.distances["distribution"].after.value < found.distances["distribution"].before.value
+
+
+def test_noise_in_common_takes_no_place_of_what_an_axis_answers():
+    axes = ("gyro_x", "gyro_y")
+    ideal, shared = turning(axes), np.random.default_rng(3).standard_normal(COUNT) * 2e-3
+    errors = {"gyro_x": shared + 4e-3 * np.abs(ideal["gyro_y"]), "gyro_y": shared}
+    device = measured() + ideal + pd.DataFrame(errors, index=ideal.index)
+    found = discover([device], Question(**QUICK), reference=ideal)
+    assert "common_mode" in {one.name for one in found.findings}
+    assert any(gap.view == "rate" and gap.axis == "gyro_x,gyro_y" for gap in found.unexplained)
+
+
+def test_nothing_is_told_of_the_holes_of_a_reference():
+    ideal = turning(("gyro_x", "gyro_y"))
+    device = measured() + ideal
+    broken = ideal[(ideal.index < 30.0) | (ideal.index > 34.0)]
+    found = discover([device], Question(**QUICK), reference=broken)
+    assert (found.findings, found.unexplained) == ((), ())
+
+
+def test_times_count_from_the_first_sample_that_is_used(here):
+    table = measured(BiasStep(40.0, 5e-3))[["gyro_y"]]
+    table.iloc[:500] = np.nan
+    table.set_axis(table.index + 100.0).rename_axis("time").to_csv("late.csv")
+    assert discovered("late.csv") == 0
+    report = read_report("found")
+    (step,) = report["effects"]
+    (used,) = report["log"]
+    assert used["begin_s"] + step["parameters"]["time"]["value"] == pytest.approx(140.0, abs=0.1)
+    assert used["duration_s"] == pytest.approx(70.0)
+
+
+def test_a_test_run_knows_nothing_of_a_step_that_happened_in_the_log():
+    step = BiasStep(40.0, 5e-3)
+    apart = discover([measured(step)], Question(**QUICK), [measured(seed=2)]).distances["distribution"]
+    assert apart.after.low < apart.floor.high < apart.before.low  # 260 where the step is simulated
+
+
+@pytest.mark.parametrize("steps", [0.5, 1.1, 2.5])
+def test_a_log_on_a_coarse_lattice_is_reached_by_the_model_with_it(steps):
+    std = 1e-4 / np.sqrt(INTERVAL)
+    start = ErrorModel({"gyro_x": AxisModel((WhiteNoise(1e-4), Bias(0.3 * steps * std)))})
+    truth = ErrorModel({"gyro_x": AxisModel((*start["gyro_x"], Resolution(steps * std)))})
+    found = discover([truth.simulate(still(("gyro_x",)), 6)], Question(**QUICK))
+    assert [one.name for one in found.findings] == ["resolution"]
+    assert found.distances["distribution"].after.value < found.distances["distribution"].floor.high
+    white, bias = (one for one in found.final["gyro_x"] if isinstance(one, (WhiteNoise, Bias)))
+    assert white.density == pytest.approx(1e-4, rel=0.05)
+    assert bias.value == pytest.approx(0.3 * steps * std, abs=0.06 * std)
+
+
+def test_values_without_a_unit_are_written_in_full():
+    step = VarianceChange(20.0, 60.0, 11.0)
+    text = verdict(discover([measured(step)], Question(**QUICK)))
+    ratio = float(re.search(r"variance_change \(.*ratio ([0-9.]+)[,)]", text)[1])
+    assert ratio == pytest.approx(11.0, rel=0.2)
+
+
+def test_a_write_that_fails_leaves_the_old_folder(here, capsys, monkeypatch):
+    compose(Files((Path("run1.csv"),)), Question(**QUICK), "found")
+    before = {name: (here / "found" / name).read_bytes() for name in FILES}
+
+    def broken(figure, path):
+        Path(path).write_text("half")
+        raise OSError("disk full")
+
+    monkeypatch.setattr(figures, "save", broken)
+    assert discovered("run2.parquet") == 1
+    assert "imugap: disk full" in capsys.readouterr().err
+    assert {name: (here / "found" / name).read_bytes() for name in names("found")} == before
+
+
+@pytest.mark.parametrize(
+    ("option", "value"), [("--alpha", "0"), ("--alpha", "1"), ("--alpha", "x"), ("--workers", "0")]
+)
+def test_an_option_out_of_range_is_refused(here, capsys, option, value):
+    with pytest.raises(SystemExit, match="2"):
+        discovered("run1.csv", option, value)
+    assert f"argument {option}: expected" in capsys.readouterr().err
+    assert "found" not in names(here)

@@ -1,0 +1,215 @@
+"""The command drive: the folder is whole, its numbers are those of the drive, bad input is one message."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+import yaml
+from hypothesis import given
+from hypothesis import strategies as st
+from jsonschema import Draft202012Validator
+
+from imugap import cli, figures, log
+from imugap.commands.drive import FILES, SCHEMA, STD, Setting, driven, mounted
+from imugap.io.configuration import configure
+from imugap.kinematics.strapdown import COLUMNS, GEODETIC
+from imugap.log import ACCEL, GYRO
+from imugap.numerics.rotation import from_euler
+from imugap.simulation.drive import Drive
+
+ROOT = Path(__file__).parents[2]
+SEED = 61
+MOUNTING = {"roll_deg": 180.0, "pitch_deg": 7.0, "heading_deg": -175.0}
+LEVER = {"x_m": 0.4, "y_m": -0.3, "z_m": -1.2}
+
+
+@pytest.fixture(scope="module")
+def recipe():
+    return replace(Drive.read(ROOT / "data" / "drive.yaml"), laps=1)
+
+
+def degrees(fixes):
+    return fixes.assign(latitude=np.degrees(fixes["latitude"]), longitude=np.degrees(fixes["longitude"]))
+
+
+def in_device(record):
+    """Return a log as a device that is mounted upside down and backwards has it."""
+    turn = from_euler(np.radians(list(MOUNTING.values()))).inv()
+    parts = [turn.apply(record[list(triad)].to_numpy(copy=True)) for triad in (GYRO, ACCEL)]
+    return pd.DataFrame(np.hstack(parts), index=record.index, columns=[*GYRO, *ACCEL])
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch, recipe):
+    """A working directory with a drive, straight and turned, its fixes with an outage and outliers, and settings."""
+    monkeypatch.chdir(tmp_path)
+    record, fixes = recipe.record(1, SEED), degrees(recipe.fixes(1, SEED))
+    fixes = fixes[(fixes.index < 150) | (fixes.index > 170)]
+    fixes.loc[100.0, "latitude"] += 50 / 111e3
+    log.write(record, "imu.csv")
+    log.write(in_device(record), "turned.parquet")
+    log.write(record[(record.index < 90.001) | (record.index > 91.0)], "gap.csv")
+    fixes.to_csv("gnss.csv")
+    fixes.drop(columns=[name for name in fixes if name not in GEODETIC]).to_parquet("places.parquet")
+    fixes.loc[:14].to_csv("still.csv")
+    fixes.set_index(fixes.index + 1e5).to_csv("later.csv")
+    recipe.model.write("device.yaml")
+    own = {"model": "device.yaml", "lever_arm": LEVER, "scale_factor": {"gyro_std": 1e-3, "accel_std": 1e-3}}
+    Path("own.yaml").write_text(yaml.safe_dump(own))
+    Path("turned.yaml").write_text(yaml.safe_dump(own | {"mounting": MOUNTING}))
+    Path("misspelt.yaml").write_text("quality: {robustt: true}")
+    Path("wrong.yaml").write_text("epoch_s: -1")
+    Path("list.yaml").write_text("- 1")
+    Path("broken.yaml").write_text("a: [")
+    return tmp_path
+
+
+def summary(folder):
+    def refuse(constant):
+        raise AssertionError(f"{constant} is no JSON")
+
+    return json.loads((Path(folder) / "summary.json").read_text(), parse_constant=refuse)
+
+
+@pytest.mark.parametrize(
+    ("samples", "fixes", "config", "limit"),
+    [
+        ("imu.csv", "gnss.csv", ("--config", "own.yaml"), 3.0),
+        ("turned.parquet", "gnss.csv", ("--config", "turned.yaml"), 3.0),
+        ("imu.csv", "gnss.csv", (), 6.0),
+        ("imu.csv", "places.parquet", ("--config", "own.yaml"), 6.0),
+    ],
+)
+def test_the_folder_is_whole_and_says_where_the_vehicle_was(here, recipe, capsys, samples, fixes, config, limit):
+    assert cli.main(["drive", samples, fixes, *config, "--out", "found"]) == 0
+    assert {path.name for path in Path("found").iterdir()} == set(FILES)
+    found = summary("found")
+    assert json.loads(capsys.readouterr().out) == found
+    assert found["outages"] == 1
+    assert found["longest_outage_s"] == pytest.approx(22.0)
+    assert found["distance_m"] == pytest.approx(2830, rel=0.02)
+    truth = recipe.path[0]
+    for name in ("solution", "smoothed"):
+        table = pd.read_parquet(f"found/{name}.parquet")
+        assert {*COLUMNS, *GEODETIC, *(f"{one}{STD}" for one in COLUMNS)} < set(table.columns)
+        assert not table.isna().any().any()
+        aided = table[(table.index > 60) & (table.index < 150)]
+        true = truth.iloc[np.rint(aided.index * recipe.rate_hz).astype(int)]
+        off = aided[["north", "east"]].to_numpy() - true[["north", "east"]].to_numpy()
+        off -= off.mean(axis=0)  # the origin is the first fix, noise and antenna included
+        assert np.hypot(*off.T).max() < limit
+        assert table["latitude"].mean() == pytest.approx(48, abs=0.05)
+    events = pd.read_csv("found/events.csv")
+    assert "set aside" in set(events[events["time"] == 100.0]["event"])
+    for name in ("set_aside", "weighed_down", "offset_opened", "offset_closed"):
+        assert found[name] == (events["event"] == name.replace("_", " ")).sum()
+    assert found["set_aside"] >= 1
+
+
+def test_the_summary_tells_whether_the_filter_knows_itself(recipe):
+    """Over clean drives with the true settings: NIS in its band as often as it says."""
+    given = {
+        "lever_arm": dict(LEVER),
+        "scale_factor": {"gyro_std": 1e-3, "accel_std": 1e-3},
+        "quality": {"component_sigma": None, "gated": False, "reset_s": None},
+    }
+    setting = Setting.of(configure(given, SCHEMA), recipe.model)
+    inside = []
+    for run in range(30):
+        found = driven(recipe.record(run, SEED), recipe.fixes(run, SEED), setting).summary()
+        inside.append(found["nis_low"] < found["nis"] < found["nis_high"])
+        assert found["global_test_failed"] <= 3
+    assert 25 <= sum(inside) <= 30
+
+
+def test_lost_samples_are_filled(recipe):
+    record, fixes = recipe.record(1, SEED), recipe.fixes(1, SEED)
+    whole, holes = (driven(some, fixes).filtered for some in (record, record.drop(record.index[5000:5020])))
+    apart = whole.path.navigation[-1, :3] - holes.path.navigation[-1, :3]
+    assert np.abs(apart).max() < np.sqrt(whole.path.variances[-1, :3].max())
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["gap.csv", "gnss.csv"], "drive: expected gaps of at most 0.5 s; found 1.01 s after 90"),
+        (["imu.csv", "still.csv"], "start: expected a fix that tells the course"),
+        (
+            ["imu.csv", "later.csv"],
+            "the time of the log, 0 s to 300 s; found fixes from 100001 s",
+        ),
+        (["turned.parquet", "gnss.csv"], "expected a mean specific force that points up, accel_z near -9.8"),
+        (["imu.csv", "none.csv"], "none.csv: file: expected a log of fixes"),
+        (["none.csv", "gnss.csv"], "none.csv: file: expected a log"),
+        (["imu.csv", "imu.csv"], "imu.csv: line 1: expected columns among time, latitude"),
+        (["imu.csv", "gnss.csv", "--config", "misspelt.yaml"], "quality.robustt: no such key; did you mean 'robust'?"),
+        (["imu.csv", "gnss.csv", "--config", "wrong.yaml"], "epoch_s: -1 is less than or equal to"),
+        (["imu.csv", "gnss.csv", "--config", "list.yaml"], "list.yaml: expected keys and values; found list"),
+        (["imu.csv", "gnss.csv", "--config", "broken.yaml"], "broken.yaml"),
+        (["imu.csv", "gnss.csv", "--config", "none.yaml"], "none.yaml"),
+    ],
+)
+def test_bad_input_is_one_message_and_leaves_nothing(here, capsys, arguments, message):
+    assert cli.main(["drive", *arguments, "--out", "found"]) == 1
+    error = capsys.readouterr().err
+    assert message in error
+    assert error.count("\n") == 1
+    assert not Path("found").exists()
+
+
+def test_a_figure_that_fails_leaves_no_folder(here, monkeypatch):
+    def fail(*_):
+        raise OSError("disk full")
+
+    monkeypatch.setattr(figures, "save", fail)
+    assert cli.main(["drive", "imu.csv", "gnss.csv", "--out", "found"]) == 1
+    assert not Path("found").exists() or not any(Path("found").iterdir())
+
+
+def test_the_schema_is_one_closed_and_described():
+    schema = yaml.safe_load(SCHEMA.read_text())
+    Draft202012Validator.check_schema(schema)
+
+    def walk(part):
+        assert part.get("description")
+        if part.get("type") == "object":
+            assert part["additionalProperties"] is False
+            for one in part["properties"].values():
+                assert "default" in one
+                walk(one)
+
+    walk(schema)
+
+
+def test_the_defaults_are_those_of_the_library():
+    default = Setting.read(None)
+    plain = Setting()
+    assert default.assumptions == plain.assumptions
+    assert default.quality == plain.quality
+    assert default.model.to_mapping() == plain.model.to_mapping()
+
+
+values = st.recursive(
+    st.none() | st.booleans() | st.floats() | st.text(max_size=5), lambda one: st.lists(one, max_size=2), max_leaves=3
+)
+keys = st.sampled_from(["quality", "epoch_s", "start", "model", "mounting", "lever_arm", "other"])
+
+
+@given(st.dictionaries(keys, values | st.dictionaries(st.sampled_from(["robust", "x_m", "std_m", "y"]), values)))
+def test_any_configuration_is_a_setting_or_one_message(tmp_path_factory, content):
+    path = tmp_path_factory.mktemp("any") / "drive.yaml"
+    path.write_text(yaml.safe_dump(content))
+    try:
+        found = Setting.read(path)
+    except (OSError, ValueError):
+        return
+    assert found.assumptions.epoch_s > 0
+
+
+def test_a_mounting_turns_the_device_into_the_vehicle(recipe):
+    record = recipe.record(1, SEED)
+    turned = mounted(in_device(record), tuple(np.radians(list(MOUNTING.values()))))
+    np.testing.assert_allclose(turned, record, atol=1e-12)

@@ -1,0 +1,153 @@
+"""The command walk: the folder is whole, the numbers are those of the walk, bad input is one message and no folder."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from imugap import cli, figures, log
+from imugap.commands.walk import FILES, INDOORS, STD, walked
+from imugap.figures.walk import ellipse
+from imugap.kinematics.strapdown import COLUMNS
+from imugap.navigation.pedestrian import Assumptions
+from imugap.simulation.walk import Course, Walk
+from imugap.stream import stream
+
+ROOT = Path(__file__).parents[2]
+SEED = 31
+STRIDES = 20
+
+
+@pytest.fixture(scope="module")
+def recipe():
+    walk = Walk.read(ROOT / "data" / "walk.yaml")
+    return replace(walk, course=Course.out_and_back(STRIDES // 2, stand_s=4.0))
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch, recipe):
+    """A working directory with a walk, its model, and a walk without the stand."""
+    monkeypatch.chdir(tmp_path)
+    record = recipe.record(1, SEED)
+    log.write(record, "walk.csv")
+    log.write(record.loc[4.3:], "late.parquet")
+    log.write(record[(record.index < 7.001) | (record.index > 7.501)], "gap.csv")
+    recipe.model.write("device.yaml")
+    return tmp_path
+
+
+def summary(folder):
+    def refuse(constant):
+        raise AssertionError(f"{constant} is no JSON")
+
+    return json.loads((Path(folder) / "summary.json").read_text(), parse_constant=refuse)
+
+
+@pytest.mark.parametrize("model", [(), ("--model", "device.yaml")])
+def test_the_folder_is_whole_and_says_how_far_the_walk_went_and_where_it_ended(here, recipe, capsys, model):
+    assert cli.main(["walk", "walk.csv", *model, "--gravity", str(recipe.site.gravity), "--out", "found"]) == 0
+    assert {path.name for path in Path("found").iterdir()} == set(FILES)
+    found = summary("found")
+    assert json.loads(capsys.readouterr().out) == found
+    assert found["strides"] == STRIDES
+    assert found["duration_s"] == pytest.approx(recipe.duration_s, abs=0.01)
+    assert abs(found["distance_m"] - STRIDES * recipe.gait.length_m) < 3 * found["distance_m_std"] < 1.0
+    assert found["end_horizontal_m"] < 3 * found["end_horizontal_m_std"]
+    assert abs(found["end_vertical_m"]) < 3 * found["end_vertical_m_std"]
+    assert abs(found["end_heading_deg"]) < 3 * found["end_heading_deg_std"]
+    assert {name for name in found if not name.endswith(STD)} == {
+        name.removesuffix(STD) for name in found if name.endswith(STD)
+    }
+    table = pd.read_parquet("found/solution.parquet")
+    assert set(COLUMNS) | {name + STD for name in COLUMNS} | {"stance"} < set(table.columns)
+    assert np.hypot(*table[["north", "east"]].iloc[-1]) == pytest.approx(found["end_horizontal_m"])
+    assert not table.isna().any().any()
+
+
+@pytest.mark.parametrize("assumptions", [Assumptions(), INDOORS])
+def test_height_is_up_and_the_heading_in_degrees(recipe, assumptions):
+    """Stairs: a foot that goes up three metres and turns by 90 degrees ends there, whatever is assumed of floors."""
+    legs = tuple(replace(leg, rise_m=0.15, turn_deg=90 / 20) for leg in Course.loop(20).legs)
+    stairs = replace(recipe, course=Course(4.0, legs, 2.0))
+    assumptions = replace(assumptions, gravity=recipe.site.gravity)
+    found = walked(stairs.record(2, SEED), recipe.model, assumptions).summary()
+    assert found["end_vertical_m"] == pytest.approx(3.0, abs=3 * found["end_vertical_m_std"])
+    assert found["end_vertical_m_std"] < 0.5
+    assert found["end_heading_deg"] == pytest.approx(90, abs=3 * found["end_heading_deg_std"])
+
+
+def test_outdoors_nothing_is_taken_for_level(here, recipe):
+    stds = []
+    for option in ([], ["--outdoors"]):
+        assert cli.main(["walk", "walk.csv", *option, "--gravity", str(recipe.site.gravity), "--out", "found"]) == 0
+        stds.append(summary("found")["end_vertical_m" + STD])
+        assert ("floor" in pd.read_parquet("found/solution.parquet")) == (not option)
+    assert stds[0] < 0.5 * stds[1]
+
+
+def test_near_the_full_scale_samples_are_doubted(here, recipe):
+    stds = []
+    for option in ([], ["--full-scale", "1.5"], ["--full-scale", "1000"]):
+        assert cli.main(["walk", "walk.csv", *option, "--gravity", str(recipe.site.gravity), "--out", "found"]) == 0
+        stds.append(summary("found")["end_horizontal_m" + STD])
+    assert stds[1] > 1.05 * stds[0]
+    assert stds[2] == stds[0]
+    with pytest.raises(SystemExit, match="2"):
+        cli.main(["walk", "walk.csv", "--full-scale", "0", "--out", "none"])
+
+
+def test_rows_that_come_twice_are_left_out(here, recipe):
+    record = pd.read_csv("walk.csv")
+    twice = record.loc[np.repeat(record.index, np.where(record.index % 500 == 7, 2, 1))]
+    twice.to_csv("twice.csv", index=False)
+    for name in ("walk", "twice"):
+        assert cli.main(["walk", f"{name}.csv", "--gravity", str(recipe.site.gravity), "--out", name]) == 0
+    assert summary("twice") == summary("walk")
+
+
+def test_lost_samples_are_filled(recipe):
+    record = recipe.record(1, SEED)
+    lost = stream(SEED, "lost").choice(np.arange(1, len(record) - 1), len(record) // 50, replace=False)
+    whole, holes = (walked(some, recipe.model).smoothed for some in (record, record.drop(record.index[lost])))
+    assert len(holes.trajectory) == len(record)
+    ends = [one.trajectory[["north", "east", "down"]].iloc[-1] for one in (whole, holes)]
+    assert (ends[0] - ends[1]).abs().max() < whole.trajectory_std[["north", "east", "down"]].iloc[-1].max()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["late.parquet"], "late.parquet: walk: expected a stand of 0.5 s or more at the start; found"),
+        (["gap.csv"], "gap.csv: walk: expected gaps of at most 0.1 s; found 0.505 s after 7"),
+        (["none.csv"], "none.csv"),
+        (["walk.csv", "--model", "none.yaml"], "none.yaml"),
+    ],
+)
+def test_bad_input_is_one_message_and_leaves_nothing(here, capsys, arguments, message):
+    assert cli.main(["walk", *arguments, "--out", "found"]) == 1
+    error = capsys.readouterr().err
+    assert message in error
+    assert error.count("\n") == 1
+    assert not Path("found").exists()
+
+
+def test_a_figure_that_fails_leaves_no_folder(here, monkeypatch):
+    def fail(*_):
+        raise OSError("disk full")
+
+    monkeypatch.setattr(figures, "save", fail)
+    assert cli.main(["walk", "walk.csv", "--out", "found"]) == 1
+    assert not Path("found").exists() or not any(Path("found").iterdir())
+
+
+def test_the_ellipse_holds_as_much_as_it_says():
+    covariance = np.array([[4.0, 1.5], [1.5, 1.0]])
+    points = stream(SEED, "ellipse").multivariate_normal([1, 2], covariance, 20_000) - [1, 2]
+    edge = ellipse(np.zeros(2), covariance, 0.9)
+    limit = np.einsum("ni,ij,nj->n", edge, np.linalg.inv(covariance), edge)
+    np.testing.assert_allclose(limit, limit[0])
+    inside = np.einsum("ni,ij,nj->n", points, np.linalg.inv(covariance), points) < limit[0]
+    assert abs(inside.mean() - 0.9) < 4 * np.sqrt(0.09 / 20_000)

@@ -1,0 +1,441 @@
+"""Names that are withheld because what is there is not what they say."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.ndimage import uniform_filter1d
+from scipy.special import ndtr
+from scipy.stats import binom
+
+from imugap.discovery.axis import _carried, _of_any_slope, concluded, told
+from imugap.discovery.checks import LEVEL, SHARE, doubts
+from imugap.discovery.checks import gaussianity as samples
+from imugap.discovery.checks.all_checks import _jumping, _of_the_variance, _wandering
+from imugap.discovery.checks.gaussianity import BURSTS, of_samples
+from imugap.discovery.checks.hysteresis import CURVE
+from imugap.discovery.checks.mean import nearly
+from imugap.discovery.checks.misfit import Doubt
+from imugap.discovery.checks.outliers import outliers_doubt
+from imugap.discovery.checks.spectrum import LAW, _at_odds, _off_in_bands, share_of
+from imugap.discovery.checks.transient import FADING, of_transients
+from imugap.discovery.checks.transition import of_transitions
+from imugap.discovery.fit.axis_fit import Description, Term, fit
+from imugap.discovery.fit.contaminated_normal import tails
+from imugap.discovery.fit.whittle import Noise
+from imugap.discovery.preparation.sequence import Sequence
+from imugap.discovery.search.search import Key, Search, without
+from imugap.discovery.unnamed.chirps import swept
+from imugap.effects import (
+    CATALOGUE,
+    BiasInstability,
+    BiasStep,
+    GaussMarkov,
+    Outliers,
+    OutputFilter,
+    PowerLaw,
+    RandomTelegraph,
+    RandomWalk,
+    RateRamp,
+    Sinusoid,
+    VarianceChange,
+    WarmUp,
+    WhiteNoise,
+)
+from imugap.effects.conditions import Conditions
+from imugap.effects.effect import AxisModel
+from imugap.effects.power_law import STEEPEST
+from imugap.stream import stream
+
+COUNT, INTERVAL = 24_000, 0.04
+WHITE = WhiteNoise(1e-3)
+LOG_ALPHA = np.log(0.01 / 6 / 28)
+
+
+def sequence(*effects, added=None, count=COUNT, label="doubts", temperature=None):
+    """Return white noise and effects, and ``added`` of the time and a generator."""
+    conditions = Conditions(INTERVAL * np.arange(count), INTERVAL, temperature, axis="gyro_x")
+    values = AxisModel((WHITE, *effects)).simulate(np.zeros(count), conditions, 1, label)
+    more = 0.0 if added is None else added(conditions.time, stream(1, label, "added"))
+    return Sequence(values + more, conditions, np.zeros(count, bool))
+
+
+def story_of(data):
+    return concluded(told(data, (), tuple(CATALOGUE.values()), LOG_ALPHA, int(0.8 * len(data.values))))
+
+
+def names(story):
+    return sorted(finding.name for finding in story.findings)
+
+
+def explored(data, *kinds):
+    """Return a search among some kinds, and the fit that it ends with."""
+    search = Search(Description((), Noise((WHITE,))), kinds, LOG_ALPHA)
+    return search, search.explore(fit(data, search.start))
+
+
+def reasons(data, *kinds):
+    return {doubt.reason for doubt in doubts(*explored(data, *kinds)).values()}
+
+
+@pytest.mark.parametrize("effect", [GaussMarkov(5e-3, 8.0), BiasInstability(2e-3), RandomWalk(1e-3)])
+def test_stationary_noise_is_as_uneven_over_time_as_chance_makes_it(effect, monkeypatch):
+    """What is let pass of real noise apart."""
+    monkeypatch.setattr(samples, "FADING", 0.0)
+    chances = []
+    for label in range(60):
+        found = fit(sequence(effect, count=8000, label=label), Description((), Noise((WHITE, effect))))
+        _, fading = of_samples(found, share_of(found, found.description.noise.effects[1]))
+        chances.append(np.exp(fading.log_p))
+    for level in (0.05, 0.2):
+        low, high = binom.ppf([1e-3, 1 - 1e-3], len(chances), level)
+        assert low <= np.sum(np.array(chances) < level) <= high
+
+
+def test_a_spectrum_that_few_coefficients_tell_is_as_far_off_as_chance_makes_it():
+    """Bands take up no more parameters of the noise than they tell: the white noise is told by others."""
+    chances = []
+    for label in range(200):
+        effect = RandomWalk(2e-4)
+        found = fit(sequence(effect, label=label), Description((), Noise((WHITE, effect))))
+        mine = np.flatnonzero(share_of(found, found.description.noise.effects[1]) > SHARE)
+        assert 60 < len(mine) < 130
+        chances.append(_off_in_bands(found, mine))
+    for level in (0.01, 0.05, 0.2):
+        low, high = binom.ppf([1e-3, 1 - 1e-3], len(chances), level)
+        assert low <= np.sum(np.exp(chances) < level) <= high
+
+
+def rising(time, rng):
+    """Return a line whose frequency grows fifty times."""
+    growth = np.log(50) / time[-1]
+    return 8e-3 * np.sin(2 * np.pi * 0.01 * np.expm1(growth * time) / growth)
+
+
+def test_a_line_that_rises_exponentially_is_no_noise():
+    data = sequence(added=rising, count=12_000)
+    _, found = explored(data, GaussMarkov)
+    _, fading = of_samples(found, share_of(found, found.description.noise.effects[1]))
+    assert fading.log_p < LEVEL
+    assert names(story_of(data)) == []
+
+
+def chamber(time):
+    """Return the temperature of cycles between two plateaus, which come slowly to rest."""
+    return 20 + 25 * np.tanh(3 * np.sin(2 * np.pi * time / 320)) + 5 * np.sin(2 * np.pi * time / 777)
+
+
+def test_a_curve_over_the_temperature_is_no_noise():
+    """One that bends at a level, as where water freezes."""
+    warm = chamber(INTERVAL * np.arange(COUNT))
+    data = sequence(added=lambda time, rng: 2e-4 * np.maximum(warm - 5, 0) - 4e-6 * warm**2, temperature=warm)
+    assert CURVE in reasons(data, BiasInstability, GaussMarkov, RandomWalk)
+
+
+def test_what_jumps_as_the_temperature_turns_is_no_telegraph_noise():
+    wanders = uniform_filter1d(stream(2, "warm").standard_normal(COUNT), 300)
+    warm = 20 + 2 * uniform_filter1d(np.cumsum(wanders), 300)
+    data = sequence(added=lambda time, rng: 5e-3 * np.sign(np.gradient(warm, INTERVAL)), temperature=warm)
+    assert reasons(data, GaussMarkov) == {CURVE}
+
+
+@pytest.mark.parametrize("course", [chamber, lambda time: 20 + 10 * np.exp(-time / 300), lambda time: 20 + time / 100])
+@pytest.mark.parametrize(
+    "effect", [BiasInstability(2e-3), RandomWalk(1e-4), RandomWalk(1e-3), RandomTelegraph(4e-3, 0.02)]
+)
+def test_noise_keeps_its_name_whatever_the_temperature(effect, course):
+    warm = course(INTERVAL * np.arange(COUNT))
+    withheld = [
+        reasons(
+            sequence(effect, label=label, temperature=warm), BiasInstability, GaussMarkov, RandomTelegraph, RandomWalk
+        )
+        for label in range(5)
+    ]
+    assert not any("temperature" in reason for found in withheld for reason in found)
+
+
+def steep(time, rng):
+    """Return noise of a spectrum of slope -2.7."""
+    frequency = np.fft.rfftfreq(8 * len(time), INTERVAL)[1:]
+    spectrum = np.r_[0.0, frequency**-1.35] * (
+        rng.standard_normal(len(frequency) + 1) + 1j * rng.standard_normal(len(frequency) + 1)
+    )
+    values = np.fft.irfft(spectrum)[: len(time)]
+    return 2e-3 * (values - values.mean()) / values.std()
+
+
+def test_means_that_a_steep_spectrum_makes_have_no_name():
+    kinds, more = (BiasStep, RateRamp, WarmUp), 0
+    for label in range(12):
+        search, found = explored(sequence(added=steep, label=f"steep {label}"), *kinds)
+        keys = search.added(found.description)
+        more += len(keys) > 1 and _wandering(search, found, keys).keys() == set(keys)
+    assert more > 3
+
+
+def test_means_that_are_there_are_likelier_than_a_steep_spectrum():
+    data = sequence(BiasStep(400.0, -1e-3), RateRamp(2e-6), WarmUp(3e-3, 60.0))
+    search, found = explored(data, BiasStep, RateRamp, WarmUp)
+    assert len(search.added(found.description)) > 1
+    assert _wandering(search, found, search.added(found.description)) == {}
+
+
+def relaxations(time, rng):
+    """Return jumps at random times, of random size, each of which dies away."""
+    since = time - rng.uniform(0, time[-1], (15, 1))
+    heights = 2e-2 * rng.standard_exponential((15, 1))
+    return np.sum(heights * np.where(since >= 0, np.exp(-np.maximum(since, 0) / 20), 0), axis=0)
+
+
+@pytest.mark.parametrize("exponent", [0.6, 1.5])
+def test_noise_of_a_slope_without_a_name_is_in_the_model_as_what_it_is(exponent):
+    found = story_of(sequence(PowerLaw(4e-3, exponent), label=exponent))
+    assert found.withheld
+    assert not found.findings
+    ends = found.of_any_slope.parameters["exponent"]
+    assert ends.low < exponent < ends.high
+    for one in (found.after, found.whole):
+        assert [effect.name for effect in one.description.effects()] == ["white_noise", "power_law"]
+    assert found.settled
+
+
+@pytest.mark.parametrize("reason", [LAW, BURSTS])
+def test_what_is_no_noise_is_not_in_the_model_as_noise(reason):
+    search = Search(Description((), Noise((WHITE,))), (), LOG_ALPHA)
+    found = fit(sequence(PowerLaw(4e-3, 1.5)), Description((), Noise((WHITE, RandomWalk(1e-3)))))
+    carried = _carried(search, found, {Key("noise", 1): Doubt(reason, -20.0)})
+    assert carried.has(PowerLaw) == (reason == LAW)
+    assert not carried.has(RandomWalk)
+
+
+def test_noise_that_is_rather_a_trend_is_not_in_the_model_as_noise():
+    """Nor is one left out that may be a trend, if it rather is noise."""
+    search = Search(Description((), Noise((WHITE,))), (), LOG_ALPHA)
+    trend = sequence(added=lambda time, rng: 2e-2 * np.sin(2 * np.pi * (time / time[-1]) ** 2))
+    for data, noise in ((trend, False), (sequence(PowerLaw(1e-4, 2.6), label="s1"), True)):
+        found = fit(data, Description((), Noise((WHITE, RandomWalk(1e-4)))))
+        carried = _carried(search, found, {Key("noise", 1): Doubt(LAW, -20.0)})
+        assert carried.has(PowerLaw) == noise
+    ends = _of_any_slope(search, carried).parameters["exponent"]
+    assert ends.low < 2.6 < STEEPEST < ends.high
+
+
+def test_slow_noise_in_doubt_is_no_line_that_sweeps(monkeypatch):
+    data = sequence(RandomWalk(3e-5), count=300_000, label="w0")
+    tale = told(data, (), (RandomWalk,), LOG_ALPHA, 240_000)
+    walk = tale.late.added(tale.whole.description)
+    assert swept(without(tale.whole, walk), LOG_ALPHA) != ()
+    monkeypatch.setattr("imugap.discovery.axis.doubts", lambda search, found: dict.fromkeys(walk, Doubt(LAW, -20.0)))
+    story = concluded(tale)
+    assert [one.name for one in story.withheld] == ["random_walk"]
+    assert story.bands == ()
+
+
+def test_a_step_in_doubt_beside_slow_noise_is_not_in_the_model_as_noise():
+    search = Search(Description((), Noise((WHITE,))), (), LOG_ALPHA)
+    described = Description((Term(BiasStep(400.0, 0.1), ("step",)),), Noise((WHITE, RandomWalk(1e-3))))
+    found = fit(sequence(PowerLaw(4e-3, 1.5), BiasStep(400.0, 0.1)), described)
+    doubtful = dict.fromkeys([Key("term", 0), Key("noise", 1)], Doubt(LAW, -20.0))
+    assert [one.name for one in _carried(search, found, doubtful).description.effects()] == ["white_noise"]
+
+
+@pytest.mark.slow
+def test_what_jumps_and_relaxes_is_no_telegraph_noise():
+    assert names(story_of(sequence(added=relaxations, count=12_000, label="a"))) == []
+
+
+@pytest.mark.parametrize(("noise", "most"), [(GaussMarkov(2e-3, 5.0), 2), (RandomTelegraph(4e-3, 0.1), 1)])
+def test_steps_are_jumps_where_there_are_many_beside_slow_noise(noise, most):
+    search = Search(Description((), Noise((WHITE,))), (), LOG_ALPHA)
+    for count in (most, most + 1):
+        steps = tuple(Term(BiasStep(200.0 * (k + 1), 0.05), ("step",)) for k in range(count))
+        effects = (noise, *(step.effect for step in steps))
+        found = fit(sequence(*effects), Description(steps, Noise((WHITE, noise))))
+        keys = search.added(found.description)
+        assert set(_jumping(found, keys)) == (set(keys) if count > most else set())
+
+
+@pytest.mark.parametrize(("second", "doubtful"), [(0.5, True), (2.0, False)])
+def test_steps_within_a_warm_up_make_it_a_transient_of_another_shape(second, doubtful):
+    """Within two time constants; a single step is one, and so are others that come after it is over."""
+    over = FADING * 40.0
+    terms = (
+        Term(WarmUp(0.05, 40.0), ("amplitude", "time_constant")),
+        *(Term(BiasStep(time, 0.02), ("step",)) for time in (0.25 * over, second * over)),
+    )
+    search = Search(Description((), Noise((WHITE,))), (), LOG_ALPHA)
+    found = fit(sequence(*(term.effect for term in terms)), Description(terms, Noise((WHITE,))))
+    keys = search.added(found.description)
+    assert len(keys) == 3
+    assert set(of_transients(search, found, keys)) == (set(keys) if doubtful else set())
+
+
+def passing(time, rng):
+    """Return a passage to another level, which takes a minute or so."""
+    return 4e-3 * ndtr((time - 480) / 20)
+
+
+@pytest.mark.parametrize(("kinds", "most"), [((BiasStep,), 4), ((RandomWalk, GaussMarkov), 2)])
+def test_what_follows_a_gradual_transition_is_no_staircase_and_no_noise(kinds, most):
+    search, found = explored(sequence(added=passing), *kinds)
+    keys = search.added(found.description)
+    assert 0 < len(keys) <= most
+    assert set(of_transitions(search, found, keys)) == set(keys)
+
+
+@pytest.mark.parametrize(
+    "effects", [(BiasStep(460.0, 1e-3), BiasStep(500.0, 1e-3)), (RandomWalk(1e-4),), (RandomTelegraph(2e-3, 0.02),)]
+)
+def test_steps_one_way_and_slow_noise_keep_their_names(effects):
+    for label in range(10):
+        search, found = explored(sequence(*effects, label=label), BiasStep, RandomWalk, RandomTelegraph)
+        keys = search.added(found.description)
+        assert keys
+        assert of_transitions(search, found, keys) == {}
+
+
+@pytest.mark.parametrize("later", [True, False])
+def test_a_step_that_comes_or_settles_in_its_time_is_not_quite_one(later):
+    """With a time constant of a hundredth of the log, before or after it."""
+
+    def crept(time, rng):
+        late = np.maximum(time - 480 if later else 480 - time, 0.0)
+        return 4e-3 * np.where(late > 0, np.exp(-late / 9.6), 0.0) * (-1 if later else 1) + 4e-3 * (time >= 480)
+
+    found = fit(sequence(added=crept), Description((Term(BiasStep(480.0, 4e-3), ("step",)),), Noise((WHITE,))))
+    assert nearly(found, 0) < LEVEL - 10
+
+
+@pytest.mark.parametrize(("factor", "odd"), [(1.0, False), (4.0, True)])
+def test_samples_and_spectrum_agree_where_a_walk_has_taken_the_place_of_telegraph_noise(factor, odd):
+    true = RandomTelegraph(4e-3, 0.05)
+    found = fit(sequence(true), Description((), Noise((WHITE, RandomWalk(4e-4)))))
+    hidden = replace(true, step=1e-9)
+    beside = Description((), replace(found.description.noise, effects=(*found.description.noise.effects, hidden)))
+    log_p = _at_odds(replace(found, description=beside), Key("noise", 2), replace(true, step=factor * true.step))
+    assert (log_p < LEVEL) == odd
+
+
+def relaxing(kind):
+    """What ages by itself, in white noise; a warm-up and a ramp among it."""
+    time = INTERVAL * np.arange(COUNT)
+    return {
+        "logarithm": lambda: 3e-3 * np.log1p(time / 5),
+        "power": lambda: 1e-3 * time**0.4,
+        "stretched": lambda: 1.5e-2 * np.exp(-np.sqrt(time / 50)),
+        "warm-up and ramp": lambda: 3e-3 * np.exp(-time / 60) + 2e-6 * time,
+    }[kind]()
+
+
+@pytest.mark.parametrize("kind", ["logarithm", "power", "stretched", "warm-up and ramp"])
+def test_a_transient_of_another_shape_is_no_warm_up_beside_a_ramp(kind):
+    data = sequence(added=lambda time, rng: relaxing(kind), label=kind)
+    search, found = explored(data, WarmUp, RateRamp, BiasStep)
+    keys = search.added(found.description)
+    assert len(keys) >= 2
+    doubtful = doubts(search, found)
+    assert set(doubtful) == (set() if kind == "warm-up and ramp" else set(keys))
+
+
+def test_bursts_change_the_variance_and_leave_no_change_of_it_a_name():
+    change = VarianceChange(200.0, 300.0, 4.0)
+    search = Search(Description((), Noise((WHITE,))), (), LOG_ALPHA)
+    noise = GaussMarkov(2e-3, 5.0)
+    found = fit(sequence(noise, change), Description((), Noise((WHITE, noise)), (change,)))
+    slow, changes = (key for key in search.added(found.description))
+    bursts = Doubt(BURSTS, -20.0)
+    assert _of_the_variance(search, found, [slow, changes], {slow: bursts}) == {changes: bursts}
+    assert (
+        _of_the_variance(search, found, [slow, changes], {slow: Doubt("its spectrum has another slope", -20.0)}) == {}
+    )
+
+
+def test_a_line_that_swells_without_a_carrier_is_two_that_have_no_name():
+    def beating(time, rng):
+        return 8e-4 * np.cos(2 * np.pi * 0.05 * time / 2) * np.cos(2 * np.pi * 9 * time)
+
+    data = sequence(added=beating)
+    assert reasons(data, Sinusoid) == {"lines beside it make it one that swells or drifts"}
+    apart = sequence(Sinusoid(9.0, 4e-4), Sinusoid(9.2, 4e-4))
+    assert reasons(apart, Sinusoid) == set()
+
+
+def test_a_filter_is_surer_than_what_it_leaves():
+    """A bump of the spectrum below Nyquist is followed by a fall, which alone would be a filter."""
+
+    def bump(time, rng):
+        frequency = np.fft.rfftfreq(len(time), INTERVAL)
+        gain = 1.2 * np.exp(-0.5 * (np.log(np.maximum(frequency, 1e-9) / 5) / 0.2) ** 2)
+        return np.fft.irfft(np.fft.rfft(rng.standard_normal(len(time)) * 1e-3 / np.sqrt(INTERVAL)) * gain, len(time))
+
+    assert reasons(sequence(added=bump), OutputFilter) == {"the spectrum around it is farther off"}
+    assert reasons(sequence(OutputFilter(5.0, 1)), OutputFilter) == set()
+
+
+def test_outliers_at_any_time_are_as_even_and_as_irregular_as_chance_makes_them():
+    rng, found = stream(5, "even"), []
+    for _ in range(200):
+        hit = rng.random(10_000) < 10 ** rng.uniform(-2.5, -1.5)
+        found.append(tails(rng.standard_normal(10_000) * np.where(hit, 12.0, 1.0)))
+    for level in (0.01, 0.1):
+        for chances in ([one.uneven for one in found], [one.beating for one in found]):
+            assert np.sum(np.exp(chances) < level) <= binom.isf(1e-3, len(found), level)
+    assert np.sum(np.exp([one.uneven for one in found]) < 0.5) >= binom.isf(1 - 1e-3, len(found), 0.4)
+
+
+def spikes(time, rng):
+    return 0.05 * (np.arange(len(time)) % 131 == 7)
+
+
+def fewer_and_fewer(time, rng):
+    hit = rng.random(len(time)) < 0.02 * np.exp(-4 * time / time[-1])
+    return np.where(hit, 0.05 * rng.standard_normal(len(time)), 0.0)
+
+
+def skewed(time, rng):
+    return 0.01 * (rng.standard_exponential(len(time)) - 1)
+
+
+@pytest.mark.parametrize(
+    ("added", "reason"),
+    [
+        (spikes, "they come at a beat"),
+        (fewer_and_fewer, "they come at some times more often than at others"),
+        (skewed, "all samples are of another distribution"),
+    ],
+)
+def test_what_comes_at_a_beat_or_dies_out_or_is_skewed_is_no_outlier(added, reason):
+    search, found = explored(sequence(added=added), Outliers)
+    assert found.has(Outliers)
+    assert outliers_doubt(search, found).reason == reason
+    assert reasons(sequence(added=added), Outliers) == {reason}
+
+
+@pytest.mark.parametrize("law", ["standard_normal", "laplace", "uniform"])
+def test_outliers_keep_their_name_whatever_their_distribution(law):
+    def far(time, rng):
+        size = 0.04 * (rng.uniform(-2, 2, len(time)) if law == "uniform" else getattr(rng, law)(size=len(time)))
+        return np.where(rng.random(len(time)) < 0.005, size, 0.0)
+
+    for label in range(5):
+        search, found = explored(sequence(added=far, label=label), Outliers)
+        assert found.has(Outliers)
+        assert doubts(search, found) == {}
+
+
+def test_heavy_tails_of_all_samples_are_no_outliers():
+    assert reasons(sequence(added=lambda time, rng: 5e-3 * rng.laplace(size=len(time))), Outliers) == {
+        "they are not rare"
+    }
+
+
+def test_volatile_noise_has_neither_outliers_nor_changes_of_variance():
+    def volatile(time, rng):
+        level = np.convolve(rng.standard_normal(len(time)), np.ones(200) / np.sqrt(200), "same")
+        return 5e-3 * np.exp(0.8 * level) * rng.standard_normal(len(time))
+
+    search, found = explored(sequence(added=volatile), Outliers, VarianceChange)
+    keys = search.added(found.description)
+    assert {key.part for key in keys} == {"outliers", "change"}
+    assert set(doubts(search, found)) == set(keys)
+    assert _of_the_variance(search, found, keys, {}) == {}

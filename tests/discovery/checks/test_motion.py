@@ -1,0 +1,220 @@
+"""Names of what answers the motion, and what else may go with it."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from scipy.signal import butter, lfilter
+from scipy.stats import binom
+
+from imugap import log
+from imugap.discovery.axis import concluded, told
+from imugap.discovery.checks.motion import samples_in_motion
+from imugap.discovery.fit.axis_fit import Description, Term, fit
+from imugap.discovery.fit.whittle import Noise
+from imugap.discovery.preparation.sequence import Sequence
+from imugap.discovery.search.search import Trial, _in_noise
+from imugap.discovery.unnamed.hysteresis import play
+from imugap.effects import (
+    CATALOGUE,
+    GaussMarkov,
+    GSensitivity,
+    Misalignment,
+    Outliers,
+    OutputFilter,
+    ScaleFactor,
+    TimeOffset,
+    VarianceChange,
+    VibrationRectification,
+    WhiteNoise,
+)
+from imugap.effects.conditions import Conditions
+from imugap.effects.effect import AxisModel
+from imugap.stream import stream
+
+COUNT, INTERVAL = 20_000, 0.02
+LOG_ALPHA = np.log(0.01 / 6 / 28)
+
+
+def turning(coupled=0.9):
+    """Return the error-free log of a vehicle: its turns are felt sideways, more or less."""
+    slow = lfilter(*butter(2, 0.02), stream(5, "turning").standard_normal((6, COUNT)))
+    slow[4] = coupled * slow[2] + np.sqrt(1 - coupled**2) * slow[4]
+    return log.from_samples(dict(zip(log.AXES, 8 * slow, strict=True)), INTERVAL)
+
+
+def conditions_of(axis, ideal):
+    return Conditions(ideal.index.to_numpy(), INTERVAL, None, axis, ideal)
+
+
+def tale(axis, ideal, *effects, added=0.0):
+    conditions = conditions_of(axis, ideal)
+    own = conditions.error_free
+    error = AxisModel((WhiteNoise(1e-3), *effects)).simulate(own, conditions, 1, "motion") - own
+    sequence = Sequence(error + added, conditions, np.zeros(COUNT, bool))
+    return told(sequence, (), tuple(CATALOGUE.values()), LOG_ALPHA, int(0.8 * COUNT))
+
+
+def story(axis, ideal, *effects, added=0.0):
+    return concluded(tale(axis, ideal, *effects, added=added))
+
+
+@pytest.mark.parametrize(
+    ("axis", "effect"),
+    [
+        ("accel_z", Misalignment(0.0, 1e-3, 0.0)),
+        ("gyro_x", GSensitivity(0.0, 1e-3, 0.0)),
+        ("gyro_z", ScaleFactor(1e-3)),
+        ("gyro_z", ScaleFactor(1e-2)),
+    ],
+)
+@pytest.mark.parametrize("beside", [(), (GaussMarkov(5e-3, 5.0),), (OutputFilter(5.0, 2),)])
+def test_what_answers_the_motion_keeps_its_name(axis, effect, beside):
+    found = story(axis, turning(), effect, *beside)
+    assert sorted(finding.name for finding in found.findings) == sorted(one.name for one in (effect, *beside))
+    assert not found.withheld
+
+
+@pytest.mark.parametrize("coupled", [0.8, 0.95])
+def test_an_accelerometer_that_answers_the_rate_leans_to_no_axis(coupled):
+    ideal = turning(coupled)
+    found = story("accel_z", ideal, added=2e-3 * ideal["gyro_z"].to_numpy())
+    assert not found.findings
+    assert "another function of the motion explains it better" in {one.reason for one in found.withheld}
+
+
+@pytest.mark.parametrize("waves", [2.5, 6.0])
+def test_a_wavy_transfer_is_no_noise(waves):
+    """An interpolation error repeats itself over the input; as the input moves, its spectrum is that of slow noise."""
+    ideal = turning()
+    rate = ideal["gyro_z"].to_numpy()
+    found = story("gyro_z", ideal, added=4e-3 * np.sin(2 * np.pi * waves * rate / np.ptp(rate)))
+    assert not found.findings
+    assert "another function of the motion explains it better" in {one.reason for one in found.withheld}
+
+
+def test_the_cutoff_of_a_filter_of_the_motion_scatters_as_its_error_says():
+    """What the filter takes from the motion tells it, beside a scale factor that takes some of it too."""
+    ideal, log_cutoff, seen = turning().iloc[:3000], np.log(5.0), []
+    own = conditions_of("gyro_z", ideal).error_free
+    scatter = []
+    for number in range(60):
+        conditions = conditions_of("gyro_z", ideal)
+        model = AxisModel((WhiteNoise(0.02), ScaleFactor(0.01), OutputFilter(5.0, 2)))
+        error = model.simulate(own, conditions, number, "cutoff") - own
+        data = Sequence(error, conditions, np.zeros(len(ideal), bool))
+        terms = (Term(ScaleFactor(0.0), ("error",)),)
+        found = fit(data, Description(terms, Noise((WhiteNoise(0.02),), OutputFilter(4.0, 2))))
+        seen.append(np.log(found.description.noise.output_filter.cutoff) - log_cutoff)
+        scatter.append(np.sqrt(found.noise.covariance[-1, -1]))
+    z = np.array(seen) / scatter
+    assert abs(z.mean()) < 4 / np.sqrt(60)
+    assert 0.7 < z.std() < 1.35
+    free = fit(replace(data, conditions=replace(data.conditions, ideal=None)), replace(found.description, terms=()))
+    assert scatter[-1] < 0.5 * np.sqrt(free.noise.covariance[-1, -1])
+
+
+@pytest.mark.parametrize(("effect", "shown"), [(TimeOffset(5e-5), False), (OutputFilter(15.0, 1), True)])
+def test_a_delay_is_no_filter_that_noise_does_not_show(effect, shown):
+    """One whose cutoff is next to half the rate delays the motion a little, and does nothing else."""
+    conditions = conditions_of("gyro_z", turning())
+    own = conditions.error_free
+    error = AxisModel((WhiteNoise(1e-4), effect)).simulate(own, conditions, 1, "delay") - own
+    data = Sequence(error, conditions, np.zeros(COUNT, bool))
+    plain = fit(data, Description((), Noise((WhiteNoise(1e-4),))))
+    near = OutputFilter(15.0 if shown else 24.9, 1)
+    filtered = fit(data, Description((), Noise((WhiteNoise(1e-4),), near)))
+    gain = filtered.log_likelihood - plain.log_likelihood
+    assert gain > 100
+    assert _in_noise(Trial(near, filtered, gain, 1, 10.0), LOG_ALPHA) == shown
+
+
+@pytest.mark.parametrize("gravity", [0.0, -9.8])
+def test_a_cube_about_where_the_input_is_is_no_scale_factor(gravity):
+    ideal = turning()
+    moved = ideal["accel_z"].to_numpy()
+    ideal["accel_z"] += gravity
+    found = story("accel_z", ideal, added=3e-3 * moved**3)
+    assert not found.findings
+    assert "another function of the motion explains it better" in {one.reason for one in found.withheld}
+
+
+@pytest.mark.parametrize("waves", [1, 2])
+def test_an_error_that_goes_with_the_heading_is_no_noise(waves):
+    """Iron of a vehicle, say: it is the same wherever the vehicle heads the same way."""
+    ideal = turning()
+    heading = INTERVAL * np.cumsum(0.2 * ideal["gyro_z"].to_numpy())
+    ideal["gyro_z"] *= 0.2
+    found = story("gyro_x", ideal, added=2e-3 * np.sin(waves * heading + 1))
+    assert not found.findings
+    assert {one.reason for one in found.withheld} == {"another function of the motion explains it better"}
+
+
+@pytest.mark.parametrize("half", [0.003, 0.03])
+def test_a_play_is_neither_what_it_looks_like_nor_the_noise_that_takes_it_up(half):
+    """A delay, a filter, outliers: each of them explains some of it."""
+    ideal = turning()
+    own = np.ascontiguousarray(ideal["gyro_y"])
+    found = story("gyro_y", ideal, added=play(own, half * own.std()) - own)
+    assert not found.findings
+    assert found.withheld
+
+
+def test_what_has_no_name_is_not_searched_through_again_in_the_whole_log():
+    """It stands for whatever a search would make of it, and the search would go on and on."""
+    ideal = turning()
+    rate = ideal["gyro_x"].to_numpy()
+    found = tale("gyro_x", ideal, added=np.where(np.abs(rate) < 0.1 * rate.std(), -rate, 0.0))
+    early, whole = ([type(one) for one in part.description.effects()] for part in (found.after, found.whole))
+    assert whole == early != [WhiteNoise]
+    told_of = concluded(found)
+    assert not told_of.findings
+    assert {one.reason for one in told_of.withheld} == {"another function of the motion explains it better"}
+
+
+@pytest.mark.parametrize(("axis", "size"), [("gyro_y", 0.8), ("gyro_y", 2.0), ("accel_x", 0.8)])
+def test_noise_that_grows_with_the_motion_has_no_name(axis, size):
+    ideal = turning()
+    change = np.gradient(ideal[axis].to_numpy())
+    noise = size * stream(9, "grows").standard_normal(COUNT) * change / change.std()
+    found = story("gyro_y", ideal, added=1e-3 / np.sqrt(INTERVAL) * noise)
+    assert not found.findings
+    assert found.withheld
+
+
+def test_noise_that_differs_at_rest_has_no_name():
+    """Coarse rounding, say, is louder or softer while nothing moves."""
+    moving = INTERVAL * np.arange(COUNT) > 20
+    ideal = turning().mul(moving, axis=0)
+    noise = stream(6, "rest").standard_normal(COUNT) * moving
+    found = story("gyro_y", ideal, added=1e-3 / np.sqrt(INTERVAL) * noise)
+    assert not found.findings
+    assert "the variance goes with the motion" in {one.reason for one in found.withheld}
+
+
+@pytest.mark.parametrize("effect", [Outliers(1e-3, 0.05), VarianceChange(100.0, 150.0, 1.6)])
+def test_what_comes_at_times_of_its_own_keeps_its_name_in_motion(effect):
+    found = story("gyro_y", turning(), effect)
+    assert [finding.name for finding in found.findings] == [effect.name]
+    assert not found.withheld
+
+
+def test_samples_by_chance_are_seldom_taken_to_come_with_the_motion():
+    ideal = turning()
+    fitted = SimpleNamespace(sequence=SimpleNamespace(conditions=conditions_of("gyro_y", ideal)))
+    rng = stream(3, "by chance")
+    chances = [samples_in_motion(fitted, rng.random(COUNT) < 5e-3) for _ in range(100)]
+    assert binom.ppf(0.001, 100, 0.02) <= np.sum(np.array(chances) < np.log(0.1)) <= binom.ppf(0.999, 100, 0.1)
+
+
+@pytest.mark.parametrize("own", [0, 1])
+def test_vibration_is_told_from_the_motion_beneath_it(own):
+    rng, ideal = stream(5, "vibration"), turning()
+    power = np.repeat(rng.uniform(0.0, 3.0, 20), COUNT // 20)
+    fast = lfilter(*butter(2, 0.4, "high"), rng.standard_normal((3, COUNT))) * power
+    shaken = ideal.assign(**{axis: ideal[axis] + more for axis, more in zip(log.ACCEL, fast, strict=True)})
+    found = story("accel_y", shaken, VibrationRectification(5e-4, 0.1, own))
+    assert [finding.name for finding in found.findings] == ["vibration_rectification"]
+    assert found.findings[0].effects["accel_y"].own == own
+    assert found.findings[0].parameters["coefficient"].value == pytest.approx(5e-4, rel=0.25)

@@ -1,0 +1,169 @@
+"""Distances on held-out data: far without what is missing, within the floor with the right model."""
+
+import numpy as np
+import pytest
+from scipy.stats import binomtest
+
+from imugap import log
+from imugap.discovery.evaluation.distance import Compared, together
+from imugap.discovery.evaluation.parameter_ensemble import Uncertain
+from imugap.discovery.fit.axis_fit import Description, Term, fit
+from imugap.discovery.fit.whittle import Noise
+from imugap.discovery.preparation.sequence import Sequence
+from imugap.effects import (
+    Bias,
+    GaussMarkov,
+    OutputFilter,
+    RandomWalk,
+    RateRamp,
+    Resolution,
+    ScaleFactor,
+    Sinusoid,
+    WhiteNoise,
+)
+from imugap.effects.conditions import Conditions
+from imugap.effects.effect import AxisModel
+from imugap.model import ErrorModel
+from imugap.stream import stream
+
+INTERVAL = 0.02
+WHITE = WhiteNoise(1e-3)
+
+
+def rest(count=4000, axes=log.AXES):
+    level = {axis: np.full(count, -9.8 if axis == "accel_z" else 0.0) for axis in axes}
+    return log.from_samples(level, INTERVAL)
+
+
+def model(*effects, axes=log.AXES):
+    return ErrorModel({axis: AxisModel((WHITE, *effects)) for axis in axes})
+
+
+@pytest.mark.parametrize(
+    "hidden", [GaussMarkov(3e-3, 2.0), Sinusoid(3.0, 6e-3), RateRamp(3e-4), Resolution(0.02), RandomWalk(2e-3)]
+)
+def test_the_right_model_is_at_the_floor_and_the_poor_one_is_not(hidden):
+    axes = ("gyro_x", "accel_z")
+    measured = model(hidden, axes=axes).simulate(rest(axes=axes), 1)
+    found = together([Compared(measured, 50.0, model(axes=axes), model(hidden, axes=axes)).distribution(seed=1)])
+    assert found.before.low > found.floor.high
+    assert found.before.value > 1.5 * found.after.value
+    assert found.floor.low * 0.95 < found.after.value < found.floor.high * 1.05
+    for item in (found.before, found.after, found.floor):
+        assert item.low < item.value < item.high
+
+
+def test_an_effect_that_is_not_there_does_no_good():
+    axes = ("gyro_x",)
+    measured = model(axes=axes).simulate(rest(axes=axes), 1)
+    found = together(
+        [Compared(measured, 50.0, model(axes=axes), model(Sinusoid(3.0, 3e-3), axes=axes)).distribution(seed=1)]
+    )
+    assert found.after.value > max(found.before.high, found.floor.high)
+    assert found.after.value > found.floor.high
+
+
+def test_navigation_sees_what_drifts():
+    measured = model(RandomWalk(1e-3)).simulate(rest(), 2)
+    found = together([Compared(measured, 40.0, model(), model(RandomWalk(1e-3))).drifts(seed=1).apart()])
+    assert found.before.low > found.floor.high
+    assert found.floor.low * 0.9 < found.after.value < found.floor.high * 1.1
+
+
+def test_the_level_of_a_device_at_rest_and_its_biases_do_not_matter():
+    axes = ("gyro_x",)
+    measured = model(axes=axes).simulate(rest(axes=axes), 1)
+    shifted = measured + 5.0
+    biased = ErrorModel({"gyro_x": AxisModel((Bias(3.0), WHITE))})
+    one = together([Compared(measured, 50.0, model(axes=axes), model(axes=axes)).distribution(seed=1)])
+    other = together([Compared(shifted, 50.0, model(axes=axes), biased).distribution(seed=1)])
+    for name in ("before", "after", "floor"):
+        assert getattr(other, name).value == pytest.approx(getattr(one, name).value, rel=1e-6)
+
+
+def test_motion_is_compared_with_its_reference():
+    count = 4000
+    swing = 2 * np.sin(2 * np.pi * 0.7 * INTERVAL * np.arange(count))
+    reference = log.from_samples({"gyro_x": swing}, INTERVAL)
+    hidden = model(ScaleFactor(5e-3), axes=("gyro_x",))
+    measured = hidden.simulate(reference, 1)
+    compared = Compared(measured, 50.0, model(axes=("gyro_x",)), hidden, reference)
+    found = together([compared.distribution(seed=1)])
+    assert found.before.low > found.floor.high
+    assert found.floor.low * 0.9 < found.after.value < found.floor.high * 1.1
+
+
+@pytest.mark.parametrize("split", [0.5, 79.9, 100.0])
+def test_a_split_that_leaves_nothing_is_refused(split):
+    axes = ("gyro_x",)
+    measured = model(axes=axes).simulate(rest(axes=axes), 1)
+    with pytest.raises(ValueError, match=r"split: expected 64 samples on either side"):
+        Compared(measured, split, model(axes=axes), model(axes=axes)).distribution(seed=1)
+
+
+def fitted(measured, held_in, description):
+    conditions = Conditions(measured.index.to_numpy()[:held_in], INTERVAL, axis="gyro_x")
+    values = measured["gyro_x"].to_numpy()[:held_in]
+    return fit(Sequence(values, conditions, np.zeros(held_in, bool)), description)
+
+
+def test_drawn_models_scatter_as_their_fit_says():
+    described = Description((Term(RateRamp(1e-4), ("slope",)),), Noise((WHITE, GaussMarkov(3e-3, 2.0))))
+    axes = ("gyro_x",)
+    measured = model(GaussMarkov(3e-3, 2.0), RateRamp(1e-4), axes=axes).simulate(rest(axes=axes), 1)
+    found = fitted(measured, 4000, described)
+    fixed = Resolution(1e-4)
+    uncertain = Uncertain.of(
+        ErrorModel({"gyro_x": AxisModel((*found.description.effects(), fixed)), "gyro_y": AxisModel((WHITE,))}),
+        {"gyro_x": found},
+    )
+    rng = stream(1, "draws")
+    drawn = [uncertain.draw(rng) for _ in range(400)]
+    values = {type(effect): [] for effect in drawn[0]["gyro_x"]}
+    for one in drawn:
+        for effect in one["gyro_x"]:
+            values[type(effect)].append(next(iter(effect.parameters().values())))
+        assert one["gyro_y"] == AxisModel((WHITE,))
+    assert set(values[Resolution]) == {1e-4}
+    error = np.sqrt(found.covariance[0, 0])
+    ramp = found.description.terms[0].effect.slope
+    assert np.std(values[RateRamp]) == pytest.approx(error, rel=0.15)
+    assert abs(np.mean(values[RateRamp]) - ramp) < 5 * error / 20
+    information = found.noise.information
+    expected = np.sqrt(np.diag(np.linalg.inv(information + np.eye(len(information)))))
+    assert np.std(np.log(values[WhiteNoise])) == pytest.approx(expected[0], rel=0.15)
+    assert np.std(np.log(values[GaussMarkov])) == pytest.approx(expected[1], rel=0.15)
+
+
+def test_a_drawn_filter_ends_below_half_the_rate():
+    """A filter that is not there, and of which the data say little: its cutoff scatters widely."""
+    measured = model(axes=("gyro_x",)).simulate(rest(400, ("gyro_x",)), 1)
+    described = Description((), Noise((WHITE,), OutputFilter(0.4 / INTERVAL, 1)))
+    found = fitted(measured, 400, described)
+    uncertain = Uncertain.of(ErrorModel({"gyro_x": AxisModel(found.description.effects())}), {"gyro_x": found})
+    rng = stream(1, "draws")
+    drawn = [uncertain.draw(rng)["gyro_x"].effects[-1] for _ in range(300)]
+    cutoffs = np.array([effect.cutoff for effect in drawn if isinstance(effect, OutputFilter)])
+    assert len(cutoffs) == 300
+    assert cutoffs.max() < 0.5 / INTERVAL
+    assert np.ptp(np.log(cutoffs)) > 0.05
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["known", "estimated", "navigation"])
+def test_the_right_model_lands_in_the_floor_in_95_percent_of_cases(kind):
+    axes, count, logs = (log.AXES if kind == "navigation" else ("gyro_x",)), 1200, 60
+    true = model(RandomWalk(5e-3), axes=axes)
+    described = Description((), Noise((WHITE, RandomWalk(5e-3))))
+    inside = 0
+    for seed in range(logs):
+        measured = true.simulate(rest(count, axes), 7, seed)
+        after = true
+        if kind == "estimated":
+            found = fitted(measured, 720, described)
+            after = Uncertain.of(ErrorModel({"gyro_x": AxisModel(found.description.effects())}), {"gyro_x": found})
+        asked = Compared(measured, 14.4, true, after)
+        seen = asked.drifts(seed, 39).apart() if kind == "navigation" else asked.distribution(seed, 39)
+        found = together([seen])
+        inside += found.floor.low <= found.after.value <= found.floor.high
+    assert binomtest(inside, logs, 0.95).pvalue > 0.002

@@ -1,0 +1,50 @@
+"""The climb of Whittle's likelihood: one top from wherever it begins, and a top it is."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from imugap.discovery.fit.whittle import Noise, _Spectra, fit, limits
+from imugap.discovery.preparation.cosine_bins import Bins
+from imugap.effects import BiasInstability, GaussMarkov, OutputFilter, RandomWalk, WhiteNoise
+from imugap.stream import stream
+
+COUNT, INTERVAL = 20000, 0.02
+BINS = Bins(COUNT, INTERVAL)
+TRUTH = Noise((WhiteNoise(1e-3), RandomWalk(1e-4), GaussMarkov(2e-3, 8.0)))
+
+
+def power(noise, seed):
+    """Sums of squared coefficients of the variances of a noise."""
+    return noise.variance(BINS) * stream(seed, "noise").chisquare(BINS.number)
+
+
+@pytest.mark.parametrize("faint", [1e-9, 1e-7, 1e-5])
+def test_a_process_too_faint_to_matter_does_not_hold_up_the_others(faint):
+    loud = Noise((WhiteNoise(1e-2), RandomWalk(faint)))
+    found = fit(Noise((WhiteNoise(1e-4), RandomWalk(faint))), BINS, power(loud, 2))
+    assert found.noise.effects[0].density == pytest.approx(1e-2, rel=5 / np.sqrt(COUNT))
+
+
+@settings(deadline=None, max_examples=40)
+@given(st.lists(st.floats(-6, 6), min_size=3, max_size=3), st.booleans())
+def test_from_every_start_sizes_end_at_the_same_top(away, absent):
+    """Without walk in the truth too: then it ends at or near its lower limit, and the others where they belong."""
+    truth = Noise((WhiteNoise(1e-3), BiasInstability(3e-4), RandomWalk(1e-9 if absent else 1e-4)))
+    seen = power(truth, 4)
+    tops = [fit(truth.at(truth.theta() + shift), BINS, seen).log_likelihood for shift in (np.zeros(3), away)]
+    assert tops[1] == pytest.approx(tops[0], abs=0.05)
+
+
+@pytest.mark.parametrize("behind", [None, OutputFilter(5.0, 2)])
+def test_the_end_of_a_climb_is_level_but_where_limits_stop_it(behind):
+    truth = Noise(TRUTH.effects, behind)
+    seen = power(truth, 3)
+    found = fit(truth.at(truth.theta() + 0.7), BINS, seen)
+    theta, (low, high) = found.noise.theta(), limits(truth, BINS, seen)
+    gradient = _Spectra(truth, BINS).expand(theta, seen)[1]
+    inside = (theta > low + 1e-9) & (theta < high - 1e-9)
+    assert inside.sum() >= 3
+    score = gradient[inside] / np.sqrt(np.diag(found.information)[inside])
+    assert np.abs(score).max() < 0.02

@@ -1,0 +1,127 @@
+"""Runs of one device against each other: clocks from lines that all move alike."""
+
+import numpy as np
+import pytest
+
+from imugap.discovery.between_runs import _error, _of_mean, as_first, clocks, turn_on
+from imugap.discovery.fit.axis_fit import Description, Term, fit
+from imugap.discovery.fit.whittle import Noise
+from imugap.discovery.preparation.sequence import Sequence
+from imugap.effects import GaussMarkov, PowerLaw, RandomWalk, RateRamp, Sinusoid, WarmUp, WhiteNoise
+from imugap.effects.conditions import Conditions
+from imugap.stream import stream
+
+INTERVAL = 0.02
+LOG_ALPHA = np.log(1e-4)
+FREE = ("frequency", "amplitude", "phase")
+
+
+def run(number, ratio, lines, count=12000, label="clock"):
+    """Fit a run whose true interval is ``1 / ratio`` of the nominal one; ``lines`` are in true time [Hz]."""
+    fits = {}
+    for axis, frequency in lines.items():
+        rng = stream(number, label, axis)
+        conditions = Conditions(np.arange(count) * INTERVAL, INTERVAL, axis=axis)
+        line = Sinusoid(frequency / ratio, 3e-4, float(rng.uniform(0, 6)))
+        noise = WhiteNoise(1e-4)
+        values = line.sample(conditions, None) + noise.sample(conditions, rng)
+        sequence = Sequence(values, conditions, np.zeros(count, bool))
+        fits[axis] = fit(sequence, Description((Term(line, FREE),), Noise((noise,))))
+    return fits
+
+
+@pytest.mark.parametrize("ratio", [1.0001, 0.9995, 1.005])
+def test_lines_of_two_axes_tell_the_clock(ratio):
+    lines = {"gyro_x": 3.1, "accel_y": 11.7}
+    (found,) = clocks([run(1, 1.0, lines), run(2, ratio, lines)], LOG_ALPHA)
+    interval = found.parameters["ratio"]
+    assert interval.low < ratio < interval.high
+    assert interval.high - interval.low < 1e-4
+    assert found.parameters["run"].value == 2
+    assert next(iter(found.effects.values())).ratio == interval.value
+
+
+def test_the_interval_of_the_clock_holds_the_truth_as_often_as_it_says():
+    lines, ratio, inside = {"gyro_x": 3.1, "accel_y": 11.7}, 1.0001, []
+    for number in range(40):
+        pair = [run(number, 1.0, lines, label="first"), run(number, ratio, lines, label="second")]
+        ratios = [found.parameters["ratio"] for found in clocks(pair, LOG_ALPHA)]
+        inside += [one.low < ratio < one.high for one in ratios]
+    assert len(inside) >= 37  # lines disagree by chance in one of a hundred
+    assert 33 <= sum(inside) <= 40
+
+
+def test_runs_of_one_clock_and_lines_that_move_by_themselves_name_no_clock():
+    lines = {"gyro_x": 3.1, "accel_y": 11.7}
+    same = [run(number, 1.0, lines) for number in (1, 2, 3)]
+    assert clocks(same, LOG_ALPHA) == ()
+    assert clocks([same[0], run(4, 1.0, {"gyro_x": 3.1, "accel_y": 11.75})], LOG_ALPHA) == ()
+
+
+def test_only_the_run_that_is_off_is_named():
+    lines = {"gyro_x": 3.1, "accel_y": 11.7}
+    found = clocks([run(1, 1.0, lines), run(2, 1.0, lines), run(3, 1.0003, lines)], LOG_ALPHA)
+    assert [one.parameters["run"].value for one in found] == [3]
+
+
+def test_right_stamps_of_another_rate_are_no_error_of_the_clock():
+    fits = []
+    for number, interval in ((1, 0.01), (2, 0.0125)):
+        conditions = Conditions(np.arange(20_000) * interval, interval, axis="gyro_x")
+        lines = [Sinusoid(frequency, 2e-4) for frequency in (17.7, 23.0, 31.3)]
+        noise = WhiteNoise(1e-4)
+        values = noise.sample(conditions, stream(number, "rates"))
+        values += sum(line.sample(conditions, None) for line in lines)
+        sequence = Sequence(values, conditions, np.zeros(len(values), bool))
+        fits.append({"gyro_x": fit(sequence, Description(tuple(Term(one, FREE) for one in lines), Noise((noise,))))})
+    assert clocks(fits, LOG_ALPHA) == ()
+
+
+def levelled(number, levels, effects, noise, found=()):
+    """Fit runs with the same ``effects`` at ``levels``; the first with the terms ``found``, as a search leaves them."""
+    fits, white = [], WhiteNoise(1e-4)
+    for run, level in enumerate(levels):
+        conditions = Conditions(np.arange(3000) * INTERVAL, INTERVAL, axis="gyro_x")
+        values = level + sum(
+            one.sample(conditions, stream(number, "level", run, one.name)) for one in (white, *effects, *noise)
+        )
+        sequence, random = Sequence(values, conditions, np.zeros(3000, bool)), Noise((white, *noise))
+        if fits:
+            fits.append({"gyro_x": as_first(sequence, (), fits[0]["gyro_x"])})
+        else:
+            fits.append({"gyro_x": fit(sequence, Description(tuple(found), random))})
+    return fits
+
+
+REPEATED = {
+    "ramp": (RateRamp(2e-5), ("slope",)),
+    "warm-up": (WarmUp(2e-3, 15.0), ("amplitude", "time_constant")),
+}
+
+
+@pytest.mark.parametrize("name", REPEATED)
+def test_what_every_run_does_is_no_difference_between_runs(name):
+    effect, free = REPEATED[name]
+    term = Term(effect, free)
+    assert turn_on(levelled(1, (1e-3, 1e-3), (effect,), (), (term,)), LOG_ALPHA) == ()
+    (found,) = turn_on(levelled(1, (1e-3, 1e-3, 6e-3), (effect,), (), (term,)), LOG_ALPHA)
+    assert found.parameters["std"].low < 5e-3 / np.sqrt(3) < found.parameters["std"].high
+
+
+@pytest.mark.parametrize("noise", [RandomWalk(2e-3), GaussMarkov(1e-2, 300.0), GaussMarkov(1e-2, 3.0)])
+def test_slow_noise_makes_runs_differ_as_often_as_it_should(noise):
+    level = np.log(0.05)
+    chance = [turn_on(levelled(number, (0.0, 0.0), (), (noise,)), level) for number in range(60)]
+    assert sum(map(len, chance)) <= 9  # binomial: more than 9 of 60 at 5 % in 0.2 %
+
+
+@pytest.mark.parametrize("duration", [100.0, 4000.0])
+def test_the_mean_of_a_walk_has_a_third_of_the_variance_of_its_end(duration):
+    assert _of_mean(RandomWalk(0.3), duration, 0.1) == pytest.approx(0.3**2 * duration / 3, rel=1e-3)
+
+
+def test_noise_of_any_slope_may_hold_a_level_through_a_run():
+    conditions = Conditions(0.1 * np.arange(2000), 0.1, axis="gyro_x")
+    values = stream(1, "slope").standard_normal(2000)
+    noise = Noise((WhiteNoise(0.3), PowerLaw(0.01, 1.2)))
+    assert np.isinf(_error(fit(Sequence(values, conditions, np.zeros(2000, bool)), Description((), noise))))

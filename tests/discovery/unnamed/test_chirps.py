@@ -1,0 +1,88 @@
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from imugap.discovery.axis import concluded, told
+from imugap.discovery.checks import beside_a_sweep
+from imugap.discovery.fit.axis_fit import Description, fit
+from imugap.discovery.fit.whittle import Noise
+from imugap.discovery.preparation.sequence import Sequence
+from imugap.discovery.search.search import Key, Search
+from imugap.discovery.unnamed.chirps import swept
+from imugap.discovery.unnamed.wandering_lines import Band
+from imugap.effects import CATALOGUE, OutputFilter, Sinusoid, WhiteNoise
+from imugap.effects.conditions import Conditions
+from imugap.stream import stream
+
+COUNT, INTERVAL = 30_000, 0.02
+LOG_ALPHA = np.log(0.01 / 6 / 28)
+
+
+def white(label, run=0):
+    return stream(5, "sweeps", label, run).standard_normal(COUNT)
+
+
+def chirp(begin, end, deviate):
+    """A chirp whose amplitude is so many of the standard deviations with which it can be known in white noise."""
+    time, duration = INTERVAL * np.arange(COUNT), INTERVAL * COUNT
+    angle = 2 * np.pi * (begin * time + (end - begin) * time**2 / (2 * duration))
+    return deviate * np.sqrt(2 / COUNT) * np.cos(angle)
+
+
+def found(values):
+    sequence = SimpleNamespace(conditions=SimpleNamespace(interval=INTERVAL))
+    return swept(SimpleNamespace(whitened=values, sequence=sequence), LOG_ALPHA)
+
+
+@pytest.mark.parametrize(("begin", "end"), [(1.0, 4.0), (6.0, 2.5), (20.0, 21.0), (1.5, 20.0)])
+def test_a_chirp_is_a_band_from_its_begin_to_its_end(begin, end):
+    (band,) = found(white("chirp") + chirp(begin, end, 15))
+    low, high = sorted((begin, end))
+    width = 8 / (INTERVAL * COUNT)
+    assert abs(band.low - low) < 2 * width
+    assert abs(band.high - high) < 2 * width
+
+
+def test_noise_and_steady_lines_do_not_sweep():
+    time = INTERVAL * np.arange(COUNT)
+    assert found(white("noise")) == ()
+    assert found(white("noise") + 0.5 * np.cos(2 * np.pi * 3.3 * time)) == ()
+
+
+@pytest.mark.slow
+def test_chance_is_not_taken_for_a_sweep_more_often_than_stated():
+    sequence = SimpleNamespace(conditions=SimpleNamespace(interval=INTERVAL))
+    often = [swept(SimpleNamespace(whitened=white("chance", i), sequence=sequence), np.log(0.1)) for i in range(100)]
+    assert sum(map(bool, often)) <= 17  # 0.1 of 100 and two standard deviations
+
+
+def test_a_faint_chirp_is_a_place_without_a_name():
+    conditions = Conditions(INTERVAL * np.arange(COUNT), INTERVAL, axis="accel_y")
+    data = Sequence(1e-2 * (white("story") + chirp(1.5, 5.0, 12)), conditions, np.zeros(COUNT, bool))
+    story = concluded(told(data, (), tuple(CATALOGUE.values()), LOG_ALPHA, int(0.8 * COUNT)))
+    assert story.findings == ()
+    (band,) = story.bands
+    assert band.low < 2 < 4 < band.high
+
+
+@pytest.mark.parametrize(("cutoff", "doubtful"), [(24.6, True), (2.0, False)])
+def test_a_filter_that_only_the_band_of_a_chirp_shows_is_none(cutoff, doubtful):
+    """All frequencies that the chirp reaches are louder, so that those above look filtered."""
+    conditions = Conditions(INTERVAL * np.arange(COUNT), INTERVAL, axis="accel_y")
+    noise, filtered = white("filter"), OutputFilter(cutoff, 1)
+    noise = noise if doubtful else filtered.apply(noise, conditions, stream(1))
+    data = Sequence(1e-2 * (noise + chirp(2.3, 18.1, 30)), conditions, np.zeros(COUNT, bool))
+    density = WhiteNoise(1e-2 * np.sqrt(INTERVAL))
+    search = Search(Description((), Noise((density,))), tuple(CATALOGUE.values()), LOG_ALPHA)
+    seen = fit(data, Description((), Noise((density,), filtered)))
+    doubts = beside_a_sweep(search, seen, [Key("filter", 0)], [Band(2.3, 18.1, -500.0)])
+    assert list(doubts) == ([Key("filter", 0)] if doubtful else [])
+
+
+def test_the_fit_of_a_steady_line_leaves_no_sweep():
+    line = Sinusoid(3.3, 1e-2, 0.3)
+    conditions = Conditions(INTERVAL * np.arange(COUNT), INTERVAL, axis="accel_y")
+    data = Sequence(1e-2 * white("line") + line.sample(conditions, None), conditions, np.zeros(COUNT, bool))
+    density = WhiteNoise(1e-2 * np.sqrt(INTERVAL))
+    assert swept(fit(data, Description((), Noise((density,)))), LOG_ALPHA) == ()

@@ -1,0 +1,113 @@
+"""Tones that wander, come and go, or ring, and what is none."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.stats import binom
+
+from imugap.discovery.axis import concluded, told
+from imugap.discovery.fit.axis_fit import Description, Term, fit
+from imugap.discovery.fit.whittle import Noise
+from imugap.discovery.preparation.sequence import Sequence
+from imugap.discovery.unnamed.tone_bursts import LENGTHS, LEVELS, _chances, _loud, glints
+from imugap.effects import (
+    CATALOGUE,
+    BiasStep,
+    GaussMarkov,
+    OutputFilter,
+    RandomTelegraph,
+    RandomWalk,
+    Sinusoid,
+    VarianceChange,
+    WhiteNoise,
+)
+from imugap.effects.conditions import Conditions
+from imugap.effects.effect import AxisModel
+from imugap.stream import stream
+
+COUNT, INTERVAL = 24_000, 0.04
+TIME = INTERVAL * np.arange(COUNT)
+WHITE = WhiteNoise(1e-3)
+STD = 1e-3 / np.sqrt(INTERVAL)
+
+
+def sequence(*effects, added=0.0, label="glints"):
+    conditions = Conditions(TIME, INTERVAL, axis="gyro_x")
+    values = AxisModel((WHITE, *effects)).simulate(np.zeros(COUNT), conditions, 1, label)
+    return Sequence(values + added, conditions, np.zeros(COUNT, bool))
+
+
+def wandering(low, high):
+    """A tone whose frequency wanders between two."""
+    knots = np.arange(0.0, TIME[-1] + 20, 20)
+    frequency = stream(2, "wandering").uniform(low, high, len(knots))
+    return np.cos(2 * np.pi * INTERVAL * np.cumsum(np.interp(TIME, knots, frequency)))
+
+
+def ringing(frequency):
+    """Ten shocks, each of which rings for three seconds."""
+    since = TIME - stream(2, "ringing").uniform(0, TIME[-1], (10, 1))
+    return np.sum(np.where(since > 0, np.exp(-np.maximum(since, 0) / 3), 0) * np.sin(2 * np.pi * frequency * since), 0)
+
+
+@pytest.mark.parametrize("tone", [wandering(2.0, 4.0), 3 * ringing(3.0)], ids=["wandering", "ringing"])
+def test_a_tone_that_is_not_steady_is_a_band(tone):
+    (band,) = glints(fit(sequence(added=STD * tone), Description((), Noise((WHITE,)))))
+    assert 1.0 < band.low < 3.0 < band.high < 5.0
+
+
+@pytest.mark.parametrize(
+    "effect",
+    [
+        RandomWalk(3e-3),
+        GaussMarkov(2e-2, 0.5),
+        RandomTelegraph(5e-2, 0.1),
+        OutputFilter(4.0, 2),
+        VarianceChange(300.0, 500.0, 9.0),
+    ],
+    ids=lambda effect: effect.name,
+)
+def test_what_is_described_has_none(effect):
+    noise, changes, output = (WHITE, effect), (), None
+    if isinstance(effect, VarianceChange):
+        noise, changes = (WHITE,), (effect,)
+    elif isinstance(effect, OutputFilter):
+        noise, output = (WHITE,), effect
+    assert glints(fit(sequence(effect), Description((), Noise(noise, output), changes))) == ()
+
+
+def test_a_steady_line_and_a_step_that_are_not_described_are_none():
+    data = sequence(Sinusoid(3.0, STD), BiasStep(400.0, 20 * STD))
+    assert glints(fit(data, Description((), Noise((WHITE,))))) == ()
+    line = Term(Sinusoid(3.0, STD), ("amplitude",))
+    assert glints(fit(data, Description((line,), Noise((WHITE,))))) == ()
+
+
+@pytest.mark.parametrize("share", [0.01, 0.1, 1.0])
+def test_frequencies_above_those_that_a_fit_asks_are_not_asked_either(share):
+    data = replace(sequence(), share=share)
+    assert glints(fit(data, Description((), Noise((WHITE,))))) == ()
+
+
+def test_cells_of_white_noise_are_as_loud_as_said():
+    for length in LENGTHS:
+        chances = _chances(stream(3, "cells", length).standard_normal(400_000), length, 1.0)
+        for level in LEVELS:
+            low, high = binom.ppf([1e-4, 1 - 1e-4], chances.size, np.exp(level))
+            assert low <= np.count_nonzero(chances < level) <= high
+
+
+def test_chance_makes_as_much_of_white_noise_no_more_often_than_said():
+    log_p = [_loud(_chances(stream(4, "chance", k).standard_normal(30_000), 512, 1.0), 1.0).log_p for k in range(300)]
+    for level in (0.01, 0.1):
+        most = binom.isf(1e-3, len(log_p), level * (1 + len(LEVELS)))
+        assert np.count_nonzero(np.exp(log_p) < level) <= most
+
+
+@pytest.mark.slow
+def test_a_tone_that_wanders_is_no_noise_and_no_filter():
+    data = sequence(added=0.6 * STD * wandering(2.0, 4.0))
+    found = concluded(told(data, (), tuple(CATALOGUE.values()), np.log(0.01 / 6 / 28), int(0.8 * COUNT)))
+    assert not found.findings
+    assert found.bands

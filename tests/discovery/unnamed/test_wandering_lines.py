@@ -1,0 +1,84 @@
+import numpy as np
+import pytest
+
+from imugap.discovery.axis import concluded, told
+from imugap.discovery.fit.axis_fit import Description, cosines, fit
+from imugap.discovery.fit.whittle import Noise
+from imugap.discovery.preparation.sequence import Sequence
+from imugap.discovery.search.search import Search
+from imugap.discovery.unnamed import wandering_lines as unsteady
+from imugap.discovery.unnamed.wandering_lines import Band
+from imugap.effects import CATALOGUE, BiasInstability, BiasStep, Sinusoid, WhiteNoise
+from imugap.effects.conditions import Conditions
+from imugap.effects.effect import AxisModel
+from imugap.stream import stream
+
+COUNT, INTERVAL = 12_000, 0.1
+WHITE = WhiteNoise(1e-3)
+LINE_HZ = 0.56
+LOG_ALPHA = np.log(0.01 / 6 / 28)
+
+
+def sequence(*effects, line=0.0, label="unsteady"):
+    """White noise and effects, and a line of given amplitude whose amplitude and phase wander within 150 s."""
+    conditions = Conditions(INTERVAL * np.arange(COUNT), INTERVAL, axis="accel_x")
+    values = AxisModel((WHITE, *effects)).simulate(np.zeros(COUNT), conditions, 1, label)
+    return Sequence(values + line * wandering(), conditions, np.zeros(COUNT, bool))
+
+
+def wandering():
+    rng = stream(4, "wandering")
+    knots = np.arange(0.0, COUNT * INTERVAL + 50, 50)
+    time = INTERVAL * np.arange(COUNT)
+    phase, size = np.cumsum(0.8 * rng.standard_normal(len(knots))), 1 + 0.4 * rng.standard_normal(len(knots))
+    return np.interp(time, knots, size) * np.cos(2 * np.pi * LINE_HZ * time + np.interp(time, knots, phase))
+
+
+def explored(data):
+    search = Search(Description((), Noise((WHITE,))), tuple(CATALOGUE.values()), LOG_ALPHA)
+    return search.explore(fit(data, search.start))
+
+
+def test_a_wandering_line_is_one_band_around_it():
+    (band,) = unsteady.bands(explored(sequence(line=4e-3)))
+    assert LINE_HZ / 1.1 < band.low < LINE_HZ < band.high < 1.1 * LINE_HZ
+    assert band.log_p < LOG_ALPHA
+
+
+@pytest.mark.parametrize("effects", [(), (Sinusoid(LINE_HZ, 4e-3, 0.3),), (Sinusoid(0.3, 4e-3), Sinusoid(0.7, 4e-3))])
+def test_steady_lines_are_no_band(effects):
+    assert unsteady.bands(explored(sequence(*effects))) == ()
+
+
+def test_outside_of_a_band_the_coefficients_stay():
+    data = sequence(line=4e-3)
+    cleared = unsteady.without(data, (Band(0.53, 0.59, -100.0),))
+    frequency = np.arange(1, COUNT) / (2 * COUNT * INTERVAL)
+    inside = (frequency >= 0.53) & (frequency <= 0.59)
+    before, after = cosines(data.values), cosines(cleared.values)
+    scale = np.abs(before).max()
+    far = (frequency < 0.529) | (frequency > 0.591)
+    assert np.abs(before - after)[far].max() < 1e-12 * scale
+    excess = np.mean(after[inside] ** 2) / np.mean(after[far & (frequency > 0.3) & (frequency < 1.0)] ** 2)
+    assert abs(excess - 1) < 4 * np.sqrt(2 / inside.sum()) + 0.05
+
+
+def test_samples_on_few_levels_stay_coarse_without_a_band():
+    data = sequence(line=4e-3)
+    rounded = Sequence(0.02 * np.rint(data.values / 0.02), data.conditions, data.flawed)
+    assert rounded.coarse
+    assert unsteady.without(rounded, (Band(0.53, 0.59, -100.0),)).coarse
+
+
+def test_beside_a_wandering_line_the_others_keep_their_names():
+    data = sequence(BiasStep(700.0, 4e-3), BiasInstability(1e-3), line=4e-3)
+    story = concluded(told(data, (), tuple(CATALOGUE.values()), LOG_ALPHA, int(0.8 * COUNT)))
+    assert sorted(finding.name for finding in story.findings) == ["bias_instability", "bias_step"]
+    (band,) = story.bands
+    assert band.low < LINE_HZ < band.high
+
+
+def test_a_wandering_line_alone_gets_no_name():
+    story = concluded(told(sequence(line=4e-3), (), tuple(CATALOGUE.values()), LOG_ALPHA, int(0.8 * COUNT)))
+    assert story.findings == ()
+    assert len(story.bands) == 1

@@ -1,0 +1,250 @@
+"""Wheels that roll: what they tell is taken in as it should be, and they tell nothing where they skid."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from imugap.commands.drive import SCHEMA, Setting, driven
+from imugap.filters import nonholonomic as wheels
+from imugap.filters.consistency import nees_band
+from imugap.filters.error_state import ATTITUDE, NAVIGATION
+from imugap.filters.error_state import VELOCITY as VELOCITY_ROWS
+from imugap.filters.innovation_gate import NOTHING, Quality
+from imugap.filters.nonholonomic import SKID, SLOW, WINDOW_S, Wheels, quiet
+from imugap.filters.sensor_states import SensorStates
+from imugap.filters.smoother import Sensors, Tape
+from imugap.io import reference
+from imugap.io.configuration import configure
+from imugap.kinematics.strapdown import POSITION, VELOCITY
+from imugap.log import ACCEL, AXES, GYRO
+from imugap.navigation.vehicle import Assumptions, navigate
+from imugap.navigation.vehicle_alignment import depart
+from imugap.numerics.rotation import from_euler, mat_from_quat
+from imugap.simulation.drive import Drive
+from imugap.stream import stream
+
+ROOT = Path(__file__).parents[2]
+SEED = 141
+RUNS = 40
+OUTAGE = (150.0, 200.0)
+"""In motion, with turns; the vehicle does not halt."""
+AXLE = (-1.3, 0.2, 0.4)
+
+
+@pytest.fixture(scope="module")
+def recipe():
+    return replace(Drive.read(ROOT / "data" / "drive.yaml"), laps=1)
+
+
+@pytest.fixture(scope="module")
+def plain(recipe):
+    return Assumptions(lever_m=recipe.receiver.lever_m, scale_std=recipe.scale_std)
+
+
+@pytest.fixture(scope="module")
+def rolling(recipe, plain):
+    axle = recipe.axle
+    return replace(plain, wheels_std=axle.std_m_per_s, wheels_s=axle.correlation_s, axle_m=axle.arm_m)
+
+
+def drive(recipe, assumptions, run, quality=NOTHING, outage=OUTAGE, smooth=False):
+    record, fixes = recipe.record(run, SEED), recipe.fixes(run, SEED)
+    begin = depart(record, fixes, assumptions.states(recipe.model), assumptions, recipe.ellipsoid)
+    if outage:
+        fixes = fixes[(fixes.index <= outage[0]) | (fixes.index > outage[1])]
+    return navigate(record, fixes, recipe.model, assumptions, quality, begin, recipe.ellipsoid, smooth)
+
+
+def errors(recipe, one, rows):
+    """Return the error of the navigation at rows of a solution, shape (rows, 9)."""
+    truth = recipe.path[0].iloc[np.rint(one.time.to_numpy()[rows] * recipe.rate_hz).astype(int)]
+    found = one.path.navigation[rows]
+    turn = (Rotation.from_quat(found[:, 6:]) * reference.rotations(truth).inv()).as_rotvec()
+    return np.hstack([found[:, :6] - truth[[*POSITION, *VELOCITY]].to_numpy(float), turn])
+
+
+def state(speed, sigma):
+    """Return what the kernel needs of a vehicle that goes so fast, by its axle in ``b``, known to sigma."""
+    states = SensorStates.of(Drive.read(ROOT / "data" / "drive.yaml").model, (1e-3, 1e-3), np.inf)
+    size = NAVIGATION + len(states)
+    quat = from_euler(np.array([0.05, -0.1, 2.0])).as_quat()
+    rate = np.array([0.02, -0.03, 0.3])
+    velocity = Rotation.from_quat(quat).apply(np.array(speed) - np.cross(rate, AXLE))
+    root = stream(SEED, "state").standard_normal((size, size)) / np.sqrt(size)
+    scale = np.repeat([1.0, sigma, 1e-4, 1e-5, 1e-5], [3, 3, 3, 6, size - 15])
+    covariance = scale[:, None] * (root @ root.T) * scale
+    nav = (0.0, 0.0, 0.0), tuple(map(float, velocity)), tuple(map(float, quat))
+    return nav, tuple(map(float, rate)), covariance, np.zeros(len(states)), Sensors.of(states)
+
+
+def rolled(speed, sigma, still, interval=0.05, std=0.1):
+    """Return navigation in ``b`` at the axle and covariance, before and after."""
+    nav, rate, covariance, estimates, sensors = state(speed, sigma)
+    size, gain = len(covariance), np.where(sensors.scale, 0.3, 1.0)
+    before, row = covariance.copy(), np.zeros(size)
+    after = wheels.roll(
+        Wheels(std, 1.0, AXLE), still, interval, nav, rate, covariance, estimates, sensors, gain, row,
+        np.empty(size), np.empty(size), Tape.empty(0, size), 0, 0,
+    )[0:3]  # fmt: skip
+    assert not row.any()
+    turn = Rotation.from_quat(after[2]).inv()
+    return turn.apply(after[1]) + np.cross(rate, AXLE), before, covariance
+
+
+def test_without_wheels_nothing_changes(recipe, plain):
+    """To the bit, whatever arm and correlation time are."""
+    one = drive(recipe, plain, 1, Quality())
+    other = drive(recipe, replace(plain, wheels_s=7.0, axle_m=AXLE), 1, Quality())
+    for name in ("navigation", "errors", "variances", "cross"):
+        np.testing.assert_array_equal(getattr(one.path, name), getattr(other.path, name))
+    np.testing.assert_array_equal(one.covariances, other.covariances)
+
+
+@pytest.mark.parametrize("component", range(3))
+def test_the_slope_is_that_of_the_velocity_of_the_axle(component):
+    """Against difference quotients in velocity, attitude and the errors of the gyroscopes."""
+    nav, rate, covariance, _, sensors = state((8.0, 0.2, -0.1), 0.1)
+    gain, row = np.where(sensors.scale, np.tile(rate, 4)[: len(sensors.axis)], 1.0), np.zeros(len(covariance))
+
+    def slide(velocity, quat, rate):
+        mat = mat_from_quat(quat)
+        return wheels._slide(component, (nav[0], velocity, quat), mat, rate, sensors, gain, AXLE, row)
+
+    middle, step = slide(nav[1], nav[2], rate), 1e-6
+    assert middle == pytest.approx((8.0, 0.2, -0.1)[component], abs=1e-9)
+    told = row.copy()
+    for m in range(3):
+        pushed = tuple(np.array(nav[1]) + step * np.eye(3)[m])
+        assert (slide(pushed, nav[2], rate) - middle) / step == pytest.approx(told[VELOCITY_ROWS + m], abs=1e-7)
+        turned = Rotation.from_rotvec(step * np.eye(3)[m]) * Rotation.from_quat(nav[2])
+        found = (slide(nav[1], tuple(turned.as_quat()), rate) - middle) / step
+        assert found == pytest.approx(told[ATTITUDE + m], abs=1e-4)
+    for s in np.flatnonzero(sensors.axis < 3):
+        less = tuple(np.array(rate) - step * gain[s] * np.eye(3)[sensors.axis[s]])
+        assert (slide(nav[1], nav[2], less) - middle) / step == pytest.approx(told[NAVIGATION + s], abs=1e-7)
+
+
+def test_slip_is_taken_in_and_a_skid_is_left_out():
+    """Across and up fall towards zero; a component beyond what it may be is as if it had not been asked."""
+    inside, before, after = rolled((8.0, 0.2, -0.15), 0.3, False)
+    assert abs(inside[1]) < 0.2
+    assert abs(inside[2]) < 0.15
+    assert np.trace(after) < np.trace(before)
+    assert np.linalg.eigvalsh(after).min() > -1e-12
+    gone, before, after = rolled((8.0, 3.0, -3.0), 0.3, False)
+    np.testing.assert_allclose(gone, (8.0, 3.0, -3.0), atol=1e-12)
+    np.testing.assert_array_equal(before, after)
+    sure, before, after = rolled((8.0, 1.02 * SKID * 0.1, 0.0), 1e-6, False)
+    np.testing.assert_allclose(sure[1], 1.02 * SKID * 0.1)
+    near = rolled((8.0, 0.98 * SKID * 0.1, 0.0), 1e-6, False)[2]
+    assert np.trace(near) < np.trace(after) < np.trace(before)
+
+
+def test_only_a_vehicle_that_is_surely_slow_may_stand():
+    """Quiet and slow: it stands. In motion, uncertain of its speed, or not quiet: nothing is said of it."""
+    assert abs(rolled((0.3, 0.0, 0.0), 0.2, True)[0][0]) < 0.3
+    for speed, sigma, still in ((0.3, 0.2, False), (1.2 * SLOW, 0.2, True), (0.3, SLOW, True)):
+        told = [np.trace(rolled((speed, 0.0, 0.0), sigma, one)[2]) for one in (still, False)]
+        assert told[0] == told[1]
+
+
+def test_a_device_is_quiet_at_rest_engine_running_or_not(recipe):
+    """Shaken by an engine, and by the road the more the faster it goes."""
+    speed = np.linalg.norm(recipe.path[0][list(VELOCITY)].to_numpy(float), axis=1)
+    record = recipe.record(1, SEED)
+    stamp, samples = record.index.to_numpy(), record[list(AXES)].to_numpy()
+    engine = stream(SEED, "engine").standard_normal(samples.shape) * [0.02, 0.05, 0.01, 0.1, 0.1, 0.2]
+    rest = (speed < 1e-3) & (stamp > 2 * WINDOW_S)
+    for one, slowest in ((samples, 0.05), (samples + engine * (1 + speed[:, None]), 0.8)):
+        found = quiet(one, stamp, stamp)
+        assert found[rest].mean() > 0.9
+        assert speed[found & (speed < SLOW)].max() < slowest
+        assert not found[: round(WINDOW_S * recipe.rate_hz) - 1].any()
+    assert not quiet(samples[:50], stamp[:50], stamp[:50]).any()
+
+
+@pytest.fixture(scope="module")
+def pairs(recipe, plain, rolling):
+    """Drives with an outage, without wheels and with: errors and deviations at its end, NEES at fixes, NIS."""
+    found = {"plain": [], "rolling": []}
+    for run in range(RUNS):
+        for name, assumptions in (("plain", plain), ("rolling", rolling)):
+            one = drive(recipe, assumptions, run)
+            row = int(np.searchsorted(one.time, OUTAGE[1]))
+            off, fixes = errors(recipe, one, [row])[0], one.fix_row[60::25]
+            some, told = errors(recipe, one, fixes), one.covariances[60::25, :NAVIGATION, :NAVIGATION]
+            nees = np.einsum("ni,ni->n", some, np.linalg.solve(told, some[..., None])[..., 0])
+            std = one.trajectory_std.iloc[row].to_numpy()
+            found[name].append((off, std, off[:2] @ np.linalg.solve(one.horizontal[row], off[:2]), nees.mean(),
+                                one.record.statistic.mean()))  # fmt: skip
+    return {name: [np.array(column) for column in zip(*rows, strict=True)] for name, rows in found.items()}
+
+
+def test_heading_and_position_hold_in_an_outage(pairs):
+    """By what is told and by what is so: the heading somewhat, the position and the height by far."""
+    (off, std, *_), (off_plain, std_plain, *_) = pairs["rolling"], pairs["plain"]
+    told = np.sqrt(np.square(std).mean(axis=0) / np.square(std_plain).mean(axis=0))
+    true = np.sqrt(np.square(off).mean(axis=0) / np.square(off_plain).mean(axis=0))
+    for ratio in (told, true):
+        assert 0.5 < ratio[8] < 0.9
+        assert 0.1 < np.hypot(*ratio[:2]) / np.sqrt(2) < 0.5
+        assert 0.05 < ratio[2] < 0.5
+
+
+def test_a_filter_that_is_told_the_slip_as_it_is_knows_itself(pairs):
+    """Slip is no white noise, and what is told of it only has its power; still NEES and NIS are near 1."""
+    _, _, drift, nees, nis = pairs["rolling"]
+    low, high = nees_band(2, RUNS, 0.999)
+    assert 0.6 * low < drift.mean() < high
+    low, high = nees_band(NAVIGATION, 4 * RUNS, 0.9999)
+    assert 0.85 * low < nees.mean() < 1.1 * high
+    assert abs(nis.mean() / 6 - 1) < 0.02
+
+
+def test_longer_epochs_tell_the_same(recipe, rolling):
+    whole, fine = (drive(recipe, replace(rolling, epoch_s=epoch), 6) for epoch in (0.05, 0.01))
+    apart = np.abs(whole.path.navigation[whole.fix_row, :6] - fine.path.navigation[fine.fix_row, :6])
+    std = np.sqrt(fine.path.variances[fine.fix_row, :6])
+    assert (apart < 0.1 * std).all()
+    np.testing.assert_allclose(whole.path.variances[whole.fix_row], fine.path.variances[fine.fix_row], rtol=0.05)
+
+
+def test_the_smoother_ends_where_the_filter_does_and_is_nearer_before(recipe, rolling):
+    sizes = {False: [], True: []}
+    for run in range(12):
+        ends = []
+        for smooth in sizes:
+            one = drive(recipe, rolling, run, smooth=smooth)
+            ends.append((one.path.navigation[-1], one.path.variances[-1]))
+            rows = np.flatnonzero((one.time > OUTAGE[0]) & (one.time < OUTAGE[1]))[::100]
+            off, std = errors(recipe, one, rows)[:, :3], np.sqrt(one.path.variances[rows, :3])
+            sizes[smooth].append((off, off / std))
+            assert (one.path.variances > 0).all()
+        np.testing.assert_allclose(ends[0][0], ends[1][0], atol=1e-9)
+        np.testing.assert_allclose(ends[0][1], ends[1][1], rtol=1e-6)
+    size = {smooth: np.sqrt(np.mean([np.square(off) for off, _ in found])) for smooth, found in sizes.items()}
+    assert size[True] < 0.7 * size[False]
+    for found in sizes.values():
+        assert 0.4 < np.mean([np.square(share) for _, share in found]) < 1.6
+
+
+def test_a_device_that_is_mounted_askew_tells_the_same(recipe):
+    given = {
+        "wheels": {"std_m_per_s": 0.05, "x_m": -1.3, "z_m": 0.4},
+        "lever_arm": {"x_m": 0.4, "y_m": -0.3, "z_m": -1.2},
+    }
+    mounting = {"roll_deg": 180.0, "pitch_deg": 7.0, "heading_deg": -175.0}
+    record, fixes = recipe.record(2, SEED), recipe.fixes(2, SEED)
+    turn = from_euler(np.radians(list(mounting.values()))).inv()
+    askew = record.copy()
+    for triad in (GYRO, ACCEL):
+        askew[list(triad)] = turn.apply(record[list(triad)].to_numpy(copy=True))
+    settings = (Setting.of(configure(one, SCHEMA), recipe.model) for one in (given, given | {"mounting": mounting}))
+    one, other = (driven(log, fixes, setting) for log, setting in zip((record, askew), settings, strict=True))
+    for name in ("filtered", "smoothed"):
+        paths = getattr(one, name).path.navigation, getattr(other, name).path.navigation
+        np.testing.assert_allclose(*paths, atol=1e-6)
+    assert one.filtered.trajectory_std["heading"].iloc[-1] < 0.01

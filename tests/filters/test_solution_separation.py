@@ -1,0 +1,265 @@
+"""Errors of position that stay: what a filter with hindsight doubts, what it keeps, and what it costs."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from imugap.filters.consistency import nees_band
+from imugap.filters.innovation_gate import (  # fmt: skip
+    ASIDE,
+    CLOSED,
+    NOTHING,
+    OPENED,
+    RESET,
+    SCHEMES,
+    SET_ASIDE,
+    TAKEN,
+    Quality,
+)
+from imugap.filters.solution_separation import OFFSETS, State, forget
+from imugap.io.gnss import PLACE_STD
+from imugap.kinematics.strapdown import POSITION, VELOCITY
+from imugap.navigation.vehicle import Assumptions, navigate
+from imugap.navigation.vehicle_alignment import depart
+from imugap.simulation.drive import Drive
+from imugap.simulation.gnss_faults import RAMP, STRETCH, Event, Faults
+from imugap.stream import stream
+
+ROOT = Path(__file__).parents[2]
+SEED, RUNS, BEGIN = 81, 40, 120.0
+RECIPE = ROOT / "data" / "drive.yaml"
+ONLY = replace(NOTHING, hindsight_s=30.0)
+"""Hindsight and no other control."""
+
+
+@pytest.fixture(scope="module")
+def recipe():
+    return replace(Drive.read(RECIPE), laps=1)
+
+
+@pytest.fixture(scope="module")
+def assumptions(recipe):
+    return Assumptions(lever_m=recipe.receiver.lever_m, scale_std=recipe.scale_std)
+
+
+def drive(recipe, assumptions, run, quality, fixes=None, smooth=False):
+    record, good = recipe.record(run, SEED), recipe.fixes(run, SEED)
+    start = depart(record, good, assumptions.states(recipe.model), assumptions, recipe.ellipsoid)
+    fixes = good if fixes is None else fixes
+    return navigate(record, fixes, recipe.model, assumptions, quality, start, recipe.ellipsoid, smooth)
+
+
+def spoilt(recipe, run, *events, velocity_per_s=0.0):
+    faults = replace(Faults.read(RECIPE), velocity_per_s=velocity_per_s)
+    return faults.apply(recipe.fixes(run, SEED), events, recipe.ellipsoid, SEED, run)
+
+
+def sideways(size, *labels):
+    """Return a shift of this length in a horizontal direction that is drawn."""
+    angle = stream(SEED, *labels).uniform(0, 2 * np.pi)
+    return float(size * np.cos(angle)), float(size * np.sin(angle)), 0.0
+
+
+def off(recipe, one, time):
+    """Return the error of the horizontal position at a time, shape (2,), and its covariance."""
+    row = int(np.searchsorted(one.time, time - 1e-6))
+    truth = recipe.path[0].iloc[round(one.time[row] * recipe.rate_hz)]
+    return one.path.navigation[row, :2] - truth[list(POSITION[:2])].to_numpy(float), one.horizontal[row]
+
+
+def squared(errors):
+    return np.mean([error @ np.linalg.solve(told, error) for error, told in errors])
+
+
+def test_a_filter_that_never_doubts_is_the_plain_one(recipe, assumptions):
+    """The offset has no variance, and changes no number beyond rounding."""
+    never = replace(ONLY, false_alarm=1e-150)
+    plain, one = drive(recipe, assumptions, 1, NOTHING), drive(recipe, assumptions, 1, never)
+    states = len(plain.names)
+    assert one.names == [*plain.names, *OFFSETS]
+    np.testing.assert_allclose(one.path.navigation, plain.path.navigation, rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(one.path.errors[:, :states], plain.path.errors, rtol=1e-7, atol=1e-12)
+    np.testing.assert_allclose(one.path.variances[:, : states + 9], plain.path.variances, rtol=1e-7)
+    assert not one.path.errors[:, states:].any()
+    assert not one.record.course.any()
+    assert not one.record.turn.any()
+
+
+def test_good_fixes_are_set_aside_as_often_as_the_rate_says(recipe, assumptions):
+    alarm, found = 0.01, []
+    for run in range(RUNS):
+        record = drive(recipe, assumptions, run, replace(ONLY, false_alarm=alarm)).record
+        found += [*((record.course == ASIDE) | (record.turn == 1))]
+    assert abs(np.mean(found) - alarm) < 4 * np.sqrt(alarm / len(found))
+
+
+def test_good_drives_are_nearly_untouched(recipe, assumptions):
+    """Seldom an offset, by fewer openings than the rate of single fixes would give; errors as without."""
+    opened, fixes, sizes = 0, 0, []
+    for run in range(RUNS):
+        whole, plain = (drive(recipe, assumptions, run, SCHEMES[name]) for name in ("hindsight", "reset"))
+        opened += (whole.record.turn == 1).sum() + (whole.record.turn == 2).sum()
+        fixes += len(whole.fix_time)
+        sizes.append([np.linalg.norm(off(recipe, one, 250.0)[0]) for one in (whole, plain)])
+    assert opened < 1e-3 * fixes
+    ratio = np.sqrt(np.mean(np.square(sizes), axis=0))
+    assert 0.95 < ratio[0] / ratio[1] < 1.05
+
+
+@pytest.mark.parametrize("length", [10.0, 30.0, 60.0])
+def test_a_stretch_leaves_the_position_within_what_it_says(recipe, assumptions, length):
+    """Biased by 20 m: errors at its end, and soon after, as large as told; the source's control is thrown."""
+    during, after, thrown, told = [], [], [], []
+    for run in range(RUNS):
+        event = Event(STRETCH, BEGIN, BEGIN + length, sideways(20.0, "stretch", run))
+        fixes = spoilt(recipe, run, event)
+        one = drive(recipe, assumptions, run, SCHEMES["hindsight"], fixes)
+        during.append(off(recipe, one, BEGIN + length))
+        after.append(off(recipe, one, BEGIN + length + 10))
+        thrown.append(off(recipe, drive(recipe, assumptions, run, SCHEMES["reset"], fixes), BEGIN + length))
+        row = int(np.searchsorted(one.time, BEGIN + length - 1e-6))
+        offset = one.sensors[list(OFFSETS[:2])].iloc[row] - list(event.shift[:2])
+        told.append(np.square(offset / one.sensors_std[list(OFFSETS[:2])].iloc[row]).mean())
+    low, high = nees_band(2, RUNS, 0.9999)
+    assert low < squared(during) < high
+    assert low < squared(after) < high
+    assert squared(thrown) > high
+    assert low / 2 < np.mean(told) < high / 2
+
+
+def test_velocities_that_are_worse_than_they_say_do_not_deceive_it(recipe, assumptions):
+    """In a stretch with velocities off by six of their standard deviations the filter goes on knowing itself."""
+    errors = []
+    for run in range(RUNS):
+        event = Event(STRETCH, BEGIN, BEGIN + 50, sideways(50.0, "velocities", run))
+        fixes = spoilt(recipe, run, event, velocity_per_s=0.02)
+        one = drive(recipe, assumptions, run, SCHEMES["hindsight"], fixes)
+        errors.append(off(recipe, one, BEGIN + 50))
+    low, high = nees_band(2, RUNS, 0.9999)
+    assert low < squared(errors) < 1.5 * high
+
+
+def test_a_ramp_is_seen_by_looking_back(recipe, assumptions):
+    """It creeps, and no fix of it fails; all the same hardly any of it is in the position at its end."""
+    seen, errors, plain = 0, [], []
+    for run in range(RUNS):
+        event = Event(RAMP, BEGIN, BEGIN + 50, sideways(0.3, "ramp", run))
+        fixes = spoilt(recipe, run, event)
+        one = drive(recipe, assumptions, run, SCHEMES["hindsight"], fixes)
+        times = one.fix_time[one.record.turn == 2]
+        seen += ((times > BEGIN) & (times < BEGIN + 50)).any()
+        errors.append(np.linalg.norm(off(recipe, one, BEGIN + 50)[0]))
+        other = drive(recipe, assumptions, run, SCHEMES["reset"], fixes)
+        plain.append(np.linalg.norm(off(recipe, other, BEGIN + 50)[0]))
+    assert seen > 0.9 * RUNS
+    assert np.mean(errors) < 2.5
+    assert np.mean(plain) > 3 * np.mean(errors)
+
+
+def without_velocities(recipe, run):
+    return recipe.fixes(run, SEED).drop(columns=[*VELOCITY, *(f"sd_{name}" for name in VELOCITY)])
+
+
+def test_an_outlier_is_set_aside_and_no_more(recipe, assumptions):
+    """As if that fix had not been there."""
+    wild = recipe.fixes(2, SEED)
+    wild.loc[BEGIN, "latitude"] += 60 / 6.4e6
+    one = drive(recipe, assumptions, 2, ONLY, wild)
+    other = drive(recipe, assumptions, 2, NOTHING, wild.drop(index=BEGIN))
+    np.testing.assert_allclose(one.path.navigation, other.path.navigation, rtol=1e-9, atol=1e-8)
+    assert one.events["event"].tolist().count(SET_ASIDE) == 1
+    assert not one.record.turn.any()
+
+
+def test_a_closed_offset_gives_back_all_that_the_fixes_had_told(recipe, assumptions):
+    """Two bad fixes, apart, open an offset; once closed the filter is where it were without these and the next."""
+    fixes = without_velocities(recipe, 3)
+    wild = fixes.copy()
+    wild.loc[BEGIN, "latitude"] += 500 / 6.4e6
+    wild.loc[BEGIN + 1, "latitude"] -= 500 / 6.4e6
+    one = drive(recipe, assumptions, 3, ONLY, wild)
+    turned = one.record.turn[one.record.turn > 0].tolist()
+    assert turned == [1, 1, 3]
+    closed = one.fix_time[one.record.turn == 3][0]
+    assert closed == BEGIN + 5
+    used = one.fix_time[(one.record.course == TAKEN)]
+    blank = fixes.copy()
+    blank.loc[~blank.index.isin(used), list(PLACE_STD)] = 1e6
+    other = drive(recipe, assumptions, 3, NOTHING, blank)
+    rows = one.time >= closed
+    apart = np.abs(one.path.navigation[rows, :6] - other.path.navigation[rows, :6])
+    assert (apart < 1e-3 * np.sqrt(other.path.variances[rows, :6])).all()  # linearised elsewhere in between
+    np.testing.assert_allclose(one.path.variances[rows, :21], other.path.variances[rows], rtol=1e-3)
+
+
+def test_what_it_does_is_logged_with_statistic_and_threshold(recipe, assumptions):
+    event = Event(STRETCH, BEGIN, BEGIN + 20, (30.0, 0.0, 0.0))
+    quality = SCHEMES["hindsight"]
+    one = drive(recipe, assumptions, 4, quality, spoilt(recipe, 4, event))
+    found = one.events[one.events["component"] == "position"]
+    inside = found[(found["time"] >= BEGIN) & (found["time"] < BEGIN + 30)]
+    assert inside["event"].tolist() == [SET_ASIDE, OPENED, SET_ASIDE, OPENED, CLOSED]
+    assert inside["time"].tolist() == [BEGIN + step for step in (0, 1, 21, 22, 24)]
+    beyond = inside["event"] != CLOSED
+    assert (inside["statistic"] > inside["threshold"])[beyond].all()
+    assert (inside["statistic"] < inside["threshold"])[~beyond].all()
+    assert inside["threshold"][~beyond].item() == quality.lasting > quality.limits(3)[3]
+
+
+def test_the_smoother_knows_what_the_filter_found_out(recipe, assumptions):
+    """With a stretch and a ramp it is as right as with good fixes, nearly; without hindsight it is not."""
+    sizes = {"good": [], "hindsight": [], "reset": []}
+    for run in range(10):
+        events = Event(STRETCH, 80.0, 120.0, sideways(30.0, "both", run)), Event(RAMP, 170.0, 220.0, (0.4, 0.0, 0.0))
+        bad = spoilt(recipe, run, *events)
+        for name, given in (("good", None), ("hindsight", bad), ("reset", bad)):
+            one = drive(recipe, assumptions, run, SCHEMES["reset" if name == "good" else name], given, smooth=True)
+            assert (one.path.variances[:, :21] > 0).all()
+            assert np.isfinite(one.path.navigation).all()
+            sizes[name] += [np.linalg.norm(off(recipe, one, time)[0]) for time in (100.0, 120.0, 140.0, 200.0, 220.0)]
+    good, known, plain = (np.sqrt(np.mean(np.square(one))) for one in sizes.values())
+    assert good < known < 2.0 * good
+    assert plain > 3 * known
+
+
+def test_a_filter_that_starts_in_a_stretch_is_reset_once_the_fixes_are_right(recipe, assumptions):
+    """It takes the good fixes for shifted, until no fix has been trusted for too long."""
+    fixes = spoilt(recipe, 5, Event(STRETCH, 0.0, 60.0, (40.0, 0.0, 0.0)))
+    record, states = recipe.record(5, SEED), assumptions.states(recipe.model)
+    start = depart(record, fixes, states, assumptions, recipe.ellipsoid)
+    found = {}
+    for name, quality in (("reset", Quality(reset_s=60.0)), ("none", Quality(reset_s=None))):
+        found[name] = navigate(record, fixes, recipe.model, assumptions, quality, start, recipe.ellipsoid)
+    resets = found["reset"].events
+    resets = resets[resets["event"] == RESET]
+    assert len(resets) == 1
+    assert resets["statistic"].item() == pytest.approx(61, abs=1.1)
+    assert np.linalg.norm(off(recipe, found["reset"], 200.0)[0]) < 5
+    assert np.linalg.norm(off(recipe, found["none"], 200.0)[0]) > 30
+    smooth = navigate(record, fixes, recipe.model, assumptions, Quality(reset_s=60.0), start, recipe.ellipsoid, True)
+    assert (smooth.path.variances[:, :21] > 0).all()
+
+
+def test_forgetting_leaves_no_trace_of_the_offset():
+    root = stream(SEED, "forget").standard_normal((24, 24))
+    covariance, errors, transposed = root @ root.T, np.ones(15), np.ones((24, 24))
+    before = covariance[:21, :21].copy()
+    forget(covariance, errors, 7.0, transposed)
+    np.testing.assert_array_equal(covariance[:21, :21], before)
+    np.testing.assert_array_equal(covariance[21:], np.hstack([np.zeros((3, 21)), 7.0 * np.eye(3)]))
+    np.testing.assert_array_equal(covariance, covariance.T)
+    assert errors[:12].all()
+    assert not errors[12:].any()
+    assert not transposed[:, 21:].any()
+    assert transposed[:, :21].all()
+
+
+def test_lanes_are_copies_of_the_first():
+    one = State(*(np.arange(6.0).reshape(2, 3) for _ in State._fields))
+    lanes = one.copy(3)
+    assert all(field.shape == (3, 3) and (field == [0.0, 1.0, 2.0]).all() for field in lanes)
+    lanes.clock[0, 0] = 9.0
+    assert one.clock[0, 0] == 0.0
+    assert lanes.clock[1, 0] == 0.0

@@ -1,0 +1,487 @@
+import os
+import tempfile
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+import scipy.io
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from imugap.io import datasets as catalogue
+from imugap.io import reference
+from imugap.io.datasets import LOG, POSITIONS
+from imugap.io.readers import read, read_positions, read_raw, read_raw_table, read_reference, read_strides, read_table
+from imugap.log import COLUMNS, LogError, check, from_samples, interval, write
+from imugap.numerics.rotation import to_euler
+from imugap.stream import stream
+from imugap.units import to_si
+
+ROOT = Path(__file__).parents[2]
+MIRROR = os.environ.get("IMUGAP_MIRROR")
+HEADER = "time,gyro_x,accel_z"
+ROWS = ["0.00,0.1,-9.8", "0.01,0.2,-9.7", "0.02,0.3,-9.9", "0.03,0.4,-9.8"]
+
+
+@pytest.fixture
+def path(tmp_path):
+    return tmp_path / "log.csv"
+
+
+@pytest.fixture(scope="module")
+def sets():
+    return catalogue.load(ROOT / "data", ROOT / "workflow" / "schemas")
+
+
+def lines(path, *rows, header=HEADER):
+    path.write_text("".join(f"{row}\n" for row in (header, *rows)), encoding="utf-8")
+    return path
+
+
+def at_rest(count=200, gravity=9.81, rate=0.01):
+    rng = stream(1, "at rest")
+    samples = {name: rate * rng.standard_normal(count) for name in COLUMNS[:6]}
+    samples["accel_z"] = samples["accel_z"] - gravity
+    return from_samples(samples, 0.01)
+
+
+def attempt(path, repair=False):
+    """Read; None where the file is refused. Any other exception passes."""
+    try:
+        return read(path, repair)
+    except LogError:
+        return None
+
+
+finite = st.floats(-30, 30, allow_nan=False, width=64)
+
+
+@st.composite
+def logs(draw):
+    names = [name for name in COLUMNS if draw(st.booleans())]
+    names = names if set(names) & set(COLUMNS[:6]) else ["gyro_y", *names]
+    steps = draw(st.lists(st.floats(1e-4, 10), min_size=2, max_size=12))
+    log = pd.DataFrame(index=pd.Index(np.cumsum(steps), name="time"))
+    for name in (name for name in COLUMNS if name in names):
+        # at rest, so that the units are what they seem
+        log[name] = -9.81 if name == "accel_z" else np.array([draw(finite) for _ in steps]) * 0.01
+    return log
+
+
+@settings(deadline=None)
+@given(logs(), st.randoms())
+def test_csv_and_parquet_give_back_the_log_whatever_the_order_of_columns(log, random):
+    with tempfile.TemporaryDirectory() as folder:
+        csv_path, parquet_path = Path(folder) / "log.csv", Path(folder) / "log.parquet"
+        names = list(log.columns)
+        random.shuffle(names)
+        log[names].to_csv(csv_path)
+        write(log, parquet_path)
+        pd.testing.assert_frame_equal(read(csv_path), log, check_exact=True)
+        pd.testing.assert_frame_equal(read(parquet_path), log, check_exact=True)
+
+
+@settings(deadline=None, max_examples=300)
+@given(logs(), st.data())
+def test_a_truncated_csv_is_an_error_or_the_first_rows(log, data):
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "log.csv"
+        log.to_csv(path)
+        content = path.read_bytes()
+        path.write_bytes(content[: data.draw(st.integers(0, len(content)))])
+        found = attempt(path)
+        if found is not None:
+            pd.testing.assert_frame_equal(found, log.iloc[: len(found)], check_exact=True)
+
+
+@settings(deadline=None, max_examples=300)
+@given(logs(), st.sampled_from(["csv", "parquet"]), st.booleans(), st.data())
+def test_a_corrupt_file_is_an_error_or_a_sound_log(log, suffix, repair, data):
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / f"log.{suffix}"
+        log.to_csv(path) if suffix == "csv" else write(log, path)
+        content = bytearray(path.read_bytes())
+        for _ in range(data.draw(st.integers(1, 4))):
+            content[data.draw(st.integers(0, len(content) - 1))] = data.draw(st.integers(0, 255))
+        path.write_bytes(content)
+        found = attempt(path, repair)
+        if found is not None:
+            check(found)
+
+
+@settings(deadline=None)
+@given(st.binary(max_size=300), st.sampled_from([".csv", ".parquet", ".rda", ".npy", ".mat"]))
+def test_noise_is_an_error_and_nothing_else(sets, content, suffix):
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / f"log{suffix}"
+        path.write_bytes(content)
+        with pytest.raises(LogError):
+            read(path)
+        with pytest.raises(LogError):
+            read_raw(path, sets["adis16405"], 1)
+
+
+@pytest.mark.parametrize(
+    ("rows", "place", "found"),
+    [
+        (["0.00,0.1,-9.8", "0.01,0.2,-9.7", "0.02,0.3"], "line 4", "2: '0.02,0.3'"),
+        (["0.00,0.1,-9.8", "0.01,0.2,-9.7,5", "0.02,0.3,-9.9"], "line 3", "4: '0.01,0.2,-9.7,5'"),
+        (["0.00,0.1,-9.8", "0.01,o.2,-9.7"], "line 3, column gyro_x", "'o.2'"),
+        (["0.00,0.1,-9.8", "", "0.01,0.2,1_0"], "line 4, column accel_z", "'1_0'"),
+        (["0.00,0.1,-9.8", "0.01,nan,-9.7"], "line 3, column gyro_x", "nan (1 such row)"),
+        (["0.00,0.1,-9.8", "", "0.01,,-9.7", "0.02,,-9.7"], "line 4, column gyro_x", "nan (2 such rows)"),
+        (["0.00,0.1,-9.8", "0.01,0.1,-9.8", "0.01,0.2,-9.7"], "line 4, column time", "0.01 after 0.01 (1 such row)"),
+        (["0.00,0.1,-9.8", "0.02,0.1,-9.8", "0.01,0.2,-9.7"], "line 4, column time", "0.01 after 0.02 (1 such row)"),
+        (["0.00,0.1,-9.8", "nan,0.1,-9.8", "0.01,0.2,-9.7"], "line 3, column time", "nan after 0.0 (1 such row)"),
+        (["0.00,0.1,-9.8", "0.01,0.1,1e999"], "line 3, column accel_z", "inf (1 such row)"),
+        (["0.00,0.1,-9.8"], "rows", "1"),
+        ([], "rows", "0"),
+    ],
+)
+def test_a_bad_row_is_named_by_line_and_column(path, rows, place, found):
+    with pytest.raises(LogError) as failure:
+        read(lines(path, *rows))
+    assert (failure.value.place, failure.value.found) == (place, found)
+    assert failure.value.source == str(path)
+
+
+@pytest.mark.parametrize(
+    ("header", "found"),
+    [
+        ("time,gyr_x,accel_z", "'gyr_x' (did you mean gyro_x?)"),
+        ("time,gyro_x,acc_z", "'acc_z' (did you mean accel_z?)"),
+        ("Time,gyro_x,accel_z", "'Time' (did you mean time?)"),
+        ("time;gyro_x;accel_z", "'time;gyro_x;accel_z'"),
+        ("gyro_y,gyro_x,accel_z", "gyro_y, gyro_x, accel_z"),
+        ("time,gyro_x,gyro_x", "gyro_x more than once"),
+        ("0.00,0.1,-9.8", "'0.00'"),
+    ],
+)
+def test_a_bad_header_is_line_1_with_the_nearest_known_name(path, header, found):
+    with pytest.raises(LogError) as failure:
+        read(lines(path, *ROWS, header=header))
+    assert failure.value.place == "line 1"
+    assert failure.value.found.startswith(found)
+
+
+def test_an_empty_file_is_said_to_be_empty(path):
+    path.touch()
+    with pytest.raises(LogError, match="found an empty file"):
+        read(path)
+
+
+def test_a_last_line_without_end_may_be_cut_off_and_is_refused(path):
+    lines(path, *ROWS)
+    path.write_bytes(path.read_bytes()[:-2])
+    with pytest.raises(LogError, match=r"line 5: expected a line end .* after '0.03,0.4,-9.'"):
+        read(path)
+
+
+def test_windows_line_ends_quotes_spaces_and_a_byte_order_mark_are_fine(path):
+    log = read(lines(path, *ROWS))
+    text = "\ufeff" + '"time", "gyro_x", "accel_z"\r\n' + "\r\n".join(ROWS).replace(",", " , ") + "\r\n\r\n"
+    path.write_bytes(text.encode())
+    pd.testing.assert_frame_equal(read(path), log)
+
+
+def test_repair_drops_repeated_and_reversed_rows_and_nothing_else(path):
+    lines(path, *ROWS[:2], ROWS[1], ROWS[0], "nan,1,-9.8", *ROWS[2:])
+    pd.testing.assert_frame_equal(read(path, repair=True), read(lines(path.with_name("good.csv"), *ROWS)))
+    with pytest.raises(LogError, match="line 4, column time"):
+        read(path)
+
+
+def test_the_table_shows_the_stamps_and_gaps_before_repair(path):
+    table = read_table(lines(path, *ROWS[:2], ROWS[1], "0.015,,-9.8"))
+    assert list(table.index) == [0.0, 0.01, 0.01, 0.015]
+    assert table["gyro_x"].isna().sum() == 1
+
+
+@pytest.mark.parametrize("unit", ["g", "mg", "ug"])
+def test_a_specific_force_in_another_unit_is_found_by_gravity(path, unit):
+    log = at_rest()
+    log[["accel_x", "accel_y", "accel_z"]] /= to_si(1.0, unit)
+    log.to_csv(path)
+    with pytest.raises(LogError, match=f"which would be gravity in {unit}$"):
+        read(path)
+
+
+@pytest.mark.parametrize("gravity", [9.76, 9.84, 9.965, 11.0, 0.0, 4.0])
+def test_any_motion_keeps_its_units(path, gravity):
+    log = at_rest(gravity=gravity)
+    log["accel_x"] += 30 * (np.arange(len(log)) % 10 == 0)
+    log.to_csv(path)
+    assert len(read(path)) == len(log)
+
+
+def test_a_rate_beyond_any_gyroscope_is_taken_for_degrees(path):
+    at_rest(rate=200.0)[["gyro_x", "gyro_y"]].to_csv(path)
+    with pytest.raises(LogError, match=r"column gyro_x: expected angular rate in rad/s; .* is it in deg/s\?"):
+        read(path)
+
+
+@pytest.mark.parametrize(
+    ("frame", "place", "found"),
+    [
+        (pd.DataFrame({"time": [0.0, 0.01], "gyro_x": ["a", "b"]}), "column gyro_x", "str"),
+        (pd.DataFrame({"time": [0.0, 0.01], "gyro": [1.0, 2.0]}), "columns", "'gyro' (did you mean gyro_z?)"),
+        (pd.DataFrame({"time": [0.0, 0.01, 0.01], "gyro_x": 0.0}), "row 2, column time", "0.01 after 0.01"),
+        (pd.DataFrame({"time": [0.0, 0.01], "gyro_x": [0.0, np.nan]}), "row 1, column gyro_x", "nan"),
+        (pd.DataFrame({"time": pd.to_datetime([0, 1]), "gyro_x": 0.0}), "column time", "datetime64"),
+    ],
+)
+def test_a_bad_parquet_is_named_by_row_and_column(tmp_path, frame, place, found):
+    frame.to_parquet(tmp_path / "log.parquet")
+    with pytest.raises(LogError) as failure:
+        read(tmp_path / "log.parquet")
+    assert failure.value.place == place
+    assert found[:12] in failure.value.found
+
+
+@pytest.mark.parametrize("name", ["log.txt", "log", "none.csv"])
+def test_unknown_formats_and_absent_files_are_log_errors(tmp_path, name):
+    with pytest.raises(LogError, match=r"no such file|one that ends in \.csv, \.parquet"):
+        read(tmp_path / name)
+
+
+def write_recording(path, samples):
+    """Write samples, shape (n, columns), in the format that the suffix names."""
+    frame = pd.DataFrame(samples, columns=[f"Channel {k}" for k in range(samples.shape[1])])
+    writers = {
+        ".npy": lambda: np.save(path, samples),
+        ".mat": lambda: scipy.io.savemat(path, {"imu": samples}),
+        ".csv": lambda: frame.to_csv(path, index=False),
+        ".parquet": lambda: frame.to_parquet(path),
+    }
+    writers[path.suffix]()
+    return path
+
+
+@pytest.mark.parametrize("suffix", [".npy", ".mat", ".csv", ".parquet"])
+def test_every_raw_format_is_converted_and_evenly_sampled(tmp_path, sets, suffix):
+    samples = stream(2, "raw").standard_normal((50, 6))
+    log = read_raw(write_recording(tmp_path / f"raw{suffix}", samples), sets["adis16405"], 3)
+    assert interval(log) == pytest.approx(0.01)
+    assert log.index[0] == 0.0
+    np.testing.assert_allclose(np.degrees(log["gyro_y"]), samples[:, 1])
+    np.testing.assert_allclose(log["accel_z"] / 9.80665, samples[:, 5])
+
+
+def test_a_time_column_and_any_order_of_columns_are_respected(tmp_path, sets):
+    dataset = replace(sets["adis16405"], columns=("accel_x", "time", "gyro_z"))
+    samples = np.array([[1.0, 0.5, 180.0], [2.0, 0.7, 90.0], [3.0, 0.8, 0.0]])
+    log = read_raw(write_recording(tmp_path / "raw.npy", samples), dataset, 1)
+    assert list(log.columns) == ["gyro_z", "accel_x"]
+    assert list(log.index) == [0.5, 0.7, 0.8]
+    np.testing.assert_allclose(log["gyro_z"], [np.pi, np.pi / 2, 0.0])
+    np.testing.assert_allclose(log["accel_x"], [9.80665, 2 * 9.80665, 3 * 9.80665])
+
+
+def test_one_array_of_many_runs_gives_each_its_own(tmp_path, sets):
+    recordings = stream(3, "recordings").standard_normal((11, 3, 40))
+    np.save(tmp_path / "runs.npy", recordings)
+    for run in (1, 5, 11):
+        log = read_raw(tmp_path / "runs.npy", sets["memsense_turnon"], run)
+        np.testing.assert_allclose(np.degrees(log.to_numpy()), recordings[run - 1].T)
+        assert interval(log) == pytest.approx(0.004)
+
+
+@pytest.mark.parametrize("suffix", [".npy", ".mat", ".parquet"])
+def test_a_truncated_raw_file_says_what_was_expected_and_found(tmp_path, sets, suffix):
+    path = write_recording(tmp_path / f"raw{suffix}", np.ones((50, 6)))
+    size = path.stat().st_size
+    path.write_bytes(path.read_bytes()[: size - 100])
+    with pytest.raises(LogError) as failure:
+        read_raw(path, sets["adis16405"], 1)
+    assert failure.value.expected == f"3200168 bytes in {suffix} format"
+    assert failure.value.found.startswith(f"{size - 100} bytes that cannot be read")
+
+
+@pytest.mark.parametrize("shape", [(50, 5), (6, 50), (2, 6, 50), (50,)])
+def test_an_array_of_another_shape_is_refused(tmp_path, sets, shape):
+    np.save(tmp_path / "raw.npy", np.zeros(shape))
+    with pytest.raises(LogError, match=r"shape: expected 1 recording\(s\) of 6 columns"):
+        read_raw(tmp_path / "raw.npy", sets["adis16405"], 1)
+
+
+def test_a_mat_file_of_two_arrays_is_ambiguous(tmp_path, sets):
+    scipy.io.savemat(tmp_path / "raw.mat", {"left": np.ones((9, 6)), "right": np.ones((9, 6))})
+    with pytest.raises(LogError, match="expected one array, found left, right"):
+        read_raw(tmp_path / "raw.mat", sets["adis16405"], 1)
+
+
+def write_trial(path, count=50, **arrays):
+    """Write a file as those of ``broad`` are, with some arrays replaced (None: absent)."""
+    rng = stream(7, "trial")
+    known = {
+        "imu_gyr": rng.standard_normal((count, 3)),
+        "imu_acc": rng.standard_normal((count, 3)),
+        "opt_quat": np.tile([1.0, 0.0, 0.0, 0.0], (count, 1)),
+        "movement": np.zeros((count, 1), np.uint8),
+        "info": "text",
+    } | arrays
+    scipy.io.savemat(path, {name: value for name, value in known.items() if value is not None})
+    return path
+
+
+def test_arrays_are_taken_by_name(tmp_path, sets):
+    gyro = stream(8, "gyro").standard_normal((50, 3))
+    table = read_raw(write_trial(tmp_path / "trial.mat", imu_gyr=gyro), sets["broad"], 6)
+    np.testing.assert_allclose(table[["gyro_x", "gyro_y", "gyro_z"]], gyro)
+    assert table.shape == (50, 6)
+    with pytest.raises(LogError, match="expected an array imu_acc, found none"):
+        read_raw(write_trial(tmp_path / "trial.mat", imu_acc=None), sets["broad"], 6)
+
+
+def test_a_reference_turns_to_north_east_down_and_leaves_out_what_was_lost(tmp_path, sets):
+    """A body whose axes point east, north, up has heading 90 deg and lies on its back."""
+    quats, moving = np.tile([1.0, 0.0, 0.0, 0.0], (50, 1)), np.zeros((50, 1), np.uint8)
+    quats[10:20], moving[30:] = np.nan, 1
+    path = write_trial(tmp_path / "trial.mat", opt_quat=quats, movement=moving)
+    known = read_reference(path, sets["broad"], 6)
+    assert list(known.columns) == [*reference.QUATERNION, reference.MOVING]
+    assert len(known) == 40
+    assert known.index[10] == pytest.approx(20 * 0.0035)
+    np.testing.assert_allclose(np.abs(to_euler(reference.rotations(known))), np.tile([np.pi, 0, np.pi / 2], (40, 1)))
+    assert (to_euler(reference.rotations(known))[:, 2] > 0).all()
+    assert reference.motion(known) == pytest.approx((30 * 0.0035, 49 * 0.0035))
+
+
+@pytest.mark.parametrize(
+    ("arrays", "found"),
+    [
+        ({"opt_quat": np.full((50, 4), np.nan)}, "50 rows of NaN"),
+        ({"opt_quat": np.ones((50, 3))}, "4 in all"),
+        ({"movement": None}, "expected an array movement, found none"),
+    ],
+)
+def test_a_reference_that_is_none_is_named(tmp_path, sets, arrays, found):
+    with pytest.raises(LogError, match=found):
+        read_reference(write_trial(tmp_path / "trial.mat", **arrays), sets["broad"], 6)
+
+
+needs_mirror = pytest.mark.skipif(
+    not (MIRROR and Path(MIRROR).is_dir()), reason="IMUGAP_MIRROR names no folder of real logs"
+)
+
+
+@needs_mirror
+def test_the_real_static_log_reads_as_at_rest(sets, tmp_path):
+    file = sets["adis16405"].file(1)
+    log = read_raw(file.place(MIRROR), sets["adis16405"], 1)
+    assert log.shape == (1_000_000, 6)
+    assert log["accel_z"].mean() / 9.80665 == pytest.approx(-1.0161, abs=1e-3)
+    cut = tmp_path / file.name
+    cut.write_bytes(file.place(MIRROR).read_bytes()[:100_000])
+    with pytest.raises(LogError, match=r"expected 3200168 bytes in \.rda format; found 100000 bytes"):
+        read_raw(cut, sets["adis16405"], 1)
+
+
+@needs_mirror
+def test_the_real_turn_on_means_scatter_as_published(sets):
+    dataset = sets["memsense_turnon"]
+    path = dataset.files[0].place(MIRROR)
+    means = np.degrees([read_raw(path, dataset, run).mean().to_numpy() for run in dataset.runs])
+    np.testing.assert_allclose(means.std(axis=0, ddof=1), [0.0008, 0.0006, 0.0022], atol=1e-4)
+
+
+@needs_mirror
+@pytest.mark.parametrize("run", [1, 6, 10, 24])
+def test_the_real_trials_rest_level_with_z_up_and_agree_with_their_reference(sets, run):
+    dataset = sets["broad"]
+    path = dataset.file(run).place(MIRROR)
+    table, known = read_raw(path, dataset, run), read_reference(path, dataset, run)
+    first, last = reference.rests(table, known, 3.0)
+    assert first["accel_z"].mean() == pytest.approx(9.87, abs=0.05)
+    for rest in (first, last):
+        up = reference.rotations(known.loc[rest.index[0] : rest.index[-1]]).inv().apply([0, 0, -1]).mean(axis=0)
+        force = rest[["accel_x", "accel_y", "accel_z"]].mean().to_numpy()
+        assert np.degrees(np.arccos(up @ force / np.linalg.norm(force) / np.linalg.norm(up))) < 0.3
+
+
+@pytest.mark.parametrize("run", [1, 2])
+def test_one_table_holds_a_recording_for_each_sensor(tmp_path, sets, run):
+    """The left foot is run 1, the right run 2; units and order are those of the catalogue."""
+    path = tmp_path / "imu_sample.csv"
+    axes = ("acc_x", "acc_y", "acc_z", "gyr_x", "gyr_y", "gyr_z")
+    head = ["sensor," + ",".join(side for _ in axes for side in ("left", "right"))]
+    head += ["axis," + ",".join(axis for axis in axes for _ in (1, 2))]
+    rows = [
+        ",".join(map(str, [row, *(10 * number + side for number in range(6) for side in (1, 2))])) for row in (0, 1)
+    ]
+    path.write_text("\n".join(head + rows) + "\n")
+    log = read_raw(path, sets["gaitmap_2x20m"], run)
+    np.testing.assert_allclose(log.iloc[0, 3:], np.arange(3) * 10 + run)
+    np.testing.assert_allclose(np.degrees(log.iloc[1, :3]), np.arange(3, 6) * 10 + run)
+    assert interval(log) == pytest.approx(1 / 204.8)
+
+
+def test_a_row_that_repeats_the_one_before_is_left_out_and_a_stamp_that_repeats_is_refused(tmp_path, sets):
+    rows = ["0,1,2,3,0,0,1", "0,1,2,3,0,0,1", "0.0025,2,2,3,0,0,1", "0.005,3,2,3,0,0,1"]
+    path = lines(tmp_path / "walk.csv", *rows, header="t,gx,gy,gz,ax,ay,az")
+    log = read_raw(path, sets["xio_gait_tracking"], 1)
+    np.testing.assert_allclose(np.degrees(log["gyro_x"]), [1, 2, 3])
+    assert len(read_raw_table(path, sets["xio_gait_tracking"], 1)) == 4
+    with pytest.raises(LogError, match="time that increases"):
+        read_raw(
+            lines(path, "0,1,2,3,0,0,1", "0,9,2,3,0,0,1", header="t,gx,gy,gz,ax,ay,az"), sets["xio_gait_tracking"], 1
+        )
+
+
+def test_a_recording_of_the_logger_is_read_between_its_bytes(tmp_path, sets):
+    path = tmp_path / "data_inert.txt"
+    row = "   0xcb   +0.1 +0.2 +1.0   +0.01 -0.02 +0.03   130516848   0x15fd   1 1274434048.503018"
+    path.write_text("\r\nInertial data.\r\n\r\nHeader:   a_x [g]:\r\n" + f"{row}  +nan\r\n{row}\r\n")
+    log = read_raw(path, sets["openshoe_kth"], 1)
+    np.testing.assert_allclose(log.iloc[1], [0.01, -0.02, 0.03, *(9.80665 * np.array([0.1, 0.2, 1.0]))])
+    assert len(log) == 2
+
+
+def test_reference_positions_come_in_metres_north_east_down(tmp_path, sets):
+    arrays = {"imu": np.zeros((3, 6)), "ts": np.array([[0.1, 0.2, 0.3]]), "gt": np.arange(9.0).reshape(3, 3)}
+    scipy.io.savemat(tmp_path / "walk.mat", arrays)
+    found = read_positions(tmp_path / "walk.mat", sets["pyshoe_vicon"], 4)
+    np.testing.assert_allclose(found, arrays["gt"] * [1, 1, -1])
+    np.testing.assert_allclose(found.index, [0.1, 0.2, 0.3])
+    path = tmp_path / "mocap_sample.csv"
+    path.write_text(",L_FCC,L_FCC,L_FCC,R_FCC,R_FCC,R_FCC\n,x,y,z,x,y,z\n0,1000,2000,30,4,5,6\n1,1,2,3,4000,5000,60\n")
+    found = read_positions(path, sets["gaitmap_2x20m"], 2)
+    np.testing.assert_allclose(found, [[0.004, -0.005, -0.006], [4, -5, -0.06]])
+    assert found.index[1] == pytest.approx(0.01)
+
+
+def test_the_strides_of_a_foot_come_in_seconds(tmp_path, sets):
+    path = tmp_path / "stride_events_sample.csv"
+    path.write_text("s_id,foot,start,end,ic\n0,left,2048,4096,1\n0,right,1024,3072,1\n1,right,3072,4096,1\n")
+    found = read_strides(path, sets["gaitmap_2x20m"], 2)
+    np.testing.assert_allclose(found, [[5, 15], [15, 20]])
+    assert list(found.columns) == ["start", "end"]
+    np.testing.assert_allclose(read_strides(path, sets["gaitmap_2x20m"], 1), [[10, 20]])
+
+
+@needs_mirror
+@pytest.mark.parametrize(
+    ("name", "up"), [("openshoe_kth", 1), ("xio_gait_tracking", 1), ("gaitmap_2x20m", 1), ("pyshoe_vicon", -1)]
+)
+def test_the_real_walks_begin_with_a_stand_under_gravity_with_z_as_stated(sets, name, up):
+    dataset = sets[name]
+    for run in dataset.runs:
+        stand = read_raw(dataset.file(run).place(MIRROR), dataset, run).iloc[:100].mean()
+        force = stand[["accel_x", "accel_y", "accel_z"]]
+        assert np.linalg.norm(force) == pytest.approx(9.81, abs=0.09)
+        assert np.sign(force["accel_z"]) == up
+        assert stand[["gyro_x", "gyro_y", "gyro_z"]].abs().max() < np.radians(1)
+
+
+@needs_mirror
+def test_a_foot_in_swing_rises_in_the_reference_positions(sets):
+    """Down is what the accelerometers call down: in every walk the foot is for half of the time near its lowest."""
+    for name in ("gaitmap_2x20m", "pyshoe_vicon"):
+        dataset = sets[name]
+        content = POSITIONS if dataset.position_rate_hz else LOG
+        for run in dataset.runs:
+            down = read_positions(dataset.file(run, content).place(MIRROR), dataset, run)["down"]
+            assert 0.1 < down.median() - down.min() < 0.3
+            assert down.max() - down.median() < 0.1
