@@ -1,0 +1,163 @@
+"""Simulate effects on conditions of every kind, and judge their samples."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from scipy.stats import binom, chi2
+
+from imugap import log
+from imugap.effects import (
+    Bias,
+    BiasInstability,
+    BiasStep,
+    ClockScale,
+    CommonMode,
+    Conditions,
+    GaussMarkov,
+    GSensitivity,
+    LeverArm,
+    Misalignment,
+    Outliers,
+    OutputFilter,
+    PowerLaw,
+    Quantization,
+    RandomTelegraph,
+    RandomWalk,
+    RateRamp,
+    Resolution,
+    SampleLoss,
+    Saturation,
+    ScaleFactor,
+    Sinusoid,
+    StabilityRestoration,
+    StanceMotion,
+    StuckSamples,
+    Temperature,
+    TimeOffset,
+    TimestampJitter,
+    TurnOnBias,
+    VarianceChange,
+    VibrationRectification,
+    WarmUp,
+    WhiteNoise,
+)
+from imugap.stream import stream
+
+PUBLISHED = pd.read_csv(
+    Path(__file__).parents[1] / "reference" / "farrell2022_gauss_markov.csv", comment="#", index_col="quantity"
+)
+
+
+PROCESSES = (
+    WhiteNoise(0.3),
+    RandomWalk(0.2),
+    GaussMarkov(0.7, 0.2),
+    BiasInstability(0.4),
+    RandomTelegraph(1.4, 2.5),
+    CommonMode(0.3, -0.5),
+    PowerLaw(0.4, 1.5),
+)
+
+
+NAMES = [process.name for process in PROCESSES]
+
+
+SAMPLED = (*PROCESSES, Quantization(0.003))
+"""All processes: quantization has a spectrum only once it is sampled."""
+
+
+SAMPLED_NAMES = [process.name for process in SAMPLED]
+
+
+RUNS = 330
+
+
+EXAMPLES = {
+    effect.name: effect
+    for effect in (
+        *SAMPLED,
+        Bias(-0.3),
+        TurnOnBias(0.2),
+        RateRamp(-0.3),
+        Sinusoid(3.0, 0.5, 1.0),
+        Outliers(0.05, 2.0),
+        BiasStep(0.2, -0.4),
+        WarmUp(0.8, 0.1),
+        Temperature(0.02, 24.0, 1e-3, -0.1),
+        VarianceChange(0.1, 0.3, 4.0),
+        StabilityRestoration(0.1, 0.05),
+        OutputFilter(10.0, 3),
+        Saturation(0.2),
+        Resolution(0.05),
+        StuckSamples(0.1, 3.0),
+        SampleLoss(0.1, 3.0),
+        TimestampJitter(1e-3),
+        ClockScale(1.01),
+        ScaleFactor(0.01, -0.02, 0.03),
+        Misalignment(0.01, -0.02, 0.0),
+        GSensitivity(1e-3, -2e-3, 3e-3),
+        VibrationRectification(0.04),
+        LeverArm(0.1, -0.2, 0.3),
+        TimeOffset(2e-3),
+        StanceMotion(0.01, -0.002),
+    )
+}
+"""One of every effect, at home on gyro_z, accel_z or time."""
+
+
+def conditions(count, interval=0.01, temperature=None):
+    return Conditions(interval * np.arange(count), interval, temperature)
+
+
+def motion(count, interval=0.01):
+    """An error-free log of every axis at its own frequency, around its own mean."""
+    time = interval * np.arange(count)
+    phases = [2 * np.pi * (0.3 + 0.1 * k) * time + k for k in range(6)]
+    columns = {axis: 0.3 * k + (1 + k) * np.sin(phases[k]) for k, axis in enumerate(log.AXES)}
+    return log.from_samples(columns | {"temperature": 20 + 5 * time**2}, interval)
+
+
+def moving(count, axis, interval=0.01):
+    """Conditions of an axis under motion."""
+    ideal = motion(count, interval)
+    return Conditions(ideal.index.to_numpy(), interval, ideal["temperature"].to_numpy(), axis, ideal)
+
+
+def draws(effect, runs, count, *labels, interval=0.01):
+    """Sequences of an effect, shape (runs, count)."""
+    at = conditions(count, interval)
+    return np.array([effect.sample(at, stream(11, effect.name, *labels, run)) for run in range(runs)])
+
+
+def published(quantity):
+    """A published value with the tolerance that its digits leave."""
+    row = PUBLISHED.loc[quantity]
+    return pytest.approx(row["value"], abs=row["half_digit"])
+
+
+def inside(variances, truth, power=0.03):
+    """Whether the mean of independent estimates agrees with the truth; the estimate has to be sharp enough to tell."""
+    error = variances.std(ddof=1) / np.sqrt(len(variances))
+    assert error < power * truth
+    return abs(variances.mean() - truth) < 4 * error
+
+
+def sharp_std(samples, std, alpha=1e-4):
+    """Whether independent zero-mean Gaussian samples have this standard deviation (chi-square, two-sided)."""
+    low, high = chi2.ppf([alpha / 2, 1 - alpha / 2], samples.size)
+    return low < np.sum(samples**2) / std**2 < high
+
+
+def shares(hits, probability, alpha=1e-4):
+    """Whether the share of independent hits agrees with their probability, two-sided."""
+    low, high = binom.ppf([alpha / 2, 1 - alpha / 2], hits.size, probability)
+    return low <= hits.sum() <= high
+
+
+def held(axis, **values):
+    """Conditions of an axis under constant inputs."""
+    columns = {name: np.full(200, values.get(name, 0.0)) for name in log.AXES}
+    ideal = log.from_samples(columns, 0.01)
+    return Conditions(ideal.index.to_numpy(), 0.01, None, axis, ideal)

@@ -1,0 +1,30 @@
+import numpy as np
+import pytest
+from tests.effects.simulated import conditions, inside
+
+from imugap.effects import Quantization
+from imugap.estimation import allan
+from imugap.stream import stream
+
+
+def test_quantization_is_what_rounding_of_the_angle_does_to_the_rate():
+    lsb, rng = 1e-3, stream(7, "angle")
+    rate = 0.5 + rng.standard_normal((200, 500))
+    angle = np.cumsum(rate, axis=1) * 0.01
+    rounded = np.rint(angle / lsb) * lsb
+    errors = np.diff(rounded - angle, axis=1) / 0.01
+    process = Quantization(lsb / np.sqrt(12))
+    for n in (1, 4, 50):
+        found = np.array([allan.variance(sequence, np.array([n]))[0] for sequence in errors])
+        assert inside(found, process.sampled_allan_variance(n, 0.01)), n
+    assert np.abs(process.sample(conditions(1000), stream(7, "bound"))).max() <= lsb / 0.01
+
+
+def test_quantization_has_the_slope_and_gain_of_ieee_952():
+    tau = np.array([1.0, 10.0])
+    np.testing.assert_allclose(np.sqrt(Quantization(2.0).allan_variance(tau)), np.sqrt(3) * 2.0 / tau, rtol=1e-14)
+
+
+def test_quantization_has_no_spectrum_without_an_interval():
+    with pytest.raises(NotImplementedError, match="expected a sampling interval"):
+        Quantization(1.0).psd(np.ones(2))

@@ -1,0 +1,26 @@
+import numpy as np
+import pytest
+from tests.effects.simulated import draws, shares
+
+from imugap.effects import Conditions, RandomTelegraph
+from imugap.stream import stream
+
+
+def test_telegraph_has_two_values_and_starts_at_either():
+    sequences = draws(RandomTelegraph(1.4, 2.5), 4000, 3, "values")
+    assert set(np.unique(sequences)) == {-0.7, 0.7}
+    assert shares(sequences[:, 0] > 0, 0.5)
+
+
+def test_telegraph_switches_between_uneven_stamps_as_a_poisson_process_does():
+    time = np.array([0.0, 0.01, 0.3, 0.5, 4.0])
+    at = Conditions(time, 0.01)
+    process = RandomTelegraph(2.0, 2.5)
+    signs = np.array([process.sample(at, stream(11, "uneven", run)) for run in range(8000)])
+    for k, gap in enumerate(np.diff(time)):
+        assert shares(signs[:, k] != signs[:, k + 1], (1 - np.exp(-2 * 2.5 * gap)) / 2), gap
+
+
+def test_telegraph_is_no_gaussian_process_and_has_no_state_space():
+    with pytest.raises(ValueError, match="random_telegraph: expected a process with a state space"):
+        RandomTelegraph(1.0, 1.0).state_space()
