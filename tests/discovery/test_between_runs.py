@@ -2,12 +2,13 @@
 
 import numpy as np
 import pytest
+from tests.discovery import simulated
 
 from imugap.discovery.between_runs import _error, _of_mean, as_first, clocks, turn_on
 from imugap.discovery.fit.axis_fit import Description, Term, fit
 from imugap.discovery.fit.whittle import Noise
 from imugap.discovery.preparation.sequence import Sequence
-from imugap.effects import GaussMarkov, PowerLaw, RandomWalk, RateRamp, Sinusoid, WarmUp, WhiteNoise
+from imugap.effects import GaussMarkov, PowerLaw, RandomWalk, RateRamp, Sinusoid, TurnOnBias, WarmUp, WhiteNoise
 from imugap.effects.conditions import Conditions
 from imugap.stream import stream
 
@@ -125,3 +126,14 @@ def test_noise_of_any_slope_may_hold_a_level_through_a_run():
     values = stream(1, "slope").standard_normal(2000)
     noise = Noise((WhiteNoise(0.3), PowerLaw(0.01, 1.2)))
     assert np.isinf(_error(fit(Sequence(values, conditions, np.zeros(2000, bool)), Description((), noise))))
+
+
+def test_turn_on_bias_of_several_runs():
+    fits = [
+        {"gyro_x": simulated.plain(simulated.sequence(TurnOnBias(1e-3), count=4000, label=f"run{run}"))}
+        for run in range(8)
+    ]
+    (finding,) = turn_on(fits, simulated.LOG_ALPHA)
+    assert finding.parameters["std"].low < 1e-3 < finding.parameters["std"].high
+    same = [{"gyro_x": simulated.plain(simulated.sequence(count=4000, label=f"run{run}"))} for run in range(8)]
+    assert turn_on(same, simulated.LOG_ALPHA) == ()

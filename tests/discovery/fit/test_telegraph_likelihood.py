@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.special import logsumexp
 from scipy.stats import multivariate_normal
+from tests.discovery import simulated
 
 from imugap.discovery.fit.axis_fit import Description, fit
 from imugap.discovery.fit.telegraph_likelihood import FINE, Blocks, _continuum, compare, filtered
@@ -135,3 +136,9 @@ def test_what_never_switches_is_weighed_all_the_same(exponent, seed):
     found = fit(data, Description((), Noise((WhiteNoise(1e-3), RandomWalk(1e-4)))))
     verdict = compare(found, tuple(found.description.noise.effects[1:]))
     assert np.isfinite([verdict.gain, verdict.uneven]).all()
+
+
+def test_two_values_are_told_from_a_continuum():
+    for effect, sign in ((RandomTelegraph(2e-3, 0.05), 1), (GaussMarkov(1e-3, 10.0), -1)):
+        found = fit(simulated.sequence(effect), Description((), Noise((simulated.WHITE, GaussMarkov(1e-3, 10.0)))))
+        assert sign * compare(found, found.description.noise.effects[1:]).gain > 6

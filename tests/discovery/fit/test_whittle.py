@@ -4,10 +4,20 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests.discovery import simulated
 
+from imugap.discovery.fit.axis_fit import cosines
 from imugap.discovery.fit.whittle import Noise, _Spectra, fit, limits
 from imugap.discovery.preparation.cosine_bins import Bins
-from imugap.effects import BiasInstability, GaussMarkov, OutputFilter, RandomWalk, WhiteNoise
+from imugap.effects import (
+    BiasInstability,
+    GaussMarkov,
+    OutputFilter,
+    Quantization,
+    RandomTelegraph,
+    RandomWalk,
+    WhiteNoise,
+)
 from imugap.stream import stream
 
 COUNT, INTERVAL = 20000, 0.02
@@ -48,3 +58,43 @@ def test_the_end_of_a_climb_is_level_but_where_limits_stop_it(behind):
     assert inside.sum() >= 3
     score = gradient[inside] / np.sqrt(np.diag(found.information)[inside])
     assert np.abs(score).max() < 0.02
+
+
+@pytest.mark.parametrize(
+    "noise",
+    [
+        Noise((simulated.WHITE, BiasInstability(2e-4), RandomWalk(1e-5))),
+        Noise((simulated.WHITE, GaussMarkov(3e-4, 8.0), Quantization(1e-5)), OutputFilter(6.0, 2)),
+        Noise((simulated.WHITE, RandomTelegraph(1e-3, 0.1))),
+    ],
+)
+def test_gradient_of_the_spectral_likelihood(noise):
+    data = simulated.sequence(GaussMarkov(3e-4, 5.0), count=5000)
+    power = data.bins.sums(cosines(data.values) ** 2)
+    spectra, theta = _Spectra(noise, data.bins), noise.theta()
+    _, gradient, information = spectra.expand(theta, power)
+    for step in 1e-5 * np.eye(len(theta)):
+        above, below = spectra.expand(theta + step, power)[0], spectra.expand(theta - step, power)[0]
+        assert (above - below) / 2e-5 == pytest.approx(gradient @ step / 1e-5, rel=1e-4, abs=1e-3)
+    assert np.all(np.linalg.eigvalsh(information) > 0)
+
+
+def test_the_limits_of_a_correlation_time_are_those_of_the_log():
+    data = simulated.sequence(RandomWalk(1e-6))
+    noise = Noise((WhiteNoise(1e-8), GaussMarkov(1e-8, 100.0)))
+    low, high = limits(noise, data.bins, data.bins.sums(cosines(1e-5 * data.values) ** 2))
+    assert np.exp([low[-1], high[-1]]) == pytest.approx(
+        [simulated.INTERVAL / 3, 30 * simulated.COUNT * simulated.INTERVAL]
+    )
+
+
+@pytest.mark.parametrize("count", [20, 24_000])
+def test_noise_beneath_a_spectrum_does_not_rise_above_it(count):
+    """Also where a log is too short to have a frequency below the cutoff: it touches the first that there are."""
+    data = simulated.sequence(count=count)
+    power = data.bins.sums(cosines(data.values) ** 2)
+    noise = Noise((simulated.WHITE,), OutputFilter(0.2, 1)).beneath(data.bins, power)
+    asked = slice(max(8, np.sum(data.bins.frequency < 0.2)))
+    over = power[asked] / data.bins.number[asked] / noise.variance(data.bins)[asked]
+    assert np.mean(over >= 1 - 1e-9) >= 0.5
+    assert over.min() <= 1 + 1e-9

@@ -1,0 +1,271 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from tests.discovery.simulated import LOG_ALPHA, WHITE, beside_white, names, plain, sequence
+
+from imugap.benchmark.sealing.noise import fractional
+from imugap.discovery.axis import concluded, told
+from imugap.discovery.checks import Doubt, doubts
+from imugap.discovery.checks.all_checks import _of_the_spectrum, _parts_of_it
+from imugap.discovery.checks.hysteresis import MEMORY, in_place_of_means
+from imugap.discovery.checks.misfit import LEVEL
+from imugap.discovery.fit.axis_fit import Description, Term, fit
+from imugap.discovery.fit.whittle import Noise
+from imugap.discovery.preparation.sequence import Sequence
+from imugap.discovery.search.search import Key, Search, at
+from imugap.discovery.unnamed.hysteresis import Hysteresis
+from imugap.discovery.views.gaps import gaps
+from imugap.effects import (
+    CATALOGUE,
+    BiasInstability,
+    BiasStep,
+    GaussMarkov,
+    OutputFilter,
+    RandomWalk,
+    Sinusoid,
+    Temperature,
+    WarmUp,
+)
+from imugap.effects.conditions import Conditions
+from imugap.effects.effect import AxisModel
+from imugap.stream import stream
+
+
+def test_a_line_that_drifts_is_a_place_without_a_name():
+    data = sequence(count=12_000)
+    time = data.conditions.time
+    chirp = 2.5e-3 * np.cos(2 * np.pi * (0.5 * time + 2.0 * time**2 / (2 * time[-1])))
+    moving = Sequence(data.values + chirp, data.conditions, data.flawed)
+    story = concluded(told(moving, (), tuple(CATALOGUE.values()), LOG_ALPHA, 9600))
+    assert names(story) == []
+    places = [gap for gap in gaps({"gyro_x": story.whole}, 0.01, 0, 39) if gap.view == "spectrum"]
+    assert any(gap.low < 2.5 and gap.high > 0.5 for gap in places)
+
+
+def test_bursts_are_no_noise_though_their_spectrum_is():
+    """What dies away has the spectrum of a Gauss-Markov process, but what drives it is skewed and peaked."""
+    data, rng = sequence(count=12_000), stream(3, "bursts")
+    since = data.conditions.time - rng.uniform(0, data.conditions.time[-1], (20, 1))
+    heights = 4e-3 * rng.standard_exponential((20, 1))
+    bursts = np.sum(heights * np.where(since >= 0, np.exp(-np.maximum(since, 0) / 6), 0), axis=0)
+    process = GaussMarkov(float(bursts.std()), 6.0).sample(data.conditions, rng)
+    reasons = []
+    for added in (bursts, process):
+        moved = Sequence(data.values + added, data.conditions, data.flawed)
+        search = Search(plain(moved).description, (GaussMarkov,), LOG_ALPHA)
+        found = search.explore(plain(moved))
+        assert found.has(GaussMarkov)
+        reasons.append([doubt.reason for doubt in doubts(search, found).values()])
+    assert reasons == [["it is stronger at some times than at others"], []]
+
+
+@pytest.mark.parametrize(
+    ("doubtful", "reason", "warm", "withheld"),
+    [
+        ("noise", "bursts", 2e-2, [BiasStep]),
+        ("noise", "bursts", 2e-3, [BiasStep, WarmUp]),
+        ("noise", MEMORY, 2e-2, [BiasStep, WarmUp]),
+        ("line", "drifts", 2e-3, []),
+    ],
+)
+def test_what_slow_noise_without_a_name_may_have_made_has_none_either(doubtful, reason, warm, withheld):
+    terms = [
+        Term(BiasStep(200.0, 2e-2), ("step",)),
+        Term(Sinusoid(0.8, 5e-4, 0.3), ("amplitude",)),
+        Term(WarmUp(warm, 20.0), ("amplitude",)),
+    ]
+    described = Description(tuple(terms), Noise((WHITE, GaussMarkov(1e-3, 6.0))))
+    data = sequence(BiasStep(200.0, 2e-2), WarmUp(warm, 20.0), GaussMarkov(1e-3, 6.0), count=12_000)
+    search = Search(Description((), Noise((WHITE,))), tuple(CATALOGUE.values()), LOG_ALPHA)
+    keys = [*(Key("term", index) for index in range(3)), Key("noise", 1)]
+    doubt = {keys[3 if doubtful == "noise" else 1]: Doubt(reason, -20.0)}
+    found = fit(data, described)
+    of_it = _parts_of_it(search, found, keys, doubt)
+    assert [type(at(found.description, key)) for key in of_it] == withheld
+    assert all(one.reason == reason for one in of_it.values())
+
+
+def test_a_line_or_filter_where_noise_without_a_name_is_the_power_has_none_either():
+    """A peak of a spectrum that is not known is not known to be a line."""
+    lines = tuple(Term(Sinusoid(f, 5e-4, 0.3), ("amplitude",)) for f in (0.1, 9.0))
+    keys, doubt = [Key("term", 0), Key("term", 1), Key("noise", 1), Key("filter", 0)], Doubt("bursts", -20.0)
+    for cutoff, nameless in ((0.1, [Key("term", 0), Key("filter", 0)]), (9.0, [Key("term", 0)])):
+        noise = Noise((WHITE, GaussMarkov(1e-2, 1.0)), OutputFilter(cutoff, 1))
+        found = fit(sequence(GaussMarkov(1e-2, 1.0), count=12_000), Description(lines, noise))
+        described = replace(found, description=Description(lines, noise))
+        assert list(_of_the_spectrum(described, keys, {Key("noise", 1): doubt})) == nameless
+
+
+def test_the_power_of_a_line_that_sweeps_is_no_noise():
+    data = sequence()
+    time = data.conditions.time
+    turns = 0.5 * time + 0.5 * (2.1 - 0.5) * time**2 / time[-1]
+    moved = replace(data, values=data.values + 1.0e-3 * np.sin(2 * np.pi * turns))
+    story = concluded(told(moved, (), (GaussMarkov, Sinusoid), LOG_ALPHA, 19_200))
+    assert names(story) == []
+    assert [one.reason for one in story.withheld] == ["a line that sweeps or wanders explains it"]
+    (band,) = story.bands
+    assert (band.low, band.high) == pytest.approx((0.5, 2.1), rel=0.05)
+
+
+def test_beside_a_line_that_sweeps_noise_of_other_frequencies_keeps_its_name():
+    data = sequence(GaussMarkov(2e-3, 10.0))
+    time = data.conditions.time
+    turns = 2.0 * time + 0.5 * (4.0 - 2.0) * time**2 / time[-1]
+    moved = replace(data, values=data.values + 1.0e-3 * np.sin(2 * np.pi * turns))
+    story = concluded(told(moved, (), (GaussMarkov, Sinusoid), LOG_ALPHA, 19_200))
+    assert names(story) == ["gauss_markov"]
+    assert len(story.bands) == 1
+
+
+def test_flicker_keeps_its_name_in_either_form_that_samples_of_it_may_have():
+    """Fractionally differenced noise lies above 1/f towards half the rate; its slope is that of flicker."""
+    data, rng = sequence(count=120_000), stream(1, "fractional")
+    moved = replace(data, values=data.values + 6e-3 * fractional(120_000, 1.0, rng))
+    search = Search(plain(moved).description, (BiasInstability,), LOG_ALPHA)
+    found = search.explore(plain(moved))
+    assert found.has(BiasInstability)
+    assert doubts(search, found) == {}
+
+
+def test_a_loop_over_the_temperature_is_no_walk():
+    """The bias goes by the way that the temperature came, with play; the walk of the same size keeps its name."""
+    time = np.arange(16_000) * 0.04
+    warming = 25 + 4 * np.sin(2 * np.pi * time / 260) + 1.5 * np.sin(2 * np.pi * time / 97 + 1)
+    conditions = Conditions(time, 0.04, warming, "gyro_x")
+    dragged = [warming[0]]
+    for value in warming[1:]:
+        dragged.append(min(max(dragged[-1], value - 0.8), value + 0.8))
+    white = WHITE.sample(conditions, stream(4, "white"))
+    walk = RandomWalk(1e-4).sample(conditions, stream(4, "walk"))
+    found = []
+    for added in (2e-3 * (warming - np.array(dragged)), walk):
+        data = Sequence(white + added, conditions, np.zeros(len(time), bool))
+        found.append(concluded(told(data, (), tuple(CATALOGUE.values()), LOG_ALPHA, 12_800)))
+    loop, wandering = found
+    assert names(loop) == []
+    assert loop.seen
+    assert names(wandering) == ["random_walk"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("constant", "period", "size"), [(200, 700, 9e-3), (100, 500, 6e-3), (120, 900, 9e-3)])
+def test_a_loop_over_a_temperature_that_warms_up_is_neither_temperature_nor_warm_up(constant, period, size):
+    """Both together, by coefficients and a time constant of their own, keep their names."""
+    time = np.arange(24_000) * 0.04
+    warming = 25 + 5.5 * (1 - np.exp(-time / constant)) + np.sin(2 * np.pi * time / period)
+    conditions = Conditions(time, 0.04, warming, "gyro_x")
+    loop = Hysteresis(size, -size, 0.1).sample(conditions, None)
+    both = Temperature(1e-3, 25.0).sample(conditions, None) + WarmUp(5e-3, 60.0).sample(conditions, None)
+    white, found = WHITE.sample(conditions, stream(4, "white2")), []
+    for added in (loop, both):
+        data = Sequence(white + added, conditions, np.zeros(len(time), bool))
+        found.append(concluded(told(data, (), tuple(CATALOGUE.values()), LOG_ALPHA, 19_200)))
+    assert names(found[0]) == []
+    assert found[0].seen
+    assert names(found[1]) == ["temperature", "warm_up"]
+
+
+@pytest.mark.slow
+def test_noise_between_flicker_and_walk_is_seldom_a_markov_process():
+    """A process of the same number of parameters has to be likelier than a power law to have its name."""
+    white, named = sequence(count=60_000), []
+    for run in range(16):
+        values = white.values + 1.2e-4 * fractional(60_000, 1.5, stream(run, "gml", "f"))
+        moved = replace(white, values=values)
+        search = Search(plain(moved).description, (GaussMarkov,), LOG_ALPHA)
+        found = search.explore(plain(moved))
+        assert found.has(GaussMarkov)
+        named.append(not doubts(search, found))
+    assert sum(named) <= 4
+
+
+@pytest.mark.parametrize("run", range(3))
+def test_a_markov_process_is_no_power_law(run):
+    data = sequence(GaussMarkov(1e-3, 5.0), count=60_000, label=f"markov {run}")
+    search = Search(plain(data).description, (GaussMarkov,), LOG_ALPHA)
+    found = search.explore(plain(data))
+    assert found.has(GaussMarkov)
+    assert doubts(search, found) == {}
+
+
+def sawtooth(time, rng):
+    return 7e-3 * (time / 93.0 % 1)
+
+
+def triangle(time, rng):
+    return 1.5e-2 * np.abs(time / 93.0 % 1 - 0.5)
+
+
+def humming(time, rng):
+    return 3e-3 * (time / 97.0 % 1 < 0.35) * np.sin(2 * np.pi * 4.7 * time)
+
+
+def knocks(time, rng):
+    since = time - np.array([[111.0], [402.0], [655.0], [838.0]])
+    ringing = np.exp(-np.maximum(since, 0) / 4) * np.sin(2 * np.pi * 2.7 * np.maximum(since, 0))
+    return 2e-2 * np.sum(np.where(since > 0, ringing, 0.0), axis=0)
+
+
+def between_walk_and_flicker(time, rng):
+    frequency = np.fft.rfftfreq(2 * len(time))
+    frequency[0] = np.inf
+    noise = np.fft.irfft(np.fft.rfft(rng.standard_normal(2 * len(time))) * frequency**-0.75)[: len(time)]
+    return 6e-3 * (noise - noise.mean()) / noise.std()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("added", "view", "low", "high"),
+    [
+        (sawtooth, "line", 1 / 93, 1 / 93),
+        (triangle, "line", 1 / 93, 1 / 93),
+        (humming, "line", 4.7, 4.7),
+        (knocks, "variance", 111, 113),
+        (between_walk_and_flicker, "spectrum", 0.001, 0.01),
+    ],
+)
+def test_what_is_nearly_an_effect_has_a_place_and_no_name(added, view, low, high):
+    story = concluded(told(beside_white(added), (), tuple(CATALOGUE.values()), LOG_ALPHA, 16_000))
+    assert names(story) == []
+    places = [one.place for one in story.withheld if one.place.view == view]
+    assert all(place.axis == "gyro_x" and place.p_value < 0.01 for place in places)
+    assert any(place.low <= low and high <= place.high for place in places)
+
+
+@pytest.mark.parametrize(("shape", "reasons"), [("teeth", ["a wave of one period explains it better"]), ("step", [])])
+def test_a_jump_of_a_wave_is_no_step(shape, reasons):
+    """The walk of the start model hides the wave but for a jump of it; a step alone keeps its name."""
+    known = RandomWalk(5e-5)
+    data = sequence(known, label="jump")
+    time = data.conditions.time
+    added = {"teeth": 2e-3 * (time / 96.3 % 1), "step": -2e-3 * (time > 4 * 96.3)}[shape]
+    moved = replace(data, values=data.values + added)
+    before = fit(moved, Description((), Noise((WHITE, known))))
+    step = Term(BiasStep(4 * 96.3, -2e-3), ("step",))
+    found = fit(moved, replace(before.description, terms=(step,)))
+    doubtful = doubts(Search(before.description, (BiasStep,), LOG_ALPHA), found)
+    assert [doubt.reason for doubt in doubtful.values()] == reasons
+
+
+def test_a_steady_line_is_not_in_doubt():
+    data = sequence(Sinusoid(0.8, 5e-4, 0.3), count=12_000)
+    search = Search(plain(data).description, tuple(CATALOGUE.values()), LOG_ALPHA)
+    found = search.explore(plain(data))
+    assert [effect.name for effect in found.description.effects()] == ["sinusoid", "white_noise"]
+    assert doubts(search, found) == {}
+
+
+def test_a_temperature_beside_a_walk_is_seldom_a_memory_of_it():
+    count, interval, few = 3000, 0.2, []
+    time = interval * np.arange(count)
+    warming = 24 + 4 * (1 - np.exp(-time / 120)) + 0.5 * np.sin(2 * np.pi * time / 200)
+    conditions, straight = Conditions(time, interval, warming, "gyro_x"), Temperature(1e-3, 25.0)
+    described = Description((Term(straight, ("coefficient",)),), Noise((WHITE, RandomWalk(4e-5))))
+    for run in range(60):
+        values = AxisModel((WHITE, RandomWalk(4e-5), straight)).simulate(np.zeros(count), conditions, run, "nested")
+        found = fit(Sequence(values, conditions, np.zeros(count, bool)), described)
+        few.append(in_place_of_means(Search(Description((), Noise((WHITE,))), (), LOG_ALPHA), found).log_p)
+    assert np.sum(np.array(few) < LEVEL) <= 3
+    assert 5 <= np.sum(np.array(few) < np.log(0.5)) <= 40

@@ -1,0 +1,63 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from tests.discovery.simulated import COUNT, INTERVAL, LOG_ALPHA, WHITE, filtered, names, sequence
+
+from imugap.discovery.axis import concluded, told
+from imugap.discovery.fit.axis_fit import Description, fit
+from imugap.discovery.fit.whittle import Noise
+from imugap.discovery.preparation.cosine_bins import usable
+from imugap.discovery.search.search import RESHAPED, Search, _behind, _hopeful
+from imugap.effects import CATALOGUE, BiasInstability, GaussMarkov, OutputFilter, RandomWalk
+from imugap.stream import stream
+
+
+@pytest.mark.parametrize(("order", "cutoff"), [(1, 0.5), (2, 0.5), (4, 1.5)])
+def test_a_step_behind_a_filter_is_one_and_has_its_time_and_size(order, cutoff):
+    story = filtered(order, cutoff, np.where(INTERVAL * np.arange(COUNT) >= 431.2, 0.02, 0.0))
+    assert names(story) == ["bias_step", "output_filter"]
+    step, smooth = sorted(story.findings, key=lambda finding: finding.name)
+    assert step.parameters["time"].low <= 431.2 <= step.parameters["time"].high
+    assert step.parameters["time"].high - step.parameters["time"].low < 2.0
+    assert step.parameters["step"].value == pytest.approx(0.02, rel=0.02)
+    assert smooth.parameters["cutoff"].value == pytest.approx(cutoff, rel=0.05)
+
+
+@pytest.mark.parametrize(("order", "cutoff"), [(1, 2.0), (2, 0.5), (3, 5.0)])
+@pytest.mark.parametrize("before", [0.05, 1.0])
+def test_a_filter_that_settles_is_a_filter_and_no_more(order, cutoff, before):
+    story = filtered(order, cutoff, before=before)
+    assert names(story) == ["output_filter"]
+    assert not story.withheld
+    assert story.findings[0].parameters["cutoff"].value == pytest.approx(cutoff, rel=0.05)
+
+
+@pytest.mark.parametrize("known", [RandomWalk(3e-5), BiasInstability(1e-4), GaussMarkov(3e-4, 20.0)])
+@pytest.mark.parametrize("cutoff", [0.6, 3.2])
+def test_a_filter_is_found_behind_noise_that_went_far_to_look_like_it(known, cutoff):
+    """Without the filter the slow noise of the start model is the whole spectrum, and white noise is none of it."""
+    data, hidden = sequence(known), OutputFilter(cutoff, 2)
+    output = hidden.apply(data.values, data.conditions, stream(1))
+    filtered = replace(data, values=output, share=usable(output))
+    story = concluded(told(filtered, (WHITE, known), tuple(CATALOGUE.values()), LOG_ALPHA, 19_200))
+    assert names(story) == ["output_filter"]
+    (found,) = story.findings
+    assert found.parameters["cutoff"].low < cutoff < found.parameters["cutoff"].high
+
+
+@pytest.mark.parametrize("slow", [(), (RandomWalk(3e-5),)])
+@pytest.mark.parametrize("cutoff", [0.5, 3.0, 12.0, None])
+def test_what_a_filter_gains_is_known_before_it_is_fitted(cutoff, slow):
+    data = sequence(*slow, count=6000)
+    if cutoff is not None:
+        output = OutputFilter(cutoff, 2).apply(data.values, data.conditions, stream(1))
+        data = replace(data, values=output, share=usable(output))
+    description = Description((), Noise((WHITE, *slow)))
+    before = fit(data, description)
+    search = Search(description, tuple(CATALOGUE.values()), LOG_ALPHA)
+    for start in OutputFilter.starts(before):
+        expected, beside = _behind(start, before)
+        found = search.judged(expected, before, beside)
+        assert found.gain == pytest.approx(expected.gain - RESHAPED, abs=RESHAPED / 3)
+        assert _hopeful(expected, LOG_ALPHA) or found.log_p > LOG_ALPHA

@@ -1,0 +1,86 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+from tests.discovery.simulated import COUNT, INTERVAL, LOG_ALPHA, WHITE, plain, sequence
+
+from imugap.discovery.common_noise import _errors, shared
+from imugap.discovery.fit.axis_fit import Description, fit
+from imugap.discovery.fit.whittle import Noise
+from imugap.effects import CommonMode, GaussMarkov, OutputFilter
+from imugap.stream import stream
+
+
+def correlated(run, colour, size, own=()):
+    """Fits of two axes with noise of their own and in common, this filtered by the coefficients ``colour``."""
+    fits, common = {}, lfilter([1.0], colour, stream(run, "common").standard_normal(COUNT))
+    for axis in ("gyro_x", "gyro_y"):
+        data = sequence(*own, axis=axis, label=f"own {run}")
+        values = data.values + size * WHITE.density / np.sqrt(INTERVAL) * common / common.std()
+        fits[axis] = fit(replace(data, values=values), Description((), Noise((WHITE, *own))))
+    return fits
+
+
+@pytest.mark.parametrize(("size", "own"), [(0.2, ()), (0.5, (GaussMarkov(2e-3, 2.0),)), (2.0, ())])
+def test_white_noise_in_common_has_its_name(size, own):
+    for run in range(5):
+        (found,) = shared(correlated(run, [1.0], size, own), LOG_ALPHA)
+        assert found.axes == ("gyro_x", "gyro_y")
+
+
+@pytest.mark.parametrize("colour", [[1.0, -0.5], [1.0, -0.99], [1.0, 0.5]])
+def test_noise_in_common_that_is_not_white_has_no_name(colour):
+    for run in range(5):
+        assert shared(correlated(run, colour, 0.5), LOG_ALPHA) == ()
+
+
+def test_noise_in_common_for_a_moment_has_no_name():
+    """For a hundredth of the log, as long as a shock."""
+    shock = 3 * WHITE.density / np.sqrt(INTERVAL) * stream(1, "shock").standard_normal(COUNT)
+    shock[np.abs(np.arange(COUNT) - 0.6 * COUNT) > COUNT / 200] = 0.0
+    data = {axis: sequence(axis=axis) for axis in ("gyro_x", "gyro_y")}
+    shaken = {axis: plain(replace(one, values=one.values + shock)) for axis, one in data.items()}
+    assert shared(shaken, LOG_ALPHA) == ()
+
+
+@pytest.mark.parametrize("loading", [0.6, 3.0])
+@pytest.mark.parametrize("count", [2, 3])
+def test_errors_of_shared_noise_are_those_of_many_logs(loading, count):
+    axes, whole, errors = ("gyro_x", "gyro_y", "gyro_z")[:count], [], []
+    for number in range(100):
+        own = CommonMode(1e-3, loading)
+        data = {axis: sequence(own, count=2000, axis=axis, label=f"shared {number}") for axis in axes}
+        (found,) = shared({axis: plain(one) for axis, one in data.items()}, LOG_ALPHA)
+        whole.append(found.densities[0])
+        errors.append(found.errors[0])
+    assert np.mean(whole) == pytest.approx(1e-3 * loading, abs=4 * np.std(whole) / 10)
+    assert np.std(whole, ddof=1) == pytest.approx(np.mean(errors), rel=4 / np.sqrt(200))
+
+
+def test_what_an_axis_of_no_loading_leaves_open_has_a_wide_interval():
+    sure, open_ended = (_errors(np.array([0.5, 0.5, last]), 1000) for last in (0.5, 0.0))
+    assert np.all(sure < 0.1)
+    assert np.all(np.isfinite(open_ended))
+    assert np.all(open_ended[:2] > 10)
+
+
+def test_shared_noise_has_its_sign_and_size_also_where_one_axis_is_filtered():
+    common, smooth = CommonMode(1e-3, 1.0), OutputFilter(3.0, 2)
+    data = {axis: sequence(common, axis=axis) for axis in ("gyro_x", "gyro_y")}
+    output = smooth.apply(data["gyro_x"].values, data["gyro_x"].conditions, stream(1))
+    filtered = fit(replace(data["gyro_x"], values=output), Description((), Noise((WHITE,), smooth)))
+    (found,) = shared({"gyro_x": filtered, "gyro_y": plain(data["gyro_y"])}, LOG_ALPHA)
+    np.testing.assert_array_less(np.abs(found.densities - 1e-3), 4 * found.errors)
+
+
+def test_noise_that_axes_share():
+    sharing = ("gyro_x", "gyro_y", "accel_z")
+    effects = {axis: [CommonMode(5e-4, loading)] for axis, loading in zip(sharing, (1.0, -0.8, 0.6), strict=True)}
+    fits = {
+        axis: plain(sequence(*effects.get(axis, []), axis=axis)) for axis in ("gyro_x", "gyro_y", "gyro_z", "accel_z")
+    }
+    (found,) = shared(fits, LOG_ALPHA)
+    assert found.axes == sharing
+    np.testing.assert_array_less(np.abs(found.densities - [5e-4, -4e-4, 3e-4]), 4 * found.errors)
+    assert shared({axis: plain(sequence(axis=axis, label="alone")) for axis in sharing}, LOG_ALPHA) == ()

@@ -1,0 +1,18 @@
+import pytest
+from tests.discovery.simulated import WHITE, beside_white
+
+from imugap.discovery.fit.axis_fit import Description, fit
+from imugap.discovery.fit.whittle import Noise
+from imugap.discovery.unnamed import periodic as waves
+
+
+@pytest.mark.parametrize("count", [19_997, 20_011])
+@pytest.mark.parametrize("periods", [5.3, 41.7, 93.1])
+def test_a_wave_gains_what_it_does_at_its_own_frequency(count, periods):
+    """Also where no fast transform has the length of the log, or a multiple of it."""
+    frequency = periods / (0.05 * count)
+    data = beside_white(lambda time, rng: 2e-3 * (time * frequency % 1), count)
+    found = fit(data, Description((), Noise((WHITE,))))
+    own = waves._gain_at(frequency, found)
+    assert own > 50
+    assert 0.95 * own < waves.gain(found) < 1.02 * own + 5
