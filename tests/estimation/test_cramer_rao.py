@@ -3,7 +3,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from tests.estimation.test_likelihood import INTERVAL, MODELS, contrasts, covariance, models, ramps, simulate
+from tests.estimation.simulated import INTERVAL, MODELS, contrasts, covariance, models, ramps, simulate
 
 from imugap.effects import GaussMarkov, RandomWalk, WhiteNoise
 from imugap.estimation.cramer_rao import bound, fisher

@@ -2,11 +2,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.linalg import null_space, toeplitz
 from scipy.stats import multivariate_normal
+from tests.estimation.simulated import INTERVAL, MODELS, contrasts, covariance, models, ramps, simulate
 
-from imugap.effects import BiasInstability, Conditions, GaussMarkov, RandomWalk, WhiteNoise
-from imugap.effects.effect import AxisModel
+from imugap.effects import BiasInstability, GaussMarkov, RandomWalk, WhiteNoise
 from imugap.estimation.likelihood import (
     Composition,
     Cosines,
@@ -19,41 +18,6 @@ from imugap.estimation.likelihood import (
     value_and_gradient,
 )
 from imugap.stream import stream
-
-INTERVAL = 0.1
-MODELS = {
-    "white": AxisModel((WhiteNoise(0.3),)),
-    "white and walk": WhiteNoise(0.3) + RandomWalk(0.2),
-    "gauss-markov": AxisModel((GaussMarkov(1.0, 0.7),)),
-    "white and gauss-markov": WhiteNoise(0.3) + GaussMarkov(1.0, 2.0),
-    "slow": WhiteNoise(0.3) + GaussMarkov(1.0, 1e4),
-    "fast": WhiteNoise(0.3) + GaussMarkov(1.0, 0.02) + RandomWalk(0.05),
-    "all": WhiteNoise(0.3) + RandomWalk(0.2) + GaussMarkov(1.0, 0.5) + GaussMarkov(0.5, 5.0) + GaussMarkov(2.0, 70.0),
-}
-models = pytest.mark.parametrize("model", MODELS.values(), ids=MODELS)
-ramps = pytest.mark.parametrize("ramp", [False, True])
-
-
-def simulate(model, count, *labels):
-    return model.simulate(np.zeros(count), Conditions(np.arange(count) * INTERVAL, INTERVAL), 3, *labels)
-
-
-def covariance(model, count):
-    """The covariance of the samples, written down from the definition of each process."""
-    total, steps = np.zeros((count, count)), np.arange(1, count + 1)
-    for effect in model:
-        match effect:
-            case WhiteNoise(density):
-                total += density**2 / INTERVAL * np.eye(count)
-            case RandomWalk(density):
-                total += density**2 * INTERVAL * np.minimum.outer(steps, steps)
-            case GaussMarkov(std, time):
-                total += std**2 * toeplitz(np.exp(-INTERVAL / time * np.arange(count)))
-    return total
-
-
-def contrasts(count, ramp):
-    return null_space(np.vander(np.arange(count), 1 + ramp).T.astype(float))
 
 
 def dense(model, sequence, ramp):

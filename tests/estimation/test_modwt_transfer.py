@@ -1,12 +1,14 @@
 import numpy as np
 import pytest
 from scipy.integrate import quad
-from tests.estimation.test_wavelet_variance import INTERVAL, PROCESSES
 
-from imugap.effects import Quantization
+from imugap.effects import BiasInstability, GaussMarkov, Quantization, RandomWalk, WhiteNoise
 from imugap.estimation import modwt_transfer as cascade
 from imugap.estimation import wavelet_variance as wavelet
 from imugap.numerics.daubechies import WIDTHS, depth, squared_gain
+
+INTERVAL = 0.01
+PROCESSES = (WhiteNoise(0.1), RandomWalk(0.2), GaussMarkov(0.5, 0.3), BiasInstability(0.3))
 
 
 @pytest.mark.parametrize("process", [*PROCESSES, Quantization(1e-3)], ids=lambda p: p.name)

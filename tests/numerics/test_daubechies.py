@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from tests.wavelet_coefficients import by_definition
 
 from imugap.numerics.daubechies import WIDTHS, depth, filters, free, length, squared_gain, transfer
 
@@ -17,17 +18,6 @@ PUBLISHED = {
     }.items()
 }
 """Scaling filters of extremal phase (Daubechies 1992, table 6.1; Percival & Walden 2000, table 109)."""
-
-
-def by_definition(sequence, level, width):
-    """Boundary-free coefficients as inner products with the filter of the level, built by upsampled convolution."""
-    high, low = filters(width)
-    taps = np.ones(1)
-    for j in range(level):
-        stretched = np.zeros((width - 1) * 2**j + 1)
-        stretched[:: 2**j] = high if j == level - 1 else low
-        taps = np.convolve(taps, stretched)
-    return np.convolve(sequence, taps, "valid")
 
 
 @pytest.mark.parametrize("width", WIDTHS)

@@ -1,16 +1,9 @@
 import numpy as np
 import pytest
+from tests.estimation.gmwm.bindings import INTERVAL, binding
 
 from imugap.effects import BiasInstability, GaussMarkov, Quantization, RandomWalk, RateRamp, WhiteNoise
 from imugap.estimation import wavelet_variance as wavelet
-from imugap.estimation.gmwm.implied import Binding
-from imugap.estimation.likelihood import Composition
-
-INTERVAL = 0.1
-
-
-def binding(*kinds, width=2, levels=12):
-    return Binding(Composition.of(*kinds), INTERVAL, 5000, levels, width)
 
 
 @pytest.mark.parametrize("width", [2, 4])

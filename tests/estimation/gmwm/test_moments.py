@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from tests.estimation.gmwm.test_implied import INTERVAL
+from tests.estimation.gmwm.bindings import INTERVAL
 
 from imugap.effects import Conditions, GaussMarkov, RandomWalk, WhiteNoise
 from imugap.estimation import wavelet_variance as wavelet

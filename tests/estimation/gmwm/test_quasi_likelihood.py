@@ -3,7 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.optimize import brentq
-from tests.estimation.gmwm.test_implied import binding
+from tests.estimation.gmwm.bindings import binding
 
 from imugap.effects import GaussMarkov, RandomWalk, WhiteNoise
 from imugap.estimation.gmwm.quasi_likelihood import FREE, Held, Hold, Profile, Settling, Weights

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from tests.estimation.gmwm.test_implied import binding
+from tests.estimation.gmwm.bindings import binding
 
 from imugap.effects import GaussMarkov, RandomWalk, WhiteNoise
 from imugap.estimation.gmwm.start import Nearest, Point
