@@ -4,7 +4,7 @@ from pathlib import Path
 
 import yaml
 
-from imugap.benchmark.sealing import Case, Hides, Planned, seal, write
+from imugap.benchmark.sealing import BlindCase, CaseKind, PlannedEffect, seal, write
 from imugap.io.configuration import configure
 from imugap.workflow.job_log import journal
 
@@ -12,11 +12,11 @@ if __name__ == "__main__":
     with journal(snakemake.log[0]):
         source, params, output = snakemake.input, snakemake.params, snakemake.output
         folder = Path(output.log).parent
-        case = Case(
+        case = BlindCase(
             name=folder.name,
             seed=params.seed,
-            kind=Hides.PAIR,
-            effects=tuple(Planned(name, size) for name, size in params.effects.items()),
+            kind=CaseKind.PAIR,
+            effects=tuple(PlannedEffect(name, size) for name, size in params.effects.items()),
             same_axis=False,
             base="white",
             motion="rest",

@@ -7,26 +7,25 @@ from scipy.signal import butter, freqz, sosfilt
 from scipy.spatial.transform import Rotation
 from scipy.stats import binom, norm, poisson
 
-from imugap.benchmark.sealing import additive, inertial, output
+from imugap.benchmark.sealing import additive, inertial, output, unnamed
 from imugap.benchmark.sealing import detection_limits as limits
-from imugap.benchmark.sealing import unnamed as unknown
-from imugap.benchmark.sealing.hidden_effect import Scene
+from imugap.benchmark.sealing.hidden_effect import AxisRun, ParameterSource
 from imugap.benchmark.sealing.motion import MOTIONS, rest
-from imugap.benchmark.sealing.noise import Noise, fractional, rounded, summed
+from imugap.benchmark.sealing.noise import BaseNoise, fractional, rounded, summed
 from imugap.estimation import allan
 from imugap.log import ACCEL, AXES, GYRO, from_samples
 from imugap.stream import stream
 
 INTERVAL = 0.02
 COUNT = 2048
-WHITE = Noise(density=1.0)
+WHITE = BaseNoise(density=1.0)
 
 
-def scene(noise=WHITE, count=COUNT, motion=None, axis="gyro_x", seed=1):
+def axis_run(noise=WHITE, count=COUNT, motion=None, axis="gyro_x", seed=1):
     time = INTERVAL * np.arange(count)
     moving = MOTIONS[motion](stream(seed, "motion")) if motion else rest()
-    warmth = 25 + 3 * np.sin(2 * np.pi * time / time[-1])
-    return Scene(axis, time, INTERVAL, noise, warmth, moving if motion else None, moving.ideal(time), 0.0)
+    degrees = 25 + 3 * np.sin(2 * np.pi * time / time[-1])
+    return AxisRun(axis, time, INTERVAL, noise, degrees, moving if motion else None, moving.ideal(time), 0.0)
 
 
 def within(values, truth, sigmas=4.0, share=0.05):
@@ -43,7 +42,7 @@ def mode_powers(draw, runs, *labels):
 
 @pytest.mark.parametrize(
     "noise",
-    [Noise(density=2.0), Noise(density_b=2.0), Noise(density_k=2.0), Noise(q=2.0)],
+    [BaseNoise(density=2.0), BaseNoise(density_b=2.0), BaseNoise(density_k=2.0), BaseNoise(q=2.0)],
     ids=["white", "flicker", "walk", "quantization"],
 )
 @pytest.mark.parametrize("modes", [slice(0, 4), slice(20, 200), slice(200, None)], ids=["low", "middle", "high"])
@@ -85,20 +84,20 @@ def test_rounding_errors_are_differences_of_uniform_unit_errors():
 
 
 SPECTRA = [
-    additive.WhiteNoise(2.0),
-    additive.BiasInstability(2.0),
-    additive.RandomWalk(2.0),
-    additive.Quantization(2.0),
-    additive.GaussMarkov(2.0, 1.0),
-    additive.RandomTelegraph(2.0, 0.5),
-    unknown.FractionalNoise(amplitude=2.0),
+    additive.HiddenWhiteNoise(2.0),
+    additive.HiddenBiasInstability(2.0),
+    additive.HiddenRandomWalk(2.0),
+    additive.HiddenQuantization(2.0),
+    additive.HiddenGaussMarkov(2.0, 1.0),
+    additive.HiddenRandomTelegraph(2.0, 0.5),
+    unnamed.HiddenFractionalNoise(amplitude=2.0),
 ]
 
 
 @pytest.mark.parametrize("effect", SPECTRA, ids=lambda effect: effect.name)
 @pytest.mark.parametrize("modes", [slice(10, 80), slice(80, 400), slice(1000, None)], ids=["low", "middle", "high"])
 def test_stationary_effects_have_their_spectra(effect, modes):
-    place = scene()
+    place = axis_run()
     powers = mode_powers(lambda rng: effect.sample(place, rng), 200, effect.name)
     density = effect.psd(place.frequencies(), INTERVAL) / INTERVAL
     if effect.name == "quantization":
@@ -110,7 +109,7 @@ def test_stationary_effects_have_their_spectra(effect, modes):
 
 
 def test_gauss_markov_noise_has_an_exponential_autocovariance():
-    effect, place = additive.GaussMarkov(2.0, 1.0), scene()
+    effect, place = additive.HiddenGaussMarkov(2.0, 1.0), axis_run()
     runs = np.array([effect.sample(place, stream(8, run)) for run in range(400)])
     for lag in (0, 25, 50, 100):
         products = (runs[:, : COUNT - lag] * runs[:, lag:]).mean(axis=1)
@@ -119,7 +118,7 @@ def test_gauss_markov_noise_has_an_exponential_autocovariance():
 
 
 def test_telegraph_noise_has_two_values_and_switches_at_its_rate():
-    effect, place = additive.RandomTelegraph(3.0, 0.5), scene()
+    effect, place = additive.HiddenRandomTelegraph(3.0, 0.5), axis_run()
     runs = [effect.sample(place, stream(9, run)) for run in range(300)]
     assert {float(value) for one in runs for value in np.unique(one)} == {-1.5, 1.5}
     # a pair of switches within an interval is not seen: share 1 - exp(-2 rate interval) over 2 of the intervals
@@ -128,7 +127,7 @@ def test_telegraph_noise_has_two_values_and_switches_at_its_rate():
 
 
 def test_outliers_come_as_often_and_as_large_as_they_should():
-    effect, place = additive.Outliers(0.01, 5.0), scene()
+    effect, place = additive.HiddenOutliers(0.01, 5.0), axis_run()
     drawn = np.concatenate([effect.sample(place, stream(10, run)) for run in range(100)])
     hit = drawn[drawn != 0]
     low, high = binom.ppf([1e-4, 1 - 1e-4], len(drawn), 0.01)
@@ -137,15 +136,15 @@ def test_outliers_come_as_often_and_as_large_as_they_should():
 
 
 def test_axes_with_a_common_mode_share_it_and_others_do_not():
-    effect = additive.CommonMode(2.0)
-    one, other = (effect.sample(scene(axis=axis), stream(11)) for axis in ("gyro_x", "gyro_y"))
+    effect = additive.HiddenCommonMode(2.0)
+    one, other = (effect.sample(axis_run(axis=axis), stream(11)) for axis in ("gyro_x", "gyro_y"))
     assert effect.shared
     assert np.array_equal(one, other)
     assert within(one**2, 4 / INTERVAL)
 
 
 def test_turn_on_biases_differ_by_their_standard_deviation():
-    drawn = np.array([additive.TurnOnBias(3.0).sample(scene(count=2), stream(12, run)) for run in range(2000)])
+    drawn = np.array([additive.HiddenTurnOnBias(3.0).sample(axis_run(count=2), stream(12, run)) for run in range(2000)])
     assert (drawn[:, 0] == drawn[:, 1]).all()
     assert within(drawn[:, 0] ** 2, 9.0)
 
@@ -153,21 +152,23 @@ def test_turn_on_biases_differ_by_their_standard_deviation():
 @pytest.mark.parametrize(
     ("effect", "closed"),
     [
-        (additive.RateRamp(1.0), lambda t: np.sqrt(12 / t**3)),
-        (additive.Sinusoid(3.3), lambda t: np.sqrt(2 / t)),
-        (additive.BiasStep(0.3 * COUNT * INTERVAL), lambda t: 1 / np.sqrt(t * 0.3 * 0.7)),
+        (additive.HiddenRateRamp(1.0), lambda t: np.sqrt(12 / t**3)),
+        (additive.HiddenSinusoid(3.3), lambda t: np.sqrt(2 / t)),
+        (additive.HiddenBiasStep(0.3 * COUNT * INTERVAL), lambda t: 1 / np.sqrt(t * 0.3 * 0.7)),
     ],
     ids=lambda value: getattr(value, "name", ""),
 )
 def test_limits_of_waveforms_in_white_noise_are_the_closed_forms(effect, closed):
-    place = scene(Noise(density=0.7))
+    place = axis_run(BaseNoise(density=0.7))
     assert effect.limit([place]) == pytest.approx(limits.Z * 0.7 * closed(place.duration), rel=3e-3)
 
 
-@pytest.mark.parametrize("noise", [Noise(1.0), Noise(1.0, density_k=1.0)], ids=["white", "walk"])
-@pytest.mark.parametrize("effect", [additive.WarmUp(1.0, 5.0), unknown.Sawtooth(7.0), unknown.Chirp(0.5, 3.0)])
+@pytest.mark.parametrize("noise", [BaseNoise(1.0), BaseNoise(1.0, density_k=1.0)], ids=["white", "walk"])
+@pytest.mark.parametrize(
+    "effect", [additive.HiddenWarmUp(1.0, 5.0), unnamed.HiddenSawtooth(7.0), unnamed.HiddenChirp(0.5, 3.0)]
+)
 def test_at_the_limit_the_matched_test_has_half_its_power_and_at_zero_one_per_cent(effect, noise):
-    place = scene(noise)
+    place = axis_run(noise)
     variance = place.mode_variance()
     signal = dct(effect.of_size(1.0, [place]).shape(place), norm="ortho")[1:]
     norm_of = np.sqrt(np.sum(signal**2 / variance))
@@ -199,14 +200,14 @@ def test_the_divergence_ignores_a_common_factor_and_is_that_of_scaled_gaussians(
 
 @pytest.mark.parametrize("effect", SPECTRA[1:], ids=lambda effect: effect.name)
 def test_the_limit_of_a_spectrum_is_where_the_divergence_is_the_gain_of_the_matched_test(effect):
-    place = scene()
-    at_limit = replace(effect, **dict.fromkeys(effect.scaled, 1.0)).of_size(1.0, [place])
+    place = axis_run()
+    at_limit = replace(effect, **dict.fromkeys(effect.size_parameters, 1.0)).of_size(1.0, [place])
     extra = at_limit.psd(place.frequencies(), INTERVAL) / INTERVAL
     assert limits.divergence(1 + extra / place.mode_variance()) == pytest.approx(norm.isf(0.01) ** 2 / 2, rel=1e-3)
 
 
 def test_the_divergence_of_outliers_is_their_mean_log_likelihood_ratio():
-    effect = additive.Outliers(0.02, 1.0)
+    effect = additive.HiddenOutliers(0.02, 1.0)
     rng = stream(15)
     values = rng.normal(size=2_000_000) * np.where(rng.random(2_000_000) < 0.02, np.hypot(1, 4.0), 1)
     mixture = 0.98 * norm.pdf(values) + 0.02 * norm.pdf(values, scale=np.hypot(1, 4.0))
@@ -215,37 +216,37 @@ def test_the_divergence_of_outliers_is_their_mean_log_likelihood_ratio():
 
 
 def test_modulated_noise_at_its_limit_is_as_far_off_as_the_matched_test_needs():
-    place, effect = scene(), output.VarianceChange(5.0, 15.0)
+    place, effect = axis_run(), output.HiddenVarianceChange(5.0, 15.0)
     at_limit = effect.of_size(1.0, [place])
     assert limits.divergence(at_limit.variance(place)) == pytest.approx(norm.isf(0.01) ** 2 / 2, rel=1e-3)
 
 
 @pytest.mark.parametrize("order", [1, 2, 3, 4, 5])
 def test_the_filter_is_the_butterworth_filter_of_the_bilinear_transform(order):
-    effect = output.OutputFilter(8.0, order)
+    effect = output.HiddenOutputFilter(8.0, order)
     frequency = np.linspace(0.1, 24, 200)
     b, a = butter(order, 8.0, fs=1 / INTERVAL)
     expected = freqz(b, a, frequency, fs=1 / INTERVAL)[1]
     assert np.allclose(effect.response(frequency, INTERVAL), expected, atol=1e-8)
     values = 9.81 + stream(16).normal(size=COUNT)
-    filtered = effect.act(values, scene(), stream(17))
+    filtered = effect.act(values, axis_run(), stream(17))
     sections = butter(order, 8.0, fs=1 / INTERVAL, output="sos")
     assert np.allclose(filtered, values[0] + sosfilt(sections, values - values[0]), atol=1e-6)
 
 
 def test_a_larger_size_is_a_lower_cutoff_and_a_smaller_full_scale():
-    place = scene(Noise(density=1e-3), motion="hand")
-    cutoffs = [output.OutputFilter(order=2).of_size(size, [place]).cutoff for size in (0.3, 3, 30)]
+    place = axis_run(BaseNoise(density=1e-3), motion="hand")
+    cutoffs = [output.HiddenOutputFilter(order=2).of_size(size, [place]).cutoff for size in (0.3, 3, 30)]
     assert 25 > cutoffs[0] > cutoffs[1] > cutoffs[2] > 0
-    scales = [output.Saturation().of_size(size, [place]).full_scale for size in (0.3, 3, 30)]
+    scales = [output.HiddenSaturation().of_size(size, [place]).full_scale for size in (0.3, 3, 30)]
     assert np.abs(place.ideal["gyro_x"]).max() > scales[0] > scales[1] > scales[2] > 0
 
 
 @pytest.mark.parametrize("bias", [0.0, -0.3])
 def test_the_clipped_excess_is_as_strong_as_asked(bias):
-    place = replace(scene(Noise(density=1e-3), motion="hand"), bias=bias)
+    place = replace(axis_run(BaseNoise(density=1e-3), motion="hand"), bias=bias)
     values = place.ideal["gyro_x"].to_numpy() + bias
-    effect = output.Saturation().of_size(10.0, [place])
+    effect = output.HiddenSaturation().of_size(10.0, [place])
     clipped = effect.act(values, place, stream(18))
     assert np.abs(clipped).max() == effect.full_scale == effect.parameters()["limit"]
     assert np.linalg.norm(clipped - values) / place.std == pytest.approx(10 * norm.isf(0.01), rel=1e-3)
@@ -253,15 +254,15 @@ def test_the_clipped_excess_is_as_strong_as_asked(bias):
 
 def test_a_resolution_leaves_multiples_at_most_half_a_step_away():
     values = stream(19).normal(size=COUNT)
-    found = output.Resolution(0.3).act(values, scene(), stream(20))
+    found = output.HiddenResolution(0.3).act(values, axis_run(), stream(20))
     assert np.allclose(found / 0.3, np.rint(found / 0.3), atol=1e-9)
     assert np.abs(found - values).max() <= 0.15 + 1e-12
     assert np.abs(found - values).max() > 0.14
 
 
 def test_at_the_limit_a_lattice_moves_the_distribution_by_the_critical_value():
-    place = scene()
-    step = output.Resolution().of_size(1.0, [place]).step
+    place = axis_run()
+    step = output.HiddenResolution().of_size(1.0, [place]).step
     grid = step * np.arange(-2000, 2000)
     moved = norm.cdf(grid + step / 2, scale=place.std) - norm.cdf(grid, scale=place.std)
     assert np.sqrt(COUNT) * moved.max() == pytest.approx(1.63, rel=5e-3)
@@ -269,7 +270,7 @@ def test_at_the_limit_a_lattice_moves_the_distribution_by_the_critical_value():
 
 def test_stuck_values_repeat_and_come_as_often_as_they_should():
     values = np.arange(200_000.0)
-    found = output.StuckSamples(1e-3, 4.0).act(values, scene(), stream(21))
+    found = output.HiddenStuckSamples(1e-3, 4.0).act(values, axis_run(), stream(21))
     stuck = np.diff(found, prepend=-1) == 0
     begins = np.count_nonzero(stuck & ~np.r_[False, stuck[:-1]])
     lengths = np.count_nonzero(stuck) / begins
@@ -280,7 +281,7 @@ def test_stuck_values_repeat_and_come_as_often_as_they_should():
 
 def test_lost_rows_leave_the_others_as_they_were():
     table = from_samples({"gyro_x": np.arange(100_000.0)}, INTERVAL)
-    found = output.SampleLoss(1e-3, 4.0).act(table, stream(22))
+    found = output.HiddenSampleLoss(1e-3, 4.0).act(table, stream(22))
     assert found.equals(table.loc[found.index])
     gaps = np.rint(np.diff(found.index) / INTERVAL) - 1
     assert poisson.ppf(1e-4, 100) < np.count_nonzero(gaps) < poisson.ppf(1 - 1e-4, 100)
@@ -290,7 +291,7 @@ def test_lost_rows_leave_the_others_as_they_were():
 
 def test_jittered_stamps_increase_and_scatter_as_they_should():
     table = from_samples({"gyro_x": np.zeros(50_000)}, INTERVAL)
-    found = output.TimestampJitter(5e-4, 1e-4).act(table, stream(23))
+    found = output.HiddenTimestampJitter(5e-4, 1e-4).act(table, stream(23))
     off = (found.index - table.index).to_numpy()
     assert (np.diff(found.index) > 0).all()
     assert np.allclose(off / 1e-4, np.rint(off / 1e-4), atol=1e-3)
@@ -299,13 +300,13 @@ def test_jittered_stamps_increase_and_scatter_as_they_should():
 
 def test_stamps_wildly_displaced_keep_their_order():
     table = from_samples({"gyro_x": np.zeros(2000)}, INTERVAL)
-    found = output.TimestampJitter(0.1, 1e-4).act(table, stream(24))
+    found = output.HiddenTimestampJitter(0.1, 1e-4).act(table, stream(24))
     assert (np.diff(found.index) > 0).all()
 
 
 def test_at_its_limit_half_of_the_logs_have_a_displaced_stamp():
-    place = scene(count=500)
-    effect = output.TimestampJitter(tick=1e-4).of_size(1.0, [place])
+    place = axis_run(count=500)
+    effect = output.HiddenTimestampJitter(tick=1e-4).of_size(1.0, [place])
     table = from_samples({"gyro_x": np.zeros(500)}, INTERVAL)
     moved = sum(not effect.act(table, stream(25, run)).index.equals(table.index) for run in range(400))
     low, high = binom.ppf([1e-4, 1 - 1e-4], 400, 0.5)
@@ -313,7 +314,7 @@ def test_at_its_limit_half_of_the_logs_have_a_displaced_stamp():
 
 
 def test_the_limit_of_a_clock_is_the_scatter_of_a_fitted_frequency():
-    place = scene(Noise(1.0, amplitude=3.0, frequency=5.0))
+    place = axis_run(BaseNoise(1.0, amplitude=3.0, frequency=5.0))
     runs = []
     for run in range(300):
         values = place.noise.line(place.time, rng := stream(26, run)) + place.noise.white(COUNT, INTERVAL, rng)
@@ -369,22 +370,22 @@ def test_rest_reads_gravity_and_nothing_else():
 
 
 def test_a_delayed_input_is_the_input_of_the_earlier_time():
-    place = scene(motion="hand")
-    delayed = place.ideal["gyro_x"] + inertial.TimeOffset(2 * INTERVAL).sample(place, stream(29))
+    place = axis_run(motion="hand")
+    delayed = place.ideal["gyro_x"] + inertial.HiddenTimeOffset(2 * INTERVAL).sample(place, stream(29))
     assert np.allclose(delayed[2:], place.ideal["gyro_x"][:-2], atol=1e-12)
-    small = inertial.TimeOffset(1e-6)
+    small = inertial.HiddenTimeOffset(1e-6)
     assert np.allclose(small.sample(place, stream(30)), small.shape(place), atol=1e-3 * np.ptp(small.shape(place)))
 
 
 def test_scale_factor_misalignment_and_g_sensitivity_are_linear_in_their_inputs():
-    place = scene(motion="hand")
+    place = axis_run(motion="hand")
     ideal = place.ideal
-    found = inertial.ScaleFactor(1.0, 2.0, 3.0).shape(place)
+    found = inertial.HiddenScaleFactor(1.0, 2.0, 3.0).shape(place)
     assert np.allclose(found, ideal["gyro_x"] + 2 * ideal["gyro_x"].abs() + 3 * ideal["gyro_x"] ** 2)
-    assert np.allclose(inertial.Misalignment(0, 2.0, 3.0).shape(place), 2 * ideal["gyro_y"] + 3 * ideal["gyro_z"])
-    assert np.allclose(inertial.GSensitivity(0, 0, 3.0).shape(place), 3 * ideal["accel_z"])
+    assert np.allclose(inertial.HiddenMisalignment(0, 2.0, 3.0).shape(place), 2 * ideal["gyro_y"] + 3 * ideal["gyro_z"])
+    assert np.allclose(inertial.HiddenGSensitivity(0, 0, 3.0).shape(place), 3 * ideal["accel_z"])
     for axis, own in zip(AXES, "xyzxyz", strict=True):
-        drawn = inertial.Misalignment.draw([replace(place, axis=axis)], {}, stream(31))
+        drawn = inertial.HiddenMisalignment.draw(ParameterSource(replace(place, axis=axis), {}, stream(31)))
         assert getattr(drawn, own) == 0
 
 
@@ -392,19 +393,19 @@ def test_the_running_variance_is_that_of_a_second():
     values = stream(32).normal(size=400)
     half = int(0.5 / INTERVAL)
     expected = [values[max(row - half, 0) : row + half + 1].var() for row in range(400)]
-    assert np.allclose(inertial.within_a_second(values, INTERVAL), expected)
+    assert np.allclose(inertial.running_variance(values, INTERVAL), expected)
 
 
 def test_the_van_der_pol_cycle_is_the_known_one():
-    _, cycle = unknown.VanDerPol(mu=5.0).cycle()
+    _, cycle = unnamed.HiddenVanDerPol(mu=5.0).cycle()
     half = len(cycle) // 2
     assert np.abs(cycle).max() == pytest.approx(2.0216, abs=1e-3)
     assert np.allclose(cycle[: half + 1], -cycle[half:], atol=2e-3)
 
 
 def test_hysteresis_tells_warming_from_cooling():
-    effect = unknown.Hysteresis(width=0.5, amplitude=2.0)
-    place = scene()
+    effect = unnamed.HiddenHysteresis(width=0.5, amplitude=2.0)
+    place = axis_run()
     found, slope = effect.shape(place), np.gradient(place.temperature)
     late = np.abs(place.temperature - 25) < 2
     assert np.abs(found).max() <= 2 + 1e-12
@@ -412,25 +413,30 @@ def test_hysteresis_tells_warming_from_cooling():
 
 
 def test_bursts_decay_by_their_time():
-    effect, place = unknown.Bursts(1, 2.0, 3.0), scene()
+    effect, place = unnamed.HiddenBursts(1, 2.0, 3.0), axis_run()
     found = effect.at(np.array([10.0]), place)
     assert found[place.time < 10].max() == 0
     assert found[600] == pytest.approx(3 * np.exp(-1.0))
 
 
 def test_sizes_are_multiples_of_the_limit():
-    place = scene()
-    for effect in (*SPECTRA[1:5], additive.RateRamp(1.0), additive.Outliers(0.01), output.Resolution()):
-        once, thrice = (getattr(effect.of_size(size, [place]), effect.scaled[0]) for size in (1.0, 3.0))
+    place = axis_run()
+    for effect in (
+        *SPECTRA[1:5],
+        additive.HiddenRateRamp(1.0),
+        additive.HiddenOutliers(0.01),
+        output.HiddenResolution(),
+    ):
+        once, thrice = (getattr(effect.of_size(size, [place]), effect.size_parameters[0]) for size in (1.0, 3.0))
         assert thrice == pytest.approx(3 * once)
-    change = output.VarianceChange(5.0, 15.0)
+    change = output.HiddenVarianceChange(5.0, 15.0)
     once, thrice = (change.of_size(size, [place]).ratio - 1 for size in (1.0, 3.0))
     assert thrice == pytest.approx(3 * once)
 
 
 def test_several_axes_lower_the_limit_of_what_they_have_in_common():
-    places = [scene(Noise(density=1e-3), motion="hand", axis=axis) for axis in AXES]
-    alone = [inertial.TimeOffset().limit([place]) for place in places]
-    assert inertial.TimeOffset().limit(places) == pytest.approx(np.sum(np.array(alone) ** -2.0) ** -0.5)
-    two, three = (additive.CommonMode().limit([scene()] * axes) for axes in (2, 3))
+    places = [axis_run(BaseNoise(density=1e-3), motion="hand", axis=axis) for axis in AXES]
+    alone = [inertial.HiddenTimeOffset().limit([place]) for place in places]
+    assert inertial.HiddenTimeOffset().limit(places) == pytest.approx(np.sum(np.array(alone) ** -2.0) ** -0.5)
+    two, three = (additive.HiddenCommonMode().limit([axis_run()] * axes) for axes in (2, 3))
     assert three < two

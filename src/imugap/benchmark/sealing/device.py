@@ -2,13 +2,14 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 import pandas as pd
 
-from imugap.benchmark.sealing.hidden_effect import between, sign
-from imugap.benchmark.sealing.motion import GRAVITY, MOTIONS, Motion
-from imugap.benchmark.sealing.noise import Noise
+from imugap.benchmark.sealing.hidden_effect import log_uniform, sign
+from imugap.benchmark.sealing.motion import GRAVITY, MOTIONS, AnalyticMotion
+from imugap.benchmark.sealing.noise import BaseNoise
 from imugap.log import ACCEL, AXES, GYRO
 
 CROSSING = 2 * np.log(2) / np.pi
@@ -16,22 +17,22 @@ CROSSING = 2 * np.log(2) / np.pi
 
 
 @dataclass(frozen=True, eq=False)
-class Device:
-    """A base device: bias and noise by axis, the direction of gravity at rest, and the motion if it moves."""
+class BaseDevice:
+    """A base device: bias and noise of each axis, gravity on each axis at rest, and the motion, if any."""
 
     bias: Mapping[str, float]
-    noise: Mapping[str, Noise]
+    noise: Mapping[str, BaseNoise]
     down: Mapping[str, float]
-    motion: Motion | None
+    motion: AnalyticMotion | None
 
     @classmethod
-    def draw(cls, base: str, motion: str, interval: float, duration: float, recipe: Mapping, rng) -> "Device":
-        """Draw a device of the kind ``base`` that moves by ``motion`` (``rest`` or a name of :data:`MOTIONS`)."""
+    def draw(cls, base: str, motion: str, interval: float, duration: float, recipe: Mapping, rng) -> Self:
+        """Draw a device of the kind ``base`` with the motion ``motion`` (``rest`` or a key of :data:`MOTIONS`)."""
         noise, bias = {}, {}
         for triad, name in ((GYRO, "gyro"), (ACCEL, "accel")):
-            level = between(rng, recipe[name]["density"])
-            crossing = duration * between(rng, recipe["crossing_share"])
-            line = between(rng, recipe["line"]["frequency_share"]) / interval
+            level = log_uniform(rng, recipe[name]["density"])
+            crossing = duration * log_uniform(rng, recipe["crossing_share"])
+            line = log_uniform(rng, recipe["line"]["frequency_share"]) / interval
             for axis in triad:
                 density = level * rng.uniform(*recipe["unevenness"])
                 noise[axis] = _noise(base, density, interval, crossing, line, recipe["line"]["size"] / duration)
@@ -45,13 +46,13 @@ class Device:
         """Return the error-free log of six axes at the instants ``time`` [s]."""
         if self.motion is not None:
             return self.motion.ideal(time)
-        still = {axis: np.full(len(time), value) for axis, value in self.down.items()}
-        return pd.DataFrame(still, index=pd.Index(time, name="time"))
+        constant = {axis: np.full(len(time), value) for axis, value in self.down.items()}
+        return pd.DataFrame(constant, index=pd.Index(time, name="time"))
 
     def model(self) -> dict[str, list[dict[str, dict[str, float]]]] | None:
         """Return the start model as plain data, or None where it is bias and white noise.
 
-        At rest the constant of an axis is its bias and its share of gravity.
+        At rest the constant of an axis is the sum of its bias and of gravity.
         """
         return {axis: self._axis(axis) for axis in AXES} if any(map(_coloured, self.noise.values())) else None
 
@@ -74,25 +75,25 @@ class Device:
 
 
 def temperature(time: np.ndarray, recipe: Mapping, rng: np.random.Generator) -> np.ndarray:
-    """Draw a temperature [degC] at ``time`` [s]: the room, self-heating after power-on, a slow swing."""
+    """Draw a temperature [degC] at ``time`` [s]: ambient, self-heating after power-on, and a slow oscillation."""
     ambient, heating, swing = (rng.uniform(*recipe[key]) for key in ("ambient_degC", "heating_degC", "swing_degC"))
     constant, period = (time[-1] * rng.uniform(*recipe[key]) for key in ("constant_share", "period_share"))
     slow = np.sin(2 * np.pi * (time / period + rng.uniform()))
     return ambient - heating * np.expm1(-time / constant) + swing * slow
 
 
-def _noise(base: str, density: float, interval: float, crossing: float, line: float, size: float) -> Noise:
-    """Return the noise of an axis: its slow part exceeds the white one beyond the averaging time ``crossing`` [s]."""
+def _noise(base: str, density: float, interval: float, crossing: float, line: float, size: float) -> BaseNoise:
+    """Return the noise of an axis; its slow part exceeds the white part beyond the averaging time ``crossing`` [s]."""
     if base == "flicker":
-        return Noise(density, density_b=density / np.sqrt(crossing * CROSSING))
+        return BaseNoise(density, density_b=density / np.sqrt(crossing * CROSSING))
     if base == "walk":
-        return Noise(density, density_k=np.sqrt(3) * density / crossing)
+        return BaseNoise(density, density_k=np.sqrt(3) * density / crossing)
     if base == "quantization":
-        return Noise(q=density * np.sqrt(interval / 2))
+        return BaseNoise(q=density * np.sqrt(interval / 2))
     if base == "line":
-        return Noise(density, amplitude=density * np.sqrt(size), frequency=line)
-    return Noise(density)
+        return BaseNoise(density, amplitude=density * np.sqrt(size), frequency=line)
+    return BaseNoise(density)
 
 
-def _coloured(noise: Noise) -> bool:
-    return noise != Noise(noise.density)
+def _coloured(noise: BaseNoise) -> bool:
+    return noise != BaseNoise(noise.density)

@@ -1,23 +1,24 @@
-"""What every hidden effect is here: parameters drawn for the place where it hides, a detection limit, and an action."""
+"""Base classes of hidden effects: how parameters are drawn and scaled to a detection limit, and how effects act."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
-from typing import ClassVar
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass, field, fields, replace
+from typing import Any, ClassVar, Self
 
 import numpy as np
 import pandas as pd
 
 from imugap.benchmark.sealing import detection_limits as limits
-from imugap.benchmark.sealing.motion import Motion
-from imugap.benchmark.sealing.noise import Noise, modes
+from imugap.benchmark.sealing.motion import AnalyticMotion
+from imugap.benchmark.sealing.noise import BaseNoise, modes
 from imugap.log import AXES
 
 Ranges = Mapping[str, Sequence[float]]
 
 
 @dataclass(frozen=True)
-class Scene:
-    """What an effect meets on one axis of one run.
+class AxisRun:
+    """One axis of the base device in one run.
 
     Attributes
     ----------
@@ -28,7 +29,7 @@ class Scene:
     temperature
         True temperature [degC], shape (n,).
     motion, ideal
-        How the device moves (None at rest), and the error-free log of all axes.
+        Motion of the device (None at rest), and the error-free log of all axes.
     bias
         Bias of the base device [unit].
     """
@@ -36,9 +37,9 @@ class Scene:
     axis: str
     time: np.ndarray
     interval: float
-    noise: Noise
+    noise: BaseNoise
     temperature: np.ndarray
-    motion: Motion | None
+    motion: AnalyticMotion | None
     ideal: pd.DataFrame
     bias: float
 
@@ -66,128 +67,155 @@ class Scene:
         return self.noise.mode_variance(self.count, self.interval)
 
 
-@dataclass(frozen=True)
-class Kind:
-    """One hidden effect: its parameters are the fields, named as in the controlled vocabulary, SI.
+@dataclass(frozen=True, eq=False)
+class ParameterSource:
+    """Source of an effect's random parameters: its first axis, the ranges of the recipe, the random generator."""
 
-    ``scaled`` names the parameters that carry the size: drawn as a unit (vector), they are multiplied by the size and
-    by the limit.
+    run: AxisRun
+    ranges: Ranges
+    rng: np.random.Generator
+
+    def log_uniform(self, name: str) -> float:
+        """Draw from the range ``name`` of positive numbers, uniformly in the logarithm."""
+        return log_uniform(self.rng, self.ranges[name])
+
+    def uniform(self, name: str) -> float:
+        """Draw uniformly from the range ``name``."""
+        return self.rng.uniform(*self.ranges[name])
+
+    def sign(self) -> float:
+        """Draw +1 or -1."""
+        return sign(self.rng)
+
+
+def drawn(draw: Callable[[ParameterSource], float]) -> Any:
+    """Declare a parameter that ``draw`` draws."""
+    return field(default=1.0, metadata={"draw": draw})
+
+
+def scaled(default: float = 1.0) -> Any:
+    """Declare a parameter that carries the size: of unit value, multiplied by the size and the detection limit."""
+    return field(default=default, metadata={"scaled": True})
+
+
+def signed() -> Any:
+    """Declare a parameter that carries the size, of random sign."""
+    return field(default=1.0, metadata={"scaled": True, "draw": ParameterSource.sign})
+
+
+@dataclass(frozen=True)
+class HiddenEffect:
+    """One hidden effect: its fields are its parameters, named as in the controlled vocabulary, SI.
+
+    Its name is that of the class without the prefix. Parameters are drawn in the order of the fields.
     """
 
     name: ClassVar[str]
-    scaled: ClassVar[tuple[str, ...]] = ()
     bases: ClassVar[tuple[str, ...]] = ("white", "flicker", "walk")
-    """Base devices that it can be told from."""
-    motion: ClassVar[bool] = False
-    """Whether it shows in motion only."""
+    """Base devices from whose noise it can be distinguished."""
+    axes: ClassVar[tuple[str, ...]] = ()
+    """Axes on which it always acts; if empty, it acts on one of ``candidates``."""
+    candidates: ClassVar[tuple[str, ...]] = AXES
+    needs_motion: ClassVar[bool] = False
     runs: ClassVar[int] = 1
-    """Logs of one device that it takes."""
+    """Number of logs of one device that it needs."""
     needs_temperature: ClassVar[bool] = False
+
+    def __init_subclass__(cls) -> None:
+        """Derive the name in the vocabulary from the name of the class."""
+        cls.name = re.sub(r"(?<!^)(?=[A-Z])", "_", cls.__name__.removeprefix("Hidden")).lower()
 
     @classmethod
     def choose(cls, rng: np.random.Generator) -> tuple[str, ...]:
-        """Choose the axes on which it hides."""
-        return (str(rng.choice(AXES)),)
+        """Draw the axes on which it acts."""
+        return cls.axes or (str(rng.choice(cls.candidates)),)
 
     @classmethod
-    def draw(cls, scenes: Sequence[Scene], ranges: Ranges, rng: np.random.Generator) -> "Kind":
-        """Draw the parameters that are not scaled from ``ranges``, the ``scaled`` ones as a unit."""
+    def draw(cls, source: ParameterSource) -> Self:
+        """Draw the parameters; those that carry the size have unit magnitude."""
+        return cls(**{one.name: one.metadata["draw"](source) for one in fields(cls) if "draw" in one.metadata})
+
+    def limit(self, axis_runs: Sequence[AxisRun]) -> float:
+        """Return the detection limit of the parameters that carry the size, for an effect on these axes."""
         raise NotImplementedError
 
-    def limit(self, scenes: Sequence[Scene]) -> float:
-        """Return the detection limit of the scaled parameters on the axes of ``scenes``, one for each axis."""
-        raise NotImplementedError
-
-    def of_size(self, size: float, scenes: Sequence[Scene]) -> "Kind":
+    def of_size(self, size: float, axis_runs: Sequence[AxisRun]) -> Self:
         """Return the effect at ``size`` times its limit."""
-        factor = size * self.limit(scenes)
-        return replace(self, **{name: factor * getattr(self, name) for name in self.scaled})
+        factor = size * self.limit(axis_runs)
+        return replace(self, **{name: factor * getattr(self, name) for name in self.size_parameters})
+
+    @property
+    def size_parameters(self) -> tuple[str, ...]:
+        """Return the names of the parameters that carry the size."""
+        return tuple(one.name for one in fields(self) if "scaled" in one.metadata)
 
     def parameters(self) -> dict[str, float]:
         """Return the parameters by name, SI."""
         return {name: float(value) for name, value in asdict(self).items()}
 
 
-@dataclass(frozen=True)
-class Additive(Kind):
+class AdditiveEffect(HiddenEffect):
     """An effect that adds a signal to an axis."""
 
     shared: ClassVar[bool] = False
-    """Whether all its axes draw the same random numbers."""
+    """Whether all its axes use the same random numbers."""
 
-    def sample(self, scene: Scene, rng: np.random.Generator) -> np.ndarray:
+    def sample(self, run: AxisRun, rng: np.random.Generator) -> np.ndarray:
         """Draw the signal [unit], shape (n,)."""
         raise NotImplementedError
 
 
-@dataclass(frozen=True)
-class Waveform(Additive):
-    """A known signal but for its amplitude; its limit is that of the matched test (:func:`.limits.matched`)."""
+class KnownWaveform(AdditiveEffect):
+    """A signal known but for its amplitude. Limit: the matched test (:func:`.detection_limits.matched_test`)."""
 
-    def shape(self, scene: Scene) -> np.ndarray:
+    def shape(self, run: AxisRun) -> np.ndarray:
         """Return the signal for the present parameters, shape (n,)."""
         raise NotImplementedError
 
-    def limit(self, scenes: Sequence[Scene]) -> float:
-        """Return 2.33/sqrt(sum |c_k|^2/v_k) over the cosine coefficients but that of the mean."""
-        return limits.matched([self.shape(scene) for scene in scenes], [scene.mode_variance() for scene in scenes])
+    def limit(self, axis_runs: Sequence[AxisRun]) -> float:
+        """Return 2.33/sqrt(sum |c_k|^2/v_k) over the cosine coefficients except that of the mean."""
+        return limits.matched_test([self.shape(run) for run in axis_runs], [run.mode_variance() for run in axis_runs])
 
-    def sample(self, scene: Scene, rng: np.random.Generator) -> np.ndarray:
+    def sample(self, run: AxisRun, rng: np.random.Generator) -> np.ndarray:
         """Return the signal."""
-        return self.shape(scene)
+        return self.shape(run)
 
 
-@dataclass(frozen=True)
-class Spectrum(Additive):
-    """A stationary signal with a spectrum; its limit is that of the spectral test (:func:`.limits.spectral`)."""
+class StationaryNoise(AdditiveEffect):
+    """A stationary random signal. Limit: the spectral test (:func:`.detection_limits.spectral_test`)."""
 
     def psd(self, frequency: np.ndarray, interval: float) -> np.ndarray:
         """Return the two-sided density [unit^2/Hz] of the samples at ``frequency`` [Hz]."""
         raise NotImplementedError
 
-    def limit(self, scenes: Sequence[Scene]) -> float:
+    def limit(self, axis_runs: Sequence[AxisRun]) -> float:
         """Return the amplitude at which n/2 (log mean r - mean log r) = 2.71, r = 1 + a^2 S(f)/(v(f) interval)."""
-        (scene,) = scenes
-        extra = self.psd(scene.frequencies(), scene.interval) / scene.interval
-        return limits.spectral(extra, scene.mode_variance())
+        (run,) = axis_runs
+        return limits.spectral_test(self.psd(run.frequencies(), run.interval) / run.interval, run.mode_variance())
 
 
-@dataclass(frozen=True)
-class Modulation(Kind):
-    """An effect that scales the white noise of an axis."""
-
-    def variance(self, scene: Scene) -> np.ndarray:
-        """Return the factor of the variance over time, shape (n,)."""
-        raise NotImplementedError
-
-
-@dataclass(frozen=True)
-class Output(Kind):
-    """An effect that acts on what the axis gives out; the one of lowest ``rank`` comes first."""
+class OutputEffect(HiddenEffect):
+    """An effect on the output of an axis; effects are applied in the order of ``rank``."""
 
     rank: ClassVar[int]
 
-    def act(self, values: np.ndarray, scene: Scene, rng: np.random.Generator) -> np.ndarray:
-        """Return what becomes of ``values``, shape (n,)."""
+    def act(self, values: np.ndarray, run: AxisRun, rng: np.random.Generator) -> np.ndarray:
+        """Return the output for the undisturbed output ``values``, shape (n,)."""
         raise NotImplementedError
 
 
-@dataclass(frozen=True)
-class Stamp(Kind):
-    """An effect on the rows and stamps of the whole log: it hides on the pseudo-axis ``time``."""
+class TimestampEffect(HiddenEffect):
+    """An effect on rows and stamps of the whole log, assigned to the pseudo-axis ``time``."""
 
-    @classmethod
-    def choose(cls, rng: np.random.Generator) -> tuple[str, ...]:
-        """Choose the time."""
-        return ("time",)
+    axes = ("time",)
 
     def act(self, log: pd.DataFrame, rng: np.random.Generator) -> pd.DataFrame:
-        """Return what becomes of a log."""
+        """Return the disturbed log."""
         raise NotImplementedError
 
 
-def between(rng: np.random.Generator, span: Sequence[float]) -> float:
-    """Draw from a range of positive numbers, all magnitudes alike."""
+def log_uniform(rng: np.random.Generator, span: Sequence[float]) -> float:
+    """Draw from a range of positive numbers, uniformly in the logarithm."""
     low, high = span
     return float(np.exp(rng.uniform(np.log(low), np.log(high))))
 
@@ -195,10 +223,3 @@ def between(rng: np.random.Generator, span: Sequence[float]) -> float:
 def sign(rng: np.random.Generator) -> float:
     """Draw +1 or -1."""
     return float(rng.choice((-1.0, 1.0)))
-
-
-def direction(rng: np.random.Generator, free: Sequence[bool] = (True, True, True)) -> tuple[float, float, float]:
-    """Draw a unit vector with zeros where it is not ``free``."""
-    vector = rng.standard_normal(3) * np.asarray(free)
-    x, y, z = vector / np.linalg.norm(vector) + 0.0
-    return float(x), float(y), float(z)

@@ -1,6 +1,6 @@
-"""Motions in closed form: every angle and every acceleration is a sum of sines, known with its derivatives at any time.
+"""Motions in closed form: every angle and acceleration is a sum of sines, with its derivatives known at any time.
 
-Angles are roll, pitch, heading from north, east, down to the body; rest is the motion of no lines.
+Angles are roll, pitch, heading from north, east, down to the body.
 """
 
 from dataclasses import dataclass
@@ -15,8 +15,8 @@ GRAVITY = 9.81
 
 
 @dataclass(frozen=True, eq=False)
-class Lines:
-    """Three sums of lines: ``amplitude``, shape (3, m), ``frequency`` [Hz] and ``phase`` [rad] of the same shape."""
+class SineSums:
+    """Three sums of sines: ``amplitude``, ``frequency`` [Hz] and ``phase`` [rad], each of shape (3, m)."""
 
     amplitude: np.ndarray
     frequency: np.ndarray
@@ -24,25 +24,25 @@ class Lines:
 
     def at(self, time: np.ndarray, derivative: int = 0) -> np.ndarray:
         """Return the sums at ``time`` [s], shape (n,), or their derivative, shape (3, n)."""
-        pulse = 2 * np.pi * self.frequency
-        height, phase = self.amplitude * pulse**derivative, self.phase + derivative * np.pi / 2
+        omega = 2 * np.pi * self.frequency
+        amplitude, phase = self.amplitude * omega**derivative, self.phase + derivative * np.pi / 2
         total = np.zeros((3, len(time)))
-        for sums, *lines in zip(total, height, pulse, phase, strict=True):
-            for a, w, p in zip(*lines, strict=True):
-                sums += a * np.sin(w * time + p)
+        for row, *sines in zip(total, amplitude, omega, phase, strict=True):
+            for a, w, p in zip(*sines, strict=True):
+                row += a * np.sin(w * time + p)
         return total
 
 
 @dataclass(frozen=True, eq=False)
-class Motion:
-    """A motion: Euler angles [rad] about the first ones, and acceleration [m/s^2] in the navigation frame."""
+class AnalyticMotion:
+    """A motion: Euler angles [rad] relative to the initial ones, acceleration [m/s^2] in the navigation frame."""
 
     start: np.ndarray
-    angles: Lines
-    acceleration: Lines
+    angles: SineSums
+    acceleration: SineSums
 
     def ideal(self, time: np.ndarray) -> pd.DataFrame:
-        """Return what an error-free device reads at the instants ``time`` [s]: a log of six axes."""
+        """Return the error-free log of six axes at the instants ``time`` [s]."""
         euler = self.start[:, None] + self.angles.at(time)
         first = self.angles.at(time, 1)
         force = self.acceleration.at(time) - np.array([[0.0], [0.0], [GRAVITY]])
@@ -62,7 +62,7 @@ class Motion:
         return turned + by_roll + by_pitch
 
     def arm(self, time: np.ndarray) -> np.ndarray:
-        """Return the matrices, shape (n, 3, 3), that turn a lever arm [m] into the specific force it adds."""
+        """Return the matrices, shape (n, 3, 3), from a lever arm [m] to the specific force that it adds."""
         rate = self.ideal(time)[list(GYRO)].to_numpy()
         return cross(rate) @ cross(rate) + cross(self.angular_acceleration(time).T)
 
@@ -84,43 +84,51 @@ def cross(vectors: np.ndarray) -> np.ndarray:
     return np.stack([zero, -z, y, z, zero, -x, -y, x, zero], axis=1).reshape(-1, 3, 3)
 
 
-def lines(rng: np.random.Generator, sizes: tuple[float, float, float], band: tuple[float, float], count: int) -> Lines:
-    """Draw ``count`` lines within ``band`` [Hz] for each of three sums of standard deviations ``sizes``."""
+def draw_sines(
+    rng: np.random.Generator, sizes: tuple[float, float, float], band: tuple[float, float], count: int
+) -> SineSums:
+    """Draw ``count`` sines within ``band`` [Hz] for each of three sums of standard deviations ``sizes``."""
     share = rng.dirichlet(np.full(count, 3.0), 3)
     amplitude = np.sqrt(2 * share) * np.asarray(sizes)[:, None]
     frequency = np.exp(rng.uniform(*np.log(band), (3, count)))
-    return Lines(amplitude, frequency, rng.uniform(0, 2 * np.pi, (3, count)))
+    return SineSums(amplitude, frequency, rng.uniform(0, 2 * np.pi, (3, count)))
 
 
-def together(*parts: Lines) -> Lines:
-    """Return the sum of several sums of lines."""
-    return Lines(*(np.hstack([getattr(part, n) for part in parts]) for n in ("amplitude", "frequency", "phase")))
+def combined(*parts: SineSums) -> SineSums:
+    """Return the sum of several sums of sines."""
+    return SineSums(*(np.hstack([getattr(part, n) for part in parts]) for n in ("amplitude", "frequency", "phase")))
 
 
-def bursts(carrier: Lines, beat_hz: float) -> Lines:
-    """Return ``carrier`` times 1 - cos(2 pi beat t): each line with two side lines."""
-    sides = [Lines(-carrier.amplitude / 2, carrier.frequency + shift, carrier.phase) for shift in (-beat_hz, beat_hz)]
-    return together(carrier, *sides)
+def modulated(carrier: SineSums, beat_hz: float) -> SineSums:
+    """Return ``carrier`` times 1 - cos(2 pi beat t): each sine with two side lines."""
+    sides = [
+        SineSums(-carrier.amplitude / 2, carrier.frequency + shift, carrier.phase) for shift in (-beat_hz, beat_hz)
+    ]
+    return combined(carrier, *sides)
 
 
-def rest() -> Motion:
+def rest() -> AnalyticMotion:
     """Return the motion of a level device at rest."""
-    none = Lines(*np.zeros((3, 3, 0)))
-    return Motion(np.zeros(3), none, none)
+    none = SineSums(*np.zeros((3, 3, 0)))
+    return AnalyticMotion(np.zeros(3), none, none)
 
 
-def hand(rng: np.random.Generator) -> Motion:
-    """Draw hand-held swings: turns of some tenths of a radian and accelerations of some m/s^2 at 0.1 to 1.5 Hz."""
+def hand(rng: np.random.Generator) -> AnalyticMotion:
+    """Draw hand-held swings: turns of some tenths of a radian, accelerations of some m/s^2, at 0.1 to 2 Hz."""
     start = np.array([*rng.uniform(-0.3, 0.3, 2), rng.uniform(-np.pi, np.pi)])
-    return Motion(start, lines(rng, (0.35, 0.25, 0.6), (0.1, 1.5), 6), lines(rng, (1.5, 1.5, 1.2), (0.3, 2.0), 6))
+    return AnalyticMotion(
+        start, draw_sines(rng, (0.35, 0.25, 0.6), (0.1, 1.5), 6), draw_sines(rng, (1.5, 1.5, 1.2), (0.3, 2.0), 6)
+    )
 
 
-def vehicle(rng: np.random.Generator) -> Motion:
+def vehicle(rng: np.random.Generator) -> AnalyticMotion:
     """Draw a drive: slow turns, small roll and pitch, and bursts of vibration at 3 to 9 Hz on the acceleration."""
     start = np.array([*rng.uniform(-0.05, 0.05, 2), rng.uniform(-np.pi, np.pi)])
-    turns = together(lines(rng, (0.0, 0.0, 1.2), (0.01, 0.06), 5), lines(rng, (0.03, 0.03, 0.005), (0.2, 1.5), 5))
-    shaking = bursts(lines(rng, (0.5, 0.5, 1.0), (3.0, 9.0), 5), 1 / rng.uniform(30, 120))
-    return Motion(start, turns, together(lines(rng, (0.8, 0.8, 0.1), (0.01, 0.2), 5), shaking))
+    turns = combined(
+        draw_sines(rng, (0.0, 0.0, 1.2), (0.01, 0.06), 5), draw_sines(rng, (0.03, 0.03, 0.005), (0.2, 1.5), 5)
+    )
+    shaking = modulated(draw_sines(rng, (0.5, 0.5, 1.0), (3.0, 9.0), 5), 1 / rng.uniform(30, 120))
+    return AnalyticMotion(start, turns, combined(draw_sines(rng, (0.8, 0.8, 0.1), (0.01, 0.2), 5), shaking))
 
 
 MOTIONS = {"hand": hand, "vehicle": vehicle}

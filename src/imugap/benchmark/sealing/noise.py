@@ -1,6 +1,6 @@
-"""Noise of a base device, drawn without the effect classes: independent draws, sums, fractional differencing, rounding.
+"""Noise of a base device, without the effect classes: independent draws, sums, fractional differencing, rounding.
 
-Densities are square roots of two-sided power spectral densities, as on the page of the package.
+Densities are square roots of two-sided power spectral densities, as in the docstring of the library.
 """
 
 from dataclasses import dataclass
@@ -9,14 +9,14 @@ import numpy as np
 from scipy.fft import irfft, next_fast_len, rfft
 
 LEAD = 3
-"""Lengths of a log that a long-memory noise runs before the log begins, so that it has a past."""
+"""Time before the log, in lengths of the log, from which long-memory noise is generated."""
 
 
 @dataclass(frozen=True)
-class Noise:
+class BaseNoise:
     """Noise of one axis: white ``density`` N, flicker ``density_b`` B, walk ``density_k`` K, quantization ``q``.
 
-    A device may hum: a line of ``amplitude`` at ``frequency`` [Hz].
+    ``amplitude`` and ``frequency`` [Hz] are those of a line, if any.
     """
 
     density: float = 0.0
@@ -31,7 +31,7 @@ class Noise:
         return self.density / np.sqrt(interval) * rng.standard_normal(count)
 
     def coloured(self, count: int, interval: float, rng: np.random.Generator) -> np.ndarray:
-        """Draw all the rest, shape (count,)."""
+        """Draw flicker, walk and quantization noise, shape (count,)."""
         parts = (
             (self.density_b, lambda: fractional(count, 1.0, rng)),
             (self.density_k * np.sqrt(interval), lambda: summed(count, rng)),
@@ -63,7 +63,7 @@ def fractional(count: int, exponent: float, rng: np.random.Generator) -> np.ndar
     """Draw noise of two-sided density interval |2 sin(pi f interval)|^-exponent by fractional differencing.
 
     Kasdin and Walter (1992), Discrete simulation of power law noise: white noise of unit variance filtered with
-    h_0 = 1, h_k = h_(k-1) (k - 1 + exponent/2)/k. The noise has run for :data:`LEAD` lengths when the log begins.
+    h_0 = 1, h_k = h_(k-1) (k - 1 + exponent/2)/k. The noise begins :data:`LEAD` lengths before the log.
     """
     total = (LEAD + 1) * count
     k = np.arange(1, total)
@@ -79,6 +79,6 @@ def summed(count: int, rng: np.random.Generator) -> np.ndarray:
 
 
 def rounded(count: int, rng: np.random.Generator) -> np.ndarray:
-    """Draw differences of the unit-variance errors that rounding leaves on the integral of a restless signal."""
+    """Draw differences of the unit-variance errors of rounding the integral of a large random signal."""
     path = np.cumsum(rng.normal(scale=20.0, size=count + 1))
     return np.diff((np.rint(path) - path) * np.sqrt(12))

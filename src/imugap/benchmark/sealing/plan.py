@@ -1,4 +1,4 @@
-"""Which cases there are: a seeded plan of bases, lengths, effects and sizes, in an order that tells nothing."""
+"""Plan the cases of a benchmark: bases, lengths, effects and sizes drawn from a seed, in random order."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -6,16 +6,16 @@ from enum import StrEnum
 
 import numpy as np
 
-from imugap.benchmark.sealing.catalogue import EVERY, NAMED, UNNAMED
-from imugap.benchmark.sealing.hidden_effect import between
+from imugap.benchmark.sealing.hidden_effect import log_uniform
 from imugap.benchmark.sealing.motion import MOTIONS
+from imugap.benchmark.sealing.vocabulary import ALL, NAMED, UNNAMED
 from imugap.stream import stream
 
 BASES = ("white", "flicker", "walk")
 
 
-class Hides(StrEnum):
-    """What a case hides."""
+class CaseKind(StrEnum):
+    """Kind of a case: number and kind of its hidden effects."""
 
     SINGLE = "single"
     PAIR = "pair"
@@ -24,35 +24,35 @@ class Hides(StrEnum):
 
 
 @dataclass(frozen=True)
-class Planned:
-    """An effect to hide: its name, and its size in multiples of its detection limit."""
+class PlannedEffect:
+    """An effect to hide: its name, and its size in detection limits."""
 
     name: str
     size: float
 
 
 @dataclass(frozen=True)
-class Case:
-    """A case to seal; its name and seed are those of its random streams.
+class BlindCase:
+    """A planned case; name and seed label its random streams.
 
     Attributes
     ----------
     name, seed
         Opaque name; seed of the plan.
     kind, effects
-        What is hidden; ``same_axis`` where the second effect of a pair hides on the axis of the first.
+        Hidden effects; with ``same_axis`` the second effect of a pair acts on the axis of the first.
     base, motion
-        Kind of base device; ``rest`` or the motion.
+        Kind of base device; name of the motion, or ``rest``.
     rate_hz, duration_s, runs
         Rate, length and number of the logs.
     temperature
-        Whether the logs have a column of it.
+        Whether the logs have a temperature column.
     """
 
     name: str
     seed: int
-    kind: Hides
-    effects: tuple[Planned, ...]
+    kind: CaseKind
+    effects: tuple[PlannedEffect, ...]
     same_axis: bool
     base: str
     motion: str
@@ -62,13 +62,13 @@ class Case:
     temperature: bool
 
 
-def plan(seed: int, cases: int, shares: Mapping[str, float], recipe: Mapping) -> list[Case]:
-    """Return ``cases`` cases whose kinds have the ``shares`` (of :class:`Hides`, together one)."""
+def plan(seed: int, cases: int, shares: Mapping[str, float], recipe: Mapping) -> list[BlindCase]:
+    """Return ``cases`` cases whose kinds have the ``shares`` (of :class:`CaseKind`, together one)."""
     rng = stream(seed, "seal", "plan")
     drawn = [
-        _case(seed, Hides(kind), effects, recipe, stream(seed, "seal", "plan", kind, number))
+        _case(seed, CaseKind(kind), effects, recipe, stream(seed, "seal", "plan", kind, number))
         for kind, count in _counts(cases, shares).items()
-        for number, effects in zip(range(count), _effects(Hides(kind), recipe, seed), strict=False)
+        for number, effects in zip(range(count), _effects(CaseKind(kind), recipe, seed), strict=False)
     ]
     return [replace(drawn[old], name=f"c{new:04}") for new, old in enumerate(rng.permutation(cases), start=1)]
 
@@ -79,58 +79,66 @@ def _counts(cases: int, shares: Mapping[str, float]) -> dict[str, int]:
     return dict(zip(shares, np.diff(edges, prepend=0).tolist(), strict=True))
 
 
-def _effects(kind: Hides, recipe: Mapping, seed: int) -> Iterator[tuple[Planned, ...]]:
-    """Yield what to hide in one case after another, without an end."""
+def _effects(kind: CaseKind, recipe: Mapping, seed: int) -> Iterator[tuple[PlannedEffect, ...]]:
+    """Yield the effects of one case after another, without end."""
     rng = stream(seed, "seal", "effects", kind)
-    if kind is Hides.NOTHING:
+    if kind is CaseKind.NOTHING:
         while True:
             yield ()
-    if kind is Hides.PAIR:
+    if kind is CaseKind.PAIR:
         yield from _pairs(recipe, rng)
-    yield from _singles(list(NAMED if kind is Hides.SINGLE else UNNAMED), recipe["sizes"], rng)
+    yield from _singles(list(NAMED if kind is CaseKind.SINGLE else UNNAMED), recipe["sizes"], rng)
 
 
-def _singles(names: list[str], sizes: list[float], rng: np.random.Generator) -> Iterator[tuple[Planned, ...]]:
-    """Yield every name once at some size, then every name at another; after all sizes, again."""
+def _singles(names: list[str], sizes: list[float], rng: np.random.Generator) -> Iterator[tuple[PlannedEffect, ...]]:
+    """Yield every name once at some size, then every name at another size, and so on."""
     first = rng.integers(len(sizes), size=len(names))
     turn = 0
     while True:
         for number in rng.permutation(len(names)):
-            yield (Planned(names[number], sizes[(first[number] + turn) % len(sizes)]),)
+            yield (PlannedEffect(names[number], sizes[(first[number] + turn) % len(sizes)]),)
         turn += 1
 
 
-def _pairs(recipe: Mapping, rng: np.random.Generator) -> Iterator[tuple[Planned, ...]]:
-    """Yield a confusable pair and a pair of any two names by turns."""
+def _pairs(recipe: Mapping, rng: np.random.Generator) -> Iterator[tuple[PlannedEffect, ...]]:
+    """Yield alternately a confusable pair and a pair of any two names."""
     while True:
         for number in rng.permutation(len(recipe["confusable"])):
-            yield tuple(Planned(name, float(rng.choice(recipe["pair_sizes"]))) for name in recipe["confusable"][number])
-            yield tuple(Planned(name, float(rng.choice(recipe["pair_sizes"]))) for name in _any_two(rng))
+            yield tuple(
+                PlannedEffect(name, float(rng.choice(recipe["pair_sizes"]))) for name in recipe["confusable"][number]
+            )
+            yield tuple(PlannedEffect(name, float(rng.choice(recipe["pair_sizes"]))) for name in _any_two(rng))
 
 
 def _any_two(rng: np.random.Generator) -> tuple[str, str]:
-    """Draw two names that a device can have at once."""
+    """Draw two names of effects that one device can have."""
     while True:
         one, other = map(str, rng.choice(list(NAMED), 2, replace=False))
-        if _bases((one, other)) and NAMED[one].motion == NAMED[other].motion and NAMED[one].runs == NAMED[other].runs:
+        if (
+            _bases((one, other))
+            and NAMED[one].needs_motion == NAMED[other].needs_motion
+            and NAMED[one].runs == NAMED[other].runs
+        ):
             return one, other
 
 
 def _bases(names: tuple[str, ...]) -> list[str]:
-    """Return the base devices on which all of ``names`` can hide."""
+    """Return the base devices from whose noise all of ``names`` can be distinguished."""
     every = [*BASES, "quantization", "line"]
-    return [base for base in every if all(base in EVERY[name].bases for name in names)]
+    return [base for base in every if all(base in ALL[name].bases for name in names)]
 
 
-def _case(seed: int, kind: Hides, effects: tuple[Planned, ...], recipe: Mapping, rng: np.random.Generator) -> Case:
-    """Draw the surroundings of ``effects``; those of a case without any are those of other cases."""
+def _case(
+    seed: int, kind: CaseKind, effects: tuple[PlannedEffect, ...], recipe: Mapping, rng: np.random.Generator
+) -> BlindCase:
+    """Draw base device, motion and log of a case; without effects they are drawn as for a random effect."""
     names = tuple(effect.name for effect in effects) or (str(rng.choice(list(NAMED))),)
     bases = _bases(names)
     weights = np.array([recipe["bases"][base] for base in bases])
-    moving = any(EVERY[name].motion for name in names)
+    moving = any(ALL[name].needs_motion for name in names)
     span = recipe["motion_duration_s" if moving else "duration_s"]
-    needed = any(EVERY[name].needs_temperature for name in names)
-    return Case(
+    needed = any(ALL[name].needs_temperature for name in names)
+    return BlindCase(
         name="",
         seed=seed,
         kind=kind,
@@ -139,7 +147,7 @@ def _case(seed: int, kind: Hides, effects: tuple[Planned, ...], recipe: Mapping,
         base=str(rng.choice(bases, p=weights / weights.sum())),
         motion=str(rng.choice(list(MOTIONS))) if moving else "rest",
         rate_hz=float(rng.choice(recipe["rates_hz"])),
-        duration_s=round(between(rng, span)),
-        runs=max(EVERY[name].runs for name in names),
+        duration_s=round(log_uniform(rng, span)),
+        runs=max(ALL[name].runs for name in names),
         temperature=needed or bool(rng.random() < recipe["temperature_share"]),
     )
