@@ -13,7 +13,7 @@ import yaml
 from hypothesis import settings
 from jsonschema import Draft202012Validator
 
-from imugap.estimation import goodness_of_fit as goodness
+from imugap.estimation import goodness_of_fit
 from imugap.workflow.dependencies import digest
 
 ROOT = Path(__file__).parents[1]
@@ -26,7 +26,7 @@ settings.load_profile("derandomised")
 def judge(monkeypatch):
     """A goodness of fit that finds every model good; gives the sentence that it says."""
     sentence = "Nothing speaks against the model"
-    monkeypatch.setattr(goodness, "of", lambda *_: SimpleNamespace(verdict=f"{sentence}."))
+    monkeypatch.setattr(goodness_of_fit, "of", lambda *_: SimpleNamespace(verdict=f"{sentence}."))
     return sentence
 
 

@@ -9,7 +9,7 @@ from types import MappingProxyType
 import pandas as pd
 import yaml
 
-from imugap import log as canonical
+from imugap import log
 from imugap.effects import CATALOGUE
 from imugap.effects.conditions import Conditions
 from imugap.effects.effect import AxisModel, Effect
@@ -17,9 +17,9 @@ from imugap.effects.effect import AxisModel, Effect
 
 def conditions(ideal: pd.DataFrame) -> dict[str, Conditions]:
     """Return the conditions of each axis of an error-free log."""
-    temperature = ideal[canonical.TEMPERATURE].to_numpy() if canonical.TEMPERATURE in ideal else None
-    everywhere = Conditions(ideal.index.to_numpy(), canonical.interval(ideal), temperature, ideal=ideal)
-    return {axis: replace(everywhere, axis=axis) for axis in canonical.axes(ideal)}
+    temperature = ideal[log.TEMPERATURE].to_numpy() if log.TEMPERATURE in ideal else None
+    everywhere = Conditions(ideal.index.to_numpy(), log.interval(ideal), temperature, ideal=ideal)
+    return {axis: replace(everywhere, axis=axis) for axis in log.axes(ideal)}
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class ErrorModel:
     @property
     def sensors(self) -> dict[str, AxisModel]:
         """Return the models of the sensor axes, without that of the clock."""
-        return {axis: model for axis, model in self.axes.items() if axis != canonical.TIME}
+        return {axis: model for axis, model in self.axes.items() if axis != log.TIME}
 
     def simulate(
         self, ideal: pd.DataFrame, seed: int, *labels: object, at: Mapping[str, Conditions] | None = None
@@ -63,11 +63,11 @@ class ErrorModel:
         at = at or conditions(ideal)
         measured = {
             axis: self.axes[axis].simulate(ideal[axis].to_numpy(), at[axis], seed, *labels)
-            for axis in canonical.axes(ideal)
+            for axis in log.axes(ideal)
             if axis in self.axes
         }
         kept = ideal.assign(**measured)
-        for effect, rng in self.axes.get(canonical.TIME, AxisModel()).streams(seed, *labels, axis=canonical.TIME):
+        for effect, rng in self.axes.get(log.TIME, AxisModel()).streams(seed, *labels, axis=log.TIME):
             kept = effect.keep(kept, rng)
         return kept
 
@@ -83,7 +83,7 @@ class ErrorModel:
         """Build from plain data; an unknown axis, effect or parameter is a ValueError that names the nearest."""
         axes = {}
         for axis, items in mapping.items():
-            _known(axis, (*canonical.AXES, canonical.TIME), "axis")
+            _known(axis, (*log.AXES, log.TIME), "axis")
             named = [(name, values) for item in items for name, values in item.items()]
             axes[axis] = AxisModel(tuple(_effect(axis, name, values, catalogue) for name, values in named))
         return cls(axes)

@@ -3,8 +3,7 @@ import pytest
 from scipy.integrate import quad
 
 from imugap.effects import BiasInstability, GaussMarkov, Quantization, RandomWalk, WhiteNoise
-from imugap.estimation import modwt_transfer as cascade
-from imugap.estimation import wavelet_variance as wavelet
+from imugap.estimation import modwt_transfer, wavelet_variance
 from imugap.numerics.daubechies import WIDTHS, depth, squared_gain
 
 INTERVAL = 0.01
@@ -13,15 +12,15 @@ PROCESSES = (WhiteNoise(0.1), RandomWalk(0.2), GaussMarkov(0.5, 0.3), BiasInstab
 
 @pytest.mark.parametrize("process", [*PROCESSES, Quantization(1e-3)], ids=lambda p: p.name)
 def test_implied_haar_variance_is_the_spectral_one(process):
-    found = cascade.passed(wavelet._per_sample(process, INTERVAL), 12)
-    np.testing.assert_allclose(found, wavelet.implied(process, INTERVAL, 12), rtol=1e-11)
+    found = modwt_transfer.passed(wavelet_variance._per_sample(process, INTERVAL), 12)
+    np.testing.assert_allclose(found, wavelet_variance.implied(process, INTERVAL, 12), rtol=1e-11)
 
 
 @pytest.mark.parametrize("width", WIDTHS)
 @pytest.mark.parametrize("process", PROCESSES, ids=lambda p: p.name)
 def test_overlap_of_two_levels_is_the_integral_over_the_squared_spectrum(process, width):
-    psd = wavelet._per_sample(process, INTERVAL)
-    found = cascade.overlap(psd, 6, width)
+    psd = wavelet_variance._per_sample(process, INTERVAL)
+    found = modwt_transfer.overlap(psd, 6, width)
     np.testing.assert_array_equal(found, found.T)
     for i, j in ((1, 1), (1, 2), (2, 5), (4, 4), (4, 6)):
 
@@ -36,11 +35,11 @@ def test_overlap_of_two_levels_is_the_integral_over_the_squared_spectrum(process
 @pytest.mark.parametrize("process", PROCESSES, ids=lambda p: p.name)
 def test_counting_on_a_smooth_is_counting_on_the_sequence(process):
     """Also where the deepest level has fewer coefficients than the smooth takes steps (2 of 2^13 + 1 samples)."""
-    psd, count = wavelet._per_sample(process, INTERVAL), 2**13 + 1
+    psd, count = wavelet_variance._per_sample(process, INTERVAL), 2**13 + 1
     levels = depth(count)
-    share, means = cascade.counted(psd, count, levels, 2, 0)
-    first = 4 + cascade.APART
-    smooth_share, smooth_means = cascade.counted(psd, count, levels, 2, 4)
+    share, means = modwt_transfer.counted(psd, count, levels, 2, 0)
+    first = 4 + modwt_transfer.APART
+    smooth_share, smooth_means = modwt_transfer.counted(psd, count, levels, 2, 4)
     np.testing.assert_allclose(np.diag(smooth_share), np.diag(share)[first:], rtol=5e-3)
     deviation = np.sqrt(np.diag(means)[first:])
     scale = np.outer(deviation, deviation)
@@ -49,7 +48,7 @@ def test_counting_on_a_smooth_is_counting_on_the_sequence(process):
 
 @pytest.mark.parametrize("process", PROCESSES, ids=lambda p: p.name)
 def test_the_same_question_has_the_same_answer_to_the_last_bit(process):
-    psd = wavelet._per_sample(process, INTERVAL)
-    first, *others = [cascade.counted(psd, 2**15, 13, 2, 4) for _ in range(3)]
+    psd = wavelet_variance._per_sample(process, INTERVAL)
+    first, *others = [modwt_transfer.counted(psd, 2**15, 13, 2, 4) for _ in range(3)]
     for other in others:
         np.testing.assert_array_equal(other, first)

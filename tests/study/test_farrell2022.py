@@ -6,11 +6,11 @@ from hypothesis import strategies as st
 from imugap.effects import BiasInstability, Conditions, GaussMarkov, RandomWalk, WhiteNoise
 from imugap.effects.effect import AxisModel
 from imugap.estimation import allan
-from imugap.interchange import flicker_bank as flicker
+from imugap.interchange import flicker_bank
 from imugap.model import ErrorModel
 from imugap.numerics import allan_from_psd as spectrum
 from imugap.stream import stream
-from imugap.study.farrell2022 import MODELS, TITLES, Readings, flicker_bank
+from imugap.study.farrell2022 import MODELS, TITLES, Readings, bank_alone
 
 TAU = np.geomspace(0.1, 1000, 41)
 
@@ -73,9 +73,9 @@ def test_where_white_noise_and_walk_need_the_whole_floor_nothing_is_left():
 def test_bank_is_flat_at_what_is_left_within_its_stated_error():
     of = readings()
     density = of.left / np.sqrt(BiasInstability(1.0).allan_variance(1.0))
-    stated = flicker.error(flicker_bank(of), density, of.shortest, of.longest)
+    stated = flicker_bank.error(bank_alone(of), density, of.shortest, of.longest)
     assert stated < 0.04
-    ratio = np.sqrt(spectrum.allan_variance(flicker_bank(of).state_space().psd, TAU)) / of.left
+    ratio = np.sqrt(spectrum.allan_variance(bank_alone(of).state_space().psd, TAU)) / of.left
     assert np.abs(ratio - 1).max() < stated + 1e-3
 
 

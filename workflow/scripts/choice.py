@@ -6,7 +6,7 @@ from pathlib import Path
 import pandas as pd
 
 from imugap import log
-from imugap.estimation import goodness_of_fit as goodness
+from imugap.estimation import goodness_of_fit
 from imugap.estimation.model_selection import choose, title
 from imugap.io import readers
 from imugap.workflow.job_log import journal
@@ -19,7 +19,7 @@ def chosen(table):
     for axis in log.axes(table):
         sequence = table[axis].to_numpy()
         choice = choose(sequence, interval)
-        fits = goodness.of(choice.fit.model, sequence, interval)
+        fits = goodness_of_fit.of(choice.fit.model, sequence, interval)
         found[axis] = {
             "effects": title(choice.kinds),
             "estimates": choice.fit.table().reset_index().to_dict("records"),

@@ -9,7 +9,7 @@ import pandas as pd
 from imugap import figures
 from imugap.effects import BiasInstability
 from imugap.figures import tutorial as chapter
-from imugap.interchange import flicker_bank as flicker
+from imugap.interchange import flicker_bank
 from imugap.workflow import tables
 from imugap.workflow.job_log import journal
 
@@ -22,7 +22,7 @@ GOALS = (0.1, 0.05, 0.01)
 def ratio(decades, states):
     """Return the Allan deviation of a bank over that of flicker, half a decade beyond its range on both sides."""
     tau = np.geomspace(10**-0.5, 10 ** (decades + 0.5), 201)
-    bank = flicker.bank(1.0, 1.0, 10.0**decades, states)
+    bank = flicker_bank.bank(1.0, 1.0, 10.0**decades, states)
     return pd.Series(np.sqrt(bank.allan_variance(tau) / BiasInstability(1.0).allan_variance(tau)), index=tau)
 
 
@@ -51,7 +51,7 @@ if __name__ == "__main__":
     with journal(snakemake.log[0]):
         rows = [
             {"decades": decades, "states": states,
-             "error": flicker.error(flicker.bank(1.0, 1.0, 10.0**decades, states), 1.0, 1.0, 10.0**decades)}
+             "error": flicker_bank.error(flicker_bank.bank(1.0, 1.0, 10.0**decades, states), 1.0, 1.0, 10.0**decades)}
             for decades in DECADES for states in range(1, decades + 4)
         ]  # fmt: skip
         data = pd.DataFrame(rows)

@@ -2,7 +2,7 @@
 
 import pandas as pd
 
-from imugap.estimation.gmwm import estimator as indirect
+from imugap.estimation.gmwm import estimator
 from imugap.estimation.methods import METHODS
 from imugap.study.experiment import Experiment
 from imugap.study.monte_carlo import row
@@ -18,7 +18,7 @@ def estimates(experiment, time, seed, runs, printed):
             fit = method(sequence, experiment.interval, experiment.kinds)
             found.append(row(fit, method=name, run=run, time=time))
         if run < printed:
-            fit = indirect.simulated(sequence, experiment.interval, experiment.kinds, seed)
+            fit = estimator.simulated(sequence, experiment.interval, experiment.kinds, seed)
             found.append(row(fit, method="indirect_simulated", run=run, time=time))
     return pd.concat(found, ignore_index=True)
 

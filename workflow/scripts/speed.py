@@ -16,9 +16,8 @@ import pandas as pd
 from numba import njit
 
 from imugap import log
-from imugap.estimation import allan, maximum_likelihood
-from imugap.estimation import wavelet_variance as wavelet
-from imugap.estimation.gmwm import estimator as indirect
+from imugap.estimation import allan, maximum_likelihood, wavelet_variance
+from imugap.estimation.gmwm import estimator
 from imugap.estimation.indices import INDICES, of_run
 from imugap.filters.innovation_gate import Quality
 from imugap.io import datasets as catalogue
@@ -100,8 +99,8 @@ def plain(sequence, levels):
 def wavelets(samples, repeats):
     """Time the wavelet variance of all levels against the plain loop and the octaves of allantools."""
     sequence = stream(0, "speed", "wavelet").standard_normal(samples)
-    levels = wavelet.depth(samples)
-    own = median_time(lambda: wavelet.variance(sequence), repeats)
+    levels = wavelet_variance.depth(samples)
+    own = median_time(lambda: wavelet_variance.variance(sequence), repeats)
     loop = median_time(lambda: plain(sequence, levels), repeats)
     peer = median_time(lambda: allantools.oadev(sequence, data_type="freq", taus="octave"), repeats)
     what = f"{samples} samples, {levels} levels, one core"
@@ -184,7 +183,7 @@ def fits(recipe, number):
     """Time fits of four parameters with intervals in two processes."""
     experiment = Experiment.read(recipe)
     rows = []
-    for name, method in {"likelihood": maximum_likelihood.fit, "indirect, full weights": indirect.fit}.items():
+    for name, method in {"likelihood": maximum_likelihood.fit, "indirect, full weights": estimator.fit}.items():
         with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
             halves = [range(0, number, 2), range(1, number, 2)]
             spent = max(pool.map(fits_of, [experiment] * 2, [method] * 2, halves))

@@ -8,7 +8,6 @@ import numpy as np
 import pandas as pd
 import yaml
 
-from imugap import log as canonical
 from imugap.atomic import write_together
 from imugap.filters.consistency import nees_band
 from imugap.filters.innovation_gate import (
@@ -26,7 +25,7 @@ from imugap.integrity.timestamps import filled
 from imugap.interchange.plugins import catalogue
 from imugap.io import gnss, readers
 from imugap.io.configuration import ConfigurationError, configure
-from imugap.log import ACCEL, AXES, GYRO, LogError
+from imugap.log import ACCEL, AXES, GYRO, LogError, axes
 from imugap.model import ErrorModel
 from imugap.navigation.vehicle import Assumptions, Solution, navigate
 from imugap.navigation.vehicle_alignment import Departure, depart
@@ -168,7 +167,7 @@ class Driven:
 def driven(log: pd.DataFrame, fixes: pd.DataFrame, setting: Setting | None = None) -> Driven:
     """Navigate a drive; lost samples are filled, up to :data:`LONGEST_GAP_S` at a time."""
     setting = setting or Setting()
-    if canonical.axes(log) != AXES:
+    if axes(log) != AXES:
         raise LogError("drive", "columns", f"all of {', '.join(AXES)}", ", ".join(log.columns))
     steps = np.diff(log.index.to_numpy())
     if steps.max() > LONGEST_GAP_S:

@@ -7,13 +7,12 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from imugap import log as canonical
 from imugap.atomic import write_together
 from imugap.filters.zero_velocity import MOVING
 from imugap.integrity.timestamps import filled
 from imugap.interchange.plugins import catalogue
 from imugap.io import readers
-from imugap.log import ACCEL, AXES, GYRO
+from imugap.log import ACCEL, AXES, GYRO, LogError, axes
 from imugap.model import ErrorModel
 from imugap.navigation.pedestrian import Assumptions, Solution, navigate
 
@@ -100,8 +99,8 @@ def compose(
     if out.exists() and not out.is_dir():
         raise ValueError(f"{out}: expected a folder; found a file")
     log = readers.read(path, repair=True)
-    if canonical.axes(log) != AXES:
-        raise canonical.LogError(path, "columns", f"all of {', '.join(AXES)}", ", ".join(log.columns))
+    if axes(log) != AXES:
+        raise LogError(path, "columns", f"all of {', '.join(AXES)}", ", ".join(log.columns))
     known = USUAL if model is None else ErrorModel.read(model, catalogue(effects))
     try:
         found = walked(log, known, assumptions)

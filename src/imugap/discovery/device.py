@@ -11,7 +11,6 @@ import numpy as np
 import pandas as pd
 from threadpoolctl import threadpool_limits
 
-from imugap import log as canonical
 from imugap.discovery.axis import Story, Tale, concluded, model_of, noise_of, part, told
 from imugap.discovery.between_runs import as_first, clocks, turn_on
 from imugap.discovery.checks.motion import ANOTHER
@@ -32,7 +31,7 @@ from imugap.discovery.views import COHERENCE, Curve
 from imugap.discovery.views.gaps import REPLICATES, Verdict, named, verdicts
 from imugap.effects import CATALOGUE, Bias, CommonMode, Outliers, WhiteNoise
 from imugap.effects.effect import AxisModel, Effect, Stage
-from imugap.log import TIME
+from imugap.log import TIME, axes
 from imugap.model import ErrorModel
 
 OTHER_STEPS = 4
@@ -143,7 +142,7 @@ def discover(
         Told of each step.
     """
     known = ErrorModel({}) if question.start is None else question.start
-    steps = _Steps(progress, OTHER_STEPS + 2 * len(canonical.axes(logs[0])))
+    steps = _Steps(progress, OTHER_STEPS + 2 * len(axes(logs[0])))
     steps.begin("integrity")
     record = prepare(logs[0], reference, question.seed, question.start)
     steps.count -= 2 * len(record.silent)

@@ -4,9 +4,9 @@ import numpy as np
 import pandas as pd
 from scipy.stats import norm
 
-from imugap import log as canonical
 from imugap.effects import GSensitivity, LeverArm, Misalignment, ScaleFactor, TimeOffset, VibrationRectification
 from imugap.effects.effect import AxisModel
+from imugap.log import axes
 from imugap.model import ErrorModel
 from imugap.numerics import block_bootstrap as bootstrap
 
@@ -38,7 +38,7 @@ def explained(model: ErrorModel, log: pd.DataFrame, ideal: pd.DataFrame, rng: np
     with the effects taken out: ``share``, ``low``, ``high``, below zero where they add to it.
     """
     simulated, rows = inertial(model).simulate(ideal, 0), {}
-    for axis in canonical.axes(log):
+    for axis in axes(log):
         gaps = ((log[axis] - without[axis]).to_numpy() for without in (ideal, simulated))
         before, after = ((gap - gap.mean()) ** 2 for gap in gaps)
         found = bootstrap.mean((before - after) / before.mean(), rng)

@@ -11,7 +11,7 @@ import pandas as pd
 from scipy.special import chdtr, chdtrc
 
 from imugap.effects.effect import AxisModel
-from imugap.estimation import wavelet_variance as wavelet
+from imugap.estimation import wavelet_variance
 from imugap.estimation.cramer_rao import fisher
 from imugap.estimation.likelihood import Composition, Grid, parameters
 from imugap.numerics.daubechies import depth
@@ -81,8 +81,11 @@ def of(
     """
     sequence = np.asarray(sequence, float)
     levels = depth(len(sequence), width)
-    observed, implied = wavelet.variance(sequence, levels, width), wavelet.implied(model, interval, levels, width)
-    variance = np.diag(wavelet.covariance(model, interval, len(sequence), levels, width))
+    observed, implied = (
+        wavelet_variance.variance(sequence, levels, width),
+        wavelet_variance.implied(model, interval, levels, width),
+    )
+    variance = np.diag(wavelet_variance.covariance(model, interval, len(sequence), levels, width))
     taken = _taken(model, interval, len(sequence), levels, width) if fitted else np.zeros(levels)
     index = pd.RangeIndex(1, levels + 1, name="level")
     columns = {
@@ -116,7 +119,7 @@ def _present(effect) -> bool:
 
 
 def _slope(composition: Composition, theta: np.ndarray, step: np.ndarray, analysis: tuple) -> np.ndarray:
-    below, above = (wavelet.implied(composition.model(theta + side * step), *analysis) for side in (-1, 1))
+    below, above = (wavelet_variance.implied(composition.model(theta + side * step), *analysis) for side in (-1, 1))
     return (above - below) / (2 * DIFFERENCE)
 
 

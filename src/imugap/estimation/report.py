@@ -12,10 +12,8 @@ import pandas as pd
 from scipy.special import chdtri
 
 from imugap.effects import CATALOGUE, GaussMarkov, Quantization, RateRamp, WhiteNoise
-from imugap.estimation import allan, maximum_likelihood
-from imugap.estimation import allan_slopes as piecewise
-from imugap.estimation import goodness_of_fit as goodness
-from imugap.estimation.gmwm import estimator as indirect
+from imugap.estimation import allan, allan_slopes, goodness_of_fit, maximum_likelihood
+from imugap.estimation.gmwm import estimator
 from imugap.estimation.model_selection import TERMS, Choice, Kinds, choose, title
 from imugap.estimation.result import Estimate, Fit, Verdict
 from imugap.estimation.wavelet_variance import EFFICIENCY
@@ -88,9 +86,9 @@ class Inquiry:
                 return maximum_likelihood.fit(sequence, interval, random, ramp, self.highest, self.level)
             case Method.WAVELET:
                 efficiency = EFFICIENCY if self.robust else 1.0
-                return indirect.fit(sequence, interval, random, ramp, efficiency=efficiency, level=self.level)
+                return estimator.fit(sequence, interval, random, ramp, efficiency=efficiency, level=self.level)
             case Method.ALLAN:
-                return piecewise.fit(sequence, interval, kinds, self.level)
+                return allan_slopes.fit(sequence, interval, kinds, self.level)
 
 
 @dataclass(frozen=True)
@@ -152,7 +150,7 @@ def find(axis: str, sequence: np.ndarray, interval: float, inquiry: Inquiry) -> 
             fit = choice.fit
         else:
             fit = inquiry.estimate(sequence, interval, choice.kinds if choice else inquiry.kinds)
-        judged = goodness.of(fit.model, sequence, interval)
+        judged = goodness_of_fit.of(fit.model, sequence, interval)
     except ValueError as error:
         raise ValueError(f"{axis}: {error}") from error
     return Finding(axis, inquiry.method, fit, judged.verdict, choice.alternatives if choice else ())

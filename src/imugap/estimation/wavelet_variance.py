@@ -20,7 +20,7 @@ from scipy.special import chdtri, stdtr
 
 from imugap.effects import RateRamp
 from imugap.effects.effect import AxisModel, StochasticEffect
-from imugap.estimation import modwt_transfer as cascade
+from imugap.estimation import modwt_transfer
 from imugap.numerics.daubechies import check, depth, filters, free, length
 
 EFFICIENCY = 0.6
@@ -169,7 +169,7 @@ def implied(model: AxisModel | StochasticEffect, interval: float, levels: int, w
     check(width)
     if width == 2:
         return model.sampled_allan_variance(2 ** np.arange(levels), interval) / 2
-    return cascade.passed(_per_sample(model, interval), levels, width)
+    return modwt_transfer.passed(_per_sample(model, interval), levels, width)
 
 
 def covariance(model: AxisModel | StochasticEffect, interval: float, count: int, levels: int, width: int = 2):
@@ -183,12 +183,12 @@ def covariance(model: AxisModel | StochasticEffect, interval: float, count: int,
     are not Gaussian: their wavelet variances scatter less than this.
     """
     psd, number = _per_sample(model, interval), free(count, levels, width)
-    result = 2 * cascade.overlap(psd, levels, width) / np.maximum.outer(number, number)
+    result = 2 * modwt_transfer.overlap(psd, levels, width) / np.maximum.outer(number, number)
     halvings = max(0, int(np.ceil(np.log2(count / EXACT))))
-    first = halvings + cascade.APART if halvings else 0
+    first = halvings + modwt_transfer.APART if halvings else 0
     if levels <= first:
         return result
-    share, means = cascade.counted(psd, count, levels, width, halvings)
+    share, means = modwt_transfer.counted(psd, count, levels, width, halvings)
     lost = np.zeros((levels, levels))
     lost[first:, first:] = 1 - share
     for level in range(first - 1, -1, -1):

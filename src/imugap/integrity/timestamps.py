@@ -13,9 +13,8 @@ import pandas as pd
 from scipy.ndimage import uniform_filter1d
 from scipy.optimize import isotonic_regression
 
-from imugap import log as canonical
 from imugap.integrity.precision import grain
-from imugap.log import LogError
+from imugap.log import TIME, LogError, check, interval
 
 BLOCK = 128
 """Rows over which the phase of the clock is averaged."""
@@ -195,17 +194,17 @@ def filled(log: pd.DataFrame) -> pd.DataFrame:
         return log
     slots, time = found.slots[found.kept], found.grid
     columns = {name: np.interp(np.arange(found.count), slots, log[name].to_numpy()[found.kept]) for name in log}
-    return canonical.check(pd.DataFrame(columns, index=pd.Index(time, name=canonical.TIME)))
+    return check(pd.DataFrame(columns, index=pd.Index(time, name=TIME)))
 
 
 def _nominal(time: np.ndarray, rounding: float) -> float:
     """Return the interval [s] of increasing stamps, shape (n,): the mean over many where rounding hides one of them."""
-    interval = canonical.interval(pd.DataFrame(index=time))
-    if rounding < COARSE * interval or len(time) < 2 * WINDOW:
-        return interval
+    mean = interval(pd.DataFrame(index=time))
+    if rounding < COARSE * mean or len(time) < 2 * WINDOW:
+        return mean
     spans = time[WINDOW:] - time[:-WINDOW]
     low, middle, high = np.quantile(spans, [0.05, 0.5, 0.95])
-    return float(middle / WINDOW) if high - low < 2.5 * rounding else interval
+    return float(middle / WINDOW) if high - low < 2.5 * rounding else mean
 
 
 def _tuned(time: np.ndarray, interval: float) -> float:

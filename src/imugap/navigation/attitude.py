@@ -28,12 +28,11 @@ import numpy as np
 import pandas as pd
 from numba import njit
 
-from imugap import log as canonical
 from imugap.effects.effect import AxisModel
 from imugap.io.reference import QUATERNION
 from imugap.kinematics import strapdown
 from imugap.kinematics.site import Site
-from imugap.log import ACCEL, AXES, GYRO, LogError
+from imugap.log import ACCEL, AXES, GYRO, LogError, interval
 from imugap.model import ErrorModel
 from imugap.numerics.rotation import from_euler, mat_from_quat, multiply, quat_from_rotvec, renormalise
 from imugap.numerics.state_space import StateSpace
@@ -128,7 +127,7 @@ class Solution:
 
     def table(self, step: float) -> pd.DataFrame:
         """Return the attitude about every ``step`` [s], with the columns :data:`COVARIANCE` beside."""
-        every = max(round(step / canonical.interval(self.attitude)), 1)
+        every = max(round(step / interval(self.attitude)), 1)
         kept = self.covariance[::every]
         columns = {name: kept[:, i, j] for name, (i, j) in COVARIANCE.items()}
         return self.attitude.iloc[::every].assign(**columns)
@@ -148,7 +147,7 @@ def fuse(log: pd.DataFrame, model: ErrorModel, start: Start, assumptions: Assump
     assumptions
         Gravity, acceleration and biases.
     """
-    step, gravity = canonical.interval(log), assumptions.gravity
+    step, gravity = interval(log), assumptions.gravity
     gyro, accel = _samples(log, step)
     sensors = _Sensors.of(model, assumptions.bias_std, step)
     quat_nb = from_euler(start.attitude).as_quat()

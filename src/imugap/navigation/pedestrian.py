@@ -37,7 +37,6 @@ import numpy as np
 import pandas as pd
 from numba import njit
 
-from imugap import log as canonical
 from imugap.filters.alignment import tilt
 from imugap.filters.error_state import ATTITUDE, NAVIGATION, VELOCITY, backward, predict
 from imugap.filters.sensor_states import SensorStates
@@ -45,7 +44,7 @@ from imugap.filters.smoother import BLOCK, Path, Sensors, Tape, Track, age, comp
 from imugap.filters.smoother import smooth as go_back
 from imugap.filters.zero_velocity import MOVING, STILL, Detector, Stand
 from imugap.kinematics.strapdown import POSITION, increments, level, local_step
-from imugap.log import AXES, LogError
+from imugap.log import AXES, LogError, axes, interval
 from imugap.model import ErrorModel
 from imugap.numerics.rotation import cross, from_euler, kernel, mat_from_quat, rotate
 from imugap.units import STANDARD_GRAVITY
@@ -416,12 +415,12 @@ class _Given:
         cls, log: pd.DataFrame, model: ErrorModel, assumptions: Assumptions, velocity: np.ndarray | None,
         sight: Sight | None = None, phase: np.ndarray | None = None,
     ) -> "_Given":  # fmt: skip
-        if canonical.axes(log) != AXES:
+        if axes(log) != AXES:
             raise LogError("walk", "columns", f"all of {', '.join(AXES)}", ", ".join(log.columns))
         samples = np.ascontiguousarray(log[list(AXES)].to_numpy(dtype=float))
-        gyro, accel, interval = samples[:, :3], samples[:, 3:], canonical.interval(log)
-        stand = assumptions.detector.stand(gyro, accel, interval)
-        phase = assumptions.detector.phases(gyro, accel, interval, stand) if phase is None else phase
+        gyro, accel, step = samples[:, :3], samples[:, 3:], interval(log)
+        stand = assumptions.detector.stand(gyro, accel, step)
+        phase = assumptions.detector.phases(gyro, accel, step, stand) if phase is None else phase
         steps = np.diff(log.index.to_numpy())
         dt = np.concatenate([steps[:1], steps])
         states = SensorStates.of(model, assumptions.scale_std)

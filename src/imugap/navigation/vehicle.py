@@ -27,7 +27,6 @@ import numpy as np
 import pandas as pd
 from numba import njit
 
-from imugap import log as canonical
 from imugap.filters.epochs import NEAR, Epochs
 from imugap.filters.error_state import ATTITUDE, NAVIGATION, backward, predict, project
 from imugap.filters.innovation_gate import ASIDE, FRESH, HELD, SANE, TAKEN, Control, Quality, Record, chi_square, weigh
@@ -59,7 +58,7 @@ from imugap.filters.solution_separation import (
 from imugap.io import gnss
 from imugap.io.gnss import COMPONENTS
 from imugap.kinematics.strapdown import GEODETIC, Ellipsoid, ellipsoid_step, increments
-from imugap.log import AXES, LogError
+from imugap.log import AXES, TIME, LogError, axes
 from imugap.model import ErrorModel
 from imugap.numerics.rotation import add_scaled, cross, dot, kernel, mat_from_quat, rotate
 
@@ -529,7 +528,7 @@ def navigate(
     smooth
         Whether each epoch is told from the whole drive and not from what lies before it.
     """
-    if canonical.axes(log) != AXES:
+    if axes(log) != AXES:
         raise LogError("drive", "columns", f"all of {', '.join(AXES)}", ", ".join(log.columns))
     stamp, states = log.index.to_numpy(dtype=float), assumptions.states(model)
     if not stamp[0] <= start.time < stamp[-1]:
@@ -572,7 +571,7 @@ def navigate(
     if smooth:
         _smoothed((*fixed[:3], frame._replace(known=looking), control), state, results)
     rows = np.flatnonzero(epochs.fix >= 0)
-    time = pd.Index(epochs.end, name=canonical.TIME)
+    time = pd.Index(epochs.end, name=TIME)
     return Solution(time, names, path, ellipsoid, fixes.index.to_numpy()[offered], rows, record, kept, quality)
 
 

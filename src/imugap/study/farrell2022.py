@@ -17,7 +17,7 @@ from imugap.effects.effect import AxisModel
 from imugap.effects.gauss_markov import FLAT_TOP
 from imugap.estimation import allan
 from imugap.estimation.allan_slopes import TOP
-from imugap.interchange import flicker_bank as flicker
+from imugap.interchange import flicker_bank
 
 KNOWN = 0.25
 """Largest relative standard deviation (eq. 15) of points among which the floor is looked for."""
@@ -107,13 +107,13 @@ def nbk_freed(of: Readings) -> AxisModel:
 
 def nbk_bank(of: Readings) -> AxisModel:
     """Return N + B + K with a bank of states for flicker noise, at what N and K leave of the floor."""
-    return nk(of) + flicker_bank(of)
+    return nk(of) + bank_alone(of)
 
 
-def flicker_bank(of: Readings) -> AxisModel:
+def bank_alone(of: Readings) -> AxisModel:
     """Return the flicker bank alone: one state for each whole decade of the curve."""
     states = max(floor(log10(of.longest / of.shortest)), 1)
-    return flicker.bank(of.left / FLOOR, of.shortest, of.longest, states)
+    return flicker_bank.bank(of.left / FLOOR, of.shortest, of.longest, states)
 
 
 MODELS: dict[str, Callable[[Readings], AxisModel]] = {

@@ -12,12 +12,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pandas as pd
 
-from imugap import log as canonical
 from imugap.effects import Bias, StabilityRestoration, WhiteNoise
 from imugap.effects.effect import AxisModel
 from imugap.filters.zero_velocity import Detector
 from imugap.kinematics.strapdown import POSITION
-from imugap.log import ACCEL, AXES, GYRO
+from imugap.log import ACCEL, AXES, GYRO, axes, interval
 from imugap.model import ErrorModel
 from imugap.navigation.pedestrian import Assumptions, Solution
 from imugap.numerics.rotation import wrap
@@ -64,14 +63,14 @@ def granted(walk: Walk) -> Assumptions:
 
 def subtracted(log: pd.DataFrame, model: ErrorModel, seed: int, *labels: object) -> pd.DataFrame:
     """Return the log less one sequence of errors that the model draws from the named stream."""
-    nothing = pd.DataFrame(0.0, index=log.index, columns=list(canonical.axes(log)))
+    nothing = pd.DataFrame(0.0, index=log.index, columns=list(axes(log)))
     return log - model.simulate(nothing, seed, *labels)
 
 
 def at_stand(log: pd.DataFrame) -> ErrorModel:
     """Return the mean of the gyroscopes at the stand, as biases: what a user takes off without any model."""
     gyro, accel = (log[list(triad)].to_numpy() for triad in (GYRO, ACCEL))
-    bias = Detector().stand(gyro, accel, canonical.interval(log)).bias
+    bias = Detector().stand(gyro, accel, interval(log)).bias
     return ErrorModel({axis: AxisModel((Bias(value),)) for axis, value in zip(GYRO, bias, strict=True)})
 
 

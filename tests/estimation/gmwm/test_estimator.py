@@ -6,8 +6,7 @@ import pytest
 
 from imugap.effects import Conditions, GaussMarkov, Quantization, RandomWalk, WhiteNoise
 from imugap.effects.effect import AxisModel
-from imugap.estimation import maximum_likelihood
-from imugap.estimation import wavelet_variance as wavelet
+from imugap.estimation import maximum_likelihood, wavelet_variance
 from imugap.estimation.cramer_rao import bound
 from imugap.estimation.gmwm.estimator import fit, fit_curve, point, simulated
 from imugap.estimation.gmwm.moments import Weighting
@@ -47,9 +46,9 @@ def kinds(of):
 
 def exact(of, count, width=2):
     """The wavelet variances that a model implies, with the intervals that they would have."""
-    levels = wavelet.depth(count, width)
-    variance = wavelet.implied(of, INTERVAL, levels, width)
-    low, high = wavelet.limits(variance, wavelet.edf_octave(count, levels, width))
+    levels = wavelet_variance.depth(count, width)
+    variance = wavelet_variance.implied(of, INTERVAL, levels, width)
+    low, high = wavelet_variance.limits(variance, wavelet_variance.edf_octave(count, levels, width))
     return pd.DataFrame({"variance": variance, "low": low, "high": high})
 
 
@@ -77,7 +76,7 @@ def test_objective_is_never_above_the_least_of_many_starts(row):
     curve = found.curve
     width = curve["high"] - curve["low"]
     assert np.sum(((curve["observed"] - curve["implied"]) / width) ** 2) == pytest.approx(found.objective)
-    np.testing.assert_allclose(curve["implied"], wavelet.implied(found.model, 0.01, len(curve)), rtol=1e-9)
+    np.testing.assert_allclose(curve["implied"], wavelet_variance.implied(found.model, 0.01, len(curve)), rtol=1e-9)
 
 
 @WEIGHTINGS
@@ -185,10 +184,10 @@ def test_history_covariance_and_curve_belong_to_the_estimate():
         assert found.history[name].iloc[-1] == pytest.approx(table.loc[(effect, ordinal, parameter), "value"])
         error = table.loc[(effect, ordinal, parameter), "error"]
         assert np.sqrt(found.covariance.loc[name, name]) == pytest.approx(error)
-    observed = wavelet.variance(simulate(of, 20_000, "history"))
+    observed = wavelet_variance.variance(simulate(of, 20_000, "history"))
     np.testing.assert_array_equal(found.curve["observed"], observed)
-    residual = observed - wavelet.implied(found.model, INTERVAL, len(observed))
-    weights = np.linalg.inv(wavelet.covariance(found.model, INTERVAL, 20_000, len(observed)))
+    residual = observed - wavelet_variance.implied(found.model, INTERVAL, len(observed))
+    weights = np.linalg.inv(wavelet_variance.covariance(found.model, INTERVAL, 20_000, len(observed)))
     assert found.objective == pytest.approx(residual @ weights @ residual, rel=0.01)
 
 
@@ -290,13 +289,13 @@ def test_no_start_leads_lower_than_the_fit(time, walk):
     of = model(time, walk)
     values = np.log([value for effect in of for value in effect.parameters().values()])
     for run in range(10):
-        curve = wavelet.curve(simulate(of, COUNT, "start", time, walk, run), INTERVAL)
+        curve = wavelet_variance.curve(simulate(of, COUNT, "start", time, walk, run), INTERVAL)
         found = fit_curve(curve, COUNT, INTERVAL, kinds(of), weighting=Weighting.INTERVAL)
 
         def deviations(logs, curve=curve):
             parameters = iter(np.exp(logs))
             other = AxisModel(tuple(type(e)(*(float(next(parameters)) for _ in e.parameters())) for e in of))
             width = curve["high"] - curve["low"]
-            return (curve["variance"] - wavelet.implied(other, INTERVAL, len(curve))) / width
+            return (curve["variance"] - wavelet_variance.implied(other, INTERVAL, len(curve))) / width
 
         assert found.objective <= 2 * least_squares(deviations, values, xtol=1e-12, ftol=1e-12).cost * (1 + 1e-9)

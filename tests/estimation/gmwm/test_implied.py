@@ -3,7 +3,7 @@ import pytest
 from tests.estimation.gmwm.bindings import INTERVAL, binding
 
 from imugap.effects import BiasInstability, GaussMarkov, Quantization, RandomWalk, RateRamp, WhiteNoise
-from imugap.estimation import wavelet_variance as wavelet
+from imugap.estimation import wavelet_variance
 
 
 @pytest.mark.parametrize("width", [2, 4])
@@ -11,7 +11,7 @@ from imugap.estimation import wavelet_variance as wavelet
 def test_columns_of_gauss_markov_processes_are_their_wavelet_variances(width, time):
     found = binding(GaussMarkov, width=width).markov(np.log([time, 2 * time]))
     for column, correlation_time in zip(found.T, (time, 2 * time), strict=True):
-        expected = wavelet.implied(GaussMarkov(1.0, correlation_time), INTERVAL, 12, width)
+        expected = wavelet_variance.implied(GaussMarkov(1.0, correlation_time), INTERVAL, 12, width)
         np.testing.assert_allclose(column, expected, rtol=1e-9)
 
 
@@ -28,13 +28,13 @@ def test_columns_of_densities_follow_the_composition():
     kinds = (WhiteNoise, Quantization, BiasInstability, RandomWalk, RateRamp)
     found = binding(*kinds).densities
     for column, kind in zip(found.T, kinds, strict=True):
-        np.testing.assert_array_equal(column, wavelet.implied(kind(1.0), INTERVAL, 12))
+        np.testing.assert_array_equal(column, wavelet_variance.implied(kind(1.0), INTERVAL, 12))
     assert binding(GaussMarkov).densities.shape == (12, 0)
 
 
 def test_limits_of_the_correlation_time_reach_white_noise_and_a_random_walk():
     family = binding(GaussMarkov)
     shortest, longest = family.markov(np.array(family.limits)).T
-    white, walk = (wavelet.implied(kind(1.0), INTERVAL, 12) for kind in (WhiteNoise, RandomWalk))
+    white, walk = (wavelet_variance.implied(kind(1.0), INTERVAL, 12) for kind in (WhiteNoise, RandomWalk))
     np.testing.assert_allclose(shortest / white, shortest[0] / white[0], rtol=1e-8)
     np.testing.assert_allclose(longest / walk, longest[0] / walk[0], rtol=0.01)

@@ -3,7 +3,7 @@ import pytest
 from tests.estimation.gmwm.bindings import INTERVAL
 
 from imugap.effects import Conditions, GaussMarkov, RandomWalk, WhiteNoise
-from imugap.estimation import wavelet_variance as wavelet
+from imugap.estimation import wavelet_variance
 from imugap.estimation.gmwm.implied import Binding
 from imugap.estimation.gmwm.moments import Problem, Spread, Weighting
 from imugap.estimation.gmwm.quasi_likelihood import Held, Hold
@@ -15,7 +15,7 @@ MODEL = WhiteNoise(5e-2) + GaussMarkov(0.1, 5.0)
 
 def problem(weighting, model=MODEL, label=0, kinds=None, efficiency=1.0):
     at = Conditions(INTERVAL * np.arange(COUNT), INTERVAL)
-    curve = wavelet.curve(model.simulate(np.zeros(COUNT), at, 17, "moments", label), INTERVAL)
+    curve = wavelet_variance.curve(model.simulate(np.zeros(COUNT), at, 17, "moments", label), INTERVAL)
     composition = Composition.of(*(kinds or map(type, model)))
     return Problem(Binding(composition, INTERVAL, COUNT, len(curve), 2), curve, weighting, efficiency)
 
@@ -27,7 +27,7 @@ def test_weights_are_those_of_the_definition(weighting):
     assert converged
     implied = path[-1].implied
     model = found.binding.composition.model(found.theta(path[-1]))
-    covariance = 2 * wavelet.covariance(model, INTERVAL, COUNT, len(implied))
+    covariance = 2 * wavelet_variance.covariance(model, INTERVAL, COUNT, len(implied))
     width = (found.curve["high"] - found.curve["low"]).to_numpy()
     expected = {
         Weighting.INTERVAL: np.diag(width**-2.0),
@@ -48,18 +48,20 @@ def test_weighted_slopes_of_the_wavelet_variances_are_orthogonal_to_the_deviatio
     shifts = step * np.eye(len(theta))
     slopes = np.array(
         [
-            np.subtract(*(wavelet.implied(composition.model(theta + s), INTERVAL, levels) for s in (shift, -shift)))
+            np.subtract(
+                *(wavelet_variance.implied(composition.model(theta + s), INTERVAL, levels) for s in (shift, -shift))
+            )
             for shift in shifts
         ]
     ) / (2 * step)
-    covariance = wavelet.covariance(composition.model(theta), INTERVAL, COUNT, levels)
+    covariance = wavelet_variance.covariance(composition.model(theta), INTERVAL, COUNT, levels)
     width = (found.curve["high"] - found.curve["low"]).to_numpy()
     weights = {
         Weighting.INTERVAL: np.diag(width**-2.0),
         Weighting.DIAGONAL: np.diag(1 / np.diag(covariance)),
         Weighting.FULL: np.linalg.inv(covariance),
     }[weighting]
-    score = slopes @ weights @ (found.observed - wavelet.implied(composition.model(theta), INTERVAL, levels))
+    score = slopes @ weights @ (found.observed - wavelet_variance.implied(composition.model(theta), INTERVAL, levels))
     assert np.all(np.abs(score) < 0.01 * np.sqrt(np.diag(slopes @ weights @ slopes.T)))
 
 
@@ -69,7 +71,9 @@ def test_parameters_and_points_are_two_ways_to_say_the_same():
     point = found.at(theta)
     np.testing.assert_allclose(found.theta(point), theta)
     model = found.binding.composition.model(theta)
-    np.testing.assert_allclose(point.implied, wavelet.implied(model, INTERVAL, found.binding.levels), rtol=1e-9)
+    np.testing.assert_allclose(
+        point.implied, wavelet_variance.implied(model, INTERVAL, found.binding.levels), rtol=1e-9
+    )
 
 
 @pytest.mark.slow

@@ -10,7 +10,6 @@ import numpy as np
 import pandas as pd
 from scipy.interpolate import CubicSpline
 
-from imugap import log as canonical
 from imugap.discovery.finding import Finding, Gap, Interval
 from imugap.discovery.preparation.cosine_bins import usable
 from imugap.discovery.preparation.sequence import Sequence
@@ -20,7 +19,7 @@ from imugap.effects.conditions import Conditions
 from imugap.effects.effect import AxisModel, Effect, Evidence
 from imugap.effects.timestamp_jitter import ROUNDED
 from imugap.integrity.timestamps import LEAST, Stamps, stamps
-from imugap.log import ACCEL, GYRO, LogError
+from imugap.log import ACCEL, AXES, GYRO, TEMPERATURE, TIME, LogError, axes
 from imugap.model import ErrorModel
 from imugap.stream import stream
 
@@ -98,9 +97,9 @@ def prepare(
     news = _News(known, float(time[0]))
     for evidence in (jitter, loss):
         if evidence is not None:
-            news.add(canonical.TIME, evidence, "stamps", time[0], time[-1])
+            news.add(TIME, evidence, "stamps", time[0], time[-1])
     news.irregular(clock, jitter)
-    outputs = {axis: _on_grid(rows[axis], clock) for axis in canonical.axes(rows)}
+    outputs = {axis: _on_grid(rows[axis], clock) for axis in axes(rows)}
     at = {axis: _at(everywhere, axis) for axis in outputs}
     lattices = {axis: _lattice(values, at[axis]) for axis, values in outputs.items()}
     clipped = {
@@ -143,12 +142,12 @@ class _News:
         if len(bad):
             near = clock.time[clock.advancing]
             spots = np.interp(bad, np.flatnonzero(clock.advancing), near)
-            self.place("stamps", canonical.TIME, spots[0], spots[-1], "s", CERTAIN)
+            self.place("stamps", TIME, spots[0], spots[-1], "s", CERTAIN)
         scattered = clock.scatter.size >= LEAST and clock.variance > ROUNDED * clock.rounding_variance
         tailed = scattered and np.abs(clock.scatter).max() > TAILED * np.sqrt(clock.variance)
         if clock.even and tailed and jitter is None:
             first, last = clock.time[clock.advancing][[0, -1]]
-            self.place("stamps", canonical.TIME, first, last, "s", CERTAIN)
+            self.place("stamps", TIME, first, last, "s", CERTAIN)
 
     def findings(self) -> tuple[Finding, ...]:
         """Return one finding for each effect: axes that have it by the same values share it."""
@@ -174,7 +173,7 @@ def _finding(found: dict[str, Evidence]) -> Finding:
 
 
 def _unit(axis: str) -> str:
-    return {canonical.TIME: "s"}.get(axis, "rad/s" if axis in GYRO else "m/s^2")
+    return {TIME: "s"}.get(axis, "rad/s" if axis in GYRO else "m/s^2")
 
 
 def _silent(log: pd.DataFrame) -> tuple[Gap, ...]:
@@ -182,7 +181,7 @@ def _silent(log: pd.DataFrame) -> tuple[Gap, ...]:
 
     Those without two different values, and those of samples between which the others were interpolated.
     """
-    values = {axis: log[axis].replace([np.inf, -np.inf], np.nan).dropna() for axis in canonical.axes(log)}
+    values = {axis: log[axis].replace([np.inf, -np.inf], np.nan).dropna() for axis in axes(log)}
     silent = {}
     for axis, found in values.items():
         unique = found.unique()
@@ -210,9 +209,9 @@ def _samples_to_a_knot(values: np.ndarray) -> float:
 
 def _rows(log: pd.DataFrame, reference: pd.DataFrame | None) -> pd.DataFrame:
     """Return the rows that hold a value, within the time of the reference."""
-    names = list(canonical.axes(log))
+    names = list(axes(log))
     if not names:
-        raise LogError("log", "columns", f"at least one of {', '.join(canonical.AXES)}", "none of them")
+        raise LogError("log", "columns", f"at least one of {', '.join(AXES)}", "none of them")
     log = log.replace([np.inf, -np.inf], np.nan)
     held = log[names].notna().any(axis=1).to_numpy()
     if reference is not None:
@@ -236,8 +235,8 @@ def _on_grid(column: pd.Series, clock: Stamps) -> np.ndarray:
 def _conditions(rows: pd.DataFrame, clock: Stamps, reference: pd.DataFrame | None) -> Conditions:
     even = clock.interval * np.arange(clock.count)
     temperature = None
-    if canonical.TEMPERATURE in rows:
-        temperature = _on_grid(rows[canonical.TEMPERATURE], clock)
+    if TEMPERATURE in rows:
+        temperature = _on_grid(rows[TEMPERATURE], clock)
         measured = np.isfinite(temperature)
         temperature = smoothed(np.interp(even, even[measured], temperature[measured])) if measured.any() else None
     ideal = None if reference is None else _interpolated(reference, clock).set_axis(even)
@@ -249,7 +248,7 @@ def _interpolated(reference: pd.DataFrame, clock: Stamps) -> pd.DataFrame:
 
     Samples are taken at even times, whatever a rounded or scattered stamp says.
     """
-    names, own, time = list(canonical.axes(reference)), reference.index.to_numpy(float), clock.grid
+    names, own, time = list(axes(reference)), reference.index.to_numpy(float), clock.grid
     nearest = np.clip(np.searchsorted(own, time - ALIGNED * clock.interval), 0, len(own) - 1)
     values = reference[names].to_numpy(float)
     if np.all(np.diff(nearest) == 1) and np.all(np.abs(own[nearest] - time) < ALIGNED * clock.interval):
@@ -259,7 +258,7 @@ def _interpolated(reference: pd.DataFrame, clock: Stamps) -> pd.DataFrame:
         inside, blind = np.clip(time, own[0], own[-1]), unseen(reference, time)
         bridged = np.column_stack([np.interp(inside, own, column) for column in values.T])
         values = np.where(blind[:, None], bridged, CubicSpline(own, values)(inside))
-    return pd.DataFrame(values, columns=names, index=pd.Index(time, name=canonical.TIME))
+    return pd.DataFrame(values, columns=names, index=pd.Index(time, name=TIME))
 
 
 def unseen(reference: pd.DataFrame, time: np.ndarray) -> np.ndarray:
@@ -302,16 +301,16 @@ def _stuck(news, outputs, at, flawed) -> None:
     """Add repeats, of all axes at once where they share them, else of each axis alone; mark them."""
     free = {axis: np.where(flawed[axis], np.nan, values) for axis, values in outputs.items()}
     alone = {axis: StuckSamples.found(values, at[axis]) for axis, values in free.items()}
-    for axes in (tuple(outputs), *(tuple(axis for axis in outputs if axis in triad) for triad in (GYRO, ACCEL))):
-        if len(axes) < 2:
+    for group in (tuple(outputs), *(tuple(axis for axis in outputs if axis in triad) for triad in (GYRO, ACCEL))):
+        if len(group) < 2:
             continue
-        together = StuckSamples.found(np.column_stack([free[axis] for axis in axes]), at[axes[0]])
+        together = StuckSamples.found(np.column_stack([free[axis] for axis in group]), at[group[0]])
         if together is None:
             continue
         shared = np.count_nonzero(together.flawed)
-        counts = [np.count_nonzero(alone[axis].flawed) for axis in axes if alone[axis] is not None]
+        counts = [np.count_nonzero(alone[axis].flawed) for axis in group if alone[axis] is not None]
         if shared >= TOGETHER * max(counts, default=0):
-            alone |= dict.fromkeys(axes, together)
+            alone |= dict.fromkeys(group, together)
             break
     for axis, evidence in alone.items():
         if evidence is not None:

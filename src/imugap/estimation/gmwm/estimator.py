@@ -13,7 +13,7 @@ import pandas as pd
 from scipy.special import chdtri
 
 from imugap.effects import Conditions, RateRamp
-from imugap.estimation import wavelet_variance as wavelet
+from imugap.estimation import wavelet_variance
 from imugap.estimation.gmwm.implied import Binding
 from imugap.estimation.gmwm.moments import Problem, Spread, Weighting
 from imugap.estimation.gmwm.quasi_likelihood import Held, Hold, Profile, Settling, Weights
@@ -87,7 +87,7 @@ def fit(
     level
         Confidence level of the intervals.
     """
-    curve = wavelet.curve(np.asarray(sequence, float), interval, width, efficiency)
+    curve = wavelet_variance.curve(np.asarray(sequence, float), interval, width, efficiency)
     return fit_curve(curve, len(sequence), interval, kinds, ramp, weighting, width, efficiency, level)
 
 
@@ -102,7 +102,7 @@ def point(
 ) -> tuple[ErrorModel, float]:
     """Return the model of :func:`fit` and its objective alone; most of the time of a fit goes into its intervals."""
     sequence = np.asarray(sequence, float)
-    curve = wavelet.curve(sequence, interval, width, efficiency)
+    curve = wavelet_variance.curve(sequence, interval, width, efficiency)
     problem = _problem(curve, len(sequence), interval, kinds, ramp, weighting, width, efficiency)
     best = problem.estimate()[0][-1]
     best = best.reordered(np.argsort(best.times))
@@ -154,7 +154,7 @@ def simulated(
     the estimate.
     """
     sequence = np.asarray(sequence, float)
-    curve = wavelet.curve(sequence, interval, width, efficiency)
+    curve = wavelet_variance.curve(sequence, interval, width, efficiency)
     analytic = _problem(curve, len(sequence), interval, kinds, ramp, weighting, width, efficiency)
     path, *_ = analytic.estimate()
     present, coarse = path[-1].squares > 0, path[0].squares
@@ -226,7 +226,7 @@ class Auxiliary:
         conditions = Conditions(binding.interval * np.arange(binding.count), binding.interval)
         for replicate in range(self.replicates):
             sequence = model.simulate(still, conditions, self.seed, "auxiliary", replicate)
-            total = total + wavelet.estimated(sequence, binding.levels, binding.width, self.efficiency)
+            total = total + wavelet_variance.estimated(sequence, binding.levels, binding.width, self.efficiency)
         return total / self.replicates
 
 

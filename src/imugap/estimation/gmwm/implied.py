@@ -12,7 +12,7 @@ from scipy.interpolate import BSpline, make_interp_spline
 
 from imugap.effects import GaussMarkov
 from imugap.effects.effect import AllanEffect
-from imugap.estimation import wavelet_variance as wavelet
+from imugap.estimation import wavelet_variance
 from imugap.estimation.likelihood import Composition
 
 SHORTEST, LONGEST = 0.05, 100.0
@@ -62,7 +62,7 @@ class Binding:
 
 
 def _column(effect: AllanEffect, interval: float, levels: int, width: int) -> np.ndarray:
-    return wavelet.implied(effect, interval, levels, width)
+    return wavelet_variance.implied(effect, interval, levels, width)
 
 
 @lru_cache

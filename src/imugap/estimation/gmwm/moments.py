@@ -6,7 +6,7 @@ from enum import StrEnum
 import numpy as np
 import pandas as pd
 
-from imugap.estimation import wavelet_variance as wavelet
+from imugap.estimation import wavelet_variance
 from imugap.estimation.gmwm.implied import Binding
 from imugap.estimation.gmwm.quasi_likelihood import Held, Hold, Settling, Weights
 from imugap.estimation.gmwm.start import Nearest, Point
@@ -84,7 +84,7 @@ class Problem:
         """Return weights that need no model."""
         if self.weighting is Weighting.INTERVAL:
             return Weights(np.diag(1 / (self.curve["high"] - self.curve["low"]).to_numpy(float)), relative=False)
-        edf = wavelet.edf_octave(self.binding.count, self.binding.levels, self.binding.width)
+        edf = wavelet_variance.edf_octave(self.binding.count, self.binding.levels, self.binding.width)
         return Weights(np.diag(np.sqrt(edf * self.efficiency / 2)), relative=True)
 
     def _iterate(self, path: list[Point]) -> tuple[list[Point], Weights, bool]:
@@ -111,7 +111,7 @@ class Problem:
     def covariance(self, point: Point) -> np.ndarray:
         """Return the covariance of the wavelet variances, shape (levels, levels), under the model at ``point``."""
         model, binding = self.binding.composition.model(self.theta(point)), self.binding
-        plain = wavelet.covariance(model, binding.interval, binding.count, binding.levels, binding.width)
+        plain = wavelet_variance.covariance(model, binding.interval, binding.count, binding.levels, binding.width)
         return plain / self.efficiency
 
     def at(self, theta: np.ndarray) -> Point:
