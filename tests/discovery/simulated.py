@@ -8,7 +8,7 @@ from imugap.discovery.axis import concluded, told
 from imugap.discovery.fit.axis_fit import Description, fit
 from imugap.discovery.fit.whittle import Noise
 from imugap.discovery.preparation.cosine_bins import usable
-from imugap.discovery.preparation.sequence import Sequence
+from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.effects import CATALOGUE, OutputFilter, WhiteNoise
 from imugap.effects.conditions import Conditions
 from imugap.effects.effect import AxisModel
@@ -29,7 +29,7 @@ LOG_ALPHA = np.log(0.01 / 6 / 28)
 def sequence(*effects, count=COUNT, axis="gyro_x", label="search"):
     conditions = Conditions(INTERVAL * np.arange(count), INTERVAL, axis=axis)
     values = AxisModel((WHITE, *effects)).simulate(np.zeros(count), conditions, 1, label)
-    return Sequence(values, conditions, np.zeros(count, bool))
+    return AxisSequence(values, conditions, np.zeros(count, bool))
 
 
 def plain(data):
@@ -58,4 +58,4 @@ def beside_white(added, count=20_000, interval=0.05, label="beside"):
     conditions = Conditions(np.arange(count) * interval, interval, axis="gyro_x")
     rng = stream(5, label)
     values = WHITE.sample(conditions, rng) + added(conditions.time, rng)
-    return Sequence(values, conditions, np.zeros(count, bool))
+    return AxisSequence(values, conditions, np.zeros(count, bool))

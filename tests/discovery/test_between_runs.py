@@ -7,7 +7,7 @@ from tests.discovery import simulated
 from imugap.discovery.between_runs import _error, _of_mean, as_first, clocks, turn_on
 from imugap.discovery.fit.axis_fit import Description, Term, fit
 from imugap.discovery.fit.whittle import Noise
-from imugap.discovery.preparation.sequence import Sequence
+from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.effects import GaussMarkov, PowerLaw, RandomWalk, RateRamp, Sinusoid, TurnOnBias, WarmUp, WhiteNoise
 from imugap.effects.conditions import Conditions
 from imugap.stream import stream
@@ -26,7 +26,7 @@ def run(number, ratio, lines, count=12000, label="clock"):
         line = Sinusoid(frequency / ratio, 3e-4, float(rng.uniform(0, 6)))
         noise = WhiteNoise(1e-4)
         values = line.sample(conditions, None) + noise.sample(conditions, rng)
-        sequence = Sequence(values, conditions, np.zeros(count, bool))
+        sequence = AxisSequence(values, conditions, np.zeros(count, bool))
         fits[axis] = fit(sequence, Description((Term(line, FREE),), Noise((noise,))))
     return fits
 
@@ -73,7 +73,7 @@ def test_right_stamps_of_another_rate_are_no_error_of_the_clock():
         noise = WhiteNoise(1e-4)
         values = noise.sample(conditions, stream(number, "rates"))
         values += sum(line.sample(conditions, None) for line in lines)
-        sequence = Sequence(values, conditions, np.zeros(len(values), bool))
+        sequence = AxisSequence(values, conditions, np.zeros(len(values), bool))
         fits.append({"gyro_x": fit(sequence, Description(tuple(Term(one, FREE) for one in lines), Noise((noise,))))})
     assert clocks(fits, LOG_ALPHA) == ()
 
@@ -86,7 +86,7 @@ def levelled(number, levels, effects, noise, found=()):
         values = level + sum(
             one.sample(conditions, stream(number, "level", run, one.name)) for one in (white, *effects, *noise)
         )
-        sequence, random = Sequence(values, conditions, np.zeros(3000, bool)), Noise((white, *noise))
+        sequence, random = AxisSequence(values, conditions, np.zeros(3000, bool)), Noise((white, *noise))
         if fits:
             fits.append({"gyro_x": as_first(sequence, (), fits[0]["gyro_x"])})
         else:
@@ -125,7 +125,7 @@ def test_noise_of_any_slope_may_hold_a_level_through_a_run():
     conditions = Conditions(0.1 * np.arange(2000), 0.1, axis="gyro_x")
     values = stream(1, "slope").standard_normal(2000)
     noise = Noise((WhiteNoise(0.3), PowerLaw(0.01, 1.2)))
-    assert np.isinf(_error(fit(Sequence(values, conditions, np.zeros(2000, bool)), Description((), noise))))
+    assert np.isinf(_error(fit(AxisSequence(values, conditions, np.zeros(2000, bool)), Description((), noise))))
 
 
 def test_turn_on_bias_of_several_runs():

@@ -1,7 +1,6 @@
 """What happens on one axis: from the start model through the search to names, doubts and intervals."""
 
-from collections.abc import Mapping
-from collections.abc import Sequence as Several
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import partial
 
@@ -25,7 +24,7 @@ from imugap.discovery.finding import CERTAIN, Finding, Gap, Interval
 from imugap.discovery.fit.axis_fit import AxisFit, fit, log_score, offset
 from imugap.discovery.fit.start_model import described
 from imugap.discovery.fit.telegraph_likelihood import compare
-from imugap.discovery.preparation.sequence import Sequence
+from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.search.intervals import axis_unit, intervals
 from imugap.discovery.search.search import SLOW, Key, Search, at, log_chance, without
 from imugap.discovery.search.telegraph import hidden_telegraph, steady, told_apart, two_valued
@@ -68,7 +67,7 @@ class Tale:
     early: Search
     whole: AxisFit
     late: Search
-    held_out: Sequence
+    held_out: AxisSequence
     bands: tuple[Band, ...] = ()
     switching: Switching | None = None
 
@@ -126,12 +125,12 @@ def _names(found: AxisFit) -> list[str]:
     return sorted(effect.name for effect in found.description.effects() if not isinstance(effect, PowerLaw))
 
 
-def part(sequence: Sequence, first: int, last: int) -> Sequence:
+def part(sequence: AxisSequence, first: int, last: int) -> AxisSequence:
     """Return samples ``first`` to ``last``, a few less where that makes transforms fast."""
     while next_fast_len(last - first, real=True) != last - first:
         last -= 1
     conditions, span = sequence.conditions, slice(first, last)
-    return Sequence(
+    return AxisSequence(
         sequence.values[span],
         replace(
             conditions,
@@ -146,7 +145,7 @@ def part(sequence: Sequence, first: int, last: int) -> Sequence:
 
 
 def told(
-    sequence: Sequence, start: Several[Effect], catalogue: tuple[type[Effect], ...], log_alpha: float, split: int
+    sequence: AxisSequence, start: Sequence[Effect], catalogue: tuple[type[Effect], ...], log_alpha: float, split: int
 ) -> Tale:
     """Search one axis; the samples from ``split`` on are held out.
 
@@ -178,7 +177,7 @@ def told(
 
 
 def _early(
-    held_in: Sequence, start: Several[Effect], catalogue: tuple[type[Effect], ...], log_alpha: float
+    held_in: AxisSequence, start: Sequence[Effect], catalogue: tuple[type[Effect], ...], log_alpha: float
 ) -> tuple[AxisFit, "_Searched"]:
     """Return the fit of the start model, and the end of the search that begins with it."""
     begin = fit(held_in, described(start, held_in))

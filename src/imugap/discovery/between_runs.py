@@ -10,7 +10,7 @@ from imugap.discovery.checks import LEVEL as DRIFTING
 from imugap.discovery.checks import nearly
 from imugap.discovery.finding import Finding, Interval
 from imugap.discovery.fit.axis_fit import AxisFit, Description, Term, fit, jacobian, offset
-from imugap.discovery.preparation.sequence import Sequence
+from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.search.intervals import NORMAL, axis_unit, term_intervals
 from imugap.effects import BiasInstability, BiasStep, ClockScale, PowerLaw, RandomWalk, Sinusoid, TurnOnBias
 from imugap.effects.effect import StochasticEffect
@@ -210,7 +210,7 @@ def _frequency(found: AxisFit, index: int) -> tuple[float, float]:
     return found.description.terms[index].effect.frequency, (high - low) / 2 / NORMAL
 
 
-def as_first(sequence: Sequence, terms: tuple[Term, ...], first: AxisFit) -> AxisFit:
+def as_first(sequence: AxisSequence, terms: tuple[Term, ...], first: AxisFit) -> AxisFit:
     """Fit another run of a device: the terms of the start model, and terms and noise that the first run shows.
 
     Lines have another phase in each run, and steps another time.

@@ -22,7 +22,7 @@ from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.discovery.fit.start_model import described, noisy, untold
 from imugap.discovery.preparation.prepare import Record, prepare
 from imugap.discovery.preparation.rounding import level_ahead, unrounded
-from imugap.discovery.preparation.sequence import Sequence as AxisSequence
+from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.search.intervals import NORMAL, axis_unit
 from imugap.discovery.search.noise_agreement import agreed
 from imugap.discovery.search.search import log_chance

@@ -23,7 +23,7 @@ from imugap.discovery.checks.transition import of_transitions
 from imugap.discovery.fit.axis_fit import Description, Term, fit
 from imugap.discovery.fit.contaminated_normal import tails
 from imugap.discovery.fit.whittle import Noise
-from imugap.discovery.preparation.sequence import Sequence
+from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.search.search import Key, Search, without
 from imugap.discovery.unnamed.chirps import swept
 from imugap.effects import (
@@ -57,7 +57,7 @@ def sequence(*effects, added=None, count=COUNT, label="doubts", temperature=None
     conditions = Conditions(INTERVAL * np.arange(count), INTERVAL, temperature, axis="gyro_x")
     values = AxisModel((WHITE, *effects)).simulate(np.zeros(count), conditions, 1, label)
     more = 0.0 if added is None else added(conditions.time, stream(1, label, "added"))
-    return Sequence(values + more, conditions, np.zeros(count, bool))
+    return AxisSequence(values + more, conditions, np.zeros(count, bool))
 
 
 def story_of(data):

@@ -13,7 +13,7 @@ from imugap.discovery.axis import concluded, told
 from imugap.discovery.checks.motion import samples_in_motion
 from imugap.discovery.fit.axis_fit import Description, Term, fit
 from imugap.discovery.fit.whittle import Noise
-from imugap.discovery.preparation.sequence import Sequence
+from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.search.search import Trial, _in_noise
 from imugap.discovery.unnamed.hysteresis import play
 from imugap.effects import (
@@ -52,7 +52,7 @@ def tale(axis, ideal, *effects, added=0.0):
     conditions = conditions_of(axis, ideal)
     own = conditions.error_free
     error = AxisModel((WhiteNoise(1e-3), *effects)).simulate(own, conditions, 1, "motion") - own
-    sequence = Sequence(error + added, conditions, np.zeros(COUNT, bool))
+    sequence = AxisSequence(error + added, conditions, np.zeros(COUNT, bool))
     return told(sequence, (), tuple(CATALOGUE.values()), LOG_ALPHA, int(0.8 * COUNT))
 
 
@@ -103,7 +103,7 @@ def test_the_cutoff_of_a_filter_of_the_motion_scatters_as_its_error_says():
         conditions = conditions_of("gyro_z", ideal)
         model = AxisModel((WhiteNoise(0.02), ScaleFactor(0.01), OutputFilter(5.0, 2)))
         error = model.simulate(own, conditions, number, "cutoff") - own
-        data = Sequence(error, conditions, np.zeros(len(ideal), bool))
+        data = AxisSequence(error, conditions, np.zeros(len(ideal), bool))
         terms = (Term(ScaleFactor(0.0), ("error",)),)
         found = fit(data, Description(terms, Noise((WhiteNoise(0.02),), OutputFilter(4.0, 2))))
         seen.append(np.log(found.description.noise.output_filter.cutoff) - log_cutoff)
@@ -121,7 +121,7 @@ def test_a_delay_is_no_filter_that_noise_does_not_show(effect, shown):
     conditions = conditions_of("gyro_z", turning())
     own = conditions.error_free
     error = AxisModel((WhiteNoise(1e-4), effect)).simulate(own, conditions, 1, "delay") - own
-    data = Sequence(error, conditions, np.zeros(COUNT, bool))
+    data = AxisSequence(error, conditions, np.zeros(COUNT, bool))
     plain = fit(data, Description((), Noise((WhiteNoise(1e-4),))))
     near = OutputFilter(15.0 if shown else 24.9, 1)
     filtered = fit(data, Description((), Noise((WhiteNoise(1e-4),), near)))

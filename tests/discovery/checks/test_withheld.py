@@ -12,7 +12,7 @@ from imugap.discovery.checks.hysteresis import MEMORY, in_place_of_means
 from imugap.discovery.checks.misfit import LEVEL
 from imugap.discovery.fit.axis_fit import Description, Term, fit
 from imugap.discovery.fit.whittle import Noise
-from imugap.discovery.preparation.sequence import Sequence
+from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.search.search import Key, Search, at
 from imugap.discovery.unnamed.hysteresis import Hysteresis
 from imugap.discovery.views.gaps import gaps
@@ -36,7 +36,7 @@ def test_a_line_that_drifts_is_a_place_without_a_name():
     data = sequence(count=12_000)
     time = data.conditions.time
     chirp = 2.5e-3 * np.cos(2 * np.pi * (0.5 * time + 2.0 * time**2 / (2 * time[-1])))
-    moving = Sequence(data.values + chirp, data.conditions, data.flawed)
+    moving = AxisSequence(data.values + chirp, data.conditions, data.flawed)
     story = concluded(told(moving, (), tuple(CATALOGUE.values()), LOG_ALPHA, 9600))
     assert names(story) == []
     places = [gap for gap in gaps({"gyro_x": story.whole}, 0.01, 0, 39) if gap.view == "spectrum"]
@@ -52,7 +52,7 @@ def test_bursts_are_no_noise_though_their_spectrum_is():
     process = GaussMarkov(float(bursts.std()), 6.0).sample(data.conditions, rng)
     reasons = []
     for added in (bursts, process):
-        moved = Sequence(data.values + added, data.conditions, data.flawed)
+        moved = AxisSequence(data.values + added, data.conditions, data.flawed)
         search = Search(plain(moved).description, (GaussMarkov,), LOG_ALPHA)
         found = search.explore(plain(moved))
         assert found.has(GaussMarkov)
@@ -141,7 +141,7 @@ def test_a_loop_over_the_temperature_is_no_walk():
     walk = RandomWalk(1e-4).sample(conditions, stream(4, "walk"))
     found = []
     for added in (2e-3 * (warming - np.array(dragged)), walk):
-        data = Sequence(white + added, conditions, np.zeros(len(time), bool))
+        data = AxisSequence(white + added, conditions, np.zeros(len(time), bool))
         found.append(concluded(told(data, (), tuple(CATALOGUE.values()), LOG_ALPHA, 12_800)))
     loop, wandering = found
     assert names(loop) == []
@@ -160,7 +160,7 @@ def test_a_loop_over_a_temperature_that_warms_up_is_neither_temperature_nor_warm
     both = Temperature(1e-3, 25.0).sample(conditions, None) + WarmUp(5e-3, 60.0).sample(conditions, None)
     white, found = WHITE.sample(conditions, stream(4, "white2")), []
     for added in (loop, both):
-        data = Sequence(white + added, conditions, np.zeros(len(time), bool))
+        data = AxisSequence(white + added, conditions, np.zeros(len(time), bool))
         found.append(concluded(told(data, (), tuple(CATALOGUE.values()), LOG_ALPHA, 19_200)))
     assert names(found[0]) == []
     assert found[0].seen
@@ -265,7 +265,7 @@ def test_a_temperature_beside_a_walk_is_seldom_a_memory_of_it():
     described = Description((Term(straight, ("coefficient",)),), Noise((WHITE, RandomWalk(4e-5))))
     for run in range(60):
         values = AxisModel((WHITE, RandomWalk(4e-5), straight)).simulate(np.zeros(count), conditions, run, "nested")
-        found = fit(Sequence(values, conditions, np.zeros(count, bool)), described)
+        found = fit(AxisSequence(values, conditions, np.zeros(count, bool)), described)
         few.append(in_place_of_means(Search(Description((), Noise((WHITE,))), (), LOG_ALPHA), found).log_p)
     assert np.sum(np.array(few) < LEVEL) <= 3
     assert 5 <= np.sum(np.array(few) < np.log(0.5)) <= 40

@@ -9,7 +9,7 @@ from imugap.discovery.evaluation.distance import Compared, together
 from imugap.discovery.evaluation.parameter_ensemble import Uncertain
 from imugap.discovery.fit.axis_fit import Description, Term, fit
 from imugap.discovery.fit.whittle import Noise
-from imugap.discovery.preparation.sequence import Sequence
+from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.effects import (
     Bias,
     GaussMarkov,
@@ -104,7 +104,7 @@ def test_a_split_that_leaves_nothing_is_refused(split):
 def fitted(measured, held_in, description):
     conditions = Conditions(measured.index.to_numpy()[:held_in], INTERVAL, axis="gyro_x")
     values = measured["gyro_x"].to_numpy()[:held_in]
-    return fit(Sequence(values, conditions, np.zeros(held_in, bool)), description)
+    return fit(AxisSequence(values, conditions, np.zeros(held_in, bool)), description)
 
 
 def test_drawn_models_scatter_as_their_fit_says():

@@ -8,7 +8,7 @@ from imugap.discovery.axis import Story
 from imugap.discovery.evaluation import held_out as comparison
 from imugap.discovery.fit.axis_fit import Description, Term, fit
 from imugap.discovery.fit.whittle import Noise
-from imugap.discovery.preparation.sequence import Sequence
+from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.effects import Bias, BiasStep, VarianceChange, WhiteNoise
 from imugap.effects.conditions import Conditions
 from imugap.effects.effect import AxisModel
@@ -27,7 +27,7 @@ def run(*effects, label):
 def found(table, *events):
     """Return what a fit says of a log in which events are known."""
     conditions = Conditions(table.index.to_numpy(), INTERVAL, axis="gyro_x")
-    sequence = Sequence(table["gyro_x"].to_numpy(), conditions, np.zeros(COUNT, bool))
+    sequence = AxisSequence(table["gyro_x"].to_numpy(), conditions, np.zeros(COUNT, bool))
     terms = tuple(Term(one, ("step",)) for one in events if isinstance(one, BiasStep))
     changes = tuple(one for one in events if isinstance(one, VarianceChange))
     return fit(sequence, Description(terms, Noise((WHITE,)), changes=changes))

@@ -6,7 +6,7 @@ from scipy.stats import binom
 
 from imugap import log
 from imugap.discovery.preparation.prepare import prepare
-from imugap.discovery.preparation.sequence import Sequence
+from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.effects import Bias, Resolution, SampleLoss, Saturation, StuckSamples, TimestampJitter, WhiteNoise
 from imugap.effects.conditions import Conditions
 from imugap.effects.effect import AxisModel
@@ -217,7 +217,7 @@ def test_clipped_samples_of_a_coarse_lattice_stay():
     values = np.zeros(1000)
     values[::10], values[5::50] = 1.0, 2.0
     conditions = Conditions(0.01 * np.arange(1000), 0.01)
-    sequence = Sequence(values, conditions, values == 2.0)
+    sequence = AxisSequence(values, conditions, values == 2.0)
     drawn = sequence.beyond(values, np.where(values == 2.0, 1.0, 0.0), stream(1, "coarse"))
     np.testing.assert_array_equal(drawn.values, values)
     assert drawn.flawed.sum() == 20

@@ -7,7 +7,7 @@ import pytest
 
 from imugap.discovery.fit.axis_fit import Description, fit
 from imugap.discovery.fit.whittle import Noise
-from imugap.discovery.preparation.sequence import Sequence
+from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.search.noise_agreement import BEFOREHAND, _Choice, _choice, agreed
 from imugap.discovery.search.search import OF_TIME, SLOW, Search
 from imugap.effects import BiasStep, GaussMarkov, RandomWalk, WhiteNoise
@@ -26,7 +26,7 @@ def explored(effects, label=0):
     for axis, some in effects.items():
         conditions = Conditions(INTERVAL * np.arange(COUNT), INTERVAL, axis=axis)
         values = AxisModel((WHITE, *some)).simulate(np.zeros(COUNT), conditions, label, "agreement")
-        data = Sequence(values, conditions, np.zeros(COUNT, bool))
+        data = AxisSequence(values, conditions, np.zeros(COUNT, bool))
         searches[axis] = Search(Description((), Noise((WHITE,))), KINDS, np.log(0.01 / 6 / 28))
         fits[axis] = searches[axis].explore(fit(data, searches[axis].start))
     return fits, searches

@@ -5,7 +5,7 @@ from tests.discovery.simulated import COUNT, INTERVAL, LOG_ALPHA, WHITE, names, 
 from imugap.discovery.axis import concluded, told
 from imugap.discovery.fit.axis_fit import Description, fit
 from imugap.discovery.fit.whittle import Noise
-from imugap.discovery.preparation.sequence import Sequence
+from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.search.search import Search
 from imugap.effects import (
     CATALOGUE,
@@ -144,7 +144,7 @@ def two_means(slope, coefficient, label):
     conditions = Conditions(time, 0.05, warming, "gyro_x")
     values = RateRamp(slope).sample(conditions, None) + Temperature(coefficient).sample(conditions, None)
     values += WhiteNoise(1e-4).sample(conditions, stream(1, label))
-    log = Sequence(values, conditions, np.zeros(len(time), bool))
+    log = AxisSequence(values, conditions, np.zeros(len(time), bool))
     before = fit(log, Description((), Noise((WhiteNoise(1e-4),))))
     return Search(before.description, tuple(CATALOGUE.values()), LOG_ALPHA).explore(before)
 
@@ -157,7 +157,7 @@ def test_nothing_stays_that_chance_explains_beside_the_rest(number):
     warming = 24 + 4 * (1 - np.exp(-time / 120)) + 0.5 * np.sin(2 * np.pi * time / 200)
     conditions = Conditions(time, interval, warming, "gyro_x")
     values = AxisModel((WHITE, RandomWalk(4e-5))).simulate(np.zeros(count), conditions, number, "couple")
-    data = Sequence(values, conditions, np.zeros(count, bool))
+    data = AxisSequence(values, conditions, np.zeros(count, bool))
     search = Search(plain(data).description, (RateRamp, Temperature, WarmUp, BiasStep, Sinusoid), LOG_ALPHA)
     found = search.explore(plain(data))
     assert search.added(found.description)
@@ -180,7 +180,7 @@ def test_slow_noise_beside_a_walk_of_the_start_model_is_found():
     conditions = Conditions(np.arange(20000) * 0.04, 0.04, axis="gyro_x")
     effects = (WhiteNoise(2e-4), RandomWalk(6e-6), GaussMarkov(5e-4, 7.0))
     values = sum(effect.sample(conditions, stream(2, "beside", effect.name)) for effect in effects)
-    log = Sequence(values, conditions, np.zeros(len(values), bool))
+    log = AxisSequence(values, conditions, np.zeros(len(values), bool))
     before = fit(log, Description((), Noise(effects[:2])))
     after = Search(before.description, tuple(CATALOGUE.values()), LOG_ALPHA).explore(before)
     assert [effect.name for effect in after.description.noise.effects[2:]] == ["gauss_markov"]

@@ -8,7 +8,7 @@ from imugap import log
 from imugap.discovery.fit.axis_fit import Description, Term, fit
 from imugap.discovery.fit.start_model import described
 from imugap.discovery.fit.whittle import Noise
-from imugap.discovery.preparation.sequence import Sequence
+from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.search.search import Search, at
 from imugap.discovery.search.shared_effects import Estimate, agreeing, contradicts, joined, pooled
 from imugap.effects import CATALOGUE, LeverArm, Misalignment, ScaleFactor, TimeOffset, WhiteNoise
@@ -44,7 +44,7 @@ def device(hidden, run, ideal=IDEAL):
         if axis in hidden:
             values += hidden[axis].sample(conditions, None)
         before = fit(
-            Sequence(values, conditions, np.zeros(COUNT, bool)), Description((), Noise((WhiteNoise(DENSITY),)))
+            AxisSequence(values, conditions, np.zeros(COUNT, bool)), Description((), Noise((WhiteNoise(DENSITY),)))
         )
         searches[axis] = Search(before.description, INERTIAL, LOG_ALPHA)
         fits[axis] = searches[axis].explore(before)
@@ -66,7 +66,7 @@ def test_what_the_start_model_has_is_no_news_and_hides_nothing():
         conditions = Conditions(IDEAL.index.to_numpy(), INTERVAL, None, axis, IDEAL)
         values = STD * stream(32, "known", axis).standard_normal(COUNT) + arm.sample(conditions, None)
         values += scale.sample(conditions, None) if axis == "accel_x" else 0.0
-        sequence = Sequence(values, conditions, np.zeros(COUNT, bool))
+        sequence = AxisSequence(values, conditions, np.zeros(COUNT, bool))
         before = fit(sequence, described((arm, WhiteNoise(DENSITY)), sequence))
         searches[axis] = Search(before.description, INERTIAL, LOG_ALPHA)
         fits[axis] = searches[axis].explore(before)
@@ -79,7 +79,7 @@ def test_the_known_axes_of_a_triad_tell_a_misalignment():
     ideal = IDEAL[["gyro_x", "gyro_y"]]
     conditions = Conditions(ideal.index.to_numpy(), INTERVAL, None, "gyro_x", ideal)
     values = STD * stream(33, "pair").standard_normal(COUNT) + 0.05 * ideal["gyro_y"].to_numpy()
-    sequence = Sequence(values, conditions, np.zeros(COUNT, bool))
+    sequence = AxisSequence(values, conditions, np.zeros(COUNT, bool))
     before = fit(sequence, Description((), Noise((WhiteNoise(DENSITY),))))
     found = Search(before.description, INERTIAL, LOG_ALPHA).explore(before)
     (term,) = found.description.terms
@@ -227,7 +227,7 @@ def test_the_errors_of_an_arm_and_a_delay_that_are_told_together_have_their_law(
             conditions = Conditions(ideal.index.to_numpy(), INTERVAL, None, axis, ideal)
             values = 10 * STD * stream(34, "together", axis, run).standard_normal(COUNT)
             values += arm.sample(conditions, None) + delay.sample(conditions, None)
-            sequence = Sequence(values, conditions, np.zeros(COUNT, bool))
+            sequence = AxisSequence(values, conditions, np.zeros(COUNT, bool))
             searches[axis] = Search(Description((), noise), INERTIAL, LOG_ALPHA)
             fits[axis] = fit(sequence, Description((Term(delay, ("offset",)), Term(arm, ("x", "y", "z"))), noise))
         for joint in joined(fits, searches).joints:

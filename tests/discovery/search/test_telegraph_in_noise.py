@@ -10,7 +10,7 @@ from imugap.discovery.axis import concluded, told
 from imugap.discovery.fit.axis_fit import Description, fit
 from imugap.discovery.fit.telegraph_likelihood import filtered
 from imugap.discovery.fit.whittle import Noise
-from imugap.discovery.preparation.sequence import Sequence
+from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.search.search import MANY, Search
 from imugap.discovery.search.telegraph import told_apart
 from imugap.discovery.search.telegraph_in_noise import _drawn, _reverting, switching
@@ -28,7 +28,7 @@ LOG_ALPHA = np.log(0.01 / 6 / 28)
 def sequence(*effects, label="switching", count=COUNT, white=WHITE):
     conditions = Conditions(INTERVAL * np.arange(count), INTERVAL, axis="gyro_x")
     values = AxisModel((white, *effects)).simulate(np.zeros(count), conditions, 1, label)
-    return Sequence(values, conditions, np.zeros(count, bool))
+    return AxisSequence(values, conditions, np.zeros(count, bool))
 
 
 def with_markov(data):

@@ -7,7 +7,7 @@ from tests.discovery.simulated import COUNT, INTERVAL, LOG_ALPHA, WHITE, names, 
 from imugap.discovery.axis import concluded, told
 from imugap.discovery.fit.axis_fit import Description, fit
 from imugap.discovery.fit.whittle import Noise
-from imugap.discovery.preparation.sequence import Sequence
+from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.search.search import MANY, Key, Search
 from imugap.effects import CATALOGUE, BiasInstability, BiasStep, GaussMarkov, Outliers, RandomTelegraph, VarianceChange
 from imugap.stream import stream
@@ -91,7 +91,7 @@ def test_outliers_in_noise_that_is_not_white_have_their_size(beside, step):
     outliers = 0.06 * rng.standard_normal(400)
     data.values[rng.choice(100_000, 400, replace=False)] += outliers
     values = step * np.rint(data.values / step) if step else data.values
-    data = Sequence(values, data.conditions, np.zeros(100_000, bool), step=step)
+    data = AxisSequence(values, data.conditions, np.zeros(100_000, bool), step=step)
     before = fit(data, Description((), Noise((WHITE, beside))))
     assert (before.cells is not None) == (step > 0)
     cleaned = Search(before.description, (), LOG_ALPHA).cleaned(before)

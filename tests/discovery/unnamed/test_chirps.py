@@ -7,7 +7,7 @@ from imugap.discovery.axis import concluded, told
 from imugap.discovery.checks import beside_a_sweep
 from imugap.discovery.fit.axis_fit import Description, fit
 from imugap.discovery.fit.whittle import Noise
-from imugap.discovery.preparation.sequence import Sequence
+from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.search.search import Key, Search
 from imugap.discovery.unnamed.chirps import swept
 from imugap.discovery.unnamed.wandering_lines import Band
@@ -59,7 +59,7 @@ def test_chance_is_not_taken_for_a_sweep_more_often_than_stated():
 
 def test_a_faint_chirp_is_a_place_without_a_name():
     conditions = Conditions(INTERVAL * np.arange(COUNT), INTERVAL, axis="accel_y")
-    data = Sequence(1e-2 * (white("story") + chirp(1.5, 5.0, 12)), conditions, np.zeros(COUNT, bool))
+    data = AxisSequence(1e-2 * (white("story") + chirp(1.5, 5.0, 12)), conditions, np.zeros(COUNT, bool))
     story = concluded(told(data, (), tuple(CATALOGUE.values()), LOG_ALPHA, int(0.8 * COUNT)))
     assert story.findings == ()
     (band,) = story.bands
@@ -72,7 +72,7 @@ def test_a_filter_that_only_the_band_of_a_chirp_shows_is_none(cutoff, doubtful):
     conditions = Conditions(INTERVAL * np.arange(COUNT), INTERVAL, axis="accel_y")
     noise, filtered = white("filter"), OutputFilter(cutoff, 1)
     noise = noise if doubtful else filtered.apply(noise, conditions, stream(1))
-    data = Sequence(1e-2 * (noise + chirp(2.3, 18.1, 30)), conditions, np.zeros(COUNT, bool))
+    data = AxisSequence(1e-2 * (noise + chirp(2.3, 18.1, 30)), conditions, np.zeros(COUNT, bool))
     density = WhiteNoise(1e-2 * np.sqrt(INTERVAL))
     search = Search(Description((), Noise((density,))), tuple(CATALOGUE.values()), LOG_ALPHA)
     seen = fit(data, Description((), Noise((density,), filtered)))
@@ -83,6 +83,6 @@ def test_a_filter_that_only_the_band_of_a_chirp_shows_is_none(cutoff, doubtful):
 def test_the_fit_of_a_steady_line_leaves_no_sweep():
     line = Sinusoid(3.3, 1e-2, 0.3)
     conditions = Conditions(INTERVAL * np.arange(COUNT), INTERVAL, axis="accel_y")
-    data = Sequence(1e-2 * white("line") + line.sample(conditions, None), conditions, np.zeros(COUNT, bool))
+    data = AxisSequence(1e-2 * white("line") + line.sample(conditions, None), conditions, np.zeros(COUNT, bool))
     density = WhiteNoise(1e-2 * np.sqrt(INTERVAL))
     assert swept(fit(data, Description((), Noise((density,)))), LOG_ALPHA) == ()

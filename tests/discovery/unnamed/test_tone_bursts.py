@@ -9,7 +9,7 @@ from scipy.stats import binom
 from imugap.discovery.axis import concluded, told
 from imugap.discovery.fit.axis_fit import Description, Term, fit
 from imugap.discovery.fit.whittle import Noise
-from imugap.discovery.preparation.sequence import Sequence
+from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.unnamed.tone_bursts import LENGTHS, LEVELS, _chances, _loud, glints
 from imugap.effects import (
     CATALOGUE,
@@ -35,7 +35,7 @@ STD = 1e-3 / np.sqrt(INTERVAL)
 def sequence(*effects, added=0.0, label="glints"):
     conditions = Conditions(TIME, INTERVAL, axis="gyro_x")
     values = AxisModel((WHITE, *effects)).simulate(np.zeros(COUNT), conditions, 1, label)
-    return Sequence(values + added, conditions, np.zeros(COUNT, bool))
+    return AxisSequence(values + added, conditions, np.zeros(COUNT, bool))
 
 
 def wandering(low, high):

@@ -4,7 +4,7 @@ import pytest
 from imugap.discovery.axis import concluded, told
 from imugap.discovery.fit.axis_fit import Description, cosines, fit
 from imugap.discovery.fit.whittle import Noise
-from imugap.discovery.preparation.sequence import Sequence
+from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.search.search import Search
 from imugap.discovery.unnamed import wandering_lines as unsteady
 from imugap.discovery.unnamed.wandering_lines import Band
@@ -23,7 +23,7 @@ def sequence(*effects, line=0.0, label="unsteady"):
     """White noise and effects, and a line of given amplitude whose amplitude and phase wander within 150 s."""
     conditions = Conditions(INTERVAL * np.arange(COUNT), INTERVAL, axis="accel_x")
     values = AxisModel((WHITE, *effects)).simulate(np.zeros(COUNT), conditions, 1, label)
-    return Sequence(values + line * wandering(), conditions, np.zeros(COUNT, bool))
+    return AxisSequence(values + line * wandering(), conditions, np.zeros(COUNT, bool))
 
 
 def wandering():
@@ -65,7 +65,7 @@ def test_outside_of_a_band_the_coefficients_stay():
 
 def test_samples_on_few_levels_stay_coarse_without_a_band():
     data = sequence(line=4e-3)
-    rounded = Sequence(0.02 * np.rint(data.values / 0.02), data.conditions, data.flawed)
+    rounded = AxisSequence(0.02 * np.rint(data.values / 0.02), data.conditions, data.flawed)
     assert rounded.coarse
     assert unsteady.without(rounded, (Band(0.53, 0.59, -100.0),)).coarse
 

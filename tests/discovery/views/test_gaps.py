@@ -11,7 +11,7 @@ from scipy.stats import binomtest, kstest
 from imugap import log
 from imugap.discovery.fit.axis_fit import Description, Term, fit
 from imugap.discovery.fit.whittle import Noise
-from imugap.discovery.preparation.sequence import Sequence
+from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.views.gaps import DOUBT, FIRST, REPLICATES, gaps, threshold, twins, verdicts
 from imugap.effects import (
     BiasInstability,
@@ -44,7 +44,7 @@ def fits(hidden, start=None, count=COUNT, seed=1, ideal=None):
         conditions = Conditions(time, INTERVAL, temperature, axis, ideal)
         values = AxisModel((WHITE, *effects)).simulate(np.zeros(count), conditions, seed, "gaps test")
         described = (start or {}).get(axis, Description((), Noise((WHITE,))))
-        found[axis] = fit(Sequence(values, conditions, np.zeros(count, bool)), described)
+        found[axis] = fit(AxisSequence(values, conditions, np.zeros(count, bool)), described)
     return found
 
 

@@ -8,7 +8,7 @@ from imugap import log
 from imugap.discovery import views
 from imugap.discovery.fit.axis_fit import Description, fit
 from imugap.discovery.fit.whittle import Noise
-from imugap.discovery.preparation.sequence import Sequence
+from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.views.curve import blocks, correlation_score, highest, pooled, windows
 from imugap.discovery.views.spectral import implied
 from imugap.effects import (
@@ -40,7 +40,7 @@ CELLS = {"mean": 128, "variance": 128, "temperature": 24, "temperature_rate": 24
 def fitted(*effects, axis="gyro_x", ideal=None, seed=1, start=(WHITE,)):
     conditions = Conditions(TIME, INTERVAL, WARMING, axis, ideal)
     values = AxisModel((WHITE, *effects)).simulate(np.zeros(COUNT), conditions, seed, "views")
-    return fit(Sequence(values, conditions, np.zeros(COUNT, bool)), Description((), Noise(start)))
+    return fit(AxisSequence(values, conditions, np.zeros(COUNT, bool)), Description((), Noise(start)))
 
 
 def peak(curve):
@@ -128,7 +128,7 @@ def test_flawed_samples_count_in_no_block():
     flawed[5000:6000] = True
     clean = fitted().sequence
     values = np.where(flawed, 100.0, clean.values)
-    sequence = Sequence(values, clean.conditions, np.zeros(COUNT, bool)).mended(flawed, stream(1, "flaws"))
+    sequence = AxisSequence(values, clean.conditions, np.zeros(COUNT, bool)).mended(flawed, stream(1, "flaws"))
     curves = views.curves(fit(sequence, Description((), Noise((WHITE,)))))
     assert np.abs(curves["variance", ""].statistic).max() < 6
     assert curves["extremes", ""].statistic.max() < 15
@@ -200,6 +200,6 @@ def test_every_replicate_has_the_same_locations_however_many_of_its_samples_are_
     counts = []
     for share in (0.0, 0.02, 0.5, 0.8):
         flawed = rng.random(COUNT) < share
-        found = fit(Sequence(whole.values, whole.conditions, flawed), Description((), Noise((WHITE,))))
+        found = fit(AxisSequence(whole.values, whole.conditions, flawed), Description((), Noise((WHITE,))))
         counts.append({key: len(curve.statistic) for key, curve in views.curves(found).items()})
     assert counts[1:] == counts[:1] * 3

@@ -12,7 +12,7 @@ from imugap import log
 from imugap.discovery.checks.misfit import LEVEL, Doubt, divergence, over
 from imugap.discovery.checks.unnamed_mean import CLEARLY, likelihood_beside
 from imugap.discovery.fit.axis_fit import AxisFit, Description, jacobian
-from imugap.discovery.preparation.sequence import Sequence
+from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.search.search import Key, Search, log_chance, removed
 from imugap.discovery.unnamed.hysteresis import play
 from imugap.effects.conditions import Conditions
@@ -81,7 +81,7 @@ def without_a_name(search: Search, fit: AxisFit) -> float:
     return max(found_by, default=-np.inf) - search.fitted(sequence, found).log_likelihood
 
 
-def _with_outliers(search: Search, fit: AxisFit) -> tuple[Sequence, Description, AxisFit]:
+def _with_outliers(search: Search, fit: AxisFit) -> tuple[AxisSequence, Description, AxisFit]:
     """Return the samples of a fit with their outliers, what else describes them, and the fit without added terms."""
     sequence = search.raw.get(fit.description.outliers, fit.sequence)
     found = replace(fit.description, outliers=None)

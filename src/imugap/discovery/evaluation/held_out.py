@@ -1,7 +1,6 @@
 """Logs beside the models that they are compared with: the last part of a log, or further runs of the device."""
 
-from collections.abc import Callable, Mapping
-from collections.abc import Sequence as Several
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from itertools import chain, islice
 
@@ -13,7 +12,7 @@ from imugap.discovery.evaluation.distance import SIDES, Compared, Distances, Dri
 from imugap.discovery.evaluation.parameter_ensemble import Uncertain
 from imugap.discovery.fit.axis_fit import AxisFit, log_score
 from imugap.discovery.preparation.prepare import Record, prepare
-from imugap.discovery.preparation.sequence import Sequence
+from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.effects import BiasStep, SampleLoss, TurnOnBias, VarianceChange
 from imugap.effects.effect import AxisModel, Effect
 from imugap.log import TEMPERATURE, from_samples
@@ -62,7 +61,7 @@ def _compared(record: Record, share: float, before: Uncertain, after: Uncertain)
 
 
 def distances(
-    logs: Several[Compared], seed: int, count: int, each: Callable = map
+    logs: Sequence[Compared], seed: int, count: int, each: Callable = map
 ) -> tuple[dict[str, Distances], tuple[Drifts, ...]]:
     """Return the distances over logs, and the drifts of those that can be navigated.
 
@@ -92,7 +91,7 @@ def _in_run(model: ErrorModel) -> ErrorModel:
     return _but_for(model, lambda _, effect: isinstance(effect, (SampleLoss, TurnOnBias)))
 
 
-def _in_another(model: ErrorModel, fits: Mapping[str, AxisFit], sequences: Mapping[str, Sequence]) -> ErrorModel:
+def _in_another(model: ErrorModel, fits: Mapping[str, AxisFit], sequences: Mapping[str, AxisSequence]) -> ErrorModel:
     """Return the model of another even run, in which a step or a change of variance may happen at the same time."""
     once = {
         axis: [one for one in model[axis] if _happens(one) and not _recurs(one, fits[axis], run)]
@@ -105,7 +104,7 @@ def _happens(effect: Effect) -> bool:
     return isinstance(effect, BiasStep) or (isinstance(effect, VarianceChange) and effect.depth == 0)
 
 
-def _recurs(event: Effect, fit: AxisFit, run: Sequence) -> bool:
+def _recurs(event: Effect, fit: AxisFit, run: AxisSequence) -> bool:
     """Return whether a further run is likelier with an event of the first one at the same time than without it."""
     found = fit.description
     terms = tuple(term for term in found.terms if term.effect != event)

@@ -4,7 +4,7 @@ The mean is fitted by generalised least squares under the spectrum, the spectrum
 mean leaves, in turn until neither moves; both in the basis of the cosine transform.
 """
 
-from collections.abc import Sequence as Several
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from math import exp
@@ -19,7 +19,7 @@ from imugap.discovery.fit.rounded_samples import Cells
 from imugap.discovery.fit.whittle import Noise, NoiseFit, log_likelihood
 from imugap.discovery.fit.whittle import fit as fit_noise
 from imugap.discovery.preparation.cosine_bins import cosines
-from imugap.discovery.preparation.sequence import Sequence
+from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.effects import Outliers, OutputFilter, VarianceChange
 from imugap.effects.effect import Effect, StochasticEffect
 from imugap.stream import stream
@@ -88,7 +88,7 @@ class AxisFit:
         Fit of the random part.
     """
 
-    sequence: Sequence
+    sequence: AxisSequence
     description: Description
     log_likelihood: float
     noise: NoiseFit
@@ -313,27 +313,27 @@ class AxisFit:
         return float(0.5 * np.sum(parts**2 / values)), len(values)
 
 
-def scale(sequence: Sequence, changes: Several[VarianceChange]) -> np.ndarray | float:
+def scale(sequence: AxisSequence, changes: Sequence[VarianceChange]) -> np.ndarray | float:
     """Return the factor of the standard deviation at each sample, shape (n,), or 1."""
     if not changes:
         return 1.0
     return np.sqrt(np.prod([change.factor(sequence.conditions.time) for change in changes], axis=0))
 
 
-def _centred(sequence: Sequence, description: Description) -> np.ndarray:
+def _centred(sequence: AxisSequence, description: Description) -> np.ndarray:
     """Return the samples less the systematic terms and their mean, over the scale of the changes of variance."""
     rest = _rest(sequence, description)
     return (rest - _level(rest, sequence, description)) / scale(sequence, description.changes)
 
 
-def _seen(sequence: Sequence, description: Description) -> np.ndarray:
+def _seen(sequence: AxisSequence, description: Description) -> np.ndarray:
     """Return the cosine coefficients of what the systematic terms leave, whatever noise is described."""
     return _seen_beside(sequence, description.terms, description.changes, description.noise.output_filter)
 
 
 @lru_cache(maxsize=SHARED)
 def _seen_beside(
-    sequence: Sequence,
+    sequence: AxisSequence,
     terms: tuple[Term, ...],
     changes: tuple[VarianceChange, ...],
     output_filter: OutputFilter | None,
@@ -357,12 +357,12 @@ class Scatter:
         What may be in them from outside the log.
     """
 
-    sequence: Sequence
+    sequence: AxisSequence
     root: np.ndarray
     outside: Outside | None
 
     @classmethod
-    def of(cls, sequence: Sequence, description: Description) -> "Scatter":
+    def of(cls, sequence: AxisSequence, description: Description) -> "Scatter":
         """Return that of a description's noise and filter."""
         bins, noise = sequence.bins, description.noise
         root = np.sqrt(bins.spread(noise.variance(bins)))
@@ -384,12 +384,12 @@ class Scatter:
         return coefficients
 
 
-def offset(sequence: Sequence, description: Description) -> float:
+def offset(sequence: AxisSequence, description: Description) -> float:
     """Return the mean of the samples less the systematic terms, the noisier stretches of less weight."""
     return float(_level(_rest(sequence, description), sequence, description))
 
 
-def _rest(sequence: Sequence, description: Description) -> np.ndarray:
+def _rest(sequence: AxisSequence, description: Description) -> np.ndarray:
     """Return the samples less the systematic terms, and less what a filter of the output takes from the input."""
     if not description.terms and description.noise.output_filter is None:
         return sequence.values
@@ -400,25 +400,25 @@ def _rest(sequence: Sequence, description: Description) -> np.ndarray:
     return sequence.values - (_passed(mean, sequence, description) - ideal)
 
 
-def _passed(values: np.ndarray, sequence: Sequence, description: Description) -> np.ndarray:
+def _passed(values: np.ndarray, sequence: AxisSequence, description: Description) -> np.ndarray:
     """Return what the filter of the output lets through of errors, shape (n,) or (n, m)."""
     output_filter = description.noise.output_filter
     return values if output_filter is None else output_filter.passed(values, sequence.conditions.interval)
 
 
-def _level(rest: np.ndarray, sequence: Sequence, description: Description) -> float:
+def _level(rest: np.ndarray, sequence: AxisSequence, description: Description) -> float:
     if not description.changes:
         return np.mean(rest)
     return np.average(rest, weights=scale(sequence, description.changes) ** -2.0)
 
 
-def jacobian(terms: Several[Term], sequence: Sequence) -> np.ndarray:
+def jacobian(terms: Sequence[Term], sequence: AxisSequence) -> np.ndarray:
     """Return the derivatives of the mean in the free parameters, shape (n, parameters)."""
     columns = [column for term in terms for column in _slopes(term, sequence)]
     return np.array(columns).T if columns else np.empty((len(sequence.values), 0))
 
 
-def _slopes(term: Term, sequence: Sequence) -> list[np.ndarray]:
+def _slopes(term: Term, sequence: AxisSequence) -> list[np.ndarray]:
     slopes = term.effect.slopes(sequence.conditions)
     return [slopes[name] for name in term.free]
 
@@ -442,7 +442,7 @@ def _principal(gram: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return values[kept], vectors[:, kept]
 
 
-def fit(sequence: Sequence, start: Description) -> AxisFit:
+def fit(sequence: AxisSequence, start: Description) -> AxisFit:
     """Fit a description to a sequence, from the values that it comes with.
 
     What a filter takes from a known input tells its cutoff, far better than the noise does: there it is adjusted by
@@ -489,7 +489,7 @@ def _cut_off(description: Description, step: float, interval: float) -> Descript
     return replace(description, noise=replace(noise, output_filter=moved))
 
 
-def _fitted(sequence: Sequence, start: Description, held: bool = False) -> AxisFit:
+def _fitted(sequence: AxisSequence, start: Description, held: bool = False) -> AxisFit:
     """Return the fit of mean and noise in turn; the cutoff of a filter stays where it is ``held``."""
     description, last = start, -np.inf
     fixed = not start.terms and start.noise.output_filter is None
@@ -505,7 +505,7 @@ def _fitted(sequence: Sequence, start: Description, held: bool = False) -> AxisF
     return AxisFit(sequence, description, value, noise)
 
 
-def log_score(sequence: Sequence, description: Description) -> float:
+def log_score(sequence: AxisSequence, description: Description) -> float:
     """Return the log-density of a sequence, free of its offset, under a description with values from elsewhere."""
     bins = sequence.bins
     power = bins.sums(Scatter.of(sequence, description).left(description) ** 2)
@@ -513,13 +513,13 @@ def log_score(sequence: Sequence, description: Description) -> float:
     return log_likelihood(variance, power, bins.number) - _jacobian_of_scale(sequence, description)
 
 
-def _jacobian_of_scale(sequence: Sequence, description: Description) -> float:
+def _jacobian_of_scale(sequence: AxisSequence, description: Description) -> float:
     """Return the logarithm of what the scale does to the density of the coefficients that are used."""
     bins = sequence.bins
     return bins.last * float(np.mean(np.log(scale(sequence, description.changes))))
 
 
-def _mean_moved(sequence: Sequence, description: Description) -> Description:
+def _mean_moved(sequence: AxisSequence, description: Description) -> Description:
     """Return the description after steps of Gauss and Newton of its terms under its spectrum."""
     scatter = Scatter.of(sequence, description)
     rest = scatter.left(description) / scatter.root

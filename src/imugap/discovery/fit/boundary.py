@@ -6,7 +6,7 @@ where other noise hides them. A filter of the output has still to let go of what
 nothing is known.
 """
 
-from collections.abc import Sequence as Several
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -39,7 +39,7 @@ class Outside:
 
     columns: np.ndarray
     weighed: np.ndarray
-    known: Several[float]
+    known: Sequence[float]
     filtered: bool
 
     @classmethod
@@ -106,7 +106,7 @@ def _decay(output_filter: OutputFilter, count: int, interval: float) -> tuple[np
     return decay, lower.decay(count, interval) - decay
 
 
-def _solved(precision: np.ndarray, right: np.ndarray, known: Several[float]) -> np.ndarray:
+def _solved(precision: np.ndarray, right: np.ndarray, known: Sequence[float]) -> np.ndarray:
     """Return sizes of least squares, each zero to 1/sqrt(``known``) a priori."""
     both = precision + np.diag(known)
     units = np.sqrt(np.maximum(np.diag(both), TINY))

@@ -15,7 +15,7 @@ from scipy.special import expit, logit, ndtr, ndtri
 
 from imugap.discovery.fit.contaminated_normal import STARTS, Tails, ends
 from imugap.discovery.fit.whittle import Noise
-from imugap.discovery.preparation.sequence import Sequence
+from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.effects import WhiteNoise
 
 WHITE = 0.5
@@ -54,7 +54,9 @@ class Cells:
     unit: float
 
     @classmethod
-    def of(cls, sequence: Sequence, noise: Noise, residual: np.ndarray, scale: np.ndarray | float) -> "Cells | None":
+    def of(
+        cls, sequence: AxisSequence, noise: Noise, residual: np.ndarray, scale: np.ndarray | float
+    ) -> "Cells | None":
         """Return the cells of the white noise of a fit, None where it is not told from the rest of the signal.
 
         Parameters

@@ -1,13 +1,13 @@
 """The start model on one axis: what a fit adjusts of it, and what a log cannot tell."""
 
-from collections.abc import Sequence as Several
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from imugap.discovery.fit.axis_fit import Description, Term
 from imugap.discovery.fit.whittle import Noise
-from imugap.discovery.preparation.sequence import Sequence
+from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.effects import Bias, Outliers, OutputFilter, Sinusoid, VarianceChange, WhiteNoise
 from imugap.effects.conditions import Conditions
 from imugap.effects.effect import Effect, Stage, StochasticEffect, SystematicEffect
@@ -16,7 +16,7 @@ WIDEST = 0.98
 """Share of the highest cutoff that a fit can tell above which a run two percent slower does not show it."""
 
 
-def described(effects: Several[Effect], sequence: Sequence) -> Description:
+def described(effects: Sequence[Effect], sequence: AxisSequence) -> Description:
     """Return the start model of an axis as a description: what a fit can adjust of it; a bias is the offset."""
     random = tuple(effect for effect in effects if noisy(effect))
     filters = tuple(_seen(effect, sequence) for effect in effects if isinstance(effect, OutputFilter))
@@ -31,7 +31,7 @@ def noisy(effect: Effect) -> bool:
     return isinstance(effect, StochasticEffect) and all(effect.parameters().values())
 
 
-def untold(effects: Several[Effect], sequence: Sequence) -> tuple[Effect, ...]:
+def untold(effects: Sequence[Effect], sequence: AxisSequence) -> tuple[Effect, ...]:
     """Return the effects that no fit to the log of one axis adjusts, and that its output does not show either.
 
     What takes a motion or a temperature that is not known, and what differs between runs only.
@@ -56,17 +56,17 @@ def _shows(effect: Effect, conditions: Conditions) -> bool:
     return True
 
 
-def _seen(effect: OutputFilter, sequence: Sequence) -> OutputFilter:
+def _seen(effect: OutputFilter, sequence: AxisSequence) -> OutputFilter:
     return replace(effect, cutoff=min(effect.cutoff, WIDEST * effect.highest(sequence.conditions.interval)))
 
 
-def _white(sequence: Sequence) -> WhiteNoise:
+def _white(sequence: AxisSequence) -> WhiteNoise:
     """Return white noise of the size of the differences of neighbours."""
     spread = np.std(np.diff(sequence.values)) / np.sqrt(2)
     return WhiteNoise(float(max(spread, 1e-12) * np.sqrt(sequence.conditions.interval)))
 
 
-def _term(effect: SystematicEffect, sequence: Sequence) -> Term:
+def _term(effect: SystematicEffect, sequence: AxisSequence) -> Term:
     if isinstance(effect, Sinusoid):
         turns = np.exp(-2j * np.pi * effect.frequency * sequence.conditions.time)
         effect = replace(effect, phase=float(np.angle(np.mean((sequence.values - sequence.values.mean()) * turns))))

@@ -12,7 +12,7 @@ from scipy.interpolate import CubicSpline
 
 from imugap.discovery.finding import Finding, Gap, Interval
 from imugap.discovery.preparation.cosine_bins import usable
-from imugap.discovery.preparation.sequence import Sequence
+from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.preparation.thermometer import smoothed
 from imugap.effects import Resolution, SampleLoss, Saturation, StuckSamples, TimestampJitter
 from imugap.effects.conditions import Conditions
@@ -62,7 +62,7 @@ class Record:
         of samples between which the others were interpolated, their distance in time.
     """
 
-    sequences: dict[str, Sequence]
+    sequences: dict[str, AxisSequence]
     outputs: dict[str, np.ndarray]
     findings: tuple[Finding, ...]
     gaps: tuple[Gap, ...]
@@ -320,10 +320,10 @@ def _stuck(news, outputs, at, flawed) -> None:
 
 def _sequence(
     values: np.ndarray, conditions: Conditions, flawed: np.ndarray, clipped: np.ndarray, step: float, seed: int
-) -> Sequence:
+) -> AxisSequence:
     side = np.where(clipped, np.sign(values), 0.0)
     values = values - conditions.error_free
-    whole = Sequence(np.where(np.isfinite(values), values, 0.0), conditions, np.zeros(len(values), bool), step=step)
+    whole = AxisSequence(np.where(np.isfinite(values), values, 0.0), conditions, np.zeros(len(values), bool), step=step)
     if flawed.all():
         return whole
     mended = whole.mended(flawed, stream(seed, "mended", conditions.axis))
@@ -332,6 +332,6 @@ def _sequence(
     return replace(mended, share=usable(mended.values))
 
 
-def _without_gaps(values: np.ndarray, sequence: Sequence) -> np.ndarray:
+def _without_gaps(values: np.ndarray, sequence: AxisSequence) -> np.ndarray:
     """Return the output of an axis with the replacements of its sequence where it has no value."""
     return np.where(np.isnan(values), sequence.values + sequence.conditions.error_free, values)

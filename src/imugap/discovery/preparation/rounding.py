@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from imugap.discovery.preparation.sequence import Sequence
+from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.effects import OutputFilter, Resolution, WhiteNoise
 from imugap.effects.effect import Effect
 
@@ -13,7 +13,7 @@ FREQUENCIES = 1000
 """Frequencies over which the gain of a filter is averaged."""
 
 
-def unrounded(effects: Iterable[Effect], outputs: Iterable[Effect], sequence: Sequence) -> tuple[Effect, ...]:
+def unrounded(effects: Iterable[Effect], outputs: Iterable[Effect], sequence: AxisSequence) -> tuple[Effect, ...]:
     """Return effects fitted to a sequence, its white noise as it is ahead of the lattices among ``outputs``.
 
     Behind a filter it was fitted beside what the rounding adds, and is ahead of it already.
@@ -50,7 +50,7 @@ def _lattices(effects: Iterable[Effect]) -> tuple[Resolution, ...]:
     return tuple(one for one in effects if isinstance(one, Resolution))
 
 
-def _std(lattice: Resolution, white: WhiteNoise, sequence: Sequence) -> float:
+def _std(lattice: Resolution, white: WhiteNoise, sequence: AxisSequence) -> float:
     """Return the standard deviation ahead of a lattice; a motion takes the values evenly across its levels."""
     variance = white.density**2 / sequence.conditions.interval
     if sequence.conditions.ideal is not None:

@@ -1,4 +1,4 @@
-"""One axis of a log as discovery works on it: even in time, its flawed samples replaced and marked."""
+"""The evenly sampled error sequence of one axis, with flawed samples replaced and marked."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -22,7 +22,7 @@ ROUNDS = 10
 
 
 @dataclass(frozen=True, eq=False)
-class Sequence:
+class AxisSequence:
     """Error sequence of one axis (measured less error-free input, where there is one).
 
     Attributes
@@ -66,11 +66,11 @@ class Sequence:
         _, counts = np.unique(self.values, return_counts=True)
         return bool(counts.max() > COARSE * len(self.values))
 
-    def changed(self, values: np.ndarray) -> "Sequence":
+    def changed(self, values: np.ndarray) -> "AxisSequence":
         """Return the sequence with other values, which may lie between the levels of the samples."""
         return replace(self, values=values, few=self.coarse)
 
-    def mended(self, flawed: np.ndarray, rng: np.random.Generator) -> "Sequence":
+    def mended(self, flawed: np.ndarray, rng: np.random.Generator) -> "AxisSequence":
         """Return the sequence with further samples replaced by their surroundings.
 
         They are drawn given the others (:mod:`imugap.discovery.preparation.gap_filling`), so that neither level nor
@@ -82,7 +82,7 @@ class Sequence:
         values = Autoregression.of(self.values, good).drawn(self.values, ~good, rng)
         return replace(self, values=values, flawed=~good)
 
-    def beyond(self, bound: np.ndarray, side: np.ndarray, rng: np.random.Generator) -> "Sequence":
+    def beyond(self, bound: np.ndarray, side: np.ndarray, rng: np.random.Generator) -> "AxisSequence":
         """Return the sequence with clipped samples drawn anew from what lies beyond the full scale: flawed no more.
 
         Each is normal about the mean of its neighbourhood, given that it is above (``side`` 1) or below (-1) its

@@ -4,8 +4,7 @@ They are built alike. An axis whose slow noise is too faint to tell kinds apart,
 to have the kind that all axes of its sensor together speak for, if it explains that axis nearly as well.
 """
 
-from collections.abc import Mapping
-from collections.abc import Sequence as Several
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -101,11 +100,11 @@ def _at_issue(kinds: list[tuple[type[Effect], ...]]) -> bool:
     return differ or (len(kinds) > 1 and any(kind in OF_TIME for some in kinds for kind in some))
 
 
-def _kinds(fit: AxisFit, keys: Several[Key]) -> tuple[type[Effect], ...]:
+def _kinds(fit: AxisFit, keys: Sequence[Key]) -> tuple[type[Effect], ...]:
     return tuple(type(at(fit.description, key)) for key in keys)
 
 
-def _choice(search: Search, fit: AxisFit, keys: Several[Key]) -> _Choice:
+def _choice(search: Search, fit: AxisFit, keys: Sequence[Key]) -> _Choice:
     """Return the effects at some keys of a fit, and the likeliest slow noise of each kind in their place."""
     weighed = [search.weighed(fit, key)[0] for key in keys]
     kinds = _kinds(fit, keys)

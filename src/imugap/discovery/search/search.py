@@ -5,8 +5,7 @@ together with all that is there, and the one that chance explains least is taken
 was added is taken out again and exchanged for every other, so that what came first by masquerade does not stay.
 """
 
-from collections.abc import Callable, Iterator
-from collections.abc import Sequence as Several
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, fields, replace
 
 import numpy as np
@@ -16,7 +15,7 @@ from scipy.stats import chi2
 from imugap.discovery.fit.axis_fit import AxisFit, Description, Term, fit
 from imugap.discovery.fit.contaminated_normal import Tails
 from imugap.discovery.fit.whittle import fit as fit_noise
-from imugap.discovery.preparation.sequence import Sequence
+from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.search.pairs import Couple, Means
 from imugap.effects import (
     BiasInstability,
@@ -158,7 +157,7 @@ class Search:
     """Fits by the description that they started from."""
     tails: dict[Outliers, Tails] = field(default_factory=dict)
     """What outliers were found by; the samples without them say no more about them."""
-    raw: dict[Outliers, Sequence] = field(default_factory=dict)
+    raw: dict[Outliers, AxisSequence] = field(default_factory=dict)
     """The samples with the outliers."""
 
     def forgetful(self) -> "Search":
@@ -173,7 +172,7 @@ class Search:
         """Return whether the start model has an effect of a kind."""
         return any(isinstance(effect, kind) for effect in self.start.effects())
 
-    def fitted(self, sequence: Sequence, start: Description) -> AxisFit:
+    def fitted(self, sequence: AxisSequence, start: Description) -> AxisFit:
         """Return the fit from a start, made once; what was derived from it is kept of the latest fits only."""
         found = self.memory.pop(start, None)
         self.memory[start] = fit(sequence, start) if found is None else found
@@ -482,7 +481,7 @@ def removed(description: Description, key: Key) -> Description:
     return replace(description, noise=replace(noise, effects=_rest(noise.effects, key.index)))
 
 
-def without(found: AxisFit, keys: Several[Key]) -> AxisFit:
+def without(found: AxisFit, keys: Sequence[Key]) -> AxisFit:
     """Return the fit without the effects at some keys."""
     description = found.description
     for key in sorted(keys, key=lambda key: -key.index):

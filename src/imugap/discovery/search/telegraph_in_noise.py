@@ -13,7 +13,7 @@ from numba import njit
 
 from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.discovery.fit.telegraph_likelihood import FEW, Blocks, compare, errors, filtered, uneven
-from imugap.discovery.preparation.sequence import Sequence
+from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.search.intervals import NORMAL
 from imugap.discovery.search.search import log_chance
 from imugap.effects import RandomTelegraph
@@ -53,7 +53,7 @@ class Switching:
         """Return the log-probability that a continuum looks as much like two values by chance."""
         return log_chance(self.gain, len(self.intervals))
 
-    def without(self, sequence: Sequence) -> Sequence:
+    def without(self, sequence: AxisSequence) -> AxisSequence:
         """Return the sequence without it."""
         return sequence.changed(sequence.values - self.path)
 

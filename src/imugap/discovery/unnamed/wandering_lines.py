@@ -13,7 +13,7 @@ from scipy.fft import dct
 from scipy.stats import chi2
 
 from imugap.discovery.fit.axis_fit import AxisFit
-from imugap.discovery.preparation.sequence import Sequence
+from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.effects import Sinusoid
 from imugap.stream import stream
 
@@ -55,7 +55,7 @@ def bands(found: AxisFit) -> tuple[Band, ...]:
     return narrow if span < SHARE * 0.5 / found.sequence.conditions.interval else ()
 
 
-def without(sequence: Sequence, taken: tuple[Band, ...]) -> Sequence:
+def without(sequence: AxisSequence, taken: tuple[Band, ...]) -> AxisSequence:
     """Return the sequence with random coefficients of the level around in the place of those of each band."""
     coefficients = dct(sequence.values, norm="ortho")
     for band in taken:
@@ -74,13 +74,13 @@ def _groups(found: AxisFit) -> Iterator[list[float]]:
     yield from (group.tolist() for group in np.split(np.array(lines), breaks))
 
 
-def _places(sequence: Sequence, low: float, high: float) -> tuple[int, int]:
+def _places(sequence: AxisSequence, low: float, high: float) -> tuple[int, int]:
     """Return the first and the last + 1 of the cosine coefficients between two frequencies [Hz]."""
     scale = 2 * len(sequence.values) * sequence.conditions.interval
     return max(int(low * scale), 1), min(int(np.ceil(high * scale)) + 1, len(sequence.values))
 
 
-def _grown(sequence: Sequence, lines: list[float]) -> Band:
+def _grown(sequence: AxisSequence, lines: list[float]) -> Band:
     """Return the band of lines, widened until its power is down at the level, and by as much again."""
     power = dct(sequence.values, norm="ortho") ** 2
     first, last = _places(sequence, lines[0], lines[-1])

@@ -11,7 +11,7 @@ from scipy.ndimage import uniform_filter1d
 
 from imugap import log
 from imugap.discovery.fit.axis_fit import AxisFit
-from imugap.discovery.preparation.sequence import Sequence
+from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.views.curve import Curve, pooled, spans, windows
 
 CELLS = 24
@@ -82,7 +82,7 @@ def binned(
     return Binning(view, source, unit, low, high, np.searchsorted(used, index), sign)
 
 
-def binnings(sequence: Sequence) -> tuple[Binning, ...]:
+def binnings(sequence: AxisSequence) -> tuple[Binning, ...]:
     """Return what the residuals of a log are looked at over: temperature, the error-free inputs and their products."""
     conditions, found = sequence.conditions, []
     shares = np.linspace(0, 1, CELLS + 1)

@@ -13,7 +13,7 @@ from imugap.discovery import views
 from imugap.discovery.finding import Gap
 from imugap.discovery.fit.axis_fit import AxisFit, fit
 from imugap.discovery.preparation.rounding import level_ahead, unrounded
-from imugap.discovery.preparation.sequence import Sequence
+from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.views.envelope import Envelope
 from imugap.effects import CommonMode, Resolution, SampleLoss, Saturation, StuckSamples, WhiteNoise
 from imugap.effects.effect import AxisModel, Effect
@@ -98,7 +98,7 @@ class Twins:
             )
             error = AxisModel(self.known).simulate(level + ideal + error, conditions, seed, *labels) - (mean + ideal)
         step = sequence.step if any(isinstance(one, Resolution) for one in self.known) else 0.0
-        clean = Sequence(error, conditions, np.zeros(len(conditions), bool), sequence.share, step=step)
+        clean = AxisSequence(error, conditions, np.zeros(len(conditions), bool), sequence.share, step=step)
         rng = stream(seed, *labels, "mended")
         found = fit(clean.mended(sequence.flawed, rng), description)
         if description.outliers is None:
