@@ -3,7 +3,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from imugap.stream import _words, stream
+from imugap.stream import stream, words
 
 labels = st.lists(st.text(max_size=8) | st.integers(), max_size=4).map(tuple)
 seeds = st.integers(0, 2**63)
@@ -54,7 +54,7 @@ def test_the_stream_is_the_one_of_the_first_release():
 
 
 def test_numbers_up_to_a_million_do_not_collide():
-    assert len({_words(str(k)) for k in range(10**6)}) == 10**6
+    assert len({words(str(k)) for k in range(10**6)}) == 10**6
 
 
 def test_streams_of_neighbouring_labels_are_independent():

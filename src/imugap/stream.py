@@ -11,10 +11,11 @@ def stream(seed: int, *labels: object) -> np.random.Generator:
     A label is identified by its text, so ``stream(1, "run", 2)`` and ``stream(1, "run", "2")`` are the same stream.
     Labels are encoded one by one: ``("ab", "c")`` and ``("a", "bc")`` differ, and so do ``("a",)`` and ``("a", "")``.
     """
-    words = [word for label in labels for word in _words(str(label))]
-    return np.random.default_rng([seed, len(labels), *words])
+    encoded = [word for label in labels for word in words(str(label))]
+    return np.random.default_rng([seed, len(labels), *encoded])
 
 
-def _words(text: str) -> tuple[int, int]:
+def words(text: str) -> tuple[int, int]:
+    """Return the checksum and the length of ``text``, by which a label is known."""
     data = text.encode()
     return crc32(data), len(data)

@@ -298,7 +298,7 @@ def test_robust_variance_is_consistent_on_clean_gaussian_noise(width, efficiency
 
 def test_robust_variance_has_the_efficiency_that_it_is_asked_for():
     for efficiency in (0.4, 0.6, 0.9):
-        found = [[wavelet_variance._biweight_scale(noise(400, "iid", run), efficiency) for run in range(3000)]]
+        found = [[wavelet_variance.biweight_scale(noise(400, "iid", run), efficiency) for run in range(3000)]]
         assert 2 / 400 / np.var(found) == pytest.approx(efficiency, rel=0.12)  # 4.5 standard errors, and 1/400
 
 

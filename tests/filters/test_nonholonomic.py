@@ -111,7 +111,7 @@ def test_the_slope_is_that_of_the_velocity_of_the_axle(component):
 
     def slide(velocity, quat, rate):
         mat = mat_from_quat(quat)
-        return wheels._slide(component, (nav[0], velocity, quat), mat, rate, sensors, gain, AXLE, row)
+        return wheels.axle_velocity(component, (nav[0], velocity, quat), mat, rate, sensors, gain, AXLE, row)
 
     middle, step = slide(nav[1], nav[2], rate), 1e-6
     assert middle == pytest.approx((8.0, 0.2, -0.1)[component], abs=1e-9)

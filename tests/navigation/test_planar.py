@@ -136,7 +136,7 @@ def test_a_step_is_the_exact_discretisation_of_the_error_model(heading, forward,
     mixing = stream(8, "covariance", label).standard_normal(transition.shape)
     start = mixing @ mixing.T
     state, sample = np.array([0, 0, 0, 0, heading]), np.array([0, forward, right])
-    found, found_transition = planar._predict(start, state, sample, interval, chain.transition, chain.noise)
+    found, found_transition = planar.predict_covariance(start, state, sample, interval, chain.transition, chain.noise)
     np.testing.assert_allclose(found_transition, transition, atol=1e-12)
     expected = transition @ start @ transition.T + noise
     np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-12)
@@ -146,11 +146,11 @@ def test_a_step_is_the_exact_discretisation_of_the_error_model(heading, forward,
 def test_an_update_keeps_the_covariance_a_covariance_and_with_its_own_gain_takes_from_it(label, variance):
     mixing = stream(9, "update", label).standard_normal((8, 8))
     before = mixing @ mixing.T
-    after = planar._update(before, planar._gain(before, variance), variance)
+    after = planar.update_covariance(before, planar.fix_gain(before, variance), variance)
     np.testing.assert_allclose(after, after.T, atol=1e-9)
     assert np.linalg.eigvalsh(after).min() > -1e-9
     assert np.linalg.eigvalsh(before - after).min() > -1e-9
-    other = planar._update(before, 1.1 * planar._gain(before, variance), variance)
+    other = planar.update_covariance(before, 1.1 * planar.fix_gain(before, variance), variance)
     assert np.linalg.eigvalsh(other - after).min() > -1e-9
 
 

@@ -166,7 +166,7 @@ def test_tuning_finds_noise_that_is_told_wrongly(recorded, drive):
     assert list(way.columns) == [*TUNED, "likelihood"]
     told = {axis: next(effect.density for effect in tuned[axis] if isinstance(effect, WhiteNoise)) for axis in AXES}
     assert 0.5 <= told["gyro_z"] / 1e-4 <= 4
-    assert way.iloc[-1]["likelihood"] >= test._likelihood(fixes, model, dict.fromkeys(TUNED, 1.0)) - 2
+    assert way.iloc[-1]["likelihood"] >= test.log_likelihood(fixes, model, dict.fromkeys(TUNED, 1.0)) - 2
 
 
 def test_factors_multiply_what_they_name():

@@ -57,7 +57,7 @@ def test_tex_escapes(plain, escaped, tmp_path):
 
 @given(st.text(alphabet="ab1 %_&#√hσ≤²°τ–—µ×−", max_size=20))
 def test_tex_of_known_signs_is_ascii_with_every_special_sign_escaped(text):
-    cell = tables._tex(text.replace("√", "√h"))
+    cell = tables.tex(text.replace("√", "√h"))
     assert cell.isascii()
     assert not re.search(r"(?<!\\)[%&#]", cell)
     assert cell.count("$") % 2 == 0
@@ -65,18 +65,18 @@ def test_tex_of_known_signs_is_ascii_with_every_special_sign_escaped(text):
 
 @pytest.mark.parametrize("unit", FACTORS)
 def test_every_unit_is_ascii_in_tex(unit):
-    assert tables._tex(tables.unit(unit)).isascii()
+    assert tables.tex(tables.unit(unit)).isascii()
 
 
 def test_what_the_audit_shows_is_ascii_in_tex():
     printed = [pd.read_csv(path) for path in sorted(PUBLISHED.glob("he2023_*.csv"))]
     found = audit.findings(*printed).astype(str)
-    assert [cell for cell in found.to_numpy().ravel() if not tables._tex(cell).isascii()] == []
+    assert [cell for cell in found.to_numpy().ravel() if not tables.tex(cell).isascii()] == []
 
 
 @pytest.mark.parametrize("sign", ["\\", "$", "{", "^", "~"])
 def test_signs_that_tex_reads_are_escaped(sign):
-    assert tables._tex(sign) != sign
+    assert tables.tex(sign) != sign
 
 
 @pytest.mark.parametrize(

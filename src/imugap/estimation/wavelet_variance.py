@@ -64,7 +64,7 @@ def robust_variance(
     2 % at 30, a third at 4.
     """
     levels = _levels(len(sequence), levels, width)
-    return np.array([_biweight_scale(coefficients, efficiency) for coefficients in _free(sequence, levels, width)])
+    return np.array([biweight_scale(coefficients, efficiency) for coefficients in _free(sequence, levels, width)])
 
 
 def estimated(sequence: np.ndarray, levels: int, width: int = 2, efficiency: float = 1.0) -> np.ndarray:
@@ -289,7 +289,7 @@ def _second_differences(late, middle, early):
     return total
 
 
-def _biweight_scale(coefficients: np.ndarray, efficiency: float) -> float:
+def biweight_scale(coefficients: np.ndarray, efficiency: float) -> float:
     """Return the largest root s^2, downwards from where all coefficients count to where outliers no longer do."""
     if not coefficients.any():
         return 0.0

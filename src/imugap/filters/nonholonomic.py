@@ -81,7 +81,7 @@ def quiet(samples: np.ndarray, stamp: np.ndarray, time: np.ndarray) -> np.ndarra
 
 
 @kernel
-def _slide(i, nav, mat, rate, sensors, gain, axle, row):
+def axle_velocity(i, nav, mat, rate, sensors, gain, axle, row):
     """Return component ``i`` of the velocity of the axle in ``b``, and fill ``row`` with its slope in the states."""
     axis = mat[0][i], mat[1][i], mat[2][i]
     turned, swing = cross(axis, nav[1]), cross(rate, axle)
@@ -118,7 +118,7 @@ def roll(
     noise = square * max(2 * wheels.correlation_s / interval, 1.0)
     for number in range(MEASURED if still else MEASURED - 1):
         mat, component = mat_from_quat(nav[2]), (ACROSS + number) % MEASURED
-        residual = _slide(component, nav, mat, rate, sensors, gain, wheels.axle, row)
+        residual = axle_velocity(component, nav, mat, rate, sensors, gain, wheels.axle, row)
         variance = project(covariance, row, square, spread)
         fits = residual * residual <= SKID * SKID * variance
         if fits and (component != AHEAD or abs(residual) + SURE * np.sqrt(variance) < SLOW):

@@ -257,7 +257,7 @@ def navigate(start, inputs, interval):
 
 
 @njit(cache=True)
-def _predict(covariance, state, sample, interval, chain_transition, chain_noise):
+def predict_covariance(covariance, state, sample, interval, chain_transition, chain_noise):
     """Return the covariance of vehicle error and sensor states after an interval, and the transition of the states.
 
     With heading and acceleration constant over the interval (their values at its middle), the vehicle error is a linear
@@ -289,14 +289,14 @@ def _predict(covariance, state, sample, interval, chain_transition, chain_noise)
 
 
 @njit(cache=True)
-def _gain(covariance, variance):
+def fix_gain(covariance, variance):
     """Return the gain for a fix of both coordinates with ``variance`` each, shape (states, 2)."""
     innovation = covariance[:2, :2] + variance * np.eye(2)
     return np.ascontiguousarray(covariance[:, :2]) @ invert(innovation)[0]
 
 
 @njit(cache=True)
-def _update(covariance, gain, variance):
+def update_covariance(covariance, gain, variance):
     """Return the covariance after an update with any gain (Joseph's form)."""
     left = np.eye(len(covariance))
     left[:, :2] -= gain
@@ -324,15 +324,15 @@ def _filter(
     for epoch in range(len(truth)):
         for k in range(epoch * every, (epoch + 1) * every):
             sample = samples[k] - output @ sensors
-            covariance, _ = _predict(covariance, state, sample, interval, chain_transition, chain_noise)
+            covariance, _ = predict_covariance(covariance, state, sample, interval, chain_transition, chain_noise)
             state = _advance(state, sample, interval)
             sensors = hold @ sensors
         if not np.isnan(fixes[epoch, 0]):
-            gain = _gain(covariance, variance)
+            gain = fix_gain(covariance, variance)
             correction = gain @ (state[:2] - fixes[epoch])
             state = state - correction[:5]
             sensors = sensors + correction[5:]
-            covariance = _update(covariance, gain, variance)
+            covariance = update_covariance(covariance, gain, variance)
         error = np.concatenate((state, output @ sensors)) - truth[epoch]
         error[4] = (error[4] + np.pi) % (2 * np.pi) - np.pi
         spread = shown @ covariance @ shown.T
@@ -351,15 +351,15 @@ def _covariances(
     predicted, actual = np.empty((2, len(aided), len(own_shown)))
     for epoch in range(len(aided)):
         for k in range(epoch * every, (epoch + 1) * every):
-            own, _ = _predict(own, states[k], inputs[k], interval, own_transition, own_noise)
-            joint, _ = _predict(joint, states[k], inputs[k], interval, joint_transition, joint_noise)
+            own, _ = predict_covariance(own, states[k], inputs[k], interval, own_transition, own_noise)
+            joint, _ = predict_covariance(joint, states[k], inputs[k], interval, joint_transition, joint_noise)
         if aided[epoch]:
-            gain = _gain(own, variance)
+            gain = fix_gain(own, variance)
             wide = np.zeros((len(joint), 2))
             wide[:5] = gain[:5]
             for k in range(len(estimates)):
                 wide[5 + estimates[k]] = -gain[5 + k]
-            own, joint = _update(own, gain, variance), _update(joint, wide, variance)
+            own, joint = update_covariance(own, gain, variance), update_covariance(joint, wide, variance)
         predicted[epoch] = np.diag(own_shown @ own @ own_shown.T)
         actual[epoch] = np.diag(joint_shown @ joint @ joint_shown.T)
     return predicted, actual

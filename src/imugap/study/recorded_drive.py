@@ -175,14 +175,14 @@ class RoadTest:
             The model, and the way there: columns :data:`TUNED` and ``likelihood``, the logarithm.
         """
         factors = dict.fromkeys(TUNED, 1.0)
-        best = self._likelihood(fixes, model, factors)
+        best = self.log_likelihood(fixes, model, factors)
         rows, moved = [factors | {"likelihood": best}], True
         while moved:
             moved = False
             for name, step in product(TUNED, (2.0, 0.5)):
                 trial = factors | {name: factors[name] * step}
                 while FACTORS[0] <= trial[name] <= FACTORS[1]:
-                    found = self._likelihood(fixes, model, trial)
+                    found = self.log_likelihood(fixes, model, trial)
                     if found <= best + GAIN:
                         break
                     factors, best, moved = trial, found, True
@@ -190,7 +190,8 @@ class RoadTest:
                     trial = factors | {name: factors[name] * step}
         return scaled(model, factors), pd.DataFrame(rows)
 
-    def _likelihood(self, fixes: pd.DataFrame, model: ErrorModel, factors: dict[str, float]) -> float:
+    def log_likelihood(self, fixes: pd.DataFrame, model: ErrorModel, factors: dict[str, float]) -> float:
+        """Return the log-likelihood of the innovations with the parameters of ``model`` times ``factors``."""
         record = self.navigate(fixes, scaled(model, factors)).record
         return -0.5 * float(np.sum(record.statistic + record.log_det))
 

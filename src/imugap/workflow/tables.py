@@ -84,8 +84,9 @@ def _tabular(heads: Sequence[str], cells: Sequence[Sequence[str]]) -> str:
 
 
 def _line(cells: Sequence[str]) -> str:
-    return " & ".join(map(_tex, cells)) + r" \\"
+    return " & ".join(map(tex, cells)) + r" \\"
 
 
-def _tex(text: str) -> str:
+def tex(text: str) -> str:
+    """Return ``text`` in LaTeX: special characters escaped, signs beyond ASCII as commands."""
     return SPECIAL.sub(lambda found: (TEX | ESCAPED)[found.group()], text)

@@ -49,7 +49,7 @@ def test_steps_never_increase_the_distance_and_end_at_a_minimum():
         distances = [point.distance for point in path]
         assert converged
         assert distances == sorted(distances, reverse=True)
-        around = [problem._at(path[-1].times + shift).distance for shift in (-1e-3, 1e-3)]
+        around = [problem.at(path[-1].times + shift).distance for shift in (-1e-3, 1e-3)]
         assert min(around) >= distances[-1]
 
 

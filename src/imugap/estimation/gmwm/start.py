@@ -95,7 +95,7 @@ class Nearest:
             step, gain = self._step(point, damping, len(path) > PLAIN)
             if gain <= accuracy * max(point.distance, 1.0):
                 return path, True
-            trial = self._at(np.clip(point.times + step, low, high))
+            trial = self.at(np.clip(point.times + step, low, high))
             if trial.distance < point.distance:
                 path.append(trial)
                 damping = max(damping / 10, 1e-12)
@@ -119,7 +119,8 @@ class Nearest:
             index = np.array(chosen, int)
             yield index, self._solve(times[index], np.hstack([fixed, columns[:, index]]))
 
-    def _at(self, times: np.ndarray) -> Point:
+    def at(self, times: np.ndarray) -> Point:
+        """Return the best non-negative squares at these correlation times, with their distance."""
         return self._solve(times, np.hstack([self.binding.densities, self.binding.markov(times)]))
 
     def _solve(self, times: np.ndarray, columns: np.ndarray) -> Point:
@@ -156,6 +157,6 @@ class Nearest:
         """Return half the curvature of the distance, what the residuals add included, by difference quotients."""
         rows = []
         for shift in DIFFERENCE * np.eye(len(moves))[moves]:
-            below, above = (self._pull(self._at(point.times + sign * shift))[0][moves] for sign in (-1, 1))
+            below, above = (self._pull(self.at(point.times + sign * shift))[0][moves] for sign in (-1, 1))
             rows.append((below - above) / (2 * DIFFERENCE))
         return (np.array(rows) + np.transpose(rows)) / 2
