@@ -76,15 +76,15 @@ def indices(options: argparse.Namespace) -> None:
 def estimate(options: argparse.Namespace) -> None:
     """Estimate the stochastic effects on each axis of a log; print them and write them to ``--out``."""
     kinds = None if options.terms == AUTO else findings.kinds_of([name.strip() for name in options.terms.split(",")])
-    inquiry = findings.Inquiry(kinds, findings.Method(options.method), options.highest, options.robust)
+    inquiry = findings.EstimatorSettings(kinds, findings.Method(options.method), options.highest, options.robust)
     if options.figure and Path(options.figure).suffix != ".svg":
         raise ValueError(f"{options.figure}: file name: expected one that ends in .svg; found another")
     table = readers.read(options.log)
     asked = options.axis or log.axes(table)
-    axes = [findings.nearest(axis, log.axes(table), "axis") for axis in dict.fromkeys(asked)]
+    axes = [findings.known_name(axis, log.axes(table), "axis") for axis in dict.fromkeys(asked)]
     _say_gaps(table)
     interval = log.interval(table)
-    found = [findings.find(axis, table[axis].to_numpy(), interval, inquiry) for axis in axes]
+    found = [findings.estimate_axis(axis, table[axis].to_numpy(), interval, inquiry) for axis in axes]
     shown = findings.table(found)
     writers = {options.out: lambda path: path.write_text(findings.to_json(found))}
     if options.table:

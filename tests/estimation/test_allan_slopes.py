@@ -20,7 +20,7 @@ from imugap.effects import (
 from imugap.effects.effect import AxisModel
 from imugap.estimation import allan
 from imugap.estimation.allan_slopes import SYMBOLS, TOP, fit
-from imugap.estimation.result import Verdict
+from imugap.estimation.result import Identifiability
 
 PEERS = pd.read_csv(Path(__file__).parents[1] / "reference" / "montecarlo_allan.csv", comment="#")
 ALL = (*SYMBOLS, GaussMarkov)
@@ -43,7 +43,7 @@ def test_a_power_law_is_read_as_its_tangent(kind):
     (estimate,) = fit(sequence, 1.0, (kind,)).estimates
     assert reading.holds
     assert (estimate.value, estimate.low, estimate.high) == (reading.value, reading.low, reading.high)
-    assert estimate.verdict == Verdict.IDENTIFIED
+    assert estimate.verdict == Identifiability.IDENTIFIED
     assert estimate.low < 1 < estimate.high
 
 
@@ -52,7 +52,7 @@ def test_a_law_that_the_curve_does_not_show_is_zero_with_its_bound():
     reading = allan.tangent(allan.curve(sequence, INTERVAL), allan.LAWS["K"])
     found = by_parameter(fit(sequence, INTERVAL, (WhiteNoise, RandomWalk)))["density_k"]
     assert (found.value, found.low, found.high) == (0.0, 0.0, reading.high)
-    assert found.verdict == Verdict.UPPER_BOUND
+    assert found.verdict == Identifiability.UPPER_BOUND
     assert isinf(found.error)
 
 
@@ -83,7 +83,7 @@ def test_a_process_that_stands_out_is_found_where_it_is(time):
     assert found["correlation_time"].value == pytest.approx(time, rel=0.3)
     for name, truth in {"std": 0.01, "correlation_time": time, "driving_psd": 2e-4 / time}.items():
         assert found[name].low < truth < found[name].high
-        assert found[name].verdict == Verdict.IDENTIFIED
+        assert found[name].verdict == Identifiability.IDENTIFIED
 
 
 @pytest.mark.slow
@@ -119,8 +119,8 @@ def test_white_noise_has_no_top_and_its_bounds_hold():
     for run in range(30):
         plain = by_parameter(fit(simulate(AxisModel((WhiteNoise(5e-3),)), 20_000, run), INTERVAL, ALL))
         assert plain["std"].value == 0
-        assert plain["std"].verdict == Verdict.UPPER_BOUND
-        assert plain["correlation_time"].verdict == Verdict.UNDETERMINED
+        assert plain["std"].verdict == Identifiability.UPPER_BOUND
+        assert plain["correlation_time"].verdict == Identifiability.UNDETERMINED
         hidden = by_parameter(fit(simulate(WhiteNoise(5e-3) + faint, 20_000, "faint", run), INTERVAL, ALL))
         assert hidden["std"].low <= faint.std <= hidden["std"].high
         assert hidden["driving_psd"].low <= faint.driving_psd <= hidden["driving_psd"].high
@@ -137,7 +137,7 @@ def test_white_noise_read_beyond_a_top_is_freed_from_the_flank_and_only_bounded(
         both = by_parameter(fit(sequence, 0.01, (WhiteNoise, GaussMarkov)))
         assert alone.value == pytest.approx(np.hypot(white.density, flank), rel=0.1)
         assert both["density"].value < 0.75 * alone.value
-        assert both["density"].verdict == Verdict.UPPER_BOUND
+        assert both["density"].verdict == Identifiability.UPPER_BOUND
         assert both["density"].low <= white.density <= both["density"].high
         assert both["std"].value == pytest.approx(markov.std, rel=0.12)  # N adds to the top, unseen
 

@@ -7,7 +7,7 @@ from imugap.effects.effect import AxisModel
 from imugap.estimation.cramer_rao import bound
 from imugap.estimation.likelihood import log_likelihood
 from imugap.estimation.maximum_likelihood import fit, quantile
-from imugap.estimation.result import Verdict
+from imugap.estimation.result import Identifiability
 from imugap.stream import stream
 
 INTERVAL, COUNT = 0.1, 108_000
@@ -75,18 +75,18 @@ def test_process_that_is_not_there_gets_an_upper_bound():
     found = fit(sequence, INTERVAL, (WhiteNoise, RandomWalk)).table()
     walk = found.loc[("random_walk", 1, "density_k")]
     assert walk["low"] == 0
-    assert walk["verdict"] == Verdict.UPPER_BOUND
+    assert walk["verdict"] == Identifiability.UPPER_BOUND
     assert 0 < walk["high"] < 1e-4
-    assert found.loc[("white_noise", 1, "density"), "verdict"] == Verdict.IDENTIFIED
+    assert found.loc[("white_noise", 1, "density"), "verdict"] == Identifiability.IDENTIFIED
 
 
 def test_correlation_time_beyond_the_log_gets_a_lower_bound():
     of = WhiteNoise(5e-3) + GaussMarkov(0.1, 1e5)
     found = fit(simulate(of, 30_000, "long"), INTERVAL, kinds(of)).table()
     time = found.loc[("gauss_markov", 1, "correlation_time")]
-    assert time["verdict"] == Verdict.LOWER_BOUND
+    assert time["verdict"] == Identifiability.LOWER_BOUND
     assert 100 < time["low"] < 1e5
-    assert found.loc[("gauss_markov", 1, "driving_psd"), "verdict"] == Verdict.IDENTIFIED
+    assert found.loc[("gauss_markov", 1, "driving_psd"), "verdict"] == Identifiability.IDENTIFIED
 
 
 def test_two_gauss_markov_processes_are_told_apart_and_ordered():
@@ -94,7 +94,7 @@ def test_two_gauss_markov_processes_are_told_apart_and_ordered():
     found = fit(simulate(of, COUNT, "two"), INTERVAL, kinds(of)).table().sort_index()
     for ordinal, (std, time) in enumerate([(1e-2, 2.0), (2e-2, 60.0)], start=1):
         rows = found.loc[("gauss_markov", ordinal)]
-        assert (rows["verdict"] == Verdict.IDENTIFIED).all()
+        assert (rows["verdict"] == Identifiability.IDENTIFIED).all()
         assert abs(rows.loc["std", "value"] / std - 1) < 4 * rows.loc["std", "error"]
         assert abs(rows.loc["correlation_time", "value"] / time - 1) < 4 * rows.loc["correlation_time", "error"]
 
@@ -111,7 +111,7 @@ def test_slope_is_estimated_with_the_model():
     of = WhiteNoise(5e-3) + RandomWalk(1e-4) + RateRamp(1e-3)
     found = fit(simulate(of, 20_000, "slope"), INTERVAL, (WhiteNoise, RandomWalk), ramp=True)
     row = found.table().loc[("rate_ramp", 1, "slope")]
-    assert row["verdict"] == Verdict.IDENTIFIED
+    assert row["verdict"] == Identifiability.IDENTIFIED
     assert row["low"] < 1e-3 < row["high"]
     assert found.model.effects[-1] == RateRamp(row["value"])
     assert row["error"] * row["value"] < (row["high"] - row["low"]) / (2 * 1.96)  # wider than with a known model
@@ -120,7 +120,7 @@ def test_slope_is_estimated_with_the_model():
 def test_slope_of_no_ramp_is_bounded():
     found = fit(simulate(AxisModel((WhiteNoise(5e-3),)), 20_000, "level"), INTERVAL, (WhiteNoise,), ramp=True)
     row = found.table().loc[("rate_ramp", 1, "slope")]
-    assert row["verdict"] == Verdict.UPPER_BOUND
+    assert row["verdict"] == Identifiability.UPPER_BOUND
     assert row["low"] < 0 < row["high"]
     expected = 5e-3 * np.sqrt(12 / 2000.0**3)  # of white noise alone
     assert (row["high"] - row["low"]) / (2 * 1.96 * expected) == pytest.approx(1, rel=0.03)

@@ -6,7 +6,7 @@ from scipy.stats import binom
 
 from imugap.effects import BiasInstability, Conditions, GaussMarkov, Quantization, RandomWalk, RateRamp, WhiteNoise
 from imugap.effects.effect import AxisModel
-from imugap.estimation.model_selection import TERMS, choose, cost, parameters, title
+from imugap.estimation.model_selection import TERMS, choose, parameters, penalty, title
 from imugap.stream import stream
 
 INTERVAL, COUNT = 0.1, 12_000
@@ -100,7 +100,7 @@ def test_candidates_are_described():
     found = choose(simulate(CLEAR["walk"], COUNT, "described"), INTERVAL)
     table = found.candidates
     assert table["criterion"].is_monotonic_decreasing
-    np.testing.assert_allclose(table["log_likelihood"] - table["criterion"], cost(0.95) * table["parameters"])
+    np.testing.assert_allclose(table["log_likelihood"] - table["criterion"], penalty(0.95) * table["parameters"])
     assert table.loc[title(found.kinds), "held_out_error"] == 0
     assert (table["held_out_error"].drop(title(found.kinds)) > 0).all()
     assert list(table.index[table["alternative"]]) == [title(other) for other in found.alternatives]
@@ -108,14 +108,14 @@ def test_candidates_are_described():
 
 
 def test_a_higher_level_costs_more():
-    assert 0 < cost(0.5) < cost(0.95) < cost(0.99)
+    assert 0 < penalty(0.5) < penalty(0.95) < penalty(0.99)
 
 
 def test_cost_is_the_limit_of_the_maximum_of_a_density():
     """Of 2 (log-likelihood gained) by a variance added to known white noise, exceeded once in a hundred times."""
     squares = stream(2, "limit").chisquare(500, 200_000) / 500
     gain = np.where(squares > 1, 500 * (squares - 1 - np.log(squares)), 0.0)
-    share = np.mean(gain > 2 * cost(0.95))
+    share = np.mean(gain > 2 * penalty(0.95))
     assert abs(share - 0.01) < 0.002
 
 

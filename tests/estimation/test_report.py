@@ -15,7 +15,7 @@ from imugap.effects import (
 from imugap.effects.effect import AxisModel
 from imugap.estimation import allan, maximum_likelihood
 from imugap.estimation.model_selection import TERMS
-from imugap.estimation.report import Inquiry, Method, curves, find, kinds_of, table, to_json
+from imugap.estimation.report import EstimatorSettings, Method, curves, estimate_axis, kinds_of, table, to_json
 from imugap.estimation.wavelet_variance import EFFICIENCY
 from imugap.log import from_samples
 
@@ -29,7 +29,9 @@ def simulate(of, *labels, count=COUNT):
 def test_record_is_strict_json_of_the_schema_with_catalogue_names_and_units(judge, validated):
     of = WhiteNoise(1e-3) + GaussMarkov(1e-2, 1e4)
     kinds = (WhiteNoise, GaussMarkov)
-    found = [find(axis, simulate(of, axis), INTERVAL, Inquiry(kinds)) for axis in ("gyro_z", "accel_x")]
+    found = [
+        estimate_axis(axis, simulate(of, axis), INTERVAL, EstimatorSettings(kinds)) for axis in ("gyro_z", "accel_x")
+    ]
     records = validated(to_json(found))
     for record, unit in zip(records, ("rad/s", "m/s^2"), strict=True):
         for term in record["terms"]:
@@ -42,7 +44,9 @@ def test_record_is_strict_json_of_the_schema_with_catalogue_names_and_units(judg
 
 def test_repeated_terms_stay_apart(judge):
     of = WhiteNoise(1e-3) + GaussMarkov(1e-2, 0.1) + GaussMarkov(1e-2, 10.0)
-    found = find("gyro_x", simulate(of, "two"), INTERVAL, Inquiry((WhiteNoise, GaussMarkov, GaussMarkov)))
+    found = estimate_axis(
+        "gyro_x", simulate(of, "two"), INTERVAL, EstimatorSettings((WhiteNoise, GaussMarkov, GaussMarkov))
+    )
     terms = found.record()["terms"]
     assert [term["name"] for term in terms] == ["white_noise", "gauss_markov", "gauss_markov"]
     times = [term["parameters"]["correlation_time"]["value"] for term in terms[1:]]
@@ -52,7 +56,7 @@ def test_repeated_terms_stay_apart(judge):
 
 def test_slope_is_a_term(judge):
     sequence = simulate(WhiteNoise(1e-3) + RateRamp(-1e-4), "slope")
-    term = find("gyro_x", sequence, INTERVAL, Inquiry((WhiteNoise, RateRamp))).record()["terms"][-1]
+    term = estimate_axis("gyro_x", sequence, INTERVAL, EstimatorSettings((WhiteNoise, RateRamp))).record()["terms"][-1]
     assert term["name"] == "rate_ramp"
     slope = term["parameters"]["slope"]
     assert slope["low"] < -1e-4 < slope["high"] < 0
@@ -60,15 +64,20 @@ def test_slope_is_a_term(judge):
 
 
 def test_terms_are_chosen_where_none_are_given(judge):
-    found = find("gyro_x", simulate(WhiteNoise(1e-3) + RandomWalk(1e-3), "auto"), INTERVAL, Inquiry())
+    found = estimate_axis(
+        "gyro_x", simulate(WhiteNoise(1e-3) + RandomWalk(1e-3), "auto"), INTERVAL, EstimatorSettings()
+    )
     assert [term["name"] for term in found.record()["terms"]] == ["white_noise", "random_walk"]
     assert "cannot tell it from: white_noise + gauss_markov" in found.verdict()
 
 
 def test_noise_through_a_filter_is_said_to_look_like_a_gauss_markov_process(judge):
     of = AxisModel((GaussMarkov(1.0, 2 * INTERVAL),))
-    assert "an output filter would look the same" in find("accel_y", simulate(of), INTERVAL, Inquiry()).verdict()
-    both = find("accel_y", simulate(of + WhiteNoise(0.1)), INTERVAL, Inquiry())
+    assert (
+        "an output filter would look the same"
+        in estimate_axis("accel_y", simulate(of), INTERVAL, EstimatorSettings()).verdict()
+    )
+    both = estimate_axis("accel_y", simulate(of + WhiteNoise(0.1)), INTERVAL, EstimatorSettings())
     assert "output filter" not in both.verdict()
 
 
@@ -89,7 +98,7 @@ def test_wavelet_method_gets_the_random_processes_and_the_ramp_apart(judge, monk
     sequence = simulate(AxisModel((WhiteNoise(1e-3),)))
     calls = stand_in(monkeypatch, "gmwm.estimator", sequence)
     kinds = (WhiteNoise, GaussMarkov, GaussMarkov, RateRamp)
-    find("gyro_x", sequence, INTERVAL, Inquiry(kinds, Method.WAVELET, robust=robust))
+    estimate_axis("gyro_x", sequence, INTERVAL, EstimatorSettings(kinds, Method.WAVELET, robust=robust))
     (((random, ramp), options),) = calls
     assert random == (WhiteNoise, GaussMarkov, GaussMarkov)
     assert ramp is True
@@ -99,14 +108,14 @@ def test_wavelet_method_gets_the_random_processes_and_the_ramp_apart(judge, monk
 def test_allan_method_gets_the_ramp_among_the_kinds(judge, monkeypatch):
     sequence = simulate(AxisModel((WhiteNoise(1e-3),)))
     calls = stand_in(monkeypatch, "allan_slopes", sequence)
-    find("gyro_x", sequence, INTERVAL, Inquiry((WhiteNoise, RateRamp), Method.ALLAN))
+    estimate_axis("gyro_x", sequence, INTERVAL, EstimatorSettings((WhiteNoise, RateRamp), Method.ALLAN))
     assert calls == [(((WhiteNoise, RateRamp), 0.95), {})]
 
 
 def test_chosen_terms_are_estimated_by_the_method_asked_for(judge, monkeypatch):
     sequence = simulate(AxisModel((WhiteNoise(1e-3),)))
     calls = stand_in(monkeypatch, "allan_slopes", sequence)
-    assert find("gyro_x", sequence, INTERVAL, Inquiry(method=Method.ALLAN)).method == Method.ALLAN
+    assert estimate_axis("gyro_x", sequence, INTERVAL, EstimatorSettings(method=Method.ALLAN)).method == Method.ALLAN
     assert calls[0][0][0] == (WhiteNoise,)
 
 
@@ -123,12 +132,12 @@ def test_chosen_terms_are_estimated_by_the_method_asked_for(judge, monkeypatch):
 )
 def test_what_a_method_cannot_do_is_refused(options, message):
     with pytest.raises(ValueError, match=message):
-        Inquiry(**options)
+        EstimatorSettings(**options)
 
 
 def test_fault_says_the_axis(judge):
     with pytest.raises(ValueError, match="accel_z: likelihood: expected finite samples that vary"):
-        find("accel_z", np.ones(1000), INTERVAL, Inquiry((WhiteNoise,)))
+        estimate_axis("accel_z", np.ones(1000), INTERVAL, EstimatorSettings((WhiteNoise,)))
 
 
 def test_names_are_those_of_the_terms():
@@ -142,7 +151,7 @@ def test_names_are_those_of_the_terms():
 
 def test_table_holds_every_parameter_once(judge):
     kinds = (Quantization, WhiteNoise, BiasInstability, GaussMarkov, RateRamp)
-    found = find("gyro_x", simulate(AxisModel((WhiteNoise(1e-3),))), INTERVAL, Inquiry(kinds))
+    found = estimate_axis("gyro_x", simulate(AxisModel((WhiteNoise(1e-3),))), INTERVAL, EstimatorSettings(kinds))
     rows = table([found])
     assert list(rows["parameter"]) == ["q", "density", "density_b", "std", "correlation_time", "slope"]
     assert (rows["axis"] == "gyro_x").all()
@@ -153,7 +162,10 @@ def test_curves_hold_the_log_and_where_the_model_expects_it(judge):
     """The right model's band holds about 95 % of the points; one ten times too small holds none."""
     of = WhiteNoise(1e-3) + RandomWalk(1e-3)
     log = from_samples({"gyro_x": simulate(of, "curve"), "accel_y": simulate(of, "other")}, INTERVAL)
-    found = [find(axis, log[axis].to_numpy(), INTERVAL, Inquiry((WhiteNoise, RandomWalk))) for axis in log.columns]
+    found = [
+        estimate_axis(axis, log[axis].to_numpy(), INTERVAL, EstimatorSettings((WhiteNoise, RandomWalk)))
+        for axis in log.columns
+    ]
     rows = curves(log, INTERVAL, found)
     assert list(rows["axis"].unique()) == ["gyro_x", "accel_y"]
     for axis, one in rows.groupby("axis"):

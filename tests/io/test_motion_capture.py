@@ -4,7 +4,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from imugap import log
-from imugap.io.motion_capture import Alignment, aligned, ideal, sighted, track_of
+from imugap.io.motion_capture import Alignment, aligned, band_limited, ideal, track_of
 from imugap.io.reference import MOVING, QUATERNION
 from imugap.kinematics.strapdown import POSITION
 from imugap.numerics.rotation import from_euler
@@ -93,7 +93,7 @@ def test_differences_of_a_smooth_track_are_the_means_of_rate_and_force():
 
 def test_a_log_without_errors_is_its_ideal_within_the_band():
     device, track = recorded()
-    pair = sighted(device, track, TRUE, BAND_HZ)
+    pair = band_limited(device, track, TRUE, BAND_HZ)
     gap = (pair.log - pair.ideal).to_numpy()[20:-20]
     assert np.abs(gap[:, :3]).max() < 2e-4
     assert np.abs(gap[:, 3:]).max() < 2e-3
@@ -124,7 +124,7 @@ def test_an_arm_and_glimpses_far_off_do_not_tilt_the_vertical():
 def test_an_error_of_the_sensor_is_what_remains():
     device, track = recorded()
     wrong = device.assign(gyro_y=device["gyro_y"] * 1.01, accel_z=device["accel_z"] + 0.3)
-    pair = sighted(wrong, track, TRUE, BAND_HZ)
+    pair = band_limited(wrong, track, TRUE, BAND_HZ)
     gap = (pair.log - pair.ideal).iloc[20:-20]
     np.testing.assert_allclose(gap["gyro_y"], 0.01 * pair.ideal["gyro_y"].iloc[20:-20], atol=3e-4)
     np.testing.assert_allclose(gap["accel_z"], 0.3, atol=3e-3)
@@ -133,7 +133,7 @@ def test_an_error_of_the_sensor_is_what_remains():
 def test_where_the_cameras_lose_the_device_nothing_is_said():
     device, track = recorded()
     wrong = device.assign(gyro_x=device["gyro_x"] + 0.2)
-    pair = sighted(wrong, lost(track, (20.0, 20.1), (50.0, 50.02), (0.0, 5.0)), TRUE, BAND_HZ)
+    pair = band_limited(wrong, lost(track, (20.0, 20.1), (50.0, 50.02), (0.0, 5.0)), TRUE, BAND_HZ)
     assert pair.log.index[0] > 5.0
     stamps = pair.log.index[pair.unseen] - LAG
     assert all(np.any((stamps > begin) & (stamps < end)) for begin, end in ((19.95, 20.15), (49.95, 50.1)))
@@ -146,7 +146,7 @@ def test_where_the_cameras_lose_the_device_nothing_is_said():
 def test_white_noise_of_the_log_keeps_its_density():
     device, track = recorded()
     noise = 0.1 * stream(41, "white").standard_normal(len(device))
-    gap = sighted(device.assign(gyro_z=device["gyro_z"] + noise), track, TRUE, BAND_HZ)
+    gap = band_limited(device.assign(gyro_z=device["gyro_z"] + noise), track, TRUE, BAND_HZ)
     left = (gap.log - gap.ideal)["gyro_z"].to_numpy()
     expected = 0.1**2 * INTERVAL * log.rate(gap.log)
     assert np.var(left) == pytest.approx(expected, rel=4 * np.sqrt(2 / len(left)))

@@ -9,7 +9,7 @@ from scipy.stats import norm
 
 from imugap import log
 from imugap.kinematics import strapdown
-from imugap.kinematics.free_inertial import QUANTITIES, STARTS, Course, crps, differences, errors
+from imugap.kinematics.free_inertial import QUANTITIES, STARTS, StaticNavigation, crps, differences, errors
 from imugap.kinematics.site import Site
 from imugap.stream import stream
 
@@ -19,7 +19,7 @@ UNKNOWN = Site(radians(40.0), 50.0)
 
 
 def course(site=UNKNOWN, full=False, calibration_s=10.0, length_s=60.0, epoch_s=1.0):
-    return Course(site, full, calibration_s, length_s, epoch_s)
+    return StaticNavigation(site, full, calibration_s, length_s, epoch_s)
 
 
 def column(name):
@@ -187,8 +187,8 @@ def test_rest_has_the_earth_rate_only_where_the_mechanisation_has_it():
 
 def test_course_reads_the_configuration():
     navigation = {"mechanisation": "ellipsoid", "calibration_s": 30, "horizons_s": [60, 10], "epoch_s": 2}
-    found = Course.from_mapping({"latitude_deg": 40.0, "height_m": 50.0}, navigation, 60)
-    assert found == Course(UNKNOWN, True, 30, 60, 2)
+    found = StaticNavigation.from_mapping({"latitude_deg": 40.0, "height_m": 50.0}, navigation, 60)
+    assert found == StaticNavigation(UNKNOWN, True, 30, 60, 2)
     np.testing.assert_array_equal(found.epochs(), np.arange(0, 61, 2))
 
 

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from imugap.kinematics import earth, strapdown
-from imugap.kinematics.strapdown import Ellipsoid, Local, State
+from imugap.kinematics.strapdown import Ellipsoid, Local, NavigationState
 from imugap.log import ACCEL, GYRO, LogError, from_samples
 from imugap.numerics import rotation
 
@@ -38,7 +38,7 @@ def turn_between(euler, other) -> float:
 
 def test_constant_rate_is_exact_over_hundreds_of_turns():
     rate, dt, count = np.array([1.1, -0.7, 1.9]), 0.01, 100_001
-    start = State(attitude=(0.2, -0.4, 2.0))
+    start = NavigationState(attitude=(0.2, -0.4, 2.0))
     path = strapdown.navigate(constant(rate, count), np.zeros((count, 3)), dt, start, Local(0.0), every=10_000)
     total = np.linalg.norm(rate) * dt * (count - 1)
     for k, row in enumerate(path):
@@ -65,7 +65,9 @@ def test_a_circle_is_exact_in_velocity_and_trapezoidal_in_position(dt):
     """Rate about down with a force to the right: a circle. 0.4 s turns by more than 1 rad: beyond the series."""
     rate, force, duration = 3.0, 2.0, 12.0
     count = round(duration / dt) + 1
-    path = strapdown.navigate(constant([0, 0, rate], count), constant([0, force, -G], count), dt, State(), Local(G))
+    path = strapdown.navigate(
+        constant([0, 0, rate], count), constant([0, force, -G], count), dt, NavigationState(), Local(G)
+    )
     angle = rate * dt * np.arange(count)
     speed = force / rate
     velocity = np.column_stack([speed * (np.cos(angle) - 1), speed * np.sin(angle), 0 * angle])
@@ -78,7 +80,11 @@ def test_a_circle_is_exact_in_velocity_and_trapezoidal_in_position(dt):
 
 
 def test_halving_the_interval_changes_nothing_for_constant_input():
-    rate, force, start = [0.4, -0.3, 0.8], [1.0, 2.0, -9.0], State(velocity=(1.0, 2.0, 3.0), attitude=(0.1, 0.2, 0.3))
+    rate, force, start = (
+        [0.4, -0.3, 0.8],
+        [1.0, 2.0, -9.0],
+        NavigationState(velocity=(1.0, 2.0, 3.0), attitude=(0.1, 0.2, 0.3)),
+    )
     coarse = strapdown.navigate(constant(rate, 1001), constant(force, 1001), 0.02, start, Local(G))
     fine = strapdown.navigate(constant(rate, 2001), constant(force, 2001), 0.01, start, Local(G), every=2)
     np.testing.assert_allclose(fine[:, 3:], coarse[:, 3:], rtol=0, atol=1e-11)
@@ -90,7 +96,7 @@ def test_halving_the_interval_changes_nothing_for_constant_input():
 
 def test_accelerometer_bias_grows_as_time_and_its_square():
     bias, dt, count = np.array([1e-3, -2e-3, 3e-3]), 0.01, 6001
-    path = strapdown.navigate(np.zeros((count, 3)), constant(bias - [0, 0, G], count), dt, State(), Local(G))
+    path = strapdown.navigate(np.zeros((count, 3)), constant(bias - [0, 0, G], count), dt, NavigationState(), Local(G))
     time = dt * np.arange(count)[:, None]
     np.testing.assert_allclose(path[:, 3:6], bias * time, rtol=0, atol=1e-11)
     np.testing.assert_allclose(path[:, :3], 0.5 * bias * time**2, rtol=0, atol=1e-9)
@@ -103,7 +109,7 @@ def test_gyro_bias_tilts_and_gravity_carries_the_position_away(axis, tilt, chann
     rate = np.zeros(3)
     rate[axis] = bias
     path = strapdown.navigate(
-        constant(rate, count), constant([0, 0, -G], count), dt, State(), Local(G), every=count - 1
+        constant(rate, count), constant([0, 0, -G], count), dt, NavigationState(), Local(G), every=count - 1
     )
     end, duration = pd.Series(path[-1], strapdown.COLUMNS), dt * (count - 1)
     assert end[tilt] == pytest.approx(bias * duration, rel=1e-9)
@@ -112,7 +118,9 @@ def test_gyro_bias_tilts_and_gravity_carries_the_position_away(axis, tilt, chann
 
 
 def test_vertical_gyro_bias_turns_the_heading_only():
-    path = strapdown.navigate(constant([0, 0, 1e-3], 1001), constant([0, 0, -G], 1001), 0.1, State(), Local(G))
+    path = strapdown.navigate(
+        constant([0, 0, 1e-3], 1001), constant([0, 0, -G], 1001), 0.1, NavigationState(), Local(G)
+    )
     assert path[-1, 8] == pytest.approx(0.1, rel=1e-12)
     assert np.abs(path[:, :8]).max() < 1e-9
 
@@ -149,7 +157,7 @@ def smooth_accel(time):
 def smooth_run(times):
     """Navigated path and true end (position, velocity, attitude) of the smooth motion sampled at ``times``."""
     gyro, accel = interval_means(smooth_gyro, times), interval_means(smooth_accel, times)
-    start = State((0, 0, 0), tuple(SWAY * SWAY_RATE), tuple(smooth_euler(times[:1])[0][0]))
+    start = NavigationState((0, 0, 0), tuple(SWAY * SWAY_RATE), tuple(smooth_euler(times[:1])[0][0]))
     dt = np.diff(times, prepend=2 * times[0] - times[1])
     path = strapdown.navigate(gyro, accel, dt, start, Local(G))
     end = times[-1]
@@ -192,7 +200,7 @@ def test_time_reversal_leads_back_to_the_start():
     misses = []
     for count in (2001, 4001):
         path, _, (gyro, accel, dt, start) = smooth_run(regular(count))
-        turned = State(tuple(path[-1, :3]), tuple(-path[-1, 3:6]), tuple(path[-1, 6:]))
+        turned = NavigationState(tuple(path[-1, :3]), tuple(-path[-1, 3:6]), tuple(path[-1, 6:]))
         gyro, accel = (np.concatenate([data[-1:], data[:0:-1]]) for data in (-gyro, accel))
         back = strapdown.navigate(gyro, accel, dt, turned, Local(G))[-1]
         misses.append(
@@ -212,7 +220,7 @@ def test_the_choice_of_body_axes_does_not_matter(rotvec):
     path, _, (gyro, accel, dt, start) = smooth_run(regular(201))
     mount = Rotation.from_rotvec(rotvec)
     attitude = rotation.to_euler(rotation.from_euler(start.attitude) * mount.inv())
-    other = State(start.position, start.velocity, tuple(attitude))
+    other = NavigationState(start.position, start.velocity, tuple(attitude))
     turned = strapdown.navigate(mount.apply(gyro), mount.apply(accel), dt, other, Local(G))
     np.testing.assert_allclose(turned[:, :6], path[:, :6], rtol=0, atol=1e-10)
     expected = rotation.to_euler(rotation.from_euler(path[-1, 6:]) * mount.inv())
@@ -224,7 +232,9 @@ def test_the_choice_of_body_axes_does_not_matter(rotvec):
 def test_turning_the_start_turns_the_trajectory(heading):
     path, _, (gyro, accel, dt, start) = smooth_run(regular(201))
     turn = Rotation.from_rotvec([0, 0, heading])
-    other = State((0, 0, 0), tuple(turn.apply(start.velocity)), (*start.attitude[:2], start.attitude[2] + heading))
+    other = NavigationState(
+        (0, 0, 0), tuple(turn.apply(start.velocity)), (*start.attitude[:2], start.attitude[2] + heading)
+    )
     turned = strapdown.navigate(gyro, accel, dt, other, Local(G))
     np.testing.assert_allclose(turned[:, :3], turn.apply(path[:, :3]), rtol=0, atol=1e-10)
     np.testing.assert_allclose(turned[:, 3:6], turn.apply(path[:, 3:6]), rtol=0, atol=1e-10)
@@ -251,7 +261,7 @@ def coning_drift(interval, corrected):
     gyro = interval_means(coning_rate, interval * np.arange(count))
     start = Rotation.from_rotvec([CONE, 0, 0])
     if corrected:
-        state = State(attitude=tuple(rotation.to_euler(start)))
+        state = NavigationState(attitude=tuple(rotation.to_euler(start)))
         end = strapdown.navigate(gyro, 0 * gyro, interval, state, Local(0.0))[-1, 6:]
         missed = rotation.from_euler(end) * start.inv()
     else:
@@ -283,7 +293,7 @@ def sculling_drift(interval):
     times = interval * np.arange(count)
     gyro = interval_means(lambda t: np.outer(swing * FREQUENCY * np.cos(FREQUENCY * t), [1, 0, 0]), times)
     accel = interval_means(lambda t: np.outer(force * np.sin(FREQUENCY * t), [0, 1, 0]), times)
-    end = strapdown.navigate(gyro, accel, interval, State(), Local(0.0))[-1]
+    end = strapdown.navigate(gyro, accel, interval, NavigationState(), Local(0.0))[-1]
     phase = 2 * np.pi * (np.arange(2000) + 0.5) / 2000
     true = force * np.mean(np.sin(phase) * np.sin(swing * np.sin(phase)))
     return end[5] / duration - true, true
@@ -317,7 +327,7 @@ def test_a_body_at_rest_stays_and_the_flat_mechanisation_drifts_as_the_earth_tur
 
     The vertical channel is unstable and lets a constant acceleration grow as cosh(t sqrt(2 g/R)) - 1.
     """
-    state, dt, count = State(attitude=(0.3, -0.2, 2.5)), 0.1, 36_001
+    state, dt, count = NavigationState(attitude=(0.3, -0.2, 2.5)), 0.1, 36_001
     gyro, accel = at_rest(HOME, state, count)
     path = strapdown.navigate(gyro, accel, dt, state, HOME, every=600)
     assert np.abs(path[:, [0, 1, 3, 4]]).max() < 1e-4
@@ -341,8 +351,8 @@ def test_errors_swing_with_the_period_of_schuler(attitude, push):
     A pendulum as long as the meridian radius; the Earth's turn couples tilt and heading and adds its own square.
     """
     place, dt, count = Ellipsoid(0.0, 0.3, 0.0), 1.0, 11_001
-    gyro, accel = at_rest(place, State(attitude=(0.0, 0.0, attitude[2])), count)
-    path = strapdown.navigate(gyro, accel + np.array([push, 0, 0]), dt, State(attitude=attitude), place)
+    gyro, accel = at_rest(place, NavigationState(attitude=(0.0, 0.0, attitude[2])), count)
+    path = strapdown.navigate(gyro, accel + np.array([push, 0, 0]), dt, NavigationState(attitude=attitude), place)
     speed = path[1:, 3]
     crossings = np.flatnonzero(speed[1:] * speed[:-1] < 0)
     assert len(crossings) == 4
@@ -355,8 +365,8 @@ def test_errors_swing_with_the_period_of_schuler(attitude, push):
 def test_accelerometer_bias_swings_about_the_tilt_that_balances_it():
     """Position between 0 and 2 b M/g: bounded, while the flat mechanisation runs away."""
     place, bias, count = Ellipsoid(0.0, 0.3, 0.0), 1e-4, 5_001
-    gyro, accel = at_rest(place, State(), count)
-    north = strapdown.navigate(gyro, accel + np.array([bias, 0, 0]), 1.0, State(), place)[:, 0]
+    gyro, accel = at_rest(place, NavigationState(), count)
+    north = strapdown.navigate(gyro, accel + np.array([bias, 0, 0]), 1.0, NavigationState(), place)[:, 0]
     extent = 2 * bias * earth.curvature_radii(0.0)[0] / earth.normal_gravity(0.0, 0.0)
     assert north.max() == pytest.approx(extent, rel=0.01)
     assert -0.01 * extent < north.min() <= 0
@@ -420,7 +430,7 @@ def flight_errors(interval):
     flight, times = Flight(), np.arange(0, 600 + interval / 2, interval)
     first = flight.geodetic(times[:1])[0]
     place = Ellipsoid(*first)
-    state = State(velocity=tuple(flight.velocity(times[:1])[0]), attitude=tuple(flight.euler(times[:1])[0]))
+    state = NavigationState(velocity=tuple(flight.velocity(times[:1])[0]), attitude=tuple(flight.euler(times[:1])[0]))
     samples = np.hstack([interval_means(flight.gyro, times), interval_means(flight.accel, times)])
     log = from_samples(dict(zip(GYRO + ACCEL, samples.T, strict=True)), interval)
     table = strapdown.trajectory(log, state, place)
@@ -446,8 +456,8 @@ def test_a_flight_in_inertial_axes_is_recovered_on_the_ellipsoid():
 
 
 def test_positions_on_the_ellipsoid_are_counted_from_its_origin():
-    state = State(position=(1000.0, -2000.0, 50.0))
-    gyro, accel = at_rest(HOME, State(), 3)
+    state = NavigationState(position=(1000.0, -2000.0, 50.0))
+    gyro, accel = at_rest(HOME, NavigationState(), 3)
     log = from_samples(dict(zip(GYRO + ACCEL, np.hstack([gyro, accel]).T, strict=True)), 0.01)
     table = strapdown.trajectory(log, state, HOME)
     assert list(table.columns) == [*strapdown.COLUMNS, *strapdown.GEODETIC]
@@ -464,7 +474,7 @@ def test_positions_on_the_ellipsoid_are_counted_from_its_origin():
 def test_every_keeps_the_epochs_it_says_and_runs_are_navigated_one_by_one():
     rng = np.random.default_rng(1)
     gyro, accel = rng.normal(0, 0.3, (2, 3, 101, 3)), rng.normal(0, 3, (2, 3, 101, 3))
-    state = State((1, 2, 3), (4, 5, 6), (0.1, 0.2, 0.3))
+    state = NavigationState((1, 2, 3), (4, 5, 6), (0.1, 0.2, 0.3))
     for mechanisation in (Local(G), HOME):
         full = strapdown.navigate(gyro, accel, 0.01, state, mechanisation)
         assert full.shape == (2, 3, 101, 9)
@@ -528,16 +538,16 @@ def _with(data, value):
 )
 def test_bad_samples_are_turned_away(change, message):
     with pytest.raises(ValueError, match=message):
-        strapdown.navigate(*change(*_samples()), State(), Local(G))
+        strapdown.navigate(*change(*_samples()), NavigationState(), Local(G))
 
 
 def test_bad_settings_are_turned_away():
     with pytest.raises(ValueError, match="every"):
-        strapdown.navigate(*_samples(), 0.1, State(), Local(G), every=0)
+        strapdown.navigate(*_samples(), 0.1, NavigationState(), Local(G), every=0)
     with pytest.raises(ValueError, match="velocity: expected 3 finite"):
-        State(velocity=(0, np.nan, 0))
+        NavigationState(velocity=(0, np.nan, 0))
     with pytest.raises(ValueError, match="attitude: expected 3 finite"):
-        State(attitude=(0, 0))
+        NavigationState(attitude=(0, 0))
     with pytest.raises(ValueError, match="gravity"):
         Local(-G)
     for latitude in (48.0, np.pi / 2, np.nan):
@@ -551,7 +561,7 @@ def test_bad_logs_are_turned_away():
     gyro, accel = _samples()
     log = from_samples(dict(zip(GYRO + ACCEL, np.hstack([gyro, accel]).T, strict=True)), 0.1)
     with pytest.raises(LogError, match="no gyro_z"):
-        strapdown.trajectory(log.drop(columns="gyro_z"), State(), Local(G))
+        strapdown.trajectory(log.drop(columns="gyro_z"), NavigationState(), Local(G))
     for duration_s in (0.0, 0.5, np.nan):
         with pytest.raises(ValueError, match="duration_s"):
             strapdown.align(log, duration_s, 0.0)

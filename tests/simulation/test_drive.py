@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from imugap.io import gnss, reference
-from imugap.kinematics.strapdown import ATTITUDE, POSITION, VELOCITY, State, trajectory
+from imugap.kinematics.strapdown import ATTITUDE, POSITION, VELOCITY, NavigationState, trajectory
 from imugap.log import AXES, GYRO
 from imugap.numerics.rotation import from_euler
 from imugap.simulation.drive import Drive
@@ -25,7 +25,7 @@ def recipe():
 def test_the_navigator_drives_the_ideal_output_along_the_truth(recipe, rate_hz):
     """Inverse mechanisation: what is left is rounding, at any rate."""
     truth, ideal = replace(recipe, rate_hz=rate_hz).path
-    start = State(attitude=tuple(truth[list(ATTITUDE)].iloc[0]))
+    start = NavigationState(attitude=tuple(truth[list(ATTITUDE)].iloc[0]))
     found = trajectory(ideal, start, recipe.ellipsoid)
     linear = [*POSITION, *VELOCITY]
     assert np.abs(found[linear] - truth[linear]).to_numpy().max() < 1e-7

@@ -6,7 +6,7 @@ import pytest
 from imugap import log
 from imugap.io import reference
 from imugap.kinematics import strapdown
-from imugap.kinematics.strapdown import ATTITUDE, POSITION, VELOCITY, Local, State
+from imugap.kinematics.strapdown import ATTITUDE, POSITION, VELOCITY, Local, NavigationState
 from imugap.numerics.rotation import from_euler
 from imugap.simulation.flight import Flight
 
@@ -21,7 +21,7 @@ def flight():
 def test_navigating_the_ideal_log_gives_the_truth_back(flight):
     """Rate and specific force are those of the one course: free-inertial navigation over 270 s closes on it."""
     truth, ideal = flight.truth(), flight.ideal()
-    state = State(*(tuple(truth.iloc[0][list(names)]) for names in (POSITION, VELOCITY, ATTITUDE)))
+    state = NavigationState(*(tuple(truth.iloc[0][list(names)]) for names in (POSITION, VELOCITY, ATTITUDE)))
     path = strapdown.trajectory(ideal, state, Local(flight.site.gravity))
     missed = (from_euler(path[list(ATTITUDE)].to_numpy()) * reference.rotations(truth).inv()).magnitude()
     assert missed.max() < 1e-6

@@ -7,7 +7,7 @@ import pytest
 from imugap.effects import Bias, TurnOnBias, WhiteNoise
 from imugap.io import reference
 from imugap.kinematics import strapdown
-from imugap.kinematics.strapdown import ATTITUDE, POSITION, VELOCITY, Local, State
+from imugap.kinematics.strapdown import ATTITUDE, POSITION, VELOCITY, Local, NavigationState
 from imugap.log import ACCEL, AXES, GYRO
 from imugap.numerics.rotation import from_euler
 from imugap.simulation.walk import Course, Gait, Leg, Walk
@@ -45,7 +45,7 @@ def test_navigating_the_ideal_log_gives_the_truth_back(short, rate):
     """What is left is the error of the integration at an impact; it falls with the rate by the square and more."""
     walk = replace(short, rate_hz=rate)
     truth, ideal = walk.truth(0, SEED), walk.ideal(0, SEED)
-    state = State(*(tuple(truth[list(names)].iloc[0]) for names in (POSITION, VELOCITY, ATTITUDE)))
+    state = NavigationState(*(tuple(truth[list(names)].iloc[0]) for names in (POSITION, VELOCITY, ATTITUDE)))
     path = strapdown.trajectory(ideal, state, Local(walk.site.gravity))
     missed = (from_euler(path[list(ATTITUDE)].to_numpy()) * reference.rotations(truth).inv()).magnitude()
     scale = (200 / rate) ** 2

@@ -6,13 +6,13 @@ import pytest
 from imugap import log
 from imugap.effects import GaussMarkov, RandomWalk, WhiteNoise
 from imugap.effects.effect import AxisModel
-from imugap.estimation.result import Estimate, Fit, verdict
+from imugap.estimation.result import Fit, ParameterEstimate, identifiability
 from imugap.model import ErrorModel
 from imugap.study import attitude_schemes as schemes
 
 
 def estimate(effect, parameter, value, low, high):
-    return Estimate(effect, 1, parameter, value, low, high, 0.1, verdict(low, high))
+    return ParameterEstimate(effect, 1, parameter, value, low, high, 0.1, identifiability(low, high))
 
 
 def test_a_bound_enters_the_filter_with_its_limit_and_an_estimate_with_its_value():

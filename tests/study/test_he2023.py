@@ -38,7 +38,7 @@ def sound():
     table1["bias_stability_unit"], table1["repeatability"] = units, 1.0
     samples = np.tile(bias - [0, 0, 0, 0, 0, STANDARD_GRAVITY], (int(seconds * rate) + 1, 1))
     local = strapdown.Local(STANDARD_GRAVITY)
-    end = strapdown.navigate(samples[:, :3], samples[:, 3:], 1 / rate, strapdown.State(), local)[-1]
+    end = strapdown.navigate(samples[:, :3], samples[:, 3:], 1 / rate, strapdown.NavigationState(), local)[-1]
     final = {"east_position": abs(end[1]), "north_position": abs(end[0]), "heading": np.rad2deg(abs(end[8]))}
     rows = []
     for k, (name, drift) in enumerate(final.items()):

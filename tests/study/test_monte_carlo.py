@@ -4,7 +4,7 @@ import pytest
 
 from imugap.effects import WhiteNoise
 from imugap.effects.effect import AxisModel
-from imugap.estimation.result import Estimate, Fit
+from imugap.estimation.result import Fit, ParameterEstimate
 from imugap.stream import stream
 from imugap.study.monte_carlo import row, summary
 
@@ -14,7 +14,12 @@ KEY = ("white_noise", 1, "density")
 def repeated(values, width):
     """One estimate per run, with an interval of the given half width."""
     fits = [
-        Fit(AxisModel((WhiteNoise(1.0),)), (Estimate(*KEY, v, v - width, v + width, 0.1, "identified"),), 0.0, True)
+        Fit(
+            AxisModel((WhiteNoise(1.0),)),
+            (ParameterEstimate(*KEY, v, v - width, v + width, 0.1, "identified"),),
+            0.0,
+            True,
+        )
         for v in values
     ]
     return pd.concat([row(fit, method="own", run=run) for run, fit in enumerate(fits)])

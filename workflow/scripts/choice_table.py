@@ -6,7 +6,7 @@ from pathlib import Path
 import pandas as pd
 
 from imugap import figures
-from imugap.estimation.result import Verdict
+from imugap.estimation.result import Identifiability
 from imugap.figures import AXIS_TITLES, indirect
 from imugap.workflow import tables
 from imugap.workflow.job_log import journal
@@ -46,9 +46,9 @@ def shown(one):
     symbol = indirect.SYMBOLS[one["effect"], one["parameter"]]
     symbol += str(one["ordinal"]) if one["ordinal"] > 1 else ""
     match one["verdict"]:
-        case Verdict.UPPER_BOUND:
+        case Identifiability.UPPER_BOUND:
             return f"{symbol} ≤ {one['high']:.2g}"
-        case Verdict.LOWER_BOUND:
+        case Identifiability.LOWER_BOUND:
             return f"{symbol} ≥ {one['low']:.2g}"
     return f"{symbol} {one['value']:.3g}"
 

@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 
 from imugap.effects import CATALOGUE
-from imugap.estimation.result import Verdict
+from imugap.estimation.result import Identifiability
 from imugap.figures import AXIS_TITLES
 from imugap.figures.indirect import SYMBOLS, TITLES
 from imugap.units import from_si
@@ -36,7 +36,7 @@ def page(data, kind):
             }
             head = f"{SYMBOLS[effect, parameter]} [{tables.unit(unit)}]"
             cells[head] = cell(runs["verdict"].iloc[0], *(column[0] for column in shown.values()))
-            known = np.array(shown["value"])[(runs["verdict"] == Verdict.IDENTIFIED).to_numpy()]
+            known = np.array(shown["value"])[(runs["verdict"] == Identifiability.IDENTIFIED).to_numpy()]
             spread = f"{100 * known.std(ddof=1) / known.mean():.0f}" if len(known) > 1 else "—"
             cells[f"{SYMBOLS[effect, parameter]}: runs, scatter [%]"] = f"{len(known)}/{len(runs)}, {spread}"
         rows.append(cells)
@@ -46,11 +46,11 @@ def page(data, kind):
 def cell(verdict, value, low, high):
     """Show a value with its interval, or the bound that the log sets."""
     match verdict:
-        case Verdict.IDENTIFIED:
+        case Identifiability.IDENTIFIED:
             return tables.interval(value, low, high)
-        case Verdict.UPPER_BOUND:
+        case Identifiability.UPPER_BOUND:
             return f"≤ {tables.number(high, 2)}"
-        case Verdict.LOWER_BOUND:
+        case Identifiability.LOWER_BOUND:
             return f"≥ {tables.number(low, 2)}"
     return "—"
 
@@ -58,7 +58,7 @@ def cell(verdict, value, low, high):
 def numbers(data):
     """Count how often each method pins down the correlation time of a gyroscope."""
     times = data[data["parameter"] == "correlation_time"]
-    shares = (times["verdict"] == Verdict.IDENTIFIED).groupby(times["method"], sort=False).agg(["sum", "count"])
+    shares = (times["verdict"] == Identifiability.IDENTIFIED).groupby(times["method"], sort=False).agg(["sum", "count"])
     return {name: {"identified": int(row["sum"]), "of": int(row["count"])} for name, row in shares.iterrows()}
 
 

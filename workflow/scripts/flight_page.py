@@ -8,7 +8,7 @@ import pandas as pd
 import yaml
 
 from imugap import figures
-from imugap.estimation.result import Verdict
+from imugap.estimation.result import Identifiability
 from imugap.figures import attitude
 from imugap.log import GYRO
 from imugap.numerics import block_bootstrap as bootstrap
@@ -93,7 +93,7 @@ def parameters(estimates, model):
     key = zip(known["axis"], known["effect"], known["parameter"], strict=True)
     known["ratio"] = known["value"] / [true[one] for one in key]
     known["kind"] = np.where(known["axis"].isin(GYRO), "gyro", "accel")
-    known["identified"] = known["verdict"] == Verdict.IDENTIFIED
+    known["identified"] = known["verdict"] == Identifiability.IDENTIFIED
     groups = known.groupby(["minutes", "kind", "parameter", "scheme"], sort=False)
     found = groups["ratio"].quantile([0.05, 0.5, 0.95]).unstack().set_axis(["low", "median", "high"], axis=1)
     return found.assign(identified=groups["identified"].mean()).reset_index()

@@ -1,7 +1,7 @@
 """Follow the iterations of indirect inference on one run (figure 2 of the source)."""
 
 from imugap import figures
-from imugap.estimation.gmwm.estimator import Weighting, fit, simulated
+from imugap.estimation.gmwm.estimator import Weighting, fit, fit_by_simulation
 from imugap.figures import indirect
 from imugap.study.experiment import Experiment
 from imugap.workflow.job_log import journal
@@ -16,7 +16,7 @@ if __name__ == "__main__":
             ).history
             for weighting in Weighting
         }
-        histories["indirect_simulated"] = simulated(
+        histories["indirect_simulated"] = fit_by_simulation(
             sequence, experiment.interval, experiment.kinds, snakemake.params.seed
         ).history
         figures.save(indirect.iterations(histories, experiment.truth()), snakemake.output[0])

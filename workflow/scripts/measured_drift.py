@@ -3,7 +3,7 @@
 import numpy as np
 
 from imugap import log
-from imugap.kinematics.free_inertial import Course
+from imugap.kinematics.free_inertial import StaticNavigation
 from imugap.workflow.job_log import journal
 
 
@@ -20,7 +20,7 @@ def reachable(tables, course):
 def main(paths, site, course, path):
     """Write the drifts, shape (starts, runs, epochs, 9), and their epochs."""
     tables = [log.load(one, columns=list(log.AXES)) for one in paths]
-    plan = Course.from_mapping(site, course, reachable(tables, course))
+    plan = StaticNavigation.from_mapping(site, course, reachable(tables, course))
     drifts = np.stack([plan.drift(table) for table in tables], axis=1)
     np.savez(path, time=plan.epochs(), drift=drifts, interval=log.interval(tables[0]))
 

@@ -18,7 +18,7 @@ def estimates(experiment, time, seed, runs, printed):
             fit = method(sequence, experiment.interval, experiment.kinds)
             found.append(row(fit, method=name, run=run, time=time))
         if run < printed:
-            fit = estimator.simulated(sequence, experiment.interval, experiment.kinds, seed)
+            fit = estimator.fit_by_simulation(sequence, experiment.interval, experiment.kinds, seed)
             found.append(row(fit, method="indirect_simulated", run=run, time=time))
     return pd.concat(found, ignore_index=True)
 

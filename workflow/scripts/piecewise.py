@@ -11,7 +11,7 @@ from imugap.effects.gauss_markov import FLAT_TOP
 from imugap.estimation import allan
 from imugap.estimation.allan_slopes import TOP, fit
 from imugap.estimation.cramer_rao import bound
-from imugap.estimation.result import Verdict
+from imugap.estimation.result import Identifiability
 from imugap.workflow import tables
 from imugap.workflow.job_log import journal
 
@@ -45,7 +45,7 @@ def score(time, at, params):
             "rmse": np.sqrt(np.mean(error[read] ** 2)), "bound": limit[name],
             "plain_rmse": np.sqrt(np.mean((plain[name] / true - 1) ** 2)) if name in plain else np.nan,
             "coverage": ((one["low"] <= true) & (true <= one["high"])).mean(),
-            "identified": (one["verdict"] == Verdict.IDENTIFIED).mean(),
+            "identified": (one["verdict"] == Identifiability.IDENTIFIED).mean(),
         })  # fmt: skip
     return rows
 

@@ -17,7 +17,7 @@ if __name__ == "__main__":
         table, known = log.load(source.log), pd.read_parquet(source.reference)
         track = optical.track_of(known, readers.read_positions(source.raw, broad, run))
         alignment = optical.aligned(table, track, known, Site.from_mapping(params.site).gravity)
-        pair = optical.sighted(table, track, alignment, params.bandwidth_hz)
+        pair = optical.band_limited(table, track, alignment, params.bandwidth_hz)
         begin, end = reference.motion(known)
         log.write(pair.log.loc[begin:end], output.log)
         log.write(pair.ideal.loc[begin:end], output.ideal)

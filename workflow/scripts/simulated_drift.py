@@ -3,7 +3,7 @@
 import numpy as np
 from tqdm import trange
 
-from imugap.kinematics.free_inertial import QUANTITIES, Course
+from imugap.kinematics.free_inertial import QUANTITIES, StaticNavigation
 from imugap.model import ErrorModel
 from imugap.workflow.job_log import journal
 
@@ -11,7 +11,10 @@ from imugap.workflow.job_log import journal
 def main(model_path, measured, contender, params, path):
     """Write the drifts of the compared quantities, shape (starts, trials, epochs, quantities), and their epochs."""
     like = np.load(measured)
-    model, plan = ErrorModel.read(model_path), Course.from_mapping(params.site, params.course, float(like["time"][-1]))
+    model, plan = (
+        ErrorModel.read(model_path),
+        StaticNavigation.from_mapping(params.site, params.course, float(like["time"][-1])),
+    )
     ideal = plan.ideal(float(like["interval"]))
     columns = list(QUANTITIES.values())
     drifts = np.stack(

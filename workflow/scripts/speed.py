@@ -22,7 +22,7 @@ from imugap.estimation.indices import INDICES, of_run
 from imugap.filters.innovation_gate import Quality
 from imugap.io import datasets as catalogue
 from imugap.io import readers
-from imugap.kinematics.strapdown import Ellipsoid, Local, State, navigate
+from imugap.kinematics.strapdown import Ellipsoid, Local, NavigationState, navigate
 from imugap.navigation.pedestrian import Assumptions
 from imugap.navigation.pedestrian import navigate as navigate_foot
 from imugap.navigation.vehicle import navigate as navigate_vehicle
@@ -69,7 +69,9 @@ def kernels(samples, repeats):
     forms = {"strapdown, local": Local(9.8), "strapdown, ellipsoid": Ellipsoid(0.8, 0.0, 100.0)}
     rows = []
     for name, form in forms.items():
-        spent = median_time(lambda form=form: navigate(gyro, accel, INTERVAL, State(), form, samples - 1), repeats)
+        spent = median_time(
+            lambda form=form: navigate(gyro, accel, INTERVAL, NavigationState(), form, samples - 1), repeats
+        )
         rows.append([name, f"{samples} samples, one core", spent, "million samples/s", samples / spent / 1e6])
     averaging = allan.factors(samples)
     own = median_time(lambda: [allan.variance(axis, averaging) for axis in device.T], repeats)

@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 
 from imugap import figures
-from imugap.estimation.result import Verdict
+from imugap.estimation.result import Identifiability
 from imugap.figures import attitude
 from imugap.io.datasets import load
 from imugap.io.reference import ERROR
@@ -55,7 +55,7 @@ def rests(estimates):
     """
     known = estimates[estimates["parameter"] != "driving_psd"].copy()
     known["kind"] = np.where(known["axis"].isin(GYRO), "gyro", "accel")
-    known["identified"] = known["verdict"] == Verdict.IDENTIFIED
+    known["identified"] = known["verdict"] == Identifiability.IDENTIFIED
     rows = []
     for (kind, parameter, scheme), one in known.groupby(["kind", "parameter", "scheme"], sort=False):
         both = one.pivot(index=["trial", "axis"], columns="rest", values="value").replace(0.0, np.nan).dropna()

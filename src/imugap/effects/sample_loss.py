@@ -11,12 +11,12 @@ from imugap.effects.conditions import Conditions
 from imugap.effects.effect import ClockEffect, Evidence, parameter
 from imugap.integrity.report import IMPROBABLE
 from imugap.integrity.timestamps import Stamps
-from imugap.numerics.random_runs import counted, stretches
+from imugap.numerics.random_runs import estimate_from_runs, simulate_runs
 
 
 @dataclass(frozen=True)
 class SampleLoss(ClockEffect):
-    """Gaps: rows are missing, the stamps of the others are right (:func:`imugap.numerics.random_runs.stretches`).
+    """Gaps: rows are missing, the stamps of the others are right (:func:`imugap.numerics.random_runs.simulate_runs`).
 
     Samples that are lost on one axis alone are NaN: there the effect stands on the axis.
     """
@@ -27,14 +27,14 @@ class SampleLoss(ClockEffect):
 
     def keep(self, log: pd.DataFrame, rng: np.random.Generator) -> pd.DataFrame:
         """Return the rows that are not lost; the first is never, and a single one is no log."""
-        kept = log[~stretches(len(log), self.probability, self.length, rng)]
+        kept = log[~simulate_runs(len(log), self.probability, self.length, rng)]
         if len(kept) < 2:
             raise ValueError(f"{self.name}: expected at least 2 samples that are left; found {len(kept)}")
         return kept
 
     def apply(self, sequence: np.ndarray, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
         """Put NaN in place of what is lost."""
-        return np.where(stretches(len(sequence), self.probability, self.length, rng), np.nan, sequence)
+        return np.where(simulate_runs(len(sequence), self.probability, self.length, rng), np.nan, sequence)
 
     def check_axis(self, axis: str) -> None:
         """Accept every axis, and the pseudo-axis."""
@@ -53,6 +53,6 @@ class SampleLoss(ClockEffect):
         """Return what lost samples, shape (n,), say, with the log-probability that a gap is none."""
         edges = np.flatnonzero(np.diff(np.r_[False, lost, False].astype(int)))
         runs = edges[1::2] - edges[::2]
-        estimate = counted(runs, max(int(np.count_nonzero(~lost)) - 1, len(runs)))
+        estimate = estimate_from_runs(runs, max(int(np.count_nonzero(~lost)) - 1, len(runs)))
         intervals = {"probability": estimate.probability[1:], "length": estimate.length[1:]}
         return Evidence(cls(estimate.probability[0], estimate.length[0]), intervals, len(runs) * log_p, lost)

@@ -10,7 +10,7 @@ from imugap.effects.conditions import Conditions
 from imugap.effects.effect import TINY, Effect, Evidence, Stage, parameter
 from imugap.integrity.precision import grain, spacing
 from imugap.integrity.report import IMPROBABLE
-from imugap.numerics.random_runs import Estimate, counted, disentangled, stretches
+from imugap.numerics.random_runs import RunEstimate, estimate_from_repeats, estimate_from_runs, simulate_runs
 
 STEEP = 1.27
 """Log ratio of differences of one and of two steps above which the lattice is too coarse for the noise."""
@@ -39,7 +39,7 @@ mean square), and one that noise does not undo."""
 
 @dataclass(frozen=True)
 class StuckSamples(Effect):
-    """Output that repeats its last value for a stretch of samples (:func:`imugap.numerics.random_runs.stretches`)."""
+    """Output that repeats its last value for a run of samples (:func:`imugap.numerics.random_runs.simulate_runs`)."""
 
     name: ClassVar[str] = "stuck_samples"
     stage: ClassVar[Stage] = Stage.TRANSFER
@@ -48,7 +48,7 @@ class StuckSamples(Effect):
 
     def apply(self, sequence: np.ndarray, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
         """Put the last value that was not in a stretch in place of those that are."""
-        stuck = stretches(len(sequence), self.probability, self.length, rng)
+        stuck = simulate_runs(len(sequence), self.probability, self.length, rng)
         return sequence[np.maximum.accumulate(np.where(stuck, 0, np.arange(len(sequence))))]
 
     @classmethod
@@ -86,7 +86,7 @@ class StuckSamples(Effect):
 
 def _judged(
     columns: np.ndarray, ideal: np.ndarray, chances: list[tuple[float, float]]
-) -> tuple[Estimate, np.ndarray] | None:
+) -> tuple[RunEstimate, np.ndarray] | None:
     """Return the stretches among the rows of ``columns``, shape (n, axes), and which rows are in one, shape (n,)."""
     repeats = _repeats(columns)
     first = np.flatnonzero(np.r_[True, ~repeats])
@@ -98,13 +98,13 @@ def _judged(
     steps = np.column_stack([_steps(column) for column in columns.T])
     expected = max(max(chance, 1e-12) * len(columns), _at_once(steps))
     if expected < RARE * begun:
-        estimate = counted(runs[runs > 0], max(len(first) - 1, begun))
+        estimate = estimate_from_runs(runs[runs > 0], max(len(first) - 1, begun))
         log_p = float(np.log(max(pdtrc(begun - 1, expected), TINY)))
         return replace(estimate, log_p=log_p), _within(runs > 0, runs, first)
     fast = _fast(columns[:, 0], ideal)
     if fast is None or (len(chances) > 1 and pdtrc(begun - 1, SAFE * expected) < IMPROBABLE):
         lengths = np.unique(runs, return_counts=True)
-        estimate = disentangled(*lengths, expected / len(columns), spread, np.log(IMPROBABLE))
+        estimate = estimate_from_repeats(*lengths, expected / len(columns), spread, np.log(IMPROBABLE))
         if estimate is None or (len(chances) == 1 and estimate.length[1] < TURNS and _smooth(steps[:, 0])):
             return None
         return estimate, _within(runs >= estimate.least, runs, first)
@@ -115,7 +115,9 @@ def _judged(
     near = open_to & np.all(np.abs(steps[first[:-1]]) < 1.5, axis=1)
     log_p = np.log(max(bdtrc(held.sum() - 1, near.sum(), 1 / 3 ** len(chances)), TINY))
     through = np.logical_or.reduceat(np.r_[repeats & fast, False], first)
-    return replace(counted(runs[:-1][held], int(open_to.sum())), log_p=float(log_p)), _within(through, runs, first)
+    return replace(estimate_from_runs(runs[:-1][held], int(open_to.sum())), log_p=float(log_p)), _within(
+        through, runs, first
+    )
 
 
 def _smooth(steps: np.ndarray) -> bool:

@@ -11,7 +11,7 @@ from imugap.effects.conditions import Conditions
 from imugap.effects.effect import Start, SystematicEffect, parameter
 from imugap.effects.residual import Residual
 from imugap.log import AXES
-from imugap.numerics.band_limited import course
+from imugap.numerics.band_limited import interpolate
 
 REACH = 5
 """Samples, either way, within which a search for a delay starts."""
@@ -63,4 +63,4 @@ class TimeOffset(SystematicEffect):
 
 def _course(conditions: Conditions) -> CubicHermiteSpline:
     """Return the input of the own axis between its samples."""
-    return course(conditions.time, TimeOffset.error_free(conditions, [conditions.axis])[:, 0])
+    return interpolate(conditions.time, TimeOffset.error_free(conditions, [conditions.axis])[:, 0])

@@ -16,7 +16,7 @@ from imugap.effects.effect import AxisModel
 from imugap.effects.gauss_markov import FLAT_TOP
 from imugap.estimation import allan
 from imugap.estimation.allan import LAWS, Tangent
-from imugap.estimation.result import Estimate, Fit, verdict
+from imugap.estimation.result import Fit, ParameterEstimate, identifiability
 
 SYMBOLS = {Quantization: "Q", WhiteNoise: "N", BiasInstability: "B", RandomWalk: "K", RateRamp: "R"}
 """The law of each process of one parameter."""
@@ -81,7 +81,7 @@ def _check(kinds: Sequence[type]) -> None:
 
 
 @dataclass(frozen=True)
-class Top:
+class FlatTop:
     """A flat top: averaging time [s], Allan deviation, and the ranges that the curve allows for them."""
 
     tau: float
@@ -92,7 +92,7 @@ class Top:
     high: float
 
 
-def _top(asd: pd.DataFrame, tangents: dict[type, Tangent], separated: bool) -> Top | None:
+def _top(asd: pd.DataFrame, tangents: dict[type, Tangent], separated: bool) -> FlatTop | None:
     """Return the first local maximum after the white region, of the curve without what tangents show to lie beneath.
 
     Without a white region, or with one that only begins beyond, it is the first of the curve. It has to stand out of
@@ -114,7 +114,7 @@ def _top(asd: pd.DataFrame, tangents: dict[type, Tangent], separated: bool) -> T
             place, value = _vertex(np.log(tau), np.log(middle), peak)
             first, last = _around(high >= value, peak)
             tau_high = tau[last] if last < len(tau) - 1 else np.inf
-            return Top(place, tau[first] if first else 0.0, tau_high, value, low[peak], high[peak])
+            return FlatTop(place, tau[first] if first else 0.0, tau_high, value, low[peak], high[peak])
     return None
 
 
@@ -159,7 +159,7 @@ def _around(inside: np.ndarray, peak: int) -> tuple[int, int]:
     return (before[-1] + 1 if len(before) else 0), (behind[0] - 1 if len(behind) else len(inside) - 1)
 
 
-def _off_flank(white: Tangent, top: Top) -> Tangent:
+def _off_flank(white: Tangent, top: FlatTop) -> Tangent:
     """Return N without S_B T_B^2, which the falling flank of the Gauss-Markov process adds to N^2 beyond its top.
 
     The difference of two numbers of which the second is read where N is not known: only the limit above is sure.
@@ -169,7 +169,7 @@ def _off_flank(white: Tangent, top: Top) -> Tangent:
     return Tangent(value, 0.0, white.high, white.tau_low, white.tau_high, True)
 
 
-def _of_top(top: Top, level: float) -> list[Estimate]:
+def _of_top(top: FlatTop, level: float) -> list[ParameterEstimate]:
     """Return the estimates of std, T_B and S_B = 2 std^2/T_B; the limits of S_B are those of both at their worst."""
     std, std_low, std_high = top.deviation / TOP, min(top.low, top.deviation) / TOP, max(top.high, top.deviation) / TOP
     time, time_low, time_high = (tau / FLAT_TOP for tau in (top.tau, top.tau_low, top.tau_high))
@@ -182,7 +182,7 @@ def _of_top(top: Top, level: float) -> list[Estimate]:
     ]
 
 
-def _bound(asd: pd.DataFrame, level: float) -> list[Estimate]:
+def _bound(asd: pd.DataFrame, level: float) -> list[ParameterEstimate]:
     """Return zero and the largest std and S_B that fit below the curve's upper limit, whatever T_B in its range."""
     tau = asd.index.to_numpy()
     times = tau / FLAT_TOP
@@ -196,8 +196,10 @@ def _bound(asd: pd.DataFrame, level: float) -> list[Estimate]:
     ]
 
 
-def _estimate(effect: str, parameter: str, value: float, low: float, high: float, level: float) -> Estimate:
+def _estimate(effect: str, parameter: str, value: float, low: float, high: float, level: float) -> ParameterEstimate:
     """Return an estimate whose error is the half width of its interval in logarithms, in standard deviations."""
     with np.errstate(divide="ignore"):
         error = float(np.diff(np.log([low, high]))[0] / (2 * ndtri((1 + level) / 2))) if high > 0 else np.inf
-    return Estimate(effect, 1, parameter, float(value), float(low), float(high), error, verdict(low, high))
+    return ParameterEstimate(
+        effect, 1, parameter, float(value), float(low), float(high), error, identifiability(low, high)
+    )

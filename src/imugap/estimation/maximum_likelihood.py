@@ -11,7 +11,7 @@ from scipy.special import chdtri, ndtr, ndtri
 from imugap.effects import GaussMarkov, RateRamp
 from imugap.estimation.cramer_rao import fisher
 from imugap.estimation.likelihood import Composition, Cosines, Grid, Quantity, constant, density, slope, statistics
-from imugap.estimation.result import Estimate, Fit, Verdict, verdict
+from imugap.estimation.result import Fit, Identifiability, ParameterEstimate, identifiability
 from imugap.numerics.profile_likelihood import end
 from imugap.numerics.small_matrix import invert
 
@@ -21,7 +21,7 @@ TIMES = {0: 1, 1: 14, 2: 10, 3: 8}
 """Grid points of the correlation time at which the search starts, by number of Gauss-Markov processes."""
 UPDATES = 30
 """Multiplicative updates of the densities at each grid point."""
-CLIMBS = 3
+STARTS = 3
 """Best grid points from which the likelihood is climbed."""
 ITERATIONS = 200
 LONGEST_STEP = 2.0
@@ -66,11 +66,11 @@ def fit(
     level
         Confidence level of the intervals.
     """
-    problem = Problem(Composition.of(*kinds), Cosines.of(sequence, interval, highest, ramp))
-    return problem.settle(problem.maximise(starts=[*problem.tops_without()])[0], level)
+    problem = LikelihoodProblem(Composition.of(*kinds), Cosines.of(sequence, interval, highest, ramp))
+    return problem.estimate(problem.maximise(starts=[*problem.starts_without_one_density()])[0], level)
 
 
-class HigherHillError(Exception):
+class HigherMaximumError(Exception):
     """A profile came to a point that lies higher than the one that it started from."""
 
     def __init__(self, theta: np.ndarray) -> None:
@@ -79,7 +79,7 @@ class HigherHillError(Exception):
         self.theta = theta
 
 
-class Problem:
+class LikelihoodProblem:
     """The likelihood of a log under one composition, ready to be climbed and profiled.
 
     The log may be in parts of equal length, each with a mean (and a ramp) of its own, as if they were independent.
@@ -92,7 +92,7 @@ class Problem:
         self.number = len(parts) * self.grid.number
         self.shapes = composition.shapes(self.grid)
         self.low, self.high = self._limits()
-        self.terrain = self.low, self.high, self.shapes, *statistics(*parts)
+        self.arguments = self.low, self.high, self.shapes, *statistics(*parts)
         self.constant = constant(*parts)
 
     def _limits(self) -> tuple[np.ndarray, np.ndarray]:
@@ -107,17 +107,17 @@ class Problem:
 
     def __call__(self, theta: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
         """Return log-likelihood, gradient and information, with a parabolic wall outside the limits."""
-        value, gradient, information = _walled(theta, self.terrain)
+        value, gradient, information = _penalised(theta, self.arguments)
         return value + self.constant, gradient, information
 
-    def settle(self, start: np.ndarray, level: float) -> Fit:
+    def estimate(self, start: np.ndarray, level: float) -> Fit:
         """Return the fit that a climb from ``start`` leads to, or a higher one that a profile finds on the way."""
-        top, value, converged = self.climb(start)
-        best = self._ordered(top)
+        best, value, converged = self.local_maximum(start)
+        best = self._ordered(best)
         try:
             ends = self.profiles(best, value, chdtri(1, 1 - level))
-        except HigherHillError as found:
-            return self.settle(found.theta, level)
+        except HigherMaximumError as found:
+            return self.estimate(found.theta, level)
         return self.result(best, value, converged, ends, level)
 
     def maximise(
@@ -127,8 +127,10 @@ class Problem:
 
         ``times`` are sets of correlation times [s], one for each Gauss-Markov process: all of a grid if not given.
         """
-        hills = (self.climb(start) for start in (*starts, *self.starts(self.times() if times is None else times)))
-        best, value, converged = max(hills, key=lambda hill: hill[1])
+        maxima = (
+            self.local_maximum(start) for start in (*starts, *self.starts(self.times() if times is None else times))
+        )
+        best, value, converged = max(maxima, key=lambda maximum: maximum[1])
         return self._ordered(best), value, converged
 
     def times(self) -> Iterable[tuple[float, ...]]:
@@ -136,12 +138,12 @@ class Problem:
         markov = self.composition.markov
         return combinations(correlation_times(self.grid, TIMES.get(markov, 7)), markov)
 
-    def tops_without(self) -> Iterator[np.ndarray]:
+    def starts_without_one_density(self) -> Iterator[np.ndarray]:
         """Yield the top of the likelihood without each density, where there are others: with it, it is no lower."""
         densities, markov = self.composition.densities, self.composition.markov
         for index in range(len(densities) if len(self.low) > 1 else 0):
             rest = Composition(densities[:index] + densities[index + 1 :], markov)
-            yield np.insert(Problem(rest, *self.parts).maximise()[0], index, self.low[index])
+            yield np.insert(LikelihoodProblem(rest, *self.parts).maximise()[0], index, self.low[index])
 
     def _ordered(self, theta: np.ndarray) -> np.ndarray:
         """Return the same point with the Gauss-Markov processes ordered by correlation time."""
@@ -162,21 +164,21 @@ class Problem:
             theta = np.clip(theta, self.low, self.high)
             ranked.append((self(theta)[0], theta))
         ranked.sort(key=lambda pair: -pair[0])
-        return [theta for _, theta in ranked[:CLIMBS]]
+        return [theta for _, theta in ranked[:STARTS]]
 
-    def climb(self, theta: np.ndarray, normal: np.ndarray | None = None) -> tuple[np.ndarray, float, bool]:
+    def local_maximum(self, theta: np.ndarray, normal: np.ndarray | None = None) -> tuple[np.ndarray, float, bool]:
         """Return the top that damped scoring steps reach, its height, and whether it is one.
 
         With ``normal`` the climb stays on the plane normal' theta = constant.
         """
         plane = np.zeros(len(theta)) if normal is None else normal
-        top, value, converged = _climb(np.asarray(theta, float), plane, self.terrain)
-        return top, value + self.constant, converged
+        best, value, converged = _fisher_scoring(np.asarray(theta, float), plane, self.arguments)
+        return best, value + self.constant, converged
 
     def profiles(self, best: np.ndarray, value: float, target: float) -> list[tuple[float, float]]:
         """Return the ends of the intervals of all quantities (logs), where the deviance has risen to ``target``.
 
-        They are infinite where it stays below. A higher point on the way is raised as :class:`HigherHillError`.
+        They are infinite where it stays below. A higher point on the way is raised as :class:`HigherMaximumError`.
         """
         information = self(best)[2] + 1e-6 * np.eye(len(best))
         return [
@@ -201,9 +203,9 @@ class Problem:
             ahead = (side * distance - normal @ (theta - best)) * along
             if np.abs(ahead).max() > 2 * LONGEST_STEP:  # nearly flat: the parabola says nothing about the way
                 ahead = (normal @ ahead) * normal / (normal @ normal)
-            theta, height, _ = self.climb(theta + ahead, normal)
+            theta, height, _ = self.local_maximum(theta + ahead, normal)
             if height > value + HIGHER:
-                raise HigherHillError(theta)
+                raise HigherMaximumError(theta)
             return 2 * (value - height)
 
         first = min(np.sqrt(target) * error, LONGEST_STEP)
@@ -231,14 +233,16 @@ class Problem:
             limits = np.exp(quantity.offset + np.array([-np.inf if zero else low, high]))
             middle = 0.0 if zero else float(np.exp(quantity.offset + direction @ best))
             error = float(np.sqrt(direction @ covariance @ direction))
-            estimates.append(Estimate(*quantity.key, middle, *limits.tolist(), error, verdict(*limits)))
+            estimates.append(
+                ParameterEstimate(*quantity.key, middle, *limits.tolist(), error, identifiability(*limits))
+            )
         model = self.composition.model(np.where(absent, -np.inf, best))
         if ramp:
             estimates.append(self.slope(best, covariance, level))
             model += RateRamp(estimates[-1].value)
         return Fit(model, tuple(estimates), value, converged)
 
-    def slope(self, best: np.ndarray, covariance: np.ndarray, level: float) -> Estimate:
+    def slope(self, best: np.ndarray, covariance: np.ndarray, level: float) -> ParameterEstimate:
         """Return the slope of the ramp, with an interval that does not take the model for known.
 
         Given the model the slope is a normal deviate about its generalised least squares. How much a weak process adds
@@ -251,8 +255,10 @@ class Problem:
         low = min(quantile((1 - level) / 2, *mixture) for mixture in mixtures)
         high = max(quantile((1 + level) / 2, *mixture) for mixture in mixtures)
         value, variance = slope(best, self.shapes, self.parts[0])
-        known = Verdict.IDENTIFIED if low * high > 0 else Verdict.UPPER_BOUND
-        return Estimate(RateRamp.name, 1, "slope", value, low, high, float(np.sqrt(variance) / abs(value)), known)
+        known = Identifiability.IDENTIFIED if low * high > 0 else Identifiability.UPPER_BOUND
+        return ParameterEstimate(
+            RateRamp.name, 1, "slope", value, low, high, float(np.sqrt(variance) / abs(value)), known
+        )
 
     def _slopes(self, best: np.ndarray, index: int, error: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return weights, means and deviations of the slope along the profile of the density (or std) ``index``.
@@ -262,7 +268,7 @@ class Problem:
         the log density.
         """
         (log,) = self.parts
-        below, above = (self._ridge(best, index, side * min(SPACING, error / 1.5)) for side in (-1, 1))
+        below, above = (self._profile_points(best, index, side * min(SPACING, error / 1.5)) for side in (-1, 1))
         points = [*reversed(below), best, *above]
         heights = np.array([self(point)[0] for point in points])
         means, variances = np.array([slope(point, self.shapes, log) for point in points]).T
@@ -272,12 +278,12 @@ class Problem:
         weights = prior * np.exp(heights - heights.max())
         return weights / weights.sum(), means, deviations
 
-    def _ridge(self, best: np.ndarray, index: int, step: float) -> list[np.ndarray]:
+    def _profile_points(self, best: np.ndarray, index: int, step: float) -> list[np.ndarray]:
         """Return the highest points at steps of log parameter ``index`` from ``best``, as far as they may matter."""
         normal, lowest, points = np.eye(len(best))[index], self(best)[0] - FALL, [best]
         end = self.low[index] if step < 0 else self.high[index]
         for _ in range(int(max((end - best[index]) / step, 0.0))):
-            theta, height, _ = self.climb(points[-1] + step * normal, normal)
+            theta, height, _ = self.local_maximum(points[-1] + step * normal, normal)
             points.append(theta)
             if height < lowest:
                 break
@@ -338,10 +344,10 @@ def _densities(basis, power, number):
 
 
 @njit(cache=True)
-def _walled(theta, terrain):
-    value, gradient, information = density(theta, *terrain[2:])
+def _penalised(theta, arguments):
+    value, gradient, information = density(theta, *arguments[2:])
     for k in range(len(theta)):
-        outside = theta[k] - min(max(theta[k], terrain[0][k]), terrain[1][k])
+        outside = theta[k] - min(max(theta[k], arguments[0][k]), arguments[1][k])
         value -= outside**2 / 2
         gradient[k] -= outside
         information[k, k] += outside != 0
@@ -349,14 +355,14 @@ def _walled(theta, terrain):
 
 
 @njit(cache=True)
-def _climb(theta, normal, terrain):
-    value, gradient, information = _walled(theta, terrain)
+def _fisher_scoring(theta, normal, arguments):
+    value, gradient, information = _penalised(theta, arguments)
     damping = 1e-3
     for _ in range(ITERATIONS):
         step, ahead, bend = _step(gradient, information, damping, normal)
         if ahead < FLAT:
             return theta, value, True
-        trial, slopes, curvature = _walled(theta + step, terrain)
+        trial, slopes, curvature = _penalised(theta + step, arguments)
         share = (trial - value) / (ahead - bend / 2)
         if share > 0:
             theta, value, gradient, information = theta + step, trial, slopes, curvature

@@ -10,9 +10,9 @@ from imugap.estimation.gmwm import estimator
 from imugap.estimation.gmwm.estimator import Weighting
 from imugap.estimation.result import Fit
 
-Method = Callable[[np.ndarray, float, Sequence[type]], Fit]
+Estimator = Callable[[np.ndarray, float, Sequence[type]], Fit]
 
-METHODS: dict[str, Method] = {
+METHODS: dict[str, Estimator] = {
     "allan": partial(allan_slopes.fit, separated=False),
     "allan_separated": allan_slopes.fit,
     "indirect_interval": partial(estimator.fit, weighting=Weighting.INTERVAL),

@@ -29,7 +29,7 @@ from scipy.special import chdtri
 
 from imugap.effects import BiasInstability, GaussMarkov, Quantization, RandomWalk, RateRamp, WhiteNoise
 from imugap.estimation.likelihood import Composition, Cosines, slope, slope_density, value_and_gradient
-from imugap.estimation.maximum_likelihood import Problem, correlation_times
+from imugap.estimation.maximum_likelihood import LikelihoodProblem, correlation_times
 from imugap.estimation.result import Fit
 
 Kinds = tuple[type, ...]
@@ -41,10 +41,10 @@ MOST = Counter({kind: 3 if kind is GaussMarkov else 1 for kind in TERMS})
 FOLDS = 6
 SHORTEST = 256
 """Fewest samples of a log."""
-NOTHING, MARKOV, WHITE = Counter(), Counter([GaussMarkov]), Counter([WhiteNoise])
+NONE, MARKOV, WHITE = Counter(), Counter([GaussMarkov]), Counter([WhiteNoise])
 MOVES = (
-    *((Counter([kind]), NOTHING) for kind in TERMS),
-    *((NOTHING, Counter([kind])) for kind in TERMS),
+    *((Counter([kind]), NONE) for kind in TERMS),
+    *((NONE, Counter([kind])) for kind in TERMS),
     (MARKOV, WHITE),
     (WHITE, MARKOV),
 )
@@ -81,7 +81,7 @@ def title(kinds: Kinds) -> str:
     return " + ".join(kind.name for kind in kinds)
 
 
-def cost(level: float) -> float:
+def penalty(level: float) -> float:
     """Return the penalty of a parameter: half the likelihood ratio that one in excess may show by chance.
 
     The ratio is twice the gain of log-likelihood. For a parameter that cannot be negative and is zero it is zero half
@@ -118,16 +118,16 @@ def choose(sequence: np.ndarray, interval: float, highest: float = np.inf, level
     if len(sequence) < SHORTEST:
         raise ValueError(f"choice: expected at least {SHORTEST} samples; found {len(sequence)}")
     search = _Search(np.asarray(sequence, float), interval, highest, level)
-    search.explore()
-    return search.choice()
+    search.search()
+    return search.select()
 
 
 @dataclass(frozen=True, eq=False)
-class _Hill:
+class _Fitted:
     """The top of the likelihood of a composition."""
 
     kinds: Kinds
-    problem: Problem
+    problem: LikelihoodProblem
     theta: np.ndarray
     likelihood: float
     criterion: float
@@ -137,93 +137,93 @@ class _Search:
     """The compositions of one log that have been fitted."""
 
     def __init__(self, sequence: np.ndarray, interval: float, highest: float, level: float) -> None:
-        self.level, self.cost = level, cost(level)
+        self.level, self.penalty = level, penalty(level)
         self.whole = [Cosines.of(sequence, interval, highest, ramp) for ramp in (False, True)]
         blocks = sequence[: len(sequence) // FOLDS * FOLDS].reshape(FOLDS, -1)
         self.blocks = [[Cosines.of(block, interval, highest, ramp) for block in blocks] for ramp in (False, True)]
-        self.hills: dict[Kinds, _Hill] = {}
+        self.fits: dict[Kinds, _Fitted] = {}
 
-    def explore(self) -> None:
+    def search(self) -> None:
         """Fit white noise alone, all that moves which raise the criterion lead to, and the neighbours of all these."""
         queue: list[Kinds] = [(WhiteNoise,)]
         self._fit(queue[0])
         for here in queue:
             for there in _neighbours(here):
-                self._reach(there, here)
-                if self.hills[there].criterion > self.hills[here].criterion and there not in queue:
+                self._fit_from(there, here)
+                if self.fits[there].criterion > self.fits[here].criterion and there not in queue:
                     queue.append(there)
-        for here in sorted(self.hills, key=len):  # tops that were found late
-            for there in filter(self.hills.get, _neighbours(here)):
-                self._reach(there, here)
+        for here in sorted(self.fits, key=len):  # tops that were found late
+            for there in filter(self.fits.get, _neighbours(here)):
+                self._fit_from(there, here)
 
-    def _reach(self, kinds: Kinds, origin: Kinds) -> None:
+    def _fit_from(self, kinds: Kinds, origin: Kinds) -> None:
         """Fit ``kinds`` from the top of a neighbour, unless that is done and is no lower than its part ``origin``."""
-        known, start = self.hills.get(kinds), self.hills[origin]
+        known, start = self.fits.get(kinds), self.fits[origin]
         if known is None or (len(kinds) > len(origin) and known.likelihood < start.likelihood):
             self._fit(kinds, start)
 
-    def _fit(self, kinds: Kinds, origin: _Hill | None = None) -> None:
+    def _fit(self, kinds: Kinds, origin: _Fitted | None = None) -> None:
         ramp = RateRamp in kinds
-        problem = Problem(Composition.of(*_stochastic(kinds)), self.whole[ramp])
+        problem = LikelihoodProblem(Composition.of(*_stochastic(kinds)), self.whole[ramp])
         if origin is None:
             theta, value, _ = problem.maximise()
         else:
             theta, value, _ = problem.maximise(_times(problem, origin), _extended(problem, origin))
         if ramp:
             value += slope_density(*slope(theta, problem.shapes, *problem.parts), problem.grid)
-        self.hills[kinds] = _Hill(kinds, problem, theta, value, value - self.cost * parameters(kinds))
+        self.fits[kinds] = _Fitted(kinds, problem, theta, value, value - self.penalty * parameters(kinds))
 
-    def _scores(self, hill: _Hill) -> np.ndarray:
+    def _scores(self, fitted: _Fitted) -> np.ndarray:
         """Return the log-density of each block, shape (FOLDS,), under what is fitted to the others."""
-        ramp, scores = RateRamp in hill.kinds, []
+        ramp, scores = RateRamp in fitted.kinds, []
         blocks = self.blocks[ramp]
         for k, block in enumerate(blocks):
-            problem = Problem(hill.problem.composition, *blocks[:k], *blocks[k + 1 :])
-            theta = problem.climb(hill.theta)[0]
+            problem = LikelihoodProblem(fitted.problem.composition, *blocks[:k], *blocks[k + 1 :])
+            theta = problem.local_maximum(fitted.theta)[0]
             if ramp:
                 block = block.less(_common_slope(theta, problem))
             scores.append(value_and_gradient(theta, problem.shapes, block)[0])
         return np.array(scores)
 
-    def choice(self) -> Choice:
+    def select(self) -> Choice:
         """Let the two judges decide."""
-        hills = sorted(self.hills.values(), key=lambda hill: -hill.criterion)
-        scores = np.array([self._scores(hill) for hill in hills])
-        number = np.array([parameters(hill.kinds) for hill in hills])
+        fits = sorted(self.fits.values(), key=lambda fitted: -fitted.criterion)
+        scores = np.array([self._scores(fitted) for fitted in fits])
+        number = np.array([parameters(fitted.kinds) for fitted in fits])
         total = scores.sum(axis=1)
         beaten = total - total[:, None] > -np.log(1 - self.level)
         out = (beaten & (number <= number[:, None])).any(axis=1)
         best = int(np.flatnonzero(~out)[0])
-        chosen = hills[best]
-        rival = [self._holds(hill) and self._rivals(hill, chosen) for hill in hills]
-        alternative = np.array(rival) & ~out & ~beaten[:, best]
+        chosen = fits[best]
+        candidate = [self._is_local_best(fitted) and self._is_alternative(fitted, chosen) for fitted in fits]
+        alternative = np.array(candidate) & ~out & ~beaten[:, best]
         alternative[best] = False
         columns = {
             "parameters": number,
-            "log_likelihood": [hill.likelihood for hill in hills],
-            "criterion": [hill.criterion for hill in hills],
+            "log_likelihood": [fitted.likelihood for fitted in fits],
+            "criterion": [fitted.criterion for fitted in fits],
             "held_out": total,
             "held_out_error": np.sqrt(FOLDS) * np.std(scores - scores[best], axis=1, ddof=1),
             "overfits": out,
             "alternative": alternative,
         }
-        index = pd.Index([title(hill.kinds) for hill in hills], name="composition")
-        alternatives = tuple(hill.kinds for hill, is_one in zip(hills, alternative, strict=True) if is_one)
-        fit = chosen.problem.settle(chosen.theta, self.level)
+        index = pd.Index([title(fitted.kinds) for fitted in fits], name="composition")
+        alternatives = tuple(fitted.kinds for fitted, is_one in zip(fits, alternative, strict=True) if is_one)
+        fit = chosen.problem.estimate(chosen.theta, self.level)
         return Choice(chosen.kinds, fit, pd.DataFrame(columns, index=index), alternatives)
 
-    def _holds(self, hill: _Hill) -> bool:
+    def _is_local_best(self, fitted: _Fitted) -> bool:
         """Return whether no move improves a composition."""
-        near = (self.hills.get(kinds) for kinds in _neighbours(hill.kinds))
-        return all(other is not None and other.criterion <= hill.criterion for other in near)
+        near = (self.fits.get(kinds) for kinds in _neighbours(fitted.kinds))
+        return all(other is not None and other.criterion <= fitted.criterion for other in near)
 
-    def _rivals(self, hill: _Hill, chosen: _Hill) -> bool:
+    def _is_alternative(self, fitted: _Fitted, chosen: _Fitted) -> bool:
         """Return whether neither composition is part of the other, and the terms of both together are not needed.
 
         All of them together are at least as likely as the choice.
         """
-        here, there = Counter(hill.kinds), Counter(chosen.kinds)
-        needed = chosen.likelihood - hill.likelihood > self.cost * parameters(tuple((there - here).elements()))
+        here, there = Counter(fitted.kinds), Counter(chosen.kinds)
+        needed = chosen.likelihood - fitted.likelihood > self.penalty * parameters(tuple((there - here).elements()))
         return not (here <= there or there <= here or needed)
 
 
@@ -245,7 +245,7 @@ def _neighbours(kinds: Kinds) -> Iterator[Kinds]:
             yield tuple(sorted(there.elements(), key=TERMS.index))
 
 
-def _times(problem: Problem, origin: _Hill) -> list[tuple[float, ...]]:
+def _times(problem: LikelihoodProblem, origin: _Fitted) -> list[tuple[float, ...]]:
     """Return the correlation times [s] of a neighbour with each that a new process may have, or without each."""
     markov, known = problem.composition.markov, tuple(np.exp(origin.theta[len(origin.problem.shapes) + 1 :: 2]))
     if len(known) < markov:
@@ -253,7 +253,7 @@ def _times(problem: Problem, origin: _Hill) -> list[tuple[float, ...]]:
     return list(combinations(known, markov))
 
 
-def _extended(problem: Problem, origin: _Hill) -> list[np.ndarray]:
+def _extended(problem: LikelihoodProblem, origin: _Fitted) -> list[np.ndarray]:
     """Return the values of a neighbour with its new terms absent, if it has all others."""
     old = origin.problem.composition.densities
     if not set(old) <= set(problem.composition.densities) or len(origin.theta) > len(problem.low):
@@ -264,7 +264,7 @@ def _extended(problem: Problem, origin: _Hill) -> list[np.ndarray]:
     return [np.r_[densities, markov, problem.low[len(densities) + len(markov) :]]]
 
 
-def _common_slope(theta: np.ndarray, problem: Problem) -> float:
+def _common_slope(theta: np.ndarray, problem: LikelihoodProblem) -> float:
     """Return the slope [unit/s] that fits all parts best."""
     values, variances = np.transpose([slope(theta, problem.shapes, part) for part in problem.parts])
     return float(np.average(values, weights=1 / variances))

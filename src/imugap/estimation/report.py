@@ -15,7 +15,7 @@ from imugap.effects import CATALOGUE, GaussMarkov, Quantization, RateRamp, White
 from imugap.estimation import allan, allan_slopes, goodness_of_fit, maximum_likelihood
 from imugap.estimation.gmwm import estimator
 from imugap.estimation.model_selection import TERMS, Choice, Kinds, choose, title
-from imugap.estimation.result import Estimate, Fit, Verdict
+from imugap.estimation.result import Fit, Identifiability, ParameterEstimate
 from imugap.estimation.wavelet_variance import EFFICIENCY
 from imugap.log import GYRO
 
@@ -32,7 +32,7 @@ class Method(StrEnum):
 
 
 @dataclass(frozen=True)
-class Inquiry:
+class EstimatorSettings:
     """What is asked about an axis.
 
     Attributes
@@ -92,7 +92,7 @@ class Inquiry:
 
 
 @dataclass(frozen=True)
-class Finding:
+class AxisEstimate:
     """What was found on one axis; ``goodness`` says whether the model fits, ``alternatives`` what fits as well."""
 
     axis: str
@@ -109,7 +109,7 @@ class Finding:
     def verdict(self) -> str:
         """Return in words whether the model fits, which parameters are not identified, and what fits as well."""
         parts = [self.goodness.rstrip(".")]
-        unknown = [(one, one.verdict) for one, _ in self.parameters() if one.verdict != Verdict.IDENTIFIED]
+        unknown = [(one, one.verdict) for one, _ in self.parameters() if one.verdict != Identifiability.IDENTIFIED]
         if unknown:
             named = (f"{one.effect} {one.ordinal} {one.parameter} ({why})" for one, why in unknown)
             parts.append(f"Not identified: {', '.join(named)}")
@@ -120,7 +120,7 @@ class Finding:
             parts.append(f"There is no white noise beside {GaussMarkov.name} 1: an output filter would look the same")
         return ". ".join(parts) + "."
 
-    def parameters(self) -> list[tuple[Estimate, str]]:
+    def parameters(self) -> list[tuple[ParameterEstimate, str]]:
         """Return the estimates of the parameters that the catalogue names, each with its SI unit."""
         units = [CATALOGUE[one.effect].units(self.unit).get(one.parameter) for one in self.fit.estimates]
         return [(one, unit) for one, unit in zip(self.fit.estimates, units, strict=True) if unit]
@@ -140,7 +140,7 @@ class Finding:
         }
 
 
-def find(axis: str, sequence: np.ndarray, interval: float, inquiry: Inquiry) -> Finding:
+def estimate_axis(axis: str, sequence: np.ndarray, interval: float, inquiry: EstimatorSettings) -> AxisEstimate:
     """Answer an inquiry about one axis: samples, shape (n,), evenly spaced by ``interval`` [s]."""
     choice: Choice | None = None
     try:
@@ -153,16 +153,16 @@ def find(axis: str, sequence: np.ndarray, interval: float, inquiry: Inquiry) -> 
         judged = goodness_of_fit.of(fit.model, sequence, interval)
     except ValueError as error:
         raise ValueError(f"{axis}: {error}") from error
-    return Finding(axis, inquiry.method, fit, judged.verdict, choice.alternatives if choice else ())
+    return AxisEstimate(axis, inquiry.method, fit, judged.verdict, choice.alternatives if choice else ())
 
 
 def kinds_of(names: Sequence[str]) -> Kinds:
     """Return the effects of the given names, among those that can be estimated; an unknown one names the nearest."""
     known = {kind.name: kind for kind in TERMS}
-    return tuple(known[nearest(name, tuple(known), "terms")] for name in names)
+    return tuple(known[known_name(name, tuple(known), "terms")] for name in names)
 
 
-def nearest(name: str, known: Sequence[str], what: str) -> str:
+def known_name(name: str, known: Sequence[str], what: str) -> str:
     """Return ``name`` if it is known; else raise a ValueError that says which of the known ones is nearest."""
     if name not in known:
         near = get_close_matches(name.lower(), known, 1)
@@ -171,13 +171,13 @@ def nearest(name: str, known: Sequence[str], what: str) -> str:
     return name
 
 
-def to_json(findings: Sequence[Finding]) -> str:
+def to_json(findings: Sequence[AxisEstimate]) -> str:
     """Return the records of all axes as strict JSON."""
     return json.dumps([one.record() for one in findings], indent=1, allow_nan=False) + "\n"
 
 
-def table(findings: Sequence[Finding]) -> pd.DataFrame:
-    """Return all estimates: ``axis``, ``method``, the columns of :class:`.result.Estimate`, ``unit``."""
+def table(findings: Sequence[AxisEstimate]) -> pd.DataFrame:
+    """Return all estimates: ``axis``, ``method``, the columns of :class:`.result.ParameterEstimate`, ``unit``."""
     rows = [
         {"axis": one.axis, "method": str(one.method)} | asdict(estimate) | {"unit": unit}
         for one in findings
@@ -186,7 +186,7 @@ def table(findings: Sequence[Finding]) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def curves(log: pd.DataFrame, interval: float, findings: Sequence[Finding], level: float = 0.95) -> pd.DataFrame:
+def curves(log: pd.DataFrame, interval: float, findings: Sequence[AxisEstimate], level: float = 0.95) -> pd.DataFrame:
     """Return the Allan deviation of each axis and where the fitted model expects that of so long a log.
 
     Returns

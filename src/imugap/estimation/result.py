@@ -9,7 +9,7 @@ import pandas as pd
 from imugap.effects.effect import AxisModel
 
 
-class Verdict(StrEnum):
+class Identifiability(StrEnum):
     """What an interval says."""
 
     IDENTIFIED = "identified"
@@ -24,7 +24,7 @@ class Verdict(StrEnum):
 
 
 @dataclass(frozen=True)
-class Estimate:
+class ParameterEstimate:
     """A parameter with its interval; SI.
 
     Attributes
@@ -46,7 +46,7 @@ class Estimate:
     low: float
     high: float
     error: float
-    verdict: Verdict
+    verdict: Identifiability
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ class Fit:
     """
 
     model: AxisModel
-    estimates: tuple[Estimate, ...]
+    estimates: tuple[ParameterEstimate, ...]
     objective: float
     converged: bool
 
@@ -75,8 +75,8 @@ class Fit:
         return pd.DataFrame(map(asdict, self.estimates)).set_index(["effect", "ordinal", "parameter"])
 
 
-def verdict(low: float, high: float) -> Verdict:
+def identifiability(low: float, high: float) -> Identifiability:
     """Return what an interval of a parameter that cannot be negative says."""
     if low > 0:
-        return Verdict.IDENTIFIED if isfinite(high) else Verdict.LOWER_BOUND
-    return Verdict.UPPER_BOUND if isfinite(high) else Verdict.UNDETERMINED
+        return Identifiability.IDENTIFIED if isfinite(high) else Identifiability.LOWER_BOUND
+    return Identifiability.UPPER_BOUND if isfinite(high) else Identifiability.UNDETERMINED

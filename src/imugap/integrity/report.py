@@ -70,7 +70,7 @@ class Axis:
 
 
 @dataclass(frozen=True)
-class Event:
+class Shock:
     """A knock: consecutive outliers of any axis; ``size`` is the largest, in standard deviations, on ``axis``."""
 
     start_s: float
@@ -86,7 +86,7 @@ class Report:
     timing: Timing
     gravity: Gravity | None
     axes: tuple[Axis, ...]
-    events: tuple[Event, ...]
+    events: tuple[Shock, ...]
 
     def to_frame(self) -> pd.DataFrame:
         """Return one row per axis, indexed by its name."""
@@ -255,7 +255,7 @@ def outlier_limit(scores: np.ndarray) -> float:
     return max(threshold + scale * np.log(count / IMPROBABLE), -ndtri(IMPROBABLE / (2 * len(scores))))
 
 
-def events(outliers: dict[str, np.ndarray], time: np.ndarray) -> tuple[Event, ...]:
+def events(outliers: dict[str, np.ndarray], time: np.ndarray) -> tuple[Shock, ...]:
     """Merge outliers on any axis, no more than :data:`HIGH_PASS_S` apart, into events.
 
     Parameters
@@ -275,7 +275,7 @@ def events(outliers: dict[str, np.ndarray], time: np.ndarray) -> tuple[Event, ..
     for group in np.split(np.arange(len(rows)), cuts):
         largest = sizes[:, group].max(axis=1)
         start, end = time[rows[group[[0, -1]]]]
-        found.append(Event(float(start), float(end), names[largest.argmax()], float(largest.max())))
+        found.append(Shock(float(start), float(end), names[largest.argmax()], float(largest.max())))
     return tuple(found)
 
 

@@ -81,7 +81,7 @@ class Spectra:
 
 
 @dataclass(frozen=True)
-class Evidence:
+class IntervalRatio:
     """Log of the ratio of intervals with its standard deviation; ``track`` (blocks,) is its course within the run."""
 
     log_ratio: float = nan
@@ -115,8 +115,8 @@ class Evidence:
 class Clock:
     """The sampling interval of a run over that of the reference; ``power`` is the ratio of their noise variances."""
 
-    lines: Evidence
-    rolloff: Evidence
+    lines: IntervalRatio
+    rolloff: IntervalRatio
     power: float = nan
 
     @property
@@ -126,7 +126,7 @@ class Clock:
         return float(2 * stats.t.sf(gap, BLOCKS - 1))
 
     @property
-    def combined(self) -> Evidence:
+    def combined(self) -> IntervalRatio:
         """Mean of what there is, weighted by inverse variance; none if the two kinds disagree."""
         found = [] if self.agreement < LEVEL else [evidence for evidence in (self.lines, self.rolloff) if evidence]
         return _mean(found)
@@ -175,14 +175,14 @@ def relative_interval(reference: Spectra, run: Spectra) -> Clock:
     return Clock(_match(reference, run), *_rolloff(pairs))
 
 
-def _mean(found: list[Evidence]) -> Evidence:
+def _mean(found: list[IntervalRatio]) -> IntervalRatio:
     """Return the mean by inverse variance, its deviation enlarged if they scatter more than they should (Birge)."""
     if not found:
-        return Evidence()
+        return IntervalRatio()
     values, weights = np.array([e.log_ratio for e in found]), np.array([e.sd**-2 for e in found])
     mean = np.average(values, weights=weights)
     birge = max(1.0, weights @ (values - mean) ** 2 / max(1, len(found) - 1))
-    return Evidence(float(mean), sqrt(birge / weights.sum()), np.average([e.track for e in found], 0, weights))
+    return IntervalRatio(float(mean), sqrt(birge / weights.sum()), np.average([e.track for e in found], 0, weights))
 
 
 def _detect(power: np.ndarray) -> list[tuple[float, float]]:
@@ -218,7 +218,7 @@ def _follow(power: np.ndarray, centre: float) -> np.ndarray:
     return np.log(first + top + np.clip(0.5 * (left - right) / bend, -0.5, 0.5))
 
 
-def _match(reference: Spectra, run: Spectra) -> Evidence:
+def _match(reference: Spectra, run: Spectra) -> IntervalRatio:
     """Find the ratio that most lines of two runs have in common, and estimate it.
 
     Under the null the lines of the run lie anywhere on the log axis: each meets one of the reference with probability
@@ -230,21 +230,21 @@ def _match(reference: Spectra, run: Spectra) -> Evidence:
     gaps = np.median(run.lines, axis=1) - np.median(reference.lines, axis=1)[:, None]
     tried = gaps[np.abs(gaps) <= REACH]
     if not len(tried):
-        return Evidence()
+        return IntervalRatio()
     misses = np.abs(gaps - tried[:, None, None])
     hits = (misses <= TOLERANCE).any(axis=1).sum(axis=1)
     best = np.lexsort((np.minimum(misses, TOLERANCE).sum(axis=(1, 2)), -hits))[0]
     share = min(1.0, 2 * TOLERANCE * len(reference.lines) / np.log(run.length / 2 / LOWEST))
     if REACH / TOLERANCE * stats.binom.sf(hits[best] - 1, len(run.lines), share) > LEVEL:
-        return Evidence()
+        return IntervalRatio()
     first, second = np.nonzero(misses[best] <= TOLERANCE)
     pairs = np.stack([reference.lines[first], run.lines[second]])
     before, after = np.average(pairs, axis=1, weights=1 / pairs.var(axis=2, ddof=1).sum(axis=0))
     sd = sqrt(before.var(ddof=1) + after.var(ddof=1))
-    return Evidence(float(after.mean() - before.mean()), sd, after - after.mean())
+    return IntervalRatio(float(after.mean() - before.mean()), sd, after - after.mean())
 
 
-def _rolloff(pairs: list[np.ndarray]) -> tuple[Evidence, float]:
+def _rolloff(pairs: list[np.ndarray]) -> tuple[IntervalRatio, float]:
     """Estimate the ratio from the log spectra of each axis, (2, blocks, bins); also the ratio of the noise powers.
 
     Families of filters are averaged by likelihood: the ratio is no surer than the shape, which is common to the axes.
@@ -255,7 +255,7 @@ def _rolloff(pairs: list[np.ndarray]) -> tuple[Evidence, float]:
     misfit = np.array([[chi2 for chi2, _ in family] for family in fits])
     used = [axis for axis, pair in enumerate(pairs) if misfit[:, axis].min() < MISFIT * pair[:, 0].size]
     if not used:
-        return Evidence(), nan
+        return IntervalRatio(), nan
     families = [_mean([family[axis][1] for axis in used]) for family in fits]
     weights = np.exp((misfit[:, used].sum(axis=1).min() - misfit[:, used].sum(axis=1)) / 2)
     ratios, sds = np.array([family.log_ratio for family in families]), np.array([family.sd for family in families])
@@ -264,7 +264,7 @@ def _rolloff(pairs: list[np.ndarray]) -> tuple[Evidence, float]:
     course = np.average([family.track for family in families], axis=0, weights=weights)
     share = np.diff([0.0, *EDGES[1:]])  # flat below the lowest bin
     power = exp(np.mean([np.diff(np.log(np.exp(pairs[axis].mean(axis=1)) @ share)) for axis in used]))
-    return (Evidence(float(mean), deviation, course), power) if deviation < REACH / 10 else (Evidence(), nan)
+    return (IntervalRatio(float(mean), deviation, course), power) if deviation < REACH / 10 else (IntervalRatio(), nan)
 
 
 def _errors(pair: np.ndarray) -> np.ndarray:
@@ -279,7 +279,7 @@ def _flat(pair: np.ndarray) -> bool:
     return bool(stats.chi2.sf(chi2.min(), means.shape[1] - 1) > LEVEL)
 
 
-def _fit(pair: np.ndarray, family: Callable, shape: float) -> tuple[float, Evidence]:
+def _fit(pair: np.ndarray, family: Callable, shape: float) -> tuple[float, IntervalRatio]:
     """Fit log width, shape and log ratio to the means over blocks, the levels set aside; also return chi-squared.
 
     The ratio is linear in small changes of the spectra: applied to the blocks, that gives its course within the run,
@@ -301,7 +301,7 @@ def _fit(pair: np.ndarray, family: Callable, shape: float) -> tuple[float, Evide
     shifts = np.einsum("rbf,rf->rb", changes, np.linalg.pinv(fit.jac)[-1].reshape(means.shape))
     deviation = sqrt(shifts.var(axis=1, ddof=1).sum() / BLOCKS * max(1.0, 2 * fit.cost / means.size))
     slope = fit.jac[means.shape[1] :, -1]  # of the run alone, once width and shape are known
-    return 2 * fit.cost, Evidence(float(fit.x[-1]), deviation, changes[1] @ slope / (slope @ slope))
+    return 2 * fit.cost, IntervalRatio(float(fit.x[-1]), deviation, changes[1] @ slope / (slope @ slope))
 
 
 def _folded(family: Callable, width: float, shape: float) -> np.ndarray:

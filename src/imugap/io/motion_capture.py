@@ -29,7 +29,7 @@ ROUNDS = 8
 
 
 @dataclass(frozen=True, eq=False)
-class Sighted:
+class BandLimited:
     """A log and the error-free log of the same instants, cut to the same band.
 
     Attributes
@@ -92,7 +92,7 @@ def ideal(track: pd.DataFrame, alignment: Alignment) -> pd.DataFrame:
     return pd.DataFrame(values, index=pd.Index(time[1:], name=TIME), columns=list(AXES))
 
 
-def sighted(log: pd.DataFrame, track: pd.DataFrame, alignment: Alignment, bandwidth_hz: float) -> Sighted:
+def band_limited(log: pd.DataFrame, track: pd.DataFrame, alignment: Alignment, bandwidth_hz: float) -> BandLimited:
     """Return a log and its ideal within a band, sampled at twice its width or a little faster.
 
     The log is read between its samples by a cubic spline, at the instants of the track. Both are cut by dropping the
@@ -109,7 +109,7 @@ def sighted(log: pd.DataFrame, track: pd.DataFrame, alignment: Alignment, bandwi
     thin = pd.Index(stamps[0] + step * (factor * (np.arange(count) + 0.5) - 0.5), name=TIME)
     tables = (pd.DataFrame(_thinned(one, factor), index=thin, columns=list(AXES)) for one in (measured, known))
     unseen = lost[: count * factor].reshape(count, factor).any(axis=1)
-    return Sighted(*tables, binary_dilation(unseen, iterations=2))
+    return BandLimited(*tables, binary_dilation(unseen, iterations=2))
 
 
 def aligned(log: pd.DataFrame, track: pd.DataFrame, reference: pd.DataFrame, gravity: float) -> Alignment:

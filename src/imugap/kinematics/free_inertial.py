@@ -21,7 +21,7 @@ QUANTITIES = {"east": strapdown.COLUMNS.index("east"), "north": 0, "heading": st
 
 
 @dataclass(frozen=True)
-class Course:
+class StaticNavigation:
     """How static logs are navigated.
 
     Attributes
@@ -41,7 +41,7 @@ class Course:
     epoch_s: float
 
     @classmethod
-    def from_mapping(cls, site: dict, navigation: dict, length_s: float) -> "Course":
+    def from_mapping(cls, site: dict, navigation: dict, length_s: float) -> "StaticNavigation":
         """Build from the configuration of a site and of the navigation, and the length to navigate [s]."""
         return cls(
             Site.from_mapping(site),
@@ -94,10 +94,8 @@ class Course:
             strapdown.Ellipsoid(place.latitude, 0.0, place.height) if self.full else strapdown.Local(place.gravity)
         )
         attitude = np.array([0.0, 0.0, place.heading or 0.0])
-        path = strapdown.navigate(
-            moving[..., :3], moving[..., 3:], interval, strapdown.State(attitude=tuple(attitude)), mechanisation,
-            round(self.epoch_s / interval),
-        )  # fmt: skip
+        start, every = strapdown.NavigationState(attitude=tuple(attitude)), round(self.epoch_s / interval)
+        path = strapdown.navigate(moving[..., :3], moving[..., 3:], interval, start, mechanisation, every)
         path[..., 8] = np.unwrap(path[..., 8], axis=-1)
         path[..., 6:] -= attitude
         return path

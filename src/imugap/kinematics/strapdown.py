@@ -1,8 +1,8 @@
 """Strapdown navigation: from angular rate and specific force to attitude, velocity and position.
 
-A sample stamped ``t_k`` is the mean of rate and specific force over ``(t_{k-1}, t_k]``. The initial :class:`State`
-belongs to the time of the first sample; that sample, which ended there, enters only as the history that the corrections
-for coning and sculling need.
+A sample stamped ``t_k`` is the mean of rate and specific force over ``(t_{k-1}, t_k]``. The initial
+:class:`NavigationState` belongs to the time of the first sample; that sample, which ended there, enters only as the
+history that the corrections for coning and sculling need.
 
 Two mechanisations, each a frozen value:
 
@@ -48,7 +48,7 @@ GEODETIC = ("latitude", "longitude", "height")
 
 
 @dataclass(frozen=True)
-class State:
+class NavigationState:
     """Where a navigator is: position [m], velocity [m/s] in ``n``, attitude (roll, pitch, heading) [rad]."""
 
     position: tuple[float, float, float] = (0.0, 0.0, 0.0)
@@ -212,7 +212,7 @@ def navigate(
     gyro: np.ndarray,
     accel: np.ndarray,
     dt: float | np.ndarray,
-    state: State,
+    state: NavigationState,
     mechanisation: Mechanisation,
     every: int = 1,
 ) -> np.ndarray:
@@ -266,7 +266,7 @@ def _check_samples(gyro: np.ndarray, accel: np.ndarray, dt: float | np.ndarray, 
     return dt
 
 
-def trajectory(log: pd.DataFrame, state: State, mechanisation: Mechanisation, every: int = 1) -> pd.DataFrame:
+def trajectory(log: pd.DataFrame, state: NavigationState, mechanisation: Mechanisation, every: int = 1) -> pd.DataFrame:
     """Navigate a log with six axes from ``state`` at the time of its first sample; return a Trajectory.
 
     The index is every ``every``-th time of the log, the first row is ``state`` itself. The intervals come from the time
@@ -293,7 +293,7 @@ def level(accel_mean: np.ndarray) -> tuple[float, float]:
     return float(np.arctan2(-y, -z)), float(np.arctan2(x, np.hypot(y, z)))
 
 
-def align(log: pd.DataFrame, duration_s: float, heading: float) -> State:
+def align(log: pd.DataFrame, duration_s: float, heading: float) -> NavigationState:
     """Return the state of a body that rests for the first ``duration_s`` [s] of ``log``: levelled, at the origin.
 
     ``heading`` [rad] is given, since a levelled accelerometer does not see it.
@@ -302,7 +302,7 @@ def align(log: pd.DataFrame, duration_s: float, heading: float) -> State:
     time = log.index.to_numpy() - log.index[0]
     if not 0 < duration_s <= time[-1]:
         raise ValueError(f"duration_s: expected more than 0 and at most {time[-1]} s, the log; found {duration_s}")
-    return State(attitude=(*level(accel[time < duration_s].mean(axis=0)), heading))
+    return NavigationState(attitude=(*level(accel[time < duration_s].mean(axis=0)), heading))
 
 
 def _samples(log: pd.DataFrame, names: tuple[str, ...]) -> np.ndarray:

@@ -21,7 +21,7 @@ from imugap.filters.error_state import ATTITUDE, NAVIGATION, VELOCITY
 from imugap.filters.sensor_states import SensorStates
 from imugap.io import gnss
 from imugap.kinematics import earth
-from imugap.kinematics.strapdown import Ellipsoid, Local, State, level, navigate
+from imugap.kinematics.strapdown import Ellipsoid, Local, NavigationState, level, navigate
 from imugap.log import ACCEL, GYRO
 from imugap.navigation.vehicle import Assumptions, Start
 from imugap.numerics.rotation import from_euler
@@ -167,7 +167,7 @@ def _levelled(
         gyro = part[list(GYRO)].to_numpy() - errors_of(GYRO, errors, states)
         steps = np.diff(part.index.to_numpy(), prepend=part.index[0] - np.median(np.diff(part.index)))
         still = np.zeros_like(gyro)
-        last = navigate(gyro, still, steps, State(attitude=first), Local(0.0), len(gyro) - 1)[-1, 6:]
+        last = navigate(gyro, still, steps, NavigationState(attitude=first), Local(0.0), len(gyro) - 1)[-1, 6:]
     turn = Rotation.from_euler("z", heading - last[2])
     rows = tilt(force, from_euler(np.array(first)).as_matrix(), states, gravity)
     return from_euler(np.array([*last[:2], heading])), turn.as_matrix()[:2, :2] @ rows

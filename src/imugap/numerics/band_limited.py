@@ -14,7 +14,7 @@ END = 30
 """Samples at either end of cubic course, and by which the spline of high degree goes on mirrored: swings die away."""
 
 
-def course(time: np.ndarray, values: np.ndarray) -> CubicHermiteSpline:
+def interpolate(time: np.ndarray, values: np.ndarray) -> CubicHermiteSpline:
     """Return the course through values, shape (n,) or (n, m), at ``time`` [s], shape (n,), n > 1."""
     count = min(END, len(time) - 1)
     rise = _mirrored(values - values[0], count)  # a constant has no slope at all, not even by rounding

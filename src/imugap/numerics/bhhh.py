@@ -25,7 +25,7 @@ FLAT = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
-class Top:
+class Maximum:
     """Highest point that was reached.
 
     Attributes
@@ -45,7 +45,7 @@ class Top:
         return float(np.sum(self.densities))
 
 
-def highest(densities: Callable[[np.ndarray], np.ndarray], starts: Iterable[np.ndarray]) -> Top:
+def maximise(densities: Callable[[np.ndarray], np.ndarray], starts: Iterable[np.ndarray]) -> Maximum:
     """Return the highest of the tops that starts lead to.
 
     ``densities`` gives the logarithm of the density of each value, given those before, for parameters of shape (p,)
@@ -54,8 +54,8 @@ def highest(densities: Callable[[np.ndarray], np.ndarray], starts: Iterable[np.n
     return max((_climbed(densities, np.asarray(start, float)) for start in starts), key=lambda top: top.log_likelihood)
 
 
-def _climbed(densities: Callable[[np.ndarray], np.ndarray], start: np.ndarray) -> Top:
-    here, damping = Top(start, densities(start)), DAMPING
+def _climbed(densities: Callable[[np.ndarray], np.ndarray], start: np.ndarray) -> Maximum:
+    here, damping = Maximum(start, densities(start)), DAMPING
     for _ in range(ROUNDS):
         units = STEP * np.eye(len(start))
         scores = np.array([densities(here.theta + unit) - here.densities for unit in units]) / STEP
@@ -76,7 +76,7 @@ def _climbed(densities: Callable[[np.ndarray], np.ndarray], start: np.ndarray) -
     return here
 
 
-def _extended(densities: Callable[[np.ndarray], np.ndarray], here: Top, step: np.ndarray) -> Top:
+def _extended(densities: Callable[[np.ndarray], np.ndarray], here: Maximum, step: np.ndarray) -> Maximum:
     """Go on by steps twice as long each, as long as they lead up: far from the top, scores make them too short."""
     further = _moved(densities, here, step)
     if not further.log_likelihood > here.log_likelihood + SETTLED:
@@ -84,6 +84,6 @@ def _extended(densities: Callable[[np.ndarray], np.ndarray], here: Top, step: np
     return _extended(densities, further, 2 * step)
 
 
-def _moved(densities: Callable[[np.ndarray], np.ndarray], here: Top, step: np.ndarray) -> Top:
+def _moved(densities: Callable[[np.ndarray], np.ndarray], here: Maximum, step: np.ndarray) -> Maximum:
     theta = here.theta + np.clip(step, -LONGEST, LONGEST)
-    return Top(theta, densities(theta))
+    return Maximum(theta, densities(theta))

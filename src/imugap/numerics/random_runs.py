@@ -16,7 +16,7 @@ LARGE = 2.0
 """Largest logarithm of k."""
 
 
-def stretches(count: int, probability: float, length: float, rng: np.random.Generator) -> np.ndarray:
+def simulate_runs(count: int, probability: float, length: float, rng: np.random.Generator) -> np.ndarray:
     """Return which of ``count`` samples lie in a stretch, shape (count,), bool.
 
     At each sample after one that is free a stretch begins with ``probability``; the number of its samples is geometric
@@ -50,7 +50,7 @@ def stretches(count: int, probability: float, length: float, rng: np.random.Gene
 
 
 @dataclass(frozen=True)
-class Estimate:
+class RunEstimate:
     """Probability and mean length of stretches, each with its 95 % interval, and the chance that there are none.
 
     Attributes
@@ -69,7 +69,7 @@ class Estimate:
     least: int = 1
 
 
-def counted(runs: np.ndarray, free: int) -> Estimate:
+def estimate_from_runs(runs: np.ndarray, free: int) -> RunEstimate:
     """Estimate from stretches that are seen for certain.
 
     Parameters
@@ -81,7 +81,7 @@ def counted(runs: np.ndarray, free: int) -> Estimate:
     """
     begun, held = len(runs), int(np.sum(runs))
     ends = _binomial(begun, held)
-    return Estimate(_binomial(begun, free), (held / begun, 1 / ends[2], 1 / ends[1]), -np.inf)
+    return RunEstimate(_binomial(begun, free), (held / begun, 1 / ends[2], 1 / ends[1]), -np.inf)
 
 
 def _binomial(hits: int, trials: int) -> tuple[float, float, float]:
@@ -91,9 +91,9 @@ def _binomial(hits: int, trials: int) -> tuple[float, float, float]:
     return hits / trials, low, high
 
 
-def disentangled(
+def estimate_from_repeats(
     lengths: np.ndarray, counts: np.ndarray, chance: float, spread: float, log_alpha: float
-) -> Estimate | None:
+) -> RunEstimate | None:
     """Estimate from runs of repeats of which chance makes some; maximum of the posterior and its curvature.
 
     A run ends with a sample that differs from the one before, which is free. From there on a chain of two states,
@@ -131,7 +131,7 @@ def disentangled(
     free = _log_runs(lengths, 0.0, 1.0, *_levels(best.x)) + (lengths + 1) * np.log1p(-begin[0])
     stuck = free - _log_runs(lengths, begin[0], end[0], *_levels(best.x)) < np.log(0.5)
     least = int(lengths[stuck].min()) if stuck.any() else int(lengths.max()) + 1
-    return Estimate(tuple(begin), tuple(1 / max(end[k], TINY) for k in (0, 2, 1)), log_p, least)
+    return RunEstimate(tuple(begin), tuple(1 / max(end[k], TINY) for k in (0, 2, 1)), log_p, least)
 
 
 def _least(cost, starts: list[list[float]]):

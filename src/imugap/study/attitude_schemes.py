@@ -11,12 +11,12 @@ import pandas as pd
 
 from imugap.effects import GaussMarkov, RandomWalk, WhiteNoise
 from imugap.effects.effect import AxisModel
-from imugap.estimation.methods import METHODS, Method
-from imugap.estimation.result import Fit, Verdict
+from imugap.estimation.methods import METHODS, Estimator
+from imugap.estimation.result import Fit, Identifiability
 from imugap.log import ACCEL, GYRO, interval
 from imugap.model import ErrorModel
 
-SCHEMES: dict[str, Method] = {
+SCHEMES: dict[str, Estimator] = {
     "allan": METHODS["allan"],
     "indirect": METHODS["indirect_full"],
     "likelihood": METHODS["likelihood"],
@@ -48,7 +48,9 @@ def _cautious(fit: Fit) -> AxisModel:
         bounded = [
             one
             for one in fit.estimates
-            if one.effect == effect.name and one.parameter in effect.parameters() and one.verdict is Verdict.UPPER_BOUND
+            if one.effect == effect.name
+            and one.parameter in effect.parameters()
+            and one.verdict is Identifiability.UPPER_BOUND
         ]
         effects.append(replace(effect, **{one.parameter: one.high for one in bounded}))
     return AxisModel(tuple(effects))

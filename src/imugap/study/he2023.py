@@ -89,7 +89,7 @@ def lengths(table1: pd.DataFrame, table2: pd.DataFrame) -> pd.Series:
     rate, seconds = 100.0, 3600.0
     samples = np.tile(bias, (int(rate * seconds), 1)) - [0, 0, 0, 0, 0, STANDARD_GRAVITY]
     mechanisation = strapdown.Local(STANDARD_GRAVITY)
-    path = strapdown.navigate(samples[:, :3], samples[:, 3:], 1 / rate, strapdown.State(), mechanisation, 10)
+    path = strapdown.navigate(samples[:, :3], samples[:, 3:], 1 / rate, strapdown.NavigationState(), mechanisation, 10)
     final = final_drifts(table2).median(axis=1)
     reached = {
         "horizontal": np.hypot(path[:, 0], path[:, 1]) >= np.hypot(final["east"], final["north"]),

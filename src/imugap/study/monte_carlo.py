@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 from scipy.stats import binomtest
 
-from imugap.estimation.result import Fit, Verdict
+from imugap.estimation.result import Fit, Identifiability
 from imugap.stream import stream
 
 RESAMPLES = 1000
@@ -60,7 +60,7 @@ def _one(group: pd.DataFrame, true: float, bound: float, seed: int, level: float
     return {
         "runs": len(group),
         "failed": int((~finite).sum()),
-        "identified": float((group["verdict"] == Verdict.IDENTIFIED).mean()),
+        "identified": float((group["verdict"] == Identifiability.IDENTIFIED).mean()),
         "bias": error.mean() if len(error) else np.nan,
         "bias_error": error.std(ddof=1) / np.sqrt(len(error)) if len(error) > 1 else np.nan,
         "median": float(np.median(np.abs(error))) if len(error) else np.nan,

@@ -12,7 +12,7 @@ from imugap.effects.conditions import Conditions
 from imugap.effects.effect import AxisModel
 from imugap.log import LogError
 from imugap.model import ErrorModel
-from imugap.numerics.random_runs import stretches
+from imugap.numerics.random_runs import simulate_runs
 from imugap.stream import stream
 
 SD = 0.1
@@ -314,7 +314,7 @@ def test_what_sticks_on_all_axes_is_found_in_motion():
     for seed in range(8):
         pairs = {axis: hand(seed, 1.7, axis) for axis in axes}
         ideal, values = (log.from_samples({axis: 1e-3 * pair[k] for axis, pair in pairs.items()}, 0.01) for k in (0, 1))
-        stuck = stretches(len(values), 1e-3, 4.0, stream(seed, "held"))
+        stuck = simulate_runs(len(values), 1e-3, 4.0, stream(seed, "held"))
         rows = np.maximum.accumulate(np.where(stuck, 0, np.arange(len(values))))
         record = prepare(values.iloc[rows].set_axis(values.index), ideal)
         found = parameters(record, "stuck_samples")
@@ -330,7 +330,7 @@ def test_what_sticks_on_all_axes_is_found_where_some_lattices_are_too_coarse_to_
         noise = {axis: size * stream(seed, axis).standard_normal(60_000) for axis, size in deviations.items()}
         values = log.from_samples({axis: 1e-3 * np.rint(one) for axis, one in noise.items()}, 0.01)
         assert {name for _, name in names(prepare(values))} == {"resolution"}
-        stuck = stretches(len(values), 1e-3, 6.0, stream(seed, "held"))
+        stuck = simulate_runs(len(values), 1e-3, 6.0, stream(seed, "held"))
         rows = np.maximum.accumulate(np.where(stuck, 0, np.arange(len(values))))
         record = prepare(values.iloc[rows].set_axis(values.index))
         found = parameters(record, "stuck_samples")

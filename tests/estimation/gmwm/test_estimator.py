@@ -8,9 +8,9 @@ from imugap.effects import Conditions, GaussMarkov, Quantization, RandomWalk, Wh
 from imugap.effects.effect import AxisModel
 from imugap.estimation import maximum_likelihood, wavelet_variance
 from imugap.estimation.cramer_rao import bound
-from imugap.estimation.gmwm.estimator import fit, fit_curve, point, simulated
+from imugap.estimation.gmwm.estimator import fit, fit_by_simulation, fit_curve, point_estimate
 from imugap.estimation.gmwm.moments import Weighting
-from imugap.estimation.result import Verdict
+from imugap.estimation.result import Identifiability
 from imugap.stream import stream
 
 REFERENCE = Path(__file__).parents[2] / "reference"
@@ -134,7 +134,7 @@ def test_process_that_is_not_there_has_density_zero_and_an_upper_bound():
         found = fit(sequence, INTERVAL, (WhiteNoise, RandomWalk))
         walk = found.table().loc[("random_walk", 1, "density_k")]
         assert walk["low"] == 0
-        assert walk["verdict"] == Verdict.UPPER_BOUND
+        assert walk["verdict"] == Identifiability.UPPER_BOUND
         assert 0 < walk["high"] < 4e-4
         if walk["value"] == 0:
             bounded += 1
@@ -147,10 +147,10 @@ def test_correlation_time_beyond_the_log_gets_a_lower_bound():
     of = WhiteNoise(5e-3) + GaussMarkov(0.1, 1e5)
     found = fit(simulate(of, 30_000, "long"), INTERVAL, kinds(of)).table()
     time = found.loc[("gauss_markov", 1, "correlation_time")]
-    assert time["verdict"] == Verdict.LOWER_BOUND
+    assert time["verdict"] == Identifiability.LOWER_BOUND
     assert 100 < time["low"] < 1e5
     driving = found.loc[("gauss_markov", 1, "driving_psd")]
-    assert driving["verdict"] == Verdict.IDENTIFIED
+    assert driving["verdict"] == Identifiability.IDENTIFIED
     assert driving["low"] < 2e-7 < driving["high"]
 
 
@@ -160,13 +160,13 @@ def test_random_walk_that_the_log_hardly_shows_is_bounded():
     for run in range(12):
         found = fit(simulate(model(200.0), COUNT, "hardly", run), INTERVAL, kinds(model(200.0))).table()
         verdicts.append(found.loc[("random_walk", 1, "density_k"), "verdict"])
-    assert verdicts.count(Verdict.UPPER_BOUND) >= 8
+    assert verdicts.count(Identifiability.UPPER_BOUND) >= 8
 
 
 def test_the_point_estimate_is_that_of_the_fit():
     of = model(20.0)
     sequence = simulate(of, 20_000, "point")
-    found, objective = point(sequence, INTERVAL, kinds(of), weighting=Weighting.DIAGONAL)
+    found, objective = point_estimate(sequence, INTERVAL, kinds(of), weighting=Weighting.DIAGONAL)
     whole = fit(sequence, INTERVAL, kinds(of), weighting=Weighting.DIAGONAL)
     assert found == whole.model
     assert objective == whole.objective
@@ -196,7 +196,7 @@ def test_two_gauss_markov_processes_are_told_apart_and_ordered():
     found = fit(simulate(of, COUNT, "two"), INTERVAL, kinds(of)).table().sort_index()
     for ordinal, (std, time) in enumerate([(1e-2, 2.0), (2e-2, 60.0)], start=1):
         rows = found.loc[("gauss_markov", ordinal)]
-        assert (rows["verdict"] == Verdict.IDENTIFIED).all()
+        assert (rows["verdict"] == Identifiability.IDENTIFIED).all()
         assert abs(rows.loc["std", "value"] / std - 1) < 4 * rows.loc["std", "error"]
         assert abs(rows.loc["correlation_time", "value"] / time - 1) < 4 * rows.loc["correlation_time", "error"]
 
@@ -229,7 +229,7 @@ def test_robust_wavelet_variances_withstand_outliers():
 def test_simulated_wavelet_variances_lead_to_nearly_the_same_estimate():
     of = model(20.0, walk=False)
     sequence = simulate(of, 20_000, "simulated")
-    found, again = (simulated(sequence, INTERVAL, kinds(of), seed, 25) for seed in (1, 1))
+    found, again = (fit_by_simulation(sequence, INTERVAL, kinds(of), seed, 25) for seed in (1, 1))
     pd.testing.assert_frame_equal(found.table(), again.table())
     assert found.converged
     assert found.history["objective"].is_monotonic_decreasing

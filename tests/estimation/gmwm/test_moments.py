@@ -1,12 +1,12 @@
 import numpy as np
 import pytest
-from tests.estimation.gmwm.bindings import INTERVAL
+from tests.estimation.gmwm.families import INTERVAL
 
 from imugap.effects import Conditions, GaussMarkov, RandomWalk, WhiteNoise
 from imugap.estimation import wavelet_variance
-from imugap.estimation.gmwm.implied import Binding
-from imugap.estimation.gmwm.moments import Problem, Spread, Weighting
-from imugap.estimation.gmwm.quasi_likelihood import Held, Hold
+from imugap.estimation.gmwm.implied import Family
+from imugap.estimation.gmwm.moments import MomentMatching, SandwichCovariance, Weighting
+from imugap.estimation.gmwm.quasi_likelihood import Constraint, ConstraintKind
 from imugap.estimation.likelihood import Composition
 
 COUNT = 4000
@@ -17,7 +17,7 @@ def problem(weighting, model=MODEL, label=0, kinds=None, efficiency=1.0):
     at = Conditions(INTERVAL * np.arange(COUNT), INTERVAL)
     curve = wavelet_variance.curve(model.simulate(np.zeros(COUNT), at, 17, "moments", label), INTERVAL)
     composition = Composition.of(*(kinds or map(type, model)))
-    return Problem(Binding(composition, INTERVAL, COUNT, len(curve), 2), curve, weighting, efficiency)
+    return MomentMatching(Family(composition, INTERVAL, COUNT, len(curve), 2), curve, weighting, efficiency)
 
 
 @pytest.mark.parametrize("weighting", Weighting)
@@ -26,7 +26,7 @@ def test_weights_are_those_of_the_definition(weighting):
     path, weights, converged = found.estimate()
     assert converged
     implied = path[-1].implied
-    model = found.binding.composition.model(found.theta(path[-1]))
+    model = found.family.composition.model(found.theta(path[-1]))
     covariance = 2 * wavelet_variance.covariance(model, INTERVAL, COUNT, len(implied))
     width = (found.curve["high"] - found.curve["low"]).to_numpy()
     expected = {
@@ -43,8 +43,8 @@ def test_weighted_slopes_of_the_wavelet_variances_are_orthogonal_to_the_deviatio
     """First-order conditions, with slopes by differences of :func:`wavelet.implied` and an independent covariance."""
     found = problem(weighting, label=1)
     point = found.estimate()[0][-1]
-    theta, composition = found.theta(point), found.binding.composition
-    levels, step = found.binding.levels, 1e-5
+    theta, composition = found.theta(point), found.family.composition
+    levels, step = found.family.levels, 1e-5
     shifts = step * np.eye(len(theta))
     slopes = np.array(
         [
@@ -70,10 +70,8 @@ def test_parameters_and_points_are_two_ways_to_say_the_same():
     theta = np.array([np.log(0.3), -np.inf, np.log(2.0), np.log(7.0)])
     point = found.at(theta)
     np.testing.assert_allclose(found.theta(point), theta)
-    model = found.binding.composition.model(theta)
-    np.testing.assert_allclose(
-        point.implied, wavelet_variance.implied(model, INTERVAL, found.binding.levels), rtol=1e-9
-    )
+    model = found.family.composition.model(theta)
+    np.testing.assert_allclose(point.implied, wavelet_variance.implied(model, INTERVAL, found.family.levels), rtol=1e-9)
 
 
 @pytest.mark.slow
@@ -85,7 +83,7 @@ def test_sandwich_covariance_is_that_of_the_estimates(weighting):
     points = [fit.estimate()[0][-1] for fit in fits]
     found = np.array([fit.theta(point) for fit, point in zip(fits, points, strict=True)])
     truth = fits[0].at(np.log([5e-2, 0.1, 5.0]))
-    expected = np.diag(Spread.of(fits[0], truth, fits[0].weights(truth)).covariance())
+    expected = np.diag(SandwichCovariance.of(fits[0], truth, fits[0].weights(truth)).covariance())
     ratio = found.var(axis=0, ddof=1) / expected
     assert np.all(np.abs(ratio - 1) < 4.5 * np.sqrt(2 / runs))
 
@@ -94,9 +92,9 @@ def test_full_weights_need_no_inflation_and_others_do():
     for weighting in Weighting:
         found = problem(weighting)
         path, weights, _ = found.estimate()
-        spread = Spread.of(found, path[-1], weights)
-        quantity = found.binding.composition.quantities()[2]
-        inflation, error = spread.of_quantity(quantity, Hold(Held.TIME, 1, 0))
+        spread = SandwichCovariance.of(found, path[-1], weights)
+        quantity = found.family.composition.quantities()[2]
+        inflation, error = spread.of_quantity(quantity, Constraint(ConstraintKind.TIME, 1, 0))
         assert error == pytest.approx(np.sqrt(spread.covariance()[2, 2]))
         if weighting is Weighting.FULL:
             assert inflation == pytest.approx(1.0, abs=0.01)

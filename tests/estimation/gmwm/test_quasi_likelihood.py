@@ -3,16 +3,23 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.optimize import brentq
-from tests.estimation.gmwm.bindings import binding
+from tests.estimation.gmwm.families import family_of
 
 from imugap.effects import GaussMarkov, RandomWalk, WhiteNoise
-from imugap.estimation.gmwm.quasi_likelihood import FREE, Held, Hold, Profile, Settling, Weights
-from imugap.estimation.gmwm.start import Nearest
+from imugap.estimation.gmwm.quasi_likelihood import (
+    FREE,
+    Constraint,
+    ConstraintKind,
+    DevianceProfile,
+    QuasiScoreSolver,
+    Weights,
+)
+from imugap.estimation.gmwm.start import DistanceSearch
 from imugap.stream import stream
 
 LEVELS = 12
 TRUTH = np.array([1.0, 3e-3, 1.0])
-FAMILY = binding(WhiteNoise, RandomWalk, GaussMarkov)
+FAMILY = family_of(WhiteNoise, RandomWalk, GaussMarkov)
 EDF = 4000 / 2.0 ** np.arange(LEVELS)
 
 
@@ -33,13 +40,13 @@ def observed(*labels):
     return columns @ TRUTH * stream(3, *labels).chisquare(EDF) / EDF
 
 
-def best(weights, seen, hold=FREE):
-    start = Nearest(FAMILY, seen, weights.white(seen)).descend_all(1e-3)[0][0][-1]
-    return Settling(FAMILY, seen, weights).settle(start, hold)[0][-1]
+def best(weights, seen, constraint=FREE):
+    start = DistanceSearch(FAMILY, seen, weights.white(seen)).descend_from_grid(1e-3)[0][0][-1]
+    return QuasiScoreSolver(FAMILY, seen, weights).solve(start, constraint)[0][-1]
 
 
-def ends(profile, hold, target, error):
-    return tuple(profile.end(hold, side, target, error)[0] for side in (-1, 1))
+def ends(profile, constraint, target, error):
+    return tuple(profile.end(constraint, side, target, error)[0] for side in (-1, 1))
 
 
 @ALL
@@ -66,8 +73,8 @@ def test_deviance_of_independent_levels_is_that_of_chi_square_variances():
 @ALL
 def test_score_vanishes_where_the_steps_end(weights):
     seen = observed("settled")
-    start = Nearest(FAMILY, seen, weights.white(seen)).descend_all(1e-3)[0][0][-1]
-    path, converged = Settling(FAMILY, seen, weights).settle(start, accuracy=1e-16)
+    start = DistanceSearch(FAMILY, seen, weights.white(seen)).descend_from_grid(1e-3)[0][0][-1]
+    path, converged = QuasiScoreSolver(FAMILY, seen, weights).solve(start, accuracy=1e-16)
     point = path[-1]
     assert converged
     slopes = np.hstack([point.columns, FAMILY.slopes(point.times)[1] * point.squares[2:]])
@@ -82,21 +89,26 @@ def test_score_vanishes_where_the_steps_end(weights):
 @ALL
 @pytest.mark.parametrize("factor", [0.8, 1.3])
 @pytest.mark.parametrize(
-    "hold",
-    [Hold(Held.SQUARE, 0), Hold(Held.SQUARE, 2, 0), Hold(Held.DRIVING, 2, 0), Hold(Held.TIME, 2, 0)],
+    "constraint",
+    [
+        Constraint(ConstraintKind.SQUARE, 0),
+        Constraint(ConstraintKind.SQUARE, 2, 0),
+        Constraint(ConstraintKind.DRIVING, 2, 0),
+        Constraint(ConstraintKind.TIME, 2, 0),
+    ],
     ids=["density", "std", "driving", "time"],
 )
-def test_what_is_held_stays_and_the_rest_is_at_its_best(weights, hold, factor):
+def test_what_is_held_stays_and_the_rest_is_at_its_best(weights, constraint, factor):
     seen = observed("held")
     free = best(weights, seen)
-    value = factor * hold.of(free)
-    held = replace(hold, value=value)
-    times = free.times + np.log(factor) * (hold.what is Held.TIME)
-    settling = Settling(FAMILY, seen, weights)
-    path, converged = settling.settle(settling.at(times, free.squares, held), held)
+    value = factor * constraint.of(free)
+    held = replace(constraint, value=value)
+    times = free.times + np.log(factor) * (constraint.kind is ConstraintKind.TIME)
+    solver = QuasiScoreSolver(FAMILY, seen, weights)
+    path, converged = solver.solve(solver.at(times, free.squares, held), held)
     point = path[-1]
     assert converged
-    assert hold.of(point) == pytest.approx(value)
+    assert constraint.of(point) == pytest.approx(value)
     rise = weights.deviance(seen, free.implied, point.implied)
     assert rise > 0
     for k in range(4):  # no neighbour that keeps what is held is better
@@ -104,17 +116,19 @@ def test_what_is_held_stays_and_the_rest_is_at_its_best(weights, hold, factor):
             squares, times = point.squares.copy(), point.times.copy()
             if k < 3:
                 squares[k] *= 1 + side
-            elif hold.what is not Held.TIME:
+            elif constraint.kind is not ConstraintKind.TIME:
                 times += side
-            other = settling.at(times, squares, held)
+            other = solver.at(times, squares, held)
             assert weights.deviance(seen, point.implied, other.implied) > -1e-6
 
 
 def test_interval_of_one_white_noise_is_that_of_its_chi_square_variance():
-    family, edf = binding(WhiteNoise, levels=1), 7.0
+    family, edf = family_of(WhiteNoise, levels=1), 7.0
     weights, seen = Weights(np.diag([np.sqrt(edf / 2)]), relative=True), np.array([2.0])
-    point = Nearest(family, seen, weights.white(seen)).descend_all(1e-3)[0][0][-1]
-    found = ends(Profile(Settling(family, seen, weights), point), Hold(Held.SQUARE, 0), 3.84, 0.5)
+    point = DistanceSearch(family, seen, weights.white(seen)).descend_from_grid(1e-3)[0][0][-1]
+    found = ends(
+        DevianceProfile(QuasiScoreSolver(family, seen, weights), point), Constraint(ConstraintKind.SQUARE, 0), 3.84, 0.5
+    )
 
     def deviance(square):
         ratio = 2.0 / (square * family.densities[0, 0])
@@ -131,25 +145,25 @@ def test_a_process_that_is_not_there_has_an_upper_bound_and_no_lower():
     weights = correlated()
     point = best(weights, seen)
     assert point.squares[1] == 0
-    profile = Profile(Settling(FAMILY, seen, weights), point)
-    low, high = ends(profile, Hold(Held.SQUARE, 1), 3.84, np.inf)
+    profile = DevianceProfile(QuasiScoreSolver(FAMILY, seen, weights), point)
+    low, high = ends(profile, Constraint(ConstraintKind.SQUARE, 1), 3.84, np.inf)
     assert low == 0
-    held = Hold(Held.SQUARE, 1, value=high)
-    settling = profile.settling
-    at_end = settling.settle(settling.at(point.times, point.squares, held), held)[0][-1]
+    held = Constraint(ConstraintKind.SQUARE, 1, value=high)
+    solver = profile.solver
+    at_end = solver.solve(solver.at(point.times, point.squares, held), held)[0][-1]
     assert weights.deviance(seen, point.implied, at_end.implied) == pytest.approx(3.84, rel=0.01)
 
 
 def test_times_and_stds_beyond_the_log_have_no_upper_end():
-    family = binding(WhiteNoise, GaussMarkov)
+    family = family_of(WhiteNoise, GaussMarkov)
     walk = family.markov(np.array([family.limits[1] - 2.0]))
     seen, weights = np.hstack([family.densities, walk / walk[-1]]) @ [1.0, 1.0], DIAGONAL
-    start = Nearest(family, seen, weights.white(seen)).descend_all(1e-6)[0][0][-1]
-    settling = Settling(family, seen, weights)
-    profile = Profile(settling, settling.settle(start)[0][-1])
-    low, high = ends(profile, Hold(Held.TIME, 1, 0), 3.84, 2.0)
+    start = DistanceSearch(family, seen, weights.white(seen)).descend_from_grid(1e-6)[0][0][-1]
+    solver = QuasiScoreSolver(family, seen, weights)
+    profile = DevianceProfile(solver, solver.solve(start)[0][-1])
+    low, high = ends(profile, Constraint(ConstraintKind.TIME, 1, 0), 3.84, 2.0)
     assert 0 < low < np.inf
     assert high == np.inf
-    assert ends(profile, Hold(Held.SQUARE, 1, 0), 3.84, 2.0)[1] == np.inf
-    low, high = ends(profile, Hold(Held.DRIVING, 1, 0), 3.84, 0.1)
+    assert ends(profile, Constraint(ConstraintKind.SQUARE, 1, 0), 3.84, 2.0)[1] == np.inf
+    low, high = ends(profile, Constraint(ConstraintKind.DRIVING, 1, 0), 3.84, 0.1)
     assert 0 < low < high < np.inf

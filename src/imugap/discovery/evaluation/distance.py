@@ -150,7 +150,7 @@ class Compared:
         return held_in
 
     @cached_property
-    def course(self) -> drift.Course | None:
+    def course(self) -> drift.StaticNavigation | None:
         """Return how the held-out part is navigated, from biases that are the means of the held-in one.
 
         None for a device in motion or without all six axes.
@@ -159,7 +159,9 @@ class Compared:
             return None
         interval = log.interval(self.measured)
         length = (len(self.measured) - self.held_in - 1) // EPOCHS * EPOCHS
-        return drift.Course(ANYWHERE, False, self.held_in * interval, length * interval, length // EPOCHS * interval)
+        return drift.StaticNavigation(
+            ANYWHERE, False, self.held_in * interval, length * interval, length // EPOCHS * interval
+        )
 
     def own(self) -> Summary:
         """Return the summary of the measured log."""

@@ -19,7 +19,7 @@ from imugap.discovery.fit.axis_fit import AxisFit, scale
 from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.effects import GaussMarkov, RandomTelegraph, VarianceChange
 from imugap.effects.effect import StochasticEffect
-from imugap.numerics.bhhh import Top, highest
+from imugap.numerics.bhhh import Maximum, maximise
 
 FINE = 48
 """Blocks per correlation time, as far as the filter lets a step be over within one."""
@@ -132,8 +132,8 @@ class Verdict:
     """
 
     blocks: Blocks
-    smooth: Top
-    two: Top
+    smooth: Maximum
+    two: Maximum
 
     @property
     def gain(self) -> float:
@@ -161,7 +161,7 @@ class Verdict:
         Taken for one of them it draws both to each other. In the likelihood that is weighed against a continuum there
         are no such blocks: noise of many values would take them for its own.
         """
-        return highest(self._parted, [self.two.theta]).theta
+        return maximise(self._parted, [self.two.theta]).theta
 
     def _parted(self, theta: np.ndarray) -> np.ndarray:
         """Return the log-density of each block, within which a switch may fall."""
@@ -180,24 +180,24 @@ def compare(fit: AxisFit, slow: tuple[StochasticEffect, ...]) -> Verdict:
     """
     blocks = Blocks.of(fit, slow)
     starts = [np.r_[np.log([blocks.std, blocks.time * factor]), calm] for factor in TIMES for calm in _beside(blocks)]
-    return Verdict(blocks, highest(partial(_markov_densities, blocks), starts), likeliest(blocks))
+    return Verdict(blocks, maximise(partial(_markov_densities, blocks), starts), likeliest(blocks))
 
 
-def likeliest(blocks: Blocks) -> Top:
+def likeliest(blocks: Blocks) -> Maximum:
     """Return telegraph noise in block means at its highest likelihood: logarithms of its step and rate come first."""
     size, rate = 2 * blocks.std, 0.5 / blocks.time
     starts = [np.r_[np.log([size, rate * factor]), calm] for factor in RATES for calm in _beside(blocks)]
-    return highest(partial(_telegraph_densities, blocks), starts)
+    return maximise(partial(_telegraph_densities, blocks), starts)
 
 
-def uneven(densities: Callable[[np.ndarray], np.ndarray], even: Top) -> float:
+def uneven(densities: Callable[[np.ndarray], np.ndarray], even: Maximum) -> float:
     """Return the gain of log-likelihood of two rates, up and down, over two no farther apart than :data:`EVEN`.
 
     ``densities`` takes half the logarithm of their ratio as a parameter more than ``even`` has.
     """
-    apart = highest(densities, [np.r_[even.theta, side] for side in (-1.0, 1.0)])
+    apart = maximise(densities, [np.r_[even.theta, side] for side in (-1.0, 1.0)])
     side = np.clip(apart.theta[-1], -EVEN, EVEN)
-    near = highest(lambda theta: densities(np.r_[theta, side]), [apart.theta[:-1]])
+    near = maximise(lambda theta: densities(np.r_[theta, side]), [apart.theta[:-1]])
     return apart.log_likelihood - max(near.log_likelihood, even.log_likelihood)
 
 

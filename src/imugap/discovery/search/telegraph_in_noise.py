@@ -18,7 +18,7 @@ from imugap.discovery.search.intervals import NORMAL
 from imugap.discovery.search.search import log_chance
 from imugap.effects import RandomTelegraph
 from imugap.effects.effect import StochasticEffect
-from imugap.numerics.bhhh import highest
+from imugap.numerics.bhhh import maximise
 from imugap.stream import stream
 
 TIMES = (1.0, 5.0)
@@ -70,7 +70,7 @@ def switching(found: AxisFit, slow: tuple[StochasticEffect, ...], log_alpha: flo
         return None
     first = np.log([verdict.effect.step, verdict.effect.rate, blocks.white, 0.5 * blocks.std])
     starts = [np.r_[first, np.log(blocks.time * factor), 0.0] for factor in TIMES]
-    best = highest(lambda theta: _densities(blocks, _even(theta)), starts)
+    best = maximise(lambda theta: _densities(blocks, _even(theta)), starts)
     if log_chance(best.log_likelihood - verdict.two.log_likelihood, 2) > log_alpha and not found.description.changes:
         return None
     if log_chance(uneven(lambda theta: _densities(blocks, theta), best), 1) < log_alpha:
@@ -83,7 +83,7 @@ def _told(found: AxisFit, blocks: Blocks, near: np.ndarray, width: int, gain: fl
     start = near.copy()
     start[2] += 0.5 * np.log(width / blocks.width)
     parted = partial(_parted, blocks)
-    best = highest(parted, [start]).theta
+    best = maximise(parted, [start]).theta
     error = errors(parted, best)
     ends = [tuple(float(np.exp(best[i] + side * NORMAL * error[i])) for side in (-1, 1)) for i in (0, 1)]
     effect = RandomTelegraph(*np.exp(best[:2]).tolist())

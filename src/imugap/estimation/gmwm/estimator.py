@@ -14,12 +14,18 @@ from scipy.special import chdtri
 
 from imugap.effects import Conditions, RateRamp
 from imugap.estimation import wavelet_variance
-from imugap.estimation.gmwm.implied import Binding
-from imugap.estimation.gmwm.moments import Problem, Spread, Weighting
-from imugap.estimation.gmwm.quasi_likelihood import Held, Hold, Profile, Settling, Weights
+from imugap.estimation.gmwm.implied import Family
+from imugap.estimation.gmwm.moments import MomentMatching, SandwichCovariance, Weighting
+from imugap.estimation.gmwm.quasi_likelihood import (
+    Constraint,
+    ConstraintKind,
+    DevianceProfile,
+    QuasiScoreSolver,
+    Weights,
+)
 from imugap.estimation.gmwm.start import Point
 from imugap.estimation.likelihood import Composition, Quantity
-from imugap.estimation.result import Estimate, Fit, verdict
+from imugap.estimation.result import Fit, ParameterEstimate, identifiability
 from imugap.model import ErrorModel
 
 REFINEMENTS = 2
@@ -35,7 +41,7 @@ STILL = 1e-6
 
 
 @dataclass(frozen=True)
-class IndirectFit(Fit):
+class GmwmFit(Fit):
     """A model fitted to wavelet variances.
 
     The objective is the weighted sum of squared deviations; with FULL weights it has, for a model that is right, a
@@ -69,7 +75,7 @@ def fit(
     width: int = 2,
     efficiency: float = 1.0,
     level: float = 0.95,
-) -> IndirectFit:
+) -> GmwmFit:
     """Fit a sum of processes to an error sequence of unknown mean.
 
     Parameters
@@ -91,7 +97,7 @@ def fit(
     return fit_curve(curve, len(sequence), interval, kinds, ramp, weighting, width, efficiency, level)
 
 
-def point(
+def point_estimate(
     sequence: np.ndarray,
     interval: float,
     kinds: Sequence[type],
@@ -106,7 +112,7 @@ def point(
     problem = _problem(curve, len(sequence), interval, kinds, ramp, weighting, width, efficiency)
     best = problem.estimate()[0][-1]
     best = best.reordered(np.argsort(best.times))
-    return problem.binding.composition.model(problem.theta(best)), best.distance
+    return problem.family.composition.model(problem.theta(best)), best.distance
 
 
 def fit_curve(
@@ -119,7 +125,7 @@ def fit_curve(
     width: int = 2,
     efficiency: float = 1.0,
     level: float = 0.95,
-) -> IndirectFit:
+) -> GmwmFit:
     """Fit a sum of processes to the wavelet variances of ``count`` samples (the rest as in :func:`fit`).
 
     Parameters
@@ -132,7 +138,7 @@ def fit_curve(
     return _result(problem, path, path[-1], weights, converged, level)
 
 
-def simulated(
+def fit_by_simulation(
     sequence: np.ndarray,
     interval: float,
     kinds: Sequence[type],
@@ -143,7 +149,7 @@ def simulated(
     width: int = 2,
     efficiency: float = 1.0,
     level: float = 0.95,
-) -> IndirectFit:
+) -> GmwmFit:
     """Fit by simulation, as the source describes it literally (the rest as in :func:`fit`).
 
     The auxiliary parameters are the mean wavelet variances of ``replicates`` simulated sequences as long as the
@@ -161,17 +167,17 @@ def simulated(
     start = replace(path[0], squares=np.where(present, np.where(coarse > 0, coarse, path[-1].squares), 0.0))
     problem = replace(analytic, efficiency=efficiency / (1 + 1 / replicates))
     weights = problem.weights(path[-1])
-    auxiliary = Auxiliary(problem, weights.white(path[-1].implied), seed, replicates, efficiency)
+    auxiliary = SimulatedMoments(problem, weights.white(path[-1].implied), seed, replicates, efficiency)
     way, converged = auxiliary.descend(problem.theta(start))
     point, implied = way[-1]
     scaled = replace(problem, curve=curve.assign(variance=curve["variance"] * point.implied / implied))
-    centre = Settling(scaled.binding, scaled.observed, weights).settle(point)[0][-1]
+    centre = QuasiScoreSolver(scaled.family, scaled.observed, weights).solve(point)[0][-1]
     result = _result(scaled, [step for step, _ in way], centre, weights, converged, level)
     return replace(result, curve=result.curve.assign(observed=curve["variance"], implied=implied))
 
 
 @dataclass(frozen=True, eq=False)
-class Auxiliary:
+class SimulatedMoments:
     """Wavelet variances by simulation, and the descent to the observed ones.
 
     Attributes
@@ -182,7 +188,7 @@ class Auxiliary:
         Seed and number of the simulated sequences, and efficiency of their wavelet variances.
     """
 
-    problem: Problem
+    problem: MomentMatching
     white: np.ndarray
     seed: int
     replicates: int
@@ -221,12 +227,12 @@ class Auxiliary:
 
     def _simulate(self, theta: np.ndarray) -> np.ndarray:
         """Return the mean wavelet variances of the simulated sequences, shape (levels,)."""
-        binding, total = self.problem.binding, 0.0
-        model, still = binding.composition.model(theta), np.zeros(binding.count)
-        conditions = Conditions(binding.interval * np.arange(binding.count), binding.interval)
+        family, total = self.problem.family, 0.0
+        model, still = family.composition.model(theta), np.zeros(family.count)
+        conditions = Conditions(family.interval * np.arange(family.count), family.interval)
         for replicate in range(self.replicates):
             sequence = model.simulate(still, conditions, self.seed, "auxiliary", replicate)
-            total = total + wavelet_variance.estimated(sequence, binding.levels, binding.width, self.efficiency)
+            total = total + wavelet_variance.estimated(sequence, family.levels, family.width, self.efficiency)
         return total / self.replicates
 
 
@@ -239,7 +245,7 @@ def _problem(
     weighting: Weighting,
     width: int,
     efficiency: float,
-) -> Problem:
+) -> MomentMatching:
     if ramp and width != 2:
         raise ValueError(f"indirect: expected width 2 with a ramp, which wider wavelets do not see; found {width}")
     if not (curve["variance"] > 0).all():
@@ -248,28 +254,28 @@ def _problem(
     needed = len(composition.densities) + 2 * composition.markov
     if needed > len(curve):
         raise ValueError(f"indirect: expected at least as many levels as parameters, {needed}; found {len(curve)}")
-    binding = Binding(composition, interval, count, len(curve), width)
-    return Problem(binding, curve, Weighting(weighting), efficiency)
+    family = Family(composition, interval, count, len(curve), width)
+    return MomentMatching(family, curve, Weighting(weighting), efficiency)
 
 
 def _result(
-    problem: Problem, path: list[Point], centre: Point, weights: Weights, converged: bool, level: float
-) -> IndirectFit:
+    problem: MomentMatching, path: list[Point], centre: Point, weights: Weights, converged: bool, level: float
+) -> GmwmFit:
     """Return the estimate at the end of ``path``; intervals are about ``centre``, where the quasi-score vanishes."""
     order = np.argsort(path[-1].times)
     path, centre = [step.reordered(order) for step in path], centre.reordered(order)
-    point, composition = path[-1], problem.binding.composition
-    spread = Spread.of(problem, centre, weights)
+    point, composition = path[-1], problem.family.composition
+    spread = SandwichCovariance.of(problem, centre, weights)
     estimates = []
-    for quantity, hold in zip(composition.quantities(), _holds(composition), strict=True):
-        ends = [_end(problem, centre, weights, quantity, hold, side, chdtri(1, 1 - level)) for side in (-1, 1)]
-        power = 2 if hold.what is Held.SQUARE else 1
-        value, low, high = (float(end ** (1 / power)) for end in (hold.of(point), *ends))
-        error = spread.of_quantity(quantity, hold)[1]
-        estimates.append(Estimate(*quantity.key, value, low, high, error, verdict(low, high)))
+    for quantity, constraint in zip(composition.quantities(), _constraints(composition), strict=True):
+        ends = [_end(problem, centre, weights, quantity, constraint, side, chdtri(1, 1 - level)) for side in (-1, 1)]
+        power = 2 if constraint.kind is ConstraintKind.SQUARE else 1
+        value, low, high = (float(end ** (1 / power)) for end in (constraint.of(point), *ends))
+        error = spread.of_quantity(quantity, constraint)[1]
+        estimates.append(ParameterEstimate(*quantity.key, value, low, high, error, identifiability(low, high)))
     names = [" ".join(map(str, row.key)) for row in composition.quantities() if np.sum(row.direction != 0) == 1]
     rows = [[step.distance, *np.exp(problem.theta(step))] for step in path]
-    return IndirectFit(
+    return GmwmFit(
         model=composition.model(problem.theta(point)),
         estimates=tuple(estimates),
         objective=point.distance,
@@ -281,7 +287,13 @@ def _result(
 
 
 def _end(
-    problem: Problem, centre: Point, weights: Weights, quantity: Quantity, hold: Hold, side: int, target: float
+    problem: MomentMatching,
+    centre: Point,
+    weights: Weights,
+    quantity: Quantity,
+    constraint: Constraint,
+    side: int,
+    target: float,
 ) -> float:
     """Return an end of the interval of what is held.
 
@@ -290,30 +302,36 @@ def _end(
     """
     where, best, found = centre, centre, np.nan
     for _ in range(REFINEMENTS + 1):
-        inflation, error = Spread.of(problem, where, weights).of_quantity(quantity, hold)
-        power = 2 if hold.what is Held.SQUARE else 1
-        settling = Settling(problem.binding, problem.observed, weights)
-        last, (found, where) = found, Profile(settling, best).end(hold, side, inflation * target, power * error)
-        near = hold.of(centre) if np.isnan(last) else last
+        inflation, error = SandwichCovariance.of(problem, where, weights).of_quantity(quantity, constraint)
+        power = 2 if constraint.kind is ConstraintKind.SQUARE else 1
+        solver = QuasiScoreSolver(problem.family, problem.observed, weights)
+        last, (found, where) = (
+            found,
+            DevianceProfile(solver, best).end(constraint, side, inflation * target, power * error),
+        )
+        near = constraint.of(centre) if np.isnan(last) else last
         if not 0 < found < np.inf or (near > 0 and abs(np.log(found / near)) < power * NARROW):
             break
         weights = problem.weights(where)
-        best = replace(settling, weights=weights).settle(best)[0][-1]
+        best = replace(solver, weights=weights).solve(best)[0][-1]
     return found
 
 
-def _holds(composition: Composition) -> Iterator[Hold]:
+def _constraints(composition: Composition) -> Iterator[Constraint]:
     """Return what to hold for each quantity of a composition."""
     first = len(composition.densities)
-    yield from (Hold(Held.SQUARE, column) for column in range(first))
+    yield from (Constraint(ConstraintKind.SQUARE, column) for column in range(first))
     for i in range(composition.markov):
-        yield from (Hold(what, first + i, i) for what in (Held.SQUARE, Held.TIME, Held.DRIVING))
+        yield from (
+            Constraint(kind, first + i, i)
+            for kind in (ConstraintKind.SQUARE, ConstraintKind.TIME, ConstraintKind.DRIVING)
+        )
 
 
-def _curve(problem: Problem, point: Point) -> pd.DataFrame:
-    index = pd.RangeIndex(1, problem.binding.levels + 1, name="level")
+def _curve(problem: MomentMatching, point: Point) -> pd.DataFrame:
+    index = pd.RangeIndex(1, problem.family.levels + 1, name="level")
     columns = {
-        "tau": 2.0 ** (index - 1) * problem.binding.interval,
+        "tau": 2.0 ** (index - 1) * problem.family.interval,
         "observed": problem.observed,
         "low": problem.curve["low"].to_numpy(float),
         "high": problem.curve["high"].to_numpy(float),

@@ -22,7 +22,7 @@ STEP = 0.1
 
 
 @dataclass(frozen=True)
-class Binding:
+class Family:
     """A composition and the wavelet analysis of a log.
 
     Attributes

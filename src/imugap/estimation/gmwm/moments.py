@@ -7,9 +7,9 @@ import numpy as np
 import pandas as pd
 
 from imugap.estimation import wavelet_variance
-from imugap.estimation.gmwm.implied import Binding
-from imugap.estimation.gmwm.quasi_likelihood import Held, Hold, Settling, Weights
-from imugap.estimation.gmwm.start import Nearest, Point
+from imugap.estimation.gmwm.implied import Family
+from imugap.estimation.gmwm.quasi_likelihood import Constraint, ConstraintKind, QuasiScoreSolver, Weights
+from imugap.estimation.gmwm.start import DistanceSearch, Point
 from imugap.estimation.likelihood import Quantity
 
 ROUNDS = 12
@@ -39,18 +39,18 @@ class Weighting(StrEnum):
 
 
 @dataclass(frozen=True, eq=False)
-class Problem:
+class MomentMatching:
     """Observed wavelet variances and the family that they are to be explained by.
 
     Attributes
     ----------
-    binding, curve
+    family, curve
         The family; the wavelet variances: columns ``variance``, ``low``, ``high`` [unit^2], a row for each level.
     weighting, efficiency
         Weights of the levels; efficiency of the wavelet variances relative to the plain ones.
     """
 
-    binding: Binding
+    family: Family
     curve: pd.DataFrame
     weighting: Weighting
     efficiency: float
@@ -63,8 +63,8 @@ class Problem:
     def estimate(self) -> tuple[list[Point], Weights, bool]:
         """Return the way to the estimate, its weights, and whether the quasi-score vanishes there."""
         weights = self._first_weights()
-        nearest = Nearest(self.binding, self.observed, weights.white(self.observed))
-        path, converged = nearest.descend_all(COARSE if weights.relative else FINE)[0]
+        nearest = DistanceSearch(self.family, self.observed, weights.white(self.observed))
+        path, converged = nearest.descend_from_grid(COARSE if weights.relative else FINE)[0]
         if self.weighting is Weighting.INTERVAL:
             return path, weights, converged
         path, weights, converged = self._iterate(path)
@@ -73,10 +73,10 @@ class Problem:
 
     def _rival(self, point: Point, weights: Weights) -> Point | None:
         """Return the best of the other minima under the weights of ``point`` if its quasi-deviance is lower."""
-        settling = Settling(self.binding, self.observed, weights)
-        ways = Nearest(self.binding, self.observed, weights.white(point.implied)).descend_all(COARSE)
+        solver = QuasiScoreSolver(self.family, self.observed, weights)
+        ways = DistanceSearch(self.family, self.observed, weights.white(point.implied)).descend_from_grid(COARSE)
         ends = [way[-1] for way, _ in ways if not np.allclose(way[-1].times, point.times, atol=NEAR)]
-        others = [settling.settle(end)[0][-1] for end in ends]
+        others = [solver.solve(end)[0][-1] for end in ends]
         lead = [weights.deviance(self.observed, point.implied, other.implied) for other in others]
         return others[int(np.argmin(lead))] if min(lead, default=0.0) < -BETTER else None
 
@@ -84,7 +84,7 @@ class Problem:
         """Return weights that need no model."""
         if self.weighting is Weighting.INTERVAL:
             return Weights(np.diag(1 / (self.curve["high"] - self.curve["low"]).to_numpy(float)), relative=False)
-        edf = wavelet_variance.edf_octave(self.binding.count, self.binding.levels, self.binding.width)
+        edf = wavelet_variance.edf_octave(self.family.count, self.family.levels, self.family.width)
         return Weights(np.diag(np.sqrt(edf * self.efficiency / 2)), relative=True)
 
     def _iterate(self, path: list[Point]) -> tuple[list[Point], Weights, bool]:
@@ -92,7 +92,7 @@ class Problem:
         for _ in range(ROUNDS):
             point = path[-1]
             weights = self.weights(point)
-            further, converged = Settling(self.binding, self.observed, weights).settle(point)
+            further, converged = QuasiScoreSolver(self.family, self.observed, weights).solve(point)
             path = path + further[1:]
             change = weights.white(point.implied) @ (path[-1].implied - point.implied)
             if not converged or change @ change < SETTLED:
@@ -110,27 +110,27 @@ class Problem:
 
     def covariance(self, point: Point) -> np.ndarray:
         """Return the covariance of the wavelet variances, shape (levels, levels), under the model at ``point``."""
-        model, binding = self.binding.composition.model(self.theta(point)), self.binding
-        plain = wavelet_variance.covariance(model, binding.interval, binding.count, binding.levels, binding.width)
+        model, family = self.family.composition.model(self.theta(point)), self.family
+        plain = wavelet_variance.covariance(model, family.interval, family.count, family.levels, family.width)
         return plain / self.efficiency
 
     def at(self, theta: np.ndarray) -> Point:
         """Return the point with log parameters ``theta``; a density is absent at minus infinity."""
-        first = len(self.binding.composition.densities)
+        first = len(self.family.composition.densities)
         stds, times = theta[first:].reshape(-1, 2).T
-        columns = np.hstack([self.binding.densities, self.binding.markov(times)])
+        columns = np.hstack([self.family.densities, self.family.markov(times)])
         return Point(times, columns, np.exp(2 * np.r_[theta[:first], stds]), np.nan)
 
     def theta(self, point: Point) -> np.ndarray:
         """Return the log parameters, in the order of the composition."""
-        first = len(self.binding.composition.densities)
+        first = len(self.family.composition.densities)
         with np.errstate(divide="ignore"):
             densities = np.log(point.squares) / 2
         return np.r_[densities[:first], np.c_[densities[first:], point.times].ravel()]
 
 
 @dataclass(frozen=True, eq=False)
-class Spread:
+class SandwichCovariance:
     """Slopes and covariance of whitened wavelet variances, and what they say of the errors of the parameters.
 
     Attributes
@@ -148,12 +148,12 @@ class Spread:
     present: np.ndarray
 
     @classmethod
-    def of(cls, problem: Problem, point: Point, weights: Weights) -> "Spread":
+    def of(cls, problem: MomentMatching, point: Point, weights: Weights) -> "SandwichCovariance":
         """Return those of the model at ``point``."""
-        first = len(problem.binding.composition.densities)
+        first = len(problem.family.composition.densities)
         there = point.squares > 0
         by_square = point.columns * np.where(there, 2 * point.squares, 1.0)
-        by_time = problem.binding.slopes(point.times)[1] * point.squares[first:]
+        by_time = problem.family.slopes(point.times)[1] * point.squares[first:]
         pairs = np.stack([by_square[:, first:], by_time], axis=2).reshape(len(by_square), -1)
         white = weights.white(point.implied)
         present = np.r_[there[:first], np.repeat(there[first:], 2)]
@@ -166,12 +166,12 @@ class Spread:
         result[np.ix_(self.present, self.present)] = self._pair(self.present)[1]
         return result
 
-    def of_quantity(self, quantity: Quantity, hold: Hold) -> tuple[float, float]:
+    def of_quantity(self, quantity: Quantity, constraint: Constraint) -> tuple[float, float]:
         """Return sandwich variance over inverse curvature of a quantity, and its relative standard deviation."""
         chosen = self.present.copy()
         own = np.flatnonzero(quantity.direction)[0]
         there = chosen[own]
-        if not there and hold.what is Held.TIME:
+        if not there and constraint.kind is ConstraintKind.TIME:
             return 1.0, np.inf
         chosen[own] = True
         naive, sandwich = (quantity.direction[chosen] @ m @ quantity.direction[chosen] for m in self._pair(chosen))

@@ -12,7 +12,7 @@ from enum import Enum, auto
 
 import numpy as np
 
-from imugap.estimation.gmwm.implied import Binding
+from imugap.estimation.gmwm.implied import Family
 from imugap.estimation.gmwm.start import Point
 from imugap.numerics.profile_likelihood import end
 
@@ -21,7 +21,7 @@ LONGEST_STEP = 1.0
 """Largest change of the logarithm of a correlation time in one step."""
 COARSE = 1e-4
 """Accuracy of the points of a profile."""
-DOUBTFUL = 1.0
+WIDE = 1.0
 """Half width of an interval, in logarithms, beyond which zero is looked at first."""
 LONGEST_FIRST = 2.0
 """Largest distance that is tried first."""
@@ -75,10 +75,10 @@ class Weights:
         return float(-2 * (self.root @ way) @ (self.root @ excess))
 
 
-class Held(Enum):
+class ConstraintKind(Enum):
     """What may be held while the rest is fitted."""
 
-    NOTHING = auto()
+    NONE = auto()
     SQUARE = auto()
     """A squared density or std."""
     DRIVING = auto()
@@ -88,7 +88,7 @@ class Held(Enum):
 
 
 @dataclass(frozen=True)
-class Hold:
+class Constraint:
     """A quantity that is held while the rest is fitted.
 
     Attributes
@@ -99,14 +99,14 @@ class Hold:
         Index of the process among all, and among the Gauss-Markov ones if it is one.
     """
 
-    what: Held = Held.NOTHING
+    kind: ConstraintKind = ConstraintKind.NONE
     column: int = 0
     markov: int | None = None
     value: float = 0.0
 
     def of(self, point: Point) -> float:
         """Return what the quantity is at ``point``."""
-        if self.what is Held.TIME:
+        if self.kind is ConstraintKind.TIME:
             return float(np.exp(point.times[self.markov]))
         return float(point.squares[self.column]) / self._squares(point.times)
 
@@ -115,68 +115,70 @@ class Hold:
         return self.value * self._squares(times)
 
     def _squares(self, times: np.ndarray) -> float:
-        return 0.5 * float(np.exp(times[self.markov])) if self.what is Held.DRIVING else 1.0
+        return 0.5 * float(np.exp(times[self.markov])) if self.kind is ConstraintKind.DRIVING else 1.0
 
 
-FREE = Hold()
+FREE = Constraint()
 
 
 @dataclass(frozen=True, eq=False)
-class Settling:
+class QuasiScoreSolver:
     """Newton's way to where the quasi-score of a family vanishes.
 
     Attributes
     ----------
-    binding, observed, weights
+    family, observed, weights
         The family, the wavelet variances to come near, shape (levels,), and the weights of the deviations.
     """
 
-    binding: Binding
+    family: Family
     observed: np.ndarray
     weights: Weights
 
-    def settle(self, start: Point, hold: Hold = FREE, accuracy: float = 1e-9) -> tuple[list[Point], bool]:
+    def solve(self, start: Point, constraint: Constraint = FREE, accuracy: float = 1e-9) -> tuple[list[Point], bool]:
         """Return the points of Newton steps from ``start``, and whether the last is shorter than ``accuracy``.
 
         That is the squared change of the implied wavelet variances in standard deviations. A squared density that
         would become negative stays at zero, and is let go again once its score is positive.
         """
-        path = [self.at(start.times, start.squares, hold)]
-        step, length = self._newton(path[-1], hold)
+        path = [self.at(start.times, start.squares, constraint)]
+        step, length = self._newton(path[-1], constraint)
         for _ in range(ITERATIONS):
             if length <= accuracy:
                 return path, True
-            point, step, length = self._advance(path[-1], step, length, hold)
+            point, step, length = self._advance(path[-1], step, length, constraint)
             path.append(point)
         return path, False
 
-    def _advance(self, point: Point, step: np.ndarray, length: float, hold: Hold) -> tuple[Point, np.ndarray, float]:
+    def _advance(
+        self, point: Point, step: np.ndarray, length: float, constraint: Constraint
+    ) -> tuple[Point, np.ndarray, float]:
         """Return the next point with its Newton step: the first that is better or has a shorter one, going back."""
         squares, times = np.split(step, [len(point.squares)])
         share = LONGEST_STEP / max(np.abs(times).max(initial=0.0), LONGEST_STEP)
         while True:
-            trial = self.at(point.times + share * times, point.squares + share * squares, hold)
-            following, remaining = self._newton(trial, hold)
+            trial = self.at(point.times + share * times, point.squares + share * squares, constraint)
+            following, remaining = self._newton(trial, constraint)
             better = self.weights.deviance(self.observed, point.implied, trial.implied) <= 0
             inside = (point.squares + share * squares >= 0).all()
             if better or (inside and remaining < length) or share < SHORTEST:
                 return trial, following, remaining
             share /= 2
 
-    def at(self, times: np.ndarray, squares: np.ndarray, hold: Hold = FREE) -> Point:
+    def at(self, times: np.ndarray, squares: np.ndarray, constraint: Constraint = FREE) -> Point:
         """Return the point with these parameters, as far as the limits and ``hold`` let it."""
-        times, squares = np.clip(times, *self.binding.limits), np.maximum(squares, 0.0)
-        if hold.what in (Held.SQUARE, Held.DRIVING):
-            squares[hold.column] = hold.square(times)
-        columns = np.hstack([self.binding.densities, self.binding.markov(times)])
+        times, squares = np.clip(times, *self.family.limits), np.maximum(squares, 0.0)
+        if constraint.kind in (ConstraintKind.SQUARE, ConstraintKind.DRIVING):
+            squares[constraint.column] = constraint.square(times)
+        columns = np.hstack([self.family.densities, self.family.markov(times)])
         return Point(times, columns, squares, self.weights.distance(self.observed, columns @ squares))
 
-    def _newton(self, point: Point, hold: Hold) -> tuple[np.ndarray, float]:
+    def _newton(self, point: Point, constraint: Constraint) -> tuple[np.ndarray, float]:
         """Return Newton's step of the squared densities, then of the log times, and its squared length."""
-        jacobian, bend = self._derivatives(point, hold)
+        jacobian, bend = self._derivatives(point, constraint)
         pull, stiffness = self.weights.score(self.observed, point.implied)
         score = pull @ jacobian
-        free = np.flatnonzero(self._free(point, hold, score))
+        free = np.flatnonzero(self._free(point, constraint, score))
         white = self.weights.white(point.implied) @ jacobian[:, free]
         scale = np.maximum(np.sqrt(np.einsum("ij,ij->j", white, white)), 1e-300)
         slope = (jacobian.T @ stiffness @ jacobian - np.einsum("l,lij->ij", pull, bend))[np.ix_(free, free)]
@@ -187,14 +189,14 @@ class Settling:
                 break
         return step, float(np.sum((white @ step[free]) ** 2))
 
-    def _derivatives(self, point: Point, hold: Hold) -> tuple[np.ndarray, np.ndarray]:
+    def _derivatives(self, point: Point, constraint: Constraint) -> tuple[np.ndarray, np.ndarray]:
         """Return first and second derivatives of the wavelet variances in the squared densities and the log times."""
         size, markov = len(point.squares), len(point.times)
-        _, slopes, curvatures = self.binding.slopes(point.times)
+        _, slopes, curvatures = self.family.slopes(point.times)
         squares = point.squares[size - markov :]
         once, twice = slopes * squares, curvatures * squares
-        if hold.what is Held.DRIVING:  # the square grows with the time
-            i, part = hold.markov, point.columns[:, hold.column] * point.squares[hold.column]
+        if constraint.kind is ConstraintKind.DRIVING:  # the square grows with the time
+            i, part = constraint.markov, point.columns[:, constraint.column] * point.squares[constraint.column]
             once[:, i], twice[:, i] = once[:, i] + part, twice[:, i] + 2 * once[:, i] + part
         bend = np.zeros((len(slopes), size + markov, size + markov))
         by_square, by_time = np.arange(size - markov, size), np.arange(size, size + markov)
@@ -202,22 +204,22 @@ class Settling:
         bend[:, by_square, by_time] = bend[:, by_time, by_square] = slopes
         return np.hstack([point.columns, once]), bend
 
-    def _free(self, point: Point, hold: Hold, score: np.ndarray) -> np.ndarray:
+    def _free(self, point: Point, constraint: Constraint, score: np.ndarray) -> np.ndarray:
         """Return which parameters move: neither held, nor at a limit that the score drives them against."""
-        size, (low, high) = len(point.squares), self.binding.limits
+        size, (low, high) = len(point.squares), self.family.limits
         by_square, by_time = score[:size], score[size:]
         squares = (point.squares > 0) | (by_square > 0)
         times = point.squares[size - len(by_time) :] > 0
         times &= ((point.times > low) | (by_time > 0)) & ((point.times < high) | (by_time < 0))
-        if hold.what is Held.TIME:
-            times[hold.markov] = False
-        elif hold.what is not Held.NOTHING:
-            squares[hold.column] = False
+        if constraint.kind is ConstraintKind.TIME:
+            times[constraint.markov] = False
+        elif constraint.kind is not ConstraintKind.NONE:
+            squares[constraint.column] = False
         return np.r_[squares, times]
 
 
 @dataclass(frozen=True, eq=False)
-class Profile:
+class DevianceProfile:
     """The quasi-deviance about an estimate, all parameters but one at their best.
 
     Attributes
@@ -226,10 +228,10 @@ class Profile:
         The family, and the estimate.
     """
 
-    settling: Settling
+    solver: QuasiScoreSolver
     best: Point
 
-    def end(self, hold: Hold, side: int, target: float, error: float) -> tuple[float, Point]:
+    def end(self, constraint: Constraint, side: int, target: float, error: float) -> tuple[float, Point]:
         """Return an end of the interval of what is held (a squared density, a driving PSD, a time), and its point.
 
         The low (high) end is zero (infinite) where the quasi-deviance is below ``target`` even there. The high one is
@@ -245,52 +247,54 @@ class Profile:
             Standard deviation of the logarithm, where the search starts.
         """
         first = min(np.sqrt(target) * error, LONGEST_FIRST)
-        if not self.best.squares[hold.column] > 0:
-            return self._end_of_absent(hold, side, target)
-        value = hold.of(self.best)
-        if hold.what is Held.TIME:
-            limit = abs(self.settling.binding.limits[side > 0] - np.log(value))
-            walk = _Walk(self, hold, lambda distance: np.log(value) + side * distance)
+        if not self.best.squares[constraint.column] > 0:
+            return self._end_of_absent(constraint, side, target)
+        value = constraint.of(self.best)
+        if constraint.kind is ConstraintKind.TIME:
+            limit = abs(self.solver.family.limits[side > 0] - np.log(value))
+            walk = _ProfilePath(self, constraint, lambda distance: np.log(value) + side * distance)
             return float(value * np.exp(side * end(walk, target, first, limit))), walk.point
-        walk = _Walk(self, hold, lambda distance: value * np.exp(side * distance))
-        if side < 0 and first > DOUBTFUL and walk(np.inf) < target:
+        walk = _ProfilePath(self, constraint, lambda distance: value * np.exp(side * distance))
+        if side < 0 and first > WIDE and walk(np.inf) < target:
             return 0.0, walk.point
         found = float(value * np.exp(side * end(walk, target, first, REACH)))
         return np.inf if side > 0 and self._open(walk) else found, walk.point
 
-    def _end_of_absent(self, hold: Hold, side: int, target: float) -> tuple[float, Point]:
+    def _end_of_absent(self, constraint: Constraint, side: int, target: float) -> tuple[float, Point]:
         """Return the end for a process that is not there, from where it would cost ``target`` by itself."""
         if side < 0:
             return 0.0, self.best
-        if hold.what is Held.TIME:
+        if constraint.kind is ConstraintKind.TIME:
             return np.inf, self.best
-        white = self.settling.weights.white(self.best.implied)
-        column, deviation = self.best.columns[:, hold.column], self.settling.observed - self.best.implied
+        white = self.solver.weights.white(self.best.implied)
+        column, deviation = self.best.columns[:, constraint.column], self.solver.observed - self.best.implied
         pull, norm = max(-(white @ column) @ (white @ deviation), 0.0), np.sum((white @ column) ** 2)
-        scale = (np.sqrt(pull**2 + norm * target) - pull) / norm / replace(hold, value=1.0).square(self.best.times)
-        walk = _Walk(self, hold, lambda distance: scale * np.expm1(distance))
+        scale = (
+            (np.sqrt(pull**2 + norm * target) - pull) / norm / replace(constraint, value=1.0).square(self.best.times)
+        )
+        walk = _ProfilePath(self, constraint, lambda distance: scale * np.expm1(distance))
         distance = end(walk, target, np.log(2.0), REACH)
         return np.inf if self._open(walk) else float(scale * np.expm1(distance)), walk.point
 
-    def _open(self, walk: "_Walk") -> bool:
+    def _open(self, walk: "_ProfilePath") -> bool:
         """Return whether the correlation time gave way up to its limit: up with the std, down for the driving PSD."""
-        if walk.hold.markov is None:
+        if walk.constraint.markov is None:
             return False
-        (low, high), time = self.settling.binding.limits, walk.point.times[walk.hold.markov]
-        return bool(time <= low if walk.hold.what is Held.DRIVING else time >= high)
+        (low, high), time = self.solver.family.limits, walk.point.times[walk.constraint.markov]
+        return bool(time <= low if walk.constraint.kind is ConstraintKind.DRIVING else time >= high)
 
 
-class _Walk:
+class _ProfilePath:
     """The quasi-deviance as a function of the distance from the estimate; each point starts from the one before."""
 
-    def __init__(self, profile: Profile, hold: Hold, value: Callable[[float], float]) -> None:
-        self.profile, self.hold, self.value, self.point = profile, hold, value, profile.best
+    def __init__(self, profile: DevianceProfile, constraint: Constraint, value: Callable[[float], float]) -> None:
+        self.profile, self.constraint, self.value, self.point = profile, constraint, value, profile.best
 
     def __call__(self, distance: float) -> float:
-        settling, hold, times = self.profile.settling, self.hold, self.point.times.copy()
-        if hold.what is Held.TIME:
-            times[hold.markov] = self.value(distance)
+        solver, constraint, times = self.profile.solver, self.constraint, self.point.times.copy()
+        if constraint.kind is ConstraintKind.TIME:
+            times[constraint.markov] = self.value(distance)
         else:
-            hold = replace(hold, value=float(self.value(distance)))
-        self.point = settling.settle(settling.at(times, self.point.squares, hold), hold, COARSE)[0][-1]
-        return settling.weights.deviance(settling.observed, self.profile.best.implied, self.point.implied)
+            constraint = replace(constraint, value=float(self.value(distance)))
+        self.point = solver.solve(solver.at(times, self.point.squares, constraint), constraint, COARSE)[0][-1]
+        return solver.weights.deviance(solver.observed, self.profile.best.implied, self.point.implied)

@@ -13,7 +13,7 @@ from itertools import combinations
 import numpy as np
 from scipy.optimize import nnls
 
-from imugap.estimation.gmwm.implied import Binding
+from imugap.estimation.gmwm.implied import Family
 
 GRID = {0: 1, 1: 36, 2: 24, 3: 14}
 """Points of the grid of correlation times, by number of Gauss-Markov processes."""
@@ -63,22 +63,22 @@ class Point:
 
 
 @dataclass(frozen=True, eq=False)
-class Nearest:
+class DistanceSearch:
     """The search among the members of a family, under the norm of ``white`` times the deviations.
 
     Attributes
     ----------
-    binding, observed
+    family, observed
         The family, and the wavelet variances to come near, shape (levels,).
     white
         Shape (levels, levels).
     """
 
-    binding: Binding
+    family: Family
     observed: np.ndarray
     white: np.ndarray
 
-    def descend_all(self, accuracy: float) -> list[tuple[list[Point], bool]]:
+    def descend_from_grid(self, accuracy: float) -> list[tuple[list[Point], bool]]:
         """Return what :meth:`descend` makes of the best points of the grid, no two of them neighbours; best first."""
         ways = [self.descend(start, accuracy) for start in self._starts()]
         return sorted(ways, key=lambda way: way[0][-1].distance)
@@ -88,7 +88,7 @@ class Nearest:
 
         The steps end where they promise less than ``accuracy`` of the distance (or of one).
         """
-        low, high = self.binding.limits
+        low, high = self.family.limits
         path, damping = [start], 1e-6
         for _ in range(ITERATIONS):
             point = path[-1]
@@ -112,16 +112,16 @@ class Nearest:
         return best
 
     def _grid(self) -> Iterator[tuple[np.ndarray, Point]]:
-        markov = self.binding.composition.markov
-        times = np.linspace(*self.binding.limits, GRID.get(markov, 11))
-        fixed, columns = self.binding.densities, self.binding.markov(times)
+        markov = self.family.composition.markov
+        times = np.linspace(*self.family.limits, GRID.get(markov, 11))
+        fixed, columns = self.family.densities, self.family.markov(times)
         for chosen in combinations(range(len(times)), markov):
             index = np.array(chosen, int)
             yield index, self._solve(times[index], np.hstack([fixed, columns[:, index]]))
 
     def at(self, times: np.ndarray) -> Point:
         """Return the best non-negative squares at these correlation times, with their distance."""
-        return self._solve(times, np.hstack([self.binding.densities, self.binding.markov(times)]))
+        return self._solve(times, np.hstack([self.family.densities, self.family.markov(times)]))
 
     def _solve(self, times: np.ndarray, columns: np.ndarray) -> Point:
         basis = self.white @ columns
@@ -131,7 +131,7 @@ class Nearest:
 
     def _step(self, point: Point, damping: float, exact: bool) -> tuple[np.ndarray, float]:
         """Return the damped step of the log correlation times and the gain that it promises."""
-        low, high = self.binding.limits
+        low, high = self.family.limits
         step = np.zeros(len(point.times))
         pull, curvature = self._pull(point)
         moves = (np.diag(curvature) > 0) & ((point.times > low) | (pull > 0)) & ((point.times < high) | (pull < 0))
@@ -149,7 +149,7 @@ class Nearest:
         """Return minus half the slope of the distance in the log correlation times, and Gauss-Newton's curvature."""
         markov = point.squares[len(point.squares) - len(point.times) :]
         onto, _ = np.linalg.qr(self.white @ point.columns[:, point.squares > 0])
-        jacobian = self.white @ (self.binding.slopes(point.times)[1] * markov)
+        jacobian = self.white @ (self.family.slopes(point.times)[1] * markov)
         jacobian -= onto @ (onto.T @ jacobian)
         return jacobian.T @ (self.white @ (self.observed - point.implied)), jacobian.T @ jacobian
 
