@@ -1,6 +1,10 @@
-"""Keep compiled kernels of different versions of the library apart (see :func:`imugap.workflow.dependencies.digest`).
+"""Set up every test process before anything imports NumPy or Numba, which read their settings once.
 
-Property tests draw the same examples every time, and take the time that they take: the first call of a kernel compiles.
+Compiled kernels are cached for all processes and later runs, those of different versions of the library apart (see
+:func:`imugap.workflow.dependencies.digest`). Tests are spread over the cores by contiguous stretches of files, of which
+an idle process takes over a part (``--dist worksteal``): fixtures of a module are made by few processes, and no process
+ends long before the others. There linear algebra has one thread. Property tests draw the same examples every time, and
+take the time that they take: the first call of a kernel compiles.
 """
 
 import json
@@ -8,16 +12,19 @@ import os
 from pathlib import Path
 from types import SimpleNamespace
 
+from imugap.workflow.dependencies import digest
+
+ROOT = Path(__file__).parents[1]
+os.environ.setdefault("NUMBA_CACHE_DIR", str(ROOT / ".pytest_cache" / "numba" / digest()))
+if "PYTEST_XDIST_WORKER" in os.environ:
+    for library in ("OMP", "OPENBLAS", "MKL", "NUMBA"):
+        os.environ.setdefault(f"{library}_NUM_THREADS", "1")
+
 import pytest
 import yaml
 from hypothesis import settings
 from jsonschema import Draft202012Validator
 
-from imugap.estimation import goodness_of_fit
-from imugap.workflow.dependencies import digest
-
-ROOT = Path(__file__).parents[1]
-os.environ.setdefault("NUMBA_CACHE_DIR", str(ROOT / ".pytest_cache" / "numba" / digest()))
 settings.register_profile("derandomised", derandomize=True, deadline=None)
 settings.load_profile("derandomised")
 
@@ -26,7 +33,7 @@ settings.load_profile("derandomised")
 def judge(monkeypatch):
     """A goodness of fit that finds every model good; gives the sentence that it says."""
     sentence = "Nothing speaks against the model"
-    monkeypatch.setattr(goodness_of_fit, "of", lambda *_: SimpleNamespace(verdict=f"{sentence}."))
+    monkeypatch.setattr("imugap.estimation.goodness_of_fit.of", lambda *_: SimpleNamespace(verdict=f"{sentence}."))
     return sentence
 
 
