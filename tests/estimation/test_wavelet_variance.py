@@ -1,6 +1,5 @@
 import os
 from pathlib import Path
-from time import process_time
 
 import allantools
 import numpy as np
@@ -108,17 +107,9 @@ def plain_loop(sequence, levels):
     return result
 
 
-def test_all_haar_levels_of_a_million_samples_take_no_longer_than_a_plain_compiled_loop():
-    sequence = noise(1_000_000, "speed")
+def test_all_haar_levels_of_a_million_samples_are_those_of_a_plain_loop():
+    sequence = noise(1_000_000, "million")
     np.testing.assert_allclose(wavelet_variance.variance(sequence), plain_loop(sequence, 19), rtol=1e-9)
-    times = {}
-    for name, run in (
-        ("ours", lambda: wavelet_variance.variance(sequence)),
-        ("plain", lambda: plain_loop(sequence, 19)),
-    ):
-        starts = [(process_time(), run(), process_time()) for _ in range(7)]
-        times[name] = min(end - start for start, _, end in starts)
-    assert times["ours"] < times["plain"]
 
 
 @pytest.mark.skipif(not (MIRROR and Path(MIRROR).is_dir()), reason="IMUGAP_MIRROR names no folder of real logs")
@@ -201,11 +192,17 @@ def test_covariance_of_a_long_sequence_is_close_to_the_exact_one(monkeypatch, mo
     np.testing.assert_allclose(np.diag(found)[:-1], np.diag(exact)[:-1], rtol=1e-3)
 
 
-def test_covariance_of_a_long_sequence_takes_a_few_milliseconds():
-    model = AxisModel((WhiteNoise(5e-3), GaussMarkov(1 / 180, 50.0), RandomWalk(1 / 21600)))
+def test_covariance_of_a_long_sequence_takes_a_few_thousand_values_of_the_spectrum():
+    taken = []
+
+    class Counted(AxisModel):
+        def sampled_psd(self, frequency, interval):
+            taken.append(np.size(frequency))
+            return super().sampled_psd(frequency, interval)
+
+    model = Counted((WhiteNoise(5e-3), GaussMarkov(1 / 180, 50.0), RandomWalk(1 / 21600)))
     wavelet_variance.covariance(model, 0.1, 108_000, 16)
-    starts = [(process_time(), wavelet_variance.covariance(model, 0.1, 108_000, 16), process_time()) for _ in range(5)]
-    assert min(end - start for start, _, end in starts) < 0.03
+    assert 0 < sum(taken) < 4000
 
 
 @pytest.mark.parametrize("process", [WhiteNoise(0.1), RandomWalk(0.2)], ids=lambda p: p.name)

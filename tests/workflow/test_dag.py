@@ -26,10 +26,10 @@ BLIND = "blind={cases: 4}"
 pytestmark = pytest.mark.slow
 
 
-def snakemake(*arguments, folder=ROOT, timeout=300):
+def snakemake(*arguments, folder=ROOT):
     environment = {key: value for key, value in os.environ.items() if key != "IMUGAP_MIRROR"}
     command = [sys.executable, "-m", "snakemake", *arguments]
-    return subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=timeout)
+    return subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True)
 
 
 def test_lint_finds_nothing_but_the_missing_conda_directive():
@@ -194,7 +194,7 @@ def blind_tables(folder):
 def benchmark(tmp_path_factory):
     """The project after a blind benchmark of four cases on this machine."""
     folder = blind_project(tmp_path_factory.mktemp("blind") / "here")
-    found = snakemake("blind", "--cores", "2", "--config", BLIND, folder=folder, timeout=600)
+    found = snakemake("blind", "--cores", "2", "--config", BLIND, folder=folder)
     assert found.returncode == 0, found.stderr
     return folder
 
@@ -233,7 +233,7 @@ def test_the_blind_benchmark_on_a_slurm_cluster_has_the_same_tables(benchmark, c
     options = ["--workflow-profile", "workflow/profiles/slurm", "--group-components", "blind_discover=2"]
     options += ["--slurm-status-command", "squeue", "--slurm-no-account"]
     options += ["--slurm-init-seconds-before-status-checks", "5", "--seconds-between-status-checks", "2"]
-    found = snakemake("blind", "--config", BLIND, *options, folder=folder, timeout=900)
+    found = snakemake("blind", "--config", BLIND, *options, folder=folder)
     text = found.stdout + found.stderr
     assert found.returncode == 0, text
     submitted = re.findall(r"submitted with SLURM jobid \d+ \(log: .*/slurm_logs/(\w+)/", text)
