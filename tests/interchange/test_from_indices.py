@@ -10,7 +10,7 @@ from imugap.effects.effect import AxisModel
 from imugap.effects.gauss_markov import FLAT_TOP
 from imugap.estimation import allan
 from imugap.figures.static import TITLES
-from imugap.interchange.from_indices import CONTENDERS, AxisIndices, fit, nbk
+from imugap.interchange.from_indices import CONTENDERS, READ, AxisIndices, bounded, fit, nbk
 from imugap.numerics.bias_stability import bias_stability
 from imugap.stream import stream
 
@@ -179,3 +179,19 @@ def test_fit_of_a_single_run_has_no_turn_on_bias():
 
 def test_every_contender_has_a_title():
     assert list(TITLES) == list(CONTENDERS)
+
+
+@pytest.mark.parametrize(("symbol", "name"), [("N", "white"), ("B", "flicker"), ("K", "walk")])
+def test_the_coefficients_that_a_contender_takes_from_the_curve_are_those_that_change_it(symbol, name):
+    usual = indices()
+    other = indices(**{name: 3 * getattr(usual, name)})
+    changed = {contender for contender, build in CONTENDERS.items() if build(usual) != build(other)}
+    assert changed == {contender for contender, of in READ.items() if symbol in of}
+
+
+def test_bounds_that_stand_for_values_are_counted_by_contender():
+    rows = [(axis, symbol, axis != "x" or symbol == "N") for axis in ("x", "y") for symbol in ("N", "B", "K")]
+    rows = pd.DataFrame(rows, columns=["axis", "symbol", "holds"])
+    assert bounded(rows) == {"rate_random_walk": 1, "method_b": 1}
+    assert bounded(rows.assign(holds=True)) == {}
+    assert bounded(rows.assign(holds=rows["symbol"] != "N"))["restoration"] == 2

@@ -40,6 +40,7 @@ rule models_figure:
     """Draw the Allan deviation of every contender against the device, and tabulate where they part."""
     input:
         device="results/{device}/allan.csv",
+        indices="results/{device}/indices.csv",
         models=expand(
             "results/{{device}}/model_allan/{contender}.csv",
             contender=[name for name in CONTENDERS if name != "bias_only"],

@@ -60,6 +60,7 @@ rule drift_scores:
         ),
     output:
         errors="results/{device}/drift_errors.parquet",
+        proper="results/{device}/drift_crps.parquet",
         scores="results/{device}/drift_scores.csv",
     log:
         "logs/drift_scores/{device}.log",
@@ -114,7 +115,9 @@ rule drift_tables:
     """Tabulate the five-trial comparison as the source has it, the distributions, and how the ranking depends on length."""
     input:
         errors="results/{device}/drift_errors.parquet",
+        proper="results/{device}/drift_crps.parquet",
         scores="results/{device}/drift_scores.csv",
+        indices="results/{device}/indices.csv",
         static="data/published/he2023_table2_static_navigation.csv",
     output:
         multiext("paper/tables/five_trials_{device}", ".json", ".tex"),

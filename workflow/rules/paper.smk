@@ -2,7 +2,6 @@ rule study_numbers:
     """Write what the text says of the study itself: devices, sections left out, choices, versions."""
     input:
         tables=["data/datasets.csv", "data/files.csv"],
-        navigation=expand("paper/numbers/navigation_{device}.json", device=DEVICES),
     output:
         "paper/numbers/study.json",
         multiext("paper/tables/datasets", ".csv", ".json", ".tex"),

@@ -96,6 +96,7 @@ rule bench_score:
         ),
         "paper/tables/bench_score.json",
         "paper/tables/bench_score.tex",
+        numbers="paper/numbers/bench_score.json",
     log:
         "logs/bench_score.log",
     benchmark:
@@ -177,5 +178,9 @@ PAPER["study"] += of_devices(
 PAPER["study"] += [
     f"paper/numbers/clock_{device}.json" for device in DEVICES if len(RUNS[device]) > 1
 ]
-PAPER["study"] += ["paper/tables/bench_score.json"] if "bench" in DEVICES else []
+PAPER["study"] += (
+    ["paper/tables/bench_score.json", "paper/numbers/bench_score.json"]
+    if "bench" in DEVICES
+    else []
+)
 PAPER["study"] += ["paper/tables/turn_on.json"] if POWER_CYCLES else []

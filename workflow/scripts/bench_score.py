@@ -51,8 +51,20 @@ def page(data):
     return pd.DataFrame(rows, columns=["axis", "index", "unit", "truth", "estimate", "truth is"])
 
 
+def numbers(data):
+    """Collect what the text quotes: intervals and bounds that hold the truth, and how far bounds lie above it."""
+    read, bounds = data[data["holds"]], data[~data["holds"]]
+    factors = {symbol: one["high"] / one["truth"] for symbol, one in bounds.groupby("symbol", sort=False)}
+    return {
+        "read": len(read), "read_inside": int(read["inside"].sum()),
+        "bounds": len(bounds), "bounds_above": int(bounds["inside"].sum()),
+        "factors": {symbol: [tables.number(end(one), 2) for end in (min, max)] for symbol, one in factors.items()},
+    }  # fmt: skip
+
+
 if __name__ == "__main__":
     with journal(snakemake.log[0]):
         model = json.loads(Path(snakemake.input.truth).read_text())["model"]
         data = score(pd.read_csv(snakemake.input.indices), model, 1 / snakemake.params.rate_hz)
         tables.write(snakemake.output[0].removesuffix(".csv"), data, page(data))
+        Path(snakemake.output.numbers).write_text(json.dumps(numbers(data), indent=1) + "\n")

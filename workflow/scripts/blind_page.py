@@ -34,10 +34,10 @@ BESIDE = {
     "every": "any case of any size: a name that is not hidden",
 }
 CLOSED = {
-    ("distance", blind.EVERY): "one effect: distribution reaches the floor",
-    ("distance", blind.BEYOND): "those whose distribution did not before: reaches it",
-    ("navigation_distance", blind.EVERY): "one effect: drift reaches the floor",
-    ("navigation_distance", blind.BEYOND): "those whose drift did not before: reaches it",
+    ("distance", blind.EVERY): "one effect: distribution in the floor after the search ({} before)",
+    ("distance", blind.BEYOND): "those beyond it before: distribution in the floor after",
+    ("navigation_distance", blind.EVERY): "one effect, at rest: drift in the floor after the search ({} before)",
+    ("navigation_distance", blind.BEYOND): "those beyond it before: drift in the floor after",
 }
 
 
@@ -46,12 +46,18 @@ def rates(scores, clear_size):
     alarms, named = blind.false_alarms(scores.cases), blind.naming(scores.effects, clear_size)
     covered, closed = blind.coverage(scores.parameters), blind.closed(scores, clear_size)
     beside = blind.superfluous(scores, clear_size)
+    counts = closed.set_index(["distance", "scope"])["count"].unstack()
+    before = {name: f"{row[blind.EVERY] - row[blind.BEYOND]} of {row[blind.EVERY]}" for name, row in counts.iterrows()}
     parts = [
         alarms.assign(title=alarms["alarm"].map(ALARMS)),
         named.assign(title=[NAMINGS[one.group, one.score] for one in named.itertuples(index=False)]),
         beside.assign(title=beside["group"].map(BESIDE)),
         covered.head(1).assign(title="named effects: truth in the interval of a parameter"),
-        closed.assign(title=[CLOSED[one.distance, one.scope] for one in closed.itertuples(index=False)]),
+        closed.assign(
+            title=[
+                CLOSED[one.distance, one.scope].format(before[one.distance]) for one in closed.itertuples(index=False)
+            ]
+        ),
     ]
     return pd.concat(parts, ignore_index=True)[["title", "count", "rate", "low", "high"]]
 
@@ -160,6 +166,12 @@ def drawings(scores, rates, coverage, clear_size):
 def numbers(scores, beside, seconds, clear_size):
     """Return what the text says."""
     cases = scores.cases
+    naming = blind.naming(scores.effects, clear_size).set_index(["group", "score"])
+    named = {
+        f"{group}_{score}": {"count": int(one["count"]), "right": round(one["count"] * one["rate"])}
+        | {end: f"{100 * one[end]:.0f}" for end in ("rate", "low", "high")}
+        for (group, score), one in naming[naming["count"] > 0].iterrows()
+    }
     alarm = blind.false_alarms(cases).set_index("alarm").loc["name"]
     far = blind.closed(scores, clear_size).set_index(["distance", "scope"]).loc[("distance", blind.BEYOND)]
     of_one = blind.alone(scores, clear_size)
@@ -173,6 +185,7 @@ def numbers(scores, beside, seconds, clear_size):
         "false_names": f"{100 * alarm['rate']:.1f}",
         "false_names_high": f"{100 * alarm['high']:.1f}",
         "quiet": int(alarm["count"]),
+        "named": named,
         "alone": len(of_one),
         "beyond": int(far["count"]),
         "came": round(far["count"] * far["rate"]) if far["count"] else 0,

@@ -8,7 +8,7 @@ from imugap.workflow.job_log import journal
 
 
 def scores(contender, start, measured, simulated, horizons, at):
-    """Return e_abs and e_rel of every run and trial, and the scores of the ensemble, at every horizon."""
+    """Return e_abs and e_rel of every run and trial, the CRPS of every run, and the scores of the ensemble."""
     e_abs, e_rel = errors(measured, simulated, at)
     runs, trials = range(len(measured)), range(len(simulated))
     index = pd.MultiIndex.from_product(
@@ -22,6 +22,10 @@ def scores(contender, start, measured, simulated, horizons, at):
     index = pd.MultiIndex.from_product([[contender], [start], horizons, QUANTITIES])
     index.names = ["contender", "start", "horizon", "quantity"]
     proper = crps(ends, simulated[:, at])
+    runs = pd.MultiIndex.from_product(
+        [[contender], [start], runs, horizons, QUANTITIES], names=["contender", "start", "run", "horizon", "quantity"]
+    )
+    of_runs = pd.DataFrame({"crps": proper.ravel()}, index=runs).reset_index()
     columns = {
         "crps": proper.mean(axis=0),
         "crps_error": proper.std(axis=0, ddof=1) / np.sqrt(len(measured)) if len(measured) > 1 else np.nan * inside,
@@ -31,11 +35,11 @@ def scores(contender, start, measured, simulated, horizons, at):
         "e_abs_95": np.quantile(e_abs, 0.95, axis=(0, 1)),
         "measured": np.abs(ends).mean(axis=0),
     }
-    return each, pd.DataFrame({k: np.ravel(v) for k, v in columns.items()}, index=index).reset_index()
+    return each, of_runs, pd.DataFrame({k: np.ravel(v) for k, v in columns.items()}, index=index).reset_index()
 
 
-def main(measured_path, simulated_paths, params, errors_path, scores_path):
-    """Write the errors of all trials and the scores of all ensembles."""
+def main(measured_path, simulated_paths, params, output):
+    """Write the errors of all trials, the CRPS of all runs and the scores of all ensembles."""
     measured = np.load(measured_path)
     horizons = [length for length in params.horizons_s if length <= measured["time"][-1]]
     at = np.searchsorted(measured["time"], np.array(horizons) - 1e-9)
@@ -45,10 +49,12 @@ def main(measured_path, simulated_paths, params, errors_path, scores_path):
         for k, start in enumerate(STARTS):
             drift = measured["drift"][k][..., list(QUANTITIES.values())]
             found.append(scores(contender, start, drift, simulated[k], horizons, at))
-    pd.concat([each for each, _ in found]).to_parquet(errors_path, index=False)
-    pd.concat([summary for _, summary in found]).to_csv(scores_path, index=False)
+    errors, proper, summary = (pd.concat(part) for part in zip(*found, strict=True))
+    errors.to_parquet(output.errors, index=False)
+    proper.to_parquet(output.proper, index=False)
+    summary.to_csv(output.scores, index=False)
 
 
 if __name__ == "__main__":
     with journal(snakemake.log[0]):
-        main(snakemake.input.measured, snakemake.input.simulated, snakemake.params, *snakemake.output)
+        main(snakemake.input.measured, snakemake.input.simulated, snakemake.params, snakemake.output)

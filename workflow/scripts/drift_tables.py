@@ -8,10 +8,11 @@ import pandas as pd
 
 from imugap import figures
 from imugap.figures import static
-from imugap.figures.static import TITLES
-from imugap.interchange.from_indices import SOURCE
+from imugap.figures.static import TITLES, titled
+from imugap.interchange.from_indices import SOURCE, bounded
 from imugap.kinematics.free_inertial import QUANTITIES
 from imugap.stream import stream
+from imugap.study.rankings import first_places, interval
 from imugap.workflow import tables
 from imugap.workflow.job_log import journal
 
@@ -38,12 +39,12 @@ def printed(table_2):
     return pd.DataFrame(columns, index=index).reset_index()
 
 
-def five_trials_page(data):
+def five_trials_page(data, titles):
     """Lay out as the source's table 2: a row per model, absolute and relative error per quantity; runs 1 and all."""
     rows = []
     data = data[data["runs"].isin(["1", "all", "He et al."])]
     for (runs, contender), group in data.groupby(["runs", "contender"], sort=False):
-        row = {"runs": runs, "model": TITLES[contender]}
+        row = {"runs": runs, "model": (TITLES if runs == "He et al." else titles)[contender]}
         for one in group.itertuples():
             unit, scale = UNITS[one.quantity]
             row[f"{one.quantity} [{unit}]"] = tables.number(one.e_abs * scale)
@@ -52,11 +53,11 @@ def five_trials_page(data):
     return pd.DataFrame(rows)
 
 
-def distribution_page(scores):
+def distribution_page(scores, titles):
     """Lay out median and 90 % range of e_abs, the proper score, and the share of runs inside the 90 % band."""
     rows = []
     for (start, contender), group in scores.groupby(["start", "contender"], sort=False):
-        row = {"start": start, "model": TITLES[contender]}
+        row = {"start": start, "model": titles[contender]}
         for one in group.itertuples():
             unit, scale = UNITS[one.quantity]
             values = (tables.number(v * scale) for v in (one.median_e_abs, one.e_abs_5, one.e_abs_95))
@@ -85,15 +86,15 @@ def chance_of_first(errors, count, seed):
     return pd.DataFrame(rows)
 
 
-def ranking_page(scores, chances):
+def ranking_page(scores, chances, titles):
     """Lay out the best model by each score, and the chance that a five-trial table puts restoration first."""
     rows = []
     for (start, horizon), group in scores.groupby(["start", "horizon"], sort=False):
         row = {"start": start, "length [s]": f"{horizon:g}"}
         for quantity in QUANTITIES:
             one = group[group["quantity"] == quantity].set_index("contender")
-            row[f"e_abs {quantity}"] = TITLES[one["median_e_abs"].idxmin()]
-            row[f"CRPS {quantity}"] = TITLES[one["crps"].idxmin()]
+            row[f"e_abs {quantity}"] = titles[one["median_e_abs"].idxmin()]
+            row[f"CRPS {quantity}"] = titles[one["crps"].idxmin()]
         chance = chances[(chances["start"] == start) & (chances["horizon"] == horizon)].set_index("quantity")
         shares = [f"{100 * chance.loc[quantity, 'restoration']:.0f}" for quantity in QUANTITIES]
         row["restoration first [%]"] = " / ".join(shares)
@@ -101,33 +102,41 @@ def ranking_page(scores, chances):
     return pd.DataFrame(rows)
 
 
-def main(errors, scores, table_2, params, output):
+def main(errors, scores, proper, indices, table_2, params, output):
     """Write the three tables, the two figures and the numbers of the text."""
+    bounds = bounded(indices)
+    titles = titled(bounds)
     at_table = scores[scores["horizon"] == params.table_horizon_s]
     five = five_trials(errors[errors["horizon"] == params.table_horizon_s], params.published_trials)
     five = pd.concat([five, printed(table_2)])
-    tables.write(output.five.removesuffix(".csv"), five, five_trials_page(five))
-    tables.write(output.distribution.removesuffix(".csv"), at_table, distribution_page(at_table))
+    tables.write(output.five.removesuffix(".csv"), five, five_trials_page(five, titles))
+    tables.write(output.distribution.removesuffix(".csv"), at_table, distribution_page(at_table, titles))
     chances = chance_of_first(errors, params.published_trials, params.seed)
-    tables.write(output.ranking.removesuffix(".csv"), chances, ranking_page(scores, chances))
+    tables.write(output.ranking.removesuffix(".csv"), chances, ranking_page(scores, chances, titles))
     figures.save(static.ranking(scores, "median_e_abs", "median e_abs"), output.figure)
     figures.save(static.ranking(scores, "crps", "CRPS"), output.crps)
-    Path(output.numbers).write_text(json.dumps(numbers(scores, at_table, chances, params), indent=1) + "\n")
+    firsts = first_places(errors, proper, stream(params.seed, "first places"))
+    found = numbers(scores, at_table, chances, firsts, titles, params) | {
+        "bounded": bounds,
+        "runs": int(proper["run"].nunique()),
+    }
+    Path(output.numbers).write_text(json.dumps(found, indent=1) + "\n")
 
 
-def first_places(scores, column):
-    """Say how often each model has the smallest score over all lengths and quantities, per start, most often first."""
+def listed(firsts, score, titles):
+    """Show how often each model is first by a score, with the interval over the runs, per start, most often first."""
     said = {}
-    for start, group in scores.groupby("start", sort=False):
-        best = group.loc[group.groupby(["horizon", "quantity"])[column].idxmin(), "contender"].value_counts(sort=True)
-        said[start] = ", ".join(f"{TITLES[name]} {count}" for name, count in best.items())
+    for start, of_start in firsts[firsts["score"] == score].groupby("start", sort=False):
+        counts = {name: interval(of) for name, of in of_start.groupby("contender", sort=False)}
+        order = sorted((name for name in counts if counts[name][0]), key=lambda name: -counts[name][0])
+        said[start] = ", ".join("{} {} [{}, {}]".format(titles[name], *counts[name]) for name in order)
     return said
 
 
-def count_first(scores, column, names):
-    """Count the lengths, quantities and starts in which one of ``names`` has the smallest score."""
-    best = scores.loc[scores.groupby(["start", "horizon", "quantity"])[column].idxmin(), "contender"]
-    return int(best.isin(names).sum())
+def spreadless(firsts):
+    """Return for each score how often a model without any slow process is first, with the interval over the runs."""
+    some = firsts[firsts["contender"].isin(SPREADLESS)]
+    return {score: "{} [{}, {}]".format(*interval(of)) for score, of in some.groupby("score", sort=False)}
 
 
 def crps_ratio(scores, of, over):
@@ -137,7 +146,7 @@ def crps_ratio(scores, of, over):
     return {start: "{:.2f} ({:.2f} to {:.2f})".format(*ratio.quantile([0.5, 0, 1])) for start, ratio in grouped}
 
 
-def numbers(scores, at_table, chances, params):
+def numbers(scores, at_table, chances, firsts, titles, params):
     """Collect what the text of the paper quotes."""
     inside = at_table.groupby(["start", "contender"], sort=False)["inside_90"].mean()
     at = chances[(chances["start"] == "raw") & (chances["horizon"] == params.table_horizon_s)]
@@ -148,14 +157,11 @@ def numbers(scores, at_table, chances, params):
         "restoration_first_percent": {row.quantity: f"{100 * row.restoration:.0f}" for row in at.itertuples()},
         "restoration_first_range_percent": [f"{100 * f(over['restoration']):.0f}" for f in (min, max)],
         "cases": scores["horizon"].nunique() * scores["quantity"].nunique(),
-        "spreadless": {
-            "e_abs": count_first(scores, "median_e_abs", SPREADLESS),
-            "crps": count_first(scores, "crps", SPREADLESS),
-        },
+        "spreadless": spreadless(firsts),
         "restoration_over_turn_on": crps_ratio(scores, "restoration", "white_turn_on"),
         "nbk_over_restoration": crps_ratio(scores, "nbk", "restoration"),
-        "first_by_e_abs": first_places(scores, "median_e_abs"),
-        "first_by_crps": first_places(scores, "crps"),
+        "first_by_e_abs": listed(firsts, "e_abs", titles),
+        "first_by_crps": listed(firsts, "crps", titles),
         "inside_percent": {
             start: {name: f"{100 * inside[start, name]:.0f}" for name in TITLES} for start in scores["start"].unique()
         },
@@ -165,5 +171,6 @@ def numbers(scores, at_table, chances, params):
 if __name__ == "__main__":
     with journal(snakemake.log[0]):
         source = snakemake.input
-        frames = pd.read_parquet(source.errors), pd.read_csv(source.scores), pd.read_csv(source.static)
-        main(*frames, snakemake.params, snakemake.output)
+        errors, proper = pd.read_parquet(source.errors), pd.read_parquet(source.proper)
+        scores, indices, static_2 = (pd.read_csv(path) for path in (source.scores, source.indices, source.static))
+        main(errors, scores, proper, indices, static_2, snakemake.params, snakemake.output)

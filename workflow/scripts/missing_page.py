@@ -13,6 +13,7 @@ from imugap.discovery.report import span
 from imugap.figures import AXIS_TITLES
 from imugap.figures import discovery as drawn
 from imugap.figures.static import TITLES
+from imugap.study.distances import change
 from imugap.workflow import tables
 from imugap.workflow.job_log import journal
 
@@ -181,7 +182,7 @@ def numbers(reports, data):
         } | {
             key: {
                 "within": bool(rows.loc[name, "before_value"] <= rows.loc[name, "floor_high"]),
-                "nearer": bool(rows.loc[name, "after_value"] < rows.loc[name, "before_value"]),
+                "change": change(*({end: rows.loc[name, f"{state}_{end}"] for end in ENDS} for state in STATES[:2])),
                 "before": tables.number(rows.loc[name, "before_value"]),
                 "after": tables.number(rows.loc[name, "after_value"]),
                 "floor_high": tables.number(rows.loc[name, "floor_high"]),

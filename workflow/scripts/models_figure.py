@@ -8,7 +8,8 @@ import pandas as pd
 
 from imugap import figures
 from imugap.figures import static
-from imugap.figures.static import TITLES
+from imugap.figures.static import TITLES, titled
+from imugap.interchange.from_indices import bounded
 from imugap.workflow import tables
 from imugap.workflow.job_log import journal
 
@@ -36,12 +37,12 @@ def reproduced(group):
     return f"{tables.number(tau[start], 2)}–{tables.number(tau[stop - 1], 2)} s"
 
 
-def page(data):
+def page(data, bounds):
     """Lay the table out: a row per contender, a column per axis."""
     cells = data.groupby(["contender", "axis"], sort=False)[["tau", "verdict"]].apply(reproduced).unstack("axis")
     cells = cells.loc[list(dict.fromkeys(data["contender"])), list(dict.fromkeys(data["axis"]))]
     cells.columns = [figures.AXIS_TITLES[axis] for axis in cells.columns]
-    return cells.rename(index=TITLES).rename_axis("model").reset_index()
+    return cells.rename(index=titled(bounds)).rename_axis("model").reset_index()
 
 
 def numbers(data):
@@ -57,6 +58,6 @@ if __name__ == "__main__":
         device = pd.read_csv(snakemake.input.device)
         simulated = pd.concat([pd.read_csv(path) for path in snakemake.input.models])
         figures.save(static.models(device, simulated), snakemake.output[0])
-        data = agreement(device, simulated)
-        tables.write(snakemake.output[1].removesuffix(".csv"), data, page(data))
-        Path(snakemake.output[-1]).write_text(json.dumps(numbers(data), indent=1) + "\n")
+        data, bounds = agreement(device, simulated), bounded(pd.read_csv(snakemake.input.indices))
+        tables.write(snakemake.output[1].removesuffix(".csv"), data, page(data, bounds))
+        Path(snakemake.output[-1]).write_text(json.dumps(numbers(data) | {"bounded": bounds}, indent=1) + "\n")

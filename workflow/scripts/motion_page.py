@@ -12,6 +12,7 @@ from imugap.figures import AXIS_TITLES
 from imugap.figures import discovery as drawn
 from imugap.model import ErrorModel
 from imugap.stream import stream
+from imugap.study.distances import NEARER, change
 from imugap.workflow import tables
 from imugap.workflow.job_log import journal
 
@@ -99,6 +100,7 @@ def distances_page(reports):
     """Lay out the distances, how many effects were named, and how many places are left."""
     return pd.DataFrame([
         {"trial": trial} | {state: tables.interval(**one) for state, one in report["distance"].items()}
+        | {"change": change(report["distance"]["before"], report["distance"]["after"])}
         | {"effects of motion": sum(one["name"] in NAMES for one in report["effects"]),
            "other effects": sum(one["name"] not in NAMES for one in report["effects"]),
            "withheld": len(report["withheld"]), "places before": len(report["gaps"]),
@@ -126,7 +128,9 @@ def numbers(reports, agreed, share, noise):
             kind: [round(100 * end) for end in other.loc[of, "share"].quantile([0.5, 0.0, 1.0])]
             for kind, of in kinds.items()
         },
-        "nearer": sum(one["after"]["value"] < one["before"]["value"] for one in apart),
+        "smaller": sum(one["after"]["value"] < one["before"]["value"] for one in apart),
+        "nearer": sum(change(one["before"], one["after"]) == NEARER for one in apart),
+        "within_before": sum(one["before"]["value"] <= one["floor"]["high"] for one in apart),
         "reached": sum(one["after"]["value"] <= one["floor"]["high"] for one in apart),
     }
 

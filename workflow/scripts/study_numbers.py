@@ -25,10 +25,7 @@ def omission(dataset):
 if __name__ == "__main__":
     with journal(snakemake.log[0]):
         params, sets = snakemake.params, catalogue.load("data", "workflow/schemas")
-        everything = [json.loads(Path(path).read_text()) for path in snakemake.input.navigation]
         study = {
-            "spreadless": {score: sum(one["spreadless"][score] for one in everything) for score in ("e_abs", "crps")}
-            | {"cases": sum(2 * one["cases"] for one in everything)},
             "devices": list(params.runs),
             "runs": {device: len(runs) for device, runs in params.runs.items()},
             "missing_of": params.missing_of,

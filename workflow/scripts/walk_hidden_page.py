@@ -7,6 +7,7 @@ import pandas as pd
 import yaml
 
 from imugap.model import ErrorModel
+from imugap.study.walk_naming import score, summary
 from imugap.workflow import tables
 from imugap.workflow.job_log import journal
 
@@ -55,36 +56,16 @@ def innovations(rows):
     return f"{first['name'].replace('_', ' ')} ({first['axis']}), {abs(first['deviate']):.1f} σ{also}"
 
 
-def scored(found, hides):
-    """Return whether each case is named rightly, with the exact reference and without."""
-    rows = []
-    for case, one in found.groupby("case", sort=False):
-        name, axes = hides[case]
-        by = {how: one[one["how"] == how] for how in ("exact", "integrity", "innovations")}
-        there = case not in ("nothing", "stance_motion")
-        named = {how: part["name"].tolist() for how, part in by.items()}
-        alone = named["integrity"] + named["innovations"]
-        rows.append({
-            "case": case, "hidden": name, "axes": " ".join(axes), "there": there,
-            "exact_right": name in named["exact"] if there else not named["exact"],
-            "exact_wrong": len(set(named["exact"]) - {name}),
-            "alone_right": name in alone if there else not alone,
-            "alone_wrong": len(set(alone) - {name}) if name not in alone else 0,
-            "scatter": float(one.loc[one["how"] == "scatter", "value"].iloc[0]),
-        })  # fmt: skip
-    return pd.DataFrame(rows)
-
-
 def page(found, scores):
     """Lay the table out: a row per case."""
     rows = []
-    for score in scores.itertuples():
-        one = found[found["case"] == score.case]
+    for case in scores.itertuples():
+        one = found[found["case"] == case.case]
         of = {how: one[one["how"] == how] for how in ("exact", "place", "integrity", "innovations")}
-        hidden = score.hidden.replace("_", " ") + (f" ({said(score.axes)})" if score.there else "")
+        hidden = case.hidden.replace("_", " ") + (f" ({said(case.axes)})" if case.there else "")
         row = {"hidden": hidden, "named with the exact reference": listed(of["exact"])}
         row |= {"surest places": places(of["place"]), "named by the log alone": listed(of["integrity"])}
-        row |= {"named by zero velocity": innovations(of["innovations"]), "scatter": tables.number(score.scatter, 2)}
+        row |= {"named by zero velocity": innovations(of["innovations"]), "scatter": tables.number(case.scatter, 2)}
         rows.append(row)
     return pd.DataFrame(rows)
 
@@ -98,14 +79,6 @@ if __name__ == "__main__":
         for column in ("name", "axis", "unit", "value", "high", "chance", "deviate"):
             if column not in found:
                 found[column] = None
-        scores = scored(found, hides)
+        scores = score(found, hides)
         tables.write(output.table.removesuffix(".csv"), scores, page(found, scores))
-        there = scores[scores["there"]]
-        numbers = {
-            "cases": len(scores), "there": len(there), "exact": int(there["exact_right"].sum()),
-            "alone": int(there["alone_right"].sum()), "wrong": int((scores["exact_wrong"] > 0).sum()),
-            "quiet": int(scores.loc[~scores["there"], "exact_right"].sum()), "absent": int((~scores["there"]).sum()),
-            "alone_false": int((~scores.loc[~scores["there"], "alone_right"]).sum()),
-            "alone_wrong": int((there["alone_wrong"] > 0).sum()),
-        }  # fmt: skip
-        Path(output.numbers).write_text(json.dumps(numbers, indent=1) + "\n")
+        Path(output.numbers).write_text(json.dumps(summary(scores), indent=1) + "\n")

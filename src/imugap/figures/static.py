@@ -1,6 +1,6 @@
 """Figures of the static chapter: each function draws one figure from tables and returns it."""
 
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 
 import matplotlib as mpl
 import numpy as np
@@ -36,6 +36,11 @@ COLOURS = {
 }
 """One colour per contender in every figure (Okabe and Ito's palette); the device is black."""
 LAW_COLOURS = {"N": "#D55E00", "B": "#0072B2", "K": "#009E73"}
+
+
+def titled(bounds: Container[str]) -> dict[str, str]:
+    """Return the titles of the contenders; those built with an upper bound in place of a value are marked (≤)."""
+    return {name: f"{title} (≤)" if name in bounds else title for name, title in TITLES.items()}
 
 
 def allan(curves: pd.DataFrame, tangents: pd.DataFrame) -> Figure:

@@ -113,6 +113,16 @@ CONTENDERS: dict[str, Callable[[AxisIndices], AxisModel]] = {
     for builder in (bias_only, white, white_turn_on, rate_random_walk, method_a, method_b, restoration, nbk)
 }
 
+READ = {
+    "white": ("N",),
+    "white_turn_on": ("N",),
+    "rate_random_walk": ("N", "K"),
+    "method_a": ("N",),
+    "method_b": ("N", "B"),
+    "restoration": ("N",),
+}
+"""The coefficients of the Allan curve that a contender takes as values; where one is refused, it takes the bound."""
+
 SOURCE = ("method_a", "method_b", "restoration")
 """The contenders that the source compares in its tables."""
 
@@ -127,6 +137,17 @@ def averaged(curves: pd.DataFrame) -> pd.DataFrame:
     mean = grouped.agg(square=("square", "mean"), error=("error", "mean"))
     error = mean["error"] / np.sqrt(grouped.size())
     return mean.assign(deviation=np.sqrt(mean["square"]), error=error).reset_index()
+
+
+def bounded(indices: pd.DataFrame) -> dict[str, int]:
+    """Count the axes on which each contender takes an upper bound for a value, from the indices of a device.
+
+    A bound is the most that the device can have, and may be far above what it has: the drift of such a contender says
+    how large the process can be, not how large it is. Contenders without such an axis are left out.
+    """
+    refused = indices[~indices["holds"].astype(bool)]
+    counts = {name: refused.loc[refused["symbol"].isin(of), "axis"].nunique() for name, of in READ.items()}
+    return {name: int(count) for name, count in counts.items() if count}
 
 
 def fit(name: str, indices: pd.DataFrame, curves: pd.DataFrame, period: float) -> ErrorModel:

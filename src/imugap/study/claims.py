@@ -1,0 +1,130 @@
+"""Published claims of He et al. (2023) against the results of the study, each with the rule of its verdict."""
+
+import pandas as pd
+
+from imugap.interchange.from_indices import SOURCE
+from imugap.kinematics.free_inertial import QUANTITIES
+from imugap.workflow import tables
+
+RELIABLE, LIKELY = 0.95, 0.5
+"""Share of five-trial tables from which on a result is called reliable, or likely."""
+ORDER_OF_MAGNITUDE = 10.0
+CLEARLY_SMALLER = 0.95
+"""Ratio of two median errors below which the first is called smaller."""
+
+
+def reliability(shares: pd.Series) -> str:
+    """Judge the shares of five-trial tables that show a result, one for each quantity."""
+    if shares.min() >= RELIABLE:
+        return "reliable"
+    if shares.min() > LIKELY:
+        return "likely, not reliable"
+    if shares.max() < LIKELY:
+        return "unlikely"
+    return "depends on the draw"
+
+
+RELIABILITY = (
+    f"reliable: ≥ {100 * RELIABLE:.0f} % in all three; likely: > {100 * LIKELY:.0f} % in all three; "
+    f"unlikely: < {100 * LIKELY:.0f} % in all three; else it depends on the draw"
+)
+
+
+def smallest(five: pd.DataFrame) -> int:
+    """Count the quantities, absolute and relative, in which restoration has the smallest error of the three."""
+    means = five[five["runs"] == "1"].pivot(index="contender", columns="quantity", values=["e_abs", "e_rel"])
+    return int((means.loc[list(SOURCE)].idxmin() == "restoration").sum())
+
+
+def gain(five: pd.DataFrame) -> pd.Series:
+    """Return the smaller error of methods A and B over that of restoration, per quantity."""
+    means = five[five["runs"] == "1"].pivot(index="contender", columns="quantity", values="e_abs")
+    return means.loc[["method_a", "method_b"]].min() / means.loc["restoration"]
+
+
+def best(scores: pd.DataFrame, column: str) -> pd.Series:
+    """Name the contender with the smallest score per quantity."""
+    return scores.loc[scores.groupby("quantity", sort=False)[column].idxmin()].set_index("quantity")["contender"]
+
+
+def printed_gain(static: pd.DataFrame) -> pd.Series:
+    """Return the ratio of :func:`gain` from the printed table 2."""
+    rows = static[static["quantity"].str.contains("_abs_")]
+    return rows[["method_a", "method_b"]].min(axis=1) / rows["restoration"]
+
+
+def of_device(
+    device: str, five: pd.DataFrame, ranking: pd.DataFrame, scores: pd.DataFrame, static: pd.DataFrame, horizon: float
+) -> list[dict[str, str]]:
+    """Judge the claims that the static comparison of one device can judge, at one navigation length, raw start."""
+    at = ranking[(ranking["start"] == "raw") & (ranking["horizon"] == horizon)].set_index("quantity")["restoration"]
+    raw = scores[(scores["start"] == "raw") & (scores["horizon"] == horizon)]
+    gains, wins = gain(five), smallest(five)
+    leaders, proper = best(raw, "median_e_abs"), best(raw, "crps")
+    relative = raw.pivot(index="contender", columns="quantity", values="median_e_abs")
+    ratio = (relative.loc["restoration"] / relative.loc["bias_only"])[list(QUANTITIES)]
+    return [
+        {
+            "claim": "restoration has the smallest error of the three methods, in all six columns",
+            "published": "6 of 6",
+            "device": device,
+            "here": f"{wins} of 6",
+            "rule": "seen: 6 of 6 in the five-trial table of the first run",
+            "verdict": "seen in this draw" if wins == 6 else "not seen in this draw",
+        },
+        {
+            "claim": "a five-trial table shows it (share of tables with restoration first: east / north / heading)",
+            "published": "—",
+            "device": device,
+            "here": " / ".join(f"{100 * at[quantity]:.0f} %" for quantity in QUANTITIES),
+            "rule": RELIABILITY,
+            "verdict": reliability(at),
+        },
+        {
+            "claim": "its error is an order of magnitude smaller (best of the others over restoration)",
+            "published": " / ".join(f"{value:.1f}" for value in printed_gain(static)),
+            "device": device,
+            "here": " / ".join(f"{gains[quantity]:.2f}" for quantity in QUANTITIES),
+            "rule": f"holds: ≥ {ORDER_OF_MAGNITUDE:g} in all three, five trials of the first run",
+            "verdict": "holds" if gains.min() >= ORDER_OF_MAGNITUDE else "does not hold",
+        },
+        {
+            "claim": "it does so by its noise model (its median error over that of a bare constant bias)",
+            "published": "—",
+            "device": device,
+            "here": " / ".join(f"{ratio[quantity]:.2f}" for quantity in QUANTITIES),
+            "rule": f"holds: < {CLEARLY_SMALLER:g} in all three, all trials and runs",
+            "verdict": "holds" if ratio.max() < CLEARLY_SMALLER else "does not hold",
+        },
+        {
+            "claim": "the smallest error marks the model closest to the device (best by e_abs; best by CRPS)",
+            "published": "—",
+            "device": device,
+            "here": "; ".join(
+                ", ".join(dict.fromkeys(found[list(QUANTITIES)])).replace("_", " ") for found in (leaders, proper)
+            ),
+            "rule": "holds: both scores have the same best model in all three",
+            "verdict": "holds" if (leaders == proper).all() else "does not hold",
+        },
+    ]
+
+
+def of_walk(ends: pd.DataFrame, printed: pd.DataFrame) -> dict[str, str]:
+    """Judge the claim that restoration improves a walk, against the bias that is in it."""
+    one = ends.set_index("contender").loc["restoration"]
+    units = {"position": "m", "heading": "°"}
+    lows, highs = ([one[f"{quantity}_excess{end}"] for quantity in units] for end in ("_low", "_high"))
+    gaps = [
+        tables.interval(*(one[f"{quantity}_excess{end}"] for end in ("", "_low", "_high"))) + f" {unit}"
+        for quantity, unit in units.items()
+    ]
+    gains = (printed.loc[f"end_{quantity}_error_reduction", "restoration"] for quantity in units)
+    verdict = "holds" if max(highs) < 0 else "does harm" if max(lows) > 0 else "does not hold"
+    return {
+        "claim": "subtracted from the log of a walk it reduces the end error (excess over that of its bias alone)",
+        "published": " / ".join(f"{gain:.1f} % less" for gain in gains),
+        "device": "simulated walk",
+        "here": " / ".join(gaps),
+        "rule": "holds: both 95 % intervals below 0; does harm: one of them above 0",
+        "verdict": verdict,
+    }
