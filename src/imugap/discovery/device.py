@@ -28,7 +28,7 @@ from imugap.discovery.search.noise_agreement import agreed
 from imugap.discovery.search.search import log_chance
 from imugap.discovery.search.shared_effects import Joint, joined
 from imugap.discovery.views import COHERENCE, Curve
-from imugap.discovery.views.gaps import REPLICATES, Verdict, named, verdicts
+from imugap.discovery.views.gaps import REPLICATES, ViewTest, significant_gaps, view_tests
 from imugap.effects import CATALOGUE, Bias, CommonMode, Outliers, WhiteNoise
 from imugap.effects.effect import AxisModel, Effect, Stage
 from imugap.log import TIME, axes
@@ -81,8 +81,8 @@ class Discovery:
     untold: tuple[tuple[str, str], ...]
     distances: Mapping[str, Distances]
     drifts: tuple[Drifts, ...]
-    before: tuple[Verdict, ...]
-    after: tuple[Verdict, ...]
+    before: tuple[ViewTest, ...]
+    after: tuple[ViewTest, ...]
     record: Record
     stories: Mapping[str, Story]
 
@@ -153,8 +153,8 @@ def discover(
     steps.begin("gaps")
     outputs = {axis: _outputs(known, axis) for axis in stories}
     with _many(question.workers) as each:
-        seen = verdicts(befores, question.seed, question.replicates, outputs, each=each)
-    where = (*named(seen, question.alpha), *_unsteady(stories))
+        seen = view_tests(befores, question.seed, question.replicates, outputs, each=each)
+    where = (*significant_gaps(seen, question.alpha), *_unsteady(stories))
     own = (*(one for story in stories.values() for one in story.findings), *map(_of_joint, joints))
     common = _news((one.finding(f"{axis_unit(one.axes[0])}/sqrt(Hz)") for one in shared(wholes, log_alpha)), known)
     between = _news(_between_runs(logs, wholes, known, question, log_alpha), known)
@@ -322,13 +322,13 @@ def _between_runs(
 
 
 def _left(
-    seen: Sequence[Verdict],
+    seen: Sequence[ViewTest],
     stories: Mapping[str, Story],
     record: Record,
     common: Sequence[Finding],
     question: Question,
     outputs: Mapping,
-) -> tuple[tuple[Verdict, ...], tuple[Gap, ...]]:
+) -> tuple[tuple[ViewTest, ...], tuple[Gap, ...]]:
     """Return all views of the final model, and where it leaves the log.
 
     Axes on which nothing was seen are as they were; axes whose noise is shared are not held against each other.
@@ -338,9 +338,9 @@ def _left(
     changed = {axis for axis, story in stories.items() if story.seen or known[axis] != outputs[axis]}
     alike = {frozenset(pair) for finding in common for pair in _pairs(finding.axes)}
     with _many(question.workers) as each:
-        judged = verdicts(fits, question.seed + 1, question.replicates, known, changed, each)
+        judged = view_tests(fits, question.seed + 1, question.replicates, known, changed, each)
     judged += [one for one in seen if not changed & one.axes]
-    left = tuple(gap for gap in named(judged, question.alpha) if not _common(gap, alike))
+    left = tuple(gap for gap in significant_gaps(judged, question.alpha) if not _common(gap, alike))
     return tuple(one for one in judged if not _common(one.curve, alike)), left
 
 

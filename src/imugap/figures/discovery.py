@@ -13,7 +13,7 @@ from imugap.discovery.device import Discovery
 from imugap.discovery.evaluation.distance import Drifts
 from imugap.discovery.finding import Gap
 from imugap.discovery.views import Curve
-from imugap.discovery.views.gaps import Verdict
+from imugap.discovery.views.gaps import ViewTest
 from imugap.figures import AXIS_TITLES, legend_below, panels_of, said
 from imugap.workflow.tables import unit
 
@@ -115,7 +115,7 @@ def _compared(found: Discovery, alpha: float, drawn: Sequence[tuple[str, str]]) 
     return figure
 
 
-def _view(panel: Axes, verdict: Verdict, alpha: float, colour: str, label: str) -> None:
+def _view(panel: Axes, verdict: ViewTest, alpha: float, colour: str, label: str) -> None:
     """Draw one view of the log against the envelope of a model."""
     curve = verdict.curve
     low, high = verdict.envelope.bounds(alpha)

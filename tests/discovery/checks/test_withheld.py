@@ -15,7 +15,7 @@ from imugap.discovery.fit.whittle import Noise
 from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.search.search import Key, Search, at
 from imugap.discovery.unnamed.hysteresis import Hysteresis
-from imugap.discovery.views.gaps import gaps
+from imugap.discovery.views.gaps import find_gaps
 from imugap.effects import (
     CATALOGUE,
     BiasInstability,
@@ -39,7 +39,7 @@ def test_a_line_that_drifts_is_a_place_without_a_name():
     moving = AxisSequence(data.values + chirp, data.conditions, data.flawed)
     story = concluded(told(moving, (), tuple(CATALOGUE.values()), LOG_ALPHA, 9600))
     assert names(story) == []
-    places = [gap for gap in gaps({"gyro_x": story.whole}, 0.01, 0, 39) if gap.view == "spectrum"]
+    places = [gap for gap in find_gaps({"gyro_x": story.whole}, 0.01, 0, 39) if gap.view == "spectrum"]
     assert any(gap.low < 2.5 and gap.high > 0.5 for gap in places)
 
 

@@ -12,7 +12,7 @@ from imugap import log
 from imugap.discovery.fit.axis_fit import Description, Term, fit
 from imugap.discovery.fit.whittle import Noise
 from imugap.discovery.preparation.sequence import AxisSequence
-from imugap.discovery.views.gaps import DOUBT, FIRST, REPLICATES, gaps, threshold, twins, verdicts
+from imugap.discovery.views.gaps import DOUBTFUL, FIRST, REPLICATES, find_gaps, replicate_groups, threshold, view_tests
 from imugap.effects import (
     BiasInstability,
     BiasStep,
@@ -52,13 +52,13 @@ def test_axes_that_use_different_shares_of_the_frequencies_are_compared_on_what_
     found = fits({"gyro_x": (), "gyro_y": (), "gyro_z": ()})
     narrow = replace(found["gyro_y"].sequence, share=0.5)
     found["gyro_y"] = fit(narrow, Description((), Noise((WHITE,))))
-    judged = {one.curve.axis: one for one in verdicts(found, 1, 19) if one.curve.view == "coherence"}
-    assert set(judged) == {"gyro_x,gyro_y", "gyro_x,gyro_z", "gyro_y,gyro_z"}
-    reach = {axes: one.curve.high.max() for axes, one in judged.items()}
+    tests = {one.curve.axis: one for one in view_tests(found, 1, 19) if one.curve.view == "coherence"}
+    assert set(tests) == {"gyro_x,gyro_y", "gyro_x,gyro_z", "gyro_y,gyro_z"}
+    reach = {axes: one.curve.high.max() for axes, one in tests.items()}
     half = 0.5 / (2 * INTERVAL)
     assert reach["gyro_x,gyro_y"] == reach["gyro_y,gyro_z"] == pytest.approx(half, rel=1e-3)
     assert reach["gyro_x,gyro_z"] > 1.9 * half
-    assert all(np.isfinite(one.p_value) for one in judged.values())
+    assert all(np.isfinite(one.p_value) for one in tests.values())
 
 
 @pytest.mark.parametrize(
@@ -85,7 +85,7 @@ def test_false_discovery_threshold(p_values, level):
     ],
 )
 def test_what_is_hidden_is_found_on_its_axis(effect, view, low, high):
-    found = gaps(fits({"gyro_x": (), "gyro_y": (effect,)}), 0.01, seed=1)
+    found = find_gaps(fits({"gyro_x": (), "gyro_y": (effect,)}), 0.01, seed=1)
     places = [gap for gap in found if gap.view == view]
     assert {gap.axis for gap in found} <= {"gyro_y", "gyro_x,gyro_y"}
     assert places
@@ -103,7 +103,7 @@ def swings():
 
 
 def test_what_goes_with_the_input_of_another_axis_is_found_over_it():
-    found = gaps(fits({"gyro_x": (), "gyro_y": (Misalignment(0.0, 0.0, 3e-4),)}, ideal=swings()), 0.01, seed=1)
+    found = find_gaps(fits({"gyro_x": (), "gyro_y": (Misalignment(0.0, 0.0, 3e-4),)}, ideal=swings()), 0.01, seed=1)
     assert ("rate", "gyro_y,gyro_z") in {(gap.view, gap.axis) for gap in found}
     assert all("gyro_y" in gap.axis for gap in found)
 
@@ -120,7 +120,7 @@ def test_what_goes_with_the_motion_of_other_axes_is_found_over_it(view, source, 
     quiet = fits({"gyro_x": (), "gyro_y": ()}, ideal=ideal)
     sequence = quiet["gyro_x"].sequence
     moved = sequence.changed(sequence.values + np.asarray(hidden(ideal)))
-    found = gaps(quiet | {"gyro_x": fit(moved, Description((), Noise((WHITE,))))}, 0.01, seed=1)
+    found = find_gaps(quiet | {"gyro_x": fit(moved, Description((), Noise((WHITE,))))}, 0.01, seed=1)
     assert (view, f"gyro_x,{source}") in {(gap.view, gap.axis) for gap in found}
     assert all("gyro_x" in gap.axis for gap in found)
 
@@ -139,42 +139,42 @@ def test_what_goes_with_the_motion_of_other_axes_is_found_over_it(view, source, 
     ],
 )
 def test_what_is_described_is_no_gap(effect, description):
-    assert gaps(fits({"gyro_y": (effect,)}), 0.01, seed=1)
-    assert gaps(fits({"gyro_y": (effect,)}, {"gyro_y": description}), 0.01, seed=1) == ()
+    assert find_gaps(fits({"gyro_y": (effect,)}), 0.01, seed=1)
+    assert find_gaps(fits({"gyro_y": (effect,)}, {"gyro_y": description}), 0.01, seed=1) == ()
 
 
 def test_known_resolution_is_no_gap():
     coarse = Resolution(0.01)
     found = fits({"gyro_x": (coarse,)})
-    assert {gap.view for gap in gaps(found, 0.01, seed=1)} == {"marginal"}
-    assert gaps(found, 0.01, seed=1, known={"gyro_x": (coarse,)}) == ()
+    assert {gap.view for gap in find_gaps(found, 0.01, seed=1)} == {"marginal"}
+    assert find_gaps(found, 0.01, seed=1, known={"gyro_x": (coarse,)}) == ()
 
 
 def test_outliers_that_are_described_are_replaced_in_replicates_too():
     spikes = Outliers(1e-3, 0.1)
     found = fits({"gyro_x": (spikes,)})
-    assert {"extremes", "marginal"} <= {gap.view for gap in gaps(found, 0.01, seed=1)}
+    assert {"extremes", "marginal"} <= {gap.view for gap in find_gaps(found, 0.01, seed=1)}
     sequence = found["gyro_x"].sequence
     flagged = np.abs(sequence.values) > 0.03
     mended = sequence.mended(flagged, np.random.default_rng(1))
     described = fit(mended, Description((), Noise((WHITE,)), (), spikes))
-    assert not [gap for gap in gaps({"gyro_x": described}, 0.01, seed=1) if gap.view == "variance"]
+    assert not [gap for gap in find_gaps({"gyro_x": described}, 0.01, seed=1) if gap.view == "variance"]
 
 
 def test_common_mode_is_a_gap_between_axes_until_it_is_described():
     hidden = {"gyro_x": (CommonMode(1e-3, 0.5),), "gyro_y": (CommonMode(1e-3, 0.5),), "gyro_z": ()}
-    found = gaps(fits(hidden), 0.01, seed=1)
+    found = find_gaps(fits(hidden), 0.01, seed=1)
     assert {(gap.view, gap.axis) for gap in found} == {("coherence", "gyro_x,gyro_y")}
     described = Description((), Noise((WHITE, CommonMode(1e-3, 0.5))))
-    assert gaps(fits(hidden, {"gyro_x": described, "gyro_y": described}), 0.01, seed=1) == ()
+    assert find_gaps(fits(hidden, {"gyro_x": described, "gyro_y": described}), 0.01, seed=1) == ()
 
 
 def test_axes_of_white_noise_share_replicates():
     walk = {"gyro_z": Description((), Noise((WHITE, RandomWalk(1e-4))))}
     found = fits({"gyro_x": (), "gyro_y": (), "gyro_z": (RandomWalk(1e-4),)}, walk, count=2000)
-    groups = [[member.sequence.conditions.axis for member in group.fits] for group in twins(found, {})]
+    groups = [[member.sequence.conditions.axis for member in group.fits] for group in replicate_groups(found, {})]
     assert groups == [["gyro_x", "gyro_y"], ["gyro_z"]]
-    known = [len(group.fits) for group in twins(found, {"gyro_x": (Resolution(0.01),)})]
+    known = [len(group.fits) for group in replicate_groups(found, {"gyro_x": (Resolution(0.01),)})]
     assert known == [1, 1, 1]
 
 
@@ -183,10 +183,10 @@ def test_only_axes_that_the_first_replicates_put_in_doubt_have_all(seed):
     slow = RandomWalk(3e-4)
     start = {"gyro_x": Description((), Noise((WHITE, slow)))}
     found = fits({"gyro_x": (slow,), "gyro_y": (Sinusoid(7.3, 1e-3, 1.0),)}, start, seed=seed)
-    doubtful = set().union(*(one.axes for one in verdicts(found, 1, FIRST) if one.p_value < DOUBT))
+    doubtful = set().union(*(one.axes for one in view_tests(found, 1, FIRST) if one.p_value < DOUBTFUL))
     assert "gyro_y" in doubtful
     counts = defaultdict(set)
-    for one in verdicts(found, 1):
+    for one in view_tests(found, 1):
         counts[one.curve.axis].add(len(one.envelope.replicates))
     for axis in found:
         assert counts[axis] == {REPLICATES if axis in doubtful else FIRST}
@@ -194,7 +194,7 @@ def test_only_axes_that_the_first_replicates_put_in_doubt_have_all(seed):
 
 def test_the_seed_decides():
     found = fits({"gyro_x": ()}, count=2000)
-    first, again, other = ([verdict.p_value for verdict in verdicts(found, seed, replicates=20)] for seed in (1, 1, 2))
+    first, again, other = ([test.p_value for test in view_tests(found, seed, replicates=20)] for seed in (1, 1, 2))
     assert first == again
     assert first != other
 
@@ -214,10 +214,10 @@ def test_p_values_are_uniform_and_gaps_rare_where_nothing_is_hidden(model, axes)
     start = dict.fromkeys(axes, Description((), Noise(model)))
     for seed in range(logs):
         found = fits(dict.fromkeys(start, model[1:]), start, count=1500, seed=seed)
-        judged = verdicts(found, seed, replicates=39)
-        for verdict in judged:
-            p_values[verdict.curve.view].append(verdict.p_value)
-        empty += threshold(np.array([verdict.p_value for verdict in judged]), 0.1) == 0
+        tests = view_tests(found, seed, replicates=39)
+        for test in tests:
+            p_values[test.curve.view].append(test.p_value)
+        empty += threshold(np.array([test.p_value for test in tests]), 0.1) == 0
     for found in p_values.values():
         assert kstest(found, "uniform").pvalue > 0.001 / len(p_values)
     every = np.concatenate(list(p_values.values()))

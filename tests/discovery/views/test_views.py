@@ -9,8 +9,8 @@ from imugap.discovery import views
 from imugap.discovery.fit.axis_fit import Description, fit
 from imugap.discovery.fit.whittle import Noise
 from imugap.discovery.preparation.sequence import AxisSequence
-from imugap.discovery.views.curve import blocks, correlation_score, highest, pooled, windows
-from imugap.discovery.views.spectral import implied
+from imugap.discovery.views.curve import block_maxima, block_starts, correlation_score, window_sums, windows
+from imugap.discovery.views.spectral import implied_allan_variance
 from imugap.effects import (
     BiasStep,
     CommonMode,
@@ -57,14 +57,16 @@ def seen(*effects, **kwargs):
 def test_windows_hold_what_they_say():
     sums = stream(1, "windows").standard_normal(13)
     first, last = windows(13)
-    np.testing.assert_allclose(pooled(sums), [sums[i:j].sum() for i, j in zip(first, last, strict=True)], atol=1e-12)
+    np.testing.assert_allclose(
+        window_sums(sums), [sums[i:j].sum() for i, j in zip(first, last, strict=True)], atol=1e-12
+    )
     assert set(last - first) == {1, 2, 4}
 
 
 def test_highest_of_each_block():
     values = stream(1, "highest").standard_normal(1000)
-    first = blocks(1000, 7, 16)
-    peaks, at = highest(values, first)
+    first = block_starts(1000, 7, 16)
+    peaks, at = block_maxima(values, first)
     parts = np.split(values, first[1:])
     np.testing.assert_array_equal(peaks, [part.max() for part in parts])
     np.testing.assert_array_equal(at, first + [part.argmax() for part in parts])
@@ -74,7 +76,7 @@ def test_highest_of_each_block():
 def test_implied_allan_variance_is_the_closed_form(effect):
     averaging = np.array([1, 2, 5, 17, 130, 1000])
     frequency = np.arange(1, COUNT) / (2 * COUNT * INTERVAL)
-    own = implied(effect.sampled_psd(frequency, INTERVAL) / INTERVAL, averaging)
+    own = implied_allan_variance(effect.sampled_psd(frequency, INTERVAL) / INTERVAL, averaging)
     left_out = 1 - own / effect.sampled_allan_variance(averaging, INTERVAL)
     assert np.all(left_out < 0.8 * averaging / COUNT)
     assert np.all(left_out > -1e-3)
@@ -162,7 +164,7 @@ def test_motion_shows_over_the_input_that_causes_it(key, effect):
 
 def test_an_axis_is_seen_over_its_own_derivative_only():
     over = views.binnings(fitted(ideal=motion()).sequence)
-    own = [item for item in over if item.concerns("gyro_x")]
+    own = [item for item in over if item.applies_to("gyro_x")]
     assert {item.source for item in own if item.view in ("time_shift", "full_scale")} == {"gyro_x"}
     assert {item.source for item in own if item.view == "angular_acceleration"} == {"gyro_y", "gyro_z"}
     assert {item.source for item in own if item.view == "jerk"} == set(log.ACCEL)

@@ -20,7 +20,7 @@ from imugap import log
 from imugap.discovery.evaluation.parameter_ensemble import Uncertain
 from imugap.discovery.finding import Interval
 from imugap.discovery.preparation.rounding import level_ahead
-from imugap.discovery.views.curve import blocks
+from imugap.discovery.views.curve import block_starts
 from imugap.discovery.views.spectral import bands
 from imugap.effects import Bias
 from imugap.effects.conditions import Conditions
@@ -279,7 +279,7 @@ def _views(values: np.ndarray, level: float, scale: float) -> list[np.ndarray]:
     ``scale`` is the standard deviation of measured values, which sets the bounds below which samples are counted: on
     a lattice their shares vary as those of a binomial law, while quantiles jump.
     """
-    first = blocks(len(values), BLOCKS, SHORTEST)
+    first = block_starts(len(values), BLOCKS, SHORTEST)
     number = np.diff(np.r_[first, len(values)])
     means = np.add.reduceat(values - level, first) / number
     squares = np.add.reduceat((values - level - np.repeat(means, number)) ** 2, first) / number

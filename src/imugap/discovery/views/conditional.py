@@ -12,7 +12,7 @@ from scipy.ndimage import uniform_filter1d
 from imugap import log
 from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.discovery.preparation.sequence import AxisSequence
-from imugap.discovery.views.curve import Curve, pooled, spans, windows
+from imugap.discovery.views.curve import Curve, window_ranges, window_sums, windows
 
 CELLS = 24
 """Cells of equal numbers of samples."""
@@ -53,17 +53,17 @@ class Binning:
     @cached_property
     def number(self) -> np.ndarray:
         """Return the number of samples in each window of cells."""
-        return pooled(np.bincount(self.index, minlength=len(self.low)))
+        return window_sums(np.bincount(self.index, minlength=len(self.low)))
 
-    def concerns(self, axis: str) -> bool:
+    def applies_to(self, axis: str) -> bool:
         """Return whether the residual of ``axis`` is looked at over this quantity."""
         return self.view not in OWN or OWN[self.view] == (self.source == axis)
 
     def curve(self, axis: str, score: np.ndarray, scale: float) -> Curve:
         """Return the sums of an axis' score in windows of cells, over their spread if the samples were independent."""
-        total = pooled(np.bincount(self.index, score * self.sign, minlength=len(self.low)))
+        total = window_sums(np.bincount(self.index, score * self.sign, minlength=len(self.low)))
         names = axis if self.source in ("", axis) else f"{axis},{self.source}"
-        low, high = spans(self.low, self.high)
+        low, high = window_ranges(self.low, self.high)
         statistic = total / (scale * np.sqrt(self.number))
         return Curve(self.view, names, low, high, self.unit, statistic, windows=windows(len(self.low)))
 

@@ -74,26 +74,26 @@ def windows(cells: int) -> tuple[np.ndarray, np.ndarray]:
     return np.concatenate(first), np.concatenate(last)
 
 
-def pooled(sums: np.ndarray) -> np.ndarray:
+def window_sums(sums: np.ndarray) -> np.ndarray:
     """Return the sums over all windows of the sums of each cell."""
     first, last = windows(len(sums))
     total = np.concatenate([np.zeros(1), np.cumsum(sums)])
     return total[last] - total[first]
 
 
-def spans(low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def window_ranges(low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the range of each window of cells."""
     first, last = windows(len(low))
     return low[first], high[last - 1]
 
 
-def blocks(count: int, most: int, shortest: int) -> np.ndarray:
+def block_starts(count: int, most: int, shortest: int) -> np.ndarray:
     """Return the first sample of each of at most ``most`` equal blocks of at least ``shortest`` samples."""
     number = max(min(most, count // shortest), 1)
     return np.arange(number) * count // number
 
 
-def highest(values: np.ndarray, first: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def block_maxima(values: np.ndarray, first: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the largest value of each block and where it is."""
     peaks = np.maximum.reduceat(values, first)
     widths = np.diff(np.r_[first, len(values)])

@@ -1,4 +1,4 @@
-"""Where measured data leave the model: all views of all axes against replicates of the fitted model, refitted."""
+"""Test all views of all axes against refitted replicates of the fitted model, and locate the disagreements."""
 
 from collections import defaultdict
 from collections.abc import Callable, Collection, Iterator, Mapping
@@ -20,34 +20,34 @@ from imugap.effects.effect import AxisModel, Effect
 from imugap.stream import stream
 
 REPLICATES = 99
-FIRST, DOUBT = 40, 0.02
-"""Replicates that every axis has, and the probability by chance of a view below which an axis has the others too."""
+FIRST, DOUBTFUL = 40, 0.02
+"""Number of replicates of every axis, and the p-value of a view below which its axes get all replicates."""
 TOGETHER = 10
-"""Replicates that are made one after another, by one process; neighbours among them tell of independent axes."""
+"""Replicates per task of one process; consecutive ones serve as pairs of independent axes."""
 REPLACED = (SampleLoss, Saturation, StuckSamples)
-"""Effects whose samples are replaced, all of them: a replicate has its replacements at the same places."""
+"""Effects whose samples are replaced: replicates have replacements at the same samples instead."""
 
 
 @dataclass(frozen=True, eq=False)
-class Verdict:
-    """One view of one axis, or of two: its curve, the replicates', and the probability of the curve by chance."""
+class ViewTest:
+    """Test of one view of one axis, or of two: the curve of the data and the envelope of its replicates."""
 
     curve: views.Curve
     envelope: Envelope
 
     @cached_property
     def p_value(self) -> float:
-        """Return the probability of as large a deviation anywhere in the view if the model is right."""
+        """Return the probability, under the model, of as large a deviation anywhere in the view."""
         return float(self.envelope.p_value(self.envelope.deviation(self.curve.statistic).max()))
 
     @property
     def axes(self) -> set[str]:
-        """Return the axes whose fits it is about: both of a coherence, else the first, that of the residual."""
+        """Return the axes whose fits are tested: both for a coherence, else the axis of the residual."""
         axes = self.curve.axis.split(",")
         return set(axes) if self.curve.view == views.COHERENCE else {axes[0]}
 
-    def gaps(self, level: float) -> list[Gap]:
-        """Return the places beyond the envelope of a level."""
+    def places(self, level: float) -> list[Gap]:
+        """Return the places beyond the envelope at a level."""
         curve = self.curve
         return [
             Gap(curve.view, curve.axis, low, high, curve.unit, p) for low, high, p in self.envelope.places(curve, level)
@@ -55,8 +55,8 @@ class Verdict:
 
 
 @dataclass(frozen=True, eq=False)
-class Twins:
-    """Axes of one log whose views have the same law, so that they share replicates.
+class ReplicateGroup:
+    """Axes of one log whose views have the same distribution, so that they share replicates.
 
     Attributes
     ----------
@@ -64,13 +64,13 @@ class Twins:
         The fits of the axes.
     known
         Effects on the output, such as a resolution, that act after those of the description.
-    over
-        What the views of conditions are taken over.
+    binnings
+        Cells of the views over conditions.
     """
 
     fits: tuple[AxisFit, ...]
     known: tuple[Effect, ...]
-    over: tuple[views.Binning, ...]
+    binnings: tuple[views.Binning, ...]
 
     @property
     def axes(self) -> set[str]:
@@ -79,11 +79,11 @@ class Twins:
 
     @property
     def last(self) -> int:
-        """Return the number of coefficients that their views use."""
+        """Return the number of cosine coefficients that their views use."""
         return self.fits[0].sequence.bins.last
 
     def replicate(self, seed: int, index: int) -> AxisFit:
-        """Simulate the fitted description of the first axis, with its repairs, and fit it again."""
+        """Simulate the fitted description of the first axis, replace samples as in the data, and fit it again."""
         sequence, description = self.fits[0].sequence, self.fits[0].description
         conditions, labels = sequence.conditions, ("gaps", index)
         effects = unrounded(description.effects(), self.known, sequence)
@@ -105,13 +105,13 @@ class Twins:
             return found
         return fit(found.sequence.mended(found.tails.flagged, rng), description)
 
-    def concern(self, axis: str) -> tuple[views.Binning, ...]:
-        """Return what an axis' residual is looked at over."""
-        return tuple(item for item in self.over if item.concerns(axis))
+    def binnings_of(self, axis: str) -> tuple[views.Binning, ...]:
+        """Return the binnings that apply to the residual of an axis."""
+        return tuple(item for item in self.binnings if item.applies_to(axis))
 
 
-def twins(fits: Mapping[str, AxisFit], known: Mapping[str, tuple[Effect, ...]]) -> list[Twins]:
-    """Return the axes grouped: those with nothing but white noise and the same flaws together, others alone."""
+def replicate_groups(fits: Mapping[str, AxisFit], known: Mapping[str, tuple[Effect, ...]]) -> list[ReplicateGroup]:
+    """Group the axes: those of mere white noise and the same flaws share a group, others have their own."""
     groups: dict[object, list[str]] = defaultdict(list)
     for axis, found in fits.items():
         plain = all(isinstance(effect, WhiteNoise) for effect in found.description.effects())
@@ -119,48 +119,48 @@ def twins(fits: Mapping[str, AxisFit], known: Mapping[str, tuple[Effect, ...]]) 
         groups[(found.sequence.flawed.tobytes(), found.sequence.share) if shared else axis].append(axis)
     over = views.binnings(next(iter(fits.values())).sequence)
     return [
-        Twins(
+        ReplicateGroup(
             tuple(fits[axis] for axis in group),
             tuple(effect for effect in known.get(group[0], ()) if not isinstance(effect, REPLACED)),
-            tuple(item for item in over if any(item.concerns(axis) for axis in group)),
+            tuple(item for item in over if any(item.applies_to(axis) for axis in group)),
         )
         for group in groups.values()
     ]
 
 
-def verdicts(
+def view_tests(
     fits: Mapping[str, AxisFit],
     seed: int,
     replicates: int = REPLICATES,
     known: Mapping[str, tuple[Effect, ...]] | None = None,
-    asked: Collection[str] | None = None,
+    axes: Collection[str] | None = None,
     each: Callable = map,
-) -> list[Verdict]:
-    """Return every view of every axis, and of every two axes, against replicates of the fitted model.
+) -> list[ViewTest]:
+    """Test every view of every axis, and of every two axes, against replicates of the fitted model.
 
-    The first replicates tell which axes are in doubt; only these have all of them.
+    All replicates are simulated only for axes with a small p-value among the first ones.
 
     Parameters
     ----------
     fits
         Axis to fit, all of one log.
     known
-        Axis to effects on its output that the descriptions leave out, such as a resolution.
-    asked
-        Axes that are asked for, alone and in pairs with any other; all of them unless given.
+        Axis to effects on its output outside of the descriptions, such as a resolution.
+    axes
+        Axes to test, alone and in pairs with any other; default all.
     each
-        Applies a function to many arguments, several at a time perhaps.
+        Map function, possibly parallel.
     """
-    asked = set(fits if asked is None else asked)
-    if not asked:
+    tested = set(fits if axes is None else axes)
+    if not tested:
         return []
-    pairs = [pair for pair in combinations(fits, 2) if asked & set(pair)]
+    pairs = [pair for pair in combinations(fits, 2) if tested & set(pair)]
     common = [pair for pair in pairs if all(fits[axis].has(CommonMode) for axis in pair)]
-    doubtful = asked.union(*common)
-    groups = twins({axis: replace(found) for axis, found in fits.items() if axis in doubtful}, known or {})
+    doubtful = tested.union(*common)
+    groups = replicate_groups({axis: replace(found) for axis, found in fits.items() if axis in doubtful}, known or {})
     lasts = {views.shared_last(*(fits[axis] for axis in pair)) for pair in pairs}
-    seen = [*_alone(groups, asked), *_pairs(pairs, common, fits)]
-    judged, statistics = [], defaultdict(list)
+    curves = [*_axis_curves(groups, tested), *_pair_curves(pairs, common, fits)]
+    tests, statistics = [], defaultdict(list)
     for first, last in ((0, min(FIRST, replicates)), (FIRST, replicates)):
         some = {number: group for number, group in enumerate(groups) if doubtful & group.axes}
         together = [pair for pair in common if set(pair) <= set().union(*(group.axes for group in some.values()))]
@@ -168,17 +168,17 @@ def verdicts(
         for part in each(partial(_statistics, some, together, lasts, seed), parts):
             for key, rows in part.items():
                 statistics[key] += rows
-        judged = [Verdict(curve, Envelope(np.array(statistics[key]), curve.signed)) for key, curve in seen]
-        doubtful = set().union(*(one.axes for one in judged if one.p_value < DOUBT))
-    return judged
+        tests = [ViewTest(curve, Envelope(np.array(statistics[key]), curve.signed)) for key, curve in curves]
+        doubtful = set().union(*(one.axes for one in tests if one.p_value < DOUBTFUL))
+    return tests
 
 
 def _statistics(
-    groups: Mapping[int, Twins], common: list[tuple[str, str]], lasts: set[int], seed: int, indices: range
+    groups: Mapping[int, ReplicateGroup], common: list[tuple[str, str]], lasts: set[int], seed: int, indices: range
 ) -> dict:
-    """Return the statistics of replicates: by group and view, by pair of axes, and of independent pairs.
+    """Return the statistics of replicates, by group and view, by pair of axes, and of independent pairs.
 
-    Those of independent pairs are taken up to each of the coefficients ``lasts``.
+    Those of independent pairs use the coefficients up to each of ``lasts``.
     """
     statistics: dict[object, list[np.ndarray]] = defaultdict(list)
     widest = max(groups, key=lambda number: groups[number].last)
@@ -188,7 +188,7 @@ def _statistics(
             last, drawn = newest, {}
             for number, group in groups.items():
                 found = group.replicate(seed, index)
-                for key, curve in views.curves(found, group.over).items():
+                for key, curve in views.curves(found, group.binnings).items():
                     statistics[number, *key].append(curve.statistic)
                 drawn |= dict.fromkeys(group.axes & paired, found)
                 newest = found if number == widest else newest
@@ -201,20 +201,20 @@ def _statistics(
     return dict(statistics)
 
 
-def _alone(groups: list[Twins], asked: Collection[str]) -> Iterator[tuple[object, views.Curve]]:
-    """Yield the curves of the axes that are asked for, each after the name of its statistics."""
+def _axis_curves(groups: list[ReplicateGroup], tested: Collection[str]) -> Iterator[tuple[object, views.Curve]]:
+    """Yield the curves of the tested axes, each after the key of its statistics."""
     for number, group in enumerate(groups):
         for member in group.fits:
             axis = member.sequence.conditions.axis
-            if axis in asked:
-                for key, curve in views.curves(member.bare(), group.concern(axis)).items():
+            if axis in tested:
+                for key, curve in views.curves(member.bare(), group.binnings_of(axis)).items():
                     yield (number, *key), curve
 
 
-def _pairs(
+def _pair_curves(
     pairs: list[tuple[str, str]], common: list[tuple[str, str]], fits: Mapping[str, AxisFit]
 ) -> Iterator[tuple[object, views.Curve]]:
-    """Yield the curves of two axes each; where nothing is common, they go with pairs of independent replicates."""
+    """Yield the curves of pairs of axes, each after the key of its statistics; pairs without common noise share one."""
     bare = {axis: fit.bare() for axis, fit in fits.items()}
     for pair in pairs:
         members = [bare[axis] for axis in pair]
@@ -222,35 +222,35 @@ def _pairs(
 
 
 def threshold(p_values: np.ndarray, alpha: float) -> float:
-    """Return the largest p-value that counts at a false discovery rate (Benjamini and Hochberg 1995), or 0."""
+    """Return the threshold of p-values at a false discovery rate (Benjamini and Hochberg 1995), or 0 if none passes."""
     ordered = np.sort(p_values)
     passed = np.flatnonzero(ordered <= alpha * np.arange(1, len(ordered) + 1) / len(ordered))
     return float(alpha * (passed[-1] + 1) / len(ordered)) if len(passed) else 0.0
 
 
-def gaps(
+def find_gaps(
     fits: Mapping[str, AxisFit],
     alpha: float,
     seed: int,
     replicates: int = REPLICATES,
     known: Mapping[str, tuple[Effect, ...]] | None = None,
 ) -> tuple[Gap, ...]:
-    """Return the places where the data leave the model, at a false discovery rate over views and axes, surest first.
+    """Locate where data and model disagree, at a false discovery rate over views and axes, by increasing p-value.
 
     Parameters
     ----------
     fits
         Axis to fit, all of one log.
     alpha
-        Share of views that may be named by chance.
+        False discovery rate.
     known
-        Axis to effects on its output that the descriptions leave out, such as a resolution.
+        Axis to effects on its output outside of the descriptions, such as a resolution.
     """
-    return named(verdicts(fits, seed, replicates, known), alpha)
+    return significant_gaps(view_tests(fits, seed, replicates, known), alpha)
 
 
-def named(judged: Collection[Verdict], alpha: float) -> tuple[Gap, ...]:
-    """Return the places of verdicts at a false discovery rate over all of them, surest first."""
-    level = threshold(np.array([verdict.p_value for verdict in judged]), alpha)
-    found = [gap for verdict in judged if verdict.p_value <= level for gap in verdict.gaps(level)]
+def significant_gaps(tests: Collection[ViewTest], alpha: float) -> tuple[Gap, ...]:
+    """Return the places of view tests at a false discovery rate over all of them, by p-value."""
+    level = threshold(np.array([test.p_value for test in tests]), alpha)
+    found = [gap for test in tests if test.p_value <= level for gap in test.places(level)]
     return tuple(sorted(found, key=lambda gap: gap.p_value))

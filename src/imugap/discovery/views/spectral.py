@@ -6,7 +6,16 @@ import numpy as np
 from scipy.fft import dct
 
 from imugap.discovery.fit.axis_fit import AxisFit
-from imugap.discovery.views.curve import Curve, blocks, chi_score, correlation_score, highest, pooled, spans, windows
+from imugap.discovery.views.curve import (
+    Curve,
+    block_maxima,
+    block_starts,
+    chi_score,
+    correlation_score,
+    window_ranges,
+    window_sums,
+    windows,
+)
 from imugap.estimation import allan
 
 PER_DECADE = 6
@@ -25,13 +34,13 @@ def of_allan(fit: AxisFit) -> Curve:
     """Return the Allan variance of the residual against the one that the fitted spectrum implies, over tau [s]."""
     interval = fit.sequence.conditions.interval
     averaging = allan.factors(len(fit.sequence.values), PER_DECADE)
-    ratio = allan.variance(fit.residual, averaging) / implied(fit.variance, averaging)
+    ratio = allan.variance(fit.residual, averaging) / implied_allan_variance(fit.variance, averaging)
     degrees = np.maximum(0.75 * len(fit.sequence.values) / averaging - 1, 1.0)
     tau = averaging * interval
     return Curve("allan", fit.sequence.conditions.axis, tau, tau, "s", chi_score(ratio, degrees))
 
 
-def implied(variance: np.ndarray, averaging: np.ndarray) -> np.ndarray:
+def implied_allan_variance(variance: np.ndarray, averaging: np.ndarray) -> np.ndarray:
     """Return the Allan variance at averaging factors of a process with the given variances of cosine coefficients.
 
     With the autocovariance c_j, the cosine transform of the spectrum, the sum of n samples has the variance
@@ -63,8 +72,8 @@ def of_spectrum(fit: AxisFit) -> Curve:
     """Return the power in bands, and in windows of bands, over the modelled one, over frequency [Hz]."""
     first, number = bands(fit.sequence.bins.last, WIDTH, 1)
     power = np.add.reduceat(fit.coefficients[: fit.sequence.bins.last] ** 2, first)
-    low, high = spans(*_range(fit, first, number))
-    total, number = pooled(power), pooled(number)
+    low, high = window_ranges(*_range(fit, first, number))
+    total, number = window_sums(power), window_sums(number)
     axis, cells = fit.sequence.conditions.axis, windows(len(first))
     return Curve("spectrum", axis, low, high, "Hz", chi_score(total / number, number), windows=cells)
 
@@ -72,8 +81,8 @@ def of_spectrum(fit: AxisFit) -> Curve:
 def of_line(fit: AxisFit) -> Curve:
     """Return the highest line of each cell of frequency [Hz]: gain of log-likelihood less its median by chance."""
     frequency, gains, _ = fit.lines
-    first = blocks(len(gains), CELLS, 16)
-    peaks, at = highest(gains, first)
+    first = block_starts(len(gains), CELLS, 16)
+    peaks, at = block_maxima(gains, first)
     chance = np.log(np.diff(np.r_[first, len(gains)]))
     half = 0.5 / (len(fit.sequence.values) * fit.sequence.conditions.interval)
     where = frequency[at]
@@ -95,8 +104,8 @@ def of_coherence(one: AxisFit, other: AxisFit, last: int | None = None) -> Curve
     last = shared_last(one, other) if last is None else last
     first, number = bands(last, WIDTH, FEWEST)
     a, b = one.coefficients[:last], other.coefficients[:last]
-    product, square, other_square = (pooled(np.add.reduceat(part, first)) for part in (a * b, a**2, b**2))
-    score = correlation_score(product / np.sqrt(square * other_square), pooled(number))
-    low, high = spans(*_range(one, first, number))
+    product, square, other_square = (window_sums(np.add.reduceat(part, first)) for part in (a * b, a**2, b**2))
+    score = correlation_score(product / np.sqrt(square * other_square), window_sums(number))
+    low, high = window_ranges(*_range(one, first, number))
     names = f"{one.sequence.conditions.axis},{other.sequence.conditions.axis}"
     return Curve(COHERENCE, names, low, high, "Hz", score, windows=windows(len(first)))

@@ -4,7 +4,15 @@ import numpy as np
 from scipy.stats import norm
 
 from imugap.discovery.fit.axis_fit import AxisFit
-from imugap.discovery.views.curve import Curve, blocks, chi_score, highest, pooled, spans, windows
+from imugap.discovery.views.curve import (
+    Curve,
+    block_maxima,
+    block_starts,
+    chi_score,
+    window_ranges,
+    window_sums,
+    windows,
+)
 
 BLOCKS, SHORTEST = 128, 16
 """Most blocks of a log and fewest samples of one."""
@@ -18,14 +26,14 @@ def _range(fit: AxisFit, first: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def _sums(fit: AxisFit, values: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the first sample of each block, and over windows of blocks the values' sum and number, flaws left out."""
-    first = blocks(len(values), BLOCKS, SHORTEST)
+    first = block_starts(len(values), BLOCKS, SHORTEST)
     kept = ~fit.sequence.flawed
-    number = pooled(np.add.reduceat(kept.astype(float), first))
-    return first, pooled(np.add.reduceat(values * kept, first)), np.maximum(number, 1.0)
+    number = window_sums(np.add.reduceat(kept.astype(float), first))
+    return first, window_sums(np.add.reduceat(values * kept, first)), np.maximum(number, 1.0)
 
 
 def _windowed(view: str, fit: AxisFit, first: np.ndarray, statistic: np.ndarray) -> Curve:
-    low, high = spans(*_range(fit, first))
+    low, high = window_ranges(*_range(fit, first))
     axis = fit.sequence.conditions.axis
     return Curve(view, axis, low, high, "s", statistic, windows=windows(len(first)))
 
@@ -44,8 +52,8 @@ def of_variance(fit: AxisFit) -> Curve:
 
 def of_extremes(fit: AxisFit) -> Curve:
     """Return the largest whitened residual of each block over time [s], as Gumbel's variable of a normal law."""
-    first = blocks(len(fit.whitened), BLOCKS, SHORTEST)
-    peaks, at = highest(np.abs(fit.whitened) * ~fit.sequence.flawed, first)
+    first = block_starts(len(fit.whitened), BLOCKS, SHORTEST)
+    peaks, at = block_maxima(np.abs(fit.whitened) * ~fit.sequence.flawed, first)
     usual = norm.isf(0.5 / np.diff(np.r_[first, len(fit.whitened)]))
     time = fit.sequence.conditions.time[at]
     statistic = usual * (peaks - usual)
@@ -54,7 +62,7 @@ def of_extremes(fit: AxisFit) -> Curve:
 
 def of_change(fit: AxisFit) -> Curve:
     """Return the gain of log-likelihood of the best step of the mean in each block, over time [s]."""
-    first = blocks(len(fit.steps.gains), BLOCKS, SHORTEST)
-    peaks, at = highest(fit.steps.gains, first)
+    first = block_starts(len(fit.steps.gains), BLOCKS, SHORTEST)
+    peaks, at = block_maxima(fit.steps.gains, first)
     time = fit.sequence.conditions.time[at]
     return Curve("change", fit.sequence.conditions.axis, time, time, "s", peaks, signed=False, point=True)
