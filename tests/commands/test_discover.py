@@ -80,6 +80,7 @@ def read_report(folder):
     return report
 
 
+@pytest.mark.slow
 def test_the_folder_is_whole_and_tells_the_line(here, capsys):
     assert discovered("run1.csv") == 0
     out, _ = capsys.readouterr()
@@ -106,6 +107,7 @@ def test_the_folder_is_whole_and_tells_the_line(here, capsys):
         assert "<svg" in (Path("found") / name).read_text()
 
 
+@pytest.mark.slow
 def test_two_runs_of_the_command_write_the_same_bytes(here):
     for out in ("one", "two"):
         compose(Files((Path("run1.csv"),)), Question(**QUICK), out)
@@ -122,6 +124,7 @@ def test_the_gap_shrinks_on_a_run_that_no_fit_has_seen(here):
     assert apart.floor.low * 0.9 < apart.after.value < apart.floor.high * 1.1
 
 
+@pytest.mark.slow
 def test_a_test_run_of_another_device_stays_far(here):
     log.write(measured(Sinusoid(11.0, 6e-4), seed=3), "other.csv")
     found = compose(Files((Path("run1.csv"),), (Path("other.csv"),)), Question(**QUICK), "found").found
@@ -129,6 +132,7 @@ def test_a_test_run_of_another_device_stays_far(here):
     assert apart.after.low > apart.floor.high
 
 
+@pytest.mark.slow
 def test_distances_over_two_runs_are_root_mean_squares():
     runs = [measured(LINE, seed=seed) for seed in (1, 2, 3)]
     question = Question(**QUICK)
@@ -139,6 +143,7 @@ def test_distances_over_two_runs_are_root_mean_squares():
     assert both.floor.high - both.floor.low < alone.floor.high - alone.floor.low
 
 
+@pytest.mark.slow
 def test_six_axes_at_rest_are_navigated():
     found = discover([measured(axes=log.AXES, count=1600)], Question(**QUICK))
     assert set(found.distances) == {"distribution", "navigation"}
@@ -367,6 +372,7 @@ def test_a_file_in_the_place_of_the_folder_is_refused_before_the_work(here, caps
     assert Path("found").read_text() == "mine"
 
 
+@pytest.mark.slow
 def test_what_the_log_cannot_tell_stays_as_the_start_model_has_it(here, capsys):
     clock = {"time": AxisModel((TimestampJitter(1e-5),))}
     start = {**device(ScaleFactor(1e-3), Temperature(1e-4), TurnOnBias(1e-3)).axes, **clock}
@@ -394,6 +400,7 @@ def test_what_the_start_model_knows_is_not_named_again():
     assert {"outliers", "common_mode"} <= {effect.name for effect in found.final["gyro_x"]}
 
 
+@pytest.mark.slow
 def test_an_axis_without_two_values_is_a_place_and_does_not_stop_the_others():
     found = discover([measured(LINE).assign(gyro_x=2.0, gyro_z=np.nan)], Question(**QUICK))
     assert [(one.name, one.axes) for one in found.findings] == [("sinusoid", ("gyro_y",))]
@@ -421,6 +428,7 @@ def turning(axes, seed=7):
     return log.from_samples(dict(zip(axes, 3 * slow, strict=True)), INTERVAL)
 
 
+@pytest.mark.slow
 def test_a_log_of_one_axis_may_answer_a_motion_of_which_all_is_known():
     ideal = turning(log.AXES)
     answered = 2e-3 * ideal["accel_y"]
@@ -430,6 +438,7 @@ def test_a_log_of_one_axis_may_answer_a_motion_of_which_all_is_known():
     assert found.distances["distribution"].after.value < found.distances["distribution"].before.value
 
 
+@pytest.mark.slow
 def test_noise_in_common_takes_no_place_of_what_an_axis_answers():
     axes = ("gyro_x", "gyro_y")
     ideal, shared = turning(axes), np.random.default_rng(3).standard_normal(COUNT) * 2e-3
@@ -448,6 +457,7 @@ def test_nothing_is_told_of_the_holes_of_a_reference():
     assert (found.findings, found.unexplained) == ((), ())
 
 
+@pytest.mark.slow
 def test_times_count_from_the_first_sample_that_is_used(here):
     table = measured(BiasStep(40.0, 5e-3))[["gyro_y"]]
     table.iloc[:500] = np.nan
@@ -460,6 +470,7 @@ def test_times_count_from_the_first_sample_that_is_used(here):
     assert used["duration_s"] == pytest.approx(70.0)
 
 
+@pytest.mark.slow
 def test_a_test_run_knows_nothing_of_a_step_that_happened_in_the_log():
     step = BiasStep(40.0, 5e-3)
     apart = discover([measured(step)], Question(**QUICK), [measured(seed=2)]).distances["distribution"]
@@ -486,6 +497,7 @@ def test_values_without_a_unit_are_written_in_full():
     assert ratio == pytest.approx(11.0, rel=0.2)
 
 
+@pytest.mark.slow
 def test_a_write_that_fails_leaves_the_old_folder(here, capsys, monkeypatch):
     compose(Files((Path("run1.csv"),)), Question(**QUICK), "found")
     before = {name: (here / "found" / name).read_bytes() for name in FILES}

@@ -42,28 +42,37 @@ def in_device(record):
     return pd.DataFrame(np.hstack(parts), index=record.index, columns=[*GYRO, *ACCEL])
 
 
-@pytest.fixture
-def here(tmp_path, monkeypatch, recipe):
-    """A working directory with a drive, straight and turned, its fixes with an outage and outliers, and settings."""
-    monkeypatch.chdir(tmp_path)
+@pytest.fixture(scope="module")
+def files(tmp_path_factory, recipe):
+    """A drive, straight and turned, its fixes with an outage and outliers, and settings."""
+    folder = tmp_path_factory.mktemp("drive")
     record, fixes = recipe.record(1, SEED), degrees(recipe.fixes(1, SEED))
     fixes = fixes[(fixes.index < 150) | (fixes.index > 170)]
     fixes.loc[100.0, "latitude"] += 50 / 111e3
-    log.write(record, "imu.csv")
-    log.write(in_device(record), "turned.parquet")
-    log.write(record[(record.index < 90.001) | (record.index > 91.0)], "gap.csv")
-    fixes.to_csv("gnss.csv")
-    fixes.drop(columns=[name for name in fixes if name not in GEODETIC]).to_parquet("places.parquet")
-    fixes.loc[:14].to_csv("still.csv")
-    fixes.set_index(fixes.index + 1e5).to_csv("later.csv")
-    recipe.model.write("device.yaml")
+    log.write(record, folder / "imu.csv")
+    log.write(in_device(record), folder / "turned.parquet")
+    log.write(record[(record.index < 90.001) | (record.index > 91.0)], folder / "gap.csv")
+    fixes.to_csv(folder / "gnss.csv")
+    fixes.drop(columns=[name for name in fixes if name not in GEODETIC]).to_parquet(folder / "places.parquet")
+    fixes.loc[:14].to_csv(folder / "still.csv")
+    fixes.set_index(fixes.index + 1e5).to_csv(folder / "later.csv")
+    recipe.model.write(folder / "device.yaml")
     own = {"model": "device.yaml", "lever_arm": LEVER, "scale_factor": {"gyro_std": 1e-3, "accel_std": 1e-3}}
-    Path("own.yaml").write_text(yaml.safe_dump(own))
-    Path("turned.yaml").write_text(yaml.safe_dump(own | {"mounting": MOUNTING}))
-    Path("misspelt.yaml").write_text("quality: {robustt: true}")
-    Path("wrong.yaml").write_text("epoch_s: -1")
-    Path("list.yaml").write_text("- 1")
-    Path("broken.yaml").write_text("a: [")
+    (folder / "own.yaml").write_text(yaml.safe_dump(own))
+    (folder / "turned.yaml").write_text(yaml.safe_dump(own | {"mounting": MOUNTING}))
+    (folder / "misspelt.yaml").write_text("quality: {robustt: true}")
+    (folder / "wrong.yaml").write_text("epoch_s: -1")
+    (folder / "list.yaml").write_text("- 1")
+    (folder / "broken.yaml").write_text("a: [")
+    return folder
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch, files):
+    """A working directory with links to these files."""
+    monkeypatch.chdir(tmp_path)
+    for path in files.iterdir():
+        Path(path.name).symlink_to(path)
     return tmp_path
 
 
@@ -109,6 +118,7 @@ def test_the_folder_is_whole_and_says_where_the_vehicle_was(here, recipe, capsys
     assert found["set_aside"] >= 1
 
 
+@pytest.mark.slow
 def test_the_summary_tells_whether_the_filter_knows_itself(recipe):
     """Over clean drives with the true settings: NIS in its band as often as it says."""
     given = {
@@ -125,6 +135,7 @@ def test_the_summary_tells_whether_the_filter_knows_itself(recipe):
     assert 25 <= sum(inside) <= 30
 
 
+@pytest.mark.slow
 def test_lost_samples_are_filled(recipe):
     record, fixes = recipe.record(1, SEED), recipe.fixes(1, SEED)
     whole, holes = (driven(some, fixes).filtered for some in (record, record.drop(record.index[5000:5020])))

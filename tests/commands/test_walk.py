@@ -27,15 +27,24 @@ def recipe():
     return replace(walk, course=Course.out_and_back(STRIDES // 2, stand_s=4.0))
 
 
-@pytest.fixture
-def here(tmp_path, monkeypatch, recipe):
-    """A working directory with a walk, its model, and a walk without the stand."""
-    monkeypatch.chdir(tmp_path)
+@pytest.fixture(scope="module")
+def files(tmp_path_factory, recipe):
+    """A walk, its model, and a walk without the stand."""
+    folder = tmp_path_factory.mktemp("walk")
     record = recipe.record(1, SEED)
-    log.write(record, "walk.csv")
-    log.write(record.loc[4.3:], "late.parquet")
-    log.write(record[(record.index < 7.001) | (record.index > 7.501)], "gap.csv")
-    recipe.model.write("device.yaml")
+    log.write(record, folder / "walk.csv")
+    log.write(record.loc[4.3:], folder / "late.parquet")
+    log.write(record[(record.index < 7.001) | (record.index > 7.501)], folder / "gap.csv")
+    recipe.model.write(folder / "device.yaml")
+    return folder
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch, files):
+    """A working directory with links to these files."""
+    monkeypatch.chdir(tmp_path)
+    for path in files.iterdir():
+        Path(path.name).symlink_to(path)
     return tmp_path
 
 
@@ -67,6 +76,7 @@ def test_the_folder_is_whole_and_says_how_far_the_walk_went_and_where_it_ended(h
     assert not table.isna().any().any()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("assumptions", [Assumptions(), INDOORS])
 def test_height_is_up_and_the_heading_in_degrees(recipe, assumptions):
     """Stairs: a foot that goes up three metres and turns by 90 degrees ends there, whatever is assumed of floors."""
