@@ -1,4 +1,5 @@
-"""Commands of the command line: one file per command with its arguments, its stages and its output folder.
+"""Commands of the command line: one module per command with its arguments, its stages and its output.
 
+Each has ``add_arguments(parser)`` and ``run(options)``; :mod:`imugap.cli` imports the one that is asked for.
 May import everything below: discovery, simulation, navigation, estimation, interchange, io.
 """

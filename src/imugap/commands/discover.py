@@ -1,11 +1,14 @@
 """The folder that discovery leaves: report, model, tables, page and figures."""
 
+import argparse
 import json
 from pathlib import Path
 
 import pandas as pd
+from tqdm import tqdm
 
 from imugap.atomic import write_together
+from imugap.commands.arguments import add_effects, count, probability
 from imugap.discovery.device import Progress, Question
 from imugap.discovery.inputs import Files, Inquiry, ask
 from imugap.discovery.report import candidate_table, gap_table, span, verdict
@@ -17,6 +20,43 @@ FILES = (
 """What is in the folder."""
 LEAST = 1e-300
 """Probability below which a page gives no number."""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of the command."""
+    parser.description = (
+        "Find where logs of a device and simulations of its error model disagree, name the effects that are missing, "
+        "add them, and show that the gap shrinks on data that no fit has seen."
+    )
+    parser.add_argument("log", nargs="+", help="canonical CSV or Parquet log, one per run of the device")
+    parser.add_argument(
+        "--test", nargs="+", default=[], help="further runs for the distances (default: end of the log)"
+    )
+    parser.add_argument("--reference", help="error-free log of the first run, for a device in motion")
+    parser.add_argument("--model", help="start model (YAML; default constant bias and white noise)")
+    add_effects(parser)
+    parser.add_argument(
+        "--alpha", type=probability, default=0.01,
+        help="probability of any name where nothing is missing (default 0.01)",
+    )  # fmt: skip
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--workers", type=count, default=2, help="processes (default %(default)s)")
+    parser.add_argument("--out", required=True, help="folder for report, model, tables and figures")
+
+
+def run(options: argparse.Namespace) -> None:
+    """Discover on the logs, write the folder ``--out``, and print the verdict."""
+    reference, model = (None if path is None else Path(path) for path in (options.reference, options.model))
+    files = Files(tuple(map(Path, options.log)), tuple(map(Path, options.test)), reference, model, options.effects)
+    question = Question(alpha=options.alpha, seed=options.seed, workers=options.workers)
+    with tqdm(bar_format="{l_bar}{bar}| {n_fmt}/{total_fmt} [{elapsed}]", leave=False) as bar:
+
+        def progress(step: str, done: int, steps: int) -> None:
+            bar.total, bar.n = steps, done
+            bar.set_description(step)
+
+        inquiry = compose(files, question, options.out, progress)
+    print(verdict(inquiry.found))
 
 
 def compose(

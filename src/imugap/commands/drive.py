@@ -1,5 +1,6 @@
 """The folder that a drive leaves: what filter and smoother say of it, what the quality control did, and figures."""
 
+import argparse
 import json
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -9,6 +10,7 @@ import pandas as pd
 import yaml
 
 from imugap.atomic import write_together
+from imugap.commands.arguments import add_effects
 from imugap.filters.consistency import nees_band
 from imugap.filters.innovation_gate import (
     CLOSED,
@@ -53,6 +55,26 @@ USUAL = ErrorModel.from_mapping(
     {axis: [GYRO_CLASS] for axis in GYRO} | {axis: [ACCEL_CLASS] for axis in ACCEL}
 )  # fmt: skip
 """Errors of a sensor in a car of which nothing is known: those of a cheap device, shaken."""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of the command."""
+    parser.description = (
+        "Navigate a drive. The axes of the device are x forward, z down, or turned as --config says. The fixes have "
+        "latitude and longitude in degrees, the height in metres above the ellipsoid and, if known, vel_n vel_e vel_d "
+        "[m/s] and standard deviations sd_n sd_e sd_d [m], sd_vel_n sd_vel_e sd_vel_d [m/s]."
+    )
+    parser.add_argument("log", help="canonical CSV or Parquet log of six axes")
+    parser.add_argument("fixes", help="CSV or Parquet log of a GNSS receiver, on the clock of the device")
+    parser.add_argument("--config", help="device, mounting, lever arm, quality control (YAML)")
+    add_effects(parser)
+    parser.add_argument("--out", required=True, help="folder for solution, events, summary and figures")
+
+
+def run(options: argparse.Namespace) -> None:
+    """Navigate the drive, write the folder ``--out``, and print the summary."""
+    found = compose(options.log, options.fixes, options.out, options.config, options.effects)
+    print(json.dumps(found, indent=1))
 
 
 @dataclass(frozen=True)

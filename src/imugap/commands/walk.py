@@ -1,13 +1,16 @@
 """The folder that a walk leaves: what the smoother says of it, how far it went and where it ended, and figures."""
 
+import argparse
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from math import inf
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
 from imugap.atomic import write_together
+from imugap.commands.arguments import add_effects, add_gravity, positive
 from imugap.filters.zero_velocity import MOVING
 from imugap.integrity.timestamps import filled
 from imugap.interchange.plugins import catalogue
@@ -15,6 +18,7 @@ from imugap.io import readers
 from imugap.log import ACCEL, AXES, GYRO, LogError, axes
 from imugap.model import ErrorModel
 from imugap.navigation.pedestrian import Assumptions, Solution, navigate
+from imugap.units import to_si
 
 FILES = ("solution.parquet", "summary.json", "plan.svg", "height.svg")
 """What is in the folder."""
@@ -30,6 +34,31 @@ USUAL = ErrorModel.from_mapping(
 """Errors of a sensor on a foot of which nothing is known: those of a cheap device, and the more for the shocks."""
 INDOORS = Assumptions(floor_std=0.01)
 """What is taken for granted within a building: floors are level but for stairs and ramps."""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of the command."""
+    parser.description = (
+        "Navigate a walk with the device on a foot. The log begins with a stand of half a second or more. Rows whose "
+        "stamp does not exceed those before are left out, and lost samples filled."
+    )
+    parser.add_argument("log", help="canonical CSV or Parquet log of six axes")
+    parser.add_argument("--model", help="error model of the device (YAML; default that of a cheap one)")
+    add_effects(parser)
+    add_gravity(parser)
+    parser.add_argument(
+        "--full-scale", type=positive, default=inf, metavar="G",
+        help="full scale of the accelerometers [g], where heel strikes come near to it (default: none do)",
+    )  # fmt: skip
+    parser.add_argument("--outdoors", action="store_true", help="do not take floors for level but for stairs and ramps")
+    parser.add_argument("--out", required=True, help="folder for solution, summary and figures")
+
+
+def run(options: argparse.Namespace) -> None:
+    """Navigate the walk, write the folder ``--out``, and print the summary."""
+    ground = Assumptions() if options.outdoors else INDOORS
+    assumptions = replace(ground, gravity=options.gravity, full_scale=to_si(options.full_scale, "g"))
+    print(json.dumps(compose(options.log, options.out, options.model, options.effects, assumptions), indent=1))
 
 
 @dataclass(frozen=True)
