@@ -99,10 +99,10 @@ def test_wavelet_method_gets_the_random_processes_and_the_ramp_apart(judge, monk
     calls = stand_in(monkeypatch, "gmwm.estimator", sequence)
     kinds = (WhiteNoise, GaussMarkov, GaussMarkov, RateRamp)
     estimate_axis("gyro_x", sequence, INTERVAL, EstimatorSettings(kinds, Method.WAVELET, robust=robust))
-    (((random, ramp), options),) = calls
+    (((random, options), _),) = calls
     assert random == (WhiteNoise, GaussMarkov, GaussMarkov)
-    assert ramp is True
-    assert options["efficiency"] == (EFFICIENCY if robust else 1.0)
+    assert options.ramp is True
+    assert options.efficiency == (EFFICIENCY if robust else 1.0)
 
 
 def test_allan_method_gets_the_ramp_among_the_kinds(judge, monkeypatch):

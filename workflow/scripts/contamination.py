@@ -10,6 +10,7 @@ import pandas as pd
 from imugap import figures
 from imugap.estimation.cramer_rao import bound
 from imugap.estimation.gmwm import estimator
+from imugap.estimation.gmwm.estimator import GmwmOptions
 from imugap.estimation.methods import METHODS
 from imugap.estimation.wavelet_variance import EFFICIENCY
 from imugap.figures import indirect
@@ -21,7 +22,7 @@ from imugap.workflow.job_log import journal
 
 COMPARED = {
     "indirect_full": METHODS["indirect_full"],
-    "indirect_robust": partial(estimator.fit, efficiency=EFFICIENCY),
+    "indirect_robust": partial(estimator.fit, options=GmwmOptions(efficiency=EFFICIENCY)),
     "likelihood": METHODS["likelihood"],
 }
 

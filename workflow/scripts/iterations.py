@@ -1,7 +1,7 @@
 """Follow the iterations of indirect inference on one run (figure 2 of the source)."""
 
 from imugap import figures
-from imugap.estimation.gmwm.estimator import Weighting, fit, fit_by_simulation
+from imugap.estimation.gmwm.estimator import GmwmOptions, Weighting, fit, fit_by_simulation
 from imugap.figures import indirect
 from imugap.study.experiment import Experiment
 from imugap.workflow.job_log import journal
@@ -12,7 +12,7 @@ if __name__ == "__main__":
         sequence = experiment.simulate(snakemake.params.seed, "iterations")
         histories = {
             f"indirect_{weighting.value}": fit(
-                sequence, experiment.interval, experiment.kinds, weighting=weighting
+                sequence, experiment.interval, experiment.kinds, GmwmOptions(weighting=weighting)
             ).history
             for weighting in Weighting
         }

@@ -8,7 +8,7 @@ import pandas as pd
 
 from imugap import log
 from imugap.effects import GaussMarkov, Quantization, RandomWalk, WhiteNoise
-from imugap.estimation.gmwm.estimator import Weighting, fit, point_estimate
+from imugap.estimation.gmwm.estimator import GmwmOptions, Weighting, fit, point_estimate
 from imugap.figures import AXIS_TITLES
 from imugap.io import readers
 from imugap.workflow import tables
@@ -31,8 +31,8 @@ def compared(table, interval, peer):
     for one in peer.itertuples():
         kinds = [kind for term in one.model.split("+") for kind in KINDS[term]]
         arguments = table[one.axis].to_numpy(), interval, kinds
-        (_, objective), point_s = timed(point_estimate, *arguments, weighting=Weighting.INTERVAL)
-        _, fit_s = timed(fit, *arguments, weighting=Weighting.INTERVAL)
+        (_, objective), point_s = timed(point_estimate, *arguments, GmwmOptions(weighting=Weighting.INTERVAL))
+        _, fit_s = timed(fit, *arguments, GmwmOptions(weighting=Weighting.INTERVAL))
         rows.append({"axis": one.axis, "model": one.model, "gmwm": one.objective, "minimum": one.minimum,
                      "here": objective, "gmwm_s": one.cpu_s, "here_s": point_s, "intervals_s": fit_s})  # fmt: skip
     return pd.DataFrame(rows)

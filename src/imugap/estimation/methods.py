@@ -7,7 +7,7 @@ import numpy as np
 
 from imugap.estimation import allan_slopes, maximum_likelihood
 from imugap.estimation.gmwm import estimator
-from imugap.estimation.gmwm.estimator import Weighting
+from imugap.estimation.gmwm.estimator import GmwmOptions, Weighting
 from imugap.estimation.result import Fit
 
 Estimator = Callable[[np.ndarray, float, Sequence[type]], Fit]
@@ -15,9 +15,9 @@ Estimator = Callable[[np.ndarray, float, Sequence[type]], Fit]
 METHODS: dict[str, Estimator] = {
     "allan": partial(allan_slopes.fit, separated=False),
     "allan_separated": allan_slopes.fit,
-    "indirect_interval": partial(estimator.fit, weighting=Weighting.INTERVAL),
-    "indirect_diagonal": partial(estimator.fit, weighting=Weighting.DIAGONAL),
-    "indirect_full": partial(estimator.fit, weighting=Weighting.FULL),
+    "indirect_interval": partial(estimator.fit, options=GmwmOptions(weighting=Weighting.INTERVAL)),
+    "indirect_diagonal": partial(estimator.fit, options=GmwmOptions(weighting=Weighting.DIAGONAL)),
+    "indirect_full": partial(estimator.fit, options=GmwmOptions(weighting=Weighting.FULL)),
     "likelihood": maximum_likelihood.fit,
 }
 """Allan readings (the top of a Gauss-Markov process as it stands, or without white noise); wavelet variances by weight;

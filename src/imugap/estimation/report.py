@@ -14,6 +14,7 @@ from scipy.special import chdtri
 from imugap.effects import CATALOGUE, GaussMarkov, Quantization, RateRamp, WhiteNoise
 from imugap.estimation import allan, allan_slopes, goodness_of_fit, maximum_likelihood
 from imugap.estimation.gmwm import estimator
+from imugap.estimation.gmwm.estimator import GmwmOptions
 from imugap.estimation.model_selection import TERMS, Choice, Kinds, choose, title
 from imugap.estimation.result import Fit, Identifiability, ParameterEstimate
 from imugap.estimation.wavelet_variance import EFFICIENCY
@@ -86,7 +87,8 @@ class EstimatorSettings:
                 return maximum_likelihood.fit(sequence, interval, random, ramp, self.highest, self.level)
             case Method.WAVELET:
                 efficiency = EFFICIENCY if self.robust else 1.0
-                return estimator.fit(sequence, interval, random, ramp, efficiency=efficiency, level=self.level)
+                options = GmwmOptions(ramp, efficiency=efficiency, level=self.level)
+                return estimator.fit(sequence, interval, random, options)
             case Method.ALLAN:
                 return allan_slopes.fit(sequence, interval, kinds, self.level)
 

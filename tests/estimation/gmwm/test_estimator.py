@@ -8,7 +8,7 @@ from imugap.effects import Conditions, GaussMarkov, Quantization, RandomWalk, Wh
 from imugap.effects.effect import AxisModel
 from imugap.estimation import maximum_likelihood, wavelet_variance
 from imugap.estimation.cramer_rao import bound
-from imugap.estimation.gmwm.estimator import fit, fit_by_simulation, fit_curve, point_estimate
+from imugap.estimation.gmwm.estimator import GmwmOptions, fit, fit_by_simulation, fit_curve, point_estimate
 from imugap.estimation.gmwm.moments import Weighting
 from imugap.estimation.result import Identifiability
 from imugap.stream import stream
@@ -64,7 +64,7 @@ def gmwm_fit(row):
         1_000_000,
         0.01,
         [kind for term in row.model.split("+") for kind in TERMS[term]],
-        weighting=Weighting.INTERVAL,
+        GmwmOptions(weighting=Weighting.INTERVAL),
     )
 
 
@@ -91,7 +91,9 @@ def test_objective_is_never_above_the_least_of_many_starts(row):
     ids=["one gauss-markov", "densities", "two gauss-markov"],
 )
 def test_a_model_is_found_from_the_wavelet_variances_that_it_implies(of, width, weighting):
-    found = fit_curve(exact(of, COUNT, width), COUNT, INTERVAL, kinds(of), weighting=weighting, width=width)
+    found = fit_curve(
+        exact(of, COUNT, width), COUNT, INTERVAL, kinds(of), GmwmOptions(weighting=weighting, width=width)
+    )
     assert found.converged
     effects = {type(effect): [other for other in of if type(other) is type(effect)] for effect in of}
     for effect in found.model:
@@ -119,11 +121,11 @@ def test_a_ramp_is_told_from_a_walk():
     of = WhiteNoise(5e-3) + RandomWalk(1e-4)
     tilted = simulate(of, 20_000, "ramp") + 1e-3 * INTERVAL * np.arange(20_000)
     assert fit(tilted, INTERVAL, kinds(of)).model.effects[1].density_k > 3e-4
-    found = fit(tilted, INTERVAL, kinds(of), ramp=True).table()
+    found = fit(tilted, INTERVAL, kinds(of), GmwmOptions(ramp=True)).table()
     assert found.loc[("rate_ramp", 1, "slope"), "value"] == pytest.approx(1e-3, rel=0.05)
     walk = found.loc[("random_walk", 1, "density_k")]
     assert walk["low"] < 1e-4 < walk["high"]
-    wide = fit(tilted, INTERVAL, kinds(of), width=4).table().loc[("random_walk", 1, "density_k")]
+    wide = fit(tilted, INTERVAL, kinds(of), GmwmOptions(width=4)).table().loc[("random_walk", 1, "density_k")]
     assert wide["low"] < 1e-4 < wide["high"]
 
 
@@ -166,8 +168,8 @@ def test_random_walk_that_the_log_hardly_shows_is_bounded():
 def test_the_point_estimate_is_that_of_the_fit():
     of = model(20.0)
     sequence = simulate(of, 20_000, "point")
-    found, objective = point_estimate(sequence, INTERVAL, kinds(of), weighting=Weighting.DIAGONAL)
-    whole = fit(sequence, INTERVAL, kinds(of), weighting=Weighting.DIAGONAL)
+    found, objective = point_estimate(sequence, INTERVAL, kinds(of), GmwmOptions(weighting=Weighting.DIAGONAL))
+    whole = fit(sequence, INTERVAL, kinds(of), GmwmOptions(weighting=Weighting.DIAGONAL))
     assert found == whole.model
     assert objective == whole.objective
 
@@ -217,12 +219,12 @@ def test_robust_wavelet_variances_withstand_outliers():
     sequence, rng = simulate(of, 20_000, "outliers"), stream(23, "outliers")
     dirty = sequence + 0.5 * (rng.random(20_000) < 0.002) * rng.standard_normal(20_000)
     plain = fit(dirty, INTERVAL, kinds(of)).table().loc[("white_noise", 1, "density")]
-    robust = fit(dirty, INTERVAL, kinds(of), efficiency=0.6).table().loc[("white_noise", 1, "density")]
+    robust = fit(dirty, INTERVAL, kinds(of), GmwmOptions(efficiency=0.6)).table().loc[("white_noise", 1, "density")]
     assert plain["low"] > 1.1 * 5e-3
     assert robust["low"] < 1.02 * 5e-3 < 1.04 * robust["high"]
     clean = fit(sequence, INTERVAL, kinds(of)).table()["error"]
     np.testing.assert_allclose(
-        fit(sequence, INTERVAL, kinds(of), efficiency=0.6).table()["error"] / clean, 1.29, atol=0.25
+        fit(sequence, INTERVAL, kinds(of), GmwmOptions(efficiency=0.6)).table()["error"] / clean, 1.29, atol=0.25
     )
 
 
@@ -244,12 +246,12 @@ def test_simulated_wavelet_variances_lead_to_nearly_the_same_estimate():
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"ramp": True, "width": 4}, "expected width 2 with a ramp"),
+        ({"options": GmwmOptions(ramp=True, width=4)}, "expected width 2 with a ramp"),
         ({"kinds": [WhiteNoise] + 4 * [GaussMarkov]}, "at least as many levels as parameters, 9; found 7"),
         ({"kinds": []}, "at least one stochastic effect"),
-        ({"width": 3}, "expected a width among"),
-        ({"weighting": "best"}, "best"),
-        ({"efficiency": 0.1}, "expected an efficiency"),
+        ({"options": GmwmOptions(width=3)}, "expected a width among"),
+        ({"options": GmwmOptions(weighting="best")}, "best"),
+        ({"options": GmwmOptions(efficiency=0.1)}, "expected an efficiency"),
         ({"sequence": np.ones(200)}, "expected positive wavelet variances"),
     ],
 )
@@ -266,7 +268,10 @@ def test_what_cannot_be_fitted_is_refused(change, message):
 def test_estimates_come_close_to_the_bound_and_intervals_cover(time, walk, weighting):
     """Three standard errors of 40 runs about coverage 0.95 (0.92 for INTERVAL) and about the RMSE measured with 100."""
     runs, of = 40, model(time, walk)
-    fits = [fit(simulate(of, COUNT, time, walk, run), INTERVAL, kinds(of), weighting=weighting) for run in range(runs)]
+    fits = [
+        fit(simulate(of, COUNT, time, walk, run), INTERVAL, kinds(of), GmwmOptions(weighting=weighting))
+        for run in range(runs)
+    ]
     assert all(found.converged for found in fits)
     tables, expected, least = pd.concat([found.table() for found in fits]), truth(of), bound(of, INTERVAL, COUNT)
     nominal = 0.92 if weighting is Weighting.INTERVAL else 0.95
@@ -290,7 +295,7 @@ def test_no_start_leads_lower_than_the_fit(time, walk):
     values = np.log([value for effect in of for value in effect.parameters().values()])
     for run in range(10):
         curve = wavelet_variance.curve(simulate(of, COUNT, "start", time, walk, run), INTERVAL)
-        found = fit_curve(curve, COUNT, INTERVAL, kinds(of), weighting=Weighting.INTERVAL)
+        found = fit_curve(curve, COUNT, INTERVAL, kinds(of), GmwmOptions(weighting=Weighting.INTERVAL))
 
         def deviations(logs, curve=curve):
             parameters = iter(np.exp(logs))

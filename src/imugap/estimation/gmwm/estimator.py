@@ -66,24 +66,12 @@ class GmwmFit(Fit):
     curve: pd.DataFrame
 
 
-def fit(
-    sequence: np.ndarray,
-    interval: float,
-    kinds: Sequence[type],
-    ramp: bool = False,
-    weighting: Weighting = Weighting.FULL,
-    width: int = 2,
-    efficiency: float = 1.0,
-    level: float = 0.95,
-) -> GmwmFit:
-    """Fit a sum of processes to an error sequence of unknown mean.
+@dataclass(frozen=True)
+class GmwmOptions:
+    """Options of a fit to wavelet variances.
 
-    Parameters
+    Attributes
     ----------
-    sequence, interval
-        Samples, shape (n,), and sampling interval [s].
-    kinds
-        Types of the processes, e.g. ``(WhiteNoise, GaussMarkov, RandomWalk)``; any number of Gauss-Markov processes.
     ramp
         Whether the mean may have a ramp. Its sign is not seen; only Haar (width 2) sees its size.
     weighting, width
@@ -93,49 +81,57 @@ def fit(
     level
         Confidence level of the intervals.
     """
-    curve = wavelet_variance.curve(np.asarray(sequence, float), interval, width, efficiency)
-    return fit_curve(curve, len(sequence), interval, kinds, ramp, weighting, width, efficiency, level)
+
+    ramp: bool = False
+    weighting: Weighting = Weighting.FULL
+    width: int = 2
+    efficiency: float = 1.0
+    level: float = 0.95
+
+    def curve(self, sequence: np.ndarray, interval: float) -> pd.DataFrame:
+        """Return the wavelet variances to fit, columns ``variance``, ``low``, ``high`` [unit^2]."""
+        return wavelet_variance.curve(np.asarray(sequence, float), interval, self.width, self.efficiency)
+
+
+DEFAULT = GmwmOptions()
+
+
+def fit(sequence: np.ndarray, interval: float, kinds: Sequence[type], options: GmwmOptions = DEFAULT) -> GmwmFit:
+    """Fit a sum of processes to an error sequence of unknown mean.
+
+    Parameters
+    ----------
+    sequence, interval
+        Samples, shape (n,), and sampling interval [s].
+    kinds
+        Types of the processes, e.g. ``(WhiteNoise, GaussMarkov, RandomWalk)``; any number of Gauss-Markov processes.
+    """
+    return fit_curve(options.curve(sequence, interval), len(sequence), interval, kinds, options)
 
 
 def point_estimate(
-    sequence: np.ndarray,
-    interval: float,
-    kinds: Sequence[type],
-    ramp: bool = False,
-    weighting: Weighting = Weighting.FULL,
-    width: int = 2,
-    efficiency: float = 1.0,
+    sequence: np.ndarray, interval: float, kinds: Sequence[type], options: GmwmOptions = DEFAULT
 ) -> tuple[ErrorModel, float]:
     """Return the model of :func:`fit` and its objective alone; most of the time of a fit goes into its intervals."""
-    sequence = np.asarray(sequence, float)
-    curve = wavelet_variance.curve(sequence, interval, width, efficiency)
-    problem = _problem(curve, len(sequence), interval, kinds, ramp, weighting, width, efficiency)
+    problem = _problem(options.curve(sequence, interval), len(sequence), interval, kinds, options)
     best = problem.estimate()[0][-1]
     best = best.reordered(np.argsort(best.times))
     return problem.family.composition.model(problem.theta(best)), best.distance
 
 
 def fit_curve(
-    curve: pd.DataFrame,
-    count: int,
-    interval: float,
-    kinds: Sequence[type],
-    ramp: bool = False,
-    weighting: Weighting = Weighting.FULL,
-    width: int = 2,
-    efficiency: float = 1.0,
-    level: float = 0.95,
+    curve: pd.DataFrame, count: int, interval: float, kinds: Sequence[type], options: GmwmOptions = DEFAULT
 ) -> GmwmFit:
     """Fit a sum of processes to the wavelet variances of ``count`` samples (the rest as in :func:`fit`).
 
     Parameters
     ----------
     curve
-        Columns ``variance``, ``low``, ``high`` [unit^2]; a row for each level from 1, as of :func:`wavelet.curve`.
+        Columns ``variance``, ``low``, ``high`` [unit^2]; a row for each level from 1 (:meth:`GmwmOptions.curve`).
     """
-    problem = _problem(curve, count, interval, kinds, ramp, weighting, width, efficiency)
+    problem = _problem(curve, count, interval, kinds, options)
     path, weights, converged = problem.estimate()
-    return _result(problem, path, path[-1], weights, converged, level)
+    return _result(problem, path, path[-1], weights, converged, options.level)
 
 
 def fit_by_simulation(
@@ -144,35 +140,30 @@ def fit_by_simulation(
     kinds: Sequence[type],
     seed: int,
     replicates: int = 20,
-    ramp: bool = False,
-    weighting: Weighting = Weighting.FULL,
-    width: int = 2,
-    efficiency: float = 1.0,
-    level: float = 0.95,
+    options: GmwmOptions = DEFAULT,
 ) -> GmwmFit:
-    """Fit by simulation, as the source describes it literally (the rest as in :func:`fit`).
+    """Fit by indirect inference, literally as in the source: by simulation (the rest as in :func:`fit`).
 
     The auxiliary parameters are the mean wavelet variances of ``replicates`` simulated sequences as long as the
     observed one; their random numbers stay the same (Gourieroux, Monfort, Renault 1993). Gauss-Newton steps in the log
     parameters, with difference quotients for slopes, start from a coarse grid; the weights are those of the analytic
-    estimate, and processes that it does without are left out. The covariance counts 1 + 1/replicates times. Intervals
-    are those of the analytic problem, its wavelet variances times what the simulated ones are of the analytic ones at
-    the estimate.
+    estimate, and processes whose density is zero there are left out. The covariance is multiplied by
+    1 + 1/replicates. Intervals are those of the analytic problem, its wavelet variances multiplied by the ratio of
+    simulated to analytic ones at the estimate.
     """
-    sequence = np.asarray(sequence, float)
-    curve = wavelet_variance.curve(sequence, interval, width, efficiency)
-    analytic = _problem(curve, len(sequence), interval, kinds, ramp, weighting, width, efficiency)
+    curve = options.curve(sequence, interval)
+    analytic = _problem(curve, len(sequence), interval, kinds, options)
     path, *_ = analytic.estimate()
     present, coarse = path[-1].squares > 0, path[0].squares
     start = replace(path[0], squares=np.where(present, np.where(coarse > 0, coarse, path[-1].squares), 0.0))
-    problem = replace(analytic, efficiency=efficiency / (1 + 1 / replicates))
+    problem = replace(analytic, efficiency=options.efficiency / (1 + 1 / replicates))
     weights = problem.weights(path[-1])
-    auxiliary = SimulatedMoments(problem, weights.white(path[-1].implied), seed, replicates, efficiency)
+    auxiliary = SimulatedMoments(problem, weights.white(path[-1].implied), seed, replicates, options.efficiency)
     way, converged = auxiliary.descend(problem.theta(start))
     point, implied = way[-1]
     scaled = replace(problem, curve=curve.assign(variance=curve["variance"] * point.implied / implied))
     centre = QuasiScoreSolver(scaled.family, scaled.observed, weights).solve(point)[0][-1]
-    result = _result(scaled, [step for step, _ in way], centre, weights, converged, level)
+    result = _result(scaled, [step for step, _ in way], centre, weights, converged, options.level)
     return replace(result, curve=result.curve.assign(observed=curve["variance"], implied=implied))
 
 
@@ -237,25 +228,22 @@ class SimulatedMoments:
 
 
 def _problem(
-    curve: pd.DataFrame,
-    count: int,
-    interval: float,
-    kinds: Sequence[type],
-    ramp: bool,
-    weighting: Weighting,
-    width: int,
-    efficiency: float,
+    curve: pd.DataFrame, count: int, interval: float, kinds: Sequence[type], options: GmwmOptions
 ) -> MomentMatching:
-    if ramp and width != 2:
-        raise ValueError(f"indirect: expected width 2 with a ramp, which wider wavelets do not see; found {width}")
+    if options.ramp and options.width != 2:
+        raise ValueError(
+            f"wavelet moments: expected width 2 with a ramp, which wider wavelets do not see; found {options.width}"
+        )
     if not (curve["variance"] > 0).all():
-        raise ValueError("indirect: expected positive wavelet variances; found zero, negative or missing ones")
-    composition = Composition.of(*kinds, *[RateRamp] * ramp)
+        raise ValueError("wavelet moments: expected positive wavelet variances; found zero, negative or missing ones")
+    composition = Composition.of(*kinds, *[RateRamp] * options.ramp)
     needed = len(composition.densities) + 2 * composition.markov
     if needed > len(curve):
-        raise ValueError(f"indirect: expected at least as many levels as parameters, {needed}; found {len(curve)}")
-    family = Family(composition, interval, count, len(curve), width)
-    return MomentMatching(family, curve, Weighting(weighting), efficiency)
+        raise ValueError(
+            f"wavelet moments: expected at least as many levels as parameters, {needed}; found {len(curve)}"
+        )
+    family = Family(composition, interval, count, len(curve), options.width)
+    return MomentMatching(family, curve, Weighting(options.weighting), options.efficiency)
 
 
 def _result(
