@@ -173,7 +173,8 @@ def numbers(scores, beside, seconds, clear_size):
         for (group, score), one in naming[naming["count"] > 0].iterrows()
     }
     alarm = blind.false_alarms(cases).set_index("alarm").loc["name"]
-    far = blind.closed(scores, clear_size).set_index(["distance", "scope"]).loc[("distance", blind.BEYOND)]
+    closed = blind.closed(scores, clear_size).fillna({"rate": 0.0}).set_index(["distance", "scope"])
+    far, drift = closed.loc[("distance", blind.BEYOND)], closed.loc["navigation_distance"].T
     of_one = blind.alone(scores, clear_size)
     beyond = of_one[of_one["distance_before"] > of_one["distance_floor_high"]]
     factors = beyond["distance_before"] / beyond["distance_after"]
@@ -189,6 +190,11 @@ def numbers(scores, beside, seconds, clear_size):
         "alone": len(of_one),
         "beyond": int(far["count"]),
         "came": round(far["count"] * far["rate"]) if far["count"] else 0,
+        "drift": {
+            "cases": int(drift[blind.EVERY]["count"]),
+            "before": int(drift[blind.EVERY]["count"] - drift[blind.BEYOND]["count"]),
+            "after": round(drift[blind.EVERY]["count"] * drift[blind.EVERY]["rate"]),
+        },
         "shrunk": [tables.number(one, 2) for one in factors.quantile([0.5, 0.25, 0.75])],
         "median_seconds": f"{seconds.median():.0f}",
         "longest_seconds": f"{seconds.max():.0f}",
