@@ -6,7 +6,6 @@ from typing import ClassVar
 import numpy as np
 import pandas as pd
 from scipy.special import chdtrc, chdtri
-from scipy.stats import kurtosis
 
 from imugap.effects.effect import TINY, ClockEffect, Evidence, parameter
 from imugap.integrity.timestamps import LEAST, Stamps
@@ -48,7 +47,7 @@ class TimestampJitter(ClockEffect):
         excess = stamps.variance - stamps.rounding_variance
         if stamps.variance < ROUNDED * stamps.rounding_variance or not independent(stamps.scatter):
             return None
-        freedom = 2 * stamps.freedom / (kurtosis(stamps.scatter, axis=None, fisher=False) - 1)
+        freedom = 2 * stamps.freedom / (_kurtosis(stamps.scatter) - 1)
         limits = stamps.variance * freedom / chdtri(freedom, [0.025, 0.975]) - stamps.rounding_variance
         low, high = (float(np.sqrt(max(limit, 0.0))) for limit in limits)
         chance = chdtrc(stamps.freedom, stamps.variance * stamps.freedom / stamps.rounding_variance)
@@ -65,4 +64,10 @@ def independent(scatter: np.ndarray) -> bool:
     variance = np.mean(scatter**2)
     correlation = [np.mean(scatter[:, lag:] * scatter[:, :-lag]) / variance for lag in (1, 2, 3)]
     allowed = COLOURED + 3 / np.sqrt(scatter.size)
-    return bool(kurtosis(scatter, axis=None, fisher=False) > BOUNDED and np.all(np.abs(correlation) < allowed))
+    return bool(_kurtosis(scatter) > BOUNDED and np.all(np.abs(correlation) < allowed))
+
+
+def _kurtosis(values: np.ndarray) -> float:
+    """Return the fourth central moment of values over their squared variance: 3 for normal ones."""
+    squares = (values - values.mean()) ** 2
+    return float(np.mean(squares**2) / np.mean(squares) ** 2)

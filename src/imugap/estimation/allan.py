@@ -5,7 +5,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
-from allantools import ci
 from numba import njit
 from scipy.optimize import nnls
 from scipy.special import chdtri
@@ -124,6 +123,8 @@ def _degrees(slope: np.ndarray, averaging: np.ndarray, count: int) -> np.ndarray
 
 
 def _edf(exponent: int, averaging: int, count: int) -> float:
+    from allantools import ci  # takes longer to import than all else here
+
     return float(ci.edf_greenhall(alpha=exponent, d=2, m=int(averaging), N=count + 1, overlapping=True))
 
 

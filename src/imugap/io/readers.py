@@ -17,7 +17,6 @@ import numpy as np
 import pandas as pd
 import pyarrow as pa
 import pyarrow.csv
-from scipy.io import loadmat
 from scipy.spatial.transform import Rotation
 
 from imugap.integrity.report import gravity_unit
@@ -252,10 +251,14 @@ def _npy(path: Path) -> np.ndarray:
 
 
 def _mat(path: Path) -> np.ndarray:
+    from scipy.io import loadmat
+
     return _only({name: value for name, value in loadmat(path).items() if not name.startswith("__")})
 
 
 def _side_by_side(path: Path, names: tuple[str, ...]) -> np.ndarray:
+    from scipy.io import loadmat
+
     objects = loadmat(path, variable_names=names)
     absent = [name for name in names if name not in objects]
     if absent:

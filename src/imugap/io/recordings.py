@@ -10,7 +10,6 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from scipy.io import loadmat
 
 from imugap import log
 from imugap.io import gnss
@@ -93,6 +92,8 @@ def read_flight(path: str | Path) -> Recording:
 
     A fix is new where its time of week changes. What lies before :data:`FLIGHT_BEGIN_S` is left out.
     """
+    from scipy.io import loadmat
+
     found = loadmat(path, squeeze_me=True, struct_as_record=False)
     if "flight_data" not in found:
         raise LogError(path, "structure", "flight_data", ", ".join(name for name in found if name[:2] != "__"))

@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.signal import correlate
 
 RESAMPLES = 2000
 FEWEST = 6
@@ -27,6 +26,8 @@ class Mean:
 
 def decorrelation(series: np.ndarray) -> int:
     """Return the first lag at which the autocorrelation of ``series``, shape (n,), is not above zero; 1 or more."""
+    from scipy.signal import correlate  # takes half a second to import
+
     centred = series - series.mean()
     correlation = correlate(centred, centred, method="fft")[len(series) - 1 :]
     through = np.flatnonzero(correlation <= 1e-9 * correlation[0])
