@@ -42,6 +42,7 @@ def test_lines_of_two_axes_tell_the_clock(ratio):
     assert next(iter(found.effects.values())).ratio == interval.value
 
 
+@pytest.mark.slow
 def test_the_interval_of_the_clock_holds_the_truth_as_often_as_it_says():
     lines, ratio, inside = {"gyro_x": 3.1, "accel_y": 11.7}, 1.0001, []
     for number in range(40):
@@ -109,6 +110,7 @@ def test_what_every_run_does_is_no_difference_between_runs(name):
     assert found.parameters["std"].low < 5e-3 / np.sqrt(3) < found.parameters["std"].high
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("noise", [RandomWalk(2e-3), GaussMarkov(1e-2, 300.0), GaussMarkov(1e-2, 3.0)])
 def test_slow_noise_makes_runs_differ_as_often_as_it_should(noise):
     level = np.log(0.05)

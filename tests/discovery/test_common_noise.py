@@ -44,6 +44,7 @@ def test_noise_in_common_for_a_moment_has_no_name():
     assert shared(shaken, LOG_ALPHA) == ()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("loading", [0.6, 3.0])
 @pytest.mark.parametrize("count", [2, 3])
 def test_errors_of_shared_noise_are_those_of_many_logs(loading, count):

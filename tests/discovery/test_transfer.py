@@ -42,6 +42,7 @@ def test_a_wrong_model_explains_less_than_nothing():
     assert table.loc["gyro_x", "high"] < 0
 
 
+@pytest.mark.slow
 def test_the_interval_of_the_share_holds_that_of_a_long_motion():
     """Half a scale factor takes three quarters of its variance, and noise as large as it half of the rest."""
     half = ErrorModel({"gyro_x": AxisModel((ScaleFactor(0.01),))})

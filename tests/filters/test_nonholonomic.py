@@ -183,6 +183,7 @@ def pairs(recipe, plain, rolling):
     return {name: [np.array(column) for column in zip(*rows, strict=True)] for name, rows in found.items()}
 
 
+@pytest.mark.slow
 def test_heading_and_position_hold_in_an_outage(pairs):
     """By what is told and by what is so: the heading somewhat, the position and the height by far."""
     (off, std, *_), (off_plain, std_plain, *_) = pairs["rolling"], pairs["plain"]
@@ -194,6 +195,7 @@ def test_heading_and_position_hold_in_an_outage(pairs):
         assert 0.05 < ratio[2] < 0.5
 
 
+@pytest.mark.slow
 def test_a_filter_that_is_told_the_slip_as_it_is_knows_itself(pairs):
     """Slip is no white noise, and what is told of it only has its power; still NEES and NIS are near 1."""
     _, _, drift, nees, nis = pairs["rolling"]
@@ -212,6 +214,7 @@ def test_longer_epochs_tell_the_same(recipe, rolling):
     np.testing.assert_allclose(whole.path.variances[whole.fix_row], fine.path.variances[fine.fix_row], rtol=0.05)
 
 
+@pytest.mark.slow
 def test_the_smoother_ends_where_the_filter_does_and_is_nearer_before(recipe, rolling):
     sizes = {False: [], True: []}
     for run in range(12):
@@ -231,6 +234,7 @@ def test_the_smoother_ends_where_the_filter_does_and_is_nearer_before(recipe, ro
         assert 0.4 < np.mean([np.square(share) for _, share in found]) < 1.6
 
 
+@pytest.mark.slow
 def test_a_device_that_is_mounted_askew_tells_the_same(recipe):
     given = {
         "wheels": {"std_m_per_s": 0.05, "x_m": -1.3, "z_m": 0.4},

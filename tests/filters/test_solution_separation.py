@@ -87,6 +87,7 @@ def test_a_filter_that_never_doubts_is_the_plain_one(recipe, assumptions):
     assert not one.record.turn.any()
 
 
+@pytest.mark.slow
 def test_good_fixes_are_set_aside_as_often_as_the_rate_says(recipe, assumptions):
     alarm, found = 0.01, []
     for run in range(RUNS):
@@ -95,6 +96,7 @@ def test_good_fixes_are_set_aside_as_often_as_the_rate_says(recipe, assumptions)
     assert abs(np.mean(found) - alarm) < 4 * np.sqrt(alarm / len(found))
 
 
+@pytest.mark.slow
 def test_good_drives_are_nearly_untouched(recipe, assumptions):
     """Seldom an offset, by fewer openings than the rate of single fixes would give; errors as without."""
     opened, fixes, sizes = 0, 0, []
@@ -108,6 +110,7 @@ def test_good_drives_are_nearly_untouched(recipe, assumptions):
     assert 0.95 < ratio[0] / ratio[1] < 1.05
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("length", [10.0, 30.0, 60.0])
 def test_a_stretch_leaves_the_position_within_what_it_says(recipe, assumptions, length):
     """Biased by 20 m: errors at its end, and soon after, as large as told; the source's control is thrown."""
@@ -129,6 +132,7 @@ def test_a_stretch_leaves_the_position_within_what_it_says(recipe, assumptions, 
     assert low / 2 < np.mean(told) < high / 2
 
 
+@pytest.mark.slow
 def test_velocities_that_are_worse_than_they_say_do_not_deceive_it(recipe, assumptions):
     """In a stretch with velocities off by six of their standard deviations the filter goes on knowing itself."""
     errors = []
@@ -141,6 +145,7 @@ def test_velocities_that_are_worse_than_they_say_do_not_deceive_it(recipe, assum
     assert low < squared(errors) < 1.5 * high
 
 
+@pytest.mark.slow
 def test_a_ramp_is_seen_by_looking_back(recipe, assumptions):
     """It creeps, and no fix of it fails; all the same hardly any of it is in the position at its end."""
     seen, errors, plain = 0, [], []
@@ -208,6 +213,7 @@ def test_what_it_does_is_logged_with_statistic_and_threshold(recipe, assumptions
     assert inside["threshold"][~beyond].item() == quality.lasting > quality.limits(3)[3]
 
 
+@pytest.mark.slow
 def test_the_smoother_knows_what_the_filter_found_out(recipe, assumptions):
     """With a stretch and a ramp it is as right as with good fixes, nearly; without hindsight it is not."""
     sizes = {"good": [], "hindsight": [], "reset": []}

@@ -236,6 +236,7 @@ def tilted():
     return ErrorModel.from_mapping({axis: [{"turn_on_bias": {"std": 0.1}}] for axis in ACCEL})
 
 
+@pytest.mark.slow
 def test_a_level_floor_tells_the_height_that_zero_velocity_does_not(walk, tilted):
     """With as little said of it; and both errors are as large as they are said to be, or less."""
     alone, floor = (heights(walk, one, tilted, (Leg(24),)) for one in (Assumptions(), INDOORS))
@@ -245,6 +246,7 @@ def test_a_level_floor_tells_the_height_that_zero_velocity_does_not(walk, tilted
         assert (np.abs(found[:, 0]) < 3 * found[:, 1]).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rise_m", [0.08, -0.17])
 def test_a_slope_and_a_stair_are_no_level_floor(walk, tilted, rise_m):
     """Half the walk is level, half is not: the height is that of the sensors, or better."""

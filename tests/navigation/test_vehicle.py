@@ -91,6 +91,7 @@ def runs(recipe, assumptions):
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "states", [slice(0, 3), slice(3, 6), slice(6, 9), slice(9, 15), slice(15, 21), slice(0, 9), slice(0, 21)], ids=str
 )
@@ -104,11 +105,13 @@ def test_the_filter_errs_as_much_as_it_says(runs, states, at):
     assert np.abs(off.mean(axis=0) / off.std(axis=0)).max() < 4.5 / np.sqrt(RUNS)
 
 
+@pytest.mark.slow
 def test_the_drift_over_an_outage_is_as_large_as_it_says(runs):
     low, high = nees_band(2, RUNS, 0.999)
     assert low < np.mean([drift @ np.linalg.solve(told, drift) for *_, drift, told in runs]) < high
 
 
+@pytest.mark.slow
 def test_innovations_are_white_and_as_large_as_expected(runs):
     """NIS: its mean; whitened components: variance one, no correlation from fix to fix, no false alarms beyond 1 %."""
     nis = np.concatenate([one[2].statistic for one in runs])
@@ -122,6 +125,7 @@ def test_innovations_are_white_and_as_large_as_expected(runs):
     assert np.abs((white[:, 1:] * white[:, :-1]).mean(axis=(0, 1))).max() < 4.5 / np.sqrt(count)
 
 
+@pytest.mark.slow
 def test_the_smoother_errs_as_much_as_it_says_and_less_than_the_filter(recipe, assumptions):
     both, count, row = {False: [], True: []}, 40, 2000
     for run in range(count):
@@ -247,6 +251,7 @@ def test_fixes_between_samples_are_taken_where_they_are(recipe, assumptions):
     assert len(np.unique(np.round(np.remainder(one.fix_time, 0.05), 6))) > 4
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("delay", [0.0, 0.137])
 def test_the_time_offset_is_taken_off_or_estimated(recipe, assumptions, delay):
     late = replace(recipe, receiver=replace(recipe.receiver, delay_s=delay))
@@ -263,6 +268,7 @@ def test_the_time_offset_is_taken_off_or_estimated(recipe, assumptions, delay):
     assert low < np.mean(np.square(errors)) < high
 
 
+@pytest.mark.slow
 def test_the_lever_arm_is_estimated_as_exactly_as_it_says(recipe, assumptions):
     aware = replace(assumptions, lever_m=(0.0, 0.0, 0.0), lever_std=1.0)
     errors = []
@@ -275,6 +281,7 @@ def test_the_lever_arm_is_estimated_as_exactly_as_it_says(recipe, assumptions):
     assert low < np.mean(errors) < high
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("constants", [{}, {"lever_std": 0.1, "offset_std": 0.01}])
 @pytest.mark.parametrize("rest", [True, False])
 def test_the_start_is_as_right_as_it_says(recipe, assumptions, rest, constants):

@@ -125,6 +125,7 @@ def chamber(time):
     return 20 + 25 * np.tanh(3 * np.sin(2 * np.pi * time / 320)) + 5 * np.sin(2 * np.pi * time / 777)
 
 
+@pytest.mark.slow
 def test_a_curve_over_the_temperature_is_no_noise():
     """One that bends at a level, as where water freezes."""
     warm = chamber(INTERVAL * np.arange(COUNT))
@@ -132,6 +133,7 @@ def test_a_curve_over_the_temperature_is_no_noise():
     assert CURVE in reasons(data, BiasInstability, GaussMarkov, RandomWalk)
 
 
+@pytest.mark.slow
 def test_what_jumps_as_the_temperature_turns_is_no_telegraph_noise():
     wanders = uniform_filter1d(stream(2, "warm").standard_normal(COUNT), 300)
     warm = 20 + 2 * uniform_filter1d(np.cumsum(wanders), 300)
@@ -139,6 +141,7 @@ def test_what_jumps_as_the_temperature_turns_is_no_telegraph_noise():
     assert reasons(data, GaussMarkov) == {CURVE}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("course", [chamber, lambda time: 20 + 10 * np.exp(-time / 300), lambda time: 20 + time / 100])
 @pytest.mark.parametrize(
     "effect", [BiasInstability(2e-3), RandomWalk(1e-4), RandomWalk(1e-3), RandomTelegraph(4e-3, 0.02)]
@@ -164,6 +167,7 @@ def steep(time, rng):
     return 2e-3 * (values - values.mean()) / values.std()
 
 
+@pytest.mark.slow
 def test_means_that_a_steep_spectrum_makes_have_no_name():
     kinds, more = (BiasStep, RateRamp, WarmUp), 0
     for label in range(12):
@@ -187,6 +191,7 @@ def relaxations(time, rng):
     return np.sum(heights * np.where(since >= 0, np.exp(-np.maximum(since, 0) / 20), 0), axis=0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("exponent", [0.6, 1.5])
 def test_noise_of_a_slope_without_a_name_is_in_the_model_as_what_it_is(exponent):
     found = story_of(sequence(PowerLaw(4e-3, exponent), label=exponent))
@@ -199,6 +204,7 @@ def test_noise_of_a_slope_without_a_name_is_in_the_model_as_what_it_is(exponent)
     assert found.settled
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("reason", [LAW, BURSTS])
 def test_what_is_no_noise_is_not_in_the_model_as_noise(reason):
     search = Search(Description((), Noise((WHITE,))), (), LOG_ALPHA)
@@ -220,6 +226,7 @@ def test_noise_that_is_rather_a_trend_is_not_in_the_model_as_noise():
     assert ends.low < 2.6 < STEEPEST < ends.high
 
 
+@pytest.mark.slow
 def test_slow_noise_in_doubt_is_no_line_that_sweeps(monkeypatch):
     data = sequence(RandomWalk(3e-5), count=300_000, label="w0")
     tale = told(data, (), (RandomWalk,), LOG_ALPHA, 240_000)
@@ -275,6 +282,7 @@ def passing(time, rng):
     return 4e-3 * ndtr((time - 480) / 20)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("kinds", "most"), [((BiasStep,), 4), ((RandomWalk, GaussMarkov), 2)])
 def test_what_follows_a_gradual_transition_is_no_staircase_and_no_noise(kinds, most):
     search, found = explored(sequence(added=passing), *kinds)
@@ -283,6 +291,7 @@ def test_what_follows_a_gradual_transition_is_no_staircase_and_no_noise(kinds, m
     assert set(of_transitions(search, found, keys)) == set(keys)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "effects", [(BiasStep(460.0, 1e-3), BiasStep(500.0, 1e-3)), (RandomWalk(1e-4),), (RandomTelegraph(2e-3, 0.02),)]
 )
@@ -327,6 +336,7 @@ def relaxing(kind):
     }[kind]()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["logarithm", "power", "stretched", "warm-up and ramp"])
 def test_a_transient_of_another_shape_is_no_warm_up_beside_a_ramp(kind):
     data = sequence(added=lambda time, rng: relaxing(kind), label=kind)
@@ -350,6 +360,7 @@ def test_bursts_change_the_variance_and_leave_no_change_of_it_a_name():
     )
 
 
+@pytest.mark.slow
 def test_a_line_that_swells_without_a_carrier_is_two_that_have_no_name():
     def beating(time, rng):
         return 8e-4 * np.cos(2 * np.pi * 0.05 * time / 2) * np.cos(2 * np.pi * 9 * time)
@@ -360,6 +371,7 @@ def test_a_line_that_swells_without_a_carrier_is_two_that_have_no_name():
     assert reasons(apart, Sinusoid) == set()
 
 
+@pytest.mark.slow
 def test_a_filter_is_surer_than_what_it_leaves():
     """A bump of the spectrum below Nyquist is followed by a fall, which alone would be a filter."""
 
@@ -396,6 +408,7 @@ def skewed(time, rng):
     return 0.01 * (rng.standard_exponential(len(time)) - 1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("added", "reason"),
     [
@@ -411,6 +424,7 @@ def test_what_comes_at_a_beat_or_dies_out_or_is_skewed_is_no_outlier(added, reas
     assert reasons(sequence(added=added), Outliers) == {reason}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", ["standard_normal", "laplace", "uniform"])
 def test_outliers_keep_their_name_whatever_their_distribution(law):
     def far(time, rng):
@@ -423,12 +437,14 @@ def test_outliers_keep_their_name_whatever_their_distribution(law):
         assert doubts(search, found) == {}
 
 
+@pytest.mark.slow
 def test_heavy_tails_of_all_samples_are_no_outliers():
     assert reasons(sequence(added=lambda time, rng: 5e-3 * rng.laplace(size=len(time))), Outliers) == {
         "they are not rare"
     }
 
 
+@pytest.mark.slow
 def test_volatile_noise_has_neither_outliers_nor_changes_of_variance():
     def volatile(time, rng):
         level = np.convolve(rng.standard_normal(len(time)), np.ones(200) / np.sqrt(200), "same")

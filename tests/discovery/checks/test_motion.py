@@ -60,6 +60,7 @@ def story(axis, ideal, *effects, added=0.0):
     return concluded(tale(axis, ideal, *effects, added=added))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("axis", "effect"),
     [
@@ -76,6 +77,7 @@ def test_what_answers_the_motion_keeps_its_name(axis, effect, beside):
     assert not found.withheld
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("coupled", [0.8, 0.95])
 def test_an_accelerometer_that_answers_the_rate_leans_to_no_axis(coupled):
     ideal = turning(coupled)
@@ -84,6 +86,7 @@ def test_an_accelerometer_that_answers_the_rate_leans_to_no_axis(coupled):
     assert "another function of the motion explains it better" in {one.reason for one in found.withheld}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("waves", [2.5, 6.0])
 def test_a_wavy_transfer_is_no_noise(waves):
     """An interpolation error repeats itself over the input; as the input moves, its spectrum is that of slow noise."""
@@ -94,6 +97,7 @@ def test_a_wavy_transfer_is_no_noise(waves):
     assert "another function of the motion explains it better" in {one.reason for one in found.withheld}
 
 
+@pytest.mark.slow
 def test_the_cutoff_of_a_filter_of_the_motion_scatters_as_its_error_says():
     """What the filter takes from the motion tells it, beside a scale factor that takes some of it too."""
     ideal, log_cutoff, seen = turning().iloc[:3000], np.log(5.0), []
@@ -130,6 +134,7 @@ def test_a_delay_is_no_filter_that_noise_does_not_show(effect, shown):
     assert _in_noise(Trial(near, filtered, gain, 1, 10.0), LOG_ALPHA) == shown
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("gravity", [0.0, -9.8])
 def test_a_cube_about_where_the_input_is_is_no_scale_factor(gravity):
     ideal = turning()
@@ -140,6 +145,7 @@ def test_a_cube_about_where_the_input_is_is_no_scale_factor(gravity):
     assert "another function of the motion explains it better" in {one.reason for one in found.withheld}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("waves", [1, 2])
 def test_an_error_that_goes_with_the_heading_is_no_noise(waves):
     """Iron of a vehicle, say: it is the same wherever the vehicle heads the same way."""
@@ -151,6 +157,7 @@ def test_an_error_that_goes_with_the_heading_is_no_noise(waves):
     assert {one.reason for one in found.withheld} == {"another function of the motion explains it better"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("half", [0.003, 0.03])
 def test_a_play_is_neither_what_it_looks_like_nor_the_noise_that_takes_it_up(half):
     """A delay, a filter, outliers: each of them explains some of it."""
@@ -161,6 +168,7 @@ def test_a_play_is_neither_what_it_looks_like_nor_the_noise_that_takes_it_up(hal
     assert found.withheld
 
 
+@pytest.mark.slow
 def test_what_has_no_name_is_not_searched_through_again_in_the_whole_log():
     """It stands for whatever a search would make of it, and the search would go on and on."""
     ideal = turning()
@@ -173,6 +181,7 @@ def test_what_has_no_name_is_not_searched_through_again_in_the_whole_log():
     assert {one.reason for one in told_of.withheld} == {"another function of the motion explains it better"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("axis", "size"), [("gyro_y", 0.8), ("gyro_y", 2.0), ("accel_x", 0.8)])
 def test_noise_that_grows_with_the_motion_has_no_name(axis, size):
     ideal = turning()
@@ -183,6 +192,7 @@ def test_noise_that_grows_with_the_motion_has_no_name(axis, size):
     assert found.withheld
 
 
+@pytest.mark.slow
 def test_noise_that_differs_at_rest_has_no_name():
     """Coarse rounding, say, is louder or softer while nothing moves."""
     moving = INTERVAL * np.arange(COUNT) > 20
@@ -193,6 +203,7 @@ def test_noise_that_differs_at_rest_has_no_name():
     assert "the variance goes with the motion" in {one.reason for one in found.withheld}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("effect", [Outliers(1e-3, 0.05), VarianceChange(100.0, 150.0, 1.6)])
 def test_what_comes_at_times_of_its_own_keeps_its_name_in_motion(effect):
     found = story("gyro_y", turning(), effect)
@@ -208,6 +219,7 @@ def test_samples_by_chance_are_seldom_taken_to_come_with_the_motion():
     assert binom.ppf(0.001, 100, 0.02) <= np.sum(np.array(chances) < np.log(0.1)) <= binom.ppf(0.999, 100, 0.1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("own", [0, 1])
 def test_vibration_is_told_from_the_motion_beneath_it(own):
     rng, ideal = stream(5, "vibration"), turning()

@@ -43,6 +43,7 @@ def test_a_line_that_drifts_is_a_place_without_a_name():
     assert any(gap.low < 2.5 and gap.high > 0.5 for gap in places)
 
 
+@pytest.mark.slow
 def test_bursts_are_no_noise_though_their_spectrum_is():
     """What dies away has the spectrum of a Gauss-Markov process, but what drives it is skewed and peaked."""
     data, rng = sequence(count=12_000), stream(3, "bursts")
@@ -97,6 +98,7 @@ def test_a_line_or_filter_where_noise_without_a_name_is_the_power_has_none_eithe
         assert list(_of_the_spectrum(described, keys, {Key("noise", 1): doubt})) == nameless
 
 
+@pytest.mark.slow
 def test_the_power_of_a_line_that_sweeps_is_no_noise():
     data = sequence()
     time = data.conditions.time
@@ -109,6 +111,7 @@ def test_the_power_of_a_line_that_sweeps_is_no_noise():
     assert (band.low, band.high) == pytest.approx((0.5, 2.1), rel=0.05)
 
 
+@pytest.mark.slow
 def test_beside_a_line_that_sweeps_noise_of_other_frequencies_keeps_its_name():
     data = sequence(GaussMarkov(2e-3, 10.0))
     time = data.conditions.time
@@ -119,6 +122,7 @@ def test_beside_a_line_that_sweeps_noise_of_other_frequencies_keeps_its_name():
     assert len(story.bands) == 1
 
 
+@pytest.mark.slow
 def test_flicker_keeps_its_name_in_either_form_that_samples_of_it_may_have():
     """Fractionally differenced noise lies above 1/f towards half the rate; its slope is that of flicker."""
     data, rng = sequence(count=120_000), stream(1, "fractional")
@@ -129,6 +133,7 @@ def test_flicker_keeps_its_name_in_either_form_that_samples_of_it_may_have():
     assert doubts(search, found) == {}
 
 
+@pytest.mark.slow
 def test_a_loop_over_the_temperature_is_no_walk():
     """The bias goes by the way that the temperature came, with play; the walk of the same size keeps its name."""
     time = np.arange(16_000) * 0.04
@@ -181,6 +186,7 @@ def test_noise_between_flicker_and_walk_is_seldom_a_markov_process():
     assert sum(named) <= 4
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("run", range(3))
 def test_a_markov_process_is_no_power_law(run):
     data = sequence(GaussMarkov(1e-3, 5.0), count=60_000, label=f"markov {run}")
@@ -257,6 +263,7 @@ def test_a_steady_line_is_not_in_doubt():
     assert doubts(search, found) == {}
 
 
+@pytest.mark.slow
 def test_a_temperature_beside_a_walk_is_seldom_a_memory_of_it():
     count, interval, few = 3000, 0.2, []
     time = interval * np.arange(count)

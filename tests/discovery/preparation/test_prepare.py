@@ -140,6 +140,7 @@ CASES = 100
 LEAST = int(binom.ppf(1e-4, CASES, 0.95))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("effect", "width"),
     [

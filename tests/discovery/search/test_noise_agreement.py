@@ -72,6 +72,7 @@ def test_noise_too_faint_to_be_named_speaks_against_a_step_too():
     assert means[1] < means[0] / 2
 
 
+@pytest.mark.slow
 def test_a_step_beside_axes_with_nothing_stays():
     fits, searches = explored({"gyro_x": (), "gyro_y": (BiasStep(200.0, 1e-3),), "gyro_z": ()})
     assert kinds(fits) == {"gyro_x": [], "gyro_y": [BiasStep], "gyro_z": []}
@@ -92,6 +93,7 @@ def test_sensors_have_nothing_to_do_with_each_other():
     assert agreed(fits, searches) == fits
 
 
+@pytest.mark.slow
 def test_a_walk_beside_far_faster_processes_is_none_of_them():
     """A process slow enough is as good as a walk, but not one like those of the others."""
     fast, walk = (GaussMarkov(2e-3, 3.0),), (RandomWalk(7e-5),)

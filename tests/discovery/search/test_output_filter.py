@@ -13,6 +13,7 @@ from imugap.effects import CATALOGUE, BiasInstability, GaussMarkov, OutputFilter
 from imugap.stream import stream
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("order", "cutoff"), [(1, 0.5), (2, 0.5), (4, 1.5)])
 def test_a_step_behind_a_filter_is_one_and_has_its_time_and_size(order, cutoff):
     story = filtered(order, cutoff, np.where(INTERVAL * np.arange(COUNT) >= 431.2, 0.02, 0.0))
@@ -24,6 +25,7 @@ def test_a_step_behind_a_filter_is_one_and_has_its_time_and_size(order, cutoff):
     assert smooth.parameters["cutoff"].value == pytest.approx(cutoff, rel=0.05)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("order", "cutoff"), [(1, 2.0), (2, 0.5), (3, 5.0)])
 @pytest.mark.parametrize("before", [0.05, 1.0])
 def test_a_filter_that_settles_is_a_filter_and_no_more(order, cutoff, before):
@@ -33,6 +35,7 @@ def test_a_filter_that_settles_is_a_filter_and_no_more(order, cutoff, before):
     assert story.findings[0].parameters["cutoff"].value == pytest.approx(cutoff, rel=0.05)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("known", [RandomWalk(3e-5), BiasInstability(1e-4), GaussMarkov(3e-4, 20.0)])
 @pytest.mark.parametrize("cutoff", [0.6, 3.2])
 def test_a_filter_is_found_behind_noise_that_went_far_to_look_like_it(known, cutoff):

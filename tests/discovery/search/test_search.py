@@ -73,6 +73,7 @@ def test_nothing_hidden_is_called_nothing():
     assert sum(bool(story.findings) for story in stories) == 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("hidden", "known"),
     [(GaussMarkov(4.4e-3, 18.0), RandomWalk(1.6e-5)), (BiasInstability(2e-3), RandomWalk(1e-5))],
@@ -84,6 +85,7 @@ def test_slow_noise_of_the_start_model_does_not_stand_for_what_is_missing(hidden
     assert names(story) == [hidden.name]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("base", [RandomWalk(1.5e-4), BiasInstability(4e-4), GaussMarkov(1e-3, 20.0)])
 def test_in_the_place_of_slow_noise_that_is_right_other_is_no_surer_than_chance_makes_it(base):
     surest = []
@@ -107,6 +109,7 @@ def switching(high, low, label):
     return data.changed(data.values + path)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("high", "low", "expected"),
     [(6.0, 6.0, ["random_telegraph"]), (4.0, 9.0, ["random_telegraph"]), (0.5, 20.0, [])],
@@ -117,6 +120,7 @@ def test_two_values_are_one_telegraph_noise_if_they_are_about_as_frequent(high, 
     assert [finding.name for finding in story.findings if finding.name == "random_telegraph"] == expected
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("unit", [1e-4, 1e4])
 def test_nothing_depends_on_the_unit(unit):
     data = sequence(GaussMarkov(3e-3, 5.0), RandomWalk(1e-4))
@@ -169,6 +173,7 @@ def test_two_means_that_nearly_cancel_are_found_together():
     assert sorted(term.effect.name for term in found) == ["rate_ramp", "temperature"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("run", range(4))
 def test_a_step_and_a_ramp_that_nearly_cancel_are_found_together(run):
     """A walk gains more than either of them alone, and hides both."""

@@ -51,6 +51,7 @@ def device(hidden, run, ideal=IDEAL):
     return fits, searches
 
 
+@pytest.mark.slow
 def test_an_axis_that_does_not_tell_has_no_delay_where_its_sensor_has_none():
     """Accelerometers that are late, and gyros that are not; the third hardly turns, and would allow of either."""
     ideal = IDEAL.assign(gyro_z=0.01 * IDEAL["gyro_z"])

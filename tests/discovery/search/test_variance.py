@@ -15,6 +15,7 @@ from imugap.stream import stream
 LOUDER = VarianceChange(1000.0, 1200.0, 2.4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("change", "label"),
     [
@@ -49,6 +50,7 @@ def test_a_change_of_variance_is_weighed_again_as_it_was_taken(change):
     assert search.settled(taken.fit).description.changes
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("apart", [2, 5, 30])
 def test_one_outlier_far_beyond_the_others_is_no_change_of_the_variance(apart):
     data, rng = sequence(BiasInstability(3e-4)), stream(apart, "outliers")
@@ -58,6 +60,7 @@ def test_one_outlier_far_beyond_the_others_is_no_change_of_the_variance(apart):
     assert names(story) == ["bias_instability", "outliers"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("change", [VarianceChange(360.0, 372.0, 4.0), VarianceChange(200.0, 290.0, 1.5)])
 def test_a_change_of_variance_keeps_its_name_beside_outliers(change):
     """Outliers take it from no draw of the noise that shows it without them."""
@@ -66,6 +69,7 @@ def test_a_change_of_variance_keeps_its_name_beside_outliers(change):
     assert names(told_of(outliers, change)) == ["outliers", *names(told_of(change))]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", [MANY[VarianceChange], MANY[VarianceChange] + 1])
 def test_beside_more_changes_of_the_variance_than_have_a_name_nothing_else_is_looked_for(number):
     changes = tuple(VarianceChange(start, start + 50.0, 3.0) for start in 100.0 + 200.0 * np.arange(number))
@@ -75,6 +79,7 @@ def test_beside_more_changes_of_the_variance_than_have_a_name_nothing_else_is_lo
     assert found.has(BiasStep) == (number == MANY[VarianceChange])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("beside", "step"),
     [

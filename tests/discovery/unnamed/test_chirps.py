@@ -57,6 +57,7 @@ def test_chance_is_not_taken_for_a_sweep_more_often_than_stated():
     assert sum(map(bool, often)) <= 17  # 0.1 of 100 and two standard deviations
 
 
+@pytest.mark.slow
 def test_a_faint_chirp_is_a_place_without_a_name():
     conditions = Conditions(INTERVAL * np.arange(COUNT), INTERVAL, axis="accel_y")
     data = AxisSequence(1e-2 * (white("story") + chirp(1.5, 5.0, 12)), conditions, np.zeros(COUNT, bool))

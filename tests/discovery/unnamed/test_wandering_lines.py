@@ -70,6 +70,7 @@ def test_samples_on_few_levels_stay_coarse_without_a_band():
     assert unsteady.without(rounded, (Band(0.53, 0.59, -100.0),)).coarse
 
 
+@pytest.mark.slow
 def test_beside_a_wandering_line_the_others_keep_their_names():
     data = sequence(BiasStep(700.0, 4e-3), BiasInstability(1e-3), line=4e-3)
     story = concluded(told(data, (), tuple(CATALOGUE.values()), LOG_ALPHA, int(0.8 * COUNT)))
@@ -78,6 +79,7 @@ def test_beside_a_wandering_line_the_others_keep_their_names():
     assert band.low < LINE_HZ < band.high
 
 
+@pytest.mark.slow
 def test_a_wandering_line_alone_gets_no_name():
     story = concluded(told(sequence(line=4e-3), (), tuple(CATALOGUE.values()), LOG_ALPHA, int(0.8 * COUNT)))
     assert story.findings == ()
