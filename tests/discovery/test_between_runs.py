@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from tests.discovery import simulated
 
-from imugap.discovery.between_runs import _error, _of_mean, as_first, clocks, turn_on
+from imugap.discovery.between_runs import as_first, clocks, level_error, mean_variance, turn_on
 from imugap.discovery.fit.axis_fit import Description, Term, fit
 from imugap.discovery.fit.whittle import Noise
 from imugap.discovery.preparation.sequence import AxisSequence
@@ -120,14 +120,14 @@ def test_slow_noise_makes_runs_differ_as_often_as_it_should(noise):
 
 @pytest.mark.parametrize("duration", [100.0, 4000.0])
 def test_the_mean_of_a_walk_has_a_third_of_the_variance_of_its_end(duration):
-    assert _of_mean(RandomWalk(0.3), duration, 0.1) == pytest.approx(0.3**2 * duration / 3, rel=1e-3)
+    assert mean_variance(RandomWalk(0.3), duration, 0.1) == pytest.approx(0.3**2 * duration / 3, rel=1e-3)
 
 
 def test_noise_of_any_slope_may_hold_a_level_through_a_run():
     conditions = Conditions(0.1 * np.arange(2000), 0.1, axis="gyro_x")
     values = stream(1, "slope").standard_normal(2000)
     noise = Noise((WhiteNoise(0.3), PowerLaw(0.01, 1.2)))
-    assert np.isinf(_error(fit(AxisSequence(values, conditions, np.zeros(2000, bool)), Description((), noise))))
+    assert np.isinf(level_error(fit(AxisSequence(values, conditions, np.zeros(2000, bool)), Description((), noise))))
 
 
 def test_turn_on_bias_of_several_runs():

@@ -5,7 +5,7 @@ import pytest
 from scipy.signal import lfilter
 from tests.discovery.simulated import COUNT, INTERVAL, LOG_ALPHA, WHITE, plain, sequence
 
-from imugap.discovery.common_noise import _errors, shared
+from imugap.discovery.common_noise import loading_errors, shared
 from imugap.discovery.fit.axis_fit import Description, fit
 from imugap.discovery.fit.whittle import Noise
 from imugap.effects import CommonMode, GaussMarkov, OutputFilter
@@ -60,7 +60,7 @@ def test_errors_of_shared_noise_are_those_of_many_logs(loading, count):
 
 
 def test_what_an_axis_of_no_loading_leaves_open_has_a_wide_interval():
-    sure, open_ended = (_errors(np.array([0.5, 0.5, last]), 1000) for last in (0.5, 0.0))
+    sure, open_ended = (loading_errors(np.array([0.5, 0.5, last]), 1000) for last in (0.5, 0.0))
     assert np.all(sure < 0.1)
     assert np.all(np.isfinite(open_ended))
     assert np.all(open_ended[:2] > 10)

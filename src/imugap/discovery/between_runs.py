@@ -45,8 +45,8 @@ def turn_on(fits: Runs, log_alpha: float) -> tuple[Finding, ...]:
     """Return the axes whose levels differ between runs by more than the noise of each run lets them.
 
     A level is the mean less the systematic terms, which every run may have; where it stands is told by
-    :func:`_error`. The weighted scatter of the levels is chi-square distributed with one degree of freedom less than
-    runs.
+    :func:`level_error`. The weighted scatter of the levels is chi-square distributed with one degree of freedom less
+    than runs.
     """
     axes = [axis for axis in fits[0] if all(axis in one for one in fits)]
     found = (_turn_on(axis, [one[axis] for one in fits], log_alpha) for axis in axes)
@@ -55,7 +55,7 @@ def turn_on(fits: Runs, log_alpha: float) -> tuple[Finding, ...]:
 
 def _turn_on(axis: str, runs: list[AxisFit], log_alpha: float) -> Finding | None:
     levels = np.array([offset(run.sequence, run.description) for run in runs])
-    errors, free = np.array([_error(run) for run in runs]), len(runs) - 1
+    errors, free = np.array([level_error(run) for run in runs]), len(runs) - 1
     if not np.isfinite(errors).all():
         return None
     scatter = float(np.sum((levels - np.average(levels, weights=errors**-2)) ** 2 / errors**2))
@@ -69,7 +69,7 @@ def _turn_on(axis: str, runs: list[AxisFit], log_alpha: float) -> Finding | None
     return Finding({axis: TurnOnBias(std)}, {"std": interval}, log_p)
 
 
-def _error(run: AxisFit) -> float:
+def level_error(run: AxisFit) -> float:
     """Return the standard deviation of the level of a run: that of its mean, and of the terms that are taken off it.
 
     Infinite beside noise with a memory that may be as long as the run, or of any slope: it holds a level like a bias.
@@ -79,7 +79,7 @@ def _error(run: AxisFit) -> float:
     if any(memory > LASTING * duration for memory in _memories(run)) or run.has(PowerLaw):
         return np.inf
     slopes = jacobian(run.description.terms, run.sequence).mean(axis=0)
-    variance = sum(_of_mean(effect, duration, conditions.interval) for effect in noise.effects)
+    variance = sum(mean_variance(effect, duration, conditions.interval) for effect in noise.effects)
     return float(np.sqrt(variance + slopes @ run.covariance @ slopes))
 
 
@@ -92,7 +92,7 @@ def _memories(run: AxisFit) -> Iterator[float]:
             yield float(time * np.exp(NORMAL * np.sqrt(covariance[place, place])))
 
 
-def _of_mean(effect: StochasticEffect, duration: float, interval: float) -> float:
+def mean_variance(effect: StochasticEffect, duration: float, interval: float) -> float:
     """Return the variance of the mean of noise over a run, the integral of S(f) sinc^2(f duration).
 
     A random walk begins with its run: below :data:`BEGIN` periods per run nothing is

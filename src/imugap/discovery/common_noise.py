@@ -112,11 +112,11 @@ def _group(
         errors = np.full(2, np.sqrt(product * (1 + block[0, 1] ** -2) / n) / 2)
     else:
         densities = loadings * white
-        errors = white * _errors(loadings, n)
+        errors = white * loading_errors(loadings, n)
     return Shared(tuple(axes[i] for i in members), densities, errors, log_p)
 
 
-def _errors(loadings: np.ndarray, n: int) -> np.ndarray:
+def loading_errors(loadings: np.ndarray, n: int) -> np.ndarray:
     """Return the Cramer-Rao standard deviations of the loadings of one factor, each axis with noise of its own besides.
 
     Those of three axes or more, whose noise has unit variance, from ``n`` samples.

@@ -17,7 +17,7 @@ from imugap.discovery.checks.hysteresis import CURVE
 from imugap.discovery.checks.mean import nearly
 from imugap.discovery.checks.misfit import Doubt
 from imugap.discovery.checks.outliers import outliers_doubt
-from imugap.discovery.checks.spectrum import LAW, _at_odds, _off_in_bands, share_of
+from imugap.discovery.checks.spectrum import LAW, log_p_of_bands, log_p_with, share_of
 from imugap.discovery.checks.transient import FADING, of_transients
 from imugap.discovery.checks.transition import of_transitions
 from imugap.discovery.fit.axis_fit import Description, Term, fit
@@ -100,7 +100,7 @@ def test_a_spectrum_that_few_coefficients_tell_is_as_far_off_as_chance_makes_it(
         found = fit(sequence(effect, label=label), Description((), Noise((WHITE, effect))))
         mine = np.flatnonzero(share_of(found, found.description.noise.effects[1]) > SHARE)
         assert 60 < len(mine) < 130
-        chances.append(_off_in_bands(found, mine))
+        chances.append(log_p_of_bands(found, mine))
     for level in (0.01, 0.05, 0.2):
         low, high = binom.ppf([1e-3, 1 - 1e-3], len(chances), level)
         assert low <= np.sum(np.exp(chances) < level) <= high
@@ -321,7 +321,7 @@ def test_samples_and_spectrum_agree_where_a_walk_has_taken_the_place_of_telegrap
     found = fit(sequence(true), Description((), Noise((WHITE, RandomWalk(4e-4)))))
     hidden = replace(true, step=1e-9)
     beside = Description((), replace(found.description.noise, effects=(*found.description.noise.effects, hidden)))
-    log_p = _at_odds(replace(found, description=beside), Key("noise", 2), replace(true, step=factor * true.step))
+    log_p = log_p_with(replace(found, description=beside), Key("noise", 2), replace(true, step=factor * true.step))
     assert (log_p < LEVEL) == odd
 
 

@@ -9,7 +9,7 @@ from scipy.stats import multivariate_normal
 from tests.discovery import simulated
 
 from imugap.discovery.fit.axis_fit import Description, fit
-from imugap.discovery.fit.telegraph_likelihood import FINE, Blocks, _continuum, compare, filtered
+from imugap.discovery.fit.telegraph_likelihood import FINE, Blocks, compare, continuum_log_densities, filtered
 from imugap.discovery.fit.whittle import Noise
 from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.effects import GaussMarkov, OutputFilter, RandomTelegraph, RandomWalk, WhiteNoise
@@ -31,7 +31,7 @@ def test_a_continuum_has_the_density_of_its_covariance(walk):
     lags = np.abs(np.subtract.outer(np.arange(COUNT), np.arange(COUNT)))
     covariance = wandering(0.5, walk, 40.0) + 0.8**2 * 0.9**lags
     law = multivariate_normal(np.full(COUNT, means.mean()), covariance)
-    assert _continuum(means, 0.8, 0.9, np.full(COUNT, 0.5), walk, 40.0).sum() == pytest.approx(
+    assert continuum_log_densities(means, 0.8, 0.9, np.full(COUNT, 0.5), walk, 40.0).sum() == pytest.approx(
         law.logpdf(means), abs=1e-9
     )
 

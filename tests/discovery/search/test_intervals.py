@@ -4,15 +4,15 @@ from scipy.fft import dct
 from tests.discovery.simulated import COUNT, INTERVAL
 
 from imugap.discovery.fit import matched_filters as scans
-from imugap.discovery.search.intervals import _near
+from imugap.discovery.search.intervals import times_near_best
 from imugap.stream import stream
 
 
 def test_the_place_of_a_change_is_known_as_far_as_the_likelihood_says():
     gain = np.array([0.0, 6.0, 5.0, 0.0, 9.0, 10.0, 5.0, 7.0, 2.0])
     time = np.arange(9.0)
-    assert _near(gain, time, 5.0) == (3.0, 7.0)
-    assert _near(gain + np.eye(9)[1], time, 5.0) == (0.0, 7.0)
+    assert times_near_best(gain, time, 5.0) == (3.0, 7.0)
+    assert times_near_best(gain + np.eye(9)[1], time, 5.0) == (0.0, 7.0)
 
 
 @pytest.mark.parametrize("since", [0.1, 0.5, 0.9])
@@ -22,5 +22,5 @@ def test_a_large_step_came_between_the_samples_that_it_parts(since):
     came = time[1000] - since * INTERVAL
     values = np.where(time >= came, 30.0, 0.0) + stream(5, "parts").standard_normal(COUNT)
     steps = scans.steps(dct(values, norm="ortho")[1:], np.ones(COUNT - 1), np.empty((COUNT - 1, 0)))
-    low, high = _near(steps.gains, time, time[np.argmax(steps.gains)])
+    low, high = times_near_best(steps.gains, time, time[np.argmax(steps.gains)])
     assert low < came < high <= low + 1.5 * INTERVAL

@@ -13,7 +13,7 @@ from imugap.discovery.fit.whittle import Noise
 from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.search.search import MANY, Search
 from imugap.discovery.search.telegraph import told_apart
-from imugap.discovery.search.telegraph_in_noise import _drawn, _reverting, switching
+from imugap.discovery.search.telegraph_in_noise import drawn_values, stationary_markov, switching
 from imugap.effects import BiasStep, GaussMarkov, RandomTelegraph, RandomWalk, VarianceChange, WhiteNoise
 from imugap.effects.conditions import Conditions
 from imugap.effects.effect import AxisModel
@@ -44,7 +44,7 @@ def test_without_switches_the_filter_is_that_of_a_gauss_markov_process():
     expected = -0.5 * (
         40 * np.log(2 * np.pi) + np.linalg.slogdet(covariance)[1] + values @ np.linalg.solve(covariance, values)
     )
-    found = filtered(values, 1, 0.0, 0.1, 0.1, np.full(40, white), *_reverting(std, decay))
+    found = filtered(values, 1, 0.0, 0.1, 0.1, np.full(40, white), *stationary_markov(std, decay))
     assert found[0].sum() == pytest.approx(expected, rel=1e-9)
     np.testing.assert_allclose(found[1][:, 0, 0], found[1][:, 1, 0], atol=1e-9)
 
@@ -59,14 +59,17 @@ def test_odds_of_either_value_are_those_of_all_paths(kept):
     weights = (
         moves * np.exp(-0.5 * ((values - half * paths) / white) ** 2).prod(axis=1) / (np.sqrt(2 * np.pi) * white).prod()
     )
-    densities, known = filtered(values, 1, half, change, change, white, *_reverting(1e-9, 0.5), kept)
+    densities, known = filtered(values, 1, half, change, change, white, *stationary_markov(1e-9, 0.5), kept)
     assert densities.sum() == pytest.approx(np.log(weights.sum()), rel=1e-9)
     last = np.log(weights[paths[:, -1] > 0].sum() / weights[paths[:, -1] < 0].sum())
     chances = np.exp(known[-1, :, 0])
     assert np.log(chances[:kept].sum() / chances[kept:].sum()) == pytest.approx(last, rel=1e-6)
     rng, count = stream(3, "draws"), 20_000
     drawn = np.mean(
-        [_drawn(known, np.exp(-2 * change), 0.5, 1e-9, rng.random(8), rng.standard_normal(8)) for _ in range(count)],
+        [
+            drawn_values(known, np.exp(-2 * change), 0.5, 1e-9, rng.random(8), rng.standard_normal(8))
+            for _ in range(count)
+        ],
         axis=0,
     )
     expected = weights @ (paths > 0) / weights.sum()

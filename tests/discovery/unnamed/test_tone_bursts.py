@@ -10,7 +10,7 @@ from imugap.discovery.axis import concluded, told
 from imugap.discovery.fit.axis_fit import Description, Term, fit
 from imugap.discovery.fit.whittle import Noise
 from imugap.discovery.preparation.sequence import AxisSequence
-from imugap.discovery.unnamed.tone_bursts import LENGTHS, LEVELS, _chances, _loud, glints
+from imugap.discovery.unnamed.tone_bursts import LENGTHS, LEVELS, cell_log_p, glints, loudest_band
 from imugap.effects import (
     CATALOGUE,
     BiasStep,
@@ -92,14 +92,17 @@ def test_frequencies_above_those_that_a_fit_asks_are_not_asked_either(share):
 
 def test_cells_of_white_noise_are_as_loud_as_said():
     for length in LENGTHS:
-        chances = _chances(stream(3, "cells", length).standard_normal(400_000), length, 1.0)
+        chances = cell_log_p(stream(3, "cells", length).standard_normal(400_000), length, 1.0)
         for level in LEVELS:
             low, high = binom.ppf([1e-4, 1 - 1e-4], chances.size, np.exp(level))
             assert low <= np.count_nonzero(chances < level) <= high
 
 
 def test_chance_makes_as_much_of_white_noise_no_more_often_than_said():
-    log_p = [_loud(_chances(stream(4, "chance", k).standard_normal(30_000), 512, 1.0), 1.0).log_p for k in range(300)]
+    log_p = [
+        loudest_band(cell_log_p(stream(4, "chance", k).standard_normal(30_000), 512, 1.0), 1.0).log_p
+        for k in range(300)
+    ]
     for level in (0.01, 0.1):
         most = binom.isf(1e-3, len(log_p), level * (1 + len(LEVELS)))
         assert np.count_nonzero(np.exp(log_p) < level) <= most

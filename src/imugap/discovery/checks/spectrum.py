@@ -58,7 +58,7 @@ def noise_doubt(search: Search, fit: AxisFit, key: Key) -> Doubt:
     named = search.weighed(fit, key)[0].log_p
     doubts = [
         Doubt(SLOPE, slope),
-        Doubt("its spectrum has another shape", _off_in_bands(fit, mine)),
+        Doubt("its spectrum has another shape", log_p_of_bands(fit, mine)),
         Doubt(AROUND_IT, over(named, _off_around(fit, mine), search.log_alpha)),
     ]
     if isinstance(effect, RandomTelegraph):
@@ -87,7 +87,7 @@ def _two_valued(search: Search, fit: AxisFit, key: Key) -> list[Doubt]:
     uneven = Doubt("it is at one of its values more often than at the other", log_chance(verdict.uneven, 1))
     if sum(key.part == "noise" for key in search.added(fit.description)) > 1:
         return [uneven]
-    return [uneven, Doubt(AT_ODDS, _at_odds(fit, key, verdict.effect))]
+    return [uneven, Doubt(AT_ODDS, log_p_with(fit, key, verdict.effect))]
 
 
 def share_of(fit: AxisFit, effect: StochasticEffect) -> np.ndarray:
@@ -97,7 +97,7 @@ def share_of(fit: AxisFit, effect: StochasticEffect) -> np.ndarray:
     return own / noise.variance(bins)
 
 
-def _at_odds(fit: AxisFit, key: Key, other: StochasticEffect) -> float:
+def log_p_with(fit: AxisFit, key: Key, other: StochasticEffect) -> float:
     """Return the log-probability that the spectrum is as unlikely as it is with another effect at ``key``.
 
     All else of the noise, and the filter, are free to follow it.
@@ -155,7 +155,7 @@ def _off_around(fit: AxisFit, mine: np.ndarray) -> float:
     return min(float(chance), 0.0)
 
 
-def _off_in_bands(fit: AxisFit, mine: np.ndarray) -> float:
+def log_p_of_bands(fit: AxisFit, mine: np.ndarray) -> float:
     """Return the log-probability that power is as far from the fit in bands of some bins, slight deviations aside."""
     bins = fit.sequence.bins
     if len(mine) < 2:

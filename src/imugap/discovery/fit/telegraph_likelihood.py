@@ -227,7 +227,7 @@ def _telegraph_densities(blocks: Blocks, theta: np.ndarray, width: int = 1, kept
 def _markov_densities(blocks: Blocks, theta: np.ndarray) -> np.ndarray:
     """Return the log-density of each block of a Gauss-Markov process, given by its size and correlation time."""
     decay = np.exp(-blocks.step / np.exp(theta[1]))
-    return _continuum(blocks.means, np.exp(theta[0]), decay, *_noise(blocks, theta), blocks.means.var())
+    return continuum_log_densities(blocks.means, np.exp(theta[0]), decay, *_noise(blocks, theta), blocks.means.var())
 
 
 def _positive(logarithm: float) -> float:
@@ -349,7 +349,7 @@ def _closest(ways, count):
 
 
 @njit(cache=True)
-def _continuum(means, std, decay, white, walk, wide):
+def continuum_log_densities(means, std, decay, white, walk, wide):
     """Return the log-density of each value of a Gauss-Markov process on a walk in white noise (Kalman filter)."""
     state, level, densities = 0.0, means.mean(), np.empty(len(means))
     own, shared, other = std**2, 0.0, wide + walk**2

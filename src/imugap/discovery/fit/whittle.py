@@ -149,7 +149,7 @@ def fit(start: Noise, bins: Bins, power: np.ndarray, held: bool = False) -> Nois
     held
         Whether the cutoff of the filter stays as it is.
     """
-    spectra = _Spectra(start, bins)
+    spectra = Spectra(start, bins)
     low, high = limits(start, bins, power)
     if held:
         low[-1] = high[-1] = start.theta()[-1]
@@ -209,10 +209,11 @@ class _Process:
         return effect.sampled_psd(bins.frequency, bins.interval) / bins.interval
 
 
-class _Spectra:
+class Spectra:
     """Variances of the coefficients and their derivatives as functions of the log parameters."""
 
     def __init__(self, noise: Noise, bins: Bins) -> None:
+        """Prepare the spectra of the effects of ``noise`` at the frequencies of ``bins``."""
         self.noise, self.bins, self.processes = noise, bins, []
         for i, effect in enumerate(noise.effects):
             mine = [(name, j) for j, (index, name) in enumerate(noise.parameters()) if index == i]

@@ -27,7 +27,9 @@ def intervals(fit: AxisFit, without: AxisFit, key: Key) -> dict[str, Interval]:
     if key.part == "term":
         ends = term_intervals(fit, key.index)
         if isinstance(effect, BiasStep):
-            ends["time"] = _near(fit.steps_without(key.index).gains, fit.sequence.conditions.time, effect.time)
+            ends["time"] = times_near_best(
+                fit.steps_without(key.index).gains, fit.sequence.conditions.time, effect.time
+            )
     elif key.part == "change":
         ends = _swing(fit, effect) if effect.depth else _stretch(fit, effect)
     else:
@@ -102,12 +104,12 @@ def _stretch(fit: AxisFit, change: VarianceChange) -> dict[str, tuple[float, flo
     extended = np.r_[time, time[-1] + fit.sequence.conditions.interval]
     return {
         "ratio": (change.ratio * np.exp(-NORMAL * error), change.ratio * np.exp(NORMAL * error)),
-        "start": _near(-climb[:last], extended[:last], extended[first]),
-        "stop": _near(climb[first + 1 :], extended[first + 1 :], extended[last]),
+        "start": times_near_best(-climb[:last], extended[:last], extended[first]),
+        "stop": times_near_best(climb[first + 1 :], extended[first + 1 :], extended[last]),
     }
 
 
-def _near(gain: np.ndarray, time: np.ndarray, best: float) -> tuple[float, float]:
+def times_near_best(gain: np.ndarray, time: np.ndarray, best: float) -> tuple[float, float]:
     """Return the first and the last time at which the gain is no further below the best than the interval allows.
 
     A change that the sample at ``time`` is the first to show came at any time since the sample before.

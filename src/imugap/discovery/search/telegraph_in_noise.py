@@ -111,11 +111,11 @@ def _densities(blocks: Blocks, theta: np.ndarray, width: int = 1, kept: int = 1)
     step, rate, white, std, time = np.exp(np.clip(theta[:5], -FAR, FAR))
     up, down = blocks.step * rate * np.exp(np.clip([theta[6], -theta[6]], -FAR, FAR))
     values = blocks.means - theta[5] * blocks.std
-    process = _reverting(std, np.exp(-blocks.step / time))
+    process = stationary_markov(std, np.exp(-blocks.step / time))
     return filtered(values, width, step / 2, up, down, white * blocks.profile, *process, kept)[0]
 
 
-def _reverting(std: float, decay: float) -> tuple[float, float, float, float]:
+def stationary_markov(std: float, decay: float) -> tuple[float, float, float, float]:
     """Return decay, driving variance, mean and start variance of a stationary Gauss-Markov process."""
     return decay, std**2 * (1 - decay**2), 0.0, std**2
 
@@ -132,15 +132,15 @@ def _path(found: AxisFit, blocks: Blocks, theta: np.ndarray) -> np.ndarray:
     each = rate * conditions.interval
     values = found.residual * found.scale - theta[5] * blocks.std
     noise *= np.broadcast_to(found.scale, len(values))
-    known = filtered(values, 1, step / 2, each, each, noise, *_reverting(std, decay), FEW)[1]
+    known = filtered(values, 1, step / 2, each, each, noise, *stationary_markov(std, decay), FEW)[1]
     rng = stream(0, "switching", conditions.axis)
     uniform, normal = rng.random(len(values)), rng.standard_normal(len(values))
-    up = _drawn(known, np.exp(-2 * each), decay, std, uniform, normal)
+    up = drawn_values(known, np.exp(-2 * each), decay, std, uniform, normal)
     return np.where(up, step / 2, -step / 2)
 
 
 @njit(cache=True)
-def _drawn(known, correlation, decay, std, uniform, normal):
+def drawn_values(known, correlation, decay, std, uniform, normal):
     """Return whether the value is + at each place, drawn backwards together with the process beside.
 
     ``known`` is what :func:`imugap.discovery.fit.telegraph_likelihood.filtered` knows, ``correlation`` that of the two

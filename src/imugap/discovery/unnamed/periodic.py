@@ -35,10 +35,11 @@ def gain(fit: AxisFit) -> float:
         return 0.0
     best = bins[np.argmax(sum(power[k * bins] for k in range(1, HARMONICS + 1)))]
     spacing = 1 / (length * width * fit.sequence.conditions.interval)
-    return max(_gain_at(near * spacing, fit) for near in best + np.linspace(-0.5, 0.5, 5))
+    return max(gain_at(near * spacing, fit) for near in best + np.linspace(-0.5, 0.5, 5))
 
 
-def _gain_at(frequency: float, fit: AxisFit) -> float:
+def gain_at(frequency: float, fit: AxisFit) -> float:
+    """Return the gain in log-likelihood of a periodic term with harmonics at ``frequency`` [Hz]."""
     angle = 2 * np.pi * frequency * fit.sequence.conditions.time
     wave = [part(k * angle) for k in range(1, HARMONICS + 1) for part in (np.cos, np.sin)]
     return fit.joint_gain(fit.whiten(np.column_stack(wave)))[0]

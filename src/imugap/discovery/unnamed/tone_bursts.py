@@ -42,7 +42,7 @@ def glints(found: AxisFit) -> tuple[Band, ...]:
     whitened, interval = found.whitened, found.sequence.conditions.interval
     used = found.sequence.bins.last / len(whitened)
     lengths = [n for n in LENGTHS if len(whitened) >= SEGMENTS * n and _last(n, used) - LOWEST >= NEAR // 2]
-    bands = [_loud(_chances(whitened, length, used), length * interval) for length in lengths]
+    bands = [loudest_band(cell_log_p(whitened, length, used), length * interval) for length in lengths]
     trials = np.log(max(len(lengths), 1) * (len(LEVELS) + 1))
     loud = [band for band in bands if band.log_p + trials < CERTAIN]
     if not loud:
@@ -51,7 +51,7 @@ def glints(found: AxisFit) -> tuple[Band, ...]:
     return (Band(float(low), float(high), log_p),)
 
 
-def _chances(whitened: np.ndarray, length: int, used: float) -> np.ndarray:
+def cell_log_p(whitened: np.ndarray, length: int, used: float) -> np.ndarray:
     """Return the log-probability of the power of each cell, shape (segments, frequencies).
 
     Of a share ``used`` of the frequencies, above which the fit asks nothing.
@@ -80,7 +80,7 @@ def _above(power: np.ndarray) -> np.ndarray:
     return np.interp(ratio, grid, log_p)
 
 
-def _loud(log_p: np.ndarray, duration: float) -> Band:
+def loudest_band(log_p: np.ndarray, duration: float) -> Band:
     """Return the band of the loudest cells of segments of so long [s], and how likely chance makes as much of all."""
     count = log_p.size
     many = [binom.logsf(np.count_nonzero(log_p < level) - 1, count, np.exp(level)) for level in LEVELS]
