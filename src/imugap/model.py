@@ -1,6 +1,6 @@
 """Error models: an immutable sum of effects for each axis; the same object simulates, estimates and filters."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from pathlib import Path
@@ -10,9 +10,29 @@ import pandas as pd
 import yaml
 
 from imugap import log
-from imugap.effects import CATALOGUE
+from imugap.effects import CATALOGUE, Bias, WhiteNoise
 from imugap.effects.conditions import Conditions
-from imugap.effects.effect import AxisModel, Effect
+from imugap.effects.effect import AxisModel, Effect, StochasticEffect
+
+
+def white_noise(density: float) -> StochasticEffect:
+    """Return the white noise that the simplest model of an axis has, of a density [unit/sqrt(Hz)]."""
+    return WhiteNoise(density)
+
+
+def with_offset(value: float, effects: Iterable[Effect] = ()) -> AxisModel:
+    """Return effects with a constant bias [unit of the axis]."""
+    return AxisModel((Bias(value), *effects))
+
+
+def shifted(model: AxisModel, shift: float) -> AxisModel:
+    """Return the model with its constant bias changed by a shift [unit of the axis], where it has one."""
+    return AxisModel(tuple(Bias(one.value + shift) if isinstance(one, Bias) else one for one in model))
+
+
+def offset_of(model: AxisModel) -> float:
+    """Return the constant bias of a model [unit of the axis]."""
+    return sum(one.value for one in model if isinstance(one, Bias))
 
 
 def conditions(ideal: pd.DataFrame) -> dict[str, Conditions]:

@@ -26,16 +26,15 @@ from imugap.discovery.fit.start_model import described
 from imugap.discovery.fit.telegraph_likelihood import compare
 from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.search.intervals import axis_unit, intervals
-from imugap.discovery.search.search import SLOW, Key, Search, at, log_chance, without
+from imugap.discovery.search.search import Key, Search, at, coloured, log_chance, stepping, without
 from imugap.discovery.search.telegraph import hidden_telegraph, steady, told_apart, two_valued
 from imugap.discovery.search.telegraph_in_noise import Switching
 from imugap.discovery.unnamed import wandering_lines as unsteady
 from imugap.discovery.unnamed.chirps import swept
 from imugap.discovery.unnamed.tone_bursts import glints
 from imugap.discovery.unnamed.wandering_lines import Band
-from imugap.effects import Bias, BiasStep, PowerLaw, RandomTelegraph, Sinusoid, VarianceChange
-from imugap.effects.effect import AxisModel, Effect
-from imugap.effects.power_law import STEEPEST
+from imugap.effects.effect import AxisModel, Effect, Role
+from imugap.model import with_offset
 
 PLACES = 12.0
 """Logarithm of the largest number of places of which an effect is tried at the best."""
@@ -102,12 +101,12 @@ class Story:
     findings: tuple[Finding, ...]
     withheld: tuple[Withheld, ...]
     bands: tuple[Band, ...] = ()
-    switching: RandomTelegraph | None = None
+    switching: Effect | None = None
     of_any_slope: Finding | None = None
 
     def unnamed(self) -> tuple[tuple[str, str], ...]:
         """Return the nearest name, and the reason why it is not given, of what was seen."""
-        lines = ((Sinusoid.name, f"it is not steady, {band.low:.4g} to {band.high:.4g} Hz") for band in self.bands)
+        lines = ((band.name, f"it is not steady, {band.low:.4g} to {band.high:.4g} Hz") for band in self.bands)
         return (*((one.name, one.reason) for one in self.withheld), *lines)
 
     @property
@@ -122,7 +121,7 @@ class Story:
 
 
 def _names(found: AxisFit) -> list[str]:
-    return sorted(effect.name for effect in found.description.effects() if not isinstance(effect, PowerLaw))
+    return sorted(effect.name for effect in found.description.effects() if effect.named)
 
 
 def part(sequence: AxisSequence, first: int, last: int) -> AxisSequence:
@@ -162,7 +161,7 @@ def told(
         kept = replace(early.found.description, outliers=None, changes=before.description.changes)
         again = early.search.afresh()
         begun = again.cleared(fit(whole, kept if early.switching is None else again.start))
-        unchanging = replace(again, catalogue=tuple(kind for kind in catalogue if kind is not VarianceChange))
+        unchanging = replace(again, catalogue=tuple(kind for kind in catalogue if kind.role is not Role.VARIANCE))
         late = (_odd_again(again, begun, early) or _searched(again, unchanging.settled(begun), early.bands)).bare()
         return Tale(
             before,
@@ -284,21 +283,19 @@ def _carried(search: Search, found: AxisFit, doubtful: Mapping[Key, Doubt]) -> A
         raw = replace(found, sequence=search.raw[found.description.outliers])
         return without(raw, list(doubtful))
     kept = without(found, list(doubtful))
-    kinds = (*SLOW, RandomTelegraph)
-    of_noise = (
-        isinstance(at(found.description, key), kinds) and doubt.reason in OF_NOISE for key, doubt in doubtful.items()
-    )
-    if not doubtful or not all(of_noise) or kept.has(PowerLaw):
+    of_noise = (coloured(at(found.description, key)) and doubt.reason in OF_NOISE for key, doubt in doubtful.items())
+    if not doubtful or not all(of_noise) or any(not one.named for one in kept.description.noise.effects):
         return kept
     carried = beside_power_law(search.afresh(), kept)
     gain = carried.log_likelihood - kept.log_likelihood
-    exponent = _of_any_slope(search, carried).parameters["exponent"]
-    return carried if exponent.value < STEEPEST and log_chance(gain, len(fields(PowerLaw))) < search.log_alpha else kept
+    law = carried.description.noise.effects[-1]
+    sure = log_chance(gain, len(fields(law))) < search.log_alpha
+    return carried if sure and not law.is_trend else kept
 
 
 def _of_any_slope(search: Search, found: AxisFit) -> Finding | None:
     """Return the power law that a fit has more than the start model, with its intervals."""
-    laws = search.added(found.description, PowerLaw)
+    laws = search.added(found.description, lambda effect: not effect.named)
     if not laws:
         return None
     law = at(found.description, laws[0])
@@ -315,7 +312,7 @@ def _of_samples(tale: Tale, doubtful: Mapping[Key, Doubt]) -> tuple[tuple[Findin
     effect, log_p, conditions = tale.switching.effect, tale.switching.log_p, tale.whole.sequence.conditions
     axis = conditions.axis
     odd = [one.reason for key, one in doubtful.items() if key.part == "noise" and one.reason not in OF_SLOPE]
-    if len(tale.late.added(tale.whole.description, BiasStep)) >= VALUES:
+    if len(tale.late.added(tale.whole.description, stepping)) >= VALUES:
         odd.append("it has more than two values")
     if odd:
         ends = map(float, conditions.time[[0, -1]])
@@ -340,7 +337,7 @@ def _finding(tale: Tale, found: AxisFit, key: Key) -> Finding:
         if rival.fit.log_likelihood > near:
             gain = rival.fit.log_likelihood - found.log_likelihood
             alternatives[rival.name] = max(gain, alternatives.get(rival.name, -np.inf))
-    if isinstance(effect, RandomTelegraph):
+    if effect.two_valued:
         alternatives.pop("gauss_markov", None)
         verdict, units = compare(found, (effect,)), effect.units(axis_unit(axis))
         parameters = {
@@ -397,4 +394,4 @@ def _of_outliers(search: Search, found: AxisFit) -> dict[str, Interval]:
 
 def model_of(found: AxisFit) -> AxisModel:
     """Return the fitted description as a model of the axis, its offset as a bias."""
-    return AxisModel((Bias(offset(found.sequence, found.description)), *found.description.effects()))
+    return with_offset(offset(found.sequence, found.description), found.description.effects())

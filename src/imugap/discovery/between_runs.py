@@ -1,6 +1,6 @@
 """Several runs of one device: does its bias differ from run to run, does its sampling clock?"""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -8,17 +8,15 @@ from scipy.stats import chi2
 
 from imugap.discovery.checks import LEVEL as DRIFTING
 from imugap.discovery.checks import nearly
-from imugap.discovery.finding import Finding, Interval
+from imugap.discovery.finding import Finding, Interval, finding
 from imugap.discovery.fit.axis_fit import AxisFit, Description, Term, fit, jacobian, offset
 from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.search.intervals import NORMAL, axis_unit, term_intervals
-from imugap.effects import BiasInstability, BiasStep, ClockScale, PowerLaw, RandomWalk, Sinusoid, TurnOnBias
-from imugap.effects.effect import StochasticEffect
-from imugap.effects.sinusoid import LINE
+from imugap.effects import CATALOGUE
+from imugap.effects.effect import Effect, Role, StochasticEffect
 from imugap.integrity.sampling_clock import BLOCKS, SHORTEST, relative_interval, spectra
 from imugap.log import TIME, from_samples
 
-LEAST = 1e-300
 BEGIN, NEVER = 0.1049769, 1e-7
 """Periods per run above which noise adds to the variance of a mean: of what begins with the run, and of other noise.
 
@@ -39,9 +37,12 @@ CONFLICT = 0.01
 """Probability below which kinds of evidence disagree."""
 Runs = list[Mapping[str, AxisFit]]
 """Axis to its fit, for each run."""
+Catalogue = Sequence[type[Effect]]
+"""Kinds of effects that may be missing."""
+EVERY = tuple(CATALOGUE.values())
 
 
-def turn_on(fits: Runs, log_alpha: float) -> tuple[Finding, ...]:
+def turn_on(fits: Runs, log_alpha: float, catalogue: Catalogue = EVERY) -> tuple[Finding, ...]:
     """Return the axes whose levels differ between runs by more than the noise of each run lets them.
 
     A level is the mean less the systematic terms, which every run may have; where it stands is told by
@@ -49,24 +50,20 @@ def turn_on(fits: Runs, log_alpha: float) -> tuple[Finding, ...]:
     than runs.
     """
     axes = [axis for axis in fits[0] if all(axis in one for one in fits)]
-    found = (_turn_on(axis, [one[axis] for one in fits], log_alpha) for axis in axes)
-    return tuple(finding for finding in found if finding is not None)
+    found = (_turn_on(axis, [one[axis] for one in fits], catalogue, log_alpha) for axis in axes)
+    return tuple(one for one in found if one is not None)
 
 
-def _turn_on(axis: str, runs: list[AxisFit], log_alpha: float) -> Finding | None:
+def _turn_on(axis: str, runs: list[AxisFit], catalogue: Catalogue, log_alpha: float) -> Finding | None:
     levels = np.array([offset(run.sequence, run.description) for run in runs])
-    errors, free = np.array([level_error(run) for run in runs]), len(runs) - 1
+    errors = np.array([level_error(run) for run in runs])
     if not np.isfinite(errors).all():
         return None
-    scatter = float(np.sum((levels - np.average(levels, weights=errors**-2)) ** 2 / errors**2))
-    log_p = float(chi2.logsf(scatter, free))
-    if log_p > log_alpha:
+    found = (kind.between(levels, errors) for kind in catalogue if kind.role is Role.RUN)
+    surest = min(found, key=lambda evidence: evidence.log_p, default=None)
+    if surest is None or surest.log_p > log_alpha:
         return None
-    squares, noise = float(np.sum((levels - levels.mean()) ** 2)), float(np.mean(errors**2))
-    low, high = (np.sqrt(max(squares / chi2.ppf(share, free) - noise, 0.0)) for share in (0.975, 0.025))
-    std = float(np.sqrt(max(squares / free - noise, LEAST)))
-    interval = Interval(std, float(low), float(high), axis_unit(axis))
-    return Finding({axis: TurnOnBias(std)}, {"std": interval}, log_p)
+    return finding({axis: surest.effect}, surest, axis_unit(axis))
 
 
 def level_error(run: AxisFit) -> float:
@@ -76,7 +73,7 @@ def level_error(run: AxisFit) -> float:
     """
     conditions, noise = run.sequence.conditions, run.description.noise
     duration = conditions.interval * len(conditions)
-    if any(memory > LASTING * duration for memory in _memories(run)) or run.has(PowerLaw):
+    if any(memory > LASTING * duration for memory in _memories(run)) or not all(one.named for one in noise.effects):
         return np.inf
     slopes = jacobian(run.description.terms, run.sequence).mean(axis=0)
     variance = sum(mean_variance(effect, duration, conditions.interval) for effect in noise.effects)
@@ -98,13 +95,13 @@ def mean_variance(effect: StochasticEffect, duration: float, interval: float) ->
     A random walk begins with its run: below :data:`BEGIN` periods per run nothing is
     missing, which makes it K^2 duration/3; and neither is of flicker, whose variance has no bound.
     """
-    lowest = (BEGIN if isinstance(effect, (RandomWalk, BiasInstability)) else NEVER) / duration
+    lowest = (NEVER if effect.stationary else BEGIN) / duration
     frequency = np.geomspace(lowest, 0.5 / interval, FREQUENCIES)
     passed = effect.sampled_psd(frequency, interval) * np.sinc(frequency * duration) ** 2
     return 2 * float(np.trapezoid(passed, frequency))
 
 
-def clocks(fits: Runs, log_alpha: float) -> tuple[Finding, ...]:
+def clocks(fits: Runs, log_alpha: float, catalogue: Catalogue = EVERY) -> tuple[Finding, ...]:
     """Return the runs whose clock differs from that of the first, each with its number: lines and roll-off have moved.
 
     Evidence are the spectra of blocks (:mod:`imugap.integrity.sampling_clock`), which find any ratio, and the lines
@@ -112,11 +109,16 @@ def clocks(fits: Runs, log_alpha: float) -> tuple[Finding, ...]:
     terms of the fits but the lines have to be what any run of the device has.
     """
     first, *others = fits
-    found = (_clock(first, other, run, log_alpha - np.log(len(others))) for run, other in enumerate(others, start=2))
-    return tuple(finding for finding in found if finding is not None)
+    found = (
+        _clock(first, other, run, catalogue, log_alpha - np.log(len(others)))
+        for run, other in enumerate(others, start=2)
+    )
+    return tuple(one for one in found if one is not None)
 
 
-def _clock(first: Mapping[str, AxisFit], other: Mapping[str, AxisFit], run: int, log_alpha: float) -> Finding | None:
+def _clock(
+    first: Mapping[str, AxisFit], other: Mapping[str, AxisFit], run: int, catalogue: Catalogue, log_alpha: float
+) -> Finding | None:
     """Return by how much the clock of a run differs, if it does; nothing where kinds of evidence disagree."""
     blocks = _mean(_by_blocks(first, other))
     lines = _mean(_by_lines(first, other, blocks))
@@ -124,20 +126,20 @@ def _clock(first: Mapping[str, AxisFit], other: Mapping[str, AxisFit], run: int,
     if known is None:
         return None
     mean, sd = known
-    log_p = float(chi2.logsf((mean / sd) ** 2, 1))
-    if log_p > log_alpha:
+    found = (kind.between(mean, sd) for kind in catalogue if kind.role is Role.CLOCK)
+    surest = min(filter(None, found), key=lambda evidence: evidence.log_p, default=None)
+    if surest is None or surest.log_p > log_alpha:
         return None
-    ratio, *ends = (float(np.exp(-mean + side * NORMAL * sd)) for side in (0, -1, 1))
-    parameters = {"ratio": Interval(ratio, *ends, "1"), "run": Interval(run, run, run, "1")}
-    return Finding({TIME: ClockScale(ratio)}, parameters, log_p)
+    found = finding({TIME: surest.effect}, surest, "s")
+    return replace(found, parameters=found.parameters | {"run": Interval(run, run, run, "1")})
 
 
-Evidence = tuple[float, float]
+Measure = tuple[float, float]
 """Logarithm of the true sampling interval of a run over that of its stamps, of which the first run sets the measure,
 and its standard deviation."""
 
 
-def _mean(found: list[Evidence]) -> Evidence | None:
+def _mean(found: list[Measure]) -> Measure | None:
     """Return the mean by inverse variance, or None where there is none or what there is disagrees."""
     if not found:
         return None
@@ -147,7 +149,7 @@ def _mean(found: list[Evidence]) -> Evidence | None:
     return (mean, float(weights.sum() ** -0.5)) if agree or len(found) == 1 else None
 
 
-def _by_blocks(first: Mapping[str, AxisFit], other: Mapping[str, AxisFit]) -> list[Evidence]:
+def _by_blocks(first: Mapping[str, AxisFit], other: Mapping[str, AxisFit]) -> list[Measure]:
     """Return what the spectra of blocks say, if the runs are long enough for them.
 
     They compare samples; that the stamps of the runs have other intervals is no error of a clock.
@@ -164,18 +166,18 @@ def _by_blocks(first: Mapping[str, AxisFit], other: Mapping[str, AxisFit]) -> li
     return [(one.log_ratio - stamped, one.sd) for one in (clock.lines, clock.rolloff) if one and one.sd > 0]
 
 
-def _by_lines(first: Mapping[str, AxisFit], other: Mapping[str, AxisFit], blocks: Evidence | None) -> list[Evidence]:
+def _by_lines(first: Mapping[str, AxisFit], other: Mapping[str, AxisFit], blocks: Measure | None) -> list[Measure]:
     """Return the ratio of the frequencies of each line that is steady in both runs."""
     return [
         evidence for axis, found in first.items() if axis in other for evidence in _moved(found, other[axis], blocks)
     ]
 
 
-def _moved(first: AxisFit, other: AxisFit, blocks: Evidence | None) -> Iterator[Evidence]:
+def _moved(first: AxisFit, other: AxisFit, blocks: Measure | None) -> Iterator[Measure]:
     terms = first.description.terms
     quiet = fit(other.sequence, replace(other.description, terms=_others(other.description.terms)))
-    for index in (i for i, term in enumerate(terms) if isinstance(term.effect, Sinusoid)):
-        line = _line_near(quiet, terms[index].effect.frequency, blocks)
+    for index in (i for i, term in enumerate(terms) if term.effect.line):
+        line = _line_near(quiet, terms[index], blocks)
         if line is None:
             continue
         found = fit(other.sequence, replace(quiet.description, terms=(*quiet.description.terms, line)))
@@ -185,19 +187,20 @@ def _moved(first: AxisFit, other: AxisFit, blocks: Evidence | None) -> Iterator[
 
 
 def _others(terms: tuple[Term, ...]) -> tuple[Term, ...]:
-    return tuple(term for term in terms if not isinstance(term.effect, Sinusoid))
+    return tuple(term for term in terms if not term.effect.line)
 
 
-def _line_near(quiet: AxisFit, frequency: float, blocks: Evidence | None) -> Term | None:
+def _line_near(quiet: AxisFit, line: Term, blocks: Measure | None) -> Term | None:
     """Return the highest line where that of the first run may be, or None if none is clear."""
     ratio, sd = blocks or (0.0, NEAR / WIDE)
     duration = quiet.sequence.conditions.interval * len(quiet.residual)
     tried, gains, _ = quiet.lines
+    frequency = line.effect.frequency
     near = np.abs(tried - frequency * np.exp(ratio)) < WIDE * max(sd * frequency, 1 / duration)
     if not near.any() or gains[near].max() < CLEAR:
         return None
     best = float(tried[near][np.argmax(gains[near])])
-    return Term(Sinusoid.at(best, quiet), LINE)
+    return replace(line, effect=type(line.effect).at(best, quiet))
 
 
 def _steady(found: AxisFit, index: int) -> bool:
@@ -216,5 +219,5 @@ def as_first(sequence: AxisSequence, terms: tuple[Term, ...], first: AxisFit) ->
     Lines have another phase in each run, and steps another time.
     """
     added = first.description.terms[len(terms) :]
-    repeated = tuple(term for term in added if not isinstance(term.effect, (BiasStep, Sinusoid)))
+    repeated = tuple(term for term in added if not (term.effect.event or term.effect.line))
     return fit(sequence, Description((*terms, *repeated), first.description.noise))

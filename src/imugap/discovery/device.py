@@ -29,10 +29,10 @@ from imugap.discovery.search.search import log_chance
 from imugap.discovery.search.shared_effects import Joint, joined
 from imugap.discovery.views import COHERENCE, Curve
 from imugap.discovery.views.gaps import REPLICATES, ViewTest, significant_gaps, view_tests
-from imugap.effects import CATALOGUE, Bias, CommonMode, Outliers, WhiteNoise
-from imugap.effects.effect import AxisModel, Effect, Stage
+from imugap.effects import CATALOGUE
+from imugap.effects.effect import AxisModel, Effect, Role, Stage
 from imugap.log import TIME, axes
-from imugap.model import ErrorModel
+from imugap.model import ErrorModel, shifted
 
 OTHER_STEPS = 4
 """Steps besides the two of each axis."""
@@ -144,7 +144,7 @@ def discover(
     known = ErrorModel({}) if question.start is None else question.start
     steps = _Steps(progress, OTHER_STEPS + 2 * len(axes(logs[0])))
     steps.begin("integrity")
-    record = prepare(logs[0], reference, question.seed, question.start)
+    record = prepare(logs[0], reference, question.seed, question.start, question.catalogue)
     steps.count -= 2 * len(record.silent)
     log_alpha = question.log_alpha(len(record.sequences))
     stories, joints = _stories(_alike(_tales(record, known, question, log_alpha, steps)), question, log_alpha, steps)
@@ -314,11 +314,11 @@ def _between_runs(
         return ()
     fits = [wholes]
     for log in logs[1:]:
-        sequences = prepare(log, None, question.seed, question.start).sequences
+        sequences = prepare(log, None, question.seed, question.start, question.catalogue).sequences
         whole = {axis: part(sequences[axis], 0, len(sequences[axis].values)) for axis in wholes if axis in sequences}
         starts = {axis: described(_effects(known, axis), one) for axis, one in whole.items()}
         fits.append({axis: as_first(one, starts[axis].terms, wholes[axis]) for axis, one in whole.items()})
-    return (*turn_on(fits, log_alpha), *clocks(fits, log_alpha))
+    return (*turn_on(fits, log_alpha, question.catalogue), *clocks(fits, log_alpha, question.catalogue))
 
 
 def _left(
@@ -390,7 +390,8 @@ def _kept(known: ErrorModel, record: Record, wholes: Mapping[str, AxisFit]) -> d
     kept = {axis: tuple(effects) for axis, effects in known.axes.items()}
     for axis, found in wholes.items():
         effects = kept.get(axis, ())
-        rare = () if found.has(Outliers) else tuple(one for one in effects if isinstance(one, Outliers))
+        known = found.description.outliers is not None
+        rare = () if known else tuple(one for one in effects if one.role is Role.OUTLIERS)
         kept[axis] = (*untold(effects, record.sequences[axis]), *rare)
     return kept
 
@@ -432,16 +433,16 @@ def _ahead(model: AxisModel, sequence: AxisSequence) -> AxisModel:
     if sequence.conditions.ideal is None:
         mean = float(sequence.values.mean())
         shift = level_ahead(mean, effects, sequence.conditions.interval) - mean
-        effects = tuple(Bias(one.value + shift) if isinstance(one, Bias) else one for one in effects)
+        return shifted(AxisModel(effects), shift)
     return AxisModel(effects)
 
 
 def _with(model: AxisModel, effect: Effect) -> AxisModel:
     """Return the model with an effect more; noise that is shared is no longer the axis' own."""
-    if isinstance(effect, CommonMode):
+    if effect.shared:
         own = [
             replace(one, density=float(np.sqrt(max(one.density**2 - (effect.density * effect.loading) ** 2, 0.0))))
-            if isinstance(one, WhiteNoise)
+            if one.white
             else one
             for one in model
         ]

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field
 
-from imugap.effects.effect import Effect
+from imugap.effects.effect import Effect, Evidence
 
 CERTAIN = -690.0
 """Logarithm of the least probability that is told from zero."""
@@ -77,3 +77,14 @@ class Finding:
     def axes(self) -> tuple[str, ...]:
         """Return the axes that have it."""
         return tuple(self.effects)
+
+
+def finding(effects: dict[str, Effect], evidence: Evidence, unit: str) -> Finding:
+    """Return what evidence shows as a finding of some axes, which have the SI unit ``unit``."""
+    effect = evidence.effect
+    units = effect.units(unit)
+    parameters = {
+        name: Interval(value, *map(float, evidence.intervals[name]), units[name])
+        for name, value in effect.parameters().items()
+    }
+    return Finding(effects, parameters, float(evidence.log_p))

@@ -12,7 +12,7 @@ from imugap import log
 from imugap.discovery import report
 from imugap.discovery.device import Discovery, Progress, Question, discover
 from imugap.discovery.preparation.prepare import unseen
-from imugap.effects import Outliers, OutputFilter, Resolution
+from imugap.effects.effect import Role
 from imugap.integrity.timestamps import Stamps, stamps
 from imugap.interchange.plugins import catalogue
 from imugap.io import readers
@@ -166,12 +166,12 @@ def _require_described(model: ErrorModel, path: Path, measured: pd.DataFrame) ->
     """Raise a ValueError unless a start model has what a description has, and a lattice that the log can be on."""
     for axis, values in _varying(measured).items():
         effects = tuple(model.axes.get(axis, ()))
-        for kind in (OutputFilter, Outliers):
-            count = sum(isinstance(one, kind) for one in effects)
-            if count > 1:
-                raise ValueError(f"{path}: {axis}: expected one {kind.name} at most; found {count}")
+        for role in (Role.FILTER, Role.OUTLIERS):
+            same = [one for one in effects if one.role is role]
+            if len(same) > 1:
+                raise ValueError(f"{path}: {axis}: expected one {same[0].name} at most; found {len(same)}")
         reach = float(np.ptp(values))
-        for step in (one.step for one in effects if isinstance(one, Resolution)):
+        for step in (one.lattice for one in effects):
             if step > reach:
                 expected = f"a step below the range of the values of the log, {reach:.4g}"
                 raise ValueError(f"{path}: {axis}: resolution: expected {expected}; found {step:.4g}")

@@ -4,21 +4,15 @@ import numpy as np
 import pandas as pd
 from scipy.stats import norm
 
-from imugap.effects import GSensitivity, LeverArm, Misalignment, ScaleFactor, TimeOffset, VibrationRectification
 from imugap.effects.effect import AxisModel
 from imugap.log import axes
 from imugap.model import ErrorModel
 from imugap.numerics import block_bootstrap as bootstrap
 
-INERTIAL = (ScaleFactor, Misalignment, GSensitivity, LeverArm, TimeOffset, VibrationRectification)
-"""Effects that answer the motion, and nothing else."""
-
 
 def inertial(model: ErrorModel) -> ErrorModel:
     """Return the model with those of its effects alone that answer the motion."""
-    kept = {
-        axis: tuple(effect for effect in one if isinstance(effect, INERTIAL)) for axis, one in model.sensors.items()
-    }
+    kept = {axis: tuple(effect for effect in one if effect.of_motion) for axis, one in model.sensors.items()}
     return ErrorModel({axis: AxisModel(effects) for axis, effects in kept.items()})
 
 

@@ -6,7 +6,7 @@ from typing import ClassVar
 import numpy as np
 
 from imugap.effects.conditions import Conditions
-from imugap.effects.effect import AdditiveEffect, parameter
+from imugap.effects.effect import AdditiveEffect, Role, parameter
 
 
 @dataclass(frozen=True)
@@ -14,6 +14,7 @@ class Bias(AdditiveEffect):
     """A constant offset (IEEE 1554: fixed bias)."""
 
     name: ClassVar[str] = "bias"
+    role: ClassVar[Role] = Role.OFFSET
     value: float = parameter("{u}", "offset of the output", low=-np.inf)
 
     def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:

@@ -23,6 +23,8 @@ class BiasInstability(StochasticEffect):
     """Flicker noise: S(f) = B^2/(2 pi |f|), sigma(tau) = 0.664 B (IEEE 952, bias instability)."""
 
     name: ClassVar[str] = "bias_instability"
+    slow: ClassVar[bool] = True
+    stationary: ClassVar[bool] = False
     fractional: ClassVar[bool] = False
     """Whether the spectrum of the samples bends up towards half the sampling rate."""
     density_b: float = parameter("{u}", "B")

@@ -19,6 +19,9 @@ class BiasStep(SystematicEffect):
     """A bias that is there from a certain time on."""
 
     name: ClassVar[str] = "bias_step"
+    most: ClassVar[int] = 3
+    of_time: ClassVar[bool] = True
+    event: ClassVar[bool] = True
     time: float = parameter("s", "time of the step since power-on")
     step: float = parameter("{u}", "change of the bias", low=-np.inf)
 

@@ -5,8 +5,12 @@ from typing import ClassVar
 
 import numpy as np
 import pandas as pd
+from scipy.stats import chi2
 
-from imugap.effects.effect import TINY, ClockEffect, parameter
+from imugap.effects.effect import TINY, ClockEffect, Evidence, parameter
+
+NORMAL = 1.959963984540054
+"""Standard deviations of a two-sided interval of 95 %."""
 
 
 @dataclass(frozen=True)
@@ -19,3 +23,10 @@ class ClockScale(ClockEffect):
     def keep(self, log: pd.DataFrame, rng: np.random.Generator) -> pd.DataFrame:
         """Return the log with scaled stamps."""
         return log.set_axis(log.index * self.ratio)
+
+    @classmethod
+    def between(cls, log_interval: float, std: float) -> Evidence:
+        """Return what two runs show: logarithm of the true over the stamped interval of one, and its deviation."""
+        ratio, *ends = (float(np.exp(-log_interval + side * NORMAL * std)) for side in (0, -1, 1))
+        log_p = float(chi2.logsf((log_interval / std) ** 2, 1))
+        return Evidence(cls(ratio), {"ratio": tuple(ends)}, log_p, np.zeros(0, bool))

@@ -13,6 +13,7 @@ import pandas as pd
 
 from imugap.effects.conditions import Conditions
 from imugap.effects.residual import Residual
+from imugap.integrity.timestamps import Stamps
 from imugap.log import TIME
 from imugap.numerics.state_space import StateSpace
 from imugap.stream import stream
@@ -46,6 +47,31 @@ class Stage(IntEnum):
     """Acts on no log: on what a filter takes for known while the device stands."""
 
 
+class Role(IntEnum):
+    """What an effect is to a fit: how it enters the likelihood of a log, and what shows it."""
+
+    MEAN = 1
+    """Adds the same sequence whenever the conditions are the same: a term of the mean."""
+    NOISE = 2
+    """A random process: a term of the spectrum."""
+    FILTER = 3
+    """Filters what is sensed: a factor of the spectrum."""
+    OUTLIERS = 4
+    """Rare samples of another distribution."""
+    VARIANCE = 5
+    """Scales the noise over time."""
+    OFFSET = 6
+    """The constant bias, which every fit leaves free."""
+    RUN = 7
+    """Differs from run to run only: the levels of several runs show it."""
+    OUTPUT = 8
+    """Acts on the output behind the filter: the samples themselves show it (``found(values, conditions)``)."""
+    CLOCK = 9
+    """Acts on rows and stamps: the stamps themselves show it (``found(stamps)``), or the clocks of several runs."""
+    UNFITTED = 10
+    """No fit adjusts it: it stays as the start model has it."""
+
+
 @dataclass(frozen=True, eq=False)
 class Evidence:
     """An effect seen in the samples or stamps themselves.
@@ -60,12 +86,15 @@ class Evidence:
         Logarithm of the probability that chance makes as much of it.
     flawed
         Samples that carry no error of the sensor because of it, shape (n,).
+    extent
+        Interval of the output in which it acts [unit of the axis], or None for all of its range.
     """
 
     effect: "Effect"
     intervals: dict[str, tuple[float, float]]
     log_p: float
     flawed: np.ndarray
+    extent: tuple[float, float] | None = None
 
 
 def parameter(unit: str, meaning: str, low: float = 0.0, high: float = np.inf, whole: bool = False, **kwargs) -> Field:
@@ -110,6 +139,33 @@ class Effect:
 
     name: ClassVar[str]
     stage: ClassVar[Stage]
+    role: ClassVar[Role] = Role.UNFITTED
+    most: ClassVar[int | None] = None
+    """Largest number on one axis; with more, they stand for something else. None where there is no limit."""
+    white: ClassVar[bool] = False
+    """Whether it is white noise of one axis, of a ``density``."""
+    slow: ClassVar[bool] = False
+    """Whether it is a random process with most of its power at low frequencies, Gaussian at any time."""
+    stationary: ClassVar[bool] = True
+    """Whether its statistics are the same at any time; else it begins with its run."""
+    two_valued: ClassVar[bool] = False
+    """Whether it is a random process that switches between two values."""
+    named: ClassVar[bool] = True
+    """Whether the name is one of the vocabulary; else it describes what has no name."""
+    of_time: ClassVar[bool] = False
+    """Whether it is a mean that follows from the time alone, and that slow noise may look like."""
+    of_temperature: ClassVar[bool] = False
+    """Whether it is a mean that follows from the temperature."""
+    of_motion: ClassVar[bool] = False
+    """Whether it answers the error-free motion, and nothing else."""
+    transient: ClassVar[bool] = False
+    """Whether it is a mean that fades away after power-on, with a ``time_constant``."""
+    event: ClassVar[bool] = False
+    """Whether it is a change of the mean by a ``step`` at one ``time``, which a matched filter over all times finds."""
+    line: ClassVar[bool] = False
+    """Whether it is a line of the spectrum, of one ``frequency``."""
+    replaced: ClassVar[bool] = False
+    """Whether discovery replaces the samples that it spoils."""
     shared: ClassVar[bool] = False
     """Whether all axes with the effect draw from one random stream."""
     common: ClassVar[tuple[str, ...]] = ()
@@ -125,6 +181,21 @@ class Effect:
                 span = "> 0" if low == TINY else f"in [{low:g}, {high:g}]"
                 kind = "whole" if whole else "finite"
                 raise ValueError(f"{self.name}.{item.name}: expected a {kind} number {span}; found {value!r}")
+
+    @property
+    def centre(self) -> float | None:
+        """Frequency [Hz] of a line or cutoff of a filter; None where there is no such frequency."""
+        return None
+
+    @property
+    def lattice(self) -> float:
+        """Distance of the levels to which it rounds the output [unit of the axis]; 0 where it does not."""
+        return 0.0
+
+    @property
+    def once(self) -> bool:
+        """Whether it happens at a time of its own, so that another run need not have it."""
+        return self.event
 
     def check_axis(self, axis: str) -> None:
         """Raise a ValueError if the effect has no place on ``axis``."""
@@ -195,6 +266,8 @@ class AdditiveEffect(Effect):
 class SystematicEffect(AdditiveEffect):
     """An effect that adds the same sequence whenever the conditions are the same; it draws nothing."""
 
+    role: ClassVar[Role] = Role.MEAN
+
     def slopes(self, conditions: Conditions) -> dict[str, np.ndarray]:
         """Return the derivative of :meth:`sample` in each parameter that a fit may adjust, arrays of shape (n,)."""
         raise NotImplementedError
@@ -240,6 +313,8 @@ class StochasticEffect(AllanEffect):
     for slow processes the difference is of the order of interval/tau at averaging time tau.
     """
 
+    role: ClassVar[Role] = Role.NOISE
+
     def psd(self, frequency: np.ndarray) -> np.ndarray:
         """Return the two-sided power spectral density [unit^2/Hz] at ``frequency`` [Hz] of the continuous process."""
         raise NotImplementedError
@@ -262,6 +337,10 @@ class StochasticEffect(AllanEffect):
             size = fit.room(cls(1.0))
             if size > 0:
                 yield Start(cls(size), names, gain=fit.gain_of(cls(size)))
+
+    def end_error(self, interval: float) -> float:
+        """Return the standard deviation [unit] that errors just outside a log add to its end samples; 0 if none do."""
+        return 0.0
 
     def state_space(self) -> StateSpace:
         """Return the process as a linear model driven by white noise; ValueError if none is of finite order."""
@@ -295,14 +374,92 @@ class EquivalentEffect(StochasticEffect):
 
 
 @dataclass(frozen=True)
+class FilterEffect(Effect):
+    """A filter of the output, with one ``cutoff`` [Hz]."""
+
+    stage: ClassVar[Stage] = Stage.FILTER
+    role: ClassVar[Role] = Role.FILTER
+
+    def passed(self, values: np.ndarray, interval: float) -> np.ndarray:
+        """Return samples behind the filter, shape (n,) or (n, m), as if the first had been there for ever."""
+        raise NotImplementedError
+
+    def decay(self, count: int, interval: float) -> np.ndarray:
+        """Return what the first ``count`` samples still hold of a one that was there for ever before them."""
+        raise NotImplementedError
+
+    def gain(self, frequency: np.ndarray, interval: float) -> np.ndarray:
+        """Return the power gain at ``frequency`` [Hz], shape of it."""
+        raise NotImplementedError
+
+    def response(self, frequency: np.ndarray, interval: float) -> np.ndarray:
+        """Return the complex gain at ``frequency`` [Hz], shape of it."""
+        raise NotImplementedError
+
+    def highest(self, interval: float) -> float:
+        """Return the highest cutoff that a fit can tell [Hz]."""
+        raise NotImplementedError
+
+    def apply(self, sequence: np.ndarray, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
+        """Filter the output."""
+        return self.passed(sequence, conditions.interval)
+
+    def unturned(self, spectrum: np.ndarray, frequency: np.ndarray, interval: float) -> np.ndarray:
+        """Return a spectrum at ``frequency`` [Hz], shape of it, without the phase that the filter gave it."""
+        return spectrum * np.exp(-1j * np.angle(self.response(frequency, interval)))
+
+
+@dataclass(frozen=True)
+class VarianceEffect(Effect):
+    """A factor of the variance of the noise over time."""
+
+    stage: ClassVar[Stage] = Stage.MODULATION
+    role: ClassVar[Role] = Role.VARIANCE
+
+    def factor(self, time: np.ndarray) -> np.ndarray:
+        """Return the factor of the variance at each time [s], shape of it."""
+        raise NotImplementedError
+
+    def free(self) -> tuple[str, ...]:
+        """Return the parameters that a search chooses besides the place."""
+        raise NotImplementedError
+
+    def apply(self, sequence: np.ndarray, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
+        """Scale the noise."""
+        return np.sqrt(self.factor(conditions.time)) * sequence
+
+
+@dataclass(frozen=True)
 class ClockEffect(Effect):
     """An effect on the rows or stamps of a whole log, at home on the pseudo-axis :data:`imugap.log.TIME`."""
 
     stage: ClassVar[Stage] = Stage.CLOCK
+    role: ClassVar[Role] = Role.CLOCK
+
+    displaces: ClassVar[bool] = False
+    """Whether it displaces the stamps, so that the samples are even in time where the stamps are not."""
 
     def keep(self, log: pd.DataFrame, rng: np.random.Generator) -> pd.DataFrame:
         """Return the log that is kept of ``log``."""
         raise NotImplementedError
+
+    @classmethod
+    def found(cls, stamps: Stamps) -> Evidence | None:
+        """Return what the stamps of a log show of it, or None."""
+        return None
+
+    @classmethod
+    def between(cls, log_interval: float, std: float) -> Evidence | None:
+        """Return what two runs show of it, or None.
+
+        ``log_interval`` is the logarithm of the true over the stamped interval of one, and ``std`` its deviation.
+        """
+        return None
+
+    @classmethod
+    def missing(cls, lost: np.ndarray) -> Evidence | None:
+        """Return what samples without a value on one axis, shape (n,), show of it, or None."""
+        return None
 
     def apply(self, sequence: np.ndarray, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
         """Refuse: the sequence of one axis has no stamps."""

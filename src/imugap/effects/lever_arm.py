@@ -18,6 +18,7 @@ class LeverArm(SystematicEffect):
     """Accelerometer at r from the point whose specific force is meant: it senses w x (w x r) + dw/dt x r on top."""
 
     name: ClassVar[str] = "lever_arm"
+    of_motion: ClassVar[bool] = True
     common: ClassVar[tuple[str, ...]] = ACCEL
     x: float = parameter("m", "r along x", low=-np.inf)
     y: float = parameter("m", "r along y", low=-np.inf)

@@ -6,7 +6,7 @@ from typing import ClassVar
 import numpy as np
 
 from imugap.effects.conditions import Conditions
-from imugap.effects.effect import AdditiveEffect, parameter
+from imugap.effects.effect import AdditiveEffect, Role, parameter
 
 
 @dataclass(frozen=True)
@@ -14,6 +14,7 @@ class Outliers(AdditiveEffect):
     """Rare samples with an additional error N(0, std^2): the contaminated normal law of Tukey (1960)."""
 
     name: ClassVar[str] = "outliers"
+    role: ClassVar[Role] = Role.OUTLIERS
     probability: float = parameter("1", "probability that a sample has the additional error", high=1.0)
     std: float = parameter("{u}", "standard deviation of the additional error")
 

@@ -8,8 +8,7 @@ from typing import ClassVar
 import numpy as np
 from scipy.fft import irfft, next_fast_len, rfft, rfftfreq
 
-from imugap.effects.conditions import Conditions
-from imugap.effects.effect import TINY, Effect, Stage, Start, parameter
+from imugap.effects.effect import TINY, FilterEffect, Start, parameter
 from imugap.effects.residual import Residual
 
 DEFICIT = -2.5
@@ -30,7 +29,7 @@ FOLDS = np.arange(-8, 9)
 
 
 @dataclass(frozen=True)
-class OutputFilter(Effect):
+class OutputFilter(FilterEffect):
     """Maximally flat low-pass filter of the output: 1/(1 + (w(f)/c)^(2 order)) is its power gain.
 
     It acts on all that is sensed, a motion and its errors alike; what it takes from a motion is an error too.
@@ -45,16 +44,16 @@ class OutputFilter(Effect):
     """
 
     name: ClassVar[str] = "output_filter"
-    stage: ClassVar[Stage] = Stage.FILTER
     cutoff: float = parameter("Hz", "frequency at which the power gain is 1/2 ahead of the sampling", low=TINY)
     order: float = parameter("1", "order", low=1.0, high=8.0, whole=True, default=1)
     form: float = parameter(
         "1", "0: bilinear, 1: poles alone, 2: analogue, 3: analogue, folded", high=3.0, whole=True, default=0
     )
 
-    def apply(self, sequence: np.ndarray, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
-        """Filter the output."""
-        return self.passed(sequence, conditions.interval)
+    @property
+    def centre(self) -> float:
+        """Cutoff [Hz]."""
+        return self.cutoff
 
     def passed(self, values: np.ndarray, interval: float) -> np.ndarray:
         """Return samples behind the filter, shape (n,) or (n, m), as if the first had been there for ever."""
@@ -106,10 +105,6 @@ class OutputFilter(Effect):
             passed = 1 / np.prod(1j * own[..., None] / self.cutoff - buttap(int(self.order))[1], axis=-1)
             return passed * np.sqrt(self.gain(own, interval) / self._plain(own, interval))
         return sosfreqz(_sections(self, interval)[0], worN=frequency, fs=1 / interval)[1]
-
-    def unturned(self, spectrum: np.ndarray, frequency: np.ndarray, interval: float) -> np.ndarray:
-        """Return a spectrum at ``frequency`` [Hz], shape of it, without the phase that the filter gave it."""
-        return spectrum * np.exp(-1j * np.angle(self.response(frequency, interval)))
 
     def _analogue(self, values: np.ndarray, interval: float) -> np.ndarray:
         """Filter by the spectrum of the samples, the first held before them, and a slope back to it behind them."""

@@ -30,6 +30,7 @@ class PowerLaw(StochasticEffect):
     """
 
     name: ClassVar[str] = "power_law"
+    named: ClassVar[bool] = False
     density: float = parameter("{u}/sqrt(Hz)*(rad/s)^(exponent/2)", "square root of the two-sided PSD at 1 rad/s")
     exponent: float = parameter("1", "exponent of 1/f", low=0.05, high=4.0)
 
@@ -42,6 +43,11 @@ class PowerLaw(StochasticEffect):
     def integrations(self) -> int:
         """Return how many times stationary noise is summed up: those that leave it one."""
         return int((self.exponent + 1) // 2)
+
+    @property
+    def is_trend(self) -> bool:
+        """Whether the slope is so steep that its Allan variance has no bound."""
+        return self.exponent >= STEEPEST
 
     def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
         """Draw stationary noise of this spectrum, or sums from zero of such noise; its covariance is exact.

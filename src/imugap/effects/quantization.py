@@ -21,6 +21,10 @@ class Quantization(StochasticEffect):
     name: ClassVar[str] = "quantization"
     q: float = parameter("{u}*s", "Q, standard deviation of the rounding error of the integrated signal")
 
+    def end_error(self, interval: float) -> float:
+        """Return q/interval, the standard deviation of one rounding error in a difference of two."""
+        return self.q / interval
+
     def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
         """Difference independent errors, uniform within half a least significant bit."""
         half = np.sqrt(3) * self.q

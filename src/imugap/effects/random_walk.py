@@ -15,6 +15,8 @@ class RandomWalk(StochasticEffect):
     """Wiener process: S(f) = K^2/(2 pi f)^2, sigma^2(tau) = K^2 tau/3 (IEEE 952, rate random walk)."""
 
     name: ClassVar[str] = "random_walk"
+    slow: ClassVar[bool] = True
+    stationary: ClassVar[bool] = False
     density_k: float = parameter("{u}/s/sqrt(Hz)", "K, square root of the two-sided PSD of the driving noise")
 
     def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:

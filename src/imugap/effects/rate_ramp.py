@@ -16,6 +16,7 @@ class RateRamp(SystematicEffect, AllanEffect):
     """Trend R t since power-on, which has no spectrum: sigma(tau) = R tau/sqrt(2) (IEEE 952, rate ramp)."""
 
     name: ClassVar[str] = "rate_ramp"
+    of_time: ClassVar[bool] = True
     slope: float = parameter("{u}/s", "R, change of the bias per second", low=-np.inf)
 
     def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:

@@ -8,7 +8,7 @@ from scipy.optimize import brentq
 from scipy.special import ndtr
 
 from imugap.effects.conditions import Conditions
-from imugap.effects.effect import TINY, Effect, Evidence, Stage, parameter
+from imugap.effects.effect import TINY, Effect, Evidence, Role, Stage, parameter
 from imugap.integrity.precision import decimal, spacing
 from imugap.integrity.report import IMPROBABLE
 
@@ -30,7 +30,13 @@ class Resolution(Effect):
 
     name: ClassVar[str] = "resolution"
     stage: ClassVar[Stage] = Stage.WORD
+    role: ClassVar[Role] = Role.OUTPUT
     step: float = parameter("{u}", "distance of neighbouring output values", low=TINY)
+
+    @property
+    def lattice(self) -> float:
+        """Distance of the levels."""
+        return self.step
 
     def apply(self, sequence: np.ndarray, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
         """Round to the nearest multiple of the step."""

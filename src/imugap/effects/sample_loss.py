@@ -22,6 +22,7 @@ class SampleLoss(ClockEffect):
     """
 
     name: ClassVar[str] = "sample_loss"
+    replaced: ClassVar[bool] = True
     probability: float = parameter("1", "probability that a gap begins at a sample", high=1.0)
     length: float = parameter("1", "mean number of lost samples of a gap", low=1.0)
 
@@ -45,11 +46,11 @@ class SampleLoss(ClockEffect):
         if not stamps.even or not stamps.lost.any():
             return None
         spread = np.sqrt(2 * max(stamps.variance, 1e-8 * stamps.interval**2))
-        evidence = cls.of(stamps.lost, float(log_ndtr(-0.5 * stamps.interval / spread)))
+        evidence = cls.missing(stamps.lost, float(log_ndtr(-0.5 * stamps.interval / spread)))
         return evidence if evidence.log_p < np.log(IMPROBABLE) else None
 
     @classmethod
-    def of(cls, lost: np.ndarray, log_p: float = -np.inf) -> Evidence:
+    def missing(cls, lost: np.ndarray, log_p: float = -np.inf) -> Evidence:
         """Return what lost samples, shape (n,), say, with the log-probability that a gap is none."""
         edges = np.flatnonzero(np.diff(np.r_[False, lost, False].astype(int)))
         runs = edges[1::2] - edges[::2]

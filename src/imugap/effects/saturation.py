@@ -7,7 +7,7 @@ import numpy as np
 from scipy.special import bdtrc
 
 from imugap.effects.conditions import Conditions
-from imugap.effects.effect import TINY, Effect, Evidence, Stage, parameter
+from imugap.effects.effect import TINY, Effect, Evidence, Role, Stage, parameter
 from imugap.integrity.precision import grain, spacing
 from imugap.integrity.report import IMPROBABLE
 
@@ -33,6 +33,8 @@ class Saturation(Effect):
 
     name: ClassVar[str] = "saturation"
     stage: ClassVar[Stage] = Stage.RANGE
+    role: ClassVar[Role] = Role.OUTPUT
+    replaced: ClassVar[bool] = True
     limit: float = parameter("{u}", "full scale, on both sides", low=TINY)
 
     def apply(self, sequence: np.ndarray, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
@@ -65,7 +67,8 @@ class Saturation(Effect):
         ends = [sign for sign in sides if sign in clipped or abs(tops[sign] - limit) <= fine]
         flawed = np.any([known & (sign * values == tops[sign]) for sign in ends], axis=0)
         intervals = {"limit": (limit - fine / 2, limit + fine / 2)}
-        return Evidence(cls(limit), intervals, log_p, flawed)
+        reached = np.abs(values[flawed])
+        return Evidence(cls(limit), intervals, log_p, flawed, (float(reached.min()), float(reached.max())))
 
 
 def _log_chance(values: np.ndarray, step: float, lattice: bool) -> float:

@@ -26,9 +26,16 @@ class Sinusoid(SystematicEffect, AllanEffect):
     """
 
     name: ClassVar[str] = "sinusoid"
+    most: ClassVar[int] = 5
+    line: ClassVar[bool] = True
     frequency: float = parameter("Hz", "f", low=TINY)
     amplitude: float = parameter("{u}", "amplitude")
     phase: float = parameter("rad", "phase at power-on", low=-np.inf, default=0.0)
+
+    @property
+    def centre(self) -> float:
+        """Frequency [Hz] of the line."""
+        return self.frequency
 
     def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
         """Return the sinusoid at the sample times."""

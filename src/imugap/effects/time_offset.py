@@ -22,6 +22,7 @@ class TimeOffset(SystematicEffect):
     """Input u that arrives late by an offset: u(t - offset) - u(t)."""
 
     name: ClassVar[str] = "time_offset"
+    of_motion: ClassVar[bool] = True
     common: ClassVar[tuple[str, ...]] = AXES
     offset: float = parameter("s", "delay of the input", low=-np.inf)
 

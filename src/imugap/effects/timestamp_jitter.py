@@ -8,10 +8,8 @@ import pandas as pd
 from scipy.special import chdtrc, chdtri
 
 from imugap.effects.effect import TINY, ClockEffect, Evidence, parameter
-from imugap.integrity.timestamps import LEAST, Stamps
+from imugap.integrity.timestamps import LEAST, ROUNDED, Stamps
 
-ROUNDED = 2.0
-"""Variance of the stamps, in variances of their rounding, below which there is no other cause."""
 COLOURED = 0.15
 """Correlation of neighbouring displacements above which a clock wanders instead."""
 BOUNDED = 2.3
@@ -26,6 +24,7 @@ class TimestampJitter(ClockEffect):
     """
 
     name: ClassVar[str] = "timestamp_jitter"
+    displaces: ClassVar[bool] = True
     std: float = parameter("s", "standard deviation of the displacement")
 
     def keep(self, log: pd.DataFrame, rng: np.random.Generator) -> pd.DataFrame:

@@ -4,9 +4,13 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
+from scipy.stats import chi2
 
 from imugap.effects.conditions import Conditions
-from imugap.effects.effect import AdditiveEffect, parameter
+from imugap.effects.effect import AdditiveEffect, Evidence, Role, parameter
+
+LEAST = 1e-300
+"""Lower limit of a variance over runs."""
 
 
 @dataclass(frozen=True)
@@ -14,8 +18,22 @@ class TurnOnBias(AdditiveEffect):
     """A bias drawn once per run from N(0, std^2) (IEEE 952: turn-on repeatability; He et al. 2023, eq. 14)."""
 
     name: ClassVar[str] = "turn_on_bias"
+    role: ClassVar[Role] = Role.RUN
     std: float = parameter("{u}", "standard deviation over runs")
 
     def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
         """Draw one offset and hold it for the run."""
         return np.full(len(conditions), self.std * rng.standard_normal())
+
+    @classmethod
+    def between(cls, levels: np.ndarray, errors: np.ndarray) -> Evidence:
+        """Return what the levels of several runs show, shape (runs,), beside their standard deviations ``errors``.
+
+        Without it their weighted scatter is chi-square distributed with one degree of freedom less than runs.
+        """
+        free = len(levels) - 1
+        scatter = float(np.sum((levels - np.average(levels, weights=errors**-2)) ** 2 / errors**2))
+        squares, noise = float(np.sum((levels - levels.mean()) ** 2)), float(np.mean(errors**2))
+        low, high = (float(np.sqrt(max(squares / chi2.ppf(share, free) - noise, 0.0))) for share in (0.975, 0.025))
+        std = float(np.sqrt(max(squares / free - noise, LEAST)))
+        return Evidence(cls(std), {"std": (low, high)}, float(chi2.logsf(scatter, free)), np.zeros(0, bool))

@@ -6,8 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from imugap.effects.conditions import Conditions
-from imugap.effects.effect import TINY, Effect, Stage, Start, parameter
+from imugap.effects.effect import TINY, Start, VarianceEffect, parameter
 from imugap.effects.residual import Residual
 
 STRETCHES = 1e5
@@ -21,14 +20,14 @@ STRETCH, SWING = ("ratio",), ("depth", "frequency", "phase")
 
 
 @dataclass(frozen=True)
-class VarianceChange(Effect):
+class VarianceChange(VarianceEffect):
     """White noise whose variance is ratio exp(depth cos(2 pi frequency t + phase)) times its own for start <= t < stop.
 
     The spectra and Allan variances of the model are those outside of that time.
     """
 
     name: ClassVar[str] = "variance_change"
-    stage: ClassVar[Stage] = Stage.MODULATION
+    most: ClassVar[int] = 3
     start: float = parameter("s", "begin of the change since power-on")
     stop: float = parameter("s", "end of the change since power-on")
     ratio: float = parameter("1", "variance during the change over that outside", low=TINY, default=1.0)
@@ -42,6 +41,11 @@ class VarianceChange(Effect):
         if self.stop < self.start:
             raise ValueError(f"{self.name}.stop: expected a time >= start = {self.start!r}; found {self.stop!r}")
 
+    @property
+    def once(self) -> bool:
+        """Whether it is a stretch at a time of its own, and no swing through the whole log."""
+        return self.depth == 0
+
     def within(self, time: np.ndarray) -> np.ndarray:
         """Return which times [s] are in the stretch."""
         return (time >= self.start) & (time < self.stop)
@@ -54,10 +58,6 @@ class VarianceChange(Effect):
     def free(self) -> tuple[str, ...]:
         """Return the parameters that a search chooses besides the place: those of the swing if it swings."""
         return SWING if self.depth else STRETCH
-
-    def apply(self, sequence: np.ndarray, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
-        """Scale the noise during the change."""
-        return np.sqrt(self.factor(conditions.time)) * sequence
 
     @classmethod
     def starts(cls, fit: Residual) -> Iterator[Start]:

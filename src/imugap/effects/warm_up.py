@@ -19,6 +19,8 @@ class WarmUp(SystematicEffect):
     """Exponential approach to the final bias, amplitude exp(-t/T) from power-on at t = 0."""
 
     name: ClassVar[str] = "warm_up"
+    of_time: ClassVar[bool] = True
+    transient: ClassVar[bool] = True
     amplitude: float = parameter("{u}", "excess of the bias at power-on", low=-np.inf)
     time_constant: float = parameter("s", "T", low=TINY)
 

@@ -36,6 +36,8 @@ SPARSE = 50
 """Samples per row above which the stamps are not those of one log."""
 ANEW = 0.1
 """Steps back over stamps out of order below which a clock has begun anew, rather than that rows are swapped."""
+ROUNDED = 2.0
+"""Variance of the stamps, in variances of their rounding, below which there is no other cause."""
 LEAST = 4 * WINDOW
 """Rows below which nothing is said of the scatter of stamps."""
 

@@ -9,15 +9,16 @@ from imugap.discovery.fit.axis_fit import Description, fit
 from imugap.discovery.fit.whittle import Noise
 from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.search.noise_agreement import BEFOREHAND, _Choice, _choice, agreed
-from imugap.discovery.search.search import OF_TIME, SLOW, Search
-from imugap.effects import BiasStep, GaussMarkov, RandomWalk, WhiteNoise
+from imugap.discovery.search.search import Search
+from imugap.effects import BiasInstability, BiasStep, GaussMarkov, RandomWalk, RateRamp, WarmUp, WhiteNoise
 from imugap.effects.conditions import Conditions
 from imugap.effects.effect import AxisModel
 from imugap.log import ACCEL, GYRO
 
 COUNT, INTERVAL = 12_000, 0.05
 WHITE = WhiteNoise(1e-3)
-KINDS = (*SLOW, *OF_TIME)
+OF_TIME = (BiasStep, RateRamp, WarmUp)
+KINDS = (BiasInstability, GaussMarkov, RandomWalk, *OF_TIME)
 
 
 def explored(effects, label=0):

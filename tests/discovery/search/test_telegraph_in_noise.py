@@ -11,7 +11,7 @@ from imugap.discovery.fit.axis_fit import Description, fit
 from imugap.discovery.fit.telegraph_likelihood import filtered
 from imugap.discovery.fit.whittle import Noise
 from imugap.discovery.preparation.sequence import AxisSequence
-from imugap.discovery.search.search import MANY, Search
+from imugap.discovery.search.search import Search
 from imugap.discovery.search.telegraph import told_apart
 from imugap.discovery.search.telegraph_in_noise import drawn_values, stationary_markov, switching
 from imugap.effects import BiasStep, GaussMarkov, RandomTelegraph, RandomWalk, VarianceChange, WhiteNoise
@@ -147,14 +147,14 @@ def test_switches_in_noise_that_changes_are_named_beside_the_change():
     assert found["variance_change"]["ratio"].value == pytest.approx(change.ratio, rel=allowed)
 
 
-@pytest.mark.parametrize("number", [MANY[VarianceChange], MANY[VarianceChange] + 1])
+@pytest.mark.parametrize("number", [VarianceChange.most, VarianceChange.most + 1])
 def test_switches_for_which_slow_noise_of_the_start_model_and_changes_of_variance_stand_are_told(number):
     data = sequence(SWITCHES, label="stands for")
     known = Description((), Noise((WHITE, RandomWalk(1e-3))))
     changes = tuple(VarianceChange(start, start + 20.0, 1.1) for start in 100.0 + 150.0 * np.arange(number))
     search = Search(known, (BiasStep, GaussMarkov, RandomWalk, VarianceChange), LOG_ALPHA)
     found = told_apart(search, fit(data, replace(known, changes=changes)))
-    assert found.has(RandomTelegraph) == (number > MANY[VarianceChange])
+    assert found.has(RandomTelegraph) == (number > VarianceChange.most)
 
 
 @pytest.mark.slow

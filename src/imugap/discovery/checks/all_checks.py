@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from imugap.discovery.checks.hysteresis import MEANS, MEMORY, in_place_of_means
+from imugap.discovery.checks.hysteresis import MEMORY, in_place_of_means, looped
 from imugap.discovery.checks.mean import term_doubt
 from imugap.discovery.checks.misfit import LEVEL, Doubt
 from imugap.discovery.checks.motion import in_place_of_all
@@ -23,9 +23,8 @@ from imugap.discovery.checks.transition import of_transitions
 from imugap.discovery.checks.variance import change_doubt
 from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.discovery.fit.whittle import log_likelihood
-from imugap.discovery.search.search import MANY, OF_TIME, SLOW, Key, Search, at, removed
+from imugap.discovery.search.search import Key, Search, at, coloured, removed, stepping
 from imugap.discovery.unnamed.wandering_lines import Band
-from imugap.effects import BiasStep, OutputFilter, RandomTelegraph, Sinusoid
 
 MOST = 0.5
 """Share of the power at the frequency of a line or a filter above which noise in doubt leaves neither a name."""
@@ -51,10 +50,11 @@ def doubts(search: Search, fit: AxisFit) -> dict[Key, Doubt]:
     if moved:
         return moved
     found = {key: doubt for key in keys if (doubt := _doubt(search, fit, key)) is not None}
-    for kind, most in MANY.items():
-        same = [key for key in keys if isinstance(at(fit.description, key), kind)]
-        if len(same) > most:
-            found |= {key: Doubt(f"{len(same)} of them", -np.inf) for key in same}
+    for key in keys:
+        kind = type(at(fit.description, key))
+        same = [one for one in keys if isinstance(at(fit.description, one), kind)]
+        if kind.most is not None and len(same) > kind.most:
+            found[key] = Doubt(f"{len(same)} of them", -np.inf)
     found |= _remembered(search, fit, keys) | _jumping(fit, keys) | of_transients(search, fit, keys)
     found |= of_transitions(search, fit, keys) | _wandering(search, fit, keys)
     found |= _of_the_variance(search, fit, keys, found)
@@ -80,7 +80,7 @@ def beside_a_sweep(search: Search, fit: AxisFit, keys: Sequence[Key], bands: Seq
 def _remembered(search: Search, fit: AxisFit, keys: Sequence[Key]) -> dict[Key, Doubt]:
     """Return the means that a memory of the temperature explains better."""
     doubt = in_place_of_means(search, fit)
-    means = [key for key in keys if key.part == "term" and isinstance(at(fit.description, key), MEANS)]
+    means = [key for key in keys if key.part == "term" and looped(at(fit.description, key))]
     return {key: doubt for key in means if doubt.log_p < LEVEL}
 
 
@@ -97,17 +97,18 @@ def _jumping(fit: AxisFit, keys: Sequence[Key]) -> dict[Key, Doubt]:
 
     Beside telegraph noise two are, which make it one of more values than two.
     """
-    steps, slow, switches = (
-        [key for key in keys if isinstance(at(fit.description, key), kinds)]
-        for kinds in (BiasStep, SLOW, RandomTelegraph)
-    )
+    effects = {key: at(fit.description, key) for key in keys}
+    steps = [key for key in keys if effects[key].event]
+    slow = [key for key in keys if effects[key].slow]
+    switches = [key for key in keys if effects[key].two_valued]
     jumps = (slow and len(steps) >= JUMPS) or (switches and len(steps) >= VALUES)
     return dict.fromkeys([*steps, *slow, *switches], Doubt("it jumps", -np.inf)) if jumps else {}
 
 
 def _wandering(search: Search, fit: AxisFit, keys: Sequence[Key]) -> dict[Key, Doubt]:
     """Return means of time, two or more, and slow noise, where one power law is worth more than all of them."""
-    means, slow = ([key for key in keys if isinstance(at(fit.description, key), kinds)] for kinds in (OF_TIME, SLOW))
+    means = [key for key in keys if at(fit.description, key).of_time]
+    slow = [key for key in keys if at(fit.description, key).slow]
     both = [*means, *slow]
     more = surplus_of_one_law(search, fit, both) if len(means) >= SEVERAL else 0.0
     return dict.fromkeys(both, Doubt("one power law explains all of it better", -np.inf)) if more > 0 else {}
@@ -130,7 +131,7 @@ def _of_the_variance(search: Search, fit: AxisFit, keys: Sequence[Key], found: M
 def _clear_of_lines(search: Search, fit: AxisFit, keys: Sequence[Key], found: Mapping[Key, Doubt]) -> set[Key]:
     """Return the terms that, lines alone being in doubt, are certain from frequencies far from these."""
     doubtful = [at(fit.description, key) for key in found if key.part == "term"]
-    if not doubtful or not all(isinstance(effect, Sinusoid) for effect in doubtful):
+    if not doubtful or not all(effect.line for effect in doubtful):
         return set()
     lines = [line.frequency for line in doubtful]
     others = [key for key in keys if key.part == "term" and key not in found]
@@ -176,7 +177,7 @@ def _beside_a_mean(search: Search, fit: AxisFit, keys: Sequence[Key], found: Map
     if not bent:
         return {}
     lowest = min(getattr(at(fit.description, key), "frequency", 0.0) for key in bent)
-    slow = [key for key in keys if key.part == "noise" and isinstance(at(fit.description, key), SLOW)]
+    slow = [key for key in keys if key.part == "noise" and at(fit.description, key).slow]
     doubtful = [key for key in slow if _evidence_below(fit, key, 0.5 * lowest) < -search.log_alpha]
     return {key: Doubt("the mean beside it has no known shape", min(bent.values())) for key in doubtful}
 
@@ -187,17 +188,17 @@ def _parts_of_it(search: Search, fit: AxisFit, keys: Sequence[Key], found: Mappi
     Any may have made steps, a memory of the temperature whatever else goes with the temperature or with time. Other
     means keep their names if they are certain beside a power law too.
     """
-    slow = [key for key in found if isinstance(at(fit.description, key), (*SLOW, RandomTelegraph))]
+    slow = [key for key in found if coloured(at(fit.description, key))]
     if not slow:
         return {}
     worst = min((found[key] for key in slow), key=lambda doubt: doubt.log_p)
-    kinds = MEANS if worst.reason == MEMORY else (BiasStep,)
-    means = [key for key in keys if key not in found and isinstance(at(fit.description, key), MEANS)]
-    law = with_power_law(search, fit, (*SLOW, RandomTelegraph))
+    made = looped if worst.reason == MEMORY else stepping
+    means = [key for key in keys if key not in found and looped(at(fit.description, key))]
+    law = with_power_law(search, fit, coloured)
     return {
         key: worst
         for key in means
-        if isinstance(at(fit.description, key), kinds) or (law is not None and not _certain_in(search, law, fit, key))
+        if made(at(fit.description, key)) or (law is not None and not _certain_in(search, law, fit, key))
     }
 
 
@@ -219,14 +220,9 @@ def _of_the_spectrum(fit: AxisFit, keys: Sequence[Key], found: Mapping[Key, Doub
         key: worst
         for key in keys
         if key not in found
-        and isinstance(effect := at(fit.description, key), (Sinusoid, OutputFilter))
-        and np.interp(_frequency(effect), fit.sequence.bins.frequency, share) > MOST
+        and (centre := at(fit.description, key).centre) is not None
+        and np.interp(centre, fit.sequence.bins.frequency, share) > MOST
     }
-
-
-def _frequency(effect: Sinusoid | OutputFilter) -> float:
-    """Return the frequency at which a line is, or a filter acts [Hz]."""
-    return effect.frequency if isinstance(effect, Sinusoid) else effect.cutoff
 
 
 def _evidence_below(fit: AxisFit, key: Key, frequency: float) -> float:

@@ -12,17 +12,20 @@ import numpy as np
 from imugap.discovery.checks.misfit import LEVEL, Doubt, over
 from imugap.discovery.checks.unnamed_mean import CLEARLY, likelihood_beside
 from imugap.discovery.fit.axis_fit import AxisFit, Description
-from imugap.discovery.search.search import SLOW, Key, Search, Trial, log_chance
+from imugap.discovery.search.search import Key, Search, Trial, coloured, log_chance
 from imugap.discovery.unnamed.hysteresis import Hysteresis
-from imugap.effects import BiasStep, RandomTelegraph, RateRamp, Temperature, WarmUp
+from imugap.effects.effect import Effect
 
 MEMORY = "a memory of the temperature explains it better"
 CURVE = "a curve over the temperature or its rate explains it better"
-MEANS = (BiasStep, RateRamp, Temperature, WarmUp)
-"""Means that a loop over the temperature may look like."""
 LEVELS = np.linspace(0.05, 0.95, 8)
 """Quantiles of the temperature at which a curve over it may bend, and of its rate at which one may jump."""
 NONE = Doubt(MEMORY, 0.0)
+
+
+def looped(effect: Effect) -> bool:
+    """Return whether a mean is one that a loop over the temperature may look like."""
+    return effect.of_time or effect.of_temperature
 
 
 def in_place_of_noise(search: Search, fit: AxisFit, key: Key) -> Doubt:
@@ -56,14 +59,14 @@ def in_place_of_means(search: Search, fit: AxisFit) -> Doubt:
     A loop holds a straight line: in the place of one it says no more than beside it.
     """
     first = len(search.start.terms)
-    added = [term for term in fit.description.terms[first:] if isinstance(term.effect, MEANS)]
+    added = [term for term in fit.description.terms[first:] if looped(term.effect)]
     if not added or fit.sequence.conditions.temperature is None:
         return NONE
     beside = list(_looped(search, (fit,)))
     if not beside:
         return NONE
     more = beside[0].log_p
-    if all(isinstance(term.effect, Temperature) and term.free == ("coefficient",) for term in added):
+    if all(term.effect.of_temperature and term.free == ("coefficient",) for term in added):
         return Doubt(MEMORY, more)
     kept = tuple(term for term in fit.description.terms if not any(term is one for one in added))
     without = search.fitted(fit.sequence, replace(fit.description, terms=kept))
@@ -91,5 +94,5 @@ def _steps(rate: np.ndarray) -> np.ndarray:
 
 def _without_slow_noise(description: Description) -> Description:
     noise = description.noise
-    kept = tuple(effect for effect in noise.effects if not isinstance(effect, (*SLOW, RandomTelegraph)))
+    kept = tuple(effect for effect in noise.effects if not coloured(effect))
     return replace(description, noise=replace(noise, effects=kept or noise.effects[:1]))

@@ -10,9 +10,7 @@ from imugap.discovery.checks.periodic import repeated
 from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.discovery.search.intervals import term_intervals
 from imugap.discovery.search.search import Key, Search, at, log_chance
-from imugap.discovery.transfer import INERTIAL
 from imugap.discovery.unnamed.wandering_lines import NEAR
-from imugap.effects import BiasStep, Sinusoid
 from imugap.effects.effect import TINY
 
 HARMONICS, ALONE = 9, 0.1
@@ -31,9 +29,9 @@ def term_doubt(search: Search, fit: AxisFit, key: Key) -> Doubt | None:
     if _split(fit, key) or _modulated(fit, key):
         return Doubt("lines beside it make it one that swells or drifts", -np.inf)
     bent = Doubt("the mean is not quite of its shape", nearly(fit, key.index))
-    if isinstance(at(fit.description, key), INERTIAL):
+    if at(fit.description, key).of_motion:
         return min(bent, in_place_of_motion(search, fit, key), key=lambda doubt: doubt.log_p)
-    if not isinstance(at(fit.description, key), BiasStep):
+    if not at(fit.description, key).event:
         return bent
     return min(bent, repeated(search, fit, key), key=lambda doubt: doubt.log_p)
 
@@ -64,7 +62,7 @@ def _lines(fit: AxisFit) -> dict[int, tuple[float, float]]:
     return {
         index: (term.effect.frequency, np.diff(term_intervals(fit, index)["frequency"])[0])
         for index, term in enumerate(fit.description.terms)
-        if isinstance(term.effect, Sinusoid)
+        if term.effect.line
     }
 
 

@@ -1,6 +1,6 @@
 """Is noise what its name says? Its spectrum, its samples, and means that wander as it does."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import fields, replace
 
 import numpy as np
@@ -15,9 +15,8 @@ from imugap.discovery.checks.periodic import repeated
 from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.discovery.fit.telegraph_likelihood import compare
 from imugap.discovery.fit.whittle import STEP, Noise, limits, log_likelihood
-from imugap.discovery.search.search import PARAMETER, SLOW, Key, Search, at, log_chance, without
+from imugap.discovery.search.search import PARAMETER, Key, Search, at, coloured, log_chance, without
 from imugap.discovery.views.spectral import of_spectrum
-from imugap.effects import RandomTelegraph
 from imugap.effects.effect import TINY, Effect, StochasticEffect
 from imugap.effects.power_law import PowerLaw
 
@@ -61,11 +60,11 @@ def noise_doubt(search: Search, fit: AxisFit, key: Key) -> Doubt:
         Doubt("its spectrum has another shape", log_p_of_bands(fit, mine)),
         Doubt(AROUND_IT, over(named, _off_around(fit, mine), search.log_alpha)),
     ]
-    if isinstance(effect, RandomTelegraph):
+    if effect.two_valued:
         doubts += _two_valued(search, fit, key)
     else:
         doubts += of_samples(fit, share)
-    if isinstance(effect, (*SLOW, RandomTelegraph)):
+    if coloured(effect):
         doubts += [repeated(search, fit, key), in_place_of_noise(search, fit, key)]
     return min([*doubts, *_power_law(search, fit)], key=lambda doubt: doubt.log_p)
 
@@ -173,12 +172,16 @@ def log_p_of_bands(fit: AxisFit, mine: np.ndarray) -> float:
     return float(np.log(max(chance, TINY)))
 
 
-def with_power_law(search: Search, fit: AxisFit, kinds: tuple[type[Effect], ...] = SLOW) -> AxisFit | None:
-    """Return the fit with one power law in the place of the processes of some kinds that were added, if any were."""
-    slow = _added(search, fit, kinds)
+def with_power_law(search: Search, fit: AxisFit, which: Callable[[Effect], bool]) -> AxisFit | None:
+    """Return the fit with one power law in the place of the added processes for which ``which`` holds, if any."""
+    slow = _added(search, fit, which)
     if not slow:
         return None
     return beside_power_law(search, _without(search, fit, slow))
+
+
+def _slow(effect: Effect) -> bool:
+    return effect.slow
 
 
 def surplus_of_one_law(search: Search, fit: AxisFit, keys: Sequence[Key]) -> float:
@@ -202,9 +205,9 @@ def beside_power_law(search: Search, bare: AxisFit, slope: float = STEEP[0]) -> 
     return search.fitted(bare.sequence, replace(bare.description, noise=law))
 
 
-def _added(search: Search, fit: AxisFit, kinds: tuple[type[Effect], ...]) -> list[StochasticEffect]:
+def _added(search: Search, fit: AxisFit, which: Callable[[Effect], bool]) -> list[StochasticEffect]:
     added = fit.description.noise.effects[len(search.start.noise.effects) :]
-    return [effect for effect in added if isinstance(effect, kinds)]
+    return [effect for effect in added if which(effect)]
 
 
 def _without(search: Search, fit: AxisFit, effects: list[StochasticEffect]) -> AxisFit:
@@ -216,7 +219,7 @@ def _without(search: Search, fit: AxisFit, effects: list[StochasticEffect]) -> A
 
 def _power_law(search: Search, fit: AxisFit) -> list[Doubt]:
     """Weigh one power law against the added slow processes: its slope may be another, or it says more than two do."""
-    other, slow = with_power_law(search, fit), _added(search, fit, SLOW)
+    other, slow = with_power_law(search, fit, _slow), _added(search, fit, _slow)
     if other is None:
         return []
     more = other.log_likelihood - fit.log_likelihood

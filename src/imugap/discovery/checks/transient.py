@@ -13,7 +13,6 @@ from imugap.discovery.checks.misfit import LEVEL, Doubt, over
 from imugap.discovery.checks.unnamed_mean import likelihood_beside
 from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.discovery.search.search import Key, Search, at, log_chance, without
-from imugap.effects import BiasStep, RateRamp, Temperature, WarmUp
 
 REASON = "it fades away in another way"
 SEVERAL = 2
@@ -34,18 +33,18 @@ def of_transients(search: Search, fit: AxisFit, keys: Sequence[Key]) -> dict[Key
     Several steps need no rival: a transient has none.
     """
     effects = {key: at(fit.description, key) for key in keys}
-    warm = next((key for key, effect in effects.items() if isinstance(effect, WarmUp)), None)
+    warm = next((key for key, effect in effects.items() if effect.transient), None)
     if warm is None:
         return {}
     over_at = FADING * effects[warm].time_constant
-    steps = [key for key, effect in effects.items() if isinstance(effect, BiasStep) and effect.time < over_at]
-    ramps = [key for key, effect in effects.items() if isinstance(effect, RateRamp)]
+    steps = [key for key, effect in effects.items() if effect.event and effect.time < over_at]
+    ramps = [key for key, effect in effects.items() if effect.of_time and not effect.event and not effect.transient]
     if len(steps) >= SEVERAL:
         return dict.fromkeys([warm, *steps], Doubt(REASON, -np.inf))
     if not steps and not ramps:
         return {}
     shaped = [warm, *steps, *ramps]
-    temperatures = [key for key, effect in effects.items() if isinstance(effect, Temperature)]
+    temperatures = [key for key, effect in effects.items() if effect.of_temperature]
     weighed = {some: _another_shape(search, fit, some) for some in {tuple(shaped), (*shaped, *temperatures)}}
     some, log_p = min(weighed.items(), key=lambda one: one[1])
     return dict.fromkeys(some, Doubt(REASON, log_p)) if log_p < LEVEL else {}

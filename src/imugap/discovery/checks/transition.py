@@ -13,8 +13,7 @@ from scipy.special import ndtr
 from imugap.discovery.checks.misfit import LEVEL, Doubt, over
 from imugap.discovery.checks.unnamed_mean import CLEARLY, likelihood_beside
 from imugap.discovery.fit.axis_fit import AxisFit
-from imugap.discovery.search.search import SLOW, Key, Search, at, log_chance, without
-from imugap.effects import BiasStep, RandomTelegraph
+from imugap.discovery.search.search import Key, Search, at, coloured, log_chance, without
 
 REASON = "one gradual transition explains it better"
 WIDTHS, EVALUATIONS = np.geomspace(0.003, 0.2, 7), 60
@@ -29,8 +28,8 @@ PLACES = 100.0
 
 def of_transitions(search: Search, fit: AxisFit, keys: Sequence[Key]) -> dict[Key, Doubt]:
     """Return the doubts of several steps that follow each other one way, and of slow noise with all steps."""
-    steps = [key for key in keys if isinstance(at(fit.description, key), BiasStep)]
-    slow = [key for key in keys if isinstance(at(fit.description, key), (*SLOW, RandomTelegraph))]
+    steps = [key for key in keys if at(fit.description, key).event]
+    slow = [key for key in keys if coloured(at(fit.description, key))]
     steps.sort(key=lambda key: at(fit.description, key).time)
     ways = (list(way) for _, way in groupby(steps, lambda key: at(fit.description, key).step > 0))
     doubts = {tuple(way): _instead(search, fit, way) for way in ways if len(way) > 1}

@@ -7,7 +7,7 @@ from imugap.discovery.checks.misfit import LEVEL, Doubt, divergence
 from imugap.discovery.checks.motion import variance_in_motion
 from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.discovery.search.search import Key, Search, log_chance
-from imugap.effects import VarianceChange
+from imugap.effects.effect import Effect
 
 BLOCKS = 12
 """Blocks of a stretch of another variance, and bands of its frequencies, that have to agree."""
@@ -43,7 +43,7 @@ def _of_rounding(search: Search, fit: AxisFit, key: Key) -> float:
     return min(LEVEL + search.log_alpha - ahead, 0.0)
 
 
-def _gain(energies: np.ndarray, change: VarianceChange, time: np.ndarray) -> float:
+def _gain(energies: np.ndarray, change: Effect, time: np.ndarray) -> float:
     """Return the gain of log-likelihood of a change, as it is, of squares of white noise."""
     factor = change.factor(time)
     return float(0.5 * (len(energies) * np.log(energies.mean() / np.mean(energies / factor)) - np.log(factor).sum()))

@@ -9,7 +9,6 @@ from imugap.discovery.finding import CERTAIN, Gap
 from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.discovery.search.intervals import term_intervals
 from imugap.discovery.search.search import Key, Search, at
-from imugap.effects import BiasStep, Sinusoid
 
 
 @dataclass(frozen=True)
@@ -41,9 +40,9 @@ def _extent(fit: AxisFit, key: Key) -> tuple[str, str, float, float, str]:
         return "variance", axis, max(effect.start, begin), min(effect.stop, end), "s"
     if key.part == "outliers":
         return "extremes", axis, begin, end, "s"
-    if isinstance(effect, Sinusoid):
+    if effect.line:
         low, high = term_intervals(fit, key.index)["frequency"]
         return "line", axis, float(max(low, 0.0)), float(high), "Hz"
-    if isinstance(effect, BiasStep):
+    if effect.event:
         return "change", axis, effect.time, effect.time, "s"
     return "mean", axis, begin, end, "s"

@@ -22,13 +22,12 @@ from imugap.discovery.finding import Interval
 from imugap.discovery.preparation.rounding import level_ahead
 from imugap.discovery.views.curve import block_starts
 from imugap.discovery.views.spectral import bands
-from imugap.effects import Bias
 from imugap.effects.conditions import Conditions
 from imugap.effects.effect import AxisModel
 from imugap.estimation import allan
 from imugap.kinematics import free_inertial as drift
 from imugap.kinematics.site import Site
-from imugap.model import ErrorModel, conditions
+from imugap.model import ErrorModel, conditions, offset_of
 from imugap.stream import stream
 
 COUNT = 60
@@ -219,7 +218,7 @@ class Compared:
         """Return the error-free log of a device at rest: the level less the model's biases."""
         table, interval = self.measured.copy(), log.interval(self.measured)
         for axis in log.axes(self.measured):
-            biases = sum(effect.value for effect in model[axis] if isinstance(effect, Bias))
+            biases = offset_of(model[axis])
             table[axis] = level_ahead(self._levels[axis], model[axis], interval) - biases
         return self._with_temperature(table)
 

@@ -13,8 +13,7 @@ from imugap.discovery.evaluation.parameter_ensemble import Uncertain
 from imugap.discovery.fit.axis_fit import AxisFit, log_score
 from imugap.discovery.preparation.prepare import Record, prepare
 from imugap.discovery.preparation.sequence import AxisSequence
-from imugap.effects import BiasStep, SampleLoss, TurnOnBias, VarianceChange
-from imugap.effects.effect import AxisModel, Effect
+from imugap.effects.effect import AxisModel, Effect, Role
 from imugap.log import TEMPERATURE, from_samples
 from imugap.model import ErrorModel
 
@@ -88,20 +87,16 @@ def _ensemble(compared: Compared, name: str, seed: int, numbers: range) -> list[
 
 def _in_run(model: ErrorModel) -> ErrorModel:
     """Return the model of one even run: without its clock and its gaps, and without what differs only between runs."""
-    return _but_for(model, lambda _, effect: isinstance(effect, (SampleLoss, TurnOnBias)))
+    return _but_for(model, lambda _, effect: effect.role in (Role.CLOCK, Role.RUN))
 
 
 def _in_another(model: ErrorModel, fits: Mapping[str, AxisFit], sequences: Mapping[str, AxisSequence]) -> ErrorModel:
     """Return the model of another even run, in which a step or a change of variance may happen at the same time."""
     once = {
-        axis: [one for one in model[axis] if _happens(one) and not _recurs(one, fits[axis], run)]
+        axis: [one for one in model[axis] if one.once and not _recurs(one, fits[axis], run)]
         for axis, run in sequences.items()
     }
     return _but_for(_in_run(model), lambda axis, effect: effect in once.get(axis, []))
-
-
-def _happens(effect: Effect) -> bool:
-    return isinstance(effect, BiasStep) or (isinstance(effect, VarianceChange) and effect.depth == 0)
 
 
 def _recurs(event: Effect, fit: AxisFit, run: AxisSequence) -> bool:

@@ -20,8 +20,7 @@ from imugap.discovery.fit.whittle import Noise, NoiseFit, log_likelihood
 from imugap.discovery.fit.whittle import fit as fit_noise
 from imugap.discovery.preparation.cosine_bins import cosines
 from imugap.discovery.preparation.sequence import AxisSequence
-from imugap.effects import Outliers, OutputFilter, VarianceChange
-from imugap.effects.effect import Effect, StochasticEffect
+from imugap.effects.effect import Effect, FilterEffect, StochasticEffect, VarianceEffect
 from imugap.stream import stream
 
 ROUNDS = 8
@@ -61,8 +60,8 @@ class Description:
 
     terms: tuple[Term, ...]
     noise: Noise
-    changes: tuple[VarianceChange, ...] = ()
-    outliers: Outliers | None = None
+    changes: tuple[VarianceEffect, ...] = ()
+    outliers: Effect | None = None
 
     def effects(self) -> tuple[Effect, ...]:
         """Return all effects."""
@@ -124,7 +123,7 @@ class AxisFit:
         last = self.sequence.bins.last
         return self.sequence.bins.sums((self.coefficients[:last] * self.scatter.root[:last]) ** 2)
 
-    def power_behind(self, output_filter: OutputFilter) -> np.ndarray:
+    def power_behind(self, output_filter: FilterEffect) -> np.ndarray:
         """Return the sums of squared coefficients of what would be left of the input and the terms behind a filter."""
         if not self.sequence.moved:
             return self.power
@@ -313,7 +312,7 @@ class AxisFit:
         return float(0.5 * np.sum(parts**2 / values)), len(values)
 
 
-def scale(sequence: AxisSequence, changes: Sequence[VarianceChange]) -> np.ndarray | float:
+def scale(sequence: AxisSequence, changes: Sequence[VarianceEffect]) -> np.ndarray | float:
     """Return the factor of the standard deviation at each sample, shape (n,), or 1."""
     if not changes:
         return 1.0
@@ -335,8 +334,8 @@ def _seen(sequence: AxisSequence, description: Description) -> np.ndarray:
 def _seen_beside(
     sequence: AxisSequence,
     terms: tuple[Term, ...],
-    changes: tuple[VarianceChange, ...],
-    output_filter: OutputFilter | None,
+    changes: tuple[VarianceEffect, ...],
+    output_filter: FilterEffect | None,
 ) -> np.ndarray:
     seen = cosines(_centred(sequence, Description(terms, Noise((), output_filter), changes)))
     seen.flags.writeable = False

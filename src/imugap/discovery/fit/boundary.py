@@ -14,8 +14,7 @@ import numpy as np
 
 from imugap.discovery.fit.whittle import Noise
 from imugap.discovery.preparation.cosine_bins import cosines
-from imugap.effects import OutputFilter, Quantization
-from imugap.effects.effect import TINY
+from imugap.effects.effect import TINY, FilterEffect
 
 UNSURE = 0.03
 """Standard deviation of the logarithm of a cutoff, as far as what a filter lets go of may say."""
@@ -86,7 +85,7 @@ def over_time(noise: Noise, count: int, interval: float) -> np.ndarray:
 
 def _steps(noise: Noise, interval: float) -> list[float]:
     """Return the standard deviation of a difference that one rounding error makes, where there are such errors."""
-    return [effect.q / interval for effect in noise.effects if isinstance(effect, Quantization)][:1]
+    return [error for effect in noise.effects if (error := effect.end_error(interval))][:1]
 
 
 @lru_cache(maxsize=2)
@@ -99,7 +98,7 @@ def _of_ends(count: int) -> np.ndarray:
     return columns
 
 
-def _decay(output_filter: OutputFilter, count: int, interval: float) -> tuple[np.ndarray, np.ndarray]:
+def _decay(output_filter: FilterEffect, count: int, interval: float) -> tuple[np.ndarray, np.ndarray]:
     """Return how a filter lets go of what was before the log, and how else it would do so by a lower cutoff."""
     lower = replace(output_filter, cutoff=output_filter.cutoff * (1 - UNSURE))
     decay = output_filter.decay(count, interval)

@@ -16,7 +16,6 @@ from scipy.special import expit, logit, ndtr, ndtri
 from imugap.discovery.fit.contaminated_normal import STARTS, Tails, ends
 from imugap.discovery.fit.whittle import Noise
 from imugap.discovery.preparation.sequence import AxisSequence
-from imugap.effects import WhiteNoise
 
 WHITE = 0.5
 """Least share of white noise in the power, with which its samples can be told from what is slower."""
@@ -71,7 +70,7 @@ class Cells:
             Factor of the standard deviation of each sample, shape (n,), or 1.
         """
         step, bins = sequence.step, sequence.bins
-        white = [effect for effect in noise.effects if isinstance(effect, WhiteNoise)]
+        white = [effect for effect in noise.effects if effect.white]
         if not step or noise.output_filter is not None or not white:
             return None
         unit = white[0].density / np.sqrt(sequence.conditions.interval)

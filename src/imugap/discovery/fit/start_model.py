@@ -8,9 +8,9 @@ import numpy as np
 from imugap.discovery.fit.axis_fit import Description, Term
 from imugap.discovery.fit.whittle import Noise
 from imugap.discovery.preparation.sequence import AxisSequence
-from imugap.effects import Bias, Outliers, OutputFilter, Sinusoid, VarianceChange, WhiteNoise
 from imugap.effects.conditions import Conditions
-from imugap.effects.effect import Effect, Stage, StochasticEffect, SystematicEffect
+from imugap.effects.effect import Effect, Role, Stage, StochasticEffect, SystematicEffect
+from imugap.model import white_noise
 
 WIDEST = 0.98
 """Share of the highest cutoff that a fit can tell above which a run two percent slower does not show it."""
@@ -19,16 +19,16 @@ WIDEST = 0.98
 def described(effects: Sequence[Effect], sequence: AxisSequence) -> Description:
     """Return the start model of an axis as a description: what a fit can adjust of it; a bias is the offset."""
     random = tuple(effect for effect in effects if noisy(effect))
-    filters = tuple(_seen(effect, sequence) for effect in effects if isinstance(effect, OutputFilter))
+    filters = tuple(_seen(effect, sequence) for effect in effects if effect.role is Role.FILTER)
     terms = tuple(_term(effect, sequence) for effect in effects if _shows(effect, sequence.conditions))
-    changes = tuple(effect for effect in effects if isinstance(effect, VarianceChange))
-    outliers = next((effect for effect in effects if isinstance(effect, Outliers)), None)
+    changes = tuple(effect for effect in effects if effect.role is Role.VARIANCE)
+    outliers = next((effect for effect in effects if effect.role is Role.OUTLIERS), None)
     return Description(terms, Noise(random or (_white(sequence),), *filters[:1]), changes, outliers)
 
 
 def noisy(effect: Effect) -> bool:
     """Return whether an effect is random noise, and none of size zero."""
-    return isinstance(effect, StochasticEffect) and all(effect.parameters().values())
+    return effect.role is Role.NOISE and all(effect.parameters().values())
 
 
 def untold(effects: Sequence[Effect], sequence: AxisSequence) -> tuple[Effect, ...]:
@@ -36,17 +36,17 @@ def untold(effects: Sequence[Effect], sequence: AxisSequence) -> tuple[Effect, .
 
     What takes a motion or a temperature that is not known, and what differs between runs only.
     """
-    kept = (Bias, StochasticEffect, OutputFilter, VarianceChange, Outliers)
+    fitted = (Role.OFFSET, Role.NOISE, Role.FILTER, Role.VARIANCE, Role.OUTLIERS)
     return tuple(
         effect
         for effect in effects
-        if effect.stage < Stage.FILTER and not isinstance(effect, kept) and not _shows(effect, sequence.conditions)
+        if effect.stage < Stage.FILTER and effect.role not in fitted and not _shows(effect, sequence.conditions)
     )
 
 
 def _shows(effect: Effect, conditions: Conditions) -> bool:
     """Return whether an effect is a mean that follows from the conditions that are known."""
-    if not isinstance(effect, SystematicEffect):
+    if effect.role is not Role.MEAN:
         return False
     try:
         effect.slopes(conditions)
@@ -56,18 +56,18 @@ def _shows(effect: Effect, conditions: Conditions) -> bool:
     return True
 
 
-def _seen(effect: OutputFilter, sequence: AxisSequence) -> OutputFilter:
+def _seen(effect: Effect, sequence: AxisSequence) -> Effect:
     return replace(effect, cutoff=min(effect.cutoff, WIDEST * effect.highest(sequence.conditions.interval)))
 
 
-def _white(sequence: AxisSequence) -> WhiteNoise:
+def _white(sequence: AxisSequence) -> StochasticEffect:
     """Return white noise of the size of the differences of neighbours."""
     spread = np.std(np.diff(sequence.values)) / np.sqrt(2)
-    return WhiteNoise(float(max(spread, 1e-12) * np.sqrt(sequence.conditions.interval)))
+    return white_noise(float(max(spread, 1e-12) * np.sqrt(sequence.conditions.interval)))
 
 
 def _term(effect: SystematicEffect, sequence: AxisSequence) -> Term:
-    if isinstance(effect, Sinusoid):
+    if effect.line:
         turns = np.exp(-2j * np.pi * effect.frequency * sequence.conditions.time)
         effect = replace(effect, phase=float(np.angle(np.mean((sequence.values - sequence.values.mean()) * turns))))
     return Term(effect, tuple(effect.slopes(sequence.conditions)))

@@ -17,8 +17,8 @@ from numba import njit
 from imugap.discovery.fit import matched_filters as scans
 from imugap.discovery.fit.axis_fit import AxisFit, scale
 from imugap.discovery.preparation.sequence import AxisSequence
-from imugap.effects import GaussMarkov, RandomTelegraph, VarianceChange
-from imugap.effects.effect import StochasticEffect
+from imugap.effects import GaussMarkov, RandomTelegraph
+from imugap.effects.effect import StochasticEffect, VarianceEffect
 from imugap.numerics.bhhh import Maximum, maximise
 
 FINE = 48
@@ -100,7 +100,7 @@ class Blocks:
         std = float(np.sqrt(max(means.var() - white**2, 0.01 * means.var())))
         return cls(means, profile, width, step, time, white, std)
 
-    def changed(self, sequence: AxisSequence, changes: tuple[VarianceChange, ...]) -> "Blocks":
+    def changed(self, sequence: AxisSequence, changes: tuple[VarianceEffect, ...]) -> "Blocks":
         """Return them with other changes of the variance of their white noise."""
         return replace(self, profile=_profile(sequence, changes, self.width))
 
@@ -114,7 +114,7 @@ def _settling(fit: AxisFit) -> int:
     return int(np.sum(np.abs(left) > LEFT))
 
 
-def _profile(sequence: AxisSequence, changes: tuple[VarianceChange, ...], width: int) -> np.ndarray:
+def _profile(sequence: AxisSequence, changes: tuple[VarianceEffect, ...], width: int) -> np.ndarray:
     factor = np.broadcast_to(scale(sequence, changes), len(sequence.values))
     return np.sqrt(scans.means(factor**2, width))
 

@@ -11,8 +11,7 @@ from math import isfinite
 import numpy as np
 
 from imugap.discovery.preparation.cosine_bins import Bins
-from imugap.effects import OutputFilter
-from imugap.effects.effect import TINY, StochasticEffect
+from imugap.effects.effect import TINY, FilterEffect, Role, StochasticEffect
 
 STEP = 1e-4
 """Step of a log parameter in a difference quotient."""
@@ -44,7 +43,7 @@ class Noise:
     """
 
     effects: tuple[StochasticEffect, ...]
-    output_filter: OutputFilter | None = None
+    output_filter: FilterEffect | None = None
 
     def variance(self, bins: Bins) -> np.ndarray:
         """Return the variance of a cosine coefficient in each bin, shape (bins,).
@@ -271,7 +270,7 @@ def limits(noise: Noise, bins: Bins, power: np.ndarray) -> tuple[np.ndarray, np.
     level, duration = power / bins.number, bins.count * bins.interval
     for i, name in noise.parameters():
         effect, (least, most) = effects[i], effects[i].limits()[name]
-        if isinstance(effect, OutputFilter):
+        if effect.role is Role.FILTER:
             spans.append((1e-3 / bins.interval, effect.highest(bins.interval)))
         elif isfinite(most):
             spans.append((least * (1 + 2 * STEP), most * (1 - 2 * STEP)))

@@ -4,21 +4,21 @@ These flaws are effects like others, and are named here, since they would distur
 are even sequences, one for each axis.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 import pandas as pd
 from scipy.interpolate import CubicSpline
 
-from imugap.discovery.finding import Finding, Gap, Interval
+from imugap.discovery.finding import Finding, Gap, finding
 from imugap.discovery.preparation.cosine_bins import usable
 from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.preparation.thermometer import smoothed
-from imugap.effects import Resolution, SampleLoss, Saturation, StuckSamples, TimestampJitter
+from imugap.effects import CATALOGUE
 from imugap.effects.conditions import Conditions
-from imugap.effects.effect import AxisModel, Effect, Evidence
-from imugap.effects.timestamp_jitter import ROUNDED
-from imugap.integrity.timestamps import LEAST, Stamps, stamps
+from imugap.effects.effect import AxisModel, Effect, Evidence, Role, Stage
+from imugap.integrity.timestamps import LEAST, ROUNDED, Stamps, stamps
 from imugap.log import ACCEL, AXES, GYRO, TEMPERATURE, TIME, LogError, axes
 from imugap.model import ErrorModel
 from imugap.stream import stream
@@ -71,7 +71,11 @@ class Record:
 
 
 def prepare(
-    log: pd.DataFrame, reference: pd.DataFrame | None = None, seed: int = 0, start: ErrorModel | None = None
+    log: pd.DataFrame,
+    reference: pd.DataFrame | None = None,
+    seed: int = 0,
+    start: ErrorModel | None = None,
+    catalogue: Sequence[type[Effect]] = tuple(CATALOGUE.values()),
 ) -> Record:
     """Find and take out what must not come into statistics.
 
@@ -86,29 +90,36 @@ def prepare(
         Of what replaces flawed samples.
     start
         Model whose effects are known: they are taken out, but are no news.
+    catalogue
+        Kinds of effects; those of the output and the clock are looked for in samples and stamps.
     """
     known = ErrorModel({}) if start is None else start
     silent = _silent(log)
     rows = _rows(log.drop(columns=[gap.axis for gap in silent]), reference)
     clock = stamps(rows.index.to_numpy(float))
-    jitter, loss = TimestampJitter.found(clock), SampleLoss.found(clock)
-    time = clock.grid if jitter is None else clock.line
+    kinds = sorted((kind for kind in catalogue if kind.role is Role.CLOCK), key=lambda kind: not kind.displaces)
+    stamped = [evidence for kind in kinds if (evidence := kind.found(clock)) is not None]
+    displaced = any(evidence.effect.displaces for evidence in stamped)
+    time = clock.line if displaced else clock.grid
     everywhere = _conditions(rows, clock, reference)
     news = _News(known, float(time[0]))
-    for evidence in (jitter, loss):
-        if evidence is not None:
-            news.add(TIME, evidence, "stamps", time[0], time[-1])
-    news.irregular(clock, jitter)
+    for evidence in stamped:
+        news.add(TIME, evidence, "stamps", time[0], time[-1])
+    news.irregular(clock, displaced)
     outputs = {axis: _on_grid(rows[axis], clock) for axis in axes(rows)}
     at = {axis: _at(everywhere, axis) for axis in outputs}
-    lattices = {axis: _lattice(values, at[axis]) for axis, values in outputs.items()}
-    clipped = {
-        axis: _values(news, axis, values, at[axis], clock.lost, lattices[axis]) for axis, values in outputs.items()
-    }
+    seen = {axis: _seen(values, at[axis], catalogue) for axis, values in outputs.items()}
+    for axis, values in outputs.items():
+        elsewhere = np.isnan(values) & ~clock.lost
+        if elsewhere.any() and not np.isnan(values).all():
+            news.missing(axis, elsewhere, at[axis].time, kinds)
+        news.seen(axis, seen[axis], values)
+    clipped = {axis: _flawed(one, len(outputs[axis]), Stage.RANGE) for axis, one in seen.items()}
     blind = np.zeros(clock.count, bool) if reference is None else unseen(reference, clock.course)
-    flawed = {axis: np.isnan(values) | clipped[axis] | blind for axis, values in outputs.items()}
-    _stuck(news, outputs, at, flawed)
-    steps = {axis: 0.0 if lattice is None else lattice.effect.step for axis, lattice in lattices.items()}
+    flawed = {axis: np.isnan(values) | _flawed(seen[axis], len(values)) | blind for axis, values in outputs.items()}
+    for kind in (kind for kind in catalogue if kind.stage is Stage.TRANSFER):
+        _transferred(kind, news, outputs, at, flawed)
+    steps = {axis: max((one.effect.lattice for one in some), default=0.0) for axis, some in seen.items()}
     sequences = {
         axis: _sequence(values, at[axis], flawed[axis], clipped[axis], steps[axis], seed)
         for axis, values in outputs.items()
@@ -136,7 +147,18 @@ class _News:
         p_value = float(np.exp(max(log_p, CERTAIN)))
         self.gaps.append(Gap(view, axis, float(low - shift), float(high - shift), unit, p_value))
 
-    def irregular(self, clock: Stamps, jitter: Evidence | None) -> None:
+    def seen(self, axis: str, found: Sequence[Evidence], values: np.ndarray) -> None:
+        """Add what the output of an axis, shape (n,), shows, each at the values in which it acts."""
+        for evidence in found:
+            low, high = evidence.extent or (np.nanmin(values), np.nanmax(values))
+            self.add(axis, evidence, "values", low, high, _unit(axis))
+
+    def missing(self, axis: str, lost: np.ndarray, time: np.ndarray, kinds: Sequence[type[Effect]]) -> None:
+        """Add what samples without a value on one axis alone, shape (n,), show."""
+        for evidence in filter(None, (kind.missing(lost) for kind in kinds)):
+            self.add(axis, evidence, "values", *time[lost][[0, -1]] + self.origin)
+
+    def irregular(self, clock: Stamps, displaced: bool) -> None:
         """Tell of stamps that are out of order, or scatter in a way that has no name."""
         bad = np.flatnonzero(~clock.advancing)
         if len(bad):
@@ -145,7 +167,7 @@ class _News:
             self.place("stamps", TIME, spots[0], spots[-1], "s", CERTAIN)
         scattered = clock.scatter.size >= LEAST and clock.variance > ROUNDED * clock.rounding_variance
         tailed = scattered and np.abs(clock.scatter).max() > TAILED * np.sqrt(clock.variance)
-        if clock.even and tailed and jitter is None:
+        if clock.even and tailed and not displaced:
             first, last = clock.time[clock.advancing][[0, -1]]
             self.place("stamps", TIME, first, last, "s", CERTAIN)
 
@@ -163,13 +185,8 @@ class _News:
 def _finding(found: dict[str, Evidence]) -> Finding:
     """Return what is found of one effect."""
     axis, surest = min(found.items(), key=lambda one: one[1].log_p)
-    units = surest.effect.units(_unit(axis))
-    parameters = {
-        name: Interval(value, *map(float, surest.intervals[name]), units[name])
-        for name, value in surest.effect.parameters().items()
-    }
-    effects = {axis: evidence.effect for axis, evidence in found.items()}
-    return Finding(effects, parameters, max(float(surest.log_p), CERTAIN))
+    one = finding({axis: evidence.effect for axis, evidence in found.items()}, surest, _unit(axis))
+    return replace(one, log_p=max(one.log_p, CERTAIN))
 
 
 def _unit(axis: str) -> str:
@@ -272,39 +289,28 @@ def _at(everywhere: Conditions, axis: str) -> Conditions:
     return Conditions(everywhere.time, everywhere.interval, everywhere.temperature, axis, everywhere.ideal)
 
 
-def _lattice(values: np.ndarray, conditions: Conditions) -> Evidence | None:
-    """Return the lattice of the values of an axis, if it has values and they are on one."""
-    return None if np.isnan(values).all() else Resolution.found(values, conditions)
+def _seen(values: np.ndarray, conditions: Conditions, catalogue: Sequence[type[Effect]]) -> list[Evidence]:
+    """Return what the output of one axis, shape (n,), NaN where lost, shows of effects on it."""
+    if np.isnan(values).all():
+        return []
+    kinds = [kind for kind in catalogue if kind.role is Role.OUTPUT and kind.stage is not Stage.TRANSFER]
+    return [evidence for kind in kinds if (evidence := kind.found(values, conditions)) is not None]
 
 
-def _values(
-    news: _News, axis: str, values: np.ndarray, conditions: Conditions, gone: np.ndarray, resolution: Evidence | None
-) -> np.ndarray:
-    """Add what the values of one axis show, and return which are clipped, shape (n,); ``gone`` have no row at all."""
-    lost, unclipped = np.isnan(values), np.zeros(len(values), bool)
-    if lost.all():
-        return unclipped
-    elsewhere = lost & ~gone
-    if elsewhere.any():
-        news.add(axis, SampleLoss.of(elsewhere), "values", *conditions.time[elsewhere][[0, -1]] + news.origin)
-    if resolution is not None:
-        news.add(axis, resolution, "values", np.nanmin(values), np.nanmax(values), _unit(axis))
-    saturation = Saturation.found(values, conditions)
-    if saturation is None:
-        return unclipped
-    reached = np.abs(values[saturation.flawed])
-    news.add(axis, saturation, "values", reached.min(), reached.max(), _unit(axis))
-    return saturation.flawed
+def _flawed(found: Sequence[Evidence], count: int, *stages: Stage) -> np.ndarray:
+    """Return the samples, shape (count,), that effects spoil, those of some stages or all."""
+    mine = [one.flawed for one in found if not stages or one.effect.stage in stages]
+    return np.any(mine, axis=0) if mine else np.zeros(count, bool)
 
 
-def _stuck(news, outputs, at, flawed) -> None:
-    """Add repeats, of all axes at once where they share them, else of each axis alone; mark them."""
+def _transferred(kind: type[Effect], news: _News, outputs: dict, at: dict, flawed: dict) -> None:
+    """Add and mark what the transfer of the words spoils: of all axes at once where they share it, else of each."""
     free = {axis: np.where(flawed[axis], np.nan, values) for axis, values in outputs.items()}
-    alone = {axis: StuckSamples.found(values, at[axis]) for axis, values in free.items()}
+    alone = {axis: kind.found(values, at[axis]) for axis, values in free.items()}
     for group in (tuple(outputs), *(tuple(axis for axis in outputs if axis in triad) for triad in (GYRO, ACCEL))):
         if len(group) < 2:
             continue
-        together = StuckSamples.found(np.column_stack([free[axis] for axis in group]), at[group[0]])
+        together = kind.found(np.column_stack([free[axis] for axis in group]), at[group[0]])
         if together is None:
             continue
         shared = np.count_nonzero(together.flawed)

@@ -2,12 +2,27 @@
 
 from collections.abc import Iterable
 from dataclasses import replace
+from typing import Protocol
 
 import numpy as np
 
 from imugap.discovery.preparation.sequence import AxisSequence
-from imugap.effects import OutputFilter, Resolution, WhiteNoise
-from imugap.effects.effect import Effect
+from imugap.effects.effect import Effect, Role
+
+
+class Lattice(Protocol):
+    """An effect that rounds the output."""
+
+    @property
+    def lattice(self) -> float:
+        """Distance of the levels."""
+
+    def mean_ahead(self, mean: float, std: float) -> float:
+        """Return the mean of normal values from their mean once they are rounded."""
+
+    def std_ahead(self, mean: float, variance: float) -> float:
+        """Return the standard deviation of normal values from mean and variance once they are rounded."""
+
 
 FREQUENCIES = 1000
 """Frequencies over which the gain of a filter is averaged."""
@@ -19,13 +34,11 @@ def unrounded(effects: Iterable[Effect], outputs: Iterable[Effect], sequence: Ax
     Behind a filter it was fitted beside what the rounding adds, and is ahead of it already.
     """
     interval, found = sequence.conditions.interval, tuple(effects)
-    if any(isinstance(one, OutputFilter) for one in found):
+    if any(one.role is Role.FILTER for one in found):
         return found
     for lattice in _lattices(outputs):
         found = tuple(
-            replace(one, density=_std(lattice, one, sequence) * np.sqrt(interval))
-            if isinstance(one, WhiteNoise)
-            else one
+            replace(one, density=_std(lattice, one, sequence) * np.sqrt(interval)) if one.white else one
             for one in found
         )
     return found
@@ -37,22 +50,22 @@ def level_ahead(mean: float, effects: Iterable[Effect], interval: float) -> floa
     Of the effects of its axis the white noise alone takes values across the levels of a lattice.
     """
     known = tuple(effects)
-    variance = sum(one.density**2 for one in known if isinstance(one, WhiteNoise)) / interval
+    variance = sum(one.density**2 for one in known if one.white) / interval
     frequency = np.linspace(0.0, 0.5 / interval, FREQUENCIES)
-    passed = [np.mean(one.gain(frequency, interval)) for one in known if isinstance(one, OutputFilter)]
+    passed = [np.mean(one.gain(frequency, interval)) for one in known if one.role is Role.FILTER]
     std = float(np.sqrt(variance * np.prod(passed)))
     for lattice in _lattices(known):
         mean = lattice.mean_ahead(mean, std) if std > 0 else mean
     return mean
 
 
-def _lattices(effects: Iterable[Effect]) -> tuple[Resolution, ...]:
-    return tuple(one for one in effects if isinstance(one, Resolution))
+def _lattices(effects: Iterable[Effect]) -> tuple[Lattice, ...]:
+    return tuple(one for one in effects if one.lattice)
 
 
-def _std(lattice: Resolution, white: WhiteNoise, sequence: AxisSequence) -> float:
+def _std(lattice: Lattice, white: Effect, sequence: AxisSequence) -> float:
     """Return the standard deviation ahead of a lattice; a motion takes the values evenly across its levels."""
     variance = white.density**2 / sequence.conditions.interval
     if sequence.conditions.ideal is not None:
-        return float(np.sqrt(max(variance - lattice.step**2 / 12, 0.0)))
+        return float(np.sqrt(max(variance - lattice.lattice**2 / 12, 0.0)))
     return lattice.std_ahead(float(sequence.values.mean()), variance)

@@ -5,7 +5,7 @@ import numpy as np
 from imugap.discovery.finding import Interval
 from imugap.discovery.fit.axis_fit import AxisFit, Term
 from imugap.discovery.search.search import Key, at
-from imugap.effects import BiasStep, VarianceChange
+from imugap.effects.effect import Effect
 from imugap.log import GYRO
 
 NORMAL = 1.959963984540054
@@ -26,7 +26,7 @@ def intervals(fit: AxisFit, without: AxisFit, key: Key) -> dict[str, Interval]:
     units = effect.units(axis_unit(axis))
     if key.part == "term":
         ends = term_intervals(fit, key.index)
-        if isinstance(effect, BiasStep):
+        if effect.event:
             ends["time"] = times_near_best(
                 fit.steps_without(key.index).gains, fit.sequence.conditions.time, effect.time
             )
@@ -76,7 +76,7 @@ def _random(fit: AxisFit, key: Key) -> dict[str, tuple[float, float]]:
     return ends
 
 
-def _swing(fit: AxisFit, change: VarianceChange) -> dict[str, tuple[float, float]]:
+def _swing(fit: AxisFit, change: Effect) -> dict[str, tuple[float, float]]:
     """Return the intervals of a line of amplitude ``depth`` in squares of relative variance 2 (Rife, Boorstyn 1974)."""
     count, interval = len(fit.sequence.values), fit.sequence.conditions.interval
     errors = {
@@ -90,7 +90,7 @@ def _swing(fit: AxisFit, change: VarianceChange) -> dict[str, tuple[float, float
     }
 
 
-def _stretch(fit: AxisFit, change: VarianceChange) -> dict[str, tuple[float, float]]:
+def _stretch(fit: AxisFit, change: Effect) -> dict[str, tuple[float, float]]:
     """Return the ratio's interval from the numbers of samples, and the ends from the likelihood of their places."""
     time = fit.sequence.conditions.time
     inside = change.within(time)

@@ -10,8 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from imugap.discovery.fit.axis_fit import AxisFit
-from imugap.discovery.search.search import OF_TIME, SLOW, Key, Search, Trial, at, expected, without
-from imugap.effects import GaussMarkov
+from imugap.discovery.search.search import Key, Search, Trial, at, expected, without
 from imugap.effects.effect import Effect
 from imugap.log import ACCEL, GYRO
 
@@ -22,8 +21,6 @@ BEFOREHAND = 4.0
 
 With no more does an axis speak against a kind: what it has may be its own.
 """
-FAINT = (*SLOW, *OF_TIME)
-"""What faint slow noise may be taken for."""
 MOST = 2
 """Number of effects that it may be taken for on one axis."""
 SLOWER = 10.0
@@ -56,17 +53,14 @@ class _Choice:
         """Return what a kind is worth, over that of the own effects."""
         return self.noise[kind].worth - self.own if kind in self.noise else -BEFOREHAND
 
-    @property
-    def time(self) -> float:
-        """Return the correlation time [s] of the Gauss-Markov process in their place."""
-        effects = self.noise[GaussMarkov].fit.description.noise
-        return [effect.correlation_time for effect in effects if isinstance(effect, GaussMarkov)][-1]
+    def time(self, kind: type[Effect]) -> float:
+        """Return the correlation time [s] of the process of a kind in their place; 0 where it has none."""
+        effects = self.noise[kind].fit.description.noise
+        return [effect.correlation_time for effect in effects if type(effect) is kind][-1] if _timed(kind) else 0.0
 
     def no_slower(self, longest: float) -> "_Choice":
-        """Return the choice without a Gauss-Markov process of a correlation time above the longest [s]."""
-        if GaussMarkov not in self.noise or self.time <= longest:
-            return self
-        return replace(self, noise={kind: one for kind, one in self.noise.items() if kind is not GaussMarkov})
+        """Return the choice without processes of a correlation time above the longest [s]."""
+        return replace(self, noise={kind: one for kind, one in self.noise.items() if self.time(kind) <= longest})
 
     def alike(self, kind: type[Effect], log_alpha: float) -> AxisFit:
         """Return the fit with noise of a kind, if it is not much less likely; without any, if that is uncertain.
@@ -83,21 +77,31 @@ def agreed(fits: Mapping[str, AxisFit], searches: Mapping[str, Search]) -> dict[
     """Return the fits of axes, those in doubt with slow noise of the kind that their sensor speaks for."""
     found = dict(fits)
     for sensor in (GYRO, ACCEL):
-        keys = {axis: searches[axis].added(fits[axis].description, FAINT) for axis in sensor if axis in fits}
+        keys = {axis: searches[axis].added(fits[axis].description, _faint) for axis in sensor if axis in fits}
         few = {axis: some for axis, some in keys.items() if len(some) <= MOST}
         if not _at_issue([_kinds(fits[axis], some) for axis, some in few.items()]):
             continue
         choices = _of_one_time({axis: _choice(searches[axis], fits[axis], some) for axis, some in few.items()})
-        kind = _spoken_for(list(choices.values()))
+        catalogue = next(iter(searches.values())).catalogue
+        kind = _spoken_for(list(choices.values()), [kind for kind in catalogue if kind.slow])
         if kind is not None:
             found |= {axis: choices[axis].alike(kind, searches[axis].log_alpha) for axis, some in few.items() if some}
     return found
 
 
+def _faint(effect: Effect) -> bool:
+    """Return whether faint slow noise may be taken for an effect."""
+    return effect.slow or effect.of_time
+
+
+def _timed(kind: type[Effect]) -> bool:
+    return "correlation_time" in kind.limits()
+
+
 def _at_issue(kinds: list[tuple[type[Effect], ...]]) -> bool:
     """Return whether axes differ in what they have, or one of several has a mean that noise may be taken for."""
     differ = len({some for some in kinds if some}) > 1
-    return differ or (len(kinds) > 1 and any(kind in OF_TIME for some in kinds for kind in some))
+    return differ or (len(kinds) > 1 and any(kind.of_time for some in kinds for kind in some))
 
 
 def _kinds(fit: AxisFit, keys: Sequence[Key]) -> tuple[type[Effect], ...]:
@@ -110,26 +114,30 @@ def _choice(search: Search, fit: AxisFit, keys: Sequence[Key]) -> _Choice:
     kinds = _kinds(fit, keys)
     bare = search.fitted(fit.sequence, without(fit, keys).description)
     own = fit.log_likelihood - bare.log_likelihood - sum(one.cost for one in weighed) + expected(*kinds)
-    others = [search.judged(start, bare) for kind in SLOW if kind in search.catalogue for start in kind.starts(bare)]
+    others = [search.judged(start, bare) for kind in search.catalogue if kind.slow for start in kind.starts(bare)]
     noise = {type(one.effect): one for one in sorted(others, key=lambda trial: trial.worth)}
-    if len(kinds) == 1 and kinds[0] in SLOW:
+    if len(kinds) == 1 and kinds[0].slow:
         noise[kinds[0]] = weighed[0]
     return _Choice(kinds, own, fit, bare, noise)
 
 
 def _of_one_time(choices: Mapping[str, _Choice]) -> dict[str, _Choice]:
     """Return the choices without processes far slower than those that axes have of their own; they are not alike."""
-    own = [choice.time for choice in choices.values() if choice.kinds == (GaussMarkov,)]
+    alone = [(choice, choice.kinds[0]) for choice in choices.values() if len(choice.kinds) == 1]
+    own = [choice.time(kind) for choice, kind in alone if _timed(kind)]
     longest = SLOWER * max(own, default=np.inf)
     return {axis: choice.no_slower(longest) for axis, choice in choices.items()}
 
 
-def _spoken_for(choices: list[_Choice]) -> type[Effect] | None:
+def _spoken_for(choices: list[_Choice], slow: list[type[Effect]]) -> type[Effect] | None:
     """Return the kind of slow noise that all axes together make much likelier than any other, if there is one.
 
     On one of them it is what was found, or all are much likelier with it than with what was found.
     """
-    totals = {kind: sum(max(choice.worth(kind), -BEFOREHAND) for choice in choices) for kind in SLOW}
-    second, first = sorted(totals, key=totals.get)[-2:]
+    totals = {kind: sum(max(choice.worth(kind), -BEFOREHAND) for choice in choices) for kind in slow}
+    if not totals:
+        return None
+    *others, first = sorted(totals, key=totals.get)
+    second = totals[others[-1]] if others else -BEFOREHAND * len(choices)
     shown = any(choice.kinds == (first,) for choice in choices) or totals[first] > CLEAR
-    return first if shown and totals[first] > totals[second] + CLEAR else None
+    return first if shown and totals[first] > second + CLEAR else None

@@ -8,8 +8,7 @@ from itertools import combinations
 import numpy as np
 
 from imugap.discovery.fit.axis_fit import AxisFit, Term, jacobian
-from imugap.effects import BiasStep
-from imugap.effects.effect import TINY, Effect, Start, SystematicEffect
+from imugap.effects.effect import TINY, Effect, Role, Start
 
 FEW = 10.0
 """Trials of a start up to which it is one of a couple of smooth means."""
@@ -33,22 +32,22 @@ class Means:
         The fit without them, with n samples.
     starts, columns
         The k proposals, and the whitened slopes of the parameters of each, shapes (n - 1, m).
-    steps
-        Whether a step may be one of a couple.
+    events
+        Kinds of steps, which may be one of a couple.
     """
 
     fit: AxisFit
     starts: tuple[Start, ...]
     columns: tuple[np.ndarray, ...]
-    steps: bool
+    events: tuple[type[Effect], ...]
 
     @staticmethod
     def proposed(fit: AxisFit, catalogue: Sequence[type[Effect]]) -> "Means":
         """Return those of the kinds of a catalogue."""
-        kinds = [kind for kind in catalogue if issubclass(kind, SystematicEffect)]
+        kinds = [kind for kind in catalogue if kind.role is Role.MEAN]
         starts = tuple(start for kind in kinds for start in kind.starts(fit) if start.trials <= FEW)
         slopes = (jacobian((Term(start.effect, start.free),), fit.sequence) for start in starts)
-        return Means(fit, starts, tuple(map(fit.whiten, slopes)), BiasStep in kinds)
+        return Means(fit, starts, tuple(map(fit.whiten, slopes)), tuple(kind for kind in kinds if kind.event))
 
     def smooth(self) -> list[Couple]:
         """Return the couples of two kinds of smooth means."""
@@ -60,14 +59,10 @@ class Means:
 
     def stepped(self) -> list[Couple]:
         """Return each smooth mean with the step that gains most beside it; of two steps the higher one shows alone."""
-        if not self.steps:
-            return []
         conditions = self.fit.sequence.conditions
-        steps = [BiasStep.highest(self.fit.steps_beside(column), conditions) for column in self.columns]
-        return [
-            Couple((start, step), self._gain(index) + step.gain)
-            for index, (start, step) in enumerate(zip(self.starts, steps, strict=True))
-        ]
+        steps = [(event, column) for event in self.events for column in enumerate(self.columns)]
+        highest = [(i, event.highest(self.fit.steps_beside(column), conditions)) for event, (i, column) in steps]
+        return [Couple((self.starts[i], step), self._gain(i) + step.gain) for i, step in highest]
 
     def _gain(self, *chosen: int) -> float:
         """Return the gain of log-likelihood of some of the means together, to first order."""

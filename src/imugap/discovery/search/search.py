@@ -17,20 +17,7 @@ from imugap.discovery.fit.contaminated_normal import Tails
 from imugap.discovery.fit.whittle import fit as fit_noise
 from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.search.pairs import Couple, Means
-from imugap.effects import (
-    BiasInstability,
-    BiasStep,
-    GaussMarkov,
-    Outliers,
-    OutputFilter,
-    RandomWalk,
-    RateRamp,
-    Sinusoid,
-    Temperature,
-    VarianceChange,
-    WarmUp,
-)
-from imugap.effects.effect import Effect, Start, StochasticEffect, SystematicEffect
+from imugap.effects.effect import Effect, Role, Start, StochasticEffect
 from imugap.stream import stream
 
 TAILS = 100.0
@@ -63,14 +50,6 @@ EXPECTED = 1.5
 """Logarithm of how much likelier slow noise is than another effect before any sample: most sensors have some."""
 TRACE = 0.01
 """Share of the power at every frequency below which white noise is gone."""
-MANY = {BiasStep: 3, VarianceChange: 3, Sinusoid: 5}
-"""Number of effects of a kind on one axis above which they are not what they are called; no more are looked for."""
-SLOW = (BiasInstability, GaussMarkov, RandomWalk)
-"""Slow random processes."""
-OF_TIME = (BiasStep, RateRamp, WarmUp)
-"""Means that follow from the time alone, for which slow noise may be taken."""
-MASKS = (*SLOW, BiasStep, RateRamp, Sinusoid, Temperature, WarmUp)
-"""Slow effects, which may stand for two smooth means."""
 LITTLE = 0.03
 """Share of its size that slow noise keeps where other slow noise is tried in its place."""
 ALIKE = 0.6
@@ -155,9 +134,9 @@ class Search:
     log_alpha: float
     memory: dict[Description, AxisFit] = field(default_factory=dict)
     """Fits by the description that they started from."""
-    tails: dict[Outliers, Tails] = field(default_factory=dict)
+    tails: dict[Effect, Tails] = field(default_factory=dict)
     """What outliers were found by; the samples without them say no more about them."""
-    raw: dict[Outliers, AxisSequence] = field(default_factory=dict)
+    raw: dict[Effect, AxisSequence] = field(default_factory=dict)
     """The samples with the outliers."""
 
     def forgetful(self) -> "Search":
@@ -209,7 +188,7 @@ class Search:
         """
         for _ in range(RETOLD):
             outliers = found.description.outliers
-            if outliers not in self.raw or not self.added(found.description, VarianceChange):
+            if outliers not in self.raw or not self.added(found.description, changing):
                 break
             found = self._changes_anew(found)
             raw = replace(found, sequence=self.raw[outliers], description=replace(found.description, outliers=None))
@@ -222,11 +201,11 @@ class Search:
 
     def _changes_anew(self, found: AxisFit) -> AxisFit:
         """Return the fit with every added change of the variance as it is most likely beside all else."""
-        for key in self.added(found.description, VarianceChange):
+        for key in self.added(found.description, changing):
             own = at(found.description, key)
             without = self.fitted(found.sequence, removed(found.description, key))
             changes = list(found.description.changes)
-            alike = (start.effect for start in VarianceChange.starts(without) if start.free == own.free())
+            alike = (start.effect for start in type(own).starts(without) if start.free == own.free())
             changes[key.index] = next(alike, own)
             moved = self.fitted(found.sequence, replace(found.description, changes=tuple(changes)))
             found = moved if moved.log_likelihood > found.log_likelihood else found
@@ -234,7 +213,7 @@ class Search:
 
     def placed(self, found: AxisFit) -> AxisFit:
         """Return the fit with every added step where it is most likely beside all else, which came after it."""
-        for key in self.added(found.description, BiasStep):
+        for key in self.added(found.description, stepping):
             time = found.sequence.conditions.time[np.argmax(found.steps_without(key.index).gains)]
             terms = list(found.description.terms)
             terms[key.index] = replace(terms[key.index], effect=replace(terms[key.index].effect, time=float(time)))
@@ -273,7 +252,8 @@ class Search:
 
         What else such samples show is not to be told.
         """
-        return len(self.added(description, VarianceChange)) > MANY[VarianceChange]
+        changes = [at(description, key) for key in self.added(description, changing)]
+        return bool(changes) and len(changes) > changes[0].most
 
     def _proven(self, after: AxisFit, before: AxisFit) -> bool:
         """Return whether a fit has more effects than before, each of which chance does not explain."""
@@ -285,10 +265,10 @@ class Search:
     def trials(self, before: AxisFit, bar: float) -> Iterator[Trial]:
         """Yield every proposal, fitted, whose log-probability may come below ``bar``."""
         for kind in self.catalogue:
-            if sum(isinstance(one, kind) for one in before.description.effects()) > MANY.get(kind, LIMIT):
+            if sum(isinstance(one, kind) for one in before.description.effects()) > (kind.most or LIMIT):
                 continue
             for start in kind.starts(before):
-                if kind is OutputFilter:
+                if kind.role is Role.FILTER:
                     start, beside = _behind(start, before)
                     if _hopeful(start, bar):
                         trial = self.judged(start, before, beside)
@@ -305,13 +285,13 @@ class Search:
         """
         noise = before.description.noise
         for index, effect in enumerate(noise.effects[: len(self.start.noise.effects)]):
-            if not isinstance(effect, SLOW):
+            if not effect.slow:
                 continue
             without = self.fitted(before.sequence, removed(before.description, Key("noise", index)))
             effects = (*noise.effects[:index], little(effect), *noise.effects[index + 1 :])
             given_up = replace(before.description, noise=replace(noise, effects=effects))
             for kind in self.catalogue:
-                if issubclass(kind, SLOW) and kind is not type(effect):
+                if kind.slow and kind is not type(effect):
                     for start in kind.starts(without):
                         yield self.judged(start, before, given_up)
 
@@ -321,10 +301,10 @@ class Search:
         Two that nearly cancel gain little by themselves, but much beside each other, and what stands for both hides
         them.
         """
-        if not isinstance(single.effect, MASKS):
+        if not masking(single.effect):
             return None
         means = Means.proposed(before, self.catalogue)
-        both = means.smooth(), means.stepped() if isinstance(single.effect, SLOW) else []
+        both = means.smooth(), means.stepped() if single.effect.slow else []
         count = sum(map(len, both))
         for couples in both:
             likely = sorted(couples, key=lambda couple: -couple.gain)[:COUPLES]
@@ -357,14 +337,17 @@ class Search:
         after = self.fitted(sequence, replace(before.description, outliers=outliers))
         return Trial(outliers, after, found.gain, 2, TAILS)
 
-    def _outliers(self, before: AxisFit) -> Outliers | None:
+    def _outliers(self, before: AxisFit) -> Effect | None:
         """Return the outliers of samples that are described but for them, if chance does not explain them."""
         if before.sequence.coarse and before.cells is None:
             return None
         found = before.tails
         if log_chance(found.gain, 2) + np.log(TAILS) > self.log_alpha or not found.flagged.any():
             return None
-        outliers = Outliers(found.probability, found.excess * before.unit)
+        kind = next((one for one in self.catalogue if one.role is Role.OUTLIERS), None)
+        if kind is None:
+            return None
+        outliers = kind(found.probability, found.excess * before.unit)
         self.tails[outliers], self.raw[outliers] = found, before.sequence
         return outliers
 
@@ -436,8 +419,8 @@ class Search:
         name = at(found.description, key).name
         return [trial for trial in self.trials(without, bar) if trial.name != name]
 
-    def added(self, description: Description, kinds: type[Effect] | tuple[type[Effect], ...] = Effect) -> list["Key"]:
-        """Return where the effects are, of some kinds, that the start model does not have."""
+    def added(self, description: Description, which: Callable[[Effect], bool] = lambda _: True) -> list["Key"]:
+        """Return where the effects are that the start model does not have, those for which ``which`` holds."""
         keys = [Key("term", i) for i in range(len(self.start.terms), len(description.terms))]
         keys += [Key("noise", i) for i in range(len(self.start.noise.effects), len(description.noise.effects))]
         if description.noise.output_filter is not None and self.start.noise.output_filter is None:
@@ -445,7 +428,7 @@ class Search:
         if description.outliers is not None and self.start.outliers is None:
             keys.append(Key("outliers", 0))
         keys += [Key("change", i) for i in range(len(self.start.changes), len(description.changes))]
-        return [key for key in keys if isinstance(at(description, key), kinds)]
+        return [key for key in keys if which(at(description, key))]
 
 
 @dataclass(frozen=True)
@@ -496,14 +479,34 @@ def _rest(items: tuple, index: int) -> tuple:
 def with_effect(description: Description, start: Start) -> Description:
     """Return the description with an effect more, in the part of it where its kind belongs."""
     effect = start.effect
-    if isinstance(effect, SystematicEffect):
+    if effect.role is Role.MEAN:
         return replace(description, terms=(*description.terms, Term(effect, start.free)))
-    if isinstance(effect, VarianceChange):
+    if effect.role is Role.VARIANCE:
         return replace(description, changes=(*description.changes, effect))
     noise = description.noise
-    if isinstance(effect, OutputFilter):
+    if effect.role is Role.FILTER:
         return replace(description, noise=replace(noise, output_filter=effect))
     return replace(description, noise=replace(noise, effects=(*noise.effects, effect)))
+
+
+def changing(effect: Effect) -> bool:
+    """Return whether an effect changes the variance."""
+    return effect.role is Role.VARIANCE
+
+
+def stepping(effect: Effect) -> bool:
+    """Return whether an effect is a step of the mean."""
+    return effect.event
+
+
+def coloured(effect: Effect) -> bool:
+    """Return whether an effect is a named random process with a memory: slow, or of two values."""
+    return effect.slow or effect.two_valued
+
+
+def masking(effect: Effect) -> bool:
+    """Return whether an effect may stand for two smooth means: slow noise, and means that follow from no motion."""
+    return effect.slow or (effect.role is Role.MEAN and not effect.of_motion)
 
 
 def _places(effect: Effect, parameters: int, without: AxisFit) -> float:
@@ -554,8 +557,8 @@ def _another(one: Effect, other: Effect) -> bool:
 
 def _moves(effect: Effect, before: AxisFit) -> bool:
     """Return whether what an effect gains, everything else held, says little: other slow noise gives way to it."""
-    slow = any(isinstance(one, SLOW) for one in before.description.noise.effects)
-    return slow and isinstance(effect, StochasticEffect)
+    slow = any(one.slow for one in before.description.noise.effects)
+    return slow and effect.role is Role.NOISE
 
 
 def _hopeful(start: Start, bar: float) -> bool:
@@ -565,7 +568,7 @@ def _hopeful(start: Start, bar: float) -> bool:
 
 def expected(*kinds: type[Effect]) -> float:
     """Return the logarithm of how much likelier effects of some kinds are beforehand: slow noise, whatever beside."""
-    return EXPECTED if any(issubclass(kind, SLOW) for kind in kinds) else 0.0
+    return EXPECTED if any(kind.slow for kind in kinds) else 0.0
 
 
 def log_chance(gain: float, more: int) -> float:

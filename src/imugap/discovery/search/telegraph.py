@@ -6,9 +6,19 @@ import numpy as np
 
 from imugap.discovery.fit.axis_fit import AxisFit, fit
 from imugap.discovery.fit.telegraph_likelihood import Blocks, compare, likeliest
-from imugap.discovery.search.search import MANY, SLOW, Search, at, little, log_chance, removed, without
+from imugap.discovery.search.search import (
+    Search,
+    at,
+    changing,
+    coloured,
+    little,
+    log_chance,
+    removed,
+    stepping,
+    without,
+)
 from imugap.discovery.search.telegraph_in_noise import Switching, switching
-from imugap.effects import BiasStep, RandomTelegraph, VarianceChange
+from imugap.effects import RandomTelegraph
 from imugap.effects.effect import StochasticEffect
 
 SWITCHES, ALIKE = 3, 0.4
@@ -38,8 +48,8 @@ def told_apart(search: Search, found: AxisFit) -> AxisFit:
 
 def steady(search: Search, found: AxisFit) -> AxisFit:
     """Return the fit without the added changes of variance that are clusters of switches of telegraph noise."""
-    changes = search.added(found.description, VarianceChange)
-    if not changes or not search.added(found.description, RandomTelegraph):
+    changes = search.added(found.description, changing)
+    if not changes or not search.added(found.description, lambda effect: effect.two_valued):
         return found
     blocks = Blocks.of(found, _slow(search, found))
     likelihood = likeliest(blocks).log_likelihood
@@ -53,9 +63,9 @@ def steady(search: Search, found: AxisFit) -> AxisFit:
 
 def hidden_telegraph(search: Search, found: AxisFit) -> Switching | None:
     """Return the telegraph noise of a fit beside another process, in the place of steps and slow noise too."""
-    if not search.added(found.description, RandomTelegraph):
+    if not search.added(found.description, lambda effect: effect.two_valued):
         return None
-    stepless = without(found, search.added(found.description, BiasStep))
+    stepless = without(found, search.added(found.description, stepping))
     return switching(stepless, _slow(search, stepless), search.log_alpha)
 
 
@@ -68,8 +78,8 @@ def two_valued(found: AxisFit) -> AxisFit:
 
 def _many_steps(search: Search, found: AxisFit) -> AxisFit:
     """Return the fit with telegraph noise in the place of more steps than can have their name, if it is that."""
-    steps = search.added(found.description, BiasStep)
-    if len(steps) <= MANY[BiasStep]:
+    steps = search.added(found.description, stepping)
+    if not steps or len(steps) <= at(found.description, steps[0]).most:
         return found
     stepless = _stepless(search)
     other = told_apart(stepless, stepless.explore(without(found, steps)))
@@ -78,7 +88,7 @@ def _many_steps(search: Search, found: AxisFit) -> AxisFit:
 
 def _switching(search: Search, found: AxisFit) -> AxisFit:
     """Return the fit with telegraph noise in the place of steps to and fro of one size."""
-    steps = search.added(found.description, BiasStep)
+    steps = search.added(found.description, stepping)
     sizes = [at(found.description, key) for key in steps]
     jumps = np.array([effect.step for effect in sorted(sizes, key=lambda effect: effect.time)])
     if (
@@ -97,13 +107,13 @@ def _switching(search: Search, found: AxisFit) -> AxisFit:
 def _without_switches(search: Search, found: AxisFit) -> AxisFit:
     """Return the fit without the added steps that are switches of its telegraph noise, for their size."""
     most = TWICE * max(one.step for one in found.description.noise.effects if isinstance(one, RandomTelegraph))
-    steps = search.added(found.description, BiasStep)
+    steps = search.added(found.description, stepping)
     return without(found, [key for key in steps if abs(at(found.description, key).step) < most])
 
 
 def _one_telegraph(search: Search, found: AxisFit) -> AxisFit:
     """Return the fit with one telegraph noise in the place of several that were added, which no log tells apart."""
-    added = search.added(found.description, RandomTelegraph)
+    added = search.added(found.description, lambda effect: effect.two_valued)
     if len(added) < 2:
         return found
     one = compare(found, tuple(at(found.description, key) for key in added)).effect
@@ -113,7 +123,7 @@ def _one_telegraph(search: Search, found: AxisFit) -> AxisFit:
 
 def _stepless(search: Search) -> Search:
     """Return the search that looks for no steps of the mean."""
-    return replace(search, catalogue=tuple(kind for kind in search.catalogue if kind is not BiasStep))
+    return replace(search, catalogue=tuple(kind for kind in search.catalogue if not kind.event))
 
 
 def _slow_part(search: Search, found: AxisFit) -> tuple[StochasticEffect, ...]:
@@ -121,12 +131,12 @@ def _slow_part(search: Search, found: AxisFit) -> tuple[StochasticEffect, ...]:
 
     That may be slow noise of the start model, which is free.
     """
-    added = tuple(at(found.description, key) for key in search.added(found.description, SLOW))
+    added = tuple(at(found.description, key) for key in search.added(found.description, lambda effect: effect.slow))
     if added or not search.restless(found.description):
         return added
-    return tuple(one for one in found.description.noise.effects if isinstance(one, SLOW))
+    return tuple(one for one in found.description.noise.effects if one.slow)
 
 
 def _slow(search: Search, found: AxisFit) -> tuple[StochasticEffect, ...]:
     """Return the slow processes of a fit that were added."""
-    return tuple(at(found.description, key) for key in search.added(found.description, (*SLOW, RandomTelegraph)))
+    return tuple(at(found.description, key) for key in search.added(found.description, coloured))

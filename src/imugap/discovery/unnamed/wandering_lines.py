@@ -7,6 +7,7 @@ is told as a place without a name, and the search starts again. A band that is n
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from scipy.fft import dct
@@ -14,7 +15,6 @@ from scipy.stats import chi2
 
 from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.discovery.preparation.sequence import AxisSequence
-from imugap.effects import Sinusoid
 from imugap.stream import stream
 
 NEAR = 5.0
@@ -35,6 +35,8 @@ MEDIAN = 0.4549
 class Band:
     """A band of frequencies [Hz] with a line that is not steady, and the log-probability of its power by chance."""
 
+    name: ClassVar[str] = "sinusoid"
+    """The nearest name of the vocabulary."""
     low: float
     high: float
     log_p: float
@@ -68,7 +70,7 @@ def without(sequence: AxisSequence, taken: tuple[Band, ...]) -> AxisSequence:
 
 def _groups(found: AxisFit) -> Iterator[list[float]]:
     """Yield the frequencies of lines that are near each other, in groups."""
-    lines = sorted(one.frequency for one in found.description.effects() if isinstance(one, Sinusoid))
+    lines = sorted(one.frequency for one in found.description.effects() if one.line)
     near = NEAR / (found.sequence.conditions.interval * len(found.sequence.values))
     breaks = np.flatnonzero(np.diff(lines) > near) + 1
     yield from (group.tolist() for group in np.split(np.array(lines), breaks))

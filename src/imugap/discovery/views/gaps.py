@@ -15,7 +15,6 @@ from imugap.discovery.fit.axis_fit import AxisFit, fit
 from imugap.discovery.preparation.rounding import level_ahead, unrounded
 from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.views.envelope import Envelope
-from imugap.effects import CommonMode, Resolution, SampleLoss, Saturation, StuckSamples, WhiteNoise
 from imugap.effects.effect import AxisModel, Effect
 from imugap.stream import stream
 
@@ -24,8 +23,6 @@ FIRST, DOUBTFUL = 40, 0.02
 """Number of replicates of every axis, and the p-value of a view below which its axes get all replicates."""
 TOGETHER = 10
 """Replicates per task of one process; consecutive ones serve as pairs of independent axes."""
-REPLACED = (SampleLoss, Saturation, StuckSamples)
-"""Effects whose samples are replaced: replicates have replacements at the same samples instead."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,7 +94,7 @@ class ReplicateGroup:
                 else level_ahead(mean, (*effects, *self.known), conditions.interval)
             )
             error = AxisModel(self.known).simulate(level + ideal + error, conditions, seed, *labels) - (mean + ideal)
-        step = sequence.step if any(isinstance(one, Resolution) for one in self.known) else 0.0
+        step = sequence.step if any(one.lattice for one in self.known) else 0.0
         clean = AxisSequence(error, conditions, np.zeros(len(conditions), bool), sequence.share, step=step)
         rng = stream(seed, *labels, "mended")
         found = fit(clean.mended(sequence.flawed, rng), description)
@@ -114,14 +111,14 @@ def replicate_groups(fits: Mapping[str, AxisFit], known: Mapping[str, tuple[Effe
     """Group the axes: those of mere white noise and the same flaws share a group, others have their own."""
     groups: dict[object, list[str]] = defaultdict(list)
     for axis, found in fits.items():
-        plain = all(isinstance(effect, WhiteNoise) for effect in found.description.effects())
+        plain = all(effect.white for effect in found.description.effects())
         shared = plain and not known.get(axis)
         groups[(found.sequence.flawed.tobytes(), found.sequence.share) if shared else axis].append(axis)
     over = views.binnings(next(iter(fits.values())).sequence)
     return [
         ReplicateGroup(
             tuple(fits[axis] for axis in group),
-            tuple(effect for effect in known.get(group[0], ()) if not isinstance(effect, REPLACED)),
+            tuple(effect for effect in known.get(group[0], ()) if not effect.replaced),
             tuple(item for item in over if any(item.applies_to(axis) for axis in group)),
         )
         for group in groups.values()
@@ -155,7 +152,8 @@ def view_tests(
     if not tested:
         return []
     pairs = [pair for pair in combinations(fits, 2) if tested & set(pair)]
-    common = [pair for pair in pairs if all(fits[axis].has(CommonMode) for axis in pair)]
+    sharing = {axis for axis, found in fits.items() if any(one.shared for one in found.description.effects())}
+    common = [pair for pair in pairs if sharing >= set(pair)]
     doubtful = tested.union(*common)
     groups = replicate_groups({axis: replace(found) for axis, found in fits.items() if axis in doubtful}, known or {})
     lasts = {views.shared_last(*(fits[axis] for axis in pair)) for pair in pairs}
