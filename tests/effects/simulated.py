@@ -1,5 +1,6 @@
 """Simulate effects on conditions of every kind, and judge their samples."""
 
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -125,8 +126,9 @@ def moving(count, axis, interval=0.01):
     return Conditions(ideal.index.to_numpy(), interval, ideal["temperature"].to_numpy(), axis, ideal)
 
 
+@lru_cache(maxsize=16)
 def draws(effect, runs, count, *labels, interval=0.01):
-    """Sequences of an effect, shape (runs, count)."""
+    """Sequences of an effect, shape (runs, count), drawn once for all tests that ask for the same."""
     at = conditions(count, interval)
     return np.array([effect.sample(at, stream(11, effect.name, *labels, run)) for run in range(runs)])
 

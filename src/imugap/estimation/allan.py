@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 import pandas as pd
@@ -122,6 +123,7 @@ def _degrees(slope: np.ndarray, averaging: np.ndarray, count: int) -> np.ndarray
     return np.array([_edf(a, n, count) for a, n in zip(exponent, averaging, strict=True)])
 
 
+@cache
 def _edf(exponent: int, averaging: int, count: int) -> float:
     from allantools import ci  # takes longer to import than all else here
 
