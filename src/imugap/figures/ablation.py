@@ -14,7 +14,7 @@ from imugap.units import from_si
 
 TITLES = {
     "none": "no control", "gate": "gate alone", "remove": "test and remove", "robust": "weigh down",
-    "gated": "weigh down, gate", "reset": "and soft reset", "hindsight": "and hindsight", SMOOTHED: "all, smoothed",
+    "gated": "weigh down, gate", "reset": "and soft reset", "hindsight": "and solution separation", SMOOTHED: "all, smoothed",
     ORACLE: "bad fixes known", WHEELS[WHOLE]: "all, wheels", WHEELS[SMOOTHED]: "all, wheels, smoothed",
     WHEELS[ORACLE]: "bad fixes known, wheels",
 }  # fmt: skip
