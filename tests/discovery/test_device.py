@@ -1,7 +1,7 @@
 from dataclasses import replace
 from types import SimpleNamespace
 
-from imugap.discovery.device import _nameless
+from imugap.discovery.device import nameless_places
 from imugap.discovery.finding import Gap
 
 
@@ -14,4 +14,4 @@ def test_what_has_no_name_is_told_on_axes_on_which_no_view_shows_it():
         for axis, place in (places | {"accel_y": weak}).items()
     }
     shown = [replace(gap, view="coherence", axis="gyro_x,gyro_z")]
-    assert _nameless(stories, shown, 0.01) == (places["gyro_y"], places["accel_x"])
+    assert nameless_places(stories, shown, 0.01) == (places["gyro_y"], places["accel_x"])

@@ -256,24 +256,24 @@ def concluded(tale: Tale) -> Story:
     with threadpool_limits(1):
         search, whole = tale.late, two_valued(tale.whole)
         doubtful = doubts(search, tale.whole)
-        kept = _carried(search, whole, doubtful)
+        kept = without_unnamed(search, whole, doubtful)
         sweeps = (*swept(kept, search.log_alpha), *glints(whole))
         sure = [key for key in search.added(whole.description) if key not in doubtful]
         swept_up = beside_a_sweep(search, tale.whole, sure, sweeps)
-        final = _carried(search, whole, doubtful | swept_up) if swept_up else kept
+        final = without_unnamed(search, whole, doubtful | swept_up) if swept_up else kept
         doubtful |= swept_up
         named = [key for key in search.added(whole.description) if key not in doubtful]
         switching, odd = _of_samples(tale, doubtful)
         findings = (*(_finding(tale, whole, key) for key in named), *switching)
         nameless = (*(withheld(search, tale.whole, key, doubt) for key, doubt in doubtful.items()), *odd)
-        after = _carried(tale.early, tale.after, doubts(tale.early, tale.after))
+        after = without_unnamed(tale.early, tale.after, doubts(tale.early, tale.after))
         bands = (*tale.bands, *sweeps)
         switches = tale.switching.effect if switching else None
-        slope = _of_any_slope(search, final)
+        slope = power_law_finding(search, final)
         return Story(tale.before, after.bare(), final.bare(), findings, nameless, bands, switches, slope)
 
 
-def _carried(search: Search, found: AxisFit, doubtful: Mapping[Key, Doubt]) -> AxisFit:
+def without_unnamed(search: Search, found: AxisFit, doubtful: Mapping[Key, Doubt]) -> AxisFit:
     """Return the fit without what is in doubt; if that is slow noise, with noise of the slope that it has.
 
     Only where nothing but slow noise is in doubt, and nothing but its spectrum: what is no noise has no place there,
@@ -293,7 +293,7 @@ def _carried(search: Search, found: AxisFit, doubtful: Mapping[Key, Doubt]) -> A
     return carried if sure and not law.is_trend else kept
 
 
-def _of_any_slope(search: Search, found: AxisFit) -> Finding | None:
+def power_law_finding(search: Search, found: AxisFit) -> Finding | None:
     """Return the power law that a fit has more than the start model, with its intervals."""
     laws = search.added(found.description, lambda effect: not effect.named)
     if not laws:

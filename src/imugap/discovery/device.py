@@ -176,9 +176,9 @@ def discover(
     return Discovery(
         start=_with_kept(start, kept),
         final=_with_kept(final, kept),
-        gaps=(*record.gaps, *where, *_nameless(stories, where, question.alpha)),
+        gaps=(*record.gaps, *where, *nameless_places(stories, where, question.alpha)),
         findings=findings,
-        unexplained=(*record.silent, *left, *_nameless(stories, left, question.alpha)),
+        unexplained=(*record.silent, *left, *nameless_places(stories, left, question.alpha)),
         withheld=tuple((axis, *one) for axis, story in stories.items() for one in story.unnamed()),
         described=tuple(one.of_any_slope for one in stories.values() if one.of_any_slope is not None),
         untold=tuple((axis, one.name) for axis, some in kept.items() for one in some if axis in stories),
@@ -358,7 +358,7 @@ def _unsteady(stories: Mapping[str, Story]) -> tuple[Gap, ...]:
     )
 
 
-def _nameless(stories: Mapping[str, Story], places: Sequence[Gap], alpha: float) -> tuple[Gap, ...]:
+def nameless_places(stories: Mapping[str, Story], places: Sequence[Gap], alpha: float) -> tuple[Gap, ...]:
     """Return where what has no name was seen for certain, of the axes on which no view shows it."""
     shown = {axis for place in places for axis in place.axis.split(",")}
     unseen = [one.place for axis, story in stories.items() if axis not in shown for one in story.withheld]

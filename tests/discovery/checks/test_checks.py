@@ -8,10 +8,10 @@ from scipy.ndimage import uniform_filter1d
 from scipy.special import ndtr
 from scipy.stats import binom
 
-from imugap.discovery.axis import _carried, _of_any_slope, concluded, told
+from imugap.discovery.axis import concluded, power_law_finding, told, without_unnamed
 from imugap.discovery.checks import LEVEL, SHARE, doubts
 from imugap.discovery.checks import gaussianity as samples
-from imugap.discovery.checks.all_checks import _jumping, _of_the_variance, _wandering
+from imugap.discovery.checks.all_checks import means_as_power_law, steps_of_unnamed, variance_of_unnamed
 from imugap.discovery.checks.gaussianity import BURSTS, of_samples
 from imugap.discovery.checks.hysteresis import CURVE
 from imugap.discovery.checks.mean import nearly
@@ -78,6 +78,7 @@ def reasons(data, *kinds):
     return {doubt.reason for doubt in doubts(*explored(data, *kinds)).values()}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("effect", [GaussMarkov(5e-3, 8.0), BiasInstability(2e-3), RandomWalk(1e-3)])
 def test_stationary_noise_is_as_uneven_over_time_as_chance_makes_it(effect, monkeypatch):
     """What is let pass of real noise apart."""
@@ -173,7 +174,7 @@ def test_means_that_a_steep_spectrum_makes_have_no_name():
     for label in range(12):
         search, found = explored(sequence(added=steep, label=f"steep {label}"), *kinds)
         keys = search.added(found.description)
-        more += len(keys) > 1 and _wandering(search, found, keys).keys() == set(keys)
+        more += len(keys) > 1 and means_as_power_law(search, found, keys).keys() == set(keys)
     assert more > 3
 
 
@@ -181,7 +182,7 @@ def test_means_that_are_there_are_likelier_than_a_steep_spectrum():
     data = sequence(BiasStep(400.0, -1e-3), RateRamp(2e-6), WarmUp(3e-3, 60.0))
     search, found = explored(data, BiasStep, RateRamp, WarmUp)
     assert len(search.added(found.description)) > 1
-    assert _wandering(search, found, search.added(found.description)) == {}
+    assert means_as_power_law(search, found, search.added(found.description)) == {}
 
 
 def relaxations(time, rng):
@@ -209,7 +210,7 @@ def test_noise_of_a_slope_without_a_name_is_in_the_model_as_what_it_is(exponent)
 def test_what_is_no_noise_is_not_in_the_model_as_noise(reason):
     search = Search(Description((), Noise((WHITE,))), (), LOG_ALPHA)
     found = fit(sequence(PowerLaw(4e-3, 1.5)), Description((), Noise((WHITE, RandomWalk(1e-3)))))
-    carried = _carried(search, found, {Key("noise", 1): Doubt(reason, -20.0)})
+    carried = without_unnamed(search, found, {Key("noise", 1): Doubt(reason, -20.0)})
     assert carried.has(PowerLaw) == (reason == LAW)
     assert not carried.has(RandomWalk)
 
@@ -220,9 +221,9 @@ def test_noise_that_is_rather_a_trend_is_not_in_the_model_as_noise():
     trend = sequence(added=lambda time, rng: 2e-2 * np.sin(2 * np.pi * (time / time[-1]) ** 2))
     for data, noise in ((trend, False), (sequence(PowerLaw(1e-4, 2.6), label="s1"), True)):
         found = fit(data, Description((), Noise((WHITE, RandomWalk(1e-4)))))
-        carried = _carried(search, found, {Key("noise", 1): Doubt(LAW, -20.0)})
+        carried = without_unnamed(search, found, {Key("noise", 1): Doubt(LAW, -20.0)})
         assert carried.has(PowerLaw) == noise
-    ends = _of_any_slope(search, carried).parameters["exponent"]
+    ends = power_law_finding(search, carried).parameters["exponent"]
     assert ends.low < 2.6 < STEEPEST < ends.high
 
 
@@ -243,7 +244,7 @@ def test_a_step_in_doubt_beside_slow_noise_is_not_in_the_model_as_noise():
     described = Description((Term(BiasStep(400.0, 0.1), ("step",)),), Noise((WHITE, RandomWalk(1e-3))))
     found = fit(sequence(PowerLaw(4e-3, 1.5), BiasStep(400.0, 0.1)), described)
     doubtful = dict.fromkeys([Key("term", 0), Key("noise", 1)], Doubt(LAW, -20.0))
-    assert [one.name for one in _carried(search, found, doubtful).description.effects()] == ["white_noise"]
+    assert [one.name for one in without_unnamed(search, found, doubtful).description.effects()] == ["white_noise"]
 
 
 @pytest.mark.slow
@@ -259,7 +260,7 @@ def test_steps_are_jumps_where_there_are_many_beside_slow_noise(noise, most):
         effects = (noise, *(step.effect for step in steps))
         found = fit(sequence(*effects), Description(steps, Noise((WHITE, noise))))
         keys = search.added(found.description)
-        assert set(_jumping(found, keys)) == (set(keys) if count > most else set())
+        assert set(steps_of_unnamed(found, keys)) == (set(keys) if count > most else set())
 
 
 @pytest.mark.parametrize(("second", "doubtful"), [(0.5, True), (2.0, False)])
@@ -354,9 +355,10 @@ def test_bursts_change_the_variance_and_leave_no_change_of_it_a_name():
     found = fit(sequence(noise, change), Description((), Noise((WHITE, noise)), (change,)))
     slow, changes = (key for key in search.added(found.description))
     bursts = Doubt(BURSTS, -20.0)
-    assert _of_the_variance(search, found, [slow, changes], {slow: bursts}) == {changes: bursts}
+    assert variance_of_unnamed(search, found, [slow, changes], {slow: bursts}) == {changes: bursts}
     assert (
-        _of_the_variance(search, found, [slow, changes], {slow: Doubt("its spectrum has another slope", -20.0)}) == {}
+        variance_of_unnamed(search, found, [slow, changes], {slow: Doubt("its spectrum has another slope", -20.0)})
+        == {}
     )
 
 
@@ -454,4 +456,4 @@ def test_volatile_noise_has_neither_outliers_nor_changes_of_variance():
     keys = search.added(found.description)
     assert {key.part for key in keys} == {"outliers", "change"}
     assert set(doubts(search, found)) == set(keys)
-    assert _of_the_variance(search, found, keys, {}) == {}
+    assert variance_of_unnamed(search, found, keys, {}) == {}

@@ -14,7 +14,7 @@ from imugap.discovery.checks.motion import samples_in_motion
 from imugap.discovery.fit.axis_fit import Description, Term, fit
 from imugap.discovery.fit.whittle import Noise
 from imugap.discovery.preparation.sequence import AxisSequence
-from imugap.discovery.search.search import Trial, _in_noise
+from imugap.discovery.search.search import Trial, noise_shows_filter
 from imugap.discovery.unnamed.hysteresis import play
 from imugap.effects import (
     CATALOGUE,
@@ -131,7 +131,7 @@ def test_a_delay_is_no_filter_that_noise_does_not_show(effect, shown):
     filtered = fit(data, Description((), Noise((WhiteNoise(1e-4),), near)))
     gain = filtered.log_likelihood - plain.log_likelihood
     assert gain > 100
-    assert _in_noise(Trial(near, filtered, gain, 1, 10.0), LOG_ALPHA) == shown
+    assert noise_shows_filter(Trial(near, filtered, gain, 1, 10.0), LOG_ALPHA) == shown
 
 
 @pytest.mark.slow

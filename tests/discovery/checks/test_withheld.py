@@ -7,7 +7,7 @@ from tests.discovery.simulated import LOG_ALPHA, WHITE, beside_white, names, pla
 from imugap.benchmark.sealing.noise import fractional
 from imugap.discovery.axis import concluded, told
 from imugap.discovery.checks import Doubt, doubts
-from imugap.discovery.checks.all_checks import _of_the_spectrum, _parts_of_it
+from imugap.discovery.checks.all_checks import means_of_unnamed, spectrum_of_unnamed
 from imugap.discovery.checks.hysteresis import MEMORY, in_place_of_means
 from imugap.discovery.checks.misfit import LEVEL
 from imugap.discovery.fit.axis_fit import Description, Term, fit
@@ -82,7 +82,7 @@ def test_what_slow_noise_without_a_name_may_have_made_has_none_either(doubtful, 
     keys = [*(Key("term", index) for index in range(3)), Key("noise", 1)]
     doubt = {keys[3 if doubtful == "noise" else 1]: Doubt(reason, -20.0)}
     found = fit(data, described)
-    of_it = _parts_of_it(search, found, keys, doubt)
+    of_it = means_of_unnamed(search, found, keys, doubt)
     assert [type(at(found.description, key)) for key in of_it] == withheld
     assert all(one.reason == reason for one in of_it.values())
 
@@ -95,7 +95,7 @@ def test_a_line_or_filter_where_noise_without_a_name_is_the_power_has_none_eithe
         noise = Noise((WHITE, GaussMarkov(1e-2, 1.0)), OutputFilter(cutoff, 1))
         found = fit(sequence(GaussMarkov(1e-2, 1.0), count=12_000), Description(lines, noise))
         described = replace(found, description=Description(lines, noise))
-        assert list(_of_the_spectrum(described, keys, {Key("noise", 1): doubt})) == nameless
+        assert list(spectrum_of_unnamed(described, keys, {Key("noise", 1): doubt})) == nameless
 
 
 @pytest.mark.slow

@@ -8,7 +8,7 @@ import pytest
 from imugap.discovery.fit.axis_fit import Description, fit
 from imugap.discovery.fit.whittle import Noise
 from imugap.discovery.preparation.sequence import AxisSequence
-from imugap.discovery.search.noise_agreement import BEFOREHAND, _Choice, _choice, agreed
+from imugap.discovery.search.noise_agreement import BEFOREHAND, Choice, agreed, choice_of
 from imugap.discovery.search.search import Search
 from imugap.effects import BiasInstability, BiasStep, GaussMarkov, RandomWalk, RateRamp, WarmUp, WhiteNoise
 from imugap.effects.conditions import Conditions
@@ -42,7 +42,7 @@ def kinds(fits):
 
 def test_an_axis_that_has_no_room_for_the_kind_of_the_others_keeps_its_own():
     found = object()
-    assert _Choice((GaussMarkov,), 0.0, found, object(), {}).alike(RandomWalk, -8.0) is found
+    assert Choice((GaussMarkov,), 0.0, found, object(), {}).alike(RandomWalk, -8.0) is found
 
 
 @pytest.mark.slow
@@ -99,7 +99,7 @@ def test_a_walk_beside_far_faster_processes_is_none_of_them():
     """A process slow enough is as good as a walk, but not one like those of the others."""
     fast, walk = (GaussMarkov(2e-3, 3.0),), (RandomWalk(7e-5),)
     fits, searches = explored({"gyro_x": fast, "gyro_y": walk, "gyro_z": fast}, 3)
-    own = _choice(searches["gyro_y"], fits["gyro_y"], searches["gyro_y"].added(fits["gyro_y"].description))
+    own = choice_of(searches["gyro_y"], fits["gyro_y"], searches["gyro_y"].added(fits["gyro_y"].description))
     assert own.time > 1000
     assert own.worth(GaussMarkov) > -BEFOREHAND
     assert agreed(fits, searches) == fits

@@ -8,7 +8,7 @@ from imugap.discovery.axis import concluded, told
 from imugap.discovery.fit.axis_fit import Description, fit
 from imugap.discovery.fit.whittle import Noise
 from imugap.discovery.preparation.cosine_bins import usable
-from imugap.discovery.search.search import RESHAPED, Search, _behind, _hopeful
+from imugap.discovery.search.search import RESHAPED, Search, behind_filter, may_reach
 from imugap.effects import CATALOGUE, BiasInstability, GaussMarkov, OutputFilter, RandomWalk
 from imugap.stream import stream
 
@@ -60,7 +60,7 @@ def test_what_a_filter_gains_is_known_before_it_is_fitted(cutoff, slow):
     before = fit(data, description)
     search = Search(description, tuple(CATALOGUE.values()), LOG_ALPHA)
     for start in OutputFilter.starts(before):
-        expected, beside = _behind(start, before)
+        expected, beside = behind_filter(start, before)
         found = search.judged(expected, before, beside)
         assert found.gain == pytest.approx(expected.gain - RESHAPED, abs=RESHAPED / 3)
-        assert _hopeful(expected, LOG_ALPHA) or found.log_p > LOG_ALPHA
+        assert may_reach(expected, LOG_ALPHA) or found.log_p > LOG_ALPHA

@@ -156,6 +156,7 @@ def test_correlation_time_beyond_the_log_gets_a_lower_bound():
     assert driving["low"] < 2e-7 < driving["high"]
 
 
+@pytest.mark.slow
 def test_random_walk_that_the_log_hardly_shows_is_bounded():
     """K at T = 200 s, whose Cramer-Rao bound is 94 %: in one log of 14 something is seen of it."""
     verdicts = []

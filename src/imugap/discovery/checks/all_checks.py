@@ -55,11 +55,11 @@ def doubts(search: Search, fit: AxisFit) -> dict[Key, Doubt]:
         same = [one for one in keys if isinstance(at(fit.description, one), kind)]
         if kind.most is not None and len(same) > kind.most:
             found[key] = Doubt(f"{len(same)} of them", -np.inf)
-    found |= _remembered(search, fit, keys) | _jumping(fit, keys) | of_transients(search, fit, keys)
-    found |= of_transitions(search, fit, keys) | _wandering(search, fit, keys)
-    found |= _of_the_variance(search, fit, keys, found)
+    found |= _remembered(search, fit, keys) | steps_of_unnamed(fit, keys) | of_transients(search, fit, keys)
+    found |= of_transitions(search, fit, keys) | means_as_power_law(search, fit, keys)
+    found |= variance_of_unnamed(search, fit, keys, found)
     found |= _after_clusters(search, fit, found) | _beside_a_mean(search, fit, keys, found)
-    found |= _parts_of_it(search, fit, keys, found) | _of_the_spectrum(fit, keys, found)
+    found |= means_of_unnamed(search, fit, keys, found) | spectrum_of_unnamed(fit, keys, found)
     clear = _clear_of_lines(search, fit, keys, found)
     for part in {key.part for key in found}:
         worst = min((found[key] for key in found if key.part == part), key=lambda doubt: doubt.log_p)
@@ -92,7 +92,7 @@ def _moved(search: Search, fit: AxisFit, keys: Sequence[Key]) -> dict[Key, Doubt
     return dict.fromkeys(keys, doubt) if doubt.log_p < LEVEL else {}
 
 
-def _jumping(fit: AxisFit, keys: Sequence[Key]) -> dict[Key, Doubt]:
+def steps_of_unnamed(fit: AxisFit, keys: Sequence[Key]) -> dict[Key, Doubt]:
     """Return steps and slow noise, where the steps are too many to be anything but jumps of a process without a name.
 
     Beside telegraph noise two are, which make it one of more values than two.
@@ -105,7 +105,7 @@ def _jumping(fit: AxisFit, keys: Sequence[Key]) -> dict[Key, Doubt]:
     return dict.fromkeys([*steps, *slow, *switches], Doubt("it jumps", -np.inf)) if jumps else {}
 
 
-def _wandering(search: Search, fit: AxisFit, keys: Sequence[Key]) -> dict[Key, Doubt]:
+def means_as_power_law(search: Search, fit: AxisFit, keys: Sequence[Key]) -> dict[Key, Doubt]:
     """Return means of time, two or more, and slow noise, where one power law is worth more than all of them."""
     means = [key for key in keys if at(fit.description, key).of_time]
     slow = [key for key in keys if at(fit.description, key).slow]
@@ -114,7 +114,9 @@ def _wandering(search: Search, fit: AxisFit, keys: Sequence[Key]) -> dict[Key, D
     return dict.fromkeys(both, Doubt("one power law explains all of it better", -np.inf)) if more > 0 else {}
 
 
-def _of_the_variance(search: Search, fit: AxisFit, keys: Sequence[Key], found: Mapping[Key, Doubt]) -> dict[Key, Doubt]:
+def variance_of_unnamed(
+    search: Search, fit: AxisFit, keys: Sequence[Key], found: Mapping[Key, Doubt]
+) -> dict[Key, Doubt]:
     """Return what of the variance may be made by what has no name: changes beside bursts, or outliers in doubt.
 
     And outliers that are not far out where a change is in doubt.
@@ -182,7 +184,7 @@ def _beside_a_mean(search: Search, fit: AxisFit, keys: Sequence[Key], found: Map
     return {key: Doubt("the mean beside it has no known shape", min(bent.values())) for key in doubtful}
 
 
-def _parts_of_it(search: Search, fit: AxisFit, keys: Sequence[Key], found: Mapping[Key, Doubt]) -> dict[Key, Doubt]:
+def means_of_unnamed(search: Search, fit: AxisFit, keys: Sequence[Key], found: Mapping[Key, Doubt]) -> dict[Key, Doubt]:
     """Return what stands beside slow noise in doubt and may be made by the same thing without a name.
 
     Any may have made steps, a memory of the temperature whatever else goes with the temperature or with time. Other
@@ -209,7 +211,7 @@ def _certain_in(search: Search, other: AxisFit, fit: AxisFit, key: Key) -> bool:
     return replace(search.weighed(fit, key)[0], gain=gain).log_p < search.log_alpha
 
 
-def _of_the_spectrum(fit: AxisFit, keys: Sequence[Key], found: Mapping[Key, Doubt]) -> dict[Key, Doubt]:
+def spectrum_of_unnamed(fit: AxisFit, keys: Sequence[Key], found: Mapping[Key, Doubt]) -> dict[Key, Doubt]:
     """Return the lines and the filter where noise in doubt is most of the power: the spectrum there has no name."""
     doubtful = [key for key in found if key.part == "noise"]
     if not doubtful:

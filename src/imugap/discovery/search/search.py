@@ -269,12 +269,12 @@ class Search:
                 continue
             for start in kind.starts(before):
                 if kind.role is Role.FILTER:
-                    start, beside = _behind(start, before)
-                    if _hopeful(start, bar):
+                    start, beside = behind_filter(start, before)
+                    if may_reach(start, bar):
                         trial = self.judged(start, before, beside)
-                        if not before.sequence.moved or _in_noise(trial, self.log_alpha):
+                        if not before.sequence.moved or noise_shows_filter(trial, self.log_alpha):
                             yield trial
-                elif _moves(start.effect, before) or _hopeful(start, bar):
+                elif _moves(start.effect, before) or may_reach(start, bar):
                     yield self.judged(start, before)
         yield from self._instead(before)
 
@@ -522,7 +522,7 @@ def little(effect: StochasticEffect) -> StochasticEffect:
     return replace(effect, **{size: LITTLE * getattr(effect, size)})
 
 
-def _behind(start: Start, before: AxisFit) -> tuple[Start, Description]:
+def behind_filter(start: Start, before: AxisFit) -> tuple[Start, Description]:
     """Return a filter, and the description with the noise behind it, from which a fit is most likely to get there.
 
     Without the filter noise has gone far to look like it, and may not find back. What the noise gains is known by then,
@@ -541,7 +541,7 @@ def _behind(start: Start, before: AxisFit) -> tuple[Start, Description]:
     return replace(start, effect=best.noise.output_filter, gain=gain), beside
 
 
-def _in_noise(filtered: Trial, log_alpha: float) -> bool:
+def noise_shows_filter(filtered: Trial, log_alpha: float) -> bool:
     """Return whether the noise shows a filter, besides the motion: else what the motion shows may be a mere delay."""
     fit, bins = filtered.fit, filtered.fit.sequence.bins
     unfiltered = fit_noise(replace(fit.noise.noise, output_filter=None), bins, fit.power)
@@ -561,7 +561,7 @@ def _moves(effect: Effect, before: AxisFit) -> bool:
     return slow and effect.role is Role.NOISE
 
 
-def _hopeful(start: Start, bar: float) -> bool:
+def may_reach(start: Start, bar: float) -> bool:
     """Return whether the log-probability of a proposal may come below ``bar``."""
     return log_chance(SLACK * start.gain + SLACK, len(start.free)) + np.log(start.trials) < bar
 
