@@ -21,7 +21,7 @@ from imugap.model import ErrorModel
 ROOT = Path(__file__).parents[2]
 QUICK = "workflow/config/quick.yaml"
 
-BLIND = "blind={cases: 4}"
+BLIND = "blind={cases: 4, cases_per_job: 2}"
 
 pytestmark = pytest.mark.slow
 
@@ -230,12 +230,12 @@ def cluster(tmp_path):
 
 def test_the_blind_benchmark_on_a_slurm_cluster_has_the_same_tables(benchmark, cluster, tmp_path):
     folder = blind_project(tmp_path / "there")
-    options = ["--workflow-profile", "workflow/profiles/slurm", "--group-components", "blind_discover=2"]
+    options = ["--workflow-profile", "workflow/profiles/slurm"]
     options += ["--slurm-status-command", "squeue", "--slurm-no-account"]
     options += ["--slurm-init-seconds-before-status-checks", "5", "--seconds-between-status-checks", "2"]
     found = snakemake("blind", "--config", BLIND, *options, folder=folder)
     text = found.stdout + found.stderr
     assert found.returncode == 0, text
     submitted = re.findall(r"submitted with SLURM jobid \d+ \(log: .*/slurm_logs/(\w+)/", text)
-    assert sorted(submitted) == ["group_blind_discover_blind_discover"] * 2 + ["rule_blind_seal"]
+    assert sorted(submitted) == ["rule_blind_discover"] * 2 + ["rule_blind_seal"]
     assert blind_tables(folder) == blind_tables(benchmark)

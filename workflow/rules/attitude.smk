@@ -1,24 +1,5 @@
-FLIGHTS = range(1, config["attitude"]["flights"] + 1)
+FLIGHTS = list(range(1, config["attitude"]["flights"] + 1))
 RECIPE = yaml.safe_load(Path("data/flight.yaml").read_text())
-
-
-rule flight_log:
-    """Simulate one flight and, ahead of it, a static log of the same device."""
-    input:
-        recipe="data/flight.yaml",
-    output:
-        static=temp("data/raw/flight/{run}/static.parquet"),
-        flight="data/raw/flight/{run}/flight.parquet",
-    log:
-        "logs/flight_log/{run}.log",
-    benchmark:
-        "benchmarks/flight_log/{run}.tsv"
-    params:
-        seed=config["seed"],
-        minutes=max(config["attitude"]["static_minutes"]),
-        code=library("flight_log"),
-    script:
-        "../scripts/flight_log.py"
 
 
 rule flight_truth:
@@ -38,22 +19,27 @@ rule flight_truth:
         "../scripts/flight_truth.py"
 
 
-rule flight_fit:
-    """Estimate the error model of the flying device from its static log, by every scheme and length."""
+rule flight_runs:
+    """Simulate the flights, and fit each device's error model to a static log ahead of its flight, by every scheme."""
     input:
-        log="data/raw/flight/{run}/static.parquet",
+        recipe="data/flight.yaml",
     output:
-        estimates="results/flight/{run}/estimates.csv",
-        models="results/flight/{run}/models.yaml",
+        flights=expand("data/raw/flight/{run}/flight.parquet", run=FLIGHTS),
+        estimates=expand("results/flight/{run}/estimates.csv", run=FLIGHTS),
+        models=expand("results/flight/{run}/models.yaml", run=FLIGHTS),
     log:
-        "logs/flight_fit/{run}.log",
+        "logs/flight_runs.log",
     benchmark:
-        "benchmarks/flight_fit/{run}.tsv"
+        "benchmarks/flight_runs.tsv"
+    # minutes in one job, and much waits for it
+    priority: 1
     params:
+        seed=config["seed"],
+        runs=FLIGHTS,
         minutes=config["attitude"]["static_minutes"],
-        code=library("flight_fit"),
+        code=library("flight_runs"),
     script:
-        "../scripts/flight_fit.py"
+        "../scripts/flight_runs.py"
 
 
 rule flight_attitude:
@@ -161,144 +147,140 @@ rule flight_page:
         "../scripts/flight_page.py"
 
 
-rule trial_reference:
-    """Read the optical reference attitude of a trial."""
-    input:
-        raw=lambda wildcards: str(
-            locate(CATALOGUE["broad"].file(int(wildcards.run)), RAW, MIRROR)
-        ),
-        tables=["data/datasets.csv", "data/files.csv"],
-    output:
-        "results/broad/{run}/reference.parquet",
-    log:
-        "logs/trial_reference/{run}.log",
-    benchmark:
-        "benchmarks/trial_reference/{run}.tsv"
-    params:
-        code=library("trial_reference"),
-    script:
-        "../scripts/trial_reference.py"
-
-
-rule trial_fit:
-    """Estimate the error model of the device from both rests of every trial, by every scheme."""
-    input:
-        logs=of_trials("log.parquet"),
-        references=of_trials("reference.parquet"),
-    output:
-        estimates="results/broad/estimates.csv",
-        models="results/broad/models.yaml",
-    log:
-        "logs/trial_fit.log",
-    benchmark:
-        "benchmarks/trial_fit.tsv"
-    params:
-        trials=TRIALS,
-        margin_s=config["attitude"]["rest_margin_s"],
-        code=library("trial_fit"),
-    script:
-        "../scripts/trial_fit.py"
-
-
-rule trial_attitude:
-    """Filter the motion of every trial with the model of every scheme, without and with a margin for motion."""
-    input:
-        logs=of_trials("log.parquet"),
-        references=of_trials("reference.parquet"),
-        models="results/broad/models.yaml",
-    output:
-        "results/broad/attitude.parquet",
-    log:
-        "logs/trial_attitude.log",
-    benchmark:
-        "benchmarks/trial_attitude.tsv"
-    params:
-        trials=TRIALS,
-        margin_s=config["attitude"]["rest_margin_s"],
-        motion_margin=config["attitude"]["motion_margin"],
-        assumptions=assumptions(SITES["broad"], "broad"),
-        code=library("trial_attitude"),
-    script:
-        "../scripts/trial_attitude.py"
-
-
-rule trial_scores:
-    """Measure how log and reference lie to one another, and compare the filtered attitudes with the reference."""
-    input:
-        logs=of_trials("log.parquet"),
-        references=of_trials("reference.parquet"),
-        attitude="results/broad/attitude.parquet",
-    output:
-        alignment="results/broad/alignment.csv",
-        scores="results/broad/scores.csv",
-        differences="results/broad/differences.csv",
-        errors="results/broad/errors.parquet",
-    log:
-        "logs/trial_scores.log",
-    benchmark:
-        "benchmarks/trial_scores.tsv"
-    params:
-        trials=TRIALS,
-        seed=config["seed"],
-        margin_s=config["attitude"]["rest_margin_s"],
-        code=library("trial_scores"),
-    script:
-        "../scripts/trial_scores.py"
-
-
-rule trial_page:
-    """Draw and tabulate the real trials: alignment, what the rests tell, errors."""
-    input:
-        alignment="results/broad/alignment.csv",
-        estimates="results/broad/estimates.csv",
-        scores="results/broad/scores.csv",
-        differences="results/broad/differences.csv",
-        errors="results/broad/errors.parquet",
-    output:
-        multiext("paper/tables/attitude_alignment", ".json", ".tex"),
-        multiext("paper/tables/attitude_rests", ".json", ".tex"),
-        multiext("paper/tables/attitude_trials", ".json", ".tex"),
-        figure=report(
-            "paper/figures/attitude_trials.svg",
-            caption="../report/attitude_trials.rst",
-            category="Attitude",
-            labels={"result": "trials (figure)"},
-        ),
-        alignment=report(
-            "paper/tables/attitude_alignment.csv",
-            caption="../report/attitude_alignment.rst",
-            category="Attitude",
-            labels={"result": "log against reference (table)"},
-        ),
-        rests=report(
-            "paper/tables/attitude_rests.csv",
-            caption="../report/attitude_rests.rst",
-            category="Attitude",
-            labels={"result": "what a rest tells (table)"},
-        ),
-        trials=report(
-            "paper/tables/attitude_trials.csv",
-            caption="../report/attitude_trials_table.rst",
-            category="Attitude",
-            labels={"result": "errors of the trials (table)"},
-        ),
-        numbers="paper/numbers/attitude_trials.json",
-    log:
-        "logs/trial_page.log",
-    benchmark:
-        "benchmarks/trial_page.tsv"
-    params:
-        code=library("trial_page"),
-    script:
-        "../scripts/trial_page.py"
-
-
 PAPER["attitude"] += multiext("paper/figures/attitude", "_flight.svg", "_runs.svg")
 PAPER["attitude"] += multiext(
     "paper/tables/attitude", "_flight.json", "_parameters.json"
 )
 PAPER["attitude"] += ["paper/numbers/attitude_flight.json"]
+
 if TRIALS:
+
+    rule trial_references:
+        """Read the optical reference attitude of every trial."""
+        input:
+            raw=raw_logs("broad"),
+            tables=["data/datasets.csv", "data/files.csv"],
+        output:
+            of_trials("reference.parquet"),
+        log:
+            "logs/trial_references.log",
+        benchmark:
+            "benchmarks/trial_references.tsv"
+        params:
+            trials=TRIALS,
+            code=library("trial_references"),
+        script:
+            "../scripts/trial_references.py"
+
+    rule trial_fit:
+        """Estimate the error model of the device from both rests of every trial, by every scheme."""
+        input:
+            logs=of_trials("log.parquet"),
+            references=of_trials("reference.parquet"),
+        output:
+            estimates="results/broad/estimates.csv",
+            models="results/broad/models.yaml",
+        log:
+            "logs/trial_fit.log",
+        benchmark:
+            "benchmarks/trial_fit.tsv"
+        params:
+            trials=TRIALS,
+            margin_s=config["attitude"]["rest_margin_s"],
+            code=library("trial_fit"),
+        script:
+            "../scripts/trial_fit.py"
+
+    rule trial_attitude:
+        """Filter the motion of every trial with the model of every scheme, without and with a margin for motion."""
+        input:
+            logs=of_trials("log.parquet"),
+            references=of_trials("reference.parquet"),
+            models="results/broad/models.yaml",
+        output:
+            "results/broad/attitude.parquet",
+        log:
+            "logs/trial_attitude.log",
+        benchmark:
+            "benchmarks/trial_attitude.tsv"
+        params:
+            trials=TRIALS,
+            margin_s=config["attitude"]["rest_margin_s"],
+            motion_margin=config["attitude"]["motion_margin"],
+            assumptions=assumptions(SITES["broad"], "broad"),
+            code=library("trial_attitude"),
+        script:
+            "../scripts/trial_attitude.py"
+
+    rule trial_scores:
+        """Measure how log and reference lie to one another, and compare the filtered attitudes with the reference."""
+        input:
+            logs=of_trials("log.parquet"),
+            references=of_trials("reference.parquet"),
+            attitude="results/broad/attitude.parquet",
+        output:
+            alignment="results/broad/alignment.csv",
+            scores="results/broad/scores.csv",
+            differences="results/broad/differences.csv",
+            errors="results/broad/errors.parquet",
+        log:
+            "logs/trial_scores.log",
+        benchmark:
+            "benchmarks/trial_scores.tsv"
+        params:
+            trials=TRIALS,
+            seed=config["seed"],
+            margin_s=config["attitude"]["rest_margin_s"],
+            code=library("trial_scores"),
+        script:
+            "../scripts/trial_scores.py"
+
+    rule trial_page:
+        """Draw and tabulate the real trials: alignment, what the rests tell, errors."""
+        input:
+            alignment="results/broad/alignment.csv",
+            estimates="results/broad/estimates.csv",
+            scores="results/broad/scores.csv",
+            differences="results/broad/differences.csv",
+            errors="results/broad/errors.parquet",
+        output:
+            multiext("paper/tables/attitude_alignment", ".json", ".tex"),
+            multiext("paper/tables/attitude_rests", ".json", ".tex"),
+            multiext("paper/tables/attitude_trials", ".json", ".tex"),
+            figure=report(
+                "paper/figures/attitude_trials.svg",
+                caption="../report/attitude_trials.rst",
+                category="Attitude",
+                labels={"result": "trials (figure)"},
+            ),
+            alignment=report(
+                "paper/tables/attitude_alignment.csv",
+                caption="../report/attitude_alignment.rst",
+                category="Attitude",
+                labels={"result": "log against reference (table)"},
+            ),
+            rests=report(
+                "paper/tables/attitude_rests.csv",
+                caption="../report/attitude_rests.rst",
+                category="Attitude",
+                labels={"result": "what a rest tells (table)"},
+            ),
+            trials=report(
+                "paper/tables/attitude_trials.csv",
+                caption="../report/attitude_trials_table.rst",
+                category="Attitude",
+                labels={"result": "errors of the trials (table)"},
+            ),
+            numbers="paper/numbers/attitude_trials.json",
+        log:
+            "logs/trial_page.log",
+        benchmark:
+            "benchmarks/trial_page.tsv"
+        params:
+            code=library("trial_page"),
+        script:
+            "../scripts/trial_page.py"
+
     PAPER["attitude"] += [
         "paper/figures/attitude_trials.svg",
         "paper/numbers/attitude_trials.json",

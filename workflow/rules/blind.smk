@@ -1,4 +1,9 @@
 BLIND_CASES = [f"c{number:04}" for number in range(1, config["blind"]["cases"] + 1)]
+PER_JOB = config["blind"]["cases_per_job"]
+BATCHES = {
+    str(1 + first // PER_JOB): BLIND_CASES[first : first + PER_JOB]
+    for first in range(0, len(BLIND_CASES), PER_JOB)
+}
 
 
 # seconds each, less than a job of a cluster waits for
@@ -31,24 +36,22 @@ rule blind_seal:
 
 
 rule blind_discover:
-    """Name what is missing from the model of a sealed case, from its logs alone."""
+    """Name what is missing from the model of each of a batch of sealed cases, from its logs alone."""
     input:
-        case="results/blind/cases/{case}",
+        cases=lambda wildcards: expand(
+            "results/blind/cases/{case}", case=BATCHES[wildcards.batch]
+        ),
     output:
-        report="results/blind/discovered/{case}/report.json",
-        views="results/blind/discovered/{case}/views.csv",
-        seconds="results/blind/discovered/{case}/seconds.json",
+        directory("results/blind/discovered/{batch}"),
     log:
-        "logs/blind_discover/{case}.log",
+        "logs/blind_discover/{batch}.log",
     benchmark:
-        "benchmarks/blind_discover/{case}.tsv"
+        "benchmarks/blind_discover/{batch}.tsv"
     wildcard_constraints:
-        case=r"c\d+",
-    group:
-        "blind_discover"
+        batch=r"\d+",
     resources:
         mem_mb=3000,
-        runtime=10,
+        runtime=10 * PER_JOB,
     params:
         asked={
             key: config["discovery"][key]
@@ -64,9 +67,7 @@ rule blind_score:
     """Compare the reports of the blind benchmark with the keys."""
     input:
         key=expand("results/blind/keys/{case}.json", case=BLIND_CASES),
-        reports=expand("results/blind/discovered/{case}/report.json", case=BLIND_CASES),
-        seconds=expand("results/blind/discovered/{case}/seconds.json", case=BLIND_CASES),
-        views=expand("results/blind/discovered/{case}/views.csv", case=BLIND_CASES),
+        found=expand("results/blind/discovered/{batch}", batch=BATCHES),
     output:
         cases="results/blind/cases.csv",
         effects="results/blind/effects.csv",

@@ -26,6 +26,9 @@ RUNS = {
 DEVICES = [device for device, runs in RUNS.items() if runs]
 POWER_CYCLES = config["power_cycles"] if "memsense_turnon" in PRESENT else []
 TRIALS = config["attitude"]["trials"] if "broad" in PRESENT else []
+# The runs of whatever has its logs ingested, by device: one job reads all of a device.
+LOGS = RUNS | {"memsense_turnon": POWER_CYCLES, "broad": TRIALS}
+LOGS = {device: runs for device, runs in LOGS.items() if runs}
 WALKS = [name for name in PRESENT if CATALOGUE[name].kind == "walk"]
 SITES = config["sites"] | {
     "bench": yaml.safe_load(Path("data/bench.yaml").read_text())["site"]
@@ -128,26 +131,29 @@ def of_devices(*patterns):
     return expand(patterns, device=DEVICES)
 
 
+def per_run(device, name):
+    """Name the file ``name`` of every run of one device."""
+    return expand(f"results/{device}/{{run}}/{name}", run=LOGS[device])
+
+
 def of_runs(name):
     """Name the file ``name`` of every run of the device."""
-    return lambda wildcards: expand(
-        f"results/{wildcards.device}/{{run}}/{name}", run=RUNS[wildcards.device]
-    )
+    return lambda wildcards: per_run(wildcards.device, name)
 
 
 def of_trials(name):
     """Name the file ``name`` of every trial."""
-    return expand(f"results/broad/{{run}}/{name}", run=TRIALS)
+    return per_run("broad", name)
 
 
-def raw_log(wildcards):
-    """Name the raw log of a run: generated, given by the user, or of the catalogue (fetched or in the mirror)."""
-    run = int(wildcards.run)
-    if wildcards.device == "bench":
-        return f"{RAW}/bench/run{run}.parquet"
-    if wildcards.device == "own":
-        return config["own_logs"][run - 1]
-    return str(locate(CATALOGUE[wildcards.device].file(run), RAW, MIRROR))
+def raw_logs(device):
+    """Name the raw logs of a device: generated, given by the user, or of the catalogue (fetched or in the mirror)."""
+    if device == "bench":
+        return expand(f"{RAW}/bench/run{{run}}.parquet", run=RUNS["bench"])
+    if device == "own":
+        return config["own_logs"]
+    files = (CATALOGUE[device].file(run) for run in LOGS[device])
+    return [str(locate(file, RAW, MIRROR)) for file in files]
 
 
 def raw_drive(name, content="log"):

@@ -9,23 +9,26 @@ rule fetch:
         "../scripts/fetch.py"
 
 
-rule bench_log:
-    """Generate the raw log of one static run of the virtual bench."""
-    input:
-        recipe="data/bench.yaml",
-    output:
-        "data/raw/bench/run{run}.parquet",
-    log:
-        "logs/bench_log/{run}.log",
-    benchmark:
-        "benchmarks/bench_log/{run}.tsv"
-    params:
-        seed=config["seed"],
-        duration_s=config["bench"]["duration_s"],
-        rate_hz=config["bench"]["rate_hz"],
-        code=library("bench_log"),
-    script:
-        "../scripts/bench_log.py"
+if RUNS["bench"]:
+
+    rule bench_logs:
+        """Generate the raw logs of the static runs of the virtual bench."""
+        input:
+            recipe="data/bench.yaml",
+        output:
+            expand("data/raw/bench/run{run}.parquet", run=RUNS["bench"]),
+        log:
+            "logs/bench_logs.log",
+        benchmark:
+            "benchmarks/bench_logs.tsv"
+        params:
+            runs=RUNS["bench"],
+            seed=config["seed"],
+            duration_s=config["bench"]["duration_s"],
+            rate_hz=config["bench"]["rate_hz"],
+            code=library("bench_logs"),
+        script:
+            "../scripts/bench_logs.py"
 
 
 rule bench_truth:
@@ -44,22 +47,28 @@ rule bench_truth:
         "../scripts/bench_truth.py"
 
 
-rule ingest:
-    """Turn a raw log into a canonical log, with a report on its integrity."""
-    input:
-        raw=raw_log,
-        tables=["data/datasets.csv", "data/files.csv"],
-    output:
-        log="results/{device}/{run}/log.parquet",
-        integrity="results/{device}/{run}/integrity.json",
-    log:
-        "logs/ingest/{device}_{run}.log",
-    benchmark:
-        "benchmarks/ingest/{device}_{run}.tsv"
-    params:
-        code=library("ingest"),
-    script:
-        "../scripts/ingest.py"
+for device, runs in LOGS.items():
+
+    rule:
+        """Turn the raw logs of a device into canonical logs, with a report on the integrity of each."""
+        name:
+            f"ingest_{device}"
+        input:
+            raw=raw_logs(device),
+            tables=["data/datasets.csv", "data/files.csv"],
+        output:
+            logs=per_run(device, "log.parquet"),
+            integrity=per_run(device, "integrity.json"),
+        log:
+            f"logs/ingest/{device}.log",
+        benchmark:
+            f"benchmarks/ingest/{device}.tsv"
+        params:
+            device=device,
+            runs=runs,
+            code=library("ingest"),
+        script:
+            "../scripts/ingest.py"
 
 
 rule integrity_table:

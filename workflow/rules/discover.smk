@@ -61,23 +61,27 @@ rule story_real:
         "../scripts/means.py"
 
 
-rule means:
-    """Average a run over blocks: what discovery is asked about a device."""
-    input:
-        "results/{device}/{run}/log.parquet",
-    output:
-        "results/{device}/{run}/means.parquet",
-    log:
-        "logs/means/{device}_{run}.log",
-    benchmark:
-        "benchmarks/means/{device}_{run}.tsv"
-    params:
-        duration_s=config["discovery"]["duration_s"],
-        rate_hz=config["estimation"]["rate_hz"],
-        columns=None,
-        code=library("means"),
-    script:
-        "../scripts/means.py"
+for device in MISSING_OF:
+
+    rule:
+        """Average every run of a device over blocks: what discovery is asked about it."""
+        name:
+            f"means_{device}"
+        input:
+            per_run(device, "log.parquet"),
+        output:
+            per_run(device, "means.parquet"),
+        log:
+            f"logs/means/{device}.log",
+        benchmark:
+            f"benchmarks/means/{device}.tsv"
+        params:
+            duration_s=config["discovery"]["duration_s"],
+            rate_hz=config["estimation"]["rate_hz"],
+            columns=None,
+            code=library("means"),
+        script:
+            "../scripts/means.py"
 
 
 rule run_nbk:
@@ -98,30 +102,34 @@ rule run_nbk:
         "../scripts/run_nbk.py"
 
 
-rule sighted:
-    """Cut the motion of a trial, and the error-free log that the cameras give of it, to the same band."""
-    input:
-        log="results/broad/{run}/log.parquet",
-        reference="results/broad/{run}/reference.parquet",
-        raw=lambda wildcards: str(
-            locate(CATALOGUE["broad"].file(int(wildcards.run)), RAW, MIRROR)
-        ),
-        tables=["data/datasets.csv", "data/files.csv"],
-    output:
-        log="results/broad/{run}/sighted/log.parquet",
-        ideal="results/broad/{run}/sighted/ideal.parquet",
-        noise="results/broad/{run}/sighted/noise.csv",
-    log:
-        "logs/sighted/{run}.log",
-    benchmark:
-        "benchmarks/sighted/{run}.tsv"
-    params:
-        site=SITES["broad"],
-        bandwidth_hz=config["discovery"]["bandwidth_hz"],
-        margin_s=config["attitude"]["rest_margin_s"],
-        code=library("sighted"),
-    script:
-        "../scripts/sighted.py"
+if SIGHTED:
+
+    rule sighted:
+        """Cut the motion of every trial, and the error-free log that the cameras give of it, to the same band."""
+        input:
+            logs=expand("results/broad/{run}/log.parquet", run=SIGHTED),
+            references=expand("results/broad/{run}/reference.parquet", run=SIGHTED),
+            raw=[
+                str(locate(CATALOGUE["broad"].file(run), RAW, MIRROR))
+                for run in SIGHTED
+            ],
+            tables=["data/datasets.csv", "data/files.csv"],
+        output:
+            logs=expand("results/broad/{run}/sighted/log.parquet", run=SIGHTED),
+            ideals=expand("results/broad/{run}/sighted/ideal.parquet", run=SIGHTED),
+            noises=expand("results/broad/{run}/sighted/noise.csv", run=SIGHTED),
+        log:
+            "logs/sighted.log",
+        benchmark:
+            "benchmarks/sighted.tsv"
+        params:
+            trials=SIGHTED,
+            site=SITES["broad"],
+            bandwidth_hz=config["discovery"]["bandwidth_hz"],
+            margin_s=config["attitude"]["rest_margin_s"],
+            code=library("sighted"),
+        script:
+            "../scripts/sighted.py"
 
 
 rule dossier:

@@ -152,21 +152,25 @@ rule contamination:
         "../scripts/contamination.py"
 
 
-rule estimates:
-    """Estimate the source's models of gyroscopes and accelerometers from one run, by every method."""
-    input:
-        log="results/{device}/{run}/log.parquet",
-    output:
-        "results/{device}/{run}/estimates.csv",
-    log:
-        "logs/estimates/{device}_{run}.log",
-    benchmark:
-        "benchmarks/estimates/{device}_{run}.tsv"
-    params:
-        rate_hz=config["estimation"]["rate_hz"],
-        code=library("estimates"),
-    script:
-        "../scripts/estimates.py"
+for device in DEVICES:
+
+    rule:
+        """Estimate the source's models of gyroscopes and accelerometers from every run of a device, by every method."""
+        name:
+            f"estimates_{device}"
+        input:
+            logs=per_run(device, "log.parquet"),
+        output:
+            per_run(device, "estimates.csv"),
+        log:
+            f"logs/estimates/{device}.log",
+        benchmark:
+            f"benchmarks/estimates/{device}.tsv"
+        params:
+            rate_hz=config["estimation"]["rate_hz"],
+            code=library("estimates"),
+        script:
+            "../scripts/estimates.py"
 
 
 rule estimates_tables:

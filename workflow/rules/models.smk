@@ -1,3 +1,7 @@
+# The contenders with noise, whose Allan deviation is taken.
+SPREAD = [name for name in CONTENDERS if name != "bias_only"]
+
+
 rule fit_models:
     """Build every contender from the indices of a device."""
     input:
@@ -18,17 +22,18 @@ rule fit_models:
 
 
 rule model_allan:
-    """Simulate a contender over the length of the device's runs and take the Allan deviation of each trial."""
+    """Simulate every contender over the length of the device's runs and take the Allan deviation of each trial."""
     input:
-        model="results/{device}/models/{contender}.yaml",
+        models=expand("results/{{device}}/models/{contender}.yaml", contender=SPREAD),
         log=lambda wildcards: f"results/{wildcards.device}/{RUNS[wildcards.device][0]}/log.parquet",
     output:
-        "results/{device}/model_allan/{contender}.csv",
+        expand("results/{{device}}/model_allan/{contender}.csv", contender=SPREAD),
     log:
-        "logs/model_allan/{device}_{contender}.log",
+        "logs/model_allan/{device}.log",
     benchmark:
-        "benchmarks/model_allan/{device}_{contender}.tsv"
+        "benchmarks/model_allan/{device}.tsv"
     params:
+        contenders=SPREAD,
         seed=config["seed"],
         trials=config["allan_trials"],
         code=library("model_allan"),
@@ -42,8 +47,7 @@ rule models_figure:
         device="results/{device}/allan.csv",
         indices="results/{device}/indices.csv",
         models=expand(
-            "results/{{device}}/model_allan/{contender}.csv",
-            contender=[name for name in CONTENDERS if name != "bias_only"],
+            "results/{{device}}/model_allan/{contender}.csv", contender=SPREAD
         ),
     output:
         report(

@@ -31,17 +31,20 @@ rule measured_drift:
 
 
 rule simulated_drift:
-    """Simulate a contender at rest many times and navigate every trial without aid."""
+    """Simulate every contender at rest many times and navigate every trial without aid."""
     input:
-        model="results/{device}/models/{contender}.yaml",
+        models=expand(
+            "results/{{device}}/models/{contender}.yaml", contender=CONTENDERS
+        ),
         measured="results/{device}/drift/measured.npz",
     output:
-        "results/{device}/drift/{contender}.npz",
+        expand("results/{{device}}/drift/{contender}.npz", contender=CONTENDERS),
     log:
-        "logs/simulated_drift/{device}_{contender}.log",
+        "logs/simulated_drift/{device}.log",
     benchmark:
-        "benchmarks/simulated_drift/{device}_{contender}.tsv"
+        "benchmarks/simulated_drift/{device}.tsv"
     params:
+        contenders=list(CONTENDERS),
         site=site,
         course=COURSE,
         seed=config["seed"],

@@ -1,20 +1,24 @@
-rule indices:
-    """Estimate the performance indices and the Allan deviation of one run."""
-    input:
-        log="results/{device}/{run}/log.parquet",
-    output:
-        indices="results/{device}/{run}/indices.csv",
-        allan="results/{device}/{run}/allan.csv",
-    log:
-        "logs/indices/{device}_{run}.log",
-    benchmark:
-        "benchmarks/indices/{device}_{run}.tsv"
-    params:
-        site=site,
-        period_s=config["bias_stability_period_s"],
-        code=library("indices"),
-    script:
-        "../scripts/indices.py"
+for device in DEVICES:
+
+    rule:
+        """Estimate the performance indices and the Allan deviation of every run of a device."""
+        name:
+            f"indices_{device}"
+        input:
+            logs=per_run(device, "log.parquet"),
+        output:
+            indices=per_run(device, "indices.csv"),
+            allan=per_run(device, "allan.csv"),
+        log:
+            f"logs/indices/{device}.log",
+        benchmark:
+            f"benchmarks/indices/{device}.tsv"
+        params:
+            site=SITES[device],
+            period_s=config["bias_stability_period_s"],
+            code=library("indices"),
+        script:
+            "../scripts/indices.py"
 
 
 rule device_indices:

@@ -293,19 +293,18 @@ rule walk_limits_page:
 
 
 rule walk_hidden:
-    """Hide one effect in a simulated loop, and ask discovery with the exact reference and zero velocity without any."""
+    """Hide one effect at a time in a simulated loop; ask discovery with the exact reference, zero velocity without any."""
     input:
         recipe="data/walk.yaml",
         cases="data/hidden.yaml",
     output:
-        "results/walk/hidden/{case}.csv",
+        expand("results/walk/hidden/{case}.csv", case=config["walks"]["hidden"]),
     log:
-        "logs/walk_hidden/{case}.log",
+        "logs/walk_hidden.log",
     benchmark:
-        "benchmarks/walk_hidden/{case}.tsv"
-    wildcard_constraints:
-        case="[a-z_]+",
+        "benchmarks/walk_hidden.tsv"
     params:
+        cases=config["walks"]["hidden"],
         seed=config["seed"],
         strides=config["walks"]["loop_strides"],
         alpha=config["discovery"]["alpha"],

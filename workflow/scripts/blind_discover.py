@@ -1,4 +1,4 @@
-"""Name what is missing from the model of one sealed case, and note how long it took."""
+"""Name what is missing from the model of each of a batch of sealed cases, and note how long each took."""
 
 import json
 from pathlib import Path
@@ -10,20 +10,22 @@ from imugap.discovery.report import view_table
 from imugap.workflow.job_log import journal
 
 
-def main(case, question, output):
+def main(case, question, out):
     """Discover on the logs of the folder ``case``, with its reference and its start model where it has them."""
+    begin = perf_counter()
     logs = tuple(sorted(path for path in case.glob("*.parquet") if path.stem != "reference"))
     given = {"reference": case / "reference.parquet", "model": case / "model.yaml"}
     files = Files(logs, **{name: path for name, path in given.items() if path.exists()})
     inquiry = ask(files, question)
-    Path(output.report).write_text(json.dumps(inquiry.report(), indent=1, allow_nan=False) + "\n")
-    view_table(inquiry.found).to_csv(output.views, index=False)
+    out.mkdir(parents=True)
+    (out / "report.json").write_text(json.dumps(inquiry.report(), indent=1, allow_nan=False) + "\n")
+    view_table(inquiry.found).to_csv(out / "views.csv", index=False)
+    (out / "seconds.json").write_text(json.dumps({"seconds": perf_counter() - begin}) + "\n")
 
 
 if __name__ == "__main__":
     with journal(snakemake.log[0]):
-        begin = perf_counter()
         question = Question(**snakemake.params.asked, seed=snakemake.params.seed)
-        main(Path(snakemake.input.case), question, snakemake.output)
-        seconds = perf_counter() - begin
-        Path(snakemake.output.seconds).write_text(json.dumps({"seconds": seconds}) + "\n")
+        for case in map(Path, snakemake.input.cases):
+            main(case, question, Path(snakemake.output[0]) / case.name)
+            print(case.name)

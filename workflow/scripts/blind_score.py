@@ -12,15 +12,18 @@ from imugap.workflow.job_log import journal
 def main(source, output):
     """Read keys, reports and run times; write the scores case by case."""
     keys = [blind.read_key(path) for path in source.key]
-    reports = [blind.read_report(path) for path in source.reports]
-    scores = blind.score(keys, reports, [json.loads(Path(path).read_text())["seconds"] for path in source.seconds])
+    found = {case.name: case for batch in source.found for case in Path(batch).iterdir()}
+    answers = [found[key["case"]] for key in keys]
+    reports = [blind.read_report(answer / "report.json") for answer in answers]
+    seconds = [json.loads((answer / "seconds.json").read_text())["seconds"] for answer in answers]
+    scores = blind.score(keys, reports, seconds)
     tables = {
         # run times differ from run to run: apart from them, the tables are the same on every machine
         "cases": scores.cases.drop(columns="seconds"),
         "run_time": scores.cases[["case", "rate_hz", "duration_s", "seconds"]],
         "effects": scores.effects,
         "parameters": scores.parameters,
-        "p_values": quiet_views(keys, source.views),
+        "p_values": quiet_views(keys, [answer / "views.csv" for answer in answers]),
     }
     for name, table in tables.items():
         table.to_csv(output[name], index=False)

@@ -1,4 +1,4 @@
-"""Estimate the source's models of gyroscopes and accelerometers from one run, by every method."""
+"""Estimate the source's models of gyroscopes and accelerometers from every run, by every method."""
 
 import pandas as pd
 
@@ -27,5 +27,5 @@ def estimates(table, rate):
 
 if __name__ == "__main__":
     with journal(snakemake.log[0]):
-        table = readers.read(snakemake.input.log)
-        estimates(table, snakemake.params.rate_hz).to_csv(snakemake.output[0], index=False)
+        for source, path in zip(snakemake.input.logs, snakemake.output, strict=True):
+            estimates(readers.read(source), snakemake.params.rate_hz).to_csv(path, index=False)

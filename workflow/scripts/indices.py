@@ -1,4 +1,4 @@
-"""Estimate the indices and the Allan deviation of one run."""
+"""Estimate the indices and the Allan deviation of every run of a device."""
 
 import pandas as pd
 
@@ -21,4 +21,6 @@ def main(path, site, period, indices, curves):
 
 if __name__ == "__main__":
     with journal(snakemake.log[0]):
-        main(snakemake.input.log, snakemake.params.site, snakemake.params.period_s, *snakemake.output)
+        params, output = snakemake.params, snakemake.output
+        for path, *results in zip(snakemake.input.logs, output.indices, output.allan, strict=True):
+            main(path, params.site, params.period_s, *results)

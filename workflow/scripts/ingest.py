@@ -11,9 +11,8 @@ from imugap.io import readers
 from imugap.workflow.job_log import journal
 
 
-def main(raw, device, run, log_path, report_path):
-    """Read by the catalogue where the device is in it, else as a canonical log; write the log and its report."""
-    dataset = catalogue.load("data", "workflow/schemas").get(device)
+def main(raw, dataset, run, log_path, report_path):
+    """Read by the catalogue where the data set is in it, else as a canonical log; write the log and its report."""
     if dataset:
         catalogue.verify(dataset.file(run), raw)
         table = readers.read_raw(raw, dataset, run)
@@ -30,5 +29,7 @@ def main(raw, device, run, log_path, report_path):
 
 if __name__ == "__main__":
     with journal(snakemake.log[0]):
-        wildcards, output = snakemake.wildcards, snakemake.output
-        main(snakemake.input.raw, wildcards.device, int(wildcards.run), output.log, output.integrity)
+        params, output = snakemake.params, snakemake.output
+        dataset = catalogue.load("data", "workflow/schemas").get(params.device)
+        for run, raw, *paths in zip(params.runs, snakemake.input.raw, output.logs, output.integrity, strict=True):
+            main(raw, dataset, run, *paths)

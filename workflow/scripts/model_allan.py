@@ -1,4 +1,4 @@
-"""Take the Allan deviation of simulated runs of a contender."""
+"""Take the Allan deviation of simulated runs of every contender."""
 
 import numpy as np
 import pandas as pd
@@ -31,5 +31,6 @@ def main(model_path, log_path, contender, params, path):
 
 if __name__ == "__main__":
     with journal(snakemake.log[0]):
-        wildcards = snakemake.wildcards
-        main(snakemake.input.model, snakemake.input.log, wildcards.contender, snakemake.params, snakemake.output[0])
+        source, params = snakemake.input, snakemake.params
+        for contender, model, path in zip(params.contenders, source.models, snakemake.output, strict=True):
+            main(model, source.log, contender, params, path)

@@ -1,7 +1,6 @@
-"""Simulate a contender at rest and navigate every trial."""
+"""Simulate every contender at rest and navigate every trial."""
 
 import numpy as np
-from tqdm import trange
 
 from imugap.kinematics.free_inertial import QUANTITIES, StaticNavigation
 from imugap.model import ErrorModel
@@ -20,7 +19,7 @@ def main(model_path, measured, contender, params, path):
     drifts = np.stack(
         [
             plan.drift(model.simulate(ideal, params.seed, "drift", contender, trial))[..., columns]
-            for trial in trange(params.trials)
+            for trial in range(params.trials)
         ],
         axis=1,
     )
@@ -29,7 +28,6 @@ def main(model_path, measured, contender, params, path):
 
 if __name__ == "__main__":
     with journal(snakemake.log[0]):
-        wildcards = snakemake.wildcards
-        main(
-            snakemake.input.model, snakemake.input.measured, wildcards.contender, snakemake.params, snakemake.output[0]
-        )
+        source, params = snakemake.input, snakemake.params
+        for contender, model, path in zip(params.contenders, source.models, snakemake.output, strict=True):
+            main(model, source.measured, contender, params, path)

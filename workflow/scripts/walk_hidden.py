@@ -1,4 +1,4 @@
-"""Hide one effect in a simulated loop; ask discovery with the exact reference, and zero velocity without any."""
+"""Hide one effect at a time in a loop; ask discovery with the exact reference, and zero velocity without any."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -55,6 +55,7 @@ def main(walk, case, params):
 
 if __name__ == "__main__":
     with journal(snakemake.log[0]):
-        case = yaml.safe_load(Path(snakemake.input.cases).read_text())[snakemake.wildcards.case]
-        found = main(Walk.read(snakemake.input.recipe), case, snakemake.params)
-        found.to_csv(snakemake.output[0], index=False)
+        walk, params = Walk.read(snakemake.input.recipe), snakemake.params
+        known = yaml.safe_load(Path(snakemake.input.cases).read_text())
+        for case, path in zip(params.cases, snakemake.output, strict=True):
+            main(walk, known[case], params).to_csv(path, index=False)

@@ -4,7 +4,7 @@ After Liu, Ren and Li (2016): scheme 1 reads them from the Allan curve, scheme 2
 The likelihood is a third. All of them see the same static log and the same processes.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import pandas as pd
@@ -30,6 +30,20 @@ def fit(log: pd.DataFrame, scheme: str) -> dict[str, Fit]:
     """Fit every axis of a log at rest."""
     step = interval(log)
     return {axis: SCHEMES[scheme](log[axis].to_numpy(), step, kinds) for axis, kinds in KINDS.items()}
+
+
+def fitted(static: pd.DataFrame, minutes: Sequence[int]) -> tuple[pd.DataFrame, dict[int, dict[str, dict]]]:
+    """Fit the first ``minutes`` of a static log by every scheme.
+
+    Returns the table of estimates, and the filter's error model as plain data by length [min] and scheme.
+    """
+    tables, models = [], {}
+    for length in minutes:
+        begun = static[static.index < 60 * length]
+        fits = {scheme: fit(begun, scheme) for scheme in SCHEMES}
+        tables += [table(found, minutes=length, scheme=scheme) for scheme, found in fits.items()]
+        models[length] = {scheme: believed(found).to_mapping() for scheme, found in fits.items()}
+    return pd.concat(tables), models
 
 
 def believed(fits: Mapping[str, Fit]) -> ErrorModel:

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pandas as pd
-from scipy.stats import binomtest
 
 from imugap.estimation.result import Fit, Identifiability
 from imugap.stream import stream
@@ -52,6 +51,8 @@ def _one(group: pd.DataFrame, true: float, bound: float, seed: int, level: float
     finite = np.isfinite(error)
     error = error[finite]
     covered = int(((group["low"] <= true) & (true <= group["high"]) & finite).sum())
+    from scipy.stats import binomtest  # takes as long to import as all else here, and only the tables need it
+
     coverage = binomtest(covered, len(group)).proportion_ci(level, method="wilson")
     rng = stream(seed, "rmse", group["method"].iloc[0], group["parameter"].iloc[0])
     drawn = rng.choice(error, (RESAMPLES, len(error))) if len(error) else np.full((RESAMPLES, 1), np.nan)
