@@ -19,6 +19,7 @@ from scipy.interpolate import BarycentricInterpolator
 from imugap.numerics.daubechies import free, gains, transfer
 
 NODES = 24
+NODE, WEIGHT = leggauss(NODES)
 BELOW = 45
 """Octaves of the spectrum below the deepest level: what lies still lower moves no wavelet variance by 1e-12."""
 APART = 3
@@ -68,7 +69,7 @@ def counted(psd: PSD, count: int, levels: int, width: int, halvings: int) -> tup
 @lru_cache
 def _nodes(octaves: int) -> np.ndarray:
     """Return the nodes [cycles per sample], one row for each octave downwards from 1/4 to 1/2."""
-    return (3 + leggauss(NODES)[0]) / 8 * 2.0 ** -np.arange(octaves)[:, None]
+    return (3 + NODE) / 8 * 2.0 ** -np.arange(octaves)[:, None]
 
 
 @lru_cache
@@ -83,9 +84,8 @@ def _interpolant(values: np.ndarray) -> BarycentricInterpolator:
     Its weights are those of Gauss-Legendre nodes (Wang, Xiang 2012, Mathematics of Computation 81, 861-877); without
     them they would be multiplied out in an order drawn at random, and differ in the last digits from call to call.
     """
-    node, weight = leggauss(NODES)
     signs = (-1.0) ** np.arange(NODES)
-    return BarycentricInterpolator(_nodes(1)[0], values, wi=signs * np.sqrt((1 - node**2) * weight))
+    return BarycentricInterpolator(_nodes(1)[0], values, wi=signs * np.sqrt((1 - NODE**2) * WEIGHT))
 
 
 def _fold(spectrum: np.ndarray, width: int) -> np.ndarray:
@@ -106,7 +106,7 @@ def _unfold(weights: np.ndarray, direct: np.ndarray, mirrored: np.ndarray) -> np
 
 def _quadrature(octaves: int) -> np.ndarray:
     """Return the weights of the integral over one cycle."""
-    return leggauss(NODES)[1] * 2.0 ** -np.arange(octaves)[:, None] / 4
+    return WEIGHT * 2.0 ** -np.arange(octaves)[:, None] / 4
 
 
 def _powers(levels: int, width: int) -> np.ndarray:

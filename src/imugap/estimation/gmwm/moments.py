@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from enum import StrEnum
+from functools import lru_cache
 
 import numpy as np
 import pandas as pd
@@ -25,6 +26,9 @@ NEAR = 0.01
 """Difference of log correlation times of minima that are the same."""
 BETTER = 1e-3
 """Quasi-deviance by which another minimum must be lower to be taken."""
+
+_covariance = lru_cache(maxsize=8)(wavelet_variance.covariance)
+"""Weights and the intervals of all quantities are those of the same few models."""
 
 
 class Weighting(StrEnum):
@@ -111,7 +115,7 @@ class MomentMatching:
     def covariance(self, point: Point) -> np.ndarray:
         """Return the covariance of the wavelet variances, shape (levels, levels), under the model at ``point``."""
         model, family = self.family.composition.model(self.theta(point)), self.family
-        plain = wavelet_variance.covariance(model, family.interval, family.count, family.levels, family.width)
+        plain = _covariance(model, family.interval, family.count, family.levels, family.width)
         return plain / self.efficiency
 
     def at(self, theta: np.ndarray) -> Point:
