@@ -19,7 +19,7 @@ from imugap.effects import (
 )
 from imugap.effects.effect import AxisModel
 from imugap.estimation import allan
-from imugap.estimation.allan_slopes import SYMBOLS, TOP, fit
+from imugap.estimation.allan_slopes import PEAK_RATIO, SYMBOLS, fit
 from imugap.estimation.result import Identifiability
 
 PEERS = pd.read_csv(Path(__file__).parents[1] / "reference" / "montecarlo_allan.csv", comment="#")
@@ -71,7 +71,7 @@ def test_result_is_a_model_with_its_estimates_and_no_objective():
 
 
 def test_top_is_that_of_eq_37():
-    assert pytest.approx(0.4365 * np.sqrt(2), abs=1e-4) == TOP
+    assert pytest.approx(0.4365 * np.sqrt(2), abs=1e-4) == PEAK_RATIO
 
 
 @pytest.mark.parametrize("time", [1.0, 5.0])
@@ -186,5 +186,5 @@ def test_readings_scale_with_the_unit_and_with_the_clock(scale, interval, run):
 
 @pytest.mark.parametrize("kinds", [(), (WhiteNoise, WhiteNoise), (GaussMarkov, GaussMarkov), (TurnOnBias,)])
 def test_processes_that_cannot_be_read_are_refused(kinds):
-    with pytest.raises(ValueError, match="piecewise: expected"):
+    with pytest.raises(ValueError, match="Allan slopes: expected"):
         fit(np.zeros(1000), 1.0, kinds)

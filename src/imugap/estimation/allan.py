@@ -1,4 +1,4 @@
-"""Overlapping Allan deviation of rate data, its confidence intervals, and the coefficients read from its tangents."""
+"""Overlapping Allan deviation of rate data, its confidence intervals, and the coefficients of its slopes."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,21 +14,21 @@ from imugap.effects.bias_instability import FLOOR
 
 POINTS_PER_DECADE = 10
 SLOPE_TOLERANCE = 0.02
-"""Largest distance of the local slope from the nominal one, or two standard errors, at which a tangent is read."""
+"""Largest difference of the local slope from the nominal one (or two standard errors) in the range of a law."""
 SLOPE_ERROR = 0.1
-"""Largest standard error of a local slope that still tells one law from another."""
+"""Largest standard error of a local slope that separates one power law from another."""
 REGION_DECADES = 0.5
-"""Shortest range of tau over which the slope must hold."""
+"""Shortest range of tau over which the slope must be nominal."""
 FEWEST = 2.0
-"""Fewest degrees of freedom of a reading: with fewer, the squared coefficient scatters by more than itself."""
+"""Fewest degrees of freedom of a coefficient: with fewer, its square scatters by more than its value."""
 ITERATIONS = 3
-"""Rounds of weighting by the fitted variance."""
+"""Iterations of weighting by the fitted variance."""
 SHORTEST = 256
-"""Fewest samples of a curve: below, no slope is known at any tau."""
+"""Fewest samples of a curve: with fewer, no slope is known at any tau."""
 STEEP = 0.75
-"""Local slope half-way between those of N and Q, or of K and R: beyond, Q or R makes most of the variance."""
+"""Local slope half-way between those of N and Q, or of K and R: beyond, Q or R dominates."""
 TINY = 1e-12
-"""Relative variance below which noise counts as none."""
+"""Relative variance below which noise is neglected."""
 WINDOW = 3
 """Half width, in points, of the window over which a local slope is taken."""
 
@@ -63,7 +63,7 @@ def _angle(sequence: np.ndarray) -> np.ndarray:
 
 @njit(cache=True, fastmath=True)
 def _second_differences(angle, n):
-    late, middle, early = angle[2 * n :], angle[n:-n], angle[: -2 * n]  # slices let the compiler use vector registers
+    late, middle, early = angle[2 * n :], angle[n:-n], angle[: -2 * n]  # slices let the compiler vectorise
     total = 0.0
     for k in range(len(early)):
         difference = late[k] - 2 * middle[k] + early[k]
@@ -74,9 +74,9 @@ def _second_differences(angle, n):
 def curve(sequence: np.ndarray, interval: float, level: float = 0.95) -> pd.DataFrame:
     """Return the Allan deviation with chi-square intervals.
 
-    The equivalent degrees of freedom are those of Greenhall and Riley (2003), for the power law that the local slope
-    of the curve itself shows; where the slope is too uncertain to show one, the last law that was shown goes on. Where
-    Q or R makes most of the curve somewhere, they are those of a sum of laws.
+    The equivalent degrees of freedom are those of Greenhall and Riley (2003) for the power law of the local slope;
+    where the slope is too uncertain, for the last law that was identified. Where Q or R dominates a part of the curve,
+    they are those of a sum of laws.
 
     Returns
     -------
@@ -93,11 +93,11 @@ def curve(sequence: np.ndarray, interval: float, level: float = 0.95) -> pd.Data
         raise ValueError("Allan deviation: expected samples that vary; found a constant sequence")
     slope = local_slope(averaging, deviation)
     error = np.sqrt(0.5 / (len(sequence) / averaging - 1))
-    shown = pd.Series(slope).where(_slope_error(pd.Series(error)) < SLOPE_ERROR).ffill().to_numpy()
-    if np.abs(shown).max() > STEEP:
+    known = pd.Series(slope).where(_slope_error(pd.Series(error)) < SLOPE_ERROR).ffill().to_numpy()
+    if np.abs(known).max() > STEEP:
         edf = _degrees_of_sum(sequence, averaging, deviation, error)
     else:
-        edf = _degrees(shown, averaging, len(sequence))
+        edf = _degrees(known, averaging, len(sequence))
     low, high = (deviation * np.sqrt(edf / chdtri(edf, 1 - p)) for p in ((1 + level) / 2, (1 - level) / 2))
     columns = {
         "deviation": deviation,
@@ -118,7 +118,7 @@ def local_slope(tau: np.ndarray, deviation: np.ndarray) -> np.ndarray:
 
 
 def _degrees(slope: np.ndarray, averaging: np.ndarray, count: int) -> np.ndarray:
-    """Return the degrees of freedom of N, B or K, whichever has the nearest slope, shape (m,)."""
+    """Return the degrees of freedom of N, B or K, by the nearest slope, shape (m,)."""
     exponent = np.clip(np.rint(-1 - 2 * slope), -2, 0).astype(int)
     return np.array([_edf(a, n, count) for a, n in zip(exponent, averaging, strict=True)])
 
@@ -133,10 +133,10 @@ def _edf(exponent: int, averaging: int, count: int) -> float:
 def _degrees_of_sum(
     sequence: np.ndarray, averaging: np.ndarray, deviation: np.ndarray, error: np.ndarray
 ) -> np.ndarray:
-    """Return the degrees of freedom of a curve that shows Q or R: those of the sum of Q, N, K and R nearest to it.
+    """Return the degrees of freedom of a curve with Q or R: those of the fitted sum of Q, N, K and R.
 
-    The ramp is D, the mean difference of neighbouring means. About it, non-negative least squares tells Q, N and K
-    apart. Relative to its square, a sum of noises scatters with the sum over lags of its squared correlation over
+    The ramp is D, the mean difference of neighbouring means. About it, non-negative least squares separates
+    Q, N and K. Relative to its square, a sum of noises scatters with the sum over lags of its squared correlation over
     M = count - 2n + 1: of Q, with -2/3 and 1/6 at lags n and 2n, 35/18 - n/M (Greenhall and Riley 2003) less
     3/5 - n/(3M), because rounding errors are uniform (kurtosis 9/5); of Q times another, nearly 5/3 - 2n/(3M). The
     ramp multiplies the variance of D, which is the share ``mean`` of that of a difference.
@@ -164,14 +164,14 @@ def _degrees_of_sum(
 
 @dataclass(frozen=True)
 class Law:
-    """A power law of the Allan deviation: sigma(tau) = coefficient x gain x tau^slope.
+    """Power law of the Allan deviation: sigma(tau) = coefficient x gain x tau^slope.
 
     Attributes
     ----------
     memory
-        Decades h of averaging time over which the correlation of the errors of a curve that the law dominates,
-        1/(1 + (log10(n/m)/h)^2) as simulated logs show, falls to a half. Infinite where they are nearly those of one
-        number: of the mean square of the rounding errors (Q), of the mean slope of the noise (R).
+        Decades h of averaging time over which the correlation of the errors of the curve, 1/(1 + (log10(n/m)/h)^2) by
+        simulation, falls to one half where the law dominates. Infinite where the errors are nearly one random number:
+        the mean square of the rounding errors (Q), the mean slope of the noise (R).
     """
 
     symbol: str
@@ -200,7 +200,7 @@ LAWS = {
 
 @dataclass(frozen=True)
 class Tangent:
-    """A coefficient read from an Allan deviation curve.
+    """Coefficient of a power law, read from an Allan deviation curve.
 
     Attributes
     ----------
@@ -209,11 +209,11 @@ class Tangent:
     tau_low, tau_high
         Range over which it was read [s].
     holds
-        Whether the law's slope holds there, and no sum of other laws explains it as well. If not, the law has an upper
-        bound only: its line may not lie above the curve anywhere. It is read at the one ``tau``, among those where the
-        curve is known well enough to tell a slope, at which the curve's upper limit is lowest in terms of the law
-        (beyond, the lowest of many uncertain limits would be too low). ``value`` is what the curve itself allows there,
-        ``high`` its upper limit, ``low`` is 0.
+        Whether the curve has the slope of the law there, and no sum of other laws explains it as well. If not, the law
+        has an upper bound only: its line must not exceed the curve. It is read at the ``tau``, among those with a known
+        local slope, at which the upper limit of the curve gives the smallest coefficient (at longer ones the smallest
+        of many uncertain limits would be too small). ``value`` is that of the curve there, ``high`` that of its upper
+        limit, ``low`` is 0.
     """
 
     value: float
@@ -225,7 +225,7 @@ class Tangent:
 
 
 def tangent(asd: pd.DataFrame, law: Law, level: float = 0.95) -> Tangent:
-    """Read the coefficient of ``law`` from a curve of :func:`curve`, on the longest range where its slope holds."""
+    """Read the coefficient of ``law`` from a curve of :func:`curve`, on the longest range with its slope."""
     region = _region(asd, law)
     value, edf = 0.0, 0.0
     if region is not None:
@@ -241,18 +241,18 @@ def tangent(asd: pd.DataFrame, law: Law, level: float = 0.95) -> Tangent:
 
 
 def _present(asd: pd.DataFrame) -> list[Law]:
-    """Return N, B and K, which any device is taken to have, and Q and R where they make most of the curve somewhere."""
+    """Return N, B and K, which every device is assumed to have, and Q and R where they dominate a part of the curve."""
     slope = asd["slope"][_slope_error(asd["error"]) < SLOPE_ERROR]
     shown = {"Q": slope.min() < -STEEP, "R": slope.max() > STEEP}
     return [law for law in LAWS.values() if shown.get(law.symbol, True)]
 
 
 def _region(asd: pd.DataFrame, law: Law) -> slice | None:
-    """Return the points of the longest range over which the slope of ``law`` holds, if there is one.
+    """Return the longest range of points with the slope of ``law``, or None.
 
-    The slope of a sum of power laws never falls with the averaging time. After a range that seems to belong to B, K or
-    R it may therefore not fall; where it does, the range is a flank or the top of a correlated process. (Ahead of a
-    range it may: what a device filters out at the shortest times belongs to none of the laws.)
+    The slope of a sum of power laws never decreases with the averaging time. Where it decreases after a range that has
+    the slope of B, K or R, the range is a flank or the peak of a correlated process. (It may decrease before a range:
+    the output filter of a device reduces the noise at the shortest times.)
     """
     error = _slope_error(asd["error"])
     near = (np.abs(asd["slope"] - law.slope) < np.maximum(SLOPE_TOLERANCE, 2 * error)) & (error < SLOPE_ERROR)
@@ -264,11 +264,11 @@ def _region(asd: pd.DataFrame, law: Law) -> slice | None:
 
 
 def _separated(asd: pd.DataFrame, laws: Sequence[Law]) -> tuple[float, float]:
-    """Return the coefficient of the first law where it dominates, freed from what the others add, and its edf.
+    """Return the coefficient of the first law, separated from the contributions of the others, and its edf.
 
     Non-negative least squares of the Allan variance, which is linear in the squared coefficients, with weights from the
     degrees of freedom and the fitted variance. The degrees of freedom are those of least squares without the sign,
-    which scatter more; where the errors of all points are those of one number, the least of the points.
+    which scatter more; where the errors of all points are one random number, the smallest edf of the points.
     """
     shares = np.array([law.deviation(1.0, asd.index) ** 2 for law in laws]).T
     observed, weight = asd["deviation"].to_numpy() ** 2, np.sqrt(asd["edf"].to_numpy() / 2)
@@ -289,15 +289,14 @@ def _separated(asd: pd.DataFrame, laws: Sequence[Law]) -> tuple[float, float]:
 def _slope_error(error: pd.Series) -> pd.Series:
     """Return the standard error of the local slopes from the relative errors of the curve.
 
-    Centre and far end of the window are taken as independent: neighbouring points share most of their data, so the
-    points between them add little.
+    Centre and far end of the window are taken as independent; the points between them share most of their data.
     """
     ends = np.hypot(error, error.shift(-WINDOW, fill_value=np.inf))
     return ends * POINTS_PER_DECADE / (2 * WINDOW * np.log(10))
 
 
 def _longest(tau: np.ndarray, holds: np.ndarray) -> slice | None:
-    """Return the longest run of true points, or None if it covers less than the shortest range."""
+    """Return the longest run of true points, or None if it is shorter than :data:`REGION_DECADES`."""
     edges = np.flatnonzero(np.diff(np.r_[False, holds, False]))
     runs = [slice(a, b) for a, b in zip(edges[::2], edges[1::2], strict=True)]
     span = {run.start: np.log10(tau[run.stop - 1] / tau[run.start]) for run in runs}

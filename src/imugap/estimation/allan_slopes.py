@@ -1,7 +1,7 @@
-"""The classical reading of an Allan curve: tangents of power laws, and the flat top of a Gauss-Markov process.
+"""Classical estimates from an Allan curve: slopes of power laws, and the peak of a Gauss-Markov process.
 
-One piece of the curve for each process (Farrell et al. 2022, sections on the models of N, K and B; IEEE 952): simple,
-and blind to what the processes add in one another's piece but for what can be taken off.
+Each process is read from its own range of the curve (Farrell et al. 2022, sections on the models of N, K and B; IEEE
+952), with the contributions of the other processes subtracted where they are known.
 """
 
 from collections.abc import Sequence
@@ -19,25 +19,25 @@ from imugap.estimation.allan import LAWS, Tangent
 from imugap.estimation.result import Fit, ParameterEstimate, identifiability
 
 SYMBOLS = {Quantization: "Q", WhiteNoise: "N", BiasInstability: "B", RandomWalk: "K", RateRamp: "R"}
-"""The law of each process of one parameter."""
-TOP = float(np.sqrt(GaussMarkov(1.0, 1.0).allan_variance(FLAT_TOP)))
-"""Allan deviation at the flat top over the standard deviation: 0.4365 sqrt(2) (Farrell et al. 2022, eq. 37)."""
+"""Power law of each process of one parameter."""
+PEAK_RATIO = float(np.sqrt(GaussMarkov(1.0, 1.0).allan_variance(FLAT_TOP)))
+"""Allan deviation at the peak of a Gauss-Markov process over its standard deviation: 0.4365 sqrt(2) (Farrell et al. 2022, eq. 37)."""
 NEIGHBOURS = 3
-"""Points on either side that a local maximum or minimum has to exceed: a local slope is known from as many."""
+"""Points on either side that a local maximum or minimum exceeds, as many as a local slope is fitted to."""
 PARABOLA = 4
-"""Points on either side of the highest through which the parabola of a top is drawn."""
+"""Points on either side of the maximum to which the parabola of a peak is fitted."""
 FAINTEST = 1e-12
-"""Share of the curve to which the laws taken off it may reduce it."""
+"""Smallest share of the curve that may remain after subtraction of the power laws."""
 
 
 def fit(
     sequence: np.ndarray, interval: float, kinds: Sequence[type], level: float = 0.95, separated: bool = True
 ) -> Fit:
-    """Read the parameters of a sum of processes from the Allan curve of an error sequence.
+    """Estimate a sum of processes from the Allan curve of an error sequence.
 
-    A process whose slope holds nowhere, or a Gauss-Markov process without a top, gets zero with an upper bound. The
-    objective is not a number: nothing is made best. The interval of a standard deviation is that of the curve at its
-    top, a point chosen for being high: at 95 % it holds the truth in nine logs of ten. That of T errs on the safe side.
+    A process without a range of its slope, or a Gauss-Markov process without a peak, gets zero with an upper bound. The
+    objective is NaN: no criterion is optimised. The interval of a standard deviation is that of the curve at the peak,
+    which is selected as a maximum: the coverage of a 95 % interval is nine logs of ten. That of T is conservative.
 
     Parameters
     ----------
@@ -49,23 +49,23 @@ def fit(
     level
         Confidence level of the intervals.
     separated
-        Whether what the tangents show is taken off before a top is looked for. Without, the top is that of the curve
-        itself, as a reader with a ruler has it: early and high, where white noise still adds to it.
+        Whether the power laws are subtracted before the peak is searched. If not, the peak is that of the curve itself:
+        biased to shorter tau and higher, since white noise adds to it.
     """
     _check(kinds)
     asd = allan.curve(sequence, interval, level)
     tangents = {kind: allan.tangent(asd, LAWS[SYMBOLS[kind]], level) for kind in kinds if kind is not GaussMarkov}
-    top = _top(asd, tangents, separated) if GaussMarkov in kinds else None
+    top = _peak(asd, tangents, separated) if GaussMarkov in kinds else None
     white = tangents.get(WhiteNoise)
     if top is not None and white is not None and white.holds and white.tau_low > top.tau:
-        tangents = tangents | {WhiteNoise: _off_flank(white, top)}
+        tangents = tangents | {WhiteNoise: _without_flank(white, top)}
     estimates, effects = [], []
     for kind, found in tangents.items():
         value = found.value if found.holds else 0.0
         estimates.append(_estimate(kind.name, fields(kind)[0].name, value, found.low, found.high, level))
         effects.append(kind(value))
     if GaussMarkov in kinds:
-        rows = _bound(asd, level) if top is None else _of_top(top, level)
+        rows = _bound(asd, level) if top is None else _of_peak(top, level)
         estimates += rows
         effects.append(GaussMarkov(rows[0].value, rows[1].value))
     return Fit(AxisModel(tuple(effects)), tuple(estimates), float("nan"), True)
@@ -75,14 +75,14 @@ def _check(kinds: Sequence[type]) -> None:
     for kind in kinds:
         if (kind is not GaussMarkov and kind not in SYMBOLS) or list(kinds).count(kind) > 1:
             names = ", ".join(known.__name__ for known in (*SYMBOLS, GaussMarkov))
-            raise ValueError(f"piecewise: expected processes among {names}, each once; found {kind.__name__}")
+            raise ValueError(f"Allan slopes: expected processes among {names}, each once; found {kind.__name__}")
     if not kinds:
-        raise ValueError("piecewise: expected at least one process; found none")
+        raise ValueError("Allan slopes: expected at least one process; found none")
 
 
 @dataclass(frozen=True)
-class FlatTop:
-    """A flat top: averaging time [s], Allan deviation, and the ranges that the curve allows for them."""
+class AllanPeak:
+    """Peak of an Allan curve: averaging time [s] and Allan deviation, with their limits."""
 
     tau: float
     tau_low: float
@@ -92,12 +92,12 @@ class FlatTop:
     high: float
 
 
-def _top(asd: pd.DataFrame, tangents: dict[type, Tangent], separated: bool) -> FlatTop | None:
-    """Return the first local maximum after the white region, of the curve without what tangents show to lie beneath.
+def _peak(asd: pd.DataFrame, tangents: dict[type, Tangent], separated: bool) -> AllanPeak | None:
+    """Return the first local maximum after the range of white noise, of the curve less the power laws beneath it.
 
-    Without a white region, or with one that only begins beyond, it is the first of the curve. It has to stand out of
-    what was taken off. Its place is that of the parabola through its neighbours in logarithms; the curve's upper limit
-    lies above it over the range that its place may have.
+    Without a range of white noise, or with a later one, it is the first of the curve. It has to exceed what was
+    subtracted. Its averaging time is that of the parabola through its neighbours in logarithms; the limits of the
+    averaging time are where the upper limit of the curve falls below the peak.
     """
     tau, deviation = asd.index.to_numpy(), asd["deviation"].to_numpy()
     white = tangents.get(WhiteNoise)
@@ -114,12 +114,12 @@ def _top(asd: pd.DataFrame, tangents: dict[type, Tangent], separated: bool) -> F
             place, value = _vertex(np.log(tau), np.log(middle), peak)
             first, last = _around(high >= value, peak)
             tau_high = tau[last] if last < len(tau) - 1 else np.inf
-            return FlatTop(place, tau[first] if first else 0.0, tau_high, value, low[peak], high[peak])
+            return AllanPeak(place, tau[first] if first else 0.0, tau_high, value, low[peak], high[peak])
     return None
 
 
 def _beneath(tau: np.ndarray, tangents: dict[type, Tangent], top: float) -> np.ndarray:
-    """Return the Allan variance of the laws read on the side of the top from which they reach under it."""
+    """Return the Allan variance at the peak of the power laws that were read beside it."""
     total = np.zeros(len(tau))
     for kind, found in tangents.items():
         law = LAWS[SYMBOLS[kind]]
@@ -135,7 +135,7 @@ def _less(deviation: pd.Series, variance: np.ndarray) -> np.ndarray:
 
 
 def _first(values: np.ndarray, start: int) -> int | None:
-    """Return the first place from ``start`` on, short of the ends, whose value no neighbour exceeds."""
+    """Return the first local maximum from index ``start`` on, ends excluded, or None."""
     for k in range(max(start, 1), len(values) - 1):
         if values[k] == values[max(k - NEIGHBOURS, 0) : k + NEIGHBOURS + 1].max():
             return k
@@ -153,25 +153,27 @@ def _vertex(x: np.ndarray, y: np.ndarray, peak: int) -> tuple[float, float]:
 
 
 def _around(inside: np.ndarray, peak: int) -> tuple[int, int]:
-    """Return the ends of the run of true points that holds ``peak``."""
+    """Return the first and the last index of the run of true points around ``peak``."""
     outside = np.flatnonzero(~inside)
     before, behind = outside[outside < peak], outside[outside > peak]
     return (before[-1] + 1 if len(before) else 0), (behind[0] - 1 if len(behind) else len(inside) - 1)
 
 
-def _off_flank(white: Tangent, top: FlatTop) -> Tangent:
-    """Return N without S_B T_B^2, which the falling flank of the Gauss-Markov process adds to N^2 beyond its top.
+def _without_flank(white: Tangent, top: AllanPeak) -> Tangent:
+    """Return N less S_B T_B^2, the contribution of the Gauss-Markov process to N^2 beyond its peak.
 
-    The difference of two numbers of which the second is read where N is not known: only the limit above is sure.
+    The difference is uncertain; the lower limit is therefore zero, and the upper limit is kept.
     """
-    flank = 2 * (top.deviation / TOP) ** 2 * top.tau / FLAT_TOP
+    flank = 2 * (top.deviation / PEAK_RATIO) ** 2 * top.tau / FLAT_TOP
     value = float(np.sqrt(max(white.value**2 - flank, 0.0)))
     return Tangent(value, 0.0, white.high, white.tau_low, white.tau_high, True)
 
 
-def _of_top(top: FlatTop, level: float) -> list[ParameterEstimate]:
-    """Return the estimates of std, T_B and S_B = 2 std^2/T_B; the limits of S_B are those of both at their worst."""
-    std, std_low, std_high = top.deviation / TOP, min(top.low, top.deviation) / TOP, max(top.high, top.deviation) / TOP
+def _of_peak(top: AllanPeak, level: float) -> list[ParameterEstimate]:
+    """Return the estimates of std, T_B and S_B = 2 std^2/T_B; the limits of S_B combine those of both."""
+    std, std_low, std_high = (
+        value / PEAK_RATIO for value in (top.deviation, min(top.low, top.deviation), max(top.high, top.deviation))
+    )
     time, time_low, time_high = (tau / FLAT_TOP for tau in (top.tau, top.tau_low, top.tau_high))
     time_low, time_high = min(time_low, time), max(time_high, time)
     driving_high = 2 * std_high**2 / time_low if time_low else np.inf
@@ -183,7 +185,7 @@ def _of_top(top: FlatTop, level: float) -> list[ParameterEstimate]:
 
 
 def _bound(asd: pd.DataFrame, level: float) -> list[ParameterEstimate]:
-    """Return zero and the largest std and S_B that fit below the curve's upper limit, whatever T_B in its range."""
+    """Return zero with the largest std and S_B below the upper limit of the curve, over all T_B in its range."""
     tau = asd.index.to_numpy()
     times = tau / FLAT_TOP
     shapes = np.array([GaussMarkov(1.0, time).allan_variance(tau) for time in times])

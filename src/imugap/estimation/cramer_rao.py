@@ -1,4 +1,4 @@
-"""What a log of given length can tell about the parameters of its error model: Fisher information, Cramer-Rao bound."""
+"""Fisher information of a log of given length about the parameters of its error model, and the Cramer-Rao bound."""
 
 import numpy as np
 import pandas as pd

@@ -1,7 +1,6 @@
-"""Does a model describe a log, and if not, where?
+"""Goodness of fit: compare the wavelet variances of a log with those of a model, octave by octave.
 
-The wavelet variances of the log are held, octave by octave, against those that the model implies; how far they may
-scatter, the model itself says.
+The scatter of the wavelet variances is computed from the model itself.
 """
 
 from dataclasses import dataclass
@@ -20,20 +19,20 @@ FITS = "fits"
 DIFFERENCE = 1e-4
 """Change of a log parameter in a difference quotient."""
 SATURATED = 1e-3
-"""Least share of the variance of an octave that a fit leaves."""
+"""Lower limit of the share of the variance of an octave that remains after a fit."""
 UNKNOWN = 1e-12
-"""Information that keeps the matrix of parameters that the log does not tell apart invertible."""
+"""Information added to keep the matrix of parameters that the log does not separate invertible."""
 NAMED = 3
-"""Ranges of octaves that a verdict names."""
+"""Number of ranges of octaves that a verdict lists."""
 TIMES = 3.0
-"""Ratio above which a verdict says how many times."""
+"""Ratio above which a verdict gives a factor in place of per cent."""
 SMALLEST = 1e-12
 """Smallest p-value that a verdict gives as a number."""
 
 
 @dataclass(frozen=True)
 class Goodness:
-    """How well a model describes a log.
+    """Goodness of fit of a model.
 
     Attributes
     ----------
@@ -41,9 +40,9 @@ class Goodness:
         Index ``level``; columns ``tau`` [s], ``low_hz``, ``high_hz`` (the octave), ``observed``, ``implied`` [unit^2],
         ``ratio``, ``deviation`` (in standard deviations under the model with known parameters), ``p`` (two-sided).
     p_value
-        Probability that a right model is as far off in any octave, a little too large (Sidak's inequality).
+        Probability of so large a deviation in any octave under the model; slightly conservative (Sidak's inequality).
     verdict
-        "fits", or which octaves are off, by how much, the most significant first, and the p-value.
+        "fits", or the octaves that deviate, by how much, the most significant first, and the p-value.
     """
 
     table: pd.DataFrame
@@ -52,7 +51,7 @@ class Goodness:
 
     @property
     def fits(self) -> bool:
-        """Return whether nothing speaks against the model."""
+        """Return whether no octave deviates significantly."""
         return self.verdict == FITS
 
 
@@ -64,20 +63,20 @@ def of(
     width: int = 2,
     fitted: bool = True,
 ) -> Goodness:
-    """Judge a model of an error sequence.
+    """Test a model of an error sequence.
 
     Parameters
     ----------
     sequence, interval
         Samples, shape (n,), and sampling interval [s].
     level
-        Probability that a right model fits.
+        Probability that the true model passes.
     width
-        Width of the wavelet filter. Wider ones tell octaves apart more sharply, but see no ramp.
+        Width of the wavelet filter. Wider filters separate octaves better, but do not respond to a ramp.
     fitted
-        Whether the parameters come from this very sequence. The residuals of an efficient estimate have the covariance
-        C - J V J', C of the wavelet variances, J their slopes, V the Cramer-Rao bound of the parameters; a ramp counts
-        as known.
+        Whether the parameters were estimated from this sequence. The residuals of an efficient estimate have the
+        covariance C - J V J', C of the wavelet variances, J their slopes, V the Cramer-Rao bound of the parameters; a
+        ramp counts as known.
     """
     sequence = np.asarray(sequence, float)
     levels = depth(len(sequence), width)
@@ -86,7 +85,7 @@ def of(
         wavelet_variance.implied(model, interval, levels, width),
     )
     variance = np.diag(wavelet_variance.covariance(model, interval, len(sequence), levels, width))
-    taken = _taken(model, interval, len(sequence), levels, width) if fitted else np.zeros(levels)
+    removed = _removed(model, interval, len(sequence), levels, width) if fitted else np.zeros(levels)
     index = pd.RangeIndex(1, levels + 1, name="level")
     columns = {
         "tau": 2.0 ** (index - 1) * interval,
@@ -96,7 +95,7 @@ def of(
         "implied": implied,
         "ratio": observed / implied,
         "deviation": (observed - implied) / np.sqrt(variance),
-        "p": _probability(observed / implied, 2 * implied**2 / np.maximum(variance - taken, SATURATED * variance)),
+        "p": _probability(observed / implied, 2 * implied**2 / np.maximum(variance - removed, SATURATED * variance)),
     }
     table = pd.DataFrame(columns, index=index)
     joint = float(-np.expm1(levels * np.log1p(-table["p"].min())))
@@ -104,8 +103,8 @@ def of(
     return Goodness(table, joint, _verdict(off, joint) if len(off) else FITS)
 
 
-def _taken(model: AxisModel, interval: float, count: int, levels: int, width: int) -> np.ndarray:
-    """Return the variance of each wavelet variance, shape (levels,), that a fit of the parameters takes up: J V J'."""
+def _removed(model: AxisModel, interval: float, count: int, levels: int, width: int) -> np.ndarray:
+    """Return the variance of each wavelet variance, shape (levels,), that fitting the parameters removes: J V J'."""
     composition, theta = parameters(AxisModel(tuple(effect for effect in model.stochastic() if _present(effect))))
     grid = Grid.of(count, interval)
     information = fisher(theta, composition.shapes(grid), grid) + UNKNOWN * np.eye(len(theta))
@@ -114,7 +113,7 @@ def _taken(model: AxisModel, interval: float, count: int, levels: int, width: in
 
 
 def _present(effect) -> bool:
-    """Return whether an effect has any power."""
+    """Return whether all parameters of an effect are above zero."""
     return all(effect.parameters().values())
 
 
@@ -124,12 +123,12 @@ def _slope(composition: Composition, theta: np.ndarray, step: np.ndarray, analys
 
 
 def _probability(ratio: np.ndarray, edf: np.ndarray) -> np.ndarray:
-    """Return the two-sided probability of a ratio whose law is that of a chi-square variance."""
+    """Return the two-sided p-value of the ratio of a variance with ``edf`` degrees of freedom to its expectation."""
     return np.minimum(2 * np.minimum(chdtr(edf, edf * ratio), chdtrc(edf, edf * ratio)), 1 - 1e-16)
 
 
 def _verdict(off: pd.DataFrame, p_value: float) -> str:
-    """Return the ranges of octaves that are off, neighbours of the same sign in one."""
+    """Return in words the ranges of octaves that deviate, neighbours of the same sign in one."""
     more = off["ratio"] > 1
     starts = more.ne(more.shift()) | (off.index.to_series().diff() != 1)
     ranges = sorted((run for _, run in off.groupby(starts.cumsum())), key=lambda run: -run["deviation"].abs().max())

@@ -16,12 +16,12 @@ from imugap.numerics.bias_stability import bias_stability, period_means
 
 LEVEL = 0.95
 BATCHES = 10
-"""Number of batches of a run from whose scatter the intervals of its own bias and stability come."""
+"""Number of batches of a run, whose scatter gives the intervals of its bias and bias stability."""
 
 
 @dataclass(frozen=True)
 class Index:
-    """A performance index: symbol, title, datasheet units, and the shortest log that can show it [s]."""
+    """Performance index: symbol, title, data-sheet units, and shortest log [s] from which it can be computed."""
 
     symbol: str
     title: str
@@ -30,7 +30,7 @@ class Index:
     minimum_s: float
 
     def unit(self, axis: str) -> str:
-        """Return the datasheet unit for ``axis``."""
+        """Return the data-sheet unit for ``axis``."""
         return self.gyro_unit if axis in log.GYRO else self.accel_unit
 
 
@@ -55,11 +55,11 @@ def of_run(table: pd.DataFrame, ideal: pd.Series, period: float, symbols: tuple[
     table
         Log of the run.
     ideal
-        What an error-free device would read in the run, per axis, SI (Earth rate and gravity where they are known).
+        Error-free reading per axis, SI (Earth rate and gravity where they are known).
     period
         Averaging period P of the bias stability [s].
     symbols
-        Indices asked for; the repeatability needs several runs and is left to :func:`over_runs`.
+        Indices to compute; the repeatability needs several runs (:func:`over_runs`).
     """
     _long_enough(table, period, symbols)
     interval = log.interval(table)
@@ -83,9 +83,9 @@ def over_runs(runs: pd.DataFrame) -> pd.DataFrame:
     """Return the indices of the device from those of its runs (a table of :func:`of_run` with a column ``run``).
 
     Values are means over the runs with Student intervals; the repeatability (eq. 9) has a chi-square interval. A
-    coefficient that is read in most of the runs is the mean of these readings, ``runs`` says of how many (one keeps the
-    interval of its run); else all runs bound it, and the bound is the mean of theirs. A single run keeps its own
-    intervals and has no repeatability.
+    coefficient that is identified in most of the runs is the mean over these, ``runs`` their number (one keeps the
+    interval of its run); else its upper bound is the mean of those of all runs. A single run keeps its own intervals
+    and has no repeatability.
     """
     if runs["run"].nunique() == 1:
         return runs.drop(columns=["run", "tau_low", "tau_high"]).assign(runs=1)
@@ -141,7 +141,7 @@ def _student(count: int) -> float:
 
 
 def shortest(symbol: str, period: float, interval: float) -> float:
-    """Return the length [s] of the shortest log that shows an index, for its period and sampling interval [s]."""
+    """Return the length [s] of the shortest log for an index, of given averaging period and sampling interval [s]."""
     needed = {"stability": 2 * BATCHES * period} | dict.fromkeys(allan.LAWS, allan.SHORTEST * interval)
     return max(INDICES[symbol].minimum_s, needed.get(symbol, 0.0))
 

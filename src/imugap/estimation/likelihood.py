@@ -1,6 +1,6 @@
 """Gaussian likelihood of an error sequence under an error model, its mean (and, on request, a ramp) unknown.
 
-Two exact forms of one number, the log-density of the n - 1 orthonormal contrasts that are free of the mean:
+Two exact forms of the same number, the log-density of the n - 1 orthonormal contrasts that are free of the mean:
 
 - :func:`innovations`: Kalman filter, for any model with a state space;
 - :func:`log_likelihood`: cosine transform, for sums of white noise, random walk and Gauss-Markov processes.
@@ -105,11 +105,10 @@ def _end_point(index: np.ndarray, count: int) -> np.ndarray:
 
 @dataclass(frozen=True, eq=False)
 class Cosines:
-    """All that the likelihood needs of a sequence: sums over bins of z_k^2 and a_k z_k, z its cosine coefficients.
+    """Sufficient statistics of a sequence: sums over bins of z_k^2 and a_k z_k, z its cosine coefficients.
 
-    With ``ramp`` a ramp is unknown besides the mean; the one that fits best by least squares is taken out beforehand,
-    because its coefficients alternate within a bin (the likelihood is the same without and with it). ``slope`` is what
-    was taken out [unit/s].
+    With ``ramp`` a ramp is unknown besides the mean; its least-squares estimate, of ``slope`` [unit/s], is subtracted
+    first, because its coefficients alternate within a bin (the likelihood does not depend on it).
     """
 
     grid: Grid
@@ -120,7 +119,7 @@ class Cosines:
 
     @classmethod
     def of(cls, sequence: np.ndarray, interval: float, highest: float = np.inf, ramp: bool = False) -> "Cosines":
-        """Transform ``sequence``, shape (n,), sampled every ``interval`` [s]; keep what is below ``highest`` [Hz]."""
+        """Transform ``sequence``, shape (n,), sampled every ``interval`` [s]; use frequencies to ``highest`` [Hz]."""
         sequence = np.asarray(sequence, float)
         if not np.ptp(sequence) > 0:
             raise ValueError("likelihood: expected finite samples that vary; found constant or missing ones")
@@ -141,9 +140,9 @@ class Cosines:
         return cls(grid, np.concatenate(power), np.concatenate(cross), ramp, slope)
 
     def less(self, slope: float) -> "Cosines":
-        """Return the statistics of the sequence less a ramp of known ``slope`` [unit/s]; of the sequence with ``ramp``.
+        """Return the statistics of the sequence less a ramp of known ``slope`` [unit/s], from those with ``ramp``.
 
-        Beyond the single bins the coefficients of a ramp no longer matter.
+        Beyond the single bins the coefficients of a ramp are negligible.
         """
         ramp = (self.slope - slope) * ramp_column(self.grid.square, self.grid.interval)
         ramp[: self.grid.odd] = 0.0
@@ -153,12 +152,12 @@ class Cosines:
 
 @dataclass(frozen=True, eq=False)
 class Quantity:
-    """A parameter of a composition, or a derived one: log value = offset + direction' theta.
+    """Parameter of a composition, or a derived quantity: log value = offset + direction' theta.
 
     Attributes
     ----------
     key
-        Name of the effect, its ordinal among its kind (from 1), name of the parameter.
+        Name of the effect, its number among effects of the same kind (from 1), name of the parameter.
     direction, offset
         Shape (parameters,) and a number.
     """
@@ -170,7 +169,7 @@ class Quantity:
 
 @dataclass(frozen=True)
 class Composition:
-    """The processes of a model without their values: at most one of each one-density process, any Gauss-Markov ones.
+    """Kinds of processes of a model: at most one of each one-density process, any number of Gauss-Markov processes.
 
     The parameter vector holds the natural logarithms of the densities, then of std and T of each Gauss-Markov process.
     """
@@ -247,14 +246,14 @@ def value_and_gradient(theta: np.ndarray, shapes: np.ndarray, *logs: Cosines) ->
 
 
 def statistics(*logs: Cosines) -> tuple:
-    """Return what :func:`density` needs of logs on one grid, in its order."""
+    """Return the arguments of :func:`density` of logs on one grid, from ``square`` on."""
     grid = logs[0].grid
     power, cross = sum(log.power for log in logs), np.array([log.cross for log in logs])
     return grid.square, grid.count, grid.interval, logs[0].ramp, grid.number, grid.leverage, grid.odd, power, cross
 
 
 def constant(*logs: Cosines) -> float:
-    """Return the part of the log-likelihood that no parameter changes."""
+    """Return the part of the log-likelihood that does not depend on the parameters."""
     grid = logs[0].grid
     one = -0.5 * np.log(2 * np.pi) * grid.number.sum()
     if logs[0].ramp:
@@ -268,7 +267,7 @@ def _ramp_norm(grid: Grid) -> float:
 
 
 def slope(theta: np.ndarray, shapes: np.ndarray, cosines: Cosines) -> tuple[float, float]:
-    """Return the slope [unit/s] that fits a sequence with ``ramp`` best by generalised least squares, and its variance.
+    """Return the generalised least-squares slope [unit/s] of a sequence with ``ramp``, and its variance.
 
     Both are those of the model with log parameters ``theta``: with the ramp x and the covariance V of the contrasts z,
     x'V^-1 z / x'V^-1 x and 1/x'V^-1 x.
@@ -285,9 +284,9 @@ def slope(theta: np.ndarray, shapes: np.ndarray, cosines: Cosines) -> tuple[floa
 def slope_density(value: float, variance: float, grid: Grid) -> float:
     """Return the log-density of the contrast along a ramp for an estimate ``value`` of the slope.
 
-    The likelihood with ``ramp`` leaves this contrast out; with it added, it is the log-density of all contrasts free of
-    the mean, as without a ramp. The slope is taken as a normal deviate of mean zero whose variance, like that of any
-    other process, makes the density greatest: -log(2 pi e c^2)/2 for a contrast c beyond its standard deviation.
+    The likelihood with ``ramp`` omits this contrast; added to it, it gives the log-density of all contrasts free of the
+    mean, as without a ramp. The slope is normal of mean zero, with the variance that maximises the density: -log(2 pi e
+    c^2)/2 for a contrast c beyond its standard deviation.
     """
     square = value**2 / variance
     return -0.5 * float(np.log(2 * np.pi * variance * max(square, 1.0) * _ramp_norm(grid)) + min(square, 1.0))
@@ -448,14 +447,14 @@ def innovations(model: AxisModel, sequence: np.ndarray, interval: float) -> floa
 
 
 STEADY = 1e-8
-"""Relative change of the gain in one step below which the filter goes on with a fixed gain."""
+"""Relative change of the gain in one step below which the gain is kept fixed."""
 
 
 @njit(cache=True)
 def _filter(sequence, transition, process, output, white, covariance):
     """Return sums over the innovations of the sequence (e) and of a constant (h): log S, e^2/S, e h/S, h^2/S."""
     states = len(output)
-    predicted = np.zeros((3, states))  # states that follow the sequence and the constant, and room to advance them
+    predicted = np.zeros((3, states))  # of the sequence and of the constant, and work space
     gain, work = np.zeros(states), np.empty((states, states))
     log_determinant, sums, steady, k, variance = 0.0, np.zeros(3), False, 0, 1.0
     while not steady and k < len(sequence):
@@ -496,7 +495,7 @@ def _riccati(covariance, gain, work, transition, process, output, white):
 
 @njit(cache=True)
 def _advance(sequence, transition, gain, output, predicted):
-    """Follow the sequence and a constant with a fixed gain, in place; return the sums of e^2, e h, h^2."""
+    """Filter the sequence and a constant with a fixed gain, in place; return the sums of e^2, e h, h^2."""
     states = len(output)
     squares, products, constant = 0.0, 0.0, 0.0
     for value in sequence:

@@ -1,4 +1,4 @@
-"""Maximum-likelihood estimates of an error model from a log, with intervals and a verdict on what the log can tell."""
+"""Maximum-likelihood estimates of an error model from a log, with profile-likelihood intervals."""
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import combinations
@@ -22,24 +22,24 @@ TIMES = {0: 1, 1: 14, 2: 10, 3: 8}
 UPDATES = 30
 """Multiplicative updates of the densities at each grid point."""
 STARTS = 3
-"""Best grid points from which the likelihood is climbed."""
+"""Number of best grid points from which the likelihood is maximised."""
 ITERATIONS = 200
 LONGEST_STEP = 2.0
 """Largest change of a log parameter in one iteration."""
 FLAT = 1e-6
-"""Predicted gain of log-likelihood at which a climb ends."""
+"""Predicted gain of log-likelihood below which a maximum is reached."""
 VANISH = 14.0
-"""Log distance below the density that would explain the whole log at which a process counts as absent."""
+"""Distance of a log density below that which alone explains the power of the log, at which a process is absent."""
 EXCEED = 7.0
-"""Log distance above it at which a density counts as unbounded."""
+"""Distance of the logarithm above it at which a density is unbounded."""
 HIGHER = 0.01
-"""Difference of log-likelihood by which a hill is higher."""
+"""Difference of log-likelihood by which another maximum is higher."""
 SPACING = 0.3
 """Largest spacing of a log density over which the slope of a ramp is integrated."""
 FALL = 8.0
-"""Fall of the log-likelihood beyond which a parameter need not be followed."""
+"""Decrease of the log-likelihood at which a profile ends."""
 ABSENT = 1e-3
-"""Loss of log-likelihood below which leaving out a process is no loss."""
+"""Decrease of log-likelihood without a process below which its density is set to zero."""
 
 
 def fit(
@@ -62,7 +62,7 @@ def fit(
         Whether the mean may have a ramp. Its slope is then estimated too (generalised least squares); the likelihood
         is that of the contrasts free of it.
     highest
-        Frequency [Hz] above which the log is left out of account (e.g. the filter of the device).
+        Highest frequency [Hz] that is used (e.g. below the cutoff of the filter of the device).
     level
         Confidence level of the intervals.
     """
@@ -71,22 +71,22 @@ def fit(
 
 
 class HigherMaximumError(Exception):
-    """A profile came to a point that lies higher than the one that it started from."""
+    """A profile found a point of higher likelihood than the maximum from which it started."""
 
     def __init__(self, theta: np.ndarray) -> None:
-        """Take the point."""
+        """Keep the point of higher likelihood."""
         super().__init__("a profile found a higher likelihood")
         self.theta = theta
 
 
 class LikelihoodProblem:
-    """The likelihood of a log under one composition, ready to be climbed and profiled.
+    """Likelihood of a log under one composition, to be maximised and profiled.
 
-    The log may be in parts of equal length, each with a mean (and a ramp) of its own, as if they were independent.
+    The log may be in independent parts of equal length, each with a mean (and a ramp) of its own.
     """
 
     def __init__(self, composition: Composition, *parts: Cosines) -> None:
-        """Take the processes and the statistics of the log."""
+        """Prepare the likelihood of the composition for the statistics of the parts of the log."""
         self.composition, self.parts, self.grid = composition, parts, parts[0].grid
         self.power = sum(part.power for part in parts)
         self.number = len(parts) * self.grid.number
@@ -106,12 +106,12 @@ class LikelihoodProblem:
         return low, high
 
     def __call__(self, theta: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
-        """Return log-likelihood, gradient and information, with a parabolic wall outside the limits."""
+        """Return log-likelihood, gradient and information, with a quadratic penalty outside the limits."""
         value, gradient, information = _penalised(theta, self.arguments)
         return value + self.constant, gradient, information
 
     def estimate(self, start: np.ndarray, level: float) -> Fit:
-        """Return the fit that a climb from ``start`` leads to, or a higher one that a profile finds on the way."""
+        """Return the fit at the local maximum from ``start``, or at a higher one that a profile finds."""
         best, value, converged = self.local_maximum(start)
         best = self._ordered(best)
         try:
@@ -123,7 +123,7 @@ class LikelihoodProblem:
     def maximise(
         self, times: Iterable[tuple[float, ...]] | None = None, starts: Sequence[np.ndarray] = ()
     ) -> tuple[np.ndarray, float, bool]:
-        """Return the highest of the hills that start at the best of ``times``, or at further ``starts``.
+        """Return the highest local maximum from the best of ``times`` and from further ``starts``.
 
         ``times`` are sets of correlation times [s], one for each Gauss-Markov process: all of a grid if not given.
         """
@@ -134,19 +134,19 @@ class LikelihoodProblem:
         return self._ordered(best), value, converged
 
     def times(self) -> Iterable[tuple[float, ...]]:
-        """Return all choices of correlation times [s] from a grid that is coarser the more there are."""
+        """Return all sets of correlation times [s] of a grid, which is coarser for more processes."""
         markov = self.composition.markov
         return combinations(correlation_times(self.grid, TIMES.get(markov, 7)), markov)
 
     def starts_without_one_density(self) -> Iterator[np.ndarray]:
-        """Yield the top of the likelihood without each density, where there are others: with it, it is no lower."""
+        """Yield the maximum without each density, where there are others: starts from which the fit is no worse."""
         densities, markov = self.composition.densities, self.composition.markov
         for index in range(len(densities) if len(self.low) > 1 else 0):
             rest = Composition(densities[:index] + densities[index + 1 :], markov)
             yield np.insert(LikelihoodProblem(rest, *self.parts).maximise()[0], index, self.low[index])
 
     def _ordered(self, theta: np.ndarray) -> np.ndarray:
-        """Return the same point with the Gauss-Markov processes ordered by correlation time."""
+        """Return the log parameters with the Gauss-Markov processes ordered by correlation time."""
         processes = theta[len(self.shapes) :].reshape(-1, 2)
         return np.r_[theta[: len(self.shapes)], processes[np.argsort(processes[:, 1])].ravel()]
 
@@ -167,18 +167,18 @@ class LikelihoodProblem:
         return [theta for _, theta in ranked[:STARTS]]
 
     def local_maximum(self, theta: np.ndarray, normal: np.ndarray | None = None) -> tuple[np.ndarray, float, bool]:
-        """Return the top that damped scoring steps reach, its height, and whether it is one.
+        """Return the maximum by damped Fisher scoring from ``theta``, its log-likelihood, and whether it converged.
 
-        With ``normal`` the climb stays on the plane normal' theta = constant.
+        With ``normal`` the steps stay on the plane normal' theta = constant.
         """
         plane = np.zeros(len(theta)) if normal is None else normal
         best, value, converged = _fisher_scoring(np.asarray(theta, float), plane, self.arguments)
         return best, value + self.constant, converged
 
     def profiles(self, best: np.ndarray, value: float, target: float) -> list[tuple[float, float]]:
-        """Return the ends of the intervals of all quantities (logs), where the deviance has risen to ``target``.
+        """Return the limits of the intervals of all quantities (logs), where the profile deviance is ``target``.
 
-        They are infinite where it stays below. A higher point on the way is raised as :class:`HigherMaximumError`.
+        They are infinite where it stays below. A point of higher likelihood raises :class:`HigherMaximumError`.
         """
         information = self(best)[2] + 1e-6 * np.eye(len(best))
         return [
@@ -193,7 +193,7 @@ class LikelihoodProblem:
     def _distance(
         self, best: np.ndarray, value: float, target: float, quantity: Quantity, side: int, information: np.ndarray
     ) -> float:
-        """Return how far from ``best`` the deviance reaches ``target`` on one side; infinity if nowhere."""
+        """Return the distance from ``best`` at which the deviance is ``target`` on one side; infinity if nowhere."""
         normal, theta = quantity.direction, best
         along = np.linalg.solve(information, normal)
         along, error = along / (normal @ along), np.sqrt(normal @ along)
@@ -201,7 +201,7 @@ class LikelihoodProblem:
         def deviance(distance: float) -> float:
             nonlocal theta
             ahead = (side * distance - normal @ (theta - best)) * along
-            if np.abs(ahead).max() > 2 * LONGEST_STEP:  # nearly flat: the parabola says nothing about the way
+            if np.abs(ahead).max() > 2 * LONGEST_STEP:  # nearly flat: the quadratic approximation gives no direction
                 ahead = (normal @ ahead) * normal / (normal @ normal)
             theta, height, _ = self.local_maximum(theta + ahead, normal)
             if height > value + HIGHER:
@@ -222,7 +222,7 @@ class LikelihoodProblem:
     def result(
         self, best: np.ndarray, value: float, converged: bool, ends: list[tuple[float, float]], level: float
     ) -> Fit:
-        """Return the estimates with verdicts; a process without which the likelihood is no lower gets density zero."""
+        """Return the fit; a process without which the likelihood is no lower gets density zero."""
         ramp = self.parts[0].ramp
         covariance = np.linalg.inv(fisher(best, self.shapes, self.grid, ramp) + 1e-12 * np.eye(len(best)))
         absent = np.array([self._absent(best, value, index) for index in range(len(best))])
@@ -243,11 +243,11 @@ class LikelihoodProblem:
         return Fit(model, tuple(estimates), value, converged)
 
     def slope(self, best: np.ndarray, covariance: np.ndarray, level: float) -> ParameterEstimate:
-        """Return the slope of the ramp, with an interval that does not take the model for known.
+        """Return the slope of the ramp, with an interval that includes the uncertainty of the model.
 
-        Given the model the slope is a normal deviate about its generalised least squares. How much a weak process adds
-        to its variance the log may hardly tell, least of all where the process seems absent. The interval is therefore
-        that of a mixture over the sizes that a process may have, and the widest over the processes.
+        Given the model, the slope is normal about its generalised least squares. The contribution of a weak process to
+        its variance is poorly known, in particular where the estimated density is zero. The interval is therefore that
+        of a mixture over the densities of a process, the widest over the processes.
         """
         first = len(self.shapes)
         sizes = [*range(first), *range(first, len(best), 2)]
@@ -279,7 +279,7 @@ class LikelihoodProblem:
         return weights / weights.sum(), means, deviations
 
     def _profile_points(self, best: np.ndarray, index: int, step: float) -> list[np.ndarray]:
-        """Return the highest points at steps of log parameter ``index`` from ``best``, as far as they may matter."""
+        """Return the points of the profile at steps of log parameter ``index`` from ``best``, to a decrease of FALL."""
         normal, lowest, points = np.eye(len(best))[index], self(best)[0] - FALL, [best]
         end = self.low[index] if step < 0 else self.high[index]
         for _ in range(int(max((end - best[index]) / step, 0.0))):
@@ -296,7 +296,7 @@ class LikelihoodProblem:
         return without
 
     def _absent(self, best: np.ndarray, value: float, index: int) -> bool:
-        """Return whether leaving out the process with density ``index`` is no loss (never for a correlation time)."""
+        """Return whether the fit is as good without the process of density ``index``; false for a correlation time."""
         first = len(self.shapes)
         if index >= first and (index - first) % 2:
             return False
@@ -316,7 +316,7 @@ def quantile(probability: float, weights: np.ndarray, means: np.ndarray, deviati
 
 @njit(cache=True)
 def _densities(basis, power, number):
-    """Return the densities of the rows of ``basis`` [power of a coefficient] after some multiplicative updates.
+    """Return the densities of the rows of ``basis`` [power of a coefficient] after multiplicative updates.
 
     The updates raise Whittle's likelihood, whose terms are Itakura-Saito distances (Fevotte, Bertin, Durrieu 2009,
     Neural Computation 21, 793-830).
@@ -377,7 +377,7 @@ def _fisher_scoring(theta, normal, arguments):
 def _step(gradient, information, damping, normal):
     """Return the damped scoring step, its gain by slope, and its curvature.
 
-    It is on the plane of ``normal`` if that is not zero; no part is beyond LONGEST_STEP.
+    It is on the plane of ``normal`` if that is not zero; no component exceeds LONGEST_STEP.
     """
     size = len(gradient)
     scale, matrix = np.empty(size), np.empty((size, size))

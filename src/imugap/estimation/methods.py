@@ -1,4 +1,4 @@
-"""The methods of estimation that the study compares, behind one signature: a sequence in, a fit out."""
+"""Estimation methods that the study compares, with one signature: (samples, interval, kinds) to a fit."""
 
 from collections.abc import Callable, Sequence
 from functools import partial
@@ -20,5 +20,5 @@ METHODS: dict[str, Estimator] = {
     "indirect_full": partial(estimator.fit, options=GmwmOptions(weighting=Weighting.FULL)),
     "likelihood": maximum_likelihood.fit,
 }
-"""Allan readings (the top of a Gauss-Markov process as it stands, or without white noise); wavelet variances by weight;
-the exact likelihood."""
+"""Slopes of the Allan deviation (the peak of a Gauss-Markov process read with or without the white noise on it);
+wavelet moments by weighting; maximum likelihood."""

@@ -1,21 +1,20 @@
-"""Which effects are in a log: the choice of a composition, and what the data cannot tell from it.
+"""Model selection: the composition of effects of a log, and the compositions that the data do not separate from it.
 
-The catalogue is :data:`TERMS`, each once, Gauss-Markov processes up to three times. Two judges decide.
+Candidates are sums of :data:`TERMS`, each once, Gauss-Markov processes up to three times. Two rules decide.
 
 Criterion
-    The log-likelihood of the contrasts free of the mean less a :func:`cost` for every parameter: a term is kept if its
-    likelihood ratio is beyond what a term that is not there shows by chance, so that a true composition gets a wrong
-    term with a probability of at most 1 - level.
+    Log-likelihood of the contrasts free of the mean, less a :func:`penalty` for every parameter: a term is kept if its
+    likelihood ratio exceeds that of an absent term by chance, so that the true composition gets a wrong term with a
+    probability of at most 1 - level.
 Held-out score
-    The log is cut into :data:`FOLDS` blocks. Each is scored by the log-density of its contrasts, its own mean unknown,
-    under the parameters (and the slope) fitted to the others. A composition is out if one with no more parameters
-    predicts better by odds of 1 to (1 - level): what it fits better is then a feature of a part of the log. A true
-    density is beaten by such odds with a probability of at most 1 - level, whatever beats it (Markov's inequality).
+    The log is divided into :data:`FOLDS` blocks. Each is scored by the log-density of its contrasts, its own mean
+    unknown, under the parameters (and the slope) fitted to the others. A composition is rejected if one with no more
+    parameters predicts better by odds of 1 to (1 - level): it then fits a feature of one part of the log. The true
+    density is rejected with a probability of at most 1 - level (Markov's inequality).
 
 The search starts with white noise alone and follows every move (:data:`MOVES`: additions, omissions) that raises the
-criterion. The choice is the composition of the highest criterion that is not out. Its alternatives are the other
-compositions that do not fall short of it in the held-out score, that are not out, and that no move improves: nothing
-in the catalogue is missed in them, and nothing in them is idle.
+criterion. The selection is the composition of the highest criterion that is not rejected. Its alternatives are the
+other compositions that are not rejected, whose held-out score is not significantly lower, and that no move improves.
 """
 
 from collections import Counter
@@ -37,7 +36,7 @@ Kinds = tuple[type, ...]
 
 TERMS: Kinds = (Quantization, WhiteNoise, BiasInstability, RandomWalk, GaussMarkov, RateRamp)
 MOST = Counter({kind: 3 if kind is GaussMarkov else 1 for kind in TERMS})
-"""How often a composition may have each term."""
+"""Largest number of each term in a composition."""
 FOLDS = 6
 SHORTEST = 256
 """Fewest samples of a log."""
@@ -48,26 +47,26 @@ MOVES = (
     (MARKOV, WHITE),
     (WHITE, MARKOV),
 )
-"""What a change of a composition gains and loses; white noise is a Gauss-Markov process of no correlation time."""
+"""Terms that a move adds and removes; white noise is a Gauss-Markov process of correlation time zero."""
 TIMES = 12
 """Grid points of the correlation time at which a new Gauss-Markov process starts."""
 
 
 @dataclass(frozen=True)
 class Choice:
-    """The composition chosen for a log.
+    """Selected composition of a log.
 
     Attributes
     ----------
     kinds, fit
-        The chosen effects and their estimates with intervals.
+        Selected kinds of effects and their estimates with intervals.
     candidates
-        Every composition that was fitted, best criterion first: index ``composition``; columns ``parameters`` (their
-        number), ``log_likelihood``, ``criterion``, ``held_out`` (score), ``held_out_error`` (standard error of its
-        difference to that of the choice), ``overfits`` (out by the held-out score), ``alternative`` (indistinguishable
-        from the choice).
+        All fitted compositions, best criterion first: index ``composition``; columns ``parameters`` (their number),
+        ``log_likelihood``, ``criterion``, ``held_out`` (score), ``held_out_error`` (standard error of its difference
+        to that of the selection), ``overfits`` (rejected by the held-out score), ``alternative`` (not separated from
+        the selection).
     alternatives
-        The compositions that the data cannot tell from the choice, best criterion first.
+        Compositions that the data do not separate from the selection, best criterion first.
     """
 
     kinds: Kinds
@@ -82,7 +81,7 @@ def title(kinds: Kinds) -> str:
 
 
 def penalty(level: float) -> float:
-    """Return the penalty of a parameter: half the likelihood ratio that one in excess may show by chance.
+    """Return the penalty of one parameter: half the likelihood ratio that a superfluous one reaches by chance.
 
     The ratio is twice the gain of log-likelihood. For a parameter that cannot be negative and is zero it is zero half
     the time, else chi-square (Self and Liang 1987, JASA 82, 605-610). The limit is exceeded with the probability
@@ -90,8 +89,8 @@ def penalty(level: float) -> float:
 
     - Densities are such parameters. A walk that only the lowest coefficients show stays below that limit.
     - A Gauss-Markov process has two. It contains white noise (T = 0) and a random walk (1/T = 0), to each of which it
-      adds one such parameter. Added to both it has a T that means nothing where the process is absent: the ratio is the
-      highest, along log T, of squares of a process with correlation sech(d/2) at distance d (Lorentzians beside white
+      adds one such parameter. Added to both, its T is not identified where the process is absent: the ratio is the
+      maximum over log T of squares of a process with correlation sech(d/2) at distance d (Lorentzians beside white
       noise). Its upcrossings bound the probability (Davies 1987, Biometrika 74, 33-43) to exceed the limit x for two
       by the chi-square one + log(n)/(4 pi) exp(-x/2), which is below p for any n within reach.
     - A slope is taken as a deviate with a variance (:func:`imugap.estimation.likelihood.slope_density`). Beside white
@@ -104,14 +103,14 @@ def penalty(level: float) -> float:
 
 
 def choose(sequence: np.ndarray, interval: float, highest: float = np.inf, level: float = 0.95) -> Choice:
-    """Choose the effects of an error sequence of unknown mean.
+    """Select the effects of an error sequence of unknown mean.
 
     Parameters
     ----------
     sequence, interval
         Samples, shape (n,), evenly spaced by the sampling interval [s].
     highest
-        Frequency [Hz] above which the log is left out of account (e.g. the filter of the device).
+        Highest frequency [Hz] that is used (e.g. below the cutoff of the filter of the device).
     level
         Confidence level of every decision and of the intervals.
     """
@@ -124,7 +123,7 @@ def choose(sequence: np.ndarray, interval: float, highest: float = np.inf, level
 
 @dataclass(frozen=True, eq=False)
 class _Fitted:
-    """The top of the likelihood of a composition."""
+    """Maximum of the likelihood of a composition."""
 
     kinds: Kinds
     problem: LikelihoodProblem
@@ -134,7 +133,7 @@ class _Fitted:
 
 
 class _Search:
-    """The compositions of one log that have been fitted."""
+    """Fitted compositions of one log."""
 
     def __init__(self, sequence: np.ndarray, interval: float, highest: float, level: float) -> None:
         self.level, self.penalty = level, penalty(level)
@@ -144,7 +143,7 @@ class _Search:
         self.fits: dict[Kinds, _Fitted] = {}
 
     def search(self) -> None:
-        """Fit white noise alone, all that moves which raise the criterion lead to, and the neighbours of all these."""
+        """Fit white noise alone, all compositions that moves which raise the criterion reach, and their neighbours."""
         queue: list[Kinds] = [(WhiteNoise,)]
         self._fit(queue[0])
         for here in queue:
@@ -152,12 +151,12 @@ class _Search:
                 self._fit_from(there, here)
                 if self.fits[there].criterion > self.fits[here].criterion and there not in queue:
                     queue.append(there)
-        for here in sorted(self.fits, key=len):  # tops that were found late
+        for here in sorted(self.fits, key=len):  # from maxima that were found later
             for there in filter(self.fits.get, _neighbours(here)):
                 self._fit_from(there, here)
 
     def _fit_from(self, kinds: Kinds, origin: Kinds) -> None:
-        """Fit ``kinds`` from the top of a neighbour, unless that is done and is no lower than its part ``origin``."""
+        """Fit ``kinds`` from the maximum of its neighbour ``origin``, unless its known maximum is no lower."""
         known, start = self.fits.get(kinds), self.fits[origin]
         if known is None or (len(kinds) > len(origin) and known.likelihood < start.likelihood):
             self._fit(kinds, start)
@@ -174,7 +173,7 @@ class _Search:
         self.fits[kinds] = _Fitted(kinds, problem, theta, value, value - self.penalty * parameters(kinds))
 
     def _scores(self, fitted: _Fitted) -> np.ndarray:
-        """Return the log-density of each block, shape (FOLDS,), under what is fitted to the others."""
+        """Return the log-density of each block, shape (FOLDS,), under the parameters fitted to the others."""
         ramp, scores = RateRamp in fitted.kinds, []
         blocks = self.blocks[ramp]
         for k, block in enumerate(blocks):
@@ -186,17 +185,17 @@ class _Search:
         return np.array(scores)
 
     def select(self) -> Choice:
-        """Let the two judges decide."""
+        """Return the selection by the criterion and the held-out score."""
         fits = sorted(self.fits.values(), key=lambda fitted: -fitted.criterion)
         scores = np.array([self._scores(fitted) for fitted in fits])
         number = np.array([parameters(fitted.kinds) for fitted in fits])
         total = scores.sum(axis=1)
-        beaten = total - total[:, None] > -np.log(1 - self.level)
-        out = (beaten & (number <= number[:, None])).any(axis=1)
-        best = int(np.flatnonzero(~out)[0])
+        worse_than = total - total[:, None] > -np.log(1 - self.level)
+        rejected = (worse_than & (number <= number[:, None])).any(axis=1)
+        best = int(np.flatnonzero(~rejected)[0])
         chosen = fits[best]
         candidate = [self._is_local_best(fitted) and self._is_alternative(fitted, chosen) for fitted in fits]
-        alternative = np.array(candidate) & ~out & ~beaten[:, best]
+        alternative = np.array(candidate) & ~rejected & ~worse_than[:, best]
         alternative[best] = False
         columns = {
             "parameters": number,
@@ -204,7 +203,7 @@ class _Search:
             "criterion": [fitted.criterion for fitted in fits],
             "held_out": total,
             "held_out_error": np.sqrt(FOLDS) * np.std(scores - scores[best], axis=1, ddof=1),
-            "overfits": out,
+            "overfits": rejected,
             "alternative": alternative,
         }
         index = pd.Index([title(fitted.kinds) for fitted in fits], name="composition")
@@ -213,14 +212,14 @@ class _Search:
         return Choice(chosen.kinds, fit, pd.DataFrame(columns, index=index), alternatives)
 
     def _is_local_best(self, fitted: _Fitted) -> bool:
-        """Return whether no move improves a composition."""
+        """Return whether no move raises the criterion of a composition."""
         near = (self.fits.get(kinds) for kinds in _neighbours(fitted.kinds))
         return all(other is not None and other.criterion <= fitted.criterion for other in near)
 
     def _is_alternative(self, fitted: _Fitted, chosen: _Fitted) -> bool:
-        """Return whether neither composition is part of the other, and the terms of both together are not needed.
+        """Return whether neither composition is part of the other, and their union fits no better.
 
-        All of them together are at least as likely as the choice.
+        The union is at least as likely as the selection.
         """
         here, there = Counter(fitted.kinds), Counter(chosen.kinds)
         needed = chosen.likelihood - fitted.likelihood > self.penalty * parameters(tuple((there - here).elements()))
@@ -237,7 +236,7 @@ def _stochastic(kinds: Kinds) -> Kinds:
 
 
 def _neighbours(kinds: Kinds) -> Iterator[Kinds]:
-    """Yield the compositions that one move leads to; all have something random in them."""
+    """Yield the compositions that one move reaches, with at least one random process each."""
     here = Counter(kinds)
     for gain, loss in MOVES:
         there = here + gain - loss
@@ -246,7 +245,7 @@ def _neighbours(kinds: Kinds) -> Iterator[Kinds]:
 
 
 def _times(problem: LikelihoodProblem, origin: _Fitted) -> list[tuple[float, ...]]:
-    """Return the correlation times [s] of a neighbour with each that a new process may have, or without each."""
+    """Return the correlation times [s] of a neighbour, with one more of a grid or with one less."""
     markov, known = problem.composition.markov, tuple(np.exp(origin.theta[len(origin.problem.shapes) + 1 :: 2]))
     if len(known) < markov:
         return [(*known, time) for time in correlation_times(problem.grid, TIMES)]
@@ -254,7 +253,7 @@ def _times(problem: LikelihoodProblem, origin: _Fitted) -> list[tuple[float, ...
 
 
 def _extended(problem: LikelihoodProblem, origin: _Fitted) -> list[np.ndarray]:
-    """Return the values of a neighbour with its new terms absent, if it has all others."""
+    """Return the parameters of a neighbour with the new terms at their lower limits, if it has all other terms."""
     old = origin.problem.composition.densities
     if not set(old) <= set(problem.composition.densities) or len(origin.theta) > len(problem.low):
         return []
@@ -265,6 +264,6 @@ def _extended(problem: LikelihoodProblem, origin: _Fitted) -> list[np.ndarray]:
 
 
 def _common_slope(theta: np.ndarray, problem: LikelihoodProblem) -> float:
-    """Return the slope [unit/s] that fits all parts best."""
+    """Return the weighted mean of the slopes of all parts [unit/s]."""
     values, variances = np.transpose([slope(theta, problem.shapes, part) for part in problem.parts])
     return float(np.average(values, weights=1 / variances))

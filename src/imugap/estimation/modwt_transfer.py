@@ -1,7 +1,7 @@
-"""What the cascade of wavelet filters lets pass of a spectrum, and how the coefficients of its levels covary.
+"""Wavelet variances implied by a spectrum, and the covariances of wavelet coefficients, to rounding.
 
-A spectrum is taken on Gauss-Legendre nodes in each octave below half a cycle per sample. A cascade of level j does
-j - 1 times the same: it filters and takes every other sample, which folds the spectrum onto one octave less, S'(f) =
+A spectrum is taken on Gauss-Legendre nodes in each octave below half a cycle per sample. Level j of the filter cascade
+repeats j - 1 times: filter and take every other sample, which folds the spectrum onto one octave less, S'(f) =
 (|G(f/2)|^2 S(f/2) + |G(1/2 - f/2)|^2 S(1/2 - f/2))/2, and |G(1/2 - f)|^2 = |H(f)|^2. The halves f/2 are nodes of the
 next octave; 1/2 - f/2 lies in the top one, where the spectrum is interpolated. All this is linear: it is done once,
 backwards, on the weights of the quadrature, so no lobe of a deep level is ever resolved.
@@ -21,12 +21,12 @@ from imugap.numerics.daubechies import free, gains, transfer
 NODES = 24
 NODE, WEIGHT = leggauss(NODES)
 BELOW = 45
-"""Octaves of the spectrum below the deepest level: what lies still lower moves no wavelet variance by 1e-12."""
+"""Octaves of the spectrum below the deepest level; lower frequencies contribute less than 1e-12."""
 APART = 3
-"""Halvings of the sampling rate that a level has to itself where it is counted on a smooth."""
+"""Halvings of the sampling rate between the smoothed sequence and the first level computed on it."""
 
 PERIODS = 4
-"""Length of the transform in lengths of the sequence: what it wraps around has decayed."""
+"""Length of the transform in lengths of the sequence, so that wrap-around is negligible."""
 
 PSD = Callable[[np.ndarray], np.ndarray]
 """Power spectral density at cycles per sample; its integral over one cycle is the variance."""
@@ -46,10 +46,10 @@ def overlap(psd: PSD, levels: int, width: int = 2) -> np.ndarray:
 
 
 def counted(psd: PSD, count: int, levels: int, width: int, halvings: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return what ``count`` samples hold of the cross-covariances s_ij of the coefficients of the deepest levels.
+    """Return the sums of the cross-covariances s_ij of the coefficients of the deepest levels over ``count`` samples.
 
-    Every 2^halvings-th smooth V_halvings stands for the sequence, for the m levels above ``halvings`` + :data:`APART`;
-    without halvings the sequence itself, for all levels.
+    Every 2^halvings-th scaling coefficient V_halvings replaces the sequence, for the m levels above ``halvings`` +
+    :data:`APART`; without halvings the sequence itself, for all levels.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""What a log says about its axes: the effects found on each with intervals and a verdict, ready for JSON and tables."""
+"""Estimation of one axis by a chosen method, and its report: JSON records, tables, Allan curves."""
 
 import json
 from collections.abc import Sequence
@@ -22,30 +22,30 @@ from imugap.log import GYRO
 
 
 class Method(StrEnum):
-    """How parameters are estimated."""
+    """Method of estimation."""
 
     LIKELIHOOD = "likelihood"
     """Maximum likelihood (:mod:`imugap.estimation.maximum_likelihood`)."""
     WAVELET = "wavelet"
-    """Wavelet variance matched by that of the model (:mod:`imugap.estimation.gmwm.estimator`)."""
+    """Generalised method of wavelet moments (:mod:`imugap.estimation.gmwm.estimator`)."""
     ALLAN = "allan"
-    """Tangents to the Allan deviation, piece by piece (:mod:`imugap.estimation.allan_slopes`)."""
+    """Slopes of the Allan deviation (:mod:`imugap.estimation.allan_slopes`)."""
 
 
 @dataclass(frozen=True)
 class EstimatorSettings:
-    """What is asked about an axis.
+    """Settings of an estimation.
 
     Attributes
     ----------
     kinds
-        The effects to estimate, or None: those that :func:`imugap.estimation.model_selection.choose` finds.
+        Kinds of effects to estimate, or None to select them (:func:`imugap.estimation.model_selection.choose`).
     method
-        How they are estimated.
+        Method of estimation.
     highest
-        Frequency [Hz] above which likelihood and choice leave the log out of account.
+        Highest frequency [Hz] that likelihood and selection use.
     robust
-        Whether the wavelet variances are those that outliers have a bounded effect on.
+        Whether to use the robust wavelet variance, on which outliers have a bounded effect.
     level
         Confidence level.
     """
@@ -57,7 +57,7 @@ class EstimatorSettings:
     level: float = 0.95
 
     def __post_init__(self) -> None:
-        """Refuse what the method cannot do."""
+        """Check that the method supports the settings; ValueError otherwise."""
         if self.robust and self.method != Method.WAVELET:
             raise ValueError(f"robust: expected the method {Method.WAVELET}; found {self.method}")
         if isfinite(self.highest) and self.kinds and self.method != Method.LIKELIHOOD:
@@ -68,7 +68,7 @@ class EstimatorSettings:
             self.check(self.kinds)
 
     def check(self, kinds: Kinds) -> None:
-        """Refuse a composition that has no random process, a term twice, or more than the method can tell apart."""
+        """Check that a composition has a random process, no repeated term, and suits the method; else ValueError."""
         for kind in kinds:
             if kind is not GaussMarkov and kinds.count(kind) > 1:
                 raise ValueError(f"terms: expected only {GaussMarkov.name} more than once; found {title(kinds)}")
@@ -79,7 +79,7 @@ class EstimatorSettings:
             raise ValueError(f"terms: expected {expected}; found {title(kinds)}")
 
     def estimate(self, sequence: np.ndarray, interval: float, kinds: Kinds) -> Fit:
-        """Return the estimates of given effects by the method asked for."""
+        """Estimate effects of the given kinds from samples, shape (n,), evenly spaced by ``interval`` [s]."""
         self.check(kinds)
         random, ramp = tuple(kind for kind in kinds if kind is not RateRamp), RateRamp in kinds
         match self.method:
@@ -95,7 +95,7 @@ class EstimatorSettings:
 
 @dataclass(frozen=True)
 class AxisEstimate:
-    """What was found on one axis; ``goodness`` says whether the model fits, ``alternatives`` what fits as well."""
+    """Estimate of one axis: the fit, its goodness of fit in words, and compositions that fit as well."""
 
     axis: str
     method: Method
@@ -109,7 +109,7 @@ class AxisEstimate:
         return "rad/s" if self.axis in GYRO else "m/s^2"
 
     def verdict(self) -> str:
-        """Return in words whether the model fits, which parameters are not identified, and what fits as well."""
+        """Return in words the goodness of fit, the parameters that are not identified, and the alternatives."""
         parts = [self.goodness.rstrip(".")]
         unknown = [(one, one.verdict) for one, _ in self.parameters() if one.verdict != Identifiability.IDENTIFIED]
         if unknown:
@@ -123,12 +123,12 @@ class AxisEstimate:
         return ". ".join(parts) + "."
 
     def parameters(self) -> list[tuple[ParameterEstimate, str]]:
-        """Return the estimates of the parameters that the catalogue names, each with its SI unit."""
+        """Return the estimates of the parameters of the effects, each with its SI unit, without derived quantities."""
         units = [CATALOGUE[one.effect].units(self.unit).get(one.parameter) for one in self.fit.estimates]
         return [(one, unit) for one, unit in zip(self.fit.estimates, units, strict=True) if unit]
 
     def record(self) -> dict:
-        """Return plain data for JSON; a number that is not finite (a limit that the log does not set) is None."""
+        """Return a record for JSON; a limit that is not finite is None."""
         terms: dict[tuple[str, int], dict] = {}
         for one, unit in self.parameters():
             numbers = {name: _finite(getattr(one, name)) for name in ("value", "low", "high")}
@@ -142,63 +142,63 @@ class AxisEstimate:
         }
 
 
-def estimate_axis(axis: str, sequence: np.ndarray, interval: float, inquiry: EstimatorSettings) -> AxisEstimate:
-    """Answer an inquiry about one axis: samples, shape (n,), evenly spaced by ``interval`` [s]."""
+def estimate_axis(axis: str, sequence: np.ndarray, interval: float, settings: EstimatorSettings) -> AxisEstimate:
+    """Estimate the effects of one axis from its samples, shape (n,), evenly spaced by ``interval`` [s]."""
     choice: Choice | None = None
     try:
-        if inquiry.kinds is None:
-            choice = choose(sequence, interval, inquiry.highest, inquiry.level)
-        if choice and inquiry.method == Method.LIKELIHOOD:
+        if settings.kinds is None:
+            choice = choose(sequence, interval, settings.highest, settings.level)
+        if choice and settings.method == Method.LIKELIHOOD:
             fit = choice.fit
         else:
-            fit = inquiry.estimate(sequence, interval, choice.kinds if choice else inquiry.kinds)
-        judged = goodness_of_fit.of(fit.model, sequence, interval)
+            fit = settings.estimate(sequence, interval, choice.kinds if choice else settings.kinds)
+        checked = goodness_of_fit.of(fit.model, sequence, interval)
     except ValueError as error:
         raise ValueError(f"{axis}: {error}") from error
-    return AxisEstimate(axis, inquiry.method, fit, judged.verdict, choice.alternatives if choice else ())
+    return AxisEstimate(axis, settings.method, fit, checked.verdict, choice.alternatives if choice else ())
 
 
 def kinds_of(names: Sequence[str]) -> Kinds:
-    """Return the effects of the given names, among those that can be estimated; an unknown one names the nearest."""
+    """Return the kinds of effects of the given names; ValueError for one that cannot be estimated."""
     known = {kind.name: kind for kind in TERMS}
     return tuple(known[known_name(name, tuple(known), "terms")] for name in names)
 
 
-def known_name(name: str, known: Sequence[str], what: str) -> str:
-    """Return ``name`` if it is known; else raise a ValueError that says which of the known ones is nearest."""
+def known_name(name: str, known: Sequence[str], subject: str) -> str:
+    """Return ``name`` if it is known; else raise a ValueError with the nearest known one."""
     if name not in known:
         near = get_close_matches(name.lower(), known, 1)
         expected = near[0] if near else f"one of {', '.join(known)}"
-        raise ValueError(f"{what}: expected {expected}; found {name!r}")
+        raise ValueError(f"{subject}: expected {expected}; found {name!r}")
     return name
 
 
-def to_json(findings: Sequence[AxisEstimate]) -> str:
-    """Return the records of all axes as strict JSON."""
-    return json.dumps([one.record() for one in findings], indent=1, allow_nan=False) + "\n"
+def to_json(estimates: Sequence[AxisEstimate]) -> str:
+    """Return the records of all axes as JSON without NaN or infinity."""
+    return json.dumps([one.record() for one in estimates], indent=1, allow_nan=False) + "\n"
 
 
-def table(findings: Sequence[AxisEstimate]) -> pd.DataFrame:
+def table(estimates: Sequence[AxisEstimate]) -> pd.DataFrame:
     """Return all estimates: ``axis``, ``method``, the columns of :class:`.result.ParameterEstimate`, ``unit``."""
     rows = [
         {"axis": one.axis, "method": str(one.method)} | asdict(estimate) | {"unit": unit}
-        for one in findings
+        for one in estimates
         for estimate, unit in one.parameters()
     ]
     return pd.DataFrame(rows)
 
 
-def curves(log: pd.DataFrame, interval: float, findings: Sequence[AxisEstimate], level: float = 0.95) -> pd.DataFrame:
-    """Return the Allan deviation of each axis and where the fitted model expects that of so long a log.
+def curves(log: pd.DataFrame, interval: float, estimates: Sequence[AxisEstimate], level: float = 0.95) -> pd.DataFrame:
+    """Return the Allan deviation of each axis, and that of its fitted model with limits for a log of this length.
 
     Returns
     -------
     pandas.DataFrame
-        Columns ``axis``, ``tau`` [s], ``deviation`` (of the log), ``model``, ``low``, ``high`` (of the model, with
-        the chi-square limits of an estimate from a log of this length) [unit of the axis].
+        Columns ``axis``, ``tau`` [s], ``deviation`` (of the log), ``model`` (its expectation), ``low``, ``high``
+        (chi-square limits of an estimate from a log of this length under the model) [unit of the axis].
     """
     parts = []
-    for one in findings:
+    for one in estimates:
         measured = allan.curve(log[one.axis].to_numpy(), interval)
         factors, edf = np.rint(measured.index / interval).astype(int), measured["edf"]
         model = np.sqrt(one.fit.model.sampled_allan_variance(factors, interval))

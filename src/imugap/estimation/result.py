@@ -1,4 +1,4 @@
-"""Estimates of the parameters of an error model, whatever method made them: values, intervals, verdicts."""
+"""Result of an estimation, common to all methods: the fitted model, its parameters, their intervals."""
 
 from dataclasses import asdict, dataclass
 from enum import StrEnum
@@ -10,33 +10,33 @@ from imugap.effects.effect import AxisModel
 
 
 class Identifiability(StrEnum):
-    """What an interval says."""
+    """Class of a parameter by its confidence interval."""
 
     IDENTIFIED = "identified"
     UPPER_BOUND = "upper bound"
-    """Zero is within the interval: the log does not show that the process exists, only that it is no larger.
+    """Zero is within the interval: the log bounds the process from above, and does not show that it exists.
 
-    The upper end keeps the level of two sides, so that the bound errs on the safe side.
+    The upper end is that of the two-sided interval, so that the bound is conservative.
     """
     LOWER_BOUND = "lower bound"
-    """Infinity is within the interval, as of a correlation time that the log is too short to see the end of."""
+    """Infinity is within the interval, as for a correlation time longer than the log."""
     UNDETERMINED = "undetermined"
 
 
 @dataclass(frozen=True)
 class ParameterEstimate:
-    """A parameter with its interval; SI.
+    """Parameter of one effect with its confidence interval; SI.
 
     Attributes
     ----------
     effect, ordinal, parameter
-        Name of the effect, its ordinal among its kind, name of the parameter.
+        Name of the effect, its number among effects of the same kind (from 1), name of the parameter.
     value, low, high
-        Estimate and interval; ``low`` is 0 and ``high`` infinite where the log sets no limit.
+        Estimate and limits of the interval; ``low`` is 0 and ``high`` infinite where the log sets no limit.
     error
-        Relative standard deviation that the method expects at the estimate.
+        Expected relative standard deviation of the estimate.
     verdict
-        What the interval says.
+        Class of the parameter by its interval.
     """
 
     effect: str
@@ -51,18 +51,18 @@ class ParameterEstimate:
 
 @dataclass(frozen=True)
 class Fit:
-    """A fitted model.
+    """Fitted model of one axis.
 
     Attributes
     ----------
     model
-        The estimates as a model; a process that the log does not need has density zero.
+        Estimated model; a process without which the fit is as good has density zero.
     estimates
         One for each parameter, and for the driving PSD of each Gauss-Markov process (ordered by correlation time).
     objective
-        What the method makes best: a log-likelihood at its highest, a weighted sum of squares at its lowest.
+        Optimum of the criterion: the maximum of a log-likelihood, or the minimum of a weighted sum of squares.
     converged
-        Whether the gradient vanishes at the estimate.
+        Whether the gradient is zero at the estimate.
     """
 
     model: AxisModel
@@ -76,7 +76,7 @@ class Fit:
 
 
 def identifiability(low: float, high: float) -> Identifiability:
-    """Return what an interval of a parameter that cannot be negative says."""
+    """Classify a non-negative parameter by the limits of its interval."""
     if low > 0:
         return Identifiability.IDENTIFIED if isfinite(high) else Identifiability.LOWER_BOUND
     return Identifiability.UPPER_BOUND if isfinite(high) else Identifiability.UNDETERMINED

@@ -1,10 +1,10 @@
-"""Maximal-overlap wavelet variance: plain, robust, with its intervals, and what a model implies for it.
+"""Maximal-overlap wavelet variance: plain, robust, with intervals, and its expectation under a model.
 
 Level j of the transform (MODWT) with Daubechies' extremal-phase filter of width L has filters of
 ``(2^j - 1)(L - 1) + 1`` samples and passes 2^-(j+1) to 2^-j cycles per sample. It compares means over 2^(j-1) samples:
 the Haar (width 2) wavelet variance of level j is half the overlapping Allan variance at n = 2^(j-1). Coefficients are
-zero-mean and stationary where L/2 differences make the sequence so (Percival & Walden 2000, section 8.2). Only those
-that no end of the sequence touches enter. Arrays over levels start at level 1.
+zero-mean and stationary where L/2 differences of the sequence are (Percival & Walden 2000, section 8.2). Only those
+free of boundary effects are used. Arrays over levels start at level 1.
 """
 
 from collections.abc import Iterator
@@ -24,11 +24,11 @@ from imugap.estimation import modwt_transfer
 from imugap.numerics.daubechies import check, depth, filters, free, length
 
 EFFICIENCY = 0.6
-"""Efficiency, at the Gaussian, of the robust estimate: as gmwm and wv have it."""
+"""Efficiency of the robust estimate for Gaussian samples, as in gmwm and wv."""
 STEP = np.log(1.5)
-"""Step of log s^2 in the search for the robust estimate; at the Gaussian the two roots lie seven steps apart."""
+"""Step of log s^2 in the search for the robust estimate; for Gaussian samples the two roots are seven steps apart."""
 BLOCK = 8192
-"""Samples of a block that stays in the processor's cache."""
+"""Samples of a block that fits into the cache of the processor."""
 
 
 def modwt(sequence: np.ndarray, levels: int, width: int = 2) -> tuple[np.ndarray, np.ndarray]:
@@ -44,7 +44,7 @@ def modwt(sequence: np.ndarray, levels: int, width: int = 2) -> tuple[np.ndarray
 def variance(sequence: np.ndarray, levels: int | None = None, width: int = 2) -> np.ndarray:
     """Return the unbiased wavelet variance [unit^2] of each level, shape (levels,) (Percival & Walden 2000, eq. 306b).
 
-    ``levels`` is the deepest possible one where it is not given.
+    ``levels`` is the largest possible number by default.
     """
     levels = _levels(len(sequence), levels, width)
     if width == 2:
@@ -55,13 +55,13 @@ def variance(sequence: np.ndarray, levels: int | None = None, width: int = 2) ->
 def robust_variance(
     sequence: np.ndarray, levels: int | None = None, width: int = 2, efficiency: float = EFFICIENCY
 ) -> np.ndarray:
-    """Return the wavelet variance of each level [unit^2], shape (levels,), that outliers have a bounded effect on.
+    """Return the robust wavelet variance of each level [unit^2], shape (levels,): outliers have a bounded effect.
 
-    The scale s of the coefficients at which the mean of r^2 (1 - (r/c)^2)^4, r = W/s, |r| < c, is what it is for
-    Gaussian coefficients (Tukey's biweight; Mondal & Percival 2012, Guerrier & Molinari 2016). c is set by the
-    ``efficiency`` for independent Gaussian coefficients relative to their mean square. Where no scale does that (few
-    coefficients, or most of them zero), the one that comes nearest. With few degrees of freedom it is biased upwards:
-    2 % at 30, a third at 4.
+    It is the square of the scale s of the coefficients at which the mean of r^2 (1 - (r/c)^2)^4, r = W/s, |r| < c,
+    equals that of Gaussian coefficients (Tukey's biweight; Mondal & Percival 2012, Guerrier & Molinari 2016). c is set
+    by the ``efficiency`` for independent Gaussian coefficients relative to their mean square. Where no scale does (few
+    coefficients, or most of them zero), the nearest is taken. With few degrees of freedom it is biased upwards: 2 % at
+    30, a third at 4.
     """
     levels = _levels(len(sequence), levels, width)
     return np.array([biweight_scale(coefficients, efficiency) for coefficients in _free(sequence, levels, width)])
@@ -82,7 +82,7 @@ def limits(variance: np.ndarray, edf: np.ndarray, level: float = 0.95) -> tuple[
 def edf_octave(count: int, levels: int, width: int = 2) -> np.ndarray:
     """Return equivalent degrees of freedom M_j/2^j, at least 1, of each level (Percival & Walden 2000, eta_3).
 
-    Those of a spectrum that is flat over the octave of the level; gmwm and wv use them.
+    Exact for a spectrum that is flat over the octave of the level; used by gmwm and wv.
     """
     return np.maximum(free(count, levels, width) / 2.0 ** np.arange(1, levels + 1), 1.0)
 
@@ -90,7 +90,7 @@ def edf_octave(count: int, levels: int, width: int = 2) -> np.ndarray:
 def edf_sample(sequence: np.ndarray, levels: int, width: int = 2) -> np.ndarray:
     """Return equivalent degrees of freedom of each level from its own coefficients (Percival & Walden 2000, eta_1).
 
-    M nu^4 over half the sum of the squared autocovariances. To be trusted where there are 128 coefficients or more.
+    M nu^4 over half the sum of the squared autocovariances. Reliable for 128 coefficients or more.
     """
     edf = []
     for coefficients in _free(sequence, levels, width):
@@ -101,7 +101,7 @@ def edf_sample(sequence: np.ndarray, levels: int, width: int = 2) -> np.ndarray:
 
 
 def edf_model(model: AxisModel | StochasticEffect, interval: float, count: int, levels: int, width: int = 2):
-    """Return equivalent degrees of freedom 2 nu^4/var, shape (levels,), of the samples of a model [interval s]."""
+    """Return equivalent degrees of freedom 2 nu^4/var, shape (levels,), under a model sampled every interval [s]."""
     return 2 * implied(model, interval, levels, width) ** 2 / np.diag(covariance(model, interval, count, levels, width))
 
 
@@ -110,8 +110,9 @@ def curve(
 ) -> pd.DataFrame:
     """Return the wavelet variance of all levels with chi-square intervals on eta_3 degrees of freedom, as gmwm does.
 
-    An ``efficiency`` below 1 asks for the robust variance; the degrees of freedom shrink by it. eta_3 is cautious: the
-    intervals hold the truth more often than ``level`` says; :func:`edf_model` gives what a model says.
+    An ``efficiency`` below 1 gives the robust variance, with degrees of freedom multiplied by it. eta_3 is
+    conservative: the coverage of the intervals exceeds ``level``; :func:`edf_model` gives the degrees of freedom under
+    a model.
 
     Returns
     -------
@@ -129,10 +130,10 @@ def curve(
 
 
 def level_means(sequence: np.ndarray, width: int = 2) -> pd.DataFrame:
-    """Return, for each level with two coefficients or more, a test of whether the coefficients have mean zero.
+    """Test whether the coefficients of each level with two or more of them have mean zero.
 
-    It takes every 2^j-th coefficient: these are the coefficients of the orthogonal transform, nearly uncorrelated for
-    white noise, random walks and what lies between, whereas the mean of all coefficients telescopes to the ends of the
+    Every 2^j-th coefficient is used: these are the coefficients of the orthogonal transform, nearly uncorrelated for
+    white noise, random walks and flicker noise, whereas the mean of all coefficients telescopes to the ends of the
     sequence. Their mean over its standard error follows Student's law.
 
     Returns
@@ -151,7 +152,7 @@ def level_means(sequence: np.ndarray, width: int = 2) -> pd.DataFrame:
 
 
 def deepest(sequence: np.ndarray, width: int = 2, size: float = 0.05) -> int:
-    """Return the deepest level to use: the last before the coefficients of one have a mean that noise does not explain.
+    """Return the deepest level to use: the last before a level whose coefficients have a significant mean.
 
     ``size`` is the probability (Bonferroni over the levels) that a sequence without trend loses a level.
     """
@@ -161,10 +162,10 @@ def deepest(sequence: np.ndarray, width: int = 2, size: float = 0.05) -> int:
 
 
 def implied(model: AxisModel | StochasticEffect, interval: float, levels: int, width: int = 2) -> np.ndarray:
-    """Return the wavelet variance [unit^2] of each level, shape (levels,), of the samples of a model [interval s].
+    """Return the wavelet variance [unit^2] of each level, shape (levels,), that a model [interval s] implies.
 
     Haar: half the sampled Allan variance. Wider filters: the integral of |H_j|^2 and the sampled PSD, to rounding; a
-    ramp adds nothing, since they see no straight line.
+    ramp adds nothing, since they remove a straight line.
     """
     check(width)
     if width == 2:
@@ -176,9 +177,9 @@ def covariance(model: AxisModel | StochasticEffect, interval: float, count: int,
     """Return the covariance of the wavelet variances, shape (levels, levels), of ``count`` Gaussian samples.
 
     With s_ij the cross-covariance of the coefficients of levels i and j, it is 2/(M_i M_j) times the sum of s_ij^2 over
-    all pairs of coefficients (Isserlis). A pair of deep levels has the share of all lags that fits into the sequence;
-    once there are more than :data:`EXACT` samples it is counted on a smooth. Of a level too shallow for that, half as
-    many lags are lost as of the next deeper one (0.05 % of the variance, 0.2 % between levels). A ramp gives the
+    all pairs of coefficients (Isserlis). For deep levels the lags that do not fit into the sequence are excluded; for
+    more than :data:`EXACT` samples this is computed on a smoothed sequence. For shallower levels the excluded share is
+    half that of the next deeper one (error 0.05 % of the variance, 0.2 % between levels). A ramp gives the
     coefficients a mean m_j and adds 4 m_i m_j times the covariance of their means, at the deep levels. Rounding errors
     are not Gaussian: their wavelet variances scatter less than this.
     """
@@ -200,11 +201,11 @@ def covariance(model: AxisModel | StochasticEffect, interval: float, count: int,
 
 
 EXACT = 2**11
-"""Samples up to which pairs of coefficients are counted one by one."""
+"""Largest number of samples for which all pairs of coefficients are counted."""
 
 
 def _ramp(model: AxisModel | StochasticEffect, interval: float, levels: int, width: int) -> np.ndarray:
-    """Return the part of the wavelet variances that a ramp has."""
+    """Return the contribution of a ramp to the wavelet variances."""
     slope = sum(effect.slope for effect in getattr(model, "effects", ()) if isinstance(effect, RateRamp))
     return implied(RateRamp(float(slope)), interval, levels) if width == 2 else np.zeros(levels)
 
@@ -259,8 +260,7 @@ def _mean_square(values):
 def _haar(sequence, levels):
     """Return the mean squares of the Haar coefficients, which are second differences of the cumulative sum.
 
-    Each block of the sum passes through all levels while it is in the cache; slices let the compiler use vector
-    registers.
+    Each block of the sum is used for all levels while it is in the cache; slices let the compiler vectorise.
     """
     mean = sequence.mean()
     angle = np.zeros(len(sequence) + 1)
@@ -290,7 +290,7 @@ def _second_differences(late, middle, early):
 
 
 def biweight_scale(coefficients: np.ndarray, efficiency: float) -> float:
-    """Return the largest root s^2, downwards from where all coefficients count to where outliers no longer do."""
+    """Return the largest root s^2, searched downwards from a scale at which all coefficients have weight."""
     if not coefficients.any():
         return 0.0
     cut, target = _tuning(efficiency)
@@ -320,7 +320,7 @@ def _biweight_mean(squares, per_scale, per_cut):
 
 @lru_cache
 def _tuning(efficiency: float) -> tuple[float, float]:
-    """Return c, in standard deviations, that has this efficiency, and the mean of psi at the Gaussian."""
+    """Return the cut c [standard deviations] of this efficiency, and the mean of psi for Gaussian samples."""
     if not 0.3 <= efficiency <= 0.99:
         raise ValueError(f"robust wavelet variance: expected an efficiency in [0.3, 0.99]; found {efficiency}")
     cut = float(brentq(lambda cut: _biweight_moments(cut)[1] - efficiency, 2.0, 20.0))

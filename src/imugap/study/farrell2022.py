@@ -16,7 +16,7 @@ from imugap.effects.bias_instability import FLOOR
 from imugap.effects.effect import AxisModel
 from imugap.effects.gauss_markov import FLAT_TOP
 from imugap.estimation import allan
-from imugap.estimation.allan_slopes import TOP
+from imugap.estimation.allan_slopes import PEAK_RATIO
 from imugap.interchange import flicker_bank
 
 KNOWN = 0.25
@@ -92,7 +92,7 @@ def nk(of: Readings) -> AxisModel:
 
 def gm(of: Readings) -> AxisModel:
     """Return the Gauss-Markov process whose flat top is the floor (eqs. 33-38)."""
-    return AxisModel((GaussMarkov(of.floor / TOP, of.place / FLAT_TOP),))
+    return AxisModel((GaussMarkov(of.floor / PEAK_RATIO, of.place / FLAT_TOP),))
 
 
 def nbk(of: Readings) -> AxisModel:
@@ -102,7 +102,7 @@ def nbk(of: Readings) -> AxisModel:
 
 def nbk_freed(of: Readings) -> AxisModel:
     """Return N + B + K with one Gauss-Markov state, to which only what N and K leave of the floor is given."""
-    return nk(of) + GaussMarkov(of.left / TOP, of.place / FLAT_TOP)
+    return nk(of) + GaussMarkov(of.left / PEAK_RATIO, of.place / FLAT_TOP)
 
 
 def nbk_bank(of: Readings) -> AxisModel:

@@ -1,7 +1,7 @@
-"""Indirect inference from wavelet variances: the generalised method of wavelet moments.
+"""Generalised method of wavelet moments (GMWM): estimates from wavelet variances, with intervals.
 
-The estimate is the composition whose implied wavelet variances nu come nearest to the observed ones, nuhat, in the
-distance (nuhat - nu)' W (nuhat - nu) (Liu, Ren, Li 2016; Guerrier, Skaloud, Stebler, Victoria-Feser 2013, Journal of
+The estimate is the model whose implied wavelet variances nu are nearest to the observed ones, nuhat, in the distance
+(nuhat - nu)' W (nuhat - nu) (Liu, Ren, Li 2016; Guerrier, Skaloud, Stebler, Victoria-Feser 2013, Journal of
 the American Statistical Association 108, 1021-1030). Where W depends on the model, it is that of the estimate.
 """
 
@@ -29,9 +29,9 @@ from imugap.estimation.result import Fit, ParameterEstimate, identifiability
 from imugap.model import ErrorModel
 
 REFINEMENTS = 2
-"""Times that an end of an interval is looked for with the weights of the one found before."""
+"""Number of updates of a limit of an interval with the weights of the model there."""
 NARROW = 0.2
-"""Half width of an interval, and change of its ends, in logarithms, that needs no refinement."""
+"""Half width of an interval, and change of its limits, in logarithms, below which no update is needed."""
 STEPS = 30
 """Gauss-Newton steps on simulated wavelet variances."""
 SHIFT = 1e-3
@@ -42,19 +42,19 @@ STILL = 1e-6
 
 @dataclass(frozen=True)
 class GmwmFit(Fit):
-    """A model fitted to wavelet variances.
+    """Model fitted to wavelet variances.
 
     The objective is the weighted sum of squared deviations; with FULL weights it has, for a model that is right, a
-    chi-square law on levels - parameters degrees of freedom, but for the few degrees of freedom of the deep levels.
+    chi-square distribution on levels - parameters degrees of freedom, approximately for the deep levels.
 
-    An interval ends where the quasi-deviance (:mod:`imugap.estimation.gmwm.quasi_likelihood`), the other parameters at
-    their best, has risen to the quantile of chi-square times the ratio of the sandwich variance to the inverse
+    The limits of an interval are where the profile quasi-deviance (:mod:`imugap.estimation.gmwm.quasi_likelihood`)
+    equals the quantile of chi-square times the ratio of the sandwich variance to the inverse
     curvature, which is 1 with FULL weights.
 
     Attributes
     ----------
     history
-        Iterations: index ``iteration``; columns ``objective`` and each parameter. Weights change on the way.
+        Iterations: index ``iteration``; columns ``objective`` and each parameter. The weights vary.
     covariance
         Sandwich covariance of the logarithms of the parameters; missing for those of a process with density zero.
     curve
@@ -169,12 +169,12 @@ def fit_by_simulation(
 
 @dataclass(frozen=True, eq=False)
 class SimulatedMoments:
-    """Wavelet variances by simulation, and the descent to the observed ones.
+    """Wavelet variances by simulation, and Gauss-Newton steps towards the observed ones.
 
     Attributes
     ----------
     problem, white
-        Observed wavelet variances and family; the matrix that makes deviations white, shape (levels, levels).
+        Observed wavelet variances and family; whitening matrix of the deviations, shape (levels, levels).
     seed, replicates, efficiency
         Seed and number of the simulated sequences, and efficiency of their wavelet variances.
     """
@@ -186,7 +186,7 @@ class SimulatedMoments:
     efficiency: float
 
     def descend(self, theta: np.ndarray) -> tuple[list[tuple[Point, np.ndarray]], bool]:
-        """Return the points of damped Gauss-Newton steps with their simulated wavelet variances, and the success."""
+        """Return the points of damped Gauss-Newton steps, their simulated wavelet variances, and the convergence."""
         way, damping, moves = [self._at(theta)], 1e-3, np.isfinite(theta)
         for _ in range(STEPS):
             implied = way[-1][1]
@@ -249,7 +249,7 @@ def _problem(
 def _result(
     problem: MomentMatching, path: list[Point], centre: Point, weights: Weights, converged: bool, level: float
 ) -> GmwmFit:
-    """Return the estimate at the end of ``path``; intervals are about ``centre``, where the quasi-score vanishes."""
+    """Return the fit at the end of ``path``; intervals are about ``centre``, the root of the quasi-score."""
     order = np.argsort(path[-1].times)
     path, centre = [step.reordered(order) for step in path], centre.reordered(order)
     point, composition = path[-1], problem.family.composition
@@ -283,10 +283,9 @@ def _end(
     side: int,
     target: float,
 ) -> float:
-    """Return an end of the interval of what is held.
+    """Return a limit of the interval of a quantity.
 
-    Whether a value is compatible with the log is judged by the weights and by the scatter of the very model with this
-    value. Where the interval is narrow they are those of the estimate.
+    The weights and the covariance are those of the model at the limit; for a narrow interval, of the estimate.
     """
     where, best, found = centre, centre, np.nan
     for _ in range(REFINEMENTS + 1):
@@ -306,7 +305,7 @@ def _end(
 
 
 def _constraints(composition: Composition) -> Iterator[Constraint]:
-    """Return what to hold for each quantity of a composition."""
+    """Yield the constraint that fixes each quantity of a composition."""
     first = len(composition.densities)
     yield from (Constraint(ConstraintKind.SQUARE, column) for column in range(first))
     for i in range(composition.markov):

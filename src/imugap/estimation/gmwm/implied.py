@@ -1,7 +1,7 @@
-"""The wavelet variances that a composition of processes implies, as a function of its parameters, and its slopes.
+"""Implied GMWM parameters: the wavelet variances of a composition as a function of its parameters, and derivatives.
 
-Indirect inference calls this map from parameters to auxiliary parameters the binding function (Gourieroux, Monfort,
-Renault 1993, Journal of Applied Econometrics 8, S85-S118).
+In indirect inference this is the binding function (Gourieroux, Monfort, Renault 1993, Journal of Applied Econometrics
+8, S85-S118).
 """
 
 from dataclasses import dataclass
@@ -16,14 +16,14 @@ from imugap.estimation import wavelet_variance
 from imugap.estimation.likelihood import Composition
 
 SHORTEST, LONGEST = 0.05, 100.0
-"""Limits of the correlation time: in sampling intervals (below it is white noise) and in deepest averaging times."""
+"""Limits of the correlation time, in sampling intervals (white noise) and in the longest averaging time."""
 STEP = 0.1
 """Step of the logarithm of a correlation time in the table of Gauss-Markov processes."""
 
 
 @dataclass(frozen=True)
 class Family:
-    """A composition and the wavelet analysis of a log.
+    """Family of models of one composition, and the wavelet analysis of a log.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""The estimation problem of wavelet moments: observed wavelet variances, a family, and the weights of the levels."""
+"""Matching of wavelet moments: observed wavelet variances, a family of models, and the weights of the levels."""
 
 from dataclasses import dataclass
 from enum import StrEnum
@@ -14,28 +14,28 @@ from imugap.estimation.gmwm.start import DistanceSearch, Point
 from imugap.estimation.likelihood import Quantity
 
 ROUNDS = 12
-"""Times that the covariance is computed at the latest estimate."""
+"""Largest number of updates of the weights."""
 SETTLED = 1e-3
-"""Squared change of the implied wavelet variances, in standard deviations, after which none is worth while.
+"""Squared change of the implied wavelet variances, in standard deviations, at which the updates of the weights end.
 
 The next would change them by about a thousandth of that.
 """
 COARSE, FINE = 1e-3, 1e-13
-"""Relative accuracy of minima under weights that are not yet, or are, the final ones."""
+"""Relative accuracy of minima under provisional and under final weights."""
 NEAR = 0.01
-"""Difference of log correlation times of minima that are the same."""
+"""Difference of log correlation times below which two minima are the same."""
 BETTER = 1e-3
-"""Quasi-deviance by which another minimum must be lower to be taken."""
+"""Decrease of the quasi-deviance at which another minimum is preferred."""
 
 _covariance = lru_cache(maxsize=8)(wavelet_variance.covariance)
 """Weights and the intervals of all quantities are those of the same few models."""
 
 
 class Weighting(StrEnum):
-    """What the deviations of the wavelet variances are weighted with."""
+    """Weights of the deviations of the wavelet variances."""
 
     INTERVAL = "interval"
-    """1/(high - low)^2 of their intervals: the objective of gmwm."""
+    """1/(high - low)^2 of their intervals, as in gmwm."""
     DIAGONAL = "diagonal"
     """The inverse of their variances under the estimated model."""
     FULL = "full"
@@ -44,12 +44,12 @@ class Weighting(StrEnum):
 
 @dataclass(frozen=True, eq=False)
 class MomentMatching:
-    """Observed wavelet variances and the family that they are to be explained by.
+    """Observed wavelet variances and the family of models to match to them.
 
     Attributes
     ----------
     family, curve
-        The family; the wavelet variances: columns ``variance``, ``low``, ``high`` [unit^2], a row for each level.
+        Family; wavelet variances: columns ``variance``, ``low``, ``high`` [unit^2], a row for each level.
     weighting, efficiency
         Weights of the levels; efficiency of the wavelet variances relative to the plain ones.
     """
@@ -65,18 +65,18 @@ class MomentMatching:
         return self.curve["variance"].to_numpy(float)
 
     def estimate(self) -> tuple[list[Point], Weights, bool]:
-        """Return the way to the estimate, its weights, and whether the quasi-score vanishes there."""
+        """Return the path to the estimate, its weights, and whether the quasi-score is zero there."""
         weights = self._first_weights()
         nearest = DistanceSearch(self.family, self.observed, weights.white(self.observed))
         path, converged = nearest.descend_from_grid(COARSE if weights.relative else FINE)[0]
         if self.weighting is Weighting.INTERVAL:
             return path, weights, converged
         path, weights, converged = self._iterate(path)
-        other = self._rival(path[-1], weights)
+        other = self._other_minimum(path[-1], weights)
         return (path, weights, converged) if other is None else self._iterate([*path, other])
 
-    def _rival(self, point: Point, weights: Weights) -> Point | None:
-        """Return the best of the other minima under the weights of ``point`` if its quasi-deviance is lower."""
+    def _other_minimum(self, point: Point, weights: Weights) -> Point | None:
+        """Return the best other minimum under the weights of ``point`` if its quasi-deviance is lower, else None."""
         solver = QuasiScoreSolver(self.family, self.observed, weights)
         ways = DistanceSearch(self.family, self.observed, weights.white(point.implied)).descend_from_grid(COARSE)
         ends = [way[-1] for way, _ in ways if not np.allclose(way[-1].times, point.times, atol=NEAR)]
@@ -85,14 +85,14 @@ class MomentMatching:
         return others[int(np.argmin(lead))] if min(lead, default=0.0) < -BETTER else None
 
     def _first_weights(self) -> Weights:
-        """Return weights that need no model."""
+        """Return weights that do not depend on a model."""
         if self.weighting is Weighting.INTERVAL:
             return Weights(np.diag(1 / (self.curve["high"] - self.curve["low"]).to_numpy(float)), relative=False)
         edf = wavelet_variance.edf_octave(self.family.count, self.family.levels, self.family.width)
         return Weights(np.diag(np.sqrt(edf * self.efficiency / 2)), relative=True)
 
     def _iterate(self, path: list[Point]) -> tuple[list[Point], Weights, bool]:
-        """Go on until the weights are those of the estimate."""
+        """Continue the path until the weights are those of the estimate."""
         for _ in range(ROUNDS):
             point = path[-1]
             weights = self.weights(point)
@@ -135,16 +135,16 @@ class MomentMatching:
 
 @dataclass(frozen=True, eq=False)
 class SandwichCovariance:
-    """Slopes and covariance of whitened wavelet variances, and what they say of the errors of the parameters.
+    """Sandwich covariance of the parameters, from the derivatives and the covariance of whitened wavelet variances.
 
     Attributes
     ----------
     slopes
-        In the log parameters, shape (levels, parameters); of an absent process in its squared density.
+        Derivatives in the log parameters, shape (levels, parameters); of an absent process in its squared density.
     scatter
-        Covariance of the observed ones, shape (levels, levels).
+        Covariance of the whitened observed variances, shape (levels, levels).
     present
-        Whether the process of a parameter is there, shape (parameters,).
+        Whether the density of the process of a parameter is above zero, shape (parameters,).
     """
 
     slopes: np.ndarray
@@ -153,7 +153,7 @@ class SandwichCovariance:
 
     @classmethod
     def of(cls, problem: MomentMatching, point: Point, weights: Weights) -> "SandwichCovariance":
-        """Return those of the model at ``point``."""
+        """Compute it for the model at ``point``."""
         first = len(problem.family.composition.densities)
         there = point.squares > 0
         by_square = point.columns * np.where(there, 2 * point.squares, 1.0)
@@ -171,7 +171,7 @@ class SandwichCovariance:
         return result
 
     def of_quantity(self, quantity: Quantity, constraint: Constraint) -> tuple[float, float]:
-        """Return sandwich variance over inverse curvature of a quantity, and its relative standard deviation."""
+        """Return the ratio of sandwich variance to inverse curvature, and the relative standard deviation."""
         chosen = self.present.copy()
         own = np.flatnonzero(quantity.direction)[0]
         there = chosen[own]

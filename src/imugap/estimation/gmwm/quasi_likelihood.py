@@ -1,8 +1,8 @@
 """Quasi-likelihood of wavelet variances: estimates and deviances when their covariance depends on the model.
 
-The quasi-score J' W (nuhat - nu), with the weights W = W(nu) of the very model that it judges (McCullagh 1983, Annals
-of Statistics 11, 59-67), has expectation zero at the truth, which the slope of a distance with such weights has not.
-Weights that follow the implied variances, W = P_ij/(nu_i nu_j), are those of a scale family: for a diagonal P the
+The quasi-score J' W (nuhat - nu), with the weights W = W(nu) of the same model (McCullagh 1983, Annals of Statistics
+11, 59-67), has expectation zero at the true parameters; the gradient of a distance with such weights has not.
+Weights relative to the implied variances, W = P_ij/(nu_i nu_j), are those of a scale family: for a diagonal P the
 quasi-likelihood is the likelihood of chi-square variances.
 """
 
@@ -22,13 +22,13 @@ LONGEST_STEP = 1.0
 COARSE = 1e-4
 """Accuracy of the points of a profile."""
 WIDE = 1.0
-"""Half width of an interval, in logarithms, beyond which zero is looked at first."""
+"""Half width of an interval, in logarithms, above which zero is tested first."""
 LONGEST_FIRST = 2.0
-"""Largest distance that is tried first."""
+"""Largest first trial distance."""
 REACH = 14.0
-"""Largest distance, in logarithms of squares, at which an end of an interval is looked for."""
+"""Largest distance, in logarithms of squares, at which a limit of an interval is searched."""
 SHORTEST = 1e-6
-"""Smallest share of a step that is tried."""
+"""Smallest fraction of a step."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,16 +38,16 @@ class Weights:
     Attributes
     ----------
     root
-        Matrix, shape (levels, levels), that makes the deviations white.
+        Whitening matrix of the deviations, shape (levels, levels).
     relative
-        Whether it is the deviations over the implied wavelet variances that it makes white.
+        Whether it whitens the deviations divided by the implied wavelet variances.
     """
 
     root: np.ndarray
     relative: bool
 
     def white(self, implied: np.ndarray) -> np.ndarray:
-        """Return the matrix that makes deviations from ``implied``, shape (levels,), white."""
+        """Return the whitening matrix of deviations from ``implied``, shape (levels,)."""
         return self.root / implied if self.relative else self.root
 
     def distance(self, observed: np.ndarray, implied: np.ndarray) -> float:
@@ -63,20 +63,20 @@ class Weights:
         return pull, weights
 
     def deviance(self, observed: np.ndarray, best: np.ndarray, implied: np.ndarray) -> float:
-        """Return the quasi-deviance by which ``implied`` is worse than ``best``.
+        """Return the quasi-deviance of ``implied`` relative to ``best``.
 
-        -2 int (nuhat - mu)' W(mu) dmu from the one to the other, on the straight way between their logarithms.
+        -2 int (nuhat - mu)' W(mu) dmu from the latter to the former, along a straight line in logarithms.
         """
         if not self.relative:
             return self.distance(observed, implied) - self.distance(observed, best)
         way = np.log(implied / best)
         safe = np.where(np.abs(way) < 1e-8, 1e-8, way)
-        excess = observed / best * -np.expm1(-safe) / safe - 1  # mean of nuhat/mu - 1 on the way
+        excess = observed / best * -np.expm1(-safe) / safe - 1  # mean of nuhat/mu - 1 along the line
         return float(-2 * (self.root @ way) @ (self.root @ excess))
 
 
 class ConstraintKind(Enum):
-    """What may be held while the rest is fitted."""
+    """Kind of quantity that is kept fixed while the others are fitted."""
 
     NONE = auto()
     SQUARE = auto()
@@ -89,12 +89,12 @@ class ConstraintKind(Enum):
 
 @dataclass(frozen=True)
 class Constraint:
-    """A quantity that is held while the rest is fitted.
+    """Quantity that is kept fixed while the others are fitted.
 
     Attributes
     ----------
     what, value
-        Kind of quantity, and what it is held at; a time stays where it is.
+        Kind of quantity, and its fixed value; a correlation time keeps the value of the point.
     column, markov
         Index of the process among all, and among the Gauss-Markov ones if it is one.
     """
@@ -105,7 +105,7 @@ class Constraint:
     value: float = 0.0
 
     def of(self, point: Point) -> float:
-        """Return what the quantity is at ``point``."""
+        """Return the value of the quantity at ``point``."""
         if self.kind is ConstraintKind.TIME:
             return float(np.exp(point.times[self.markov]))
         return float(point.squares[self.column]) / self._squares(point.times)
@@ -123,12 +123,12 @@ FREE = Constraint()
 
 @dataclass(frozen=True, eq=False)
 class QuasiScoreSolver:
-    """Newton's way to where the quasi-score of a family vanishes.
+    """Newton's method for the root of the quasi-score of a family.
 
     Attributes
     ----------
     family, observed, weights
-        The family, the wavelet variances to come near, shape (levels,), and the weights of the deviations.
+        Family, observed wavelet variances, shape (levels,), and weights of the deviations.
     """
 
     family: Family
@@ -138,8 +138,8 @@ class QuasiScoreSolver:
     def solve(self, start: Point, constraint: Constraint = FREE, accuracy: float = 1e-9) -> tuple[list[Point], bool]:
         """Return the points of Newton steps from ``start``, and whether the last is shorter than ``accuracy``.
 
-        That is the squared change of the implied wavelet variances in standard deviations. A squared density that
-        would become negative stays at zero, and is let go again once its score is positive.
+        The length is the squared change of the implied wavelet variances in standard deviations. A squared density that
+        would become negative is kept at zero, and released once its score is positive.
         """
         path = [self.at(start.times, start.squares, constraint)]
         step, length = self._newton(path[-1], constraint)
@@ -166,7 +166,7 @@ class QuasiScoreSolver:
             share /= 2
 
     def at(self, times: np.ndarray, squares: np.ndarray, constraint: Constraint = FREE) -> Point:
-        """Return the point with these parameters, as far as the limits and ``hold`` let it."""
+        """Return the point with these parameters, within the limits and subject to the constraint."""
         times, squares = np.clip(times, *self.family.limits), np.maximum(squares, 0.0)
         if constraint.kind in (ConstraintKind.SQUARE, ConstraintKind.DRIVING):
             squares[constraint.column] = constraint.square(times)
@@ -183,7 +183,7 @@ class QuasiScoreSolver:
         scale = np.maximum(np.sqrt(np.einsum("ij,ij->j", white, white)), 1e-300)
         slope = (jacobian.T @ stiffness @ jacobian - np.einsum("l,lij->ij", pull, bend))[np.ix_(free, free)]
         step = np.zeros(len(score))
-        for matrix in (slope, white.T @ white):  # where Newton's step leads downwards, a scoring step
+        for matrix in (slope, white.T @ white):  # a scoring step where Newton's step is not an ascent
             step[free] = np.linalg.lstsq(matrix / np.outer(scale, scale), score[free] / scale, rcond=1e-10)[0] / scale
             if score @ step > 0:
                 break
@@ -205,7 +205,7 @@ class QuasiScoreSolver:
         return np.hstack([point.columns, once]), bend
 
     def _free(self, point: Point, constraint: Constraint, score: np.ndarray) -> np.ndarray:
-        """Return which parameters move: neither held, nor at a limit that the score drives them against."""
+        """Return which parameters are free: neither fixed, nor at a limit towards which the score points."""
         size, (low, high) = len(point.squares), self.family.limits
         by_square, by_time = score[:size], score[size:]
         squares = (point.squares > 0) | (by_square > 0)
@@ -220,31 +220,31 @@ class QuasiScoreSolver:
 
 @dataclass(frozen=True, eq=False)
 class DevianceProfile:
-    """The quasi-deviance about an estimate, all parameters but one at their best.
+    """Profile quasi-deviance about an estimate: one quantity fixed, all other parameters optimal.
 
     Attributes
     ----------
     settling, best
-        The family, and the estimate.
+        Solver of the family, and estimate.
     """
 
     solver: QuasiScoreSolver
     best: Point
 
     def end(self, constraint: Constraint, side: int, target: float, error: float) -> tuple[float, Point]:
-        """Return an end of the interval of what is held (a squared density, a driving PSD, a time), and its point.
+        """Return a limit of the interval of a quantity (a squared density, a driving PSD, a time), and its point.
 
-        The low (high) end is zero (infinite) where the quasi-deviance is below ``target`` even there. The high one is
-        infinite as well where the correlation time has come to its limit on the way.
+        The lower (upper) limit is zero (infinite) where the quasi-deviance stays below ``target``. The upper one is
+        also infinite where the correlation time reaches its limit along the profile.
 
         Parameters
         ----------
         side
-            -1 for the low end, 1 for the high one.
+            -1 for the lower limit, 1 for the upper one.
         target
-            Quasi-deviance at the ends.
+            Quasi-deviance at the limits.
         error
-            Standard deviation of the logarithm, where the search starts.
+            Standard deviation of the logarithm, for the first trial.
         """
         first = min(np.sqrt(target) * error, LONGEST_FIRST)
         if not self.best.squares[constraint.column] > 0:
@@ -261,7 +261,7 @@ class DevianceProfile:
         return np.inf if side > 0 and self._open(walk) else found, walk.point
 
     def _end_of_absent(self, constraint: Constraint, side: int, target: float) -> tuple[float, Point]:
-        """Return the end for a process that is not there, from where it would cost ``target`` by itself."""
+        """Return the limit for a process of density zero, starting where it alone raises the deviance by ``target``."""
         if side < 0:
             return 0.0, self.best
         if constraint.kind is ConstraintKind.TIME:
@@ -277,7 +277,7 @@ class DevianceProfile:
         return np.inf if self._open(walk) else float(scale * np.expm1(distance)), walk.point
 
     def _open(self, walk: "_ProfilePath") -> bool:
-        """Return whether the correlation time gave way up to its limit: up with the std, down for the driving PSD."""
+        """Return whether the correlation time reached its limit: the upper with the std, the lower with the PSD."""
         if walk.constraint.markov is None:
             return False
         (low, high), time = self.solver.family.limits, walk.point.times[walk.constraint.markov]
@@ -285,7 +285,7 @@ class DevianceProfile:
 
 
 class _ProfilePath:
-    """The quasi-deviance as a function of the distance from the estimate; each point starts from the one before."""
+    """Quasi-deviance as a function of the distance from the estimate; each solution starts from the previous one."""
 
     def __init__(self, profile: DevianceProfile, constraint: Constraint, value: Callable[[float], float]) -> None:
         self.profile, self.constraint, self.value, self.point = profile, constraint, value, profile.best

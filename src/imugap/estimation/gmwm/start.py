@@ -1,8 +1,8 @@
-"""The composition whose implied wavelet variances come nearest to the observed ones, wherever the search starts.
+"""Global search for the model of a family whose wavelet variances are nearest to the observed ones.
 
 Given the correlation times, the wavelet variances are linear in the squared densities, which cannot be negative: the
 weighted distance is a non-negative least-squares problem (Lawson & Hanson 1974), in which a density that is not needed
-becomes exactly zero. What is left is a search over the logarithms of the correlation times (variable projection: Golub
+becomes exactly zero. The remaining search is over the logarithms of the correlation times (variable projection: Golub
 & Pereyra 1973, SIAM J. Numer. Anal. 10, 413-432): on a grid, and by damped Gauss-Newton steps from its best points.
 """
 
@@ -21,7 +21,7 @@ STARTS = 4
 """Best points of the grid from which steps start."""
 ITERATIONS = 60
 PLAIN = 5
-"""Gauss-Newton steps before the residuals are let into the curvature: only poor fits need that."""
+"""Gauss-Newton steps before the curvature includes the residuals, which only poor fits need."""
 LONGEST_STEP = 1.0
 """Largest change of the logarithm of a correlation time in one step."""
 DIFFERENCE = 1e-4
@@ -30,7 +30,7 @@ DIFFERENCE = 1e-4
 
 @dataclass(frozen=True, eq=False)
 class Point:
-    """A member of the family, with its distance from the observed wavelet variances.
+    """Model of a family, with its distance from the observed wavelet variances.
 
     Attributes
     ----------
@@ -64,14 +64,14 @@ class Point:
 
 @dataclass(frozen=True, eq=False)
 class DistanceSearch:
-    """The search among the members of a family, under the norm of ``white`` times the deviations.
+    """Search for the model of a family that minimises the norm of ``white`` times the deviations.
 
     Attributes
     ----------
     family, observed
-        The family, and the wavelet variances to come near, shape (levels,).
+        Family and observed wavelet variances, shape (levels,).
     white
-        Shape (levels, levels).
+        Whitening matrix of the deviations, shape (levels, levels).
     """
 
     family: Family
@@ -79,14 +79,14 @@ class DistanceSearch:
     white: np.ndarray
 
     def descend_from_grid(self, accuracy: float) -> list[tuple[list[Point], bool]]:
-        """Return what :meth:`descend` makes of the best points of the grid, no two of them neighbours; best first."""
+        """Return the results of :meth:`descend` from the best separate points of the grid, best first."""
         ways = [self.descend(start, accuracy) for start in self._starts()]
         return sorted(ways, key=lambda way: way[0][-1].distance)
 
     def descend(self, start: Point, accuracy: float) -> tuple[list[Point], bool]:
         """Return the points of damped Gauss-Newton steps from ``start``, and whether the last is stationary.
 
-        The steps end where they promise less than ``accuracy`` of the distance (or of one).
+        The steps end where the predicted decrease is below ``accuracy`` times the distance (or times one).
         """
         low, high = self.family.limits
         path, damping = [start], 1e-6
@@ -130,7 +130,7 @@ class DistanceSearch:
         return Point(times, columns, squares / scale, float(distance) ** 2)
 
     def _step(self, point: Point, damping: float, exact: bool) -> tuple[np.ndarray, float]:
-        """Return the damped step of the log correlation times and the gain that it promises."""
+        """Return the damped step of the log correlation times and the predicted decrease of the distance."""
         low, high = self.family.limits
         step = np.zeros(len(point.times))
         pull, curvature = self._pull(point)
@@ -146,7 +146,7 @@ class DistanceSearch:
         return step, float(pull @ step)
 
     def _pull(self, point: Point) -> tuple[np.ndarray, np.ndarray]:
-        """Return minus half the slope of the distance in the log correlation times, and Gauss-Newton's curvature."""
+        """Return minus half the gradient of the distance in the log correlation times, and its Gauss-Newton matrix."""
         markov = point.squares[len(point.squares) - len(point.times) :]
         onto, _ = np.linalg.qr(self.white @ point.columns[:, point.squares > 0])
         jacobian = self.white @ (self.family.slopes(point.times)[1] * markov)
@@ -154,7 +154,7 @@ class DistanceSearch:
         return jacobian.T @ (self.white @ (self.observed - point.implied)), jacobian.T @ jacobian
 
     def _curvature(self, point: Point, moves: np.ndarray) -> np.ndarray:
-        """Return half the curvature of the distance, what the residuals add included, by difference quotients."""
+        """Return half the Hessian of the distance by difference quotients, residual terms included."""
         rows = []
         for shift in DIFFERENCE * np.eye(len(moves))[moves]:
             below, above = (self._pull(self.at(point.times + sign * shift))[0][moves] for sign in (-1, 1))
