@@ -21,7 +21,7 @@ from imugap.estimation.result import Fit, ParameterEstimate, identifiability
 SYMBOLS = {Quantization: "Q", WhiteNoise: "N", BiasInstability: "B", RandomWalk: "K", RateRamp: "R"}
 """Power law of each process of one parameter."""
 PEAK_RATIO = float(np.sqrt(GaussMarkov(1.0, 1.0).allan_variance(FLAT_TOP)))
-"""Allan deviation at the peak of a Gauss-Markov process over its standard deviation: 0.4365 sqrt(2) (Farrell et al. 2022, eq. 37)."""
+"""Allan deviation at the peak of a Gauss-Markov process over its std: 0.4365 sqrt(2) (Farrell et al. 2022, eq. 37)."""
 NEIGHBOURS = 3
 """Points on either side that a local maximum or minimum exceeds, as many as a local slope is fitted to."""
 PARABOLA = 4
