@@ -15,8 +15,8 @@ from imugap.units import from_si
 TITLES = {
     "none": "no control", "gate": "gate alone", "remove": "test and remove", "robust": "weigh down",
     "gated": "weigh down, gate", "reset": "and soft reset", "hindsight": "and solution separation",
-    SMOOTHED: "all, smoothed", ORACLE: "bad fixes known", WHEELS[WHOLE]: "all, wheels", WHEELS[SMOOTHED]: "all, wheels, smoothed",
-    WHEELS[ORACLE]: "bad fixes known, wheels",
+    SMOOTHED: "all, smoothed", ORACLE: "bad fixes known", WHEELS[WHOLE]: "all, wheels",
+    WHEELS[SMOOTHED]: "all, wheels, smoothed", WHEELS[ORACLE]: "bad fixes known, wheels",
 }  # fmt: skip
 COLOURS = {"none": "#999999", "gate": "#CC79A7", "remove": "#E69F00", "robust": "#56B4E9", "gated": "#0072B2",
            "reset": "#009E73", "hindsight": "#D55E00", SMOOTHED: "#8C564B", ORACLE: "black",
