@@ -7,7 +7,7 @@ import numpy as np
 from imugap.discovery.axis import concluded, told
 from imugap.discovery.fit.axis_fit import Description, fit
 from imugap.discovery.fit.whittle import Noise
-from imugap.discovery.preparation.cosine_bins import usable
+from imugap.discovery.preparation.cosine_bins import usable_share
 from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.effects import CATALOGUE, OutputFilter, WhiteNoise
 from imugap.effects.conditions import Conditions
@@ -49,7 +49,7 @@ def filtered(order, cutoff, added=0.0, before=0.0):
     """A log behind a filter that has still to let go of what was before."""
     data, smooth = sequence(), OutputFilter(cutoff, order)
     output = smooth.passed(data.values + added, INTERVAL) + before * smooth.decay(COUNT, INTERVAL)
-    moved = replace(data, values=output, share=usable(output))
+    moved = replace(data, values=output, share=usable_share(output))
     return concluded(told(moved, (), tuple(CATALOGUE.values()), LOG_ALPHA, int(0.8 * COUNT)))
 
 

@@ -16,12 +16,12 @@ from imugap.discovery.between_runs import as_first, clocks, turn_on
 from imugap.discovery.checks.motion import ANOTHER
 from imugap.discovery.common_noise import shared
 from imugap.discovery.evaluation.distance import Distances, Drifts
-from imugap.discovery.evaluation.held_out import HELD_IN, distances, held_out, tested
+from imugap.discovery.evaluation.held_out import HELD_IN, compare_held_out, compare_test_run, distances
 from imugap.discovery.finding import CERTAIN, Finding, Gap, Interval
 from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.discovery.fit.start_model import described, noisy, untold
-from imugap.discovery.preparation.prepare import Record, prepare
-from imugap.discovery.preparation.rounding import level_ahead, unrounded
+from imugap.discovery.preparation.prepare import PreparedLog, prepare
+from imugap.discovery.preparation.rounding import level_before_rounding, unrounded
 from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.search.intervals import NORMAL, axis_unit
 from imugap.discovery.search.noise_agreement import agreed
@@ -83,7 +83,7 @@ class Discovery:
     drifts: tuple[Drifts, ...]
     before: tuple[ViewTest, ...]
     after: tuple[ViewTest, ...]
-    record: Record
+    record: PreparedLog
     stories: Mapping[str, Story]
 
 
@@ -145,7 +145,7 @@ def discover(
     steps = _Steps(progress, OTHER_STEPS + 2 * len(axes(logs[0])))
     steps.begin("integrity")
     record = prepare(logs[0], reference, question.seed, question.start, question.catalogue)
-    steps.count -= 2 * len(record.silent)
+    steps.count -= 2 * len(record.unusable)
     log_alpha = question.log_alpha(len(record.sequences))
     stories, joints = _stories(_alike(_tales(record, known, question, log_alpha, steps)), question, log_alpha, steps)
     befores = {axis: story.before for axis, story in stories.items()}
@@ -167,9 +167,9 @@ def discover(
     switching = {axis: (story.switching,) for axis, story in stories.items() if story.switching is not None}
     model = partial(_model, known=known, findings=outside, beside=switching)
     start, final = _model(befores, known), model(wholes)
-    compared = [tested(test, stories, start, final, question.seed) for test in tests]
+    compared = [compare_test_run(test, stories, start, final, question.seed) for test in tests]
     with _many(question.workers) as each:
-        asked = compared or [held_out(record, stories, start, model)]
+        asked = compared or [compare_held_out(record, stories, start, model)]
         apart, paths = distances(asked, question.seed, question.simulations, each)
     steps.begin("done")
     kept = _kept(known, record, wholes)
@@ -178,7 +178,7 @@ def discover(
         final=_with_kept(final, kept),
         gaps=(*record.gaps, *where, *nameless_places(stories, where, question.alpha)),
         findings=findings,
-        unexplained=(*record.silent, *left, *nameless_places(stories, left, question.alpha)),
+        unexplained=(*record.unusable, *left, *nameless_places(stories, left, question.alpha)),
         withheld=tuple((axis, *one) for axis, story in stories.items() for one in story.unnamed()),
         described=tuple(one.of_any_slope for one in stories.values() if one.of_any_slope is not None),
         untold=tuple((axis, one.name) for axis, some in kept.items() for one in some if axis in stories),
@@ -256,7 +256,9 @@ def _stories(
     return _stories(alone, question, log_alpha, steps, (*apart, *doubtful))
 
 
-def _tales(record: Record, known: ErrorModel, question: Question, log_alpha: float, steps: _Steps) -> dict[str, Tale]:
+def _tales(
+    record: PreparedLog, known: ErrorModel, question: Question, log_alpha: float, steps: _Steps
+) -> dict[str, Tale]:
     arguments = [
         (sequence, _effects(known, axis), question.catalogue, log_alpha, int(HELD_IN * len(sequence.values)))
         for axis, sequence in record.sequences.items()
@@ -302,7 +304,7 @@ def _outputs(model: ErrorModel, axis: str) -> tuple[Effect, ...]:
     return tuple(effect for effect in _effects(model, axis) if effect.stage > Stage.FILTER)
 
 
-def _found_outputs(record: Record, axis: str, known: tuple[Effect, ...]) -> tuple[Effect, ...]:
+def _found_outputs(record: PreparedLog, axis: str, known: tuple[Effect, ...]) -> tuple[Effect, ...]:
     return known + tuple(finding.effects[axis] for finding in record.findings if axis in finding.effects)
 
 
@@ -324,7 +326,7 @@ def _between_runs(
 def _left(
     seen: Sequence[ViewTest],
     stories: Mapping[str, Story],
-    record: Record,
+    record: PreparedLog,
     common: Sequence[Finding],
     question: Question,
     outputs: Mapping,
@@ -385,7 +387,7 @@ def _of_noise(wholes: Mapping[str, AxisFit], start: ErrorModel | None) -> tuple[
     return tuple(finding for axis in silent for finding in noise_of(wholes[axis]))
 
 
-def _kept(known: ErrorModel, record: Record, wholes: Mapping[str, AxisFit]) -> dict[str, tuple[Effect, ...]]:
+def _kept(known: ErrorModel, record: PreparedLog, wholes: Mapping[str, AxisFit]) -> dict[str, tuple[Effect, ...]]:
     """Return the effects that stay as the start model has them: what the log cannot tell, and those of the clock."""
     kept = {axis: tuple(effects) for axis, effects in known.axes.items()}
     for axis, found in wholes.items():
@@ -432,7 +434,7 @@ def _ahead(model: AxisModel, sequence: AxisSequence) -> AxisModel:
     effects = unrounded(model, model, sequence)
     if sequence.conditions.ideal is None:
         mean = float(sequence.values.mean())
-        shift = level_ahead(mean, effects, sequence.conditions.interval) - mean
+        shift = level_before_rounding(mean, effects, sequence.conditions.interval) - mean
         return shifted(AxisModel(effects), shift)
     return AxisModel(effects)
 

@@ -11,7 +11,7 @@ import pandas as pd
 from imugap import log
 from imugap.discovery import report
 from imugap.discovery.device import Discovery, Progress, Question, discover
-from imugap.discovery.preparation.prepare import unseen
+from imugap.discovery.preparation.prepare import in_reference_gap
 from imugap.effects.effect import Role
 from imugap.integrity.timestamps import Stamps, stamps
 from imugap.interchange.plugins import catalogue
@@ -193,7 +193,7 @@ def _reference(path: Path, measured: pd.DataFrame) -> pd.DataFrame:
     if np.mean(covered) < COVERED:
         expected = f"that of the log, {np.nanmin(time):g} to {np.nanmax(time):g} s"
         raise LogError(path, "time", expected, f"{reference.index[0]:g} to {reference.index[-1]:g} s")
-    covered &= ~unseen(reference, time)
+    covered &= ~in_reference_gap(reference, time)
     if np.mean(covered) < COVERED:
         found = f"holes, which leave {100 * np.mean(covered):.0f} %"
         raise LogError(path, "time", f"stamps near {100 * COVERED:.0f} % of those of the log", found)

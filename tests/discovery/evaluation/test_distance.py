@@ -5,8 +5,8 @@ import pytest
 from scipy.stats import binomtest
 
 from imugap import log
-from imugap.discovery.evaluation.distance import Compared, together
-from imugap.discovery.evaluation.parameter_ensemble import Uncertain
+from imugap.discovery.evaluation.distance import HeldOutComparison, combined
+from imugap.discovery.evaluation.parameter_ensemble import UncertainModel
 from imugap.discovery.fit.axis_fit import Description, Term, fit
 from imugap.discovery.fit.whittle import Noise
 from imugap.discovery.preparation.sequence import AxisSequence
@@ -45,7 +45,9 @@ def model(*effects, axes=log.AXES):
 def test_the_right_model_is_at_the_floor_and_the_poor_one_is_not(hidden):
     axes = ("gyro_x", "accel_z")
     measured = model(hidden, axes=axes).simulate(rest(axes=axes), 1)
-    found = together([Compared(measured, 50.0, model(axes=axes), model(hidden, axes=axes)).distribution(seed=1)])
+    found = combined(
+        [HeldOutComparison(measured, 50.0, model(axes=axes), model(hidden, axes=axes)).distribution(seed=1)]
+    )
     assert found.before.low > found.floor.high
     assert found.before.value > 1.5 * found.after.value
     assert found.floor.low * 0.95 < found.after.value < found.floor.high * 1.05
@@ -56,8 +58,12 @@ def test_the_right_model_is_at_the_floor_and_the_poor_one_is_not(hidden):
 def test_an_effect_that_is_not_there_does_no_good():
     axes = ("gyro_x",)
     measured = model(axes=axes).simulate(rest(axes=axes), 1)
-    found = together(
-        [Compared(measured, 50.0, model(axes=axes), model(Sinusoid(3.0, 3e-3), axes=axes)).distribution(seed=1)]
+    found = combined(
+        [
+            HeldOutComparison(measured, 50.0, model(axes=axes), model(Sinusoid(3.0, 3e-3), axes=axes)).distribution(
+                seed=1
+            )
+        ]
     )
     assert found.after.value > max(found.before.high, found.floor.high)
     assert found.after.value > found.floor.high
@@ -65,7 +71,7 @@ def test_an_effect_that_is_not_there_does_no_good():
 
 def test_navigation_sees_what_drifts():
     measured = model(RandomWalk(1e-3)).simulate(rest(), 2)
-    found = together([Compared(measured, 40.0, model(), model(RandomWalk(1e-3))).drifts(seed=1).apart()])
+    found = combined([HeldOutComparison(measured, 40.0, model(), model(RandomWalk(1e-3))).drifts(seed=1).distances()])
     assert found.before.low > found.floor.high
     assert found.floor.low * 0.9 < found.after.value < found.floor.high * 1.1
 
@@ -75,8 +81,8 @@ def test_the_level_of_a_device_at_rest_and_its_biases_do_not_matter():
     measured = model(axes=axes).simulate(rest(axes=axes), 1)
     shifted = measured + 5.0
     biased = ErrorModel({"gyro_x": AxisModel((Bias(3.0), WHITE))})
-    one = together([Compared(measured, 50.0, model(axes=axes), model(axes=axes)).distribution(seed=1)])
-    other = together([Compared(shifted, 50.0, model(axes=axes), biased).distribution(seed=1)])
+    one = combined([HeldOutComparison(measured, 50.0, model(axes=axes), model(axes=axes)).distribution(seed=1)])
+    other = combined([HeldOutComparison(shifted, 50.0, model(axes=axes), biased).distribution(seed=1)])
     for name in ("before", "after", "floor"):
         assert getattr(other, name).value == pytest.approx(getattr(one, name).value, rel=1e-6)
 
@@ -87,8 +93,8 @@ def test_motion_is_compared_with_its_reference():
     reference = log.from_samples({"gyro_x": swing}, INTERVAL)
     hidden = model(ScaleFactor(5e-3), axes=("gyro_x",))
     measured = hidden.simulate(reference, 1)
-    compared = Compared(measured, 50.0, model(axes=("gyro_x",)), hidden, reference)
-    found = together([compared.distribution(seed=1)])
+    compared = HeldOutComparison(measured, 50.0, model(axes=("gyro_x",)), hidden, reference)
+    found = combined([compared.distribution(seed=1)])
     assert found.before.low > found.floor.high
     assert found.floor.low * 0.9 < found.after.value < found.floor.high * 1.1
 
@@ -98,7 +104,7 @@ def test_a_split_that_leaves_nothing_is_refused(split):
     axes = ("gyro_x",)
     measured = model(axes=axes).simulate(rest(axes=axes), 1)
     with pytest.raises(ValueError, match=r"split: expected 64 samples on either side"):
-        Compared(measured, split, model(axes=axes), model(axes=axes)).distribution(seed=1)
+        HeldOutComparison(measured, split, model(axes=axes), model(axes=axes)).distribution(seed=1)
 
 
 def fitted(measured, held_in, description):
@@ -113,7 +119,7 @@ def test_drawn_models_scatter_as_their_fit_says():
     measured = model(GaussMarkov(3e-3, 2.0), RateRamp(1e-4), axes=axes).simulate(rest(axes=axes), 1)
     found = fitted(measured, 4000, described)
     fixed = Resolution(1e-4)
-    uncertain = Uncertain.of(
+    uncertain = UncertainModel.of(
         ErrorModel({"gyro_x": AxisModel((*found.description.effects(), fixed)), "gyro_y": AxisModel((WHITE,))}),
         {"gyro_x": found},
     )
@@ -140,7 +146,7 @@ def test_a_drawn_filter_ends_below_half_the_rate():
     measured = model(axes=("gyro_x",)).simulate(rest(400, ("gyro_x",)), 1)
     described = Description((), Noise((WHITE,), OutputFilter(0.4 / INTERVAL, 1)))
     found = fitted(measured, 400, described)
-    uncertain = Uncertain.of(ErrorModel({"gyro_x": AxisModel(found.description.effects())}), {"gyro_x": found})
+    uncertain = UncertainModel.of(ErrorModel({"gyro_x": AxisModel(found.description.effects())}), {"gyro_x": found})
     rng = stream(1, "draws")
     drawn = [uncertain.draw(rng)["gyro_x"].effects[-1] for _ in range(300)]
     cutoffs = np.array([effect.cutoff for effect in drawn if isinstance(effect, OutputFilter)])
@@ -161,9 +167,9 @@ def test_the_right_model_lands_in_the_floor_in_95_percent_of_cases(kind):
         after = true
         if kind == "estimated":
             found = fitted(measured, 720, described)
-            after = Uncertain.of(ErrorModel({"gyro_x": AxisModel(found.description.effects())}), {"gyro_x": found})
-        asked = Compared(measured, 14.4, true, after)
-        seen = asked.drifts(seed, 39).apart() if kind == "navigation" else asked.distribution(seed, 39)
-        found = together([seen])
+            after = UncertainModel.of(ErrorModel({"gyro_x": AxisModel(found.description.effects())}), {"gyro_x": found})
+        asked = HeldOutComparison(measured, 14.4, true, after)
+        seen = asked.drifts(seed, 39).distances() if kind == "navigation" else asked.distribution(seed, 39)
+        found = combined([seen])
         inside += found.floor.low <= found.after.value <= found.floor.high
     assert binomtest(inside, logs, 0.95).pvalue > 0.002

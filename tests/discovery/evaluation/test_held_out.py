@@ -43,6 +43,6 @@ def test_what_happened_in_one_run_is_in_the_model_of_another_in_which_it_happens
     bare, whole = found(first), found(first, STEP, CHANGE)
     stories = {"gyro_x": Story(bare, whole, whole, (), ())}
     start, final = modelled(bare.description), modelled(whole.description)
-    after = comparison.tested(run(*again, label="other"), stories, start, final, 0).after.model["gyro_x"]
+    after = comparison.compare_test_run(run(*again, label="other"), stories, start, final, 0).after.model["gyro_x"]
     kept = {one.name for one in after if isinstance(one, (BiasStep, VarianceChange))}
     assert kept == {one.name for one in again}

@@ -6,7 +6,7 @@ from tests.discovery.simulated import COUNT, INTERVAL, WHITE, sequence
 
 from imugap.discovery.fit.axis_fit import Description, Term, fit, jacobian
 from imugap.discovery.fit.whittle import Noise
-from imugap.discovery.preparation.cosine_bins import usable
+from imugap.discovery.preparation.cosine_bins import usable_share
 from imugap.effects import BiasStep, OutputFilter, Quantization, RateRamp, Sinusoid, WarmUp
 from imugap.stream import stream
 
@@ -44,7 +44,7 @@ def test_what_a_steep_filter_leaves_is_not_taken_for_noise(cutoff, order, count)
     """Towards half the rate the cosine transform shows what leaks from the ends of the log, and nothing else."""
     data, smooth = sequence(count=count), OutputFilter(cutoff, order)
     output = smooth.apply(data.values, data.conditions, stream(1))
-    moved = replace(data, values=output, share=usable(output))
+    moved = replace(data, values=output, share=usable_share(output))
     plainly = fit(moved, Description((), Noise((WHITE,), smooth)))
     grainy = fit(moved, Description((), Noise((WHITE, Quantization(1e-7)), smooth)))
     assert grainy.log_likelihood - plainly.log_likelihood < 3

@@ -5,7 +5,7 @@ import pytest
 
 from imugap.discovery.fit.boundary import Outside, over_time
 from imugap.discovery.fit.whittle import Noise
-from imugap.discovery.preparation.cosine_bins import cosines
+from imugap.discovery.preparation.cosine_bins import cosine_coefficients
 from imugap.effects import OutputFilter, Quantization, WhiteNoise
 from imugap.stream import stream
 
@@ -28,7 +28,7 @@ def columns_and_outside(noise, root):
 )
 def test_it_is_the_same_over_time_and_in_the_basis_of_the_cosines(noise):
     over, outside = columns_and_outside(noise, np.ones(COUNT - 1))
-    assert outside.columns == pytest.approx(cosines(over), abs=1e-12)
+    assert outside.columns == pytest.approx(cosine_coefficients(over), abs=1e-12)
 
 
 def test_noise_that_is_nowhere_else_has_nothing_from_outside():
@@ -44,7 +44,7 @@ def test_rounding_errors_at_the_ends_are_taken_out_as_far_as_they_are_known():
     found = np.array([outside.sizes(one) for one in seen])
     left = 1 / (1 / step**2 + (1 - 1 / COUNT) / spread**2)
     assert np.mean((found - true) ** 2) / left == pytest.approx(1.0, abs=0.05)
-    assert outside.without(seen[0]) == pytest.approx(cosines(-over @ found[0]) + seen[0])
+    assert outside.without(seen[0]) == pytest.approx(cosine_coefficients(-over @ found[0]) + seen[0])
 
 
 def test_what_a_filter_lets_go_of_is_taken_out_whatever_it_was():

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests.discovery import simulated
 
-from imugap.discovery.fit.axis_fit import cosines
+from imugap.discovery.fit.axis_fit import cosine_coefficients
 from imugap.discovery.fit.whittle import Noise, Spectra, fit, limits
 from imugap.discovery.preparation.cosine_bins import Bins
 from imugap.effects import (
@@ -70,7 +70,7 @@ def test_the_end_of_a_climb_is_level_but_where_limits_stop_it(behind):
 )
 def test_gradient_of_the_spectral_likelihood(noise):
     data = simulated.sequence(GaussMarkov(3e-4, 5.0), count=5000)
-    power = data.bins.sums(cosines(data.values) ** 2)
+    power = data.bins.sums(cosine_coefficients(data.values) ** 2)
     spectra, theta = Spectra(noise, data.bins), noise.theta()
     _, gradient, information = spectra.expand(theta, power)
     for step in 1e-5 * np.eye(len(theta)):
@@ -82,7 +82,7 @@ def test_gradient_of_the_spectral_likelihood(noise):
 def test_the_limits_of_a_correlation_time_are_those_of_the_log():
     data = simulated.sequence(RandomWalk(1e-6))
     noise = Noise((WhiteNoise(1e-8), GaussMarkov(1e-8, 100.0)))
-    low, high = limits(noise, data.bins, data.bins.sums(cosines(1e-5 * data.values) ** 2))
+    low, high = limits(noise, data.bins, data.bins.sums(cosine_coefficients(1e-5 * data.values) ** 2))
     assert np.exp([low[-1], high[-1]]) == pytest.approx(
         [simulated.INTERVAL / 3, 30 * simulated.COUNT * simulated.INTERVAL]
     )
@@ -92,7 +92,7 @@ def test_the_limits_of_a_correlation_time_are_those_of_the_log():
 def test_noise_beneath_a_spectrum_does_not_rise_above_it(count):
     """Also where a log is too short to have a frequency below the cutoff: it touches the first that there are."""
     data = simulated.sequence(count=count)
-    power = data.bins.sums(cosines(data.values) ** 2)
+    power = data.bins.sums(cosine_coefficients(data.values) ** 2)
     noise = Noise((simulated.WHITE,), OutputFilter(0.2, 1)).beneath(data.bins, power)
     asked = slice(max(8, np.sum(data.bins.frequency < 0.2)))
     over = power[asked] / data.bins.number[asked] / noise.variance(data.bins)[asked]

@@ -40,7 +40,7 @@ def test_a_gap_of_a_walk_is_a_bridge_and_its_ends_are_walks():
     values = np.r_[np.zeros(3), 1.0, np.zeros(5), 3.0, np.zeros(2)]
     flawed, count = values == 0, 20_000
     rng = stream(3, "bridge")
-    drawn = np.array([WALK.drawn(values, flawed, rng) for _ in range(count)])
+    drawn = np.array([WALK.fill(values, flawed, rng) for _ in range(count)])
     inside = np.arange(1, 6)
     means = np.r_[np.ones(4), 1 + inside / 3, 3 * np.ones(3)]
     variances = np.r_[3, 2, 1, 0, inside * (6 - inside) / 6, 0, 1, 2]
@@ -52,7 +52,7 @@ def test_a_gap_of_a_walk_is_a_bridge_and_its_ends_are_walks():
 def test_what_is_drawn_does_not_stand_out(kind):
     """What tells a sample from 32 others before it has one variance, in gaps and where none is near."""
     values, flawed = noises()[kind], gaps()
-    filled = Autoregression.of(values, ~flawed).drawn(values, flawed, stream(4, "fill"))
+    filled = Autoregression.of(values, ~flawed).fill(values, flawed, stream(4, "fill"))
     np.testing.assert_array_equal(filled[~flawed], values[~flawed])
     whole = Autoregression.of(filled, np.ones(COUNT, bool))
     news = np.correlate(filled - whole.level, whole.whitening, "valid") / whole.std
@@ -73,7 +73,7 @@ def test_scattered_samples_have_the_law_that_all_others_leave_them():
     means = weights @ values[~flawed]
     variances = np.diag(covariance[np.ix_(flawed, flawed)] - weights @ covariance[np.ix_(~flawed, flawed)])
     process, rng, runs = Autoregression(0.0, whitening, 1.0), stream(6, "scattered"), 20_000
-    drawn = np.array([process.drawn(values, flawed, rng)[flawed] for _ in range(runs)])
+    drawn = np.array([process.fill(values, flawed, rng)[flawed] for _ in range(runs)])
     np.testing.assert_array_less(np.abs(drawn.mean(axis=0) - means), 4.5 * np.sqrt(variances / runs))
     np.testing.assert_allclose(drawn.var(axis=0), variances, rtol=4.5 * np.sqrt(2 / runs))
 
@@ -82,7 +82,7 @@ def test_the_middle_of_a_log_with_many_flawed_samples_does_not_stand_out():
     values, flawed = noises()["white"], stream(7, "many").random(COUNT) < 0.2
     process = Autoregression.of(values, ~flawed)
     middle, rng = slice(COUNT // 2 - 50, COUNT // 2 + 50), stream(8, "many")
-    drawn = np.array([process.drawn(values, flawed, rng)[middle][flawed[middle]] for _ in range(40)])
+    drawn = np.array([process.fill(values, flawed, rng)[middle][flawed[middle]] for _ in range(40)])
     assert np.var(drawn) == pytest.approx(1.0, abs=4.5 * np.sqrt(2 / drawn.size) + 0.05)
 
 
@@ -91,12 +91,12 @@ def test_any_sequence_can_be_filled(count, seed, share):
     rng = np.random.default_rng(seed)
     values, flawed = rng.standard_normal(count), rng.random(count) < share
     flawed[rng.integers(count)] = False
-    filled = Autoregression.of(values, ~flawed).drawn(values, flawed, rng)
+    filled = Autoregression.of(values, ~flawed).fill(values, flawed, rng)
     assert np.all(np.isfinite(filled))
     np.testing.assert_array_equal(filled[~flawed], values[~flawed])
 
 
 def test_equal_samples_stay_equal():
     flawed = gaps()
-    filled = Autoregression.of(np.full(COUNT, 2.0), ~flawed).drawn(np.full(COUNT, 2.0), flawed, stream(5, "equal"))
+    filled = Autoregression.of(np.full(COUNT, 2.0), ~flawed).fill(np.full(COUNT, 2.0), flawed, stream(5, "equal"))
     np.testing.assert_allclose(filled, 2.0)

@@ -219,7 +219,7 @@ def test_clipped_samples_of_a_coarse_lattice_stay():
     values[::10], values[5::50] = 1.0, 2.0
     conditions = Conditions(0.01 * np.arange(1000), 0.01)
     sequence = AxisSequence(values, conditions, values == 2.0)
-    drawn = sequence.beyond(values, np.where(values == 2.0, 1.0, 0.0), stream(1, "coarse"))
+    drawn = sequence.with_clipped_drawn(values, np.where(values == 2.0, 1.0, 0.0), stream(1, "coarse"))
     np.testing.assert_array_equal(drawn.values, values)
     assert drawn.flawed.sum() == 20
 
@@ -469,7 +469,7 @@ def test_an_axis_that_was_interpolated_says_nothing_and_is_told(every, step):
     values = np.round(values / step) * step if step else values
     record = prepare(pd.DataFrame({"gyro_x": values[0], "gyro_y": values[1]}, index=pd.Index(time, name="time")))
     assert list(record.sequences) == (["gyro_x", "gyro_y"] if every == 1 else ["gyro_x"])
-    for place in record.silent:
+    for place in record.unusable:
         assert (place.view, place.axis, place.unit) == ("values", "gyro_y", "s")
         assert place.low == pytest.approx(0.02 * every, rel=0.02)
 
@@ -479,12 +479,12 @@ def test_a_shock_does_not_make_the_rest_of_an_axis_look_straight(shock):
     values = stream(3, "interpolated").standard_normal((2, 6000)) * 1e-3
     values[1, 3000] = shock
     log = pd.DataFrame(dict(zip(("gyro_x", "gyro_y"), values, strict=True)), index=pd.Index(0.02 * np.arange(6000)))
-    assert not prepare(log.rename_axis("time")).silent
+    assert not prepare(log.rename_axis("time")).unusable
 
 
 def test_a_log_of_nothing_but_interpolated_values_is_taken_as_it_is():
     values = np.interp(np.arange(6000), np.arange(0, 6000, 3), stream(2, "interpolated").standard_normal(2000))
     log = pd.DataFrame({"gyro_x": values}, index=pd.Index(0.02 * np.arange(6000), name="time"))
     record = prepare(log)
-    assert not record.silent
+    assert not record.unusable
     assert list(record.sequences) == ["gyro_x"]

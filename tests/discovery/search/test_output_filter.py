@@ -7,7 +7,7 @@ from tests.discovery.simulated import COUNT, INTERVAL, LOG_ALPHA, WHITE, filtere
 from imugap.discovery.axis import concluded, told
 from imugap.discovery.fit.axis_fit import Description, fit
 from imugap.discovery.fit.whittle import Noise
-from imugap.discovery.preparation.cosine_bins import usable
+from imugap.discovery.preparation.cosine_bins import usable_share
 from imugap.discovery.search.search import RESHAPED, Search, behind_filter, may_reach
 from imugap.effects import CATALOGUE, BiasInstability, GaussMarkov, OutputFilter, RandomWalk
 from imugap.stream import stream
@@ -42,7 +42,7 @@ def test_a_filter_is_found_behind_noise_that_went_far_to_look_like_it(known, cut
     """Without the filter the slow noise of the start model is the whole spectrum, and white noise is none of it."""
     data, hidden = sequence(known), OutputFilter(cutoff, 2)
     output = hidden.apply(data.values, data.conditions, stream(1))
-    filtered = replace(data, values=output, share=usable(output))
+    filtered = replace(data, values=output, share=usable_share(output))
     story = concluded(told(filtered, (WHITE, known), tuple(CATALOGUE.values()), LOG_ALPHA, 19_200))
     assert names(story) == ["output_filter"]
     (found,) = story.findings
@@ -55,7 +55,7 @@ def test_what_a_filter_gains_is_known_before_it_is_fitted(cutoff, slow):
     data = sequence(*slow, count=6000)
     if cutoff is not None:
         output = OutputFilter(cutoff, 2).apply(data.values, data.conditions, stream(1))
-        data = replace(data, values=output, share=usable(output))
+        data = replace(data, values=output, share=usable_share(output))
     description = Description((), Noise((WHITE, *slow)))
     before = fit(data, description)
     search = Search(description, tuple(CATALOGUE.values()), LOG_ALPHA)

@@ -106,7 +106,7 @@ def switching(high, low, label):
         path[int(place) : int(end)] = 4e-3 * up
         place, up = end, not up
     data = sequence()
-    return data.changed(data.values + path)
+    return data.with_values(data.values + path)
 
 
 @pytest.mark.slow
@@ -126,7 +126,7 @@ def test_nothing_depends_on_the_unit(unit):
     data = sequence(GaussMarkov(3e-3, 5.0), RandomWalk(1e-4))
     here, there = (
         concluded(told(one, (), tuple(CATALOGUE.values()), LOG_ALPHA, int(0.8 * COUNT)))
-        for one in (data, data.changed(unit * data.values))
+        for one in (data, data.with_values(unit * data.values))
     )
     assert names(here) == names(there)
     for one, other in zip(here.findings, there.findings, strict=True):

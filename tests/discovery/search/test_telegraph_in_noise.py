@@ -165,6 +165,6 @@ def test_a_cluster_of_switches_is_no_change_of_the_noise(run):
     values = data.values.copy()
     values[12_000:12_005] += 1.5e-2 * (1 if values[11_990:12_000].mean() < values.mean() else -1)
     story = concluded(
-        told(data.changed(values), (), (RandomWalk, GaussMarkov, VarianceChange), LOG_ALPHA, int(0.8 * COUNT))
+        told(data.with_values(values), (), (RandomWalk, GaussMarkov, VarianceChange), LOG_ALPHA, int(0.8 * COUNT))
     )
     assert [finding.name for finding in story.findings] == ["random_telegraph"]

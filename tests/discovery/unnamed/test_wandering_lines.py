@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from imugap.discovery.axis import concluded, told
-from imugap.discovery.fit.axis_fit import Description, cosines, fit
+from imugap.discovery.fit.axis_fit import Description, cosine_coefficients, fit
 from imugap.discovery.fit.whittle import Noise
 from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.search.search import Search
@@ -55,7 +55,7 @@ def test_outside_of_a_band_the_coefficients_stay():
     cleared = unsteady.without(data, (Band(0.53, 0.59, -100.0),))
     frequency = np.arange(1, COUNT) / (2 * COUNT * INTERVAL)
     inside = (frequency >= 0.53) & (frequency <= 0.59)
-    before, after = cosines(data.values), cosines(cleared.values)
+    before, after = cosine_coefficients(data.values), cosine_coefficients(cleared.values)
     scale = np.abs(before).max()
     far = (frequency < 0.529) | (frequency > 0.591)
     assert np.abs(before - after)[far].max() < 1e-12 * scale

@@ -119,7 +119,7 @@ def test_what_goes_with_the_motion_of_other_axes_is_found_over_it(view, source, 
     ideal = swings()
     quiet = fits({"gyro_x": (), "gyro_y": ()}, ideal=ideal)
     sequence = quiet["gyro_x"].sequence
-    moved = sequence.changed(sequence.values + np.asarray(hidden(ideal)))
+    moved = sequence.with_values(sequence.values + np.asarray(hidden(ideal)))
     found = find_gaps(quiet | {"gyro_x": fit(moved, Description((), Noise((WHITE,))))}, 0.01, seed=1)
     assert (view, f"gyro_x,{source}") in {(gap.view, gap.axis) for gap in found}
     assert all("gyro_x" in gap.axis for gap in found)
@@ -156,7 +156,7 @@ def test_outliers_that_are_described_are_replaced_in_replicates_too():
     assert {"extremes", "marginal"} <= {gap.view for gap in find_gaps(found, 0.01, seed=1)}
     sequence = found["gyro_x"].sequence
     flagged = np.abs(sequence.values) > 0.03
-    mended = sequence.mended(flagged, np.random.default_rng(1))
+    mended = sequence.with_replaced(flagged, np.random.default_rng(1))
     described = fit(mended, Description((), Noise((WHITE,)), (), spikes))
     assert not [gap for gap in find_gaps({"gyro_x": described}, 0.01, seed=1) if gap.view == "variance"]
 

@@ -17,9 +17,9 @@ from scipy.fft import dct
 from scipy.special import ndtri
 
 from imugap import log
-from imugap.discovery.evaluation.parameter_ensemble import Uncertain
+from imugap.discovery.evaluation.parameter_ensemble import UncertainModel
 from imugap.discovery.finding import Interval
-from imugap.discovery.preparation.rounding import level_ahead
+from imugap.discovery.preparation.rounding import level_before_rounding
 from imugap.discovery.views.curve import block_starts
 from imugap.discovery.views.spectral import bands
 from imugap.effects.conditions import Conditions
@@ -52,7 +52,7 @@ SIDES = ("before", "after")
 ANYWHERE = Site(radians(45.0), 0.0)
 """Where a device stands if nobody says: only the gravity of the place matters."""
 
-Model = ErrorModel | Uncertain
+Model = ErrorModel | UncertainModel
 
 
 @dataclass(frozen=True)
@@ -70,7 +70,7 @@ class Distances:
 
 
 @dataclass(frozen=True, eq=False)
-class Apart:
+class SquaredDistances:
     """Squared distances on one log, from which those over several logs follow.
 
     Attributes
@@ -86,7 +86,7 @@ class Apart:
     floor: np.ndarray
 
 
-def together(logs: Sequence[Apart]) -> Distances:
+def combined(logs: Sequence[SquaredDistances]) -> Distances:
     """Return the distances over several logs of a device, each of the same weight: root mean squares."""
     before, after, floor = (
         np.sqrt(np.mean([getattr(one, name) for one in logs], axis=0)) for name in ("before", "after", "floor")
@@ -95,7 +95,7 @@ def together(logs: Sequence[Apart]) -> Distances:
 
 
 @dataclass(frozen=True, eq=False)
-class Summary:
+class LogStatistics:
     """What is compared of one log.
 
     Attributes
@@ -111,7 +111,7 @@ class Summary:
 
 
 @dataclass(frozen=True, eq=False)
-class Compared:
+class HeldOutComparison:
     """A log beside two models: what follows on its first part is compared with what they make of it.
 
     Attributes
@@ -162,32 +162,34 @@ class Compared:
             ANYWHERE, False, self.held_in * interval, length * interval, length // EPOCHS * interval
         )
 
-    def own(self) -> Summary:
+    def statistics(self) -> LogStatistics:
         """Return the summary of the measured log."""
         return self._summary(self.measured)
 
-    def ensemble(self, name: str, seed: int, numbers: Iterable[int]) -> list[Summary]:
+    def simulate(self, name: str, seed: int, numbers: Iterable[int]) -> list[LogStatistics]:
         """Return the summaries of the simulations of these numbers of a model, ``before`` or ``after``."""
         return [self._summary(table) for table in self._simulations(name, seed, numbers)]
 
-    def distribution(self, seed: int, count: int = COUNT) -> Apart:
+    def distribution(self, seed: int, count: int = COUNT) -> SquaredDistances:
         """Return the distances over views of the error."""
-        return distribution(self.own(), *(self.ensemble(name, seed, range(count)) for name in SIDES))
+        return distribution(self.statistics(), *(self.simulate(name, seed, range(count)) for name in SIDES))
 
     def drifts(self, seed: int, count: int = COUNT) -> "Drifts":
         """Return the drifts of a device at rest."""
-        return self.navigated(self.own(), *(self.ensemble(name, seed, range(count)) for name in SIDES))
+        return self.drifts_of(self.statistics(), *(self.simulate(name, seed, range(count)) for name in SIDES))
 
-    def navigated(self, own: Summary, before: Sequence[Summary], after: Sequence[Summary]) -> "Drifts":
+    def drifts_of(
+        self, own: LogStatistics, before: Sequence[LogStatistics], after: Sequence[LogStatistics]
+    ) -> "Drifts":
         """Return the drifts of which summaries tell."""
         start, final = (np.array([one.path for one in ensemble]) for ensemble in (before, after))
         return Drifts(self.course.epochs(), own.path, start, final)
 
-    def _summary(self, table: pd.DataFrame) -> Summary:
+    def _summary(self, table: pd.DataFrame) -> LogStatistics:
         """Return the summary of the log or of a simulation of it."""
         first, errors, scale = self.held_in, self._errors(table), self._scale
         views = [view for axis, x in errors.items() for view in _views(x[first:], x[:first].mean(), scale[axis])]
-        return Summary(views, None if self.course is None else self._path(table))
+        return LogStatistics(views, None if self.course is None else self._path(table))
 
     def _path(self, table: pd.DataFrame) -> np.ndarray:
         even = log.from_samples({axis: table[axis].to_numpy(float) for axis in log.AXES}, log.interval(self.measured))
@@ -209,7 +211,7 @@ class Compared:
         for number in numbers:
             labels = ("distance", name, number)
             rng = stream(seed, *labels, "parameters")
-            drawn = model.draw(rng) if isinstance(model, Uncertain) else model
+            drawn = model.draw(rng) if isinstance(model, UncertainModel) else model
             sensors = ErrorModel({axis: drawn.axes.get(axis, AxisModel()) for axis in log.axes(self.measured)})
             ideal, at = (self._at_rest(sensors), None) if self.reference is None else self._in_motion
             yield sensors.simulate(ideal, seed, *labels, at=at)
@@ -219,7 +221,7 @@ class Compared:
         table, interval = self.measured.copy(), log.interval(self.measured)
         for axis in log.axes(self.measured):
             biases = offset_of(model[axis])
-            table[axis] = level_ahead(self._levels[axis], model[axis], interval) - biases
+            table[axis] = level_before_rounding(self._levels[axis], model[axis], interval) - biases
         return self._with_temperature(table)
 
     @cached_property
@@ -260,14 +262,16 @@ class Drifts:
     before: np.ndarray
     after: np.ndarray
 
-    def apart(self) -> Apart:
+    def distances(self) -> SquaredDistances:
         """Return the distances over the drift at :data:`HORIZONS`."""
         at = np.rint((len(self.time) - 1) * HORIZONS).astype(int)
         start, final = ([list(one[at]) for one in ensemble] for ensemble in (self.before, self.after))
         return _apart(list(self.measured[at]), start, final)
 
 
-def distribution(own: Summary, before: Sequence[Summary], after: Sequence[Summary]) -> Apart:
+def distribution(
+    own: LogStatistics, before: Sequence[LogStatistics], after: Sequence[LogStatistics]
+) -> SquaredDistances:
     """Return the distances over views: of the measured log and of simulations of the start and of the final model."""
     return _apart(own.views, *([one.views for one in ensemble] for ensemble in (before, after)))
 
@@ -293,10 +297,10 @@ def _views(values: np.ndarray, level: float, scale: float) -> list[np.ndarray]:
     return [*logs, means, shares]
 
 
-def _apart(own: list[np.ndarray], start: list[list[np.ndarray]], final: list[list[np.ndarray]]) -> Apart:
+def _apart(own: list[np.ndarray], start: list[list[np.ndarray]], final: list[list[np.ndarray]]) -> SquaredDistances:
     """Return the squared distances of vectors of the measured log and of the simulations of both models."""
     floor = [_squares(one, final[:i] + final[i + 1 :]) for i, one in enumerate(final)]
-    return Apart(_squares(own, start), _squares(own, final), np.array(floor))
+    return SquaredDistances(_squares(own, start), _squares(own, final), np.array(floor))
 
 
 def _squares(one: list[np.ndarray], ensemble: list[list[np.ndarray]]) -> np.ndarray:

@@ -8,10 +8,18 @@ import pandas as pd
 from threadpoolctl import threadpool_limits
 
 from imugap.discovery.axis import Story
-from imugap.discovery.evaluation.distance import SIDES, Compared, Distances, Drifts, Summary, distribution, together
-from imugap.discovery.evaluation.parameter_ensemble import Uncertain
+from imugap.discovery.evaluation.distance import (
+    SIDES,
+    Distances,
+    Drifts,
+    HeldOutComparison,
+    LogStatistics,
+    combined,
+    distribution,
+)
+from imugap.discovery.evaluation.parameter_ensemble import UncertainModel
 from imugap.discovery.fit.axis_fit import AxisFit, log_score
-from imugap.discovery.preparation.prepare import Record, prepare
+from imugap.discovery.preparation.prepare import PreparedLog, prepare
 from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.effects.effect import AxisModel, Effect, Role
 from imugap.log import TEMPERATURE, from_samples
@@ -25,28 +33,30 @@ LEVELLED = 0.2
 """Share of a test log that tells the level of a device at rest."""
 
 
-def held_out(record: Record, stories: Mapping[str, Story], start: ErrorModel, model: Callable) -> Compared:
+def compare_held_out(
+    record: PreparedLog, stories: Mapping[str, Story], start: ErrorModel, model: Callable
+) -> HeldOutComparison:
     """Return the last part of the log with models whose parameters come from the part before it.
 
     Where only the last part shows an effect, the parameters of its axis come from the whole log.
     """
     fits = {axis: story.after if story.settled else story.whole for axis, story in stories.items()}
-    before = Uncertain.of(_in_run(start), {axis: story.before for axis, story in stories.items()})
-    return _compared(record, HELD_IN, before, Uncertain.of(_in_run(model(fits)), fits))
+    before = UncertainModel.of(_in_run(start), {axis: story.before for axis, story in stories.items()})
+    return _compared(record, HELD_IN, before, UncertainModel.of(_in_run(model(fits)), fits))
 
 
-def tested(
+def compare_test_run(
     test: pd.DataFrame, stories: Mapping[str, Story], start: ErrorModel, final: ErrorModel, seed: int
-) -> Compared:
+) -> HeldOutComparison:
     """Return a further run with the models of the first one, without what happened in that one alone."""
     record = prepare(test[[name for name in test if name in stories or name == TEMPERATURE]], seed=seed)
     befores, afters = ({axis: getattr(story, name) for axis, story in stories.items()} for name in ("before", "whole"))
-    before = Uncertain.of(_in_another(start, befores, record.sequences), befores)
-    after = Uncertain.of(_in_another(final, afters, record.sequences), afters)
+    before = UncertainModel.of(_in_another(start, befores, record.sequences), befores)
+    after = UncertainModel.of(_in_another(final, afters, record.sequences), afters)
     return _compared(record, LEVELLED, before, after)
 
 
-def _compared(record: Record, share: float, before: Uncertain, after: Uncertain) -> Compared:
+def _compared(record: PreparedLog, share: float, before: UncertainModel, after: UncertainModel) -> HeldOutComparison:
     conditions = next(iter(record.sequences.values())).conditions
     held_in = int(share * len(conditions))
     split = float(conditions.time[held_in])
@@ -56,11 +66,11 @@ def _compared(record: Record, share: float, before: Uncertain, after: Uncertain)
         reference = conditions.ideal.set_axis(measured.index)
     if conditions.temperature is not None:
         measured = measured.assign(temperature=conditions.temperature)
-    return Compared(measured, split, before, after, reference, level)
+    return HeldOutComparison(measured, split, before, after, reference, level)
 
 
 def distances(
-    logs: Sequence[Compared], seed: int, count: int, each: Callable = map
+    logs: Sequence[HeldOutComparison], seed: int, count: int, each: Callable = map
 ) -> tuple[dict[str, Distances], tuple[Drifts, ...]]:
     """Return the distances over logs, and the drifts of those that can be navigated.
 
@@ -71,18 +81,18 @@ def distances(
     tasks = [(one, name, seed + k, part) for name in SIDES for k, one in enumerate(logs) for part in parts]
     made = iter(each(_ensemble, *zip(*tasks, strict=True)))
     befores, afters = ([list(chain.from_iterable(islice(made, len(parts)))) for _ in logs] for _ in SIDES)
-    seen = [(one, one.own(), *pair) for one, *pair in zip(logs, befores, afters, strict=True)]
-    apart = {"distribution": together([distribution(*summaries) for _, *summaries in seen])}
-    paths = tuple(one.navigated(*summaries) for one, *summaries in seen if one.course is not None)
+    seen = [(one, one.statistics(), *pair) for one, *pair in zip(logs, befores, afters, strict=True)]
+    apart = {"distribution": combined([distribution(*summaries) for _, *summaries in seen])}
+    paths = tuple(one.drifts_of(*summaries) for one, *summaries in seen if one.course is not None)
     if paths:
-        apart["navigation"] = together([path.apart() for path in paths])
+        apart["navigation"] = combined([path.distances() for path in paths])
     return apart, paths
 
 
-def _ensemble(compared: Compared, name: str, seed: int, numbers: range) -> list[Summary]:
+def _ensemble(compared: HeldOutComparison, name: str, seed: int, numbers: range) -> list[LogStatistics]:
     """Return the summaries of some simulations of one model."""
     with threadpool_limits(1):
-        return compared.ensemble(name, seed, numbers)
+        return compared.simulate(name, seed, numbers)
 
 
 def _in_run(model: ErrorModel) -> ErrorModel:

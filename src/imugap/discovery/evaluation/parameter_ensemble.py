@@ -12,7 +12,7 @@ from imugap.model import ErrorModel
 
 
 @dataclass(frozen=True, eq=False)
-class Open:
+class FitUncertainty:
     """What a fit leaves open of the effects that it adjusted.
 
     Attributes
@@ -31,7 +31,7 @@ class Open:
     limits: tuple[np.ndarray, np.ndarray]
 
     @classmethod
-    def of(cls, fit: AxisFit) -> "Open":
+    def of(cls, fit: AxisFit) -> "FitUncertainty":
         """Return that of a fit."""
         own = fit.bare()
         ends = limits(fit.description.noise, fit.sequence.bins, own.power)
@@ -50,7 +50,7 @@ class Open:
 
 
 @dataclass(frozen=True, eq=False)
-class Uncertain:
+class UncertainModel:
     """An error model whose adjusted parameters have the uncertainty of their fits.
 
     Attributes
@@ -62,12 +62,12 @@ class Uncertain:
     """
 
     model: ErrorModel
-    left: Mapping[str, Open] = field(default_factory=dict)
+    left: Mapping[str, FitUncertainty] = field(default_factory=dict)
 
     @classmethod
-    def of(cls, model: ErrorModel, fits: Mapping[str, AxisFit]) -> "Uncertain":
+    def of(cls, model: ErrorModel, fits: Mapping[str, AxisFit]) -> "UncertainModel":
         """Return a model whose effects come from the fits of its axes."""
-        return cls(model, {axis: Open.of(found) for axis, found in fits.items()})
+        return cls(model, {axis: FitUncertainty.of(found) for axis, found in fits.items()})
 
     def draw(self, rng: np.random.Generator) -> ErrorModel:
         """Draw a model: terms under their covariance, logarithms of the noise's parameters under its information."""

@@ -18,7 +18,7 @@ from imugap.discovery.fit.contaminated_normal import Tails, tails
 from imugap.discovery.fit.rounded_samples import Cells
 from imugap.discovery.fit.whittle import Noise, NoiseFit, log_likelihood
 from imugap.discovery.fit.whittle import fit as fit_noise
-from imugap.discovery.preparation.cosine_bins import cosines
+from imugap.discovery.preparation.cosine_bins import cosine_coefficients
 from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.effects.effect import Effect, FilterEffect, StochasticEffect, VarianceEffect
 from imugap.stream import stream
@@ -125,7 +125,7 @@ class AxisFit:
 
     def power_behind(self, output_filter: FilterEffect) -> np.ndarray:
         """Return the sums of squared coefficients of what would be left of the input and the terms behind a filter."""
-        if not self.sequence.moved:
+        if not self.sequence.in_motion:
             return self.power
         described = replace(self.description, noise=replace(self.description.noise, output_filter=output_filter))
         return self.sequence.bins.sums(Scatter.of(self.sequence, described).left(described) ** 2)
@@ -235,7 +235,7 @@ class AxisFit:
         values = idct(np.pad(coefficients, ((1, 0), (0, 0))), axis=0, norm="ortho")
         count = len(values)
         spectrum = output_filter.unturned(rfft(values, axis=0).T, rfftfreq(count, interval), interval)
-        return cosines(irfft(spectrum.T, count, axis=0))
+        return cosine_coefficients(irfft(spectrum.T, count, axis=0))
 
     def steps_without(self, index: int) -> scans.Steps:
         """Return what a step gains at each sample in the place of a term, the rest as it is."""
@@ -337,7 +337,7 @@ def _seen_beside(
     changes: tuple[VarianceEffect, ...],
     output_filter: FilterEffect | None,
 ) -> np.ndarray:
-    seen = cosines(_centred(sequence, Description(terms, Noise((), output_filter), changes)))
+    seen = cosine_coefficients(_centred(sequence, Description(terms, Noise((), output_filter), changes)))
     seen.flags.writeable = False
     return seen
 
@@ -378,7 +378,7 @@ class Scatter:
         output = _passed(columns, self.sequence, description)
         if description.changes:
             output = output / scale(self.sequence, description.changes)[:, None]
-        coefficients = cosines(output)
+        coefficients = cosine_coefficients(output)
         coefficients /= self.root[:, None]
         return coefficients
 
@@ -447,7 +447,7 @@ def fit(sequence: AxisSequence, start: Description) -> AxisFit:
     What a filter takes from a known input tells its cutoff, far better than the noise does: there it is adjusted by
     steps of Gauss and Newton of both together, ahead of all else.
     """
-    if start.noise.output_filter is None or not sequence.moved:
+    if start.noise.output_filter is None or not sequence.in_motion:
         return _fitted(sequence, start)
     found = _surer(_fitted(sequence, start, held=True))
     for _ in range(ROUNDS):

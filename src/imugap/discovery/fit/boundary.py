@@ -13,7 +13,7 @@ from functools import lru_cache
 import numpy as np
 
 from imugap.discovery.fit.whittle import Noise
-from imugap.discovery.preparation.cosine_bins import cosines
+from imugap.discovery.preparation.cosine_bins import cosine_coefficients
 from imugap.effects.effect import TINY, FilterEffect
 
 UNSURE = 0.03
@@ -58,7 +58,7 @@ class Outside:
         known = (*[max(step**2, TINY) ** -1 for step in _steps(noise, interval)] * 2, *[0.0, 1.0] * filtered)
         if not known:
             return None
-        columns = cosines(over_time(noise, count, interval)) if filtered else _of_ends(count)
+        columns = cosine_coefficients(over_time(noise, count, interval)) if filtered else _of_ends(count)
         return cls(columns, columns / root[:, None] ** 2, known, filtered)
 
     def sizes(self, seen: np.ndarray) -> np.ndarray:

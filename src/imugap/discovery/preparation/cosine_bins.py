@@ -18,7 +18,7 @@ OVER = 100.0
 """Times the leaked power that a frequency has to have to be used."""
 
 
-def usable(values: np.ndarray) -> float:
+def usable_share(values: np.ndarray) -> float:
     """Return the share of frequencies, from the lowest on, up to which samples have power beyond leakage.
 
     What the cosine transform leaks to high frequencies is of the slopes s at both ends, where it folds the samples: to
@@ -34,7 +34,7 @@ def usable(values: np.ndarray) -> float:
     return float(min(USED, (loud[-1] + 1) * width / len(power))) if len(loud) else USED
 
 
-def cosines(values: np.ndarray) -> np.ndarray:
+def cosine_coefficients(values: np.ndarray) -> np.ndarray:
     """Return the orthonormal cosine coefficients k = 1..n-1 of columns."""
     return dct(values, axis=0, norm="ortho")[1:]
 

@@ -49,7 +49,7 @@ class Autoregression:
         whitening = np.r_[-weights, 1.0]
         return cls(level, whitening, float(np.median(np.abs(past @ whitening)) / 0.6745))
 
-    def drawn(self, values: np.ndarray, flawed: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    def fill(self, values: np.ndarray, flawed: np.ndarray, rng: np.random.Generator) -> np.ndarray:
         """Return samples with the flawed ones drawn given all others; ``values`` and ``flawed`` of shape (n,).
 
         They are Gaussian, their precision that of the white noise which depends on them, and are drawn by its banded

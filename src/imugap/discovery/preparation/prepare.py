@@ -12,7 +12,7 @@ import pandas as pd
 from scipy.interpolate import CubicSpline
 
 from imugap.discovery.finding import Finding, Gap, finding
-from imugap.discovery.preparation.cosine_bins import usable
+from imugap.discovery.preparation.cosine_bins import usable_share
 from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.preparation.thermometer import smoothed
 from imugap.effects import CATALOGUE
@@ -41,7 +41,7 @@ TOGETHER = 0.5
 
 
 @dataclass(frozen=True, eq=False)
-class Record:
+class PreparedLog:
     """A log made ready for discovery.
 
     Attributes
@@ -57,7 +57,7 @@ class Record:
         Where log and start model disagree, in the views ``stamps`` and ``values``, named or not.
     begin
         Stamp of the first sample, which is time zero.
-    silent
+    unusable
         Axes that say nothing, in the view ``values``, which are left out: without two different values, the value;
         of samples between which the others were interpolated, their distance in time.
     """
@@ -67,7 +67,7 @@ class Record:
     findings: tuple[Finding, ...]
     gaps: tuple[Gap, ...]
     begin: float = 0.0
-    silent: tuple[Gap, ...] = ()
+    unusable: tuple[Gap, ...] = ()
 
 
 def prepare(
@@ -76,7 +76,7 @@ def prepare(
     seed: int = 0,
     start: ErrorModel | None = None,
     catalogue: Sequence[type[Effect]] = tuple(CATALOGUE.values()),
-) -> Record:
+) -> PreparedLog:
     """Find and take out what must not come into statistics.
 
     Parameters
@@ -94,8 +94,8 @@ def prepare(
         Kinds of effects; those of the output and the clock are looked for in samples and stamps.
     """
     known = ErrorModel({}) if start is None else start
-    silent = _silent(log)
-    rows = _rows(log.drop(columns=[gap.axis for gap in silent]), reference)
+    unusable = _unusable(log)
+    rows = _rows(log.drop(columns=[gap.axis for gap in unusable]), reference)
     clock = stamps(rows.index.to_numpy(float))
     kinds = sorted((kind for kind in catalogue if kind.role is Role.CLOCK), key=lambda kind: not kind.displaces)
     stamped = [evidence for kind in kinds if (evidence := kind.found(clock)) is not None]
@@ -115,7 +115,7 @@ def prepare(
             news.missing(axis, elsewhere, at[axis].time, kinds)
         news.seen(axis, seen[axis], values)
     clipped = {axis: _flawed(one, len(outputs[axis]), Stage.RANGE) for axis, one in seen.items()}
-    blind = np.zeros(clock.count, bool) if reference is None else unseen(reference, clock.course)
+    blind = np.zeros(clock.count, bool) if reference is None else in_reference_gap(reference, clock.course)
     flawed = {axis: np.isnan(values) | _flawed(seen[axis], len(values)) | blind for axis, values in outputs.items()}
     for kind in (kind for kind in catalogue if kind.stage is Stage.TRANSFER):
         _transferred(kind, news, outputs, at, flawed)
@@ -125,7 +125,7 @@ def prepare(
         for axis, values in outputs.items()
     }
     whole = {axis: _without_gaps(np.where(blind, np.nan, one), sequences[axis]) for axis, one in outputs.items()}
-    return Record(sequences, whole, news.findings(), (*silent, *news.gaps), float(time[0]), silent)
+    return PreparedLog(sequences, whole, news.findings(), (*unusable, *news.gaps), float(time[0]), unusable)
 
 
 class _News:
@@ -193,22 +193,22 @@ def _unit(axis: str) -> str:
     return {TIME: "s"}.get(axis, "rad/s" if axis in GYRO else "m/s^2")
 
 
-def _silent(log: pd.DataFrame) -> tuple[Gap, ...]:
+def _unusable(log: pd.DataFrame) -> tuple[Gap, ...]:
     """Return the axes that say nothing, each as a place, if there are others.
 
     Those without two different values, and those of samples between which the others were interpolated.
     """
     values = {axis: log[axis].replace([np.inf, -np.inf], np.nan).dropna() for axis in axes(log)}
-    silent = {}
+    unusable = {}
     for axis, found in values.items():
         unique = found.unique()
         if len(unique) < 2:
             level = float(unique[0]) if len(unique) else np.nan
-            silent[axis] = Gap("values", axis, level, level, _unit(axis), 0.0)
+            unusable[axis] = Gap("values", axis, level, level, _unit(axis), 0.0)
         elif (every := _samples_to_a_knot(found.to_numpy(float))) > 1:
             period = every * float(np.median(np.diff(found.index)))
-            silent[axis] = Gap("values", axis, period, period, "s", 0.0)
-    return () if len(silent) == len(values) else tuple(silent.values())
+            unusable[axis] = Gap("values", axis, period, period, "s", 0.0)
+    return () if len(unusable) == len(values) else tuple(unusable.values())
 
 
 def _samples_to_a_knot(values: np.ndarray) -> float:
@@ -272,13 +272,13 @@ def _interpolated(reference: pd.DataFrame, clock: Stamps) -> pd.DataFrame:
         values = values[nearest]
     else:
         time = clock.course
-        inside, blind = np.clip(time, own[0], own[-1]), unseen(reference, time)
+        inside, blind = np.clip(time, own[0], own[-1]), in_reference_gap(reference, time)
         bridged = np.column_stack([np.interp(inside, own, column) for column in values.T])
         values = np.where(blind[:, None], bridged, CubicSpline(own, values)(inside))
     return pd.DataFrame(values, columns=names, index=pd.Index(time, name=TIME))
 
 
-def unseen(reference: pd.DataFrame, time: np.ndarray) -> np.ndarray:
+def in_reference_gap(reference: pd.DataFrame, time: np.ndarray) -> np.ndarray:
     """Return which times, shape (n,), are in a hole of the reference, where it says nothing."""
     own = reference.index.to_numpy(float)
     steps, after = np.diff(own), np.clip(np.searchsorted(own, time), 1, len(own) - 1)
@@ -332,10 +332,10 @@ def _sequence(
     whole = AxisSequence(np.where(np.isfinite(values), values, 0.0), conditions, np.zeros(len(values), bool), step=step)
     if flawed.all():
         return whole
-    mended = whole.mended(flawed, stream(seed, "mended", conditions.axis))
+    mended = whole.with_replaced(flawed, stream(seed, "mended", conditions.axis))
     if clipped.any():
-        mended = mended.beyond(whole.values, side, stream(seed, "beyond", conditions.axis))
-    return replace(mended, share=usable(mended.values))
+        mended = mended.with_clipped_drawn(whole.values, side, stream(seed, "beyond", conditions.axis))
+    return replace(mended, share=usable_share(mended.values))
 
 
 def _without_gaps(values: np.ndarray, sequence: AxisSequence) -> np.ndarray:

@@ -44,7 +44,7 @@ def unrounded(effects: Iterable[Effect], outputs: Iterable[Effect], sequence: Ax
     return found
 
 
-def level_ahead(mean: float, effects: Iterable[Effect], interval: float) -> float:
+def level_before_rounding(mean: float, effects: Iterable[Effect], interval: float) -> float:
     """Return the level of a device at rest whose output has the given mean, lattices being among its effects.
 
     Of the effects of its axis the white noise alone takes values across the levels of a lattice.

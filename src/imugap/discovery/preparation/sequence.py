@@ -35,7 +35,7 @@ class AxisSequence:
         Which samples are replacements, shape (n,).
     share
         Share of the frequencies, from the lowest on, that has power beyond leakage.
-    few
+    was_coarse
         Whether the samples sat on few levels, where the values no longer show it.
     step
         Distance of the levels of the output, zero where it is on no lattice.
@@ -45,7 +45,7 @@ class AxisSequence:
     conditions: Conditions
     flawed: np.ndarray
     share: float = USED
-    few: bool | None = None
+    was_coarse: bool | None = None
     step: float = 0.0
 
     @cached_property
@@ -54,23 +54,23 @@ class AxisSequence:
         return Bins(len(self.values), self.conditions.interval, self.share, self.step)
 
     @property
-    def moved(self) -> bool:
+    def in_motion(self) -> bool:
         """Return whether the error-free signal of the axis is known, as for a device in motion."""
         return self.conditions.axis is not None and self.conditions.knows([self.conditions.axis])
 
     @cached_property
     def coarse(self) -> bool:
         """Return whether the values sit on so few levels that their law says nothing of tails."""
-        if self.few is not None:
-            return self.few
+        if self.was_coarse is not None:
+            return self.was_coarse
         _, counts = np.unique(self.values, return_counts=True)
         return bool(counts.max() > COARSE * len(self.values))
 
-    def changed(self, values: np.ndarray) -> "AxisSequence":
+    def with_values(self, values: np.ndarray) -> "AxisSequence":
         """Return the sequence with other values, which may lie between the levels of the samples."""
-        return replace(self, values=values, few=self.coarse)
+        return replace(self, values=values, was_coarse=self.coarse)
 
-    def mended(self, flawed: np.ndarray, rng: np.random.Generator) -> "AxisSequence":
+    def with_replaced(self, flawed: np.ndarray, rng: np.random.Generator) -> "AxisSequence":
         """Return the sequence with further samples replaced by their surroundings.
 
         They are drawn given the others (:mod:`imugap.discovery.preparation.gap_filling`), so that neither level nor
@@ -79,10 +79,10 @@ class AxisSequence:
         if not flawed.any():
             return self
         good = ~(flawed | self.flawed)
-        values = Autoregression.of(self.values, good).drawn(self.values, ~good, rng)
+        values = Autoregression.of(self.values, good).fill(self.values, ~good, rng)
         return replace(self, values=values, flawed=~good)
 
-    def beyond(self, bound: np.ndarray, side: np.ndarray, rng: np.random.Generator) -> "AxisSequence":
+    def with_clipped_drawn(self, bound: np.ndarray, side: np.ndarray, rng: np.random.Generator) -> "AxisSequence":
         """Return the sequence with clipped samples drawn anew from what lies beyond the full scale: flawed no more.
 
         Each is normal about the mean of its neighbourhood, given that it is above (``side`` 1) or below (-1) its

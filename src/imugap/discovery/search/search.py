@@ -272,7 +272,7 @@ class Search:
                     start, beside = behind_filter(start, before)
                     if may_reach(start, bar):
                         trial = self.judged(start, before, beside)
-                        if not before.sequence.moved or noise_shows_filter(trial, self.log_alpha):
+                        if not before.sequence.in_motion or noise_shows_filter(trial, self.log_alpha):
                             yield trial
                 elif _moves(start.effect, before) or may_reach(start, bar):
                     yield self.judged(start, before)
@@ -333,7 +333,7 @@ class Search:
         if outliers is None:
             return None
         found, axis = self.tails[outliers], before.sequence.conditions.axis
-        sequence = before.sequence.mended(found.flagged, stream(0, "mended", axis))
+        sequence = before.sequence.with_replaced(found.flagged, stream(0, "mended", axis))
         after = self.fitted(sequence, replace(before.description, outliers=outliers))
         return Trial(outliers, after, found.gain, 2, TAILS)
 
@@ -534,10 +534,10 @@ def behind_filter(start: Start, before: AxisFit) -> tuple[Start, Description]:
         filtered = replace(start.effect, cutoff=factor * start.effect.cutoff)
         noise, power = replace(description.noise, output_filter=filtered), before.power_behind(filtered)
         both = noise, noise.beneath(sequence.bins, power)
-        fits += [fit_noise(one, sequence.bins, power, held=sequence.moved) for one in both]
+        fits += [fit_noise(one, sequence.bins, power, held=sequence.in_motion) for one in both]
     best = max(fits, key=lambda one: one.log_likelihood)
     beside = replace(description, noise=replace(best.noise, output_filter=None))
-    gain = np.inf if sequence.moved else best.log_likelihood - before.noise.log_likelihood + RESHAPED
+    gain = np.inf if sequence.in_motion else best.log_likelihood - before.noise.log_likelihood + RESHAPED
     return replace(start, effect=best.noise.output_filter, gain=gain), beside
 
 

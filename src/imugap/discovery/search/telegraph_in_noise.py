@@ -55,7 +55,7 @@ class Switching:
 
     def without(self, sequence: AxisSequence) -> AxisSequence:
         """Return the sequence without it."""
-        return sequence.changed(sequence.values - self.path)
+        return sequence.with_values(sequence.values - self.path)
 
 
 def switching(found: AxisFit, slow: tuple[StochasticEffect, ...], log_alpha: float) -> Switching | None:

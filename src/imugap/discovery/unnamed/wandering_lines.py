@@ -65,7 +65,7 @@ def without(sequence: AxisSequence, taken: tuple[Band, ...]) -> AxisSequence:
         rng = stream(0, "unsteady", sequence.conditions.axis, first)
         level = _level(coefficients**2, first, last, np.arange(first, last))
         coefficients[first:last] = np.sqrt(level) * rng.standard_normal(last - first)
-    return sequence.changed(dct(coefficients, type=3, norm="ortho")) if taken else sequence
+    return sequence.with_values(dct(coefficients, type=3, norm="ortho")) if taken else sequence
 
 
 def _groups(found: AxisFit) -> Iterator[list[float]]:

@@ -12,7 +12,7 @@ from threadpoolctl import threadpool_limits
 from imugap.discovery import views
 from imugap.discovery.finding import Gap
 from imugap.discovery.fit.axis_fit import AxisFit, fit
-from imugap.discovery.preparation.rounding import level_ahead, unrounded
+from imugap.discovery.preparation.rounding import level_before_rounding, unrounded
 from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.views.envelope import Envelope
 from imugap.effects.effect import AxisModel, Effect
@@ -91,16 +91,16 @@ class ReplicateGroup:
             level = (
                 mean
                 if conditions.ideal is not None
-                else level_ahead(mean, (*effects, *self.known), conditions.interval)
+                else level_before_rounding(mean, (*effects, *self.known), conditions.interval)
             )
             error = AxisModel(self.known).simulate(level + ideal + error, conditions, seed, *labels) - (mean + ideal)
         step = sequence.step if any(one.lattice for one in self.known) else 0.0
         clean = AxisSequence(error, conditions, np.zeros(len(conditions), bool), sequence.share, step=step)
         rng = stream(seed, *labels, "mended")
-        found = fit(clean.mended(sequence.flawed, rng), description)
+        found = fit(clean.with_replaced(sequence.flawed, rng), description)
         if description.outliers is None:
             return found
-        return fit(found.sequence.mended(found.tails.flagged, rng), description)
+        return fit(found.sequence.with_replaced(found.tails.flagged, rng), description)
 
     def binnings_of(self, axis: str) -> tuple[views.Binning, ...]:
         """Return the binnings that apply to the residual of an axis."""
