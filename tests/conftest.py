@@ -4,7 +4,7 @@ Compiled kernels are cached for all processes and later runs, those of different
 :func:`imugap.workflow.dependencies.digest`). Tests are spread over the cores by contiguous stretches of files, of which
 an idle process takes over a part (``--dist worksteal``): fixtures of a module are made by few processes, and no process
 ends long before the others. There linear algebra has one thread. Property tests draw the same examples every time, and
-take the time that they take: the first call of a kernel compiles.
+take the time that they take, for the first call of a kernel compiles and a machine may be busy.
 """
 
 import json
@@ -22,10 +22,11 @@ if "PYTEST_XDIST_WORKER" in os.environ:
 
 import pytest
 import yaml
-from hypothesis import settings
+from hypothesis import HealthCheck, settings
 from jsonschema import Draft202012Validator
 
-settings.register_profile("derandomised", derandomize=True, deadline=None)
+patient = [HealthCheck.too_slow]
+settings.register_profile("derandomised", derandomize=True, deadline=None, suppress_health_check=patient)
 settings.load_profile("derandomised")
 
 

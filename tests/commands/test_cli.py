@@ -280,7 +280,7 @@ def test_estimates_are_written_in_every_form(here, capsys, judge, validated):
     assert names(here) == {"model.yaml", "run.csv", "out.json", "out.csv", "out.svg", "found.yaml"}
 
 
-@settings(max_examples=15, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=15, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow])
 @given(st.sets(st.sampled_from(log.AXES), min_size=1), st.sampled_from(["run.csv", "run.parquet"]))
 def test_any_subset_of_axes_is_estimated(here, judge, validated, axes, name):
     rng = stream(2, "subset")

@@ -168,6 +168,7 @@ def test_a_walk_without_errors_is_navigated_without_errors(walk, matched):
     assert len(solution.stances()) == 28
 
 
+@pytest.mark.slow
 def test_half_the_interval_changes_nothing(walk, matched):
     """What is believed of the end is the same, for densities and motions have no rate; so is where it is."""
     ends = [ideal_solution(walk, matched, rate_hz=rate)[1] for rate in (200, 400)]

@@ -113,6 +113,7 @@ def rising(time, rng):
     return 8e-3 * np.sin(2 * np.pi * 0.01 * np.expm1(growth * time) / growth)
 
 
+@pytest.mark.slow
 def test_a_line_that_rises_exponentially_is_no_noise():
     data = sequence(added=rising, count=12_000)
     _, found = explored(data, GaussMarkov)

@@ -32,6 +32,7 @@ from imugap.effects.effect import AxisModel
 from imugap.stream import stream
 
 
+@pytest.mark.slow
 def test_a_line_that_drifts_is_a_place_without_a_name():
     data = sequence(count=12_000)
     time = data.conditions.time
