@@ -1,6 +1,6 @@
-"""The rounding of stored numbers: decimals of a text, its significant digits, single floats.
+"""Rounding of stored numbers: decimals of a text, significant digits, single precision.
 
-What is finer than the grain of a number says nothing of the device that sent it.
+Differences finer than the rounding are those of the file, not of the device.
 """
 
 import numpy as np
@@ -9,20 +9,20 @@ from imugap.integrity.report import lattice
 from imugap.units import factor
 
 DIGITS = 13
-"""Decimal digits that a double still holds after a conversion of units."""
+"""Decimal digits of a double after a conversion of units."""
 SAMPLE = 200
-"""Numbers that a format is tried on before it is tried on all."""
+"""Numbers on which a format is tested before all."""
 SEVERAL = 8
-"""Levels that it takes to tell a lattice apart from its clipped ends, or that all keep to so many digits."""
+"""Fewest levels to separate a lattice from its clipped ends, or to identify a number of digits."""
 UNITS = ("1", "deg", "g")
 """Units in which files hold decimal numbers."""
 
 
 def grain(values: np.ndarray) -> np.ndarray:
-    """Return the distance of neighbouring storable numbers at each of ``values``, shape (n,).
+    """Return the spacing of storable numbers at each of ``values``, shape (n,).
 
-    The coarsest of: decimals that all numbers keep to, significant digits that all numbers keep to (in the unit of the
-    log, in degrees and in standard gravity), single precision, double precision after a few operations.
+    The largest of: common number of decimals, common number of significant digits (in the unit of the log, in degrees
+    and in standard gravity), single precision, double precision after a few operations.
     """
     largest = np.abs(values).max(initial=0.0)
     result = np.full(len(values), 16 * np.spacing(largest))
@@ -34,10 +34,10 @@ def grain(values: np.ndarray) -> np.ndarray:
 
 
 def spacing(values: np.ndarray) -> tuple[float, float]:
-    """Return the greatest common step of ``values``, shape (n,), and how exactly it is known; zeros if there is none.
+    """Return the greatest common step of ``values``, shape (n,), and its uncertainty; zeros if there is none.
 
-    The highest and the lowest value may lie off the lattice, clipped. A lattice that is written as a text of decimals
-    fits only to within the last decimal; it is looked for beyond the lattice of the decimals themselves.
+    The highest and the lowest value may be clipped, off the lattice. A lattice written as decimal text fits only to
+    within the last decimal; it is searched before the lattice of the decimals themselves.
     """
     levels = np.unique(values)
     levels = levels[1:-1] if len(levels) > SEVERAL else levels
@@ -53,7 +53,7 @@ def spacing(values: np.ndarray) -> tuple[float, float]:
 
 
 def _holds(levels: np.ndarray, step: float, exact: float) -> bool:
-    """Tell whether more differences of levels than chance allows are multiples of a step, each to ``exact``."""
+    """Return whether enough differences of levels to exclude chance are multiples of a step, each to ``exact``."""
     apart = np.diff(levels)
     multiples = np.rint(apart / step)
     telling = (multiples > 0) & (multiples < step / (20 * exact))
@@ -61,13 +61,13 @@ def _holds(levels: np.ndarray, step: float, exact: float) -> bool:
 
 
 def decimal(step: float) -> bool:
-    """Tell whether a step is a power of ten in a unit in which files hold decimal numbers."""
+    """Return whether a step is a power of ten in a unit in which files hold decimal numbers."""
     exponents = np.log10([step / factor(unit) for unit in UNITS])
     return bool(np.any(np.abs(exponents - np.rint(exponents)) < 1e-6))
 
 
 def _decimal(values: np.ndarray) -> np.ndarray:
-    """Return the grain of non-negative numbers written as decimal text, shape (n,); zero where they are none."""
+    """Return the spacing of non-negative numbers written as decimal text, shape (n,); zero for other numbers."""
     some = values[:: max(len(values) // SAMPLE, 1)]
     if not values.any():
         return np.zeros(len(values))
@@ -84,12 +84,12 @@ def _decimal(values: np.ndarray) -> np.ndarray:
 
 
 def _decades(values: np.ndarray) -> np.ndarray:
-    """Return the number of digits before the point of non-negative numbers, as floats; that of the least for zero."""
+    """Return the number of digits before the point of non-negative numbers, as floats; for 0 that of the smallest."""
     least = values[values > 0].min(initial=np.inf)
     return np.floor(np.log10(np.where(values > 0, values, least if least < np.inf else 1e-300)) + 1e-12) + 1
 
 
 def _fits(values: np.ndarray, exponents: np.ndarray | int) -> bool:
-    """Tell whether all values are multiples of powers of ten."""
+    """Return whether all values are multiples of powers of ten."""
     ratio = values / 10.0**exponents
     return bool(np.all(np.abs(ratio - np.rint(ratio)) <= 8 * np.finfo(float).eps * np.maximum(ratio, 1.0)))

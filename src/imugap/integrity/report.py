@@ -1,9 +1,8 @@
-"""What a log is worth before anyone repairs it: stamps, stuck and clipped samples, value lattice, knocks, gravity.
+"""Integrity of a log as read: stamps, stuck and saturated samples, quantization step, shocks, gravity.
 
-The report is made on the table as read (:func:`imugap.io.readers.read_table`), unchecked. Nothing is called abnormal by
-a threshold on counts: each flag is the probability, under a law that the healthy log itself sets (how often
-neighbours are equal, how heavy an honest edge can be, how far the extreme of so many samples strays), being below
-:data:`IMPROBABLE`.
+The report is made on the unchecked table (:func:`imugap.io.readers.read_table`). Each flag is a test against a
+distribution estimated from the log itself (frequency of equal neighbours, mass of the outermost levels, extremes of the
+samples), with :data:`IMPROBABLE` as its significance level.
 """
 
 from dataclasses import asdict, dataclass
@@ -26,7 +25,7 @@ SINUSOID_EDGE = 2**-0.5  # share of the last of the last two levels
 
 @dataclass(frozen=True)
 class Timing:
-    """The stamps: rate [Hz] and interval [s] from the regular steps, and where they are not regular."""
+    """Time stamps: rate [Hz] and interval [s] from the regular steps, and counts of irregular ones."""
 
     samples: int
     duration_s: float
@@ -43,7 +42,7 @@ class Timing:
 
 @dataclass(frozen=True)
 class Gravity:
-    """The mean specific force of a log: its norm and deviation from standard gravity [m/s^2], and its likely unit."""
+    """Mean specific force of a log: norm and deviation from standard gravity [m/s^2], and its likely unit."""
 
     norm: float
     deviation: float
@@ -52,7 +51,7 @@ class Gravity:
 
 @dataclass(frozen=True)
 class Axis:
-    """One axis: the samples lost, repeated or clipped, and the step of its values (SI units throughout)."""
+    """Integrity of one axis: lost, repeated and clipped samples, and the quantization step (SI)."""
 
     axis: str
     nan: int
@@ -71,7 +70,7 @@ class Axis:
 
 @dataclass(frozen=True)
 class Shock:
-    """A knock: consecutive outliers of any axis; ``size`` is the largest, in standard deviations, on ``axis``."""
+    """Shock: consecutive outliers of any axis; ``size`` is the largest, in standard deviations, on ``axis``."""
 
     start_s: float
     end_s: float
@@ -81,7 +80,7 @@ class Shock:
 
 @dataclass(frozen=True)
 class Report:
-    """The integrity of one log."""
+    """Integrity of one log."""
 
     timing: Timing
     gravity: Gravity | None
@@ -93,13 +92,13 @@ class Report:
         return pd.DataFrame([asdict(axis) for axis in self.axes]).set_index("axis")
 
     def facts(self) -> dict:
-        """Return what concerns the log as a whole, ready for JSON: timing, gravity, events."""
+        """Return the properties of the log as a whole for JSON: timing, gravity, events."""
         gravity = None if self.gravity is None else asdict(self.gravity)
         return {"timing": asdict(self.timing), "gravity": gravity, "events": [asdict(event) for event in self.events]}
 
 
 def report(table: pd.DataFrame) -> Report:
-    """Report on a log before repair; NaN and repeated or reversed stamps are welcome, but not fewer than 2 samples."""
+    """Return the integrity of a log of 2 samples or more; NaN and repeated or reversed stamps are allowed."""
     names = axes(table)
     if not names or len(table) < 2:
         raise ValueError(f"table: expected an inertial axis and 2 samples or more; found {len(names)}, {len(table)}")
@@ -119,7 +118,7 @@ def report(table: pd.DataFrame) -> Report:
 
 
 def timing(time: np.ndarray) -> Timing:
-    """Describe stamps ``time`` [s], shape (n,).
+    """Return statistics of the stamps ``time`` [s], shape (n,).
 
     A gap is a step of more than 1.5 median steps; ``interval_s`` and the scatter ``step_sd_s`` are the mean and the
     standard deviation of the steps within half of the median step; ``missing`` counts stamps that are not numbers.
@@ -158,22 +157,21 @@ def gravity(table: pd.DataFrame) -> Gravity | None:
 
 
 def gravity_unit(norm: float) -> str | None:
-    """Return the unit in which ``norm`` would be gravity within a quarter; None if there is none.
+    """Return the unit in which ``norm`` is gravity within 25 %, or None.
 
-    Local gravity, scale-factor errors of a few per cent and walking all stay well within; 1 g, 1000 mg do not.
+    Local gravity, scale-factor errors of a few per cent and walking stay well within this range.
     """
     ratios = {unit: to_si(norm, unit) / STANDARD_GRAVITY for unit in ("m/s^2", "g", "mg", "ug")}
     return next((unit for unit, ratio in ratios.items() if 1 / GRAVITY_RATIO <= ratio <= GRAVITY_RATIO), None)
 
 
 def lattice(levels: np.ndarray, samples: int, grain: float = 0.0) -> float | None:
-    """Return the greatest common step of the distinct values ``levels``, sorted, shape (m,), of so many ``samples``.
+    """Return the greatest common step of the distinct values ``levels``, sorted, shape (m,), of ``samples`` samples.
 
-    The levels are exact to ``grain``, the last decimal of a text, or to the round-off where that is more.
+    The levels are exact to ``grain``, the last decimal of a text, or to the round-off where that is larger.
 
-    Euclid's algorithm on all the differences at once. Differences below the round-off of the numbers (single, then
-    double precision) are none. None, that is continuous, if most samples differ from all others, or if the step
-    does not stand a hundredfold above the round-off.
+    Euclid's algorithm on all differences at once. Differences below the round-off (single, then double precision) are
+    neglected. None (continuous values) if most samples are distinct, or if the step is below 100 times the round-off.
     """
     if 2 * len(levels) > samples:
         return None
@@ -193,15 +191,15 @@ def lattice(levels: np.ndarray, samples: int, grain: float = 0.0) -> float | Non
 
 
 def repeats(values: np.ndarray) -> tuple[int, int, float, float]:
-    """Find the longest run of exact repeats in ``values``, shape (n,), and judge it.
+    """Return the longest run of exact repeats in ``values``, shape (n,), and its expectation by chance.
 
     A sample repeats its predecessor with probability p: that of its level, or of the whole log where the level is
-    rare, estimated without the run itself. Runs of k repeats then number ``n p^k`` or fewer.
+    rare, estimated without the run itself. The expected number of runs of k repeats is at most ``n p^k``.
 
     Returns
     -------
     tuple
-        Repeats in the longest run, index of its first sample, longest run to expect, expected number of such runs.
+        Repeats in the longest run, index of its first sample, expected longest run, expected number of such runs.
     """
     equal = values[1:] == values[:-1]
     edges = np.flatnonzero(np.concatenate([[True], ~equal, [True]]))
@@ -216,10 +214,10 @@ def repeats(values: np.ndarray) -> tuple[int, int, float, float]:
 
 
 def clipped(counts: np.ndarray) -> bool:
-    """Tell whether the lowest or the highest level holds more samples than any honest edge of a distribution.
+    """Return whether the lowest or the highest level holds too many samples for an unclipped signal.
 
-    ``counts``, shape (m,), are those of the sorted levels. The heaviest honest edge is that of a sinusoid, whose last
-    level has 1 + sqrt(2) times the mass of the last but one. Of fewer than 5 levels nothing can be said.
+    ``counts``, shape (m,), are those of the sorted levels. The largest mass at an unclipped edge is that of a sinusoid,
+    whose last level has 1 + sqrt(2) times the mass of the last but one. False for fewer than 5 levels.
     """
     if len(counts) < 5:
         return False
@@ -228,10 +226,10 @@ def clipped(counts: np.ndarray) -> bool:
 
 
 def outlier_scores(values: np.ndarray, interval_s: float | None, step: float | None = None) -> np.ndarray:
-    """Return by how many robust standard deviations each of ``values``, shape (n,), leaves its surroundings.
+    """Return the deviation of each of ``values``, shape (n,), from its surroundings in robust standard deviations.
 
     High-passed by the centred mean over :data:`HIGH_PASS_S`; NaN repeats the sample before it. The scale is the
-    median absolute deviation, and not less than what rounding to the lattice ``step`` leaves.
+    median absolute deviation, and at least the standard deviation of rounding to the lattice ``step``.
     """
     filled = _filled(values)
     width = int(np.clip(HIGH_PASS_S / interval_s, 3, max(3, len(values)))) if interval_s else 3
@@ -242,11 +240,11 @@ def outlier_scores(values: np.ndarray, interval_s: float | None, step: float | N
 
 
 def outlier_limit(scores: np.ndarray) -> float:
-    """Return the score that not even one of so many samples exceeds by chance; ``scores`` >= 0, shape (n,).
+    """Return the score that no sample exceeds by chance; ``scores`` >= 0, shape (n,).
 
-    Not the Gaussian limit alone: real accelerometers have heavier tails. The tail is taken as exponential beyond the
-    last hundredth of the scores, with the median excess there (Pickands 1975, peaks over threshold), which a knock
-    does not move; ``n/100 exp(-(limit - threshold)/scale) = IMPROBABLE``.
+    Real accelerometers have heavier tails than a Gaussian. The tail is taken as exponential beyond the 99th percentile
+    of the scores, with the median excess there (Pickands 1975, peaks over threshold), which is insensitive to shocks;
+    ``n/100 exp(-(limit - threshold)/scale) = IMPROBABLE``.
     """
     count = min(max(len(scores) // 100, 30), len(scores) - 1)
     tail = np.partition(scores, -count - 1)[-count - 1 :]
@@ -256,7 +254,7 @@ def outlier_limit(scores: np.ndarray) -> float:
 
 
 def events(outliers: dict[str, np.ndarray], time: np.ndarray) -> tuple[Shock, ...]:
-    """Merge outliers on any axis, no more than :data:`HIGH_PASS_S` apart, into events.
+    """Merge outliers on any axis, no more than :data:`HIGH_PASS_S` apart, into shocks.
 
     Parameters
     ----------
@@ -280,7 +278,7 @@ def events(outliers: dict[str, np.ndarray], time: np.ndarray) -> tuple[Shock, ..
 
 
 def _filled(values: np.ndarray) -> np.ndarray:
-    """Let every NaN repeat the number before it (after it at the start)."""
+    """Replace every NaN by the number before it (after it at the start)."""
     return pd.Series(values).ffill().bfill().fillna(0.0).to_numpy()
 
 

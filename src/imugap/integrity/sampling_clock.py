@@ -1,21 +1,20 @@
-"""The clock of a run relative to that of another run of the same device, from two independent kinds of evidence.
+"""Sampling clock of a run relative to that of another run of the same device, from two independent estimates.
 
 A log without time stamps has only samples. If a run was sampled at ``r`` times the interval of the reference, every
 analogue frequency appears at ``r`` times as many cycles per sample, and two things move together:
 
 lines
-    Narrow spectral lines of the surroundings (machines, building). Precise, but a line may move by itself, and then
-    the harmonics of one machine move in proportion, exactly as they do under a clock.
+    Narrow spectral lines of the surroundings (machines, building). Precise, but the speed of a machine may change, and
+    its harmonics then move in proportion, as they do with the clock.
 roll-off
-    The smooth spectrum of the gyro noise, shaped inside the device before it is sampled. It does not know of the
-    surroundings. A filter that is clocked with the sampling does not move, and says ``r = 1`` whatever the clock.
+    The smooth spectrum of the gyro noise, filtered inside the device before it is sampled, independent of the
+    surroundings. A filter that is clocked with the sampling gives ``r = 1`` for any clock.
 
-The roll-off that a run shows is folded: the power beyond half its sampling rate is in it, and a stretch of the curve as
-it stands would be wrong. So a filter is fitted to both runs, with all its aliases. The shape of that filter is the
-main uncertainty, since the samples tell little of it.
+The measured roll-off includes aliases from beyond half the sampling rate; so a filter is fitted to both runs with all
+its aliases. The shape of that filter is the main uncertainty.
 
-Only their agreement supports the reading that the clock differs. ``power`` tells that reading from a device whose
-filter was set differently: sampling keeps the variance of the noise (``power`` = 1), whereas a filter of ``r`` times
+A different clock is concluded only if both agree. ``power`` distinguishes it from a device whose filter was set
+differently: sampling keeps the variance of the noise (``power`` = 1), whereas a filter of ``r`` times
 the bandwidth, behind the same sensor, passes ``r`` times the variance.
 """
 
@@ -32,7 +31,7 @@ from imugap.log import GYRO, LogError, axes
 
 BLOCKS = 16
 SHORTEST = 1000  # samples in a block
-LEVEL = 0.01  # of the tests that evidence exists and that two kinds of it agree
+LEVEL = 0.01  # of the tests that an estimate exists and that both agree
 COVERAGE = 0.95  # of the intervals
 
 LOWEST = 200  # periods in a block of the slowest line
@@ -82,14 +81,14 @@ class Spectra:
 
 @dataclass(frozen=True)
 class IntervalRatio:
-    """Log of the ratio of intervals with its standard deviation; ``track`` (blocks,) is its course within the run."""
+    """Log of the ratio of sampling intervals, its standard deviation, and its variation over the blocks of the run."""
 
     log_ratio: float = nan
     sd: float = nan
     track: np.ndarray = field(default_factory=lambda: np.full(BLOCKS, nan))
 
     def __bool__(self) -> bool:
-        """Tell whether there is any evidence."""
+        """Return whether there is an estimate."""
         return not isnan(self.log_ratio)
 
     @property
@@ -100,7 +99,7 @@ class IntervalRatio:
 
     @property
     def contains_one(self) -> bool:
-        """Tell whether the interval of the ratio contains 1."""
+        """Return whether the interval of the ratio contains 1."""
         _, low, high = self.interval
         return low <= 1 <= high
 
@@ -127,13 +126,13 @@ class Clock:
 
     @property
     def combined(self) -> IntervalRatio:
-        """Mean of what there is, weighted by inverse variance; none if the two kinds disagree."""
-        found = [] if self.agreement < LEVEL else [evidence for evidence in (self.lines, self.rolloff) if evidence]
+        """Return the mean of the estimates, weighted by inverse variance; none if they disagree."""
+        found = [] if self.agreement < LEVEL else [one for one in (self.lines, self.rolloff) if one]
         return _mean(found)
 
     @property
     def verdict(self) -> str:
-        """``no evidence``, ``conflict``, ``same clock``, ``different clock``, or ``unconfirmed``: not by each kind."""
+        """Return ``no evidence``, ``conflict``, ``same clock``, ``different clock`` or ``unconfirmed`` (by one)."""
         if not self.lines and not self.rolloff:
             return "no evidence"
         if self.agreement < LEVEL:
@@ -147,8 +146,8 @@ class Clock:
         """Return everything as one row of a table."""
         kinds = {"lines": self.lines, "rolloff": self.rolloff, "combined": self.combined}
         row = {}
-        for kind, evidence in kinds.items():
-            row |= zip((kind, f"{kind}_low", f"{kind}_high"), evidence.interval, strict=True)
+        for kind, ratio in kinds.items():
+            row |= zip((kind, f"{kind}_low", f"{kind}_high"), ratio.interval, strict=True)
         for kind in ("lines", "rolloff"):
             row |= zip((f"{kind}_drift", f"{kind}_drift_p"), kinds[kind].drift, strict=True)
         return pd.Series(row | {"power": self.power, "agreement_p": self.agreement, "verdict": self.verdict})
@@ -176,7 +175,7 @@ def relative_interval(reference: Spectra, run: Spectra) -> Clock:
 
 
 def _mean(found: list[IntervalRatio]) -> IntervalRatio:
-    """Return the mean by inverse variance, its deviation enlarged if they scatter more than they should (Birge)."""
+    """Return the mean by inverse variance, its deviation enlarged by the Birge ratio."""
     if not found:
         return IntervalRatio()
     values, weights = np.array([e.log_ratio for e in found]), np.array([e.sd**-2 for e in found])
@@ -188,7 +187,7 @@ def _mean(found: list[IntervalRatio]) -> IntervalRatio:
 def _detect(power: np.ndarray) -> list[tuple[float, float]]:
     """Return height [standard deviations] and log frequency [log periods per block] of the lines of one axis.
 
-    The mean over blocks of the log power (so that a knock in one block does not count) on a grid of log frequency,
+    The mean over blocks of the log power (so that a shock in one block has little weight) on a grid of log frequency,
     less its running median. The log of the mean of ``m`` ordinates has variance trigamma(m); the Hann window makes
     ``m`` neighbours count for 2/3 of it.
     """
@@ -261,10 +260,10 @@ def _rolloff(pairs: list[np.ndarray]) -> tuple[IntervalRatio, float]:
     ratios, sds = np.array([family.log_ratio for family in families]), np.array([family.sd for family in families])
     mean = np.average(ratios, weights=weights)
     deviation = sqrt(np.average(sds**2 + (ratios - mean) ** 2, weights=weights))
-    course = np.average([family.track for family in families], axis=0, weights=weights)
+    track = np.average([family.track for family in families], axis=0, weights=weights)
     share = np.diff([0.0, *EDGES[1:]])  # flat below the lowest bin
     power = exp(np.mean([np.diff(np.log(np.exp(pairs[axis].mean(axis=1)) @ share)) for axis in used]))
-    return (IntervalRatio(float(mean), deviation, course), power) if deviation < REACH / 10 else (IntervalRatio(), nan)
+    return (IntervalRatio(float(mean), deviation, track), power) if deviation < REACH / 10 else (IntervalRatio(), nan)
 
 
 def _errors(pair: np.ndarray) -> np.ndarray:
@@ -273,7 +272,7 @@ def _errors(pair: np.ndarray) -> np.ndarray:
 
 
 def _flat(pair: np.ndarray) -> bool:
-    """Tell whether one of two spectra, (2, blocks, bins), has no shape at all."""
+    """Return whether one of two spectra, (2, blocks, bins), has no shape at all."""
     means = pair.mean(axis=1)
     chi2 = (((means - means.mean(axis=1, keepdims=True)) / _errors(pair)) ** 2).sum(axis=1)
     return bool(stats.chi2.sf(chi2.min(), means.shape[1] - 1) > LEVEL)

@@ -1,7 +1,7 @@
-"""The stamps of a log as they are: which sample of an even clock each row is, whatever its stamp says.
+"""Time stamps of a log: assign each row to a sample of an evenly running clock.
 
 A stamp may be rounded, scattered, repeated, reversed or missing, and rows may be lost. The phase of the clock is
-followed through blocks of rows, so that neither a slightly wrong interval nor a wandering clock loses count.
+tracked over blocks of rows, so that the count is right also for a slightly wrong interval or a wandering clock.
 """
 
 from bisect import bisect_left
@@ -19,32 +19,32 @@ from imugap.log import TIME, LogError, check, interval
 BLOCK = 128
 """Rows over which the phase of the clock is averaged."""
 BLOCKS = 40
-"""Blocks that tell the interval."""
+"""Number of blocks from which the interval is estimated."""
 DETUNED = 5e-4 * np.arange(-40, 41)
-"""Relative errors of the interval that are tried."""
+"""Trial values of the relative error of the interval."""
 BLURRED = 0.8
-"""Rounding of the stamps, in intervals of which it is no divisor, above which they show no clock."""
+"""Rounding of the stamps [intervals], if it does not divide the interval, above which the clock is not observable."""
 DOUBTFUL = 0.2
-"""Distance from a sample, in intervals, from which on the first or last stamp may belong to its neighbour."""
+"""Distance from a sample [intervals] above which the first or last stamp may belong to its neighbour."""
 COARSE = 1 / 3
-"""Rounding of the stamps, in intervals, above which steps of one interval are not told from others one by one."""
+"""Rounding of the stamps [intervals] above which single steps of one interval are not identifiable."""
 WINDOW = 64
-"""Rows in which the stamps are compared with an even clock."""
+"""Rows over which the stamps are compared with an even clock."""
 STRAIGHT = 3.0
-"""Mean square of the means over windows, in variances of such a mean, above which a clock wanders."""
+"""Mean square of the means over windows, in variances of such a mean, above which the clock wanders."""
 SPARSE = 50
-"""Samples per row above which the stamps are not those of one log."""
+"""Samples per row above which the stamps are not of one log."""
 ANEW = 0.1
-"""Steps back over stamps out of order below which a clock has begun anew, rather than that rows are swapped."""
+"""Ratio of backward steps to stamps out of order below which the clock was reset, rather than rows swapped."""
 ROUNDED = 2.0
 """Variance of the stamps, in variances of their rounding, below which there is no other cause."""
 LEAST = 4 * WINDOW
-"""Rows below which nothing is said of the scatter of stamps."""
+"""Fewest rows for the scatter of stamps."""
 
 
 @dataclass(frozen=True, eq=False)
 class Stamps:
-    """Rows of a log on an even clock.
+    """Rows of a log, assigned to the samples of an even clock.
 
     Attributes
     ----------
@@ -53,13 +53,13 @@ class Stamps:
     interval
         Interval of the clock [s].
     slots
-        Number of the sample that each row is, shape (n,), increasing; -1 for a row that repeats another.
+        Index of the sample of each row, shape (n,), increasing; -1 for a row that repeats another.
     advancing
-        Which stamps are numbers and in order, shape (n,).
+        Mask of the stamps that are finite and in order, shape (n,).
     rounding
-        Distance of neighbouring storable stamps, shape (n,) [s]; zero where there is no stamp.
+        Rounding of each stamp, shape (n,) [s]; zero where there is no stamp.
     even
-        Whether the clock can be seen in the stamps at all; if not, rows are samples one by one.
+        Whether the clock is observable in the stamps; if not, each row is a sample.
     """
 
     time: np.ndarray
@@ -101,10 +101,10 @@ class Stamps:
 
     @cached_property
     def course(self) -> np.ndarray:
-        """Return when each sample was taken by a clock that runs evenly between its stamps, shape (count,) [s].
+        """Return the smoothed time of each sample, shape (count,) [s].
 
-        On the straight line if the means over windows lie on it, to what the scatter within windows leaves of them; by
-        the means of a window about each sample if the clock wanders.
+        The straight line through the stamps if the means over windows agree with it within their scatter; else a moving
+        average of the stamps over a window.
         """
         if not self.scatter.size:
             return self.grid
@@ -116,7 +116,7 @@ class Stamps:
 
     @cached_property
     def scatter(self) -> np.ndarray:
-        """Return how far stamps lie off the line through those of their window, shape (windows, WINDOW) [s]."""
+        """Return the residuals of the stamps from the line through each window, shape (windows, WINDOW) [s]."""
         rows = np.flatnonzero(self.kept & self.advancing)
         windows = len(rows) // WINDOW
         rows = rows[: windows * WINDOW].reshape(windows, WINDOW)
@@ -138,12 +138,12 @@ class Stamps:
 
     @property
     def rounding_variance(self) -> float:
-        """Return the variance that rounding alone gives the stamps [s^2], at most."""
+        """Return the upper limit of the variance of the stamps by rounding alone [s^2]."""
         return float(np.mean(self.rounding[self.advancing] ** 2) / 12)
 
 
 def stamps(time: np.ndarray) -> Stamps:
-    """Find the even clock behind stamps ``time`` [s], shape (n,); a LogError where time does not advance."""
+    """Assign stamps ``time`` [s], shape (n,), to an even clock; LogError where time does not advance."""
     time = np.where(np.isfinite(time), time, np.nan)
     advancing = _advancing(time)
     good = time[advancing]
@@ -168,7 +168,7 @@ def stamps(time: np.ndarray) -> Stamps:
 
 
 def _require_one_run(time: np.ndarray, astray: int) -> None:
-    """Raise a LogError if a few steps back leave so many stamps out of order: the clock begins anew."""
+    """Raise a LogError if few backward steps cause many stamps out of order: the clock was reset."""
     backward = np.flatnonzero(np.diff(time) < 0)
     if 0 < len(backward) < ANEW * astray:
         row = int(backward[0]) + 1
@@ -187,9 +187,9 @@ def _require_dense(time: np.ndarray, interval: float) -> None:
 
 
 def filled(log: pd.DataFrame) -> pd.DataFrame:
-    """Return a log with its lost samples put in, on straight lines between those on either side.
+    """Return a log with lost samples filled by linear interpolation.
 
-    A sample is the mean over the interval that it ends: without this, the one behind a gap would stand for all of it.
+    A sample is the mean over the interval that it ends; without filling, the one after a gap would represent all of it.
     """
     found = stamps(log.index.to_numpy())
     if not found.even or found.count == len(log):
@@ -200,7 +200,7 @@ def filled(log: pd.DataFrame) -> pd.DataFrame:
 
 
 def _nominal(time: np.ndarray, rounding: float) -> float:
-    """Return the interval [s] of increasing stamps, shape (n,): the mean over many where rounding hides one of them."""
+    """Return the interval [s] of increasing stamps, shape (n,); the mean over many where the rounding is coarse."""
     mean = interval(pd.DataFrame(index=time))
     if rounding < COARSE * mean or len(time) < 2 * WINDOW:
         return mean
@@ -210,7 +210,7 @@ def _nominal(time: np.ndarray, rounding: float) -> float:
 
 
 def _tuned(time: np.ndarray, interval: float) -> float:
-    """Return the interval [s] near the given one at which the phases of the stamps of a block agree best."""
+    """Return the interval [s] near the given one that maximises the phase coherence of the stamps within blocks."""
     blocks = len(time) // BLOCK
     if not blocks:
         return interval
@@ -222,7 +222,7 @@ def _tuned(time: np.ndarray, interval: float) -> float:
 
 
 def _advancing(time: np.ndarray) -> np.ndarray:
-    """Return which stamps belong to the longest increasing run of stamps, shape (n,)."""
+    """Return the mask of the longest increasing subsequence of the stamps, shape (n,)."""
     advancing = np.isfinite(time)
     rows = np.flatnonzero(advancing)
     if np.all(np.diff(time[rows]) > 0):
@@ -243,7 +243,7 @@ def _advancing(time: np.ndarray) -> np.ndarray:
 
 
 def _slots(time: np.ndarray, interval: float) -> np.ndarray:
-    """Return the number of the sample at each increasing stamp, shape (n,), from 0."""
+    """Return the index of the sample at each increasing stamp, shape (n,), from 0."""
     cycles = (time - time[0]) / interval
     edges = np.arange(0, max(len(time) - BLOCK // 2, 1), BLOCK)
     turns = np.add.reduceat(np.exp(2j * np.pi * cycles), edges)
@@ -259,7 +259,7 @@ def _slots(time: np.ndarray, interval: float) -> np.ndarray:
 
 
 def _filled(slots: np.ndarray, advancing: np.ndarray) -> np.ndarray:
-    """Return the slots with rows without a stamp of their own put after the row before them, if there is room."""
+    """Return the slots with rows without a usable stamp assigned after the previous row, if there is a free slot."""
     if advancing.all():
         return slots
     rows = np.flatnonzero(advancing)

@@ -1,8 +1,8 @@
-"""The Earth as the navigator sees it: WGS-84 ellipsoid, normal gravity, rates of the navigation frame.
+"""Earth model for navigation: WGS-84 ellipsoid, normal gravity, rates of the navigation frame.
 
-Every function is compiled and takes floats or arrays that broadcast: the kernels of :mod:`imugap.kinematics.strapdown`
-and the analysis of a whole table share one formula. Latitude [rad] is geodetic, height [m] is ellipsoidal, vectors are
-(north, east, down).
+Every function is compiled and takes floats or arrays that broadcast, for the kernels of
+:mod:`imugap.kinematics.strapdown` and for tables alike. Latitude [rad] is geodetic, height [m] is ellipsoidal, vectors
+are (north, east, down).
 
 Sources: NIMA TR8350.2, Department of Defense World Geodetic System 1984, 3rd ed., amended (tables 3.1-3.4, section 4);
 P. D. Groves, Principles of GNSS, Inertial, and Multisensor Integrated Navigation Systems, 2nd ed., 2013.

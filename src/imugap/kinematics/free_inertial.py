@@ -1,9 +1,9 @@
-"""Free-inertial drift of static logs, and how far simulated drifts are from measured ones (He et al. 2023, eqs. 19-21).
+"""Free-inertial drift of static logs, and the errors of simulated drifts (He et al. 2023, eqs. 19-21).
 
 A *drift* is navigated minus true for a device at rest: an array of shape (starts, epochs, 9), columns
 :data:`imugap.kinematics.strapdown.COLUMNS` with the heading unwrapped. The starts are :data:`STARTS`: ``raw`` navigates
-the log as it is, as the source does; ``calibrated`` first takes off the mean over the calibration time ahead of the
-start, save for the input with which the mechanisation stays at rest.
+the log as it is, as in the source; ``calibrated`` first subtracts the mean error over the calibration time before the
+start, relative to the input with which the mechanisation stays at rest.
 """
 
 from dataclasses import dataclass, replace
@@ -22,16 +22,16 @@ QUANTITIES = {"east": strapdown.COLUMNS.index("east"), "north": 0, "heading": st
 
 @dataclass(frozen=True)
 class StaticNavigation:
-    """How static logs are navigated.
+    """Settings of the free-inertial navigation of static logs.
 
     Attributes
     ----------
     site
-        Where the device rests; its gravity and, if the heading is known, the Earth rate are the true input.
+        Site of the device; its gravity and, if the heading is known, the Earth rate are the true input.
     full
-        Whether Earth rate, transport rate and ellipsoid are in the mechanisation, or the local form is used.
+        Whether the mechanisation has Earth rate, transport rate and ellipsoid, or is the local form.
     calibration_s, length_s, epoch_s
-        Rest ahead of the start, length of the navigation, step of the stored drift [s].
+        Rest before the start, length of the navigation, step of the stored drift [s].
     """
 
     site: Site
@@ -63,15 +63,15 @@ class StaticNavigation:
     def rest(self) -> pd.Series:
         """Return the input with which the mechanisation stays at rest, per axis, SI.
 
-        The local form stays without any rate, the full one at the Earth rate (for a heading of north, where it is not
-        known). It is what a calibration of a device at rest aims at, whatever the device really senses.
+        The local form stays at rest with zero rate, the full one with the Earth rate (heading north where unknown). It
+        is the target of the calibration.
         """
         place = self.site if self.site.heading is not None else replace(self.site, heading=0.0)
         ideal = place.ideal()
         return ideal if self.full else ideal.where(~ideal.index.isin(log.GYRO), 0.0)
 
     def _check_steps(self, time: np.ndarray, interval: float) -> None:
-        """Refuse gaps, and an epoch that is not a whole number of intervals (within one in a thousand)."""
+        """Check for gaps, and that an epoch is a whole number of intervals (within 0.1 %); raise otherwise."""
         largest = np.diff(time).max()
         if largest > 1.5 * interval:
             raise log.LogError("log", "time", f"steps of {interval:g} s to navigate", f"one of {largest:g} s")

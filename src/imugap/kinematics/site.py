@@ -1,4 +1,4 @@
-"""Where and how a static device stands, and what an error-free device would read there."""
+"""Site and heading of a static device, and its error-free reading."""
 
 from dataclasses import dataclass
 from math import cos, degrees, radians, sin
@@ -12,15 +12,15 @@ from imugap.log import AXES, from_samples
 
 @dataclass(frozen=True)
 class Site:
-    """A place on the WGS-84 ellipsoid and the heading of a level device there.
+    """Position on the WGS-84 ellipsoid and heading of a level device there.
 
     Attributes
     ----------
     latitude, height
         Geodetic latitude [rad], ellipsoidal height [m].
     heading
-        Heading of the x axis [rad], or None where it is not known. Without it the Earth rate cannot be told from the
-        bias of the gyroscopes, and stays in it.
+        Heading of the x axis [rad], or None where it is not known. Without it the Earth rate cannot be
+        separated from the bias of the gyroscopes, and is included in it.
     """
 
     latitude: float
@@ -47,7 +47,7 @@ class Site:
         return pd.Series([*rate, 0.0, 0.0, -self.gravity], index=list(AXES))
 
     def rest(self, count: int, interval: float) -> pd.DataFrame:
-        """Return the error-free log of so many samples of a level device at rest, an interval [s] apart."""
+        """Return the error-free log of ``count`` samples of a level device at rest, ``interval`` [s] apart."""
         return from_samples({axis: np.full(count, value) for axis, value in self.ideal().items()}, interval)
 
     def __str__(self) -> str:

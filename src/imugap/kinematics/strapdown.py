@@ -49,14 +49,14 @@ GEODETIC = ("latitude", "longitude", "height")
 
 @dataclass(frozen=True)
 class NavigationState:
-    """Where a navigator is: position [m], velocity [m/s] in ``n``, attitude (roll, pitch, heading) [rad]."""
+    """Navigation state: position [m], velocity [m/s] in ``n``, attitude (roll, pitch, heading) [rad]."""
 
     position: tuple[float, float, float] = (0.0, 0.0, 0.0)
     velocity: tuple[float, float, float] = (0.0, 0.0, 0.0)
     attitude: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:
-        """Keep each part as 3 finite floats."""
+        """Convert each part to 3 finite floats; ValueError otherwise."""
         for name in ("position", "velocity", "attitude"):
             part = np.asarray(getattr(self, name), dtype=float)
             if part.shape != (3,) or not np.isfinite(part).all():
@@ -66,23 +66,23 @@ class NavigationState:
 
 @dataclass(frozen=True)
 class Local:
-    """A flat Earth at rest: constant gravity [m/s^2] along down."""
+    """Flat, non-rotating Earth: constant gravity [m/s^2] along down."""
 
     gravity: float
 
     def __post_init__(self) -> None:
-        """Refuse what is no gravity."""
+        """Check that gravity is finite and not negative."""
         if not 0 <= self.gravity < np.inf:
             raise ValueError(f"gravity: expected a finite number >= 0 [m/s^2]; found {self.gravity}")
 
 
 @dataclass(frozen=True)
 class Ellipsoid:
-    """The rotating WGS-84 ellipsoid; position is counted from ``latitude``, ``longitude`` [rad] and ``height`` [m].
+    """Rotating WGS-84 ellipsoid; position is relative to ``latitude``, ``longitude`` [rad] and ``height`` [m].
 
     North and east are differences of latitude and longitude times the metres per radian at this origin, down is the
-    origin's height minus the height: curvilinear coordinates that follow the Earth, so that ``down`` stays a difference
-    of heights however far the solution drifts.
+    origin's height minus the height: curvilinear coordinates, so that ``down`` is a difference of heights at any
+    distance.
     """
 
     latitude: float
@@ -90,13 +90,13 @@ class Ellipsoid:
     height: float
 
     def __post_init__(self) -> None:
-        """Refuse what is no place, and the poles, where north is undefined."""
+        """Check that the origin is finite and not at a pole, where north is undefined."""
         if not np.isfinite(astuple(self)).all() or abs(self.latitude) >= np.pi / 2:
             raise ValueError(f"origin: expected finite numbers, latitude within +-pi/2 rad; found {self}")
 
     @property
     def origin(self) -> tuple[float, float, float, float]:
-        """Latitude [rad], height [m], metres per radian of latitude and of longitude: what the kernel needs."""
+        """Latitude [rad], height [m], metres per radian of latitude and of longitude."""
         return (self.latitude, self.height, *earth.metres_per_radian(self.latitude, self.height))
 
     def geodetic(self, position: np.ndarray) -> np.ndarray:
@@ -135,7 +135,7 @@ def local_step(position, velocity, quat_nb, rotvec, delta_v, dt, gravity):
     """Return position [m], velocity [m/s] and attitude after one epoch of the :class:`Local` mechanisation.
 
     ``rotvec`` [rad] and ``delta_v`` [m/s] come from :func:`increments`. The position is the trapezoidal integral of
-    velocity, whose error dt^2/12 times the change of acceleration does not build up, whatever the motion.
+    velocity, whose error dt^2/12 times the change of acceleration does not accumulate.
     """
     push = rotate(quat_nb, delta_v)
     after = velocity[0] + push[0], velocity[1] + push[1], velocity[2] + (push[2] + gravity * dt)
@@ -147,10 +147,10 @@ def local_step(position, velocity, quat_nb, rotvec, delta_v, dt, gravity):
 def ellipsoid_step(position, velocity, quat_nb, rotvec, delta_v, dt, origin):
     """Return position [m], velocity [m/s] and attitude after one epoch of the :class:`Ellipsoid` mechanisation.
 
-    ``rotvec`` [rad] and ``delta_v`` [m/s] come from :func:`increments`, ``origin`` from :attr:`Ellipsoid.origin`.
-    All that depends on place and velocity (gravity, the rates of Groves eqs. 2.123 and 5.44, the Coriolis acceleration
-    of eq. 5.53) is taken at the middle of the epoch, to where this very epoch's accelerations carry the velocity.
-    Under the velocity increment ``n`` turns by half of its rotation vector (Savage 1998, part 2).
+    ``rotvec`` [rad] and ``delta_v`` [m/s] come from :func:`increments`, ``origin`` from :attr:`Ellipsoid.origin`. All
+    terms that depend on position and velocity (gravity, the rates of Groves eqs. 2.123 and 5.44, the Coriolis
+    acceleration of eq. 5.53) are taken at the middle of the epoch, with the velocity predicted for it. Under the
+    velocity increment ``n`` turns by half of its rotation vector (Savage 1998, part 2).
     """
     latitude0, height0, metres_north0, metres_east0 = origin
     latitude = latitude0 + (position[0] + 0.5 * dt * velocity[0]) / metres_north0
@@ -230,7 +230,7 @@ def navigate(
     mechanisation
         :class:`Local` or :class:`Ellipsoid`.
     every
-        Keep the epochs 0, every, 2 every, ...; all others cost no memory.
+        Store the epochs 0, every, 2 every, ...
 
     Returns
     -------
@@ -296,7 +296,7 @@ def level(accel_mean: np.ndarray) -> tuple[float, float]:
 def align(log: pd.DataFrame, duration_s: float, heading: float) -> NavigationState:
     """Return the state of a body that rests for the first ``duration_s`` [s] of ``log``: levelled, at the origin.
 
-    ``heading`` [rad] is given, since a levelled accelerometer does not see it.
+    ``heading`` [rad] is given, since it is not observable by levelling.
     """
     accel = _samples(log, ACCEL)
     time = log.index.to_numpy() - log.index[0]

@@ -1,4 +1,4 @@
-"""From a power spectral density to the Allan variance, numerically, for spectra without a closed form."""
+"""Allan variance from a power spectral density by numerical integration, for spectra without a closed form."""
 
 from collections.abc import Callable
 
@@ -8,11 +8,11 @@ from numpy.polynomial.legendre import leggauss
 Spectrum = Callable[[np.ndarray], np.ndarray]
 
 HALF_LOBES = 64
-"""Half lobes of sin^4 that are followed one by one."""
+"""Half lobes of sin^4 that are integrated one by one."""
 OCTAVES = 60
-"""Octaves below the first and above the last of them."""
+"""Octaves below the first and above the last half lobe."""
 HALVINGS = 8
-"""Rounds of refinement."""
+"""Largest number of halvings of the panels."""
 NODES, WEIGHTS = leggauss(12)
 
 
@@ -25,9 +25,9 @@ def allan_variance(
 ) -> np.ndarray:
     """Return the Allan variance [unit^2] that a two-sided PSD implies (Farrell et al. 2022, eq. 16).
 
-    sigma^2(tau) = 4 int_0^highest S(f) sin^4(pi f tau)/(pi f tau)^2 df; there is no way back. The PSD has to be smooth
+    sigma^2(tau) = 4 int_0^highest S(f) sin^4(pi f tau)/(pi f tau)^2 df, which has no inverse. The PSD has to be smooth
     on the scale of its frequency (a resonance may be sharp, a line not), to rise less than 1/f^3 towards zero
-    and, where nothing ends it, less than f towards infinity.
+    and, where it does not end, less than f towards infinity.
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ def allan_variance(
 def _spectral_integral(psd: Spectrum, tau: float, interval: float, end: float, accuracy: float) -> float:
     """Return 4/(pi tau) int g sin^4 u du over u = pi f tau, g = S/u^2 or, of samples, S/(n sin(u/n))^2.
 
-    Octave by octave up to pi/2, then half lobe by half lobe. Beyond :data:`HALF_LOBES` of them sin^4 is taken apart as
+    Octave by octave up to pi/2, then half lobe by half lobe. Beyond :data:`HALF_LOBES` of them sin^4 is written as
     3/8 - cos(2u)/2 + cos(4u)/8: the constant is integrated octave by octave, the rest by parts (:func:`_oscillating`).
     """
 
@@ -81,7 +81,7 @@ def _spectral_integral(psd: Spectrum, tau: float, interval: float, end: float, a
 
 
 def _slowest(g: Spectrum, end: float) -> float:
-    """Return the integral of g u^4 up to ``end``, the power of u that g is there going on; infinite from u^-5 on."""
+    """Return the integral of g u^4 to ``end``, with g a power of u below; infinite for u^-5 and steeper."""
     values = g(end * np.array([1.0, 2.0]))
     if not values.all():
         return 0.0

@@ -1,8 +1,8 @@
-"""The top of a likelihood of which the density of every value is known.
+"""Maximise a likelihood by BHHH from the log-densities of the single values.
 
-Their slopes give the direction of a step and, by the outer products of the scores, its length (Berndt, Hall, Hall and
-Hausman 1974, Annals of Economic and Social Measurement 3, 653-665), damped where it does not lead up (Marquardt 1963,
-doi:10.1137/0111030).
+Their gradients (scores) give the gradient of the likelihood and, by their outer products, its information (Berndt,
+Hall, Hall and Hausman 1974, Annals of Economic and Social Measurement 3, 653-665); a step that does not increase the
+likelihood is damped (Marquardt 1963, doi:10.1137/0111030).
 """
 
 from collections.abc import Callable, Iterable
@@ -13,20 +13,20 @@ import numpy as np
 STEP = 1e-4
 """Step of a difference quotient."""
 LONGEST = 1.0
-"""Longest step in a parameter."""
+"""Largest change of a parameter in one step."""
 ROUNDS = 100
-"""Steps up at most."""
+"""Largest number of steps."""
 SETTLED = 1e-4
-"""Gain of log-likelihood that the scores promise at most at the top."""
+"""Predicted gain of log-likelihood below which a maximum is reached."""
 DAMPING, LESS, MOST = 1e-3, 8.0, 1e8
-"""Damping at first, factor by which it changes, and at which no step is left."""
+"""Initial damping, factor of its changes, and largest damping."""
 FLAT = 1e-6
-"""Information that is added, where a parameter does nothing."""
+"""Information added to that of a parameter without effect."""
 
 
 @dataclass(frozen=True, eq=False)
 class Maximum:
-    """Highest point that was reached.
+    """Maximum that was reached.
 
     Attributes
     ----------
@@ -46,15 +46,17 @@ class Maximum:
 
 
 def maximise(densities: Callable[[np.ndarray], np.ndarray], starts: Iterable[np.ndarray]) -> Maximum:
-    """Return the highest of the tops that starts lead to.
+    """Return the highest of the local maxima from several starts.
 
-    ``densities`` gives the logarithm of the density of each value, given those before, for parameters of shape (p,)
-    that are about one or logarithms.
+    ``densities`` returns the logarithm of the density of each value, given those before, for parameters of shape (p,)
+    that are of order one, or logarithms.
     """
-    return max((_climbed(densities, np.asarray(start, float)) for start in starts), key=lambda top: top.log_likelihood)
+    return max(
+        (_local_maximum(densities, np.asarray(start, float)) for start in starts), key=lambda one: one.log_likelihood
+    )
 
 
-def _climbed(densities: Callable[[np.ndarray], np.ndarray], start: np.ndarray) -> Maximum:
+def _local_maximum(densities: Callable[[np.ndarray], np.ndarray], start: np.ndarray) -> Maximum:
     here, damping = Maximum(start, densities(start)), DAMPING
     for _ in range(ROUNDS):
         units = STEP * np.eye(len(start))
@@ -77,7 +79,7 @@ def _climbed(densities: Callable[[np.ndarray], np.ndarray], start: np.ndarray) -
 
 
 def _extended(densities: Callable[[np.ndarray], np.ndarray], here: Maximum, step: np.ndarray) -> Maximum:
-    """Go on by steps twice as long each, as long as they lead up: far from the top, scores make them too short."""
+    """Repeat with twice the step while the likelihood increases: far from the maximum BHHH steps are short."""
     further = _moved(densities, here, step)
     if not further.log_likelihood > here.log_likelihood + SETTLED:
         return here

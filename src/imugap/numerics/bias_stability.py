@@ -4,7 +4,7 @@ import numpy as np
 
 
 def period_means(sequence: np.ndarray, interval: float, period: float) -> np.ndarray:
-    """Return the means over consecutive periods of length ``period`` [s]; an incomplete last period is left out."""
+    """Return the means over consecutive periods of length ``period`` [s], without an incomplete last one."""
     length = round(period / interval)
     count = len(sequence) // length if length else 0
     if count < 2:

@@ -1,4 +1,4 @@
-"""Intervals for the mean of a correlated series: blocks of it are drawn with replacement, not samples."""
+"""Block bootstrap: confidence intervals of the mean of a correlated series."""
 
 from dataclasses import dataclass
 
@@ -6,12 +6,12 @@ import numpy as np
 
 RESAMPLES = 2000
 FEWEST = 6
-"""Fewest blocks whose scatter still says something."""
+"""Fewest blocks for an interval."""
 
 
 @dataclass(frozen=True)
 class Mean:
-    """The mean of a series, its interval (infinite where the series is too short to tell), and its blocks."""
+    """Mean of a series, its interval (infinite where there are too few blocks), and the number of blocks."""
 
     value: float
     low: float
@@ -20,7 +20,7 @@ class Mean:
 
     @property
     def differs(self) -> bool:
-        """Whether zero lies outside the interval."""
+        """Return whether zero is outside of the interval."""
         return self.low > 0 or self.high < 0
 
 
@@ -38,8 +38,7 @@ def mean(series: np.ndarray, rng: np.random.Generator, block: int | None = None,
     """Return the mean of ``series``, shape (n,), with its interval by the circular block bootstrap.
 
     Politis and Romano (1992), A circular block-resampling procedure for stationary data. ``block`` is the length of the
-    blocks: 1 for independent values; None for that of :func:`decorrelation`, beyond which blocks know little of one
-    another.
+    blocks: 1 for independent values; None for :func:`decorrelation`.
     """
     series = np.asarray(series, float)
     length = decorrelation(series) if block is None else block

@@ -1,4 +1,4 @@
-"""Daubechies' wavelet filters of extremal phase, as the maximal-overlap transform has them, and their gains."""
+"""Daubechies wavelet filters of extremal phase for the maximal-overlap transform, and their gains."""
 
 from functools import lru_cache
 from math import comb
@@ -36,18 +36,18 @@ def filters(width: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def length(level: int, width: int = 2) -> int:
-    """Return the number of samples that a coefficient of ``level`` looks at (Percival & Walden 2000, eq. 96a)."""
+    """Return the number of samples in the filter of ``level`` (Percival & Walden 2000, eq. 96a)."""
     return (2**level - 1) * (width - 1) + 1
 
 
 def depth(count: int, width: int = 2) -> int:
-    """Return the deepest level of which ``count`` samples leave a coefficient that neither end touches."""
+    """Return the deepest level with a coefficient free of boundary effects in ``count`` samples."""
     check(width)
     return int(np.log2((count - 1) // (width - 1) + 1))
 
 
 def free(count: int, levels: int, width: int = 2) -> np.ndarray:
-    """Return the number M_j of coefficients of each level that no end touches, shape (levels,)."""
+    """Return the number M_j of coefficients of each level free of boundary effects, shape (levels,)."""
     return np.array([count - length(level, width) + 1 for level in range(1, levels + 1)])
 
 

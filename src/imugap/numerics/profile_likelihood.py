@@ -1,4 +1,4 @@
-"""Ends of confidence intervals: where the profile of a deviance has risen to its quantile."""
+"""Limits of confidence intervals: where a profile deviance equals a quantile."""
 
 from collections.abc import Callable
 
@@ -6,21 +6,21 @@ import numpy as np
 
 TRIALS = 30
 ACCURACY = 1e-3
-"""Relative error of the root of the deviance at an end."""
+"""Relative error of the square root of the deviance at a limit."""
 SHORTEST_STEP = 0.05
 LONGEST_STEP = 2.0
-"""Steps of a log parameter on the way outwards."""
+"""Limits of the steps of a log parameter outwards."""
 
 
 def end(deviance: Callable[[float], float], target: float, first: float, limit: float = np.inf) -> float:
-    """Return the distance at which ``deviance`` (0 at distance 0, rising) reaches ``target``; infinity if nowhere.
+    """Return the distance at which ``deviance`` (0 at distance 0, increasing) equals ``target``; infinity if nowhere.
 
-    Secants on its root, which is nearly linear in the log of a parameter.
+    Secant method on its square root, which is nearly linear in the log of a parameter.
 
     Parameters
     ----------
     first, limit
-        Distance to try first, and the largest one to try.
+        First and largest trial distance.
     """
     goal = np.sqrt(target)
     inner, outer, distance = (0.0, 0.0), None, min(first, limit)
@@ -39,7 +39,7 @@ def end(deviance: Callable[[float], float], target: float, first: float, limit: 
 
 
 def _next(inner: tuple[float, float], outer: tuple[float, float] | None, goal: float, limit: float) -> float:
-    """Return the next distance to try: linear in the root between two points, else outwards, up to the limit."""
+    """Return the next trial distance: by linear interpolation between two points, else outwards, to the limit."""
     if outer is not None:
         share = (goal - inner[1]) / (outer[1] - inner[1])
         return inner[0] + float(np.clip(share, 0.05, 0.95)) * (outer[0] - inner[0])

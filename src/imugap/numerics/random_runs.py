@@ -1,4 +1,4 @@
-"""Stretches of samples that begin at random and last a random number of samples: gaps, repeats."""
+"""Random runs of samples (gaps, repeats): simulation as a two-state Markov chain, and estimation of its parameters."""
 
 from dataclasses import dataclass
 
@@ -7,9 +7,9 @@ from scipy.optimize import minimize
 from scipy.special import betaincinv, expit, logit, logsumexp
 
 NODES, WEIGHTS = np.polynomial.hermite_e.hermegauss(9)
-"""Levels of normal noise, in standard deviations, and their shares."""
+"""Gauss-Hermite nodes [standard deviations] and weights of normal noise."""
 TINY = 1e-9
-"""Least probability that a stretch ends."""
+"""Lower limit of the probability that a run ends."""
 NARROW = 0.4
 """Standard deviation of the logarithm of the narrowness k of the chance of a repeat over the levels."""
 LARGE = 2.0
@@ -17,22 +17,22 @@ LARGE = 2.0
 
 
 def simulate_runs(count: int, probability: float, length: float, rng: np.random.Generator) -> np.ndarray:
-    """Return which of ``count`` samples lie in a stretch, shape (count,), bool.
+    """Return which of ``count`` samples are inside a run, shape (count,), bool.
 
-    At each sample after one that is free a stretch begins with ``probability``; the number of its samples is geometric
-    with mean ``length``. The first sample is free. The samples form a two-state Markov chain: far from the start the
-    share of those in a stretch is p/(p + 1/length).
+    After each sample outside of a run, a run begins with ``probability``; the number of its samples is geometric
+    with mean ``length``. The first sample is outside. The samples form a two-state Markov chain: far from the start the
+    share of those inside is p/(p + 1/length).
 
     Parameters
     ----------
     count
         Number of samples.
     probability
-        Probability p that a stretch begins, in [0, 1].
+        Probability p that a run begins, in [0, 1].
     length
-        Mean number of samples of a stretch, at least 1.
+        Mean number of samples of a run, at least 1.
     rng
-        Source of the random numbers.
+        Random generator.
     """
     inside = np.zeros(count, bool)
     if probability == 0:
@@ -51,16 +51,16 @@ def simulate_runs(count: int, probability: float, length: float, rng: np.random.
 
 @dataclass(frozen=True)
 class RunEstimate:
-    """Probability and mean length of stretches, each with its 95 % interval, and the chance that there are none.
+    """Probability and mean length of runs, each with its 95 % interval, and the p-value of their absence.
 
     Attributes
     ----------
     probability, length
         Value, lower and upper limit.
     log_p
-        Logarithm of the probability of as much without any stretch.
+        Logarithm of the p-value of the hypothesis that there are no runs.
     least
-        Samples in a row from which on a run is rather a stretch than chance.
+        Repeats in a row from which on a run is more probable than chance.
     """
 
     probability: tuple[float, float, float]
@@ -70,14 +70,14 @@ class RunEstimate:
 
 
 def estimate_from_runs(runs: np.ndarray, free: int) -> RunEstimate:
-    """Estimate from stretches that are seen for certain.
+    """Estimate from runs that are known.
 
     Parameters
     ----------
     runs
-        Number of samples of each stretch, shape (stretches,).
+        Number of samples of each run, shape (runs,).
     free
-        Number of samples after which a stretch could have begun.
+        Number of samples after which a run could have begun.
     """
     begun, held = len(runs), int(np.sum(runs))
     ends = _binomial(begun, held)
@@ -94,23 +94,23 @@ def _binomial(hits: int, trials: int) -> tuple[float, float, float]:
 def estimate_from_repeats(
     lengths: np.ndarray, counts: np.ndarray, chance: float, spread: float, log_alpha: float
 ) -> RunEstimate | None:
-    """Estimate from runs of repeats of which chance makes some; maximum of the posterior and its curvature.
+    """Estimate from sequences of repeats, some of them by chance: maximum of the posterior and its curvature.
 
-    A run ends with a sample that differs from the one before, which is free. From there on a chain of two states,
-    free and stuck, goes through the repeats: a free sample repeats by chance, a stuck one always. The chance is that
-    of its level, ``p exp(-k x^2/2)`` for x ~ N(0, 1): k is 1 for white noise, less for neighbours that are alike, and
-    more where the variance changes; its logarithm is N(0, NARROW^2) before the runs are seen.
+    A sequence ends with a sample that differs from the previous one, and is free. The samples are a Markov chain of two
+    states: a free sample repeats by chance, a stuck one always. The probability of a chance repeat depends on the
+    level, ``p exp(-k x^2/2)`` for x ~ N(0, 1): k is 1 for white noise, smaller for correlated neighbours, and larger
+    where the variance changes; the prior of its logarithm is N(0, NARROW^2).
 
     Parameters
     ----------
     lengths, counts
-        Numbers of repeats in a row, zero included, and how often each is found, shape (m,).
+        Numbers of repeats in a row, zero included, and the count of each, shape (m,).
     chance
         Mean probability that a free sample repeats the one before.
     spread
         Standard deviation of the logarithm of ``chance``.
     log_alpha
-        Logarithm of the probability above which there are no stretches: None is returned.
+        Logarithm of the p-value above which the result is None.
     """
 
     def cost(theta: np.ndarray) -> float:
@@ -135,14 +135,14 @@ def estimate_from_repeats(
 
 
 def _least(cost, starts: list[list[float]]):
-    """Return the best of the minima that a simplex finds from several starts."""
+    """Return the best of the minima of the simplex method from several starts."""
     options = {"xatol": 1e-3, "fatol": 1e-3, "maxiter": 600}
     fits = [minimize(cost, start, method="Nelder-Mead", options=options) for start in starts]
     return min(fits, key=lambda fit: fit.fun)
 
 
 def _levels(theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return chances of a repeat at several levels and the share of runs that begin there, shape (levels,)."""
+    """Return probabilities of a repeat at several levels and the share of sequences from there, shape (levels,)."""
     narrow = np.exp(min(theta[1], LARGE))
     highest = np.exp(theta[0]) * np.sqrt(1 + narrow)
     chances = np.minimum(highest * np.exp(-0.5 * narrow * NODES**2), 1 - 1e-6)
@@ -151,7 +151,7 @@ def _levels(theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _log_runs(repeats: np.ndarray, begin: float, end: float, chances: np.ndarray, shares: np.ndarray) -> np.ndarray:
-    """Return the log-probability of so many repeats until the next sample that differs, from a free sample on."""
+    """Return the log-probability of numbers of repeats until the next sample that differs, from a free sample on."""
     chance, length = chances[:, None], repeats[None, :]
     a, b, c, d = (1 - begin) * chance, begin, end * chance, 1 - end
     root = np.sqrt((a - d) ** 2 + 4 * b * c) + 1e-12

@@ -1,7 +1,8 @@
 """Rotations: compiled scalar kernels for the navigation loops, and SciPy's ``Rotation`` for everything else.
 
 Inside a kernel a vector is a tuple of 3 floats, a quaternion a tuple ``(x, y, z, w)``, scalar last as in SciPy, and a
-matrix a tuple of 3 rows. Any indexable is taken, an array too; tuples are returned, because they live in registers.
+matrix a tuple of 3 rows. Arguments may be any
+indexable, also arrays; tuples are returned, because they are kept in registers.
 ``quat_nb`` and ``mat_nb`` turn a vector given in ``b`` into ``n``; quaternions multiply in Hamilton's convention, in
 the order of matrices. Euler angles are (roll, pitch, heading) [rad]: ``n`` turned by heading about down, then by pitch
 about the new y, then by roll about the new x, gives ``b`` (ZYX; Groves 2013, section 2.2.1).
@@ -16,7 +17,7 @@ from scipy.spatial.transform import Rotation
 kernel = njit(cache=True, fastmath={"contract"}, forceinline=True)
 """Compile a kernel and inline it wherever a kernel calls it: a call would pass its tuples through memory.
 
-Contraction to fused multiply-add is the only liberty taken with the arithmetic: it rounds less, and it keeps NaN.
+Contraction to fused multiply-add is the only relaxation of the arithmetic: it rounds less, and it keeps NaN.
 """
 
 SERIES_LIMIT = 1.0
@@ -74,8 +75,8 @@ def multiply(p, q):
 def renormalise(q):
     """Return ``q`` scaled to unit length to first order in ``|q|^2 - 1``, without division or root.
 
-    One Newton step for the inverse root: a deviation of d leaves one of d^2 (times 3/8), so a quaternion that rounding
-    has moved by 1e-16 is a unit quaternion again.
+    One Newton step for the inverse root: a deviation of d leaves one of d^2 (times 3/8), which removes the effect of
+    rounding.
     """
     scale = 1.5 - 0.5 * ((q[0] * q[0] + q[1] * q[1]) + (q[2] * q[2] + q[3] * q[3]))
     return q[0] * scale, q[1] * scale, q[2] * scale, q[3] * scale
@@ -143,7 +144,7 @@ def rotate(quat, vector):
 
 @kernel
 def wrap(angle):
-    """Return an angle [rad] in (-pi, pi]; one that is there already comes back to the bit."""
+    """Return an angle [rad] in (-pi, pi]; an angle in this range is returned unchanged to the bit."""
     return angle - 2 * np.pi * np.ceil((angle - np.pi) / (2 * np.pi))
 
 

@@ -1,4 +1,4 @@
-"""Small symmetric matrices in compiled kernels, by plain loops: the library routines take seconds to compile."""
+"""Inverse of small matrices in compiled kernels by plain loops: library routines take seconds to compile."""
 
 import numpy as np
 from numba import njit
