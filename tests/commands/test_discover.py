@@ -420,7 +420,7 @@ def test_outliers_of_the_start_model_stay_where_the_log_shows_none():
     start = ErrorModel({**device().axes, "gyro_x": AxisModel((WhiteNoise(1e-4), Bias(1e-3), Outliers(1e-3, 0.02)))})
     found = discover([measured()], Question(start, **QUICK))
     assert "outliers" in {effect.name for effect in found.final["gyro_x"]}
-    assert ("gyro_x", "outliers") in found.untold
+    assert ("gyro_x", "outliers") in found.undetermined
 
 
 def turning(axes, seed=7):

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from imugap.discovery.axis import concluded, told
+from imugap.discovery.axis import conclude, search_axis
 from imugap.discovery.fit.axis_fit import Description, fit
 from imugap.discovery.fit.whittle import Noise
 from imugap.discovery.preparation.cosine_bins import usable_share
@@ -38,11 +38,11 @@ def plain(data):
 
 def told_of(*effects, **kwargs):
     data = sequence(*effects, **kwargs)
-    return concluded(told(data, (), tuple(CATALOGUE.values()), LOG_ALPHA, int(0.8 * len(data.values))))
+    return conclude(search_axis(data, (), tuple(CATALOGUE.values()), LOG_ALPHA, int(0.8 * len(data.values))))
 
 
-def names(story):
-    return sorted(finding.name for finding in story.findings)
+def names(result):
+    return sorted(finding.name for finding in result.findings)
 
 
 def filtered(order, cutoff, added=0.0, before=0.0):
@@ -50,7 +50,7 @@ def filtered(order, cutoff, added=0.0, before=0.0):
     data, smooth = sequence(), OutputFilter(cutoff, order)
     output = smooth.passed(data.values + added, INTERVAL) + before * smooth.decay(COUNT, INTERVAL)
     moved = replace(data, values=output, share=usable_share(output))
-    return concluded(told(moved, (), tuple(CATALOGUE.values()), LOG_ALPHA, int(0.8 * COUNT)))
+    return conclude(search_axis(moved, (), tuple(CATALOGUE.values()), LOG_ALPHA, int(0.8 * COUNT)))
 
 
 def beside_white(added, count=20_000, interval=0.05, label="beside"):

@@ -9,9 +9,9 @@ def test_what_has_no_name_is_told_on_axes_on_which_no_view_shows_it():
     gap = Gap("spectrum", "gyro_x", 1.0, 2.0, "Hz", 1e-9)
     places = {axis: replace(gap, axis=axis) for axis in ("gyro_x", "gyro_y", "accel_x")}
     weak = replace(gap, axis="accel_y", p_value=0.2)
-    stories = {
+    results = {
         axis: SimpleNamespace(withheld=[SimpleNamespace(place=place)])
         for axis, place in (places | {"accel_y": weak}).items()
     }
     shown = [replace(gap, view="coherence", axis="gyro_x,gyro_z")]
-    assert nameless_places(stories, shown, 0.01) == (places["gyro_y"], places["accel_x"])
+    assert nameless_places(results, shown, 0.01) == (places["gyro_y"], places["accel_x"])

@@ -89,7 +89,7 @@ def places(reports):
     ], columns=["start", "model", "view", "axis", "low", "high", "unit", "p_value"])  # fmt: skip
 
 
-def told(gaps):
+def places_listed(gaps):
     """Tell how many places there are, and which is the surest of each of the surest views."""
     surest = [next(group) for _, group in groupby(sorted(gaps, key=lambda gap: gap["view"]), lambda gap: gap["view"])]
     first = sorted(surest, key=lambda gap: gap["p_value"])[:FEW]
@@ -107,7 +107,7 @@ def places_page(reports):
                 for key in ("gaps", "unexplained")
             ]
             if any(sides):
-                rows.append([TITLES[start], AXIS_TITLES.get(axis, axis), *map(told, sides)])
+                rows.append([TITLES[start], AXIS_TITLES.get(axis, axis), *map(places_listed, sides)])
     heads = ["start model", "axis", "places where the start model leaves the log", "where the final model leaves it"]
     return pd.DataFrame(rows, columns=heads)
 

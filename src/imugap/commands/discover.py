@@ -9,9 +9,10 @@ from tqdm import tqdm
 
 from imugap.atomic import write_together
 from imugap.commands.arguments import add_effects, count, probability
-from imugap.discovery.device import Progress, Question
+from imugap.discovery.device import Question
 from imugap.discovery.inputs import Files, Inquiry, ask
 from imugap.discovery.report import candidate_table, gap_table, span, verdict
+from imugap.discovery.steps import Progress
 
 FILES = (
     "report.json", "model.yaml", "gaps.csv", "candidates.csv", "report.md",

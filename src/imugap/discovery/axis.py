@@ -43,7 +43,7 @@ MOST_BANDS = 4
 
 
 @dataclass(frozen=True, eq=False)
-class Tale:
+class AxisSearch:
     """The search on one axis.
 
     Attributes
@@ -72,7 +72,7 @@ class Tale:
 
 
 @dataclass(frozen=True, eq=False)
-class Story:
+class AxisResult:
     """The discovery on one axis.
 
     Attributes
@@ -143,9 +143,9 @@ def part(sequence: AxisSequence, first: int, last: int) -> AxisSequence:
     )
 
 
-def told(
+def search_axis(
     sequence: AxisSequence, start: Sequence[Effect], catalogue: tuple[type[Effect], ...], log_alpha: float, split: int
-) -> Tale:
+) -> AxisSearch:
     """Search one axis; the samples from ``split`` on are held out.
 
     Outliers and changes of the variance, which no later fit moves, are found in the whole log anew; nothing is
@@ -163,7 +163,7 @@ def told(
         begun = again.cleared(fit(whole, kept if early.switching is None else again.start))
         unchanging = replace(again, catalogue=tuple(kind for kind in catalogue if kind.role is not Role.VARIANCE))
         late = (_odd_again(again, begun, early) or _searched(again, unchanging.settled(begun), early.bands)).bare()
-        return Tale(
+        return AxisSearch(
             before,
             _lasting(early.found, end),
             early.search,
@@ -251,26 +251,26 @@ def _nameless(search: Search, taken_out: bool, fit: AxisFit) -> float:
     return np.inf if taken_out and unsteady.bands(fit) else without_a_name(search, fit)
 
 
-def concluded(tale: Tale) -> Story:
+def conclude(searched: AxisSearch) -> AxisResult:
     """Return what a search says: names with intervals, and what is withheld."""
     with threadpool_limits(1):
-        search, whole = tale.late, two_valued(tale.whole)
-        doubtful = doubts(search, tale.whole)
+        search, whole = searched.late, two_valued(searched.whole)
+        doubtful = doubts(search, searched.whole)
         kept = without_unnamed(search, whole, doubtful)
         sweeps = (*swept(kept, search.log_alpha), *glints(whole))
         sure = [key for key in search.added(whole.description) if key not in doubtful]
-        swept_up = beside_a_sweep(search, tale.whole, sure, sweeps)
+        swept_up = beside_a_sweep(search, searched.whole, sure, sweeps)
         final = without_unnamed(search, whole, doubtful | swept_up) if swept_up else kept
         doubtful |= swept_up
         named = [key for key in search.added(whole.description) if key not in doubtful]
-        switching, odd = _of_samples(tale, doubtful)
-        findings = (*(_finding(tale, whole, key) for key in named), *switching)
-        nameless = (*(withheld(search, tale.whole, key, doubt) for key, doubt in doubtful.items()), *odd)
-        after = without_unnamed(tale.early, tale.after, doubts(tale.early, tale.after))
-        bands = (*tale.bands, *sweeps)
-        switches = tale.switching.effect if switching else None
+        switching, odd = _of_samples(searched, doubtful)
+        findings = (*(_finding(searched, whole, key) for key in named), *switching)
+        nameless = (*(withheld(search, searched.whole, key, doubt) for key, doubt in doubtful.items()), *odd)
+        after = without_unnamed(searched.early, searched.after, doubts(searched.early, searched.after))
+        bands = (*searched.bands, *sweeps)
+        switches = searched.switching.effect if switching else None
         slope = power_law_finding(search, final)
-        return Story(tale.before, after.bare(), final.bare(), findings, nameless, bands, switches, slope)
+        return AxisResult(searched.before, after.bare(), final.bare(), findings, nameless, bands, switches, slope)
 
 
 def without_unnamed(search: Search, found: AxisFit, doubtful: Mapping[Key, Doubt]) -> AxisFit:
@@ -302,32 +302,34 @@ def power_law_finding(search: Search, found: AxisFit) -> Finding | None:
     return Finding({found.sequence.conditions.axis: law}, intervals(found, found, laws[0]), CERTAIN)
 
 
-def _of_samples(tale: Tale, doubtful: Mapping[Key, Doubt]) -> tuple[tuple[Finding, ...], tuple[Withheld, ...]]:
+def _of_samples(
+    searched: AxisSearch, doubtful: Mapping[Key, Doubt]
+) -> tuple[tuple[Finding, ...], tuple[Withheld, ...]]:
     """Return the telegraph noise that only the samples tell, if there is one, as a finding or as withheld.
 
     They tell it where what is left is noise, of whatever slope.
     """
-    if tale.switching is None:
+    if searched.switching is None:
         return (), ()
-    effect, log_p, conditions = tale.switching.effect, tale.switching.log_p, tale.whole.sequence.conditions
+    effect, log_p, conditions = searched.switching.effect, searched.switching.log_p, searched.whole.sequence.conditions
     axis = conditions.axis
     odd = [one.reason for key, one in doubtful.items() if key.part == "noise" and one.reason not in OF_SLOPE]
-    if len(tale.late.added(tale.whole.description, stepping)) >= VALUES:
+    if len(searched.late.added(searched.whole.description, stepping)) >= VALUES:
         odd.append("it has more than two values")
     if odd:
         ends = map(float, conditions.time[[0, -1]])
         return (), (Withheld(effect.name, odd[0], Gap("change", axis, *ends, "s", float(np.exp(max(log_p, CERTAIN))))),)
     units = effect.units(axis_unit(axis))
     parameters = {
-        name: Interval(value, *tale.switching.intervals[name], units[name])
+        name: Interval(value, *searched.switching.intervals[name], units[name])
         for name, value in effect.parameters().items()
     }
-    return (Finding({axis: effect}, parameters, max(log_p, CERTAIN), tale.switching.gain),), ()
+    return (Finding({axis: effect}, parameters, max(log_p, CERTAIN), searched.switching.gain),), ()
 
 
-def _finding(tale: Tale, found: AxisFit, key: Key) -> Finding:
+def _finding(searched: AxisSearch, found: AxisFit, key: Key) -> Finding:
     """Return one effect with its intervals, its gain on held-out data, and what cannot be told from it."""
-    search, axis = tale.late, found.sequence.conditions.axis
+    search, axis = searched.late, found.sequence.conditions.axis
     effect = at(found.description, key)
     own, without = search.weighed(found, key)
     near = found.log_likelihood + search.log_alpha / 2
@@ -349,21 +351,21 @@ def _finding(tale: Tale, found: AxisFit, key: Key) -> Finding:
         parameters, gain = _of_outliers(search, found), search.tails[effect].gain
     else:
         parameters = intervals(found, without, key)
-        gain = _gain(tale, effect, found, without)
+        gain = _gain(searched, effect, found, without)
     return Finding({axis: effect}, parameters, max(own.log_p, CERTAIN), float(gain), tuple(alternatives.items()))
 
 
-def _gain(tale: Tale, effect: Effect, found: AxisFit, without: AxisFit) -> float:
+def _gain(searched: AxisSearch, effect: Effect, found: AxisFit, without: AxisFit) -> float:
     """Return the gain of log-density of the held-out part by an effect, by fits to the held-in part.
 
     Where that does not show it, by those to the whole log, ``found`` and ``without``.
     """
-    added = [(key, at(tale.after.description, key)) for key in tale.early.added(tale.after.description)]
+    added = [(key, at(searched.after.description, key)) for key in searched.early.added(searched.after.description)]
     same = [(_apart(one, effect), key) for key, one in added if type(one) is type(effect)]
     if same:
         key = min(same, key=lambda one: one[0])[1]
-        found, without = tale.after, tale.early.weighed(tale.after, key)[1]
-    return log_score(tale.held_out, found.description) - log_score(tale.held_out, without.description)
+        found, without = searched.after, searched.early.weighed(searched.after, key)[1]
+    return log_score(searched.held_out, found.description) - log_score(searched.held_out, without.description)
 
 
 def _apart(one: Effect, other: Effect) -> float:

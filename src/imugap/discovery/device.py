@@ -1,43 +1,40 @@
-"""Discovery on the logs of a device: where, which, add, show."""
+"""Discovery on the logs of a device.
 
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor
-from contextlib import contextmanager
-from dataclasses import dataclass, replace
+The stages, in order, each a function of the one before: :func:`_prepare`, :func:`_search_axes`, :func:`_name_effects`,
+:func:`_locate_gaps`, :func:`_compare_runs`, :func:`_assemble`, :func:`_test_final_model`, :func:`_measure_distances`,
+:func:`_conclude`.
+"""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from functools import partial
-from types import MappingProxyType
 
 import numpy as np
 import pandas as pd
-from threadpoolctl import threadpool_limits
 
-from imugap.discovery.axis import Story, Tale, concluded, model_of, noise_of, part, told
+from imugap.discovery.assembly import axis_effects, device_model, keep_undetermined, output_effects, with_effects
+from imugap.discovery.axis import AxisResult, AxisSearch, noise_of, part
 from imugap.discovery.between_runs import as_first, clocks, turn_on
-from imugap.discovery.checks.motion import ANOTHER
 from imugap.discovery.common_noise import shared
 from imugap.discovery.evaluation.distance import Distances, Drifts
 from imugap.discovery.evaluation.held_out import HELD_IN, compare_held_out, compare_test_run, distances
-from imugap.discovery.finding import CERTAIN, Finding, Gap, Interval
+from imugap.discovery.finding import CERTAIN, Finding, Gap
 from imugap.discovery.fit.axis_fit import AxisFit
-from imugap.discovery.fit.start_model import described, noisy, untold
+from imugap.discovery.fit.start_model import described, noisy
+from imugap.discovery.pooling import agree_on_noise, name_pooled, pooled_finding, search_each
 from imugap.discovery.preparation.prepare import PreparedLog, prepare
-from imugap.discovery.preparation.rounding import level_before_rounding, unrounded
-from imugap.discovery.preparation.sequence import AxisSequence
-from imugap.discovery.search.intervals import NORMAL, axis_unit
-from imugap.discovery.search.noise_agreement import agreed
-from imugap.discovery.search.search import log_chance
-from imugap.discovery.search.shared_effects import Joint, joined
+from imugap.discovery.search.intervals import axis_unit
+from imugap.discovery.search.shared_effects import Joint
+from imugap.discovery.steps import Progress, Steps, each_in_processes
 from imugap.discovery.views import COHERENCE, Curve
 from imugap.discovery.views.gaps import REPLICATES, ViewTest, significant_gaps, view_tests
 from imugap.effects import CATALOGUE
-from imugap.effects.effect import AxisModel, Effect, Role, Stage
-from imugap.log import TIME, axes
-from imugap.model import ErrorModel, shifted
+from imugap.effects.effect import Effect, Stage
+from imugap.log import axes
+from imugap.model import ErrorModel
 
 OTHER_STEPS = 4
 """Steps besides the two of each axis."""
-Progress = Callable[[str, int, int], None]
-"""Called with the name of a step as it begins, how many steps are done, and how many there are."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,9 +54,9 @@ class Discovery:
     withheld
         (axis, name, reason) of what was seen but not named.
     described
-        Noise that fits no name, which the final model has as noise of the slope that it has.
-    untold
-        (axis, name) of the effects of the start model that the log cannot tell, which stay as they were.
+        Noise that fits no name; the final model has it as a power law.
+    undetermined
+        (axis, name) of the effects of the start model that the log does not determine; they stay as they were.
     distances
         Between measured and simulated held-out data, by name of the distance.
     drifts
@@ -67,8 +64,8 @@ class Discovery:
         motion or without all six axes.
     before, after
         Every view of the log against replicates of the start model (held-in part) and of the final one (whole log).
-    record, stories
-        The log and the discovery on each axis of it.
+    record, results
+        The first log, prepared, and the result of each axis of it.
     """
 
     start: ErrorModel
@@ -78,18 +75,18 @@ class Discovery:
     unexplained: tuple[Gap, ...]
     withheld: tuple[tuple[str, str, str], ...]
     described: tuple[Finding, ...]
-    untold: tuple[tuple[str, str], ...]
+    undetermined: tuple[tuple[str, str], ...]
     distances: Mapping[str, Distances]
     drifts: tuple[Drifts, ...]
     before: tuple[ViewTest, ...]
     after: tuple[ViewTest, ...]
     record: PreparedLog
-    stories: Mapping[str, Story]
+    results: Mapping[str, AxisResult]
 
 
 @dataclass(frozen=True)
 class Question:
-    """How discovery is asked.
+    """Settings of discovery.
 
     Attributes
     ----------
@@ -120,6 +117,109 @@ class Question:
         return float(np.log(self.alpha / axes / len(self.catalogue)))
 
 
+@dataclass(frozen=True, eq=False)
+class _Prepared:
+    """The logs of a device, the first one prepared.
+
+    Attributes
+    ----------
+    logs, tests, question
+        Runs, further runs for the distances, and settings.
+    record
+        The first log, prepared.
+    known
+        Start model; empty where there is none.
+    log_alpha
+        Logarithm of the probability that one proposal of one axis is taken by chance.
+    steps
+        Counter of the steps.
+    """
+
+    logs: Sequence[pd.DataFrame]
+    tests: Sequence[pd.DataFrame]
+    question: Question
+    record: PreparedLog
+    known: ErrorModel
+    log_alpha: float
+    steps: Steps
+
+
+@dataclass(frozen=True, eq=False)
+class _Searched(_Prepared):
+    """With the search of each axis."""
+
+    searches: Mapping[str, AxisSearch]
+
+
+@dataclass(frozen=True, eq=False)
+class _Named(_Searched):
+    """With the result of each axis, and the effects that axes share by one value."""
+
+    results: Mapping[str, AxisResult]
+    joints: tuple[Joint, ...]
+
+    @property
+    def before(self) -> dict[str, AxisFit]:
+        """Fit of the start model to the held-in part of each axis."""
+        return {axis: result.before for axis, result in self.results.items()}
+
+    @property
+    def whole(self) -> dict[str, AxisFit]:
+        """Fit of the named effects to the whole log of each axis."""
+        return {axis: result.whole for axis, result in self.results.items()}
+
+    @property
+    def outputs(self) -> dict[str, tuple[Effect, ...]]:
+        """Effects of the start model on the output of each axis."""
+        return {axis: output_effects(self.known, axis) for axis in self.results}
+
+
+@dataclass(frozen=True, eq=False)
+class _Located(_Named):
+    """With every view of the start model, and the gaps."""
+
+    views: Sequence[ViewTest]
+    gaps: tuple[Gap, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class _Compared(_Located):
+    """With the noise that axes share, and what differs between the runs."""
+
+    common: tuple[Finding, ...]
+    between: tuple[Finding, ...]
+
+    @property
+    def beyond_axes(self) -> tuple[Finding, ...]:
+        """Findings that are not those of one axis."""
+        return (*self.record.findings, *self.common, *self.between)
+
+
+@dataclass(frozen=True, eq=False)
+class _Assembled(_Compared):
+    """With all findings, and the models before and after."""
+
+    findings: tuple[Finding, ...]
+    start: ErrorModel
+    model: Callable[[Mapping[str, AxisFit]], ErrorModel]
+
+
+@dataclass(frozen=True, eq=False)
+class _Tested(_Assembled):
+    """With every view of the final model, and the gaps that remain."""
+
+    views_after: tuple[ViewTest, ...]
+    gaps_after: tuple[Gap, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class _Measured(_Tested):
+    """With the distances of both models from held-out data."""
+
+    apart: Mapping[str, Distances]
+    drifts: tuple[Drifts, ...]
+
+
 def discover(
     logs: Sequence[pd.DataFrame],
     question: Question,
@@ -139,314 +239,200 @@ def discover(
     reference
         Error-free log of the first run, for a device in motion.
     progress
-        Told of each step.
+        Called as each step begins.
     """
-    known = ErrorModel({}) if question.start is None else question.start
-    steps = _Steps(progress, OTHER_STEPS + 2 * len(axes(logs[0])))
+    prepared = _prepare(logs, question, tests, reference, progress)
+    searched = _search_axes(prepared)
+    named = _name_effects(searched)
+    located = _locate_gaps(named)
+    compared = _compare_runs(located)
+    assembled = _assemble(compared)
+    final = _test_final_model(assembled)
+    measured = _measure_distances(final)
+    return _conclude(measured)
+
+
+def _prepare(
+    logs: Sequence[pd.DataFrame],
+    question: Question,
+    tests: Sequence[pd.DataFrame],
+    reference: pd.DataFrame | None,
+    progress: Progress,
+) -> _Prepared:
+    """Take flawed samples and stamps out of the first log."""
+    steps = Steps(progress, OTHER_STEPS + 2 * len(axes(logs[0])))
     steps.begin("integrity")
     record = prepare(logs[0], reference, question.seed, question.start, question.catalogue)
     steps.count -= 2 * len(record.unusable)
-    log_alpha = question.log_alpha(len(record.sequences))
-    stories, joints = _stories(_alike(_tales(record, known, question, log_alpha, steps)), question, log_alpha, steps)
-    befores = {axis: story.before for axis, story in stories.items()}
-    wholes = {axis: story.whole for axis, story in stories.items()}
-    steps.begin("gaps")
-    outputs = {axis: _outputs(known, axis) for axis in stories}
-    with _many(question.workers) as each:
-        seen = view_tests(befores, question.seed, question.replicates, outputs, each=each)
-    where = (*significant_gaps(seen, question.alpha), *_unsteady(stories))
-    own = (*(one for story in stories.values() for one in story.findings), *map(_of_joint, joints))
-    common = _news((one.finding(f"{axis_unit(one.axes[0])}/sqrt(Hz)") for one in shared(wholes, log_alpha)), known)
-    between = _news(_between_runs(logs, wholes, known, question, log_alpha), known)
-    outside = (*record.findings, *common, *between)
-    findings = _ordered((*own, *_of_noise(wholes, question.start), *outside))
-    steps.begin("gaps that remain")
-    later, left = _left(seen, stories, record, common, question, outputs)
-    left = (*_unsteady(stories), *left)
-    steps.begin("distances")
-    switching = {axis: (story.switching,) for axis, story in stories.items() if story.switching is not None}
-    model = partial(_model, known=known, findings=outside, beside=switching)
-    start, final = _model(befores, known), model(wholes)
-    compared = [compare_test_run(test, stories, start, final, question.seed) for test in tests]
-    with _many(question.workers) as each:
-        asked = compared or [compare_held_out(record, stories, start, model)]
-        apart, paths = distances(asked, question.seed, question.simulations, each)
-    steps.begin("done")
-    kept = _kept(known, record, wholes)
+    known = ErrorModel({}) if question.start is None else question.start
+    return _Prepared(logs, tests, question, record, known, question.log_alpha(len(record.sequences)), steps)
+
+
+def _search_axes(stage: _Prepared) -> _Searched:
+    """Search each axis for missing effects, then let the axes of a sensor agree on their kind of slow noise."""
+    question = stage.question
+    arguments = [
+        (sequence, axis_effects(stage.known, axis), question.catalogue, stage.log_alpha, _split(sequence))
+        for axis, sequence in stage.record.sequences.items()
+    ]
+    searches = search_each(arguments, stage.record.sequences, question.workers, stage.steps)
+    return _Searched(**vars(stage), searches=agree_on_noise(searches))
+
+
+def _name_effects(stage: _Searched) -> _Named:
+    """Pool effects that axes share by one value, check every name, and give intervals."""
+    results, joints = name_pooled(stage.searches, stage.question.workers, stage.log_alpha, stage.steps)
+    return _Named(**vars(stage), results=results, joints=joints)
+
+
+def _locate_gaps(stage: _Named) -> _Located:
+    """Test every view of the held-in part against replicates of the start model."""
+    question = stage.question
+    stage.steps.begin("gaps")
+    with each_in_processes(question.workers) as each:
+        views = view_tests(stage.before, question.seed, question.replicates, stage.outputs, each=each)
+    gaps = (*significant_gaps(views, question.alpha), *_line_gaps(stage.results))
+    return _Located(**vars(stage), views=views, gaps=gaps)
+
+
+def _compare_runs(stage: _Located) -> _Compared:
+    """Find the noise that axes share, and the differences between runs, as far as the start model has neither."""
+    common = (one.finding(f"{axis_unit(one.axes[0])}/sqrt(Hz)") for one in shared(stage.whole, stage.log_alpha))
+    return _Compared(**vars(stage), common=_news(common, stage.known), between=_news(_between_runs(stage), stage.known))
+
+
+def _assemble(stage: _Compared) -> _Assembled:
+    """Order all findings, and assemble the models of the device before and after."""
+    alone = (*(one for result in stage.results.values() for one in result.findings), *map(pooled_finding, stage.joints))
+    findings = _ordered((*alone, *_noise_findings(stage.whole, stage.question.start), *stage.beyond_axes))
+    switching = {axis: (one.switching,) for axis, one in stage.results.items() if one.switching is not None}
+    model = partial(device_model, known=stage.known, findings=stage.beyond_axes, beside=switching)
+    start = device_model(stage.before, stage.known)
+    return _Assembled(**vars(stage), findings=findings, start=start, model=model)
+
+
+def _test_final_model(stage: _Assembled) -> _Tested:
+    """Test every view of the whole log against replicates of the final model.
+
+    Axes on which nothing was found are as they were; axes that share noise are not tested against each other.
+    """
+    question, results = stage.question, stage.results
+    stage.steps.begin("gaps that remain")
+    found = {axis: _with_found_outputs(stage, axis) for axis in results}
+    changed = {axis for axis, result in results.items() if result.seen or found[axis] != stage.outputs[axis]}
+    with each_in_processes(question.workers) as each:
+        views = view_tests(stage.whole, question.seed + 1, question.replicates, found, changed, each)
+    views += [one for one in stage.views if not changed & one.axes]
+    sharing = {frozenset(pair) for finding in stage.common for pair in _pairs(finding.axes)}
+    left = (gap for gap in significant_gaps(views, question.alpha) if not _between_sharing(gap, sharing))
+    views = tuple(one for one in views if not _between_sharing(one.curve, sharing))
+    return _Tested(**vars(stage), views_after=views, gaps_after=(*_line_gaps(results), *left))
+
+
+def _measure_distances(stage: _Tested) -> _Measured:
+    """Measure the distance of both models from the test runs, or from the held-out part where there are none."""
+    question = stage.question
+    stage.steps.begin("distances")
+    final = stage.model(stage.whole)
+    compared = [compare_test_run(test, stage.results, stage.start, final, question.seed) for test in stage.tests]
+    with each_in_processes(question.workers) as each:
+        runs = compared or [compare_held_out(stage.record, stage.results, stage.start, stage.model)]
+        apart, drifts = distances(runs, question.seed, question.simulations, each)
+    return _Measured(**vars(stage), apart=apart, drifts=drifts)
+
+
+def _conclude(stage: _Measured) -> Discovery:
+    """Put together the result."""
+    stage.steps.begin("done")
+    results, alpha = stage.results, stage.question.alpha
+    kept = keep_undetermined(stage.known, stage.record, stage.whole)
     return Discovery(
-        start=_with_kept(start, kept),
-        final=_with_kept(final, kept),
-        gaps=(*record.gaps, *where, *nameless_places(stories, where, question.alpha)),
-        findings=findings,
-        unexplained=(*record.unusable, *left, *nameless_places(stories, left, question.alpha)),
-        withheld=tuple((axis, *one) for axis, story in stories.items() for one in story.unnamed()),
-        described=tuple(one.of_any_slope for one in stories.values() if one.of_any_slope is not None),
-        untold=tuple((axis, one.name) for axis, some in kept.items() for one in some if axis in stories),
-        distances=apart,
-        drifts=paths,
-        before=tuple(seen),
-        after=later,
-        record=record,
-        stories=stories,
+        start=with_effects(stage.start, kept),
+        final=with_effects(stage.model(stage.whole), kept),
+        gaps=(*stage.record.gaps, *stage.gaps, *nameless_places(results, stage.gaps, alpha)),
+        findings=stage.findings,
+        unexplained=(*stage.record.unusable, *stage.gaps_after, *nameless_places(results, stage.gaps_after, alpha)),
+        withheld=tuple((axis, *one) for axis, result in results.items() for one in result.unnamed()),
+        described=tuple(one.of_any_slope for one in results.values() if one.of_any_slope is not None),
+        undetermined=tuple((axis, one.name) for axis, some in kept.items() for one in some if axis in results),
+        distances=stage.apart,
+        drifts=stage.drifts,
+        before=tuple(stage.views),
+        after=stage.views_after,
+        record=stage.record,
+        results=results,
     )
 
 
-@dataclass
-class _Steps:
-    """Counts the steps as they begin."""
-
-    progress: Progress
-    count: int
-    done: int = 0
-
-    def begin(self, name: str) -> None:
-        self.progress(name, self.done, self.count)
-        self.done += 1
+def _split(sequence) -> int:
+    """Return the number of samples of the held-in part."""
+    return int(HELD_IN * len(sequence.values))
 
 
 def _ordered(findings: Sequence[Finding]) -> tuple[Finding, ...]:
-    """Return the findings, those of integrity first, the others surest first."""
+    """Return the findings, those of the output and the clock first, the others surest first."""
     return tuple(
         sorted(findings, key=lambda finding: (next(iter(finding.effects.values())).stage < Stage.RANGE, finding.log_p))
     )
 
 
-def _each(
-    task: Callable, arguments: Sequence[tuple], axes: Iterable[str], workers: int, steps: _Steps, step: str
-) -> dict:
-    """Return what a task makes of the arguments of each axis, several axes at a time."""
-    found = {}
-    with _many(workers) as each:
-        results = iter(each(task, *zip(*arguments, strict=True)))
-        for axis in axes:
-            steps.begin(step)
-            found[axis] = next(results)
+def _with_found_outputs(stage: _Compared, axis: str) -> tuple[Effect, ...]:
+    """Return the effects on the output of an axis: those of the start model, and those that were found."""
+    found = (finding.effects[axis] for finding in stage.record.findings if axis in finding.effects)
+    return (*stage.outputs[axis], *found)
+
+
+def _between_runs(stage: _Located) -> tuple[Finding, ...]:
+    """Return what differs between the runs."""
+    question, first = stage.question, stage.whole
+    if len(stage.logs) < 2:
+        return ()
+    fits = [first]
+    for log in stage.logs[1:]:
+        sequences = prepare(log, None, question.seed, question.start, question.catalogue).sequences
+        whole = {axis: part(sequences[axis], 0, len(sequences[axis].values)) for axis in first if axis in sequences}
+        starts = {axis: described(axis_effects(stage.known, axis), one) for axis, one in whole.items()}
+        fits.append({axis: as_first(one, starts[axis].terms, first[axis]) for axis, one in whole.items()})
+    found = (*turn_on(fits, stage.log_alpha, question.catalogue), *clocks(fits, stage.log_alpha, question.catalogue))
     return found
 
 
-@contextmanager
-def _many(workers: int) -> Iterator[Callable]:
-    """Yield what applies a function to many arguments, in so many processes."""
-    if workers == 1:
-        yield map
-        return
-    with ProcessPoolExecutor(workers) as pool:
-        yield pool.map
+def _between_sharing(one: Gap | Curve, sharing: set[frozenset[str]]) -> bool:
+    """Return whether a gap or a curve is the coherence of two axes that share noise."""
+    return one.view == COHERENCE and frozenset(one.axis.split(",")) in sharing
 
 
-def _stories(
-    alone: dict[str, Tale],
-    question: Question,
-    log_alpha: float,
-    steps: _Steps,
-    apart: tuple[type[Effect], ...] = (),
-) -> tuple[dict[str, Story], tuple[Joint, ...]]:
-    """Return the story of each axis, and what axes have by one value, but for kinds left ``apart``.
-
-    Apart is what is certain only with axes on which another function of the motion explains things better.
-    """
-    tales, joints = _together(alone, apart)
-    stories = _each(concluded, [(tale,) for tale in tales.values()], tales, question.workers, steps, "names")
-    moved = {axis for axis, story in stories.items() if any(one.reason == ANOTHER for one in story.withheld)}
-    touched = [joint for joint in joints if moved & set(joint.axes)]
-    doubtful = [type(joint.effect) for joint in touched if not joint.certain(set(joint.axes) - moved, log_alpha)]
-    if not doubtful:
-        return stories, joints
-    steps.count += len(tales)
-    return _stories(alone, question, log_alpha, steps, (*apart, *doubtful))
-
-
-def _tales(
-    record: PreparedLog, known: ErrorModel, question: Question, log_alpha: float, steps: _Steps
-) -> dict[str, Tale]:
-    arguments = [
-        (sequence, _effects(known, axis), question.catalogue, log_alpha, int(HELD_IN * len(sequence.values)))
-        for axis, sequence in record.sequences.items()
-    ]
-    return _each(told, arguments, record.sequences, question.workers, steps, "search")
-
-
-def _alike(tales: dict[str, Tale]) -> dict[str, Tale]:
-    """Return the tales with slow noise of one kind on the axes of a sensor, where they do not tell it."""
-    with threadpool_limits(1):
-        afters = agreed(*({axis: getattr(tale, part) for axis, tale in tales.items()} for part in ("after", "early")))
-        wholes = agreed(*({axis: getattr(tale, part) for axis, tale in tales.items()} for part in ("whole", "late")))
-    return {axis: replace(tale, after=afters[axis], whole=wholes[axis]) for axis, tale in tales.items()}
-
-
-def _together(tales: dict[str, Tale], apart: Collection[type[Effect]]) -> tuple[dict[str, Tale], tuple[Joint, ...]]:
-    """Return the tales with what axes have by one value joined, and what that is."""
-    afters, earlies = ({axis: getattr(tale, part) for axis, tale in tales.items()} for part in ("after", "early"))
-    wholes, lates = ({axis: getattr(tale, part) for axis, tale in tales.items()} for part in ("whole", "late"))
-    early, late = joined(afters, earlies, apart), joined(wholes, lates, apart)
-    changed = {
-        axis: replace(
-            tale, after=early.fits[axis], early=early.searches[axis], whole=late.fits[axis], late=late.searches[axis]
-        )
-        for axis, tale in tales.items()
-    }
-    return changed, late.joints
-
-
-def _of_joint(joint: Joint) -> Finding:
-    """Return an effect of one value on several axes as a finding."""
-    errors = NORMAL * np.sqrt(np.diag(joint.pool.covariance))
-    units = joint.effect.units(axis_unit(joint.axes[0]))
-    parameters = {
-        name: Interval(value, value - error, value + error, units[name])
-        for name, value, error in zip(joint.free, joint.pool.value.tolist(), errors.tolist(), strict=True)
-    }
-    return Finding(dict.fromkeys(joint.axes, joint.effect), parameters, log_chance(joint.pool.gain, len(joint.free)))
-
-
-def _outputs(model: ErrorModel, axis: str) -> tuple[Effect, ...]:
-    """Return the effects of an axis that act on the output behind the filter."""
-    return tuple(effect for effect in _effects(model, axis) if effect.stage > Stage.FILTER)
-
-
-def _found_outputs(record: PreparedLog, axis: str, known: tuple[Effect, ...]) -> tuple[Effect, ...]:
-    return known + tuple(finding.effects[axis] for finding in record.findings if axis in finding.effects)
-
-
-def _between_runs(
-    logs: Sequence[pd.DataFrame], wholes: Mapping[str, AxisFit], known: ErrorModel, question: Question, log_alpha: float
-) -> tuple[Finding, ...]:
-    """Return what differs between the runs."""
-    if len(logs) < 2:
-        return ()
-    fits = [wholes]
-    for log in logs[1:]:
-        sequences = prepare(log, None, question.seed, question.start, question.catalogue).sequences
-        whole = {axis: part(sequences[axis], 0, len(sequences[axis].values)) for axis in wholes if axis in sequences}
-        starts = {axis: described(_effects(known, axis), one) for axis, one in whole.items()}
-        fits.append({axis: as_first(one, starts[axis].terms, wholes[axis]) for axis, one in whole.items()})
-    return (*turn_on(fits, log_alpha, question.catalogue), *clocks(fits, log_alpha, question.catalogue))
-
-
-def _left(
-    seen: Sequence[ViewTest],
-    stories: Mapping[str, Story],
-    record: PreparedLog,
-    common: Sequence[Finding],
-    question: Question,
-    outputs: Mapping,
-) -> tuple[tuple[ViewTest, ...], tuple[Gap, ...]]:
-    """Return all views of the final model, and where it leaves the log.
-
-    Axes on which nothing was seen are as they were; axes whose noise is shared are not held against each other.
-    """
-    fits = {axis: story.whole for axis, story in stories.items()}
-    known = {axis: _found_outputs(record, axis, outputs[axis]) for axis in fits}
-    changed = {axis for axis, story in stories.items() if story.seen or known[axis] != outputs[axis]}
-    alike = {frozenset(pair) for finding in common for pair in _pairs(finding.axes)}
-    with _many(question.workers) as each:
-        judged = view_tests(fits, question.seed + 1, question.replicates, known, changed, each)
-    judged += [one for one in seen if not changed & one.axes]
-    left = tuple(gap for gap in significant_gaps(judged, question.alpha) if not _common(gap, alike))
-    return tuple(one for one in judged if not _common(one.curve, alike)), left
-
-
-def _common(one: Gap | Curve, alike: set[frozenset[str]]) -> bool:
-    """Return whether a place or a curve is of what two axes have in common, which is known."""
-    return one.view == COHERENCE and frozenset(one.axis.split(",")) in alike
-
-
-def _unsteady(stories: Mapping[str, Story]) -> tuple[Gap, ...]:
+def _line_gaps(results: Mapping[str, AxisResult]) -> tuple[Gap, ...]:
     """Return the places of lines that are not steady; neither model has them."""
     return tuple(
         Gap("line", axis, band.low, band.high, "Hz", float(np.exp(max(band.log_p, CERTAIN))))
-        for axis, story in stories.items()
-        for band in story.bands
+        for axis, result in results.items()
+        for band in result.bands
     )
 
 
-def nameless_places(stories: Mapping[str, Story], places: Sequence[Gap], alpha: float) -> tuple[Gap, ...]:
-    """Return where what has no name was seen for certain, of the axes on which no view shows it."""
+def nameless_places(results: Mapping[str, AxisResult], places: Sequence[Gap], alpha: float) -> tuple[Gap, ...]:
+    """Return the places of withheld names on the axes of which no view shows a place."""
     shown = {axis for place in places for axis in place.axis.split(",")}
-    unseen = [one.place for axis, story in stories.items() if axis not in shown for one in story.withheld]
+    unseen = [one.place for axis, result in results.items() if axis not in shown for one in result.withheld]
     return tuple(place for place in unseen if place.p_value < alpha)
 
 
-def _effects(model: ErrorModel, axis: str) -> tuple[Effect, ...]:
-    return tuple(model.axes.get(axis, AxisModel()))
-
-
 def _news(findings: Iterable[Finding], known: ErrorModel) -> tuple[Finding, ...]:
-    """Return the findings of which the start model does not have that kind on every axis of it."""
+    """Return the findings whose kind the start model does not have on every axis of it."""
 
     def old(finding: Finding) -> bool:
-        axes = finding.effects.items()
-        return all(any(isinstance(one, type(effect)) for one in _effects(known, axis)) for axis, effect in axes)
+        effects = finding.effects.items()
+        return all(any(isinstance(one, type(effect)) for one in axis_effects(known, axis)) for axis, effect in effects)
 
     return tuple(finding for finding in findings if not old(finding))
 
 
-def _of_noise(wholes: Mapping[str, AxisFit], start: ErrorModel | None) -> tuple[Finding, ...]:
-    """Return the white noise of the axes of which a start model has no noise at all."""
-    silent = [axis for axis in wholes if start is not None and not any(map(noisy, _effects(start, axis)))]
+def _noise_findings(wholes: Mapping[str, AxisFit], start: ErrorModel | None) -> tuple[Finding, ...]:
+    """Return the white noise of the axes for which a start model has no noise at all."""
+    silent = [axis for axis in wholes if start is not None and not any(map(noisy, axis_effects(start, axis)))]
     return tuple(finding for axis in silent for finding in noise_of(wholes[axis]))
-
-
-def _kept(known: ErrorModel, record: PreparedLog, wholes: Mapping[str, AxisFit]) -> dict[str, tuple[Effect, ...]]:
-    """Return the effects that stay as the start model has them: what the log cannot tell, and those of the clock."""
-    kept = {axis: tuple(effects) for axis, effects in known.axes.items()}
-    for axis, found in wholes.items():
-        effects = kept.get(axis, ())
-        known = found.description.outliers is not None
-        rare = () if known else tuple(one for one in effects if one.role is Role.OUTLIERS)
-        kept[axis] = (*untold(effects, record.sequences[axis]), *rare)
-    return kept
-
-
-def _with_kept(model: ErrorModel, kept: Mapping[str, tuple[Effect, ...]]) -> ErrorModel:
-    more = {axis: AxisModel((*effects, *_effects(model, axis))) for axis, effects in kept.items()}
-    return ErrorModel({**model.axes, **more})
 
 
 def _pairs(axes: Sequence[str]) -> list[tuple[str, str]]:
     return [(one, other) for one in axes for other in axes if one < other]
-
-
-def _model(
-    fits: Mapping[str, AxisFit],
-    known: ErrorModel,
-    findings: Sequence[Finding] = (),
-    beside: Mapping[str, tuple[Effect, ...]] = MappingProxyType({}),
-) -> ErrorModel:
-    """Return the fits of all axes as a model, with what was found outside of them and what they are without.
-
-    One device has one clock: of those of several other runs the first.
-    """
-    axes = {
-        axis: AxisModel((*model_of(fit), *beside.get(axis, ()), *_outputs(known, axis))) for axis, fit in fits.items()
-    }
-    for finding in findings:
-        for axis, effect in finding.effects.items():
-            if not (axis == TIME and any(isinstance(one, type(effect)) for one in axes.get(axis, ()))):
-                axes[axis] = _with(axes.get(axis, AxisModel()), effect)
-    return ErrorModel(
-        {axis: _ahead(model, fits[axis].sequence) if axis in fits else model for axis, model in axes.items()}
-    )
-
-
-def _ahead(model: AxisModel, sequence: AxisSequence) -> AxisModel:
-    """Return the model whose rounded values are like those to which it was fitted."""
-    effects = unrounded(model, model, sequence)
-    if sequence.conditions.ideal is None:
-        mean = float(sequence.values.mean())
-        shift = level_before_rounding(mean, effects, sequence.conditions.interval) - mean
-        return shifted(AxisModel(effects), shift)
-    return AxisModel(effects)
-
-
-def _with(model: AxisModel, effect: Effect) -> AxisModel:
-    """Return the model with an effect more; noise that is shared is no longer the axis' own."""
-    if effect.shared:
-        own = [
-            replace(one, density=float(np.sqrt(max(one.density**2 - (effect.density * effect.loading) ** 2, 0.0))))
-            if one.white
-            else one
-            for one in model
-        ]
-        return AxisModel((*own, effect))
-    return AxisModel((*model, effect))

@@ -10,8 +10,9 @@ import pandas as pd
 
 from imugap import log
 from imugap.discovery import report
-from imugap.discovery.device import Discovery, Progress, Question, discover
+from imugap.discovery.device import Discovery, Question, discover
 from imugap.discovery.preparation.prepare import in_reference_gap
+from imugap.discovery.steps import Progress
 from imugap.effects.effect import Role
 from imugap.integrity.timestamps import Stamps, stamps
 from imugap.interchange.plugins import catalogue

@@ -101,8 +101,8 @@ def verdict(found: Discovery) -> str:
     lines = [_sentence(finding) for finding in found.findings] or [f"Nothing is missing that {nameless}."]
     lines += [f"{axis}: something like {name}, but {reason}; not named." for axis, name, reason in found.withheld]
     lines += [_slope(one) for one in found.described]
-    if found.untold:
-        kept = ", ".join(f"{name} of {axis}" for axis, name in found.untold)
+    if found.undetermined:
+        kept = ", ".join(f"{name} of {axis}" for axis, name in found.undetermined)
         lines.append(f"The log cannot tell {kept}; kept as the start model has it.")
     if found.unexplained:
         places = "; ".join(dict.fromkeys(place(gap) for gap in found.unexplained))

@@ -8,7 +8,7 @@ from scipy.ndimage import uniform_filter1d
 from scipy.special import ndtr
 from scipy.stats import binom
 
-from imugap.discovery.axis import concluded, power_law_finding, told, without_unnamed
+from imugap.discovery.axis import conclude, power_law_finding, search_axis, without_unnamed
 from imugap.discovery.checks import LEVEL, SHARE, doubts
 from imugap.discovery.checks import gaussianity as samples
 from imugap.discovery.checks.all_checks import means_as_power_law, steps_of_unnamed, variance_of_unnamed
@@ -61,11 +61,11 @@ def sequence(*effects, added=None, count=COUNT, label="doubts", temperature=None
 
 
 def story_of(data):
-    return concluded(told(data, (), tuple(CATALOGUE.values()), LOG_ALPHA, int(0.8 * len(data.values))))
+    return conclude(search_axis(data, (), tuple(CATALOGUE.values()), LOG_ALPHA, int(0.8 * len(data.values))))
 
 
-def names(story):
-    return sorted(finding.name for finding in story.findings)
+def names(result):
+    return sorted(finding.name for finding in result.findings)
 
 
 def explored(data, *kinds):
@@ -231,13 +231,13 @@ def test_noise_that_is_rather_a_trend_is_not_in_the_model_as_noise():
 @pytest.mark.slow
 def test_slow_noise_in_doubt_is_no_line_that_sweeps(monkeypatch):
     data = sequence(RandomWalk(3e-5), count=300_000, label="w0")
-    tale = told(data, (), (RandomWalk,), LOG_ALPHA, 240_000)
-    walk = tale.late.added(tale.whole.description)
-    assert swept(without(tale.whole, walk), LOG_ALPHA) != ()
+    searched = search_axis(data, (), (RandomWalk,), LOG_ALPHA, 240_000)
+    walk = searched.late.added(searched.whole.description)
+    assert swept(without(searched.whole, walk), LOG_ALPHA) != ()
     monkeypatch.setattr("imugap.discovery.axis.doubts", lambda search, found: dict.fromkeys(walk, Doubt(LAW, -20.0)))
-    story = concluded(tale)
-    assert [one.name for one in story.withheld] == ["random_walk"]
-    assert story.bands == ()
+    result = conclude(searched)
+    assert [one.name for one in result.withheld] == ["random_walk"]
+    assert result.bands == ()
 
 
 def test_a_step_in_doubt_beside_slow_noise_is_not_in_the_model_as_noise():

@@ -9,7 +9,7 @@ from scipy.signal import butter, lfilter
 from scipy.stats import binom
 
 from imugap import log
-from imugap.discovery.axis import concluded, told
+from imugap.discovery.axis import conclude, search_axis
 from imugap.discovery.checks.motion import samples_in_motion
 from imugap.discovery.fit.axis_fit import Description, Term, fit
 from imugap.discovery.fit.whittle import Noise
@@ -48,16 +48,16 @@ def conditions_of(axis, ideal):
     return Conditions(ideal.index.to_numpy(), INTERVAL, None, axis, ideal)
 
 
-def tale(axis, ideal, *effects, added=0.0):
+def searched(axis, ideal, *effects, added=0.0):
     conditions = conditions_of(axis, ideal)
     own = conditions.error_free
     error = AxisModel((WhiteNoise(1e-3), *effects)).simulate(own, conditions, 1, "motion") - own
     sequence = AxisSequence(error + added, conditions, np.zeros(COUNT, bool))
-    return told(sequence, (), tuple(CATALOGUE.values()), LOG_ALPHA, int(0.8 * COUNT))
+    return search_axis(sequence, (), tuple(CATALOGUE.values()), LOG_ALPHA, int(0.8 * COUNT))
 
 
-def story(axis, ideal, *effects, added=0.0):
-    return concluded(tale(axis, ideal, *effects, added=added))
+def result(axis, ideal, *effects, added=0.0):
+    return conclude(searched(axis, ideal, *effects, added=added))
 
 
 @pytest.mark.slow
@@ -72,7 +72,7 @@ def story(axis, ideal, *effects, added=0.0):
 )
 @pytest.mark.parametrize("beside", [(), (GaussMarkov(5e-3, 5.0),), (OutputFilter(5.0, 2),)])
 def test_what_answers_the_motion_keeps_its_name(axis, effect, beside):
-    found = story(axis, turning(), effect, *beside)
+    found = result(axis, turning(), effect, *beside)
     assert sorted(finding.name for finding in found.findings) == sorted(one.name for one in (effect, *beside))
     assert not found.withheld
 
@@ -81,7 +81,7 @@ def test_what_answers_the_motion_keeps_its_name(axis, effect, beside):
 @pytest.mark.parametrize("coupled", [0.8, 0.95])
 def test_an_accelerometer_that_answers_the_rate_leans_to_no_axis(coupled):
     ideal = turning(coupled)
-    found = story("accel_z", ideal, added=2e-3 * ideal["gyro_z"].to_numpy())
+    found = result("accel_z", ideal, added=2e-3 * ideal["gyro_z"].to_numpy())
     assert not found.findings
     assert "another function of the motion explains it better" in {one.reason for one in found.withheld}
 
@@ -92,7 +92,7 @@ def test_a_wavy_transfer_is_no_noise(waves):
     """An interpolation error repeats itself over the input; as the input moves, its spectrum is that of slow noise."""
     ideal = turning()
     rate = ideal["gyro_z"].to_numpy()
-    found = story("gyro_z", ideal, added=4e-3 * np.sin(2 * np.pi * waves * rate / np.ptp(rate)))
+    found = result("gyro_z", ideal, added=4e-3 * np.sin(2 * np.pi * waves * rate / np.ptp(rate)))
     assert not found.findings
     assert "another function of the motion explains it better" in {one.reason for one in found.withheld}
 
@@ -140,7 +140,7 @@ def test_a_cube_about_where_the_input_is_is_no_scale_factor(gravity):
     ideal = turning()
     moved = ideal["accel_z"].to_numpy()
     ideal["accel_z"] += gravity
-    found = story("accel_z", ideal, added=3e-3 * moved**3)
+    found = result("accel_z", ideal, added=3e-3 * moved**3)
     assert not found.findings
     assert "another function of the motion explains it better" in {one.reason for one in found.withheld}
 
@@ -152,7 +152,7 @@ def test_an_error_that_goes_with_the_heading_is_no_noise(waves):
     ideal = turning()
     heading = INTERVAL * np.cumsum(0.2 * ideal["gyro_z"].to_numpy())
     ideal["gyro_z"] *= 0.2
-    found = story("gyro_x", ideal, added=2e-3 * np.sin(waves * heading + 1))
+    found = result("gyro_x", ideal, added=2e-3 * np.sin(waves * heading + 1))
     assert not found.findings
     assert {one.reason for one in found.withheld} == {"another function of the motion explains it better"}
 
@@ -163,7 +163,7 @@ def test_a_play_is_neither_what_it_looks_like_nor_the_noise_that_takes_it_up(hal
     """A delay, a filter, outliers: each of them explains some of it."""
     ideal = turning()
     own = np.ascontiguousarray(ideal["gyro_y"])
-    found = story("gyro_y", ideal, added=play(own, half * own.std()) - own)
+    found = result("gyro_y", ideal, added=play(own, half * own.std()) - own)
     assert not found.findings
     assert found.withheld
 
@@ -173,10 +173,10 @@ def test_what_has_no_name_is_not_searched_through_again_in_the_whole_log():
     """It stands for whatever a search would make of it, and the search would go on and on."""
     ideal = turning()
     rate = ideal["gyro_x"].to_numpy()
-    found = tale("gyro_x", ideal, added=np.where(np.abs(rate) < 0.1 * rate.std(), -rate, 0.0))
+    found = searched("gyro_x", ideal, added=np.where(np.abs(rate) < 0.1 * rate.std(), -rate, 0.0))
     early, whole = ([type(one) for one in part.description.effects()] for part in (found.after, found.whole))
     assert whole == early != [WhiteNoise]
-    told_of = concluded(found)
+    told_of = conclude(found)
     assert not told_of.findings
     assert {one.reason for one in told_of.withheld} == {"another function of the motion explains it better"}
 
@@ -187,7 +187,7 @@ def test_noise_that_grows_with_the_motion_has_no_name(axis, size):
     ideal = turning()
     change = np.gradient(ideal[axis].to_numpy())
     noise = size * stream(9, "grows").standard_normal(COUNT) * change / change.std()
-    found = story("gyro_y", ideal, added=1e-3 / np.sqrt(INTERVAL) * noise)
+    found = result("gyro_y", ideal, added=1e-3 / np.sqrt(INTERVAL) * noise)
     assert not found.findings
     assert found.withheld
 
@@ -198,7 +198,7 @@ def test_noise_that_differs_at_rest_has_no_name():
     moving = INTERVAL * np.arange(COUNT) > 20
     ideal = turning().mul(moving, axis=0)
     noise = stream(6, "rest").standard_normal(COUNT) * moving
-    found = story("gyro_y", ideal, added=1e-3 / np.sqrt(INTERVAL) * noise)
+    found = result("gyro_y", ideal, added=1e-3 / np.sqrt(INTERVAL) * noise)
     assert not found.findings
     assert "the variance goes with the motion" in {one.reason for one in found.withheld}
 
@@ -206,7 +206,7 @@ def test_noise_that_differs_at_rest_has_no_name():
 @pytest.mark.slow
 @pytest.mark.parametrize("effect", [Outliers(1e-3, 0.05), VarianceChange(100.0, 150.0, 1.6)])
 def test_what_comes_at_times_of_its_own_keeps_its_name_in_motion(effect):
-    found = story("gyro_y", turning(), effect)
+    found = result("gyro_y", turning(), effect)
     assert [finding.name for finding in found.findings] == [effect.name]
     assert not found.withheld
 
@@ -226,7 +226,7 @@ def test_vibration_is_told_from_the_motion_beneath_it(own):
     power = np.repeat(rng.uniform(0.0, 3.0, 20), COUNT // 20)
     fast = lfilter(*butter(2, 0.4, "high"), rng.standard_normal((3, COUNT))) * power
     shaken = ideal.assign(**{axis: ideal[axis] + more for axis, more in zip(log.ACCEL, fast, strict=True)})
-    found = story("accel_y", shaken, VibrationRectification(5e-4, 0.1, own))
+    found = result("accel_y", shaken, VibrationRectification(5e-4, 0.1, own))
     assert [finding.name for finding in found.findings] == ["vibration_rectification"]
     assert found.findings[0].effects["accel_y"].own == own
     assert found.findings[0].parameters["coefficient"].value == pytest.approx(5e-4, rel=0.25)

@@ -5,7 +5,7 @@ import pytest
 from tests.discovery.simulated import LOG_ALPHA, WHITE, beside_white, names, plain, sequence
 
 from imugap.benchmark.sealing.noise import fractional
-from imugap.discovery.axis import concluded, told
+from imugap.discovery.axis import conclude, search_axis
 from imugap.discovery.checks import Doubt, doubts
 from imugap.discovery.checks.all_checks import means_of_unnamed, spectrum_of_unnamed
 from imugap.discovery.checks.hysteresis import MEMORY, in_place_of_means
@@ -38,9 +38,9 @@ def test_a_line_that_drifts_is_a_place_without_a_name():
     time = data.conditions.time
     chirp = 2.5e-3 * np.cos(2 * np.pi * (0.5 * time + 2.0 * time**2 / (2 * time[-1])))
     moving = AxisSequence(data.values + chirp, data.conditions, data.flawed)
-    story = concluded(told(moving, (), tuple(CATALOGUE.values()), LOG_ALPHA, 9600))
-    assert names(story) == []
-    places = [gap for gap in find_gaps({"gyro_x": story.whole}, 0.01, 0, 39) if gap.view == "spectrum"]
+    result = conclude(search_axis(moving, (), tuple(CATALOGUE.values()), LOG_ALPHA, 9600))
+    assert names(result) == []
+    places = [gap for gap in find_gaps({"gyro_x": result.whole}, 0.01, 0, 39) if gap.view == "spectrum"]
     assert any(gap.low < 2.5 and gap.high > 0.5 for gap in places)
 
 
@@ -105,10 +105,10 @@ def test_the_power_of_a_line_that_sweeps_is_no_noise():
     time = data.conditions.time
     turns = 0.5 * time + 0.5 * (2.1 - 0.5) * time**2 / time[-1]
     moved = replace(data, values=data.values + 1.0e-3 * np.sin(2 * np.pi * turns))
-    story = concluded(told(moved, (), (GaussMarkov, Sinusoid), LOG_ALPHA, 19_200))
-    assert names(story) == []
-    assert [one.reason for one in story.withheld] == ["a line that sweeps or wanders explains it"]
-    (band,) = story.bands
+    result = conclude(search_axis(moved, (), (GaussMarkov, Sinusoid), LOG_ALPHA, 19_200))
+    assert names(result) == []
+    assert [one.reason for one in result.withheld] == ["a line that sweeps or wanders explains it"]
+    (band,) = result.bands
     assert (band.low, band.high) == pytest.approx((0.5, 2.1), rel=0.05)
 
 
@@ -118,9 +118,9 @@ def test_beside_a_line_that_sweeps_noise_of_other_frequencies_keeps_its_name():
     time = data.conditions.time
     turns = 2.0 * time + 0.5 * (4.0 - 2.0) * time**2 / time[-1]
     moved = replace(data, values=data.values + 1.0e-3 * np.sin(2 * np.pi * turns))
-    story = concluded(told(moved, (), (GaussMarkov, Sinusoid), LOG_ALPHA, 19_200))
-    assert names(story) == ["gauss_markov"]
-    assert len(story.bands) == 1
+    result = conclude(search_axis(moved, (), (GaussMarkov, Sinusoid), LOG_ALPHA, 19_200))
+    assert names(result) == ["gauss_markov"]
+    assert len(result.bands) == 1
 
 
 @pytest.mark.slow
@@ -148,7 +148,7 @@ def test_a_loop_over_the_temperature_is_no_walk():
     found = []
     for added in (2e-3 * (warming - np.array(dragged)), walk):
         data = AxisSequence(white + added, conditions, np.zeros(len(time), bool))
-        found.append(concluded(told(data, (), tuple(CATALOGUE.values()), LOG_ALPHA, 12_800)))
+        found.append(conclude(search_axis(data, (), tuple(CATALOGUE.values()), LOG_ALPHA, 12_800)))
     loop, wandering = found
     assert names(loop) == []
     assert loop.seen
@@ -167,7 +167,7 @@ def test_a_loop_over_a_temperature_that_warms_up_is_neither_temperature_nor_warm
     white, found = WHITE.sample(conditions, stream(4, "white2")), []
     for added in (loop, both):
         data = AxisSequence(white + added, conditions, np.zeros(len(time), bool))
-        found.append(concluded(told(data, (), tuple(CATALOGUE.values()), LOG_ALPHA, 19_200)))
+        found.append(conclude(search_axis(data, (), tuple(CATALOGUE.values()), LOG_ALPHA, 19_200)))
     assert names(found[0]) == []
     assert found[0].seen
     assert names(found[1]) == ["temperature", "warm_up"]
@@ -234,9 +234,9 @@ def between_walk_and_flicker(time, rng):
     ],
 )
 def test_what_is_nearly_an_effect_has_a_place_and_no_name(added, view, low, high):
-    story = concluded(told(beside_white(added), (), tuple(CATALOGUE.values()), LOG_ALPHA, 16_000))
-    assert names(story) == []
-    places = [one.place for one in story.withheld if one.place.view == view]
+    result = conclude(search_axis(beside_white(added), (), tuple(CATALOGUE.values()), LOG_ALPHA, 16_000))
+    assert names(result) == []
+    places = [one.place for one in result.withheld if one.place.view == view]
     assert all(place.axis == "gyro_x" and place.p_value < 0.01 for place in places)
     assert any(place.low <= low and high <= place.high for place in places)
 

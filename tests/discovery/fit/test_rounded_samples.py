@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.stats import binom, kstest
 
-from imugap.discovery.axis import concluded, told
+from imugap.discovery.axis import conclude, search_axis
 from imugap.discovery.fit.axis_fit import Description, fit
 from imugap.discovery.fit.rounded_samples import Cells, ahead
 from imugap.discovery.fit.whittle import Noise
@@ -40,8 +40,8 @@ def cells_of(found):
     return Cells.of(found.sequence, found.description.noise, found.residual, found.scale)
 
 
-def story(sequence):
-    return concluded(told(sequence, (), tuple(CATALOGUE.values()), LOG_ALPHA, int(0.8 * COUNT)))
+def result(sequence):
+    return conclude(search_axis(sequence, (), tuple(CATALOGUE.values()), LOG_ALPHA, int(0.8 * COUNT)))
 
 
 @pytest.mark.parametrize("step", STEPS)
@@ -124,7 +124,7 @@ def test_nothing_is_asked_where_the_noise_is_not_told_from_the_rest():
 
 @pytest.mark.slow
 def test_outliers_on_a_coarse_lattice_have_their_name_and_size():
-    (finding,) = story(rounded(1.9, 1, Outliers(0.05, 6.8))).findings
+    (finding,) = result(rounded(1.9, 1, Outliers(0.05, 6.8))).findings
     assert finding.name == "outliers"
     assert finding.parameters["probability"].low < 0.05 < finding.parameters["probability"].high
     assert finding.parameters["std"].low < 6.8 < finding.parameters["std"].high
@@ -133,7 +133,7 @@ def test_outliers_on_a_coarse_lattice_have_their_name_and_size():
 @pytest.mark.slow
 @pytest.mark.parametrize("label", range(4))
 def test_a_walk_through_a_coarse_lattice_is_a_walk_alone(label):
-    assert [one.name for one in story(rounded(2.6, label, walk=0.01)).findings] == ["random_walk"]
+    assert [one.name for one in result(rounded(2.6, label, walk=0.01)).findings] == ["random_walk"]
 
 
 @pytest.mark.slow
@@ -145,7 +145,7 @@ def test_a_filter_ahead_of_a_lattice_has_its_cutoff(cutoff, order, step):
     output = smooth.passed(stream(7, "filtered").standard_normal(COUNT), INTERVAL)
     step = step * output.std()
     conditions = Conditions(INTERVAL * np.arange(COUNT), INTERVAL, axis="gyro_x")
-    found = story(AxisSequence(step * np.rint(output / step), conditions, np.zeros(COUNT, bool), step=step))
+    found = result(AxisSequence(step * np.rint(output / step), conditions, np.zeros(COUNT, bool), step=step))
     (finding,) = found.findings
     assert finding.effects["gyro_x"].order == order
     assert finding.parameters["cutoff"].low < cutoff < finding.parameters["cutoff"].high

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from tests.discovery.simulated import COUNT, INTERVAL, LOG_ALPHA, WHITE, filtered, names, sequence
 
-from imugap.discovery.axis import concluded, told
+from imugap.discovery.axis import conclude, search_axis
 from imugap.discovery.fit.axis_fit import Description, fit
 from imugap.discovery.fit.whittle import Noise
 from imugap.discovery.preparation.cosine_bins import usable_share
@@ -16,9 +16,9 @@ from imugap.stream import stream
 @pytest.mark.slow
 @pytest.mark.parametrize(("order", "cutoff"), [(1, 0.5), (2, 0.5), (4, 1.5)])
 def test_a_step_behind_a_filter_is_one_and_has_its_time_and_size(order, cutoff):
-    story = filtered(order, cutoff, np.where(INTERVAL * np.arange(COUNT) >= 431.2, 0.02, 0.0))
-    assert names(story) == ["bias_step", "output_filter"]
-    step, smooth = sorted(story.findings, key=lambda finding: finding.name)
+    result = filtered(order, cutoff, np.where(INTERVAL * np.arange(COUNT) >= 431.2, 0.02, 0.0))
+    assert names(result) == ["bias_step", "output_filter"]
+    step, smooth = sorted(result.findings, key=lambda finding: finding.name)
     assert step.parameters["time"].low <= 431.2 <= step.parameters["time"].high
     assert step.parameters["time"].high - step.parameters["time"].low < 2.0
     assert step.parameters["step"].value == pytest.approx(0.02, rel=0.02)
@@ -29,10 +29,10 @@ def test_a_step_behind_a_filter_is_one_and_has_its_time_and_size(order, cutoff):
 @pytest.mark.parametrize(("order", "cutoff"), [(1, 2.0), (2, 0.5), (3, 5.0)])
 @pytest.mark.parametrize("before", [0.05, 1.0])
 def test_a_filter_that_settles_is_a_filter_and_no_more(order, cutoff, before):
-    story = filtered(order, cutoff, before=before)
-    assert names(story) == ["output_filter"]
-    assert not story.withheld
-    assert story.findings[0].parameters["cutoff"].value == pytest.approx(cutoff, rel=0.05)
+    result = filtered(order, cutoff, before=before)
+    assert names(result) == ["output_filter"]
+    assert not result.withheld
+    assert result.findings[0].parameters["cutoff"].value == pytest.approx(cutoff, rel=0.05)
 
 
 @pytest.mark.slow
@@ -43,9 +43,9 @@ def test_a_filter_is_found_behind_noise_that_went_far_to_look_like_it(known, cut
     data, hidden = sequence(known), OutputFilter(cutoff, 2)
     output = hidden.apply(data.values, data.conditions, stream(1))
     filtered = replace(data, values=output, share=usable_share(output))
-    story = concluded(told(filtered, (WHITE, known), tuple(CATALOGUE.values()), LOG_ALPHA, 19_200))
-    assert names(story) == ["output_filter"]
-    (found,) = story.findings
+    result = conclude(search_axis(filtered, (WHITE, known), tuple(CATALOGUE.values()), LOG_ALPHA, 19_200))
+    assert names(result) == ["output_filter"]
+    (found,) = result.findings
     assert found.parameters["cutoff"].low < cutoff < found.parameters["cutoff"].high
 
 

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from tests.discovery.simulated import COUNT, INTERVAL, LOG_ALPHA, WHITE, names, plain, sequence, told_of
 
-from imugap.discovery.axis import concluded, told
+from imugap.discovery.axis import conclude, search_axis
 from imugap.discovery.fit.axis_fit import Description, fit
 from imugap.discovery.fit.whittle import Noise
 from imugap.discovery.preparation.sequence import AxisSequence
@@ -53,9 +53,9 @@ from imugap.stream import stream
     ids=lambda effect: effect.name,
 )
 def test_an_effect_is_named_with_its_size(effect):
-    story = told_of(effect)
-    assert names(story) == [effect.name]
-    for name, interval in story.findings[0].parameters.items():
+    result = told_of(effect)
+    assert names(result) == [effect.name]
+    for name, interval in result.findings[0].parameters.items():
         if name in ("phase", "time", "start", "stop") or interval.low == interval.high:
             continue
         wide = 2.0 * (interval.high - interval.low)
@@ -69,8 +69,8 @@ def test_a_pair_that_masquerades_as_one():
 
 @pytest.mark.slow
 def test_nothing_hidden_is_called_nothing():
-    stories = [told_of(count=6000, label=f"nothing{run}") for run in range(12)]
-    assert sum(bool(story.findings) for story in stories) == 0
+    results = [told_of(count=6000, label=f"nothing{run}") for run in range(12)]
+    assert sum(bool(result.findings) for result in results) == 0
 
 
 @pytest.mark.slow
@@ -81,8 +81,8 @@ def test_nothing_hidden_is_called_nothing():
 def test_slow_noise_of_the_start_model_does_not_stand_for_what_is_missing(hidden, known):
     """It is free, and takes the place of what is hidden; beside it there is no room for the right name."""
     data = sequence(hidden, known)
-    story = concluded(told(data, (WHITE, known), (GaussMarkov, BiasInstability), LOG_ALPHA, 19_200))
-    assert names(story) == [hidden.name]
+    result = conclude(search_axis(data, (WHITE, known), (GaussMarkov, BiasInstability), LOG_ALPHA, 19_200))
+    assert names(result) == [hidden.name]
 
 
 @pytest.mark.slow
@@ -116,8 +116,8 @@ def switching(high, low, label):
 )
 def test_two_values_are_one_telegraph_noise_if_they_are_about_as_frequent(high, low, expected):
     data = switching(high, low, "switching")
-    story = concluded(told(data, (), tuple(CATALOGUE.values()), LOG_ALPHA, int(0.8 * COUNT)))
-    assert [finding.name for finding in story.findings if finding.name == "random_telegraph"] == expected
+    result = conclude(search_axis(data, (), tuple(CATALOGUE.values()), LOG_ALPHA, int(0.8 * COUNT)))
+    assert [finding.name for finding in result.findings if finding.name == "random_telegraph"] == expected
 
 
 @pytest.mark.slow
@@ -125,7 +125,7 @@ def test_two_values_are_one_telegraph_noise_if_they_are_about_as_frequent(high, 
 def test_nothing_depends_on_the_unit(unit):
     data = sequence(GaussMarkov(3e-3, 5.0), RandomWalk(1e-4))
     here, there = (
-        concluded(told(one, (), tuple(CATALOGUE.values()), LOG_ALPHA, int(0.8 * COUNT)))
+        conclude(search_axis(one, (), tuple(CATALOGUE.values()), LOG_ALPHA, int(0.8 * COUNT)))
         for one in (data, data.with_values(unit * data.values))
     )
     assert names(here) == names(there)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.stats import chi2
 
-from imugap.discovery.axis import concluded, told
+from imugap.discovery.axis import conclude, search_axis
 from imugap.discovery.fit.axis_fit import Description, fit
 from imugap.discovery.fit.telegraph_likelihood import filtered
 from imugap.discovery.fit.whittle import Noise
@@ -123,9 +123,9 @@ def test_nothing_is_taken_out_where_no_two_values_stand_beside_what_reverts(effe
 @pytest.mark.parametrize("run", range(2))
 def test_telegraph_noise_and_a_markov_process_on_one_axis_are_both_named(run):
     data = sequence(SWITCHES, REVERTS, label=f"pair {run}")
-    story = concluded(told(data, (), (BiasStep, GaussMarkov, RandomWalk), LOG_ALPHA, int(0.8 * COUNT)))
-    assert sorted(finding.name for finding in story.findings) == ["gauss_markov", "random_telegraph"]
-    for finding in story.findings:
+    result = conclude(search_axis(data, (), (BiasStep, GaussMarkov, RandomWalk), LOG_ALPHA, int(0.8 * COUNT)))
+    assert sorted(finding.name for finding in result.findings) == ["gauss_markov", "random_telegraph"]
+    for finding in result.findings:
         truth = (SWITCHES if finding.name == "random_telegraph" else REVERTS).parameters()
         for name, interval in finding.parameters.items():
             assert 0.5 * interval.low < truth[name] < 2 * interval.high
@@ -137,8 +137,8 @@ def test_switches_in_noise_that_changes_are_named_beside_the_change():
     change = VarianceChange(500.0, 700.0, 8.0)
     data = sequence(SWITCHES, change, label="changed")
     catalogue = (BiasStep, GaussMarkov, RandomWalk, VarianceChange)
-    story = concluded(told(data, (), catalogue, LOG_ALPHA, int(0.8 * COUNT)))
-    found = {finding.name: finding.parameters for finding in story.findings}
+    result = conclude(search_axis(data, (), catalogue, LOG_ALPHA, int(0.8 * COUNT)))
+    found = {finding.name: finding.parameters for finding in result.findings}
     assert sorted(found) == ["random_telegraph", "variance_change"]
     for name, value in SWITCHES.parameters().items():
         assert 0.5 * found["random_telegraph"][name].low < value < 2 * found["random_telegraph"][name].high
@@ -164,7 +164,9 @@ def test_a_cluster_of_switches_is_no_change_of_the_noise(run):
     data = sequence(RandomTelegraph(1.5e-2, 0.1), label=f"cluster {run}")
     values = data.values.copy()
     values[12_000:12_005] += 1.5e-2 * (1 if values[11_990:12_000].mean() < values.mean() else -1)
-    story = concluded(
-        told(data.with_values(values), (), (RandomWalk, GaussMarkov, VarianceChange), LOG_ALPHA, int(0.8 * COUNT))
+    result = conclude(
+        search_axis(
+            data.with_values(values), (), (RandomWalk, GaussMarkov, VarianceChange), LOG_ALPHA, int(0.8 * COUNT)
+        )
     )
-    assert [finding.name for finding in story.findings] == ["random_telegraph"]
+    assert [finding.name for finding in result.findings] == ["random_telegraph"]

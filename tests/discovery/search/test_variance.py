@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from tests.discovery.simulated import COUNT, INTERVAL, LOG_ALPHA, WHITE, names, sequence, told_of
 
-from imugap.discovery.axis import concluded, told
+from imugap.discovery.axis import conclude, search_axis
 from imugap.discovery.fit.axis_fit import Description, fit
 from imugap.discovery.fit.whittle import Noise
 from imugap.discovery.preparation.sequence import AxisSequence
@@ -29,9 +29,9 @@ LOUDER = VarianceChange(1000.0, 1200.0, 2.4)
 def test_outliers_beside_a_louder_stretch_have_their_share_and_size_and_it_its_ratio(change, label):
     """Its noise is not taken for small outliers, nor they for noise."""
     outliers = Outliers(5e-4, 0.1)
-    story = told_of(outliers, change, count=100_000, label=label)
-    assert names(story) == ["outliers", "variance_change"]
-    found = {name: interval for finding in story.findings for name, interval in finding.parameters.items()}
+    result = told_of(outliers, change, count=100_000, label=label)
+    assert names(result) == ["outliers", "variance_change"]
+    found = {name: interval for finding in result.findings for name, interval in finding.parameters.items()}
     for name, truth in {**outliers.parameters(), "ratio": change.ratio}.items():
         error = (found[name].high - found[name].low) / 3.92
         assert abs(found[name].value - truth) < 3 * error < truth
@@ -56,8 +56,8 @@ def test_one_outlier_far_beyond_the_others_is_no_change_of_the_variance(apart):
     data, rng = sequence(BiasInstability(3e-4)), stream(apart, "outliers")
     places, white = rng.choice(COUNT, 20, replace=False), WHITE.density / np.sqrt(INTERVAL)
     data.values[places] += np.r_[40.0, np.full(19, 10.0)] * white * rng.choice([-1.0, 1.0], 20)
-    story = concluded(told(data, (), tuple(CATALOGUE.values()), LOG_ALPHA, int(0.8 * COUNT)))
-    assert names(story) == ["bias_instability", "outliers"]
+    result = conclude(search_axis(data, (), tuple(CATALOGUE.values()), LOG_ALPHA, int(0.8 * COUNT)))
+    assert names(result) == ["bias_instability", "outliers"]
 
 
 @pytest.mark.slow

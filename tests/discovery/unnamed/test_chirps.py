@@ -3,7 +3,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from imugap.discovery.axis import concluded, told
+from imugap.discovery.axis import conclude, search_axis
 from imugap.discovery.checks import beside_a_sweep
 from imugap.discovery.fit.axis_fit import Description, fit
 from imugap.discovery.fit.whittle import Noise
@@ -60,10 +60,10 @@ def test_chance_is_not_taken_for_a_sweep_more_often_than_stated():
 @pytest.mark.slow
 def test_a_faint_chirp_is_a_place_without_a_name():
     conditions = Conditions(INTERVAL * np.arange(COUNT), INTERVAL, axis="accel_y")
-    data = AxisSequence(1e-2 * (white("story") + chirp(1.5, 5.0, 12)), conditions, np.zeros(COUNT, bool))
-    story = concluded(told(data, (), tuple(CATALOGUE.values()), LOG_ALPHA, int(0.8 * COUNT)))
-    assert story.findings == ()
-    (band,) = story.bands
+    data = AxisSequence(1e-2 * (white("result") + chirp(1.5, 5.0, 12)), conditions, np.zeros(COUNT, bool))
+    result = conclude(search_axis(data, (), tuple(CATALOGUE.values()), LOG_ALPHA, int(0.8 * COUNT)))
+    assert result.findings == ()
+    (band,) = result.bands
     assert band.low < 2 < 4 < band.high
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.stats import binom
 
-from imugap.discovery.axis import concluded, told
+from imugap.discovery.axis import conclude, search_axis
 from imugap.discovery.fit.axis_fit import Description, Term, fit
 from imugap.discovery.fit.whittle import Noise
 from imugap.discovery.preparation.sequence import AxisSequence
@@ -111,6 +111,6 @@ def test_chance_makes_as_much_of_white_noise_no_more_often_than_said():
 @pytest.mark.slow
 def test_a_tone_that_wanders_is_no_noise_and_no_filter():
     data = sequence(added=0.6 * STD * wandering(2.0, 4.0))
-    found = concluded(told(data, (), tuple(CATALOGUE.values()), np.log(0.01 / 6 / 28), int(0.8 * COUNT)))
+    found = conclude(search_axis(data, (), tuple(CATALOGUE.values()), np.log(0.01 / 6 / 28), int(0.8 * COUNT)))
     assert not found.findings
     assert found.bands

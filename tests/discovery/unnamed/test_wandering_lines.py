@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from imugap.discovery.axis import concluded, told
+from imugap.discovery.axis import conclude, search_axis
 from imugap.discovery.fit.axis_fit import Description, cosine_coefficients, fit
 from imugap.discovery.fit.whittle import Noise
 from imugap.discovery.preparation.sequence import AxisSequence
@@ -73,14 +73,14 @@ def test_samples_on_few_levels_stay_coarse_without_a_band():
 @pytest.mark.slow
 def test_beside_a_wandering_line_the_others_keep_their_names():
     data = sequence(BiasStep(700.0, 4e-3), BiasInstability(1e-3), line=4e-3)
-    story = concluded(told(data, (), tuple(CATALOGUE.values()), LOG_ALPHA, int(0.8 * COUNT)))
-    assert sorted(finding.name for finding in story.findings) == ["bias_instability", "bias_step"]
-    (band,) = story.bands
+    result = conclude(search_axis(data, (), tuple(CATALOGUE.values()), LOG_ALPHA, int(0.8 * COUNT)))
+    assert sorted(finding.name for finding in result.findings) == ["bias_instability", "bias_step"]
+    (band,) = result.bands
     assert band.low < LINE_HZ < band.high
 
 
 @pytest.mark.slow
 def test_a_wandering_line_alone_gets_no_name():
-    story = concluded(told(sequence(line=4e-3), (), tuple(CATALOGUE.values()), LOG_ALPHA, int(0.8 * COUNT)))
-    assert story.findings == ()
-    assert len(story.bands) == 1
+    result = conclude(search_axis(sequence(line=4e-3), (), tuple(CATALOGUE.values()), LOG_ALPHA, int(0.8 * COUNT)))
+    assert result.findings == ()
+    assert len(result.bands) == 1

@@ -7,7 +7,7 @@ from itertools import chain, islice
 import pandas as pd
 from threadpoolctl import threadpool_limits
 
-from imugap.discovery.axis import Story
+from imugap.discovery.axis import AxisResult
 from imugap.discovery.evaluation.distance import (
     SIDES,
     Distances,
@@ -34,23 +34,25 @@ LEVELLED = 0.2
 
 
 def compare_held_out(
-    record: PreparedLog, stories: Mapping[str, Story], start: ErrorModel, model: Callable
+    record: PreparedLog, results: Mapping[str, AxisResult], start: ErrorModel, model: Callable
 ) -> HeldOutComparison:
     """Return the last part of the log with models whose parameters come from the part before it.
 
     Where only the last part shows an effect, the parameters of its axis come from the whole log.
     """
-    fits = {axis: story.after if story.settled else story.whole for axis, story in stories.items()}
-    before = UncertainModel.of(_in_run(start), {axis: story.before for axis, story in stories.items()})
+    fits = {axis: result.after if result.settled else result.whole for axis, result in results.items()}
+    before = UncertainModel.of(_in_run(start), {axis: result.before for axis, result in results.items()})
     return _compared(record, HELD_IN, before, UncertainModel.of(_in_run(model(fits)), fits))
 
 
 def compare_test_run(
-    test: pd.DataFrame, stories: Mapping[str, Story], start: ErrorModel, final: ErrorModel, seed: int
+    test: pd.DataFrame, results: Mapping[str, AxisResult], start: ErrorModel, final: ErrorModel, seed: int
 ) -> HeldOutComparison:
     """Return a further run with the models of the first one, without what happened in that one alone."""
-    record = prepare(test[[name for name in test if name in stories or name == TEMPERATURE]], seed=seed)
-    befores, afters = ({axis: getattr(story, name) for axis, story in stories.items()} for name in ("before", "whole"))
+    record = prepare(test[[name for name in test if name in results or name == TEMPERATURE]], seed=seed)
+    befores, afters = (
+        {axis: getattr(result, name) for axis, result in results.items()} for name in ("before", "whole")
+    )
     before = UncertainModel.of(_in_another(start, befores, record.sequences), befores)
     after = UncertainModel.of(_in_another(final, afters, record.sequences), afters)
     return _compared(record, LEVELLED, before, after)

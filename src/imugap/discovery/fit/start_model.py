@@ -31,7 +31,7 @@ def noisy(effect: Effect) -> bool:
     return effect.role is Role.NOISE and all(effect.parameters().values())
 
 
-def untold(effects: Sequence[Effect], sequence: AxisSequence) -> tuple[Effect, ...]:
+def undetermined(effects: Sequence[Effect], sequence: AxisSequence) -> tuple[Effect, ...]:
     """Return the effects that no fit to the log of one axis adjusts, and that its output does not show either.
 
     What takes a motion or a temperature that is not known, and what differs between runs only.

@@ -1,0 +1,83 @@
+"""Stages that pool the axes of a device: one kind of slow noise for a sensor, and effects of one value."""
+
+from collections.abc import Collection, Iterable, Sequence
+from dataclasses import replace
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from imugap.discovery.axis import AxisResult, AxisSearch, conclude, search_axis
+from imugap.discovery.checks.motion import ANOTHER
+from imugap.discovery.finding import Finding, Interval
+from imugap.discovery.search.intervals import NORMAL, axis_unit
+from imugap.discovery.search.noise_agreement import agreed
+from imugap.discovery.search.search import log_chance
+from imugap.discovery.search.shared_effects import Joint, joined
+from imugap.discovery.steps import Steps, of_each_axis
+from imugap.effects.effect import Effect
+
+
+def search_each(arguments: Sequence[tuple], axes: Iterable[str], workers: int, steps: Steps) -> dict[str, AxisSearch]:
+    """Search each axis; ``arguments`` are those of :func:`imugap.discovery.axis.search_axis`."""
+    return of_each_axis(search_axis, arguments, axes, workers, steps, "search")
+
+
+def agree_on_noise(searches: dict[str, AxisSearch]) -> dict[str, AxisSearch]:
+    """Give the axes of a sensor one kind of slow noise where their samples do not contradict it."""
+    with threadpool_limits(1):
+        after = agreed(_each(searches, "after"), _each(searches, "early"))
+        whole = agreed(_each(searches, "whole"), _each(searches, "late"))
+    return {axis: replace(one, after=after[axis], whole=whole[axis]) for axis, one in searches.items()}
+
+
+def name_pooled(
+    searches: dict[str, AxisSearch],
+    workers: int,
+    log_alpha: float,
+    steps: Steps,
+    apart: tuple[type[Effect], ...] = (),
+) -> tuple[dict[str, AxisResult], tuple[Joint, ...]]:
+    """Pool effects shared by several axes, and name those of each axis; kinds ``apart`` are not pooled.
+
+    Not pooled is what is certain only together with axes on which another function of the motion explains more.
+    """
+    pooled, joints = _pool(searches, apart)
+    results = of_each_axis(conclude, [(one,) for one in pooled.values()], pooled, workers, steps, "names")
+    moved = {axis for axis, result in results.items() if any(one.reason == ANOTHER for one in result.withheld)}
+    touched = [joint for joint in joints if moved & set(joint.axes)]
+    uncertain = [type(joint.effect) for joint in touched if not joint.certain(set(joint.axes) - moved, log_alpha)]
+    if not uncertain:
+        return results, joints
+    steps.count += len(searches)
+    return name_pooled(searches, workers, log_alpha, steps, (*apart, *uncertain))
+
+
+def pooled_finding(joint: Joint) -> Finding:
+    """Return an effect of one value on several axes as a finding."""
+    errors = NORMAL * np.sqrt(np.diag(joint.pool.covariance))
+    units = joint.effect.units(axis_unit(joint.axes[0]))
+    parameters = {
+        name: Interval(value, value - error, value + error, units[name])
+        for name, value, error in zip(joint.free, joint.pool.value.tolist(), errors.tolist(), strict=True)
+    }
+    return Finding(dict.fromkeys(joint.axes, joint.effect), parameters, log_chance(joint.pool.gain, len(joint.free)))
+
+
+def _pool(
+    searches: dict[str, AxisSearch], apart: Collection[type[Effect]]
+) -> tuple[dict[str, AxisSearch], tuple[Joint, ...]]:
+    """Return the searches with the effects of one value held, and these effects."""
+    early = joined(_each(searches, "after"), _each(searches, "early"), apart)
+    late = joined(_each(searches, "whole"), _each(searches, "late"), apart)
+    held = {
+        axis: replace(
+            one, after=early.fits[axis], early=early.searches[axis], whole=late.fits[axis], late=late.searches[axis]
+        )
+        for axis, one in searches.items()
+    }
+    return held, late.joints
+
+
+def _each(searches: dict[str, AxisSearch], name: str) -> dict:
+    """Return one attribute of the search of each axis."""
+    return {axis: getattr(one, name) for axis, one in searches.items()}
