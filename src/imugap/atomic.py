@@ -1,4 +1,4 @@
-"""Files that are there whole or not at all."""
+"""Atomic writing of files: completely or not at all."""
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
@@ -7,7 +7,7 @@ from pathlib import Path
 
 @contextmanager
 def atomic(path: str | Path) -> Iterator[Path]:
-    """Give a temporary path to write to; it gets its name ``path`` if the block succeeds, and goes if it fails."""
+    """Yield a temporary path to write to; rename it to ``path`` if the block succeeds, remove it if it fails."""
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     partial = path.with_name(path.name + ".partial")
@@ -20,7 +20,7 @@ def atomic(path: str | Path) -> Iterator[Path]:
 
 
 def write_together(writers: Mapping[str | Path, Callable[[Path], object]]) -> None:
-    """Write several files, or none if one of them fails; each writer is given a temporary path."""
+    """Write several files, or none if one of them fails; each writer gets a temporary path."""
     with ExitStack() as stack:
         for path, write in writers.items():
             write(stack.enter_context(atomic(path)))

@@ -1,7 +1,7 @@
-"""The canonical log: a table of one device over time, checked once, at reading.
+"""Canonical log: table of one device over time, checked once, at reading.
 
 Index ``time`` [s], strictly increasing; columns from :data:`AXES` (rad/s, m/s^2, in this order, any subset) and
-optionally ``temperature`` [degC]. What a log *is* lives here; how foreign files become one is :mod:`imugap.io.readers`.
+optionally ``temperature`` [degC]. Readers of files are in :mod:`imugap.io.readers`.
 """
 
 from pathlib import Path
@@ -16,20 +16,20 @@ ACCEL = ("accel_x", "accel_y", "accel_z")
 AXES = GYRO + ACCEL
 TEMPERATURE = "temperature"
 TIME = "time"
-"""Name of the index; the errors of the clock stand under it in an error model."""
+"""Name of the index, and of the pseudo-axis of clock errors in an error model."""
 COLUMNS = (*AXES, TEMPERATURE)
 
 
 class LogError(ValueError):
-    """A log that is not what it should be: which file, where in it, what was expected, what was found."""
+    """Invalid log: source, location, expected and found."""
 
     def __init__(self, source: str | Path, place: str, expected: str, found: str) -> None:
-        """Compose the message from its four parts; each stays readable as an attribute."""
+        """Compose the message from its four parts, which are also attributes."""
         self.source, self.place, self.expected, self.found = str(source), place, expected, found
         super().__init__(f"{source}: {place}: expected {expected}; found {found}")
 
     def __reduce__(self):
-        """Survive pickling between processes."""
+        """Support pickling between processes."""
         return type(self), (self.source, self.place, self.expected, self.found)
 
 
@@ -51,7 +51,7 @@ def from_samples(samples: dict[str, np.ndarray], interval_s: float, start_s: flo
 
 
 def check(log: pd.DataFrame, source: str | Path = "log") -> pd.DataFrame:
-    """Return ``log`` if it keeps the contract; otherwise raise a :class:`LogError` that says where it does not."""
+    """Return ``log`` if it is valid; otherwise raise a :class:`LogError` with the location of the fault."""
     unknown = [name for name in log.columns if name not in COLUMNS]
     if unknown:
         raise LogError(source, "columns", f"a subset of {', '.join(COLUMNS)}", ", ".join(map(str, unknown)))
@@ -84,20 +84,20 @@ def check(log: pd.DataFrame, source: str | Path = "log") -> pd.DataFrame:
 
 
 def axes(log: pd.DataFrame) -> tuple[str, ...]:
-    """Return the inertial axes that the log has, in canonical order."""
+    """Return the inertial axes of the log, in canonical order."""
     return tuple(name for name in AXES if name in log.columns)
 
 
 def triad(axis: str) -> tuple[str, ...]:
-    """Return the three axes of the triad that ``axis`` belongs to."""
+    """Return the three axes of the triad of ``axis``."""
     return GYRO if axis in GYRO else ACCEL
 
 
 def interval(log: pd.DataFrame) -> float:
     """Return the sampling interval [s]: the mean step among those within half of the median step.
 
-    Stamps quantised to a third of the interval or finer average out, and lost samples (steps of two intervals and more)
-    do not count.
+    Stamps rounded to a third of the interval or finer average out; lost samples (steps of two intervals or more) are
+    excluded.
     """
     steps = np.diff(log.index.to_numpy())
     median = np.median(steps)
@@ -111,12 +111,12 @@ def rate(log: pd.DataFrame) -> float:
 
 
 def duration(log: pd.DataFrame) -> float:
-    """Return the time that the log covers [s], the last sample's interval included."""
+    """Return the duration of the log [s], including the interval of the last sample."""
     return float(log.index[-1] - log.index[0]) + interval(log)
 
 
 def write(log: pd.DataFrame, path: str | Path) -> None:
-    """Write the log as Parquet or, where the name ends so, as CSV; no half-written log is ever found."""
+    """Write the log as Parquet or CSV, by the suffix of ``path``, completely or not at all."""
     writers = {".parquet": log.to_parquet, ".csv": log.to_csv}
     suffix = Path(path).suffix
     if suffix not in writers:
@@ -126,5 +126,5 @@ def write(log: pd.DataFrame, path: str | Path) -> None:
 
 
 def load(path: str | Path, columns: list[str] | None = None) -> pd.DataFrame:
-    """Load a canonical Parquet log that this package wrote (already checked); ``columns`` saves memory."""
+    """Load a canonical Parquet log written by this package, without a check; ``columns`` selects columns."""
     return pd.read_parquet(path, columns=columns)

@@ -1,4 +1,4 @@
-"""Error models: an immutable sum of effects for each axis; the same object simulates, estimates and filters."""
+"""Error models of a device: an immutable sum of effects for each axis, for simulation, estimation and filters."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
@@ -44,12 +44,12 @@ def conditions(ideal: pd.DataFrame) -> dict[str, Conditions]:
 
 @dataclass(frozen=True)
 class ErrorModel:
-    """The errors of a device: an :class:`AxisModel` for each axis (canonical names), and for the clock (``time``)."""
+    """Error model of a device: an :class:`AxisModel` for each axis (canonical names), and for the clock (``time``)."""
 
     axes: Mapping[str, AxisModel]
 
     def __post_init__(self) -> None:
-        """Keep a copy that nobody can change; every effect has to be at home on its axis."""
+        """Store a read-only copy; ValueError where an effect is not defined on its axis."""
         object.__setattr__(self, "axes", MappingProxyType(dict(self.axes)))
         for axis, model in self.axes.items():
             for effect in model:
@@ -59,7 +59,7 @@ class ErrorModel:
                     raise ValueError(f"{axis}: {error}") from error
 
     def __reduce__(self) -> tuple:
-        """Pickle as a plain mapping: what guards it cannot be pickled."""
+        """Pickle as a plain mapping: a read-only mapping cannot be pickled."""
         return type(self), (dict(self.axes),)
 
     def __getitem__(self, axis: str) -> AxisModel:
@@ -74,11 +74,10 @@ class ErrorModel:
     def simulate(
         self, ideal: pd.DataFrame, seed: int, *labels: object, at: Mapping[str, Conditions] | None = None
     ) -> pd.DataFrame:
-        """Return the log that the device would have written for the error-free log ``ideal``.
+        """Simulate the log of the device for the error-free log ``ideal``.
 
-        Axes without a model pass unchanged. The temperature, where ``ideal`` has one, drives the effects. The errors
-        of the clock come last. ``at`` are the conditions of ``ideal`` (:func:`conditions`), which know what several
-        logs share.
+        Axes without a model are unchanged. The errors of the clock are applied last. ``at`` are the conditions of
+        ``ideal`` (:func:`conditions` by default), which several simulations may share.
         """
         at = at or conditions(ideal)
         measured = {
@@ -100,7 +99,7 @@ class ErrorModel:
 
     @classmethod
     def from_mapping(cls, mapping: Mapping, catalogue: Mapping[str, type[Effect]] = CATALOGUE) -> "ErrorModel":
-        """Build from plain data; an unknown axis, effect or parameter is a ValueError that names the nearest."""
+        """Build from plain data; ValueError with the nearest name for an unknown axis, effect or parameter."""
         axes = {}
         for axis, items in mapping.items():
             _known(axis, (*log.AXES, log.TIME), "axis")
@@ -132,14 +131,14 @@ def _effect(axis: str, name: str, values: Mapping | None, catalogue: Mapping[str
 
 
 def _number(value):
-    """Return what YAML took for text because it has an exponent without a point (1e-4) as the number that it is."""
+    """Convert a number that YAML reads as text, because it has an exponent without a point (1e-4)."""
     try:
         return float(value)
     except (TypeError, ValueError):
         return value
 
 
-def _known(name: str, known, what: str) -> None:
+def _known(name: str, known, subject: str) -> None:
     if name not in known:
         near = get_close_matches(str(name).lower(), list(known), 1) or [", ".join(known)]
-        raise ValueError(f"{what}: expected {near[0]}; found {name!r}")
+        raise ValueError(f"{subject}: expected {near[0]}; found {name!r}")

@@ -1,4 +1,4 @@
-"""Named random streams: the same seed and labels give the same numbers, whatever else is drawn."""
+"""Named random streams: the same seed and labels give the same numbers, independent of other streams."""
 
 from zlib import crc32
 
@@ -6,7 +6,7 @@ import numpy as np
 
 
 def stream(seed: int, *labels: object) -> np.random.Generator:
-    """Return the generator that belongs to ``seed`` and ``labels``.
+    """Return the random generator of ``seed`` and ``labels``.
 
     A label is identified by its text, so ``stream(1, "run", 2)`` and ``stream(1, "run", "2")`` are the same stream.
     Labels are encoded one by one: ``("ab", "c")`` and ``("a", "bc")`` differ, and so do ``("a",)`` and ``("a", "")``.

@@ -1,6 +1,6 @@
-"""Conversion at the door: multiply by a factor to come in (SI), divide by it to go out (datasheet units).
+"""Conversion of units: multiply by a factor to SI, divide by it from SI.
 
-The table holds every unit that a file, a published table or a data sheet of this study uses. Standard gravity is the
+The table has every unit of a file, a published table or a data sheet of this study. Standard gravity is the
 conventional value 9.80665 m/s^2 (BIPM, SI brochure, 9th ed.), used only to convert units, never as local gravity.
 """
 
@@ -55,7 +55,7 @@ def from_si(value, unit: str):
 
 
 def factor(unit: str) -> float:
-    """Return how many SI units one ``unit`` is; an unknown unit is a ValueError that lists the known ones."""
+    """Return the number of SI units per ``unit``; ValueError with the known ones if unknown."""
     if unit not in FACTORS:
         raise ValueError(f"unit: expected one of {', '.join(FACTORS)}; found {unit!r}")
     return FACTORS[unit]

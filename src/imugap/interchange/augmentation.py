@@ -1,4 +1,4 @@
-"""State augmentation: what a filter adds to its state for the errors of its sensors (Farrell et al. 2022, eq. 5)."""
+"""State augmentation: the states of a filter for the errors of its sensors (Farrell et al. 2022, eq. 5)."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -14,8 +14,8 @@ from imugap.numerics.state_space import StateSpace
 def augmentation(model: AxisModel) -> StateSpace:
     """Return the states of one axis: those of its random processes and a constant one for its turn-on bias.
 
-    A random walk and a bias that is constant but unknown cannot be told apart later on: where the model has both, they
-    share a state. The fixed bias is taken to be compensated; effects of the signal chain are not modelled.
+    A random walk and an unknown constant bias are not separately observable: where the model has both, they share a
+    state. The fixed bias is taken as compensated; effects of the signal chain are not modelled.
     """
     random = model.state_space()
     variance = sum(effect.std**2 for effect in model if isinstance(effect, TurnOnBias))
@@ -30,7 +30,7 @@ def augmentation(model: AxisModel) -> StateSpace:
 
 
 def residual(truth: StateSpace, modelled: StateSpace) -> StateSpace:
-    """Return the error that is left when a filter of model ``modelled`` compensates a sensor of model ``truth``.
+    """Return the residual error of a sensor of model ``truth`` compensated by a filter of model ``modelled``.
 
     The states are those of the truth, then the filter's estimates, which move between updates as the filter predicts
     them: without noise, from zero. It is the dual state of a suboptimal filter (Maybeck 1979, sec. 6.8).

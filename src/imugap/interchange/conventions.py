@@ -1,11 +1,10 @@
-"""How the tools that people use name the noise of an inertial sensor, and what they take the numbers for.
+"""Noise parameters of common filters and simulators: names, units, and how they follow from an error model.
 
-Every convention was read in the code that uses the numbers, not only in the comment beside them: the value given here
-is the one with which the tool propagates the covariance (or draws the noise) of the model. ``source`` names repository
-and file.
+Every convention was read in the code that uses the numbers: the value given here is the one with which the tool
+propagates the covariance (or draws the noise) of the model. ``source`` gives repository and file.
 
-A tool has white noise and at most one slow process. What a model has beyond that is reduced (:class:`Reduced`): the
-white noises to one, and random walk, Gauss-Markov, flicker and power-law processes together to one process of the
+A tool has white noise and at most one slow process. Other effects are reduced (:class:`Reduced`): white noises
+to one, and random walk, Gauss-Markov, flicker and power-law processes together to one process of the
 tool's kind with the same Allan variance at one averaging time, the horizon. For a Gauss-Markov process far slower than
 the horizon this is a random walk with K^2 = S_B = 2 std^2/T; a random walk keeps its K.
 """
@@ -22,38 +21,37 @@ from imugap.effects.effect import AxisModel
 from imugap.effects.power_law import STEEPEST
 
 SLOW = (RandomWalk, GaussMarkov, BiasInstability, PowerLaw)
-"""Effects that are reduced to the one slow process of a tool."""
+"""Effects that are reduced to the slow process of a tool."""
 KEPT = (WhiteNoise, Bias, TurnOnBias, *SLOW)
 HOUR = 3600.0
 LONGEST = 100.0
-"""The floor of the Allan deviation is looked for up to this many horizons."""
+"""Largest averaging time [horizons] in the search for the floor of the Allan deviation."""
 
 
 class Triad(StrEnum):
-    """How three axes become the one number that a tool takes for them."""
+    """Combination of three axes to one number, where a tool has one for a triad."""
 
     MEAN_SQUARE = "rms"
-    """Root mean square: the variance summed over the axes is kept."""
+    """Root mean square: keeps the sum of the variances of the axes."""
     WORST = "worst"
     """The largest: no axis is underestimated (what allan_variance_ros does)."""
 
 
 @dataclass(frozen=True)
 class Rule:
-    """How a model is reduced to what a tool can hold.
+    """Rule of the reduction of a model to the parameters of a tool.
 
     Attributes
     ----------
     rate
         Sampling rate [Hz].
     horizon
-        Averaging time [s] at which the Allan variance of the slow part is kept: about as long as the tool has to rely
-        on the sensor alone.
+        Averaging time [s] at which the Allan variance of the slow part is kept: about the longest time without aiding.
     correlation_time
-        Correlation time [s] of the slow process, where the tool has a Gauss-Markov process. None leaves an axis whose
-        only slow process is one Gauss-Markov process its own, and gives any other :data:`HOUR`.
+        Correlation time [s] of the slow process, where the tool has a Gauss-Markov process. None keeps that of an
+        axis whose only slow process is one Gauss-Markov process, and is :data:`HOUR` for any other.
     triad
-        How three axes become one number.
+        Combination of three axes to one number.
     """
 
     rate: float
@@ -62,7 +60,7 @@ class Rule:
     triad: Triad = Triad.MEAN_SQUARE
 
     def __post_init__(self) -> None:
-        """Refuse times and rates that are not positive."""
+        """Check that times and rates are finite and positive."""
         for name in ("rate", "horizon", "correlation_time"):
             value = getattr(self, name)
             if value is not None and not 0 < value < inf:
@@ -71,16 +69,16 @@ class Rule:
 
 @dataclass(frozen=True)
 class Reduced:
-    """What a tool can hold of the error of an axis, or of three axes together; SI.
+    """Reduced error model of an axis, or of three axes together; SI.
 
     Attributes
     ----------
     white
         N.
     walk
-        K of the random walk that stands for the slow part.
+        K of the random walk that replaces the slow part.
     markov, correlation_time
-        Standard deviation and T of the Gauss-Markov process that stands for it.
+        Standard deviation and T of the Gauss-Markov process that replaces it.
     floor
         Smallest Allan deviation of the model.
     bias, turn_on
@@ -97,7 +95,7 @@ class Reduced:
 
 
 def reduced(axis: str, model: AxisModel, rule: Rule) -> Reduced:
-    """Reduce the model of an axis; a model without white noise, without which no tool starts, is a ValueError."""
+    """Reduce the model of an axis; ValueError without white noise, which every tool requires."""
     white = hypot(*(effect.density for effect in _of(model, WhiteNoise)))
     if not white:
         raise ValueError(f"{axis}: expected white noise; found {', '.join(e.name for e in model) or 'no effect'}")
@@ -130,7 +128,7 @@ def combined(axes: Iterable[Reduced], triad: Triad) -> Reduced:
 
 
 def left_out(model: AxisModel) -> list[Effect]:
-    """Return the effects that no tool here can hold."""
+    """Return the effects that no tool here represents."""
     return [effect for effect in model if not isinstance(effect, KEPT)]
 
 
@@ -140,14 +138,14 @@ def _of(model: AxisModel, kind: type | tuple[type, ...]) -> list:
 
 @dataclass(frozen=True)
 class Parameter:
-    """A number that a tool takes.
+    """Parameter of a tool.
 
     Attributes
     ----------
     name, meaning, unit, formula
-        As the tool names it; what it is; unit (of :mod:`imugap.units`); how it follows from N, K, sigma and T.
+        Name in the tool; meaning; unit (of :mod:`imugap.units`); formula in N, K, sigma and T.
     value
-        The number from the reduced model, SI.
+        Function of the reduced model, SI.
     """
 
     name: str
@@ -159,7 +157,7 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Convention:
-    """The numbers that a tool takes for gyroscopes and accelerometers, and the files in which this was read."""
+    """Parameters of a tool for gyroscopes and accelerometers, and the source files of the convention."""
 
     tool: str
     source: str

@@ -1,4 +1,4 @@
-"""What a data sheet says of a sensor, and the error models that can be made from it (Farrell et al. 2022)."""
+"""Error models from the figures of a data sheet (Farrell et al. 2022)."""
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
@@ -13,25 +13,25 @@ from imugap.effects.gauss_markov import FLAT_TOP
 
 
 class Slow(StrEnum):
-    """A slow process of a model."""
+    """Slow process of a model."""
 
     WALK = "K"
     GAUSS_MARKOV = "B"
     """Bias instability as one Gauss-Markov state."""
     FLICKER = "flicker"
-    """Bias instability as it is: no filter of finite order holds it."""
+    """Bias instability as flicker noise, which has no state space of finite order."""
 
 
 @dataclass(frozen=True)
 class DataSheet:
-    """The figures of one sensor; SI, ``u`` its unit.
+    """Figures of one sensor; SI, ``u`` its unit.
 
     Attributes
     ----------
     white, flicker, walk
         N [u/sqrt(Hz)], B [u], K [u/s/sqrt(Hz)].
     correlation_time
-        T_B [s], which puts the flat top of a Gauss-Markov process at the averaging time of the floor.
+        T_B [s], at which the peak of a Gauss-Markov process is at the averaging time of the floor.
     turn_on
         Standard deviation of the bias from power-on to power-on [u].
     """
@@ -43,7 +43,7 @@ class DataSheet:
     turn_on: float
 
     def gauss_markov(self) -> GaussMarkov:
-        """Return the process whose Allan deviation has its flat top at the floor 0.664 B (eqs. 32, 37 and 38)."""
+        """Return the process whose Allan deviation peaks at the floor 0.664 B (eqs. 32, 37 and 38)."""
         unit = GaussMarkov(1.0, self.correlation_time)
         top = np.sqrt(unit.allan_variance(FLAT_TOP * self.correlation_time))
         return GaussMarkov(float(FLOOR * self.flicker / top), self.correlation_time)
@@ -65,10 +65,10 @@ MODELS: Mapping[str, tuple[Slow, ...]] = {
     "N + B": (Slow.GAUSS_MARKOV,),
     "N + B + K": (Slow.GAUSS_MARKOV, Slow.WALK),
 }
-"""The models that a filter may take, by the title that pages show; a turn-on bias is in each."""
+"""Models of a filter by their titles; each also has a turn-on bias."""
 
 TRUTHS: Mapping[str, tuple[Slow, ...]] = {
     "gauss_markov": (Slow.GAUSS_MARKOV, Slow.WALK),
     "flicker": (Slow.FLICKER, Slow.WALK),
 }
-"""What the sensors really do: the largest model itself, or the flicker noise that it stands for."""
+"""True processes of the sensors: the largest model itself, or the flicker noise that it approximates."""

@@ -1,7 +1,7 @@
-"""Files of a fitted error model for the filters and simulators that people use, and for one's own filter.
+"""Export of an error model to common filters and simulators, and as a state space for one's own filter.
 
-The numbers and their sources are those of :mod:`imugap.interchange.conventions`. Each file begins with what was kept,
-what was approximated and how well, and what was left out.
+The conventions are those of :mod:`imugap.interchange.conventions`. Each file begins with the effects that were kept,
+approximated (and how well), and omitted.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -38,7 +38,7 @@ TRIADS = {"gyro": log.GYRO, "accel": log.ACCEL}
 
 
 class Target(StrEnum):
-    """What a model is exported to."""
+    """Target of an export."""
 
     KALIBR = "kalibr"
     """Kalibr's imu.yaml; OpenVINS reads the same keys below imu0."""
@@ -47,11 +47,11 @@ class Target(StrEnum):
     GAZEBO = "gazebo"
     KF_GINS = "kf-gins"
     IMUGAP = "imugap"
-    """The model with its discrete state space per axis, for a filter of one's own."""
+    """The model with its discrete state space per axis."""
 
     @classmethod
     def of(cls, name: str) -> "Target":
-        """Return the target of that name; an unknown one is a ValueError that names the nearest."""
+        """Return the target of the given name; ValueError with the nearest one if unknown."""
         if name not in list(cls):
             near = get_close_matches(name.lower(), list(cls), 1) or [", ".join(cls)]
             raise ValueError(f"target: expected {near[0]}; found {name!r}")
@@ -61,7 +61,7 @@ class Target(StrEnum):
 def export(model: ErrorModel, target: Target, rule: Rule) -> str:
     """Return the text of the file for ``target``.
 
-    A model that lacks an axis, or white noise on one, or what the target insists on, is a ValueError.
+    A model without an axis, white noise, or a process that the target requires is a ValueError.
     """
     if target is Target.IMUGAP:
         return _own(model, rule)
@@ -88,7 +88,7 @@ def _vins(model: ErrorModel, rule: Rule) -> str:
 
 
 def _per_triad(model: ErrorModel, convention: Convention, rule: Rule, reason: str) -> tuple[list[str], list[str]]:
-    """Return notes and lines for a tool that takes one white noise and one random walk for each triad."""
+    """Return notes and lines for a tool with one white noise and one random walk for each triad."""
     axes = _reduced(model, rule)
     triads = {kind: combined((axes[axis] for axis in own), rule.triad) for kind, own in TRIADS.items()}
     for kind, one in triads.items():
@@ -208,12 +208,12 @@ def _by_kind(convention: Convention) -> dict[str, tuple[Parameter, ...]]:
 
 
 def _markovian(axes: Mapping[str, Reduced]) -> dict[str, Sequence[Effect]]:
-    """Return what a tool with a white noise and a Gauss-Markov process per axis takes."""
+    """Return white noise and Gauss-Markov process of each axis."""
     return {axis: (WhiteNoise(one.white), GaussMarkov(one.markov, one.correlation_time)) for axis, one in axes.items()}
 
 
 def _head(model: ErrorModel, convention: Convention, rule: Rule, taken: Mapping[str, Sequence[Effect]]) -> list[str]:
-    """Say what the file is for, what was left out, and how far what is ``taken`` for an axis is from its model."""
+    """Return the head of a file: target, sources, Allan deviation of the exported effects over the model, omissions."""
     tau = np.geomspace(1 / rule.rate, 10 * rule.horizon, 200)
     ratios = {
         axis: np.sqrt(AxisModel(tuple(effects)).allan_variance(tau) / model[axis].allan_variance(tau))
@@ -238,7 +238,7 @@ def _shown(parameter: Parameter, of: Reduced, rule: Rule) -> float:
 
 
 def _number(value: float) -> str:
-    """Return a number that YAML 1.1 reads as one: with a point, also where it has an exponent."""
+    """Format a number for YAML 1.1: with a decimal point also where it has an exponent."""
     return "0.0" if value == 0 else f"{value:.6e}"
 
 

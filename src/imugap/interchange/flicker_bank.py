@@ -1,8 +1,8 @@
-"""Flicker noise by a bank of Gauss-Markov states: what a filter of finite order can have of it.
+"""Approximation of flicker noise by a bank of Gauss-Markov states, for a filter of finite order.
 
 No linear model of finite order has the spectrum B^2/(2 pi f), an odd power of f (Farrell et al. 2022, section on bias
-instability). A sum of Gauss-Markov processes with correlation times evenly spaced on a log axis comes as near to its
-flat Allan deviation, over a given range of averaging times, as the number of states allows.
+instability). A sum of Gauss-Markov processes with correlation times evenly spaced on a log axis approximates its flat
+Allan deviation over a given range of averaging times.
 """
 
 from functools import lru_cache
@@ -15,13 +15,13 @@ from imugap.effects.effect import AxisModel
 from imugap.effects.gauss_markov import FLAT_TOP
 
 POINTS_PER_DECADE = 40
-"""Averaging times at which the bank is fitted and its error is taken."""
+"""Averaging times per decade at which the bank is fitted and its error computed."""
 
 
 def bank(density_b: float, shortest: float, longest: float, states: int) -> AxisModel:
     """Return the sum of Gauss-Markov processes nearest to flicker noise over a range of averaging times.
 
-    Correlation times and variances make the largest relative error of the Allan deviation over the range least.
+    Correlation times and variances minimise the largest relative error of the Allan deviation over the range.
 
     Parameters
     ----------
@@ -59,14 +59,14 @@ def _unit_bank(ratio: float, states: int) -> tuple[tuple[float, float], ...]:
     def times(place):
         return np.exp(middle + place[0] + (reach + place[1]) * np.linspace(-1, 1, states) * (states > 1))
 
-    best = minimize(lambda place: _least(times(place), ratio)[1], np.zeros(2), method="Nelder-Mead", tol=1e-4)
-    variances, bound = _least(times(best.x), ratio)
+    best = minimize(lambda place: _minimax(times(place), ratio)[1], np.zeros(2), method="Nelder-Mead", tol=1e-4)
+    variances, bound = _minimax(times(best.x), ratio)
     balance = 2 / (np.sqrt(1 + bound) + np.sqrt(1 - bound))
     return tuple(zip(times(best.x).tolist(), (np.sqrt(variances) * balance).tolist(), strict=True))
 
 
-def _least(times: np.ndarray, ratio: float) -> tuple[np.ndarray, float]:
-    """Return the variances that make the largest relative error of the Allan variance least, and that error."""
+def _minimax(times: np.ndarray, ratio: float) -> tuple[np.ndarray, float]:
+    """Return the variances that minimise the largest relative error of the Allan variance, and that error."""
     tau = _range(ratio)
     flat = BiasInstability(1.0).allan_variance(tau)
     columns = np.array([GaussMarkov(1.0, time).allan_variance(tau) / flat for time in times]).T

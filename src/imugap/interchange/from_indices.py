@@ -1,4 +1,4 @@
-"""The error models that the study compares, each built from performance indices (He et al. 2023, eqs. 10-18).
+"""Error models from performance indices: those that the study compares (He et al. 2023, eqs. 10-18).
 
 A contender maps the indices of one axis (symbol -> value, SI) to an :class:`~imugap.model.AxisModel`.
 """
@@ -18,7 +18,7 @@ from imugap.model import ErrorModel
 
 @dataclass(frozen=True)
 class AxisIndices:
-    """What a contender may use of one axis: its indices over the runs, the averaging period, its Allan curves.
+    """Input of a contender for one axis: indices over the runs, averaging period, Allan curve.
 
     Attributes
     ----------
@@ -41,7 +41,7 @@ class AxisIndices:
 
 
 def bias_only(of: AxisIndices) -> AxisModel:
-    """Return the constant bias and nothing else: what any contender has to beat."""
+    """Return the constant bias alone, the baseline of the comparison."""
     return AxisModel((Bias(of.bias),))
 
 
@@ -51,7 +51,7 @@ def white(of: AxisIndices) -> AxisModel:
 
 
 def white_turn_on(of: AxisIndices) -> AxisModel:
-    """Return white noise + a bias drawn per run: restoration without its scaling, to tell what the scaling adds."""
+    """Return white noise + turn-on bias: restoration without its scaling, to isolate the effect of the scaling."""
     return white(of) + TurnOnBias(of.repeatability)
 
 
@@ -59,7 +59,7 @@ def rate_random_walk(of: AxisIndices) -> AxisModel:
     """Return white noise + random walk (eq. 11), started at the bias.
 
     The printed recursion of b_k lacks b_{k-1}; with it, b is the random walk of the cited Claasen et al. (2013). The
-    printed model has no constant either, but b_0 is free: it starts at the bias, as that of every other contender.
+    printed model has no constant either; b_0 is set to the bias, as in every other contender.
     """
     return Bias(of.bias) + WhiteNoise(of.white) + RandomWalk(of.walk)
 
@@ -87,9 +87,9 @@ def restoration(of: AxisIndices) -> AxisModel:
 def nbk(of: AxisIndices) -> AxisModel:
     """Return N + B + K in state space: white noise, one Gauss-Markov state for the floor, random walk.
 
-    The correlation time puts the flat top of the Gauss-Markov process at the floor of the curve (Farrell et al. 2022,
-    eq. 38); the three variances are then the non-negative least-squares fit of the Allan variance, which is linear in
-    them, so that what one process adds where another dominates is not counted twice. The turn-on bias is in it too.
+    With the correlation time the Gauss-Markov process peaks at the floor of the curve (Farrell et al. 2022, eq. 38);
+    the three variances are the non-negative least-squares fit of the Allan variance, which is linear in them. The
+    turn-on bias is included.
     """
     known = of.curve[of.curve["error"] < 0.25]
     tau, observed = known.index.to_numpy(), known["deviation"].to_numpy() ** 2
@@ -124,14 +124,14 @@ READ = {
 """The coefficients of the Allan curve that a contender takes as values; where one is refused, it takes the bound."""
 
 SOURCE = ("method_a", "method_b", "restoration")
-"""The contenders that the source compares in its tables."""
+"""Contenders in the tables of the source."""
 
 
 def averaged(curves: pd.DataFrame) -> pd.DataFrame:
-    """Return the Allan curves of a device as :func:`fit` takes them: variances averaged over its runs.
+    """Return the Allan curves of a device for :func:`fit`: variances averaged over its runs.
 
-    The relative error shrinks with the root of their number. ``curves`` has columns ``axis``, ``tau``, ``deviation``
-    and ``error``, a row for each run.
+    The relative error decreases with the square root of their number. ``curves`` has columns ``axis``, ``tau``,
+    ``deviation`` and ``error``, a row for each run.
     """
     grouped = curves.assign(square=curves["deviation"] ** 2).groupby(["axis", "tau"], sort=False)
     mean = grouped.agg(square=("square", "mean"), error=("error", "mean"))

@@ -1,4 +1,4 @@
-"""Effects of one's own: a module that is named brings kinds that join the catalogue, and the library stays as it is."""
+"""Plug-ins: add the effects that a module defines to the catalogue."""
 
 import sys
 from importlib import import_module
@@ -10,13 +10,13 @@ from imugap.effects.effect import Effect, StochasticEffect, SystematicEffect
 
 
 def catalogue(module: str | None) -> dict[str, type[Effect]]:
-    """Return the catalogue with the kinds that ``module`` defines, by name.
+    """Return the catalogue with the effects that ``module`` defines, by name.
 
     Parameters
     ----------
     module
-        Dotted name of a module, installed or in the working directory; None for the catalogue alone. Its kinds are the
-        frozen dataclasses that it derives from :class:`SystematicEffect` or :class:`StochasticEffect` and gives a name.
+        Dotted name of a module, installed or in the working directory; None for the catalogue alone. Its effects
+        are the frozen dataclasses derived from :class:`SystematicEffect` or :class:`StochasticEffect` that have a name.
     """
     if module is None:
         return dict(CATALOGUE)
@@ -37,12 +37,12 @@ def _own(kind: type, module: str) -> bool:
 
 
 def _imported(module: str):
-    """Import a module, also from the working directory; whatever it raises becomes a ValueError."""
+    """Import a module, also from the working directory; any exception becomes a ValueError."""
     folder = str(Path.cwd())
     if folder not in sys.path:
         sys.path.append(folder)
     try:
         return import_module(module)
-    except Exception as error:  # a module of the user's may fail in every way
+    except Exception as error:  # a user's module may raise any kind of exception
         cause = f"{type(error).__name__}: {error}".splitlines()[0]
         raise ValueError(f"effects: expected a module that can be imported; {module}: {cause}") from error

@@ -1,4 +1,4 @@
-"""Configuration against a closed schema: defaults filled in, and errors that name the key that was meant."""
+"""Validation of configurations against closed schemas: defaults are filled in, errors suggest the nearest key."""
 
 import re
 from collections.abc import Iterator
@@ -9,7 +9,7 @@ import yaml
 from jsonschema import Draft202012Validator, ValidationError, validators
 
 SCALAR = re.compile(r"true|false|null|[-+]?[0-9]+([.][0-9]*)?", re.IGNORECASE)
-"""Text that YAML reads as something else than text."""
+"""Text that YAML does not read as text."""
 
 
 class ConfigurationError(ValueError):
@@ -20,7 +20,7 @@ def configure(values: dict, schema: str | Path) -> dict:
     """Return ``values`` completed with the defaults of ``schema`` (a YAML file); faults are a ConfigurationError.
 
     Numbers inside nested values of the command line come as text (``--config 'navigation={trials: 20}'``); they are
-    taken as the numbers that they are.
+    converted.
     """
     completed = _numbers(values)
     validator = _Completing(yaml.safe_load(Path(schema).read_text()))

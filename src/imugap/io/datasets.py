@@ -1,8 +1,8 @@
-"""The catalogue of raw logs: which data sets exist, where their files come from, and how to get them unharmed.
+"""Catalogue of data sets: their raw files, sources and checksums, and their download.
 
-Two tables, ``datasets.csv`` and ``files.csv``, say it all; every row is validated against its JSON schema. Raw files
-live in ``<folder>/<dataset>/<file>`` and are named by their SHA-256 checksum: they are copied from a mirror of the
-same layout where there is one, downloaded otherwise, and appear under their name only once they are whole.
+The catalogue is two tables, ``datasets.csv`` and ``files.csv``; every row is validated against its JSON schema. Raw
+files are stored in ``<folder>/<dataset>/<file>``. They are copied from a mirror of the same layout or downloaded,
+verified by their SHA-256 checksum, and get their name only when complete.
 """
 
 import csv
@@ -22,20 +22,20 @@ CHUNK_BYTES = 65536
 
 
 class CatalogueError(ValueError):
-    """A catalogue that contradicts its schema or itself: which table, line and column, and why."""
+    """Catalogue that violates its schema or is inconsistent; the message has table, line and column."""
 
 
 class FetchError(RuntimeError):
-    """A raw file that cannot be had, or is not what the catalogue says; the message tells how to place it by hand."""
+    """Raw file that is not available or has a wrong checksum; the message says how to place it by hand."""
 
 
 LOG, POSITIONS, EVENTS, FIXES, CLOCK = "log", "positions", "events", "fixes", "clock"
-"""What a raw file holds of its runs: the log, which may come with all else, or one of the others alone."""
+"""Content of a raw file: the log, possibly with the others, or one of the others alone."""
 
 
 @dataclass(frozen=True)
 class RawFile:
-    """One raw file: ``runs`` are those of which it holds ``content``, in the order in which it holds them."""
+    """Raw file with ``content`` of ``runs``, in the order of the file."""
 
     dataset: str
     name: str
@@ -46,13 +46,13 @@ class RawFile:
     content: str = LOG
 
     def place(self, folder: str | Path) -> Path:
-        """Return where the file belongs in ``folder`` (``data/raw`` or a mirror)."""
+        """Return the path of the file in ``folder`` (``data/raw`` or a mirror)."""
         return Path(folder) / self.dataset / self.name
 
 
 @dataclass(frozen=True)
 class DataSet:
-    """A set of raw logs that share rate, columns, units, frame and licence; one row of ``datasets.csv``."""
+    """Set of raw logs of the same rate, columns, units, frame and licence; one row of ``datasets.csv``."""
 
     name: str
     title: str
@@ -73,20 +73,20 @@ class DataSet:
     position_unit: str | None = None
     position_rate_hz: float | None = None
     full_scale: float = inf
-    """Of the accelerometers [m/s^2]; inf where no sample comes near."""
+    """Full scale of the accelerometers [m/s^2]; infinite where no sample is near it."""
 
     @property
     def runs(self) -> tuple[int, ...]:
-        """All runs of the set, in increasing order."""
+        """Return all runs of the set, in increasing order."""
         return self.runs_with(LOG)
 
     def runs_with(self, content: str) -> tuple[int, ...]:
-        """Return the runs of which a file of its own holds ``content``, in increasing order."""
+        """Return the runs with a file of ``content``, in increasing order."""
         return tuple(sorted(run for file in self.files if file.content == content for run in file.runs))
 
     @property
     def units(self) -> tuple[str | None, ...]:
-        """The unit of each column as the files hold it."""
+        """Return the unit of each column in the files."""
         known = {"time": "s", TEMPERATURE: "degC"}
         known |= dict.fromkeys(GYRO, self.gyro_unit) | dict.fromkeys(ACCEL, self.accel_unit)
         return tuple(known[column] for column in self.columns)
@@ -101,10 +101,10 @@ class DataSet:
 
 
 class RawFiles:
-    """The raw files of a data set where they are, each verified, by what they hold."""
+    """Verified raw files of a data set, by run and content."""
 
     def __init__(self, dataset: DataSet, paths: Iterable[str | Path]) -> None:
-        """Take the paths of all files of a data set; a :class:`FetchError` if one is not what it should be."""
+        """Verify the paths of all files of a data set; :class:`FetchError` on a wrong checksum."""
         self.dataset = dataset
         self._paths = {Path(path).name: Path(path) for path in paths}
         for file in dataset.files:
@@ -152,12 +152,12 @@ def load(tables: str | Path, schemas: str | Path) -> dict[str, DataSet]:
 
 
 def available(dataset: DataSet, folder: str | Path, mirror: str | Path | None = None) -> bool:
-    """Tell whether every file of ``dataset`` is in ``folder`` or in ``mirror``."""
+    """Return whether every file of ``dataset`` is in ``folder`` or in ``mirror``."""
     return all(_found(file, folder, mirror) for file in dataset.files)
 
 
 def locate(file: RawFile, folder: str | Path, mirror: str | Path | None = None) -> Path:
-    """Return where ``file`` is: in ``folder`` first, else in ``mirror``, else a :class:`FetchError`."""
+    """Return the path of ``file`` in ``folder``, else in ``mirror``; :class:`FetchError` if in neither."""
     found = _found(file, folder, mirror)
     if found is None:
         raise FetchError(_by_hand(file, folder, "not found"))
@@ -165,18 +165,18 @@ def locate(file: RawFile, folder: str | Path, mirror: str | Path | None = None) 
 
 
 def fetch(file: RawFile, folder: str | Path, mirror: str | Path | None = None) -> Path:
-    """Get ``file`` into ``folder`` and return its path; do nothing when it is there already and whole.
+    """Copy or download ``file`` into ``folder`` and return its path; an existing file is only verified.
 
-    The file grows under the name ``<file>.partial`` and gets its own name only when its checksum is right. A download
-    that breaks off is continued by the next call where the server allows it. A file that is there already but has
-    another checksum is reported and left alone: somebody put it there.
+    The file is written as ``<file>.partial`` and renamed when its checksum is right. An interrupted download is
+    continued by the next call where the server supports it. An existing file with another checksum is an error, and is
+    not changed.
 
     Parameters
     ----------
     folder
-        Where raw logs live (``data/raw``); the file goes to ``<folder>/<dataset>/<file>``.
+        Folder of raw logs (``data/raw``); the file is stored as ``<folder>/<dataset>/<file>``.
     mirror
-        A folder of the same layout to copy from, if it has the file, before any network is asked.
+        Folder of the same layout from which the file is copied, if it has it, in place of a download.
     """
     target = file.place(folder)
     if target.exists():
@@ -211,7 +211,7 @@ def _found(file: RawFile, folder: str | Path, mirror: str | Path | None) -> Path
 
 
 def _download(url: str, partial: Path) -> None:
-    """Append to ``partial`` what it lacks of ``url``, or start it afresh if the server sends everything."""
+    """Append the missing rest of ``url`` to ``partial``, or start again if the server sends the whole file."""
     import pooch
 
     with partial.open("ab") as output:
@@ -229,7 +229,7 @@ def _download(url: str, partial: Path) -> None:
 
 
 def _fault(path: Path, file: RawFile) -> str | None:
-    """Say how the file at ``path`` differs from the catalogued one; None if it does not."""
+    """Return the difference of the file at ``path`` from the catalogued one in words, or None."""
     with path.open("rb") as content:
         found = file_digest(content, "sha256").hexdigest()
     if found == file.sha256:
@@ -245,7 +245,7 @@ def _by_hand(file: RawFile, folder: str | Path, reason: str) -> str:
 
 
 def _rows(table: Path, schema_path: Path) -> Iterator[tuple[str, dict]]:
-    """Yield (table and line, row) for each row that its schema accepts; empty cells are left out."""
+    """Yield (table and line, row) for each row, validated against its schema; empty cells are omitted."""
     from jsonschema import Draft202012Validator  # takes a second, and most that import this module load no table
 
     schema = yaml.safe_load(schema_path.read_text(encoding="utf-8"))

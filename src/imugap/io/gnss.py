@@ -1,8 +1,8 @@
-"""The log of a GNSS receiver: fixes over time, checked once, at reading.
+"""Log of a GNSS receiver: fixes over time, checked once, at reading.
 
 Index ``time`` [s], strictly increasing. Columns :data:`PLACE` (rad, rad, m above the ellipsoid), optionally
-:data:`VELOCITY` [m/s], and standard deviations :data:`PLACE_STD` [m] and :data:`VELOCITY_STD` [m/s]. What is optional
-may be NaN where the receiver does not tell; a file has latitude and longitude in degrees (:mod:`imugap.io.readers`).
+:data:`VELOCITY` [m/s], and standard deviations :data:`PLACE_STD` [m] and :data:`VELOCITY_STD` [m/s]. Optional
+values may be NaN; a file has latitude and longitude in degrees (:mod:`imugap.io.readers`).
 """
 
 from collections.abc import Callable
@@ -19,7 +19,7 @@ PLACE_STD = ("sd_n", "sd_e", "sd_d")
 VELOCITY_STD = ("sd_vel_n", "sd_vel_e", "sd_vel_d")
 COLUMNS = (*PLACE, *VELOCITY, *PLACE_STD, *VELOCITY_STD)
 COMPONENTS = ("north", "east", "down", *VELOCITY)
-"""What a fix measures."""
+"""Measured components of a fix."""
 FASTEST = 1e4
 HIGHEST = 1e6
 SENSE = {
@@ -27,15 +27,15 @@ SENSE = {
     "longitude": ("at most 2 pi rad (360 deg) either way", lambda values: np.abs(values) <= 2 * np.pi),
     "height": (f"at most {HIGHEST:g} m either way", lambda values: np.abs(values) <= HIGHEST),
 }
-"""What is expected of the place, in words, and as a mask of what is so."""
+"""Valid range of each component of the position, in words, and as a mask of valid values."""
 
 
 def check(
     fixes: pd.DataFrame, source: str | Path = "gnss", place: Callable[[int], str] = "row {}".format
 ) -> pd.DataFrame:
-    """Return ``fixes`` in the order of the columns if they keep the contract; else raise a LogError.
+    """Return ``fixes`` with their columns in order if they are valid; else raise a LogError.
 
-    ``place`` says of the number of a row where it is in ``source``.
+    ``place`` converts the number of a row to its location in ``source``.
     """
     for group, needed in ((PLACE, True), (VELOCITY, False), (PLACE_STD, False), (VELOCITY_STD, False)):
         held = [name for name in group if name in fixes.columns]
@@ -59,7 +59,7 @@ def check(
 
 
 def _of_group(name: str) -> tuple[str, Callable[[np.ndarray], np.ndarray]]:
-    """Return what is expected of a column that may be NaN: in words, and as a mask of what is so."""
+    """Return the valid range of a column that may be NaN, in words, and as a mask of valid values."""
     if name.startswith("sd_"):
         return "a standard deviation > 0", lambda values: np.isnan(values) | ((values > 0) & np.isfinite(values))
     return f"at most {FASTEST:g} m/s either way", lambda values: np.isnan(values) | (np.abs(values) <= FASTEST)
@@ -71,7 +71,7 @@ def origin(fixes: pd.DataFrame) -> Ellipsoid:
 
 
 def local(fixes: pd.DataFrame, ellipsoid: Ellipsoid) -> np.ndarray:
-    """Return what the fixes measure, :data:`COMPONENTS`, from the origin of ``ellipsoid``, shape (n, 6); NaN: not."""
+    """Return the :data:`COMPONENTS` of the fixes relative to ``ellipsoid``, shape (n, 6); NaN if missing."""
     _, _, metres_north, metres_east = ellipsoid.origin
     place = fixes[list(PLACE)].to_numpy() - [ellipsoid.latitude, ellipsoid.longitude, ellipsoid.height]
     place[:, 1] = np.remainder(place[:, 1] + np.pi, 2 * np.pi) - np.pi
@@ -82,7 +82,7 @@ def local(fixes: pd.DataFrame, ellipsoid: Ellipsoid) -> np.ndarray:
 def deviations(
     fixes: pd.DataFrame, place_std: tuple[float, float, float], velocity_std: tuple[float, float, float]
 ) -> np.ndarray:
-    """Return the standard deviations of :data:`COMPONENTS`, shape (n, 6): those of the log, else the given ones."""
+    """Return the standard deviations of :data:`COMPONENTS`, shape (n, 6): of the log, else the given ones."""
     names, usual = (*PLACE_STD, *VELOCITY_STD), (*place_std, *velocity_std)
     return np.column_stack([
         fixes[name].fillna(std).to_numpy() if name in fixes else np.full(len(fixes), std)
@@ -91,7 +91,7 @@ def deviations(
 
 
 def from_local(time: np.ndarray, measured: np.ndarray, std: np.ndarray, ellipsoid: Ellipsoid) -> pd.DataFrame:
-    """Make a log of fixes from what they measure, :data:`COMPONENTS`, and its standard deviations, shape (n, 6)."""
+    """Make a log of fixes from measured :data:`COMPONENTS` and their standard deviations, shape (n, 6)."""
     table = pd.DataFrame(index=pd.Index(time, name=TIME), columns=list(COLUMNS), dtype=float)
     table[list(PLACE)] = ellipsoid.geodetic(measured[:, :3])
     table[list(VELOCITY)] = measured[:, 3:]

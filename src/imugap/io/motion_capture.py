@@ -1,9 +1,9 @@
-"""Error-free log of a device from where cameras saw it: angular rate and specific force from orientation and position.
+"""Error-free log of a device from motion capture: angular rate and specific force from orientation and position.
 
 A Track is a table with index ``time`` [s], evenly spaced, the columns :data:`imugap.io.reference.QUATERNION`
 (``quat_nb``, NaN where the cameras lost the device) and :data:`imugap.kinematics.strapdown.POSITION` [m]. Differences
-of neighbouring samples are exact but noisy; so the log and what the track says are cut to the same band by the same
-linear filter, after which their difference holds errors of both within the band and nothing else. Within it the noise
+of neighbouring samples are exact but noisy; so the log and the track are limited to the same band by the same linear
+filter, and their difference is the sum of the errors of both within the band. Within it the noise
 of an angle with standard deviation s per sample of interval T has the two-sided spectrum (2 pi f)^2 s^2 T as a rate,
 that of a position (2 pi f)^4 s^2 T as a specific force.
 """
@@ -22,22 +22,22 @@ from imugap.kinematics.strapdown import POSITION
 from imugap.log import AXES, GYRO, TIME, interval
 
 BLOCK = 28
-"""Samples over which means are taken before the vertical is fitted: of second differences, the ends remain."""
+"""Samples that are averaged before the vertical is fitted, which reduces the noise of second differences."""
 FAR = 4.0
-"""Multiple of the median misfit beyond which a block does not count."""
+"""Multiple of the median residual above which a block is excluded."""
 ROUNDS = 8
 
 
 @dataclass(frozen=True, eq=False)
 class BandLimited:
-    """A log and the error-free log of the same instants, cut to the same band.
+    """Log and error-free log at the same instants, limited to the same band.
 
     Attributes
     ----------
     log, ideal
         Canonical logs with the same evenly spaced index.
     unseen
-        Instants next to which the cameras lost the device, shape (n,); the ideal is filled in there.
+        Mask of the instants at which the cameras lost the device nearby, shape (n,); the ideal is filled there.
     """
 
     log: pd.DataFrame
@@ -47,12 +47,12 @@ class BandLimited:
 
 @dataclass(frozen=True, eq=False)
 class Alignment:
-    """How a log lies to a track.
+    """Alignment of a log with a track.
 
     Attributes
     ----------
     lag
-        How much later than the track the log stamps the same event [s].
+        Time by which the stamps of the log are later than those of the track [s].
     rotation
         Turns vectors from the body frame of the track into that of the log.
     gravity
@@ -65,7 +65,7 @@ class Alignment:
 
 
 def track_of(reference: pd.DataFrame, positions: pd.DataFrame) -> pd.DataFrame:
-    """Return the Track of a Reference and of evenly spaced positions, on the clock of the positions."""
+    """Return the Track of a Reference and evenly spaced positions, at the times of the positions."""
     found = positions.reindex(columns=[*QUATERNION, *POSITION])
     found.iloc[positions.index.get_indexer(reference.index, method="nearest"), : len(QUATERNION)] = reference[
         list(QUATERNION)
@@ -74,7 +74,7 @@ def track_of(reference: pd.DataFrame, positions: pd.DataFrame) -> pd.DataFrame:
 
 
 def ideal(track: pd.DataFrame, alignment: Alignment) -> pd.DataFrame:
-    """Return the unfiltered error-free log of a track, NaN where a sample that it needs is lost.
+    """Return the unfiltered error-free log of a track, NaN where a required sample is lost.
 
     Each row is the mean over the interval that it ends: of the rate exactly but for coning, of the specific force as
     the mean of its values at both ends, with second differences of the position.
@@ -93,11 +93,11 @@ def ideal(track: pd.DataFrame, alignment: Alignment) -> pd.DataFrame:
 
 
 def band_limited(log: pd.DataFrame, track: pd.DataFrame, alignment: Alignment, bandwidth_hz: float) -> BandLimited:
-    """Return a log and its ideal within a band, sampled at twice its width or a little faster.
+    """Return a log and its ideal within a band, sampled at twice its width or slightly faster.
 
-    The log is read between its samples by a cubic spline, at the instants of the track. Both are cut by dropping the
-    cosine coefficients above the band. Where the track is lost the ideal is the log less the median difference, so that
-    next to nothing is said there.
+    The log is interpolated by a cubic spline at the instants of the track. Both are limited by removing the cosine
+    coefficients above the band. Where the track is lost, the ideal is the log less the median difference, which has
+    almost no weight.
     """
     raw, stamps, measured = _together(log, track, alignment)
     known = raw.to_numpy(copy=True)
@@ -113,11 +113,11 @@ def band_limited(log: pd.DataFrame, track: pd.DataFrame, alignment: Alignment, b
 
 
 def aligned(log: pd.DataFrame, track: pd.DataFrame, reference: pd.DataFrame, gravity: float) -> Alignment:
-    """Return how a log lies to its track.
+    """Estimate the alignment of a log with its track.
 
-    Lag and rotation come from the angular rates in motion (:func:`imugap.io.reference.alignment`); then gravity, of the
-    given size [m/s^2], gets the direction that fits the specific forces best; biases, scale factors, an arm and a delay
-    of the accelerometers are free, so that none of them tilts it, and glimpses far off do not count.
+    Lag and rotation are estimated from the angular rates in motion (:func:`imugap.io.reference.alignment`); then the
+    direction of gravity, of the given size [m/s^2], from the specific forces, together with biases, scale factors, a
+    lever arm and a delay of the accelerometers, without outliers.
 
     Parameters
     ----------
@@ -139,7 +139,7 @@ def aligned(log: pd.DataFrame, track: pd.DataFrame, reference: pd.DataFrame, gra
 def _together(
     log: pd.DataFrame, track: pd.DataFrame, alignment: Alignment
 ) -> tuple[pd.DataFrame, np.ndarray, np.ndarray]:
-    """Return the unfiltered ideal as far as the log goes, the log's stamps of its rows, and its values there."""
+    """Return the unfiltered ideal within the log, the stamps of its rows on the clock of the log, and the log there."""
     raw = ideal(track, alignment)
     stamps = raw.index.to_numpy() + alignment.lag
     inside = np.flatnonzero(raw.notna().all(axis=1) & (stamps >= log.index[0]) & (stamps <= log.index[-1]))
@@ -149,7 +149,7 @@ def _together(
 
 
 def _middle(track: pd.DataFrame, alignment: Alignment) -> pd.DataFrame:
-    """Return the attitudes of the log's body frame in the middle of the intervals that rows of the ideal end."""
+    """Return the attitudes of the body frame of the log at the middle of the interval of each row of the ideal."""
     quat = track[list(QUATERNION)].to_numpy()
     seen = np.isfinite(quat).all(axis=1)
     rotation = Rotation.from_quat(np.where(seen[:, None], quat, [0.0, 0.0, 0.0, 1.0])) * alignment.rotation.inv()
@@ -158,7 +158,7 @@ def _middle(track: pd.DataFrame, alignment: Alignment) -> pd.DataFrame:
 
 
 def _nuisances(measured: np.ndarray, step: float) -> np.ndarray:
-    """Return what biases, scale factors, an arm and a delay of the accelerometers add, shape (n, 3, 10)."""
+    """Return the derivatives in biases, scale factors, lever arm and delay of the accelerometers, shape (n, 3, 10)."""
     rate, force = measured[:, : len(GYRO)], measured[:, len(GYRO) :]
     change = np.gradient(measured, step, axis=0)
     arms = [np.cross(rate, np.cross(rate, arm)) + np.cross(change[:, : len(GYRO)], arm) for arm in np.eye(3)]
@@ -168,12 +168,12 @@ def _nuisances(measured: np.ndarray, step: float) -> np.ndarray:
 
 
 def _trimmed(design: np.ndarray, gap: np.ndarray) -> np.ndarray:
-    """Return the least-squares solution over means of blocks, those far off left out in turn.
+    """Return the least-squares solution over means of blocks, with outliers excluded iteratively.
 
     Parameters
     ----------
     design, gap
-        Arrays of shape (n, 3, k) and (n, 3); a block with a NaN does not count.
+        Arrays of shape (n, 3, k) and (n, 3); a block with a NaN is excluded.
     """
     size = len(gap) // BLOCK * BLOCK
     design, gap = (one[:size].reshape(-1, BLOCK, *one.shape[1:]).mean(axis=1) for one in (design, gap))
@@ -188,7 +188,7 @@ def _trimmed(design: np.ndarray, gap: np.ndarray) -> np.ndarray:
 
 
 def _thinned(values: np.ndarray, factor: int) -> np.ndarray:
-    """Return every so many samples of columns of which only the cosine coefficients of that band are kept."""
+    """Return columns limited to the lowest 1/factor of the band by cosine coefficients, and decimated by ``factor``."""
     count = len(values) // factor
     kept = dct(values[: count * factor], axis=0, norm="ortho")[:count]
     return idct(kept, axis=0, norm="ortho") / np.sqrt(factor)

@@ -1,9 +1,8 @@
-"""Foreign files become canonical logs: read, convert to SI, check, and say exactly where a file is not what it should.
+"""Readers of logs: read, convert to SI, check; errors give file, line and column.
 
-A user's own log, CSV or Parquet with a column ``time`` [s] and canonical columns in SI units, comes in by
-:func:`read`, that of a GNSS receiver, with latitude and longitude in degrees, by :func:`read_fixes`. A file of the
-catalogue, whatever its format and units, comes in by :func:`read_raw`. Files are read by the fastest reader there is;
-the slow look, line by line, is only for telling what is wrong.
+Use :func:`read` for a log of one's own, CSV or Parquet with a column ``time`` [s] and canonical columns in SI units,
+:func:`read_fixes` for the log of a GNSS receiver, with latitude and longitude in degrees, and :func:`read_raw` for a
+file of the catalogue in its own format and units. A file is read line by line only to locate an error.
 """
 
 import csv
@@ -59,7 +58,7 @@ def read(path: str | Path, repair: bool = False) -> pd.DataFrame:
 def read_table(path: str | Path) -> pd.DataFrame:
     """Read the table of a user's log unchecked: stamps may repeat or go back, samples may be NaN.
 
-    This is what :func:`imugap.integrity.report.report` looks at. Columns are canonical and numeric, in canonical order.
+    Input of :func:`imugap.integrity.report.report`. Columns are canonical and numeric, in canonical order.
     """
     table = _decoded(Path(path), TABLES, "a log")
     return table.set_index("time")[[name for name in COLUMNS if name in table.columns]]
@@ -93,17 +92,17 @@ def read_fixes(path: str | Path) -> pd.DataFrame:
 def read_raw(path: str | Path, dataset: DataSet, run: int) -> pd.DataFrame:
     """Read one run of a catalogue file as a canonical log, in SI units.
 
-    Without a time column the samples are spaced evenly at the nominal rate of ``dataset``. A row that repeats the one
-    before, stamp and all, says nothing and is left out.
+    Without a time column the samples are spaced evenly at the nominal rate of ``dataset``. A row that is equal
+    to the previous one, stamp included, is dropped.
     """
     table = read_raw_table(path, dataset, run)
     return check(table[_advances(table.index.to_numpy()) | ~table.reset_index().duplicated().to_numpy()], path)
 
 
 def read_raw_table(path: str | Path, dataset: DataSet, run: int) -> pd.DataFrame:
-    """Read one run of a catalogue file in SI units as it is: stamps may repeat, samples may be NaN.
+    """Read one run of a catalogue file in SI units, unchecked: stamps may repeat, samples may be NaN.
 
-    This is what :func:`imugap.integrity.report.report` looks at.
+    Input of :func:`imugap.integrity.report.report`.
     """
     path, file = Path(path), dataset.file(run)
     decoders = {".mat": partial(_side_by_side, names=dataset.arrays)} if dataset.arrays else RECORDINGS
@@ -126,7 +125,7 @@ def read_reference(path: str | Path, dataset: DataSet, run: int) -> pd.DataFrame
     Returns
     -------
     DataFrame
-        A Reference (:mod:`imugap.io.reference`) without the instants at which it was lost.
+        A Reference (:mod:`imugap.io.reference`), only the instants at which it is known.
     """
     path, file = Path(path), dataset.file(run)
     decoders = {".mat": partial(_side_by_side, names=dataset.reference)}
@@ -147,7 +146,7 @@ def read_positions(path: str | Path, dataset: DataSet, run: int) -> pd.DataFrame
     Parameters
     ----------
     path
-        The file of the positions: that of the log where they come with it.
+        File of the positions, which is that of the log where it contains them.
 
     Returns
     -------
@@ -173,7 +172,7 @@ def read_positions(path: str | Path, dataset: DataSet, run: int) -> pd.DataFrame
 
 
 def read_strides(path: str | Path, dataset: DataSet, run: int) -> pd.DataFrame:
-    """Read when the strides of one run of a catalogue file begin and end.
+    """Read the begin and end of the strides of one run of a catalogue file.
 
     The file has columns ``foot``, ``start`` and ``end``, the latter in samples of the log; its feet, in their order,
     are the runs.
@@ -190,7 +189,7 @@ def read_strides(path: str | Path, dataset: DataSet, run: int) -> pd.DataFrame:
 
 
 def _decoded(path: Path, decoders: dict, whole: str) -> pd.DataFrame | np.ndarray:
-    """Return what the decoder of the file's suffix makes of it; whatever it raises becomes a LogError."""
+    """Decode a file by its suffix; any exception becomes a LogError."""
     decode = decoders.get(path.suffix.lower())
     if decode is None:
         raise LogError(path, "file name", f"one that ends in {', '.join(decoders)}", path.suffix or "no ending")
@@ -200,7 +199,7 @@ def _decoded(path: Path, decoders: dict, whole: str) -> pd.DataFrame | np.ndarra
         return decode(path)
     except LogError:
         raise
-    except Exception as error:  # decoders of foreign formats fail in every way on a damaged file
+    except Exception as error:  # decoders raise any kind of exception on a damaged file
         cause = f"{type(error).__name__}: {error}".splitlines()[0]
         found = f"{path.stat().st_size} bytes that cannot be read ({cause[: 4 * EXCERPT]})"
         raise LogError(path, "file", f"{whole} in {path.suffix} format", found) from error
@@ -291,7 +290,7 @@ def _marker(path: Path, name: str) -> np.ndarray:
 
 
 def _txt(path: Path) -> np.ndarray:
-    """Return what follows the header byte, specific force and angular rate, on each line of a 3DM-GX2 recording."""
+    """Return specific force and angular rate of each line of a 3DM-GX2 recording, which follow the header byte."""
     lines = path.read_text(encoding="ascii").splitlines()
     return np.array([line.split()[1:7] for line in lines if line.lstrip().startswith("0x")], dtype=float)
 
@@ -326,7 +325,7 @@ def _require_names(names: list[str], path: Path, place: str, known: tuple[str, .
 
 
 def _advances(time: np.ndarray) -> np.ndarray:
-    """Tell which stamps, shape (n,), are finite and exceed all stamps before them."""
+    """Return the mask of stamps, shape (n,), that are finite and exceed all stamps before them."""
     time = np.where(np.isfinite(time), time, np.nan)
     return time > np.fmax.accumulate(np.concatenate([[-np.inf], time[:-1]]))
 
@@ -348,9 +347,9 @@ def _require_numbers(table: pd.DataFrame, path: Path) -> None:
 
 
 def _require_si(table: pd.DataFrame, path: str | Path) -> None:
-    """Raise if the median norm of the specific force is gravity in another unit, or a rate is beyond any gyroscope.
+    """Raise if the median norm of the specific force is gravity in another unit, or a rate exceeds any gyroscope.
 
-    Walking and driving keep the median norm near gravity; free fall and single axes are not judged.
+    In walking and driving the median norm stays near gravity; free fall and single axes are not checked.
     """
     if set(ACCEL) <= set(table.columns) and len(table):
         norm = float(np.median(np.linalg.norm(table[list(ACCEL)], axis=1)))
@@ -370,7 +369,7 @@ def _rows(rows: np.ndarray) -> str:
 
 
 def _place(path: Path, row: int) -> str:
-    """Return where data row ``row`` is: the line of a text file (header and empty lines counted), else the row."""
+    """Return the location of data row ``row``: the line of a text file, header and empty lines included."""
     if path.suffix.lower() != ".csv":
         return f"row {row}"
     with path.open("rb") as handle:
@@ -388,7 +387,7 @@ def _cut_off(path: Path) -> LogError:
 
 
 def _diagnosis(path: Path, names: list[str], cause: str) -> LogError:
-    """Look line by line for what made the fast reader give up with ``cause``."""
+    """Return the first error in a text file, line by line, after the fast reader failed with ``cause``."""
     with path.open(newline="", encoding="utf-8", errors="replace") as handle:
         rows = csv.reader(handle)
         next(rows)

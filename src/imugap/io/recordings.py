@@ -1,7 +1,7 @@
 """Recorded drives and flights of the catalogue: device and receiver on one clock, in the axes of the vehicle, in SI.
 
-Each publisher has a form of its own, and each form a function here. What is corrected is what the publisher says of the
-device: its mounting, the clock of its stamps, biases that were taken off aboard.
+One function per format. Corrected are the properties of the device that the publisher documents: its mounting, the
+clock of its stamps, biases that were subtracted on board.
 """
 
 import struct
@@ -22,33 +22,33 @@ from imugap.units import to_si
 CAR_MOUNTING = np.radians([180.0, -6.79, 185.35])
 """Roll, pitch, heading by which the axes of the vehicle become those of the device (the publisher's settings)."""
 CAR_LAG_S = 0.125
-"""How much earlier than by its own stamps a sample of the device was taken (the publisher's settings)."""
+"""Time by which the stamps of the device are late (the publisher's settings)."""
 CAR_LEVER_M = (0.0, -0.05, 0.0)
 POS_COLUMNS = {"latitude": 2, "longitude": 3, "height": 4, "vel_n": 15, "vel_e": 16, "vel_d": 17, "sd_n": 7, "sd_e": 8,
                "sd_d": 9, "sd_vel_n": 18, "sd_vel_e": 19, "sd_vel_d": 20}  # fmt: skip
-"""Columns of an RTKLIB solution, in words of a line; down is up there."""
+"""Columns of an RTKLIB solution, by word of a line; ``vel_d`` is positive up there."""
 TAG_START = struct.Struct("<64xId")
-"""Head of an RTKLIB time tag: its begin in seconds and their fraction."""
+"""Header of an RTKLIB time tag: start time in seconds and their fraction."""
 FLIGHT_LATENCY_S = 0.075
-"""How much later than its epoch a fix stands in the log (the middle of what its publisher's users found)."""
+"""Latency of a fix in the log (mean of published estimates)."""
 FLIGHT_BEGIN_S = 120.0
-"""Before this the aircraft is carried about, and does not point along its course [s]."""
+"""Begin of the flight; before, the aircraft is carried and does not point along its course [s]."""
 FEWEST_SATELLITES = 4
 
 
 @dataclass(frozen=True, eq=False)
 class Recording:
-    """A log in the axes of the vehicle, fixes, and attitudes of a filter aboard, where there was one.
+    """Log in the axes of the vehicle, fixes, and the solution of a filter on board, if any.
 
     Attributes
     ----------
     log, fixes
-        On the clock of the device; what is known of the latency of the fixes is taken off.
+        On the clock of the device, corrected for the known latency of the fixes.
     aboard
         Index ``time`` [s], columns :data:`imugap.kinematics.strapdown.VELOCITY` and
         :data:`imugap.kinematics.strapdown.ATTITUDE`; or None.
     lever_m
-        From the device to the antenna [m].
+        Lever arm from the device to the antenna [m].
     """
 
     log: pd.DataFrame
@@ -60,7 +60,7 @@ class Recording:
 def read_car(log_path: str | Path, clock_path: str | Path, fixes_path: str | Path, dataset: DataSet) -> Recording:
     """Read a drive of ``rtklibexplorer_drive``: samples with a counter [ms], a time tag, and a solution of RTKLIB.
 
-    The first and the last row of the samples may be cut off and are left out.
+    The first and the last row of the samples, which may be incomplete, are dropped.
     """
     rows = pd.read_csv(log_path, header=None).iloc[1:-1].to_numpy(dtype=float)
     if rows.shape[1] != len(dataset.columns) + 1:
@@ -88,9 +88,9 @@ def read_car(log_path: str | Path, clock_path: str | Path, fixes_path: str | Pat
 
 
 def read_flight(path: str | Path) -> Recording:
-    """Read the flight of ``thor_flight75``: the device with the biases put back that were taken off aboard.
+    """Read the flight of ``thor_flight75``, with the biases added that were subtracted on board.
 
-    A fix is new where its time of week changes. What lies before :data:`FLIGHT_BEGIN_S` is left out.
+    A fix is new where its time of week changes. The time before :data:`FLIGHT_BEGIN_S` is dropped.
     """
     from scipy.io import loadmat
 

@@ -1,9 +1,9 @@
-"""Reference attitudes: the table, how well the clock and the axes of a log agree with it, and the error against it.
+"""Reference attitudes: their table, the alignment of a log with them, and the error of a solution.
 
-A reference holds the instants at which the attitude is known and no others; :data:`QUATERNION` and :data:`MOVING` are
+A reference contains only the instants at which the attitude is known; :data:`QUATERNION` and :data:`MOVING` are
 its columns. The error of an attitude is *estimated - reference*: the rotation vector in ``n`` that turns the reference
 into the estimate, ``exp(error) C_reference = C_estimated``. Its down component is the error of the heading, north and
-east are the tilt. Unlike a difference of Euler angles it knows no singularity.
+east are the tilt. Unlike a difference of Euler angles it has no singularity.
 """
 
 import numpy as np
@@ -19,14 +19,14 @@ from imugap.numerics.rotation import to_euler
 QUATERNION = ("quat_x", "quat_y", "quat_z", "quat_w")
 """Unit quaternion ``quat_nb``, scalar last."""
 MOVING = "moving"
-"""Whether the body is meant to move at that instant."""
+"""Column that marks the phase of motion."""
 ERROR = ("north", "east", "down")
 """Columns of an error [rad]."""
 MEASURED = ("lag", "frame_x", "frame_y", "frame_z", "bias_x", "bias_y", "bias_z")
-"""What an alignment measures."""
+"""Quantities of an alignment."""
 ENU_TO_NED = Rotation.from_matrix([[0, 1, 0], [1, 0, 0], [0, 0, -1]])
 SPAN_S = 0.04
-"""Time [s] over which the reference gives a mean rate: the noise of the rate falls with it."""
+"""Time [s] over which the mean rate of the reference is taken, which reduces its noise."""
 BLOCK_S = 10.0
 """Length [s] of the blocks whose scatter gives the intervals of an alignment."""
 FEWEST = 50
@@ -53,7 +53,7 @@ def motion(reference: pd.DataFrame) -> tuple[float, float]:
 
 
 def rests(log: pd.DataFrame, reference: pd.DataFrame, margin: float) -> tuple[pd.DataFrame, pd.DataFrame]:
-    """Return the log ahead of and behind the motion, all but ``margin`` [s] next to it."""
+    """Return the log before and after the motion, without ``margin`` [s] next to it."""
     begin, end = motion(reference)
     return log[log.index <= begin - margin], log[log.index >= end + margin]
 
@@ -61,20 +61,20 @@ def rests(log: pd.DataFrame, reference: pd.DataFrame, margin: float) -> tuple[pd
 def error(solution: pd.DataFrame, reference: pd.DataFrame, lag: float = 0.0) -> pd.DataFrame:
     """Return the error of a solution at those of its instants at which the reference is known.
 
-    Between two samples of the reference its rotation is taken as uniform; nothing is said across a gap.
+    The reference is interpolated between two samples by a uniform rotation, but not across a gap.
 
     Parameters
     ----------
     solution, reference
         Tables with the columns :data:`QUATERNION`.
     lag
-        How much later than the reference the log of the solution stamps the same event [s].
+        Time by which the stamps of the solution are later than those of the reference [s].
 
     Returns
     -------
     pandas.DataFrame
         Columns :data:`ERROR` [rad], and :data:`imugap.kinematics.strapdown.ATTITUDE`: differences of the Euler angles
-        [rad], which mean something only while the pitch stays away from +-90 deg.
+        [rad], meaningful only for a pitch away from +-90 deg.
     """
     known, at = reference.index.to_numpy(), solution.index.to_numpy() - lag
     before = np.clip(np.searchsorted(known, at, side="right") - 1, 0, len(known) - 2)
@@ -87,10 +87,10 @@ def error(solution: pd.DataFrame, reference: pd.DataFrame, lag: float = 0.0) -> 
 
 
 def alignment(log: pd.DataFrame, reference: pd.DataFrame, level: float = 0.95) -> pd.DataFrame:
-    """Measure how clock and axes of a log lie to those of its reference, from angular rates in motion alone.
+    """Estimate lag and frame of a log relative to its reference, from angular rates in motion alone.
 
-    The mean rates w of the reference over :data:`SPAN_S` are compared with those of the gyroscopes, which follow from
-    their running sum: ``rate(t + lag) = w(t) + frame x w(t) + bias``. Each block of :data:`BLOCK_S` gives its own least
+    The mean rates w of the reference over :data:`SPAN_S` are compared with those of the gyroscopes, from their
+    integral: ``rate(t + lag) = w(t) + frame x w(t) + bias``. Each block of :data:`BLOCK_S` gives its own least
     squares solution; the intervals are those of Student for the mean of the blocks.
 
     Returns
@@ -113,7 +113,7 @@ def alignment(log: pd.DataFrame, reference: pd.DataFrame, level: float = 0.95) -
 
 
 def _mean_rates(reference: pd.DataFrame) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return where spans without a gap begin and end [s] and their mean rates [rad/s]; spans overlap by half."""
+    """Return begin and end [s] of spans without a gap, and their mean rates [rad/s]; spans overlap by half."""
     time, rotation = reference.index.to_numpy(), rotations(reference)
     step = float(np.median(np.diff(time)))
     span = max(round(SPAN_S / step), 2)
@@ -124,7 +124,7 @@ def _mean_rates(reference: pd.DataFrame) -> tuple[np.ndarray, np.ndarray, np.nda
 
 
 class _Angle:
-    """The running sum of the gyroscopes, each sample the mean over the interval that it ends."""
+    """Integral of the gyroscopes; each sample is the mean over the interval that it ends."""
 
     def __init__(self, log: pd.DataFrame) -> None:
         step = interval(log)
