@@ -11,8 +11,6 @@ rule flight_truth:
         models="results/flight/truth.yaml",
     log:
         "logs/flight_truth.log",
-    benchmark:
-        "benchmarks/flight_truth.tsv"
     params:
         code=library("flight_truth"),
     script:
@@ -29,8 +27,6 @@ rule flight_runs:
         models=expand("results/flight/{run}/models.yaml", run=FLIGHTS),
     log:
         "logs/flight_runs.log",
-    benchmark:
-        "benchmarks/flight_runs.tsv"
     # minutes in one job, and much waits for it
     priority: 1
     params:
@@ -51,8 +47,6 @@ rule flight_attitude:
         "results/flight/attitude.parquet",
     log:
         "logs/flight_attitude.log",
-    benchmark:
-        "benchmarks/flight_attitude.tsv"
     params:
         heading_deg=RECIPE["course"]["heading_deg"],
         launch_s=RECIPE["course"]["launch_s"],
@@ -70,8 +64,6 @@ use rule flight_attitude as flight_control with:
         "results/flight/control.parquet",
     log:
         "logs/flight_control.log",
-    benchmark:
-        "benchmarks/flight_control.tsv"
 
 
 rule flight_scores:
@@ -86,8 +78,6 @@ rule flight_scores:
         errors="results/flight/errors.parquet",
     log:
         "logs/flight_scores.log",
-    benchmark:
-        "benchmarks/flight_scores.tsv"
     params:
         seed=config["seed"],
         code=library("flight_scores"),
@@ -135,8 +125,6 @@ rule flight_page:
         numbers="paper/numbers/attitude_flight.json",
     log:
         "logs/flight_page.log",
-    benchmark:
-        "benchmarks/flight_page.tsv"
     params:
         seed=config["seed"],
         trials=TRIALS,
@@ -164,8 +152,6 @@ if TRIALS:
             of_trials("reference.parquet"),
         log:
             "logs/trial_references.log",
-        benchmark:
-            "benchmarks/trial_references.tsv"
         params:
             trials=TRIALS,
             code=library("trial_references"),
@@ -182,8 +168,6 @@ if TRIALS:
             models="results/broad/models.yaml",
         log:
             "logs/trial_fit.log",
-        benchmark:
-            "benchmarks/trial_fit.tsv"
         params:
             trials=TRIALS,
             margin_s=config["attitude"]["rest_margin_s"],
@@ -201,8 +185,6 @@ if TRIALS:
             "results/broad/attitude.parquet",
         log:
             "logs/trial_attitude.log",
-        benchmark:
-            "benchmarks/trial_attitude.tsv"
         params:
             trials=TRIALS,
             margin_s=config["attitude"]["rest_margin_s"],
@@ -225,8 +207,6 @@ if TRIALS:
             errors="results/broad/errors.parquet",
         log:
             "logs/trial_scores.log",
-        benchmark:
-            "benchmarks/trial_scores.tsv"
         params:
             trials=TRIALS,
             seed=config["seed"],
@@ -274,8 +254,6 @@ if TRIALS:
             numbers="paper/numbers/attitude_trials.json",
         log:
             "logs/trial_page.log",
-        benchmark:
-            "benchmarks/trial_page.tsv"
         params:
             code=library("trial_page"),
         script:

@@ -20,8 +20,6 @@ rule audit:
         "paper/tables/audit.tex",
     log:
         "logs/audit.log",
-    benchmark:
-        "benchmarks/audit.tsv"
     params:
         code=library("audit"),
     script:
@@ -49,8 +47,6 @@ rule claims:
         "paper/tables/claims.tex",
     log:
         "logs/claims.log",
-    benchmark:
-        "benchmarks/claims.tsv"
     params:
         devices=DEVICES,
         table_horizon_s=config["navigation"]["table_horizon_s"],

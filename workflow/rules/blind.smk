@@ -22,8 +22,6 @@ rule blind_seal:
         key=expand("results/blind/keys/{case}.json", case=BLIND_CASES),
     log:
         "logs/blind_seal.log",
-    benchmark:
-        "benchmarks/blind_seal.tsv"
     resources:
         mem_mb=2000,
         runtime=30,
@@ -45,8 +43,6 @@ rule blind_discover:
         directory("results/blind/discovered/{batch}"),
     log:
         "logs/blind_discover/{batch}.log",
-    benchmark:
-        "benchmarks/blind_discover/{batch}.tsv"
     wildcard_constraints:
         batch=r"\d+",
     resources:
@@ -76,8 +72,6 @@ rule blind_score:
         run_time="results/blind/run_time.csv",
     log:
         "logs/blind_score.log",
-    benchmark:
-        "benchmarks/blind_score.tsv"
     params:
         code=library("blind_score"),
     script:
@@ -161,8 +155,6 @@ rule blind_page:
         numbers="paper/numbers/{benchmark}.json",
     log:
         "logs/{benchmark}_page.log",
-    benchmark:
-        "benchmarks/{benchmark}_page.tsv"
     wildcard_constraints:
         benchmark="blind|blind_recorded",
     params:

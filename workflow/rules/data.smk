@@ -19,8 +19,6 @@ if RUNS["bench"]:
             expand("data/raw/bench/run{run}.parquet", run=RUNS["bench"]),
         log:
             "logs/bench_logs.log",
-        benchmark:
-            "benchmarks/bench_logs.tsv"
         params:
             runs=RUNS["bench"],
             seed=config["seed"],
@@ -39,8 +37,6 @@ rule bench_truth:
         "results/bench/truth.json",
     log:
         "logs/bench_truth.log",
-    benchmark:
-        "benchmarks/bench_truth.tsv"
     params:
         code=library("bench_truth"),
     script:
@@ -61,8 +57,6 @@ for device, runs in LOGS.items():
             integrity=per_run(device, "integrity.json"),
         log:
             f"logs/ingest/{device}.log",
-        benchmark:
-            f"benchmarks/ingest/{device}.tsv"
         params:
             device=device,
             runs=runs,
@@ -86,8 +80,6 @@ rule integrity_table:
         "paper/tables/integrity_{device}.tex",
     log:
         "logs/integrity_table/{device}.log",
-    benchmark:
-        "benchmarks/integrity_table/{device}.tsv"
     params:
         runs=lambda wildcards: RUNS[wildcards.device],
         code=library("integrity_table"),

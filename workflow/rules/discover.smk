@@ -8,8 +8,6 @@ rule story_hidden:
         key="results/story/keys/hidden.json",
     log:
         "logs/story_hidden.log",
-    benchmark:
-        "benchmarks/story_hidden.tsv"
     params:
         effects={"temperature": 30.0, "sinusoid": 30.0},
         seed=config["seed"],
@@ -29,8 +27,6 @@ rule story_heater:
         "results/story/heater.parquet",
     log:
         "logs/story_heater.log",
-    benchmark:
-        "benchmarks/story_heater.tsv"
     params:
         effects="notebooks.heater",
         seed=config["seed"],
@@ -50,8 +46,6 @@ rule story_real:
         "results/story/real_test.parquet",
     log:
         "logs/story_real.log",
-    benchmark:
-        "benchmarks/story_real.tsv"
     params:
         duration_s=1800,
         rate_hz=config["estimation"]["rate_hz"],
@@ -73,8 +67,6 @@ for device in MISSING_OF:
             per_run(device, "means.parquet"),
         log:
             f"logs/means/{device}.log",
-        benchmark:
-            f"benchmarks/means/{device}.tsv"
         params:
             duration_s=config["discovery"]["duration_s"],
             rate_hz=config["estimation"]["rate_hz"],
@@ -93,8 +85,6 @@ rule run_nbk:
         "results/{device}/{run}/nbk.yaml",
     log:
         "logs/run_nbk/{device}_{run}.log",
-    benchmark:
-        "benchmarks/run_nbk/{device}_{run}.tsv"
     params:
         period_s=config["bias_stability_period_s"],
         code=library("run_nbk"),
@@ -120,8 +110,6 @@ if SIGHTED:
             noises=expand("results/broad/{run}/sighted/noise.csv", run=SIGHTED),
         log:
             "logs/sighted.log",
-        benchmark:
-            "benchmarks/sighted.tsv"
         params:
             trials=SIGHTED,
             site=SITES["broad"],
@@ -162,8 +150,6 @@ rule dossier:
         ),
     log:
         "logs/dossier/{asked}.log",
-    benchmark:
-        "benchmarks/dossier/{asked}.tsv"
     wildcard_constraints:
         asked="(discover|story|missing|motion)/[^/]+",
     threads: lambda wildcards: 1 if wildcards.asked.startswith(("story/", "motion/")) else 2
@@ -214,8 +200,6 @@ rule missing_page:
         numbers="paper/numbers/missing_{device}.json",
     log:
         "logs/missing_page/{device}.log",
-    benchmark:
-        "benchmarks/missing_page/{device}.tsv"
     params:
         starts=STARTS,
         code=library("missing_page"),
@@ -255,8 +239,6 @@ rule motion_page:
         numbers="paper/numbers/motion.json",
     log:
         "logs/motion_page.log",
-    benchmark:
-        "benchmarks/motion_page.tsv"
     params:
         trials=SIGHTED,
         seed=config["seed"],
@@ -281,8 +263,6 @@ rule missing_score:
         "paper/tables/missing_score.tex",
     log:
         "logs/missing_score.log",
-    benchmark:
-        "benchmarks/missing_score.tsv"
     params:
         starts=STARTS,
         code=library("missing_score"),

@@ -12,8 +12,6 @@ rule drive_runs:
         recovery="results/drive/{part}/events.csv",
     log:
         "logs/drive_runs/{part}.log",
-    benchmark:
-        "benchmarks/drive_runs/{part}.tsv"
     wildcard_constraints:
         part=r"\d+",
     params:
@@ -39,8 +37,6 @@ rule drive_scores:
         recovery="results/drive/recovery.csv",
     log:
         "logs/drive_scores.log",
-    benchmark:
-        "benchmarks/drive_scores.tsv"
     params:
         code=library("drive_scores"),
     script:
@@ -90,8 +86,6 @@ rule drive_page:
         numbers="paper/numbers/drive.json",
     log:
         "logs/drive_page.log",
-    benchmark:
-        "benchmarks/drive_page.tsv"
     params:
         seed=config["seed"],
         runs=DRIVES,
@@ -109,8 +103,6 @@ rule drive_hidden:
         names="results/drive/hidden.csv",
     log:
         "logs/drive_hidden.log",
-    benchmark:
-        "benchmarks/drive_hidden.tsv"
     params:
         seed=config["seed"],
         runs=config["drive"]["hidden_runs"],
@@ -136,8 +128,6 @@ rule drive_hidden_page:
         numbers="paper/numbers/drive_hidden.json",
     log:
         "logs/drive_hidden_page.log",
-    benchmark:
-        "benchmarks/drive_hidden_page.tsv"
     params:
         code=library("drive_hidden_page"),
     script:
@@ -169,8 +159,6 @@ if "rtklibexplorer_drive" in PRESENT:
             errors="results/drive_car/errors.parquet",
         log:
             "logs/drive_car.log",
-        benchmark:
-            "benchmarks/drive_car.tsv"
         params:
             seed=config["seed"],
             seeds=config["drive"]["real_seeds"],
@@ -211,8 +199,6 @@ if "rtklibexplorer_drive" in PRESENT:
             numbers="paper/numbers/drive_car.json",
         log:
             "logs/drive_car_page.log",
-        benchmark:
-            "benchmarks/drive_car_page.tsv"
         params:
             code=library("drive_car_page"),
         script:
@@ -245,8 +231,6 @@ if "thor_flight75" in PRESENT:
             numbers="paper/numbers/drive_flight.json",
         log:
             "logs/drive_flight.log",
-        benchmark:
-            "benchmarks/drive_flight.tsv"
         params:
             rest_s=config["drive"]["rest_s"]["flight"],
             outages_s=config["drive"]["outages_s"]["flight"],

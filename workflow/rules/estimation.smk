@@ -9,8 +9,6 @@ rule monte_carlo:
         "results/indirect/monte_carlo_{time}.parquet",
     log:
         "logs/monte_carlo/{time}.log",
-    benchmark:
-        "benchmarks/monte_carlo/{time}.tsv"
     wildcard_constraints:
         time=r"\d+",
     params:
@@ -56,8 +54,6 @@ rule monte_carlo_tables:
         ],
     log:
         "logs/monte_carlo_tables.log",
-    benchmark:
-        "benchmarks/monte_carlo_tables.tsv"
     params:
         times=TIMES,
         printed=config["estimation"]["printed_runs"],
@@ -80,8 +76,6 @@ rule iterations:
         ),
     log:
         "logs/iterations.log",
-    benchmark:
-        "benchmarks/iterations.tsv"
     params:
         seed=config["seed"],
         code=library("iterations"),
@@ -110,8 +104,6 @@ rule bounds:
         "paper/tables/bounds.tex",
     log:
         "logs/bounds.log",
-    benchmark:
-        "benchmarks/bounds.tsv"
     params:
         times=TIMES,
         lengths_s=config["estimation"]["lengths_s"],
@@ -142,8 +134,6 @@ rule contamination:
         "paper/numbers/contamination.json",
     log:
         "logs/contamination.log",
-    benchmark:
-        "benchmarks/contamination.tsv"
     params:
         seed=config["seed"],
         contamination=config["estimation"]["contamination"],
@@ -164,8 +154,6 @@ for device in DEVICES:
             per_run(device, "estimates.csv"),
         log:
             f"logs/estimates/{device}.log",
-        benchmark:
-            f"benchmarks/estimates/{device}.tsv"
         params:
             rate_hz=config["estimation"]["rate_hz"],
             code=library("estimates"),
@@ -198,8 +186,6 @@ rule estimates_tables:
         numbers="paper/numbers/estimates_{device}.json",
     log:
         "logs/estimates_tables/{device}.log",
-    benchmark:
-        "benchmarks/estimates_tables/{device}.tsv"
     params:
         runs=lambda wildcards: RUNS[wildcards.device],
         code=library("estimates_tables"),
@@ -216,8 +202,6 @@ rule choice:
         "results/{device}/{run}/goodness.csv",
     log:
         "logs/choice/{device}_{run}.log",
-    benchmark:
-        "benchmarks/choice/{device}_{run}.tsv"
     params:
         code=library("choice"),
     script:
@@ -246,8 +230,6 @@ rule choice_table:
         "paper/tables/choice_{device}.tex",
     log:
         "logs/choice_table/{device}.log",
-    benchmark:
-        "benchmarks/choice_table/{device}.tsv"
     params:
         code=library("choice_table"),
     script:
@@ -271,8 +253,6 @@ rule peers:
         "paper/numbers/peers.json",
     log:
         "logs/peers.log",
-    benchmark:
-        "benchmarks/peers.tsv"
     params:
         code=library("peers"),
     script:

@@ -14,8 +14,6 @@ rule conversion_table:
         "paper/tables/conversion.tex",
     log:
         "logs/conversion_table.log",
-    benchmark:
-        "benchmarks/conversion_table.tsv"
     params:
         devices=DEVICES,
         horizon_s=config["export"]["horizon_s"],

@@ -11,8 +11,6 @@ rule fit_models:
         expand("results/{{device}}/models/{contender}.yaml", contender=CONTENDERS),
     log:
         "logs/fit_models/{device}.log",
-    benchmark:
-        "benchmarks/fit_models/{device}.tsv"
     params:
         contenders=list(CONTENDERS),
         period_s=config["bias_stability_period_s"],
@@ -30,8 +28,6 @@ rule model_allan:
         expand("results/{{device}}/model_allan/{contender}.csv", contender=SPREAD),
     log:
         "logs/model_allan/{device}.log",
-    benchmark:
-        "benchmarks/model_allan/{device}.tsv"
     params:
         contenders=SPREAD,
         seed=config["seed"],
@@ -67,8 +63,6 @@ rule models_figure:
         "paper/numbers/models_{device}.json",
     log:
         "logs/models_figure/{device}.log",
-    benchmark:
-        "benchmarks/models_figure/{device}.tsv"
     params:
         code=library("models_figure"),
     script:

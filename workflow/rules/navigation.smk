@@ -20,8 +20,6 @@ rule measured_drift:
         "results/{device}/drift/measured.npz",
     log:
         "logs/measured_drift/{device}.log",
-    benchmark:
-        "benchmarks/measured_drift/{device}.tsv"
     params:
         site=site,
         course=COURSE,
@@ -41,8 +39,6 @@ rule simulated_drift:
         expand("results/{{device}}/drift/{contender}.npz", contender=CONTENDERS),
     log:
         "logs/simulated_drift/{device}.log",
-    benchmark:
-        "benchmarks/simulated_drift/{device}.tsv"
     params:
         contenders=list(CONTENDERS),
         site=site,
@@ -67,8 +63,6 @@ rule drift_scores:
         scores="results/{device}/drift_scores.csv",
     log:
         "logs/drift_scores/{device}.log",
-    benchmark:
-        "benchmarks/drift_scores/{device}.tsv"
     params:
         contenders=list(CONTENDERS),
         horizons_s=config["navigation"]["horizons_s"],
@@ -103,8 +97,6 @@ rule drift_figures:
         ),
     log:
         "logs/drift_figures/{device}.log",
-    benchmark:
-        "benchmarks/drift_figures/{device}.tsv"
     params:
         contenders=DRAWN,
         length_s=config["navigation"]["table_horizon_s"],
@@ -159,8 +151,6 @@ rule drift_tables:
         numbers="paper/numbers/navigation_{device}.json",
     log:
         "logs/drift_tables/{device}.log",
-    benchmark:
-        "benchmarks/drift_tables/{device}.tsv"
     params:
         table_horizon_s=config["navigation"]["table_horizon_s"],
         published_trials=config["navigation"]["published_trials"],

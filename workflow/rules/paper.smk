@@ -7,8 +7,6 @@ rule study_numbers:
         multiext("paper/tables/datasets", ".csv", ".json", ".tex"),
     log:
         "logs/study_numbers.log",
-    benchmark:
-        "benchmarks/study_numbers.tsv"
     params:
         runs={device: RUNS[device] for device in DEVICES},
         power_cycles=POWER_CYCLES,
@@ -36,8 +34,6 @@ rule paper:
         report("paper/paper.pdf", caption="../report/paper.rst", category="Paper"),
     log:
         "logs/paper.log",
-    benchmark:
-        "benchmarks/paper.tsv"
     script:
         "../scripts/paper.py"
 
@@ -57,7 +53,5 @@ rule notebook:
         ),
     log:
         "logs/notebook/{name}.log",
-    benchmark:
-        "benchmarks/notebook/{name}.tsv"
     script:
         "../scripts/notebook.py"

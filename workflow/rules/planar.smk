@@ -11,8 +11,6 @@ rule planar_runs:
         nees="results/planar/{case}_nees.parquet",
     log:
         "logs/planar_runs/{case}.log",
-    benchmark:
-        "benchmarks/planar_runs/{case}.tsv"
     wildcard_constraints:
         case="|".join(PLANAR_CASES),
     params:
@@ -59,8 +57,6 @@ rule planar_page:
         numbers="paper/numbers/planar.json",
     log:
         "logs/planar_page.log",
-    benchmark:
-        "benchmarks/planar_page.tsv"
     params:
         runs=config["planar"]["runs"],
         code=library("planar_page"),

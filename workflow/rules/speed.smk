@@ -20,8 +20,6 @@ rule speed:
         "paper/tables/speed.tex",
     log:
         "logs/speed.log",
-    benchmark:
-        "benchmarks/speed.tsv"
     # more than any machine here has: the rule runs alone
     threads: 256
     params:

@@ -11,8 +11,6 @@ for device in DEVICES:
             allan=per_run(device, "allan.csv"),
         log:
             f"logs/indices/{device}.log",
-        benchmark:
-            f"benchmarks/indices/{device}.tsv"
         params:
             site=SITES[device],
             period_s=config["bias_stability_period_s"],
@@ -32,8 +30,6 @@ rule device_indices:
         allan="results/{device}/allan.csv",
     log:
         "logs/device_indices/{device}.log",
-    benchmark:
-        "benchmarks/device_indices/{device}.tsv"
     params:
         runs=lambda wildcards: RUNS[wildcards.device],
         code=library("device_indices"),
@@ -56,8 +52,6 @@ rule indices_table:
         "paper/tables/indices_{device}.tex",
     log:
         "logs/indices_table/{device}.log",
-    benchmark:
-        "benchmarks/indices_table/{device}.tsv"
     params:
         code=library("indices_table"),
     script:
@@ -78,8 +72,6 @@ rule allan_figure:
         ),
     log:
         "logs/allan_figure/{device}.log",
-    benchmark:
-        "benchmarks/allan_figure/{device}.tsv"
     params:
         code=library("allan_figure"),
     script:
@@ -103,8 +95,6 @@ rule bench_score:
         numbers="paper/numbers/bench_score.json",
     log:
         "logs/bench_score.log",
-    benchmark:
-        "benchmarks/bench_score.tsv"
     params:
         rate_hz=config["bench"]["rate_hz"],
         code=library("bench_score"),
@@ -135,8 +125,6 @@ rule clock:
         "paper/numbers/clock_{device}.json",
     log:
         "logs/clock/{device}.log",
-    benchmark:
-        "benchmarks/clock/{device}.tsv"
     params:
         runs=lambda wildcards: RUNS[wildcards.device],
         code=library("clock"),
@@ -165,8 +153,6 @@ rule turn_on:
         "paper/tables/turn_on.tex",
     log:
         "logs/turn_on.log",
-    benchmark:
-        "benchmarks/turn_on.tsv"
     params:
         runs=POWER_CYCLES,
         period_s=config["bias_stability_period_s"],

@@ -10,8 +10,6 @@ rule tutorial_models:
         models=expand("results/{{device}}/tutorial/{textbook}.yaml", textbook=MODELS),
     log:
         "logs/tutorial_models/{device}.log",
-    benchmark:
-        "benchmarks/tutorial_models/{device}.tsv"
     params:
         models=list(MODELS),
         code=library("tutorial_models"),
@@ -28,8 +26,6 @@ rule tutorial_allan:
         "results/{device}/tutorial/allan.csv",
     log:
         "logs/tutorial_allan/{device}.log",
-    benchmark:
-        "benchmarks/tutorial_allan/{device}.tsv"
     params:
         seed=config["seed"],
         trials=config["tutorial"]["trials"],
@@ -62,8 +58,6 @@ rule tutorial_figure:
         "paper/numbers/tutorial_{device}.json",
     log:
         "logs/tutorial_figure/{device}.log",
-    benchmark:
-        "benchmarks/tutorial_figure/{device}.tsv"
     params:
         code=library("tutorial_figure"),
     script:
@@ -92,8 +86,6 @@ rule worked_example:
         "paper/numbers/worked_example.json",
     log:
         "logs/worked_example.log",
-    benchmark:
-        "benchmarks/worked_example.tsv"
     params:
         code=library("worked_example"),
     script:
@@ -120,8 +112,6 @@ rule flicker_bank:
         "paper/numbers/flicker_bank.json",
     log:
         "logs/flicker_bank.log",
-    benchmark:
-        "benchmarks/flicker_bank.tsv"
     params:
         code=library("flicker_bank"),
     script:
@@ -142,8 +132,6 @@ rule false_readings:
         "paper/numbers/false_readings.json",
     log:
         "logs/false_readings.log",
-    benchmark:
-        "benchmarks/false_readings.tsv"
     params:
         **config["tutorial"]["readings"],
         seed=config["seed"],
@@ -166,8 +154,6 @@ rule piecewise:
         "paper/numbers/piecewise.json",
     log:
         "logs/piecewise.log",
-    benchmark:
-        "benchmarks/piecewise.tsv"
     params:
         **config["tutorial"]["readings"],
         seed=config["seed"],

@@ -7,8 +7,6 @@ rule walk_models:
         indices="results/walk/indices.csv",
     log:
         "logs/walk_models.log",
-    benchmark:
-        "benchmarks/walk_models.tsv"
     params:
         seed=config["seed"],
         static=config["walks"]["static"],
@@ -30,8 +28,6 @@ rule walk_subtracted:
         tracks="results/walk/tracks.parquet",
     log:
         "logs/walk_subtracted.log",
-    benchmark:
-        "benchmarks/walk_subtracted.tsv"
     params:
         seed=config["seed"],
         devices=config["walks"]["devices"],
@@ -50,8 +46,6 @@ rule walk_inside:
         "results/walk/inside.parquet",
     log:
         "logs/walk_inside.log",
-    benchmark:
-        "benchmarks/walk_inside.tsv"
     params:
         seed=config["seed"],
         devices=config["walks"]["devices"],
@@ -98,8 +92,6 @@ rule compensation_page:
         numbers="paper/numbers/compensation.json",
     log:
         "logs/compensation_page.log",
-    benchmark:
-        "benchmarks/compensation_page.tsv"
     params:
         seed=config["seed"],
         code=library("compensation_page"),
@@ -122,8 +114,6 @@ rule walk_real:
         twins="results/walk/real/{dataset}.json",
     log:
         "logs/walk_real/{dataset}.log",
-    benchmark:
-        "benchmarks/walk_real/{dataset}.tsv"
     params:
         code=library("walk_real"),
     script:
@@ -166,8 +156,6 @@ rule walk_real_page:
         numbers="paper/numbers/walks.json",
     log:
         "logs/walk_real_page.log",
-    benchmark:
-        "benchmarks/walk_real_page.tsv"
     params:
         code=library("walk_real_page"),
     script:
@@ -184,8 +172,6 @@ rule walk_budget:
         "results/walk/budget/{walkers}.parquet",
     log:
         "logs/walk_budget/{walkers}.log",
-    benchmark:
-        "benchmarks/walk_budget/{walkers}.tsv"
     wildcard_constraints:
         walkers="|".join(["embedded", *CATALOGUE]),
     params:
@@ -208,8 +194,6 @@ rule walk_sensitivity:
         "results/walk/choices/{dataset}.csv",
     log:
         "logs/walk_sensitivity/{dataset}.log",
-    benchmark:
-        "benchmarks/walk_sensitivity/{dataset}.tsv"
     params:
         factors=[0.25, 0.5, 0.71, 1, 1.41, 2, 4],
         doubts=[0.5, 2],
@@ -227,8 +211,6 @@ rule walk_consistency:
         "results/walk/consistency.csv",
     log:
         "logs/walk_consistency.log",
-    benchmark:
-        "benchmarks/walk_consistency.tsv"
     params:
         seed=config["seed"],
         walks=config["walks"]["loops"],
@@ -284,8 +266,6 @@ rule walk_limits_page:
         numbers="paper/numbers/walk_limits.json",
     log:
         "logs/walk_limits_page.log",
-    benchmark:
-        "benchmarks/walk_limits_page.tsv"
     params:
         code=library("walk_limits_page"),
     script:
@@ -301,8 +281,6 @@ rule walk_hidden:
         expand("results/walk/hidden/{case}.csv", case=config["walks"]["hidden"]),
     log:
         "logs/walk_hidden.log",
-    benchmark:
-        "benchmarks/walk_hidden.tsv"
     params:
         cases=config["walks"]["hidden"],
         seed=config["seed"],
@@ -331,8 +309,6 @@ rule walk_hidden_page:
         numbers="paper/numbers/walk_hidden.json",
     log:
         "logs/walk_hidden_page.log",
-    benchmark:
-        "benchmarks/walk_hidden_page.tsv"
     params:
         cases=config["walks"]["hidden"],
         code=library("walk_hidden_page"),
@@ -355,8 +331,6 @@ rule walk_missing:
         ends="results/walk/missing/ends.parquet",
     log:
         "logs/walk_missing.log",
-    benchmark:
-        "benchmarks/walk_missing.tsv"
     params:
         sets=WALKS,
         seed=config["seed"],
@@ -397,8 +371,6 @@ rule walk_missing_page:
         numbers="paper/numbers/walk_missing.json",
     log:
         "logs/walk_missing_page.log",
-    benchmark:
-        "benchmarks/walk_missing_page.tsv"
     params:
         seed=config["seed"],
         code=library("walk_missing_page"),
