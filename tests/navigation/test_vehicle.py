@@ -91,7 +91,6 @@ def runs(recipe, assumptions):
     return found
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     "states", [slice(0, 3), slice(3, 6), slice(6, 9), slice(9, 15), slice(15, 21), slice(0, 9), slice(0, 21)], ids=str
 )
@@ -105,13 +104,11 @@ def test_the_filter_errs_as_much_as_it_says(runs, states, at):
     assert np.abs(off.mean(axis=0) / off.std(axis=0)).max() < 4.5 / np.sqrt(RUNS)
 
 
-@pytest.mark.slow
 def test_the_drift_over_an_outage_is_as_large_as_it_says(runs):
     low, high = nees_band(2, RUNS, 0.999)
     assert low < np.mean([drift @ np.linalg.solve(told, drift) for *_, drift, told in runs]) < high
 
 
-@pytest.mark.slow
 def test_innovations_are_white_and_as_large_as_expected(runs):
     """NIS: its mean; whitened components: variance one, no correlation from fix to fix, no false alarms beyond 1 %."""
     nis = np.concatenate([one[2].statistic for one in runs])
