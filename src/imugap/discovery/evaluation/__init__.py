@@ -1,4 +1,4 @@
-"""How far apart measured and simulated runs are, and how much nearer they come on runs no fit has seen.
+"""Distances between measured and simulated logs on held-out data, with the start model and with the final one.
 
 May import search, views, fit and preparation.
 """

@@ -1,9 +1,8 @@
-"""How far a measured log is from simulated ones on held-out data: before, after, and the floor.
+"""Distances of a measured log to simulated ones on held-out data: before, after, and the floor.
 
 The *before* and *after* are the distances to ensembles of the start and of the final model, the *floor* the distance
-of simulations of the final model from each other. Each is in units of the scatter of the model's own simulations: a
-model that claims to know more than it does is far away, not close.
-Logs are taken as evenly sampled; errors of the clock are left out.
+between simulations of the final model. Each is in units of the scatter of the model's own simulations, so that an
+overconfident model is far from the data. Logs are taken as evenly sampled; errors of the clock are excluded.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -31,37 +30,37 @@ from imugap.model import ErrorModel, conditions, offset_of
 from imugap.stream import stream
 
 COUNT = 60
-"""Simulations of each model."""
+"""Number of simulations of each model."""
 BLOCKS, SHORTEST = 16, 16
 """Blocks of the held-out part, and fewest samples of one."""
 WIDTH, PER_DECADE = 0.3, 4
 """Relative width of bands of frequency; averaging times per decade."""
 SHARES = np.array([0.001, 0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99, 0.999])
-"""Shares of normal values below the bounds at which shares of the samples are compared."""
+"""Probabilities at whose normal quantiles the empirical distribution functions are compared."""
 COUNTED = 8
-"""Fewest samples that are to be expected beyond a bound."""
+"""Minimum expected number of samples beyond such a quantile."""
 EPOCHS = 16
-"""Steps of a drift."""
+"""Number of time steps of a drift."""
 HORIZONS = np.array([1 / 16, 1 / 8, 1 / 4, 1 / 2, 1])
-"""Shares of the held-out part after which drifts are compared."""
+"""Times of comparison of drifts, as shares of the held-out part."""
 LEAST = 0.1
-"""Smallest scatter of an entry, over the median one of its view: some hardly vary."""
+"""Minimum scatter of an entry, over the median scatter of its view."""
 LEVEL = 0.95
 SIDES = ("before", "after")
 """Names of the two models."""
 ANYWHERE = Site(radians(45.0), 0.0)
-"""Where a device stands if nobody says: only the gravity of the place matters."""
+"""Assumed site of the device; only its gravity matters."""
 
 Model = ErrorModel | UncertainModel
 
 
 @dataclass(frozen=True)
 class Distances:
-    """Distances of the measured log to the start and to the final model, and what the final model makes by itself.
+    """Distances of the measured log to the start model and to the final model, and the floor of the final model.
 
-    Of before and after, the value is the median over the simulations and the interval holds 95 % of them. The floor
-    is that median for each simulation of the final model against the others: its median and 95 % interval. If the
-    final model is right, the value of *after* lies in the floor's interval in 95 % of the cases.
+    The value of before and after is the median over the simulations, the interval holds 95 % of them. The floor is the
+    distribution of that median for each simulation of the final model against the others: its median and 95 %
+    interval. If the final model is right, *after* lies in the interval of the floor in 95 % of the cases.
     """
 
     before: Interval
@@ -71,7 +70,7 @@ class Distances:
 
 @dataclass(frozen=True, eq=False)
 class SquaredDistances:
-    """Squared distances on one log, from which those over several logs follow.
+    """Squared distances on one log.
 
     Attributes
     ----------
@@ -87,7 +86,7 @@ class SquaredDistances:
 
 
 def combined(logs: Sequence[SquaredDistances]) -> Distances:
-    """Return the distances over several logs of a device, each of the same weight: root mean squares."""
+    """Combine several logs of a device with equal weights: return the root mean square distances."""
     before, after, floor = (
         np.sqrt(np.mean([getattr(one, name) for one in logs], axis=0)) for name in ("before", "after", "floor")
     )
@@ -96,12 +95,12 @@ def combined(logs: Sequence[SquaredDistances]) -> Distances:
 
 @dataclass(frozen=True, eq=False)
 class LogStatistics:
-    """What is compared of one log.
+    """Statistics of one log that are compared.
 
     Attributes
     ----------
     views
-        Of each axis the logarithms of Allan variance, spectrum and block variances, block means, and shares.
+        For each axis: logarithms of Allan variance, spectrum and block variances; block means; transformed shares.
     path
         Drift through the held-out part, position north, east, down [m], shape (epochs, 3); None if not navigated.
     """
@@ -112,22 +111,20 @@ class LogStatistics:
 
 @dataclass(frozen=True, eq=False)
 class HeldOutComparison:
-    """A log beside two models: what follows on its first part is compared with what they make of it.
+    """A log and two models: its last part is compared with simulations of both.
 
     Attributes
     ----------
     measured
         The whole log.
     split
-        Time [s] of the log at which the held-out part begins.
+        Time [s] at which the held-out part begins.
     before, after
         Start and final model, with or without the uncertainty of their parameters.
     reference
-        Error-free log at the same times, of all axes that effects may go with, for a device in motion; a device at
-        rest needs none.
+        Error-free log at the same times, for a device in motion; None for a device at rest.
     level
-        Mean of each axis over the held-in part, which is that of the measured values unless it is given: clipped
-        values have another one than the device.
+        Mean of each axis over the held-in part; default that of the measured values, which clipping would bias.
     """
 
     measured: pd.DataFrame
@@ -150,7 +147,7 @@ class HeldOutComparison:
 
     @cached_property
     def course(self) -> drift.StaticNavigation | None:
-        """Return how the held-out part is navigated, from biases that are the means of the held-in one.
+        """Return the navigation of the held-out part, with biases estimated on the held-in part.
 
         None for a device in motion or without all six axes.
         """
@@ -163,11 +160,11 @@ class HeldOutComparison:
         )
 
     def statistics(self) -> LogStatistics:
-        """Return the summary of the measured log."""
+        """Return the statistics of the measured log."""
         return self._summary(self.measured)
 
     def simulate(self, name: str, seed: int, numbers: Iterable[int]) -> list[LogStatistics]:
-        """Return the summaries of the simulations of these numbers of a model, ``before`` or ``after``."""
+        """Simulate a model, ``before`` or ``after``, once for each of ``numbers``; return the statistics."""
         return [self._summary(table) for table in self._simulations(name, seed, numbers)]
 
     def distribution(self, seed: int, count: int = COUNT) -> SquaredDistances:
@@ -181,12 +178,12 @@ class HeldOutComparison:
     def drifts_of(
         self, own: LogStatistics, before: Sequence[LogStatistics], after: Sequence[LogStatistics]
     ) -> "Drifts":
-        """Return the drifts of which summaries tell."""
+        """Return the drifts for the statistics of the measured and the simulated logs."""
         start, final = (np.array([one.path for one in ensemble]) for ensemble in (before, after))
         return Drifts(self.course.epochs(), own.path, start, final)
 
     def _summary(self, table: pd.DataFrame) -> LogStatistics:
-        """Return the summary of the log or of a simulation of it."""
+        """Return the statistics of the log or of a simulation of it."""
         first, errors, scale = self.held_in, self._errors(table), self._scale
         views = [view for axis, x in errors.items() for view in _views(x[first:], x[:first].mean(), scale[axis])]
         return LogStatistics(views, None if self.course is None else self._path(table))
@@ -206,7 +203,7 @@ class HeldOutComparison:
         return {axis: values[: self.held_in].std() for axis, values in self._errors(self.measured).items()}
 
     def _simulations(self, name: str, seed: int, numbers: Iterable[int]) -> Iterator[pd.DataFrame]:
-        """Simulate the whole log, the held-out part as what follows on the held-in one."""
+        """Simulate the whole log, of which the held-out part is the continuation of the held-in one."""
         model = getattr(self, name)
         for number in numbers:
             labels = ("distance", name, number)
@@ -217,7 +214,7 @@ class HeldOutComparison:
             yield sensors.simulate(ideal, seed, *labels, at=at)
 
     def _at_rest(self, model: ErrorModel) -> pd.DataFrame:
-        """Return the error-free log of a device at rest: the level less the model's biases."""
+        """Return the error-free log of a device at rest: the level minus the model's biases."""
         table, interval = self.measured.copy(), log.interval(self.measured)
         for axis in log.axes(self.measured):
             biases = offset_of(model[axis])
@@ -231,7 +228,7 @@ class HeldOutComparison:
         return ideal, conditions(ideal)
 
     def _with_temperature(self, table: pd.DataFrame) -> pd.DataFrame:
-        """Return an error-free log with the temperature of the measured one, at times since its start."""
+        """Return an error-free log with the measured temperature, at times since its start."""
         if log.TEMPERATURE in self.measured:
             table[log.TEMPERATURE] = self.measured[log.TEMPERATURE].to_numpy()
         return table.set_axis(pd.Index(self.measured.index - self.measured.index[0], name=log.TIME))
@@ -252,7 +249,7 @@ class Drifts:
     time
         Since the start of the navigation [s], shape (epochs,).
     measured
-        Position north, east, down less the true one [m], shape (epochs, 3).
+        Position error north, east, down [m], shape (epochs, 3).
     before, after
         The same of simulations of the start and of the final model, shape (count, epochs, 3).
     """
@@ -272,15 +269,15 @@ class Drifts:
 def distribution(
     own: LogStatistics, before: Sequence[LogStatistics], after: Sequence[LogStatistics]
 ) -> SquaredDistances:
-    """Return the distances over views: of the measured log and of simulations of the start and of the final model."""
+    """Return the distances over views, from the statistics of the measured log and of both ensembles."""
     return _apart(own.views, *([one.views for one in ensemble] for ensemble in (before, after)))
 
 
 def _views(values: np.ndarray, level: float, scale: float) -> list[np.ndarray]:
-    """Return what views say of the held-out values of one axis, ``level`` being the mean of the held-in ones.
+    """Return the statistics of the held-out values of one axis; ``level`` is the mean of the held-in ones.
 
-    ``scale`` is the standard deviation of measured values, which sets the bounds below which samples are counted: on
-    a lattice their shares vary as those of a binomial law, while quantiles jump.
+    ``scale`` is the standard deviation of the measured values, which sets the bounds below which samples are counted:
+    on a lattice these shares are binomial, while quantiles jump.
     """
     first = block_starts(len(values), BLOCKS, SHORTEST)
     number = np.diff(np.r_[first, len(values)])
@@ -298,7 +295,7 @@ def _views(values: np.ndarray, level: float, scale: float) -> list[np.ndarray]:
 
 
 def _apart(own: list[np.ndarray], start: list[list[np.ndarray]], final: list[list[np.ndarray]]) -> SquaredDistances:
-    """Return the squared distances of vectors of the measured log and of the simulations of both models."""
+    """Return the squared distances between the vectors of the measured log and of the simulations of both models."""
     floor = [_squares(one, final[:i] + final[i + 1 :]) for i, one in enumerate(final)]
     return SquaredDistances(_squares(own, start), _squares(own, final), np.array(floor))
 
@@ -306,8 +303,8 @@ def _apart(own: list[np.ndarray], start: list[list[np.ndarray]], final: list[lis
 def _squares(one: list[np.ndarray], ensemble: list[list[np.ndarray]]) -> np.ndarray:
     """Return the mean square, over views, of the standardised difference from each member, shape (count,).
 
-    Differences are divided by sqrt(2) times the scatter of the entry among the members, so that two members are
-    about 1 apart. A mean over the entries of a view comes first: each view of each axis weighs the same.
+    Differences are divided by sqrt(2) times the scatter of the entry among the members, so that two members have
+    distance 1 on average. The mean over the entries of a view comes first: all views of all axes have equal weight.
     """
     squares = []
     for part, rows in zip(one, map(np.array, zip(*ensemble, strict=True)), strict=True):
@@ -318,6 +315,6 @@ def _squares(one: list[np.ndarray], ensemble: list[list[np.ndarray]]) -> np.ndar
 
 
 def _interval(values: list[float] | np.ndarray) -> Interval:
-    """Return the median and the interval that another value of the same law falls into with :data:`LEVEL`."""
+    """Return the median and the prediction interval of probability :data:`LEVEL`."""
     low, middle, high = np.quantile(values, [(1 - LEVEL) / 2, 0.5, (1 + LEVEL) / 2], method="weibull")
     return Interval(float(middle), float(low), float(high), "1")

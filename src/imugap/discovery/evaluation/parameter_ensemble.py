@@ -1,4 +1,4 @@
-"""An error model with what its fits leave open, as an ensemble of models."""
+"""Error models whose parameters are drawn from the uncertainty of their fits."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -13,7 +13,7 @@ from imugap.model import ErrorModel
 
 @dataclass(frozen=True, eq=False)
 class FitUncertainty:
-    """What a fit leaves open of the effects that it adjusted.
+    """Uncertainty of the effects that a fit adjusted.
 
     Attributes
     ----------
@@ -22,7 +22,7 @@ class FitUncertainty:
     of_terms, of_noise
         Covariances of the terms' free parameters and of the logarithms of the noise's.
     limits
-        Lowest and highest logarithms that the noise's parameters had in the fit.
+        Bounds of the logarithms of the noise's parameters in the fit.
     """
 
     description: Description
@@ -32,13 +32,13 @@ class FitUncertainty:
 
     @classmethod
     def of(cls, fit: AxisFit) -> "FitUncertainty":
-        """Return that of a fit."""
+        """Return the uncertainty of a fit."""
         own = fit.bare()
         ends = limits(fit.description.noise, fit.sequence.bins, own.power)
         return cls(fit.description, own.covariance, fit.noise.covariance, ends)
 
-    def drawn(self, rng: np.random.Generator) -> dict[Effect, Effect]:
-        """Return each adjusted effect with the drawn one in its place."""
+    def draw(self, rng: np.random.Generator) -> dict[Effect, Effect]:
+        """Draw the parameters; return the drawn effect for each adjusted one."""
         description = self.description
         found, first = {}, 0
         steps = _normal(self.of_terms, rng)
@@ -57,12 +57,12 @@ class UncertainModel:
     ----------
     model
         The model.
-    left
-        Axis to what the fit leaves open that effects of its model come from; an effect that is in no fit is certain.
+    uncertainty
+        Axis to the uncertainty of its fit; effects in no fit are taken as exact.
     """
 
     model: ErrorModel
-    left: Mapping[str, FitUncertainty] = field(default_factory=dict)
+    uncertainty: Mapping[str, FitUncertainty] = field(default_factory=dict)
 
     @classmethod
     def of(cls, model: ErrorModel, fits: Mapping[str, AxisFit]) -> "UncertainModel":
@@ -73,12 +73,12 @@ class UncertainModel:
         """Draw a model: terms under their covariance, logarithms of the noise's parameters under its information."""
         axes = {}
         for axis, model in self.model.axes.items():
-            drawn = self.left[axis].drawn(rng) if axis in self.left else {}
+            drawn = self.uncertainty[axis].draw(rng) if axis in self.uncertainty else {}
             axes[axis] = AxisModel(tuple(drawn.get(effect, effect) for effect in model))
         return ErrorModel(axes)
 
 
 def _normal(covariance: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-    """Draw normal values of mean zero; covariances may be singular or of no values at all."""
+    """Draw normal values of mean zero; the covariance may be singular or empty."""
     values, vectors = np.linalg.eigh(covariance)
     return vectors @ (np.sqrt(np.maximum(values, 0.0)) * rng.standard_normal(len(values)))

@@ -7,23 +7,23 @@ import numpy as np
 from scipy.fft import dct
 
 SINGLE = 64
-"""Lowest and highest coefficients that are kept one by one."""
+"""Number of lowest and of highest coefficients with bins of their own."""
 WIDTH = 0.03
-"""Relative width of the bins above, and towards half the sampling rate, where filters end."""
+"""Relative width of the other bins, relative to the distance from zero or from half the sampling rate."""
 USED = 0.98
-"""Share of the frequencies that are used at most: half the sampling rate itself, where filters have a zero, is not."""
+"""Maximum share of the frequencies used; at half the sampling rate filters have a zero."""
 QUIET, WINDOW = 1e-4, 1 / 200
-"""Power, over the median, below which leakage from the ends of a log may be all there is; share of a mean over it."""
+"""Power over its median below which it may be leakage from the ends of a log; width of the running mean, as a share."""
 OVER = 100.0
-"""Times the leaked power that a frequency has to have to be used."""
+"""Minimum power of a used frequency, over the leaked power."""
 
 
 def usable_share(values: np.ndarray) -> float:
     """Return the share of frequencies, from the lowest on, up to which samples have power beyond leakage.
 
-    What the cosine transform leaks to high frequencies is of the slopes s at both ends, where it folds the samples: to
-    coefficient k of n a power 2/n (s_first^2 + s_last^2)/(2 sin(pi k/(2 n)))^4. Any sample may be at the end of a part;
-    so the slopes are those of all.
+    The cosine transform leaks power of the slopes s at both ends, where it mirrors the samples: 2/n (s_first^2 +
+    s_last^2)/(2 sin(pi k/(2 n)))^4 at coefficient k of n. Any sample may be at the end of a part of the log, so the
+    mean over all slopes is used.
     """
     power = dct(values - values.mean(), norm="ortho")[1:] ** 2
     width = max(int(WINDOW * len(power)), 1)
@@ -48,9 +48,9 @@ class Bins:
     count, interval
         Number of samples n and sampling interval [s].
     share
-        Share of the frequencies that are used, from the lowest on.
+        Share of the frequencies used, from the lowest on.
     step
-        Distance of the levels to which the output is rounded, or zero.
+        Step to which the output is rounded, or zero.
     """
 
     count: int
@@ -65,7 +65,7 @@ class Bins:
 
     @property
     def last(self) -> int:
-        """Return the number of coefficients that are used."""
+        """Return the number of coefficients used."""
         return int(self.share * (self.count - 1))
 
     @cached_property
@@ -92,9 +92,9 @@ class Bins:
         return np.add.reduceat(values[: self.last], self.edges)
 
     def spread(self, values: np.ndarray) -> np.ndarray:
-        """Return a value per bin as a value per coefficient, shape (n - 1,), straight between the bins' means.
+        """Interpolate values of the bins to the coefficients, shape (n - 1,), linearly in the logarithms.
 
-        The coefficients that are kept one by one keep their own.
+        Coefficients with a bin of their own keep its value.
         """
         means = self.edges + 1 + (self.number - 1) / 2
         return np.exp(np.interp(_logarithms(self.count), np.log(means), np.log(values)))
@@ -107,6 +107,6 @@ def _logarithms(count: int) -> np.ndarray:
 
 
 def _widening(count: int) -> np.ndarray:
-    """Return edges from 0 up to ``count``: single at first, then wider and wider."""
+    """Return bin edges from 0 up to ``count``: of single coefficients first, then of growing width."""
     bins = int(np.ceil(np.log(count / SINGLE) / WIDTH))
     return np.r_[0:SINGLE, np.rint(np.geomspace(SINGLE, count, bins + 1)).astype(int)]

@@ -1,4 +1,4 @@
-"""Samples told by those around them: what lost ones can have been."""
+"""Draw lost samples from an autoregressive model, given the samples around them."""
 
 from dataclasses import dataclass
 
@@ -8,18 +8,18 @@ from numpy.lib.stride_tricks import sliding_window_view
 from scipy.linalg import cho_solve_banded, cholesky_banded, solve_banded, toeplitz
 
 ORDER = 32
-"""Samples before each from which it is told."""
+"""Order of the autoregression."""
 SEVERAL = 100
-"""Samples for each coefficient at least; with fewer that have none flawed before them the order is halved."""
+"""Minimum number of complete rows per coefficient; with fewer, the order is halved."""
 ENOUGH = 100_000
-"""Samples from which coefficients are taken at most, spread over the log."""
+"""Maximum number of rows of the regression, spread over the log."""
 RIDGE = 1e-12
-"""Share of the power of a filter that is added to it, for lines that leave nothing."""
+"""Regularisation of the precision, as a share of the power of the filter."""
 
 
 @dataclass(frozen=True, eq=False)
 class Autoregression:
-    """A sequence that is told by its past, or by its future, but for white noise.
+    """Autoregressive model of a sequence, valid in both directions of time.
 
     Attributes
     ----------
@@ -29,7 +29,7 @@ class Autoregression:
         Filter that leaves the white noise, shape (order + 1,), its last coefficient, that of the sample itself, 1.
         Backwards in time it is the same, as for any stationary Gaussian sequence.
     std
-        Standard deviation of the white noise, in the same unit, whatever a few of its values are.
+        Robust standard deviation of the white noise, in the same unit.
     """
 
     level: float
@@ -38,7 +38,7 @@ class Autoregression:
 
     @classmethod
     def of(cls, values: np.ndarray, good: np.ndarray) -> "Autoregression":
-        """Fit the good ones of some samples, by least squares; both of shape (n,)."""
+        """Fit the good samples by least squares; ``values`` and ``good`` of shape (n,)."""
         level, order = float(values[good].mean()), ORDER
         while len(at := _complete(good, order)) < SEVERAL * (order + 1) and order > 0:
             order //= 2
@@ -50,11 +50,11 @@ class Autoregression:
         return cls(level, whitening, float(np.median(np.abs(past @ whitening)) / 0.6745))
 
     def fill(self, values: np.ndarray, flawed: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-        """Return samples with the flawed ones drawn given all others; ``values`` and ``flawed`` of shape (n,).
+        """Draw the flawed samples given all others; ``values`` and ``flawed`` of shape (n,).
 
-        They are Gaussian, their precision that of the white noise which depends on them, and are drawn by its banded
-        Cholesky factor (Rue and Held 2005, Gaussian Markov Random Fields, section 2.4). The first part of the log is
-        told backwards, the last one forwards, from a core between them that nothing but itself tells.
+        They are Gaussian with a banded precision, and are drawn by its Cholesky factor (Rue and Held 2005, Gaussian
+        Markov Random Fields, section 2.4). The first part of the log is predicted backwards and the last part
+        forwards, from a core of ``order`` samples between them.
         """
         reach, at = len(self.whitening) - 1, np.flatnonzero(flawed)
         known, turn = np.where(flawed, 0.0, values - self.level), self._turn(flawed)
@@ -72,10 +72,10 @@ class Autoregression:
         return np.where(flawed, self.level + known, values)
 
     def _core(self) -> np.ndarray:
-        """Return the precision of as many samples as the order, over that of the white noise, shape (order, order).
+        """Return the precision of ``order`` consecutive samples, over that of the white noise, shape (order, order).
 
-        By the formula of Gohberg and Semencul (Brockwell and Davis 1991, Time Series, section 8.7, problem 8.5); of a
-        sequence that is hardly stationary no direction has less than none.
+        By the formula of Gohberg and Semencul (Brockwell and Davis 1991, Time Series, section 8.7, problem 8.5);
+        negative eigenvalues of a nearly nonstationary model are set to zero.
         """
         ahead, behind = self.whitening[:0:-1], self.whitening[:-1]
         first, last = (
@@ -85,7 +85,7 @@ class Autoregression:
         return (vectors * np.maximum(values, 0.0)) @ vectors.T
 
     def _turn(self, flawed: np.ndarray) -> int:
-        """Return the first stretch told forwards: near the middle, and far from flawed samples where it can be."""
+        """Return the first row predicted forwards: near the middle, far from flawed samples if possible."""
         reach = len(self.whitening) - 1
         calm = _complete(~flawed, 3 * reach)
         middle = (len(flawed) - reach) // 2
@@ -103,8 +103,8 @@ def _complete(good: np.ndarray, order: int) -> np.ndarray:
 def _precision(at, whitening, count, turn, core):
     """Return the upper bands of the precision of the samples ``at``, over that of the white noise.
 
-    There are ``count`` stretches of the length of the filter; those before ``turn`` are told backwards, and ``core``
-    is the precision of the samples from there on by themselves.
+    The filter has ``count`` positions; those before ``turn`` predict backwards, and ``core`` is the precision of the
+    samples from there on.
     """
     reach = len(whitening) - 1
     bands = np.zeros((reach + 1, len(at)))

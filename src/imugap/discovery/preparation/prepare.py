@@ -1,7 +1,7 @@
-"""What a log says before any statistics: stamps, lost, stuck and clipped samples, lattice of the values.
+"""Prepare a log: detect irregular stamps, lost, stuck and clipped samples, and rounded values, before any statistics.
 
-These flaws are effects like others, and are named here, since they would disturb all that comes after; what is left
-are even sequences, one for each axis.
+These flaws are effects and are named here, since they would disturb all later steps. The result is one evenly sampled
+sequence for each axis.
 """
 
 from collections.abc import Sequence
@@ -24,42 +24,42 @@ from imugap.model import ErrorModel
 from imugap.stream import stream
 
 CERTAIN = -1e6
-"""Logarithm of the least probability that is told from zero."""
+"""Logarithm of the smallest probability reported."""
 ALIGNED = 1e-6
-"""Distance, in intervals, within which a stamp of the reference is that of a sample."""
+"""Largest difference, in intervals, of equal stamps of reference and log."""
 TAILED = 2.1
-"""Largest displacement of a stamp, in standard deviations, that the ticks of another clock leave (uniform: 1.73)."""
+"""Largest displacement of a stamp, in standard deviations, by the ticks of another clock (uniform: 1.73)."""
 HOLE = 5.0
-"""Step of the stamps of the reference, over their usual one, above which nothing is known between two of them."""
+"""Minimum step of the stamps of the reference, over the median step, of a gap in it."""
 INTERPOLATED, STRAIGHT = 0.3, 1e-3
-"""Share of the samples that are on the line between their neighbours, within so much of the usual difference of two,
-from which on they were interpolated."""
+"""Minimum share of samples on the straight line between their neighbours, within this tolerance over the median
+difference of neighbours, of an axis that was interpolated."""
 DISTINCT = 0.2
-"""Least share of different values of an axis of which that is asked."""
+"""Minimum fraction of distinct values for the interpolation test."""
 TOGETHER = 0.5
-"""Share of the repeats of an axis that the others have to share for a common cause."""
+"""Minimum share of the repeats of an axis that all axes have in common, for a common cause."""
 
 
 @dataclass(frozen=True, eq=False)
 class PreparedLog:
-    """A log made ready for discovery.
+    """A log prepared for discovery.
 
     Attributes
     ----------
     sequences
-        Error of each axis, even in time from 0 = power-on on; flawed samples are replaced and marked. Where there is a
-        resolution the values stay on its lattice (:meth:`imugap.effects.Resolution.found`).
+        Error of each axis, evenly sampled, time 0 = power-on; flawed samples are replaced and marked. Rounded values
+        stay on their lattice (:meth:`imugap.effects.Resolution.found`).
     outputs
-        Output of each axis at the same times, flawed as it is; only what was lost is replaced.
+        Output of each axis at the same times with its flaws; only lost samples are replaced.
     findings
-        The effects that were named on the way; each is at home on the axes under which it stands.
+        The effects found.
     gaps
         Where log and start model disagree, in the views ``stamps`` and ``values``, named or not.
     begin
         Stamp of the first sample, which is time zero.
     unusable
-        Axes that say nothing, in the view ``values``, which are left out: without two different values, the value;
-        of samples between which the others were interpolated, their distance in time.
+        Excluded axes, as places of the view ``values``: at the value of a constant axis, or at the time between the
+        true samples of an interpolated axis.
     """
 
     sequences: dict[str, AxisSequence]
@@ -77,21 +77,21 @@ def prepare(
     start: ErrorModel | None = None,
     catalogue: Sequence[type[Effect]] = tuple(CATALOGUE.values()),
 ) -> PreparedLog:
-    """Find and take out what must not come into statistics.
+    """Detect flaws of a log, and replace flawed samples.
 
     Parameters
     ----------
     log
         Table as :func:`imugap.io.readers.read_table` gives it: stamps may be missing, repeated or reversed, values NaN.
     reference
-        Error-free log, or None for a log at rest; the time that it does not cover is left out, samples in its holes
-        are replaced.
+        Error-free log, or None for a log at rest; the time outside of it is excluded, samples in its gaps are
+        replaced.
     seed
-        Of what replaces flawed samples.
+        Seed of the replacements.
     start
-        Model whose effects are known: they are taken out, but are no news.
+        Start model: its effects are removed but not reported.
     catalogue
-        Kinds of effects; those of the output and the clock are looked for in samples and stamps.
+        Kinds of effects; those of the output and the clock are searched for in samples and stamps.
     """
     known = ErrorModel({}) if start is None else start
     unusable = _unusable(log)
@@ -129,7 +129,7 @@ def prepare(
 
 
 class _News:
-    """Evidence as it comes in: what the start model does not know becomes a gap and a finding."""
+    """Collector of evidence: effects outside of the start model become gaps and findings."""
 
     def __init__(self, known: ErrorModel, origin: float) -> None:
         self.known, self.origin, self.gaps = known, origin, []
@@ -148,18 +148,18 @@ class _News:
         self.gaps.append(Gap(view, axis, float(low - shift), float(high - shift), unit, p_value))
 
     def seen(self, axis: str, found: Sequence[Evidence], values: np.ndarray) -> None:
-        """Add what the output of an axis, shape (n,), shows, each at the values in which it acts."""
+        """Add the evidence found in the output of an axis, shape (n,), at the range of values affected."""
         for evidence in found:
             low, high = evidence.extent or (np.nanmin(values), np.nanmax(values))
             self.add(axis, evidence, "values", low, high, _unit(axis))
 
     def missing(self, axis: str, lost: np.ndarray, time: np.ndarray, kinds: Sequence[type[Effect]]) -> None:
-        """Add what samples without a value on one axis alone, shape (n,), show."""
+        """Add the evidence of samples missing on one axis alone, ``lost`` of shape (n,)."""
         for evidence in filter(None, (kind.missing(lost) for kind in kinds)):
             self.add(axis, evidence, "values", *time[lost][[0, -1]] + self.origin)
 
     def irregular(self, clock: Stamps, displaced: bool) -> None:
-        """Tell of stamps that are out of order, or scatter in a way that has no name."""
+        """Add the places of stamps that are out of order, or whose scatter no effect explains."""
         bad = np.flatnonzero(~clock.advancing)
         if len(bad):
             near = clock.time[clock.advancing]
@@ -172,7 +172,7 @@ class _News:
             self.place("stamps", TIME, first, last, "s", CERTAIN)
 
     def findings(self) -> tuple[Finding, ...]:
-        """Return one finding for each effect: axes that have it by the same values share it."""
+        """Return one finding for each effect; axes with equal parameters share it."""
         shared: dict[tuple, dict[str, Evidence]] = {}
         for kind, found in self.evidence.items():
             for axis, evidence in found.items():
@@ -183,7 +183,7 @@ class _News:
 
 
 def _finding(found: dict[str, Evidence]) -> Finding:
-    """Return what is found of one effect."""
+    """Return the finding of one effect."""
     axis, surest = min(found.items(), key=lambda one: one[1].log_p)
     one = finding({axis: evidence.effect for axis, evidence in found.items()}, surest, _unit(axis))
     return replace(one, log_p=max(one.log_p, CERTAIN))
@@ -194,7 +194,7 @@ def _unit(axis: str) -> str:
 
 
 def _unusable(log: pd.DataFrame) -> tuple[Gap, ...]:
-    """Return the axes that say nothing, each as a place, if there are others.
+    """Return the unusable axes, each as a place, if there are others.
 
     Those without two different values, and those of samples between which the others were interpolated.
     """
@@ -212,7 +212,7 @@ def _unusable(log: pd.DataFrame) -> tuple[Gap, ...]:
 
 
 def _samples_to_a_knot(values: np.ndarray) -> float:
-    """Return how many samples there are to each that is not on the line between its neighbours; one if most are not.
+    """Return the number of samples per true sample of an axis that was interpolated; one if it was not.
 
     On a coarse lattice neighbours are often as far apart by chance.
     """
@@ -261,7 +261,7 @@ def _conditions(rows: pd.DataFrame, clock: Stamps, reference: pd.DataFrame | Non
 
 
 def _interpolated(reference: pd.DataFrame, clock: Stamps) -> pd.DataFrame:
-    """Return the reference at the samples: as it is where it has the same stamps, else by cubic splines.
+    """Return the reference at the samples: unchanged where the stamps are equal, else by cubic splines.
 
     Samples are taken at even times, whatever a rounded or scattered stamp says.
     """
@@ -279,7 +279,7 @@ def _interpolated(reference: pd.DataFrame, clock: Stamps) -> pd.DataFrame:
 
 
 def in_reference_gap(reference: pd.DataFrame, time: np.ndarray) -> np.ndarray:
-    """Return which times, shape (n,), are in a hole of the reference, where it says nothing."""
+    """Return which times, shape (n,), are in a gap of the reference."""
     own = reference.index.to_numpy(float)
     steps, after = np.diff(own), np.clip(np.searchsorted(own, time), 1, len(own) - 1)
     return steps[after - 1] > HOLE * np.median(steps)
@@ -290,7 +290,7 @@ def _at(everywhere: Conditions, axis: str) -> Conditions:
 
 
 def _seen(values: np.ndarray, conditions: Conditions, catalogue: Sequence[type[Effect]]) -> list[Evidence]:
-    """Return what the output of one axis, shape (n,), NaN where lost, shows of effects on it."""
+    """Return the evidence of output effects in the output of one axis, shape (n,), NaN where lost."""
     if np.isnan(values).all():
         return []
     kinds = [kind for kind in catalogue if kind.role is Role.OUTPUT and kind.stage is not Stage.TRANSFER]
@@ -298,13 +298,13 @@ def _seen(values: np.ndarray, conditions: Conditions, catalogue: Sequence[type[E
 
 
 def _flawed(found: Sequence[Evidence], count: int, *stages: Stage) -> np.ndarray:
-    """Return the samples, shape (count,), that effects spoil, those of some stages or all."""
+    """Return which samples, shape (count,), are flawed by effects, of some stages or of all."""
     mine = [one.flawed for one in found if not stages or one.effect.stage in stages]
     return np.any(mine, axis=0) if mine else np.zeros(count, bool)
 
 
 def _transferred(kind: type[Effect], news: _News, outputs: dict, at: dict, flawed: dict) -> None:
-    """Add and mark what the transfer of the words spoils: of all axes at once where they share it, else of each."""
+    """Add and mark the samples flawed in transfer: of all axes at once where they share them, else of each axis."""
     free = {axis: np.where(flawed[axis], np.nan, values) for axis, values in outputs.items()}
     alone = {axis: kind.found(values, at[axis]) for axis, values in free.items()}
     for group in (tuple(outputs), *(tuple(axis for axis in outputs if axis in triad) for triad in (GYRO, ACCEL))):

@@ -1,4 +1,4 @@
-"""What was fitted to rounded values, as it is ahead of the rounding."""
+"""Correct effects fitted to rounded values to those before the rounding."""
 
 from collections.abc import Iterable
 from dataclasses import replace
@@ -25,13 +25,13 @@ class Lattice(Protocol):
 
 
 FREQUENCIES = 1000
-"""Frequencies over which the gain of a filter is averaged."""
+"""Number of frequencies over which the gain of a filter is averaged."""
 
 
 def unrounded(effects: Iterable[Effect], outputs: Iterable[Effect], sequence: AxisSequence) -> tuple[Effect, ...]:
-    """Return effects fitted to a sequence, its white noise as it is ahead of the lattices among ``outputs``.
+    """Return the effects fitted to a sequence, with its white noise before the rounding among ``outputs``.
 
-    Behind a filter it was fitted beside what the rounding adds, and is ahead of it already.
+    Behind a filter, the fit has separated white noise and rounding already.
     """
     interval, found = sequence.conditions.interval, tuple(effects)
     if any(one.role is Role.FILTER for one in found):
@@ -45,9 +45,9 @@ def unrounded(effects: Iterable[Effect], outputs: Iterable[Effect], sequence: Ax
 
 
 def level_before_rounding(mean: float, effects: Iterable[Effect], interval: float) -> float:
-    """Return the level of a device at rest whose output has the given mean, lattices being among its effects.
+    """Return the level before rounding of a device at rest whose output has the given mean.
 
-    Of the effects of its axis the white noise alone takes values across the levels of a lattice.
+    Of its effects only the white noise is assumed to move values across the steps of the rounding.
     """
     known = tuple(effects)
     variance = sum(one.density**2 for one in known if one.white) / interval
@@ -64,7 +64,7 @@ def _lattices(effects: Iterable[Effect]) -> tuple[Lattice, ...]:
 
 
 def _std(lattice: Lattice, white: Effect, sequence: AxisSequence) -> float:
-    """Return the standard deviation ahead of a lattice; a motion takes the values evenly across its levels."""
+    """Return the standard deviation before rounding; in motion, values are uniform within a step."""
     variance = white.density**2 / sequence.conditions.interval
     if sequence.conditions.ideal is not None:
         return float(np.sqrt(max(variance - lattice.lattice**2 / 12, 0.0)))

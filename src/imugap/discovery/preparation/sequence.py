@@ -12,13 +12,13 @@ from imugap.discovery.preparation.gap_filling import Autoregression
 from imugap.effects.conditions import Conditions
 
 COARSE = 1 / 3
-"""Share of one value above which a lattice of values is coarse: its step is the standard deviation or more."""
+"""Minimum share of one value on a coarse lattice, whose step is the standard deviation or more."""
 REACH = 8
-"""Samples that tell the level about a flawed one."""
+"""Samples on each side from which the local level is estimated."""
 DEEP = 4.0
-"""So many standard deviations behind its bound a clipped sample would be anyway."""
+"""Standard deviations beyond the bound from which the bound of a clipped sample carries no information."""
 ROUNDS = 10
-"""Rounds in which clipped samples are drawn."""
+"""Iterations in which clipped samples are drawn."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,17 +28,17 @@ class AxisSequence:
     Attributes
     ----------
     values
-        Samples, shape (n,), evenly spaced; what was lost or flawed is replaced.
+        Samples, shape (n,), evenly spaced; lost or flawed ones are replaced.
     conditions
         Time since the start of the log [s], interval, temperature, error-free input and name of the axis.
     flawed
         Which samples are replacements, shape (n,).
     share
-        Share of the frequencies, from the lowest on, that has power beyond leakage.
+        Share of the frequencies, from the lowest on, with power beyond leakage.
     was_coarse
-        Whether the samples sat on few levels, where the values no longer show it.
+        Whether the lattice was coarse, where later changes of the values hide it; None if not changed.
     step
-        Distance of the levels of the output, zero where it is on no lattice.
+        Step of the lattice of the output, zero for none.
     """
 
     values: np.ndarray
@@ -55,26 +55,26 @@ class AxisSequence:
 
     @property
     def in_motion(self) -> bool:
-        """Return whether the error-free signal of the axis is known, as for a device in motion."""
+        """Return whether the error-free signal of the axis is given, as for a device in motion."""
         return self.conditions.axis is not None and self.conditions.knows([self.conditions.axis])
 
     @cached_property
     def coarse(self) -> bool:
-        """Return whether the values sit on so few levels that their law says nothing of tails."""
+        """Return whether the lattice of the values is too coarse to examine the tails of their distribution."""
         if self.was_coarse is not None:
             return self.was_coarse
         _, counts = np.unique(self.values, return_counts=True)
         return bool(counts.max() > COARSE * len(self.values))
 
     def with_values(self, values: np.ndarray) -> "AxisSequence":
-        """Return the sequence with other values, which may lie between the levels of the samples."""
+        """Return the sequence with other values, which need not lie on the lattice."""
         return replace(self, values=values, was_coarse=self.coarse)
 
     def with_replaced(self, flawed: np.ndarray, rng: np.random.Generator) -> "AxisSequence":
-        """Return the sequence with further samples replaced by their surroundings.
+        """Return the sequence with further samples replaced.
 
         They are drawn given the others (:mod:`imugap.discovery.preparation.gap_filling`), so that neither level nor
-        spectrum sees them, whatever the noise is.
+        spectrum is biased.
         """
         if not flawed.any():
             return self
@@ -83,13 +83,13 @@ class AxisSequence:
         return replace(self, values=values, flawed=~good)
 
     def with_clipped_drawn(self, bound: np.ndarray, side: np.ndarray, rng: np.random.Generator) -> "AxisSequence":
-        """Return the sequence with clipped samples drawn anew from what lies beyond the full scale: flawed no more.
+        """Return the sequence with clipped samples drawn from the distribution beyond the full scale, no longer flawed.
 
         Each is normal about the mean of its neighbourhood, given that it is above (``side`` 1) or below (-1) its
-        bound, both of shape (n,); those of side 0 stay, and those of which the bound says nothing, deep within a
-        motion beyond the full scale. Mean and spread take the samples drawn before with them, so that what is clipped
-        biases neither (data augmentation: Tanner and Wong 1987, doi:10.2307/2289457). Where most neighbours are equal,
-        on a coarse lattice, there is no spread to draw from, and all stay.
+        bound, both of shape (n,). Samples of side 0 stay, and those deep within a motion beyond the full scale, where
+        the bound carries no information. Mean and spread include the samples drawn before, so that clipping biases
+        neither (data augmentation: Tanner and Wong 1987, doi:10.2307/2289457). On a coarse lattice, where most
+        neighbours are equal, all samples stay.
         """
         if _spread(self.values) == 0:
             return self
@@ -104,5 +104,5 @@ class AxisSequence:
 
 
 def _spread(values: np.ndarray) -> float:
-    """Return the standard deviation of the noise between neighbouring samples, whatever a few of them are."""
+    """Return a robust standard deviation of the noise, from the differences of neighbouring samples."""
     return float(np.median(np.abs(np.diff(values))) / 0.6745 / np.sqrt(2))

@@ -1,20 +1,20 @@
-"""The temperature of a sensor by its readings, whose noise is none of the sensor's."""
+"""Remove the noise of the readings of temperature, which is not a variation of the sensor's temperature."""
 
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 
 SHARE = 20
-"""Readings of the log over those of the widest mean, at least."""
+"""Minimum number of readings of the log over those of the widest mean."""
 FEWEST = 4
-"""Readings below which there is nothing to tell noise by."""
+"""Minimum number of readings for an estimate of their noise."""
 
 
 def smoothed(readings: np.ndarray) -> np.ndarray:
-    """Return readings [degC], shape (n,), as means of as many around each as tell the one between them best.
+    """Smooth readings [degC], shape (n,), by a running mean of the width of least prediction error.
 
     Cross-validation (Stone 1974, doi:10.1111/j.2517-6161.1974.tb00994.x): of means over 1, 2, 4, ... neighbours on each
-    side, that which leaves the least squares. Where the nearest neighbours do best, what is left is no noise, but the
-    course or its steps, and the readings stay as they are.
+    side, the one that predicts the readings between them best. Where the nearest neighbours do, the differences are no
+    noise, and the readings are returned unchanged.
     """
     if len(readings) < FEWEST:
         return readings
@@ -24,12 +24,12 @@ def smoothed(readings: np.ndarray) -> np.ndarray:
 
 
 def _left(readings: np.ndarray, half: int) -> float:
-    """Return the mean square of what the neighbours, but not a reading itself, leave of it."""
+    """Return the mean square error of the readings predicted by their neighbours."""
     return float(np.mean(((readings - _mean(readings, half)) * (2 * half + 1) / (2 * half)) ** 2))
 
 
 def _mean(readings: np.ndarray, half: int) -> np.ndarray:
-    """Return the mean over ``half`` neighbours on each side; beyond its ends a log goes on as the line through them."""
+    """Return the mean over ``half`` neighbours on each side; the log is extrapolated linearly at its ends."""
     steps = np.arange(min(2 * half + 1, len(readings)))
     first, last = (np.polyfit(steps, part[: len(steps)], 1) for part in (readings, readings[::-1]))
     beyond = -np.arange(1.0, half + 1)

@@ -11,13 +11,13 @@ from imugap.discovery.views.spectral import COHERENCE, of_allan, of_coherence, o
 from imugap.discovery.views.temporal import of_change, of_extremes, of_mean, of_variance
 
 VIEWS = (of_allan, of_spectrum, of_line, of_mean, of_variance, of_marginal, of_extremes, of_change)
-"""Views of one axis that need nothing besides its fit."""
+"""Views of one axis that need only its fit."""
 
 __all__ = ["COHERENCE", "VIEWS", "Binning", "Curve", "binnings", "curves", "of_coherence", "shared_last"]
 
 
 def curves(fit: AxisFit, over: tuple[Binning, ...] = ()) -> dict[tuple[str, str], Curve]:
-    """Return all views of a fit by their name and the axis of the input that they are taken over (empty for none)."""
+    """Return all views of a fit, by name and axis of the input (empty for none)."""
     found = {(view.view, ""): view for view in (make(fit) for make in VIEWS)}
     if over:
         found |= {(item.view, item.source): curve for item, curve in zip(over, of_conditions(fit, over), strict=True)}

@@ -1,4 +1,4 @@
-"""Views over what the residual may depend on: temperature, its rate, and in motion the error-free input."""
+"""Views of the residual over conditions: temperature, its rate, and in motion the error-free input."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -15,23 +15,23 @@ from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.views.curve import Curve, window_ranges, window_sums, windows
 
 CELLS = 24
-"""Cells of equal numbers of samples."""
+"""Number of cells, of equal numbers of samples."""
 SMOOTH = 200
-"""Share 1/n of a log over which the temperature is averaged before its rate is taken."""
+"""Length of the log over the length of the running mean of the temperature before differentiation."""
 TOP = 10
-"""Halvings of the share of samples nearest to full scale."""
+"""Number of cells towards full scale, each with half the samples of the previous one."""
 OWN = {"time_shift": True, "full_scale": True, "angular_acceleration": False, "jerk": False}
-"""Whether a view is over the input of the residual's own axis, or of the others."""
+"""Whether a view uses the input of the residual's own axis, or those of the others."""
 
 
 @dataclass(frozen=True, eq=False)
 class Binning:
-    """The samples of a log, sorted into cells of a quantity.
+    """Samples of a log sorted into cells of a quantity.
 
     Attributes
     ----------
     view, source
-        Name of the view, and of the axes whose input the quantity is; empty if it is none's.
+        Name of the view, and of the axes whose input the quantity is; empty for none.
     unit
         Unit of the quantity.
     low, high
@@ -39,7 +39,7 @@ class Binning:
     index
         Cell of each sample, shape (n,).
     sign
-        Sign that a sample's residual is taken with, shape (n,), or 1.
+        Sign applied to the residual, shape (n,), or 1.
     """
 
     view: str
@@ -56,11 +56,11 @@ class Binning:
         return window_sums(np.bincount(self.index, minlength=len(self.low)))
 
     def applies_to(self, axis: str) -> bool:
-        """Return whether the residual of ``axis`` is looked at over this quantity."""
+        """Return whether the view applies to the residual of ``axis``."""
         return self.view not in OWN or OWN[self.view] == (self.source == axis)
 
     def curve(self, axis: str, score: np.ndarray, scale: float) -> Curve:
-        """Return the sums of an axis' score in windows of cells, over their spread if the samples were independent."""
+        """Return the sums of an axis' score in windows of cells, normalised for independent samples."""
         total = window_sums(np.bincount(self.index, score * self.sign, minlength=len(self.low)))
         names = axis if self.source in ("", axis) else f"{axis},{self.source}"
         low, high = window_ranges(self.low, self.high)
@@ -71,7 +71,7 @@ class Binning:
 def binned(
     view: str, source: str, unit: str, values: np.ndarray, shares: np.ndarray, sign: np.ndarray | float = 1.0
 ) -> Binning | None:
-    """Return samples binned at quantiles of their values, or None where there is one value only."""
+    """Bin samples at quantiles of their values; return None if all values are equal."""
     edges = np.unique(np.quantile(values, shares))
     inner = edges[1:-1]
     index = np.searchsorted(inner, values, side="right")
@@ -83,7 +83,7 @@ def binned(
 
 
 def binnings(sequence: AxisSequence) -> tuple[Binning, ...]:
-    """Return what the residuals of a log are looked at over: temperature, the error-free inputs and their products."""
+    """Return the binnings of a log: over temperature, the error-free inputs and their products."""
     conditions, found = sequence.conditions, []
     shares = np.linspace(0, 1, CELLS + 1)
     if conditions.temperature is not None:
@@ -98,7 +98,7 @@ def binnings(sequence: AxisSequence) -> tuple[Binning, ...]:
 
 
 def _inputs(axis: str, values: np.ndarray, interval: float, shares: np.ndarray) -> list[Binning | None]:
-    """Return the cells of an axis' input, of its derivative, and of its size towards full scale."""
+    """Return the binnings over an axis' input, its derivative, and its magnitude towards full scale."""
     gyro = axis in log.GYRO
     view, unit = ("rate", "rad/s") if gyro else ("specific_force", "m/s^2")
     derivative, slower = ("angular_acceleration", "rad/s^2") if gyro else ("jerk", "m/s^3")
@@ -113,7 +113,7 @@ def _inputs(axis: str, values: np.ndarray, interval: float, shares: np.ndarray) 
 
 
 def _products(ideal: pd.DataFrame, shares: np.ndarray) -> list[Binning | None]:
-    """Return the cells of the products of two inputs of a triad."""
+    """Return the binnings over the products of two inputs of a triad."""
     triads = ("rate_product", "rad^2/s^2", log.GYRO), ("force_product", "m^2/s^4", log.ACCEL)
     return [
         binned(view, f"{one},{other}", unit, (ideal[one] * ideal[other]).to_numpy(float), shares)
@@ -123,7 +123,7 @@ def _products(ideal: pd.DataFrame, shares: np.ndarray) -> list[Binning | None]:
 
 
 def of_conditions(fit: AxisFit, over: tuple[Binning, ...]) -> list[Curve]:
-    """Return the score of the residual's mean in each cell: the residual over the noise's covariance, summed."""
+    """Return the score of the mean in each cell: the sum of the residual multiplied by the noise's precision."""
     root = np.sqrt(fit.variance)
     score = idct(np.r_[0.0, fit.coefficients / root], norm="ortho")
     scale = float(np.sqrt(np.mean(1 / fit.variance)))

@@ -7,12 +7,12 @@ import numpy as np
 from scipy.special import ndtri_exp, stdtr
 
 SMALLEST = 1e-300
-"""Probability below which a score does not grow any more."""
+"""Smallest probability that is converted to a score."""
 
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """What a view says of a fit.
+    """A statistic of a fit over location.
 
     Attributes
     ----------
@@ -21,14 +21,14 @@ class Curve:
     low, high, unit
         Range of each location, shape (m,), and its unit.
     statistic
-        How far data and model are apart at each location, shape (m,). Of a signed curve about standard normal, of
-        another one a gain of log-likelihood or its like, whose tail is exponential, if the model is right.
+        Disagreement of data and model at each location, shape (m,). Under the model, approximately standard normal
+        for a signed curve; otherwise a gain of log-likelihood, with an exponential tail.
     signed
-        Whether small values are as far off as large ones.
+        Whether the test is two-sided.
     point
-        Whether a place is the location where the curve peaks, not all the neighbours that stand out with it.
+        Whether a place is the location of the peak only, without its neighbours.
     windows
-        First cell and last cell + 1 of each location, where locations are windows that overlap; else None.
+        First cell and last cell + 1 of each location, for overlapping windows; else None.
     """
 
     view: str
@@ -62,7 +62,7 @@ def correlation_score(correlation: np.ndarray, number: np.ndarray) -> np.ndarray
 def windows(cells: int) -> tuple[np.ndarray, np.ndarray]:
     """Return first cell and last cell + 1 of windows of 1, 2, 4 .. cells, up to half of them, half a window apart.
 
-    What is weak in each cell but goes on over many shows in the wide ones.
+    Wide windows show deviations that are weak in each cell but extend over many.
     """
     first, last = [], []
     width = 1
@@ -75,7 +75,7 @@ def windows(cells: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def window_sums(sums: np.ndarray) -> np.ndarray:
-    """Return the sums over all windows of the sums of each cell."""
+    """Return the sums over all windows, from the sums of the cells."""
     first, last = windows(len(sums))
     total = np.concatenate([np.zeros(1), np.cumsum(sums)])
     return total[last] - total[first]
@@ -94,7 +94,7 @@ def block_starts(count: int, most: int, shortest: int) -> np.ndarray:
 
 
 def block_maxima(values: np.ndarray, first: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the largest value of each block and where it is."""
+    """Return the largest value of each block and its index."""
     peaks = np.maximum.reduceat(values, first)
     widths = np.diff(np.r_[first, len(values)])
     candidates = np.flatnonzero(values == np.repeat(peaks, widths))

@@ -1,8 +1,7 @@
-"""Global envelope of a curve: how far its largest deviation is from those of replicates of the model.
+"""Global envelope test of a curve: its largest deviation against those of replicates of the model.
 
-The studentised maximum deviation (Myllymaki et al. 2017, J. R. Stat. Soc. B 79, 381-404), whose tail is taken as a
-generalised Pareto law so that few replicates tell small probabilities (Knijnenburg et al. 2009, Bioinformatics 25,
-i161-i168).
+The studentised maximum deviation (Myllymaki et al. 2017, J. R. Stat. Soc. B 79, 381-404), with a generalised Pareto
+tail, so that few replicates suffice for small probabilities (Knijnenburg et al. 2009, Bioinformatics 25, i161-i168).
 """
 
 from dataclasses import dataclass
@@ -13,11 +12,11 @@ import numpy as np
 from imugap.discovery.views.curve import Curve
 
 TAIL = 0.25
-"""Share of the replicates that are in the tail."""
+"""Share of the replicates in the tail."""
 LEAST = 0.2
-"""Smallest spread of a location, over the median one: some counts hardly vary."""
+"""Minimum standard deviation of a location, over the median one."""
 APART = 2
-"""Locations that may lie between two parts of one place."""
+"""Maximum number of locations between two parts of one place."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,7 +28,7 @@ class Envelope:
     replicates
         Their statistics, shape (b, m).
     signed
-        Whether small values are as far off as large ones.
+        Whether the test is two-sided.
     """
 
     replicates: np.ndarray
@@ -42,7 +41,7 @@ class Envelope:
 
     @cached_property
     def spread(self) -> np.ndarray:
-        """Return their standard deviation at each location; for gains, whose law is known, one for all locations."""
+        """Return the standard deviation of the replicates at each location; for gains, the median of all locations."""
         return self._limited(self.replicates.var(axis=0, ddof=1))
 
     def _limited(self, variance: np.ndarray) -> np.ndarray:
@@ -51,15 +50,15 @@ class Envelope:
         return np.maximum(spread, LEAST * usual) if self.signed else np.broadcast_to(usual, spread.shape)
 
     def _evidence(self, deviation: np.ndarray, degrees: int) -> np.ndarray:
-        """Return studentised deviations on a scale on which their tail is exponential.
+        """Transform studentised deviations to a scale with an exponential tail.
 
-        Those of gains are so already. A signed one is Student's t; (d/2) log(1 + t^2/d) with its d degrees of freedom
-        is, far out, exponential of scale 1.
+        Those of gains have one already. A signed one is Student's t with d degrees of freedom; the tail of
+        (d/2) log(1 + t^2/d) is exponential of scale 1.
         """
         return degrees / 2 * np.log1p(deviation**2 / degrees) if self.signed else deviation
 
     def deviation(self, statistic: np.ndarray) -> np.ndarray:
-        """Return how far a curve is beyond the replicates at each location, on an exponential scale."""
+        """Return the deviation of a curve from the replicates at each location, on a scale with an exponential tail."""
         return self._evidence((statistic - self.mean) / self.spread, len(self.replicates) - 1)
 
     @cached_property
@@ -73,16 +72,16 @@ class Envelope:
 
     @cached_property
     def _tail(self) -> tuple[float, float, int]:
-        """Return threshold and mean excess of the tail, and how many replicates are in it."""
+        """Return threshold and mean excess of the tail, and the number of replicates in it."""
         number = max(round(TAIL * len(self.maxima)), 1)
         threshold = self.maxima[-number - 1]
         return float(threshold), float(np.mean(self.maxima[-number:] - threshold)), number
 
     def p_value(self, largest: float | np.ndarray) -> np.ndarray:
-        """Return the probability that a curve of the model deviates as much anywhere.
+        """Return the probability, under the model, of as large a deviation anywhere.
 
-        In the tail the excess over a threshold that k of b replicates exceed is exponential; with its scale estimated
-        by their mean excess, a new one follows the generalised Pareto law of shape 1/k.
+        The excess over a threshold that k of b replicates exceed is exponential; with its scale estimated by their
+        mean excess, the excess of a new curve has the generalised Pareto distribution of shape 1/k.
         """
         threshold, scale, number = self._tail
         b = len(self.maxima)
@@ -101,7 +100,7 @@ class Envelope:
         return threshold + number * scale * ((probability / share) ** (-1 / number) - 1)
 
     def bounds(self, probability: float) -> tuple[np.ndarray, np.ndarray]:
-        """Return the lower and the upper bound that a curve of the model leaves anywhere with this probability.
+        """Return the lower and the upper bound that a curve of the model crosses anywhere with this probability.
 
         Gains have no lower bound.
         """
@@ -112,7 +111,7 @@ class Envelope:
         return self.mean - reach, self.mean + reach
 
     def places(self, curve: Curve, level: float) -> list[tuple[float, float, float]]:
-        """Return (low, high, p-value) of each range of locations beyond the envelope of a level."""
+        """Return (low, high, p-value) of each range of locations beyond the envelope at a level."""
         deviation = self.deviation(curve.statistic)
         beyond = np.flatnonzero((deviation >= self.critical(level)) & (deviation > 0))
         groups = _runs(beyond, deviation, curve.point) if curve.windows is None else _apart(beyond, deviation, curve)
@@ -123,13 +122,13 @@ class Envelope:
 
 
 def _runs(beyond: np.ndarray, deviation: np.ndarray, point: bool) -> list[np.ndarray]:
-    """Return the locations beyond in runs of neighbours; of each its peak only, if that is the place."""
+    """Return the locations beyond the envelope in runs of neighbours; for ``point``, the peak of each run only."""
     runs = np.split(beyond, np.flatnonzero(np.diff(beyond) > APART + 1) + 1) if len(beyond) else []
     return [run[[np.argmax(deviation[run])]] if point else run for run in runs]
 
 
 def _apart(beyond: np.ndarray, deviation: np.ndarray, curve: Curve) -> list[np.ndarray]:
-    """Return the windows that deviate most and do not overlap; those next to each other together."""
+    """Return the windows of largest deviation that do not overlap, neighbouring ones in one group."""
     first, last = curve.windows
     taken = np.empty(0, int)
     for window in beyond[np.argsort(-deviation[beyond])]:

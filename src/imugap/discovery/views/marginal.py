@@ -1,4 +1,4 @@
-"""View of the values: how often the whitened residual lies where, against the normal law."""
+"""View of the values: histogram of the whitened residual against the normal distribution."""
 
 import numpy as np
 from scipy.stats import norm
@@ -9,14 +9,14 @@ from imugap.discovery.views.curve import Curve
 CELL = 0.25
 """Width of a cell [standard deviations]."""
 EXPECTED = 5.0
-"""Samples that the outermost, open cells are to hold."""
+"""Expected number of samples in the outermost, open cells."""
 
 
 def of_marginal(fit: AxisFit) -> Curve:
-    """Return the counts in cells of the whitened residual against the normal law's (Anscombe 1948, score).
+    """Return the counts of the whitened residual in cells against the normal distribution (Anscombe 1948, score).
 
-    The unit of the location is the standard deviation; the first and the last cell are open. The cells depend on the
-    length of the log alone, and not on how many of its samples are flawed, which differs between replicates.
+    The unit of the location is the standard deviation; the first and the last cell are open. The cells depend
+    on the length of the log only, not on the number of flawed samples, which differs between replicates.
     """
     values = fit.whitened[~fit.sequence.flawed]
     reach = CELL * max(int(norm.isf(min(EXPECTED / len(fit.whitened), 0.25)) / CELL), 1)

@@ -23,15 +23,15 @@ PER_DECADE = 6
 WIDTH = 0.08
 """Relative width of the bands of power."""
 FEWEST = 24
-"""Coefficients in the lowest band of coherence."""
+"""Number of coefficients in the lowest band of coherence."""
 COHERENCE = "coherence"
-"""Name of the view of two axes that are told alike; the others of two are of the first, over the second."""
+"""Name of the only view that is symmetric in its two axes; other pairs are residual and input."""
 CELLS = 512
-"""Cells of frequency; each tells its highest line."""
+"""Number of cells of frequency; the highest line of each is reported."""
 
 
 def of_allan(fit: AxisFit) -> Curve:
-    """Return the Allan variance of the residual against the one that the fitted spectrum implies, over tau [s]."""
+    """Return the Allan variance of the residual over the one implied by the fitted spectrum, over tau [s]."""
     interval = fit.sequence.conditions.interval
     averaging = allan.factors(len(fit.sequence.values), PER_DECADE)
     ratio = allan.variance(fit.residual, averaging) / implied_allan_variance(fit.variance, averaging)
@@ -45,7 +45,7 @@ def implied_allan_variance(variance: np.ndarray, averaging: np.ndarray) -> np.nd
 
     With the autocovariance c_j, the cosine transform of the spectrum, the sum of n samples has the variance
     V_n = sum over |j| < n of (n - |j|) c_j, and the Allan variance is (4 V_n - V_2n)/(2 n^2). Power below the first
-    coefficient is left out: of a random walk a share 3 n/(4 count), of white noise next to nothing.
+    coefficient is neglected: of a random walk a share 3 n/(4 count), of white noise next to nothing.
     """
     count = len(variance) + 1
     covariance = dct(np.r_[0.0, variance, variance[-1]], type=1)[:count] / (2 * count)
@@ -69,7 +69,7 @@ def _range(fit: AxisFit, first: np.ndarray, number: np.ndarray) -> tuple[np.ndar
 
 
 def of_spectrum(fit: AxisFit) -> Curve:
-    """Return the power in bands, and in windows of bands, over the modelled one, over frequency [Hz]."""
+    """Return the ratio of power to the model in windows of bands, over frequency [Hz]."""
     first, number = bands(fit.sequence.bins.last, WIDTH, 1)
     power = np.add.reduceat(fit.coefficients[: fit.sequence.bins.last] ** 2, first)
     low, high = window_ranges(*_range(fit, first, number))
@@ -79,7 +79,7 @@ def of_spectrum(fit: AxisFit) -> Curve:
 
 
 def of_line(fit: AxisFit) -> Curve:
-    """Return the highest line of each cell of frequency [Hz]: gain of log-likelihood less its median by chance."""
+    """Return the highest line of each cell of frequency [Hz]: gain of log-likelihood minus the log of their number."""
     frequency, gains, _ = fit.lines
     first = block_starts(len(gains), CELLS, 16)
     peaks, at = block_maxima(gains, first)
@@ -99,7 +99,7 @@ def shared_last(one: AxisFit, other: AxisFit) -> int:
 def of_coherence(one: AxisFit, other: AxisFit, last: int | None = None) -> Curve:
     """Return the correlation of two axes' whitened residuals in bands, over frequency [Hz], as a normal score.
 
-    It goes up to coefficient ``last``, where given, else as far as both have power.
+    It uses the coefficients up to ``last``, by default those used in both axes.
     """
     last = shared_last(one, other) if last is None else last
     first, number = bands(last, WIDTH, FEWEST)

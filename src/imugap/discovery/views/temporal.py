@@ -15,7 +15,7 @@ from imugap.discovery.views.curve import (
 )
 
 BLOCKS, SHORTEST = 128, 16
-"""Most blocks of a log and fewest samples of one."""
+"""Maximum number of blocks of a log, and minimum number of samples of a block."""
 
 
 def _range(fit: AxisFit, first: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -25,7 +25,7 @@ def _range(fit: AxisFit, first: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _sums(fit: AxisFit, values: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the first sample of each block, and over windows of blocks the values' sum and number, flaws left out."""
+    """Return the first sample of each block, and over windows of blocks sum and number of the values without flaws."""
     first = block_starts(len(values), BLOCKS, SHORTEST)
     kept = ~fit.sequence.flawed
     number = window_sums(np.add.reduceat(kept.astype(float), first))
@@ -51,7 +51,7 @@ def of_variance(fit: AxisFit) -> Curve:
 
 
 def of_extremes(fit: AxisFit) -> Curve:
-    """Return the largest whitened residual of each block over time [s], as Gumbel's variable of a normal law."""
+    """Return the largest whitened residual of each block over time [s], as a Gumbel variable."""
     first = block_starts(len(fit.whitened), BLOCKS, SHORTEST)
     peaks, at = block_maxima(np.abs(fit.whitened) * ~fit.sequence.flawed, first)
     usual = norm.isf(0.5 / np.diff(np.r_[first, len(fit.whitened)]))
