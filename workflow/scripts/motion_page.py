@@ -7,7 +7,8 @@ from pathlib import Path
 import pandas as pd
 
 from imugap import figures, log
-from imugap.discovery.transfer import INERTIAL, agreement, explained
+from imugap.discovery.transfer import agreement, explained
+from imugap.effects import CATALOGUE
 from imugap.figures import AXIS_TITLES
 from imugap.figures import discovery as drawn
 from imugap.model import ErrorModel
@@ -16,7 +17,7 @@ from imugap.study.distances import NEARER, change
 from imugap.workflow import tables
 from imugap.workflow.job_log import journal
 
-NAMES = [effect.name for effect in INERTIAL]
+NAMES = [name for name, effect in CATALOGUE.items() if effect.of_motion]
 SCALES = {"1": ("%", 1e2), "rad": ("mrad", 1e3), "m": ("mm", 1e3), "s": ("ms", 1e3),
           "rad/s/(m/s^2)": ("mrad/s/(m/s²)", 1e3)}  # fmt: skip
 """How a unit is shown, and by what its values are multiplied."""

@@ -9,7 +9,7 @@ import pandas as pd
 from imugap.effects import Conditions, GaussMarkov, WhiteNoise
 from imugap.effects.gauss_markov import FLAT_TOP
 from imugap.estimation import allan
-from imugap.estimation.allan_slopes import TOP, fit
+from imugap.estimation.allan_slopes import PEAK_RATIO, fit
 from imugap.estimation.cramer_rao import bound
 from imugap.estimation.result import Identifiability
 from imugap.workflow import tables
@@ -24,7 +24,7 @@ SYMBOLS = {"density": "N", "std": "std", "correlation_time": "T", "driving_psd":
 def plain_top(asd):
     """Return T and std of the highest point of the curve beyond its valley, as it stands: the tutorial's reading."""
     beyond = asd["deviation"].loc[asd["deviation"][: asd["deviation"].size // 2].idxmin() :]
-    return {"correlation_time": beyond.idxmax() / FLAT_TOP, "std": beyond.max() / TOP}
+    return {"correlation_time": beyond.idxmax() / FLAT_TOP, "std": beyond.max() / PEAK_RATIO}
 
 
 def score(time, at, params):
