@@ -551,10 +551,11 @@ def navigate(
     if looking:
         names, variance = [*names, *OFFSETS], np.append(variance, np.zeros(SHIFT))
         begin = np.append(start.errors, np.zeros(SHIFT)), np.pad(start.covariance, (0, SHIFT))
+    lever, axle = (tuple(map(float, arm)) for arm in (assumptions.lever_m, assumptions.axle_m))
+    wheels = Wheels(float(assumptions.wheels_std), float(assumptions.wheels_s), axle)  # int: kernels of their own
     frame = _Frame(
-        ellipsoid.origin, assumptions.lever_m, assumptions.lever_std > 0, assumptions.offset_std > 0, looking, False,
-        variance, Wheels(assumptions.wheels_std, assumptions.wheels_s, assumptions.axle_m),
-    )  # fmt: skip
+        ellipsoid.origin, lever, assumptions.lever_std > 0, assumptions.offset_std > 0, looking, False, variance, wheels
+    )
     control, record = Control.of(quality, len(COMPONENTS)), Record.empty(len(offered), len(COMPONENTS))
     state = State(
         start.navigation.astype(float)[None], *(one.astype(float)[None] for one in begin),
