@@ -31,7 +31,7 @@ class BiasInstability(StochasticEffect):
 
     @classmethod
     def starts(cls, fit: Residual) -> Iterator[Start]:
-        """Yield it in either form that samples of it may have, where the residual's spectrum has room for it."""
+        """Yield both forms of its sampled spectrum, where the spectrum of the residual exceeds the fit."""
         if not fit.has(BiasInstability):
             for form in (BiasInstability, FractionalFlicker):
                 size = fit.room(form(1.0))
@@ -41,8 +41,8 @@ class BiasInstability(StochasticEffect):
     def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
         """Draw by spectral synthesis: independent Gaussian Fourier coefficients under the spectrum.
 
-        The synthesis is four times longer than the run, so the run is not periodic and wanders on scales of its own
-        length; power below 1/(4 duration), which a run cannot tell from its bias, is left out.
+        The synthesis is four times longer than the run, so the run is not periodic and has variations on scales of its
+        own length; power below 1/(4 duration), which a run cannot tell from its bias, is left out.
         """
         count = len(conditions)
         length = next_fast_len(4 * count, real=True)
@@ -57,7 +57,7 @@ class BiasInstability(StochasticEffect):
         return self.density_b**2 / (2 * np.pi * np.abs(np.asarray(frequency, float)))
 
     def allan_variance(self, tau: np.ndarray) -> np.ndarray:
-        """Return 2 ln 2/pi B^2, whatever tau (IEEE 952)."""
+        """Return 2 ln 2/pi B^2 for every tau (IEEE 952)."""
         return np.full_like(np.asarray(tau, float), (FLOOR * self.density_b) ** 2)
 
     def sampled_psd(self, frequency: np.ndarray, interval: float) -> np.ndarray:
@@ -82,7 +82,7 @@ class FractionalFlicker(BiasInstability):
     """Flicker noise as fractionally integrated white samples (Kasdin 1995, Proc. IEEE 83, 802-827).
 
     Up to a tenth of the sampling rate its spectrum is that of 1/f, within 2 %; at half the rate it is pi/2 of that.
-    A file of a model does not tell the form: it is read as flicker.
+    A model file does not distinguish the forms; it is read as flicker noise.
     """
 
     fractional: ClassVar[bool] = True

@@ -11,12 +11,12 @@ from imugap.effects.effect import Start, SystematicEffect, parameter
 from imugap.effects.residual import Residual, StepGains
 
 WIDTHS = 0.01, 0.05
-"""Times, over the duration, in which what is nearly a step comes and settles."""
+"""Time constants, over the duration, of the onsets and decays that resemble a step."""
 
 
 @dataclass(frozen=True)
 class BiasStep(SystematicEffect):
-    """A bias that is there from a certain time on."""
+    """Bias from a given time on."""
 
     name: ClassVar[str] = "bias_step"
     most: ClassVar[int] = 3
@@ -30,7 +30,7 @@ class BiasStep(SystematicEffect):
         return np.where(conditions.time >= self.time, self.step, 0.0)
 
     def slopes(self, conditions: Conditions) -> dict[str, np.ndarray]:
-        """Return what a unit step adds."""
+        """Return the derivative in the step."""
         return {"step": np.where(conditions.time >= self.time, 1.0, 0.0)}
 
     def near_misses(self, conditions: Conditions) -> list[np.ndarray]:

@@ -26,7 +26,7 @@ class ClockScale(ClockEffect):
 
     @classmethod
     def between(cls, log_interval: float, std: float) -> Evidence:
-        """Return what two runs show: logarithm of the true over the stamped interval of one, and its deviation."""
+        """Return the estimate from two runs: logarithm of the true over the stamped interval, and its deviation."""
         ratio, *ends = (float(np.exp(-log_interval + side * NORMAL * std)) for side in (0, -1, 1))
         log_p = float(chi2.logsf((log_interval / std) ** 2, 1))
         return Evidence(cls(ratio), {"ratio": tuple(ends)}, log_p, np.zeros(0, bool))

@@ -13,7 +13,7 @@ from imugap.numerics.state_space import StateSpace
 
 @dataclass(frozen=True)
 class CommonMode(EquivalentEffect):
-    """White noise of one source, a supply or a vibration, which all axes with this effect share.
+    """White noise of one source, such as the supply or a vibration, common to all axes with this effect.
 
     Their errors are coherent. Each axis by itself has the signature of :attr:`equivalent`.
     """
@@ -29,7 +29,7 @@ class CommonMode(EquivalentEffect):
         return WhiteNoise(self.density * abs(self.loading))
 
     def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
-        """Draw the common noise and take the share of the axis."""
+        """Draw the common noise and multiply it by the loading of the axis."""
         return self.loading * WhiteNoise(self.density).sample(conditions, rng)
 
     def state_space(self) -> StateSpace:

@@ -1,4 +1,4 @@
-"""What the error of an axis may depend on: time, temperature, and the error-free motion."""
+"""Conditions of an axis, on which its error depends: time, temperature, and the error-free motion."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
@@ -12,7 +12,7 @@ Made = TypeVar("Made")
 
 @dataclass(frozen=True)
 class Conditions:
-    """What an effect may depend on besides its parameters and its random stream.
+    """Input of an effect besides its parameters and its random stream.
 
     Attributes
     ----------
@@ -47,7 +47,7 @@ class Conditions:
         return self.ideal[self.axis].to_numpy(float)
 
     def once(self, make: Callable[["Conditions"], Made]) -> Made:
-        """Return ``make(self)``, made at the first call: what a fit asks for at every step."""
+        """Return ``make(self)``, computed at the first call and cached."""
         if make not in self._made:
             self._made[make] = make(self)
         return self._made[make]

@@ -23,11 +23,11 @@ SINH = np.r_[0.0, (ORDER % 2) / factorial(ORDER)]
 """Taylor coefficients of (sinh x - x)/x^2."""
 
 MOST = 3
-"""Processes on one axis that a search looks for."""
+"""Largest number of processes on one axis in a search."""
 TIMES, STARTS = 16, 2
-"""Correlation times at which it looks, and from which it starts."""
+"""Correlation times of the grid of a search, and those from which it starts."""
 BESIDES = 2.0
-"""Independent correlation times of a log, besides what they count as a parameter."""
+"""Number of independent correlation times of a log, in addition to the parameter."""
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,7 @@ class GaussMarkov(StochasticEffect):
 
     @classmethod
     def starts(cls, fit: Residual) -> Iterator[Start]:
-        """Yield the correlation times, from a grid, at which the residual's spectrum has most room."""
+        """Yield the correlation times, from a grid, with the largest expected gain."""
         if sum(type(effect) is cls for effect in fit.description.noise) >= MOST:
             return
         conditions = fit.sequence.conditions

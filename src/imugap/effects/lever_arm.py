@@ -15,7 +15,7 @@ from imugap.numerics.band_limited import interpolate
 
 @dataclass(frozen=True)
 class LeverArm(SystematicEffect):
-    """Accelerometer at r from the point whose specific force is meant: it senses w x (w x r) + dw/dt x r on top."""
+    """Accelerometer at r from the reference point: it also senses w x (w x r) + dw/dt x r."""
 
     name: ClassVar[str] = "lever_arm"
     of_motion: ClassVar[bool] = True
@@ -35,13 +35,13 @@ class LeverArm(SystematicEffect):
         return self.x * slopes["x"] + self.y * slopes["y"] + self.z * slopes["z"]
 
     def slopes(self, conditions: Conditions) -> dict[str, np.ndarray]:
-        """Return what arms of one metre along x, y and z add along the own axis."""
+        """Return the derivatives in the components of the arm."""
         component = ACCEL.index(self.own_axis(conditions))
         return dict(zip(("x", "y", "z"), conditions.once(_fields)[:, :, component], strict=True))
 
     @classmethod
     def starts(cls, fit: Residual) -> Iterator[Start]:
-        """Yield the arm, where the angular rate is known and tells its components from each other."""
+        """Yield the arm, where the angular rate is known and its components are separately observable."""
         conditions = fit.sequence.conditions
         if conditions.axis in ACCEL and conditions.knows(GYRO) and not fit.has(cls):
             yield from cls(0.0, 0.0, 0.0).proposed(fit, ("x", "y", "z"))

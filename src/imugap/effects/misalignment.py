@@ -14,7 +14,7 @@ from imugap.log import triad
 
 @dataclass(frozen=True)
 class Misalignment(SystematicEffect):
-    """Small angles by which the input axis leans to the other axes of its triad (IEEE 528: misalignment).
+    """Small angles of the input axis towards the other axes of its triad (IEEE 528: misalignment).
 
     The parameter of the own axis is zero.
     """
@@ -26,7 +26,7 @@ class Misalignment(SystematicEffect):
     z: float = parameter("rad", "share of the input of the z axis", low=-np.inf, default=0.0)
 
     def check_axis(self, axis: str) -> None:
-        """Raise a ValueError if ``axis`` is no sensor axis or leans to itself."""
+        """Raise a ValueError if ``axis`` is no sensor axis, or its own angle is not zero."""
         super().check_axis(axis)
         own = getattr(self, axis[-1])
         if own != 0:
@@ -39,7 +39,7 @@ class Misalignment(SystematicEffect):
         return self.error_free(conditions, list(leaning)) @ np.array(list(leaning.values()))
 
     def slopes(self, conditions: Conditions) -> dict[str, np.ndarray]:
-        """Return the inputs of the other axes of the triad, of those that are known."""
+        """Return the known inputs of the other axes of the triad."""
         own = self.own_axis(conditions)
         others = [axis for axis in triad(own) if axis != own]
         others = [axis for axis in others if conditions.knows([axis])] or others

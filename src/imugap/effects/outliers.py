@@ -11,7 +11,7 @@ from imugap.effects.effect import AdditiveEffect, Role, parameter
 
 @dataclass(frozen=True)
 class Outliers(AdditiveEffect):
-    """Rare samples with an additional error N(0, std^2): the contaminated normal law of Tukey (1960)."""
+    """Rare samples with an additional error N(0, std^2): the contaminated normal distribution (Tukey 1960)."""
 
     name: ClassVar[str] = "outliers"
     role: ClassVar[Role] = Role.OUTLIERS

@@ -12,35 +12,35 @@ from imugap.effects.effect import TINY, FilterEffect, Start, parameter
 from imugap.effects.residual import Residual
 
 DEFICIT = -2.5
-"""Standard deviations by which the power near half the rate is too low where a search tries a filter."""
+"""Deficit of the power near half the rate [standard deviations] below which a search tries a filter."""
 BILINEAR, ALL_POLE, ANALOGUE, SAMPLED = 0, 1, 2, 3
-"""Forms: Butterworth through the bilinear transform, poles alone, and Butterworth ahead of the sampling, behind which
-there is nothing beyond half the rate, or what the sampling folds back."""
+"""Forms: Butterworth by the bilinear transform, all-pole, and analogue Butterworth before the sampling, of a signal
+without power beyond half the rate, or with aliasing."""
 AHEAD = (ANALOGUE, SAMPLED)
-"""Forms of a filter that is ahead of the sampling."""
+"""Forms of a filter before the sampling."""
 SHAPES = ((1, 0), (2, 0), (3, 0), (4, 0), (1, 1), (2, 1), (1, 2), (2, 2), (3, 2), (4, 2), (2, 3), (3, 3), (4, 3))
-"""Order and form of the filters that a search tries."""
+"""Order and form of the filters of a search."""
 OPEN = 20.0
-"""Angle pi cutoff interval from which on the gain is 1 to the last digit."""
+"""Angle pi cutoff interval above which the gain is 1 to rounding."""
 SETTLED = 20.0
-"""Time, in radians of the cutoff for each order, in which an analogue filter forgets."""
+"""Settling time of an analogue filter [radians of the cutoff, for each order]."""
 FOLDS = np.arange(-8, 9)
-"""Multiples of the rate from which the sampling folds noise back."""
+"""Multiples of the rate from which noise is aliased."""
 
 
 @dataclass(frozen=True)
 class OutputFilter(FilterEffect):
     """Maximally flat low-pass filter of the output: 1/(1 + (w(f)/c)^(2 order)) is its power gain.
 
-    It acts on all that is sensed, a motion and its errors alike; what it takes from a motion is an error too.
+    It acts on the true motion and on the errors; its effect on the motion is an error too.
 
     With w(f) = tan(pi f interval) and c = tan(pi cutoff interval) it is the Butterworth filter through the bilinear
-    transform, which blocks half the sampling rate. With w(f) = sin(pi f interval) and c = sinh(pi cutoff interval) it
-    has poles alone; that of order 1 is exponential smoothing, and white noise behind it is that behind an RC element
-    of this cutoff, sampled. With w(f) = f and c = cutoff it is the analogue Butterworth filter of a signal that has
-    nothing beyond half the rate. The cutoff of the last two may be there. The last form is the analogue filter ahead of
-    samples that fold back what it lets through beyond half the rate of white noise there: its power gain is the sum of
-    that at all frequencies that become one, over the sum at 0. That of order 1 has the shape of poles alone.
+    transform, with a zero at half the sampling rate. With w(f) = sin(pi f interval) and c = sinh(pi cutoff interval) it
+    is all-pole; of order 1 it is exponential smoothing, and white noise after it has the spectrum of sampled noise
+    after an RC element of this cutoff. With w(f) = f and c = cutoff it is the analogue Butterworth filter of a signal
+    without power beyond half the rate. The last form is the analogue filter of white noise, sampled with aliasing: its
+    power gain is the sum of the gains at all aliases of a frequency, over the sum at 0; of order 1 it equals the
+    all-pole form. The cutoff of the last two forms may exceed half the rate.
     """
 
     name: ClassVar[str] = "output_filter"
@@ -56,17 +56,17 @@ class OutputFilter(FilterEffect):
         return self.cutoff
 
     def passed(self, values: np.ndarray, interval: float) -> np.ndarray:
-        """Return samples behind the filter, shape (n,) or (n, m), as if the first had been there for ever."""
+        """Return filtered samples, shape (n,) or (n, m), with the first one as a constant input before."""
         if self.form in AHEAD:
             return self._analogue(values, interval)
-        from scipy.signal import sosfilt  # takes as long as all else here, and most models have no filter
+        from scipy.signal import sosfilt  # long import, and most models have no filter
 
         sections, steady = _sections(self, interval)
         state = steady * values[0] if values.ndim == 1 else steady[..., None] * values[0]
         return sosfilt(sections, values, axis=0, zi=state)[0]
 
     def decay(self, count: int, interval: float) -> np.ndarray:
-        """Return what the first ``count`` samples still hold of a one that was there for ever before them."""
+        """Return the response of the first ``count`` samples to a constant input of 1 before them, shape (count,)."""
         return _decay(self, count, interval)
 
     def gain(self, frequency: np.ndarray, interval: float) -> np.ndarray:
@@ -81,7 +81,7 @@ class OutputFilter(FilterEffect):
         return 1 / (1 + np.abs(self._ratio(frequency, interval)) ** (2 * self.order))
 
     def _folded(self, frequency: np.ndarray, interval: float) -> np.ndarray:
-        """Return the sum of the power gains at all frequencies that become one."""
+        """Return the sum of the power gains at all aliases of each frequency."""
         return sum(self._plain(frequency + fold / interval, interval) for fold in FOLDS)
 
     def _ratio(self, frequency: np.ndarray, interval: float) -> np.ndarray:
@@ -92,7 +92,7 @@ class OutputFilter(FilterEffect):
         return np.sin(x) / self.corner(interval) if self.form == ALL_POLE else np.tan(x) / self.corner(interval)
 
     def corner(self, interval: float) -> float:
-        """Return c of the digital filters; one of poles alone far beyond the rate lets everything through."""
+        """Return c of the digital filters; an all-pole filter far beyond the rate has gain 1."""
         angle = np.pi * self.cutoff * interval
         return float(np.sinh(min(angle, OPEN)) if self.form == ALL_POLE else np.tan(angle))
 
@@ -107,7 +107,7 @@ class OutputFilter(FilterEffect):
         return sosfreqz(_sections(self, interval)[0], worN=frequency, fs=1 / interval)[1]
 
     def _analogue(self, values: np.ndarray, interval: float) -> np.ndarray:
-        """Filter by the spectrum of the samples, the first held before them, and a slope back to it behind them."""
+        """Filter in the frequency domain; the first sample is held before the log, a slope leads back to it after."""
         count = len(values)
         lead = min(int(np.ceil(SETTLED * self.order / (2 * np.pi * self.cutoff * interval))), count) + 1
         length = next_fast_len(count + 3 * lead, real=True)
@@ -127,7 +127,7 @@ class OutputFilter(FilterEffect):
                 yield Start(cls(0.3 / fit.sequence.conditions.interval, *shape), ("cutoff",), trials=len(SHAPES))
 
     def highest(self, interval: float) -> float:
-        """Return the highest cutoff that a fit can tell [Hz]."""
+        """Return the highest identifiable cutoff [Hz]."""
         return (0.499 if self.form == BILINEAR else 1.0) / interval
 
     def check_rate(self, interval: float) -> None:
@@ -140,9 +140,9 @@ class OutputFilter(FilterEffect):
 
 @lru_cache(maxsize=64)
 def _sections(one: OutputFilter, interval: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return the sections of second order of a digital filter, and their states behind a constant.
+    """Return the sections of second order of a digital filter, and their states after a constant input.
 
-    Poles alone: where (sin^2(pi f interval))^order is -(sinh^2(pi cutoff interval))^order, sin^2 being
+    All-pole: where (sin^2(pi f interval))^order is -(sinh^2(pi cutoff interval))^order, sin^2 being
     (2 - z - 1/z)/4, inside the unit circle.
     """
     from scipy.signal import butter, sosfilt_zi, zpk2sos
@@ -161,7 +161,7 @@ def _sections(one: OutputFilter, interval: float) -> tuple[np.ndarray, np.ndarra
 
 @lru_cache(maxsize=4)
 def _decay(one: OutputFilter, count: int, interval: float) -> np.ndarray:
-    """Return what is left of a first sample that was there for ever, read-only: a fit asks again and again."""
+    """Return the response to a constant input of 1 before the first sample, cached and read-only."""
     left = 1 - one.passed(np.r_[0.0, np.ones(count)], interval)[1:]
     left.flags.writeable = False
     return left

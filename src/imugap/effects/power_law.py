@@ -15,7 +15,7 @@ from imugap.effects.residual import Residual
 from imugap.numerics import allan_from_psd as spectrum
 
 STEEPEST = 3.0
-"""Exponent from which on the Allan variance has no bound: the log is a trend."""
+"""Smallest exponent with an infinite Allan variance (a trend)."""
 ACCURACY = 1e-10
 """Relative error of an Allan variance."""
 
@@ -36,17 +36,17 @@ class PowerLaw(StochasticEffect):
 
     @classmethod
     def starts(cls, fit: Residual) -> Iterator[Start]:
-        """Yield nothing: it is no name."""
+        """Yield nothing: the effect is not part of the vocabulary."""
         return iter(())
 
     @property
     def integrations(self) -> int:
-        """Return how many times stationary noise is summed up: those that leave it one."""
+        """Return the number of summations of stationary noise."""
         return int((self.exponent + 1) // 2)
 
     @property
     def is_trend(self) -> bool:
-        """Whether the slope is so steep that its Allan variance has no bound."""
+        """Return whether the Allan variance is infinite."""
         return self.exponent >= STEEPEST
 
     def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""Quantization of the integrated signal: of the angle or velocity that the rate samples are differences of."""
+"""Quantization of the integrated signal: the angle or velocity of which the rate samples are differences."""
 
 from dataclasses import dataclass
 from typing import ClassVar
@@ -31,7 +31,7 @@ class Quantization(StochasticEffect):
         return np.diff(rng.uniform(-half, half, len(conditions) + 1)) / conditions.interval
 
     def psd(self, frequency: np.ndarray) -> np.ndarray:
-        """Refuse: the density (2 pi f)^2 interval Q^2 of the continuous process depends on the sampling interval."""
+        """Raise NotImplementedError: the density, (2 pi f)^2 interval Q^2, depends on the sampling interval."""
         raise NotImplementedError("quantization: expected a sampling interval (sampled_psd); found none (psd)")
 
     def allan_variance(self, tau: np.ndarray) -> np.ndarray:

@@ -12,7 +12,7 @@ from imugap.effects.gauss_markov import GaussMarkov
 
 @dataclass(frozen=True)
 class RandomTelegraph(EquivalentEffect):
-    """Two values, +-step/2, between which a Poisson process switches (Machlup 1954).
+    """Two levels, +-step/2, with switches by a Poisson process (Machlup 1954).
 
     Its autocovariance step^2/4 exp(-2 rate |lag|), so all of its second-order signature, is that of
     :attr:`equivalent`; it is not Gaussian.
@@ -29,7 +29,7 @@ class RandomTelegraph(EquivalentEffect):
         return GaussMarkov(self.step / 2, 1 / (2 * self.rate))
 
     def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
-        """Draw the first value evenly, then the number of switches between stamps: exact for a Poisson process."""
+        """Draw the first level, then the number of switches between stamps: exact for a Poisson process."""
         switches = np.cumsum(rng.poisson(self.rate * np.diff(conditions.time)) % 2)
         sign = rng.choice([-1.0, 1.0]) * np.where(np.r_[0, switches] % 2, -1.0, 1.0)
         return self.step / 2 * sign

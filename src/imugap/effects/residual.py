@@ -1,4 +1,4 @@
-"""What an effect may ask of the residual of a fit, to propose itself as the missing one."""
+"""Protocol of the residual of a fit, from which an effect proposes itself as the missing one."""
 
 from typing import Any, Protocol
 

@@ -13,15 +13,15 @@ from imugap.integrity.precision import decimal, spacing
 from imugap.integrity.report import IMPROBABLE
 
 FORMAT = 0.05
-"""Step of decimal numbers, in standard deviations of the noise, below which it is that of the file."""
+"""Step of decimal numbers [standard deviations of the noise] below which it is that of the file."""
 FINE = 0.005
-"""Step, in standard deviations of the noise, below which any lattice is of no account."""
+"""Step [standard deviations of the noise] below which a lattice is negligible."""
 DEEP = 8.0
-"""Standard deviations beyond which a normal law is at its end."""
+"""Standard deviations beyond which a normal density is neglected."""
 DITHERED, LEAST = 0.5, 0.02
-"""Standard deviations, in steps, above which rounding adds step^2/12, and of which nothing is seen any more."""
+"""Standard deviations [steps] above which rounding adds step^2/12, and below which the noise is not observable."""
 BLOCK = 64
-"""Samples over which noise is told from what drifts."""
+"""Samples of a block, which separates noise from drift."""
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ class Resolution(Effect):
         return np.rint(sequence / self.step) * self.step
 
     def moments(self, mean: float, std: float) -> tuple[float, float]:
-        """Return mean and variance of what becomes of independent normal values."""
+        """Return mean and variance of independent normal values after rounding."""
         reach = np.ceil(DEEP * std / self.step) + 1
         level = np.rint(mean / self.step) + np.arange(-reach, reach + 1)
         share = np.diff(ndtr((np.r_[level - 0.5, level[-1] + 0.5] * self.step - mean) / std))
@@ -51,9 +51,9 @@ class Resolution(Effect):
         return rounded, float(share @ (level * self.step - rounded) ** 2)
 
     def mean_ahead(self, mean: float, std: float) -> float:
-        """Return the mean of independent normal values from the mean that they have once they are rounded.
+        """Return the mean of independent normal values from their mean after rounding.
 
-        It is the same, to 1e-8 of the step, where their standard deviation is a step or more.
+        Both are equal, to 1e-8 of the step, for a standard deviation of one step or more.
         """
         if std > self.step:
             return mean
@@ -61,10 +61,10 @@ class Resolution(Effect):
         return float(brentq(lambda tried: self.moments(tried, std)[0] - mean, *near, xtol=1e-9 * self.step))
 
     def std_ahead(self, mean: float, variance: float) -> float:
-        """Return the standard deviation of independent normal values from mean and variance once they are rounded.
+        """Return the standard deviation of independent normal values from mean and variance after rounding.
 
-        The variance is larger by step^2/12 (Sheppard 1898) unless the step is more than about two standard deviations;
-        then it depends on where between two levels the mean lies.
+        Rounding adds step^2/12 (Sheppard 1898) for a step below about two standard deviations; for a larger one the
+        variance depends on the position of the mean between two levels.
         """
         fine = np.sqrt(max(variance - self.step**2 / 12, 0.0))
         if fine > self.step * DITHERED:
@@ -77,8 +77,8 @@ class Resolution(Effect):
     def found(cls, values: np.ndarray, conditions: Conditions) -> Evidence | None:
         """Return the lattice of the output ``values``, shape (n,), NaN where lost, or None.
 
-        Samples keep their place on the lattice and none is flawed: whoever looks at them afterwards has to expect the
-        variance step^2/12 in white noise, and less kurtosis than that of a normal law, of a step that is not small.
+        No sample is flawed: the samples contain the variance step^2/12 as white noise and, for a step that is not
+        small, have a smaller kurtosis than a normal distribution.
         """
         known = np.isfinite(values)
         step, error = spacing(values[known])

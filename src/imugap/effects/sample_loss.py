@@ -18,7 +18,7 @@ from imugap.numerics.random_runs import estimate_from_runs, simulate_runs
 class SampleLoss(ClockEffect):
     """Gaps: rows are missing, the stamps of the others are right (:func:`imugap.numerics.random_runs.simulate_runs`).
 
-    Samples that are lost on one axis alone are NaN: there the effect stands on the axis.
+    Samples that are lost on one axis alone are NaN; the effect is then on that axis.
     """
 
     name: ClassVar[str] = "sample_loss"
@@ -27,14 +27,14 @@ class SampleLoss(ClockEffect):
     length: float = parameter("1", "mean number of lost samples of a gap", low=1.0)
 
     def keep(self, log: pd.DataFrame, rng: np.random.Generator) -> pd.DataFrame:
-        """Return the rows that are not lost; the first is never, and a single one is no log."""
+        """Return the rows that are not lost; ValueError if fewer than 2 are left."""
         kept = log[~simulate_runs(len(log), self.probability, self.length, rng)]
         if len(kept) < 2:
             raise ValueError(f"{self.name}: expected at least 2 samples that are left; found {len(kept)}")
         return kept
 
     def apply(self, sequence: np.ndarray, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
-        """Put NaN in place of what is lost."""
+        """Replace lost samples by NaN."""
         return np.where(simulate_runs(len(sequence), self.probability, self.length, rng), np.nan, sequence)
 
     def check_axis(self, axis: str) -> None:
@@ -51,7 +51,7 @@ class SampleLoss(ClockEffect):
 
     @classmethod
     def missing(cls, lost: np.ndarray, log_p: float = -np.inf) -> Evidence:
-        """Return what lost samples, shape (n,), say, with the log-probability that a gap is none."""
+        """Estimate the effect from the mask of lost samples, shape (n,), and the log-probability that a gap is none."""
         edges = np.flatnonzero(np.diff(np.r_[False, lost, False].astype(int)))
         runs = edges[1::2] - edges[::2]
         estimate = estimate_from_runs(runs, max(int(np.count_nonzero(~lost)) - 1, len(runs)))

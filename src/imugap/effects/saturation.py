@@ -12,24 +12,24 @@ from imugap.integrity.precision import grain, spacing
 from imugap.integrity.report import IMPROBABLE
 
 TAIL = 100
-"""Samples below the extreme value that tell what it should hold."""
+"""Samples below the extreme value from which its expected count is computed."""
 LEVELS = 4
-"""Steps of a lattice that they cover at least."""
+"""Smallest range of these samples [steps of the lattice]."""
 FLAT = 3
-"""Samples at the extreme value, of values without a lattice, below which nothing is said: one time may be one hold."""
+"""Fewest samples at the extreme value without a lattice: a single time may be one repeated value."""
 NEXT = 5
-"""Samples below the extreme value that tell how far apart values are there."""
+"""Samples below the extreme value from which the distance of values there is computed."""
 CLEAR = 1.5
-"""Times the largest of all other errors that the one of a sample has to be to be called clipped by itself."""
+"""Ratio to the largest of the other errors above which a single sample is clipped."""
 LONE = 1e-4
-"""Probability of chance below which it is; a log of less than 5000 samples does not tell."""
+"""Significance level for a single sample, not reached by a log of less than 5000 samples."""
 MANY = 10
-"""Samples at the extreme value of a lattice below which a heavy tail may hold them."""
+"""Fewest samples at the extreme value of a lattice, as fewer may be a heavy tail."""
 
 
 @dataclass(frozen=True)
 class Saturation(Effect):
-    """Output that goes no further than its full scale (IEEE 528: input limits)."""
+    """Output clipped at its full scale (IEEE 528: input limits)."""
 
     name: ClassVar[str] = "saturation"
     stage: ClassVar[Stage] = Stage.RANGE
@@ -43,11 +43,11 @@ class Saturation(Effect):
 
     @classmethod
     def found(cls, values: np.ndarray, conditions: Conditions) -> Evidence | None:
-        """Return the full scale that the output ``values``, shape (n,), NaN where lost, runs against, or None.
+        """Return the full scale at which the output ``values``, shape (n,), NaN where lost, is clipped, or None.
 
-        The tail next to the extreme value is taken as exponential; that of every law with a log-concave density
-        falls faster still. One side suffices; where the other reaches as far, it ends there too. Where the motion is
-        known, one sample does that falls short of it.
+        The tail next to the extreme value is taken as exponential; every log-concave density decreases faster. One
+        side suffices; the other is clipped too where it reaches as far. Where the motion is known, one sample
+        suffices that is below the true input.
         """
         known = np.isfinite(values)
         if np.count_nonzero(known) < TAIL:
@@ -72,11 +72,11 @@ class Saturation(Effect):
 
 
 def _log_chance(values: np.ndarray, step: float, lattice: bool) -> float:
-    """Return the log-probability that an open range holds as many samples at the highest of ``values``, shape (n,).
+    """Return the log-probability of as many samples at the highest of ``values``, shape (n,), without clipping.
 
-    Values without a lattice are never equal by chance; each that equals the highest of n does so with probability 1/n
-    at most. An output that sticks once does it elsewhere but for one case in n; at two times it is equal to the last
-    digit only as often as digits fit in between.
+    Without a lattice values are not equal by chance; each equals the highest of n with a probability of at most 1/n. A
+    stuck output is at the highest value with probability 1/n; at two separate times the values are equal to the last
+    digit with a probability of one over the number of digits in between.
     """
     top = values.max()
     at = values == top
@@ -109,11 +109,11 @@ def _log_chance(values: np.ndarray, step: float, lattice: bool) -> float:
 
 
 def _log_shortfall(values: np.ndarray, ideal: np.ndarray) -> float:
-    """Return the log-probability that the only samples far off their error-free input are the largest by chance.
+    """Return the log-probability that the only samples far from their error-free input are the largest by chance.
 
-    Both have shape (n,). Zero unless they are: the largest value of all, at one time or held, falls short of the
-    largest input, while others nearly as large, and all the rest, are where the smooth errors of a sensor, which go
-    with its input, let them be. Held samples that are no full scale are off at other times too.
+    Both have shape (n,). Zero unless the largest value is below the largest input, while all other samples agree with
+    the input to within the smooth errors of a sensor as a function of its input. Stuck samples deviate at other times
+    too.
     """
     size = np.abs(ideal)
     top = int(np.argmax(size))
@@ -132,7 +132,7 @@ def _log_shortfall(values: np.ndarray, ideal: np.ndarray) -> float:
 
 
 def _slope(distance: np.ndarray) -> float:
-    """Return by how much the log-density grows over the unit interval, at least: two standard deviations below."""
+    """Return the increase of the log-density over the unit interval, less two standard deviations."""
     mean = distance.mean()
     slope = float(np.clip(12 * (mean - 0.5), -50.0, 50.0))
     for _ in range(30):

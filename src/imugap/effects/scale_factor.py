@@ -11,7 +11,7 @@ from imugap.effects.effect import Start, SystematicEffect, parameter
 from imugap.effects.residual import Residual
 
 LAWS = (("error",), ("error", "asymmetry"), ("error", "nonlinearity"))
-"""Parameters that a search adjusts together."""
+"""Sets of parameters of the starts of a search."""
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from imugap.effects.residual import Residual
 HIGHEST = 0.48
 """Highest frequency times interval of a harmonic."""
 LINE = ("frequency", "amplitude", "phase")
-"""What a fit adjusts of a line."""
+"""Parameters of a line that a fit adjusts."""
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,7 @@ class Sinusoid(SystematicEffect, AllanEffect):
 
     @classmethod
     def at(cls, frequency: float, fit: Residual) -> "Sinusoid":
-        """Return the line of a frequency [Hz] as the residual of a fit shows it, ahead of a filter of the output."""
+        """Return the line of a frequency [Hz] fitted to the residual of a fit, before the output filter."""
         output_filter, conditions = fit.description.noise.output_filter, fit.sequence.conditions
         passed = 1.0 if output_filter is None else output_filter.response(np.array([frequency]), conditions.interval)[0]
         wave = 2 * np.mean(fit.residual * np.exp(-2j * np.pi * frequency * conditions.time)) / passed
@@ -66,7 +66,7 @@ class Sinusoid(SystematicEffect, AllanEffect):
 
     @classmethod
     def starts(cls, fit: Residual) -> Iterator[Start]:
-        """Yield the highest line of the whitened residual's spectrum."""
+        """Yield the highest line of the spectrum of the whitened residual."""
         frequency, gains, level = fit.lines
         best = int(np.argmax(gains))
         effect = cls.at(float(frequency[best]), fit)

@@ -1,4 +1,4 @@
-"""The statistical restoration of He et al. 2023."""
+"""Statistical restoration (He et al. 2023)."""
 
 from dataclasses import dataclass
 from typing import ClassVar

@@ -11,9 +11,9 @@ from imugap.effects.effect import Effect, Stage, parameter
 
 @dataclass(frozen=True)
 class StanceMotion(Effect):
-    """A foot that is not quite still at stance: its velocity there is N(bias, std^2) and not zero.
+    """Residual velocity of the foot at stance, N(bias, std^2).
 
-    It is an error of zero-velocity measurements, to be added where a filter makes them, and leaves every log alone.
+    It is an error of the zero-velocity measurements of a filter, and does not change a log.
     """
 
     name: ClassVar[str] = "stance_motion"
@@ -22,5 +22,5 @@ class StanceMotion(Effect):
     bias: float = parameter("m/s", "mean velocity at stance", low=-np.inf)
 
     def apply(self, sequence: np.ndarray, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
-        """Return the output as it is."""
+        """Return the output unchanged."""
         return sequence

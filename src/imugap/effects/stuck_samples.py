@@ -15,26 +15,26 @@ from imugap.numerics.random_runs import RunEstimate, estimate_from_repeats, esti
 STEEP = 1.27
 """Log ratio of differences of one and of two steps above which the lattice is too coarse for the noise."""
 SHAPE = 0.05
-"""Relative uncertainty of the chance of a repeat because noise is not normal."""
+"""Relative uncertainty of the probability of a chance repeat from the non-normality of noise."""
 FEW = 30
-"""Steps between neighbours of a lattice below which the nearest neighbours, whatever their step, tell more."""
+"""Number of steps between neighbours of a lattice below which the smallest steps of any size are used."""
 SPARSE = 0.3
-"""Relative uncertainty of the chance of a repeat then."""
+"""Relative uncertainty of the probability of a chance repeat then."""
 PART, FEWEST = 250, 8
-"""Samples of a part of the log, and steps between neighbours of a lattice that it needs to tell of its noise."""
+"""Samples of a part of the log, and fewest steps between neighbours of a lattice to estimate its noise."""
 FAR = 4.0
-"""Standard deviations by which repeats by chance differ in a part of other noise."""
+"""Standard deviations of the number of chance repeats beyond which a part has other noise."""
 RARE = 0.01
-"""Share of repeats by chance below which each is taken for a flaw."""
+"""Expected share of chance repeats below which every repeat is a fault."""
 SAFE = 2.0
-"""Factor that the repeats of several axes at once may be more than is expected by chance."""
+"""Factor of safety on the expected simultaneous repeats of several axes."""
 TURNS = 3.0
-"""Mean number of repeats that a smooth signal, whose steps go on as they were, may make wherever it turns."""
+"""Mean number of repeats of a smooth signal at its extremes."""
 ROUNDS = 20
-"""Of the shares of levels, which come nearer by the share itself each time."""
+"""Iterations of the shares of the levels."""
 SLOW, FAST = 0.4, 4.0
-"""Standard deviations of the noise of a difference by which a motion that does not matter moves on in a sample (root
-mean square), and one that noise does not undo."""
+"""Change of the motion per sample, in standard deviations of the noise of a difference: root mean square below which
+the motion is negligible, and value above which noise does not cancel it."""
 
 
 @dataclass(frozen=True)
@@ -49,19 +49,19 @@ class StuckSamples(Effect):
     length: float = parameter("1", "mean number of repeats of a value", low=1.0)
 
     def apply(self, sequence: np.ndarray, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
-        """Put the last value that was not in a stretch in place of those that are."""
+        """Replace the samples of a run by the last value before it."""
         stuck = simulate_runs(len(sequence), self.probability, self.length, rng)
         return sequence[np.maximum.accumulate(np.where(stuck, 0, np.arange(len(sequence))))]
 
     @classmethod
     def found(cls, values: np.ndarray, conditions: Conditions) -> Evidence | None:
-        """Return the stretches of repeats in the output ``values``, NaN where lost, or None.
+        """Return the runs of repeats in the output ``values``, NaN where lost, or None.
 
-        ``values`` has shape (n,), or (n, axes) for repeats of all axes at once. How often noise repeats itself on a
-        lattice follows from how often it goes one step and two: the logarithm of a normal density is a parabola. Parts
-        of the log in which the noise is louder or softer than in most of it are left out. An axis whose lattice is too
-        coarse for that is asked whether it repeats itself where the others are stuck. In motion a step of nothing is
-        held against steps of one, up or down, where the motion is fast.
+        ``values`` has shape (n,), or (n, axes) for repeats of all axes at once. The probability of a chance repeat on a
+        lattice follows from the numbers of one-step and two-step differences, since the logarithm of a normal density
+        is a parabola. Parts of the log with another noise level are excluded. An axis with too coarse a lattice is
+        tested for repeats where the others are stuck. In fast motion zero differences are compared with one-step
+        differences.
         """
         columns = values.reshape(len(values), -1)
         known = np.flatnonzero(np.isfinite(columns).all(axis=1))
@@ -73,10 +73,10 @@ class StuckSamples(Effect):
         if not telling.any():
             return None
         ideal, chances = np.broadcast_to(conditions.error_free, len(values))[known], list(filter(None, told))
-        judged = _judged(columns[np.ix_(known, telling)], ideal, chances)
-        if judged is None or judged[0].log_p > np.log(IMPROBABLE) or not judged[1].any():
+        found = _estimated(columns[np.ix_(known, telling)], ideal, chances)
+        if found is None or found[0].log_p > np.log(IMPROBABLE) or not found[1].any():
             return None
-        estimate, stuck = judged
+        estimate, stuck = found
         if not all(_along(column[known], stuck) for column in columns.T[~telling]):
             return None
         flawed = np.zeros(len(values), bool)
@@ -86,10 +86,10 @@ class StuckSamples(Effect):
         return Evidence(cls(probability[0], max(length[0], 1.0)), intervals, estimate.log_p, flawed)
 
 
-def _judged(
+def _estimated(
     columns: np.ndarray, ideal: np.ndarray, chances: list[tuple[float, float]]
 ) -> tuple[RunEstimate, np.ndarray] | None:
-    """Return the stretches among the rows of ``columns``, shape (n, axes), and which rows are in one, shape (n,)."""
+    """Return the estimate of the runs in ``columns``, shape (n, axes), and the mask of their rows, shape (n,)."""
     repeats = _repeats(columns)
     first = np.flatnonzero(np.r_[True, ~repeats])
     runs = np.diff(np.r_[first, len(columns)]) - 1
@@ -123,15 +123,15 @@ def _judged(
 
 
 def _smooth(steps: np.ndarray) -> bool:
-    """Return whether each of the ``steps``, shape (n,), is rather like the one before it than the opposite."""
+    """Return whether neighbouring ``steps``, shape (n,), are positively correlated."""
     return bool(steps[1:] @ steps[:-1] > 0)
 
 
 def _at_once(steps: np.ndarray) -> float:
-    """Return how many repeats noise makes of several axes at once, by their ``steps``, shape (n, axes); 0 of one axis.
+    """Return the expected number of simultaneous chance repeats from ``steps``, shape (n, axes); 0 for one axis.
 
-    Axes that rest at the same times do so more often than each by itself tells: each is looked at where the others
-    move by a step at most, and all where they do not stay.
+    Axes at rest at the same times repeat together more often than independent ones: each is evaluated where the others
+    change by at most one step, and the result applies to rows with a change.
     """
     if steps.shape[1] == 1:
         return 0.0
@@ -145,17 +145,16 @@ def _at_once(steps: np.ndarray) -> float:
 
 
 def _within(held: np.ndarray, runs: np.ndarray, first: np.ndarray) -> np.ndarray:
-    """Return which rows repeat the one before in the runs that are ``held``, shape (runs,)."""
+    """Return the mask of the rows that repeat the previous one in the runs ``held``, shape (runs,)."""
     rows = np.repeat(held, runs + 1)
     rows[first] = False
     return rows
 
 
 def _fast(values: np.ndarray, ideal: np.ndarray) -> np.ndarray | None:
-    """Return to which samples after the first, shape (n - 1,), the error-free signal moves farther than noise goes.
+    """Return the mask of samples after the first, shape (n - 1,), to which the true signal changes more than the noise.
 
-    None where the motion is slow against the noise, as for a device at rest: it does not change how often noise repeats
-    itself. Where it is slow for a while only, noise repeats itself time and again then.
+    None where the motion is slow relative to the noise, as at rest: it does not change the probability of a repeat.
     """
     moved = np.diff(ideal)
     noise = np.median(np.abs(np.diff(values) - moved)) / 0.6745
@@ -163,12 +162,12 @@ def _fast(values: np.ndarray, ideal: np.ndarray) -> np.ndarray | None:
 
 
 def _repeats(columns: np.ndarray) -> np.ndarray:
-    """Return which rows after the first, shape (n - 1,), are the same as the one before."""
+    """Return the mask of the rows after the first, shape (n - 1,), that equal the previous one."""
     return np.all(columns[1:] == columns[:-1], axis=1)
 
 
 def _chance(values: np.ndarray) -> tuple[float, float] | None:
-    """Return how often noise repeats a value, and the uncertainty of its logarithm; None on too coarse a lattice."""
+    """Return the probability of a chance repeat and the uncertainty of its logarithm; None for too coarse a lattice."""
     steps = _steps(values)
     one, two = _counts(steps)
     apart = np.abs(steps[steps != 0])
@@ -182,15 +181,15 @@ def _chance(values: np.ndarray) -> tuple[float, float] | None:
 
 
 def _along(values: np.ndarray, stuck: np.ndarray) -> bool:
-    """Return whether values repeat themselves in stuck rows, shape (n,), more often than in all of them."""
+    """Return whether values repeat significantly more often in stuck rows, shape (n,), than in all rows."""
     same = np.r_[False, values[1:] == values[:-1]]
     return bdtrc(np.count_nonzero(same & stuck) - 1, np.count_nonzero(stuck), same.mean()) < IMPROBABLE
 
 
 def _coincidence(values: np.ndarray) -> float:
-    """Return how often two draws of the values are the same: where codes are missing more than their steps tell.
+    """Return the probability that two independent values are equal; exceeds that of the steps where codes are missing.
 
-    Of samples that differ from the one before a level of share p has the share ``p (1 - p)``, but for a factor.
+    Among samples that differ from the previous one, a level of share p has a share proportional to ``p (1 - p)``.
     """
     _, counts = np.unique(values[np.r_[True, values[1:] != values[:-1]]], return_counts=True)
     shares = levels = counts / counts.sum()
@@ -200,7 +199,7 @@ def _coincidence(values: np.ndarray) -> float:
 
 
 def _alike(values: np.ndarray) -> np.ndarray:
-    """Return which samples, shape (n,), are in parts of the log in which noise repeats itself as in most of it."""
+    """Return the mask of the samples, shape (n,), in parts of the log with the usual rate of chance repeats."""
     parts = np.array_split(_steps(values), max(len(values) // PART, 1))
     counts = np.array([_counts(part) for part in parts])
     told = counts[:, 0] >= FEWEST
@@ -223,7 +222,7 @@ def _steps(values: np.ndarray) -> np.ndarray:
 
 
 def _counts(steps: np.ndarray) -> tuple[int, int]:
-    """Return how many steps are of one and of two."""
+    """Return the numbers of one-step and two-step differences."""
     return tuple(np.count_nonzero(np.abs(np.abs(steps) - k) < 0.5) for k in (1, 2))
 
 
@@ -233,5 +232,5 @@ def _uncertainty(one: np.ndarray | int, two: np.ndarray | int) -> np.ndarray | f
 
 
 def _expected(one: np.ndarray | int, two: np.ndarray | int) -> np.ndarray | float:
-    """Return how many repeats noise makes where so many steps are of one and of two."""
+    """Return the expected number of chance repeats from the numbers of one-step and two-step differences."""
     return one / 2 * np.maximum(one / two, 1.0) ** (1 / 3)

@@ -12,14 +12,14 @@ from imugap.effects.effect import Start, SystematicEffect, parameter
 from imugap.effects.residual import Residual
 
 LAWS = (("coefficient",), ("coefficient", "quadratic"), ("coefficient", "rate"))
-"""Parameters that a search adjusts together."""
+"""Sets of parameters of the starts of a search."""
 SMOOTH = 50
 """Share of the log over which the change of the temperature is smoothed: 1/50."""
 
 
 @dataclass(frozen=True)
 class Temperature(SystematicEffect):
-    """Bias that follows the temperature's distance d from a reference (IEEE 1554: bias temperature sensitivity).
+    """Bias by the difference d of the temperature from a reference (IEEE 1554: bias temperature sensitivity).
 
     Bias = coefficient d + quadratic d^2 + rate dT/dt.
     """
@@ -52,7 +52,7 @@ class Temperature(SystematicEffect):
         return conditions.temperature - self.reference
 
     def near_misses(self, conditions: Conditions) -> list[np.ndarray]:
-        """Return the cube and, for hysteresis, the sign of the temperature's slow change with and without it."""
+        """Return the cube and, for hysteresis, the sign of the slow change of the temperature with and without it."""
         distance = conditions.temperature - np.mean(conditions.temperature)
         rate = uniform_filter1d(np.gradient(conditions.temperature), max(len(distance) // SMOOTH, 1))
         sign = np.tanh(rate / np.std(rate))

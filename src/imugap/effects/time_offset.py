@@ -14,7 +14,7 @@ from imugap.log import AXES
 from imugap.numerics.band_limited import interpolate
 
 REACH = 5
-"""Samples, either way, within which a search for a delay starts."""
+"""Largest delay of the starts of a search, either way [samples]."""
 
 
 @dataclass(frozen=True)
@@ -27,13 +27,13 @@ class TimeOffset(SystematicEffect):
     offset: float = parameter("s", "delay of the input", low=-np.inf)
 
     def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
-        """Interpolate band-limited; before the first and after the last sample the input is held."""
+        """Interpolate band-limited; the input is constant before the first and after the last sample."""
         self.own_axis(conditions)
         between, time = conditions.once(_course), conditions.time
         return between(np.clip(time - self.offset, time[0], time[-1])) - conditions.error_free
 
     def slopes(self, conditions: Conditions) -> dict[str, np.ndarray]:
-        """Return the derivative of the input, earlier by the offset, with the sign of a delay."""
+        """Return minus the derivative of the delayed input."""
         self.own_axis(conditions)
         time = conditions.time
         earlier = time - self.offset
@@ -42,7 +42,7 @@ class TimeOffset(SystematicEffect):
 
     @classmethod
     def starts(cls, fit: Residual) -> Iterator[Start]:
-        """Yield the best of the delays by whole samples, none included, and what a step from there gains at best."""
+        """Yield the best of the delays by whole samples, zero included, with the gain of a step from there."""
         conditions = fit.sequence.conditions
         if not conditions.knows([conditions.axis]) or fit.has(cls):
             return
@@ -52,7 +52,7 @@ class TimeOffset(SystematicEffect):
             yield Start(best, ("offset",), gain=gain)
 
     def _reached(self, fit: Residual) -> float:
-        """Return the gain of log-likelihood of this delay, to second order moved to where it is highest near by."""
+        """Return the gain of log-likelihood at the maximum near this delay, to second order."""
         conditions = fit.sequence.conditions
         columns = np.column_stack([self.sample(conditions, None), self.slopes(conditions)["offset"]])
         moved, slope = fit.beyond(fit.whiten(columns)).T
@@ -63,5 +63,5 @@ class TimeOffset(SystematicEffect):
 
 
 def _course(conditions: Conditions) -> CubicHermiteSpline:
-    """Return the input of the own axis between its samples."""
+    """Return the band-limited interpolation of the input of the own axis."""
     return interpolate(conditions.time, TimeOffset.error_free(conditions, [conditions.axis])[:, 0])

@@ -11,16 +11,16 @@ from imugap.effects.effect import TINY, ClockEffect, Evidence, parameter
 from imugap.integrity.timestamps import LEAST, ROUNDED, Stamps
 
 COLOURED = 0.15
-"""Correlation of neighbouring displacements above which a clock wanders instead."""
+"""Correlation of neighbouring displacements above which the clock wanders."""
 BOUNDED = 2.3
-"""Kurtosis below which displacements are the rounding of another clock (uniform: 1.8, normal: 3)."""
+"""Kurtosis below which displacements are by rounding (uniform: 1.8, normal: 3)."""
 
 
 @dataclass(frozen=True)
 class TimestampJitter(ClockEffect):
     """Stamps displaced independently by N(0, std^2); the samples themselves are taken at the right time.
 
-    Where displaced stamps would change places they are put in order again, so a log stays a log.
+    Displaced stamps are sorted, so that time increases.
     """
 
     name: ClassVar[str] = "timestamp_jitter"
@@ -36,7 +36,7 @@ class TimestampJitter(ClockEffect):
 
     @classmethod
     def found(cls, stamps: Stamps) -> Evidence | None:
-        """Return the jitter of stamps that scatter beyond their rounding, each on its own, or None.
+        """Return the jitter of stamps that scatter independently, beyond their rounding, or None.
 
         A variance of n values of kurtosis k is as uncertain as one of 2 n/(k - 1) normal values: of stamps written in
         coarse ticks few are displaced at all.
@@ -55,7 +55,7 @@ class TimestampJitter(ClockEffect):
 
 
 def independent(scatter: np.ndarray) -> bool:
-    """Tell whether displacements, shape (windows, rows), are each drawn anew from a law with tails.
+    """Return whether displacements, shape (windows, rows), are independent with unbounded distribution.
 
     Neighbours are uncorrelated, so that the steps of the stamps have the correlation -1/2; those of a clock that
     wanders are not. A line is fitted to each window of m rows, which leaves the correlation -4/m at most.

@@ -1,4 +1,4 @@
-"""Bias that differs from power-on to power-on."""
+"""Turn-on bias."""
 
 from dataclasses import dataclass
 from typing import ClassVar
@@ -15,19 +15,19 @@ LEAST = 1e-300
 
 @dataclass(frozen=True)
 class TurnOnBias(AdditiveEffect):
-    """A bias drawn once per run from N(0, std^2) (IEEE 952: turn-on repeatability; He et al. 2023, eq. 14)."""
+    """Bias drawn once per run from N(0, std^2) (IEEE 952: turn-on repeatability; He et al. 2023, eq. 14)."""
 
     name: ClassVar[str] = "turn_on_bias"
     role: ClassVar[Role] = Role.RUN
     std: float = parameter("{u}", "standard deviation over runs")
 
     def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
-        """Draw one offset and hold it for the run."""
+        """Draw one offset for the whole run."""
         return np.full(len(conditions), self.std * rng.standard_normal())
 
     @classmethod
     def between(cls, levels: np.ndarray, errors: np.ndarray) -> Evidence:
-        """Return what the levels of several runs show, shape (runs,), beside their standard deviations ``errors``.
+        """Estimate the effect from the means of several runs, shape (runs,), of standard deviations ``errors``.
 
         Without it their weighted scatter is chi-square distributed with one degree of freedom less than runs.
         """

@@ -10,13 +10,13 @@ from imugap.effects.effect import TINY, Start, VarianceEffect, parameter
 from imugap.effects.residual import Residual
 
 STRETCHES = 1e5
-"""Independent stretches of a long log, on the safe side."""
+"""Upper limit of the number of independent intervals of a long log."""
 LEAST = 1e-6
-"""Smallest ratio of variances that a search tells from zero."""
+"""Smallest ratio of variances of a search."""
 SWINGS = 1e3
-"""Independent frequencies of a swing, on the safe side."""
+"""Upper limit of the number of independent frequencies of a periodic change."""
 STRETCH, SWING = ("ratio",), ("depth", "frequency", "phase")
-"""What is fitted of a stretch of another level, and of a swing over the whole log."""
+"""Parameters that are fitted: of an interval of another variance, and of a periodic change over the whole log."""
 
 
 @dataclass(frozen=True)
@@ -43,11 +43,11 @@ class VarianceChange(VarianceEffect):
 
     @property
     def once(self) -> bool:
-        """Whether it is a stretch at a time of its own, and no swing through the whole log."""
+        """Return whether the change is limited in time, and not periodic over the whole log."""
         return self.depth == 0
 
     def within(self, time: np.ndarray) -> np.ndarray:
-        """Return which times [s] are in the stretch."""
+        """Return the mask of the times [s] within the change."""
         return (time >= self.start) & (time < self.stop)
 
     def factor(self, time: np.ndarray) -> np.ndarray:
@@ -56,12 +56,12 @@ class VarianceChange(VarianceEffect):
         return np.where(self.within(time), self.ratio * np.exp(swing), 1.0)
 
     def free(self) -> tuple[str, ...]:
-        """Return the parameters that a search chooses besides the place: those of the swing if it swings."""
+        """Return the parameters of a search besides the interval: those of a periodic change, if any."""
         return SWING if self.depth else STRETCH
 
     @classmethod
     def starts(cls, fit: Residual) -> Iterator[Start]:
-        """Yield the stretch of the whitened residual whose variance differs most, and the swing that does."""
+        """Yield the interval of the residual with the most different variance, and the best periodic change."""
         gain, first, last = fit.stretch
         time, squares = fit.sequence.conditions.time, fit.unrounded**2
         end = float(time[-1] + fit.sequence.conditions.interval)

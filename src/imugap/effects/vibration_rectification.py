@@ -13,11 +13,11 @@ from imugap.effects.residual import Residual
 from imugap.log import ACCEL
 
 WINDOWS = (0.03, 0.1, 0.3, 1.0, 3.0)
-"""Lengths of the window of the running variance that a search tries [s]."""
+"""Lengths of the window of the running variance of a search [s]."""
 STEADY = 1.0
 """Time over which the variance of a shorter window is averaged [s]."""
 SHORTEST = 3
-"""Samples of a window at least."""
+"""Fewest samples of a window."""
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class VibrationRectification(SystematicEffect):
     )
 
     def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
-        """Return the coefficient times the power; at the ends the window is what there is of it."""
+        """Return the coefficient times the power; the window is truncated at the ends."""
         return self.coefficient * self.slopes(conditions)["coefficient"]
 
     def slopes(self, conditions: Conditions) -> dict[str, np.ndarray]:
@@ -47,7 +47,7 @@ class VibrationRectification(SystematicEffect):
 
     @classmethod
     def starts(cls, fit: Residual) -> Iterator[Start]:
-        """Yield the power that promises most, where the specific force is known and its variance varies."""
+        """Yield the start of the largest expected gain, where the specific force is known and its variance varies."""
         conditions = fit.sequence.conditions
         if not conditions.knows(ACCEL) or fit.has(cls):
             return

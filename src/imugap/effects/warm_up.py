@@ -11,7 +11,7 @@ from imugap.effects.effect import TINY, Start, SystematicEffect, parameter
 from imugap.effects.residual import Residual
 
 CONSTANTS = 14
-"""Time constants at which a search looks."""
+"""Number of time constants of the grid of a search."""
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class WarmUp(SystematicEffect):
 
     @classmethod
     def starts(cls, fit: Residual) -> Iterator[Start]:
-        """Yield the time constant, from a grid, whose exponential fits the residual best."""
+        """Yield the time constant, from a grid, with the best fit to the residual."""
         if fit.has(cls):
             return
         conditions = fit.sequence.conditions
