@@ -15,7 +15,7 @@ from types import SimpleNamespace
 from imugap.workflow.dependencies import digest
 
 ROOT = Path(__file__).parents[1]
-os.environ.setdefault("NUMBA_CACHE_DIR", str(ROOT / ".pytest_cache" / "numba" / digest()))
+os.environ.setdefault("NUMBA_CACHE_DIR", str(ROOT / ".snakemake" / "numba" / digest()))
 if "PYTEST_XDIST_WORKER" in os.environ:
     for library in ("OMP", "OPENBLAS", "MKL", "NUMBA"):
         os.environ.setdefault(f"{library}_NUM_THREADS", "1")
