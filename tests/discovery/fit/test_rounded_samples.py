@@ -99,6 +99,7 @@ def test_tails_on_a_coarse_lattice_are_those_ahead_of_it(step):
     assert held >= binom.ppf(1e-3, 20, 0.95)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("step", STEPS)
 def test_normal_noise_on_a_coarse_lattice_has_no_tails(step):
     gains = [fitted(rounded(step, label)).cells.tails().gain for label in range(20)]
