@@ -12,10 +12,12 @@ import numpy as np
 
 from imugap.discovery.preparation.cosine_bins import Bins
 from imugap.effects.effect import TINY, FilterEffect, Role, StochasticEffect
+from imugap.numerics.damped_steps import Damping, optimise
 
 STEP = 1e-4
 """Step of a log parameter in a difference quotient."""
 ITERATIONS = 60
+DAMPING = Damping(first=1e-3, floor=1e-3, least=1e-9, most=1e9, down=5.0, up=8.0)
 LONGEST_STEP = 1.5
 """Largest change of a log parameter in one iteration."""
 FLAT = 1e-5
@@ -152,19 +154,20 @@ def fit(start: Noise, bins: Bins, power: np.ndarray, held: bool = False) -> Nois
     low, high = limits(start, bins, power)
     if held:
         low[-1] = high[-1] = start.theta()[-1]
-    theta, damping = np.clip(start.theta(), low, high), 1e-3
-    value, gradient, information = spectra.expand(theta, power)
-    for _ in range(ITERATIONS):
+
+    def at(theta: np.ndarray) -> tuple:
+        return theta, *spectra.expand(theta, power)
+
+    def propose(path: list[tuple], damping: float) -> tuple | None:
+        theta, _, gradient, information = path[-1]
         damped = information + np.diag(damping * (np.diag(information) + 1e-9))
         ends = np.maximum(low - theta, -LONGEST_STEP), np.minimum(high - theta, LONGEST_STEP)
         trial = theta + _step(gradient, damped, *ends)
-        if abs(gradient @ (trial - theta)) < FLAT:
-            break
-        expanded = spectra.expand(trial, power)
-        if expanded[0] > value:
-            theta, (value, gradient, information), damping = trial, expanded, max(damping / 5, 1e-9)
-        else:
-            damping = min(max(damping * 8, 1e-3), 1e9)
+        return None if abs(gradient @ (trial - theta)) < FLAT else at(trial)
+
+    first = at(np.clip(start.theta(), low, high))
+    path, _ = optimise(first, propose, lambda one, other: one[1] > other[1], DAMPING, ITERATIONS)
+    theta, value, gradient, information = path[-1]
     return NoiseFit(start.at(theta), value, information, gradient)
 
 

@@ -7,6 +7,7 @@ the American Statistical Association 108, 1021-1030). Where W depends on the mod
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -27,6 +28,7 @@ from imugap.estimation.gmwm.start import Point
 from imugap.estimation.likelihood import Composition, Quantity
 from imugap.estimation.result import Fit, ParameterEstimate, identifiability
 from imugap.model import ErrorModel
+from imugap.numerics.damped_steps import Damping, optimise
 
 REFINEMENTS = 2
 """Number of updates of a limit of an interval with the weights of the model there."""
@@ -34,6 +36,7 @@ NARROW = 0.2
 """Half width of an interval, and change of its limits, in logarithms, below which no update is needed."""
 STEPS = 30
 """Gauss-Newton steps on simulated wavelet variances."""
+DAMPING = Damping(first=1e-3, floor=1e-2)
 SHIFT = 1e-3
 """Change of a log parameter in a difference quotient of simulated wavelet variances."""
 STILL = 1e-6
@@ -159,12 +162,20 @@ def fit_by_simulation(
     problem = replace(analytic, efficiency=options.efficiency / (1 + 1 / replicates))
     weights = problem.weights(path[-1])
     auxiliary = SimulatedMoments(problem, weights.white(path[-1].implied), seed, replicates, options.efficiency)
-    way, converged = auxiliary.descend(problem.theta(start))
-    point, implied = way[-1]
+    path, converged = auxiliary.descend(problem.theta(start))
+    _, point, implied = path[-1]
     scaled = replace(problem, curve=curve.assign(variance=curve["variance"] * point.implied / implied))
     centre = QuasiScoreSolver(scaled.family, scaled.observed, weights).solve(point)[0][-1]
-    result = _result(scaled, [step for step, _ in way], centre, weights, converged, options.level)
+    result = _result(scaled, [one.point for one in path], centre, weights, converged, options.level)
     return replace(result, curve=result.curve.assign(observed=curve["variance"], implied=implied))
+
+
+class SimulatedPoint(NamedTuple):
+    """Log parameters, their model at its simulated distance, and its simulated wavelet variances, shape (levels,)."""
+
+    theta: np.ndarray
+    point: Point
+    implied: np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
@@ -185,31 +196,29 @@ class SimulatedMoments:
     replicates: int
     efficiency: float
 
-    def descend(self, theta: np.ndarray) -> tuple[list[tuple[Point, np.ndarray]], bool]:
-        """Return the points of damped Gauss-Newton steps, their simulated wavelet variances, and the convergence."""
-        way, damping, moves = [self._at(theta)], 1e-3, np.isfinite(theta)
-        for _ in range(STEPS):
-            implied = way[-1][1]
-            slopes = self.white @ self._slopes(theta, implied)
-            curvature, pull = slopes.T @ slopes, slopes.T @ (self.white @ (self.problem.observed - implied))
-            step = np.linalg.solve(curvature + damping * np.diag(np.diag(curvature)), pull)
-            if np.sum((slopes @ step) ** 2) < STILL:
-                return way, True
-            ahead = theta.copy()
-            ahead[moves] += step * min(1.0, 1 / np.abs(step).max())
-            trial = self._at(ahead)
-            if trial[0].distance < way[-1][0].distance:
-                theta, damping = ahead, damping / 10
-                way.append(trial)
-            else:
-                damping = max(10 * damping, 1e-2)
-        return way, False
+    def descend(self, theta: np.ndarray) -> tuple[list[SimulatedPoint], bool]:
+        """Return the points of damped Gauss-Newton steps from log parameters ``theta``, and the convergence."""
+        return optimise(
+            self._at(theta), self._propose, lambda one, other: one.point.distance < other.point.distance, DAMPING, STEPS
+        )
 
-    def _at(self, theta: np.ndarray) -> tuple[Point, np.ndarray]:
-        """Return the point with log parameters ``theta``, at its simulated distance, and its wavelet variances."""
+    def _propose(self, path: list[SimulatedPoint], damping: float) -> SimulatedPoint | None:
+        """Return the point of the next step, or None where it is negligible."""
+        theta, implied = path[-1].theta, path[-1].implied
+        slopes = self.white @ self._slopes(theta, implied)
+        curvature, pull = slopes.T @ slopes, slopes.T @ (self.white @ (self.problem.observed - implied))
+        step = np.linalg.solve(curvature + damping * np.diag(np.diag(curvature)), pull)
+        if np.sum((slopes @ step) ** 2) < STILL:
+            return None
+        ahead = theta.copy()
+        ahead[np.isfinite(theta)] += step * min(1.0, 1 / np.abs(step).max())
+        return self._at(ahead)
+
+    def _at(self, theta: np.ndarray) -> SimulatedPoint:
+        """Return the point with log parameters ``theta``, at its simulated distance."""
         implied = self._simulate(theta)
         distance = np.sum((self.white @ (self.problem.observed - implied)) ** 2)
-        return replace(self.problem.at(theta), distance=float(distance)), implied
+        return SimulatedPoint(theta, replace(self.problem.at(theta), distance=float(distance)), implied)
 
     def _slopes(self, theta: np.ndarray, implied: np.ndarray) -> np.ndarray:
         """Return the slopes of the simulated wavelet variances in the finite log parameters."""

@@ -14,12 +14,14 @@ import numpy as np
 from scipy.optimize import nnls
 
 from imugap.estimation.gmwm.implied import Family
+from imugap.numerics.damped_steps import Damping, optimise
 
 GRID = {0: 1, 1: 36, 2: 24, 3: 14}
 """Points of the grid of correlation times, by number of Gauss-Markov processes."""
 STARTS = 4
 """Best points of the grid from which steps start."""
 ITERATIONS = 60
+DAMPING = Damping(first=1e-6, floor=1e-3, least=1e-12)
 PLAIN = 5
 """Gauss-Newton steps before the curvature includes the residuals, which only poor fits need."""
 LONGEST_STEP = 1.0
@@ -88,20 +90,15 @@ class DistanceSearch:
 
         The steps end where the predicted decrease is below ``accuracy`` times the distance (or times one).
         """
-        low, high = self.family.limits
-        path, damping = [start], 1e-6
-        for _ in range(ITERATIONS):
+
+        def propose(path: list[Point], damping: float) -> Point | None:
             point = path[-1]
             step, gain = self._step(point, damping, len(path) > PLAIN)
             if gain <= accuracy * max(point.distance, 1.0):
-                return path, True
-            trial = self.at(np.clip(point.times + step, low, high))
-            if trial.distance < point.distance:
-                path.append(trial)
-                damping = max(damping / 10, 1e-12)
-            else:
-                damping = max(10 * damping, 1e-3)
-        return path, False
+                return None
+            return self.at(np.clip(point.times + step, *self.family.limits))
+
+        return optimise(start, propose, lambda one, other: one.distance < other.distance, DAMPING, ITERATIONS)
 
     def _starts(self) -> list[Point]:
         ranked, best = sorted(self._grid(), key=lambda row: row[1].distance), []
