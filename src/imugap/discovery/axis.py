@@ -37,35 +37,35 @@ from imugap.effects.effect import AxisModel, Effect, Role
 from imugap.model import with_offset
 
 PLACES = 12.0
-"""Logarithm of the largest number of places of which an effect is tried at the best."""
+"""Logarithm of the maximum number of places at which an effect is tried."""
 MOST_BANDS = 4
-"""Bands of lines that are not steady at most; with more the spectrum is another than that of lines."""
+"""Maximum number of bands of unsteady lines; with more, the spectrum is not one of lines."""
 
 
 @dataclass(frozen=True, eq=False)
 class AxisSearch:
-    """The search on one axis.
+    """Search for the missing effects of one axis.
 
     Attributes
     ----------
-    before
+    start_fit
         Fit of the start model to the held-in part.
-    after, early
-        Fit to the held-in part with what was added, and the search that added it.
-    whole, late
-        The same of the whole log, with what only its last part shows.
+    held_in_fit, held_in_search
+        Fit with the added effects to the held-in part, and the search that added them.
+    whole_fit, whole_search
+        The same for the whole log.
     held_out
-        The last part.
+        The last part of the log, which the held-in fits have not seen.
     bands, switching
-        Lines that are not steady, and telegraph noise that only the samples tell; the fits, but for that of the start
-        model, are without them.
+        Bands of unsteady lines, and telegraph noise that the samples show but not the spectrum. Both were removed
+        before all fits but that of the start model.
     """
 
-    before: AxisFit
-    after: AxisFit
-    early: Search
-    whole: AxisFit
-    late: Search
+    start_fit: AxisFit
+    held_in_fit: AxisFit
+    held_in_search: Search
+    whole_fit: AxisFit
+    whole_search: Search
     held_out: AxisSequence
     bands: tuple[Band, ...] = ()
     switching: Switching | None = None
@@ -73,51 +73,51 @@ class AxisSearch:
 
 @dataclass(frozen=True, eq=False)
 class AxisResult:
-    """The discovery on one axis.
+    """Result of discovery on one axis.
 
     Attributes
     ----------
-    before
+    start_fit
         Fit of the start model to the held-in part.
-    after
-        Fit of the named effects to the held-in part, and of noise of any slope for such noise without a name.
-    whole
-        The same to the whole log, with what only its last part shows.
+    held_in_fit
+        Fit of the named effects to the held-in part; slow noise without a name is a power law.
+    whole_fit
+        The same for the whole log.
     findings
-        The effects that were named.
+        The named effects.
     withheld
-        What was seen but fits no name.
+        Effects that were added but whose name a check rejects.
     bands
-        Of lines that are not steady; no name fits them.
+        Bands of unsteady lines, which have no name.
     switching
-        Telegraph noise that only the samples tell, which both fits after the start model are without.
-    of_any_slope
-        Noise that fits no name, as the fit to the whole log has it; it is not among the findings.
+        Telegraph noise that the samples show but not the spectrum; it was removed before both fits.
+    power_law
+        Slow noise without a name, as fitted to the whole log; it is not among the findings.
     """
 
-    before: AxisFit
-    after: AxisFit
-    whole: AxisFit
+    start_fit: AxisFit
+    held_in_fit: AxisFit
+    whole_fit: AxisFit
     findings: tuple[Finding, ...]
     withheld: tuple[Withheld, ...]
     bands: tuple[Band, ...] = ()
     switching: Effect | None = None
-    of_any_slope: Finding | None = None
+    power_law: Finding | None = None
 
     def unnamed(self) -> tuple[tuple[str, str], ...]:
-        """Return the nearest name, and the reason why it is not given, of what was seen."""
+        """Return the nearest name of each withheld effect and unsteady line, and why it is withheld."""
         lines = ((band.name, f"it is not steady, {band.low:.4g} to {band.high:.4g} Hz") for band in self.bands)
         return (*((one.name, one.reason) for one in self.withheld), *lines)
 
     @property
-    def seen(self) -> bool:
-        """Return whether anything was added to the start model, or was seen and has no name."""
-        return _names(self.before) != _names(self.whole) or bool(self.withheld) or self.switching is not None
+    def changed(self) -> bool:
+        """Return whether anything was added to the start model, or was withheld."""
+        return _names(self.start_fit) != _names(self.whole_fit) or bool(self.withheld) or self.switching is not None
 
     @property
-    def settled(self) -> bool:
-        """Return whether the held-in part shows every effect with a name that the whole log shows."""
-        return _names(self.after) == _names(self.whole)
+    def same_names(self) -> bool:
+        """Return whether held-in part and whole log show the same named effects."""
+        return _names(self.held_in_fit) == _names(self.whole_fit)
 
 
 def _names(found: AxisFit) -> list[str]:
@@ -125,7 +125,7 @@ def _names(found: AxisFit) -> list[str]:
 
 
 def part(sequence: AxisSequence, first: int, last: int) -> AxisSequence:
-    """Return samples ``first`` to ``last``, a few less where that makes transforms fast."""
+    """Return samples ``first`` to ``last`` - 1, fewer by a few so that transforms are fast."""
     while next_fast_len(last - first, real=True) != last - first:
         last -= 1
     conditions, span = sequence.conditions, slice(first, last)
@@ -146,26 +146,38 @@ def part(sequence: AxisSequence, first: int, last: int) -> AxisSequence:
 def search_axis(
     sequence: AxisSequence, start: Sequence[Effect], catalogue: tuple[type[Effect], ...], log_alpha: float, split: int
 ) -> AxisSearch:
-    """Search one axis; the samples from ``split`` on are held out.
+    """Search one axis for missing effects: first the held-in part, then the whole log.
 
-    Outliers and changes of the variance, which no later fit moves, are found in the whole log anew; nothing is
-    exchanged for a change before the outliers are out. Where a function of the motion without a name says more than all
-    that the first part shows, in the whole log too, no more is looked for. One thread is enough for vectors of this
-    length, and axes are worked on side by side.
+    The search of the whole log starts from the fit of the held-in part, without its outliers and changes of the
+    variance: no later fit moves these, so that they are found anew. Where an unnamed function of the motion explains
+    more than all added effects, in both, the search ends. It uses one thread; axes run in parallel.
+
+    Parameters
+    ----------
+    sequence
+        Samples of the axis.
+    start
+        Effects of the start model.
+    catalogue
+        Kinds of effects that may be missing.
+    log_alpha
+        Logarithm of the probability that a proposal is accepted by chance.
+    split
+        First sample of the held-out part.
     """
     with threadpool_limits(1):
         held_in, held_out = part(sequence, 0, split), part(sequence, split, len(sequence.values))
-        before, early = _early(held_in, start, catalogue, log_alpha)
+        before, early = _search_held_in(held_in, start, catalogue, log_alpha)
         end = float(sequence.conditions.time[-1] + sequence.conditions.interval)
         whole = unsteady.without(part(sequence, 0, len(sequence.values)), early.bands)
         kept = replace(early.found.description, outliers=None, changes=before.description.changes)
         again = early.search.afresh()
         begun = again.cleared(fit(whole, kept if early.switching is None else again.start))
         unchanging = replace(again, catalogue=tuple(kind for kind in catalogue if kind.role is not Role.VARIANCE))
-        late = (_odd_again(again, begun, early) or _searched(again, unchanging.settled(begun), early.bands)).bare()
+        late = (_odd_in_both(again, begun, early) or _search(again, unchanging.settled(begun), early.bands)).bare()
         return AxisSearch(
             before,
-            _lasting(early.found, end),
+            _extend_changes(early.found, end),
             early.search,
             late.found,
             late.search,
@@ -175,28 +187,35 @@ def search_axis(
         )
 
 
-def _early(
+def _search_held_in(
     held_in: AxisSequence, start: Sequence[Effect], catalogue: tuple[type[Effect], ...], log_alpha: float
-) -> tuple[AxisFit, "_Searched"]:
-    """Return the fit of the start model, and the end of the search that begins with it."""
+) -> tuple[AxisFit, "_SearchEnd"]:
+    """Return the fit of the start model to the held-in part, and the end of the search from there."""
     begin = fit(held_in, described(start, held_in))
     search = Search(begin.description, catalogue, log_alpha)
     before = search.cleared(begin)
-    return before.bare(), _searched(search, before).bare()
+    return before.bare(), _search(search, before).bare()
 
 
-def _lasting(found: AxisFit, end: float) -> AxisFit:
-    """Return a fit whose changes of the variance go on until ``end`` [s] if they last as long as its samples do."""
+def _extend_changes(found: AxisFit, end: float) -> AxisFit:
+    """Extend the changes of the variance that last to the end of the samples until ``end`` [s]."""
     description, last = found.description, found.sequence.conditions.time[-1]
     changes = tuple(replace(one, stop=max(one.stop, end)) if one.stop > last else one for one in description.changes)
     return replace(found, description=replace(description, changes=changes))
 
 
 @dataclass(frozen=True, eq=False)
-class _Searched:
-    """The end of a search, and what was taken out on the way.
+class _SearchEnd:
+    """End of a search, and what it removed from the samples.
 
-    It is ``odd`` where a function of the motion without a name says more than all that was found.
+    Attributes
+    ----------
+    search, found
+        The search and its last fit.
+    bands, switching
+        Removed bands of unsteady lines, and removed telegraph noise.
+    odd
+        Whether an unnamed function of the motion explains more than all added effects.
     """
 
     search: Search
@@ -205,86 +224,88 @@ class _Searched:
     switching: Switching | None = None
     odd: bool = False
 
-    def bare(self) -> "_Searched":
-        """Return the same without the fits on the way, and without what was derived from the last one."""
+    def bare(self) -> "_SearchEnd":
+        """Drop intermediate fits and derived arrays, which are large."""
         return replace(self, search=self.search.forgetful(), found=self.found.bare())
 
 
-def _odd_again(search: Search, begun: AxisFit, early: _Searched) -> _Searched | None:
-    """Return what was found in the first part, outliers too, fitted to the whole log, if it is odd there as well."""
+def _odd_in_both(search: Search, begun: AxisFit, early: _SearchEnd) -> _SearchEnd | None:
+    """Return the effects of the held-in part fitted to the whole log, if it is odd in both; else None."""
     if not early.odd or early.switching is not None:
         return None
     wide = None if early.found.description.outliers is None else search.cleaned(begun)
     found = begun if wide is None else wide.fit
     odd = search.added(found.description) and in_place_of_all(search, found).log_p < LEVEL
-    return _Searched(search, found, early.bands, odd=True) if odd else None
+    return _SearchEnd(search, found, early.bands, odd=True) if odd else None
 
 
-def _searched(
+def _search(
     search: Search, before: AxisFit, taken: tuple[Band, ...] = (), switched: Switching | None = None
-) -> _Searched:
-    """Search, and again without the bands of lines that are not steady, or telegraph noise that another hides.
+) -> _SearchEnd:
+    """Search, then search again without bands of unsteady lines, and without telegraph noise within other noise.
 
-    Of what goes with the motion in a way that has no name no more is to be told.
+    The search ends where an unnamed function of the motion explains more than all added effects.
     """
-    found = search.explore(before, partial(_nameless, search, len(taken) < MOST_BANDS))
+    found = search.explore(before, partial(_unnamed_gain, search, len(taken) < MOST_BANDS))
     if in_place_of_all(search, found).log_p < LEVEL:
-        return _Searched(search, found, taken, switched, odd=True)
+        return _SearchEnd(search, found, taken, switched, odd=True)
     found = steady(search, told_apart(search, found))
     bands = unsteady.bands(found) if len(taken) < MOST_BANDS else ()
     again = search.afresh()
     if bands:
         cleared = unsteady.without(before.sequence, bands)
-        return _searched(again, again.cleared(fit(cleared, search.start)), (*taken, *bands), switched)
+        return _search(again, again.cleared(fit(cleared, search.start)), (*taken, *bands), switched)
     switched_too = hidden_telegraph(search, found) if switched is None else None
     if switched_too is None:
-        return _Searched(search, found, taken, switched)
+        return _SearchEnd(search, found, taken, switched)
     cleared = switched_too.without(before.sequence)
-    return _searched(again, again.cleared(fit(cleared, search.start)), taken, switched_too)
+    return _search(again, again.cleared(fit(cleared, search.start)), taken, switched_too)
 
 
-def _nameless(search: Search, taken_out: bool, fit: AxisFit) -> float:
-    """Return how much log-likelihood what has no name gains over a fit; no end of lines where one is not steady.
+def _unnamed_gain(search: Search, remove_lines: bool, fit: AxisFit) -> float:
+    """Return the gain of log-likelihood by unnamed effects over a fit; infinite where an unsteady line is removed next.
 
-    ``taken_out`` is whether such lines are, before anything else is looked for.
+    ``remove_lines`` says whether unsteady lines are removed.
     """
-    return np.inf if taken_out and unsteady.bands(fit) else without_a_name(search, fit)
+    return np.inf if remove_lines and unsteady.bands(fit) else without_a_name(search, fit)
 
 
 def conclude(searched: AxisSearch) -> AxisResult:
-    """Return what a search says: names with intervals, and what is withheld."""
+    """Check the names that a search found, and return them with intervals, and the withheld ones with reasons."""
     with threadpool_limits(1):
-        search, whole = searched.late, two_valued(searched.whole)
-        doubtful = doubts(search, searched.whole)
-        kept = without_unnamed(search, whole, doubtful)
+        search, whole = searched.whole_search, two_valued(searched.whole_fit)
+        rejected = doubts(search, searched.whole_fit)
+        kept = without_unnamed(search, whole, rejected)
         sweeps = (*swept(kept, search.log_alpha), *glints(whole))
-        sure = [key for key in search.added(whole.description) if key not in doubtful]
-        swept_up = beside_a_sweep(search, searched.whole, sure, sweeps)
-        final = without_unnamed(search, whole, doubtful | swept_up) if swept_up else kept
-        doubtful |= swept_up
-        named = [key for key in search.added(whole.description) if key not in doubtful]
-        switching, odd = _of_samples(searched, doubtful)
+        sure = [key for key in search.added(whole.description) if key not in rejected]
+        in_sweep = beside_a_sweep(search, searched.whole_fit, sure, sweeps)
+        final = without_unnamed(search, whole, rejected | in_sweep) if in_sweep else kept
+        rejected |= in_sweep
+        named = [key for key in search.added(whole.description) if key not in rejected]
+        switching, odd = _telegraph_finding(searched, rejected)
         findings = (*(_finding(searched, whole, key) for key in named), *switching)
-        nameless = (*(withheld(search, searched.whole, key, doubt) for key, doubt in doubtful.items()), *odd)
-        after = without_unnamed(searched.early, searched.after, doubts(searched.early, searched.after))
+        nameless = (*(withheld(search, searched.whole_fit, key, doubt) for key, doubt in rejected.items()), *odd)
+        after = without_unnamed(
+            searched.held_in_search, searched.held_in_fit, doubts(searched.held_in_search, searched.held_in_fit)
+        )
         bands = (*searched.bands, *sweeps)
         switches = searched.switching.effect if switching else None
         slope = power_law_finding(search, final)
-        return AxisResult(searched.before, after.bare(), final.bare(), findings, nameless, bands, switches, slope)
+        return AxisResult(searched.start_fit, after.bare(), final.bare(), findings, nameless, bands, switches, slope)
 
 
-def without_unnamed(search: Search, found: AxisFit, doubtful: Mapping[Key, Doubt]) -> AxisFit:
-    """Return the fit without what is in doubt; if that is slow noise, with noise of the slope that it has.
+def without_unnamed(search: Search, found: AxisFit, rejected: Mapping[Key, Doubt]) -> AxisFit:
+    """Refit without the effects whose names are rejected; slow noise among them is replaced by a power law.
 
-    Only where nothing but slow noise is in doubt, and nothing but its spectrum: what is no noise has no place there,
-    nor has a slope as steep as that of a trend. Outliers in doubt are samples again.
+    It is replaced only where nothing but slow noise, and nothing but its spectrum, is rejected, and where the power law
+    is not as steep as a trend. Samples that were replaced as outliers are put back if the name is rejected.
     """
-    if any(key.part == "outliers" for key in doubtful):
+    if any(key.part == "outliers" for key in rejected):
         raw = replace(found, sequence=search.raw[found.description.outliers])
-        return without(raw, list(doubtful))
-    kept = without(found, list(doubtful))
-    of_noise = (coloured(at(found.description, key)) and doubt.reason in OF_NOISE for key, doubt in doubtful.items())
-    if not doubtful or not all(of_noise) or any(not one.named for one in kept.description.noise.effects):
+        return without(raw, list(rejected))
+    kept = without(found, list(rejected))
+    of_noise = (coloured(at(found.description, key)) and doubt.reason in OF_NOISE for key, doubt in rejected.items())
+    if not rejected or not all(of_noise) or any(not one.named for one in kept.description.noise.effects):
         return kept
     carried = beside_power_law(search.afresh(), kept)
     gain = carried.log_likelihood - kept.log_likelihood
@@ -294,7 +315,7 @@ def without_unnamed(search: Search, found: AxisFit, doubtful: Mapping[Key, Doubt
 
 
 def power_law_finding(search: Search, found: AxisFit) -> Finding | None:
-    """Return the power law that a fit has more than the start model, with its intervals."""
+    """Return the added power law of a fit with its intervals, or None."""
     laws = search.added(found.description, lambda effect: not effect.named)
     if not laws:
         return None
@@ -302,19 +323,23 @@ def power_law_finding(search: Search, found: AxisFit) -> Finding | None:
     return Finding({found.sequence.conditions.axis: law}, intervals(found, found, laws[0]), CERTAIN)
 
 
-def _of_samples(
-    searched: AxisSearch, doubtful: Mapping[Key, Doubt]
+def _telegraph_finding(
+    searched: AxisSearch, rejected: Mapping[Key, Doubt]
 ) -> tuple[tuple[Finding, ...], tuple[Withheld, ...]]:
-    """Return the telegraph noise that only the samples tell, if there is one, as a finding or as withheld.
+    """Return the removed telegraph noise as a finding or as withheld, if there is any.
 
-    They tell it where what is left is noise, of whatever slope.
+    It is named where the rest is noise of any slope.
     """
     if searched.switching is None:
         return (), ()
-    effect, log_p, conditions = searched.switching.effect, searched.switching.log_p, searched.whole.sequence.conditions
+    effect, log_p, conditions = (
+        searched.switching.effect,
+        searched.switching.log_p,
+        searched.whole_fit.sequence.conditions,
+    )
     axis = conditions.axis
-    odd = [one.reason for key, one in doubtful.items() if key.part == "noise" and one.reason not in OF_SLOPE]
-    if len(searched.late.added(searched.whole.description, stepping)) >= VALUES:
+    odd = [one.reason for key, one in rejected.items() if key.part == "noise" and one.reason not in OF_SLOPE]
+    if len(searched.whole_search.added(searched.whole_fit.description, stepping)) >= VALUES:
         odd.append("it has more than two values")
     if odd:
         ends = map(float, conditions.time[[0, -1]])
@@ -328,8 +353,8 @@ def _of_samples(
 
 
 def _finding(searched: AxisSearch, found: AxisFit, key: Key) -> Finding:
-    """Return one effect with its intervals, its gain on held-out data, and what cannot be told from it."""
-    search, axis = searched.late, found.sequence.conditions.axis
+    """Return one effect with its intervals, its gain on held-out data, and the alternatives that fit as well."""
+    search, axis = searched.whole_search, found.sequence.conditions.axis
     effect = at(found.description, key)
     own, without = search.weighed(found, key)
     near = found.log_likelihood + search.log_alpha / 2
@@ -340,7 +365,7 @@ def _finding(searched: AxisSearch, found: AxisFit, key: Key) -> Finding:
             gain = rival.fit.log_likelihood - found.log_likelihood
             alternatives[rival.name] = max(gain, alternatives.get(rival.name, -np.inf))
     if effect.two_valued:
-        alternatives.pop("gauss_markov", None)
+        alternatives.pop(effect.equivalent.name, None)
         verdict, units = compare(found, (effect,)), effect.units(axis_unit(axis))
         parameters = {
             name: Interval(value, *ends, units[name])
@@ -348,7 +373,7 @@ def _finding(searched: AxisSearch, found: AxisFit, key: Key) -> Finding:
         }
         gain = verdict.gain
     elif key.part == "outliers":
-        parameters, gain = _of_outliers(search, found), search.tails[effect].gain
+        parameters, gain = _outlier_parameters(search, found), search.tails[effect].gain
     else:
         parameters = intervals(found, without, key)
         gain = _gain(searched, effect, found, without)
@@ -356,33 +381,37 @@ def _finding(searched: AxisSearch, found: AxisFit, key: Key) -> Finding:
 
 
 def _gain(searched: AxisSearch, effect: Effect, found: AxisFit, without: AxisFit) -> float:
-    """Return the gain of log-density of the held-out part by an effect, by fits to the held-in part.
+    """Return the gain of log-density of the held-out part by an effect.
 
-    Where that does not show it, by those to the whole log, ``found`` and ``without``.
+    It is that of fits to the held-in part, or, where that part does not show the effect, to the whole log (``found``,
+    ``without``).
     """
-    added = [(key, at(searched.after.description, key)) for key in searched.early.added(searched.after.description)]
-    same = [(_apart(one, effect), key) for key, one in added if type(one) is type(effect)]
+    added = [
+        (key, at(searched.held_in_fit.description, key))
+        for key in searched.held_in_search.added(searched.held_in_fit.description)
+    ]
+    same = [(_relative_difference(one, effect), key) for key, one in added if type(one) is type(effect)]
     if same:
         key = min(same, key=lambda one: one[0])[1]
-        found, without = searched.after, searched.early.weighed(searched.after, key)[1]
+        found, without = searched.held_in_fit, searched.held_in_search.weighed(searched.held_in_fit, key)[1]
     return log_score(searched.held_out, found.description) - log_score(searched.held_out, without.description)
 
 
-def _apart(one: Effect, other: Effect) -> float:
-    """Return how far the parameters of two effects of a kind are apart, each relative to its size."""
+def _relative_difference(one: Effect, other: Effect) -> float:
+    """Return the sum of the relative differences of the parameters of two effects of a kind."""
     pairs = zip(one.parameters().values(), other.parameters().values(), strict=True)
     return sum(abs(a - b) / (abs(a) + abs(b) or 1.0) for a, b in pairs)
 
 
-def noise_of(found: AxisFit) -> tuple[Finding, ...]:
-    """Return the white noise of an axis whose start model has no noise at all as a finding, where there is some."""
+def white_noise_finding(found: AxisFit) -> tuple[Finding, ...]:
+    """Return the white noise of an axis as a finding, where its interval excludes zero."""
     axis, effect = found.sequence.conditions.axis, found.description.noise.effects[0]
     parameters = intervals(found, found, Key("noise", 0))
     seen = parameters["density"].low > 0
     return (Finding({axis: effect}, parameters, CERTAIN),) if seen else ()
 
 
-def _of_outliers(search: Search, found: AxisFit) -> dict[str, Interval]:
+def _outlier_parameters(search: Search, found: AxisFit) -> dict[str, Interval]:
     effect = found.description.outliers
     tails = search.tails[effect]
     share, excess = tails.intervals
@@ -395,5 +424,5 @@ def _of_outliers(search: Search, found: AxisFit) -> dict[str, Interval]:
 
 
 def model_of(found: AxisFit) -> AxisModel:
-    """Return the fitted description as a model of the axis, its offset as a bias."""
+    """Return the fitted description as a model of the axis, with its offset as a bias."""
     return with_offset(offset(found.sequence, found.description), found.description.effects())

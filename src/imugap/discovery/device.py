@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 
 from imugap.discovery.assembly import axis_effects, device_model, keep_undetermined, output_effects, with_effects
-from imugap.discovery.axis import AxisResult, AxisSearch, noise_of, part
+from imugap.discovery.axis import AxisResult, AxisSearch, part, white_noise_finding
 from imugap.discovery.between_runs import as_first, clocks, turn_on
 from imugap.discovery.common_noise import shared
 from imugap.discovery.evaluation.distance import Distances, Drifts
@@ -161,12 +161,12 @@ class _Named(_Searched):
     @property
     def before(self) -> dict[str, AxisFit]:
         """Fit of the start model to the held-in part of each axis."""
-        return {axis: result.before for axis, result in self.results.items()}
+        return {axis: result.start_fit for axis, result in self.results.items()}
 
     @property
     def whole(self) -> dict[str, AxisFit]:
         """Fit of the named effects to the whole log of each axis."""
-        return {axis: result.whole for axis, result in self.results.items()}
+        return {axis: result.whole_fit for axis, result in self.results.items()}
 
     @property
     def outputs(self) -> dict[str, tuple[Effect, ...]]:
@@ -319,7 +319,7 @@ def _test_final_model(stage: _Assembled) -> _Tested:
     question, results = stage.question, stage.results
     stage.steps.begin("gaps that remain")
     found = {axis: _with_found_outputs(stage, axis) for axis in results}
-    changed = {axis for axis, result in results.items() if result.seen or found[axis] != stage.outputs[axis]}
+    changed = {axis for axis, result in results.items() if result.changed or found[axis] != stage.outputs[axis]}
     with each_in_processes(question.workers) as each:
         views = view_tests(stage.whole, question.seed + 1, question.replicates, found, changed, each)
     views += [one for one in stage.views if not changed & one.axes]
@@ -353,7 +353,7 @@ def _conclude(stage: _Measured) -> Discovery:
         findings=stage.findings,
         unexplained=(*stage.record.unusable, *stage.gaps_after, *nameless_places(results, stage.gaps_after, alpha)),
         withheld=tuple((axis, *one) for axis, result in results.items() for one in result.unnamed()),
-        described=tuple(one.of_any_slope for one in results.values() if one.of_any_slope is not None),
+        described=tuple(one.power_law for one in results.values() if one.power_law is not None),
         undetermined=tuple((axis, one.name) for axis, some in kept.items() for one in some if axis in results),
         distances=stage.apart,
         drifts=stage.drifts,
@@ -431,7 +431,7 @@ def _news(findings: Iterable[Finding], known: ErrorModel) -> tuple[Finding, ...]
 def _noise_findings(wholes: Mapping[str, AxisFit], start: ErrorModel | None) -> tuple[Finding, ...]:
     """Return the white noise of the axes for which a start model has no noise at all."""
     silent = [axis for axis in wholes if start is not None and not any(map(noisy, axis_effects(start, axis)))]
-    return tuple(finding for axis in silent for finding in noise_of(wholes[axis]))
+    return tuple(finding for axis in silent for finding in white_noise_finding(wholes[axis]))
 
 
 def _pairs(axes: Sequence[str]) -> list[tuple[str, str]]:

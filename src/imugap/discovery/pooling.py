@@ -25,9 +25,9 @@ def search_each(arguments: Sequence[tuple], axes: Iterable[str], workers: int, s
 def agree_on_noise(searches: dict[str, AxisSearch]) -> dict[str, AxisSearch]:
     """Give the axes of a sensor one kind of slow noise where their samples do not contradict it."""
     with threadpool_limits(1):
-        after = agreed(_each(searches, "after"), _each(searches, "early"))
-        whole = agreed(_each(searches, "whole"), _each(searches, "late"))
-    return {axis: replace(one, after=after[axis], whole=whole[axis]) for axis, one in searches.items()}
+        held_in = agreed(_each(searches, "held_in_fit"), _each(searches, "held_in_search"))
+        whole = agreed(_each(searches, "whole_fit"), _each(searches, "whole_search"))
+    return {axis: replace(one, held_in_fit=held_in[axis], whole_fit=whole[axis]) for axis, one in searches.items()}
 
 
 def name_pooled(
@@ -67,15 +67,19 @@ def _pool(
     searches: dict[str, AxisSearch], apart: Collection[type[Effect]]
 ) -> tuple[dict[str, AxisSearch], tuple[Joint, ...]]:
     """Return the searches with the effects of one value held, and these effects."""
-    early = joined(_each(searches, "after"), _each(searches, "early"), apart)
-    late = joined(_each(searches, "whole"), _each(searches, "late"), apart)
+    held_in = joined(_each(searches, "held_in_fit"), _each(searches, "held_in_search"), apart)
+    whole = joined(_each(searches, "whole_fit"), _each(searches, "whole_search"), apart)
     held = {
         axis: replace(
-            one, after=early.fits[axis], early=early.searches[axis], whole=late.fits[axis], late=late.searches[axis]
+            one,
+            held_in_fit=held_in.fits[axis],
+            held_in_search=held_in.searches[axis],
+            whole_fit=whole.fits[axis],
+            whole_search=whole.searches[axis],
         )
         for axis, one in searches.items()
     }
-    return held, late.joints
+    return held, whole.joints
 
 
 def _each(searches: dict[str, AxisSearch], name: str) -> dict:

@@ -199,11 +199,11 @@ def test_noise_of_a_slope_without_a_name_is_in_the_model_as_what_it_is(exponent)
     found = story_of(sequence(PowerLaw(4e-3, exponent), label=exponent))
     assert found.withheld
     assert not found.findings
-    ends = found.of_any_slope.parameters["exponent"]
+    ends = found.power_law.parameters["exponent"]
     assert ends.low < exponent < ends.high
-    for one in (found.after, found.whole):
+    for one in (found.held_in_fit, found.whole_fit):
         assert [effect.name for effect in one.description.effects()] == ["white_noise", "power_law"]
-    assert found.settled
+    assert found.same_names
 
 
 @pytest.mark.slow
@@ -232,8 +232,8 @@ def test_noise_that_is_rather_a_trend_is_not_in_the_model_as_noise():
 def test_slow_noise_in_doubt_is_no_line_that_sweeps(monkeypatch):
     data = sequence(RandomWalk(3e-5), count=300_000, label="w0")
     searched = search_axis(data, (), (RandomWalk,), LOG_ALPHA, 240_000)
-    walk = searched.late.added(searched.whole.description)
-    assert swept(without(searched.whole, walk), LOG_ALPHA) != ()
+    walk = searched.whole_search.added(searched.whole_fit.description)
+    assert swept(without(searched.whole_fit, walk), LOG_ALPHA) != ()
     monkeypatch.setattr("imugap.discovery.axis.doubts", lambda search, found: dict.fromkeys(walk, Doubt(LAW, -20.0)))
     result = conclude(searched)
     assert [one.name for one in result.withheld] == ["random_walk"]

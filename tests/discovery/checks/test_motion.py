@@ -174,7 +174,7 @@ def test_what_has_no_name_is_not_searched_through_again_in_the_whole_log():
     ideal = turning()
     rate = ideal["gyro_x"].to_numpy()
     found = searched("gyro_x", ideal, added=np.where(np.abs(rate) < 0.1 * rate.std(), -rate, 0.0))
-    early, whole = ([type(one) for one in part.description.effects()] for part in (found.after, found.whole))
+    early, whole = ([type(one) for one in part.description.effects()] for part in (found.held_in_fit, found.whole_fit))
     assert whole == early != [WhiteNoise]
     told_of = conclude(found)
     assert not told_of.findings

@@ -40,7 +40,7 @@ def test_a_line_that_drifts_is_a_place_without_a_name():
     moving = AxisSequence(data.values + chirp, data.conditions, data.flawed)
     result = conclude(search_axis(moving, (), tuple(CATALOGUE.values()), LOG_ALPHA, 9600))
     assert names(result) == []
-    places = [gap for gap in find_gaps({"gyro_x": result.whole}, 0.01, 0, 39) if gap.view == "spectrum"]
+    places = [gap for gap in find_gaps({"gyro_x": result.whole_fit}, 0.01, 0, 39) if gap.view == "spectrum"]
     assert any(gap.low < 2.5 and gap.high > 0.5 for gap in places)
 
 

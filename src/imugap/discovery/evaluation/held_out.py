@@ -40,8 +40,8 @@ def compare_held_out(
 
     Where an effect is found in the last part only, the parameters of its axis come from the whole log.
     """
-    fits = {axis: result.after if result.settled else result.whole for axis, result in results.items()}
-    before = UncertainModel.of(_in_run(start), {axis: result.before for axis, result in results.items()})
+    fits = {axis: result.held_in_fit if result.same_names else result.whole_fit for axis, result in results.items()}
+    before = UncertainModel.of(_in_run(start), {axis: result.start_fit for axis, result in results.items()})
     return _compared(record, HELD_IN, before, UncertainModel.of(_in_run(model(fits)), fits))
 
 
@@ -51,7 +51,7 @@ def compare_test_run(
     """Compare a further run with the models of the first one, without events of the first run alone."""
     record = prepare(test[[name for name in test if name in results or name == TEMPERATURE]], seed=seed)
     befores, afters = (
-        {axis: getattr(result, name) for axis, result in results.items()} for name in ("before", "whole")
+        {axis: getattr(result, name) for axis, result in results.items()} for name in ("start_fit", "whole_fit")
     )
     before = UncertainModel.of(_in_another(start, befores, record.sequences), befores)
     after = UncertainModel.of(_in_another(final, afters, record.sequences), afters)
