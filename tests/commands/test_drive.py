@@ -87,9 +87,9 @@ def summary(folder):
     ("samples", "fixes", "config", "limit"),
     [
         ("imu.csv", "gnss.csv", ("--config", "own.yaml"), 3.0),
-        ("turned.parquet", "gnss.csv", ("--config", "turned.yaml"), 3.0),
-        ("imu.csv", "gnss.csv", (), 6.0),
-        ("imu.csv", "places.parquet", ("--config", "own.yaml"), 6.0),
+        pytest.param("turned.parquet", "gnss.csv", ("--config", "turned.yaml"), 3.0, marks=pytest.mark.slow),
+        pytest.param("imu.csv", "gnss.csv", (), 6.0, marks=pytest.mark.slow),
+        pytest.param("imu.csv", "places.parquet", ("--config", "own.yaml"), 6.0, marks=pytest.mark.slow),
     ],
 )
 def test_the_folder_is_whole_and_says_where_the_vehicle_was(here, recipe, capsys, samples, fixes, config, limit):
@@ -209,6 +209,7 @@ values = st.recursive(
 keys = st.sampled_from(["quality", "epoch_s", "start", "model", "mounting", "lever_arm", "other"])
 
 
+@pytest.mark.slow
 @given(st.dictionaries(keys, values | st.dictionaries(st.sampled_from(["robust", "x_m", "std_m", "y"]), values)))
 def test_any_configuration_is_a_setting_or_one_message(tmp_path_factory, content):
     path = tmp_path_factory.mktemp("any") / "drive.yaml"

@@ -55,7 +55,7 @@ def summary(folder):
     return json.loads((Path(folder) / "summary.json").read_text(), parse_constant=refuse)
 
 
-@pytest.mark.parametrize("model", [(), ("--model", "device.yaml")])
+@pytest.mark.parametrize("model", [(), pytest.param(("--model", "device.yaml"), marks=pytest.mark.slow)])
 def test_the_folder_is_whole_and_says_how_far_the_walk_went_and_where_it_ended(here, recipe, capsys, model):
     assert cli.main(["walk", "walk.csv", *model, "--gravity", str(recipe.site.gravity), "--out", "found"]) == 0
     assert {path.name for path in Path("found").iterdir()} == set(FILES)
@@ -98,6 +98,7 @@ def test_outdoors_nothing_is_taken_for_level(here, recipe):
     assert stds[0] < 0.5 * stds[1]
 
 
+@pytest.mark.slow
 def test_near_the_full_scale_samples_are_doubted(here, recipe):
     stds = []
     for option in ([], ["--full-scale", "1.5"], ["--full-scale", "1000"]):
@@ -109,6 +110,7 @@ def test_near_the_full_scale_samples_are_doubted(here, recipe):
         cli.main(["walk", "walk.csv", "--full-scale", "0", "--out", "none"])
 
 
+@pytest.mark.slow
 def test_rows_that_come_twice_are_left_out(here, recipe):
     record = pd.read_csv("walk.csv")
     twice = record.loc[np.repeat(record.index, np.where(record.index % 500 == 7, 2, 1))]

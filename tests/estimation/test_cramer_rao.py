@@ -30,6 +30,7 @@ def test_information_is_the_trace_formula_of_the_dense_covariance(model, ramp):
     np.testing.assert_allclose(information, expected, atol=1e-6 * np.abs(expected).max())
 
 
+@pytest.mark.slow
 def test_information_is_the_covariance_of_the_gradient():
     model, runs = MODELS["white and gauss-markov"] + RandomWalk(0.1), 2000
     composition, theta = parameters(model)

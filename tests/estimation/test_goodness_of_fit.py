@@ -14,6 +14,7 @@ def simulate(*labels, of=MODEL):
     return of.simulate(np.zeros(COUNT), Conditions(np.arange(COUNT) * INTERVAL, INTERVAL), 41, *labels)
 
 
+@pytest.mark.slow
 def test_a_right_model_fits_as_often_as_the_level_says():
     """With the true parameters; the family-wise bound errs on the safe side by a little."""
     runs = 120

@@ -50,6 +50,7 @@ def test_bias_is_the_mean_error_against_the_ideal_reading():
     assert bias["low"] < bias["value"] < bias["high"]
 
 
+@pytest.mark.slow
 def test_interval_of_the_bias_covers_it():
     rows = [found(simulated(1000, WhiteNoise(1.0), label=run), "bias").loc["bias"] for run in range(400)]
     assert covered([row["low"] <= 0 <= row["high"] for row in rows])
@@ -60,6 +61,7 @@ def test_stability_of_a_square_wave_over_whole_periods_is_its_amplitude_with_one
     assert found(wave, "stability").loc["stability", "value"] == pytest.approx(np.sqrt(40 / 39), rel=1e-12)
 
 
+@pytest.mark.slow
 def test_interval_of_the_stability_covers_it_for_white_noise():
     rows = [
         found(simulated(20_000, WhiteNoise(1.0), label=run), "stability").loc["stability"] for run in range(400)

@@ -42,6 +42,7 @@ def test_clear_effects_are_named_and_no_other(case):
     assert not any(Counter(other) >= Counter(found.kinds) for other in found.alternatives)
 
 
+@pytest.mark.slow
 def test_walk_and_slow_gauss_markov_process_are_not_told_apart():
     """A correlation time ten times the log leaves nothing to tell it from a walk."""
     of = WhiteNoise(5e-3) + GaussMarkov(0.1, 10 * COUNT * INTERVAL)
@@ -68,6 +69,7 @@ def test_a_part_is_never_likelier_than_the_whole():
         assert found[part] < found[whole] + 1e-2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", ["white", "ramp"])
 def test_unit_constant_sign_and_direction_of_time_do_not_matter(case):
     sequence = simulate(CLEAR[case], COUNT, case)

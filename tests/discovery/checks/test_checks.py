@@ -387,6 +387,7 @@ def test_a_filter_is_surer_than_what_it_leaves():
     assert reasons(sequence(OutputFilter(5.0, 1)), OutputFilter) == set()
 
 
+@pytest.mark.slow
 def test_outliers_at_any_time_are_as_even_and_as_irregular_as_chance_makes_them():
     rng, found = stream(5, "even"), []
     for _ in range(200):

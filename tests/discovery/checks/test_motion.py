@@ -211,6 +211,7 @@ def test_what_comes_at_times_of_its_own_keeps_its_name_in_motion(effect):
     assert not found.withheld
 
 
+@pytest.mark.slow
 def test_samples_by_chance_are_seldom_taken_to_come_with_the_motion():
     ideal = turning()
     fitted = SimpleNamespace(sequence=SimpleNamespace(conditions=conditions_of("gyro_y", ideal)))

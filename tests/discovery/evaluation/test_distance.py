@@ -69,6 +69,7 @@ def test_an_effect_that_is_not_there_does_no_good():
     assert found.after.value > found.floor.high
 
 
+@pytest.mark.slow
 def test_navigation_sees_what_drifts():
     measured = model(RandomWalk(1e-3)).simulate(rest(), 2)
     found = combined([HeldOutComparison(measured, 40.0, model(), model(RandomWalk(1e-3))).drifts(seed=1).distances()])

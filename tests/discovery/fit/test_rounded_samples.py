@@ -62,6 +62,7 @@ def test_what_is_drawn_from_the_cells_is_normal(step, walk):
     assert min(chances) > 1e-3 / 8
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("walk", [0.0, 0.01])
 def test_rounding_to_a_coarse_lattice_makes_no_change_of_variance(walk):
     """As residuals of the rounded values some of these logs have one for certain, by chance e-10 and less."""
@@ -86,6 +87,7 @@ def test_a_change_of_variance_on_a_coarse_lattice_is_found(step):
     assert start.effect.stop == pytest.approx(220.0, abs=10.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("step", STEPS)
 def test_tails_on_a_coarse_lattice_are_those_ahead_of_it(step):
     held = 0

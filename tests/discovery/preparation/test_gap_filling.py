@@ -35,6 +35,7 @@ def gaps(count=COUNT, seed=2):
     return flawed
 
 
+@pytest.mark.slow
 def test_a_gap_of_a_walk_is_a_bridge_and_its_ends_are_walks():
     """Brownian bridge from 1 to 3 in 6 steps, variance k (6 - k) / 6; before and after it, the variance of a walk."""
     values = np.r_[np.zeros(3), 1.0, np.zeros(5), 3.0, np.zeros(2)]
@@ -62,6 +63,7 @@ def test_what_is_drawn_does_not_stand_out(kind):
     assert np.abs(news[near]).max() < 5
 
 
+@pytest.mark.slow
 def test_scattered_samples_have_the_law_that_all_others_leave_them():
     """Every third sample of an autoregression of order 3, to its middle, where none tells the others, too."""
     whitening, count = np.array([0.3, -0.2, -0.5, 1.0]), 31

@@ -127,6 +127,7 @@ def parameters_of(record, axis):
     return next(found.effects[axis] for found in record.findings if axis in found.effects)
 
 
+@pytest.mark.slow
 def test_nothing_is_named_where_nothing_is_hidden():
     assert check_silence(range(120)) > 20  # lattices are there to be named
 

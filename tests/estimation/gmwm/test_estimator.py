@@ -129,6 +129,7 @@ def test_a_ramp_is_told_from_a_walk():
     assert wide["low"] < 1e-4 < wide["high"]
 
 
+@pytest.mark.slow
 def test_process_that_is_not_there_has_density_zero_and_an_upper_bound():
     bounded = 0
     for run in range(12):
@@ -204,6 +205,7 @@ def test_two_gauss_markov_processes_are_told_apart_and_ordered():
         assert abs(rows.loc["correlation_time", "value"] / time - 1) < 4 * rows.loc["correlation_time", "error"]
 
 
+@pytest.mark.slow
 def test_full_weights_come_close_to_maximum_likelihood():
     of = model(20.0, walk=False)
     least, apart = bound(of, INTERVAL, COUNT), []
@@ -215,6 +217,7 @@ def test_full_weights_come_close_to_maximum_likelihood():
     assert np.mean(np.square(apart)) < 0.25
 
 
+@pytest.mark.slow
 def test_robust_wavelet_variances_withstand_outliers():
     of = model(20.0, walk=False)
     sequence, rng = simulate(of, 20_000, "outliers"), stream(23, "outliers")
@@ -229,6 +232,7 @@ def test_robust_wavelet_variances_withstand_outliers():
     )
 
 
+@pytest.mark.slow
 def test_simulated_wavelet_variances_lead_to_nearly_the_same_estimate():
     of = model(20.0, walk=False)
     sequence = simulate(of, 20_000, "simulated")
