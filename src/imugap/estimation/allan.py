@@ -51,7 +51,10 @@ def variance(sequence: np.ndarray, averaging: np.ndarray) -> np.ndarray:
         Averaging factors, shape (m,), each at most n/2.
     """
     angle = _angle(sequence)
-    return np.array([_second_differences(angle, n) for n in averaging])
+    return np.array([
+        sum_second_differences(angle[2 * n :], angle[n:-n], angle[: -2 * n]) / (2.0 * n * n * (len(angle) - 2 * n))
+        for n in averaging
+    ])  # fmt: skip
 
 
 def _angle(sequence: np.ndarray) -> np.ndarray:
@@ -62,13 +65,13 @@ def _angle(sequence: np.ndarray) -> np.ndarray:
 
 
 @njit(cache=True, fastmath=True)
-def _second_differences(angle, n):
-    late, middle, early = angle[2 * n :], angle[n:-n], angle[: -2 * n]  # slices let the compiler vectorise
+def sum_second_differences(late, middle, early):
+    """Return the sum of the squared second differences of three arrays; slices let the compiler vectorise."""
     total = 0.0
-    for k in range(len(early)):
+    for k in range(len(late)):
         difference = late[k] - 2 * middle[k] + early[k]
         total += difference * difference
-    return total / (2.0 * n * n * len(early))
+    return total
 
 
 def curve(sequence: np.ndarray, interval: float, level: float = 0.95) -> pd.DataFrame:
@@ -98,7 +101,7 @@ def curve(sequence: np.ndarray, interval: float, level: float = 0.95) -> pd.Data
         edf = _degrees_of_sum(sequence, averaging, deviation, error)
     else:
         edf = _degrees(known, averaging, len(sequence))
-    low, high = (deviation * np.sqrt(edf / chdtri(edf, 1 - p)) for p in ((1 + level) / 2, (1 - level) / 2))
+    low, high = deviation_limits(deviation, edf, level)
     columns = {
         "deviation": deviation,
         "low": low,
@@ -108,6 +111,12 @@ def curve(sequence: np.ndarray, interval: float, level: float = 0.95) -> pd.Data
         "edf": edf,
     }
     return pd.DataFrame(columns, index=pd.Index(averaging * interval, name="tau"))
+
+
+def deviation_limits(deviation: np.ndarray, freedom: np.ndarray, level: float = 0.95) -> tuple:
+    """Return the chi-square limits of deviations with given degrees of freedom, of the same shape."""
+    low, high = (deviation * np.sqrt(freedom / chdtri(freedom, 1 - p)) for p in ((1 + level) / 2, (1 - level) / 2))
+    return low, high
 
 
 def local_slope(tau: np.ndarray, deviation: np.ndarray) -> np.ndarray:
@@ -236,8 +245,8 @@ def tangent(asd: pd.DataFrame, law: Law, level: float = 0.95) -> Tangent:
         touch = int(np.argmin(known["high"] / unit))
         value, limit = (float(known[column].iloc[touch] / unit[touch]) for column in ("deviation", "high"))
         return Tangent(value, 0.0, limit, known.index[touch], known.index[touch], False)
-    low, high = (_limit(value, edf, p) for p in ((1 + level) / 2, (1 - level) / 2))
-    return Tangent(value, low, high, asd.index[region][0], asd.index[region][-1], True)
+    low, high = deviation_limits(value, edf, level)
+    return Tangent(value, float(low), float(high), asd.index[region][0], asd.index[region][-1], True)
 
 
 def _present(asd: pd.DataFrame) -> list[Law]:
@@ -302,7 +311,3 @@ def _longest(tau: np.ndarray, holds: np.ndarray) -> slice | None:
     span = {run.start: np.log10(tau[run.stop - 1] / tau[run.start]) for run in runs}
     best = max(runs, key=lambda run: span[run.start], default=None)
     return best if best and span[best.start] >= REGION_DECADES else None
-
-
-def _limit(value: float, edf: float, probability: float) -> float:
-    return float(value * np.sqrt(edf / chdtri(edf, 1 - probability)))

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
-from scipy.special import chdtri, stdtrit
+from scipy.special import stdtrit
 
 from imugap import log
 from imugap.estimation import allan
@@ -111,7 +111,7 @@ def repeatability(biases: np.ndarray, level: float = LEVEL) -> tuple[float, floa
     """Return the standard deviation of the runs' biases (eq. 9) and its chi-square interval."""
     freedom = len(biases) - 1
     value = biases.std(ddof=1)
-    low, high = (value * np.sqrt(freedom / chdtri(freedom, 1 - p)) for p in ((1 + level) / 2, (1 - level) / 2))
+    low, high = allan.deviation_limits(value, freedom, level)
     return float(value), float(low), float(high)
 
 

@@ -21,6 +21,7 @@ from scipy.special import chdtri, stdtr
 from imugap.effects import RateRamp
 from imugap.effects.effect import AxisModel, StochasticEffect
 from imugap.estimation import modwt_transfer
+from imugap.estimation.allan import sum_second_differences
 from imugap.numerics.daubechies import check, depth, filters, free, length
 
 EFFICIENCY = 0.6
@@ -273,19 +274,10 @@ def _haar(sequence, levels):
             n = 1 << level
             first = max(start, 2 * n)
             if first < stop:
-                total[level] += _second_differences(angle[first:stop], angle[first - n :], angle[first - 2 * n :])
+                total[level] += sum_second_differences(angle[first:stop], angle[first - n :], angle[first - 2 * n :])
     for level in range(levels):
         n = 1 << level
         total[level] /= 4.0 * n * n * (len(angle) - 2 * n)
-    return total
-
-
-@njit(cache=True, fastmath=True)
-def _second_differences(late, middle, early):
-    total = 0.0
-    for k in range(len(late)):
-        difference = late[k] - 2 * middle[k] + early[k]
-        total += difference * difference
     return total
 
 
