@@ -148,7 +148,7 @@ def test_detection_counts_places_as_found_and_only_names_as_named():
     table = blind.detection(scored(*cases).effects).set_index(["name", "score"])
     assert table.loc[("sinusoid", "detected"), ["count", "rate"]].tolist() == [4, 0.5]
     assert table.loc[("sinusoid", "named"), ["count", "rate"]].tolist() == [4, 0.25]
-    assert table.loc[(blind.EVERY, "detected"), ["count", "rate"]].tolist() == [5, 0.4]
+    assert table.loc[(blind.ALL, "detected"), ["count", "rate"]].tolist() == [5, 0.4]
 
 
 def test_false_alarms_are_names_or_places_where_nothing_is():
@@ -224,12 +224,12 @@ def test_wrong_answers_are_those_of_clear_effects_and_of_nothing():
         (key("i", effects=[hidden("sinusoid")]), report(found("sinusoid", ["gyro_z"]))),
     ]
     scores = scored(*cases)
-    rows = blind.misses(scores, smallest=10)
+    rows = blind.wrong_answers(scores, smallest=10)
     assert list(zip(rows["case"], rows["name"], rows["answer"], strict=True)) == [
         ("b", "sinusoid", "rate_ramp"), ("d", "outliers", blind.NONE), ("e", blind.UNKNOWN, "sinusoid"),
         ("f", blind.NONE, blind.UNKNOWN), ("h", "sinusoid", blind.MORE), ("i", "sinusoid", "sinusoid"),
     ]  # fmt: skip
-    more = blind.superfluous(scores, smallest=10).set_index("group")
+    more = blind.superfluous_names(scores, smallest=10).set_index("group")
     assert more.loc["single", ["count", "rate"]].tolist() == [3, 1 / 3]
     assert more.loc["pair", "count"] == 0
     assert more.loc["every", ["count", "rate"]].tolist() == [9, 3 / 9]
@@ -242,8 +242,8 @@ def test_the_gap_is_closed_below_the_upper_end_of_the_floor():
         (key("b", effects=[hidden("sinusoid")]), report(found("sinusoid"), distance=far)),
         (key("c", effects=[hidden("sinusoid", size=1)]), report(distance=far)),
     ]
-    table = blind.closed(scored(*cases), smallest=10).set_index(["distance", "scope"])
-    for scope in (blind.EVERY, blind.BEYOND):
+    table = blind.floor_reached(scored(*cases), smallest=10).set_index(["distance", "scope"])
+    for scope in (blind.ALL, blind.BEYOND):
         assert table.loc[("distance", scope), ["count", "rate"]].tolist() == [2, 0.5]
         assert table.loc[("distance", scope), "before"] == 9.0
         assert table.loc[("navigation_distance", scope), "count"] == 0
@@ -266,7 +266,7 @@ def test_p_values_are_counted_up_to_each_level_by_view_and_over_all():
     table = blind.calibration(p_values).set_index(["view", "level"])["rate"]
     assert table["line"].tolist() == [0.5, 0.75, 0.75]
     assert table["mean"].tolist() == [0, 0, 1]
-    assert table[blind.EVERY].tolist() == [0.4, 0.6, 0.8]
+    assert table[blind.ALL].tolist() == [0.4, 0.6, 0.8]
 
 
 def test_uniform_p_values_are_covered_at_every_level():
@@ -326,7 +326,7 @@ def test_the_stochastic_subset_is_counted_by_name_and_by_whether_another_program
         (key("e", effects=[hidden("random_walk")], motion=True), report()),
         (key("f", effects=[hidden("temperature")]), report(found("temperature"))),
     ]
-    table = blind.beside(scored(*cases).effects, {"random_walk": "RW"}, smallest=10).set_index("name")
+    table = blind.stochastic_names(scored(*cases).effects, {"random_walk": "RW"}, smallest=10).set_index("name")
     assert table["count"].to_dict() == dict.fromkeys(blind.STOCHASTIC, 0) | {
         "random_walk": 2, "sinusoid": 1, "all that it has": 2, "all that it has not": 1,
     }  # fmt: skip

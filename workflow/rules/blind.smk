@@ -13,7 +13,7 @@ localrules:
 
 
 rule blind_seal:
-    """Draw the cases of the blind benchmark: logs with something hidden in them, and the keys in a folder of their own."""
+    """Generate the cases of the blind benchmark: logs with hidden effects, and their keys in another folder."""
     input:
         recipe="data/blind.yaml",
         schema="workflow/schemas/blind.schema.yaml",
@@ -79,7 +79,7 @@ rule blind_score:
 
 
 rule blind_page:
-    """Draw and tabulate the scores of the blind benchmark, or of its recorded run."""
+    """Plot and tabulate the scores of the blind benchmark, or of its recorded run."""
     input:
         unpack(blind_scores),
         peer="data/published/gmwm_choice.csv",

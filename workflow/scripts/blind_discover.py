@@ -11,7 +11,7 @@ from imugap.workflow.job_log import journal
 
 
 def main(case, question, out):
-    """Discover on the logs of the folder ``case``, with its reference and its start model where it has them."""
+    """Run discovery on the logs of the folder ``case``, with its reference and start model, if any."""
     begin = perf_counter()
     logs = tuple(sorted(path for path in case.glob("*.parquet") if path.stem != "reference"))
     given = {"reference": case / "reference.parquet", "model": case / "model.yaml"}

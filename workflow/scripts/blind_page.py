@@ -34,9 +34,9 @@ BESIDE = {
     "every": "any case of any size: a name that is not hidden",
 }
 CLOSED = {
-    ("distance", blind.EVERY): "one effect: distribution in the floor after the search ({} before)",
+    ("distance", blind.ALL): "one effect: distribution in the floor after the search ({} before)",
     ("distance", blind.BEYOND): "those beyond it before: distribution in the floor after",
-    ("navigation_distance", blind.EVERY): "one effect, at rest: drift in the floor after the search ({} before)",
+    ("navigation_distance", blind.ALL): "one effect, at rest: drift in the floor after the search ({} before)",
     ("navigation_distance", blind.BEYOND): "those beyond it before: drift in the floor after",
 }
 
@@ -44,10 +44,10 @@ CLOSED = {
 def rates(scores, clear_size):
     """Return all rates in one table: false alarms, names, truth in its interval, distance at the floor."""
     alarms, named = blind.false_alarms(scores.cases), blind.naming(scores.effects, clear_size)
-    covered, closed = blind.coverage(scores.parameters), blind.closed(scores, clear_size)
-    beside = blind.superfluous(scores, clear_size)
+    covered, closed = blind.coverage(scores.parameters), blind.floor_reached(scores, clear_size)
+    beside = blind.superfluous_names(scores, clear_size)
     counts = closed.set_index(["distance", "scope"])["count"].unstack()
-    before = {name: f"{row[blind.EVERY] - row[blind.BEYOND]} of {row[blind.EVERY]}" for name, row in counts.iterrows()}
+    before = {name: f"{row[blind.ALL] - row[blind.BEYOND]} of {row[blind.ALL]}" for name, row in counts.iterrows()}
     parts = [
         alarms.assign(title=alarms["alarm"].map(ALARMS)),
         named.assign(title=[NAMINGS[one.group, one.score] for one in named.itertuples(index=False)]),
@@ -159,7 +159,7 @@ def drawings(scores, rates, coverage, clear_size):
         "confusion": drawn.confusion(blind.confusion(scores.effects, clear_size)),
         "rates": drawn.rates(rates),
         "coverage": drawn.coverage(scores.parameters, coverage),
-        "distances": drawn.distances(blind.alone(scores, clear_size)),
+        "distances": drawn.distances(blind.single_cases(scores, clear_size)),
     }
 
 
@@ -173,9 +173,9 @@ def numbers(scores, beside, seconds, clear_size):
         for (group, score), one in naming[naming["count"] > 0].iterrows()
     }
     alarm = blind.false_alarms(cases).set_index("alarm").loc["name"]
-    closed = blind.closed(scores, clear_size).fillna({"rate": 0.0}).set_index(["distance", "scope"])
+    closed = blind.floor_reached(scores, clear_size).fillna({"rate": 0.0}).set_index(["distance", "scope"])
     far, drift = closed.loc[("distance", blind.BEYOND)], closed.loc["navigation_distance"].T
-    of_one = blind.alone(scores, clear_size)
+    of_one = blind.single_cases(scores, clear_size)
     beyond = of_one[of_one["distance_before"] > of_one["distance_floor_high"]]
     factors = beyond["distance_before"] / beyond["distance_after"]
     return {
@@ -191,9 +191,9 @@ def numbers(scores, beside, seconds, clear_size):
         "beyond": int(far["count"]),
         "came": round(far["count"] * far["rate"]) if far["count"] else 0,
         "drift": {
-            "cases": int(drift[blind.EVERY]["count"]),
-            "before": int(drift[blind.EVERY]["count"] - drift[blind.BEYOND]["count"]),
-            "after": round(drift[blind.EVERY]["count"] * drift[blind.EVERY]["rate"]),
+            "cases": int(drift[blind.ALL]["count"]),
+            "before": int(drift[blind.ALL]["count"] - drift[blind.BEYOND]["count"]),
+            "after": round(drift[blind.ALL]["count"] * drift[blind.ALL]["rate"]),
         },
         "shrunk": [tables.number(one, 2) for one in factors.quantile([0.5, 0.25, 0.75])],
         "median_seconds": f"{seconds.median():.0f}",
@@ -211,10 +211,10 @@ def main(source, clear_size, output):
         "rates": rates(scores, clear_size),
         "detection": blind.detection(scores.effects),
         "confusion": blind.confusion(scores.effects, clear_size).reset_index(),
-        "misses": blind.misses(scores, clear_size),
+        "misses": blind.wrong_answers(scores, clear_size),
         "coverage": blind.coverage(scores.parameters),
         "calibration": blind.calibration(p_values),
-        "beside": blind.beside(scores.effects, TERMS, clear_size),
+        "beside": blind.stochastic_names(scores.effects, TERMS, clear_size),
         "peer": pd.read_csv(source["peer"]),
     }
     shown = drawings(scores, data["rates"], data["coverage"], clear_size) | {"calibration": drawn.calibration(p_values)}

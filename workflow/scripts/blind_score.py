@@ -30,7 +30,7 @@ def main(source, output):
 
 
 def quiet_views(keys, paths):
-    """Return the p-values of the views of the cases that hide nothing, under the start model, which is right there."""
+    """Return the p-values of the views of cases without hidden effects, whose start model is right."""
     views = [
         pd.read_csv(path).assign(case=key["case"])
         for key, path in zip(keys, paths, strict=True)

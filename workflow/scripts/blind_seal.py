@@ -10,7 +10,7 @@ from imugap.workflow.job_log import journal
 
 
 def main(recipe, params, cases, keys):
-    """Plan the cases and write each: its logs below ``cases``, its key below ``keys``."""
+    """Plan the cases, seal each, and write its logs below ``cases`` and its key below ``keys``."""
     for case in plan(params.seed, params.cases, recipe["shares"], recipe):
         write(seal(case, recipe), cases, keys)
     print(f"{params.cases} cases")

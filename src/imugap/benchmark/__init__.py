@@ -1,5 +1,5 @@
-"""Count how often discovery is right, on cases whose hidden effects it does not know.
+"""Blind benchmark of discovery: cases with hidden effects, and scores of the answers.
 
-Sealing writes the cases, scores compares answers with them. May import the library, but its sealed half
-(:mod:`imugap.benchmark.sealing`) imports neither effects nor discovery: it generates the logs by code of its own.
+Module scores compares reports with keys. The sealed half (:mod:`imugap.benchmark.sealing`) generates cases and keys
+by its own code and imports neither effects, models nor discovery.
 """

@@ -1,9 +1,8 @@
-"""Scores of the blind benchmark: what discovery reported of each case against the key of the case.
+"""Score the blind benchmark: compare the report of each case with its key.
 
 A key (:mod:`imugap.benchmark.sealing`) holds ``case``, ``kind``, ``motion``, ``base``, ``rate_hz``, ``duration_s`` and
 ``effects`` (``name``, ``axes``, ``parameters``, ``size``); a report has the schema ``imugap/discovery/1``. Answers are
-names of the vocabulary, :data:`NONE` where nothing was found, and :data:`UNKNOWN` where a place was found without a
-name.
+names of the vocabulary, :data:`NONE` where nothing was found, and :data:`UNKNOWN` for a place without a name.
 """
 
 import json
@@ -17,20 +16,20 @@ from scipy.stats import binomtest
 SCHEMA = "imugap/discovery/1"
 NONE = "none"
 UNKNOWN = "unknown"
-EVERY = "all"
+ALL = "all"
 """Name of all effects together."""
 BEYOND = "beyond"
-"""Name of the cases whose start model is farther away than the floor."""
+"""Name of the cases whose start model lies beyond the floor."""
 MORE = "right, and another name"
-"""Answer of a case whose hidden names are found, beside one that is not hidden."""
+"""Answer where the hidden names are found and another name is given as well."""
 LEVEL = 0.95
 LEVELS = (0.01, 0.05, 0.5)
-"""Levels at which p-values are counted."""
+"""Levels up to which p-values are counted."""
 STOCHASTIC = (
     "white_noise", "quantization", "random_walk", "gauss_markov", "rate_ramp", "bias_instability", "random_telegraph",
     "sinusoid", "outliers", "variance_change", "output_filter", "common_mode",
 )  # fmt: skip
-"""Names of what is random in a device at rest, and of what a choice of random processes takes for it."""
+"""Names of the random effects of a device at rest, and of those that a random process may replace."""
 DISTANCES = ("distance", "navigation_distance")
 STATES = ("before", "after", "floor")
 CASE = ("case", "kind", "motion", "base", "rate_hz", "duration_s")
@@ -41,18 +40,17 @@ PARAMETER_COLUMNS = ("case", "motion", "name", "size", "parameter", "truth", "va
 
 @dataclass(frozen=True, eq=False)
 class Scores:
-    """Scores case by case.
+    """Scores of each case.
 
     Attributes
     ----------
     cases
-        A row for each case: :data:`CASE_COLUMNS`, with the numbers of effects named and of those among them that are
-        not hidden, whether a gap was left unexplained, and the run time [s]; then ``distance_before``, ``_low``,
+        A row for each case: :data:`CASE_COLUMNS`, with the numbers of effects named and of those not hidden, whether a
+        place is unexplained, and the run time [s]; then ``distance_before``, ``_low``,
         ``_high`` and so on for every distance and state.
     effects
-        A row for each hidden effect, and one for each case without a hidden name: ``answer``, whether the chosen name
-        is right (``top1``), whether the chosen one or its first two alternatives are (``top3``), and whether the axes
-        are, too.
+        A row for each hidden effect, and one for each case without a hidden name: ``answer``, whether the name is
+        right (``top1``), whether it or one of its first two alternatives is (``top3``), and whether the axes are.
     parameters
         A row for each parameter of a rightly named effect: truth, value, interval, error in half widths of the
         interval, whether the truth lies inside.
@@ -99,9 +97,9 @@ def score(keys: Sequence[Mapping], reports: Sequence[Mapping], seconds: Sequence
 
 
 def match(hidden: Sequence[Mapping], found: Sequence[Mapping]) -> list[Mapping | None]:
-    """Return the reported effect that answers each hidden one, or None; none answers two.
+    """Match each hidden effect with at most one reported effect, or None.
 
-    A report answers by name and axes, else by name, else by an axis that both have.
+    Effects match by name and axes, else by name, else by a common axis.
     """
     answers: list[Mapping | None] = [None] * len(hidden)
     free = list(found)
@@ -142,12 +140,12 @@ def _case(key: Mapping, report: Mapping, seconds: float, matches: Sequence[Mappi
 
 
 def _unexplained(report: Mapping) -> bool:
-    """Return whether a place was found that no name explains."""
+    """Return whether the report has a place that no name explains."""
     return bool(report["unexplained"]) or (bool(report["gaps"]) and not report["effects"])
 
 
 def _effects(key: Mapping, report: Mapping, matches: Sequence[Mapping | None]) -> list[dict]:
-    """Return a row for each hidden effect that has a name, or one for the case if it hides none."""
+    """Return a row for each hidden effect of the vocabulary, or one for the case if there is none."""
     same = {name: key[name] for name in ("case", "kind", "motion", "base")}
     silent = UNKNOWN if _unexplained(report) else NONE
     if key["kind"] in ("nothing", "unknown"):
@@ -175,7 +173,7 @@ def _effects(key: Mapping, report: Mapping, matches: Sequence[Mapping | None]) -
 
 
 def _parameters(key: Mapping, matches: Sequence[Mapping | None]) -> list[dict]:
-    """Return a row for each hidden parameter that the report gives under the right name."""
+    """Return a row for each hidden parameter reported under the right name."""
     rows = []
     for effect, answer in zip(key["effects"], matches, strict=True):
         if answer is None or answer["name"] != effect["name"]:
@@ -205,14 +203,14 @@ def rate(hits: pd.Series) -> dict[str, float]:
 
 
 def detection(effects: pd.DataFrame) -> pd.DataFrame:
-    """Return how often effects hidden singly are found, and named, by ``name`` (and :data:`EVERY`) and ``size``.
+    """Return the rates at which single effects are found, and named, by ``name`` (and :data:`ALL`) and ``size``.
 
     Columns ``name``, ``size``, ``score`` (``detected``: any answer but none; ``named``: the right one), ``count``,
     ``rate``, ``low``, ``high``.
     """
     rows = []
     single = effects[effects["kind"] == "single"]
-    groups = (group for some in (single.assign(name=EVERY), single) for group in some.groupby(["name", "size"]))
+    groups = (group for some in (single.assign(name=ALL), single) for group in some.groupby(["name", "size"]))
     for (name, size), group in groups:
         hits = {"detected": group["answer"] != NONE, "named": group["top1"].astype(bool)}
         rows += [{"name": name, "size": size, "score": score} | rate(hit) for score, hit in hits.items()]
@@ -220,7 +218,7 @@ def detection(effects: pd.DataFrame) -> pd.DataFrame:
 
 
 def false_alarms(cases: pd.DataFrame) -> pd.DataFrame:
-    """Return how often a case that hides nothing gets a name, a place without a name, or either."""
+    """Return the rates of names, of places without a name, and of either, in cases without hidden effects."""
     quiet = cases[cases["kind"] == "nothing"]
     named, placed = quiet["named"] > 0, quiet["unexplained"].astype(bool)
     alarms = {"name": named, "place": placed & ~named, "any": named | placed}
@@ -230,7 +228,7 @@ def false_alarms(cases: pd.DataFrame) -> pd.DataFrame:
 def confusion(effects: pd.DataFrame, smallest: float = 0.0) -> pd.DataFrame:
     """Return how often each hidden name (rows) gets each answer (columns), from the size ``smallest`` upward.
 
-    Both end with ``none`` and ``unknown``; the pairs are left out, whose answers may be exchanged.
+    Both end with ``none`` and ``unknown``; pairs are excluded, since their answers may be exchanged.
     """
     chosen = effects[(effects["kind"] != "pair") & ((effects["size"] >= smallest) | (effects["name"] == NONE))]
     names = [*sorted((set(chosen["name"]) | set(chosen["answer"])) - {NONE, UNKNOWN}), NONE, UNKNOWN]
@@ -262,7 +260,7 @@ def naming(effects: pd.DataFrame, smallest: float) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def beside(effects: pd.DataFrame, terms: Mapping[str, str], smallest: float) -> pd.DataFrame:
+def stochastic_names(effects: pd.DataFrame, terms: Mapping[str, str], smallest: float) -> pd.DataFrame:
     """Return how often effects of the :data:`STOCHASTIC` subset are rightly named, and whether another program can.
 
     Hidden singly in a device at rest, from the size ``smallest`` upward.
@@ -286,12 +284,12 @@ def beside(effects: pd.DataFrame, terms: Mapping[str, str], smallest: float) -> 
 
 
 def coverage(parameters: pd.DataFrame) -> pd.DataFrame:
-    """Return how often the truth lies inside its interval, by name and parameter and over all (:data:`EVERY`).
+    """Return how often the truth lies inside its interval, by name and parameter and over all (:data:`ALL`).
 
     ``error`` is the median absolute error in half widths of the interval.
     """
     bounded = parameters.dropna(subset=["error"])
-    groups = [((EVERY, EVERY), bounded), *bounded.groupby(["name", "parameter"], sort=True)]
+    groups = [((ALL, ALL), bounded), *bounded.groupby(["name", "parameter"], sort=True)]
     rows = [
         {"name": name, "parameter": parameter, "error": group["error"].astype(float).abs().median()}
         | rate(group["inside"].astype(bool))
@@ -300,18 +298,18 @@ def coverage(parameters: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=["name", "parameter", "error", "count", "rate", "low", "high"])
 
 
-def alone(scores: Scores, smallest: float) -> pd.DataFrame:
-    """Return the cases that hide one effect, of the size ``smallest`` or more."""
+def single_cases(scores: Scores, smallest: float) -> pd.DataFrame:
+    """Return the cases with one hidden effect, of the size ``smallest`` or more."""
     effects = scores.effects
     clear = effects.loc[(effects["kind"] == "single") & (effects["size"] >= smallest), "case"]
     return scores.cases[scores.cases["case"].isin(clear)]
 
 
-def superfluous(scores: Scores, smallest: float) -> pd.DataFrame:
-    """Return how often a name is given that is not hidden: ``group``, and a rate.
+def superfluous_names(scores: Scores, smallest: float) -> pd.DataFrame:
+    """Return the rates at which a name is given that is not hidden, by ``group``.
 
-    Groups: ``single`` and ``pair``, the cases from the size ``smallest`` upward of which every hidden name is found;
-    ``every`` case, of any size, those that hide nothing or what has no name among them.
+    Groups: ``single`` and ``pair``, the cases from the size ``smallest`` upward with every hidden name found;
+    ``every``, all cases of any size.
     """
     more = (scores.cases.set_index("case")["superfluous"] > 0).rename("hit")
     hidden = scores.effects[scores.effects["size"] >= smallest].groupby("case")["top1"].agg(["all", "size"])
@@ -324,31 +322,31 @@ def superfluous(scores: Scores, smallest: float) -> pd.DataFrame:
     return pd.DataFrame([{"group": group} | rate(hits) for group, hits in groups.items()])
 
 
-def misses(scores: Scores, smallest: float) -> pd.DataFrame:
-    """Return all wrong answers: the rows of the effects, from the size ``smallest`` upward, and of what hides nothing.
+def wrong_answers(scores: Scores, smallest: float) -> pd.DataFrame:
+    """Return the rows of wrong answers, to effects from the size ``smallest`` upward and to cases without effects.
 
-    Wrong are a name, its axes, and a name (the answer is then :data:`MORE`) beside right ones.
+    Wrong are a wrong name, wrong axes, and an additional name (the answer is then :data:`MORE`).
     """
     effects, more = scores.effects, scores.cases.loc[scores.cases["superfluous"] > 0, "case"]
     asked = effects[(effects["size"] >= smallest) | (effects["name"] == NONE)]
     wrong = ~asked["top1"].astype(bool) | asked["axes"].eq(False)
     right = asked[asked["case"].isin(more) & ~asked["case"].isin(asked.loc[wrong, "case"])]
-    beside = right.drop_duplicates("case").assign(answer=MORE)
-    return pd.concat([asked[wrong], beside]).sort_values("case", kind="stable")
+    more = right.drop_duplicates("case").assign(answer=MORE)
+    return pd.concat([asked[wrong], more]).sort_values("case", kind="stable")
 
 
-def closed(scores: Scores, smallest: float) -> pd.DataFrame:
+def floor_reached(scores: Scores, smallest: float) -> pd.DataFrame:
     """Return how often the distance after the last addition lies within the floor's interval or below it.
 
-    By distance, over the cases :func:`alone`, with the median distances; ``scope`` tells all of them (:data:`EVERY`)
-    from those that were beyond the floor before (:data:`BEYOND`).
+    By distance, over the :func:`single_cases`, with the median distances; ``scope`` is all of them (:data:`ALL`) or
+    those beyond the floor before (:data:`BEYOND`).
     """
-    cases = alone(scores, smallest)
+    cases = single_cases(scores, smallest)
     rows = []
     for distance in DISTANCES:
         known = cases.dropna(subset=[f"{distance}_after", f"{distance}_floor_high"])
         far = known[known[f"{distance}_before"] > known[f"{distance}_floor_high"]]
-        for scope, some in ((EVERY, known), (BEYOND, far)):
+        for scope, some in ((ALL, known), (BEYOND, far)):
             medians = {state: some[f"{distance}_{state}"].astype(float).median() for state in STATES}
             reached = some[f"{distance}_after"] <= some[f"{distance}_floor_high"]
             rows.append({"distance": distance, "scope": scope} | medians | rate(reached))
@@ -356,11 +354,11 @@ def closed(scores: Scores, smallest: float) -> pd.DataFrame:
 
 
 def calibration(p_values: pd.DataFrame) -> pd.DataFrame:
-    """Return how often views of logs that hide nothing have a p-value up to the :data:`LEVELS`.
+    """Return how often views of logs without hidden effects have a p-value up to the :data:`LEVELS`.
 
-    By ``view`` and over all (:data:`EVERY`); the intervals take the views of different axes for independent.
+    By ``view`` and over all (:data:`ALL`); the intervals assume that views of different axes are independent.
     """
-    groups = [(EVERY, p_values), *p_values.groupby("view", sort=False)]
+    groups = [(ALL, p_values), *p_values.groupby("view", sort=False)]
     rows = [
         {"view": view, "level": level} | rate(group["p_value"] <= level) for view, group in groups for level in LEVELS
     ]

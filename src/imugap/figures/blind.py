@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter, PercentFormatter
 from scipy.stats import binom
 
-from imugap.benchmark.scores import DISTANCES, EVERY, LEVEL, NONE, UNKNOWN
+from imugap.benchmark.scores import ALL, DISTANCES, LEVEL, NONE, UNKNOWN
 from imugap.figures import legend_below, panels_of, said
 from imugap.figures.discovery import AFTER, BEFORE, NAMES, PLAIN, TITLES
 
@@ -38,7 +38,7 @@ def detection(rates: pd.DataFrame, clear: float) -> Figure:
     """
     if rates.empty:
         return said("No case hides one effect alone.")
-    names = [EVERY, *sorted(set(rates["name"]) - {EVERY})]
+    names = [ALL, *sorted(set(rates["name"]) - {ALL})]
     columns = 5
     rows = ceil(len(names) / columns)
     figure, grid = panels_of(rows, columns, 1.15 * rows + 0.7, sharex=True, sharey=True)
@@ -49,7 +49,7 @@ def detection(rates: pd.DataFrame, clear: float) -> Figure:
             ends = one["rate"] - one["low"], one["high"] - one["rate"]
             panel.errorbar(aside * one["size"], one["rate"], ends, fmt="o-", ms=2.5, lw=0.7, elinewidth=0.6,
                            color=colour, label=title)  # fmt: skip
-        title = "all effects" if name == EVERY else _words(name)
+        title = "all effects" if name == ALL else _words(name)
         panel.set(
             title=title, xscale="log", ylim=(-0.05, 1.05), xlim=(rates["size"].min() / 2, rates["size"].max() * 2)
         )
@@ -114,10 +114,10 @@ def coverage(parameters: pd.DataFrame, covered: pd.DataFrame) -> Figure:
     figure, grid = panels_of(1, 2, 0.145 * len(covered) + 0.9, sharey=True)
     errors, shares = grid[0]
     places = np.arange(len(covered))
-    every = covered["name"] == EVERY
+    every = covered["name"] == ALL
     for place, one in zip(places, covered.itertuples(index=False), strict=True):
         same = (parameters["name"] == one.name) & (parameters["parameter"] == one.parameter)
-        error = parameters["error"][same | (one.name == EVERY)].dropna().clip(-FARTHEST, FARTHEST)
+        error = parameters["error"][same | (one.name == ALL)].dropna().clip(-FARTHEST, FARTHEST)
         errors.plot(error, np.full(len(error), place), "|", ms=4, mew=0.7, color=FOUND)
     errors.axvspan(-1, 1, color=BAND, alpha=0.5, lw=0)
     errors.set(xlim=(-1.05 * FARTHEST, 1.05 * FARTHEST), xlabel="error [half widths of the interval]")
