@@ -34,7 +34,7 @@ def page(choice):
                 "axis": AXIS_TITLES[axis],
                 "chosen": of["effects"].replace("_", " "),
                 "parameters (SI)": ", ".join(values),
-                "not to be told from it": "; ".join(of["alternatives"]).replace("_", " ") or "—",
+                "not distinguished from it": "; ".join(of["alternatives"]).replace("_", " ") or "—",
                 "does it fit?": of["verdict"],
             }
         )

@@ -76,7 +76,7 @@ def effects_page(reports):
                 values = [one["parameters"][key]["value"] for one in group[FEW:]]
                 reach = " to ".join(tables.number(value) for value in (min(values), max(values)))
                 rows.append([*cells, f"{len(values)} more, {key.replace('_', ' ')} {reach} {ends['unit']}", "—"])
-    return pd.DataFrame(rows, columns=["start model", "axes", "name", "parameters (95 %)", "not to be told from it"])
+    return pd.DataFrame(rows, columns=["start model", "axes", "name", "parameters (95 %)", "not distinguished from it"])
 
 
 def places(reports):

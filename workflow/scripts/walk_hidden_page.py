@@ -64,7 +64,7 @@ def page(found, scores):
         of = {how: one[one["how"] == how] for how in ("exact", "place", "integrity", "innovations")}
         hidden = case.hidden.replace("_", " ") + (f" ({said(case.axes)})" if case.there else "")
         row = {"hidden": hidden, "named with the exact reference": listed(of["exact"])}
-        row |= {"surest places": places(of["place"]), "named by the log alone": listed(of["integrity"])}
+        row |= {"most significant places": places(of["place"]), "named by the log alone": listed(of["integrity"])}
         row |= {"named by zero velocity": innovations(of["innovations"]), "scatter": tables.number(case.scatter, 2)}
         rows.append(row)
     return pd.DataFrame(rows)

@@ -74,9 +74,9 @@ def found_page(found):
         row = {"asked": f"{SHORT[dataset]} {', '.join(str(asked).split())}"}
         if first["named"]:
             row |= {"named": said(first), "size": size(first)}
-            row |= {"not told from": "; ".join(f"{said(one)} ({size(one)})" for one in others) or "—"}
+            row |= {"not distinguished from": "; ".join(f"{said(one)} ({size(one)})" for one in others) or "—"}
         else:
-            row |= {"named": "nothing", "size": "—", "not told from": f"surest: {said(first)}"}
+            row |= {"named": "nothing", "size": "—", "not distinguished from": f"most significant: {said(first)}"}
         rows.append(row | {"chance": tables.number(first["p_value"], 2)})
     return pd.DataFrame(rows)
 
@@ -90,7 +90,7 @@ def scores_page(data):
     """Lay out the scores: a row for each prediction, in centimetres."""
     rows = []
     for one in data.to_dict("records"):
-        row = {"foretold from": one["by"]}
+        row = {"predicted from": one["by"]}
         for quantity in QUANTITIES:
             row[f"{quantity} [cm]"] = tables.fixed(100 * one[quantity], 1)
             gap = (100 * one[f"{quantity}_{key}"] for key in ("gap", "low", "high"))
