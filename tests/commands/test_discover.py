@@ -11,7 +11,7 @@ import yaml
 from jsonschema import Draft202012Validator
 from scipy.signal import butter, lfilter
 
-from imugap import cli, figures, log
+from imugap import cli, log
 from imugap.commands.discover import FILES, compose
 from imugap.discovery.device import Question, discover
 from imugap.discovery.inputs import Files
@@ -33,6 +33,7 @@ from imugap.effects import (
     WhiteNoise,
 )
 from imugap.effects.effect import AxisModel
+from imugap.figures import style
 from imugap.model import ErrorModel
 
 SCHEMA = yaml.safe_load((Path(__file__).parents[2] / "workflow/schemas/discovery.schema.yaml").read_text())
@@ -506,7 +507,7 @@ def test_a_write_that_fails_leaves_the_old_folder(here, capsys, monkeypatch):
         Path(path).write_text("half")
         raise OSError("disk full")
 
-    monkeypatch.setattr(figures, "save", broken)
+    monkeypatch.setattr(style, "save", broken)
     assert discovered("run2.parquet") == 1
     assert "imugap: disk full" in capsys.readouterr().err
     assert {name: (here / "found" / name).read_bytes() for name in names("found")} == before

@@ -12,8 +12,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from jsonschema import Draft202012Validator
 
-from imugap import cli, figures, log
-from imugap.commands.drive import FILES, SCHEMA, STD, Setting, driven, mounted
+from imugap import cli, log
+from imugap.commands.drive import FILES, SCHEMA, STD, DriveSettings, RecordedDrive, mounted, navigate_drive
+from imugap.figures import style
 from imugap.io.configuration import configure
 from imugap.kinematics.strapdown import COLUMNS, GEODETIC
 from imugap.log import ACCEL, GYRO
@@ -126,10 +127,10 @@ def test_the_summary_tells_whether_the_filter_knows_itself(recipe):
         "scale_factor": {"gyro_std": 1e-3, "accel_std": 1e-3},
         "quality": {"component_sigma": None, "gated": False, "reset_s": None},
     }
-    setting = Setting.of(configure(given, SCHEMA), recipe.model)
+    setting = DriveSettings.of(configure(given, SCHEMA), recipe.model)
     inside = []
     for run in range(30):
-        found = driven(recipe.record(run, SEED), recipe.fixes(run, SEED), setting).summary()
+        found = navigate_drive(RecordedDrive(recipe.record(run, SEED), recipe.fixes(run, SEED), setting)).summary()
         inside.append(found["nis_low"] < found["nis"] < found["nis_high"])
         assert found["global_test_failed"] <= 3
     assert 25 <= sum(inside) <= 30
@@ -138,9 +139,11 @@ def test_the_summary_tells_whether_the_filter_knows_itself(recipe):
 @pytest.mark.slow
 def test_lost_samples_are_filled(recipe):
     record, fixes = recipe.record(1, SEED), recipe.fixes(1, SEED)
-    whole, holes = (driven(some, fixes).filtered for some in (record, record.drop(record.index[5000:5020])))
-    apart = whole.path.navigation[-1, :3] - holes.path.navigation[-1, :3]
-    assert np.abs(apart).max() < np.sqrt(whole.path.variances[-1, :3].max())
+    whole, holes = (
+        navigate_drive(RecordedDrive(some, fixes)).filtered for some in (record, record.drop(record.index[5000:5020]))
+    )
+    apart = whole.history.navigation[-1, :3] - holes.history.navigation[-1, :3]
+    assert np.abs(apart).max() < np.sqrt(whole.history.variances[-1, :3].max())
 
 
 @pytest.mark.parametrize(
@@ -175,7 +178,7 @@ def test_a_figure_that_fails_leaves_no_folder(here, monkeypatch):
     def fail(*_):
         raise OSError("disk full")
 
-    monkeypatch.setattr(figures, "save", fail)
+    monkeypatch.setattr(style, "save", fail)
     assert cli.main(["drive", "imu.csv", "gnss.csv", "--out", "found"]) == 1
     assert not Path("found").exists() or not any(Path("found").iterdir())
 
@@ -196,8 +199,8 @@ def test_the_schema_is_one_closed_and_described():
 
 
 def test_the_defaults_are_those_of_the_library():
-    default = Setting.read(None)
-    plain = Setting()
+    default = DriveSettings.read(None)
+    plain = DriveSettings()
     assert default.assumptions == plain.assumptions
     assert default.quality == plain.quality
     assert default.model.to_mapping() == plain.model.to_mapping()
@@ -215,7 +218,7 @@ def test_any_configuration_is_a_setting_or_one_message(tmp_path_factory, content
     path = tmp_path_factory.mktemp("any") / "drive.yaml"
     path.write_text(yaml.safe_dump(content))
     try:
-        found = Setting.read(path)
+        found = DriveSettings.read(path)
     except (OSError, ValueError):
         return
     assert found.assumptions.epoch_s > 0

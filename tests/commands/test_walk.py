@@ -8,11 +8,12 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from imugap import cli, figures, log
-from imugap.commands.walk import FILES, INDOORS, STD, walked
+from imugap import cli, log
+from imugap.commands.walk import FILES, INDOORS, STD, WalkInputs, navigate_walk
+from imugap.figures import style
 from imugap.figures.walk import ellipse
 from imugap.kinematics.strapdown import COLUMNS
-from imugap.navigation.pedestrian import Assumptions
+from imugap.navigation.pedestrian import WalkAssumptions
 from imugap.simulation.walk import Course, Walk
 from imugap.stream import stream
 
@@ -77,13 +78,13 @@ def test_the_folder_is_whole_and_says_how_far_the_walk_went_and_where_it_ended(h
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("assumptions", [Assumptions(), INDOORS])
+@pytest.mark.parametrize("assumptions", [WalkAssumptions(), INDOORS])
 def test_height_is_up_and_the_heading_in_degrees(recipe, assumptions):
     """Stairs: a foot that goes up three metres and turns by 90 degrees ends there, whatever is assumed of floors."""
     legs = tuple(replace(leg, rise_m=0.15, turn_deg=90 / 20) for leg in Course.loop(20).legs)
     stairs = replace(recipe, course=Course(4.0, legs, 2.0))
     assumptions = replace(assumptions, gravity=recipe.site.gravity)
-    found = walked(stairs.record(2, SEED), recipe.model, assumptions).summary()
+    found = navigate_walk(WalkInputs(stairs.record(2, SEED), recipe.model, assumptions)).summary()
     assert found["end_vertical_m"] == pytest.approx(3.0, abs=3 * found["end_vertical_m_std"])
     assert found["end_vertical_m_std"] < 0.5
     assert found["end_heading_deg"] == pytest.approx(90, abs=3 * found["end_heading_deg_std"])
@@ -123,7 +124,9 @@ def test_rows_that_come_twice_are_left_out(here, recipe):
 def test_lost_samples_are_filled(recipe):
     record = recipe.record(1, SEED)
     lost = stream(SEED, "lost").choice(np.arange(1, len(record) - 1), len(record) // 50, replace=False)
-    whole, holes = (walked(some, recipe.model).smoothed for some in (record, record.drop(record.index[lost])))
+    whole, holes = (
+        navigate_walk(WalkInputs(some, recipe.model)).smoothed for some in (record, record.drop(record.index[lost]))
+    )
     assert len(holes.trajectory) == len(record)
     ends = [one.trajectory[["north", "east", "down"]].iloc[-1] for one in (whole, holes)]
     assert (ends[0] - ends[1]).abs().max() < whole.trajectory_std[["north", "east", "down"]].iloc[-1].max()
@@ -150,7 +153,7 @@ def test_a_figure_that_fails_leaves_no_folder(here, monkeypatch):
     def fail(*_):
         raise OSError("disk full")
 
-    monkeypatch.setattr(figures, "save", fail)
+    monkeypatch.setattr(style, "save", fail)
     assert cli.main(["walk", "walk.csv", "--out", "found"]) == 1
     assert not Path("found").exists() or not any(Path("found").iterdir())
 

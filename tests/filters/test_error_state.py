@@ -7,14 +7,14 @@ from scipy.spatial.transform import Rotation
 
 from imugap.filters.error_state import (
     NAVIGATION,
-    corrected,
-    measure,
+    adjoint_measurement,
+    adjoint_transition,
+    correct_navigation,
+    innovation_variance,
+    joseph_update,
     predict,
-    project,
-    retreat,
-    transform,
-    unlearn,
-    update,
+    propagate,
+    scalar_update,
 )
 from imugap.kinematics.strapdown import increments, local_step
 from imugap.numerics.rotation import mat_from_quat
@@ -33,7 +33,7 @@ def mat(quat):
 
 def transition(quat, force, dt):
     work, room = np.zeros((SIZE, SIZE)), np.zeros((6, SIZE))
-    transform(np.eye(SIZE), work, SIZE, mat(quat), tuple(force), dt, AXIS, GAIN, HOLD, room)
+    propagate(np.eye(SIZE), work, SIZE, mat(quat), tuple(force), dt, AXIS, GAIN, HOLD, room)
     return work.T
 
 
@@ -112,10 +112,10 @@ def test_the_update_is_that_of_joseph_for_any_weight(share):
     row[::3] = 0
     before = covariance("update")
     after = before.copy()
-    variance = project(before, row, noise, spread)
+    variance = innovation_variance(before, row, noise, spread)
     assert variance == pytest.approx(row @ before @ row + noise)
     weight = share * spread / variance
-    update(after, spread, weight, variance)
+    joseph_update(after, spread, weight, variance)
     left = np.eye(SIZE) - np.outer(weight, row)
     np.testing.assert_allclose(after, left @ before @ left.T + noise * np.outer(weight, weight), atol=1e-12)
 
@@ -125,8 +125,8 @@ def test_the_best_weight_is_the_best():
     traces = []
     for share in (0.9, 1.0, 1.1):
         after = covariance("best")
-        variance = project(after, row, 0.4, spread)
-        update(after, spread, share * spread / variance, variance)
+        variance = innovation_variance(after, row, 0.4, spread)
+        joseph_update(after, spread, share * spread / variance, variance)
         traces.append(np.trace(after))
     assert traces[1] < min(traces[0], traces[2])
 
@@ -135,7 +135,7 @@ def test_a_correction_takes_the_error_off():
     rng = stream(4, "correction")
     quat, error = Rotation.random(rng=rng), 0.3 * rng.standard_normal(NAVIGATION)
     wrong = (Rotation.from_rotvec(error[6:]) * quat).as_quat()
-    found = corrected(tuple(error[:3] + 1), tuple(error[3:6] + 2), tuple(wrong), error)
+    found = correct_navigation(tuple(error[:3] + 1), tuple(error[3:6] + 2), tuple(wrong), error)
     np.testing.assert_allclose(apart(found, (np.ones(3), np.full(3, 2.0), quat.as_quat())), 0, atol=1e-12)
     assert mat_from_quat(found[2])[0][0] == pytest.approx(quat.as_matrix()[0, 0])
 
@@ -146,19 +146,19 @@ def test_the_smoother_is_that_of_rauch_tung_and_striebel():
     first, noise = covariance("first"), 0.3
     own = [transition(Rotation.random(rng=rng).as_quat(), 9 * rng.standard_normal(3), 0.1) for _ in range(2)]
     rows, seen = rng.standard_normal((2, SIZE)), rng.standard_normal(2)
-    cov, tape, mean = first.copy(), [], np.zeros(SIZE)
+    cov, block, mean = first.copy(), [], np.zeros(SIZE)
     for phi, row, value in zip(own, rows, seen, strict=True):
         cov, mean = phi @ cov @ phi.T, phi @ mean
         spread = cov @ row
         variance = row @ spread + noise
         residual = value - row @ mean
-        tape.append((phi, row, spread / variance, residual, variance))
+        block.append((phi, row, spread / variance, residual, variance))
         mean = mean + spread / variance * residual
         cov = cov - np.outer(spread, spread) / variance
     adjoint, information, work = np.zeros(SIZE), np.zeros((SIZE, SIZE)), np.zeros((SIZE, SIZE))
-    for phi, row, weight, residual, variance in reversed(tape):
-        unlearn(adjoint, information, row, weight, residual, variance, work[0])
-        retreat(adjoint, information, np.ascontiguousarray(phi.T), work)
+    for phi, row, weight, residual, variance in reversed(block):
+        adjoint_measurement(adjoint, information, row, weight, residual, variance, work[0])
+        adjoint_transition(adjoint, information, np.ascontiguousarray(phi.T), work)
     together = np.array([rows[0] @ own[0], rows[1] @ own[1] @ own[0]])
     gain = first @ together.T @ np.linalg.inv(together @ first @ together.T + noise * np.eye(2))
     np.testing.assert_allclose(-first @ adjoint, gain @ seen, atol=1e-10)
@@ -175,7 +175,7 @@ def test_measurements_one_after_the_other_are_one_of_all():
     nav, statistic, taken = ((0.0,) * 3, (0.0,) * 3, (0.0, 0.0, 0.0, 1.0)), 0.0, np.zeros(SIZE)
     for row, value, variance in zip(rows, seen, noise, strict=True):
         residual = value + row @ taken
-        nav, found = measure(after, errors, row, residual, variance, spread, weight, nav, True)
+        nav, found = scalar_update(after, errors, row, residual, variance, spread, weight, nav, True)
         statistic += residual**2 / found
         taken = np.concatenate([nav[0], nav[1], Rotation.from_quat(nav[2]).as_rotvec(), errors])
     together = rows @ before @ rows.T + np.diag(noise)

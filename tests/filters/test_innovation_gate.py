@@ -10,11 +10,11 @@ from imugap.filters.innovation_gate import (
     RESET,
     SCHEMES,
     WEIGHED,
-    Control,
-    Quality,
-    Record,
+    InnovationRecord,
+    KernelControl,
+    QualityControl,
     chi_square,
-    weigh,
+    noise_after_test,
 )
 from imugap.stream import stream
 
@@ -40,7 +40,7 @@ def test_the_statistic_is_that_of_the_whole_covariance(count):
 
 @pytest.mark.parametrize("false_alarm", [0.001, 0.05])
 def test_the_limits_are_quantiles_of_chi_square(false_alarm):
-    limits = Quality(false_alarm=false_alarm).limits(6)
+    limits = QualityControl(false_alarm=false_alarm).limits(6)
     assert limits[0] == np.inf
     np.testing.assert_allclose(chi2.sf(limits[1:], np.arange(1, 7)), false_alarm)
 
@@ -48,7 +48,7 @@ def test_the_limits_are_quantiles_of_chi_square(false_alarm):
 def test_the_global_test_fails_as_often_as_it_says():
     covariance, draws, alarm = spd(4, "false alarm"), 20_000, 0.02
     seen = stream(5, "draws").multivariate_normal(np.zeros(4), covariance, draws)
-    limit = Quality(false_alarm=alarm).limits(4)[4]
+    limit = QualityControl(false_alarm=alarm).limits(4)[4]
     room = np.empty((4, 4)), np.empty(4)
     share = np.mean([chi_square(one, covariance, 4, *room)[0] > limit for one in seen])
     assert abs(share - alarm) < 4 * np.sqrt(alarm / draws)
@@ -59,44 +59,46 @@ def test_a_component_that_is_weighed_down_pulls_the_less_the_farther_it_is_off(s
     """Beyond all limits; and the noise grows by the power that is told, whatever the sign."""
     variance, noise, c = 2.0, 0.8, 3.0
     sizes = np.array([3.2, 6.4, 12.8, 102.4])
-    trusted = np.array([weigh(size * np.sqrt(variance), variance, noise, c, True, steepness) for size in sizes])
+    trusted = np.array(
+        [noise_after_test(size * np.sqrt(variance), variance, noise, c, True, steepness) for size in sizes]
+    )
     np.testing.assert_allclose(trusted[1:] / trusted[:-1], (sizes[1:] / sizes[:-1]) ** (2 * steepness))
-    assert weigh(-6.4 * np.sqrt(variance), variance, noise, c, True, steepness) == pytest.approx(trusted[1])
+    assert noise_after_test(-6.4 * np.sqrt(variance), variance, noise, c, True, steepness) == pytest.approx(trusted[1])
     pulls = (variance - noise) * sizes / (variance - noise + trusted)
     assert (np.diff(pulls) < 0).all()
     assert pulls[-1] < 0.1 * pulls[0]
-    assert weigh(3.2 * np.sqrt(variance), variance, noise, c, False, steepness) == np.inf
+    assert noise_after_test(3.2 * np.sqrt(variance), variance, noise, c, False, steepness) == np.inf
 
 
 @pytest.mark.parametrize("robust", [True, False])
 @pytest.mark.parametrize(("size", "component"), [(2.9, 3.0), (1e6, np.inf)])
 def test_what_passes_is_taken_as_it_is(size, component, robust):
-    assert weigh(size, 1.0, 0.4, component, robust, 2.0) == 0.4
+    assert noise_after_test(size, 1.0, 0.4, component, robust, 2.0) == 0.4
 
 
 def test_weights_are_continuous_at_the_limit():
-    inside, outside = (weigh(3.0 * (1 + step), 1.0, 0.4, 3.0, True, 2.0) for step in (-1e-9, 1e-9))
+    inside, outside = (noise_after_test(3.0 * (1 + step), 1.0, 0.4, 3.0, True, 2.0) for step in (-1e-9, 1e-9))
     assert inside == pytest.approx(outside, rel=1e-6)
 
 
 @pytest.mark.parametrize(
     "wrong",
     [{"component": 0.0}, {"steepness": 0.0}, {"component": -1.0}, {"false_alarm": 0.0}, {"false_alarm": 1.0},
-     {"reset_s": 0.0}, {"hindsight_s": 0.0}, {"reset_std": (1.0, 1.0)}, {"reset_std": (1.0, -1.0, 0.0)}],
+     {"reset_s": 0.0}, {"separation_s": 0.0}, {"reset_std": (1.0, 1.0)}, {"reset_std": (1.0, -1.0, 0.0)}],
 )  # fmt: skip
 def test_what_is_no_test_is_refused(wrong):
     with pytest.raises(ValueError, match="expected"):
-        Quality(**wrong)
+        QualityControl(**wrong)
 
 
 def test_what_is_left_out_never_acts():
-    control = Control.of(SCHEMES["none"], 6)
-    assert np.isinf([control.component, control.reset_s, control.hindsight_s]).all()
+    control = KernelControl.of(SCHEMES["none"], 6)
+    assert np.isinf([control.component, control.reset_s, control.separation_s]).all()
     assert not control.gated
 
 
 def test_every_event_is_logged_with_time_statistic_and_threshold():
-    quality, record = Quality(), Record.empty(4, 2)
+    quality, record = QualityControl(), InnovationRecord.empty(4, 2)
     record.innovation[:], record.variance[:], record.share[:] = [1.0, 8.0], 4.0, 1.0
     record.statistic[:], record.freedom[:] = 30.0, 2
     record.passed[:] = [True, False, False, True]

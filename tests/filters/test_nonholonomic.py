@@ -7,21 +7,21 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from imugap.commands.drive import SCHEMA, Setting, driven
+from imugap.commands.drive import SCHEMA, DriveSettings, RecordedDrive, navigate_drive
 from imugap.filters import nonholonomic as wheels
 from imugap.filters.consistency import nees_band
 from imugap.filters.error_state import ATTITUDE, NAVIGATION
 from imugap.filters.error_state import VELOCITY as VELOCITY_ROWS
-from imugap.filters.innovation_gate import NOTHING, Quality
-from imugap.filters.nonholonomic import SKID, SLOW, WINDOW_S, Wheels, quiet
+from imugap.filters.innovation_gate import NO_CONTROL, QualityControl
+from imugap.filters.nonholonomic import SKID_SIGMA, SLOW_M_PER_S, WINDOW_S, WheelConstraint, quiet_epochs
 from imugap.filters.sensor_states import SensorStates
-from imugap.filters.smoother import Sensors, Tape
+from imugap.filters.smoother import SensorArrays, SmootherBlock
 from imugap.io import reference
 from imugap.io.configuration import configure
 from imugap.kinematics.strapdown import POSITION, VELOCITY
 from imugap.log import ACCEL, AXES, GYRO
-from imugap.navigation.vehicle import Assumptions, navigate
-from imugap.navigation.vehicle_alignment import depart
+from imugap.navigation.vehicle import DriveAssumptions, DriveInputs, navigate
+from imugap.navigation.vehicle_alignment import align
 from imugap.numerics.rotation import from_euler, mat_from_quat
 from imugap.simulation.drive import Drive
 from imugap.stream import stream
@@ -41,7 +41,7 @@ def recipe():
 
 @pytest.fixture(scope="module")
 def plain(recipe):
-    return Assumptions(lever_m=recipe.receiver.lever_m, scale_std=recipe.scale_std)
+    return DriveAssumptions(lever_m=recipe.receiver.lever_m, scale_std=recipe.scale_std)
 
 
 @pytest.fixture(scope="module")
@@ -50,18 +50,19 @@ def rolling(recipe, plain):
     return replace(plain, wheels_std=axle.std_m_per_s, wheels_s=axle.correlation_s, axle_m=axle.arm_m)
 
 
-def drive(recipe, assumptions, run, quality=NOTHING, outage=OUTAGE, smooth=False):
+def drive(recipe, assumptions, run, quality=NO_CONTROL, outage=OUTAGE, smooth=False):
     record, fixes = recipe.record(run, SEED), recipe.fixes(run, SEED)
-    begin = depart(record, fixes, assumptions.states(recipe.model), assumptions, recipe.ellipsoid)
+    begin = align(DriveInputs(record, fixes, recipe.model, recipe.ellipsoid, assumptions))
     if outage:
         fixes = fixes[(fixes.index <= outage[0]) | (fixes.index > outage[1])]
-    return navigate(record, fixes, recipe.model, assumptions, quality, begin, recipe.ellipsoid, smooth)
+    inputs = DriveInputs(record, fixes, recipe.model, recipe.ellipsoid, assumptions, quality)
+    return navigate(inputs, begin, smooth)
 
 
 def errors(recipe, one, rows):
     """Return the error of the navigation at rows of a solution, shape (rows, 9)."""
     truth = recipe.path[0].iloc[np.rint(one.time.to_numpy()[rows] * recipe.rate_hz).astype(int)]
-    found = one.path.navigation[rows]
+    found = one.history.navigation[rows]
     turn = (Rotation.from_quat(found[:, 6:]) * reference.rotations(truth).inv()).as_rotvec()
     return np.hstack([found[:, :6] - truth[[*POSITION, *VELOCITY]].to_numpy(float), turn])
 
@@ -77,7 +78,7 @@ def state(speed, sigma):
     scale = np.repeat([1.0, sigma, 1e-4, 1e-5, 1e-5], [3, 3, 3, 6, size - 15])
     covariance = scale[:, None] * (root @ root.T) * scale
     nav = (0.0, 0.0, 0.0), tuple(map(float, velocity)), tuple(map(float, quat))
-    return nav, tuple(map(float, rate)), covariance, np.zeros(len(states)), Sensors.of(states)
+    return nav, tuple(map(float, rate)), covariance, np.zeros(len(states)), SensorArrays.of(states)
 
 
 def rolled(speed, sigma, still, interval=0.05, std=0.1):
@@ -85,9 +86,9 @@ def rolled(speed, sigma, still, interval=0.05, std=0.1):
     nav, rate, covariance, estimates, sensors = state(speed, sigma)
     size, gain = len(covariance), np.where(sensors.scale, 0.3, 1.0)
     before, row = covariance.copy(), np.zeros(size)
-    after = wheels.roll(
-        Wheels(std, 1.0, AXLE), still, interval, nav, rate, covariance, estimates, sensors, gain, row,
-        np.empty(size), np.empty(size), Tape.empty(0, size), 0, 0,
+    after = wheels.apply_wheel_constraint(
+        WheelConstraint(std, 1.0, AXLE), still, interval, nav, rate, covariance, estimates, sensors, gain, row,
+        np.empty(size), np.empty(size), SmootherBlock.empty(0, size), 0, 0,
     )[0:3]  # fmt: skip
     assert not row.any()
     turn = Rotation.from_quat(after[2]).inv()
@@ -96,10 +97,10 @@ def rolled(speed, sigma, still, interval=0.05, std=0.1):
 
 def test_without_wheels_nothing_changes(recipe, plain):
     """To the bit, whatever arm and correlation time are."""
-    one = drive(recipe, plain, 1, Quality())
-    other = drive(recipe, replace(plain, wheels_s=7.0, axle_m=AXLE), 1, Quality())
+    one = drive(recipe, plain, 1, QualityControl())
+    other = drive(recipe, replace(plain, wheels_s=7.0, axle_m=AXLE), 1, QualityControl())
     for name in ("navigation", "errors", "variances", "cross"):
-        np.testing.assert_array_equal(getattr(one.path, name), getattr(other.path, name))
+        np.testing.assert_array_equal(getattr(one.history, name), getattr(other.history, name))
     np.testing.assert_array_equal(one.covariances, other.covariances)
 
 
@@ -137,16 +138,16 @@ def test_slip_is_taken_in_and_a_skid_is_left_out():
     gone, before, after = rolled((8.0, 3.0, -3.0), 0.3, False)
     np.testing.assert_allclose(gone, (8.0, 3.0, -3.0), atol=1e-12)
     np.testing.assert_array_equal(before, after)
-    sure, before, after = rolled((8.0, 1.02 * SKID * 0.1, 0.0), 1e-6, False)
-    np.testing.assert_allclose(sure[1], 1.02 * SKID * 0.1)
-    near = rolled((8.0, 0.98 * SKID * 0.1, 0.0), 1e-6, False)[2]
+    sure, before, after = rolled((8.0, 1.02 * SKID_SIGMA * 0.1, 0.0), 1e-6, False)
+    np.testing.assert_allclose(sure[1], 1.02 * SKID_SIGMA * 0.1)
+    near = rolled((8.0, 0.98 * SKID_SIGMA * 0.1, 0.0), 1e-6, False)[2]
     assert np.trace(near) < np.trace(after) < np.trace(before)
 
 
 def test_only_a_vehicle_that_is_surely_slow_may_stand():
     """Quiet and slow: it stands. In motion, uncertain of its speed, or not quiet: nothing is said of it."""
     assert abs(rolled((0.3, 0.0, 0.0), 0.2, True)[0][0]) < 0.3
-    for speed, sigma, still in ((0.3, 0.2, False), (1.2 * SLOW, 0.2, True), (0.3, SLOW, True)):
+    for speed, sigma, still in ((0.3, 0.2, False), (1.2 * SLOW_M_PER_S, 0.2, True), (0.3, SLOW_M_PER_S, True)):
         told = [np.trace(rolled((speed, 0.0, 0.0), sigma, one)[2]) for one in (still, False)]
         assert told[0] == told[1]
 
@@ -159,11 +160,11 @@ def test_a_device_is_quiet_at_rest_engine_running_or_not(recipe):
     engine = stream(SEED, "engine").standard_normal(samples.shape) * [0.02, 0.05, 0.01, 0.1, 0.1, 0.2]
     rest = (speed < 1e-3) & (stamp > 2 * WINDOW_S)
     for one, slowest in ((samples, 0.05), (samples + engine * (1 + speed[:, None]), 0.8)):
-        found = quiet(one, stamp, stamp)
+        found = quiet_epochs(one, stamp, stamp)
         assert found[rest].mean() > 0.9
-        assert speed[found & (speed < SLOW)].max() < slowest
+        assert speed[found & (speed < SLOW_M_PER_S)].max() < slowest
         assert not found[: round(WINDOW_S * recipe.rate_hz) - 1].any()
-    assert not quiet(samples[:50], stamp[:50], stamp[:50]).any()
+    assert not quiet_epochs(samples[:50], stamp[:50], stamp[:50]).any()
 
 
 @pytest.fixture(scope="module")
@@ -208,10 +209,10 @@ def test_a_filter_that_is_told_the_slip_as_it_is_knows_itself(pairs):
 
 def test_longer_epochs_tell_the_same(recipe, rolling):
     whole, fine = (drive(recipe, replace(rolling, epoch_s=epoch), 6) for epoch in (0.05, 0.01))
-    apart = np.abs(whole.path.navigation[whole.fix_row, :6] - fine.path.navigation[fine.fix_row, :6])
-    std = np.sqrt(fine.path.variances[fine.fix_row, :6])
+    apart = np.abs(whole.history.navigation[whole.fix_row, :6] - fine.history.navigation[fine.fix_row, :6])
+    std = np.sqrt(fine.history.variances[fine.fix_row, :6])
     assert (apart < 0.1 * std).all()
-    np.testing.assert_allclose(whole.path.variances[whole.fix_row], fine.path.variances[fine.fix_row], rtol=0.05)
+    np.testing.assert_allclose(whole.history.variances[whole.fix_row], fine.history.variances[fine.fix_row], rtol=0.05)
 
 
 @pytest.mark.slow
@@ -221,11 +222,11 @@ def test_the_smoother_ends_where_the_filter_does_and_is_nearer_before(recipe, ro
         ends = []
         for smooth in sizes:
             one = drive(recipe, rolling, run, smooth=smooth)
-            ends.append((one.path.navigation[-1], one.path.variances[-1]))
+            ends.append((one.history.navigation[-1], one.history.variances[-1]))
             rows = np.flatnonzero((one.time > OUTAGE[0]) & (one.time < OUTAGE[1]))[::100]
-            off, std = errors(recipe, one, rows)[:, :3], np.sqrt(one.path.variances[rows, :3])
+            off, std = errors(recipe, one, rows)[:, :3], np.sqrt(one.history.variances[rows, :3])
             sizes[smooth].append((off, off / std))
-            assert (one.path.variances > 0).all()
+            assert (one.history.variances > 0).all()
         np.testing.assert_allclose(ends[0][0], ends[1][0], atol=1e-9)
         np.testing.assert_allclose(ends[0][1], ends[1][1], rtol=1e-6)
     size = {smooth: np.sqrt(np.mean([np.square(off) for off, _ in found])) for smooth, found in sizes.items()}
@@ -246,9 +247,14 @@ def test_a_device_that_is_mounted_askew_tells_the_same(recipe):
     askew = record.copy()
     for triad in (GYRO, ACCEL):
         askew[list(triad)] = turn.apply(record[list(triad)].to_numpy(copy=True))
-    settings = (Setting.of(configure(one, SCHEMA), recipe.model) for one in (given, given | {"mounting": mounting}))
-    one, other = (driven(log, fixes, setting) for log, setting in zip((record, askew), settings, strict=True))
+    settings = (
+        DriveSettings.of(configure(one, SCHEMA), recipe.model) for one in (given, given | {"mounting": mounting})
+    )
+    one, other = (
+        navigate_drive(RecordedDrive(log, fixes, setting))
+        for log, setting in zip((record, askew), settings, strict=True)
+    )
     for name in ("filtered", "smoothed"):
-        paths = getattr(one, name).path.navigation, getattr(other, name).path.navigation
+        paths = getattr(one, name).history.navigation, getattr(other, name).history.navigation
         np.testing.assert_allclose(*paths, atol=1e-6)
     assert one.filtered.trajectory_std["heading"].iloc[-1] < 0.01

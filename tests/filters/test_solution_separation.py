@@ -8,21 +8,21 @@ import pytest
 
 from imugap.filters.consistency import nees_band
 from imugap.filters.innovation_gate import (  # fmt: skip
-    ASIDE,
+    ACCEPTED,
     CLOSED,
-    NOTHING,
+    EXCLUDED,
+    NO_CONTROL,
     OPENED,
     RESET,
     SCHEMES,
     SET_ASIDE,
-    TAKEN,
-    Quality,
+    QualityControl,
 )
-from imugap.filters.solution_separation import OFFSETS, State, forget
+from imugap.filters.solution_separation import OFFSETS, FilterState, restart_offset
 from imugap.io.gnss import PLACE_STD
 from imugap.kinematics.strapdown import POSITION, VELOCITY
-from imugap.navigation.vehicle import Assumptions, navigate
-from imugap.navigation.vehicle_alignment import depart
+from imugap.navigation.vehicle import DriveAssumptions, DriveInputs, navigate
+from imugap.navigation.vehicle_alignment import align
 from imugap.simulation.drive import Drive
 from imugap.simulation.gnss_faults import RAMP, STRETCH, Event, Faults
 from imugap.stream import stream
@@ -30,7 +30,7 @@ from imugap.stream import stream
 ROOT = Path(__file__).parents[2]
 SEED, RUNS, BEGIN = 81, 40, 120.0
 RECIPE = ROOT / "data" / "drive.yaml"
-ONLY = replace(NOTHING, hindsight_s=30.0)
+ONLY = replace(NO_CONTROL, separation_s=30.0)
 """Hindsight and no other control."""
 
 
@@ -41,14 +41,14 @@ def recipe():
 
 @pytest.fixture(scope="module")
 def assumptions(recipe):
-    return Assumptions(lever_m=recipe.receiver.lever_m, scale_std=recipe.scale_std)
+    return DriveAssumptions(lever_m=recipe.receiver.lever_m, scale_std=recipe.scale_std)
 
 
 def drive(recipe, assumptions, run, quality, fixes=None, smooth=False):
     record, good = recipe.record(run, SEED), recipe.fixes(run, SEED)
-    start = depart(record, good, assumptions.states(recipe.model), assumptions, recipe.ellipsoid)
+    inputs = DriveInputs(record, good, recipe.model, recipe.ellipsoid, assumptions, quality)
     fixes = good if fixes is None else fixes
-    return navigate(record, fixes, recipe.model, assumptions, quality, start, recipe.ellipsoid, smooth)
+    return navigate(replace(inputs, fixes=fixes), align(inputs), smooth)
 
 
 def spoilt(recipe, run, *events, velocity_per_s=0.0):
@@ -66,7 +66,7 @@ def off(recipe, one, time):
     """Return the error of the horizontal position at a time, shape (2,), and its covariance."""
     row = int(np.searchsorted(one.time, time - 1e-6))
     truth = recipe.path[0].iloc[round(one.time[row] * recipe.rate_hz)]
-    return one.path.navigation[row, :2] - truth[list(POSITION[:2])].to_numpy(float), one.horizontal[row]
+    return one.history.navigation[row, :2] - truth[list(POSITION[:2])].to_numpy(float), one.horizontal[row]
 
 
 def squared(errors):
@@ -76,15 +76,15 @@ def squared(errors):
 def test_a_filter_that_never_doubts_is_the_plain_one(recipe, assumptions):
     """The offset has no variance, and changes no number beyond rounding."""
     never = replace(ONLY, false_alarm=1e-150)
-    plain, one = drive(recipe, assumptions, 1, NOTHING), drive(recipe, assumptions, 1, never)
+    plain, one = drive(recipe, assumptions, 1, NO_CONTROL), drive(recipe, assumptions, 1, never)
     states = len(plain.names)
     assert one.names == [*plain.names, *OFFSETS]
-    np.testing.assert_allclose(one.path.navigation, plain.path.navigation, rtol=1e-9, atol=1e-9)
-    np.testing.assert_allclose(one.path.errors[:, :states], plain.path.errors, rtol=1e-7, atol=1e-12)
-    np.testing.assert_allclose(one.path.variances[:, : states + 9], plain.path.variances, rtol=1e-7)
-    assert not one.path.errors[:, states:].any()
-    assert not one.record.course.any()
-    assert not one.record.turn.any()
+    np.testing.assert_allclose(one.history.navigation, plain.history.navigation, rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(one.history.errors[:, :states], plain.history.errors, rtol=1e-7, atol=1e-12)
+    np.testing.assert_allclose(one.history.variances[:, : states + 9], plain.history.variances, rtol=1e-7)
+    assert not one.history.errors[:, states:].any()
+    assert not one.record.position_use.any()
+    assert not one.record.offset_event.any()
 
 
 @pytest.mark.slow
@@ -92,7 +92,7 @@ def test_good_fixes_are_set_aside_as_often_as_the_rate_says(recipe, assumptions)
     alarm, found = 0.01, []
     for run in range(RUNS):
         record = drive(recipe, assumptions, run, replace(ONLY, false_alarm=alarm)).record
-        found += [*((record.course == ASIDE) | (record.turn == 1))]
+        found += [*((record.position_use == EXCLUDED) | (record.offset_event == 1))]
     assert abs(np.mean(found) - alarm) < 4 * np.sqrt(alarm / len(found))
 
 
@@ -102,7 +102,7 @@ def test_good_drives_are_nearly_untouched(recipe, assumptions):
     opened, fixes, sizes = 0, 0, []
     for run in range(RUNS):
         whole, plain = (drive(recipe, assumptions, run, SCHEMES[name]) for name in ("hindsight", "reset"))
-        opened += (whole.record.turn == 1).sum() + (whole.record.turn == 2).sum()
+        opened += (whole.record.offset_event == 1).sum() + (whole.record.offset_event == 2).sum()
         fixes += len(whole.fix_time)
         sizes.append([np.linalg.norm(off(recipe, one, 250.0)[0]) for one in (whole, plain)])
     assert opened < 1e-3 * fixes
@@ -153,7 +153,7 @@ def test_a_ramp_is_seen_by_looking_back(recipe, assumptions):
         event = Event(RAMP, BEGIN, BEGIN + 50, sideways(0.3, "ramp", run))
         fixes = spoilt(recipe, run, event)
         one = drive(recipe, assumptions, run, SCHEMES["hindsight"], fixes)
-        times = one.fix_time[one.record.turn == 2]
+        times = one.fix_time[one.record.offset_event == 2]
         seen += ((times > BEGIN) & (times < BEGIN + 50)).any()
         errors.append(np.linalg.norm(off(recipe, one, BEGIN + 50)[0]))
         other = drive(recipe, assumptions, run, SCHEMES["reset"], fixes)
@@ -172,10 +172,10 @@ def test_an_outlier_is_set_aside_and_no_more(recipe, assumptions):
     wild = recipe.fixes(2, SEED)
     wild.loc[BEGIN, "latitude"] += 60 / 6.4e6
     one = drive(recipe, assumptions, 2, ONLY, wild)
-    other = drive(recipe, assumptions, 2, NOTHING, wild.drop(index=BEGIN))
-    np.testing.assert_allclose(one.path.navigation, other.path.navigation, rtol=1e-9, atol=1e-8)
+    other = drive(recipe, assumptions, 2, NO_CONTROL, wild.drop(index=BEGIN))
+    np.testing.assert_allclose(one.history.navigation, other.history.navigation, rtol=1e-9, atol=1e-8)
     assert one.events["event"].tolist().count(SET_ASIDE) == 1
-    assert not one.record.turn.any()
+    assert not one.record.offset_event.any()
 
 
 def test_a_closed_offset_gives_back_all_that_the_fixes_had_told(recipe, assumptions):
@@ -185,18 +185,18 @@ def test_a_closed_offset_gives_back_all_that_the_fixes_had_told(recipe, assumpti
     wild.loc[BEGIN, "latitude"] += 500 / 6.4e6
     wild.loc[BEGIN + 1, "latitude"] -= 500 / 6.4e6
     one = drive(recipe, assumptions, 3, ONLY, wild)
-    turned = one.record.turn[one.record.turn > 0].tolist()
+    turned = one.record.offset_event[one.record.offset_event > 0].tolist()
     assert turned == [1, 1, 3]
-    closed = one.fix_time[one.record.turn == 3][0]
+    closed = one.fix_time[one.record.offset_event == 3][0]
     assert closed == BEGIN + 5
-    used = one.fix_time[(one.record.course == TAKEN)]
+    used = one.fix_time[(one.record.position_use == ACCEPTED)]
     blank = fixes.copy()
     blank.loc[~blank.index.isin(used), list(PLACE_STD)] = 1e6
-    other = drive(recipe, assumptions, 3, NOTHING, blank)
+    other = drive(recipe, assumptions, 3, NO_CONTROL, blank)
     rows = one.time >= closed
-    apart = np.abs(one.path.navigation[rows, :6] - other.path.navigation[rows, :6])
-    assert (apart < 1e-3 * np.sqrt(other.path.variances[rows, :6])).all()  # linearised elsewhere in between
-    np.testing.assert_allclose(one.path.variances[rows, :21], other.path.variances[rows], rtol=1e-3)
+    apart = np.abs(one.history.navigation[rows, :6] - other.history.navigation[rows, :6])
+    assert (apart < 1e-3 * np.sqrt(other.history.variances[rows, :6])).all()  # linearised elsewhere in between
+    np.testing.assert_allclose(one.history.variances[rows, :21], other.history.variances[rows], rtol=1e-3)
 
 
 def test_what_it_does_is_logged_with_statistic_and_threshold(recipe, assumptions):
@@ -210,7 +210,7 @@ def test_what_it_does_is_logged_with_statistic_and_threshold(recipe, assumptions
     beyond = inside["event"] != CLOSED
     assert (inside["statistic"] > inside["threshold"])[beyond].all()
     assert (inside["statistic"] < inside["threshold"])[~beyond].all()
-    assert inside["threshold"][~beyond].item() == quality.lasting > quality.limits(3)[3]
+    assert inside["threshold"][~beyond].item() == quality.separation_limit > quality.limits(3)[3]
 
 
 @pytest.mark.slow
@@ -222,8 +222,8 @@ def test_the_smoother_knows_what_the_filter_found_out(recipe, assumptions):
         bad = spoilt(recipe, run, *events)
         for name, given in (("good", None), ("hindsight", bad), ("reset", bad)):
             one = drive(recipe, assumptions, run, SCHEMES["reset" if name == "good" else name], given, smooth=True)
-            assert (one.path.variances[:, :21] > 0).all()
-            assert np.isfinite(one.path.navigation).all()
+            assert (one.history.variances[:, :21] > 0).all()
+            assert np.isfinite(one.history.navigation).all()
             sizes[name] += [np.linalg.norm(off(recipe, one, time)[0]) for time in (100.0, 120.0, 140.0, 200.0, 220.0)]
     good, known, plain = (np.sqrt(np.mean(np.square(one))) for one in sizes.values())
     assert good < known < 2.0 * good
@@ -233,26 +233,25 @@ def test_the_smoother_knows_what_the_filter_found_out(recipe, assumptions):
 def test_a_filter_that_starts_in_a_stretch_is_reset_once_the_fixes_are_right(recipe, assumptions):
     """It takes the good fixes for shifted, until no fix has been trusted for too long."""
     fixes = spoilt(recipe, 5, Event(STRETCH, 0.0, 60.0, (40.0, 0.0, 0.0)))
-    record, states = recipe.record(5, SEED), assumptions.states(recipe.model)
-    start = depart(record, fixes, states, assumptions, recipe.ellipsoid)
-    found = {}
-    for name, quality in (("reset", Quality(reset_s=60.0)), ("none", Quality(reset_s=None))):
-        found[name] = navigate(record, fixes, recipe.model, assumptions, quality, start, recipe.ellipsoid)
+    inputs = DriveInputs(recipe.record(5, SEED), fixes, recipe.model, recipe.ellipsoid, assumptions)
+    start, found = align(inputs), {}
+    for name, quality in (("reset", QualityControl(reset_s=60.0)), ("none", QualityControl(reset_s=None))):
+        found[name] = navigate(replace(inputs, quality=quality), start)
     resets = found["reset"].events
     resets = resets[resets["event"] == RESET]
     assert len(resets) == 1
     assert resets["statistic"].item() == pytest.approx(61, abs=1.1)
     assert np.linalg.norm(off(recipe, found["reset"], 200.0)[0]) < 5
     assert np.linalg.norm(off(recipe, found["none"], 200.0)[0]) > 30
-    smooth = navigate(record, fixes, recipe.model, assumptions, Quality(reset_s=60.0), start, recipe.ellipsoid, True)
-    assert (smooth.path.variances[:, :21] > 0).all()
+    smooth = navigate(replace(inputs, quality=QualityControl(reset_s=60.0)), start, smooth=True)
+    assert (smooth.history.variances[:, :21] > 0).all()
 
 
 def test_forgetting_leaves_no_trace_of_the_offset():
-    root = stream(SEED, "forget").standard_normal((24, 24))
+    root = stream(SEED, "restart_offset").standard_normal((24, 24))
     covariance, errors, transposed = root @ root.T, np.ones(15), np.ones((24, 24))
     before = covariance[:21, :21].copy()
-    forget(covariance, errors, 7.0, transposed)
+    restart_offset(covariance, errors, 7.0, transposed)
     np.testing.assert_array_equal(covariance[:21, :21], before)
     np.testing.assert_array_equal(covariance[21:], np.hstack([np.zeros((3, 21)), 7.0 * np.eye(3)]))
     np.testing.assert_array_equal(covariance, covariance.T)
@@ -263,9 +262,9 @@ def test_forgetting_leaves_no_trace_of_the_offset():
 
 
 def test_lanes_are_copies_of_the_first():
-    one = State(*(np.arange(6.0).reshape(2, 3) for _ in State._fields))
-    lanes = one.copy(3)
-    assert all(field.shape == (3, 3) and (field == [0.0, 1.0, 2.0]).all() for field in lanes)
-    lanes.clock[0, 0] = 9.0
+    one = FilterState(*(np.arange(6.0).reshape(2, 3) for _ in FilterState._fields))
+    members = one.copy(3)
+    assert all(field.shape == (3, 3) and (field == [0.0, 1.0, 2.0]).all() for field in members)
+    members.clock[0, 0] = 9.0
     assert one.clock[0, 0] == 0.0
-    assert lanes.clock[1, 0] == 0.0
+    assert members.clock[1, 0] == 0.0

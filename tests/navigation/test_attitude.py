@@ -10,7 +10,7 @@ from imugap.effects import GaussMarkov, RandomWalk, WhiteNoise
 from imugap.effects.effect import AxisModel
 from imugap.io import reference
 from imugap.model import ErrorModel
-from imugap.navigation.attitude import Assumptions, Start, fuse
+from imugap.navigation.attitude import AttitudeAssumptions, InitialAttitude, estimate_attitude
 from imugap.numerics.rotation import from_euler
 from imugap.stream import stream
 
@@ -23,7 +23,7 @@ BIAS_STD = (0.01, 0.05)
 
 
 def assuming(memory=None, bias_std=(0.0, 0.0)):
-    return Assumptions(G, memory, bias_std)
+    return AttitudeAssumptions(G, memory, bias_std)
 
 
 def turning(rate, count, first):
@@ -70,14 +70,14 @@ def level_log(count, rate=(0.0, 0.0, 0.0)):
 def test_a_constant_rate_is_followed_exactly_over_many_turns(rate):
     first = from_euler([0.3, -0.2, 1.0])
     truth, ideal = turning(np.array(rate), 20_000, first)
-    solution = fuse(ideal, SILENT, Start((0.3, -0.2, 1.0), (0.0, 0.0, 0.0)), assuming())
+    solution = estimate_attitude(ideal, SILENT, InitialAttitude((0.3, -0.2, 1.0), (0.0, 0.0, 0.0)), assuming())
     assert np.linalg.norm(rate) * 400 > 60 * 2 * np.pi
     assert np.abs(error(solution, truth)).max() < 1e-6
 
 
 def test_a_tilted_start_converges_to_the_vertical_and_keeps_its_heading():
     truth, ideal = level_log(2000)
-    solution = fuse(ideal, MODEL, Start((0.05, -0.04, 0.6), (0.1, 0.1, 0.1)), assuming())
+    solution = estimate_attitude(ideal, MODEL, InitialAttitude((0.05, -0.04, 0.6), (0.1, 0.1, 0.1)), assuming())
     off = error(solution, truth)
     assert np.abs(off[0, :2]).max() < 0.005
     assert np.abs(off[-1, :2]).max() < 1e-4
@@ -88,8 +88,8 @@ def test_a_tilted_start_converges_to_the_vertical_and_keeps_its_heading():
 def test_the_heading_of_the_frame_does_not_matter():
     _, ideal = tumbling(1000, from_euler([0.1, 0.2, 0.0]))
     noisy = measured(ideal, 0.001, "turned")
-    starts = [Start((0.1, 0.2, heading), (0.02, 0.02, 0.02)) for heading in (0.0, 2.1)]
-    solutions = [fuse(noisy, MODEL, start, assuming(1.0, BIAS_STD)) for start in starts]
+    starts = [InitialAttitude((0.1, 0.2, heading), (0.02, 0.02, 0.02)) for heading in (0.0, 2.1)]
+    solutions = [estimate_attitude(noisy, MODEL, start, assuming(1.0, BIAS_STD)) for start in starts]
     turned = Rotation.from_euler("z", 2.1) * reference.rotations(solutions[0].attitude)
     missed = (turned * reference.rotations(solutions[1].attitude).inv()).magnitude()
     assert missed.max() < 1e-10
@@ -104,7 +104,9 @@ def test_level_gyro_biases_are_observed_and_the_vertical_one_is_not():
     truth, ideal = level_log(30_000)
     bias = np.array([0.004, -0.003, 0.005, 0, 0, 0])
     noisy = measured(ideal, bias, "level")
-    solution = fuse(noisy, MODEL, Start((0, 0, 0), (0.01, 0.01, 0.0)), assuming(bias_std=(0.005, 0.0)))
+    solution = estimate_attitude(
+        noisy, MODEL, InitialAttitude((0, 0, 0), (0.01, 0.01, 0.0)), assuming(bias_std=(0.005, 0.0))
+    )
     std = solution.sensors_std.iloc[-1].to_numpy()
     shown = GaussMarkov(5e-4, 20.0).std
     assert (std[:2] < 2 * shown).all()
@@ -119,7 +121,9 @@ def test_level_gyro_biases_are_observed_and_the_vertical_one_is_not():
 def test_a_level_accelerometer_bias_is_a_tilt_and_the_filter_says_so():
     truth, ideal = level_log(5000)
     noisy = measured(ideal, np.array([0, 0, 0, 0.05, 0, 0]), "tilted")
-    solution = fuse(noisy, MODEL, Start((0, 0, 0), (0.1, 0.1, 0.0)), assuming(bias_std=(0.0, 0.05)))
+    solution = estimate_attitude(
+        noisy, MODEL, InitialAttitude((0, 0, 0), (0.1, 0.1, 0.0)), assuming(bias_std=(0.0, 0.05))
+    )
     assert error(solution, truth)[-1, 1] == pytest.approx(0.05 / G, rel=0.4)
     assert solution.std[-1, 1] == pytest.approx(0.05 / G, rel=0.05)
 
@@ -129,7 +133,7 @@ def test_rest_ahead_shows_the_gyro_biases_and_correlates_tilt_and_accelerometers
     bias = np.array([0.02, -0.03, 0.05, 0.03, -0.02, 0.04])
     noisy = measured(ideal, bias, "rest")
     rest, ahead = noisy.iloc[:1500], noisy.iloc[1500:]
-    solution = fuse(ahead, MODEL, Start.at_rest(rest, 0.0), assuming(bias_std=(1.0, 0.05)))
+    solution = estimate_attitude(ahead, MODEL, InitialAttitude.at_rest(rest, 0.0), assuming(bias_std=(1.0, 0.05)))
     np.testing.assert_allclose(solution.sensors.iloc[0, :3], bias[:3], atol=4 * solution.sensors_std.iloc[0, :3].max())
     assert (solution.sensors_std.iloc[0, :3] < 2 * GaussMarkov(5e-4, 20.0).std).all()
     assert solution.sensors.iloc[0, 5] == pytest.approx(bias[5], abs=0.01)
@@ -155,7 +159,9 @@ def ensemble():
         noisy = measured(ideal, bias, "ensemble", run)
         guess = Rotation.from_rotvec(0.02 * rng.standard_normal(3)) * first
         attitude = guess.as_euler("ZYX")[::-1]
-        solution = fuse(noisy, MODEL, Start(tuple(attitude), (0.02, 0.02, 0.02)), assuming(bias_std=BIAS_STD))
+        solution = estimate_attitude(
+            noisy, MODEL, InitialAttitude(tuple(attitude), (0.02, 0.02, 0.02)), assuming(bias_std=BIAS_STD)
+        )
         off = error(solution, truth)[-1]
         squares.append(off @ np.linalg.solve(solution.covariance[-1], off))
         innovations.append(solution.innovations[50:])
@@ -184,7 +190,9 @@ def test_a_model_without_slow_errors_is_caught_by_the_same_test():
     squares = []
     for run in range(30):
         noisy = measured(ideal, 0.0, "caught", run)
-        off = error(fuse(noisy, white, Start((0, 0, 0), (1e-4, 1e-4, 1e-4)), assuming()), truth)[-1, 2]
+        off = error(estimate_attitude(noisy, white, InitialAttitude((0, 0, 0), (1e-4, 1e-4, 1e-4)), assuming()), truth)[
+            -1, 2
+        ]
         squares.append(off**2)
     ratio = np.mean(squares) / ((7e-4) ** 2 * DT * 3000 + 1e-8)
     assert ratio > chi2.ppf(0.9995, 30) / 30
@@ -203,8 +211,10 @@ def test_a_turn_that_looks_level_is_not_believed():
     rate = np.array([0.0, turn * np.sin(bank), turn * np.cos(bank)])
     ideal = np.tile([*rate, 0.0, 0.0, -G / np.cos(bank)], (count, 1))
     noisy = MODEL.simulate(log.from_samples(dict(zip(log.AXES, ideal.T, strict=True)), DT), 5, "turn")
-    start, biases = Start((bank, 0, 0), (0.005, 0.005, 0.0)), (1e-4, 0.01)
-    wary, credulous = (error(fuse(noisy, MODEL, start, assuming(memory, biases)), truth) for memory in (1.0, None))
+    start, biases = InitialAttitude((bank, 0, 0), (0.005, 0.005, 0.0)), (1e-4, 0.01)
+    wary, credulous = (
+        error(estimate_attitude(noisy, MODEL, start, assuming(memory, biases)), truth) for memory in (1.0, None)
+    )
     assert np.abs(wary[-1, :2]).max() < np.radians(1)
     assert np.abs(credulous[-1, :2]).max() > np.radians(10)
 
@@ -212,8 +222,8 @@ def test_a_turn_that_looks_level_is_not_believed():
 def test_the_reading_of_the_acceleration_only_makes_the_filter_more_careful():
     _, ideal = tumbling(1500, from_euler([0.1, 0.0, 0.0]))
     noisy = measured(ideal, 0.0, "careful")
-    start = Start((0.1, 0.0, 0.0), (0.01, 0.01, 0.01))
-    wary, sure = (fuse(noisy, MODEL, start, assuming(memory, BIAS_STD)) for memory in (1.0, None))
+    start = InitialAttitude((0.1, 0.0, 0.0), (0.01, 0.01, 0.01))
+    wary, sure = (estimate_attitude(noisy, MODEL, start, assuming(memory, BIAS_STD)) for memory in (1.0, None))
     assert (wary.std[100:, :2] > sure.std[100:, :2]).all()
 
 
@@ -223,6 +233,6 @@ def test_the_reading_of_the_acceleration_only_makes_the_filter_more_careful():
 def test_a_log_with_a_gap_or_without_an_axis_is_refused():
     _, ideal = level_log(100)
     with pytest.raises(log.LogError, match=r"steps of 0.02 s; found one of 0.2"):
-        fuse(ideal.drop(ideal.index[20:29]), MODEL, Start((0, 0, 0), (0, 0, 0)), assuming())
+        estimate_attitude(ideal.drop(ideal.index[20:29]), MODEL, InitialAttitude((0, 0, 0), (0, 0, 0)), assuming())
     with pytest.raises(log.LogError, match="no accel_y"):
-        fuse(ideal.drop(columns="accel_y"), MODEL, Start((0, 0, 0), (0, 0, 0)), assuming())
+        estimate_attitude(ideal.drop(columns="accel_y"), MODEL, InitialAttitude((0, 0, 0), (0, 0, 0)), assuming())

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.special import bdtr, bdtrc
 
-from imugap.commands.walk import INDOORS, USUAL
+from imugap.commands.walk import DEFAULT_MODEL, INDOORS
 from imugap.effects import Bias
 from imugap.effects.effect import AxisModel
 from imugap.filters.consistency import nees_band
@@ -18,7 +18,7 @@ from imugap.io.readers import read_positions, read_raw, read_strides
 from imugap.kinematics.strapdown import ATTITUDE, POSITION, VELOCITY
 from imugap.log import ACCEL, AXES, GYRO, LogError
 from imugap.model import ErrorModel
-from imugap.navigation.pedestrian import ARM, Assumptions, navigate
+from imugap.navigation.pedestrian import LEVER_ARM, WalkAssumptions, navigate
 from imugap.numerics.rotation import from_euler
 from imugap.simulation.camera_track import footprints
 from imugap.simulation.walk import Course, Leg, Walk
@@ -52,8 +52,8 @@ def walk():
 
 @pytest.fixture(scope="module")
 def matched(walk):
-    """Assumptions that hold in the simulation, every one."""
-    return Assumptions(
+    """WalkAssumptions that hold in the simulation, every one."""
+    return WalkAssumptions(
         gravity=walk.site.gravity, settling_std=0.0, rate_std=0.0, blind_gyro=0.0, blind_accel=0.0, tilt_std=1e-4
     )
 
@@ -84,7 +84,7 @@ def runs(walk, matched):
     for run in range(RUNS):
         log, velocity, arm = drawn(walk, matched, run)
         solution = navigate(log, walk.model, matched, velocity=velocity)
-        off = solution.sensors[list(ARM)].iloc[-1].to_numpy() - arm
+        off = solution.sensors[list(LEVER_ARM)].iloc[-1].to_numpy() - arm
         found.append((error(solution, truth, -1), off, solution))
     return found
 
@@ -106,7 +106,7 @@ def test_the_filter_errs_as_much_as_it_says(runs, states):
 def test_the_arm_to_the_point_at_rest_is_found_as_exactly_as_it_says(runs):
     low, high = nees_band(3, RUNS, 0.99)
     assert low < nees([one[1] for one in runs], [one[2].covariance[-3:, -3:] for one in runs]) < high
-    assert np.mean([one[2].sensors_std[list(ARM)].iloc[-1].min() for one in runs]) < 0.05
+    assert np.mean([one[2].sensors_std[list(LEVER_ARM)].iloc[-1].min() for one in runs]) < 0.05
 
 
 @pytest.mark.slow
@@ -197,8 +197,8 @@ def test_a_foot_that_rolls_over_its_sole_sinks_or_rises_unless_the_point_at_rest
         found, solution = ideal_solution(walk, replace(matched, arm_std=arm_std))
         lengths.append(solution.strides()["length"].mean() - found.gait.length_m)
         if arm_std:
-            off = solution.sensors[list(ARM)].iloc[-1].to_numpy() - np.array(found.contact_m)
-            assert (np.abs(off) < 2 * solution.sensors_std[list(ARM)].iloc[-1]).all()
+            off = solution.sensors[list(LEVER_ARM)].iloc[-1].to_numpy() - np.array(found.contact_m)
+            assert (np.abs(off) < 2 * solution.sensors_std[list(LEVER_ARM)].iloc[-1]).all()
     assert abs(lengths[1]) < 0.5 * abs(lengths[0])
 
 
@@ -208,7 +208,7 @@ def heights(walk, assumptions, model, legs):
     truth = walk.truth(0, SEED)["down"].iloc[-1]
     for run in range(12):
         log = model.simulate(walk.ideal(0, SEED), SEED, "heights", run)
-        solution = navigate(log, USUAL, replace(assumptions, gravity=walk.site.gravity))
+        solution = navigate(log, DEFAULT_MODEL, replace(assumptions, gravity=walk.site.gravity))
         found.append((truth - solution.trajectory["down"].iloc[-1], solution.trajectory_std["down"].iloc[-1]))
     return np.array(found)
 
@@ -221,11 +221,11 @@ def test_samples_near_the_full_scale_are_doubted_and_no_others(walk):
     clipped = ideal.assign(**{axis: ideal[axis].clip(-limit, limit) for axis in ACCEL})
 
     def found(full_scale):
-        assumptions = Assumptions(gravity=hard.site.gravity, full_scale=full_scale)
-        return navigate(clipped, USUAL, assumptions, smooth=True)
+        assumptions = WalkAssumptions(gravity=hard.site.gravity, full_scale=full_scale)
+        return navigate(clipped, DEFAULT_MODEL, assumptions, smooth=True)
 
     believed, doubted, out_of_reach = found(np.inf), found(limit), found(1.2 * limit)
-    np.testing.assert_array_equal(believed.path.navigation, out_of_reach.path.navigation)
+    np.testing.assert_array_equal(believed.history.navigation, out_of_reach.history.navigation)
     apart = [np.linalg.norm(one.trajectory[["north", "east"]].iloc[-1] - end) for one in (believed, doubted)]
     assert apart[1] < 0.9 * apart[0]
     assert np.trace(doubted.horizontal[-1]) > np.trace(believed.horizontal[-1])
@@ -240,7 +240,7 @@ def tilted():
 @pytest.mark.slow
 def test_a_level_floor_tells_the_height_that_zero_velocity_does_not(walk, tilted):
     """With as little said of it; and both errors are as large as they are said to be, or less."""
-    alone, floor = (heights(walk, one, tilted, (Leg(24),)) for one in (Assumptions(), INDOORS))
+    alone, floor = (heights(walk, one, tilted, (Leg(24),)) for one in (WalkAssumptions(), INDOORS))
     assert np.sqrt(np.mean(floor[:, 0] ** 2)) < 0.3 * np.sqrt(np.mean(alone[:, 0] ** 2))
     assert floor[:, 1].max() < 0.4 * alone[:, 1].min()
     for found in (alone, floor):
@@ -251,7 +251,9 @@ def test_a_level_floor_tells_the_height_that_zero_velocity_does_not(walk, tilted
 @pytest.mark.parametrize("rise_m", [0.08, -0.17])
 def test_a_slope_and_a_stair_are_no_level_floor(walk, tilted, rise_m):
     """Half the walk is level, half is not: the height is that of the sensors, or better."""
-    alone, floor = (heights(walk, one, tilted, (Leg(12), Leg(12, rise_m=rise_m))) for one in (Assumptions(), INDOORS))
+    alone, floor = (
+        heights(walk, one, tilted, (Leg(12), Leg(12, rise_m=rise_m))) for one in (WalkAssumptions(), INDOORS)
+    )
     assert np.sqrt(np.mean(floor[:, 0] ** 2)) < np.sqrt(np.mean(alone[:, 0] ** 2))
     assert (np.abs(floor[:, 0]) < 3 * floor[:, 1]).all()
 
@@ -290,7 +292,7 @@ def sets():
 
 
 def real(dataset, run, smooth=False, assumptions=None):
-    return navigate(filled(read_raw(dataset.file(run).place(MIRROR), dataset, run)), USUAL, assumptions, smooth)
+    return navigate(filled(read_raw(dataset.file(run).place(MIRROR), dataset, run)), DEFAULT_MODEL, assumptions, smooth)
 
 
 @needs_mirror
@@ -320,7 +322,9 @@ def test_the_height_under_cameras_is_better_for_a_level_floor(sets):
     dataset, ends = sets["pyshoe_vicon"], []
     for run in dataset.runs:
         seen = read_positions(dataset.file(run).place(MIRROR), dataset, run)["down"]
-        rises = [real(dataset, run, assumptions=one).trajectory["down"].iloc[-1] for one in (Assumptions(), INDOORS)]
+        rises = [
+            real(dataset, run, assumptions=one).trajectory["down"].iloc[-1] for one in (WalkAssumptions(), INDOORS)
+        ]
         ends.append(np.abs(np.array(rises) - (seen.iloc[-1] - seen.iloc[0])))
     assert np.median(ends, axis=0)[1] < 0.5 * np.median(ends, axis=0)[0]
 

@@ -7,7 +7,7 @@ import pytest
 from imugap.effects import Misalignment, ScaleFactor
 from imugap.kinematics.strapdown import POSITION
 from imugap.model import ErrorModel
-from imugap.navigation.pedestrian import Sight, innovations, navigate
+from imugap.navigation.pedestrian import PositionAiding, innovations, navigate
 from imugap.navigation.score_test import Testimony, heard, judge
 from imugap.navigation.stance_innovations import sinking, suspects
 from imugap.simulation.camera_track import closed
@@ -42,7 +42,7 @@ def seen(loop, run):
     """Cameras that see the device twice a second, the true heading and origin included."""
     position = loop.truth(run, SEED)[list(POSITION)].to_numpy(float)
     position[np.arange(len(position)) % 50 != 0] = np.nan
-    return Sight(position, 0.01)
+    return PositionAiding(position, 0.01)
 
 
 def test_positions_are_innovations_too(loop):

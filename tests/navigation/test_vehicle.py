@@ -8,15 +8,15 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from imugap import log
-from imugap.filters.alignment import calibrated, tilt
+from imugap.filters.alignment import biases_from_rest, level_sensitivity
 from imugap.filters.consistency import nees_band
 from imugap.filters.error_state import NAVIGATION
-from imugap.filters.innovation_gate import FAILED, NOTHING, RESET, SCHEMES, Quality
+from imugap.filters.innovation_gate import FAILED, NO_CONTROL, RESET, SCHEMES, QualityControl
 from imugap.io import gnss, reference
 from imugap.kinematics.strapdown import POSITION, VELOCITY, level
 from imugap.model import ErrorModel
-from imugap.navigation.vehicle import Assumptions, Start, navigate
-from imugap.navigation.vehicle_alignment import Departure, depart
+from imugap.navigation.vehicle import DriveAssumptions, DriveInputs, InitialState, navigate
+from imugap.navigation.vehicle_alignment import align
 from imugap.numerics.rotation import from_euler
 from imugap.simulation.drive import Drive
 from imugap.stream import stream
@@ -36,7 +36,7 @@ def recipe():
 
 @pytest.fixture(scope="module")
 def assumptions(recipe):
-    return Assumptions(lever_m=recipe.receiver.lever_m, scale_std=recipe.scale_std)
+    return DriveAssumptions(lever_m=recipe.receiver.lever_m, scale_std=recipe.scale_std)
 
 
 def true_state(recipe, time):
@@ -51,20 +51,20 @@ def start(recipe, assumptions, run, *constants):
     linear, turn = true_state(recipe, BEGIN)
     off = STD * stream(SEED, "start", run).standard_normal(NAVIGATION)
     navigation = np.concatenate([linear[0] + off[:6], (Rotation.from_rotvec(off[6:]) * turn[0]).as_quat()])
-    return Start(BEGIN, navigation, np.zeros(len(variance) - NAVIGATION), np.diag(variance))
+    return InitialState(BEGIN, navigation, np.zeros(len(variance) - NAVIGATION), np.diag(variance))
 
 
-def drive(recipe, assumptions, run, quality=NOTHING, fixes=None, smooth=False, begin=None):
+def drive(recipe, assumptions, run, quality=NO_CONTROL, fixes=None, smooth=False, begin=None):
     fixes = recipe.fixes(run, SEED) if fixes is None else fixes
     begin = start(recipe, assumptions, run) if begin is None else begin
-    given = recipe.record(run, SEED), fixes, recipe.model, assumptions, quality, begin, recipe.ellipsoid
-    return navigate(*given, smooth=smooth)
+    inputs = DriveInputs(recipe.record(run, SEED), fixes, recipe.model, recipe.ellipsoid, assumptions, quality)
+    return navigate(inputs, begin, smooth)
 
 
 def error(recipe, solution, rows):
     """Return the error of the navigation at rows of a solution, shape (rows, 9)."""
     linear, turn = true_state(recipe, solution.time.to_numpy()[rows])
-    found = solution.path.navigation[rows]
+    found = solution.history.navigation[rows]
     return np.hstack([found[:, :6] - linear, (Rotation.from_quat(found[:, 6:]) * turn.inv()).as_rotvec()])
 
 
@@ -113,7 +113,7 @@ def test_innovations_are_white_and_as_large_as_expected(runs):
     """NIS: its mean; whitened components: variance one, no correlation from fix to fix, no false alarms beyond 1 %."""
     nis = np.concatenate([one[2].statistic for one in runs])
     assert abs(nis.mean() / 6 - 1) < 4 * np.sqrt(2 / 6 / len(nis))
-    alarms = np.mean(nis > Quality(false_alarm=0.01).limits(6)[6])
+    alarms = np.mean(nis > QualityControl(false_alarm=0.01).limits(6)[6])
     assert abs(alarms - 0.01) < 4 * np.sqrt(0.01 / len(nis))
     white = np.array([one[2].whitened for one in runs])
     count = white[..., 0].size
@@ -130,8 +130,8 @@ def test_the_smoother_errs_as_much_as_it_says_and_less_than_the_filter(recipe, a
         for smooth, found in both.items():
             one = drive(recipe, assumptions, run, smooth=smooth)
             found.append((error(recipe, one, [row])[0], one.trajectory_std.iloc[row].to_numpy()))
-            ends.append((one.path.navigation[-1], one.path.variances[-1]))
-            assert (one.path.variances > 0).all()
+            ends.append((one.history.navigation[-1], one.history.variances[-1]))
+            assert (one.history.variances > 0).all()
         np.testing.assert_allclose(ends[0][0], ends[1][0], atol=1e-9)
         np.testing.assert_allclose(ends[0][1], ends[1][1], rtol=1e-6)
     low, high = nees_band(1, count, 0.9999)
@@ -147,9 +147,9 @@ def test_with_all_gates_open_the_gated_filter_is_the_plain_one(recipe, assumptio
     """To the bit: a gate that never closes is none."""
     never = 1e-300
     plain = drive(recipe, assumptions, 1)
-    gated = drive(recipe, assumptions, 1, replace(NOTHING, false_alarm=never, gated=True))
-    np.testing.assert_array_equal(plain.path.navigation, gated.path.navigation)
-    np.testing.assert_array_equal(plain.path.errors, gated.path.errors)
+    gated = drive(recipe, assumptions, 1, replace(NO_CONTROL, false_alarm=never, gated=True))
+    np.testing.assert_array_equal(plain.history.navigation, gated.history.navigation)
+    np.testing.assert_array_equal(plain.history.errors, gated.history.errors)
     np.testing.assert_array_equal(plain.covariances, gated.covariances)
 
 
@@ -159,18 +159,18 @@ def test_a_closed_gate_holds_the_sensors_and_tells_what_that_costs(recipe, assum
     begin = start(recipe, assumptions, 2)
     fixes = recipe.fixes(2, SEED).loc[BEGIN + 0.5 : BEGIN + 3.5].copy()
     fixes.loc[fixes.index[-1], "latitude"] += 60 / 6.4e6
-    shut = drive(recipe, assumptions, 2, replace(NOTHING, gated=True), fixes, begin=begin)
-    plain = drive(recipe, assumptions, 2, NOTHING, fixes, begin=begin)
+    shut = drive(recipe, assumptions, 2, replace(NO_CONTROL, gated=True), fixes, begin=begin)
+    plain = drive(recipe, assumptions, 2, NO_CONTROL, fixes, begin=begin)
     assert shut.record.passed.tolist() == [True, True, False]
     row = shut.fix_row[-1]
-    np.testing.assert_array_equal(shut.path.navigation[:row], plain.path.navigation[:row])
-    np.testing.assert_allclose(shut.path.errors[row], shut.path.errors[row - 1], rtol=1e-3, atol=1e-12)
-    assert np.abs(plain.path.errors[row] - shut.path.errors[row]).max() > 1e-5
-    np.testing.assert_allclose(shut.path.navigation[row], plain.path.navigation[row], atol=1e-9)
+    np.testing.assert_array_equal(shut.history.navigation[:row], plain.history.navigation[:row])
+    np.testing.assert_allclose(shut.history.errors[row], shut.history.errors[row - 1], rtol=1e-3, atol=1e-12)
+    assert np.abs(plain.history.errors[row] - shut.history.errors[row]).max() > 1e-5
+    np.testing.assert_allclose(shut.history.navigation[row], plain.history.navigation[row], atol=1e-9)
     after, best = shut.covariances[-1], plain.covariances[-1]
     sensors = slice(NAVIGATION, None)
     np.testing.assert_allclose(after[:NAVIGATION, :NAVIGATION], best[:NAVIGATION, :NAVIGATION], rtol=1e-6, atol=1e-15)
-    before = shut.path.variances[row - 1, sensors]
+    before = shut.history.variances[row - 1, sensors]
     np.testing.assert_allclose(np.diag(after)[sensors], before, rtol=1e-3)
     assert np.linalg.eigvalsh(after - best).min() > -1e-12 * np.trace(best)
     np.testing.assert_allclose(after, after.T, atol=1e-15)
@@ -184,7 +184,7 @@ def test_gross_errors_are_met_as_each_scheme_says(recipe, assumptions, scheme):
     one = drive(recipe, assumptions, 3, SCHEMES[scheme], fixes)
     clean = drive(recipe, assumptions, 3, SCHEMES[scheme])
     at = one.fix_row[np.searchsorted(one.fix_time, 100.0)]
-    thrown = np.linalg.norm(one.path.navigation[at, :2] - clean.path.navigation[at, :2])
+    thrown = np.linalg.norm(one.history.navigation[at, :2] - clean.history.navigation[at, :2])
     share = one.record.share[np.searchsorted(one.fix_time, 100.0), 0]
     events = one.events[one.events["time"] == 100.0]
     assert (events["event"] == FAILED).any()
@@ -201,7 +201,7 @@ def test_a_soft_reset_brings_back_a_filter_that_is_lost(recipe, assumptions):
     """Sure of itself and 400 m off: it takes no fix until the reset, and is right soon after."""
     begin = start(recipe, assumptions, 4)
     lost = replace(begin, navigation=begin.navigation + np.eye(10)[0] * 400)
-    remove = Quality(robust=False, reset_s=30.0, hindsight_s=None)
+    remove = QualityControl(robust=False, reset_s=30.0, separation_s=None)
     one = drive(recipe, assumptions, 4, remove, begin=lost)
     resets = one.events[one.events["event"] == RESET]
     assert len(resets) >= 1
@@ -210,7 +210,7 @@ def test_a_soft_reset_brings_back_a_filter_that_is_lost(recipe, assumptions):
     assert np.abs(error(recipe, one, [-1])[0, :2]).max() < 5
     still = drive(recipe, assumptions, 4, replace(remove, reset_s=None), begin=lost)
     assert np.abs(error(recipe, still, [-1])[0, 0]) > 50
-    assert (drive(recipe, assumptions, 4, remove, begin=lost, smooth=True).path.variances > 0).all()
+    assert (drive(recipe, assumptions, 4, remove, begin=lost, smooth=True).history.variances > 0).all()
 
 
 def test_sensor_errors_out_of_proportion_start_again_at_a_reset(recipe, assumptions):
@@ -218,20 +218,20 @@ def test_sensor_errors_out_of_proportion_start_again_at_a_reset(recipe, assumpti
     insane = begin.errors.copy()
     insane[3] = 1.0
     wrong = replace(begin, errors=insane, covariance=begin.covariance * np.where(np.arange(21) == 12, 1e-6, 1)[:, None])
-    one = drive(recipe, assumptions, 5, Quality(reset_s=20.0, hindsight_s=None), begin=wrong)
+    one = drive(recipe, assumptions, 5, QualityControl(reset_s=20.0, separation_s=None), begin=wrong)
     first = one.fix_row[np.flatnonzero(one.record.reset)[0]]
-    assert one.path.errors[first - 1, 3] > 0.5
-    assert abs(one.path.errors[first + 200, 3]) < 0.15
+    assert one.history.errors[first - 1, 3] > 0.5
+    assert abs(one.history.errors[first + 200, 3]) < 0.15
 
 
 def test_the_covariance_may_go_in_longer_epochs(recipe, assumptions):
     """Of 0.05 s and of every sample: apart by little against what is not known."""
     whole, fine = (drive(recipe, replace(assumptions, epoch_s=epoch), 6) for epoch in (0.05, 0.01))
     rows = whole.fix_row, fine.fix_row
-    apart = np.abs(whole.path.navigation[rows[0], :6] - fine.path.navigation[rows[1], :6])
-    std = np.sqrt(fine.path.variances[rows[1], :6])
+    apart = np.abs(whole.history.navigation[rows[0], :6] - fine.history.navigation[rows[1], :6])
+    std = np.sqrt(fine.history.variances[rows[1], :6])
     assert (apart < 0.02 * std).all()
-    np.testing.assert_allclose(whole.path.variances[rows[0]], fine.path.variances[rows[1]], rtol=0.01)
+    np.testing.assert_allclose(whole.history.variances[rows[0]], fine.history.variances[rows[1]], rtol=0.01)
 
 
 def test_fixes_between_samples_are_taken_where_they_are(recipe, assumptions):
@@ -241,8 +241,8 @@ def test_fixes_between_samples_are_taken_where_they_are(recipe, assumptions):
     std = np.tile([0.01] * 3 + [0.01] * 3, (len(fine), 1))
     fixes = gnss.from_local(fine.index.to_numpy(), fine.to_numpy(), std, recipe.ellipsoid)
     linear, turn = true_state(recipe, BEGIN)
-    begin = Start(BEGIN, np.concatenate([linear[0], turn[0].as_quat()]), np.zeros(12), np.diag([1e-6] * 21))
-    one = navigate(coarse.path[1], fixes, recipe.model, assumptions, NOTHING, begin, recipe.ellipsoid)
+    begin = InitialState(BEGIN, np.concatenate([linear[0], turn[0].as_quat()]), np.zeros(12), np.diag([1e-6] * 21))
+    one = navigate(DriveInputs(coarse.path[1], fixes, recipe.model, recipe.ellipsoid, assumptions, NO_CONTROL), begin)
     assert np.abs(one.record.innovation[:, :3]).max() < 0.01
     assert np.abs(one.record.innovation[:, 3:]).max() < 0.02
     assert len(np.unique(np.round(np.remainder(one.fix_time, 0.05), 6))) > 4
@@ -254,7 +254,7 @@ def test_the_time_offset_is_taken_off_or_estimated(recipe, assumptions, delay):
     late = replace(recipe, receiver=replace(recipe.receiver, delay_s=delay))
     told = drive(late, replace(assumptions, offset_s=delay), 7)
     plain = drive(recipe, assumptions, 7)
-    np.testing.assert_allclose(told.path.navigation[-1], plain.path.navigation[-1], atol=1e-6)
+    np.testing.assert_allclose(told.history.navigation[-1], plain.history.navigation[-1], atol=1e-6)
     aware = replace(assumptions, offset_std=0.2)
     errors = []
     for run in range(30):
@@ -271,7 +271,7 @@ def test_the_lever_arm_is_estimated_as_exactly_as_it_says(recipe, assumptions):
     errors = []
     for run in range(30):
         one = drive(recipe, aware, run, begin=start(recipe, aware, run))
-        off = one.path.errors[-1, -3:] - recipe.receiver.lever_m
+        off = one.history.errors[-1, -3:] - recipe.receiver.lever_m
         errors.append(off @ np.linalg.solve(one.covariances[-1][-3:, -3:], off))
         assert one.sensors_std[["lever_x", "lever_y"]].iloc[-1].max() < 0.4
     low, high = nees_band(3, 30, 0.999)
@@ -284,12 +284,12 @@ def test_the_lever_arm_is_estimated_as_exactly_as_it_says(recipe, assumptions):
 def test_the_start_is_as_right_as_it_says(recipe, assumptions, rest, constants):
     """Levelled at rest, or in motion where the log begins there; position, velocity and attitude against the truth."""
     assumptions = replace(assumptions, **constants)
-    states, found = assumptions.states(recipe.model), []
+    found = []
     for run in range(60):
         samples, fixes = recipe.record(run, SEED), recipe.fixes(run, SEED)
         if not rest:
             samples, fixes = samples.loc[30.0:], fixes.loc[30.0:]
-        one = depart(samples, fixes, states, assumptions, recipe.ellipsoid, Departure())
+        one = align(DriveInputs(samples, fixes, recipe.model, recipe.ellipsoid, assumptions))
         linear, turn = true_state(recipe, one.time)
         off = np.concatenate([
             one.navigation[:6] - linear[0], (Rotation.from_quat(one.navigation[6:]) * turn[0].inv()).as_rotvec()
@@ -303,10 +303,9 @@ def test_the_start_is_as_right_as_it_says(recipe, assumptions, rest, constants):
 
 
 def test_a_drive_without_a_course_does_not_start(recipe, assumptions):
-    states = assumptions.states(recipe.model)
     given = recipe.record(1, SEED).loc[:10.0], recipe.fixes(1, SEED).loc[:10.0]
     with pytest.raises(ValueError, match=r"start: expected a fix that tells the course within 0\.1 rad; found none"):
-        depart(*given, states, assumptions, recipe.ellipsoid)
+        align(DriveInputs(*given, recipe.model, recipe.ellipsoid, assumptions))
 
 
 def test_a_start_outside_of_the_log_is_refused(recipe, assumptions):
@@ -319,8 +318,8 @@ def test_a_rest_tells_the_gyroscopes_what_the_best_estimate_is(recipe):
     """Against the Gaussian posterior of a constant seen in white noise."""
     model = ErrorModel.from_mapping({axis: [{"white_noise": {"density": 1e-4}}, {"turn_on_bias": {"std": 1e-3}}]
                                      for axis in log.GYRO})  # fmt: skip
-    states = Assumptions(scale_std=(0.0, 0.0)).states(model)
-    errors, covariance = calibrated(np.array([1e-3, -2e-3, 5e-4]), 25.0, states, np.diag(states.variance))
+    states = DriveAssumptions(scale_std=(0.0, 0.0)).states(model)
+    errors, covariance = biases_from_rest(np.array([1e-3, -2e-3, 5e-4]), 25.0, states, np.diag(states.variance))
     share = 1e-6 / (1e-6 + 1e-8 / 25)
     np.testing.assert_allclose(errors, share * np.array([1e-3, -2e-3, 5e-4]))
     np.testing.assert_allclose(np.diag(covariance), 1e-6 * (1 - share))
@@ -331,7 +330,7 @@ def test_what_accelerometers_are_off_tilts_the_level_across(recipe, assumptions)
     states = assumptions.states(recipe.model)
     turn = from_euler(np.array([0.03, -0.05, 1.0]))
     force = turn.inv().apply([0, 0, -9.8])
-    rows = tilt(force, turn.as_matrix(), states, 9.8)
+    rows = level_sensitivity(force, turn.as_matrix(), states, 9.8)
     for s in np.flatnonzero((states.axis >= 3) & ~states.scale):
         pushed = force + 1e-6 * np.eye(3)[states.axis[s] - 3]
         found = (from_euler(np.array([*level(pushed), 1.0])) * turn.inv()).as_rotvec()

@@ -4,12 +4,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from imugap.commands.walk import USUAL
+from imugap.commands.walk import DEFAULT_MODEL
 from imugap.effects import ScaleFactor, TimeOffset
 from imugap.kinematics.strapdown import POSITION, VELOCITY
 from imugap.log import ACCEL, GYRO
 from imugap.model import ErrorModel
-from imugap.navigation.pedestrian import Assumptions, navigate
+from imugap.navigation.pedestrian import WalkAssumptions, navigate
 from imugap.simulation.walk import Course, Leg, Walk
 from imugap.simulation.walk_twin import Kind, measured, twin, without
 
@@ -58,7 +58,7 @@ def test_a_device_without_an_error_has_all_others(kind):
 
 
 def test_the_twin_of_a_walk_goes_its_strides(walk):
-    solution = navigate(walk.ideal(0, SEED), ErrorModel({}), Assumptions(gravity=walk.site.gravity), smooth=True)
+    solution = navigate(walk.ideal(0, SEED), ErrorModel({}), WalkAssumptions(gravity=walk.site.gravity), smooth=True)
     other = twin(solution, walk)
     strides = list(other.course.strides())
     assert len(strides) == 13
@@ -76,10 +76,10 @@ def test_the_twin_of_a_walk_goes_its_strides(walk):
 def test_what_single_errors_do_to_the_end_adds_up(walk, kind):
     """While errors are small: all at once, or the sum of the differences that leaving one out makes."""
     loop = replace(walk, course=Course.loop(20), gait=replace(walk.gait, drift_m_per_s=0.0))
-    ideal, assumptions = loop.ideal(0, SEED), Assumptions(gravity=loop.site.gravity)
+    ideal, assumptions = loop.ideal(0, SEED), WalkAssumptions(gravity=loop.site.gravity)
 
     def end(model, run):
-        found = navigate(model.simulate(ideal, SEED, "log", run), USUAL, assumptions).trajectory
+        found = navigate(model.simulate(ideal, SEED, "log", run), DEFAULT_MODEL, assumptions).trajectory
         return found[["north", "east"]].iloc[-1].to_numpy()
 
     small = Kind({triad: {name: shrunk(given) for name, given in of.items()} for triad, of in kind.errors.items()})
@@ -92,7 +92,7 @@ def test_what_single_errors_do_to_the_end_adds_up(walk, kind):
 
 def test_the_measured_velocity_is_that_of_a_point_of_the_foot(walk):
     """With an arm of no length it is the velocity of the device, with noise of the assumed density."""
-    assumptions = Assumptions(arm_std=0.0)
+    assumptions = WalkAssumptions(arm_std=0.0)
     _, velocity = measured(walk, assumptions, 0, SEED)
     noise = velocity - walk.truth(0, SEED)[list(VELOCITY)].to_numpy(float)
     expected = np.sqrt(2 * assumptions.velocity_std**2 * assumptions.correlation_s * walk.rate_hz)

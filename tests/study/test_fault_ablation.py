@@ -143,7 +143,7 @@ def test_errors_are_lengths_of_what_solution_and_truth_differ_by(study):
     at = table.iloc[200]
     truth = study.drive.path[0].loc[at["time"]]
     row = np.flatnonzero(np.abs(one.solution.time - at["time"]) < 1e-6)[0]
-    off = one.solution.path.navigation[row, :3] - truth[list(POSITION)].to_numpy(float)
+    off = one.solution.history.navigation[row, :3] - truth[list(POSITION)].to_numpy(float)
     assert at["horizontal"] == pytest.approx(np.hypot(*off[:2]))
     assert at["vertical"] == pytest.approx(abs(off[2]))
     assert (table["event"] == "").all()

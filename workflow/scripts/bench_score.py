@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 
 from imugap.estimation.indices import INDICES
-from imugap.figures import AXIS_TITLES
+from imugap.figures.style import AXIS_TITLES
 from imugap.units import from_si
 from imugap.workflow import tables
 from imugap.workflow.job_log import journal

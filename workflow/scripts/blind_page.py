@@ -8,8 +8,8 @@ import yaml
 
 from imugap import figures
 from imugap.benchmark import scores as blind
-from imugap.figures import AXIS_TITLES
 from imugap.figures import blind as drawn
+from imugap.figures.style import AXIS_TITLES
 from imugap.workflow import tables
 from imugap.workflow.job_log import journal
 

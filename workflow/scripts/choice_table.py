@@ -7,7 +7,8 @@ import pandas as pd
 
 from imugap import figures
 from imugap.estimation.result import Identifiability
-from imugap.figures import AXIS_TITLES, indirect
+from imugap.figures import indirect
+from imugap.figures.style import AXIS_TITLES
 from imugap.workflow import tables
 from imugap.workflow.job_log import journal
 

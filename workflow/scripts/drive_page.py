@@ -175,7 +175,7 @@ def numbers(scores, recovery, recipe, seed, runs):
         "nees": {name: tables.number(clean["nees"].mean()[name]) for name in (PLAIN, WHEELS[PLAIN])},
         "reset_s": f"{SCHEMES['reset'].reset_s:g}",
         "limit_m": tables.number(recovery["limit"].iloc[0]),
-        "hindsight_s": f"{SCHEMES['hindsight'].hindsight_s:g}",
+        "hindsight_s": f"{SCHEMES['hindsight'].separation_s:g}",
         "doubts": {
             case: tables.number(one["doubts"].mean(), 2)
             for case, one in scores[scores["scheme"] == "hindsight"].groupby("case")

@@ -8,8 +8,8 @@ import pandas as pd
 
 from imugap.effects import CATALOGUE
 from imugap.estimation.result import Identifiability
-from imugap.figures import AXIS_TITLES
 from imugap.figures.indirect import SYMBOLS, TITLES
+from imugap.figures.style import AXIS_TITLES
 from imugap.units import from_si
 from imugap.workflow import tables
 from imugap.workflow.job_log import journal

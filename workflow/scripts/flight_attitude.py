@@ -9,7 +9,7 @@ import yaml
 
 from imugap import log
 from imugap.model import ErrorModel
-from imugap.navigation.attitude import Assumptions, Start, fuse
+from imugap.navigation.attitude import AttitudeAssumptions, InitialAttitude, estimate_attitude
 from imugap.workflow.job_log import journal
 
 STEP_S = 0.1
@@ -19,13 +19,13 @@ STEP_S = 0.1
 def attitude(flown, lift_s, heading, model, assumptions):
     """Return the attitude of the flight proper, from 0 s; up to ``lift_s`` the aircraft rests, then it is launched."""
     rest, ahead = flown[flown.index <= lift_s], flown[flown.index > lift_s]
-    return fuse(ahead, model, Start.at_rest(rest, heading), assumptions).table(STEP_S).loc[0:]
+    return estimate_attitude(ahead, model, InitialAttitude.at_rest(rest, heading), assumptions).table(STEP_S).loc[0:]
 
 
 if __name__ == "__main__":
     with journal(snakemake.log[0]):
         params, found = snakemake.params, {}
-        assumptions = Assumptions.from_mapping(**params.assumptions)
+        assumptions = AttitudeAssumptions.from_mapping(**params.assumptions)
         models = [yaml.safe_load(Path(path).read_text()) for path in snakemake.input.models]
         for run, (path, of_run) in enumerate(zip(snakemake.input.logs, cycle(models), strict=False), start=1):
             flown = log.load(path)

@@ -10,9 +10,9 @@ import pandas as pd
 
 from imugap.discovery.finding import Gap
 from imugap.discovery.report import span
-from imugap.figures import AXIS_TITLES
 from imugap.figures import discovery as drawn
 from imugap.figures.static import TITLES
+from imugap.figures.style import AXIS_TITLES
 from imugap.study.distances import change
 from imugap.workflow import tables
 from imugap.workflow.job_log import journal

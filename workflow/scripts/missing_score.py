@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pandas as pd
 
-from imugap.figures import AXIS_TITLES
 from imugap.figures.static import TITLES
+from imugap.figures.style import AXIS_TITLES
 from imugap.workflow import tables
 from imugap.workflow.job_log import journal
 

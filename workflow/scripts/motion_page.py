@@ -9,8 +9,8 @@ import pandas as pd
 from imugap import figures, log
 from imugap.discovery.transfer import agreement, explained
 from imugap.effects import CATALOGUE
-from imugap.figures import AXIS_TITLES
 from imugap.figures import discovery as drawn
+from imugap.figures.style import AXIS_TITLES
 from imugap.model import ErrorModel
 from imugap.stream import stream
 from imugap.study.distances import NEARER, change

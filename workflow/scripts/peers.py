@@ -9,7 +9,7 @@ import pandas as pd
 from imugap import log
 from imugap.effects import GaussMarkov, Quantization, RandomWalk, WhiteNoise
 from imugap.estimation.gmwm.estimator import GmwmOptions, Weighting, fit, point_estimate
-from imugap.figures import AXIS_TITLES
+from imugap.figures.style import AXIS_TITLES
 from imugap.io import readers
 from imugap.workflow import tables
 from imugap.workflow.job_log import journal

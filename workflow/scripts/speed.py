@@ -19,14 +19,14 @@ from imugap import log
 from imugap.estimation import allan, maximum_likelihood, wavelet_variance
 from imugap.estimation.gmwm import estimator
 from imugap.estimation.indices import INDICES, of_run
-from imugap.filters.innovation_gate import Quality
 from imugap.io import datasets as catalogue
 from imugap.io import readers
 from imugap.kinematics.strapdown import Ellipsoid, Local, NavigationState, navigate
-from imugap.navigation.pedestrian import Assumptions
+from imugap.navigation.pedestrian import WalkAssumptions
 from imugap.navigation.pedestrian import navigate as navigate_foot
+from imugap.navigation.vehicle import DriveInputs
 from imugap.navigation.vehicle import navigate as navigate_vehicle
-from imugap.navigation.vehicle_alignment import depart
+from imugap.navigation.vehicle_alignment import align
 from imugap.simulation.drive import Drive
 from imugap.simulation.gnss_faults import Faults
 from imugap.simulation.walk import Walk
@@ -42,9 +42,9 @@ import sys
 from time import perf_counter
 start = perf_counter()
 from imugap.simulation.walk import Walk
-from imugap.navigation.pedestrian import Assumptions, navigate
+from imugap.navigation.pedestrian import WalkAssumptions, navigate
 walk = Walk.read(sys.argv[1])
-navigate(walk.record(0, 0), walk.model, Assumptions(gravity=walk.site.gravity, arm_std=0.0))
+navigate(walk.record(0, 0), walk.model, WalkAssumptions(gravity=walk.site.gravity, arm_std=0.0))
 print(perf_counter() - start)
 """
 """What a new process does that times its first walk."""
@@ -123,9 +123,9 @@ def walks(recipe, peers, samples, repeats):
     times = -(-samples // len(once))
     columns = {axis: np.tile(once[axis].to_numpy(), times)[:samples] for axis in log.AXES}
     table = log.from_samples(columns, 1 / walk.rate_hz)
-    plain = Assumptions(gravity=walk.site.gravity, arm_std=0.0)
+    plain = WalkAssumptions(gravity=walk.site.gravity, arm_std=0.0)
     spent = median_time(lambda: navigate_foot(table, walk.model, plain), repeats)
-    full = median_time(lambda: navigate_foot(table, walk.model, Assumptions(gravity=walk.site.gravity)), repeats)
+    full = median_time(lambda: navigate_foot(table, walk.model, WalkAssumptions(gravity=walk.site.gravity)), repeats)
     what, measure = f"{samples} samples, one core", "million samples/s"
     others = [
         [f"foot-mounted filter, {one.program}", f"{one.samples} samples, elsewhere", one.seconds,
@@ -161,11 +161,11 @@ def drives(recipe, samples, repeats):
     drive = replace(drive, laps=max(1, round(samples / drive.rate_hz / drive.duration_s * drive.laps)))
     study = Ablation(drive, Faults.read(recipe))
     record, fixes = drive.record(0, 0), drive.fixes(0, 0)
-    start = depart(record, fixes, study.assumptions.states(drive.model), study.assumptions, drive.ellipsoid)
-    given = record, fixes, drive.model, study.assumptions, Quality(), start, drive.ellipsoid
+    inputs = DriveInputs(record, fixes, drive.model, drive.ellipsoid, study.assumptions)
+    start = align(inputs)
     rows, what = [], f"{len(record)} samples, {len(fixes)} fixes, one core"
     for name, smooth in (("filter", False), ("smoother", True)):
-        spent = median_time(lambda smooth=smooth: navigate_vehicle(*given, smooth=smooth), repeats)
+        spent = median_time(lambda smooth=smooth: navigate_vehicle(inputs, start, smooth), repeats)
         speed = len(record) / spent / 1e6
         rows.append([f"vehicle {name}, 21 states", what, spent, "million samples/s", speed])
     return rows

@@ -10,7 +10,7 @@ from imugap import log
 from imugap.effects import GaussMarkov
 from imugap.io import reference
 from imugap.model import ErrorModel
-from imugap.navigation.attitude import Assumptions, Start, fuse
+from imugap.navigation.attitude import AttitudeAssumptions, InitialAttitude, estimate_attitude
 from imugap.numerics.rotation import to_euler
 from imugap.workflow.job_log import journal
 
@@ -24,13 +24,15 @@ def attitude(table, known, model, margin_s, assumptions):
     rest, _ = reference.rests(table, known, margin_s)
     heading = to_euler(reference.rotations(known.loc[rest.index[0] : rest.index[-1]]).mean())[2]
     ahead = table[(table.index > rest.index[-1]) & (table.index <= end)]
-    return fuse(ahead, model, Start.at_rest(rest, heading), assumptions).table(STEP_S).loc[begin:]
+    return (
+        estimate_attitude(ahead, model, InitialAttitude.at_rest(rest, heading), assumptions).table(STEP_S).loc[begin:]
+    )
 
 
 if __name__ == "__main__":
     with journal(snakemake.log[0]):
         source, params = snakemake.input, snakemake.params
-        assumptions = Assumptions.from_mapping(**params.assumptions)
+        assumptions = AttitudeAssumptions.from_mapping(**params.assumptions)
         models, found = yaml.safe_load(Path(source.models).read_text()), {}
         extra = GaussMarkov(radians(params.motion_margin["std_deg_per_s"]), params.motion_margin["correlation_time_s"])
         for trial, log_path, reference_path in zip(params.trials, source.logs, source.references, strict=True):

@@ -6,7 +6,8 @@ from scipy.stats import chi2
 
 from imugap import figures, log
 from imugap.estimation.indices import INDICES, of_run, repeatability
-from imugap.figures import AXIS_TITLES, static
+from imugap.figures import static
+from imugap.figures.style import AXIS_TITLES
 from imugap.units import from_si
 from imugap.workflow import tables
 from imugap.workflow.job_log import journal

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pandas as pd
 
-from imugap.commands.walk import USUAL
+from imugap.commands.walk import DEFAULT_MODEL
 from imugap.kinematics.strapdown import POSITION
 from imugap.model import ErrorModel
-from imugap.navigation.pedestrian import Assumptions, navigate
+from imugap.navigation.pedestrian import WalkAssumptions, navigate
 from imugap.simulation.walk import Course, Gait, Leg, Walk
 from imugap.simulation.walk_twin import SLIP, Kind, without
 from imugap.workflow.job_log import journal
@@ -34,13 +34,13 @@ def errors(walk, name, kind, draw, seed):
     """Yield (triad, effect) and the error of the end [m] with all but that effect, with all, and with none."""
     still = replace(walk, gait=replace(walk.gait, drift_m_per_s=0.0))
     device = kind.draw(seed, "device", name, draw)
-    assumptions = Assumptions(gravity=walk.site.gravity)
+    assumptions = WalkAssumptions(gravity=walk.site.gravity)
 
     def ender(of):
         ideal, true = of.ideal(draw, seed), of.truth(draw, seed)[list(POSITION)].iloc[-1].to_numpy(float)
 
         def end(model):
-            found = navigate(model.simulate(ideal, seed, "twin", name, draw), USUAL, assumptions).trajectory
+            found = navigate(model.simulate(ideal, seed, "twin", name, draw), DEFAULT_MODEL, assumptions).trajectory
             return found[list(POSITION)].iloc[-1].to_numpy() - true
 
         return end

@@ -4,7 +4,7 @@ from dataclasses import asdict, replace
 
 import pandas as pd
 
-from imugap.navigation.pedestrian import Assumptions, navigate
+from imugap.navigation.pedestrian import WalkAssumptions, navigate
 from imugap.simulation.walk import Course, Walk
 from imugap.simulation.walk_twin import measured
 from imugap.study.walk_compensation import End, granted
@@ -19,7 +19,7 @@ def main(walk, params):
     loop = replace(walk, course=replace(Course.loop(params.strides, stand_s=walk.course.stand_s), end_s=END_S))
     smooth = replace(loop.gait, drift_m_per_s=0.0, impact_m_per_s2=0.0)
     as_assumed = replace(granted(walk), settling_std=0.0, blind_gyro=0.0, blind_accel=0.0, tilt_std=1e-4)
-    usual, rows = Assumptions(gravity=walk.site.gravity), []
+    usual, rows = WalkAssumptions(gravity=walk.site.gravity), []
     for run in range(1, params.walks + 1):
         ideal = replace(loop, gait=smooth)
         log, velocity = measured(ideal, as_assumed, run, params.seed)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from imugap.commands.walk import USUAL
+from imugap.commands.walk import DEFAULT_MODEL
 from imugap.effects import CATALOGUE
 from imugap.integrity.timestamps import filled
 from imugap.io import datasets as catalogue
@@ -13,7 +13,7 @@ from imugap.io import readers
 from imugap.io.datasets import RawFiles
 from imugap.kinematics.strapdown import POSITION
 from imugap.model import ErrorModel
-from imugap.navigation.pedestrian import Assumptions
+from imugap.navigation.pedestrian import WalkAssumptions
 from imugap.navigation.score_test import Testimony, heard, judge
 from imugap.navigation.stance_innovations import sinking, suspects
 from imugap.simulation.camera_track import closed, footprints
@@ -48,13 +48,13 @@ class Taken:
         """Read and navigate a walk, and ask it."""
         dataset = files.dataset
         log, seen = filled(readers.read_raw(files.path(run), dataset, run)), bool(dataset.positions)
-        replay = Replay.of(log, USUAL, Assumptions(), seen)
+        replay = Replay.of(log, DEFAULT_MODEL, WalkAssumptions(), seen)
         sight, end = closed(replay.solution), replay.solution.trajectory[list(POSITION)].iloc[-1].to_numpy()
         if seen:
             content = catalogue.POSITIONS if dataset.position_rate_hz else catalogue.LOG
             beside = footprints(replay.solution, readers.read_positions(files.path(run, content), dataset, run))
             sight, end = beside.sight(replay.solution), beside.off
-        return cls(dataset.name, run, replay, end, heard(log, replay.solution, sight, SUSPECTS, USUAL))
+        return cls(dataset.name, run, replay, end, heard(log, replay.solution, sight, SUSPECTS, DEFAULT_MODEL))
 
 
 def together(walks):

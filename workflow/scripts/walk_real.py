@@ -8,14 +8,14 @@ import numpy as np
 import pandas as pd
 from scipy.stats import spearmanr
 
-from imugap.commands.walk import INDOORS, USUAL, walked
+from imugap.commands.walk import DEFAULT_MODEL, INDOORS, WalkInputs, navigate_walk
 from imugap.integrity import report as integrity
 from imugap.integrity.timestamps import filled
 from imugap.io import datasets as catalogue
 from imugap.io import readers
 from imugap.io.datasets import RawFiles
 from imugap.log import ACCEL
-from imugap.navigation.pedestrian import Assumptions, navigate
+from imugap.navigation.pedestrian import WalkAssumptions, navigate
 from imugap.simulation.camera_track import footprints
 from imugap.simulation.walk import Walk
 from imugap.simulation.walk_twin import twin
@@ -65,7 +65,7 @@ def heights(files, run, solution):
 
 def believed(files, run, log):
     """Return what comes of believing samples near the full scale, and how strides go with the force of their strike."""
-    beside, strides, _ = against(files, run, walked(log).smoothed)
+    beside, strides, _ = against(files, run, navigate_walk(WalkInputs(log)).smoothed)
     found, seen = beside.reach()
     gap = strides["found"] - strides["seen"]
     force = log[list(ACCEL)].abs().max(axis=1)
@@ -81,8 +81,8 @@ def one(files, run):
     timing = integrity.report(readers.read_raw_table(files.path(run), files.dataset, run)).timing
     log = readers.read_raw(files.path(run), files.dataset, run)
     full_scale = files.dataset.full_scale
-    found = walked(log, USUAL, replace(INDOORS, full_scale=full_scale))
-    floorless = navigate(filled(log), USUAL, Assumptions(full_scale=full_scale), smooth=True)
+    found = navigate_walk(WalkInputs(log, DEFAULT_MODEL, replace(INDOORS, full_scale=full_scale)))
+    floorless = navigate(filled(log), DEFAULT_MODEL, WalkAssumptions(full_scale=full_scale), smooth=True)
     said, solution, labels = found.summary(), found.smoothed, {"dataset": files.dataset.name, "run": run}
     row = labels | said | {"lost": timing.missing, "repeated": timing.duplicated}
     table = solution.trajectory[["north", "east", "down"]]

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 
-from imugap.commands.walk import USUAL
+from imugap.commands.walk import DEFAULT_MODEL
 from imugap.effects import WhiteNoise
 from imugap.effects.effect import AxisModel
 from imugap.filters.zero_velocity import Statistic
@@ -15,11 +15,11 @@ from imugap.io import readers
 from imugap.io.datasets import RawFiles
 from imugap.log import ACCEL
 from imugap.model import ErrorModel
-from imugap.navigation.pedestrian import Assumptions, navigate
+from imugap.navigation.pedestrian import WalkAssumptions, navigate
 from imugap.simulation.camera_track import footprints
 from imugap.workflow.job_log import journal
 
-USUAL_CHOICE = Assumptions()
+USUAL_CHOICE = WalkAssumptions()
 DETECTOR = USUAL_CHOICE.detector
 
 
@@ -35,8 +35,8 @@ def shaken(factor):
     def louder(effect):
         return replace(effect, density=factor * effect.density) if isinstance(effect, WhiteNoise) else effect
 
-    noisy = {axis: AxisModel(tuple(louder(effect) for effect in USUAL[axis])) for axis in ACCEL}
-    return ErrorModel(dict(USUAL.axes) | noisy)
+    noisy = {axis: AxisModel(tuple(louder(effect) for effect in DEFAULT_MODEL[axis])) for axis in ACCEL}
+    return ErrorModel(dict(DEFAULT_MODEL.axes) | noisy)
 
 
 def delayed(log, delay):
@@ -56,15 +56,21 @@ def ends(solution, seen):
 def choices(params):
     """Yield what is varied, its value, assumptions, model, and the delay of the accelerometers [s]."""
     for factor in params.factors:
-        yield "threshold", factor, scaled(factor), USUAL, 0.0
+        yield "threshold", factor, scaled(factor), DEFAULT_MODEL, 0.0
     for statistic in Statistic:
-        yield "detector", statistic, replace(USUAL_CHOICE, detector=replace(DETECTOR, statistic=statistic)), USUAL, 0.0
+        yield (
+            "detector",
+            statistic,
+            replace(USUAL_CHOICE, detector=replace(DETECTOR, statistic=statistic)),
+            DEFAULT_MODEL,
+            0.0,
+        )
     for factor in params.doubts:
         slower = replace(USUAL_CHOICE, velocity_std=factor * USUAL_CHOICE.velocity_std)
-        yield "velocity", factor, slower, USUAL, 0.0
+        yield "velocity", factor, slower, DEFAULT_MODEL, 0.0
         yield "noise", factor, USUAL_CHOICE, shaken(factor), 0.0
     for delay in params.delays_ms:
-        yield "delay", delay, USUAL_CHOICE, USUAL, 1e-3 * delay
+        yield "delay", delay, USUAL_CHOICE, DEFAULT_MODEL, 1e-3 * delay
 
 
 def main(files, params):

@@ -74,7 +74,8 @@ def compose(
 
 def write(inquiry: Inquiry, out: str | Path) -> None:
     """Write all :data:`FILES` into the folder ``out``, or none if one of them fails."""
-    from imugap.figures import discovery, save  # figures take longer to import than to read and check the files
+    from imugap.figures import discovery
+    from imugap.figures.style import save  # figures take longer to import than to read and check the files
 
     found = inquiry.found
     text = json.dumps(inquiry.report(), indent=1, allow_nan=False) + "\n"

@@ -1,27 +1,33 @@
-"""The folder that a drive leaves: what filter and smoother say of it, what the quality control did, and figures."""
+"""Command ``drive``: navigate a drive by device and receiver, and write a folder.
+
+Stages, each a function of the value that the one before returns: read the logs and the configuration; check columns,
+gaps and times; prepare (fill lost samples, rotate to the axes of the vehicle); align; filter; smooth; report solutions,
+events, summary and figures; write the folder.
+"""
 
 import argparse
 import json
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
 import yaml
 
-from imugap.atomic import write_together
 from imugap.commands.arguments import add_effects
+from imugap.commands.folder import require_folder, write_folder
 from imugap.filters.consistency import nees_band
 from imugap.filters.innovation_gate import (
     CLOSED,
     FAILED,
-    LOOKED_BACK,
     OPENED,
     REMOVED,
     RESET,
+    SEPARATED,
     SET_ASIDE,
     WEIGHED,
-    Quality,
+    QualityControl,
 )
 from imugap.integrity.timestamps import filled
 from imugap.interchange.plugins import catalogue
@@ -29,67 +35,47 @@ from imugap.io import gnss, readers
 from imugap.io.configuration import ConfigurationError, configure
 from imugap.log import ACCEL, AXES, GYRO, LogError, axes
 from imugap.model import ErrorModel
-from imugap.navigation.vehicle import Assumptions, Solution, navigate
-from imugap.navigation.vehicle_alignment import Departure, depart
+from imugap.navigation import vehicle, vehicle_alignment
+from imugap.navigation.vehicle import AlignmentSettings, DriveAssumptions, DriveInputs, DriveSolution, InitialState
 from imugap.numerics.rotation import from_euler
 
 FILES = (
     "solution.parquet", "smoothed.parquet", "events.csv", "summary.json", "track.svg", "motion.svg", "sensors.svg",
     "quality.svg",
 )  # fmt: skip
-"""What is in the folder."""
+"""Files of the folder."""
 STD = "_std"
-"""Ending of the name of a standard deviation."""
+"""Suffix of the name of a standard deviation."""
 SCHEMA = Path(__file__).with_name("drive.schema.yaml")
 LONGEST_GAP_S = 0.5
-"""Longest time without samples that a drive is navigated across [s]."""
+"""Longest gap that is filled [s]."""
 STEEPEST = 0.5
-"""Cosine of the largest angle between up and the mean specific force of a vehicle."""
-COUNTED = (FAILED, WEIGHED, REMOVED, RESET, SET_ASIDE, OPENED, LOOKED_BACK, CLOSED)
-"""Events whose number is in the summary."""
-OUTAGE_S = 2.5
-"""Time without a fix, in intervals of the fixes, from which on it counts as an outage."""
+"""Cosine of the largest angle between up and the mean specific force."""
+COUNTED = (FAILED, WEIGHED, REMOVED, RESET, SET_ASIDE, OPENED, SEPARATED, CLOSED)
+"""Events that the summary counts."""
+OUTAGE_INTERVALS = 2.5
+"""Shortest outage, in intervals of the fixes."""
 GYRO_CLASS = {"white_noise": {"density": 2e-4}, "gauss_markov": {"std": 5e-3, "correlation_time": 3600}}
 ACCEL_CLASS = {"white_noise": {"density": 2e-3}, "gauss_markov": {"std": 0.1, "correlation_time": 3600}}
-USUAL = ErrorModel.from_mapping(
+DEFAULT_MODEL = ErrorModel.from_mapping(
     {axis: [GYRO_CLASS] for axis in GYRO} | {axis: [ACCEL_CLASS] for axis in ACCEL}
 )  # fmt: skip
-"""Errors of a sensor in a car of which nothing is known: those of a cheap device, shaken."""
-
-
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of the command."""
-    parser.description = (
-        "Navigate a drive. The axes of the device are x forward, z down, or turned as --config says. The fixes have "
-        "latitude and longitude in degrees, the height in metres above the ellipsoid and, if known, vel_n vel_e vel_d "
-        "[m/s] and standard deviations sd_n sd_e sd_d [m], sd_vel_n sd_vel_e sd_vel_d [m/s]."
-    )
-    parser.add_argument("log", help="canonical CSV or Parquet log of six axes")
-    parser.add_argument("fixes", help="CSV or Parquet log of a GNSS receiver, on the clock of the device")
-    parser.add_argument("--config", help="device, mounting, lever arm, quality control (YAML)")
-    add_effects(parser)
-    parser.add_argument("--out", required=True, help="folder for solution, events, summary and figures")
-
-
-def run(options: argparse.Namespace) -> None:
-    """Navigate the drive, write the folder ``--out``, and print the summary."""
-    found = compose(options.log, options.fixes, options.out, options.config, options.effects)
-    print(json.dumps(found, indent=1))
+"""Error model of an unknown device in a car: that of a cheap device under vibration."""
 
 
 @dataclass(frozen=True)
-class Setting:
-    """What a configuration says: model, mounting (Euler angles [rad]), and what goes to start and filter."""
+class DriveSettings:
+    """Configuration of a drive: error model, mounting (Euler angles [rad]), and settings of the filter."""
 
-    model: ErrorModel = USUAL
+    model: ErrorModel = DEFAULT_MODEL
     mounting: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    assumptions: Assumptions = field(default_factory=Assumptions)
-    quality: Quality = field(default_factory=Quality)
-    departure: Departure = field(default_factory=Departure)
+    assumptions: DriveAssumptions = field(default_factory=DriveAssumptions)
+    quality: QualityControl = field(default_factory=QualityControl)
+    alignment: AlignmentSettings = field(default_factory=AlignmentSettings)
 
     @classmethod
-    def read(cls, path: str | Path | None, effects: str | None = None) -> "Setting":
-        """Read a configuration (YAML, described by ``drive.schema.yaml``); None stands for all defaults."""
+    def read(cls, path: str | Path | None, effects: str | None = None) -> "DriveSettings":
+        """Read a configuration (YAML, described by ``drive.schema.yaml``); None gives the defaults."""
         try:
             given = {} if path is None else yaml.safe_load(Path(path).read_text()) or {}
             if not isinstance(given, dict):
@@ -98,15 +84,15 @@ class Setting:
         except (ConfigurationError, yaml.YAMLError) as error:
             raise ConfigurationError(f"{path}: {' '.join(str(error).split())}") from error
         if values["model"] is None:
-            return cls.of(values, USUAL)
+            return cls.of(values, DEFAULT_MODEL)
         return cls.of(values, ErrorModel.read(Path(path).parent / values["model"], catalogue(effects)))
 
     @classmethod
-    def of(cls, values: dict, model: ErrorModel) -> "Setting":
-        """Take over a complete configuration."""
+    def of(cls, values: dict, model: ErrorModel) -> "DriveSettings":
+        """Convert a complete configuration."""
         arm, offset, scale = values["lever_arm"], values["time_offset"], values["scale_factor"]
         fix, quality, start, wheels = (values[name] for name in ("receiver", "quality", "start", "wheels"))
-        assumptions = Assumptions(
+        assumptions = DriveAssumptions(
             lever_m=(arm["x_m"], arm["y_m"], arm["z_m"]),
             lever_std=arm["std_m"],
             offset_s=offset["offset_s"],
@@ -120,43 +106,56 @@ class Setting:
             wheels_s=wheels["correlation_s"],
             axle_m=(wheels["x_m"], wheels["y_m"], wheels["z_m"]),
         )
-        control = Quality(
+        control = QualityControl(
             component=quality["component_sigma"],
-            **{
-                name: quality[name]
-                for name in ("robust", "steepness", "false_alarm", "gated", "reset_s", "hindsight_s")
-            },
+            separation_s=quality["hindsight_s"],
+            **{name: quality[name] for name in ("robust", "steepness", "false_alarm", "gated", "reset_s")},
         )
         course, heading, tilt = (np.radians(start[f"{name}_std_deg"]) for name in ("course", "heading", "tilt"))
-        departure = Departure(
+        alignment = AlignmentSettings(
             speed=start["speed_m_per_s"], rest_s=start["rest_s"], course_std=course, heading_std=heading, tilt_std=tilt
         )
         mounting = tuple(np.radians([values["mounting"][f"{name}_deg"] for name in ("roll", "pitch", "heading")]))
-        return cls(model, mounting, assumptions, control, departure)
+        return cls(model, mounting, assumptions, control, alignment)
 
 
 @dataclass(frozen=True, eq=False)
-class Driven:
-    """A drive: what the filter says as it goes, what the smoother says when all is known, and the fixes."""
+class RecordedDrive:
+    """Logs of a drive, and its configuration."""
 
-    filtered: Solution
-    smoothed: Solution
+    log: pd.DataFrame
     fixes: pd.DataFrame
-    setting: Setting
+    settings: DriveSettings = field(default_factory=DriveSettings)
+
+
+class AlignedDrive(NamedTuple):
+    """Inputs of the filter, and the initial state."""
+
+    inputs: DriveInputs
+    start: InitialState
+
+
+@dataclass(frozen=True, eq=False)
+class NavigatedDrive:
+    """Solutions of the filter and of the smoother for a drive, and its fixes."""
+
+    filtered: DriveSolution
+    smoothed: DriveSolution
+    fixes: pd.DataFrame
 
     def summary(self) -> dict:
-        """Return how far the drive went, what the quality control did, and how well filter and fixes agree.
+        """Return the extent of the drive, the number of events of the quality control, and the mean NIS.
 
-        ``nis`` is the mean of the normalised innovations squared over their degrees of freedom, 1 for a filter that
-        knows itself; ``nis_low`` and ``nis_high`` hold it in 95 of 100 such drives. ``sensors`` are the errors at the
-        end, by the filter, with standard deviations.
+        ``nis`` is the mean normalised innovation squared over its degrees of freedom, 1 for a consistent filter;
+        ``nis_low`` and ``nis_high`` are its 95 % band. ``sensors`` are the filter's estimates at the end, with standard
+        deviations.
         """
         one, record = self.filtered, self.filtered.record
         table, events = self.smoothed.trajectory, one.events["event"]
         time = one.fix_time
         gaps = np.diff(np.append(time, one.time[-1]))
         usual = float(np.median(np.diff(self.fixes.index)))
-        long = gaps[gaps > OUTAGE_S * usual]
+        long = gaps[gaps > OUTAGE_INTERVALS * usual]
         freedom = int(record.freedom.sum())
         low, high = nees_band(freedom, 1)
         end, std = one.trajectory_std.iloc[-1], one.sensors_std.iloc[-1]
@@ -179,31 +178,93 @@ class Driven:
         return plain | {"sensors": {name: {key: float(v) for key, v in pair.items()} for name, pair in sensors.items()}}
 
     @staticmethod
-    def table(one: Solution) -> pd.DataFrame:
-        """Return Trajectory, place (degrees), standard deviations and errors of the sensors."""
+    def table(one: DriveSolution) -> pd.DataFrame:
+        """Return Trajectory, geodetic position (degrees), sensor errors, and standard deviations."""
         place = one.geodetic.assign(**{name: np.degrees(one.geodetic[name]) for name in ("latitude", "longitude")})
         parts = [one.trajectory, place, one.trajectory_std.add_suffix(STD)]
         return pd.concat([*parts, one.sensors, one.sensors_std.add_suffix(STD)], axis=1)
 
 
-def driven(log: pd.DataFrame, fixes: pd.DataFrame, setting: Setting | None = None) -> Driven:
-    """Navigate a drive; lost samples are filled, up to :data:`LONGEST_GAP_S` at a time."""
-    setting = setting or Setting()
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of the command."""
+    parser.description = (
+        "Navigate a drive. The axes of the device are x forward, z down, or turned as --config says. The fixes have "
+        "latitude and longitude in degrees, the height in metres above the ellipsoid and, if known, vel_n vel_e vel_d "
+        "[m/s] and standard deviations sd_n sd_e sd_d [m], sd_vel_n sd_vel_e sd_vel_d [m/s]."
+    )
+    parser.add_argument("log", help="canonical CSV or Parquet log of six axes")
+    parser.add_argument("fixes", help="CSV or Parquet log of a GNSS receiver, on the clock of the device")
+    parser.add_argument("--config", help="device, mounting, lever arm, quality control (YAML)")
+    add_effects(parser)
+    parser.add_argument("--out", required=True, help="folder for solution, events, summary and figures")
+
+
+def run(options: argparse.Namespace) -> None:
+    """Navigate the drive, write the folder ``--out``, and print the summary."""
+    folder, recorded = require_folder(options.out), read(options)
+    try:
+        files = report(navigate_drive(recorded))
+    except ValueError as error:
+        raise ValueError(f"{options.log}, {options.fixes}: {error}") from error
+    write_folder(folder, files)
+    print(json.dumps(files["summary.json"], indent=1))
+
+
+def navigate_drive(recorded: RecordedDrive) -> NavigatedDrive:
+    """Check, prepare, align, filter and smooth a drive."""
+    return smooth(align(prepare(check(recorded))))
+
+
+def read(options: argparse.Namespace) -> RecordedDrive:
+    """Read the configuration and the logs."""
+    settings = DriveSettings.read(options.config, options.effects)
+    return RecordedDrive(readers.read(options.log), readers.read_fixes(options.fixes), settings)
+
+
+def check(recorded: RecordedDrive) -> RecordedDrive:
+    """Check the columns and gaps of the log, and that the fixes lie within its time."""
+    log, due = recorded.log, recorded.fixes.index.to_numpy() + recorded.settings.assumptions.offset_s
     if axes(log) != AXES:
         raise LogError("drive", "columns", f"all of {', '.join(AXES)}", ", ".join(log.columns))
     steps = np.diff(log.index.to_numpy())
     if steps.max() > LONGEST_GAP_S:
         found = f"{steps.max():.3g} s after {log.index[int(steps.argmax())]:g} s"
         raise ValueError(f"drive: expected gaps of at most {LONGEST_GAP_S:g} s; found {found}")
-    due = fixes.index.to_numpy() + setting.assumptions.offset_s
     if due[0] >= log.index[-1] or due[-1] <= log.index[0]:
         spans = f"{log.index[0]:g} s to {log.index[-1]:g} s; found fixes from {due[0]:g} s to {due[-1]:g} s"
         raise ValueError(f"drive: expected fixes within the time of the log, {spans}")
-    log = mounted(filled(log), setting.mounting)
-    ellipsoid, states = gnss.origin(fixes), setting.assumptions.states(setting.model)
-    start = depart(log, fixes, states, setting.assumptions, ellipsoid, setting.departure)
-    given = log, fixes, setting.model, setting.assumptions, setting.quality, start, ellipsoid
-    return Driven(navigate(*given), navigate(*given, smooth=True), fixes, setting)
+    return recorded
+
+
+def prepare(recorded: RecordedDrive) -> DriveInputs:
+    """Fill lost samples, and rotate the log to the axes of the vehicle."""
+    settings, fixes = recorded.settings, recorded.fixes
+    return DriveInputs(
+        mounted(filled(recorded.log), settings.mounting), fixes, settings.model, gnss.origin(fixes),
+        settings.assumptions, settings.quality, settings.alignment,
+    )  # fmt: skip
+
+
+def align(inputs: DriveInputs) -> AlignedDrive:
+    """Align at the first fixes."""
+    return AlignedDrive(inputs, vehicle_alignment.align(inputs))
+
+
+def smooth(aligned: AlignedDrive) -> NavigatedDrive:
+    """Filter and smooth."""
+    filtered, smoothed = (vehicle.navigate(*aligned, smooth=one) for one in (False, True))
+    return NavigatedDrive(filtered, smoothed, aligned.inputs.fixes)
+
+
+def report(found: NavigatedDrive) -> dict[str, object]:
+    """Return the content of each of the :data:`FILES`."""
+    from imugap.figures import drive  # figures take longer to import than to read and check the logs
+
+    filtered, smoothed = found.filtered, found.smoothed
+    tables = found.table(filtered), found.table(smoothed), filtered.events
+    drawn = drive.track(filtered, smoothed, found.fixes), drive.motion(filtered, smoothed)
+    contents = *tables, found.summary(), *drawn, drive.sensors(filtered, smoothed), drive.quality(filtered)
+    return dict(zip(FILES, contents, strict=True))
 
 
 def mounted(log: pd.DataFrame, mounting: tuple[float, float, float]) -> pd.DataFrame:
@@ -222,37 +283,3 @@ def mounted(log: pd.DataFrame, mounting: tuple[float, float, float]) -> pd.DataF
             "(give the mounting of the device)"
         )
     return turned
-
-
-def compose(
-    log: str | Path, fixes: str | Path, out: str | Path, config: str | Path | None = None, effects: str | None = None
-) -> dict:
-    """Navigate the drive of two files, write all :data:`FILES` into the folder ``out``, and return the summary."""
-    out = Path(out)
-    if out.exists() and not out.is_dir():
-        raise ValueError(f"{out}: expected a folder; found a file")
-    setting = Setting.read(config, effects)
-    samples, seen = readers.read(log), readers.read_fixes(fixes)
-    try:
-        found = driven(samples, seen, setting)
-    except ValueError as error:
-        raise ValueError(f"{log}, {fixes}: {error}") from error
-    write(found, out)
-    return found.summary()
-
-
-def write(found: Driven, out: str | Path) -> None:
-    """Write all :data:`FILES` into the folder ``out``, or none if one of them fails."""
-    from imugap.figures import drive, save  # figures take longer to import than to read and check the logs
-
-    text = json.dumps(found.summary(), indent=1, allow_nan=False) + "\n"
-    one, both = found.filtered, (found.filtered, found.smoothed)
-    drawn = drive.track(*both, found.fixes), drive.motion(*both), drive.sensors(*both), drive.quality(one)
-    writers = (
-        found.table(one).to_parquet,
-        found.table(found.smoothed).to_parquet,
-        lambda path: one.events.to_csv(path, index=False),
-        lambda path: path.write_text(text),
-        *(lambda path, figure=figure: save(figure, path) for figure in drawn),
-    )
-    write_together({Path(out) / name: writer for name, writer in zip(FILES, writers, strict=True)})

@@ -97,7 +97,8 @@ def _write(estimates: list[AxisEstimate], table: pd.DataFrame, options: argparse
     if options.model:
         writers[options.model] = ErrorModel({one.axis: one.fit.model for one in estimates}).write
     if options.figure:
-        from imugap.figures import estimation, save  # a figure takes longer to import than the rest
+        from imugap.figures import estimation
+        from imugap.figures.style import save  # a figure takes longer to import than the rest
 
         figure = estimation.fitted(report.curves(table, log.interval(table), estimates))
         writers[options.figure] = lambda path: save(figure, path)

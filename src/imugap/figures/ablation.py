@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from imugap.figures import WIDTH, decades, legend_below, panels_of
+from imugap.figures.style import WIDTH, decades, legend_below, panels_of
 from imugap.io import gnss
 from imugap.simulation.gnss_faults import OUTAGE, OUTLIER, RAMP, STRETCH, Event, mark
 from imugap.study.fault_ablation import CLEAN, CONTAMINATED, ORACLE, SMOOTHED, WHEELS, WHOLE, Ablation, Run

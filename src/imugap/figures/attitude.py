@@ -7,7 +7,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
-from imugap.figures import legend_below, panels_of
+from imugap.figures.style import legend_below, panels_of
 
 TITLES = {
     "allan": "scheme 1 (Allan)",

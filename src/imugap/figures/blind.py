@@ -10,8 +10,9 @@ from matplotlib.ticker import NullFormatter, PercentFormatter
 from scipy.stats import binom
 
 from imugap.benchmark.scores import ALL, DISTANCES, LEVEL, NONE, UNKNOWN
-from imugap.figures import legend_below, panels_of, said
+from imugap.benchmark.scores import DISTANCES, EVERY, LEVEL, NONE, UNKNOWN
 from imugap.figures.discovery import AFTER, BEFORE, NAMES, PLAIN, TITLES
+from imugap.figures.style import legend_below, panels_of, text_figure
 
 FOUND, NAMED, BAND = "#0072B2", "#D55E00", "#cccccc"
 SCORES = {"detected": ("found", FOUND, 0.94), "named": ("rightly named", NAMED, 1.06)}
@@ -37,8 +38,13 @@ def detection(rates: pd.DataFrame, clear: float) -> Figure:
         Size from which an effect counts as clear.
     """
     if rates.empty:
+<<<<<<< HEAD
         return said("No case hides one effect alone.")
     names = [ALL, *sorted(set(rates["name"]) - {ALL})]
+=======
+        return text_figure("No case hides one effect alone.")
+    names = [EVERY, *sorted(set(rates["name"]) - {EVERY})]
+>>>>>>> a6787b1 (Name filters and navigation in the field's words; walk and drive in one line of stages)
     columns = 5
     rows = ceil(len(names) / columns)
     figure, grid = panels_of(rows, columns, 1.15 * rows + 0.7, sharex=True, sharey=True)
@@ -163,7 +169,7 @@ def calibration(p_values: pd.DataFrame) -> Figure:
     ``p_values`` has the columns ``view``, ``p_value``. The band holds 95 % of such shares of independent, uniform ones.
     """
     if p_values.empty:
-        return said("No case hides nothing.")
+        return text_figure("No case hides nothing.")
     groups = dict(tuple(p_values.groupby("view", sort=False)["p_value"]))
     columns = 4
     rows = ceil(len(groups) / columns)

@@ -14,7 +14,7 @@ from imugap.discovery.evaluation.distance import Drifts
 from imugap.discovery.finding import Gap
 from imugap.discovery.views import Curve
 from imugap.discovery.views.gaps import ViewTest
-from imugap.figures import AXIS_TITLES, legend_below, panels_of, said
+from imugap.figures.style import AXIS_TITLES, legend_below, panels_of, text_figure
 from imugap.workflow.tables import unit
 
 MOST, FEW = 20, 6
@@ -94,7 +94,7 @@ def _compared(found: Discovery, alpha: float, drawn: Sequence[tuple[str, str]]) 
     """Draw views before and after, a row for each view and axis."""
     if not drawn:
         views = sorted({gap.view for gap in found.gaps})
-        return said(
+        return text_figure(
             f"The log leaves the start model where no curve shows it: {', '.join(views)}."
             if views
             else "No view of the log leaves the start model."
@@ -175,7 +175,7 @@ def distance(found: Discovery) -> Figure:
 def drift(found: Discovery) -> Figure:
     """Draw the free-inertial drift of the held-out data in the ensembles of both models, a row for each log."""
     if not found.drifts:
-        return said("No navigation: it takes a device at rest and all six axes.")
+        return text_figure("No navigation: it takes a device at rest and all six axes.")
     rows = [(path, state) for path in found.drifts for state in STATES]
     figure, grid = panels_of(len(rows), 3, (LOW if len(rows) > MANY else TALL) * len(rows) + 0.5, sharex="row")
     for number, ((path, state), row) in enumerate(zip(rows, grid, strict=True)):
@@ -205,7 +205,7 @@ def repeated(data: pd.DataFrame, scales: Mapping[str, tuple[str, float]]) -> Fig
         By unit: how it is shown, and by what its values are multiplied.
     """
     if data.empty:
-        return said("No parameter is named on two logs.")
+        return text_figure("No parameter is named on two logs.")
     groups = list(data.groupby(["name", "unit"], sort=False))
     rows = [one[["axis", "parameter"]].drop_duplicates() for _, one in groups]
     columns = 2

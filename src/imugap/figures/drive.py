@@ -4,11 +4,11 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from imugap.figures import WIDTH, decades, legend_below, panels_of
-from imugap.filters.innovation_gate import TAKEN, Record
+from imugap.figures.style import WIDTH, decades, legend_below, panels_of
+from imugap.filters.innovation_gate import ACCEPTED, InnovationRecord
 from imugap.io import gnss
 from imugap.log import AXES
-from imugap.navigation.vehicle import Solution
+from imugap.navigation.vehicle import DriveSolution
 
 FILTER, SMOOTHER, FIX, WEIGHED, REMOVED = "#0072B2", "#009E73", "#999999", "#E69F00", "#D55E00"
 OFFSET = "#CC79A7"
@@ -19,7 +19,7 @@ POINTS = 4000
 UNITS = {"gyro": ("°/h", np.degrees(3600.0)), "accel": ("mg", 1e3 / 9.80665), "scale": ("10⁻³", 1e3)}
 
 
-def track(filtered: Solution, smoothed: Solution, fixes: pd.DataFrame) -> Figure:
+def track(filtered: DriveSolution, smoothed: DriveSolution, fixes: pd.DataFrame) -> Figure:
     """Draw the drive from above, like a map: fixes, those that did not fit, filter and smoother."""
     figure = Figure(figsize=(WIDTH, 0.75 * WIDTH), layout="constrained")
     panel = figure.subplots()
@@ -33,16 +33,16 @@ def track(filtered: Solution, smoothed: Solution, fixes: pd.DataFrame) -> Figure
         if rows.any():
             panel.plot(*seen[offered[rows]][:, [1, 0]].T, "x", color=colour, ms=4, label=label, zorder=2)
     for one, colour, label in ((filtered, FILTER, "filter"), (smoothed, SMOOTHER, "smoother")):
-        path = one.path.navigation[:: _every(one), :2]
+        path = one.history.navigation[:: _every(one), :2]
         panel.plot(path[:, 1], path[:, 0], color=colour, lw=0.8, label=label, zorder=3)
-    begin = filtered.path.navigation[0]
+    begin = filtered.history.navigation[0]
     panel.plot(begin[1], begin[0], "o", color="black", ms=4, label="begin", zorder=4)
     panel.set(xlabel="east [m]", ylabel="north [m]", aspect="equal")
     panel.legend(loc="best")
     return figure
 
 
-def motion(filtered: Solution, smoothed: Solution) -> Figure:
+def motion(filtered: DriveSolution, smoothed: DriveSolution) -> Figure:
     """Draw speed, height and heading over time, and the standard deviations of filter and smoother."""
     figure, grid = panels_of(3, 2, 5.4, sharex=True)
     for one, colour, label in ((filtered, FILTER, "filter"), (smoothed, SMOOTHER, "smoother")):
@@ -73,7 +73,7 @@ def motion(filtered: Solution, smoothed: Solution) -> Figure:
     return figure
 
 
-def sensors(filtered: Solution, smoothed: Solution) -> Figure:
+def sensors(filtered: DriveSolution, smoothed: DriveSolution) -> Figure:
     """Draw the estimated errors of the six axes over time, with their standard deviations."""
     figure, grid = panels_of(2, 3, 3.8, sharex=True)
     for axis, panel in zip(AXES, grid.flat, strict=True):
@@ -93,7 +93,7 @@ def sensors(filtered: Solution, smoothed: Solution) -> Figure:
     return figure
 
 
-def quality(solution: Solution) -> Figure:
+def quality(solution: DriveSolution) -> Figure:
     """Draw the innovations of the components over their standard deviations, and the global test, over time."""
     record, limits = solution.record, solution.quality.limits(len(gnss.COMPONENTS))
     shown = np.flatnonzero(np.isfinite(record.innovation).any(axis=0))
@@ -109,7 +109,7 @@ def quality(solution: Solution) -> Figure:
     panel.plot(
         solution.fix_time[record.reset], record.statistic[record.reset], "v", color="black", ms=5, label="soft reset"
     )
-    doubted = record.course != TAKEN
+    doubted = record.position_use != ACCEPTED
     panel.plot(
         solution.fix_time[doubted], record.statistic[doubted], ".", color=OFFSET, ms=4, label="place not trusted"
     )
@@ -118,7 +118,7 @@ def quality(solution: Solution) -> Figure:
     return figure
 
 
-def _component(panel, time: np.ndarray, record: Record, number: int) -> None:
+def _component(panel, time: np.ndarray, record: InnovationRecord, number: int) -> None:
     """Draw one component of the innovations over its standard deviation; the axis is linear up to 5."""
     size = record.innovation[:, number] / np.sqrt(record.variance[:, number])
     share = record.share[:, number]
@@ -136,5 +136,5 @@ def _component(panel, time: np.ndarray, record: Record, number: int) -> None:
     panel.minorticks_off()
 
 
-def _every(solution: Solution) -> int:
+def _every(solution: DriveSolution) -> int:
     return -(-len(solution.time) // POINTS)

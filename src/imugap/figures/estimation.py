@@ -5,7 +5,7 @@ from math import ceil
 import pandas as pd
 from matplotlib.figure import Figure
 
-from imugap.figures import AXIS_TITLES, allan_label, allan_unit, legend_below, panels_of
+from imugap.figures.style import AXIS_TITLES, allan_label, allan_unit, legend_below, panels_of
 from imugap.units import from_si
 
 MOST_COLUMNS = 3

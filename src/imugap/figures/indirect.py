@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from imugap.figures import AXIS_TITLES, legend_below, panels_of
+from imugap.figures.style import AXIS_TITLES, legend_below, panels_of
 
 TITLES = {
     "allan": "Allan, piecewise",

@@ -7,7 +7,8 @@ import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator, NullLocator, StrMethodFormatter
 
-from imugap.figures import legend_below, panels_of, static
+from imugap.figures import static
+from imugap.figures.style import legend_below, panels_of
 
 TITLES = {"none": "None", "stand": "Mean at the stand"} | static.TITLES
 TITLES |= {"fitted": "Fitted composite", "truth": "True model"}

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from imugap.figures import WIDTH, decades, legend_below, panels_of
+from imugap.figures.style import WIDTH, decades, legend_below, panels_of
 from imugap.navigation.planar import SCOPES, Drive
 from imugap.units import from_si
 

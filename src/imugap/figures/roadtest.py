@@ -4,10 +4,10 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from imugap.figures import WIDTH, decades, legend_below, panels_of
 from imugap.figures.ablation import COLOURS, TITLES
+from imugap.figures.style import WIDTH, decades, legend_below, panels_of
 from imugap.kinematics.strapdown import ATTITUDE
-from imugap.navigation.vehicle import Solution
+from imugap.navigation.vehicle import DriveSolution
 
 MODELS = {"rest": ("model of the rest", "#D55E00"), "tuned": ("tuned model", "#0072B2"),
           "wheels": ("tuned model, wheels", "#882255")}  # fmt: skip
@@ -72,7 +72,7 @@ def track(table: pd.DataFrame) -> Figure:
     return figure
 
 
-def attitude(solution: Solution, aboard: pd.DataFrame) -> Figure:
+def attitude(solution: DriveSolution, aboard: pd.DataFrame) -> Figure:
     """Draw roll, pitch and heading over time, and how far those of the filter aboard are from them."""
     figure, grid = panels_of(3, 2, 4.2, sharex=True)
     table, std = solution.trajectory[::10], solution.trajectory_std[::10]

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from imugap.estimation.allan import LAWS
 from imugap.estimation.indices import INDICES
-from imugap.figures import AXIS_TITLES, allan_panels, allan_unit, legend_below, panels_of
+from imugap.figures.style import AXIS_TITLES, allan_panels, allan_unit, legend_below, panels_of
 from imugap.units import from_si
 
 TITLES = {

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import pandas as pd
 from matplotlib.figure import Figure
 
-from imugap.figures import allan_panels, allan_unit, legend_below, panels_of
+from imugap.figures.style import allan_panels, allan_unit, legend_below, panels_of
 from imugap.study.farrell2022 import COMPOSED, TITLES
 from imugap.units import from_si
 

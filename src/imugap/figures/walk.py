@@ -3,9 +3,9 @@
 import numpy as np
 from matplotlib.figure import Figure
 
-from imugap.figures import WIDTH, panels_of
+from imugap.figures.style import WIDTH, panels_of
 from imugap.filters.zero_velocity import MOVING
-from imugap.navigation.pedestrian import Solution
+from imugap.navigation.pedestrian import WalkSolution
 
 COLOUR = "#0072B2"
 STANCE = "#D55E00"
@@ -15,7 +15,7 @@ POINTS = 4000
 """Points of a curve: more than a page shows."""
 
 
-def plan(solution: Solution) -> Figure:
+def plan(solution: WalkSolution) -> Figure:
     """Draw the walk from above: path, stances, begin, and the end with its ellipse."""
     figure = Figure(figsize=(WIDTH, 0.7 * WIDTH), layout="constrained")
     panel = figure.subplots()
@@ -41,7 +41,7 @@ def ellipse(middle: np.ndarray, covariance: np.ndarray, level: float = LEVEL) ->
     return middle + circle * np.sqrt(np.maximum(values, 0)) @ vectors.T
 
 
-def height(solution: Solution) -> Figure:
+def height(solution: WalkSolution) -> Figure:
     """Draw height and heading over time, with their standard deviations, and the speed with the stances."""
     figure, grid = panels_of(3, 1, 5.0, sharex=True)
     every = _every(solution)
@@ -65,5 +65,5 @@ def height(solution: Solution) -> Figure:
     return figure
 
 
-def _every(solution: Solution) -> int:
+def _every(solution: WalkSolution) -> int:
     return -(-len(solution.phase) // POINTS)

@@ -1,4 +1,4 @@
-"""Parts of navigation filters: error state, sensor states, smoother, innovation gate, zero velocity, alignment.
+"""Building blocks of navigation filters: error state, sensor states, smoother, innovation tests, zero velocity.
 
 May import interchange, model, effects, kinematics and what lies below.
 """

@@ -1,7 +1,7 @@
-"""Whether a filter's belief in itself is right: chi-square bands, and actual against predicted spread.
+"""Consistency of a filter: chi-square bands of the NEES, and root mean square errors with intervals.
 
 Bar-Shalom, Li, Kirubarajan (2001), Estimation with Applications to Tracking and Navigation, sec. 5.4. Every bound is
-two-sided: a filter that believes too little of itself is as inconsistent as one that believes too much.
+two-sided: a pessimistic filter is as inconsistent as an optimistic one.
 """
 
 import numpy as np
@@ -9,7 +9,7 @@ from scipy.special import chdtri
 
 
 def nees_band(states: int, runs: int, confidence: float = 0.95) -> tuple[float, float]:
-    """Return the band in which the mean over ``runs`` of a consistent filter's NEES lies.
+    """Return the band of the mean NEES of a consistent filter over independent runs.
 
     The sum over independent runs is chi-square with ``states`` x ``runs`` degrees of freedom.
     """
@@ -19,11 +19,11 @@ def nees_band(states: int, runs: int, confidence: float = 0.95) -> tuple[float, 
 
 
 def root_mean_square(errors: np.ndarray, confidence: float = 0.95) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the root mean square of errors over runs, and its interval.
+    """Return the root mean square error over runs, and its confidence interval.
 
-    Of errors over their predicted standard deviation it is 1 for a consistent filter. Only runs are independent: the
-    members of one run are averaged first. The mean square over the runs is taken for chi-square with as many degrees of
-    freedom as its scatter over the runs tells (Satterthwaite 1946).
+    Errors normalised by their predicted standard deviation give 1 for a consistent filter. Only runs are independent,
+    so the members of a run are averaged first. The mean square is taken as chi-square, with the degrees of freedom
+    estimated from its scatter over the runs (Satterthwaite 1946).
 
     Parameters
     ----------

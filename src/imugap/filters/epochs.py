@@ -1,20 +1,20 @@
-"""Epochs of a filter: each ends after so many samples, or at a fix, wherever this lies between two samples.
+"""Epochs of a filter: each ends after a fixed number of samples, or at a fix, which may lie between two samples.
 
-A sample is the mean over the interval that it ends, and is taken in two parts where an epoch ends within.
+A sample is the mean over the interval that it ends; it is divided in two where an epoch ends inside the interval.
 """
 
 from typing import NamedTuple
 
 import numpy as np
 
-NEAR = 1e-6
-"""A fix so near the stamp of a sample belongs to it [s]."""
+STAMP_TOLERANCE_S = 1e-6
+"""Largest difference of the stamps of a fix and of a sample that are taken as equal [s]."""
 
 
 class Epochs(NamedTuple):
-    """Ends of the epochs [s], the number of the fix of each, or -1, and whether the device is known to be quiet.
+    """End of each epoch [s], number of its fix or -1, and whether the device is quiet.
 
-    The first is the start.
+    The first row is the start.
     """
 
     end: np.ndarray
@@ -23,7 +23,7 @@ class Epochs(NamedTuple):
 
     @classmethod
     def of(cls, stamp: np.ndarray, due: np.ndarray, begin: float, longest: float) -> "Epochs":
-        """Return the epochs from ``begin`` on, none longer than ``longest`` [s].
+        """Divide the time from ``begin`` on into epochs of at most ``longest`` [s].
 
         Parameters
         ----------
@@ -36,7 +36,7 @@ class Epochs(NamedTuple):
         ends = stamp[after:]
         near = np.clip(np.searchsorted(stamp, due), 1, len(stamp) - 1)
         near = np.where(np.abs(stamp[near - 1] - due) < np.abs(stamp[near] - due), near - 1, near)
-        due = np.where(np.abs(stamp[near] - due) <= NEAR, stamp[near], due)
+        due = np.where(np.abs(stamp[near] - due) <= STAMP_TOLERANCE_S, stamp[near], due)
         end = np.union1d(np.append(ends[every - 1 :: every], stamp[-1]), due)
         fix = np.full(len(end), -1)
         fix[np.searchsorted(end, due)] = np.arange(len(due))

@@ -1,18 +1,18 @@
-"""The error state of an inertial navigator: how its covariance grows, what a measurement tells, and how it is fed back.
+"""Error state of an inertial navigator: covariance prediction, scalar measurement update, feedback, smoother adjoint.
 
 The state is position [m], velocity [m/s] and attitude [rad] in ``n``, then the states of the sensors
 (:mod:`imugap.filters.sensor_states`), then any constants. All are *estimated - true*; the attitude error is the
-rotation vector in ``n`` that turns the true into the estimated attitude. What is estimated is fed back at once, so that
-the error state itself is always zero (Groves 2013, section 14.2), and only its covariance is carried: a square array
-with one row for each state, symmetric.
+rotation vector in ``n`` that turns the true into the estimated attitude. Estimates are fed back at once, so the error
+state itself is always zero (Groves 2013, section 14.2); only its covariance is stored, a symmetric array of shape
+(states, states).
 
-The transition over an epoch is the trapezoidal rule, one variable after the other: attitude, then velocity with the
-mean of the attitude error before and after, then position with that of the velocity error. It errs by the third order
-of the interval. Rates of Earth and transport are neglected, as in :class:`imugap.kinematics.strapdown.Local`.
+The transition over an epoch follows the trapezoidal rule: attitude first, then velocity with the mean attitude error of
+the epoch, then position with the mean velocity error. Its error is of third order in the interval. Earth rate and
+transport rate are neglected, as in :class:`imugap.kinematics.strapdown.Local`.
 
-Every function is compiled and changes arrays in place; vectors are tuples of floats as in
+Every function is compiled and changes arrays in slot; vectors are tuples of floats as in
 :mod:`imugap.numerics.rotation`. Sources: P. D. Groves, Principles of GNSS, Inertial, and Multisensor Integrated
-Navigation Systems, 2nd ed., 2013; P. S. Maybeck, Stochastic Models, Estimation, and Control, vol. 1, 1979; G. J.
+Navigation Systems, 2nd ed., 2013; P. S. Maybeck, Stochastic Models, Estimation, and KernelControl, vol. 1, 1979; G. J.
 Bierman, Fixed interval smoothing with discrete measurements, Int. J. Control 18 (1973) 65-75; S. F. Schmidt,
 Application of state-space methods to navigation problems, Adv. Control Syst. 3 (1966) 293-340.
 """
@@ -22,27 +22,27 @@ from imugap.numerics.rotation import kernel, multiply, quat_from_rotvec, renorma
 NAVIGATION = 9
 """States of position, velocity and attitude."""
 POSITION, VELOCITY, ATTITUDE = 0, 3, 6
-"""The first of their rows."""
+"""First row of each."""
 
 
 @kernel
-def mix(source, target, columns, mat_nb, force_n, dt, axis, gain, shift):
-    """Put the rows of the navigation in the product of the transition and ``source`` into columns of ``target``.
+def propagate_navigation(source, target, columns, mat_nb, force_n, dt, axis, gain, shift):
+    """Multiply ``source`` by the navigation rows of the transition, and store the product transposed in ``target``.
 
     Parameters
     ----------
     columns
-        How many columns of ``source`` are taken, from the first; each becomes a row of ``target``.
+        Number of columns of ``source`` to multiply; each becomes a row of ``target``.
     mat_nb, force_n
-        Attitude, and specific force in ``n`` [m/s^2], as the epoch has them.
+        Mean attitude, and mean specific force in ``n`` [m/s^2], over the epoch.
     dt
         Length of the epoch [s].
     axis
         Axis of each sensor state, 0 to 5, shape (sensor states,).
     gain
-        What a unit of each state adds to its axis: 1 for a bias, the input for a scale factor.
+        Error of the axis per unit of each state: 1 for a bias, the input for a scale factor.
     shift
-        Room for the sums over the states of each axis, shape (6, states).
+        Workspace for the sums over the states of each axis, shape (6, states).
     """
     for a in range(6):
         for j in range(columns):
@@ -72,17 +72,17 @@ def mix(source, target, columns, mat_nb, force_n, dt, axis, gain, shift):
 
 
 @kernel
-def transform(source, target, columns, mat_nb, force_n, dt, axis, gain, hold, shift):
-    """Put the product of the transition and columns of ``source`` into the rows of ``target``, both (states, states).
+def propagate(source, target, columns, mat_nb, force_n, dt, axis, gain, hold, shift):
+    """Multiply ``source`` by the transition, and store the product transposed in ``target``, both (states, states).
 
     Parameters
     ----------
     columns, mat_nb, force_n, dt, axis, gain, shift
-        As in :func:`mix`.
+        As in :func:`propagate_navigation`.
     hold
-        What is left of each state after the epoch.
+        Factor by which each sensor state decays over the epoch.
     """
-    mix(source, target, columns, mat_nb, force_n, dt, axis, gain, shift)
+    propagate_navigation(source, target, columns, mat_nb, force_n, dt, axis, gain, shift)
     for j in range(columns):
         for s in range(len(axis)):
             target[j, NAVIGATION + s] = hold[s] * source[NAVIGATION + s, j]
@@ -92,23 +92,22 @@ def transform(source, target, columns, mat_nb, force_n, dt, axis, gain, hold, sh
 
 @kernel
 def predict(covariance, work, mat_nb, force_n, dt, axis, gain, hold, drive, white, shift):
-    """Carry the covariance over an epoch; ``work`` is room of its shape.
+    """Predict the covariance over an epoch; ``work`` is a workspace of its shape.
 
-    Only the rows and columns of the navigation are mixed; those of sensors and constants are held, and what both share
-    is written twice.
+    Only the navigation rows and columns need the full transition; sensor states decay, constants stay.
 
     Parameters
     ----------
     mat_nb, force_n, dt, axis, gain, hold, shift
-        As in :func:`transform`.
+        As in :func:`propagate`.
     drive
-        Variance that drives each sensor state over the epoch.
+        Variance added to each sensor state over the epoch by its driving noise.
     white
         Two-sided PSD of the white noise of the six axes [unit^2/Hz].
     """
     size, sensors, half = len(covariance), len(axis), 0.5 * dt
-    mix(covariance, work, size, mat_nb, force_n, dt, axis, gain, shift)
-    mix(work, covariance, NAVIGATION, mat_nb, force_n, dt, axis, gain, shift)
+    propagate_navigation(covariance, work, size, mat_nb, force_n, dt, axis, gain, shift)
+    propagate_navigation(work, covariance, NAVIGATION, mat_nb, force_n, dt, axis, gain, shift)
     for row in range(NAVIGATION, size):
         left = hold[row - NAVIGATION] if row < NAVIGATION + sensors else 1.0
         for i in range(NAVIGATION):
@@ -137,18 +136,18 @@ def predict(covariance, work, mat_nb, force_n, dt, axis, gain, hold, drive, whit
 
 
 @kernel
-def backward(target, work, mat_nb, force_n, dt, axis, gain, hold, shift):
-    """Put the transition, transposed, into ``target``; arguments as in :func:`transform`, ``work`` as in predict."""
+def transposed_transition(target, work, mat_nb, force_n, dt, axis, gain, hold, shift):
+    """Store the transposed transition in ``target``; arguments as in :func:`propagate` and :func:`predict`."""
     size = len(work)
     for i in range(size):
         for j in range(size):
             work[i, j] = 1.0 if i == j else 0.0
-    transform(work, target, size, mat_nb, force_n, dt, axis, gain, hold, shift)
+    propagate(work, target, size, mat_nb, force_n, dt, axis, gain, hold, shift)
 
 
 @kernel
-def project(covariance, row, noise, spread):
-    """Put ``P h'`` into ``spread`` and return the variance of the innovation, ``h P h' + noise``, for a row ``h``."""
+def innovation_variance(covariance, row, noise, spread):
+    """Store ``P h'`` in ``spread``; return the innovation variance ``h P h' + noise`` of the measurement row ``h``."""
     size = len(row)
     for j in range(size):
         spread[j] = 0.0
@@ -163,10 +162,10 @@ def project(covariance, row, noise, spread):
 
 
 @kernel
-def update(covariance, spread, weight, variance):
-    """Take a scalar measurement into the covariance, whatever its weight (Joseph's form, Maybeck 1979, eq. 5-84).
+def joseph_update(covariance, spread, weight, variance):
+    """Update the covariance with a scalar measurement of any gain (Joseph form, Maybeck 1979, eq. 5-84).
 
-    With h the row of the measurement, R its noise and k the weight, ``(I - k h) P (I - k h)' + k R k'``.
+    With h the measurement row, R its noise variance and k the gain, ``(I - k h) P (I - k h)' + k R k'``.
 
     Parameters
     ----------
@@ -175,9 +174,9 @@ def update(covariance, spread, weight, variance):
     spread
         P h', shape (states,).
     weight
-        k, shape (states,); the best is ``spread / variance``.
+        Gain k, shape (states,); the optimal one is ``spread / variance``.
     variance
-        Of the innovation: h P h' + R.
+        Innovation variance h P h' + R.
     """
     for i in range(len(spread)):
         left = variance * weight[i] - spread[i]
@@ -186,8 +185,8 @@ def update(covariance, spread, weight, variance):
 
 
 @kernel
-def corrected(position, velocity, quat_nb, error):
-    """Return position, velocity and attitude less the first nine numbers of an estimated error."""
+def correct_navigation(position, velocity, quat_nb, error):
+    """Return position, velocity and quaternion corrected by the first nine components of an estimated error."""
     turn = quat_from_rotvec((-error[6], -error[7], -error[8]))
     return (
         (position[0] - error[0], position[1] - error[1], position[2] - error[2]),
@@ -197,20 +196,20 @@ def corrected(position, velocity, quat_nb, error):
 
 
 @kernel
-def measure(covariance, errors, row, residual, noise, spread, weight, nav, fed):
-    """Take in a scalar measurement by its best weight and feed back what it tells.
+def scalar_update(covariance, errors, row, residual, noise, spread, weight, nav, fed):
+    """Update covariance and estimates with a scalar measurement, and feed the correction back.
 
-    Where the states behind the navigation are not to be fed back their weight is zero, and theirs alone: they are
-    considered (Schmidt 1966). The covariance is that of the weight, whatever it is.
+    Without feedback of the states behind the navigation their gain is zero: they are consider states (Schmidt 1966).
+    The covariance is that of the gain in use.
 
     Parameters
     ----------
     covariance, errors
-        P, and the estimates of the states behind the navigation, shape (states - 9,); both are changed.
+        P, and the estimates of the states behind the navigation, shape (states - 9,); both are updated in place.
     row, residual, noise
-        The row h of the measurement, estimated less measured, and the variance of its noise.
+        Measurement row h, innovation (estimated - measured), and noise variance.
     spread, weight
-        Room, shape (states,); ``weight`` is that of the measurement afterwards.
+        Workspaces, shape (states,); ``weight`` holds the gain afterwards.
     nav
         Position, velocity and quaternion.
     fed
@@ -219,34 +218,34 @@ def measure(covariance, errors, row, residual, noise, spread, weight, nav, fed):
     Returns
     -------
     tuple
-        The corrected navigation, and the variance of the innovation: the square of the residual over it is chi-square
-        with one degree of freedom, and sums of such from one row after the other with as many as there are rows.
+        Corrected navigation, and innovation variance. The squared residual over it is chi-square with one degree of
+        freedom; the sum over successive rows has one degree of freedom per row.
     """
-    variance = project(covariance, row, noise, spread)
+    variance = innovation_variance(covariance, row, noise, spread)
     scale = 1.0 / variance
     for j in range(len(row)):
         weight[j] = scale * spread[j] if fed or j < NAVIGATION else 0.0
-    update(covariance, spread, weight, variance)
+    joseph_update(covariance, spread, weight, variance)
     for s in range(len(errors)):
         errors[s] -= residual * weight[NAVIGATION + s]
     for j in range(NAVIGATION):
         spread[j] = residual * weight[j]
-    return corrected(nav[0], nav[1], nav[2], spread), variance
+    return correct_navigation(nav[0], nav[1], nav[2], spread), variance
 
 
 @kernel
-def unlearn(adjoint, information, row, weight, residual, variance, work):
-    """Take a scalar measurement back through the adjoint of the smoother (Bierman 1973).
+def adjoint_measurement(adjoint, information, row, weight, residual, variance, work):
+    """Apply a scalar measurement to the adjoint of the smoother, backward in time (Bierman 1973).
 
-    With h the row, k the weight, y the residual and S its variance, ``l - h'(k'l + y/S)`` and
+    With h the row, k the gain, y the innovation and S its variance, ``l - h'(k'l + y/S)`` and
     ``(I - k h)' L (I - k h) + h' h/S``.
 
     Parameters
     ----------
     adjoint, information
-        l, shape (states,), and L, shape (states, states): what the measurements from here on tell of the error.
+        l, shape (states,), and L, shape (states, states): information from the later measurements.
     work
-        Room, shape (states,).
+        Workspace, shape (states,).
     """
     size = len(row)
     along, inner = residual / variance, 1.0 / variance
@@ -263,14 +262,14 @@ def unlearn(adjoint, information, row, weight, residual, variance, work):
 
 
 @kernel
-def retreat(adjoint, information, backward, work):
-    """Take the adjoint of the smoother back over an epoch whose transition is ``backward``, transposed."""
+def adjoint_transition(adjoint, information, transposed, work):
+    """Propagate the adjoint of the smoother back over an epoch; ``transposed`` is the transposed transition."""
     size = len(adjoint)
     for i in range(size):
         for j in range(size):
             work[i, j] = 0.0
         for m in range(size):
-            factor = backward[i, m]
+            factor = transposed[i, m]
             if factor != 0.0:
                 for j in range(size):
                     work[i, j] += factor * information[m, j]
@@ -278,10 +277,10 @@ def retreat(adjoint, information, backward, work):
         for j in range(size):
             information[i, j] = 0.0
             for m in range(size):
-                information[i, j] += work[i, m] * backward[j, m]
+                information[i, j] += work[i, m] * transposed[j, m]
     for i in range(size):
         work[0, i] = 0.0
         for m in range(size):
-            work[0, i] += backward[i, m] * adjoint[m]
+            work[0, i] += transposed[i, m] * adjoint[m]
     for i in range(size):
         adjoint[i] = work[0, i]

@@ -1,14 +1,13 @@
-"""Wheels that roll: a vehicle on the road has, at its rear axle, next to no velocity across and none up.
+"""Nonholonomic constraints: the rear axle of a vehicle has no velocity across and up.
 
-What the filter takes in at the end of each epoch are these two components of the velocity of a point of the vehicle, in
-``b``, as measured to be zero. What they truly are, the slip of tyres and the play of the suspension, goes on for a
-while: with a standard deviation s and a correlation time T it counts, at an epoch of length d, with the variance
-``2 s^2 T/d`` of the white noise that has the same power at zero frequency, so that longer or shorter epochs tell the
-same. Where a component is farther from zero than a slip can be, by its standard deviation and that of the velocity,
-the vehicle skids, or does not go on wheels at all, and that component is left out.
+At the end of each epoch these two velocity components of a point of the vehicle, in ``b``, are measured as zero. The
+true values, from tyre slip and suspension, have a standard deviation s and a correlation time T; at an epoch of length
+d they count as white noise of the same power at zero frequency, with variance ``2 s^2 T/d``, so that the length of the
+epochs makes no difference. A component farther from zero than slip allows, by its standard deviation and that of the
+velocity, is left out: the vehicle skids, or has no wheels.
 
-A vehicle that stands has no velocity ahead either. It is taken to stand where its device is nearly as quiet as it ever
-gets, engine running or not, and where the filter is sure that it is slow: on a smooth road a device may be as quiet in
+At standstill the forward velocity is zero as well. Standstill is detected where the device is nearly as quiet as it
+ever is, engine running or not, and the filter is certain of a low speed: on a smooth road a device may be as quiet in
 steady motion as at rest.
 
 Sources: S. Sukkarieh, E. M. Nebot, H. F. Durrant-Whyte, A high integrity IMU/GPS navigation loop for autonomous land
@@ -22,35 +21,35 @@ from typing import NamedTuple
 
 import numpy as np
 
-from imugap.filters.epochs import NEAR
-from imugap.filters.error_state import ATTITUDE, NAVIGATION, VELOCITY, project
-from imugap.filters.smoother import take_in
+from imugap.filters.epochs import STAMP_TOLERANCE_S
+from imugap.filters.error_state import ATTITUDE, NAVIGATION, VELOCITY, innovation_variance
+from imugap.filters.smoother import apply_measurement
 from imugap.filters.zero_velocity import Statistic, statistic
 from imugap.numerics.rotation import cross, dot, kernel, mat_from_quat
 
 ACROSS, UP, AHEAD = 1, 2, 0
-"""Components in ``b``, in the order in which they are taken in."""
-MEASURED = 3
-"""How many they are."""
+"""Components in ``b``, in the order of their update."""
+CONSTRAINTS = 3
+"""Number of constraints."""
 WINDOW_S = 1.0
-"""Time over which a device is, or is not, quiet [s]."""
-WEIGHTS = 0.1, 0.02
-"""Specific force [m/s^2] and angular rate [rad/s] that count the same in its motion."""
-QUIET = 2.0
-"""A quiet device moves, by the mean square, no more than this many times as much as where it moves least."""
-SLOW, SURE = 2.0, 3.0
-"""A quiet vehicle that is slower than this [m/s], by so many standard deviations, stands."""
-SKID = 4.0
-"""A component that is farther from zero, in standard deviations, is none of a wheel that rolls."""
+"""Window of the quietness test [s]."""
+QUIET_STD = 0.1, 0.02
+"""Scales of specific force [m/s^2] and angular rate [rad/s] in the quietness statistic."""
+QUIET_RATIO = 2.0
+"""Limit of the quietness statistic, as a multiple of its minimum."""
+SLOW_M_PER_S, SLOW_SIGMA = 2.0, 3.0
+"""A quiet vehicle stands if its speed is below this limit [m/s] by this number of standard deviations."""
+SKID_SIGMA = 4.0
+"""Limit of a component, in standard deviations, beyond which it is left out."""
 
 
-class Wheels(NamedTuple):
-    """What is taken for granted of the wheels, as the kernel takes it.
+class WheelConstraint(NamedTuple):
+    """Constraint of the rear axle, for compiled code.
 
     Attributes
     ----------
     std
-        Standard deviation of the velocity across and up [m/s]; 0: nothing is taken for granted.
+        Standard deviation of the velocity across and up [m/s]; 0 for no constraint.
     correlation_s
         Its correlation time [s].
     axle
@@ -62,7 +61,7 @@ class Wheels(NamedTuple):
     axle: tuple[float, float, float]
 
 
-def quiet(samples: np.ndarray, stamp: np.ndarray, time: np.ndarray) -> np.ndarray:
+def quiet_epochs(samples: np.ndarray, stamp: np.ndarray, time: np.ndarray) -> np.ndarray:
     """Return whether the device has been quiet for :data:`WINDOW_S` up to each time, shape (times,).
 
     Parameters
@@ -74,15 +73,15 @@ def quiet(samples: np.ndarray, stamp: np.ndarray, time: np.ndarray) -> np.ndarra
     found = np.zeros(len(samples), bool)
     if 2 <= window <= len(samples):
         gyro, accel = samples[:, :3] - np.median(samples[:, :3], axis=0), samples[:, 3:]
-        force, rate = (statistic(kind, gyro, accel, window, *WEIGHTS, 0.0)
+        force, rate = (statistic(kind, gyro, accel, window, *QUIET_STD, 0.0)
                        for kind in (Statistic.MOVING_VARIANCE, Statistic.RATE_ENERGY))  # fmt: skip
-        found[window - 1 :] = force + rate <= QUIET * (force + rate).min()
-    return found[np.clip(np.searchsorted(stamp, time + NEAR) - 1, 0, None)]
+        found[window - 1 :] = force + rate <= QUIET_RATIO * (force + rate).min()
+    return found[np.clip(np.searchsorted(stamp, time + STAMP_TOLERANCE_S) - 1, 0, None)]
 
 
 @kernel
 def axle_velocity(i, nav, mat, rate, sensors, gain, axle, row):
-    """Return component ``i`` of the velocity of the axle in ``b``, and fill ``row`` with its slope in the states."""
+    """Return component ``i`` of the axle velocity in ``b``; store its derivative by the states in ``row``."""
     axis = mat[0][i], mat[1][i], mat[2][i]
     turned, swing = cross(axis, nav[1]), cross(rate, axle)
     unit = 1.0 if i == 0 else 0.0, 1.0 if i == 1 else 0.0, 1.0 if i == 2 else 0.0
@@ -96,33 +95,33 @@ def axle_velocity(i, nav, mat, rate, sensors, gain, axle, row):
 
 
 @kernel
-def roll(
-    wheels, still, interval, nav, rate, covariance, errors, sensors, gain, row, spread, weight, tape, place, first
+def apply_wheel_constraint(
+    wheels, still, interval, nav, rate, covariance, errors, sensors, gain, row, spread, weight, block, slot, first
 ):
-    """Take in that the wheels have rolled over an epoch of this length [s]; return the corrected navigation.
+    """Apply the constraints at the end of an epoch of length ``interval`` [s]; return the corrected navigation.
 
     Parameters
     ----------
     still
         Whether the device is quiet.
     nav, rate
-        Position, velocity and quaternion at its end, and the angular rate there, less what is known of its error.
+        Position, velocity and quaternion at its end, and the angular rate there, less its estimated error.
     sensors, gain
-        The states of the sensors, and what a unit of each adds to its axis.
+        Sensor states, and error of the axis per unit of each.
     row
-        Room, shape (states,), that is empty; so it is left.
-    place, first
-        Row of the tape, and the number of the first measurement there.
+        Workspace, shape (states,), all zero before and after.
+    slot, first
+        Row of the block, and number of the first measurement there.
     """
     square = wheels.std * wheels.std
     noise = square * max(2 * wheels.correlation_s / interval, 1.0)
-    for number in range(MEASURED if still else MEASURED - 1):
-        mat, component = mat_from_quat(nav[2]), (ACROSS + number) % MEASURED
+    for number in range(CONSTRAINTS if still else CONSTRAINTS - 1):
+        mat, component = mat_from_quat(nav[2]), (ACROSS + number) % CONSTRAINTS
         residual = axle_velocity(component, nav, mat, rate, sensors, gain, wheels.axle, row)
-        variance = project(covariance, row, square, spread)
-        fits = residual * residual <= SKID * SKID * variance
-        if fits and (component != AHEAD or abs(residual) + SURE * np.sqrt(variance) < SLOW):
-            nav, _ = take_in(covariance, errors, row, residual, noise, spread, weight, nav, tape, place,
+        variance = innovation_variance(covariance, row, square, spread)
+        fits = residual * residual <= SKID_SIGMA * SKID_SIGMA * variance
+        if fits and (component != AHEAD or abs(residual) + SLOW_SIGMA * np.sqrt(variance) < SLOW_M_PER_S):
+            nav, _ = apply_measurement(covariance, errors, row, residual, noise, spread, weight, nav, block, slot,
                              first + number, True)  # fmt: skip
         else:
             for j in range(len(row)):

@@ -1,12 +1,11 @@
-"""What a filter holds of the errors of its sensors: the states of an error model, each of them on one axis.
+"""Sensor-error states of a filter, from an error model.
 
 Every process of the library that has a state space is a sum of independent first-order states: a constant, a random
-walk, a Gauss-Markov process. Flicker noise (:class:`imugap.effects.BiasInstability`), which has none, is taken for the
-nearest bank of Gauss-Markov processes over a stated range of averaging times (:mod:`imugap.interchange.flicker_bank`),
-and noise of any slope for the flicker noise or random walk that is nearer. A turn-on bias and a random walk of the same
-axis share a state (:mod:`imugap.interchange.augmentation`). The fixed bias is compensated as it stands. Quantisation is
-left out, since its integral does not grow; of the effects of the signal chain the filter knows nothing but the scale
-factor, if it is told to estimate it: a Gauss-Markov process, or a constant.
+walk, a Gauss-Markov process. Flicker noise (:class:`imugap.effects.BiasInstability`) is approximated by a bank of
+Gauss-Markov processes (:mod:`imugap.interchange.flicker_bank`), and power-law noise by the nearer of flicker noise and
+random walk. A turn-on bias and a random walk of the same axis share a state (:mod:`imugap.interchange.augmentation`).
+A fixed bias is compensated. Quantisation is left out, since its integral does not grow. Of the effects of the signal
+chain only the scale factor can be a state: a Gauss-Markov process, or a constant.
 """
 
 from dataclasses import dataclass
@@ -23,21 +22,21 @@ from imugap.model import ErrorModel
 FLICKER_S = (1.0, 1000.0)
 """Range of averaging times over which flicker noise is approximated [s]."""
 FLICKER_STATES = 3
-"""Gauss-Markov processes in its place; their Allan deviation errs by 4 % at most over the range."""
-NEARER = 1.5
-"""Exponent of noise of any slope from which on a random walk is nearer."""
+"""Gauss-Markov processes in its slot; the Allan deviation of the bank errs by at most 4 %."""
+RANDOM_WALK_EXPONENT = 1.5
+"""Exponent of power-law noise from which on it is approximated by a random walk."""
 
 
 @dataclass(frozen=True, eq=False)
 class SensorStates:
-    """States of the errors of six axes.
+    """Error states of the six axes.
 
     Attributes
     ----------
     axis
-        Number of the axis of each state in :data:`imugap.log.AXES`, shape (states,).
+        Index of the axis of each state in :data:`imugap.log.AXES`, shape (states,).
     scale
-        Whether the state is the error of a scale factor and not of the output itself, shape (states,).
+        Whether the state is a scale-factor error and not an additive error, shape (states,).
     decay
         One over the correlation time, 0 for a constant or a random walk [1/s], shape (states,).
     driving_psd
@@ -62,21 +61,21 @@ class SensorStates:
     def of(
         cls, model: ErrorModel, scale_std: tuple[float, float] = (0.0, 0.0), scale_s: float = np.inf
     ) -> "SensorStates":
-        """Take the states from an error model.
+        """Build the states from an error model.
 
         Parameters
         ----------
         model
-            The model of the device; an axis without one has no error.
+            Error model of the device; an axis without a model has no error.
         scale_std
-            Standard deviations of the scale factors of gyroscopes and accelerometers; where above zero they are states.
+            Standard deviations of the scale factors of gyroscopes and accelerometers; 0: not a state.
         scale_s
             Correlation time of the scale factors [s].
         """
         rows, white, fixed = [], np.zeros(6), np.zeros(6)
         for number, axis in enumerate(AXES):
             own = model.axes.get(axis, AxisModel())
-            space = augmentation(_finite(own))
+            space = augmentation(_finite_order(own))
             if np.any(space.dynamics != np.diag(np.diag(space.dynamics))) or np.any(space.output != 1):
                 raise ValueError(f"{axis}: expected first-order processes; found coupled states")
             states = np.column_stack([np.diag(one) for one in (-space.dynamics, space.process_psd)])
@@ -93,7 +92,7 @@ class SensorStates:
 
     @property
     def names(self) -> list[str]:
-        """Names of the states: the axis, for a further state of it with a number, for a scale factor with its word."""
+        """Names of the states, such as ``gyro_x``, ``gyro_x_2`` and ``gyro_x_scale``."""
         names = []
         for number, scale in zip(self.axis, self.scale, strict=True):
             base = f"{AXES[number]}_scale" if scale else AXES[number]
@@ -105,22 +104,22 @@ class SensorStates:
         return len(self.axis)
 
 
-def _finite(model: AxisModel) -> AxisModel:
-    """Return the model without quantisation, and with what has no finite order approximated by processes that have."""
+def _finite_order(model: AxisModel) -> AxisModel:
+    """Return the model without quantisation, with flicker and power-law noise approximated by first-order states."""
     effects = []
     for effect in (one for one in model if not isinstance(one, Quantization)):
-        one = _named(effect) if isinstance(effect, PowerLaw) else effect
+        one = _nearest_process(effect) if isinstance(effect, PowerLaw) else effect
         flicker = isinstance(one, BiasInstability)
         effects += bank(one.density_b, *FLICKER_S, FLICKER_STATES) if flicker else [one]
     return AxisModel(tuple(effects))
 
 
-def _named(law: PowerLaw) -> StochasticEffect:
-    """Return the flicker noise or the random walk, whichever slope is nearer, of the same Allan variance at its middle.
+def _nearest_process(law: PowerLaw) -> StochasticEffect:
+    """Return the flicker noise or random walk nearest to power-law noise, with the same Allan variance at mid-range.
 
-    That is the middle of the averaging times over which flicker noise is approximated.
+    The range is :data:`FLICKER_S`, its middle the geometric mean.
     """
     tau = np.sqrt(np.prod(FLICKER_S))
-    unit = BiasInstability(1.0) if law.exponent < NEARER else RandomWalk(1.0)
+    unit = BiasInstability(1.0) if law.exponent < RANDOM_WALK_EXPONENT else RandomWalk(1.0)
     size = float(np.sqrt(law.allan_variance(tau) / unit.allan_variance(tau)))
     return type(unit)(size)

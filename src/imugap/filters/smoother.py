@@ -1,12 +1,14 @@
-"""What a filter leaves, epoch by epoch, for a reader and for the smoother; the parts that filters of any motion share.
+"""Filter output by epoch, and the fixed-interval smoother, for filters of any motion.
 
-A filter carries the error state of :mod:`imugap.filters.error_state`. At each epoch it writes a row of a :class:`Path`;
-for the smoother it fills a :class:`Tape`, a block of epochs at a time, from which :func:`smooth` goes back over the
-path (Bryson and Frazier; Bierman 1973).
+A filter of the error state of :mod:`imugap.filters.error_state` writes a row of a :class:`History` at each epoch. For
+the smoother it also fills a :class:`SmootherBlock`, one block of epochs at a time; :func:`smooth_block` then corrects
+the history backward (Bryson and Frazier; Bierman 1973), so that the memory is that of one block.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -14,19 +16,26 @@ import pandas as pd
 from numba import njit
 from scipy.spatial.transform import Rotation
 
-from imugap.filters.error_state import ATTITUDE, NAVIGATION, corrected, measure, retreat, unlearn
+from imugap.filters.error_state import (
+    ATTITUDE,
+    NAVIGATION,
+    adjoint_measurement,
+    adjoint_transition,
+    correct_navigation,
+    scalar_update,
+)
 from imugap.filters.sensor_states import SensorStates
 from imugap.kinematics.strapdown import COLUMNS
 from imugap.numerics.rotation import kernel, to_euler
 
 CROSS = ((0, 1), (6, 7), (6, 8), (7, 8))
-"""Covariances that are kept besides the variances: of the horizontal position, of the attitude."""
+"""Covariances stored besides the variances: of the horizontal position, and of the attitude."""
 BLOCK = 256
-"""Samples that the smoother takes at a time."""
+"""Epochs in a block of the smoother."""
 
 
-class Path(NamedTuple):
-    """What the filter leaves: navigation, errors, variances of all states, covariances :data:`CROSS`, NIS."""
+class History(NamedTuple):
+    """Filter output by epoch: navigation, errors, variances of all states, covariances :data:`CROSS`, NIS."""
 
     navigation: np.ndarray
     errors: np.ndarray
@@ -35,8 +44,8 @@ class Path(NamedTuple):
     nis: np.ndarray
 
     @classmethod
-    def empty(cls, count: int, size: int) -> "Path":
-        """Return room for so many epochs of so many states."""
+    def empty(cls, count: int, size: int) -> "History":
+        """Allocate ``count`` epochs of ``size`` states."""
         shapes = (count, 10), (count, size - NAVIGATION), (count, size), (count, len(CROSS)), (count,)
         return cls(*(np.empty(shape) for shape in shapes))
 
@@ -44,17 +53,18 @@ class Path(NamedTuple):
         """Write the first epoch, which has no measurement."""
         self.navigation[0], self.errors[0] = navigation, errors
         self.variances[0] = np.diag(covariance)
-        self.cross[0] = [covariance[place] for place in CROSS]
+        self.cross[0] = [covariance[slot] for slot in CROSS]
         self.nis[0] = np.nan
 
 
-class Tape(NamedTuple):
-    """What the filter did in a block: transitions, transposed, scalar measurements and covariance of each epoch.
+class SmootherBlock(NamedTuple):
+    """Transposed transitions, covariances and scalar measurements of the epochs of a block.
 
-    Of a filter that only shows its innovations nothing but ``residuals`` and ``variances`` has a length.
+    Arrays of length zero are not filled: all of them for a filter without smoother; all but ``residuals`` and
+    ``variances`` where only the innovations are wanted.
     """
 
-    backward: np.ndarray
+    transposed: np.ndarray
     covariance: np.ndarray
     rows: np.ndarray
     weights: np.ndarray
@@ -62,19 +72,19 @@ class Tape(NamedTuple):
     variances: np.ndarray
 
     @classmethod
-    def empty(cls, count: int, size: int, most: int = 6) -> "Tape":
-        """Return room for epochs of so many states and at most so many measurements each; of none, nothing is taped."""
+    def empty(cls, count: int, size: int, most: int = 6) -> "SmootherBlock":
+        """Allocate ``count`` epochs of ``size`` states and at most ``most`` measurements each."""
         square, rows, each = (count, size, size), (count, most, size), (count, most)
         return cls(*(np.zeros(shape) for shape in (square, square, rows, rows, each, each)))
 
     @classmethod
-    def of_innovations(cls, count: int, most: int) -> "Tape":
-        """Return room for the innovations of so many epochs, and for nothing else."""
+    def of_innovations(cls, count: int, most: int) -> "SmootherBlock":
+        """Allocate the innovations of ``count`` epochs of at most ``most`` measurements."""
         return cls.empty(0, 0)._replace(residuals=np.zeros((count, most)), variances=np.zeros((count, most)))
 
 
-class Sensors(NamedTuple):
-    """The states of the sensors as the kernel takes them (:class:`imugap.filters.sensor_states.SensorStates`)."""
+class SensorArrays(NamedTuple):
+    """Sensor states as arrays for compiled code (:class:`imugap.filters.sensor_states.SensorStates`)."""
 
     axis: np.ndarray
     scale: np.ndarray
@@ -84,14 +94,14 @@ class Sensors(NamedTuple):
     fixed: np.ndarray
 
     @classmethod
-    def of(cls, states: SensorStates) -> "Sensors":
-        """Take over the states."""
+    def of(cls, states: SensorStates) -> "SensorArrays":
+        """Take the arrays of the states."""
         return cls(states.axis, states.scale, states.decay, states.driving_psd, states.white, states.fixed)
 
 
 @dataclass(frozen=True, eq=False)
-class Track:
-    """A path as tables; rows are the epochs.
+class NavigationSolution:
+    """A history as tables; rows are the epochs.
 
     Attributes
     ----------
@@ -99,52 +109,52 @@ class Track:
         Stamps [s].
     names
         Names of the states behind the navigation.
-    path
-        What the kernel left.
+    history
+        Filter output.
     """
 
     time: pd.Index
     names: list[str]
-    path: Path
+    history: History
 
     @cached_property
     def trajectory(self) -> pd.DataFrame:
         """The Trajectory."""
-        table = np.hstack([self.path.navigation[:, :6], self._euler])
+        table = np.hstack([self.history.navigation[:, :6], self._euler])
         return pd.DataFrame(table, index=self.time, columns=list(COLUMNS))
 
     @cached_property
     def trajectory_std(self) -> pd.DataFrame:
         """Standard deviations in the columns of the Trajectory."""
-        linear = np.sqrt(np.maximum(self.path.variances[:, :ATTITUDE], 0))
-        table = np.hstack([linear, _euler_std(self._euler, self.path)])
+        linear = np.sqrt(np.maximum(self.history.variances[:, :ATTITUDE], 0))
+        table = np.hstack([linear, _euler_std(self._euler, self.history)])
         return pd.DataFrame(table, index=self.time, columns=list(COLUMNS))
 
     @cached_property
     def sensors(self) -> pd.DataFrame:
-        """Estimates of the states behind the navigation: errors of the sensors, and constants."""
-        return pd.DataFrame(self.path.errors, index=self.time, columns=self.names)
+        """Estimates of the states behind the navigation: sensor errors and constants."""
+        return pd.DataFrame(self.history.errors, index=self.time, columns=self.names)
 
     @cached_property
     def sensors_std(self) -> pd.DataFrame:
-        """Standard deviations in the columns of the sensors."""
-        table = np.sqrt(np.maximum(self.path.variances[:, NAVIGATION:], 0))
+        """Standard deviations in the columns of ``sensors``."""
+        table = np.sqrt(np.maximum(self.history.variances[:, NAVIGATION:], 0))
         return pd.DataFrame(table, index=self.time, columns=self.names)
 
     @cached_property
     def horizontal(self) -> np.ndarray:
         """Covariance of the position, north and east [m^2], shape (n, 2, 2)."""
-        north, east, across = self.path.variances[:, 0], self.path.variances[:, 1], self.path.cross[:, 0]
+        north, east, across = self.history.variances[:, 0], self.history.variances[:, 1], self.history.cross[:, 0]
         return np.stack([np.stack([north, across], axis=1), np.stack([across, east], axis=1)], axis=2)
 
     @cached_property
     def _euler(self) -> np.ndarray:
-        return to_euler(Rotation.from_quat(self.path.navigation[:, ATTITUDE:]))
+        return to_euler(Rotation.from_quat(self.history.navigation[:, ATTITUDE:]))
 
 
 @kernel
 def compensate(samples, k, axis, scale, fixed, errors, gain, now, before):
-    """Fill ``now`` and ``before`` with the samples k and k - 1 less what is known of their errors, and the gains."""
+    """Store the samples k and k - 1, less their estimated errors, in ``now`` and ``before``, and the gains."""
     for a in range(6):
         now[a], before[a] = samples[k, a] - fixed[a], samples[k - 1, a] - fixed[a]
     for s in range(len(axis)):
@@ -158,55 +168,55 @@ def compensate(samples, k, axis, scale, fixed, errors, gain, now, before):
 
 
 @kernel
-def age(decay, driving, interval, hold, drive):
-    """Fill in what is left of the states of the sensors after an interval, and the variance that drives them."""
+def discretise_states(decay, driving, interval, hold, drive):
+    """Store the decay factor and the driving variance of each sensor state over an interval."""
     for s in range(len(decay)):
         hold[s] = np.exp(-decay[s] * interval)
         drive[s] = driving[s] * (interval if decay[s] == 0.0 else (1 - hold[s] * hold[s]) / (2 * decay[s]))
 
 
 @kernel
-def take_in(covariance, errors, row, residual, noise, spread, weight, nav, tape, place, number, fed):
-    """Take in a scalar measurement and tape it; return the corrected navigation and the NIS, leave ``row`` empty."""
-    nav, variance = measure(covariance, errors, row, residual, noise, spread, weight, nav, fed)
-    if len(tape.residuals):
-        tape.residuals[place, number], tape.variances[place, number] = residual, variance
-    if len(tape.rows):
+def apply_measurement(covariance, errors, row, residual, noise, spread, weight, nav, block, slot, number, fed):
+    """Apply a scalar measurement and store it; return the corrected navigation and the NIS, and clear ``row``."""
+    nav, variance = scalar_update(covariance, errors, row, residual, noise, spread, weight, nav, fed)
+    if len(block.residuals):
+        block.residuals[slot, number], block.variances[slot, number] = residual, variance
+    if len(block.rows):
         for j in range(len(row)):
-            tape.rows[place, number, j], tape.weights[place, number, j] = row[j], weight[j]
+            block.rows[slot, number, j], block.weights[slot, number, j] = row[j], weight[j]
     for j in range(len(row)):
         row[j] = 0.0
     return nav, residual * residual / variance
 
 
 @kernel
-def write(path, k, nav, errors, covariance):
-    """Write sample ``k``."""
+def write_epoch(history, k, nav, errors, covariance):
+    """Write epoch ``k``."""
     for i in range(3):
-        path.navigation[k, i], path.navigation[k, 3 + i] = nav[0][i], nav[1][i]
+        history.navigation[k, i], history.navigation[k, 3 + i] = nav[0][i], nav[1][i]
     for i in range(4):
-        path.navigation[k, 6 + i] = nav[2][i]
-        path.cross[k, i] = covariance[CROSS[i][0], CROSS[i][1]]
+        history.navigation[k, 6 + i] = nav[2][i]
+        history.cross[k, i] = covariance[CROSS[i][0], CROSS[i][1]]
     for s in range(len(errors)):
-        path.errors[k, s] = errors[s]
+        history.errors[k, s] = errors[s]
     for i in range(len(covariance)):
-        path.variances[k, i] = covariance[i, i]
+        history.variances[k, i] = covariance[i, i]
 
 
 @njit(cache=True, error_model="numpy")
-def smooth(path, first, last, tape, adjoint, information):
-    """Correct the path over a block by what the measurements behind it tell, and take the adjoint back over it."""
+def smooth_block(history, first, last, block, adjoint, information):
+    """Correct the history of a block by all later measurements, and propagate the adjoint back over it."""
     size = len(adjoint)
     error, work = np.empty(size), np.empty((size, size))
     for k in range(last - 1, first - 1, -1):
-        place = k - first
-        covariance = tape.covariance[place]
+        slot = k - first
+        covariance = block.covariance[slot]
         for i in range(size):
             error[i] = 0.0
             for j in range(size):
                 error[i] -= covariance[i, j] * adjoint[j]
-        nav = path.navigation[k]
-        position, velocity, quat = corrected(
+        nav = history.navigation[k]
+        position, velocity, quat = correct_navigation(
             (nav[0], nav[1], nav[2]), (nav[3], nav[4], nav[5]), (nav[6], nav[7], nav[8], nav[9]), error
         )
         for i in range(3):
@@ -214,7 +224,7 @@ def smooth(path, first, last, tape, adjoint, information):
         for i in range(4):
             nav[6 + i] = quat[i]
         for s in range(size - NAVIGATION):
-            path.errors[k, s] -= error[NAVIGATION + s]
+            history.errors[k, s] -= error[NAVIGATION + s]
         for i in range(size):
             for j in range(size):
                 work[i, j] = 0.0
@@ -223,28 +233,58 @@ def smooth(path, first, last, tape, adjoint, information):
                 for j in range(size):
                     work[i, j] += factor * information[m, j]
         for i in range(size):
-            path.variances[k, i] = covariance[i, i]
+            history.variances[k, i] = covariance[i, i]
             for m in range(size):
-                path.variances[k, i] -= work[i, m] * covariance[m, i]
+                history.variances[k, i] -= work[i, m] * covariance[m, i]
         for c in range(4):
             i, j = CROSS[c]
-            path.cross[k, c] = covariance[i, j]
+            history.cross[k, c] = covariance[i, j]
             for m in range(size):
-                path.cross[k, c] -= work[i, m] * covariance[m, j]
-        for number in range(tape.variances.shape[1] - 1, -1, -1):
-            if tape.variances[place, number] > 0.0:
-                unlearn(
-                    adjoint, information, tape.rows[place, number], tape.weights[place, number],
-                    tape.residuals[place, number], tape.variances[place, number], work[0],
+                history.cross[k, c] -= work[i, m] * covariance[m, j]
+        for number in range(block.variances.shape[1] - 1, -1, -1):
+            if block.variances[slot, number] > 0.0:
+                adjoint_measurement(
+                    adjoint, information, block.rows[slot, number], block.weights[slot, number],
+                    block.residuals[slot, number], block.variances[slot, number], work[0],
                 )  # fmt: skip
-        retreat(adjoint, information, tape.backward[place], work)
+        adjoint_transition(adjoint, information, block.transposed[slot], work)
 
 
-def _euler_std(euler: np.ndarray, path: Path) -> np.ndarray:
+def run_filter(step: Callable, state, history: History) -> None:
+    """Filter all epochs of a history.
+
+    Parameters
+    ----------
+    step
+        ``step(first, last, state, block)`` filters a range of epochs from ``state``, and updates ``state``.
+    state
+        State at the first epoch; has ``copy``.
+    """
+    step(1, len(history.nis), state, SmootherBlock.empty(0, history.variances.shape[1]))
+
+
+def run_smoother(step: Callable, state, history: History, most: int) -> None:
+    """Smooth all epochs of a history: filter by blocks, then filter each block again, last first, and correct it.
+
+    ``step`` and ``state`` are those of :func:`run_filter`; an epoch has at most ``most`` scalar measurements.
+    """
+    count, size = history.variances.shape
+    blocks, starts = list(pairwise([*range(1, count, BLOCK), count])), []
+    for first, last in blocks:
+        starts.append(state.copy())
+        step(first, last, state, SmootherBlock.empty(0, size))
+    adjoint, information = np.zeros(size), np.zeros((size, size))
+    for (first, last), start in zip(reversed(blocks), reversed(starts), strict=True):
+        block = SmootherBlock.empty(last - first, size, most)
+        step(first, last, start, block)
+        smooth_block(history, first, last, block, adjoint, information)
+
+
+def _euler_std(euler: np.ndarray, history: History) -> np.ndarray:
     """Return the standard deviations of roll, pitch and heading [rad], shape (n, 3), from the covariance in ``n``."""
     covariance = np.empty((len(euler), 3, 3))
-    covariance[:, [0, 1, 2], [0, 1, 2]] = path.variances[:, ATTITUDE:NAVIGATION]
-    for (i, j), values in zip(CROSS[1:], path.cross[:, 1:].T, strict=True):
+    covariance[:, [0, 1, 2], [0, 1, 2]] = history.variances[:, ATTITUDE:NAVIGATION]
+    for (i, j), values in zip(CROSS[1:], history.cross[:, 1:].T, strict=True):
         covariance[:, i - ATTITUDE, j - ATTITUDE] = covariance[:, j - ATTITUDE, i - ATTITUDE] = values
     _, pitch, heading = euler.T
     zero, one = np.zeros(len(euler)), np.ones(len(euler))

@@ -1,32 +1,30 @@
-"""Errors of position that stay: a filter keeps in mind that fixes were doubted, and looks back.
+"""Solution separation: detection of lasting position errors of the fixes by sub-filters.
 
-A test of single fixes forgets. A biased stretch that it has once refused pulls at it again with every fix, and a ramp
-that creeps never fails it. Here the error of the positions is a state, the *offset*: north, east, down, behind all
-others. While the fixes are trusted it is zero and has no variance, and the filter is the plain one.
+A test of single fixes has no memory: it accepts a ramp, and tests every fix of a biased stretch anew. Here the position
+error of the fixes is a state, the *offset*: north, east, down, the last states. While the fixes are trusted it is zero
+with zero variance, and the filter is the plain one.
 
 set aside
-    A fix whose position has a statistic (chi-square, as many degrees of freedom as it has components) above the
-    quantile of the false-alarm rate is left out, the velocity with it; one such fix is an outlier.
-opened
-    At the second in a row the offset starts anew, a constant with a variance that stands for knowing nothing. From then
-    on positions tell how the vehicle moves, and no longer where it is.
-opened in hindsight
-    Beside the filter run reserves: copies with an open offset, started one after the other, that have taken no position
-    for granted since. Where nothing is wrong, the offset of a reserve less that of the filter is zero-mean with the
-    difference of their covariances, since the filter knows all that the reserve knows and more. If chi-square fails on
-    that, the filter gives way to the oldest reserve that says so: what has crept in since then is gone. What has crept
-    will go on: the offset is from then on a random walk that goes as far in a second as it has, by the mean square,
-    come in each second of the reserve.
-closed
-    Where so many fixes in a row agree with one offset, and that offset with zero, by chi-square again, it is taken for
-    zero: an exact measurement. What the fixes meanwhile told of the place comes back with it, through the covariance.
-    Where the offset walks, a reserve, whose own does not, is asked, and takes over.
+    A fix whose position statistic (chi-square, one degree of freedom per component) exceeds the quantile of the
+    false-alarm rate is excluded, with its velocity.
+offset opened
+    At a second such fix in a row the offset restarts as a constant of very large variance. From then on positions
+    observe the motion of the vehicle, and not its position.
+offset opened in hindsight
+    Sub-filters run beside the main filter: copies with an open offset, started one after the other, that have not used
+    absolute positions since. Without faults the difference of the offsets of a sub-filter and of the main filter is
+    zero-mean, and its covariance is the difference of their covariances (the main filter uses more information). If
+    chi-square fails, the oldest sub-filter with a failing test replaces the main filter. Since a ramp continues, the
+    offset is from then on a random walk with the mean square growth per second since the start of the sub-filter.
+offset closed
+    Where enough fixes in a row agree with the offset, and the offset with zero, by chi-square, it is set to zero: an
+    exact measurement. The covariance then restores the position information of the fixes since the opening. Where the
+    offset is a random walk, a sub-filter, whose offset is constant, is tested and replaces the main filter.
 
-A doubt that lasts costs as many fixes as it lasts. The test of reserves, and that which closes, have the square of the
-false-alarm rate of a single fix: who opens an offset by mistake would keep it.
+The tests of separation and of closing have the square of the false-alarm rate of a single fix.
 
-While an offset is open the receiver is in trouble, and its velocities are not taken at its word: their variance is
-multiplied by the mean of their normalised squares since, 1 at least, with the first :data:`AGREED` of them taken as 1.
+While an offset is open the velocity variances are multiplied by the mean of the normalised squared velocity innovations
+since the opening, at least 1, with the first :data:`FIXES_REQUIRED` of them taken as 1.
 
 Sources: M. Brenner, Integrated GPS/inertial fault detection availability, Navigation 43 (1996) 111-130 (separation of
 solutions); B. Friedland, Treatment of bias in recursive filtering, IEEE Trans. Autom. Control 14 (1969) 359-367; R. K.
@@ -38,33 +36,31 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from imugap.filters.error_state import NAVIGATION, measure
-from imugap.filters.innovation_gate import ASIDE, FRESH, HELD, OFFSET, TAKEN, chi_square
+from imugap.filters.error_state import NAVIGATION, scalar_update
+from imugap.filters.innovation_gate import ACCEPTED, EXCLUDED, HELD, OFFSET_STATES, RESTARTED, chi_square
 from imugap.numerics.rotation import kernel
 
 OFFSETS = ("offset_n", "offset_e", "offset_d")
 """Names of the states [m]."""
-SHIFT = OFFSET
-"""How many they are; they are the last."""
-FREE = 1e6
-"""Variance of an offset of which nothing is known [m^2]."""
-AGREED = 3
-"""Fixes that have to agree in a row before an offset is judged."""
-RESERVES = 3
-"""Filters that take no position for granted since a while."""
-STRIKES, AGREEING, OPEN, BEGAN = range(4)
-"""What is kept in mind: refused in a row, agreed in a row, whether the offset is open, the fix at which it began."""
-SQUARES, COUNT, WALK, SINCE = range(4)
-"""Of an open offset: sum of squares of velocities, how many, variance per second [m^2/s], begin of a reserve [s]."""
-OPENED, LOOKED_BACK, CLOSED = 1, 2, 3
-"""What became of it, as numbers in :data:`imugap.filters.innovation_gate.TURNS`."""
+UNKNOWN_VARIANCE = 1e6
+"""Variance of an unknown offset [m^2]."""
+FIXES_REQUIRED = 3
+"""Number of fixes in a row that have to agree before an offset is tested."""
+SUB_FILTERS = 3
+"""Number of sub-filters."""
+REJECTIONS, AGREEMENTS, OPEN, FIRST_FIX = range(4)
+"""Counters: fixes rejected in a row, fixes agreeing in a row, whether the offset is open, its first fix."""
+SQUARES, COUNT, WALK_RATE, STARTED = range(4)
+"""Open offset: sum of squared velocity innovations, their number, random walk [m^2/s], start of the sub-filter [s]."""
+EVENT_OPENED, EVENT_SEPARATED, EVENT_CLOSED = 1, 2, 3
+"""Events of the offset: indices in :data:`imugap.filters.innovation_gate.OFFSET_EVENTS`."""
 
 
-class State(NamedTuple):
-    """Where a filter is, or lanes of them, one above the other: the filter first, then its reserves.
+class FilterState(NamedTuple):
+    """State of the main filter and its sub-filters, stacked along the first axis; or of one of them.
 
-    Navigation, errors, covariance; sample in progress; time, begin of a run of failures [s]; what it keeps in mind,
-    whole numbers and others.
+    Navigation, errors, covariance; sample in progress; time, and start of the present failures [s]; counters of
+    :data:`REJECTIONS` to :data:`FIRST_FIX`; numbers of :data:`SQUARES` to :data:`STARTED`.
     """
 
     navigation: np.ndarray
@@ -72,35 +68,35 @@ class State(NamedTuple):
     covariance: np.ndarray
     sample: np.ndarray
     clock: np.ndarray
-    memory: np.ndarray
-    doubt: np.ndarray
+    counters: np.ndarray
+    offset: np.ndarray
 
-    def copy(self, lanes: int = 1) -> "State":
-        """Return the first lane so many times, each with arrays of its own."""
-        return State(*(np.repeat(one[:1], lanes, axis=0) for one in self))
+    def copy(self, members: int = 1) -> "FilterState":
+        """Return copies of the first member."""
+        return FilterState(*(np.repeat(one[:1], members, axis=0) for one in self))
 
 
 @kernel
-def lane(states, number):
-    """Return the state of one lane."""
-    return State(
+def member(states, number):
+    """Return the state of one filter as views."""
+    return FilterState(
         states.navigation[number], states.errors[number], states.covariance[number], states.sample[number],
-        states.clock[number], states.memory[number], states.doubt[number],
+        states.clock[number], states.counters[number], states.offset[number],
     )  # fmt: skip
 
 
 @kernel
-def fill(target, source):
-    """Put one square matrix in place of another, number by number: a slice would take seconds to compile."""
+def copy_matrix(target, source):
+    """Copy a square matrix by elements: a slice would take seconds to compile."""
     for i in range(len(source)):
         for j in range(len(source)):
             target[i, j] = source[i, j]
 
 
 @kernel
-def put(source, target):
-    """Put one state in place of another."""
-    fill(target.covariance, source.covariance)
+def copy_state(source, target):
+    """Copy the state of one filter to another."""
+    copy_matrix(target.covariance, source.covariance)
     for i in range(len(source.navigation)):
         target.navigation[i] = source.navigation[i]
     for s in range(len(source.errors)):
@@ -108,21 +104,21 @@ def put(source, target):
     target.sample[0] = source.sample[0]
     for i in range(len(source.clock)):
         target.clock[i] = source.clock[i]
-    for i in range(len(source.memory)):
-        target.memory[i], target.doubt[i] = source.memory[i], source.doubt[i]
+    for i in range(len(source.counters)):
+        target.counters[i], target.offset[i] = source.counters[i], source.offset[i]
 
 
 @kernel
-def navigation(row):
-    """Return position, velocity and quaternion of a row of ten numbers."""
+def unpack_navigation(row):
+    """Return position, velocity and quaternion from a row of ten numbers."""
     return (row[0], row[1], row[2]), (row[3], row[4], row[5]), (row[6], row[7], row[8], row[9])
 
 
 @kernel
-def forget(covariance, errors, variance, transposed):
-    """Start the offset anew, with this variance; ``transposed``, unless empty, is the transition to be told so."""
+def restart_offset(covariance, errors, variance, transposed):
+    """Restart the offset with a variance; clear its rows of the ``transposed`` transition, unless that is empty."""
     size = len(covariance)
-    for i in range(size - SHIFT, size):
+    for i in range(size - OFFSET_STATES, size):
         errors[i - NAVIGATION] = 0.0
         for j in range(size):
             covariance[i, j] = covariance[j, i] = 0.0
@@ -132,144 +128,144 @@ def forget(covariance, errors, variance, transposed):
 
 
 @kernel
-def doubt(fix, count, limits, room, record, memory):
-    """Say what becomes of the position of a fix by what is kept in mind, and keep this."""
+def classify_position(fix, count, limits, room, record, counters):
+    """Decide how to use the position fix, and update the fault hypothesis."""
     seen, statistic = 0, 0.0
     for i in range(count):
-        if room.present[i] < SHIFT:
+        if room.present[i] < OFFSET_STATES:
             seen += 1
             statistic += room.whitened[i] * room.whitened[i]
-    record.turn[fix] = 0
+    record.offset_event[fix] = 0
     if seen == 0 or statistic <= limits[seen]:
         if seen > 0:
-            memory[STRIKES] = 0
-            memory[AGREEING] += 1
-        return HELD if memory[OPEN] else TAKEN
-    record.doubt[fix] = statistic
-    if memory[STRIKES] == 0:
-        memory[STRIKES], memory[AGREEING] = 1, 0
-        return ASIDE
-    memory[STRIKES], memory[AGREEING], memory[OPEN], memory[BEGAN] = 0, 1, 1, fix
-    record.turn[fix] = OPENED
-    return FRESH
+            counters[REJECTIONS] = 0
+            counters[AGREEMENTS] += 1
+        return HELD if counters[OPEN] else ACCEPTED
+    record.offset_statistic[fix] = statistic
+    if counters[REJECTIONS] == 0:
+        counters[REJECTIONS], counters[AGREEMENTS] = 1, 0
+        return EXCLUDED
+    counters[REJECTIONS], counters[AGREEMENTS], counters[OPEN], counters[FIRST_FIX] = 0, 1, 1, fix
+    record.offset_event[fix] = EVENT_OPENED
+    return RESTARTED
 
 
 @kernel
-def excess(state):
-    """Return by how much velocities vary more than they are told to, since the offset is open: 1 at least."""
-    if not state.memory[OPEN]:
+def velocity_inflation(state):
+    """Return the factor on the velocity variances while the offset is open, at least 1."""
+    if not state.counters[OPEN]:
         return 1.0
-    return max((AGREED + state.doubt[SQUARES]) / (AGREED + state.doubt[COUNT]), 1.0)
+    return max((FIXES_REQUIRED + state.offset[SQUARES]) / (FIXES_REQUIRED + state.offset[COUNT]), 1.0)
 
 
 @kernel
-def learn(count, anew, multiple, room, state):
-    """Take account of the velocities of a fix whose variances were multiplied; ``anew`` begins with it."""
-    if not state.memory[OPEN]:
+def update_velocity_statistics(count, anew, multiple, room, state):
+    """Add the velocities of a fix, whose variances were multiplied, to the statistics; ``anew`` restarts them."""
+    if not state.counters[OPEN]:
         return
     if anew:
-        state.doubt[SQUARES], state.doubt[COUNT], state.doubt[WALK] = 0.0, 0.0, 0.0
+        state.offset[SQUARES], state.offset[COUNT], state.offset[WALK_RATE] = 0.0, 0.0, 0.0
     for i in range(count):
-        if room.present[i] >= SHIFT:
+        if room.present[i] >= OFFSET_STATES:
             own = room.innovation[i] * room.innovation[i] - room.variance[i, i] + room.noise[i]
-            state.doubt[SQUARES] += multiple * own / room.noise[i]
-            state.doubt[COUNT] += 1.0
+            state.offset[SQUARES] += multiple * own / room.noise[i]
+            state.offset[COUNT] += 1.0
 
 
 @kernel
-def _apart(covariance, errors, known_covariance, known_errors, room):
-    """Return how far the offset of a filter is from that of another that knows more: chi-square, SHIFT freedoms."""
-    first = len(covariance) - SHIFT
-    for i in range(SHIFT):
+def _separation(covariance, errors, known_covariance, known_errors, room):
+    """Return the chi-square statistic of the offset of a filter against that of one with more information."""
+    first = len(covariance) - OFFSET_STATES
+    for i in range(OFFSET_STATES):
         room.innovation[i] = errors[first + i - NAVIGATION] - known_errors[first + i - NAVIGATION]
-        for j in range(SHIFT):
+        for j in range(OFFSET_STATES):
             room.variance[i, j] = covariance[first + i, first + j] - known_covariance[first + i, first + j]
-    return chi_square(room.innovation, room.variance, SHIFT, room.factor, room.whitened)[0]
+    return chi_square(room.innovation, room.variance, OFFSET_STATES, room.factor, room.whitened)[0]
 
 
 @kernel
-def _chosen(limit, aged, states, room):
-    """Return the oldest reserve that tells of an error, or, where the offset walks, of none; 0: none does."""
-    main, found = lane(states, 0), 0
-    for number in range(1, len(states.memory)):
-        one = lane(states, number)
-        if not one.memory[OPEN] or one.memory[AGREEING] < AGREED:
+def _selected(limit, aged, states, room):
+    """Return the oldest sub-filter that shows an error (or none, if the offset is a random walk); 0 for no such."""
+    main, found = member(states, 0), 0
+    for number in range(1, len(states.counters)):
+        one = member(states, number)
+        if not one.counters[OPEN] or one.counters[AGREEMENTS] < FIXES_REQUIRED:
             continue
-        if main.doubt[WALK] > 0.0:
-            statistic = _apart(one.covariance, one.errors, room.work, room.work[0], room)
-            told = statistic <= limit and one.clock[0] - one.doubt[SINCE] >= aged
+        if main.offset[WALK_RATE] > 0.0:
+            statistic = _separation(one.covariance, one.errors, room.work, room.work[0], room)
+            selected = statistic <= limit and one.clock[0] - one.offset[STARTED] >= aged
         else:
-            told = _apart(one.covariance, one.errors, main.covariance, main.errors, room) > limit
-        if told and (found == 0 or one.memory[BEGAN] < states.memory[found, BEGAN]):
+            selected = _separation(one.covariance, one.errors, main.covariance, main.errors, room) > limit
+        if selected and (found == 0 or one.counters[FIRST_FIX] < states.counters[found, FIRST_FIX]):
             found = number
     return found
 
 
 @njit(cache=True, error_model="numpy")
-def look_back(fix, limit, aged, states, record, room):
-    """Give way to a reserve, or close the offset; return whether either was done.
+def separate_solutions(fix, limit, aged, states, record, room):
+    """Replace the main filter by a sub-filter, or close the offset; return whether either was done.
 
     Parameters
     ----------
     limit
-        Of chi-square.
+        Limit of chi-square.
     aged
-        Time from which on a reserve may end a walk [s].
+        Age from which on a sub-filter may end a random walk of the offset [s].
     """
-    main, size = lane(states, 0), len(room.work)
+    main, size = member(states, 0), len(room.work)
     for i in range(size):
         for j in range(size):
             room.work[i, j] = 0.0
-    chosen, walked = _chosen(limit, aged, states, room), 0.0
+    chosen, walked = _selected(limit, aged, states, room), 0.0
     if chosen > 0:
-        one, failing = lane(states, chosen), min(main.clock[0], main.clock[1])
-        record.doubt[fix] = _apart(one.covariance, one.errors, main.covariance, main.errors, room)
-        if main.doubt[WALK] == 0.0:
-            for i in range(SHIFT):
-                walked += room.innovation[i] * room.innovation[i] / SHIFT
-        put(one, main)
-        main.clock[1], main.doubt[WALK] = failing, walked / (main.clock[0] - main.doubt[SINCE])
-        record.turn[fix] = LOOKED_BACK
-    if main.memory[OPEN] and main.memory[AGREEING] >= AGREED and main.doubt[WALK] == 0.0:
-        statistic = _apart(main.covariance, main.errors, room.work, room.work[0], room)
+        one, failing = member(states, chosen), min(main.clock[0], main.clock[1])
+        record.offset_statistic[fix] = _separation(one.covariance, one.errors, main.covariance, main.errors, room)
+        if main.offset[WALK_RATE] == 0.0:
+            for i in range(OFFSET_STATES):
+                walked += room.innovation[i] * room.innovation[i] / OFFSET_STATES
+        copy_state(one, main)
+        main.clock[1], main.offset[WALK_RATE] = failing, walked / (main.clock[0] - main.offset[STARTED])
+        record.offset_event[fix] = EVENT_SEPARATED
+    if main.counters[OPEN] and main.counters[AGREEMENTS] >= FIXES_REQUIRED and main.offset[WALK_RATE] == 0.0:
+        statistic = _separation(main.covariance, main.errors, room.work, room.work[0], room)
         if statistic <= limit:
-            _close(main, room)
-            record.turn[fix], record.doubt[fix] = CLOSED, statistic
-    if record.turn[fix] < LOOKED_BACK:
+            _close_offset(main, room)
+            record.offset_event[fix], record.offset_statistic[fix] = EVENT_CLOSED, statistic
+    if record.offset_event[fix] < EVENT_SEPARATED:
         return False
-    for k in range(main.memory[BEGAN], fix + 1):
-        if record.course[k] != ASIDE:
-            record.course[k] = FRESH if main.memory[OPEN] else TAKEN
+    for k in range(main.counters[FIRST_FIX], fix + 1):
+        if record.position_use[k] != EXCLUDED:
+            record.position_use[k] = RESTARTED if main.counters[OPEN] else ACCEPTED
     return True
 
 
 @kernel
-def _close(state, room):
-    """Take the offset for zero."""
-    nav, row, size = navigation(state.navigation), room.rows[0], len(state.covariance)
-    for i in range(size - SHIFT, size):
+def _close_offset(state, room):
+    """Set the offset to zero by an exact measurement."""
+    nav, row, size = unpack_navigation(state.navigation), room.rows[0], len(state.covariance)
+    for i in range(size - OFFSET_STATES, size):
         row[i], off = 1.0, state.errors[i - NAVIGATION]
-        nav, _ = measure(state.covariance, state.errors, row, off, 0.0, room.spread, room.weight, nav, True)
+        nav, _ = scalar_update(state.covariance, state.errors, row, off, 0.0, room.spread, room.weight, nav, True)
         row[i] = 0.0
-    forget(state.covariance, state.errors, 0.0, room.nothing)
+    restart_offset(state.covariance, state.errors, 0.0, room.nothing)
     for i in range(3):
         state.navigation[i], state.navigation[3 + i] = nav[0][i], nav[1][i]
     for i in range(4):
         state.navigation[6 + i] = nav[2][i]
-    state.memory[OPEN] = 0
+    state.counters[OPEN] = 0
 
 
 @njit(cache=True, error_model="numpy")
-def relieve(fix, states, room):
-    """Start a reserve from the filter, with an open offset, in place of none or of that which began first."""
-    number, begun = 1, states.memory[1, BEGAN] if states.memory[1, OPEN] else -1
-    for other in range(2, len(states.memory)):
-        one = states.memory[other, BEGAN] if states.memory[other, OPEN] else -1
+def start_sub_filter(fix, states, room):
+    """Start a sub-filter from the main filter with an open offset, in a free place or in that of the oldest."""
+    number, begun = 1, states.counters[1, FIRST_FIX] if states.counters[1, OPEN] else -1
+    for other in range(2, len(states.counters)):
+        one = states.counters[other, FIRST_FIX] if states.counters[other, OPEN] else -1
         if one < begun:
             number, begun = other, one
-    reserve = lane(states, number)
-    put(lane(states, 0), reserve)
-    forget(reserve.covariance, reserve.errors, FREE, room.nothing)
-    reserve.memory[STRIKES], reserve.memory[AGREEING], reserve.memory[OPEN] = 0, 0, 1
-    reserve.memory[BEGAN], reserve.doubt[SINCE] = fix + 1, reserve.clock[0]
-    reserve.doubt[SQUARES], reserve.doubt[COUNT], reserve.doubt[WALK] = 0.0, 0.0, 0.0
+    sub_filter = member(states, number)
+    copy_state(member(states, 0), sub_filter)
+    restart_offset(sub_filter.covariance, sub_filter.errors, UNKNOWN_VARIANCE, room.nothing)
+    sub_filter.counters[REJECTIONS], sub_filter.counters[AGREEMENTS], sub_filter.counters[OPEN] = 0, 0, 1
+    sub_filter.counters[FIRST_FIX], sub_filter.offset[STARTED] = fix + 1, sub_filter.clock[0]
+    sub_filter.offset[SQUARES], sub_filter.offset[COUNT], sub_filter.offset[WALK_RATE] = 0.0, 0.0, 0.0

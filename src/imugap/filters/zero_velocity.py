@@ -1,4 +1,4 @@
-"""Zero-velocity detection: when a foot stands still, told from its angular rate and specific force.
+"""Zero-velocity detection of a foot from its angular rate and specific force.
 
 The four detectors of Skog et al. (2010) test whether the sensor is at rest over a window. With y the specific force, w
 the angular rate, g gravity, means over the window, and standard deviations s_a and s_w,
@@ -8,12 +8,12 @@ the angular rate, g gravity, means over the window, and standard deviations s_a 
 * :attr:`Statistic.MOVING_VARIANCE`: mean of ``|y - mean(y)|^2/s_a^2``,
 * :attr:`Statistic.MAGNITUDE`: mean of ``(|y| - g)^2/s_a^2``.
 
-All are running sums: a sample enters, one leaves.
+All are computed by running sums.
 
-The rule for the threshold. The stand at the start gives gravity as the accelerometers have it, the biases of the
-gyroscopes, and the noise of both; to the noise the motion of a foot at stance is added, the same for all walks, and so
-a statistic of 1 is what a foot at stance may show. How still a foot gets depends on the gait, so that the threshold
-follows the walk: it is a multiple of the lowest statistic of the stride around, within fixed bounds.
+The threshold is adaptive. The stand at the start gives gravity, the gyroscope biases and the noise of both triads. The
+motion of a foot at stance, the same for all walks, is added to the noise, so that a statistic of about 1 is expected at
+stance. Since this varies with the gait, the threshold is a multiple of the lowest statistic within a stride, within
+fixed bounds.
 
 Source: I. Skog, P. Handel, J.-O. Nilsson, J. Rantakokko, Zero-velocity detection - an algorithm evaluation, IEEE Trans.
 Biomed. Eng. 57 (2010) 2657-2666.
@@ -27,11 +27,11 @@ from numba import njit
 from scipy.ndimage import minimum_filter1d
 
 MOVING, STANCE, STILL = 0, 1, 2
-"""What a foot does at a sample: it moves, it stands while the body walks, it stands because the body does."""
+"""Phase of the foot at a sample: moving; at stance while the body walks; still, since the body stands."""
 
 
 class Statistic(IntEnum):
-    """Which statistic is compared with the threshold."""
+    """Detection statistic that is compared with the threshold."""
 
     GLRT = 0
     RATE_ENERGY = 1
@@ -41,12 +41,12 @@ class Statistic(IntEnum):
 
 @dataclass(frozen=True)
 class Stand:
-    """What the stand at the start shows.
+    """Sensor statistics of the stand at the start of a walk.
 
     Attributes
     ----------
     count
-        Samples of the stand.
+        Number of samples of the stand.
     gravity
         Norm of the mean specific force [m/s^2].
     bias
@@ -64,22 +64,23 @@ class Stand:
 
 @dataclass(frozen=True)
 class Detector:
-    """A detector and its rule.
+    """Settings of the zero-velocity detector.
 
     Attributes
     ----------
     statistic
-        Which of the four.
+        Detection statistic.
     window_s, stride_s
-        Length of the window, and of the time in which a foot is still once [s].
+        Length of the window, and of the time that holds at least one stance [s].
     accel_std, gyro_std
-        Motion of a foot at stance [m/s^2], [rad/s].
+        Standard deviation of the motion of a foot at stance [m/s^2], [rad/s].
     multiple, lowest, highest
         The threshold is this multiple of the lowest statistic of a stride, within these bounds.
     still_s, still_accel_std, still_gyro_std
-        The body stands where the GLRT over so long a window stays below 1 with these [s], [m/s^2], [rad/s].
+        The body stands where the GLRT with these standard deviations, over this window, is below 1 [s], [m/s^2],
+        [rad/s].
     stand_s
-        The same window for the stand at the start, and the least length of it [s].
+        Window for the stand at the start, and its shortest length [s].
     """
 
     statistic: Statistic = Statistic.GLRT
@@ -96,7 +97,7 @@ class Detector:
     stand_s: float = 0.5
 
     def stand(self, gyro: np.ndarray, accel: np.ndarray, interval: float) -> Stand:
-        """Return the stand at the start of samples, shape (n, 3) each; without one a ValueError."""
+        """Return the statistics of the stand at the start of samples, shape (n, 3) each; a ValueError without one."""
         first = max(2, round(self.stand_s / interval))
         bias, force = gyro[:first].mean(axis=0), accel[:first].mean(axis=0)
         reach, count = 0, 0
@@ -120,7 +121,7 @@ class Detector:
     def phases(self, gyro: np.ndarray, accel: np.ndarray, interval: float, stand: Stand) -> np.ndarray:
         """Return :data:`MOVING`, :data:`STANCE` or :data:`STILL` for each sample, shape (n,).
 
-        A window is judged at its middle; before the first and after the last middle the foot does as it does there.
+        The decision on a window applies at its middle; the first and last decisions extend to the ends.
         """
         gyro = gyro - np.array(stand.bias)
         window = max(2, round(self.window_s / interval))
@@ -135,28 +136,28 @@ class Detector:
         return phase
 
     def _still(self, gyro: np.ndarray, accel: np.ndarray, window: int, gravity: float) -> np.ndarray:
-        """Return the samples around which the body stands, shape (n,)."""
+        """Return whether the body stands at each sample, shape (n,)."""
         window = min(window, len(gyro))
         values = statistic(Statistic.GLRT, gyro, accel, window, self.still_accel_std, self.still_gyro_std, gravity)
         return _at_middle(values < 1, window)
 
 
 def _at_middle(below: np.ndarray, window: int) -> np.ndarray:
-    """Return for each sample what is said of the window around it, at the ends of the first and the last window."""
+    """Return the decision on the window centred at each sample; the first and last extend to the ends."""
     return np.pad(below, (window // 2, window - 1 - window // 2), mode="edge")
 
 
 def statistic(
     kind: Statistic, gyro: np.ndarray, accel: np.ndarray, window: int, accel_std: float, gyro_std: float, gravity: float
 ) -> np.ndarray:
-    """Return the statistic of the window that starts at each sample, shape (n - window + 1,).
+    """Return the detection statistic of the window that starts at each sample, shape (n - window + 1,).
 
     Parameters
     ----------
     gyro, accel
         Rate [rad/s] and specific force [m/s^2], shape (n, 3).
     window
-        Samples in the window, at most n.
+        Number of samples in the window, at most n.
     accel_std, gyro_std
         s_a [m/s^2] and s_w [rad/s].
     gravity

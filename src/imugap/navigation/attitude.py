@@ -1,21 +1,19 @@
 """Attitude from gyroscopes and accelerometers: an error-state Kalman filter on the error model of the device.
 
-The gyroscopes are integrated; the accelerometers tell where down is. The state is the error of the attitude, a rotation
+The gyroscopes are integrated; the accelerometers observe the vertical. The states are the attitude error, a rotation
 vector in ``n`` (estimated - true, :mod:`imugap.io.reference`), and for each axis a constant bias and the states of its
-error model (:meth:`imugap.model.AxisModel.state_space`). Estimates of all of them are fed back at every sample, so that
-the error state itself is zero; the attitude is a quaternion that corrections multiply (Markley 2003).
+error model (:meth:`imugap.model.AxisModel.state_space`). All estimates are fed back at every sample, so the error state
+itself is zero; corrections multiply the attitude quaternion (Markley 2003).
 
-Without a magnetometer gravity alone is seen, and nothing of the heading: it is integrated, and its error is drift. A
-gyroscope whose axis points up adds to it unseen. Errors of level accelerometers, likewise, are not told from a tilt.
+Without a magnetometer the heading is not observed: its error drifts, as does the bias of a gyroscope whose axis is
+vertical. Errors of level accelerometers cannot be separated from a tilt.
 
-True acceleration is an error of the measurement. Its size is read from the log: what the specific force, turned into
-``n``, leaves in the horizontal plane. The mean square of its two components over a memory T is taken for the variance
-``a^2`` of a first-order process of correlation time T, and this process for white noise of its spectral density at
-zero, ``2 a^2 T``, which adds to the white noise of the accelerometers. A tilt of the estimate counts as acceleration
-too, so that the reading errs on the safe side.
+True acceleration is a measurement error. Its size is estimated from the horizontal part of the specific force in ``n``:
+the mean square of its two components over a memory T is the variance ``a^2`` of a first-order process of correlation
+time T, which counts as white noise of its spectral density at zero, ``2 a^2 T``, in addition to the accelerometer
+noise. A tilt error counts as acceleration too, which makes the estimate conservative.
 
-The rotation of the Earth is neglected, as in :class:`imugap.kinematics.strapdown.Local`; at rest it is part of the gyro
-biases.
+Earth rate is neglected, as in :class:`imugap.kinematics.strapdown.Local`; at rest it is part of the gyroscope biases.
 
 Sources: F. L. Markley, Attitude error representations for Kalman filtering, J. Guidance Control Dyn. 26 (2003) 311-317;
 P. D. Groves, Principles of GNSS, Inertial, and Multisensor Integrated Navigation Systems, 2nd ed., 2013, section 14.2
@@ -39,22 +37,22 @@ from imugap.numerics.state_space import StateSpace
 from imugap.units import to_si
 
 UNLEVELLED = 1.0
-"""Standard deviation of the tilt before levelling [rad]: anything far above what levelling leaves."""
+"""Standard deviation of the tilt before levelling [rad]: far above that after levelling."""
 
 COVARIANCE = {"cov_nn": (0, 0), "cov_ne": (0, 1), "cov_ee": (1, 1), "cov_dd": (2, 2)}
 """Columns of the covariance of tilt and heading [rad^2]."""
 
 
 @dataclass(frozen=True)
-class Assumptions:
-    """What the filter takes for granted besides the error model.
+class AttitudeAssumptions:
+    """Assumptions of the filter besides the error model.
 
     Attributes
     ----------
     gravity
         Local gravity [m/s^2].
     memory
-        Correlation time T of true acceleration [s]; None where the body is known not to accelerate.
+        Correlation time T of true acceleration [s]; None for a body without acceleration.
     bias_std
         Standard deviation of the constant bias of each gyroscope [rad/s] and of each accelerometer [m/s^2].
     """
@@ -64,15 +62,15 @@ class Assumptions:
     bias_std: tuple[float, float]
 
     @classmethod
-    def from_mapping(cls, site: dict, memory_s: float, bias_std: dict) -> "Assumptions":
+    def from_mapping(cls, site: dict, memory_s: float, bias_std: dict) -> "AttitudeAssumptions":
         """Build from the configuration of a site, the memory [s], and ``gyro_deg_per_s`` and ``accel_mg``."""
         stds = to_si(bias_std["gyro_deg_per_s"], "deg/s"), to_si(bias_std["accel_mg"], "mg")
         return cls(Site.from_mapping(site).gravity, memory_s, stds)
 
 
 @dataclass(frozen=True)
-class Start:
-    """What is known when the filter starts.
+class InitialAttitude:
+    """Initial attitude, and the rest before it.
 
     Attributes
     ----------
@@ -81,9 +79,8 @@ class Start:
     std
         Standard deviation of the error of the attitude about north, east, down [rad].
     rest
-        Samples at rest just ahead of the start, shape (n, 6), SI, or None. The gyroscopes show their errors there, as
-        far as the model lets them be told from noise; the accelerometers level, and their errors come to be
-        correlated with the tilt.
+        Samples at rest just before the start, shape (n, 6), SI, or None. They estimate the gyroscope errors and level
+        the attitude, which correlates the accelerometer errors with the tilt.
     """
 
     attitude: tuple[float, float, float]
@@ -91,15 +88,15 @@ class Start:
     rest: np.ndarray | None = None
 
     @classmethod
-    def at_rest(cls, rest: pd.DataFrame, heading: float) -> "Start":
-        """Start after a log at rest, levelled by its mean; ``heading`` [rad] is given and counts as exact."""
+    def at_rest(cls, rest: pd.DataFrame, heading: float) -> "InitialAttitude":
+        """InitialAttitude after a log at rest, levelled by its mean; ``heading`` [rad] is given and counts as exact."""
         attitude = (*strapdown.level(rest[list(ACCEL)].mean()), heading)
         return cls(attitude, (UNLEVELLED, UNLEVELLED, 0.0), rest[list(AXES)].to_numpy())
 
 
 @dataclass(frozen=True, eq=False)
-class Solution:
-    """The attitude of a body over time and the errors of its sensors.
+class AttitudeSolution:
+    """Attitude of a body over time and errors of its sensors.
 
     Attributes
     ----------
@@ -110,8 +107,8 @@ class Solution:
     sensors, sensors_std
         Estimated error of each axis and its standard deviation, SI; columns the axes.
     innovations
-        Specific force less its prediction, x, y, z in ``b``, one after the other, over the standard deviation; shape
-        (n, 3). White and standard normal if the model is true.
+        Specific force minus its prediction, x, y, z in ``b``, updated one after the other, over the standard deviation,
+        shape (n, 3): white and standard normal for a consistent filter.
     """
 
     attitude: pd.DataFrame
@@ -126,14 +123,16 @@ class Solution:
         return np.sqrt(np.diagonal(self.covariance, axis1=1, axis2=2))
 
     def table(self, step: float) -> pd.DataFrame:
-        """Return the attitude about every ``step`` [s], with the columns :data:`COVARIANCE` beside."""
+        """Return the attitude about every ``step`` [s], with the columns :data:`COVARIANCE`."""
         every = max(round(step / interval(self.attitude)), 1)
         kept = self.covariance[::every]
         columns = {name: kept[:, i, j] for name, (i, j) in COVARIANCE.items()}
         return self.attitude.iloc[::every].assign(**columns)
 
 
-def fuse(log: pd.DataFrame, model: ErrorModel, start: Start, assumptions: Assumptions) -> Solution:
+def estimate_attitude(
+    log: pd.DataFrame, model: ErrorModel, start: InitialAttitude, assumptions: AttitudeAssumptions
+) -> AttitudeSolution:
     """Estimate the attitude at every sample of a log with six axes.
 
     Parameters
@@ -141,9 +140,9 @@ def fuse(log: pd.DataFrame, model: ErrorModel, start: Start, assumptions: Assump
     log
         Evenly spaced samples, each the mean over the interval that ends at its stamp.
     model
-        The errors of the axes. Of its effects the stochastic ones count; an axis without a model has a bias only.
+        Error model; only its stochastic effects are used. An axis without a model has a bias only.
     start
-        What is known at the beginning of the interval of the first sample.
+        Initial attitude, at the beginning of the interval of the first sample.
     assumptions
         Gravity, acceleration and biases.
     """
@@ -155,7 +154,7 @@ def fuse(log: pd.DataFrame, model: ErrorModel, start: Start, assumptions: Assump
     memory = assumptions.memory or 0.0
     filtered = _filter(gyro, accel, step, quat_nb, mean, covariance, *sensors.arrays(), gravity, memory)
     quats, covariances, errors, stds, innovations = filtered
-    return Solution(
+    return AttitudeSolution(
         pd.DataFrame(quats, index=log.index, columns=list(QUATERNION)),
         covariances,
         pd.DataFrame(errors, index=log.index, columns=list(AXES)),
@@ -178,7 +177,7 @@ def _samples(log: pd.DataFrame, interval: float) -> tuple[np.ndarray, np.ndarray
 
 @dataclass(frozen=True, eq=False)
 class _Sensors:
-    """The errors of six axes as one discrete model: states, their noise, and how the axes read them."""
+    """Errors of the six axes as one discrete state-space model."""
 
     space: StateSpace
     transition: np.ndarray
@@ -188,7 +187,7 @@ class _Sensors:
 
     @classmethod
     def of(cls, model: ErrorModel, bias_std: tuple[float, float], interval: float) -> "_Sensors":
-        """Stack the state spaces of the axes, each led by its constant bias."""
+        """Stack the state spaces of the axes, each after its constant bias."""
         stds = dict.fromkeys(GYRO, bias_std[0]) | dict.fromkeys(ACCEL, bias_std[1])
         biases = [StateSpace.first_order(0.0, 0.0, stds[axis] ** 2) for axis in AXES]
         modelled = [model.axes.get(axis, AxisModel()).state_space() for axis in AXES]
@@ -203,11 +202,13 @@ class _Sensors:
         return cls(whole, *whole.discretise(interval), output, white)
 
     def arrays(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """Return what the kernels need."""
+        """Return transition, noise, output and white noise for compiled code."""
         return self.transition, self.noise, self.output, self.white
 
 
-def _initial(start: Start, sensors: _Sensors, quat_nb: np.ndarray, gravity: float) -> tuple[np.ndarray, np.ndarray]:
+def _initial(
+    start: InitialAttitude, sensors: _Sensors, quat_nb: np.ndarray, gravity: float
+) -> tuple[np.ndarray, np.ndarray]:
     """Return the estimate of the sensor states and the covariance of attitude and sensors at the start."""
     states = len(sensors.space.output)
     mean, covariance = np.zeros(states), np.zeros((3 + states, 3 + states))
@@ -217,7 +218,7 @@ def _initial(start: Start, sensors: _Sensors, quat_nb: np.ndarray, gravity: floa
         return mean, covariance
     rest = np.ascontiguousarray(start.rest, dtype=float)
     settled = np.ascontiguousarray(covariance[3:, 3:])
-    _settle(rest[:, :3], mean, settled, *sensors.arrays())
+    _update_at_rest(rest[:, :3], mean, settled, *sensors.arrays())
     covariance[3:, 3:] = settled
     force = rest[:, 3:].mean(axis=0)
     tilt = np.zeros(3)
@@ -226,18 +227,18 @@ def _initial(start: Start, sensors: _Sensors, quat_nb: np.ndarray, gravity: floa
 
 
 @njit(cache=True)
-def _settle(gyro, mean, covariance, transition, noise, output, white):
-    """Condition the sensor states, in place, on gyroscopes that turn with nothing: they show their errors."""
+def _update_at_rest(gyro, mean, covariance, transition, noise, output, white):
+    """Update the sensor states, in place, by gyroscopes at rest, whose output is their error."""
     for k in range(len(gyro)):
         mean[:] = transition @ mean
         covariance[:] = transition @ covariance @ transition.T + noise
         for axis in range(3):
-            _correct(gyro[k, axis] - output[axis] @ mean, output[axis], white[axis], mean, covariance)
+            _scalar_update(gyro[k, axis] - output[axis] @ mean, output[axis], white[axis], mean, covariance)
 
 
 @njit(cache=True)
-def _correct(residual, row, variance, mean, covariance):
-    """Condition ``mean`` and ``covariance``, in place, on one measurement; return the residual over its deviation."""
+def _scalar_update(residual, row, variance, mean, covariance):
+    """Update ``mean`` and ``covariance``, in place, by one measurement; return the normalised innovation."""
     spread = covariance @ row
     total = row @ spread + variance
     gain = spread / total
@@ -248,7 +249,7 @@ def _correct(residual, row, variance, mean, covariance):
 
 @njit(cache=True)
 def _level(force, quat_nb, tilt, mean, covariance, output, variance, gravity):
-    """Condition tilt and sensor states, in place, on a specific force that is gravity; return the innovations.
+    """Update tilt and sensor states, in place, by a specific force that is gravity; return the innovations.
 
     With ``C_estimated = exp(tilt) C`` the residual is ``C_estimated' (g x tilt)`` plus the errors of the sensors.
     """
@@ -261,16 +262,16 @@ def _level(force, quat_nb, tilt, mean, covariance, output, variance, gravity):
         row[0], row[1] = gravity * mat[1][axis], -gravity * mat[0][axis]
         row[3:] = output[3 + axis]
         residual = force[axis] + gravity * mat[2][axis] - row @ both
-        innovations[axis] = _correct(residual, row, variance[axis], both, covariance)
+        innovations[axis] = _scalar_update(residual, row, variance[axis], both, covariance)
     tilt[:], mean[:] = both[:3], both[3:]
     return innovations
 
 
 @njit(cache=True)
-def _spread(covariance, turned, transition, noise, output, white):
-    """Propagate the covariance, in place: ``turned`` (dt C) carries the errors of the gyroscopes into the attitude.
+def _predict(covariance, turned, transition, noise, output, white):
+    """Predict the covariance, in place; ``turned`` (dt C) maps gyroscope errors to the attitude.
 
-    The states of the sensors move first; the sample then holds their errors at its own stamp.
+    The sensor states are predicted first, so that they hold for the stamp of the sample.
     """
     reached = turned @ output[:3]
     tracked = turned * np.sqrt(white[:3])
@@ -286,7 +287,7 @@ def _spread(covariance, turned, transition, noise, output, white):
 
 @njit(cache=True)
 def _filter(gyro, accel, dt, quat, mean, covariance, transition, noise, output, white, gravity, memory):
-    """Run the filter; see :func:`fuse`."""
+    """Run the filter; see :func:`estimate_attitude`."""
     count = len(gyro)
     quat_nb = (quat[0], quat[1], quat[2], quat[3])
     quats, covariances, innovations = np.empty((count, 4)), np.empty((count, 3, 3)), np.empty((count, 3))
@@ -303,7 +304,7 @@ def _filter(gyro, accel, dt, quat, mean, covariance, transition, noise, output, 
         rate_before, force_before = rate, force
 
         mat = np.array(mat_from_quat(quat_nb))
-        _spread(covariance, mat * dt, transition, noise, output, white)
+        _predict(covariance, mat * dt, transition, noise, output, white)
         mean_force = np.array([delta_v[0], delta_v[1], delta_v[2]]) / dt
         horizontal = mat[:2] @ mean_force
         square += forgetting * (0.5 * (horizontal @ horizontal) - square)

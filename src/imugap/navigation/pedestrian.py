@@ -1,28 +1,27 @@
-"""Foot-mounted navigation: a strapdown navigator that an error-state filter corrects whenever the foot stands still.
+"""Foot-mounted navigation: strapdown navigation with an error-state filter and zero-velocity updates.
 
-At stance (:mod:`imugap.filters.zero_velocity`) a point of the foot is at rest, and where the body stands so is the
-angular rate. Neither holds exactly, and the filter has to know how far: see :class:`Assumptions`. What disturbs a
-measurement is a motion with a correlation time and no noise of the samples: n samples of an interval T tell as much as
-n T/(2 tau) independent ones, and for so many they count. Halving the interval changes nothing.
+At stance (:mod:`imugap.filters.zero_velocity`) a point of the foot is at rest; where the body stands, so is the angular
+rate. Neither holds exactly; :class:`WalkAssumptions` states the deviations. They are motions with a correlation time
+tau, not sample noise: n samples of interval T count as n T/(2 tau) independent ones, so that the sampling rate makes no
+difference.
 
-The point at rest is not the sensor: a foot rolls over its sole. The arm from the sensor to that point, constant in
-``b``, is a state.
+The point at rest is not the sensor, since a foot rolls over its sole. The arm from the sensor to that point, constant
+in ``b``, is a state.
 
-A sensor is blind between its samples. Where its output changes by d from one sample to the next, the mean over the
-interval is taken to be uncertain by a share of d: at a heel strike by much, in the swing by little. An accelerometer
-clips ahead of its filter, so that a strike that shows nine tenths of the full scale (:data:`NEAR`) may have been beyond
-it within the sample: such a sample is uncertain by a share of all that it shows, in every direction.
+The motion between two samples is unknown. Where the output changes by d from one sample to the next, the interval mean
+is uncertain by a share of d: large at a heel strike, small in the swing. An accelerometer clips ahead of its filter, so
+a strike above a share of the full scale (:data:`CLIPPING_SHARE`) may have clipped within the sample: such a sample is
+uncertain, in every direction, by a share of its magnitude.
 
-Where the body stands, the noise of the gyroscopes is in the attitude and in the measurement of the rate alike. The
-filter takes the two for independent, and so believes a little too little of the attitude after a stand.
+Where the body stands, the gyroscope noise enters both the attitude and the measurement of the rate. The filter takes
+the two as independent, and is slightly pessimistic about the attitude after a stand.
 
-Zero velocity says nothing of the height, and what it cannot tell from none, a tilt that the bias of an accelerometer
-balances at stance or a shoe that sinks, lifts every stride by the same. A floor tells. Where floors are taken to be
-level (:attr:`Assumptions.floor_std`), a foot comes down as high as it stood, unless it rises or falls by more than
-:data:`STEP_M`: that is a stair or a slope, of which only the sensors tell.
+Zero velocity does not observe the height: an accelerometer bias balanced by a tilt at stance, or a sinking shoe, lifts
+every stride by the same amount. Where floors are assumed level (:attr:`WalkAssumptions.floor_std`), the foot is at the
+height of the last stance, unless the difference exceeds :data:`STEP_M`: that is a stair or a slope.
 
-The smoother is that of Bryson and Frazier: a backward pass over the innovations of the filter that inverts no matrix
-(Bierman 1973). It runs the filter again, a block at a time, so that its memory is that of a block.
+The smoother is that of Bryson and Frazier: a backward pass over the innovations that inverts no matrix (Bierman 1973).
+It runs the filter again, a block at a time, so that its memory is that of a block.
 
 Sources: E. Foxlin, Pedestrian tracking with shoe-mounted inertial sensors, IEEE Comput. Graph. Appl. 25 (2005) 38-46;
 I. Skog, J.-O. Nilsson, P. Handel, Pedestrian tracking using an IMU array, Proc. IEEE CONECCT (2014); G. J. Bierman,
@@ -30,18 +29,27 @@ Fixed interval smoothing with discrete measurements, Int. J. Control 18 (1973) 6
 """
 
 from dataclasses import dataclass, field
-from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
 from numba import njit
 
-from imugap.filters.alignment import tilt
-from imugap.filters.error_state import ATTITUDE, NAVIGATION, VELOCITY, backward, predict
+from imugap.filters.alignment import level_sensitivity
+from imugap.filters.error_state import ATTITUDE, NAVIGATION, VELOCITY, predict, transposed_transition
 from imugap.filters.sensor_states import SensorStates
-from imugap.filters.smoother import BLOCK, Path, Sensors, Tape, Track, age, compensate, take_in, write
-from imugap.filters.smoother import smooth as go_back
+from imugap.filters.smoother import (
+    History,
+    NavigationSolution,
+    SensorArrays,
+    SmootherBlock,
+    apply_measurement,
+    compensate,
+    discretise_states,
+    run_filter,
+    run_smoother,
+    write_epoch,
+)
 from imugap.filters.zero_velocity import MOVING, STILL, Detector, Stand
 from imugap.kinematics.strapdown import POSITION, increments, level, local_step
 from imugap.log import AXES, LogError, axes, interval
@@ -49,55 +57,54 @@ from imugap.model import ErrorModel
 from imugap.numerics.rotation import cross, from_euler, kernel, mat_from_quat, rotate
 from imugap.units import STANDARD_GRAVITY
 
-ARM = ("arm_x", "arm_y", "arm_z")
-"""The point at rest as the sensor sees it, in ``b`` [m]."""
+LEVER_ARM = ("arm_x", "arm_y", "arm_z")
+"""Arm from the sensor to the point at rest, in ``b`` [m]."""
 DOWN = POSITION.index("down")
-"""Row of the position that counts down."""
+"""Row of the down position."""
 FLOOR = "floor"
-"""Where the device is at stance, counted down from the origin [m]."""
+"""Down position of the device at stance [m]."""
 FLAT_S = 0.1
-"""So long after its begin a foot at stance is flat on the floor [s]."""
-NEAR = 0.9
-"""Share of the full scale from which on an accelerometer is taken to have clipped within the sample."""
+"""Time from the begin of a stance until the foot is flat on the floor [s]."""
+CLIPPING_SHARE = 0.9
+"""Share of the full scale above which an accelerometer may have clipped within the sample."""
 STEP_M = 0.03
-"""From this difference on two stances are not on one level [m]: on 1.5 m of a stride a slope of 2 %."""
+"""Height difference above which two stances are not on one level [m]: a slope of 2 % over a stride of 1.5 m."""
 STEP_STD_M = 1.0
-"""Standard deviation of a difference of which nothing is known [m]."""
-MEASURED = 10
-"""Measurements that a sample may have: velocity, angular rate, position, height over the floor."""
+"""Standard deviation of an unknown height difference [m]."""
+MEASUREMENTS = 10
+"""Number of measurements of a sample: velocity, angular rate, position, height over the floor."""
 SHORTEST_SWING_S = 0.2
-"""What lasts less is no swing of a foot but a stir at stance [s]."""
+"""Shortest swing of a foot; a shorter motion is part of a stance [s]."""
 SHORTEST_STRIDE_M = 0.1
-"""What goes less far is no stride but a foot put down anew [m]."""
+"""Shortest stride; a shorter one is a foot put down again [m]."""
 
 
 @dataclass(frozen=True)
-class Assumptions:
-    """What the filter takes for granted besides the error model; the same for all walks.
+class WalkAssumptions:
+    """Assumptions of the filter besides the error model; the same for all walks.
 
     Attributes
     ----------
     detector
-        How stance is told.
+        Zero-velocity detector.
     velocity_std, correlation_s
         Velocity of the point at rest [m/s] and its correlation time [s].
     settling_std, settling_s
-        What the velocity is off in addition at the begin of a stance [m/s]; time constant of its end [s].
+        Additional velocity at the begin of a stance [m/s], and its time constant [s].
     rate_std, rate_correlation_s
-        Angular rate of a body that stands [rad/s] and its correlation time [s].
+        Angular rate of a standing body [rad/s] and its correlation time [s].
     arm_std
         Standard deviation of the arm from the sensor to the point at rest, each axis [m]; 0 makes it the sensor itself.
     blind_gyro, blind_accel
-        Share of the change from sample to sample by which the mean over an interval is uncertain.
+        Uncertainty of the interval mean, as a share of the change from sample to sample.
     full_scale
-        Full scale of the accelerometers [m/s^2]; inf where it is not known.
+        Full scale of the accelerometers [m/s^2]; inf if unknown.
     tilt_std
-        Standard deviation of roll and pitch after levelling, besides what the accelerometers are off [rad].
+        Standard deviation of roll and pitch after levelling, without the accelerometer errors [rad].
     floor_std
-        Standard deviation of the floor between two stances, and of a foot on it, if the floor is level [m]; 0 takes
-        nothing for granted of any floor.
+        Standard deviation of the height difference of two stances on a level floor [m]; 0 for no floor assumption.
     scale_std
-        Standard deviation of the scale factors of gyroscopes and of accelerometers; above 0 they are states.
+        Standard deviation of the scale factors of gyroscopes and accelerometers; 0: not a state.
     gravity
         Local gravity [m/s^2].
     """
@@ -120,17 +127,17 @@ class Assumptions:
 
 
 @dataclass(frozen=True, eq=False)
-class Solution(Track):
-    """What the filter, or the smoother, says of a walk; rows are the samples of the log.
+class WalkSolution(NavigationSolution):
+    """Solution of the filter or the smoother for a walk; rows are the samples of the log.
 
     Attributes
     ----------
     phase
-        What the foot does (:mod:`imugap.filters.zero_velocity`), shape (n,).
+        Phase of the foot (:mod:`imugap.filters.zero_velocity`), shape (n,).
     covariance
-        Of the error state at the last sample, shape (states, states).
+        Covariance of the error state at the last sample, shape (states, states).
     stand
-        What the stand at the start shows.
+        Sensor statistics of the stand at the start.
     """
 
     phase: np.ndarray
@@ -143,12 +150,12 @@ class Solution(Track):
 
         Chi-square with 3 degrees of freedom at stance, with 6 where the body stands; NaN elsewhere.
         """
-        return self.path.nis
+        return self.history.nis
 
     def stances(self) -> np.ndarray:
-        """Return the sample in the middle of each stance, shape (stances,); a foot that swings does so for a while.
+        """Return the middle sample of each stance, shape (stances,).
 
-        What moves for less than :data:`SHORTEST_SWING_S` between two stances is no swing, and these are one.
+        Two stances with a motion shorter than :data:`SHORTEST_SWING_S` between them are one.
         """
         edges = np.diff(np.r_[0, self.phase > MOVING, 0])
         first, last = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1) - 1
@@ -166,17 +173,17 @@ class Solution(Track):
 
 
 @dataclass(frozen=True, eq=False)
-class Sight:
-    """What is known of where the device was, besides that it began at the origin with heading zero.
+class PositionAiding:
+    """Known positions of the device, besides the start at the origin with heading zero.
 
     Attributes
     ----------
     position
-        In the frame of the walk [m], shape (n, 3); NaN where nothing is known.
+        Position in the frame of the walk [m], shape (n, 3); NaN where unknown.
     std
-        Standard deviation of each of its numbers [m].
+        Standard deviation of each coordinate [m].
     heading_std, origin_std
-        How far that frame may be off the heading and the place in which the walk begins [rad], [m].
+        Standard deviations of the heading and the origin of that frame [rad], [m].
     """
 
     position: np.ndarray
@@ -185,10 +192,8 @@ class Sight:
     origin_std: float = 0.0
 
 
-class _Trust(NamedTuple):
-    """The assumptions as the kernel takes them: spectral densities [unit^2/Hz], shares, largest specific force
-    that is believed and gravity [m/s^2].
-    """
+class _Constants(NamedTuple):
+    """Assumptions for compiled code: spectral densities [unit^2/Hz], shares, clipping limit and gravity [m/s^2]."""
 
     velocity_psd: float
     settling_psd: float
@@ -201,7 +206,7 @@ class _Trust(NamedTuple):
 
 
 class _State(NamedTuple):
-    """Where a filter is: position, velocity, quaternion; errors of sensors and arm; covariance; time since stance."""
+    """Filter state: position, velocity, quaternion; errors of sensors and arm; covariance; time since stance."""
 
     navigation: np.ndarray
     errors: np.ndarray
@@ -213,8 +218,8 @@ class _State(NamedTuple):
 
 
 @kernel
-def _rest(covariance, errors, seen, gyro, noise, arms, row, spread, weight, nav, tape, place):
-    """Take in that a point of the foot has the velocity ``seen``; return the corrected navigation and the NIS."""
+def _zero_velocity(covariance, errors, seen, gyro, noise, arms, row, spread, weight, nav, block, slot):
+    """Update by the velocity ``seen`` of a point of the foot; return the corrected navigation and the NIS."""
     total = 0.0
     for i in range(3):
         axes = mat_from_quat(nav[2])[i]
@@ -224,14 +229,16 @@ def _rest(covariance, errors, seen, gyro, noise, arms, row, spread, weight, nav,
         for m in range(len(arms)):
             row[arms[m]] = -reach[m]
             residual -= reach[m] * errors[arms[m] - NAVIGATION]
-        nav, nis = take_in(covariance, errors, row, residual, noise, spread, weight, nav, tape, place, i, True)
+        nav, nis = apply_measurement(
+            covariance, errors, row, residual, noise, spread, weight, nav, block, slot, i, True
+        )
         total += nis
     return nav, total
 
 
 @kernel
-def _stand(covariance, errors, rate, noise, axis, gain, row, spread, weight, nav, tape, place):
-    """Take in that the body does not turn; return the corrected navigation and the NIS."""
+def _zero_rate(covariance, errors, rate, noise, axis, gain, row, spread, weight, nav, block, slot):
+    """Update by zero angular rate of the body; return the corrected navigation and the NIS."""
     total = 0.0
     for i in range(3):
         residual = rate[i]
@@ -239,42 +246,61 @@ def _stand(covariance, errors, rate, noise, axis, gain, row, spread, weight, nav
             if axis[s] == i:
                 residual -= gain[s] * errors[s]
                 row[NAVIGATION + s] = -gain[s]
-        nav, nis = take_in(covariance, errors, row, residual, noise[i], spread, weight, nav, tape, place, 3 + i, True)
+        nav, nis = apply_measurement(
+            covariance, errors, row, residual, noise[i], spread, weight, nav, block, slot, 3 + i, True
+        )
         total += nis
     return nav, total
 
 
 @kernel
-def _level(covariance, errors, variance, row, spread, weight, nav, tape, place):
-    """Take in that the device is as high over the floor as at the last stance; return the corrected navigation."""
+def _floor_height(covariance, errors, variance, row, spread, weight, nav, block, slot):
+    """Update by the height of the last stance; return the corrected navigation."""
     floor = len(row) - 1
     residual = nav[0][DOWN] - errors[floor - NAVIGATION]
     covariance[floor, floor] += variance if abs(residual) < STEP_M else STEP_STD_M * STEP_STD_M
     row[DOWN], row[floor] = 1.0, -1.0
-    nav, _ = take_in(covariance, errors, row, residual, variance, spread, weight, nav, tape, place, MEASURED - 1, True)
+    nav, _ = apply_measurement(
+        covariance, errors, row, residual, variance, spread, weight, nav, block, slot, MEASUREMENTS - 1, True
+    )
     return nav
 
 
 @kernel
-def _see(covariance, errors, position, noise, row, spread, weight, nav, tape, place):
-    """Take in where the device is; return the corrected navigation."""
+def _position(covariance, errors, position, noise, row, spread, weight, nav, block, slot):
+    """Update by a known position; return the corrected navigation."""
     for i in range(3):
         row[i] = 1.0
         residual = nav[0][i] - position[i]
-        nav, _ = take_in(covariance, errors, row, residual, noise, spread, weight, nav, tape, place, 6 + i, True)
+        nav, _ = apply_measurement(
+            covariance, errors, row, residual, noise, spread, weight, nav, block, slot, 6 + i, True
+        )
     return nav
 
 
-@njit(cache=True, error_model="numpy")
-def _filter(samples, dt, phase, seen, fixes, fix_noise, first, last, sensors, trust, state, path, tape):
-    """Filter the samples ``first`` to ``last``, the latter not included, from the state at the sample before.
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _sample_noise(samples, k, interval, white, constants, noise):
+    """Store the PSD of the noise of sample k: white noise, changes between samples, and clipping."""
+    for a in range(6):
+        change = constants.blind[a] * (samples[k, a] - samples[k - 1, a])
+        noise[a] = white[a] + change * change * interval
+    largest = max(abs(samples[k, 3]), abs(samples[k, 4]), abs(samples[k, 5]))
+    if largest > constants.reach:
+        for a in range(3, 6):
+            deviation = constants.blind[a] * largest
+            noise[a] += deviation * deviation * interval
 
-    ``path`` is filled at these samples; ``tape`` too, from its begin, unless it has no length.
+
+@njit(cache=True, error_model="numpy")
+def _filter(samples, dt, phase, seen, fixes, fix_noise, sensors, constants, first, last, state, history, block):
+    """Filter the samples ``first`` to ``last`` (excluded) from the state at the sample before.
+
+    Fills ``history`` at these samples, and ``block`` from its begin, unless it is empty.
     """
     axis, scale, decay, driving, white, fixed = sensors
-    arms = np.arange(NAVIGATION + len(axis), len(state.covariance) - (trust.floor_variance > 0))
+    arms = np.arange(NAVIGATION + len(axis), len(state.covariance) - (constants.floor_variance > 0))
     start, errors, covariance = state.navigation, state.errors, state.covariance
-    count, size, taped = len(axis), len(covariance), len(tape.rows) > 0
+    count, size, stored = len(axis), len(covariance), len(block.rows) > 0
     work, shift = np.empty((size, size)), np.empty((6, size))
     gain, hold, drive = np.ones(count), np.ones(count), np.zeros(count)
     row, spread, weight = np.zeros(size), np.empty(size), np.empty(size)
@@ -282,18 +308,11 @@ def _filter(samples, dt, phase, seen, fixes, fix_noise, first, last, sensors, tr
     nav = (start[0], start[1], start[2]), (start[3], start[4], start[5]), (start[6], start[7], start[8], start[9])
     mat, since, step = mat_from_quat(nav[2]), state.since[0], 0.0
     for k in range(first, last):
-        interval, place = dt[k], k - first
+        interval, slot = dt[k], k - first
         compensate(samples, k, axis, scale, fixed, errors, gain, now, before)
-        for a in range(6):
-            change = trust.blind[a] * (samples[k, a] - samples[k - 1, a])
-            noise[a] = white[a] + change * change * interval
-        shown = max(abs(samples[k, 3]), abs(samples[k, 4]), abs(samples[k, 5]))
-        if shown > trust.reach:
-            for a in range(3, 6):
-                doubt = trust.blind[a] * shown
-                noise[a] += doubt * doubt * interval
+        _sample_noise(samples, k, interval, white, constants, noise)
         if interval != step:
-            age(decay, driving, interval, hold, drive)
+            discretise_states(decay, driving, interval, hold, drive)
             step = interval
         gyro = now[0], now[1], now[2]
         accel = now[3], now[4], now[5]
@@ -301,172 +320,192 @@ def _filter(samples, dt, phase, seen, fixes, fix_noise, first, last, sensors, tr
         rotvec, delta_v = increments(gyro, accel, gyro_before, accel_before, interval, dt[k - 1])
         push = rotate(nav[2], delta_v)
         force = push[0] / interval, push[1] / interval, push[2] / interval
-        nav = local_step(nav[0], nav[1], nav[2], rotvec, delta_v, interval, trust.gravity)
-        if taped:
-            backward(tape.backward[place], work, mat, force, interval, axis, gain, hold, shift)
+        nav = local_step(nav[0], nav[1], nav[2], rotvec, delta_v, interval, constants.gravity)
+        if stored:
+            transposed_transition(block.transposed[slot], work, mat, force, interval, axis, gain, hold, shift)
         predict(covariance, work, mat, force, interval, axis, gain, hold, drive, noise, shift)
         for s in range(count):
             errors[s] *= hold[s]
-        path.nis[k] = np.nan
+        history.nis[k] = np.nan
         since = since + interval if phase[k] > MOVING else 0.0
         if phase[k] > MOVING:
-            slip = (trust.velocity_psd + trust.settling_psd * np.exp(-2 * since / trust.settling_s)) / interval
-            nav, path.nis[k] = _rest(
-                covariance,
-                errors,
-                (seen[k, 0], seen[k, 1], seen[k, 2]),
-                gyro,
-                slip,
-                arms,
-                row,
-                spread,
-                weight,
-                nav,
-                tape,
-                place,
+            slip = (
+                constants.velocity_psd + constants.settling_psd * np.exp(-2 * since / constants.settling_s)
+            ) / interval
+            velocity = seen[k, 0], seen[k, 1], seen[k, 2]
+            nav, history.nis[k] = _zero_velocity(
+                covariance, errors, velocity, gyro, slip, arms, row, spread, weight, nav, block, slot
             )
-        if trust.floor_variance > 0 and since - interval < FLAT_S <= since:
-            nav = _level(covariance, errors, trust.floor_variance, row, spread, weight, nav, tape, place)
+        if constants.floor_variance > 0 and since - interval < FLAT_S <= since:
+            nav = _floor_height(covariance, errors, constants.floor_variance, row, spread, weight, nav, block, slot)
         if phase[k] == STILL:
             rate = samples[k, 0] - fixed[0], samples[k, 1] - fixed[1], samples[k, 2] - fixed[2]
             sway = (
-                (white[0] + trust.rate_psd) / interval,
-                (white[1] + trust.rate_psd) / interval,
-                (white[2] + trust.rate_psd) / interval,
+                (white[0] + constants.rate_psd) / interval,
+                (white[1] + constants.rate_psd) / interval,
+                (white[2] + constants.rate_psd) / interval,
             )
-            nav, nis = _stand(covariance, errors, rate, sway, axis, gain, row, spread, weight, nav, tape, place)
-            path.nis[k] += nis
+            nav, nis = _zero_rate(covariance, errors, rate, sway, axis, gain, row, spread, weight, nav, block, slot)
+            history.nis[k] += nis
         if len(fixes) and not np.isnan(fixes[k, 0]):
             fix = fixes[k, 0], fixes[k, 1], fixes[k, 2]
-            nav = _see(covariance, errors, fix, fix_noise, row, spread, weight, nav, tape, place)
+            nav = _position(covariance, errors, fix, fix_noise, row, spread, weight, nav, block, slot)
         mat = mat_from_quat(nav[2])
-        write(path, k, nav, errors, covariance)
-        if taped:
-            tape.covariance[place] = covariance
+        write_epoch(history, k, nav, errors, covariance)
+        if stored:
+            block.covariance[slot] = covariance
     for i in range(10):
-        start[i] = path.navigation[last - 1, i]
+        start[i] = history.navigation[last - 1, i]
     state.since[0] = since
 
 
 def navigate(
     log: pd.DataFrame,
     model: ErrorModel,
-    assumptions: Assumptions | None = None,
+    assumptions: WalkAssumptions | None = None,
     smooth: bool = False,
     velocity: np.ndarray | None = None,
-) -> Solution:
-    """Navigate a walk that begins with a stand, at the origin, with heading zero.
+) -> WalkSolution:
+    """Navigate a walk that begins with a stand at the origin, with heading zero.
 
     Parameters
     ----------
     log
         Log of six axes; without long gaps (:func:`imugap.integrity.timestamps.filled`).
     model
-        Errors of the sensors: the filter takes its states and noise densities from it.
+        Error model of the sensors, from which the filter takes states and noise densities.
     assumptions
-        What is taken for granted besides.
+        Assumptions besides the error model.
     smooth
-        Whether each sample is told from the whole walk and not from what lies before it.
+        Whether to return the smoother's solution instead of the filter's.
     velocity
-        What is measured of the point at rest, in ``n`` [m/s], shape (n, 3): zero unless a simulation has it otherwise
+        Measured velocity of the point at rest, in ``n`` [m/s], shape (n, 3); zero except in simulations
         (:class:`imugap.effects.StanceMotion`).
     """
-    given = _Given.of(log, model, assumptions or Assumptions(), velocity)
-    path, state = given.begun()
-    (_smoothed if smooth else _filtered)(given.arguments, state, path)
-    return Solution(log.index, given.names, path, given.phase, state.covariance, given.stand)
+    return solve(align(log, model, assumptions, velocity), smooth)
 
 
 def innovations(
     log: pd.DataFrame,
     model: ErrorModel,
-    assumptions: Assumptions | None = None,
+    assumptions: WalkAssumptions | None = None,
     velocity: np.ndarray | None = None,
-    sight: Sight | None = None,
+    aiding: PositionAiding | None = None,
     phase: np.ndarray | None = None,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the innovations of the filter and their variances, shape (n, 10); NaN where there is none.
 
-    The columns are velocity, angular rate of a body that stands, position, and height over the floor. ``phase`` is what
-    the foot does, where the detector is not to be asked; the other parameters are those of :func:`navigate`. For a
-    filter that knows itself the innovations over their standard deviations are independent standard normal deviates.
+    The columns are velocity, angular rate of a standing body, position, and height over the floor. ``phase`` replaces
+    the phase from the detector; the other parameters are those of :func:`navigate`. For a consistent filter the
+    innovations over their standard deviations are independent and standard normal.
     """
-    given = _Given.of(log, model, assumptions or Assumptions(), velocity, sight, phase)
-    path, state = given.begun()
-    tape = Tape.of_innovations(len(log) - 1, MEASURED)
-    _filter(*given.arguments[:6], 1, len(log), *given.arguments[6:], state, path, tape)
-    known, first = tape.variances > 0, np.full((1, MEASURED), np.nan)
-    return tuple(np.vstack([first, np.where(known, one, np.nan)]) for one in (tape.residuals, tape.variances))
+    aligned = align(log, model, assumptions, velocity, aiding, phase)
+    history, state = aligned.initial()
+    block = SmootherBlock.of_innovations(len(log) - 1, MEASUREMENTS)
+    _filter(*aligned.arguments, 1, len(log), state, history, block)
+    known, first = block.variances > 0, np.full((1, MEASUREMENTS), np.nan)
+    return tuple(np.vstack([first, np.where(known, one, np.nan)]) for one in (block.residuals, block.variances))
 
 
 @dataclass(frozen=True, eq=False)
-class _Given:
-    """A walk as the kernel takes it, and what is known before."""
+class AlignedWalk:
+    """Inputs of the filter for a walk after the alignment on its stand.
 
-    assumptions: Assumptions
+    Attributes
+    ----------
+    time
+        Stamps of the samples [s].
+    assumptions, states
+        Assumptions, and sensor states of the error model.
+    phase, stand
+        Phase of the foot at each sample, and sensor statistics of the stand at the start.
+    arguments
+        Arguments of the compiled filter.
+    aiding
+        Known positions, or None.
+    """
+
+    time: pd.Index
+    assumptions: WalkAssumptions
     states: SensorStates
     phase: np.ndarray
     stand: Stand
     arguments: tuple
-    sight: Sight | None
-
-    @classmethod
-    def of(
-        cls, log: pd.DataFrame, model: ErrorModel, assumptions: Assumptions, velocity: np.ndarray | None,
-        sight: Sight | None = None, phase: np.ndarray | None = None,
-    ) -> "_Given":  # fmt: skip
-        if axes(log) != AXES:
-            raise LogError("walk", "columns", f"all of {', '.join(AXES)}", ", ".join(log.columns))
-        samples = np.ascontiguousarray(log[list(AXES)].to_numpy(dtype=float))
-        gyro, accel, step = samples[:, :3], samples[:, 3:], interval(log)
-        stand = assumptions.detector.stand(gyro, accel, step)
-        phase = assumptions.detector.phases(gyro, accel, step, stand) if phase is None else phase
-        steps = np.diff(log.index.to_numpy())
-        dt = np.concatenate([steps[:1], steps])
-        states = SensorStates.of(model, assumptions.scale_std)
-        seen = np.zeros((len(samples), 3)) if velocity is None else np.ascontiguousarray(velocity, dtype=float)
-        fixes, noise = (np.empty((0, 3)), 1.0) if sight is None else (sight.position, sight.std**2)
-        arguments = samples, dt, phase, seen, fixes, noise, Sensors.of(states), _trust(assumptions)
-        return cls(assumptions, states, phase, stand, arguments, sight)
+    aiding: PositionAiding | None
 
     @property
     def names(self) -> list[str]:
         """Names of the states behind the navigation."""
         arms, floor = self.assumptions.arm_std > 0, self.assumptions.floor_std > 0
-        return [*self.states.names, *(ARM if arms else ()), *((FLOOR,) if floor else ())]
+        return [*self.states.names, *(LEVER_ARM if arms else ()), *((FLOOR,) if floor else ())]
 
-    def begun(self) -> tuple[Path, _State]:
-        """Return the path at its begin and the state there."""
+    def initial(self) -> tuple[History, _State]:
+        """Return the history with its first row, and the initial state."""
         samples = self.arguments[0]
-        state = _start(samples[: self.stand.count, 3:], self.states, self.assumptions)
-        if self.sight is not None:
-            state.covariance[range(3), range(3)] = self.sight.origin_std**2
-            state.covariance[ATTITUDE + 2, ATTITUDE + 2] = self.sight.heading_std**2
-        path = Path.empty(len(samples), len(state.covariance))
-        path.begin(state.navigation, state.errors, state.covariance)
-        return path, state
+        state = _initial_state(samples[: self.stand.count, 3:], self.states, self.assumptions)
+        if self.aiding is not None:
+            state.covariance[range(3), range(3)] = self.aiding.origin_std**2
+            state.covariance[ATTITUDE + 2, ATTITUDE + 2] = self.aiding.heading_std**2
+        history = History.empty(len(samples), len(state.covariance))
+        history.begin(state.navigation, state.errors, state.covariance)
+        return history, state
 
 
-def _trust(assumptions: Assumptions) -> _Trust:
-    """Return the densities: a motion of standard deviation s and correlation time tau counts as white, 2 s^2 tau."""
-    return _Trust(
+def align(
+    log: pd.DataFrame, model: ErrorModel, assumptions: WalkAssumptions | None = None,
+    velocity: np.ndarray | None = None, aiding: PositionAiding | None = None, phase: np.ndarray | None = None,
+) -> AlignedWalk:  # fmt: skip
+    """Find the stand at the start and the phases of the foot; parameters as in :func:`innovations`."""
+    if axes(log) != AXES:
+        raise LogError("walk", "columns", f"all of {', '.join(AXES)}", ", ".join(log.columns))
+    assumptions = assumptions or WalkAssumptions()
+    samples = np.ascontiguousarray(log[list(AXES)].to_numpy(dtype=float))
+    gyro, accel, step = samples[:, :3], samples[:, 3:], interval(log)
+    stand = assumptions.detector.stand(gyro, accel, step)
+    phase = assumptions.detector.phases(gyro, accel, step, stand) if phase is None else phase
+    steps = np.diff(log.index.to_numpy())
+    dt = np.concatenate([steps[:1], steps])
+    states = SensorStates.of(model, assumptions.scale_std)
+    seen = np.zeros((len(samples), 3)) if velocity is None else np.ascontiguousarray(velocity, dtype=float)
+    fixes, noise = (np.empty((0, 3)), 1.0) if aiding is None else (aiding.position, aiding.std**2)
+    arguments = samples, dt, phase, seen, fixes, noise, SensorArrays.of(states), _constants(assumptions)
+    return AlignedWalk(log.index, assumptions, states, phase, stand, arguments, aiding)
+
+
+def solve(aligned: AlignedWalk, smooth: bool = False) -> WalkSolution:
+    """Run the filter, or the smoother, over an aligned walk."""
+    history, state = aligned.initial()
+
+    def step(first: int, last: int, state: _State, block: SmootherBlock) -> None:
+        _filter(*aligned.arguments, first, last, state, history, block)
+
+    if smooth:
+        run_smoother(step, state, history, MEASUREMENTS)
+    else:
+        run_filter(step, state, history)
+    return WalkSolution(aligned.time, aligned.names, history, aligned.phase, state.covariance, aligned.stand)
+
+
+def _constants(assumptions: WalkAssumptions) -> _Constants:
+    """Return the constants: motion of standard deviation s and correlation time tau as white noise of 2 s^2 tau."""
+    return _Constants(
         velocity_psd=2 * assumptions.velocity_std**2 * assumptions.correlation_s,
         settling_psd=2 * assumptions.settling_std**2 * assumptions.correlation_s,
         settling_s=assumptions.settling_s,
         rate_psd=2 * assumptions.rate_std**2 * assumptions.rate_correlation_s,
         blind=np.repeat([assumptions.blind_gyro, assumptions.blind_accel], 3),
-        reach=NEAR * assumptions.full_scale,
+        reach=CLIPPING_SHARE * assumptions.full_scale,
         gravity=assumptions.gravity,
         floor_variance=assumptions.floor_std**2,
     )
 
 
-def _start(accel: np.ndarray, states: SensorStates, assumptions: Assumptions) -> _State:
-    """Return the state at the first sample of a stand: at rest, level as far as its mean specific force tells."""
+def _initial_state(accel: np.ndarray, states: SensorStates, assumptions: WalkAssumptions) -> _State:
+    """Return the initial state: at rest, levelled by the mean specific force of the stand."""
     force = accel.mean(axis=0) - states.fixed[3:]
     rotation = from_euler((*level(force), 0.0))
-    tilted = tilt(force, rotation.as_matrix(), states, assumptions.gravity)
-    arms = [assumptions.arm_std**2] * len(ARM) if assumptions.arm_std > 0 else []
+    tilted = level_sensitivity(force, rotation.as_matrix(), states, assumptions.gravity)
+    arms = [assumptions.arm_std**2] * len(LEVER_ARM) if assumptions.arm_std > 0 else []
     floor = [assumptions.floor_std**2] if assumptions.floor_std > 0 else []
     covariance = np.diag([0.0] * NAVIGATION + [*states.variance, *arms, *floor])
     covariance[range(VELOCITY, ATTITUDE), range(VELOCITY, ATTITUDE)] = assumptions.velocity_std**2
@@ -476,23 +515,3 @@ def _start(accel: np.ndarray, states: SensorStates, assumptions: Assumptions) ->
     covariance[level_rows, level_rows] = tilted * states.variance @ tilted.T + assumptions.tilt_std**2 * np.eye(2)
     errors = np.zeros(len(covariance) - NAVIGATION)
     return _State(np.concatenate([np.zeros(6), rotation.as_quat()]), errors, covariance, np.full(1, np.inf))
-
-
-def _filtered(arguments: tuple, state: _State, path: Path) -> None:
-    """Fill the path by the filter."""
-    _filter(*arguments[:6], 1, len(path.nis), *arguments[6:], state, path, Tape.empty(0, len(state.covariance)))
-
-
-def _smoothed(arguments: tuple, state: _State, path: Path) -> None:
-    """Fill the path by the smoother."""
-    size = len(state.covariance)
-    edges = [*range(1, len(path.nis), BLOCK), len(path.nis)]
-    blocks, starts = list(pairwise(edges)), []
-    for first, last in blocks:
-        starts.append(state.copy())
-        _filter(*arguments[:6], first, last, *arguments[6:], state, path, Tape.empty(0, size))
-    adjoint, information = np.zeros(size), np.zeros((size, size))
-    for (first, last), start in zip(reversed(blocks), reversed(starts), strict=True):
-        tape = Tape.empty(last - first, size, MEASURED)
-        _filter(*arguments[:6], first, last, *arguments[6:], start, path, tape)
-        go_back(path, first, last, tape, adjoint, information)

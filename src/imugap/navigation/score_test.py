@@ -3,7 +3,7 @@
 The innovations of a filter are linear in a small error of the sensors: ``e = e0 - J x`` with x its size. A block of
 them, each over its standard deviation, gives the score ``J' e0`` and the information ``J' J`` of each suspect, and sums
 over blocks and walks give what all of them say. Zero velocity alone leaves much unseen; so where cameras saw the foot,
-or it came back to where it began, that is measured too (:class:`imugap.navigation.pedestrian.Sight`).
+or it came back to where it began, that is measured too (:class:`imugap.navigation.pedestrian.PositionAiding`).
 
 No filter knows how a foot moves at stance, and so its innovations are neither white nor as large as it takes them for.
 A walk counts as its own innovations scatter. Blocks of several strides know little of one another: their scatter gives
@@ -32,7 +32,7 @@ from scipy.special import stdtrit
 from imugap.filters.error_state import NAVIGATION
 from imugap.filters.zero_velocity import STANCE
 from imugap.model import ErrorModel
-from imugap.navigation.pedestrian import Assumptions, Sight, Solution, innovations
+from imugap.navigation.pedestrian import PositionAiding, WalkAssumptions, WalkSolution, innovations
 from imugap.navigation.stance_innovations import ALIKE, Suspect
 
 BLOCK_S = 5.0
@@ -128,8 +128,8 @@ class Verdict:
 
 
 def heard(
-    log: pd.DataFrame, solution: Solution, sight: Sight, suspects: Sequence[Suspect], model: ErrorModel,
-    assumptions: Assumptions | None = None,
+    log: pd.DataFrame, solution: WalkSolution, sight: PositionAiding, suspects: Sequence[Suspect], model: ErrorModel,
+    assumptions: WalkAssumptions | None = None,
 ) -> Testimony:  # fmt: skip
     """Return what a walk says of the suspects.
 

@@ -18,7 +18,7 @@ from imugap.effects.effect import AxisModel
 from imugap.filters.zero_velocity import STANCE
 from imugap.log import ACCEL, AXES, GYRO, triad
 from imugap.model import ErrorModel
-from imugap.navigation.pedestrian import Assumptions, navigate
+from imugap.navigation.pedestrian import WalkAssumptions, navigate
 
 ALIKE = 2.0
 """Difference of log-likelihoods up to which two suspects are not told apart."""
@@ -97,7 +97,7 @@ class Judgement:
         return self.table[sure & (squares > squares.iloc[0] - 2 * ALIKE)]
 
 
-def judged(log: pd.DataFrame, model: ErrorModel, assumptions: Assumptions) -> Judgement:
+def judged(log: pd.DataFrame, model: ErrorModel, assumptions: WalkAssumptions) -> Judgement:
     """Return what the innovations of a walk say of every suspect.
 
     The share of the change from sample to sample that a filter leaves uncertain would change with a scale; it is taken
@@ -120,7 +120,7 @@ def judged(log: pd.DataFrame, model: ErrorModel, assumptions: Assumptions) -> Ju
     return Judgement(table, rest / freedom)
 
 
-def _squares(log: pd.DataFrame, model: ErrorModel, assumptions: Assumptions) -> tuple[float, int]:
+def _squares(log: pd.DataFrame, model: ErrorModel, assumptions: WalkAssumptions) -> tuple[float, int]:
     """Return the sum of the normalised squared innovations and its degrees of freedom."""
     solution = navigate(log, model, assumptions)
     known = solution.phase == STANCE

@@ -1,59 +1,77 @@
-"""GNSS/INS: a strapdown navigator on the WGS-84 ellipsoid that an error-state filter corrects at every fix.
+"""GNSS/INS: strapdown navigation on the WGS-84 ellipsoid with an error-state filter, loosely coupled.
 
-Loosely coupled: a fix measures position and, where the receiver tells it, velocity of its antenna. The states are
-position, velocity, attitude, those of the sensors (for a Gauss-Markov bias and a scale factor of each axis, 21 in all)
-and, where asked for, the lever arm and the time offset of the fixes. What the filter does with a fix that does not fit
-is in :mod:`imugap.filters.innovation_gate`.
+A fix measures position and, if the receiver provides it, velocity of its antenna. The states are position, velocity,
+attitude, those of the sensors (21 in all for a Gauss-Markov bias and a scale factor of each axis) and, optionally, the
+lever arm and the time offset of the fixes. :mod:`imugap.filters.innovation_gate` tests the fixes.
 
-An epoch ends at every so many samples and at every fix (:mod:`imugap.filters.epochs`); what is known of wheels, where a
-vehicle has some, is taken in at the end of each (:mod:`imugap.filters.nonholonomic`). The navigation equations are
-integrated sample by sample in full; the covariance goes from epoch to epoch with the means of attitude, specific force
-and rate. In its transition the rates of Earth and transport are neglected (:mod:`imugap.filters.error_state`): over a
-minute they turn an error by 5 mrad.
+An epoch ends after a fixed number of samples and at every fix (:mod:`imugap.filters.epochs`); nonholonomic constraints
+are applied at its end (:mod:`imugap.filters.nonholonomic`). The navigation equations are integrated sample by sample in
+full; the covariance is predicted by epochs with the means of attitude, specific force and rate. Its transition neglects
+Earth rate and transport rate (:mod:`imugap.filters.error_state`), which turn an error by 5 mrad per minute.
 
-The smoother feeds back at every fix, whatever the gates say: it knows all fixes at once, and has nothing to hold back.
+The smoother feeds back at every fix, whatever the gates: it uses all fixes at once.
 
 Sources: P. D. Groves, Principles of GNSS, Inertial, and Multisensor Integrated Navigation Systems, 2nd ed., 2013,
 sections 14.1 and 14.3 (lever arm: eqs. 14.111 to 14.113); G. J. Bierman, Fixed interval smoothing with discrete
 measurements, Int. J. Control 18 (1973) 65-75.
 """
 
-from dataclasses import dataclass, replace
-from functools import cached_property
-from itertools import pairwise
+from dataclasses import dataclass, field, replace
+from functools import cached_property, partial
 from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
 from numba import njit
 
-from imugap.filters.epochs import NEAR, Epochs
-from imugap.filters.error_state import ATTITUDE, NAVIGATION, backward, predict, project
-from imugap.filters.innovation_gate import ASIDE, FRESH, HELD, SANE, TAKEN, Control, Quality, Record, chi_square, weigh
-from imugap.filters.nonholonomic import MEASURED, Wheels, quiet, roll
+from imugap.filters.epochs import STAMP_TOLERANCE_S, Epochs
+from imugap.filters.error_state import ATTITUDE, NAVIGATION, innovation_variance, predict, transposed_transition
+from imugap.filters.innovation_gate import (
+    ACCEPTED,
+    EXCLUDED,
+    HELD,
+    RESET_SIGMA,
+    RESTARTED,
+    InnovationRecord,
+    KernelControl,
+    QualityControl,
+    chi_square,
+    noise_after_test,
+)
+from imugap.filters.nonholonomic import CONSTRAINTS, WheelConstraint, apply_wheel_constraint, quiet_epochs
 from imugap.filters.sensor_states import SensorStates
-from imugap.filters.smoother import BLOCK, Path, Sensors, Tape, Track, age, compensate, take_in, write
-from imugap.filters.smoother import smooth as go_back
+from imugap.filters.smoother import (
+    History,
+    NavigationSolution,
+    SensorArrays,
+    SmootherBlock,
+    apply_measurement,
+    compensate,
+    discretise_states,
+    run_filter,
+    run_smoother,
+    write_epoch,
+)
 from imugap.filters.solution_separation import (
-    FREE,
-    LOOKED_BACK,
+    EVENT_OPENED,
+    EVENT_SEPARATED,
+    OFFSET_STATES,
     OFFSETS,
     OPEN,
-    OPENED,
-    RESERVES,
-    SHIFT,
-    STRIKES,
-    WALK,
-    State,
-    doubt,
-    excess,
-    fill,
-    forget,
-    lane,
-    learn,
-    look_back,
-    navigation,
-    relieve,
+    REJECTIONS,
+    SUB_FILTERS,
+    UNKNOWN_VARIANCE,
+    WALK_RATE,
+    FilterState,
+    classify_position,
+    copy_matrix,
+    member,
+    restart_offset,
+    separate_solutions,
+    start_sub_filter,
+    unpack_navigation,
+    update_velocity_statistics,
+    velocity_inflation,
 )  # fmt: skip
 from imugap.io import gnss
 from imugap.io.gnss import COMPONENTS
@@ -62,39 +80,39 @@ from imugap.log import AXES, TIME, LogError, axes
 from imugap.model import ErrorModel
 from imugap.numerics.rotation import add_scaled, cross, dot, kernel, mat_from_quat, rotate
 
-LEVER = ("lever_x", "lever_y", "lever_z")
-"""What the lever arm, from the device to the antenna in ``b``, is more than was taken for granted [m]."""
-OFFSET = "offset"
-"""How much later than was taken for granted a fix belongs [s]."""
+LEVER_ARM = ("lever_x", "lever_y", "lever_z")
+"""Error of the assumed lever arm, from the device to the antenna in ``b`` [m]."""
+TIME_OFFSET = "offset"
+"""Delay of the fixes beyond the assumed time offset [s]."""
 FIX = len(COMPONENTS)
-"""Measurements of a fix."""
+"""Number of measurements of a fix."""
 
 
 @dataclass(frozen=True)
-class Assumptions:
-    """What the filter takes for granted besides the error model.
+class DriveAssumptions:
+    """Assumptions of the filter besides the error model.
 
     Attributes
     ----------
     lever_m
         Lever arm from the device to the antenna, in ``b`` [m].
     lever_std
-        Its standard deviation, each axis [m]; above 0 it is a state.
+        Its standard deviation, each axis [m]; 0: not a state.
     offset_s
-        What is added to the stamp of a fix to have the time of the log at which it belongs [s].
+        Time of the log minus stamp of the fix [s].
     offset_std
-        Its standard deviation [s]; above 0 it is a state.
+        Its standard deviation [s]; 0: not a state.
     scale_std
-        Standard deviations of the scale factors of gyroscopes and of accelerometers; above 0 they are states.
+        Standard deviations of the scale factors of gyroscopes and accelerometers; 0: not a state.
     scale_s
         Correlation time of the scale factors [s].
     position_std, velocity_std
-        Standard deviations of a fix, north, east, down [m] and [m/s], where its log has none.
+        Standard deviations of a fix, north, east, down [m] and [m/s], where the log gives none.
     epoch_s
         Longest epoch of the covariance [s].
     wheels_std
         Standard deviation of the velocity of the rear axle across and up [m/s] (:mod:`imugap.filters.nonholonomic`); 0
-        takes nothing for granted of wheels.
+        for no constraint.
     wheels_s
         Its correlation time [s].
     axle_m
@@ -120,13 +138,69 @@ class Assumptions:
 
     def constants(self) -> list[tuple[str, float]]:
         """Return names and standard deviations of the states behind those of the sensors."""
-        lever = [(name, self.lever_std) for name in LEVER if self.lever_std > 0]
-        return lever + ([(OFFSET, self.offset_std)] if self.offset_std > 0 else [])
+        lever = [(name, self.lever_std) for name in LEVER_ARM if self.lever_std > 0]
+        return lever + ([(TIME_OFFSET, self.offset_std)] if self.offset_std > 0 else [])
+
+
+@dataclass(frozen=True)
+class AlignmentSettings:
+    """Settings of the initial alignment (:mod:`imugap.navigation.vehicle_alignment`).
+
+    Attributes
+    ----------
+    speed
+        Largest speed of a vehicle at rest, by its fixes [m/s].
+    rest_s
+        Shortest rest that levels [s].
+    margin_s
+        Time that is left out at the end of a rest [s].
+    course_std
+        Largest standard deviation of the course from the fixes [rad].
+    heading_std
+        Standard deviation of the heading minus the course, in addition [rad].
+    tilt_std, moving_tilt_std
+        Standard deviation of the level without the accelerometer errors, at rest and in motion [rad].
+    """
+
+    speed: float = 0.5
+    rest_s: float = 3.0
+    margin_s: float = 1.0
+    course_std: float = 0.1
+    heading_std: float = 0.02
+    tilt_std: float = 0.005
+    moving_tilt_std: float = 0.05
 
 
 @dataclass(frozen=True, eq=False)
-class Start:
-    """Where a filter starts.
+class DriveInputs:
+    """Inputs of the filter for a drive.
+
+    Attributes
+    ----------
+    log
+        Log of six axes; a sample is the mean over the interval that it ends.
+    fixes
+        Log of a receiver (:mod:`imugap.io.gnss`); fixes outside the navigated time are left out.
+    model
+        Error model of the sensors, from which the filter takes states and noise densities.
+    assumptions, quality, alignment
+        Assumptions besides the error model; settings of the quality control and of the initial alignment.
+    ellipsoid
+        Ellipsoid with the origin of the positions.
+    """
+
+    log: pd.DataFrame
+    fixes: pd.DataFrame
+    model: ErrorModel
+    ellipsoid: Ellipsoid
+    assumptions: DriveAssumptions = field(default_factory=DriveAssumptions)
+    quality: QualityControl = field(default_factory=QualityControl)
+    alignment: AlignmentSettings = field(default_factory=AlignmentSettings)
+
+
+@dataclass(frozen=True, eq=False)
+class InitialState:
+    """Initial state of a drive.
 
     Attributes
     ----------
@@ -147,45 +221,45 @@ class Start:
 
 
 @dataclass(frozen=True, eq=False)
-class Solution(Track):
-    """What the filter, or the smoother, says of a drive; rows are the epochs.
+class DriveSolution(NavigationSolution):
+    """Solution of the filter or the smoother for a drive; rows are the epochs.
 
     Attributes
     ----------
     ellipsoid
-        Where positions are counted from.
+        Ellipsoid with the origin of the positions.
     fix_time
-        Stamps of the fixes that were offered, as in their log [s], shape (fixes,).
+        Stamps of the fixes in use, as in their log [s], shape (fixes,).
     fix_row
-        The epoch of each, shape (fixes,).
+        Epoch of each, shape (fixes,).
     record
-        What the quality control of the filter saw and did.
+        Innovations and decisions of the quality control.
     covariances
-        Of the filter, once each fix was taken in, shape (fixes, states, states).
+        Filter covariance after each fix, shape (fixes, states, states).
     quality
-        The quality control.
+        Settings of the quality control.
     """
 
     ellipsoid: Ellipsoid
     fix_time: np.ndarray
     fix_row: np.ndarray
-    record: Record
+    record: InnovationRecord
     covariances: np.ndarray
-    quality: Quality
+    quality: QualityControl
 
     @cached_property
     def geodetic(self) -> pd.DataFrame:
         """Latitude, longitude [rad] and height [m]."""
-        place = self.ellipsoid.geodetic(self.path.navigation[:, :3])
+        place = self.ellipsoid.geodetic(self.history.navigation[:, :3])
         return pd.DataFrame(place, index=self.time, columns=list(GEODETIC))
 
     @cached_property
     def events(self) -> pd.DataFrame:
-        """What the quality control did (:meth:`imugap.filters.innovation_gate.Record.events`)."""
+        """Events of the quality control (:meth:`imugap.filters.innovation_gate.InnovationRecord.events`)."""
         return self.record.events(self.fix_time, COMPONENTS, self.quality)
 
 
-class _Inputs(NamedTuple):
+class _Measurements(NamedTuple):
     """Samples, shape (n, 6), their stamps [s], fixes and their standard deviations, shape (fixes, 6)."""
 
     samples: np.ndarray
@@ -195,23 +269,23 @@ class _Inputs(NamedTuple):
 
 
 class _Frame(NamedTuple):
-    """What the kernel needs besides: origin of the ellipsoid, lever arm, whether it and the offsets are states.
+    """Constants: origin of the ellipsoid, lever arm, which optional states there are, initial variances, constraint.
 
-    ``known``: what became of each position is known from an earlier pass.
+    ``known``: the use of each position is known from an earlier pass.
     """
 
     origin: tuple[float, float, float, float]
     lever: tuple[float, float, float]
-    lever_state: bool
-    offset_state: bool
-    shift_state: bool
+    lever_arm_state: bool
+    time_offset_state: bool
+    position_offset_state: bool
     known: bool
     variance: np.ndarray
-    wheels: Wheels
+    wheels: WheelConstraint
 
 
 class _Room(NamedTuple):
-    """Room for the filter to work in."""
+    """Workspaces of the filter."""
 
     work: np.ndarray
     shift: np.ndarray
@@ -235,7 +309,7 @@ class _Room(NamedTuple):
 
     @classmethod
     def of(cls, size: int, states: int) -> "_Room":
-        """Return room for so many states, so many of which are of the sensors."""
+        """Allocate workspaces for ``size`` states, of which ``states`` are of the sensors."""
         vectors = (np.ones(states) for _ in range(4))
         axes, components = (np.empty(6) for _ in range(2)), (np.empty(6) for _ in range(2))
         return cls(
@@ -246,16 +320,16 @@ class _Room(NamedTuple):
 
 
 @kernel
-def _expect(i, nav, rate, acceleration, errors, sensors, gain, frame, row):
-    """Return what component ``i`` of a fix should be, and fill ``row`` with its slope in the states."""
+def _predicted(i, nav, rate, acceleration, errors, sensors, gain, frame, row):
+    """Return the predicted component ``i`` of a fix, and store its derivative by the states in ``row``."""
     mat = mat_from_quat(nav[2])
     axes, first = mat[i % 3], NAVIGATION + len(sensors.axis)
     lever, delay = frame.lever, 0.0
-    last = len(row) - 1 - SHIFT if frame.shift_state else len(row) - 1
-    if frame.lever_state:
+    last = len(row) - 1 - OFFSET_STATES if frame.position_offset_state else len(row) - 1
+    if frame.lever_arm_state:
         e = errors[first - NAVIGATION], errors[first - NAVIGATION + 1], errors[first - NAVIGATION + 2]
         lever = add_scaled(lever, 1.0, e)
-    if frame.offset_state:
+    if frame.time_offset_state:
         delay = errors[last - NAVIGATION]
     for j in range(len(row)):
         row[j] = 0.0
@@ -269,24 +343,24 @@ def _expect(i, nav, rate, acceleration, errors, sensors, gain, frame, row):
         for s in range(len(sensors.axis)):
             if sensors.axis[s] < 3:
                 row[NAVIGATION + s] = gain[s] * shift[sensors.axis[s]]
-    if frame.lever_state:
+    if frame.lever_arm_state:
         reach = axes if i < 3 else cross(axes, rate)
         for m in range(3):
             row[first + m] = reach[m]
-    if frame.offset_state:
+    if frame.time_offset_state:
         row[last] = moving[a]
     own = nav[0][a] if i < 3 else nav[1][a]
-    if frame.shift_state and i < 3:
+    if frame.position_offset_state and i < 3:
         row[last + 1 + i] = 1.0
         own += errors[last + 1 + i - NAVIGATION]
     return own + u[a] + delay * moving[a]
 
 
 @kernel
-def _reset(covariance, errors, control, seen, variance, transposed):
-    """Inflate the covariance; give up estimates of sensors that are out of proportion (``transposed``: so tape it).
+def _soft_reset(covariance, errors, control, seen, variance, transposed):
+    """Inflate the covariance, and restart sensor-error estimates that are out of proportion.
 
-    ``seen`` are the innovations, NaN where there is none: position and velocity become as uncertain as they show.
+    ``seen`` are the innovations, NaN for a missing one; ``transposed`` is the transition of the epoch, unless empty.
     """
     for i in range(NAVIGATION):
         std = control.reset_std[i // 3]
@@ -295,7 +369,7 @@ def _reset(covariance, errors, control, seen, variance, transposed):
         covariance[i, i] += std * std
     for s in range(len(errors)):
         i = NAVIGATION + s
-        if errors[s] * errors[s] > SANE * SANE * variance[s] > 0.0:
+        if errors[s] * errors[s] > RESET_SIGMA * RESET_SIGMA * variance[s] > 0.0:
             errors[s] = 0.0
             for j in range(len(covariance)):
                 covariance[i, j] = covariance[j, i] = 0.0
@@ -305,20 +379,20 @@ def _reset(covariance, errors, control, seen, variance, transposed):
 
 
 @kernel
-def _compare(inputs, fix, nav, rate, acceleration, covariance, errors, sensors, gain, frame, room, multiple):
-    """Fill in the innovations of the components that a fix has, and their covariance; return how many there are.
+def _innovations(inputs, fix, nav, rate, acceleration, covariance, errors, sensors, gain, frame, room, multiple):
+    """Store the innovations of the components of a fix, and their covariance; return the number of components.
 
-    The variance of velocities is ``multiple`` times what it is told to be.
+    The variances of the velocities are multiplied by ``multiple``.
     """
     count = 0
     for i in range(6):
         if not np.isnan(inputs.seen[fix, i]):
-            expected = _expect(i, nav, rate, acceleration, errors, sensors, gain, frame, room.rows[count])
+            expected = _predicted(i, nav, rate, acceleration, errors, sensors, gain, frame, room.rows[count])
             room.present[count], room.innovation[count] = i, expected - inputs.seen[fix, i]
             room.noise[count] = inputs.std[fix, i] * inputs.std[fix, i] * (1.0 if i < 3 else multiple)
             count += 1
     for i in range(count):
-        project(covariance, room.rows[i], 0.0, room.spread)
+        innovation_variance(covariance, room.rows[i], 0.0, room.spread)
         for j in range(count):
             room.variance[i, j] = room.noise[i] if i == j else 0.0
             for m in range(len(covariance)):
@@ -327,8 +401,8 @@ def _compare(inputs, fix, nav, rate, acceleration, covariance, errors, sensors, 
 
 
 @kernel
-def _judge(fix, count, limit, room, record):
-    """Put a fix to the global test; write what it saw."""
+def _global_test(fix, count, limit, room, record):
+    """Apply the global test to a fix, and record it."""
     statistic, log_det = chi_square(room.innovation, room.variance, count, room.factor, room.whitened)
     for i in range(count):
         number = room.present[i]
@@ -340,23 +414,23 @@ def _judge(fix, count, limit, room, record):
 
 
 @kernel
-def _absorb(fix, count, course, fed, nav, covariance, errors, control, room, record, tape, place):
-    """Put the components of a fix to their test and take in what is left; return the corrected navigation.
+def _update_by_fix(fix, count, use, fed, nav, covariance, errors, control, room, record, block, slot):
+    """Apply the component test to a fix and update by the remaining components; return the corrected navigation.
 
-    A fix that is set aside is left out, and of one that starts an offset anew the velocity: it is of the same receiver.
+    An excluded fix is left out, and so is the velocity of a fix that restarts the offset.
     """
     for i in range(count):
         trusted = np.inf
-        if course != ASIDE and (course != FRESH or room.present[i] < SHIFT):
-            trusted = weigh(room.innovation[i], room.variance[i, i], room.noise[i], control.component,
-                            control.robust, control.steepness)  # fmt: skip
+        if use != EXCLUDED and (use != RESTARTED or room.present[i] < OFFSET_STATES):
+            trusted = noise_after_test(room.innovation[i], room.variance[i, i], room.noise[i], control.component,
+                                       control.robust, control.steepness)  # fmt: skip
         record.share[fix, room.present[i]] = room.noise[i] / trusted
         room.noise[i] = trusted
     for i in range(count):
         if room.noise[i] < np.inf:
             residual = room.innovation[i]
-            nav, _ = take_in(covariance, errors, room.rows[i], residual, room.noise[i], room.spread, room.weight, nav,
-                             tape, place, i, fed)  # fmt: skip
+            nav, _ = apply_measurement(covariance, errors, room.rows[i], residual, room.noise[i], room.spread,
+                                       room.weight, nav, block, slot, i, fed)  # fmt: skip
             for j in range(i + 1, count):
                 for m in range(len(room.weight)):
                     room.innovation[j] -= room.rows[j, m] * room.weight[m] * residual
@@ -364,10 +438,10 @@ def _absorb(fix, count, course, fed, nav, covariance, errors, control, room, rec
 
 
 @kernel
-def _advance(inputs, k, time, target, nav, errors, sensors, frame, room):
-    """Navigate to ``target``; return the navigation, the means of attitude and specific force, sample and rate.
+def _propagate(inputs, k, time, target, nav, errors, sensors, frame, room):
+    """Integrate to ``target``; return the navigation, mean attitude and specific force, next sample, and rate.
 
-    The mean of what a unit of each sensor state adds to its axis goes into ``room.mean``.
+    Stores the mean error of the axis per unit of each sensor state in ``room.mean``.
     """
     stamp, states = inputs.stamp, len(sensors.axis)
     c0, c1, c2, force = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
@@ -396,203 +470,196 @@ def _advance(inputs, k, time, target, nav, errors, sensors, frame, room):
     return nav, (c0, c1, c2), force, k, gyro
 
 
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _process_fix(
+    inputs, fix, slot, time, nav, rate, acceleration, sensors, frame, control, sub_filter, state, record, room, block
+):
+    """Test a fix and update by it; return the corrected navigation."""
+    errors, covariance, counters, multiple = state.errors, state.covariance, state.counters, velocity_inflation(state)
+    count = _innovations(
+        inputs, fix, nav, rate, acceleration, covariance, errors, sensors, room.gain, frame, room, multiple
+    )
+    passed = _global_test(fix, count, control.limits[count], room, record)
+    use, over = ACCEPTED, False
+    if frame.known:
+        use, reset = record.position_use[fix], record.reset[fix]
+        over = counters[OPEN] and use == ACCEPTED
+        counters[OPEN] = use >= RESTARTED or (use == EXCLUDED and counters[OPEN])
+    else:
+        if frame.position_offset_state:
+            use = classify_position(fix, count, control.limits, room, record, counters)
+        state.clock[1] = np.inf if passed and not counters[OPEN] else min(state.clock[1], time)
+        reset = not sub_filter and time - state.clock[1] > control.reset_s
+    dropped = block.transposed[slot] if len(block.rows) > 0 else room.nothing
+    if reset:
+        record.offset_event[fix] = 0
+        for i in range(OFFSET_STATES if frame.position_offset_state else 0):
+            record.innovation[fix, i] -= errors[len(errors) - OFFSET_STATES + i]
+        _soft_reset(covariance, errors, control, record.innovation[fix], frame.variance, dropped)
+        record.reset[fix], state.clock[1], counters[OPEN] = True, np.inf, 0
+        passed, over, use = True, True, ACCEPTED
+    if over or use == RESTARTED:
+        if frame.position_offset_state:
+            restart_offset(covariance, errors, 0.0 if over else UNKNOWN_VARIANCE, dropped)
+            state.offset[WALK_RATE] = 0.0
+        multiple = 1.0
+        count = _innovations(
+            inputs, fix, nav, rate, acceleration, covariance, errors, sensors, room.gain, frame, room, multiple
+        )
+    record.position_use[fix] = RESTARTED if use == HELD and state.offset[WALK_RATE] > 0.0 else use
+    update_velocity_statistics(count, use == RESTARTED, multiple, room, state)
+    fed = passed or not control.gated
+    use = HELD if frame.known and use == RESTARTED else use
+    return _update_by_fix(fix, count, use, fed, nav, covariance, errors, control, room, record, block, slot)
+
+
 @njit(cache=True, error_model="numpy")
-def _run(inputs, epochs, first, last, sensors, frame, control, reserve, state, path, record, kept, room, tape):
-    """Take one lane over the epochs ``first`` to ``last``; see :func:`_filter`. A ``reserve`` has no soft reset."""
-    errors, covariance, memory, taped = state.errors, state.covariance, state.memory, len(tape.rows) > 0
-    nav, k, time, failing, step = navigation(state.navigation), state.sample[0], state.clock[0], state.clock[1], 0.0
+def _filter_member(
+    inputs, epochs, first, last, sensors, frame, control, sub_filter, state, history, record, kept, room, block
+):
+    """Run one filter over epochs; see :func:`_filter_members`. A ``sub_filter`` has no soft reset."""
+    errors, covariance, stored = state.errors, state.covariance, len(block.rows) > 0
+    nav, k, time, step = unpack_navigation(state.navigation), state.sample[0], state.clock[0], 0.0
     for e in range(first, last):
-        place, fix, velocity, interval = e - first, epochs.fix[e], nav[1], epochs.end[e] - time
-        nav, mat, force, k, rate = _advance(inputs, k, time, epochs.end[e], nav, errors, sensors, frame, room)
+        slot, fix, velocity, interval = e - first, epochs.fix[e], nav[1], epochs.end[e] - time
+        nav, mat, force, k, rate = _propagate(inputs, k, time, epochs.end[e], nav, errors, sensors, frame, room)
         time = epochs.end[e]
         if interval != step:
-            age(sensors.decay, sensors.driving, interval, room.hold, room.drive)
+            discretise_states(sensors.decay, sensors.driving, interval, room.hold, room.drive)
             step = interval
-        if taped:
-            backward(tape.backward[place], room.work, mat, force, interval, sensors.axis, room.mean, room.hold,
-                     room.shift)  # fmt: skip
+        if stored:
+            transposed_transition(
+                block.transposed[slot], room.work, mat, force, interval, sensors.axis, room.mean, room.hold, room.shift
+            )
         predict(covariance, room.work, mat, force, interval, sensors.axis, room.mean, room.hold, room.drive,
                 sensors.white, room.shift)  # fmt: skip
         for s in range(len(sensors.axis)):
             errors[s] *= room.hold[s]
-        if state.doubt[WALK] > 0.0:
-            for i in range(len(covariance) - SHIFT, len(covariance)):
-                covariance[i, i] += state.doubt[WALK] * interval
-        path.nis[e] = np.nan
+        if state.offset[WALK_RATE] > 0.0:
+            for i in range(len(covariance) - OFFSET_STATES, len(covariance)):
+                covariance[i, i] += state.offset[WALK_RATE] * interval
+        history.nis[e] = np.nan
         if fix >= 0:
-            gained, multiple = add_scaled(nav[1], -1.0, velocity), excess(state)
-            pull = gained[0] / interval, gained[1] / interval, gained[2] / interval
-            count = _compare(inputs, fix, nav, rate, pull, covariance, errors, sensors, room.gain, frame, room,
-                             multiple)  # fmt: skip
-            passed = _judge(fix, count, control.limits[count], room, record)
-            path.nis[e] = record.statistic[fix]
-            course, over = TAKEN, False
-            if frame.known:
-                course, reset = record.course[fix], record.reset[fix]
-                over = memory[OPEN] and course == TAKEN
-                memory[OPEN] = course >= FRESH or (course == ASIDE and memory[OPEN])
-            else:
-                if frame.shift_state:
-                    course = doubt(fix, count, control.limits, room, record, memory)
-                failing = np.inf if passed and not memory[OPEN] else min(failing, time)
-                reset = not reserve and time - failing > control.reset_s
-            dropped = tape.backward[place] if taped else room.nothing
-            if reset:
-                record.turn[fix] = 0
-                for i in range(SHIFT if frame.shift_state else 0):
-                    record.innovation[fix, i] -= errors[len(errors) - SHIFT + i]
-                _reset(covariance, errors, control, record.innovation[fix], frame.variance, dropped)
-                record.reset[fix], passed, failing, over, memory[OPEN], course = True, True, np.inf, True, 0, TAKEN
-            if over or course == FRESH:
-                if frame.shift_state:
-                    forget(covariance, errors, 0.0 if over else FREE, dropped)
-                    state.doubt[WALK] = 0.0
-                count, multiple = _compare(inputs, fix, nav, rate, pull, covariance, errors, sensors, room.gain, frame,
-                                           room, 1.0), 1.0  # fmt: skip
-            record.course[fix] = FRESH if course == HELD and state.doubt[WALK] > 0.0 else course
-            learn(count, course == FRESH, multiple, room, state)
-            fed = passed or not control.gated
-            course = HELD if frame.known and course == FRESH else course
-            nav = _absorb(fix, count, course, fed, nav, covariance, errors, control, room, record, tape,
-                          place)  # fmt: skip
+            change = add_scaled(nav[1], -1.0, velocity)
+            acceleration = change[0] / interval, change[1] / interval, change[2] / interval
+            nav = _process_fix(inputs, fix, slot, time, nav, rate, acceleration, sensors, frame, control, sub_filter,
+                               state, record, room, block)  # fmt: skip
+            history.nis[e] = record.statistic[fix]
         if frame.wheels.std > 0.0:
-            nav = roll(frame.wheels, epochs.quiet[e], interval, nav, rate, covariance, errors, sensors, room.gain,
-                       room.row, room.spread, room.weight, tape, place, FIX)  # fmt: skip
+            nav = apply_wheel_constraint(
+                frame.wheels, epochs.quiet[e], interval, nav, rate, covariance, errors, sensors, room.gain, room.row,
+                room.spread, room.weight, block, slot, FIX,
+            )  # fmt: skip
         if fix >= 0:
-            fill(kept[fix], covariance)
-        write(path, e, nav, errors, covariance)
-        if taped:
-            fill(tape.covariance[place], covariance)
+            copy_matrix(kept[fix], covariance)
+        write_epoch(history, e, nav, errors, covariance)
+        if stored:
+            copy_matrix(block.covariance[slot], covariance)
     for i in range(10):
-        state.navigation[i] = path.navigation[last - 1, i]
-    state.sample[0], state.clock[0], state.clock[1] = k, time, failing
+        state.navigation[i] = history.navigation[last - 1, i]
+    state.sample[0], state.clock[0] = k, time
 
 
 @njit(cache=True, error_model="numpy")
-def _filter(inputs, epochs, first, last, sensors, frame, control, states, path, record, kept, room, tape):
-    """Filter the epochs ``first`` to ``last``, the latter not included, from the states at the end of the one before.
+def _filter_members(inputs, epochs, first, last, sensors, frame, control, states, history, record, kept, room, block):
+    """Filter the epochs ``first`` to ``last`` (excluded) from the states at the end of the one before.
 
-    The first lane is the filter; others are its reserves, and all of them stop at each fix. ``path``, ``record`` and
-    ``kept``, the covariances at the fixes, are filled; ``tape`` too, unless it has no length.
+    The first member is the main filter, others are sub-filters; all of them stop at each fix. Fills ``history``,
+    ``record``, ``kept`` (the covariances at the fixes), and ``block``, unless it is empty.
     """
-    lanes, started, main = len(states.memory), -np.inf, lane(states, 0)
-    every = control.hindsight_s / max(lanes - 1, 1)
+    members, started, main = len(states.counters), -np.inf, member(states, 0)
+    every = control.separation_s / max(members - 1, 1)
     while first < last:
-        end = first if lanes > 1 else last - 1
+        end = first if members > 1 else last - 1
         while end < last - 1 and epochs.fix[end] < 0:
             end += 1
-        for number in range(lanes - 1, -1, -1):
-            if number == 0 or states.memory[number, OPEN]:
-                _run(inputs, epochs, first, end + 1, sensors, frame, control, number > 0, lane(states, number), path,
-                     record, kept, room, tape)  # fmt: skip
+        for number in range(members - 1, -1, -1):
+            if number == 0 or states.counters[number, OPEN]:
+                one = member(states, number)
+                _filter_member(inputs, epochs, first, end + 1, sensors, frame, control, number > 0, one, history,
+                               record, kept, room, block)  # fmt: skip
         fix, time, first = epochs.fix[end], main.clock[0], end + 1
-        if lanes > 1 and fix >= 0:
-            if not record.reset[fix] and look_back(fix, control.lasting, every, states, record, room):
-                write(path, end, navigation(main.navigation), main.errors, main.covariance)
-                fill(kept[fix], main.covariance)
-            if record.turn[fix] in (OPENED, LOOKED_BACK) or record.reset[fix]:
+        if members > 1 and fix >= 0:
+            if not record.reset[fix] and separate_solutions(fix, control.separation_limit, every, states, record, room):
+                write_epoch(history, end, unpack_navigation(main.navigation), main.errors, main.covariance)
+                copy_matrix(kept[fix], main.covariance)
+            if record.offset_event[fix] in (EVENT_OPENED, EVENT_SEPARATED) or record.reset[fix]:
                 started = time
-                for number in range(1, lanes):
-                    states.memory[number, OPEN] = 0
-            elif time - started >= every and not main.memory[STRIKES]:
-                relieve(fix, states, room)
+                for number in range(1, members):
+                    states.counters[number, OPEN] = 0
+            elif time - started >= every and not main.counters[REJECTIONS]:
+                start_sub_filter(fix, states, room)
                 started = time
 
 
-def navigate(
-    log: pd.DataFrame,
-    fixes: pd.DataFrame,
-    model: ErrorModel,
-    assumptions: Assumptions,
-    quality: Quality,
-    start: Start,
-    ellipsoid: Ellipsoid,
-    smooth: bool = False,
-) -> Solution:
-    """Navigate a drive from ``start`` to the end of its log.
-
-    Parameters
-    ----------
-    log
-        Log of six axes; a sample is the mean over the interval that it ends.
-    fixes
-        Log of a receiver (:mod:`imugap.io.gnss`); what lies outside of the time to be navigated is left out.
-    model
-        Errors of the sensors: the filter takes its states and noise densities from it.
-    assumptions, quality
-        What is taken for granted besides; what is done about fixes that do not fit.
-    start
-        Where the filter starts, ahead of the last sample.
-    ellipsoid
-        Where its position is counted from.
-    smooth
-        Whether each epoch is told from the whole drive and not from what lies before it.
-    """
-    if axes(log) != AXES:
-        raise LogError("drive", "columns", f"all of {', '.join(AXES)}", ", ".join(log.columns))
-    stamp, states = log.index.to_numpy(dtype=float), assumptions.states(model)
-    if not stamp[0] <= start.time < stamp[-1]:
-        raise ValueError(f"start: expected a time from {stamp[0]:g} s to {stamp[-1]:g} s; found {start.time:g} s")
-    quality = replace(quality, gated=False) if smooth else quality
+def navigate(inputs: DriveInputs, start: InitialState, smooth: bool = False) -> DriveSolution:
+    """Navigate a drive from an initial state to the end of its log, by the filter or the smoother."""
+    log, fixes, assumptions, ellipsoid = inputs.log, inputs.fixes, inputs.assumptions, inputs.ellipsoid
+    stamp = _checked_stamps(log, start)
+    states = assumptions.states(inputs.model)
+    control = replace(inputs.quality, gated=False) if smooth else inputs.quality
     due = fixes.index.to_numpy(dtype=float) + assumptions.offset_s
-    offered = np.flatnonzero((due > start.time + NEAR) & (due <= stamp[-1] + NEAR))
-    epochs = Epochs.of(stamp, due[offered], start.time, assumptions.epoch_s)
-    inputs = _Inputs(
+    offered = np.flatnonzero((due > start.time + STAMP_TOLERANCE_S) & (due <= stamp[-1] + STAMP_TOLERANCE_S))
+    measured = _Measurements(
         np.ascontiguousarray(log[list(AXES)].to_numpy(dtype=float)),
         stamp,
         gnss.local(fixes, ellipsoid)[offered],
         gnss.deviations(fixes, assumptions.position_std, assumptions.velocity_std)[offered],
     )
+    epochs = Epochs.of(stamp, due[offered], start.time, assumptions.epoch_s)
     if assumptions.wheels_std > 0:
-        epochs = epochs._replace(quiet=quiet(inputs.samples, stamp, epochs.end))
-    variance = np.array([*states.variance, *(std**2 for _, std in assumptions.constants())])
-    names = [*states.names, *(name for name, _ in assumptions.constants())]
-    begin, looking = (start.errors, start.covariance), quality.hindsight_s is not None
-    if looking:
-        names, variance = [*names, *OFFSETS], np.append(variance, np.zeros(SHIFT))
-        begin = np.append(start.errors, np.zeros(SHIFT)), np.pad(start.covariance, (0, SHIFT))
+        epochs = epochs._replace(quiet=quiet_epochs(measured.samples, stamp, epochs.end))
+    separating = control.separation_s is not None
+    frame, state = _frame(assumptions, states, ellipsoid, separating), _initial(start, stamp, separating)
+    size, components = state.covariance.shape[1], len(COMPONENTS)
+    history, kept = History.empty(len(epochs.end), size), np.empty((len(offered), size, size))
+    history.begin(state.navigation[0], state.errors[0], state.covariance[0])
+    sensors, record = SensorArrays.of(states), InnovationRecord.empty(len(offered), components)
+    settings, room = KernelControl.of(control, components), _Room.of(size, len(states))
+
+    def step(known: bool, first: int, last: int, state: FilterState, block: SmootherBlock) -> None:
+        own = frame._replace(known=known)
+        _filter_members(
+            measured, epochs, first, last, sensors, own, settings, state, history, record, kept, room, block
+        )
+
+    if separating or not smooth:
+        run_filter(partial(step, False), state.copy(1 + SUB_FILTERS * separating), history)
+    if smooth:
+        run_smoother(partial(step, separating), state, history, FIX + CONSTRAINTS)
+    time, rows = pd.Index(epochs.end, name=TIME), np.flatnonzero(epochs.fix >= 0)
+    names = [*states.names, *(name for name, _ in assumptions.constants()), *(OFFSETS if separating else ())]
+    fix_time = fixes.index.to_numpy()[offered]
+    return DriveSolution(time, names, history, ellipsoid, fix_time, rows, record, kept, control)
+
+
+def _checked_stamps(log: pd.DataFrame, start: InitialState) -> np.ndarray:
+    """Return the stamps of a log of six axes that holds the start [s]."""
+    if axes(log) != AXES:
+        raise LogError("drive", "columns", f"all of {', '.join(AXES)}", ", ".join(log.columns))
+    stamp = log.index.to_numpy(dtype=float)
+    if not stamp[0] <= start.time < stamp[-1]:
+        raise ValueError(f"start: expected a time from {stamp[0]:g} s to {stamp[-1]:g} s; found {start.time:g} s")
+    return stamp
+
+
+def _frame(assumptions: DriveAssumptions, states: SensorStates, ellipsoid: Ellipsoid, separating: bool) -> _Frame:
+    """Return the constants of the compiled filter; ``separating``: with states of the position offset."""
+    variance = [*states.variance, *(std**2 for _, std in assumptions.constants())]
     lever, axle = (tuple(map(float, arm)) for arm in (assumptions.lever_m, assumptions.axle_m))
-    wheels = Wheels(float(assumptions.wheels_std), float(assumptions.wheels_s), axle)  # int: kernels of their own
-    frame = _Frame(
-        ellipsoid.origin, lever, assumptions.lever_std > 0, assumptions.offset_std > 0, looking, False, variance, wheels
-    )
-    control, record = Control.of(quality, len(COMPONENTS)), Record.empty(len(offered), len(COMPONENTS))
-    state = State(
-        start.navigation.astype(float)[None], *(one.astype(float)[None] for one in begin),
+    return _Frame(
+        ellipsoid.origin, lever, assumptions.lever_std > 0, assumptions.offset_std > 0, separating, False,
+        np.append(variance, np.zeros(OFFSET_STATES * separating)),
+        WheelConstraint(float(assumptions.wheels_std), float(assumptions.wheels_s), axle),  # int: another compilation
+    )  # fmt: skip
+
+
+def _initial(start: InitialState, stamp: np.ndarray, separating: bool) -> FilterState:
+    """Return the state of the main filter at the start, ``separating`` with the position offset."""
+    added = OFFSET_STATES * separating
+    errors, covariance = np.append(start.errors, np.zeros(added)), np.pad(start.covariance, (0, added))
+    return FilterState(
+        *(one.astype(float)[None] for one in (start.navigation, errors, covariance)),
         np.array([[max(int(np.searchsorted(stamp, start.time, "right")), 1)]]), np.array([[start.time, np.inf]]),
         np.zeros((1, 4), np.int64), np.zeros((1, 4)),
     )  # fmt: skip
-    size = len(begin[1])
-    path, kept = Path.empty(len(epochs.end), size), np.empty((len(offered), size, size))
-    path.begin(state.navigation[0], state.errors[0], state.covariance[0])
-    fixed = inputs, epochs, Sensors.of(states), frame, control
-    results = path, record, kept, _Room.of(size, len(states))
-    if looking or not smooth:
-        _filtered(fixed, state.copy(1 + RESERVES * looking), results)
-    if smooth:
-        _smoothed((*fixed[:3], frame._replace(known=looking), control), state, results)
-    rows = np.flatnonzero(epochs.fix >= 0)
-    time = pd.Index(epochs.end, name=TIME)
-    return Solution(time, names, path, ellipsoid, fixes.index.to_numpy()[offered], rows, record, kept, quality)
-
-
-def _filtered(fixed: tuple, state: State, results: tuple) -> None:
-    """Fill the path by the filter."""
-    inputs, epochs, *rest = fixed
-    no_tape = Tape.empty(0, state.covariance.shape[1])
-    _filter(inputs, epochs, 1, len(epochs.end), *rest, state, *results, no_tape)
-
-
-def _smoothed(fixed: tuple, state: State, results: tuple) -> None:
-    """Fill the path by the smoother."""
-    inputs, epochs, *rest = fixed
-    size = state.covariance.shape[1]
-    blocks, starts = list(pairwise([*range(1, len(epochs.end), BLOCK), len(epochs.end)])), []
-    for first, last in blocks:
-        starts.append(state.copy())
-        _filter(inputs, epochs, first, last, *rest, state, *results, Tape.empty(0, size))
-    adjoint, information = np.zeros(size), np.zeros((size, size))
-    for (first, last), start in zip(reversed(blocks), reversed(starts), strict=True):
-        tape = Tape.empty(last - first, size, FIX + MEASURED)
-        _filter(inputs, epochs, first, last, *rest, start, *results, tape)
-        go_back(results[0], first, last, tape, adjoint, information)

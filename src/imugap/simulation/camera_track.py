@@ -13,7 +13,7 @@ import pandas as pd
 from scipy.optimize import least_squares
 
 from imugap.kinematics.strapdown import ATTITUDE, POSITION
-from imugap.navigation.pedestrian import Sight, Solution
+from imugap.navigation.pedestrian import PositionAiding, WalkSolution
 from imugap.numerics.rotation import from_euler
 
 STEP_S = 0.02
@@ -75,7 +75,7 @@ class Footprints:
         north, east, down = self.off
         return float(np.hypot(north, east)), -float(down)
 
-    def sight(self, solution: Solution) -> Sight:
+    def sight(self, solution: WalkSolution) -> PositionAiding:
         """Return where cameras saw the device in the middle of each stance, in the frame of the solution.
 
         Parameters
@@ -90,7 +90,7 @@ class Footprints:
         position = np.full((len(time), 3), np.nan)
         navigated = solution.trajectory[list(POSITION)].to_numpy()[rows[place]]
         position[rows[place]] = navigated - self.error[place] @ _frame(self.heading)
-        return Sight(position, MARKER_STD_M, HEADING_STD, ORIGIN_STD_M)
+        return PositionAiding(position, MARKER_STD_M, HEADING_STD, ORIGIN_STD_M)
 
     def reach(self) -> tuple[float, float]:
         """Return the largest horizontal distance from the begin, navigated and seen [m]."""
@@ -111,14 +111,14 @@ class Footprints:
         return known[["start", "end"]].assign(**lengths).dropna()
 
 
-def closed(solution: Solution) -> Sight:
+def closed(solution: WalkSolution) -> PositionAiding:
     """Return what is known of a walk that ends where it began."""
     position = np.full((len(solution.time), 3), np.nan)
     position[-1] = 0.0
-    return Sight(position, MARKER_STD_M)
+    return PositionAiding(position, MARKER_STD_M)
 
 
-def footprints(solution: Solution, seen: pd.DataFrame, stiff: bool = True) -> Footprints:
+def footprints(solution: WalkSolution, seen: pd.DataFrame, stiff: bool = True) -> Footprints:
     """Lay a solution over the positions of a marker that was seen.
 
     Parameters

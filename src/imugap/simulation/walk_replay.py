@@ -13,7 +13,7 @@ import pandas as pd
 from imugap.filters.zero_velocity import STANCE
 from imugap.kinematics.strapdown import POSITION
 from imugap.model import ErrorModel
-from imugap.navigation.pedestrian import Assumptions, Solution, navigate
+from imugap.navigation.pedestrian import WalkAssumptions, WalkSolution, navigate
 from imugap.simulation.camera_track import footprints
 
 
@@ -34,13 +34,13 @@ class Replay:
     """
 
     log: pd.DataFrame
-    solution: Solution
+    solution: WalkSolution
     model: ErrorModel
-    assumptions: Assumptions
+    assumptions: WalkAssumptions
     seen: bool
 
     @classmethod
-    def of(cls, log: pd.DataFrame, model: ErrorModel, assumptions: Assumptions, seen: bool) -> "Replay":
+    def of(cls, log: pd.DataFrame, model: ErrorModel, assumptions: WalkAssumptions, seen: bool) -> "Replay":
         """Navigate the log as it is."""
         return cls(log, navigate(log, model, assumptions), model, assumptions, seen)
 

@@ -20,7 +20,7 @@ from imugap.io import reference
 from imugap.kinematics.strapdown import POSITION, VELOCITY
 from imugap.log import ACCEL, AXES, GYRO, triad
 from imugap.model import ErrorModel
-from imugap.navigation.pedestrian import SHORTEST_STRIDE_M, Assumptions, Solution
+from imugap.navigation.pedestrian import SHORTEST_STRIDE_M, WalkAssumptions, WalkSolution
 from imugap.simulation.walk import Course, Leg, Walk
 from imugap.stream import stream
 
@@ -87,7 +87,7 @@ def without(model: ErrorModel, kind: str, name: str) -> ErrorModel:
     return ErrorModel(axes)
 
 
-def twin(solution: Solution, like: Walk) -> Walk:
+def twin(solution: WalkSolution, like: Walk) -> Walk:
     """Return a walk with the strides of a solution, and in all else like another.
 
     A stride is what lies between the middles of two stances; all take the same time. How a foot swings and lands is
@@ -109,7 +109,7 @@ def twin(solution: Solution, like: Walk) -> Walk:
     return replace(like, gait=gait, course=course, rate_hz=(len(time) - 1) / float(time[-1] - time[0]))
 
 
-def measured(walk: Walk, assumptions: Assumptions, run: int, seed: int) -> tuple[pd.DataFrame, np.ndarray]:
+def measured(walk: Walk, assumptions: WalkAssumptions, run: int, seed: int) -> tuple[pd.DataFrame, np.ndarray]:
     """Return the log of a walk, and the velocity of a point of the foot as a filter measures it that assumes rightly.
 
     The arm of the point is drawn, and noise of the assumed density is added to its velocity, shape (n, 3) [m/s].

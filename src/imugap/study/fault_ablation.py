@@ -10,14 +10,13 @@ import yaml
 from scipy.spatial.transform import Rotation
 
 from imugap.filters.error_state import NAVIGATION
-from imugap.filters.innovation_gate import NOTHING, SCHEMES, TAKEN, Quality
-from imugap.filters.solution_separation import LOOKED_BACK, OPENED
+from imugap.filters.innovation_gate import ACCEPTED, NO_CONTROL, SCHEMES, QualityControl
+from imugap.filters.solution_separation import EVENT_OPENED, EVENT_SEPARATED
 from imugap.io import reference
 from imugap.kinematics.strapdown import POSITION, VELOCITY
 from imugap.log import ACCEL, GYRO
-from imugap.navigation.vehicle import Assumptions, Solution, navigate
-from imugap.navigation.vehicle_alignment import depart
-from imugap.navigation.vehicle_diagnosis import Case
+from imugap.navigation.vehicle import DriveAssumptions, DriveInputs, DriveSolution, navigate
+from imugap.navigation.vehicle_alignment import align
 from imugap.simulation.drive import Drive
 from imugap.simulation.gnss_faults import OUTAGE, OUTLIER, RAMP, STRETCH, Event, Faults, mark
 
@@ -45,7 +44,7 @@ EVERY_S = 1.0
 class Run:
     """A drive under one scheme: solution, fixes, the gross errors in them, and the true errors of the sensors."""
 
-    solution: Solution
+    solution: DriveSolution
     fixes: pd.DataFrame
     events: tuple[Event, ...]
     true: pd.DataFrame
@@ -64,10 +63,10 @@ class Ablation:
         return cls(Drive.read(path), Faults.read(path))
 
     @property
-    def assumptions(self) -> Assumptions:
+    def assumptions(self) -> DriveAssumptions:
         """What the filter takes for granted: what the recipe says."""
         receiver = self.drive.receiver
-        return Assumptions(
+        return DriveAssumptions(
             lever_m=receiver.lever_m,
             offset_s=receiver.delay_s,
             scale_std=self.drive.scale_std,
@@ -76,7 +75,7 @@ class Ablation:
         )
 
     @property
-    def rolling(self) -> Assumptions:
+    def rolling(self) -> DriveAssumptions:
         """The same of a filter that is told of the wheels."""
         axle = self.drive.axle
         return replace(
@@ -84,20 +83,22 @@ class Ablation:
         )  # fmt: skip
 
     def runs(
-        self, run: int, seed: int, schemes: dict[str, Quality] = SCHEMES, cases: tuple[str, ...] = CASES
+        self, run: int, seed: int, schemes: dict[str, QualityControl] = SCHEMES, cases: tuple[str, ...] = CASES
     ) -> Iterator[tuple[str, str, Run]]:
         """Yield case, scheme and what comes of it, for one drive."""
         drive, assumptions = self.drive, self.assumptions
         record, clean, true = drive.record(run, seed), drive.fixes(run, seed), drive.errors(run, seed)
-        states, known = assumptions.states(drive.model), self._cases(clean, run, seed)
-        start = depart(record, clean, states, assumptions, drive.ellipsoid)
+        known = self._cases(clean, run, seed)
+        inputs = DriveInputs(record, clean, drive.model, drive.ellipsoid, assumptions)
+        start = align(inputs)
 
-        def navigated(told: Assumptions, fixes: pd.DataFrame, quality: Quality, events: tuple, smooth: bool) -> Run:
-            begin = start
-            if events and events[0].begin < start.time:
-                begin = depart(record, fixes, states, assumptions, drive.ellipsoid)
-            return Run(navigate(record, fixes, drive.model, told, quality, begin, drive.ellipsoid, smooth), fixes,
-                       events, true)  # fmt: skip
+        def navigated(
+            own: DriveAssumptions, fixes: pd.DataFrame, quality: QualityControl, events: tuple, smooth: bool
+        ) -> Run:
+            late = bool(events) and events[0].begin < start.time
+            begin = align(replace(inputs, fixes=fixes)) if late else start
+            given = replace(inputs, fixes=fixes, assumptions=own, quality=quality)
+            return Run(navigate(given, begin, smooth), fixes, events, true)
 
         for case, (fixes, events) in ((case, known[case]) for case in cases):
             for name, quality in schemes.items():
@@ -107,10 +108,10 @@ class Ablation:
                     yield case, WHEELS[name], navigated(self.rolling, fixes, quality, events, False)
             for told, names in ((assumptions, (SMOOTHED, ORACLE)), (self.rolling, (WHEELS[SMOOTHED], WHEELS[ORACLE]))):
                 if case in (CLEAN, CONTAMINATED):
-                    yield case, names[0], navigated(told, fixes, Quality(), events, True)
+                    yield case, names[0], navigated(told, fixes, QualityControl(), events, True)
                 if case == CONTAMINATED:
                     confessed = self.faults.confess(fixes, events)
-                    yield case, names[1], navigated(told, confessed, NOTHING, events, False)
+                    yield case, names[1], navigated(told, confessed, NO_CONTROL, events, False)
 
     def _cases(self, clean: pd.DataFrame, run: int, seed: int) -> dict[str, tuple[pd.DataFrame, tuple[Event, ...]]]:
         """Return the fixes of each case and the gross errors in them."""
@@ -154,7 +155,7 @@ class Ablation:
         record, solution = one.solution.record, one.solution
         bad = mark(solution.fix_time, one.events) != ""
         touched = record.share < 1
-        touched[:, :3] |= (record.course != TAKEN)[:, None]
+        touched[:, :3] |= (record.position_use != ACCEPTED)[:, None]
         linear, turn = self._navigation(solution, solution.fix_row)
         true = self._sensors(one, solution.fix_row)
         sensors = solution.sensors[true.columns].to_numpy()[solution.fix_row] - true.to_numpy()
@@ -165,15 +166,15 @@ class Ablation:
             "missed": (~touched[bad, :3].any(axis=1)).mean() if bad.any() else np.nan,
             "closed": (~record.passed).mean(),
             "resets": int(record.reset.sum()),
-            "doubts": int(np.isin(record.turn, (OPENED, LOOKED_BACK)).sum()),
+            "doubts": int(np.isin(record.offset_event, (EVENT_OPENED, EVENT_SEPARATED)).sum()),
             "nis": record.statistic.sum() / record.freedom.sum(),
             **{name: _nees(whole[:, part], solution.covariances[:, part, part]) for name, part in parts.items()},
         }
 
-    def _navigation(self, solution: Solution, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _navigation(self, solution: DriveSolution, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return the errors of position and velocity, shape (rows, 6), and of the attitude, shape (rows, 3)."""
         truth = self.drive.path[0].iloc[self._samples(solution, rows)]
-        found = solution.path.navigation[rows]
+        found = solution.history.navigation[rows]
         linear = found[:, :6] - truth[[*POSITION, *VELOCITY]].to_numpy(float)
         return linear, (Rotation.from_quat(found[:, 6:]) * reference.rotations(truth).inv()).as_rotvec()
 
@@ -181,11 +182,11 @@ class Ablation:
         names = [name for name in one.solution.names if name in one.true]
         return one.true[names].iloc[self._samples(one.solution, rows)]
 
-    def _samples(self, solution: Solution, rows: np.ndarray) -> np.ndarray:
+    def _samples(self, solution: DriveSolution, rows: np.ndarray) -> np.ndarray:
         return np.rint(solution.time.to_numpy()[rows] * self.drive.rate_hz).astype(int)
 
 
-def hide(study: Ablation, path: str | Path, what: str | None, run: int, seed: int) -> Case:
+def hide(study: Ablation, path: str | Path, what: str | None, run: int, seed: int) -> DriveInputs:
     """Return a drive as a filter has it that is not told of one effect: a name of :data:`CANDIDATES`, or None.
 
     The effects are those of the part ``hidden`` of the recipe at ``path``.
@@ -199,7 +200,7 @@ def hide(study: Ablation, path: str | Path, what: str | None, run: int, seed: in
     elif what == "scale factor":
         record = record.assign(gyro_z=record["gyro_z"] * (1 + given["gyro_z_scale"]))
     fixes = replace(drive, receiver=receiver).fixes(run, seed)
-    return Case(record, fixes, drive.model, study.assumptions, drive.ellipsoid)
+    return DriveInputs(record, fixes, drive.model, drive.ellipsoid, study.assumptions)
 
 
 def recovery(errors: pd.DataFrame, events: tuple[Event, ...], limit: float) -> pd.DataFrame:

@@ -17,15 +17,15 @@ import yaml
 
 from imugap.effects import RandomWalk, TurnOnBias, WhiteNoise
 from imugap.effects.effect import AxisModel, Effect
-from imugap.filters.innovation_gate import NOTHING, SCHEMES, Quality
-from imugap.filters.solution_separation import LOOKED_BACK, OPENED
+from imugap.filters.innovation_gate import NO_CONTROL, SCHEMES, QualityControl
+from imugap.filters.solution_separation import EVENT_OPENED, EVENT_SEPARATED
 from imugap.io import gnss
 from imugap.io.recordings import Recording
 from imugap.kinematics.strapdown import ATTITUDE, POSITION
 from imugap.log import ACCEL, AXES, GYRO, interval
 from imugap.model import ErrorModel
-from imugap.navigation.vehicle import Assumptions, Solution, navigate
-from imugap.navigation.vehicle_alignment import Departure, depart
+from imugap.navigation.vehicle import AlignmentSettings, DriveAssumptions, DriveInputs, DriveSolution, navigate
+from imugap.navigation.vehicle_alignment import align
 from imugap.numerics.rotation import from_euler
 from imugap.simulation.gnss_faults import Event, mark
 from imugap.stream import stream
@@ -80,8 +80,8 @@ class RoadTest:
     """A recording and what a filter takes for granted on it."""
 
     recording: Recording
-    assumptions: Assumptions
-    departure: Departure
+    assumptions: DriveAssumptions
+    alignment: AlignmentSettings
 
     @property
     def rolling(self) -> "RoadTest":
@@ -89,13 +89,14 @@ class RoadTest:
         return replace(self, assumptions=replace(self.assumptions, wheels_std=WHEELS_STD))
 
     def navigate(
-        self, fixes: pd.DataFrame, model: ErrorModel, quality: Quality = NOTHING, smooth: bool = False
-    ) -> Solution:
+        self, fixes: pd.DataFrame, model: ErrorModel, quality: QualityControl = NO_CONTROL, smooth: bool = False
+    ) -> DriveSolution:
         """Navigate the recording with these fixes; the origin is the first of the recording's own."""
-        ellipsoid = gnss.origin(self.recording.fixes)
-        log = self.recording.log
-        start = depart(log, fixes, self.assumptions.states(model), self.assumptions, ellipsoid, self.departure)
-        return navigate(log, fixes, model, self.assumptions, quality, start, ellipsoid, smooth)
+        inputs = DriveInputs(
+            self.recording.log, fixes, model, gnss.origin(self.recording.fixes), self.assumptions, quality,
+            self.alignment,
+        )  # fmt: skip
+        return navigate(inputs, align(inputs), smooth)
 
     def schemes(
         self, fixes: pd.DataFrame, spoilt: pd.DataFrame, events: tuple[Event, ...], model: ErrorModel
@@ -114,13 +115,13 @@ class RoadTest:
         """
         rows, errors = [], {}
         contenders = {name: (self, quality, False) for name, quality in SCHEMES.items()}
-        contenders |= {SMOOTHED: (self, Quality(), True), WHEELS[WHOLE]: (self.rolling, Quality(), False),
-                       WHEELS[SMOOTHED]: (self.rolling, Quality(), True)}  # fmt: skip
+        contenders |= {SMOOTHED: (self, QualityControl(), True), WHEELS[WHOLE]: (self.rolling, QualityControl(), False),
+                       WHEELS[SMOOTHED]: (self.rolling, QualityControl(), True)}  # fmt: skip
         for name, (test, quality, smooth) in contenders.items():
             good, bad = (test.navigate(some, model, quality, smooth) for some in (fixes, spoilt))
             off, errors[name] = (self.errors(one)[["north", "east"]] for one in (good, bad))
             row = {"scheme": name, "nis": good.record.statistic.sum() / good.record.freedom.sum(),
-                   "doubts": int(np.isin(good.record.turn, (OPENED, LOOKED_BACK)).sum())}  # fmt: skip
+                   "doubts": int(np.isin(good.record.offset_event, (EVENT_OPENED, EVENT_SEPARATED)).sum())}  # fmt: skip
             for case, one in (("clean", off), ("contaminated", errors[name])):
                 row[case] = np.quantile(np.hypot(one["north"], one["east"]), 0.95)
             at = np.arange(np.ceil(good.time[0]), good.time[-1])
@@ -132,12 +133,12 @@ class RoadTest:
             rows.append(row)
         return pd.DataFrame(rows), errors
 
-    def errors(self, solution: Solution) -> pd.DataFrame:
+    def errors(self, solution: DriveSolution) -> pd.DataFrame:
         """Return how far the antenna is from the survey at its fixes: ``north``, ``east``, ``down`` [m], by time."""
         survey = self.recording.fixes
         inside = survey[(survey.index >= solution.time[0]) & (survey.index <= solution.time[-1])]
         euler = solution.trajectory[list(ATTITUDE)].to_numpy()
-        antenna = solution.path.navigation[:, :3] + from_euler(euler).apply(np.array(self.assumptions.lever_m))
+        antenna = solution.history.navigation[:, :3] + from_euler(euler).apply(np.array(self.assumptions.lever_m))
         true = gnss.local(inside, solution.ellipsoid)
         at = [np.interp(inside.index, solution.time, column) for column in antenna.T]
         return pd.DataFrame(np.column_stack(at) - true[:, :3], index=inside.index, columns=list(POSITION))
@@ -198,19 +199,19 @@ class RoadTest:
 
 def car(recording: Recording, receiver: Receiver) -> RoadTest:
     """Return the test of a drive whose survey is degraded; scale factors are those of a cheap device."""
-    assumptions = Assumptions(
+    assumptions = DriveAssumptions(
         lever_m=recording.lever_m, scale_std=SCALE_STD, position_std=receiver.position_std,
         velocity_std=receiver.velocity_std,
     )  # fmt: skip
-    return RoadTest(recording, assumptions, Departure())
+    return RoadTest(recording, assumptions, AlignmentSettings())
 
 
 def aircraft(recording: Recording, receiver: Receiver) -> RoadTest:
     """Return the test of a flight by its own receiver: it starts as it rolls, nearly along its course."""
-    assumptions = Assumptions(
+    assumptions = DriveAssumptions(
         scale_std=SCALE_STD, position_std=receiver.position_std, velocity_std=receiver.velocity_std
     )  # fmt: skip
-    return RoadTest(recording, assumptions, Departure(speed=2.0, heading_std=0.1))
+    return RoadTest(recording, assumptions, AlignmentSettings(speed=2.0, heading_std=0.1))
 
 
 def at_rest(log: pd.DataFrame, until: float) -> ErrorModel:

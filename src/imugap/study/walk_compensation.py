@@ -18,7 +18,7 @@ from imugap.filters.zero_velocity import Detector
 from imugap.kinematics.strapdown import POSITION
 from imugap.log import ACCEL, AXES, GYRO, axes, interval
 from imugap.model import ErrorModel
-from imugap.navigation.pedestrian import Assumptions, Solution
+from imugap.navigation.pedestrian import WalkAssumptions, WalkSolution
 from imugap.numerics.rotation import wrap
 from imugap.simulation.walk import Walk
 
@@ -47,7 +47,7 @@ class End:
     heading_nees: float
 
     @classmethod
-    def of(cls, solution: Solution, truth: pd.DataFrame) -> "End":
+    def of(cls, solution: WalkSolution, truth: pd.DataFrame) -> "End":
         """Compare the end of a solution with that of the true Trajectory; both begin at the origin."""
         found, std = solution.trajectory.iloc[-1], solution.trajectory_std.iloc[-1]
         off = (found[list(POSITION)] - truth[list(POSITION)].iloc[-1]).to_numpy(float)
@@ -56,9 +56,9 @@ class End:
         return cls(float(np.hypot(*off[:2])), -float(off[2]), abs(turn), float(nees), (turn / std["heading"]) ** 2)
 
 
-def granted(walk: Walk) -> Assumptions:
+def granted(walk: Walk) -> WalkAssumptions:
     """Return what a filter takes for granted on a simulated walk: gravity, and a body that stands without a sway."""
-    return Assumptions(gravity=walk.site.gravity, rate_std=0.0)
+    return WalkAssumptions(gravity=walk.site.gravity, rate_std=0.0)
 
 
 def subtracted(log: pd.DataFrame, model: ErrorModel, seed: int, *labels: object) -> pd.DataFrame:

@@ -1,0 +1,91 @@
+"""Style of the figures, and panels, legends and files that all chapters share."""
+
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
+
+from imugap import log
+
+AXIS_TITLES = {axis: f"{'Gyroscope' if axis in log.GYRO else 'Accelerometer'} {axis[-1]}" for axis in log.AXES}
+ALLAN_UNITS = {"gyro": ("deg/h", "deg/h"), "accel": ("ug", "µg")}
+STYLE = {
+    "font.size": 8,
+    "axes.titlesize": 8,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "grid.color": "#dddddd",
+    "grid.linewidth": 0.5,
+    "lines.linewidth": 1.0,
+    "legend.frameon": False,
+    "legend.fontsize": 7,
+    "svg.hashsalt": "imugap",
+    "savefig.bbox": "tight",
+    "figure.dpi": 120,
+}
+WIDTH = 7.2
+"""Width of a full-width figure [inch]."""
+
+mpl.rcParams.update(STYLE)
+
+
+def save(figure: Figure, path: str | Path) -> None:
+    """Write the figure as SVG, the same bytes for the same figure."""
+    figure.savefig(path, format="svg", metadata={"Date": None})
+
+
+def panels_of(rows: int, columns: int, height: float, **kwargs) -> tuple[Figure, np.ndarray]:
+    """Return a full-width figure of ``height`` [inch] and its panels, shape (rows, columns)."""
+    figure = Figure(figsize=(WIDTH, height), layout="constrained")
+    return figure, figure.subplots(rows, columns, squeeze=False, **kwargs)
+
+
+def legend_below(figure: Figure, columns: int) -> None:
+    """Add one legend below the panels, with each label of any panel once."""
+    found = {}
+    for panel in figure.axes:
+        for handle, label in zip(*panel.get_legend_handles_labels(), strict=True):
+            found.setdefault(label, handle)
+    figure.legend(found.values(), found.keys(), loc="outside lower center", ncols=columns)
+
+
+def decades(panel: mpl.axes.Axes) -> None:
+    """Set a logarithmic vertical axis with plain numbers at 1, 2 and 5 of a decade."""
+    panel.set_yscale("log")
+    panel.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5), numticks=8))
+    panel.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+    panel.yaxis.set_minor_formatter(NullFormatter())
+
+
+def text_figure(text: str) -> Figure:
+    """Return a figure that holds only a text."""
+    figure, grid = panels_of(1, 1, 0.8)
+    grid[0, 0].set_axis_off()
+    grid[0, 0].text(0.5, 0.5, text, ha="center", va="center", transform=grid[0, 0].transAxes)
+    return figure
+
+
+def allan_panels() -> tuple[Figure, dict[str, mpl.axes.Axes]]:
+    """Return a figure for the Allan deviations of the six axes, and its panels by axis."""
+    figure, grid = panels_of(2, 3, 4.6, sharex=True, sharey="row")
+    panels = dict(zip(log.AXES, grid.flat, strict=True))
+    for axis, panel in panels.items():
+        panel.set(title=AXIS_TITLES[axis], xscale="log", yscale="log")
+    for row, kind in zip(grid, ALLAN_UNITS, strict=True):
+        row[0].set_ylabel(f"Allan deviation [{ALLAN_UNITS[kind][1]}]")
+    for panel in grid[-1]:
+        panel.set_xlabel("averaging time τ [s]")
+    return figure, panels
+
+
+def allan_unit(axis: str) -> str:
+    """Return the unit (:mod:`imugap.units`) in which the Allan deviation of an axis is shown."""
+    return ALLAN_UNITS[axis.split("_")[0]][0]
+
+
+def allan_label(axis: str) -> str:
+    """Return the label of the Allan deviation of an axis."""
+    return f"Allan deviation [{ALLAN_UNITS[axis.split('_')[0]][1]}]"
