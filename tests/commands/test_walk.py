@@ -14,7 +14,7 @@ from imugap.figures import style
 from imugap.figures.walk import ellipse
 from imugap.kinematics.strapdown import COLUMNS
 from imugap.navigation.pedestrian import WalkAssumptions
-from imugap.simulation.walk import Course, Walk
+from imugap.simulation.walk import Walk, WalkCourse
 from imugap.stream import stream
 
 ROOT = Path(__file__).parents[2]
@@ -25,7 +25,7 @@ STRIDES = 20
 @pytest.fixture(scope="module")
 def recipe():
     walk = Walk.read(ROOT / "data" / "walk.yaml")
-    return replace(walk, course=Course.out_and_back(STRIDES // 2, stand_s=4.0))
+    return replace(walk, course=WalkCourse.out_and_back(STRIDES // 2, stand_s=4.0))
 
 
 @pytest.fixture(scope="module")
@@ -81,8 +81,8 @@ def test_the_folder_is_whole_and_says_how_far_the_walk_went_and_where_it_ended(h
 @pytest.mark.parametrize("assumptions", [WalkAssumptions(), INDOORS])
 def test_height_is_up_and_the_heading_in_degrees(recipe, assumptions):
     """Stairs: a foot that goes up three metres and turns by 90 degrees ends there, whatever is assumed of floors."""
-    legs = tuple(replace(leg, rise_m=0.15, turn_deg=90 / 20) for leg in Course.loop(20).legs)
-    stairs = replace(recipe, course=Course(4.0, legs, 2.0))
+    legs = tuple(replace(leg, rise_m=0.15, turn_deg=90 / 20) for leg in WalkCourse.loop(20).legs)
+    stairs = replace(recipe, course=WalkCourse(4.0, legs, 2.0))
     assumptions = replace(assumptions, gravity=recipe.site.gravity)
     found = navigate_walk(WalkInputs(stairs.record(2, SEED), recipe.model, assumptions)).summary()
     assert found["end_vertical_m"] == pytest.approx(3.0, abs=3 * found["end_vertical_m_std"])

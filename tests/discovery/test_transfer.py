@@ -6,7 +6,7 @@ from imugap import log
 from imugap.discovery.transfer import agreement, explained, inertial
 from imugap.effects import Bias, LeverArm, Misalignment, ScaleFactor, WhiteNoise
 from imugap.effects.effect import AxisModel
-from imugap.figures import discovery as drawn
+from imugap.figures import discovery
 from imugap.model import ErrorModel
 from imugap.stream import stream
 
@@ -95,6 +95,6 @@ def test_a_parameter_without_an_interval_does_not_count():
 
 def test_a_point_for_each_trial_that_gives_a_parameter():
     data = pd.DataFrame([found(1, 1.0, 0.1), found(2, 1.1, 0.3), found(1, 0.5, 0.1, "y"), found(2, 0.6, 0.1, "y")])
-    (panel,) = drawn.repeated(data, {"m": ("mm", 1e3)}).axes
+    (panel,) = discovery.repeated(data, {"m": ("mm", 1e3)}).axes
     assert [line.get_xdata().tolist() for line in panel.lines[:2]] == [[1000.0, 500.0], [1100.0, 600.0]]
     assert panel.get_xlabel() == "mm"

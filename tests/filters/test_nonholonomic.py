@@ -8,7 +8,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from imugap.commands.drive import SCHEMA, DriveSettings, RecordedDrive, navigate_drive
-from imugap.filters import nonholonomic as wheels
+from imugap.filters import nonholonomic
 from imugap.filters.consistency import nees_band
 from imugap.filters.error_state import ATTITUDE, NAVIGATION
 from imugap.filters.error_state import VELOCITY as VELOCITY_ROWS
@@ -86,7 +86,7 @@ def rolled(speed, sigma, still, interval=0.05, std=0.1):
     nav, rate, covariance, estimates, sensors = state(speed, sigma)
     size, gain = len(covariance), np.where(sensors.scale, 0.3, 1.0)
     before, row = covariance.copy(), np.zeros(size)
-    after = wheels.apply_wheel_constraint(
+    after = nonholonomic.apply_wheel_constraint(
         WheelConstraint(std, 1.0, AXLE), still, interval, nav, rate, covariance, estimates, sensors, gain, row,
         np.empty(size), np.empty(size), SmootherBlock.empty(0, size), 0, 0,
     )[0:3]  # fmt: skip
@@ -112,7 +112,7 @@ def test_the_slope_is_that_of_the_velocity_of_the_axle(component):
 
     def slide(velocity, quat, rate):
         mat = mat_from_quat(quat)
-        return wheels.axle_velocity(component, (nav[0], velocity, quat), mat, rate, sensors, gain, AXLE, row)
+        return nonholonomic.axle_velocity(component, (nav[0], velocity, quat), mat, rate, sensors, gain, AXLE, row)
 
     middle, step = slide(nav[1], nav[2], rate), 1e-6
     assert middle == pytest.approx((8.0, 0.2, -0.1)[component], abs=1e-9)

@@ -24,7 +24,7 @@ from imugap.kinematics.strapdown import POSITION, VELOCITY
 from imugap.navigation.vehicle import DriveAssumptions, DriveInputs, navigate
 from imugap.navigation.vehicle_alignment import align
 from imugap.simulation.drive import Drive
-from imugap.simulation.gnss_faults import RAMP, STRETCH, Event, Faults
+from imugap.simulation.gnss_faults import RAMP, STRETCH, FaultEvent, Faults
 from imugap.stream import stream
 
 ROOT = Path(__file__).parents[2]
@@ -116,7 +116,7 @@ def test_a_stretch_leaves_the_position_within_what_it_says(recipe, assumptions, 
     """Biased by 20 m: errors at its end, and soon after, as large as told; the source's control is thrown."""
     during, after, thrown, told = [], [], [], []
     for run in range(RUNS):
-        event = Event(STRETCH, BEGIN, BEGIN + length, sideways(20.0, "stretch", run))
+        event = FaultEvent(STRETCH, BEGIN, BEGIN + length, sideways(20.0, "stretch", run))
         fixes = spoilt(recipe, run, event)
         one = drive(recipe, assumptions, run, SCHEMES["hindsight"], fixes)
         during.append(off(recipe, one, BEGIN + length))
@@ -137,7 +137,7 @@ def test_velocities_that_are_worse_than_they_say_do_not_deceive_it(recipe, assum
     """In a stretch with velocities off by six of their standard deviations the filter goes on knowing itself."""
     errors = []
     for run in range(RUNS):
-        event = Event(STRETCH, BEGIN, BEGIN + 50, sideways(50.0, "velocities", run))
+        event = FaultEvent(STRETCH, BEGIN, BEGIN + 50, sideways(50.0, "velocities", run))
         fixes = spoilt(recipe, run, event, velocity_per_s=0.02)
         one = drive(recipe, assumptions, run, SCHEMES["hindsight"], fixes)
         errors.append(off(recipe, one, BEGIN + 50))
@@ -150,7 +150,7 @@ def test_a_ramp_is_seen_by_looking_back(recipe, assumptions):
     """It creeps, and no fix of it fails; all the same hardly any of it is in the position at its end."""
     seen, errors, plain = 0, [], []
     for run in range(RUNS):
-        event = Event(RAMP, BEGIN, BEGIN + 50, sideways(0.3, "ramp", run))
+        event = FaultEvent(RAMP, BEGIN, BEGIN + 50, sideways(0.3, "ramp", run))
         fixes = spoilt(recipe, run, event)
         one = drive(recipe, assumptions, run, SCHEMES["hindsight"], fixes)
         times = one.fix_time[one.record.offset_event == 2]
@@ -200,7 +200,7 @@ def test_a_closed_offset_gives_back_all_that_the_fixes_had_told(recipe, assumpti
 
 
 def test_what_it_does_is_logged_with_statistic_and_threshold(recipe, assumptions):
-    event = Event(STRETCH, BEGIN, BEGIN + 20, (30.0, 0.0, 0.0))
+    event = FaultEvent(STRETCH, BEGIN, BEGIN + 20, (30.0, 0.0, 0.0))
     quality = SCHEMES["hindsight"]
     one = drive(recipe, assumptions, 4, quality, spoilt(recipe, 4, event))
     found = one.events[one.events["component"] == "position"]
@@ -218,7 +218,10 @@ def test_the_smoother_knows_what_the_filter_found_out(recipe, assumptions):
     """With a stretch and a ramp it is as right as with good fixes, nearly; without hindsight it is not."""
     sizes = {"good": [], "hindsight": [], "reset": []}
     for run in range(10):
-        events = Event(STRETCH, 80.0, 120.0, sideways(30.0, "both", run)), Event(RAMP, 170.0, 220.0, (0.4, 0.0, 0.0))
+        events = (
+            FaultEvent(STRETCH, 80.0, 120.0, sideways(30.0, "both", run)),
+            FaultEvent(RAMP, 170.0, 220.0, (0.4, 0.0, 0.0)),
+        )
         bad = spoilt(recipe, run, *events)
         for name, given in (("good", None), ("hindsight", bad), ("reset", bad)):
             one = drive(recipe, assumptions, run, SCHEMES["reset" if name == "good" else name], given, smooth=True)
@@ -232,7 +235,7 @@ def test_the_smoother_knows_what_the_filter_found_out(recipe, assumptions):
 
 def test_a_filter_that_starts_in_a_stretch_is_reset_once_the_fixes_are_right(recipe, assumptions):
     """It takes the good fixes for shifted, until no fix has been trusted for too long."""
-    fixes = spoilt(recipe, 5, Event(STRETCH, 0.0, 60.0, (40.0, 0.0, 0.0)))
+    fixes = spoilt(recipe, 5, FaultEvent(STRETCH, 0.0, 60.0, (40.0, 0.0, 0.0)))
     inputs = DriveInputs(recipe.record(5, SEED), fixes, recipe.model, recipe.ellipsoid, assumptions)
     start, found = align(inputs), {}
     for name, quality in (("reset", QualityControl(reset_s=60.0)), ("none", QualityControl(reset_s=None))):

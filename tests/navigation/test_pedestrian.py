@@ -20,8 +20,8 @@ from imugap.log import ACCEL, AXES, GYRO, LogError
 from imugap.model import ErrorModel
 from imugap.navigation.pedestrian import LEVER_ARM, WalkAssumptions, navigate
 from imugap.numerics.rotation import from_euler
-from imugap.simulation.camera_track import footprints
-from imugap.simulation.walk import Course, Leg, Walk
+from imugap.simulation.camera_track import compare_with_cameras
+from imugap.simulation.walk import Walk, WalkCourse, WalkLeg
 from imugap.stream import stream
 
 ROOT = Path(__file__).parents[2]
@@ -41,7 +41,7 @@ def walk():
     recipe = Walk.read(ROOT / "data" / "walk.yaml")
     axes = recipe.model.axes.items()
     random = {axis: AxisModel(tuple(one for one in model if not isinstance(one, Bias))) for axis, model in axes}
-    course = Course(4.4, (Leg(12), Leg(3, turn_deg=60.0, share=0.0), Leg(12)), 0.4)
+    course = WalkCourse(4.4, (WalkLeg(12), WalkLeg(3, turn_deg=60.0, share=0.0), WalkLeg(12)), 0.4)
     return replace(
         recipe,
         model=ErrorModel(random),
@@ -204,7 +204,7 @@ def test_a_foot_that_rolls_over_its_sole_sinks_or_rises_unless_the_point_at_rest
 
 def heights(walk, assumptions, model, legs):
     """Return the errors of the height at the end [m] and what is said of them, shape (walks, 2)."""
-    walk, found = replace(walk, course=Course(4.4, legs, 2.0)), []
+    walk, found = replace(walk, course=WalkCourse(4.4, legs, 2.0)), []
     truth = walk.truth(0, SEED)["down"].iloc[-1]
     for run in range(12):
         log = model.simulate(walk.ideal(0, SEED), SEED, "heights", run)
@@ -215,7 +215,7 @@ def heights(walk, assumptions, model, legs):
 
 def test_samples_near_the_full_scale_are_doubted_and_no_others(walk):
     """Heel strikes that are clipped at half their height: the end is nearer, and stated to be less sure."""
-    hard = replace(walk, course=Course(1.0, (Leg(12),), 1.0), gait=replace(walk.gait, impact_m_per_s2=150.0))
+    hard = replace(walk, course=WalkCourse(1.0, (WalkLeg(12),), 1.0), gait=replace(walk.gait, impact_m_per_s2=150.0))
     ideal, end = hard.ideal(0, SEED), hard.truth(0, SEED)[["north", "east"]].iloc[-1].to_numpy(float)
     limit = 0.5 * ideal[list(ACCEL)].abs().to_numpy().max()
     clipped = ideal.assign(**{axis: ideal[axis].clip(-limit, limit) for axis in ACCEL})
@@ -240,7 +240,7 @@ def tilted():
 @pytest.mark.slow
 def test_a_level_floor_tells_the_height_that_zero_velocity_does_not(walk, tilted):
     """With as little said of it; and both errors are as large as they are said to be, or less."""
-    alone, floor = (heights(walk, one, tilted, (Leg(24),)) for one in (WalkAssumptions(), INDOORS))
+    alone, floor = (heights(walk, one, tilted, (WalkLeg(24),)) for one in (WalkAssumptions(), INDOORS))
     assert np.sqrt(np.mean(floor[:, 0] ** 2)) < 0.3 * np.sqrt(np.mean(alone[:, 0] ** 2))
     assert floor[:, 1].max() < 0.4 * alone[:, 1].min()
     for found in (alone, floor):
@@ -252,7 +252,7 @@ def test_a_level_floor_tells_the_height_that_zero_velocity_does_not(walk, tilted
 def test_a_slope_and_a_stair_are_no_level_floor(walk, tilted, rise_m):
     """Half the walk is level, half is not: the height is that of the sensors, or better."""
     alone, floor = (
-        heights(walk, one, tilted, (Leg(12), Leg(12, rise_m=rise_m))) for one in (WalkAssumptions(), INDOORS)
+        heights(walk, one, tilted, (WalkLeg(12), WalkLeg(12, rise_m=rise_m))) for one in (WalkAssumptions(), INDOORS)
     )
     assert np.sqrt(np.mean(floor[:, 0] ** 2)) < np.sqrt(np.mean(alone[:, 0] ** 2))
     assert (np.abs(floor[:, 0]) < 3 * floor[:, 1]).all()
@@ -352,7 +352,7 @@ def test_the_way_out_of_both_feet_is_as_long_as_the_cameras_saw(sets, run):
     dataset = sets["gaitmap_2x20m"]
     solution = real(dataset, run, smooth=True, assumptions=replace(INDOORS, full_scale=dataset.full_scale))
     seen = read_positions(dataset.file(run, "positions").place(MIRROR), dataset, run)
-    found, true = footprints(solution, seen).reach()
+    found, true = compare_with_cameras(solution, seen).reach()
     assert abs(found - true) < 0.05
 
 

@@ -15,11 +15,11 @@ from imugap.navigation.planar import (
     COLUMNS,
     QUANTITIES,
     SENSORS,
-    Drive,
-    Example,
+    PlanarDrive,
+    PlanarExample,
     covariances,
     draw,
-    filtered,
+    filter_run,
     monte_carlo,
 )
 from imugap.numerics.state_space import StateSpace
@@ -36,7 +36,7 @@ RUNS = 60
 
 
 def drive(heading=0.0, duration=200, outages=((120, 180),)):
-    return Drive.winding(duration, 5, **TURNING, outages_s=outages, heading_rad=heading)
+    return PlanarDrive.winding(duration, 5, **TURNING, outages_s=outages, heading_rad=heading)
 
 
 def models(slow, sheets=SHEETS):
@@ -51,7 +51,7 @@ def run(of, modelled, turn):
     errors, slow, start, fixes = draw(of, TRUTH, START, 7, "turn")
     start = np.r_[turn @ start[:2], turn @ start[2:4], start[4]]
     chain = Chain.of([augmentation(model) for model in modelled], of.interval)
-    return filtered(of, chain, START, errors, slow, start, fixes @ turn.T)
+    return filter_run(of, chain, START, errors, slow, start, fixes @ turn.T)
 
 
 def test_a_circle_closes_and_keeps_its_radius():
@@ -84,7 +84,7 @@ def test_without_errors_the_navigation_is_exact(slow):
     of = replace(drive(), fix_std=0.0)
     chain = Chain.of([augmentation(model) for model in models(slow)], of.interval)
     errors, slow_part, start, fixes = draw(of, nothing, np.zeros(5), 7)
-    error, _, _ = filtered(replace(of, fix_std=1.0), chain, START, errors, slow_part, start, fixes)
+    error, _, _ = filter_run(replace(of, fix_std=1.0), chain, START, errors, slow_part, start, fixes)
     np.testing.assert_allclose(error, 0, atol=1e-9)
 
 
@@ -214,7 +214,7 @@ def test_flicker_has_no_covariance_analysis():
 
 
 def test_the_recipe_of_the_study_is_read():
-    example = Example.read(RECIPE)
+    example = PlanarExample.read(RECIPE)
     assert len(example.sheets) == len(SENSORS)
     assert len(example.drive.ends()) == 3
 
@@ -224,4 +224,4 @@ def test_a_recipe_without_a_part_says_so(tmp_path, key):
     text = RECIPE.read_text().replace(f"\n{key}:", f"\n{key}_:")
     (tmp_path / "bad.yaml").write_text(text)
     with pytest.raises(ValueError, match=f"bad.yaml: expected sensors, drive and start_std; found '{key}'"):
-        Example.read(tmp_path / "bad.yaml")
+        PlanarExample.read(tmp_path / "bad.yaml")

@@ -8,22 +8,22 @@ from imugap.effects import Misalignment, ScaleFactor
 from imugap.kinematics.strapdown import POSITION
 from imugap.model import ErrorModel
 from imugap.navigation.pedestrian import PositionAiding, innovations, navigate
-from imugap.navigation.score_test import Testimony, heard, judge
-from imugap.navigation.stance_innovations import sinking, suspects
-from imugap.simulation.camera_track import closed
-from imugap.simulation.walk import Course, Walk
-from imugap.study.walk_compensation import granted
+from imugap.navigation.score_test import BlockScores, block_scores, score_test
+from imugap.navigation.stance_innovations import candidate_errors, foot_sinkage
+from imugap.simulation.camera_track import closed_loop_aiding
+from imugap.simulation.walk import Walk, WalkCourse
+from imugap.study.walk_compensation import known_assumptions
 
 ROOT = Path(__file__).parents[2]
 SEED = 72
-Testimony.__test__ = False  # no class of tests, whatever its name
-SUSPECTS = (*suspects(), sinking())
+BlockScores.__test__ = False  # no class of tests, whatever its name
+SUSPECTS = (*candidate_errors(), foot_sinkage())
 
 
 @pytest.fixture(scope="module")
 def loop():
     walk = Walk.read(ROOT / "data" / "walk.yaml")
-    return replace(walk, rate_hz=100, course=Course.loop(40), gait=replace(walk.gait, drift_m_per_s=0.01))
+    return replace(walk, rate_hz=100, course=WalkCourse.loop(40), gait=replace(walk.gait, drift_m_per_s=0.01))
 
 
 def number(name, axis, parameter):
@@ -32,10 +32,10 @@ def number(name, axis, parameter):
     )
 
 
-def told(loop, model, run, sight=closed):
-    log, assumptions = model.simulate(loop.ideal(run, SEED), SEED, "told", run), granted(loop)
+def told(loop, model, run, sight=closed_loop_aiding):
+    log, assumptions = model.simulate(loop.ideal(run, SEED), SEED, "told", run), known_assumptions(loop)
     solution = navigate(log, loop.model, assumptions)
-    return heard(log, solution, sight(solution), SUSPECTS, loop.model, assumptions)
+    return block_scores(log, solution, sight(solution), SUSPECTS, loop.model, assumptions)
 
 
 def seen(loop, run):
@@ -46,7 +46,7 @@ def seen(loop, run):
 
 
 def test_positions_are_innovations_too(loop):
-    log, sight, assumptions = loop.record(1, SEED), seen(loop, 1), granted(loop)
+    log, sight, assumptions = loop.record(1, SEED), seen(loop, 1), known_assumptions(loop)
     solution = navigate(log, loop.model, assumptions)
     residual, variance = innovations(log, loop.model, assumptions, sight=sight, phase=solution.phase)
     assert np.array_equal(np.isfinite(residual[1:, 6]), np.isfinite(sight.position[1:, 0]))
@@ -59,7 +59,7 @@ def test_positions_are_innovations_too(loop):
 
 def test_positions_hold_the_walk(loop):
     """With cameras the innovations of position are as large as the filter says, and smaller than the walk's error."""
-    sight, assumptions = seen(loop, 1), granted(loop)
+    sight, assumptions = seen(loop, 1), known_assumptions(loop)
     log = loop.record(1, SEED)
     residual, variance = innovations(log, loop.model, assumptions, sight=sight)
     end = navigate(log, loop.model, assumptions).trajectory[list(POSITION)].iloc[-1]
@@ -87,7 +87,7 @@ def test_an_effect_on_all_walks_is_named_and_its_size_is_right(loop, plain, name
     device = ErrorModel(dict(loop.model.axes) | {axis: loop.model[axis] + effect})
     hidden = number(name, axis, parameter)
     said = told(loop, device, 1) + told(loop, device, 2) + told(loop, device, 3)
-    verdict = judge(said, 0.01, np.random.default_rng(1))
+    verdict = score_test(said, 0.01, np.random.default_rng(1))
     assert hidden in [found.number for found in verdict.named]
     gap = said.of([hidden]).sizes()[0][0] - plain.of([hidden]).sizes()[0][0]
     assert gap == pytest.approx(getattr(effect, parameter), rel=0.15)
@@ -95,21 +95,23 @@ def test_an_effect_on_all_walks_is_named_and_its_size_is_right(loop, plain, name
 
 @pytest.mark.slow
 def test_a_device_as_its_model_has_it_gets_no_name(plain):
-    assert not judge(plain, 0.01, np.random.default_rng(1)).named
+    assert not score_test(plain, 0.01, np.random.default_rng(1)).named
 
 
 @pytest.mark.slow
 def test_cameras_know_the_turn_of_a_stride_better_than_the_return_to_the_begin(loop):
     turning = ErrorModel(dict(loop.model.axes) | {"gyro_z": loop.model["gyro_z"] + Misalignment(x=0.01)})
     hidden = [number("misalignment", "gyro_z", "x")]
-    closing, cameras = (told(loop, turning, 1, sight).of(hidden) for sight in (closed, lambda _: seen(loop, 1)))
+    closing, cameras = (
+        told(loop, turning, 1, sight).of(hidden) for sight in (closed_loop_aiding, lambda _: seen(loop, 1))
+    )
     assert cameras.sizes()[1][0] < closing.sizes()[1][0]
     (size,), (std,) = cameras.sizes()
     assert abs(size - 0.01) < 4 * std < 0.01
 
 
 def noise(rng, blocks=24, count=10, effect=None, size=0.0):
-    """Testimony of suspects that are alike in pairs, with scatter that no filter knows; one may be there."""
+    """Testimony of candidate_errors that are alike in pairs, with scatter that no filter knows; one may be there."""
     score, information = [], []
     for _ in range(blocks):
         slope = rng.standard_normal((40, count))
@@ -117,20 +119,20 @@ def noise(rng, blocks=24, count=10, effect=None, size=0.0):
         first = 3 * rng.standard_normal(40) * rng.exponential() + (size * slope[:, effect] if effect is not None else 0)
         score.append(slope.T @ first)
         information.append((slope**2).sum(axis=0))
-    return Testimony(np.array(score), np.array(information))
+    return BlockScores(np.array(score), np.array(information))
 
 
 def test_nothing_is_named_more_often_than_chance_allows():
-    """Two-sided: 200 questions at 10 %, scatter unknown to the filter and suspects alike."""
+    """Two-sided: 200 questions at 10 %, scatter unknown to the filter and candidate_errors alike."""
     rng = np.random.default_rng(7)
-    wrong = sum(bool(judge(noise(rng), 0.1, rng).named) for _ in range(200))
+    wrong = sum(bool(score_test(noise(rng), 0.1, rng).named) for _ in range(200))
     assert 7 <= wrong <= 34  # 20 +- 3.2 standard deviations
 
 
 def test_few_blocks_are_no_evidence():
     """With five blocks no draw of signs is rarer than one in sixteen: nothing can be named at a hundredth."""
     rng = np.random.default_rng(11)
-    verdict = judge(noise(rng, blocks=5, effect=4, size=30.0), 0.01, rng)
+    verdict = score_test(noise(rng, blocks=5, effect=4, size=30.0), 0.01, rng)
     assert not verdict.named
     assert verdict.p_value > 1 / 17
 
@@ -145,13 +147,13 @@ def test_sizes_lie_in_their_intervals():
 
 def test_what_is_there_is_named_first_and_what_is_alike_is_told():
     rng = np.random.default_rng(9)
-    verdict = judge(noise(rng, effect=4, size=3.0), 0.01, rng)
+    verdict = score_test(noise(rng, effect=4, size=3.0), 0.01, rng)
     one = verdict.named[0]
-    assert one.number == verdict.surest == 4
+    assert one.number == verdict.most_significant == 4
     assert one.low < 3.0 < one.high
-    weak = [judge(noise(rng, effect=4, size=0.7), 0.05, rng).named for _ in range(20)]
+    weak = [score_test(noise(rng, effect=4, size=0.7), 0.05, rng).named for _ in range(20)]
     assert any({4, 5} <= {one.number for one in named} for named in weak)
-    assert judge(noise(rng, effect=4, size=3.0), 0.01, rng, among=[0, 1]).surest in (0, 1)
+    assert score_test(noise(rng, effect=4, size=3.0), 0.01, rng, among=[0, 1]).most_significant in (0, 1)
 
 
 def test_walks_add_up():

@@ -9,7 +9,7 @@ from scipy.stats import binom
 from imugap.filters.innovation_gate import InnovationRecord
 from imugap.navigation.vehicle_diagnosis import CANDIDATES, diagnose, whiteness
 from imugap.stream import stream
-from imugap.study.fault_ablation import Ablation, hide
+from imugap.study.fault_ablation import Ablation, hide_effect
 
 ROOT = Path(__file__).parents[2]
 RECIPE = ROOT / "data" / "drive.yaml"
@@ -49,7 +49,7 @@ def test_innovations_that_are_wrong_fail(test, spoil):
 @pytest.mark.parametrize("what", CANDIDATES)
 def test_what_is_hidden_is_named_and_estimated(study, what):
     for run in range(3):
-        names, told = diagnose(hide(study, RECIPE, what, run, SEED), 0.01)
+        names, told = diagnose(hide_effect(study, RECIPE, what, run, SEED), 0.01)
         assert names == [what]
         first = told[told["round"] == 1].set_index("candidate")
         assert first.loc[what, "gain"] == first["gain"].max() > 0
@@ -60,5 +60,5 @@ def test_what_is_hidden_is_named_and_estimated(study, what):
 @pytest.mark.slow
 def test_nothing_is_named_where_nothing_is_hidden(study):
     runs, alpha = 25, 0.05
-    named = sum(bool(diagnose(hide(study, RECIPE, None, run, SEED), alpha)[0]) for run in range(runs))
+    named = sum(bool(diagnose(hide_effect(study, RECIPE, None, run, SEED), alpha)[0]) for run in range(runs))
     assert binom.sf(named - 1, runs, alpha) > 0.001

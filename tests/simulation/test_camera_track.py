@@ -6,7 +6,7 @@ import pytest
 
 from imugap.kinematics.strapdown import COLUMNS, POSITION
 from imugap.numerics.rotation import from_euler
-from imugap.simulation.camera_track import footprints
+from imugap.simulation.camera_track import compare_with_cameras
 from imugap.stream import stream
 
 SEED = 51
@@ -40,7 +40,7 @@ def sighting(noise=0.0):
 
 
 def test_where_the_marker_sits_and_how_the_frames_lie_is_found():
-    found = footprints(solution(), sighting())
+    found = compare_with_cameras(solution(), sighting())
     assert found.heading == pytest.approx(HEADING, abs=1e-4)
     assert found.lag == pytest.approx(LAG, abs=1e-4)
     np.testing.assert_allclose(found.arm, ARM, atol=1e-3)
@@ -51,7 +51,7 @@ def test_where_the_marker_sits_and_how_the_frames_lie_is_found():
 
 def test_noise_of_the_cameras_is_the_error_that_is_left():
     """Two thirds of its variance, which a straight line between samples has in the mean."""
-    horizontal, vertical = footprints(solution(), sighting(0.02)).rmse()
+    horizontal, vertical = compare_with_cameras(solution(), sighting(0.02)).rmse()
     assert horizontal == pytest.approx(0.02 * np.sqrt(2 * 2 / 3), rel=0.07)
     assert vertical == pytest.approx(0.02 * np.sqrt(2 / 3), rel=0.1)
 
@@ -59,7 +59,7 @@ def test_noise_of_the_cameras_is_the_error_that_is_left():
 def test_a_scale_is_not_fitted_away():
     one = solution()
     one.trajectory[list(POSITION)] *= 1.02
-    found = footprints(one, sighting())
+    found = compare_with_cameras(one, sighting())
     assert found.reach()[0] / found.reach()[1] == pytest.approx(1.02, abs=0.004)
     strides = pd.DataFrame({"start": np.arange(2.0, 27.0), "end": np.arange(2.0, 27.0) + 1.1})
     lengths = found.strides(strides)
@@ -73,13 +73,16 @@ def test_what_cameras_lost_does_not_count():
     seen.iloc[500:550] = seen.iloc[500].to_numpy()
     seen.iloc[1500:1550] += [0.8, 0.0, 0.0]
     seen.iloc[1501:1550] = seen.iloc[1501].to_numpy()
-    found = footprints(solution(), seen)
+    found = compare_with_cameras(solution(), seen)
     assert max(found.rmse()) < 2e-3
     assert 0.02 < np.isnan(found.seen[:, 0]).mean() < 0.06
     assert len(found.strides(pd.DataFrame({"start": [1.0, 4.0], "end": [2.0, 5.5]}))) == 1
 
 
 def test_a_marker_taken_for_the_device_leaves_its_arm_in_the_error():
-    rigid, loose = footprints(solution(), sighting()), footprints(solution(), sighting(), stiff=False)
+    rigid, loose = (
+        compare_with_cameras(solution(), sighting()),
+        compare_with_cameras(solution(), sighting(), stiff=False),
+    )
     assert not loose.arm.any()
     assert loose.rmse()[0] > 10 * rigid.rmse()[0]

@@ -9,7 +9,7 @@ import pytest
 
 from imugap.io import gnss
 from imugap.kinematics.strapdown import Ellipsoid
-from imugap.simulation.gnss_faults import OUTAGE, OUTLIER, RAMP, STRETCH, WORTHLESS, Faults, mark
+from imugap.simulation.gnss_faults import NO_INFORMATION_STD, OUTAGE, OUTLIER, RAMP, STRETCH, Faults, event_kinds
 
 ROOT = Path(__file__).parents[2]
 PLACE = Ellipsoid(0.8, 0.2, 500.0)
@@ -60,7 +60,7 @@ def test_directions_are_all_alike_and_sizes_even_on_a_logarithmic_scale(faults):
 def test_fixes_are_shifted_where_the_events_are_and_nowhere_else(faults, fixes):
     events = faults.draw(TIME, 3, 0)
     spoilt = faults.apply(fixes, events, PLACE, 3, 0)
-    kinds = mark(TIME, events)
+    kinds = event_kinds(TIME, events)
     np.testing.assert_array_equal(spoilt.index, TIME[kinds != OUTAGE])
     off, left = gnss.local(spoilt, PLACE), kinds[kinds != OUTAGE]
     assert np.abs(off[left == ""]).max() < 1e-6
@@ -78,10 +78,10 @@ def test_fixes_are_shifted_where_the_events_are_and_nowhere_else(faults, fixes):
 
 def test_an_oracle_knows_what_is_bad(faults, fixes):
     events = faults.draw(TIME, 4, 0)
-    told = faults.confess(faults.apply(fixes, events, PLACE, 4, 0), events)
-    bad = mark(told.index.to_numpy(), events) != ""
-    np.testing.assert_array_equal(told["sd_n"] == WORTHLESS, bad)
-    ramp = mark(told.index.to_numpy(), events) == RAMP
+    told = faults.with_true_deviations(faults.apply(fixes, events, PLACE, 4, 0), events)
+    bad = event_kinds(told.index.to_numpy(), events) != ""
+    np.testing.assert_array_equal(told["sd_n"] == NO_INFORMATION_STD, bad)
+    ramp = event_kinds(told.index.to_numpy(), events) == RAMP
     assert (told["sd_vel_n"][ramp] == 0.1).all()
     assert (told["sd_vel_n"][bad & ~ramp] > 0.1).all()
 

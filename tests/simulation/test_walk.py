@@ -10,7 +10,7 @@ from imugap.kinematics import strapdown
 from imugap.kinematics.strapdown import ATTITUDE, POSITION, VELOCITY, Local, NavigationState
 from imugap.log import ACCEL, AXES, GYRO
 from imugap.numerics.rotation import from_euler
-from imugap.simulation.walk import Course, Gait, Leg, Walk
+from imugap.simulation.walk import Gait, Walk, WalkCourse, WalkLeg
 
 ROOT = Path(__file__).parents[2]
 SEED = 11
@@ -23,7 +23,7 @@ def recipe():
 
 @pytest.fixture(scope="module")
 def short(recipe):
-    return replace(recipe, course=Course.out_and_back(6), gait=replace(recipe.gait, drift_m_per_s=0.0))
+    return replace(recipe, course=WalkCourse.out_and_back(6), gait=replace(recipe.gait, drift_m_per_s=0.0))
 
 
 def contact(walk, truth):
@@ -80,9 +80,9 @@ def test_a_stride_has_the_length_the_lift_the_pitch_and_the_impact_of_its_gait(s
 
 
 def test_stairs_rise_and_a_loop_closes(short):
-    stairs = replace(short, course=Course(1.0, (Leg(5, rise_m=0.17),), 1.0), rate_hz=50)
+    stairs = replace(short, course=WalkCourse(1.0, (WalkLeg(5, rise_m=0.17),), 1.0), rate_hz=50)
     assert stairs.truth(0, SEED)["down"].iloc[-1] == pytest.approx(-0.85, abs=1e-4)
-    loop = replace(short, course=Course.loop(24), rate_hz=50)
+    loop = replace(short, course=WalkCourse.loop(24), rate_hz=50)
     truth = loop.truth(0, SEED)
     np.testing.assert_allclose(truth[list(POSITION)].iloc[-1].to_numpy(float), 0, atol=1e-6)
     assert np.ptp(truth["north"]) == pytest.approx(24 * short.gait.length_m / np.pi, rel=0.05)
@@ -90,7 +90,7 @@ def test_stairs_rise_and_a_loop_closes(short):
 
 
 def test_the_drift_at_stance_has_its_size_differs_between_runs_and_is_named_by_the_seed(recipe):
-    walk = replace(recipe, course=Course(1.0, (Leg(100),), 1.0), gait=replace(recipe.gait, drift_m_per_s=0.02))
+    walk = replace(recipe, course=WalkCourse(1.0, (WalkLeg(100),), 1.0), gait=replace(recipe.gait, drift_m_per_s=0.02))
     walk = replace(walk, rate_hz=50)
     ends = np.array([contact(walk, walk.truth(run, SEED))[-1] for run in range(8)]) - [100 * 1.35, 0, 0]
     ends -= contact(walk, walk.truth(0, SEED))[0]

@@ -8,7 +8,7 @@ from imugap.effects import GaussMarkov, RandomWalk, WhiteNoise
 from imugap.effects.effect import AxisModel
 from imugap.estimation.result import Fit, ParameterEstimate, identifiability
 from imugap.model import ErrorModel
-from imugap.study import attitude_schemes as schemes
+from imugap.study import attitude_schemes
 
 
 def estimate(effect, parameter, value, low, high):
@@ -25,7 +25,7 @@ def test_a_bound_enters_the_filter_with_its_limit_and_an_estimate_with_its_value
         estimate("random_walk", "density_k", 0.3, 0.0, np.inf),
     )
     fits = dict.fromkeys(log.AXES, Fit(model, estimates, 0.0, True))
-    given = schemes.believed(fits)["gyro_x"]
+    given = attitude_schemes.filter_model(fits)["gyro_x"]
     assert given == AxisModel((WhiteNoise(2.0), GaussMarkov(0.7, 50.0), RandomWalk(0.3)))
 
 
@@ -37,11 +37,11 @@ def static():
     return model, model.simulate(still, 3, "static")
 
 
-@pytest.mark.parametrize("scheme", schemes.SCHEMES)
+@pytest.mark.parametrize("scheme", attitude_schemes.SCHEMES)
 def test_every_scheme_finds_the_white_noise_and_the_slow_part_of_a_long_log(static, scheme):
     truth, table = static
-    fits = schemes.fit(table, scheme)
-    rows = schemes.table(fits, scheme=scheme).set_index(["axis", "parameter"])
+    fits = attitude_schemes.fit(table, scheme)
+    rows = attitude_schemes.table(fits, scheme=scheme).set_index(["axis", "parameter"])
     assert set(rows["scheme"]) == {scheme}
     for axis, model in truth.axes.items():
         assert rows.loc[(axis, "density"), "value"] == pytest.approx(model.effects[0].density, rel=0.1)
@@ -51,8 +51,8 @@ def test_every_scheme_finds_the_white_noise_and_the_slow_part_of_a_long_log(stat
 
 def test_fits_do_not_change_with_the_mean(static):
     _, table = static
-    shifted = schemes.fit(table + 4.0, "likelihood")["gyro_z"]
-    straight = schemes.fit(table, "likelihood")["gyro_z"]
+    shifted = attitude_schemes.fit(table + 4.0, "likelihood")["gyro_z"]
+    straight = attitude_schemes.fit(table, "likelihood")["gyro_z"]
     for one, other in zip(shifted.estimates, straight.estimates, strict=True):
         assert replace(one, error=0) == replace(other, error=0, value=pytest.approx(other.value, rel=1e-3),
                                                 low=pytest.approx(other.low, rel=1e-2),

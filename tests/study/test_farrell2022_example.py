@@ -6,7 +6,7 @@ import pytest
 
 from imugap.effects import BiasInstability, GaussMarkov
 from imugap.numerics import allan_from_psd as spectrum
-from imugap.study.farrell2022_example import Agreement, Check, Example, checks, flat_top, floor_gain
+from imugap.study.farrell2022_example import Agreement, Check, PrintedExample, checks, flat_top, floor_gain
 
 PRINTED = pd.read_csv(Path(__file__).parents[2] / "data/published/farrell2022_worked_example.csv")
 REFERENCE = pd.read_csv(Path(__file__).parents[1] / "reference/farrell2022_gauss_markov.csv", comment="#", index_col=0)
@@ -54,21 +54,21 @@ def test_white_noise_and_walk_alone_exceed_the_printed_floor(found):
 
 
 def test_most_that_is_left_is_found_at_the_corner_of_the_digits(found):
-    example = Example.of(PRINTED)
+    example = PrintedExample.of(PRINTED)
     corner = np.sqrt(7.45e-4**2 - 0.00325**2 / 59.5 - 0.000135**2 * 59.5 / 3)
     assert example.most_left() == pytest.approx(corner, rel=1e-9)
     assert found["B: what N and K leave of the floor, over 0.664"].high == pytest.approx(corner / 0.66428, rel=1e-4)
 
 
 def test_freed_model_reaches_the_upper_end_of_the_printed_floor_and_the_model_as_read_lies_far_above():
-    example = Example.of(PRINTED)
+    example = PrintedExample.of(PRINTED)
     (tau,), ((_, highest),) = example("accelerometer", "floor_tau"), example.ranges("accelerometer", "floor")
     assert np.sqrt(example.freed().allan_variance(tau)) == pytest.approx(highest, rel=2e-3)
     assert np.sqrt(example.model().allan_variance(tau)) > 1.4 * highest
 
 
 def test_digits_of_white_noise_and_walk_hold_their_sum():
-    example, tau = Example.of(PRINTED), np.geomspace(1, 100, 9)
+    example, tau = PrintedExample.of(PRINTED), np.geomspace(1, 100, 9)
     digits, sum_of_both = example.digits(tau), np.sqrt(example.white_and_walk().allan_variance(tau))
     assert np.all((digits["low"] < sum_of_both) & (sum_of_both < digits["high"]))
 

@@ -10,7 +10,7 @@ import pytest
 from imugap.filters.consistency import nees_band
 from imugap.filters.innovation_gate import SCHEMES
 from imugap.kinematics.strapdown import POSITION
-from imugap.simulation.gnss_faults import OUTAGE, OUTLIER, RAMP, STRETCH, Event
+from imugap.simulation.gnss_faults import OUTAGE, OUTLIER, RAMP, STRETCH, FaultEvent
 from imugap.study.fault_ablation import (
     ALONE,
     CLEAN,
@@ -24,7 +24,7 @@ from imugap.study.fault_ablation import (
     WHEELS,
     WHOLE,
     Ablation,
-    lasting,
+    in_lasting_fault,
     recovery,
     scores,
 )  # fmt: skip
@@ -159,7 +159,7 @@ def test_scores_are_over_what_they_say():
 
 
 def test_lasting_errors_are_stretches_and_ramps():
-    assert lasting(np.array(["", OUTLIER, STRETCH, RAMP, OUTAGE], dtype=object)).tolist() == [False] * 2 + [
+    assert in_lasting_fault(np.array(["", OUTLIER, STRETCH, RAMP, OUTAGE], dtype=object)).tolist() == [False] * 2 + [
         True
     ] * 2 + [False]
 
@@ -168,9 +168,9 @@ def test_recovery_is_the_time_until_the_error_stays_small():
     horizontal = [0, 9, 9, 9, 5, 0, 5, 0, 0, 0, 0, 9]
     errors = pd.DataFrame({"time": np.arange(12.0), "horizontal": horizontal})
     events = (
-        Event(STRETCH, 1.0, 3.0, (9, 0, 0)),
-        Event(OUTLIER, 2.0, 2.0, (9, 0, 0)),
-        Event(RAMP, 10.5, 11.0, (1, 0, 0)),
+        FaultEvent(STRETCH, 1.0, 3.0, (9, 0, 0)),
+        FaultEvent(OUTLIER, 2.0, 2.0, (9, 0, 0)),
+        FaultEvent(RAMP, 10.5, 11.0, (1, 0, 0)),
     )
     found = recovery(errors, events, 1.0)
     assert found["kind"].tolist() == [STRETCH, RAMP]

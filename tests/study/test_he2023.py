@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 
 from imugap.kinematics import strapdown
-from imugap.study import he2023 as audit
+from imugap.study import he2023
 from imugap.units import STANDARD_GRAVITY, from_si, to_si
 
 PUBLISHED = Path(__file__).parents[2] / "data" / "published"
@@ -20,7 +20,7 @@ def printed():
 
 @pytest.fixture(scope="module")
 def findings(printed):
-    return audit.findings(*printed).set_index("check")
+    return he2023.findings(*printed).set_index("check")
 
 
 @pytest.fixture(scope="module")
@@ -94,13 +94,13 @@ def test_no_other_divisor_is_wrong(findings):
 
 def test_north_of_the_restoration_would_be_1_59_percent(printed):
     """methods.md section 1: 4.2549 m of the implied 267.6 m is 1.590 %."""
-    north = audit.final_drifts(printed[1]).loc["north"]
+    north = he2023.final_drifts(printed[1]).loc["north"]
     assert north["method_a"] == pytest.approx(267.6, abs=0.05)
     assert 100 * 4.2549 / north["method_a"] == pytest.approx(1.590, abs=5e-4)
 
 
 def test_position_and_heading_imply_lengths_that_differ_sevenfold(printed, findings):
-    length = audit.lengths(*printed[:2])
+    length = he2023.lengths(*printed[:2])
     assert length["horizontal"] == pytest.approx(62.2, abs=0.3)
     assert length["heading"] == pytest.approx(8.8, abs=0.1)
     row = only(findings, "length of the static navigation")
@@ -127,13 +127,13 @@ def test_printed_reductions_follow_from_the_printed_errors(findings):
 
 
 def test_consistent_tables_give_no_inconsistency(sound):
-    found = audit.findings(*sound)
+    found = he2023.findings(*sound)
     assert list(found.loc[~found["consistent"], "check"]) == []
     assert len(found) == 25
 
 
 def test_lengths_are_those_after_which_consistent_tables_were_computed(sound):
-    assert audit.lengths(*sound[:2]).to_list() == pytest.approx([60.0, 60.0], abs=0.11)
+    assert he2023.lengths(*sound[:2]).to_list() == pytest.approx([60.0, 60.0], abs=0.11)
 
 
 @pytest.mark.parametrize(
@@ -153,7 +153,7 @@ def test_one_wrong_number_is_found(sound, table, row, column, factor, check):
     tables = [each.copy() for each in sound]
     tables[table][column] = tables[table][column].astype(float)
     tables[table].loc[row, column] *= factor
-    found = audit.findings(*tables)
+    found = he2023.findings(*tables)
     assert any(check in text for text in found.loc[~found["consistent"], "check"])
 
 

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
-from imugap.study.proper_scores import energy_score, place
+from imugap.study.proper_scores import central_rank, energy_score
 
 
 def closed_form(mean, std, came):
@@ -34,8 +34,10 @@ def test_the_score_is_fair_and_proper():
 @pytest.mark.parametrize("size", [1, 2])
 def test_places_are_even_where_the_prediction_is_right(size):
     rng, count = np.random.default_rng(5), 19
-    places = np.array([place(*np.split(rng.standard_normal((count + 1, size)), [count])[:1], rng.standard_normal(size))
-                       for _ in range(4000)])  # fmt: skip
+    places = np.array([
+        central_rank(*np.split(rng.standard_normal((count + 1, size)), [count])[:1], rng.standard_normal(size))
+        for _ in range(4000)
+    ])  # fmt: skip
     ranks = np.rint(places * (count + 1) - 0.5).astype(int)
     counts = np.bincount(ranks, minlength=count + 1)
     expected = len(places) / (count + 1)
@@ -44,5 +46,5 @@ def test_places_are_even_where_the_prediction_is_right(size):
 
 def test_what_is_far_off_lies_beyond_all():
     draws = np.random.default_rng(6).standard_normal((30, 2))
-    assert place(draws, np.array([50.0, 0.0])) > 0.9
-    assert place(draws, draws.mean(axis=0)) < 0.1
+    assert central_rank(draws, np.array([50.0, 0.0])) > 0.9
+    assert central_rank(draws, draws.mean(axis=0)) < 0.1

@@ -19,13 +19,13 @@ from imugap.model import ErrorModel
 from imugap.numerics.rotation import from_euler
 from imugap.simulation.drive import Drive
 from imugap.stream import stream
-from imugap.study.recorded_drive import TUNED, Receiver, aircraft, at_rest, car, scaled
+from imugap.study.recorded_drive import TUNED, StandardReceiver, aircraft, car, model_from_rest, scaled
 from imugap.units import STANDARD_GRAVITY
 
 ROOT = Path(__file__).parents[2]
 MIRROR = os.environ.get("IMUGAP_MIRROR")
 SEED = 91
-RECEIVER = Receiver(1.0, (1.5, 1.5, 3.0), (0.1, 0.1, 0.2))
+RECEIVER = StandardReceiver(1.0, (1.5, 1.5, 3.0), (0.1, 0.1, 0.2))
 
 
 @pytest.fixture(scope="module")
@@ -185,10 +185,10 @@ def test_the_real_car_rests_level_and_its_speed_is_that_of_its_fixes(sets):
     rest = found.log.loc[:32].mean()
     assert np.hypot(rest["accel_x"], rest["accel_y"]) < 0.3
     assert rest["accel_z"] == pytest.approx(-9.93, abs=0.05)
-    receiver = Receiver.read(ROOT / "data" / "drive.yaml", "car")
+    receiver = StandardReceiver.read(ROOT / "data" / "drive.yaml", "car")
     test = car(found, receiver)
     fixes = receiver.degrade(found.fixes, SEED)
-    solution = test.navigate(fixes, at_rest(found.log, 32.0))
+    solution = test.navigate(fixes, model_from_rest(found.log, 32.0))
     off = test.errors(solution).loc[80:]
     assert np.sqrt((off**2).mean()).max() < 1.2
     assert 0.8 < solution.record.statistic.mean() / 6 < 1.3
@@ -197,8 +197,8 @@ def test_the_real_car_rests_level_and_its_speed_is_that_of_its_fixes(sets):
 @pytest.mark.skipif(not MIRROR, reason="the files of the catalogue are not here")
 def test_the_real_flight_agrees_with_the_filter_aboard(sets):
     found = read_flight(sets["thor_flight75"].file(1).place(MIRROR))
-    test = aircraft(found, Receiver.read(ROOT / "data" / "drive.yaml", "flight"))
-    model, _ = test.tune(found.fixes, at_rest(found.log, 157.0))
+    test = aircraft(found, StandardReceiver.read(ROOT / "data" / "drive.yaml", "flight"))
+    model, _ = test.tune(found.fixes, model_from_rest(found.log, 157.0))
     solution = test.navigate(found.fixes, model)
     air = solution.trajectory.loc[300:500]
     theirs = found.aboard.loc[300:500]

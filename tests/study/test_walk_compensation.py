@@ -15,8 +15,8 @@ from imugap.interchange.from_indices import AxisIndices, restoration
 from imugap.kinematics.strapdown import COLUMNS
 from imugap.log import AXES, GYRO
 from imugap.model import ErrorModel
-from imugap.simulation.walk import Course, Walk
-from imugap.study.walk_compensation import End, at_stand, inside, plain, subtracted
+from imugap.simulation.walk import Walk, WalkCourse
+from imugap.study.walk_compensation import End, filter_model, stand_biases, subtracted, white_noise_model
 
 ROOT = Path(__file__).parents[2]
 SEED = 41
@@ -50,7 +50,7 @@ def test_restoration_in_a_filter_is_the_white_noise_that_it_makes():
     """Stability Bs over periods P: density Bs sqrt(P), as the Allan deviation of its sequences has it."""
     of = AxisIndices(0.1, 3e-3, 0.02, 1e-3, 0.0, 0.0, 0.5, pd.DataFrame())
     model = ErrorModel({"gyro_x": restoration(of)})
-    held = inside(model)["gyro_x"]
+    held = filter_model(model)["gyro_x"]
     density = next(one.density for one in held if isinstance(one, WhiteNoise))
     assert density == pytest.approx(3e-3 * np.sqrt(0.5))
     assert {one.name for one in held} == {"bias", "turn_on_bias", "white_noise"}
@@ -60,13 +60,13 @@ def test_restoration_in_a_filter_is_the_white_noise_that_it_makes():
 
 
 def test_what_is_fitted_to_be_nothing_is_no_state():
-    assert list(inside(one_axis(GaussMarkov(0.0, 10.0), WhiteNoise(1e-3)))["gyro_z"]) == [WhiteNoise(1e-3)]
+    assert list(filter_model(one_axis(GaussMarkov(0.0, 10.0), WhiteNoise(1e-3)))["gyro_z"]) == [WhiteNoise(1e-3)]
 
 
 def test_the_stand_shows_the_biases_of_the_gyroscopes():
-    walk = replace(Walk.read(ROOT / "data" / "walk.yaml"), course=Course.loop(6))
+    walk = replace(Walk.read(ROOT / "data" / "walk.yaml"), course=WalkCourse.loop(6))
     record = walk.record(1, SEED)
-    found, drawn = at_stand(record), (record - walk.ideal(1, SEED)).loc[: walk.course.stand_s].mean()
+    found, drawn = stand_biases(record), (record - walk.ideal(1, SEED)).loc[: walk.course.stand_s].mean()
     assert set(found.axes) == set(GYRO)
     for axis in GYRO:
         assert next(iter(found[axis])).value == pytest.approx(drawn[axis], rel=0.1)
@@ -74,7 +74,7 @@ def test_the_stand_shows_the_biases_of_the_gyroscopes():
 
 def test_a_filter_without_states_has_the_densities_that_it_is_given():
     densities = dict(zip(AXES, np.arange(1.0, 7.0), strict=True))
-    assert {axis: list(one) for axis, one in plain(densities).axes.items()} == {
+    assert {axis: list(one) for axis, one in white_noise_model(densities).axes.items()} == {
         axis: [WhiteNoise(value)] for axis, value in densities.items()
     }
 

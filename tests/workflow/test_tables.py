@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from imugap.study import he2023 as audit
+from imugap.study import he2023
 from imugap.units import FACTORS
 from imugap.workflow import tables
 
@@ -70,7 +70,7 @@ def test_every_unit_is_ascii_in_tex(unit):
 
 def test_what_the_audit_shows_is_ascii_in_tex():
     printed = [pd.read_csv(path) for path in sorted(PUBLISHED.glob("he2023_*.csv"))]
-    found = audit.findings(*printed).astype(str)
+    found = he2023.findings(*printed).astype(str)
     assert [cell for cell in found.to_numpy().ravel() if not tables.tex(cell).isascii()] == []
 
 

@@ -2,11 +2,10 @@
 
 import pandas as pd
 
-from imugap import figures
-from imugap.figures import static
+from imugap.figures import static, style
 from imugap.workflow.job_log import journal
 
 if __name__ == "__main__":
     with journal(snakemake.log[0]):
         curves, indices = pd.read_csv(snakemake.input.allan), pd.read_csv(snakemake.input.indices)
-        figures.save(static.allan(curves, indices), snakemake.output[0])
+        style.save(static.allan(curves, indices), snakemake.output[0])

@@ -6,9 +6,9 @@ from pathlib import Path
 import pandas as pd
 import yaml
 
-from imugap import figures
 from imugap.benchmark import scores as blind
 from imugap.figures import blind as drawn
+from imugap.figures import style
 from imugap.figures.style import AXIS_TITLES
 from imugap.workflow import tables
 from imugap.workflow.job_log import journal
@@ -219,7 +219,7 @@ def main(source, clear_size, output):
     }
     shown = drawings(scores, data["rates"], data["coverage"], clear_size) | {"calibration": drawn.calibration(p_values)}
     for name, figure in shown.items():
-        figures.save(figure, output[f"{name}_figure"])
+        style.save(figure, output[f"{name}_figure"])
     for name, table in data.items():
         tables.write(output[name].removesuffix(".csv"), table, PAGES[name](table))
     record = yaml.safe_load(Path(source["record"]).read_text()) if "record" in source else {}

@@ -4,11 +4,10 @@ from itertools import product
 
 import pandas as pd
 
-from imugap import figures
 from imugap.effects import GaussMarkov, RandomWalk, WhiteNoise
 from imugap.effects.effect import AxisModel
 from imugap.estimation.cramer_rao import bound
-from imugap.figures import indirect
+from imugap.figures import estimation, style
 from imugap.study.experiment import Experiment
 from imugap.workflow import tables
 from imugap.workflow.job_log import journal
@@ -37,7 +36,7 @@ def page(data):
     """Lay the table out: a row per model and correlation time, columns parameters and lengths, in percent."""
     shown = data[data["parameter"] != "driving_psd"].copy()
     shown["head"] = [
-        f"{indirect.SYMBOLS[row.effect, row.parameter]}, {tables.number(row.length / 3600, 2)} h"
+        f"{estimation.SYMBOLS[row.effect, row.parameter]}, {tables.number(row.length / 3600, 2)} h"
         for row in shown.itertuples()
     ]
     shown["cell"] = [tables.number(100 * value, 2) for value in shown["bound"]]
@@ -51,5 +50,5 @@ if __name__ == "__main__":
     with journal(snakemake.log[0]):
         params = snakemake.params
         data = bounds(Experiment.read(snakemake.input.recipe), params.times, params.lengths_s)
-        figures.save(indirect.bounds(data), snakemake.output[0])
+        style.save(estimation.bounds(data), snakemake.output[0])
         tables.write(snakemake.output[1].removesuffix(".csv"), data, page(data))

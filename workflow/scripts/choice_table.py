@@ -5,9 +5,8 @@ from pathlib import Path
 
 import pandas as pd
 
-from imugap import figures
 from imugap.estimation.result import Identifiability
-from imugap.figures import indirect
+from imugap.figures import estimation, style
 from imugap.figures.style import AXIS_TITLES
 from imugap.workflow import tables
 from imugap.workflow.job_log import journal
@@ -44,7 +43,7 @@ def page(choice):
 
 def shown(one):
     """Show an estimate with its symbol, or the bound that the log sets."""
-    symbol = indirect.SYMBOLS[one["effect"], one["parameter"]]
+    symbol = estimation.SYMBOLS[one["effect"], one["parameter"]]
     symbol += str(one["ordinal"]) if one["ordinal"] > 1 else ""
     match one["verdict"]:
         case Identifiability.UPPER_BOUND:
@@ -57,5 +56,5 @@ def shown(one):
 if __name__ == "__main__":
     with journal(snakemake.log[0]):
         choice = json.loads(Path(snakemake.input.choice).read_text())
-        figures.save(indirect.goodness(pd.read_csv(snakemake.input.goodness)), snakemake.output[0])
+        style.save(estimation.goodness(pd.read_csv(snakemake.input.goodness)), snakemake.output[0])
         tables.write(snakemake.output[1].removesuffix(".csv"), rows(choice), page(choice))

@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from imugap import figures, log
-from imugap.figures import static
+from imugap import log
+from imugap.figures import static, style
 from imugap.integrity.sampling_clock import relative_interval, spectra
 from imugap.workflow import tables
 from imugap.workflow.job_log import journal
@@ -71,6 +71,6 @@ if __name__ == "__main__":
         figure, table, *_, quoted = snakemake.output
         clocks = measure(snakemake.input.logs, snakemake.params.runs)
         spread = scatter(pd.read_csv(snakemake.input.indices), clocks)
-        figures.save(static.clock(clocks, spread), figure)
+        style.save(static.clock(clocks, spread), figure)
         tables.write(table.removesuffix(".csv"), clocks, page(clocks))
         Path(quoted).write_text(json.dumps(numbers(clocks, spread), indent=1) + "\n")

@@ -6,12 +6,11 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from imugap import figures
-from imugap.figures import pedestrian
+from imugap.figures import pedestrian, style
 from imugap.numerics import block_bootstrap as bootstrap
 from imugap.simulation.walk import Walk
 from imugap.stream import stream
-from imugap.study import he2023 as audit
+from imugap.study import he2023
 from imugap.workflow import tables
 from imugap.workflow.job_log import journal
 
@@ -29,8 +28,8 @@ ELLIPSE = 0.9
 def printed(path):
     """Return the printed errors by quantity and contender, and their reductions [%]."""
     values = pd.read_csv(path).set_index("quantity").rename(columns={"uncompensated": "none"})
-    errors = {quantity: values.loc[row, ["none", *audit.METHODS]].to_dict() for quantity, row in ROWS.items()}
-    gains = {quantity: values.loc[f"{row}_reduction", list(audit.METHODS)].to_dict() for quantity, row in ROWS.items()}
+    errors = {quantity: values.loc[row, ["none", *he2023.METHODS]].to_dict() for quantity, row in ROWS.items()}
+    gains = {quantity: values.loc[f"{row}_reduction", list(he2023.METHODS)].to_dict() for quantity, row in ROWS.items()}
     return errors, gains
 
 
@@ -151,7 +150,7 @@ if __name__ == "__main__":
         ends["contender"] = pd.Categorical(ends["contender"], [name for name in pedestrian.TITLES if name != "truth"])
         ends = ends.sort_values(["contender", "device", "trial"]).astype({"contender": str})
         walk, (errors, gains) = Walk.read(source.recipe), printed(source.printed)
-        figures.save(
+        style.save(
             pedestrian.tracks(
                 pd.read_parquet(source.tracks), walk.truth(0, params.seed),
                 {name: pedestrian.TITLES[name] for name in PANELS},
@@ -159,7 +158,7 @@ if __name__ == "__main__":
             output.tracks,
         )  # fmt: skip
         both = pd.concat([ends[ends["trial"] == 0].assign(use=SUBTRACTED), held.assign(use=INSIDE)])
-        figures.save(pedestrian.ends(both, errors, QUANTITIES), output.ends)
+        style.save(pedestrian.ends(both, errors, QUANTITIES), output.ends)
         trials, devices = five(ends), over_devices(ends, params.seed)
         data = trials.join(devices).reset_index()
         tables.write(output.table.removesuffix(".csv"), data, page(trials, devices, errors, gains))

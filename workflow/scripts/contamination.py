@@ -7,13 +7,12 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from imugap import figures
 from imugap.estimation.cramer_rao import bound
 from imugap.estimation.gmwm import estimator
 from imugap.estimation.gmwm.estimator import GmwmOptions
 from imugap.estimation.methods import METHODS
 from imugap.estimation.wavelet_variance import EFFICIENCY
-from imugap.figures import indirect
+from imugap.figures import estimation, style
 from imugap.stream import stream
 from imugap.study.experiment import Experiment
 from imugap.study.monte_carlo import row, summary
@@ -53,7 +52,7 @@ def page(data):
     for (effect, parameter, method), group in data.groupby(["effect", "parameter", "method"], sort=False):
         if parameter == "driving_psd":
             continue
-        cells = {"parameter": indirect.SYMBOLS[effect, parameter], "method": indirect.TITLES[method]}
+        cells = {"parameter": estimation.SYMBOLS[effect, parameter], "method": estimation.TITLES[method]}
         for one in group.itertuples():
             cells[f"bias, {one.log} [%]"] = (
                 f"{tables.number(100 * one.bias, 2)} ± {tables.number(100 * one.bias_error, 1)}"
@@ -73,7 +72,7 @@ if __name__ == "__main__":
             summary(group, truth, limits, params.seed).assign(log=log)
             for log, group in found.groupby("log", sort=False)
         )
-        figures.save(indirect.contamination(data), snakemake.output[0])
+        style.save(estimation.contamination(data), snakemake.output[0])
         tables.write(snakemake.output[1].removesuffix(".csv"), data, page(data))
         dirty = data[data["log"] == "contaminated"].set_index(["parameter", "method"])
         said = {

@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from imugap import figures
-from imugap.figures import static
+from imugap.figures import static, style
 from imugap.kinematics.free_inertial import QUANTITIES, STARTS, differences
 from imugap.workflow.job_log import journal
 
@@ -13,14 +12,14 @@ def main(measured_path, simulated_paths, params, output):
     measured = np.load(measured_path)
     shown = measured["time"] <= params.length_s
     time, drift = measured["time"][shown], measured["drift"][:, :, shown]
-    figures.save(static.drift(time, dict(zip(STARTS, drift, strict=True))), output.drift)
+    style.save(static.drift(time, dict(zip(STARTS, drift, strict=True))), output.drift)
     ensembles = {
         name: np.load(path)["drift"][:, :, shown] for name, path in zip(params.contenders, simulated_paths, strict=True)
     }
     columns = list(QUANTITIES.values())
     for k, start in enumerate(STARTS):
         gaps = {name: differences(drift[k, :1][..., columns], one[k])[0] for name, one in ensembles.items()}
-        figures.save(static.differences(time, gaps, params.drawn), output[start])
+        style.save(static.differences(time, gaps, params.drawn), output[start])
 
 
 if __name__ == "__main__":

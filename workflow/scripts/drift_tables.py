@@ -6,8 +6,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from imugap import figures
-from imugap.figures import static
+from imugap.figures import static, style
 from imugap.figures.static import TITLES, titled
 from imugap.interchange.from_indices import SOURCE, bounded
 from imugap.kinematics.free_inertial import QUANTITIES
@@ -113,8 +112,8 @@ def main(errors, scores, proper, indices, table_2, params, output):
     tables.write(output.distribution.removesuffix(".csv"), at_table, distribution_page(at_table, titles))
     chances = chance_of_first(errors, params.published_trials, params.seed)
     tables.write(output.ranking.removesuffix(".csv"), chances, ranking_page(scores, chances, titles))
-    figures.save(static.ranking(scores, "median_e_abs", "median e_abs"), output.figure)
-    figures.save(static.ranking(scores, "crps", "CRPS"), output.crps)
+    style.save(static.ranking(scores, "median_e_abs", "median e_abs"), output.figure)
+    style.save(static.ranking(scores, "crps", "CRPS"), output.crps)
     firsts = first_places(errors, proper, stream(params.seed, "first places"))
     found = numbers(scores, at_table, chances, firsts, titles, params) | {
         "bounded": bounds,

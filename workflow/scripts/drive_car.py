@@ -9,7 +9,7 @@ import yaml
 from imugap.io import datasets as catalogue
 from imugap.io import gnss, recordings
 from imugap.simulation.gnss_faults import Faults
-from imugap.study import recorded_drive as roadtest
+from imugap.study import recorded_drive
 from imugap.workflow.job_log import journal
 
 NAME = "rtklibexplorer_drive"
@@ -55,9 +55,9 @@ if __name__ == "__main__":
         for file in dataset.files:
             catalogue.verify(file, {"log": source.log, "clock": source.clock, "fixes": source.fixes}[file.content])
         recording = recordings.read_car(source.log, source.clock, source.fixes, dataset)
-        receiver = roadtest.Receiver.read(source.recipe, "car")
-        test = roadtest.car(recording, receiver)
-        rest = roadtest.at_rest(recording.log, params.rest_s)
+        receiver = recorded_drive.StandardReceiver.read(source.recipe, "car")
+        test = recorded_drive.car(recording, receiver)
+        rest = recorded_drive.model_from_rest(recording.log, params.rest_s)
         tuned, way = test.tune(receiver.degrade(recording.fixes, params.seed, "tuning"), rest)
         models = {"rest": rest, "tuned": tuned}
         way.to_csv(output.tuning, index=False)

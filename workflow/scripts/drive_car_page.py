@@ -6,9 +6,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from imugap import figures
-from imugap.figures import ablation as drawn
-from imugap.figures import roadtest
+from imugap.figures import fault_ablation, recorded_drive, style
 from imugap.filters.consistency import nees_band
 from imugap.filters.innovation_gate import SCHEMES
 from imugap.study.fault_ablation import SMOOTHED, WHEELS, WHOLE
@@ -26,7 +24,7 @@ def page(scores):
     for name in SHOWN:
         one = scores[scores["scheme"] == name].median(numeric_only=True)
         rows.append({
-            "scheme": drawn.TITLES[name],
+            "scheme": fault_ablation.TITLES[name],
             "clean, 95 % [m]": tables.number(one["clean"]),
             "contaminated, 95 % [m]": tables.number(one["contaminated"]),
             "gyro bias moves by [°/h]": tables.number(from_si(one["gyro"], "deg/h")),
@@ -82,7 +80,7 @@ if __name__ == "__main__":
         source, output = snakemake.input, snakemake.output
         outages, errors = pd.read_parquet(source.outages), pd.read_parquet(source.errors)
         scores, tuning = pd.read_csv(source.schemes), pd.read_csv(source.tuning)
-        figures.save(roadtest.outages(outages), output.outages)
-        figures.save(roadtest.track(errors), output.track)
+        style.save(recorded_drive.outages(outages), output.outages)
+        style.save(recorded_drive.track(errors), output.track)
         tables.write(output.table.removesuffix(".csv"), scores, page(scores))
         Path(output.numbers).write_text(json.dumps(numbers(outages, scores, tuning), indent=1) + "\n")

@@ -6,8 +6,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from imugap import figures
-from imugap.figures import roadtest as drawn
+from imugap.figures import recorded_drive, style
 from imugap.filters.consistency import nees_band
 from imugap.io import datasets as catalogue
 from imugap.io import recordings
@@ -52,13 +51,13 @@ if __name__ == "__main__":
         source, output, params = snakemake.input, snakemake.output, snakemake.params
         catalogue.verify(catalogue.load("data", "workflow/schemas")[NAME].file(1), source.log)
         recording = recordings.read_flight(source.log)
-        test = roadtest.aircraft(recording, roadtest.Receiver.read(source.recipe, "flight"))
-        model, way = test.tune(recording.fixes, roadtest.at_rest(recording.log, params.rest_s))
+        test = roadtest.aircraft(recording, roadtest.StandardReceiver.read(source.recipe, "flight"))
+        model, way = test.tune(recording.fixes, roadtest.model_from_rest(recording.log, params.rest_s))
         solution = test.navigate(recording.fixes, model)
         first, last, length = params.outages_s
         drift = pd.DataFrame([
             test.outage(recording.fixes, model, begin, length).iloc[-1] for begin in np.arange(first, last, length + 1)
         ])  # fmt: skip
-        figures.save(drawn.attitude(solution, recording.aboard), output.figure)
+        style.save(recorded_drive.attitude(solution, recording.aboard), output.figure)
         found = numbers(solution, apart(solution, recording.aboard), drift, way)
         Path(output.numbers).write_text(json.dumps(found, indent=1) + "\n")

@@ -3,7 +3,7 @@
 import pandas as pd
 
 from imugap.navigation.vehicle_diagnosis import CANDIDATES, diagnose, solve, whiteness
-from imugap.study.fault_ablation import Ablation, hide
+from imugap.study.fault_ablation import Ablation, hide_effect
 from imugap.workflow.job_log import journal
 
 NOTHING = "nothing"
@@ -14,7 +14,7 @@ if __name__ == "__main__":
         study, rows = Ablation.read(recipe), []
         for what in (None, *CANDIDATES):
             for run in range(1, params.runs + 1):
-                case = hide(study, recipe, what, run, params.seed)
+                case = hide_effect(study, recipe, what, run, params.seed)
                 names, told = diagnose(case, params.alpha)
                 tests = whiteness(solve(case).record)
                 of = told[told["round"] == 1].set_index("candidate")["gain"]

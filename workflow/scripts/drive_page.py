@@ -8,8 +8,7 @@ import pandas as pd
 import yaml
 from scipy.stats import binomtest
 
-from imugap import figures
-from imugap.figures import ablation as drawn
+from imugap.figures import fault_ablation, style
 from imugap.filters.innovation_gate import SCHEMES
 from imugap.numerics import block_bootstrap as bootstrap
 from imugap.simulation.gnss_faults import OUTAGE, OUTLIER, RAMP, STRETCH
@@ -60,7 +59,7 @@ def schemes_page(scores, recovery):
     for (case, scheme), one in middle.loc[[CLEAN, CONTAMINATED]].iterrows():
         if scheme == WHEELS[PLAIN]:
             continue
-        row = {"fixes": case, "scheme": drawn.TITLES[scheme]}
+        row = {"fixes": case, "scheme": fault_ablation.TITLES[scheme]}
         for name, (head, unit) in COLUMNS.items():
             row[head] = tables.number(from_si(one[name], unit))
         rates = means.loc[(case, scheme)]
@@ -81,7 +80,7 @@ def kinds_page(kinds):
     """Lay the kinds of gross errors out: 95th percentile of the horizontal error, a row per scheme."""
     table = kinds.pivot(index="scheme", columns="event", values="horizontal").loc[list(ALL), list(KINDS)]
     shown = table.map(tables.number).rename(columns=KINDS)
-    shown.insert(0, "scheme", [drawn.TITLES[name] for name in table.index])
+    shown.insert(0, "scheme", [fault_ablation.TITLES[name] for name in table.index])
     return shown
 
 
@@ -194,13 +193,13 @@ if __name__ == "__main__":
         study = Ablation.read(source.recipe)
         one = {(case, name): run for case, name, run in study.runs(params.shown, params.seed, cases=(CONTAMINATED,))}
         tracks = {name: study.errors(one[CONTAMINATED, name]) for name in DRAWN}
-        figures.save(drawn.drive(study, one[CONTAMINATED, "hindsight"], tracks), output.map)
-        figures.save(drawn.sensors({name: one[CONTAMINATED, name] for name in SCHEMES}), output.sensors)
-        figures.save(drawn.schemes(scores), output.runs)
+        style.save(fault_ablation.drive(study, one[CONTAMINATED, "hindsight"], tracks), output.map)
+        style.save(fault_ablation.sensors({name: one[CONTAMINATED, name] for name in SCHEMES}), output.sensors)
+        style.save(fault_ablation.schemes(scores), output.runs)
         tables.write(output.schemes.removesuffix(".csv"), scores, schemes_page(scores, recovery))
         tables.write(output.kinds.removesuffix(".csv"), kinds, kinds_page(kinds))
         recipe = yaml.safe_load(Path(source.recipe).read_text())
         found = numbers(scores, recovery, {name: recipe[name] for name in ("faults", "receiver", "rate_hz", "axle")},
                         params.seed, params.runs)  # fmt: skip
-        found["duration_s"], found["schemes"] = study.drive.duration_s, drawn.TITLES
+        found["duration_s"], found["schemes"] = study.drive.duration_s, fault_ablation.TITLES
         Path(output.numbers).write_text(json.dumps(found, indent=1) + "\n")

@@ -8,7 +8,7 @@ import pandas as pd
 
 from imugap.effects import CATALOGUE
 from imugap.estimation.result import Identifiability
-from imugap.figures.indirect import SYMBOLS, TITLES
+from imugap.figures.estimation import SYMBOLS, TITLES
 from imugap.figures.style import AXIS_TITLES
 from imugap.units import from_si
 from imugap.workflow import tables

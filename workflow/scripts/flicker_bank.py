@@ -6,9 +6,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from imugap import figures
 from imugap.effects import BiasInstability
-from imugap.figures import tutorial as chapter
+from imugap.figures import farrell2022, style
 from imugap.interchange import flicker_bank
 from imugap.workflow import tables
 from imugap.workflow.job_log import journal
@@ -56,6 +55,6 @@ if __name__ == "__main__":
         ]  # fmt: skip
         data = pd.DataFrame(rows)
         ratios = {states: ratio(DRAWN, states) for states in range(1, DRAWN + 2)}
-        figures.save(chapter.bank(ratios, data), snakemake.output[0])
+        style.save(farrell2022.bank(ratios, data), snakemake.output[0])
         tables.write(snakemake.output[1].removesuffix(".csv"), data, page(data))
         Path(snakemake.output[-1]).write_text(json.dumps(numbers(data), indent=1) + "\n")

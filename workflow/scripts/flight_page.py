@@ -7,9 +7,8 @@ import numpy as np
 import pandas as pd
 import yaml
 
-from imugap import figures
 from imugap.estimation.result import Identifiability
-from imugap.figures import attitude
+from imugap.figures import attitude, style
 from imugap.log import GYRO
 from imugap.numerics import block_bootstrap as bootstrap
 from imugap.stream import stream
@@ -159,8 +158,8 @@ if __name__ == "__main__":
         drawn = errors[errors["minutes"].isin([0, shortest]) & errors["scheme"].isin(["allan", "indirect", "truth"])]
         swing = params.course["disturbance"]
         gust = swing["start_s"], swing["start_s"] + swing["duration_s"]
-        figures.save(attitude.flight(pd.read_parquet(source.truth), drawn, gust), output.flight)
-        figures.save(attitude.runs(scores), output.runs)
+        style.save(attitude.flight(pd.read_parquet(source.truth), drawn, gust), output.flight)
+        style.save(attitude.runs(scores), output.runs)
         compared = comparison(scores, params.seed)
         tables.write(output.table.removesuffix(".csv"), compared, page(compared, scores, published))
         model = yaml.safe_load(Path(source.model).read_text())[0]["truth"]

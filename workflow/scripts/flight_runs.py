@@ -6,7 +6,7 @@ import yaml
 
 from imugap import log
 from imugap.simulation.flight import Flight
-from imugap.study import attitude_schemes as schemes
+from imugap.study import attitude_schemes
 from imugap.workflow.job_log import journal
 
 if __name__ == "__main__":
@@ -15,7 +15,7 @@ if __name__ == "__main__":
         files = zip(params.runs, output.flights, output.estimates, output.models, strict=True)
         for run, flown, estimates, models in files:
             static = flight.static(run, 60 * max(params.minutes), params.seed)
-            table, fitted = schemes.fitted(static, params.minutes)
+            table, fitted = attitude_schemes.fitted(static, params.minutes)
             table.to_csv(estimates, index=False)
             Path(models).write_text(yaml.safe_dump(fitted, sort_keys=False))
             log.write(flight.fly(run, params.seed), flown)

@@ -5,7 +5,7 @@ import pandas as pd
 from imugap.io import reference
 from imugap.kinematics.strapdown import ATTITUDE
 from imugap.stream import stream
-from imugap.study import attitude_scores as scoring
+from imugap.study import attitude_scores
 from imugap.workflow.job_log import journal
 
 KEY = ["run", "minutes", "scheme"]
@@ -18,7 +18,7 @@ def differences(errors, seed):
         pair = {scheme: group[list(ATTITUDE)] for scheme, group in one.groupby("scheme")}
         for angle in ATTITUDE:
             first, second = (pair[scheme][angle].to_numpy() for scheme in ("allan", "indirect"))
-            found = scoring.difference(first, second, stream(seed, "difference", run, minutes, angle))
+            found = attitude_scores.difference(first, second, stream(seed, "difference", run, minutes, angle))
             rows.append({"run": run, "minutes": minutes, "angle": angle} | vars(found) | {"differs": found.differs})
     return pd.DataFrame(rows)
 
@@ -32,8 +32,8 @@ if __name__ == "__main__":
             solution = one.droplevel(KEY)
             error = reference.error(solution, truth)
             labels = dict(zip(KEY, key, strict=True))
-            nees = scoring.nees(error, solution).mean()
-            scores.append(scoring.scores(error[list(ATTITUDE)]).reset_index().assign(nees=nees, **labels))
+            nees = attitude_scores.nees(error, solution).mean()
+            scores.append(attitude_scores.scores(error[list(ATTITUDE)]).reset_index().assign(nees=nees, **labels))
             errors.append(error.reset_index().assign(**labels))
         errors = pd.concat(errors)
         pd.concat(scores).to_csv(snakemake.output.scores, index=False)

@@ -1,8 +1,7 @@
 """Follow the iterations of indirect inference on one run (figure 2 of the source)."""
 
-from imugap import figures
 from imugap.estimation.gmwm.estimator import GmwmOptions, Weighting, fit, fit_by_simulation
-from imugap.figures import indirect
+from imugap.figures import estimation, style
 from imugap.study.experiment import Experiment
 from imugap.workflow.job_log import journal
 
@@ -19,4 +18,4 @@ if __name__ == "__main__":
         histories["indirect_simulated"] = fit_by_simulation(
             sequence, experiment.interval, experiment.kinds, snakemake.params.seed
         ).history
-        figures.save(indirect.iterations(histories, experiment.truth()), snakemake.output[0])
+        style.save(estimation.iterations(histories, experiment.truth()), snakemake.output[0])

@@ -10,7 +10,7 @@ import pandas as pd
 
 from imugap.discovery.finding import Gap
 from imugap.discovery.report import span
-from imugap.figures import discovery as drawn
+from imugap.figures import discovery
 from imugap.figures.static import TITLES
 from imugap.figures.style import AXIS_TITLES
 from imugap.study.distances import change
@@ -34,7 +34,7 @@ def axes_of(names):
 
 def gap_title(gap):
     """Give the view of a place as a page shows it."""
-    return drawn.TITLES.get(gap["view"], gap["view"])
+    return discovery.TITLES.get(gap["view"], gap["view"])
 
 
 def effects(reports):

@@ -6,8 +6,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from imugap import figures
-from imugap.figures import static
+from imugap.figures import static, style
 from imugap.figures.static import TITLES, titled
 from imugap.interchange.from_indices import bounded
 from imugap.workflow import tables
@@ -41,7 +40,7 @@ def page(data, bounds):
     """Lay the table out: a row per contender, a column per axis."""
     cells = data.groupby(["contender", "axis"], sort=False)[["tau", "verdict"]].apply(reproduced).unstack("axis")
     cells = cells.loc[list(dict.fromkeys(data["contender"])), list(dict.fromkeys(data["axis"]))]
-    cells.columns = [figures.AXIS_TITLES[axis] for axis in cells.columns]
+    cells.columns = [style.AXIS_TITLES[axis] for axis in cells.columns]
     return cells.rename(index=titled(bounds)).rename_axis("model").reset_index()
 
 
@@ -57,7 +56,7 @@ if __name__ == "__main__":
     with journal(snakemake.log[0]):
         device = pd.read_csv(snakemake.input.device)
         simulated = pd.concat([pd.read_csv(path) for path in snakemake.input.models])
-        figures.save(static.models(device, simulated), snakemake.output[0])
+        style.save(static.models(device, simulated), snakemake.output[0])
         data, bounds = agreement(device, simulated), bounded(pd.read_csv(snakemake.input.indices))
         tables.write(snakemake.output[1].removesuffix(".csv"), data, page(data, bounds))
         Path(snakemake.output[-1]).write_text(json.dumps(numbers(data) | {"bounded": bounds}, indent=1) + "\n")

@@ -6,10 +6,9 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from imugap import figures
 from imugap.estimation.cramer_rao import bound
 from imugap.estimation.methods import METHODS
-from imugap.figures import indirect
+from imugap.figures import estimation, style
 from imugap.study.experiment import Experiment
 from imugap.study.monte_carlo import summary
 from imugap.workflow import tables
@@ -31,13 +30,13 @@ def summaries(experiments, estimates, seed):
 def five_page(data):
     """Lay the runs out as the source does: a row per run and method, values over the truth less one in percent."""
     shown = data[data["parameter"] != "driving_psd"]
-    heads = [indirect.SYMBOLS[row.effect, row.parameter] + " [%]" for row in shown.itertuples()]
+    heads = [estimation.SYMBOLS[row.effect, row.parameter] + " [%]" for row in shown.itertuples()]
     cells = [tables.number(100 * error, 2) for error in shown["error"]]
     wide = shown.assign(head=heads, cell=cells).pivot_table(
         index=["run", "method"], columns="head", values="cell", aggfunc="first", sort=False
     )
     wide = wide.reset_index()
-    return wide.assign(run=wide["run"] + 1, method=wide["method"].map(indirect.TITLES))
+    return wide.assign(run=wide["run"] + 1, method=wide["method"].map(estimation.TITLES))
 
 
 def summary_page(data):
@@ -47,8 +46,8 @@ def summary_page(data):
         rows.append(
             {
                 "T [s]": row.time,
-                "parameter": indirect.SYMBOLS[row.effect, row.parameter],
-                "method": indirect.TITLES[row.method],
+                "parameter": estimation.SYMBOLS[row.effect, row.parameter],
+                "method": estimation.TITLES[row.method],
                 "bias [%]": f"{tables.number(100 * row.bias, 2)} ± {tables.number(100 * row.bias_error, 1)}",
                 "RMSE [%]": tables.number(100 * row.rmse, 2),
                 "bound [%]": tables.number(100 * row.bound, 2),
@@ -112,7 +111,7 @@ if __name__ == "__main__":
         found = summaries(experiments, estimates, params.seed)
         tables.write(output.summary.removesuffix(".csv"), found, summary_page(found))
         limits = {time: bound(one.model, one.interval, one.count) for time, one in experiments.items()}
-        figures.save(indirect.distributions(estimates, truths, limits), output.figure)
+        style.save(estimation.distributions(estimates, truths, limits), output.figure)
         said = numbers(
             estimates, {t: one[TIME] for t, one in truths.items()}, pd.read_csv(source.published), params.printed
         )

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pandas as pd
 
-from imugap import figures, log
+from imugap import log
 from imugap.discovery.transfer import agreement, explained
 from imugap.effects import CATALOGUE
-from imugap.figures import discovery as drawn
+from imugap.figures import discovery, style
 from imugap.figures.style import AXIS_TITLES
 from imugap.model import ErrorModel
 from imugap.stream import stream
@@ -158,5 +158,5 @@ if __name__ == "__main__":
         ]
         for path, (table, page) in zip(output.tables, pages, strict=True):
             tables.write(path.removesuffix(".csv"), table, page)
-        figures.save(drawn.repeated(data.merge(agreed[["name", "axis", "parameter"]]), SCALES), output.figure)
+        style.save(discovery.repeated(data.merge(agreed[["name", "axis", "parameter"]]), SCALES), output.figure)
         Path(output.numbers).write_text(json.dumps(numbers(reports, agreed, share, noise), indent=1) + "\n")

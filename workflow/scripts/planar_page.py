@@ -6,11 +6,10 @@ from pathlib import Path
 import pandas as pd
 import yaml
 
-from imugap import figures
-from imugap.figures import planar
+from imugap.figures import planar, style
 from imugap.interchange.augmentation import augmentation
 from imugap.interchange.datasheet import MODELS
-from imugap.navigation.planar import QUANTITIES, SCOPES, VEHICLE, Example
+from imugap.navigation.planar import QUANTITIES, SCOPES, VEHICLE, PlanarExample
 from imugap.units import from_si
 from imugap.workflow import tables
 from imugap.workflow.job_log import journal
@@ -69,12 +68,12 @@ def numbers(ends, shares, example, runs):
 if __name__ == "__main__":
     with journal(snakemake.log[0]):
         source, output = snakemake.input, snakemake.output
-        example, recipe = Example.read(source.recipe), yaml.safe_load(Path(source.recipe).read_text())
+        example, recipe = PlanarExample.read(source.recipe), yaml.safe_load(Path(source.recipe).read_text())
         read = {name: pd.concat(map(pd.read_parquet, source[name])) for name in ("spread", "ends", "nees")}
         outages = recipe["drive"]["outages_s"]
         for case, path in zip(planar.CASES, (output.gauss_markov, output.flicker), strict=True):
-            figures.save(planar.spread(read["spread"][read["spread"]["case"] == case], outages), path)
-        figures.save(planar.consistency(read["nees"], example.drive), output.consistency)
+            style.save(planar.spread(read["spread"][read["spread"]["case"] == case], outages), path)
+        style.save(planar.consistency(read["nees"], example.drive), output.consistency)
         shares = inside(read["nees"])
         states = {
             title: len(VEHICLE) + sum(len(augmentation(model).output) for model in example.models(slow))

@@ -5,7 +5,7 @@ import pandas as pd
 
 from imugap.filters.consistency import nees_band, root_mean_square
 from imugap.interchange.datasheet import MODELS, TRUTHS, Slow
-from imugap.navigation.planar import QUANTITIES, SCOPES, Example, covariances, monte_carlo
+from imugap.navigation.planar import QUANTITIES, SCOPES, PlanarExample, covariances, monte_carlo
 from imugap.workflow.job_log import journal
 
 
@@ -72,4 +72,4 @@ def main(example, case, params, output):
 
 if __name__ == "__main__":
     with journal(snakemake.log[0]):
-        main(Example.read(snakemake.input.recipe), snakemake.wildcards.case, snakemake.params, snakemake.output)
+        main(PlanarExample.read(snakemake.input.recipe), snakemake.wildcards.case, snakemake.params, snakemake.output)

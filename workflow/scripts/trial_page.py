@@ -6,9 +6,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from imugap import figures
 from imugap.estimation.result import Identifiability
-from imugap.figures import attitude
+from imugap.figures import attitude, style
 from imugap.io.datasets import load
 from imugap.io.reference import ERROR
 from imugap.log import GYRO
@@ -131,7 +130,7 @@ if __name__ == "__main__":
         alignment, scores, differences = (pd.read_csv(source[name]) for name in ("alignment", "scores", "differences"))
         errors = pd.read_parquet(source.errors)
         chosen = {trial: titles[trial] for trial in errors["trial"].unique()}
-        figures.save(attitude.trials(errors, chosen, list(MODELS)), output.figure)
+        style.save(attitude.trials(errors, chosen, list(MODELS)), output.figure)
         tables.write(output.alignment.removesuffix(".csv"), alignment, alignment_page(alignment, titles))
         told = rests(pd.read_csv(source.estimates))
         tables.write(output.rests.removesuffix(".csv"), told, rests_page(told))

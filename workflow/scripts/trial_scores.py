@@ -7,7 +7,7 @@ from imugap.io import reference
 from imugap.kinematics.strapdown import level
 from imugap.numerics.rotation import from_euler, to_euler
 from imugap.stream import stream
-from imugap.study import attitude_scores as scoring
+from imugap.study import attitude_scores
 from imugap.workflow.job_log import journal
 
 KEY = ["trial", "model", "scheme"]
@@ -34,7 +34,7 @@ def differences(errors, seed):
         pair = dict(list(one.groupby("scheme")))
         for angle in reference.ERROR:
             first, second = (pair[scheme][angle].to_numpy() for scheme in ("allan", "indirect"))
-            found = scoring.difference(first, second, stream(seed, "difference", trial, model, angle))
+            found = attitude_scores.difference(first, second, stream(seed, "difference", trial, model, angle))
             rows.append({"trial": trial, "model": model, "angle": angle} | vars(found) | {"differs": found.differs})
     return pd.DataFrame(rows)
 
@@ -51,8 +51,8 @@ if __name__ == "__main__":
                 solution = one.droplevel(["model", "scheme"])
                 error = reference.error(solution, known, measured.loc["lag", "value"])
                 labels = {"trial": trial, "model": model, "scheme": scheme}
-                nees = scoring.nees(error, solution).mean()
-                found = scoring.scores(error[list(reference.ERROR)])
+                nees = attitude_scores.nees(error, solution).mean()
+                found = attitude_scores.scores(error[list(reference.ERROR)])
                 scores.append(found.reset_index().assign(nees=nees, **labels))
                 errors.append(error.reset_index().assign(**labels))
         errors = pd.concat(errors)

@@ -4,9 +4,9 @@ import numpy as np
 import pandas as pd
 from scipy.stats import chi2
 
-from imugap import figures, log
+from imugap import log
 from imugap.estimation.indices import INDICES, of_run, repeatability
-from imugap.figures import static
+from imugap.figures import static, style
 from imugap.figures.style import AXIS_TITLES
 from imugap.units import from_si
 from imugap.workflow import tables
@@ -58,6 +58,6 @@ if __name__ == "__main__":
             run: cycle(path, period) for run, path in zip(snakemake.params.runs, snakemake.input.logs, strict=True)
         }
         cycles = pd.concat(found, names=["run"]).reset_index("run")
-        figures.save(static.repeatability(cycles[cycles["symbol"] == "bias"]), snakemake.output[0])
+        style.save(static.repeatability(cycles[cycles["symbol"] == "bias"]), snakemake.output[0])
         data = compare(cycles)
         tables.write(snakemake.output[1].removesuffix(".csv"), data, page(data))

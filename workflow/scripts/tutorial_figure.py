@@ -6,8 +6,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from imugap import figures
-from imugap.figures import tutorial as chapter
+from imugap.figures import farrell2022, style
 from imugap.study.farrell2022 import COMPOSED, KNOWN, TITLES
 from imugap.workflow import tables
 from imugap.workflow.job_log import journal
@@ -44,7 +43,7 @@ def page(data):
     """Lay the table out: a row per model, a column per axis."""
     cells = data.groupby(["model", "axis"], sort=False)[["tau", "verdict", "ratio"]].apply(cell).unstack("axis")
     cells = cells.loc[list(TITLES), list(dict.fromkeys(data["axis"]))]
-    cells.columns = [figures.AXIS_TITLES[axis] for axis in cells.columns]
+    cells.columns = [style.AXIS_TITLES[axis] for axis in cells.columns]
     return cells.rename(index=TITLES).rename_axis("model").reset_index()
 
 
@@ -71,7 +70,7 @@ if __name__ == "__main__":
     with journal(snakemake.log[0]):
         device, readings = pd.read_csv(snakemake.input.device), pd.read_csv(snakemake.input.readings)
         models = pd.read_csv(snakemake.input.models)
-        figures.save(chapter.models(device, models), snakemake.output[0])
+        style.save(farrell2022.models(device, models), snakemake.output[0])
         data = departures(device, models)
         tables.write(snakemake.output[1].removesuffix(".csv"), data, page(data))
         text = json.dumps(numbers(data, models, readings, device), indent=1)

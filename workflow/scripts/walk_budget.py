@@ -10,8 +10,8 @@ from imugap.commands.walk import DEFAULT_MODEL
 from imugap.kinematics.strapdown import POSITION
 from imugap.model import ErrorModel
 from imugap.navigation.pedestrian import WalkAssumptions, navigate
-from imugap.simulation.walk import Course, Gait, Leg, Walk
-from imugap.simulation.walk_twin import SLIP, Kind, without
+from imugap.simulation.matched_walk import STANCE_MOTION, DeviceClass, without
+from imugap.simulation.walk import Gait, Walk, WalkCourse, WalkLeg
 from imugap.workflow.job_log import journal
 
 ALL, NONE = ("all", "all"), ("none", "none")
@@ -22,11 +22,11 @@ LOOP = 60
 def walks(path, like):
     """Return the walks by name: the twins of a file, or without one the embedded walk and a loop."""
     if path is None:
-        return {"out and back": like, "loop": replace(like, course=Course.loop(LOOP))}
+        return {"out and back": like, "loop": replace(like, course=WalkCourse.loop(LOOP))}
     found = {}
     for run, one in json.loads(Path(path).read_text()).items():
-        course = one["course"] | {"legs": tuple(Leg(**leg) for leg in one["course"]["legs"])}
-        found[run] = replace(like, gait=Gait(**one["gait"]), course=Course(**course), rate_hz=one["rate_hz"])
+        course = one["course"] | {"legs": tuple(WalkLeg(**leg) for leg in one["course"]["legs"])}
+        found[run] = replace(like, gait=Gait(**one["gait"]), course=WalkCourse(**course), rate_hz=one["rate_hz"])
     return found
 
 
@@ -50,7 +50,7 @@ def errors(walk, name, kind, draw, seed):
     for triad, effect in kind.names():
         yield (triad, effect), end(without(device, triad, effect))
     end = ender(still)
-    yield ("foot", SLIP), end(device)
+    yield ("foot", STANCE_MOTION), end(device)
     yield NONE, end(ErrorModel({}))
 
 
@@ -68,5 +68,5 @@ def main(path, like, kind, params):
 if __name__ == "__main__":
     with journal(snakemake.log[0]):
         source = snakemake.input
-        table = main(source.get("twins"), Walk.read(source.recipe), Kind.read(source.kind), snakemake.params)
+        table = main(source.get("twins"), Walk.read(source.recipe), DeviceClass.read(source.kind), snakemake.params)
         table.to_parquet(snakemake.output[0], index=False)

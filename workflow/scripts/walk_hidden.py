@@ -10,9 +10,9 @@ from imugap.discovery.device import Question, discover
 from imugap.discovery.preparation.prepare import prepare
 from imugap.effects.effect import AxisModel
 from imugap.model import ErrorModel
-from imugap.navigation.stance_innovations import judged
-from imugap.simulation.walk import Course, Walk
-from imugap.study.walk_compensation import granted
+from imugap.navigation.stance_innovations import stance_test
+from imugap.simulation.walk import Walk, WalkCourse
+from imugap.study.walk_compensation import known_assumptions
 from imugap.workflow.job_log import journal
 
 RATE_HZ = 100
@@ -29,7 +29,7 @@ def hidden(walk, case):
 
 def main(walk, case, params):
     """Return findings and places with the exact reference, what integrity finds alone, and what zero velocity says."""
-    loop = replace(walk, rate_hz=RATE_HZ, course=Course.loop(params.strides, stand_s=walk.course.stand_s))
+    loop = replace(walk, rate_hz=RATE_HZ, course=WalkCourse.loop(params.strides, stand_s=walk.course.stand_s))
     device = hidden(loop, case)
     log, ideal = device.record(1, params.seed), device.ideal(1, params.seed)
     question = Question(
@@ -47,7 +47,7 @@ def main(walk, case, params):
          "chance": gap.p_value}
         for gap in places.values()
     ]  # fmt: skip
-    said = judged(log, loop.model, granted(loop))
+    said = stance_test(log, loop.model, known_assumptions(loop))
     rows.append({"how": "scatter", "value": said.scatter})
     rows += [{"how": "innovations"} | one for one in said.named(params.alpha).to_dict("records")]
     return pd.DataFrame(rows)

@@ -9,18 +9,18 @@ import yaml
 from imugap.model import ErrorModel
 from imugap.navigation.pedestrian import navigate
 from imugap.simulation.walk import Walk
-from imugap.study.walk_compensation import End, granted, inside
+from imugap.study.walk_compensation import End, filter_model, known_assumptions
 from imugap.workflow.job_log import journal
 
 
 def main(walk, models, params):
     """Return the ends of all devices under every model."""
-    truth, ideal, assumptions = walk.truth(0, params.seed), walk.ideal(0, params.seed), granted(walk)
+    truth, ideal, assumptions = walk.truth(0, params.seed), walk.ideal(0, params.seed), known_assumptions(walk)
     rows = []
     for device in range(params.devices):
         log = walk.model.simulate(ideal, params.seed, "walk", device)
         for name, model in models.items():
-            found = navigate(log, inside(model), assumptions)
+            found = navigate(log, filter_model(model), assumptions)
             rows.append({"contender": name, "device": device} | asdict(End.of(found, truth)))
     return pd.DataFrame(rows)
 

@@ -6,9 +6,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from imugap import figures
 from imugap.benchmark.scores import rate
-from imugap.figures import pedestrian
+from imugap.figures import pedestrian, style
 from imugap.workflow import tables
 from imugap.workflow.job_log import journal
 
@@ -258,7 +257,7 @@ if __name__ == "__main__":
         )
         real = pd.concat(map(pd.read_csv, source.walks)) if source.walks else pd.DataFrame(columns=["dataset"])
         found = contributions(errors)
-        figures.save(pedestrian.budget(drawn(found)), output.budget_figure)
+        style.save(pedestrian.budget(drawn(found)), output.budget_figure)
         tables.write(output.budget.removesuffix(".csv"), found, budget_page(found, real))
         counted = consistency(pd.read_csv(source.consistency), real)
         tables.write(output.consistency.removesuffix(".csv"), counted, consistency_page(counted))
@@ -267,9 +266,9 @@ if __name__ == "__main__":
             varied = pd.concat(map(pd.read_csv, source.choices))
             varied["share"] = 100 * varied["end"] / varied["distance"]
             present = {name: SETS[name] for name in SETS if name in set(varied["dataset"])}
-            figures.save(pedestrian.sensitivity(varied, present, DETECTORS), output.sensitivity)
+            style.save(pedestrian.sensitivity(varied, present, DETECTORS), output.sensitivity)
         else:
-            figures.save(figures.said("no real walk is here"), output.sensitivity)
+            style.save(style.text_figure("no real walk is here"), output.sensitivity)
         settings = pd.DataFrame(columns=LEFT_OUT) if varied is None else left_out(varied)
         nothing = pd.DataFrame([{"setting": "fewer than two sets of walks are here"}])
         shown = settings_page(settings) if len(settings) else nothing

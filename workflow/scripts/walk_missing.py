@@ -14,16 +14,16 @@ from imugap.io.datasets import RawFiles
 from imugap.kinematics.strapdown import POSITION
 from imugap.model import ErrorModel
 from imugap.navigation.pedestrian import WalkAssumptions
-from imugap.navigation.score_test import Testimony, heard, judge
-from imugap.navigation.stance_innovations import sinking, suspects
-from imugap.simulation.camera_track import closed, footprints
+from imugap.navigation.score_test import BlockScores, block_scores, score_test
+from imugap.navigation.stance_innovations import candidate_errors, foot_sinkage
+from imugap.simulation.camera_track import closed_loop_aiding, compare_with_cameras
+from imugap.simulation.matched_walk import AT_REST, DeviceClass
 from imugap.simulation.walk import Walk
 from imugap.simulation.walk_replay import Replay
-from imugap.simulation.walk_twin import AT_REST, Kind
 from imugap.stream import stream
 from imugap.workflow.job_log import journal
 
-SUSPECTS = (*suspects(), sinking())
+SUSPECTS = (*candidate_errors(), foot_sinkage())
 SINKING = len(SUSPECTS) - 1
 """What a foot does and no device: walks of other devices tell of it too."""
 HALVES = {1: "odd", 0: "even"}
@@ -35,13 +35,13 @@ other walks of the device; these and what is named on walks of other sets."""
 
 @dataclass(frozen=True, eq=False)
 class Taken:
-    """A walk of a set: its replay, the measured error of its end [m], shape (3,), and what it says of the suspects."""
+    """A walk of a set: its replay, the measured error of its end [m], shape (3,), and its block scores."""
 
     dataset: str
     run: int
     replay: Replay
     end: np.ndarray
-    said: Testimony
+    said: BlockScores
 
     @classmethod
     def of(cls, files, run):
@@ -49,12 +49,14 @@ class Taken:
         dataset = files.dataset
         log, seen = filled(readers.read_raw(files.path(run), dataset, run)), bool(dataset.positions)
         replay = Replay.of(log, DEFAULT_MODEL, WalkAssumptions(), seen)
-        sight, end = closed(replay.solution), replay.solution.trajectory[list(POSITION)].iloc[-1].to_numpy()
+        sight, end = closed_loop_aiding(replay.solution), replay.solution.trajectory[list(POSITION)].iloc[-1].to_numpy()
         if seen:
             content = catalogue.POSITIONS if dataset.position_rate_hz else catalogue.LOG
-            beside = footprints(replay.solution, readers.read_positions(files.path(run, content), dataset, run))
-            sight, end = beside.sight(replay.solution), beside.off
-        return cls(dataset.name, run, replay, end, heard(log, replay.solution, sight, SUSPECTS, DEFAULT_MODEL))
+            beside = compare_with_cameras(
+                replay.solution, readers.read_positions(files.path(run, content), dataset, run)
+            )
+            sight, end = beside.aiding(replay.solution), beside.off
+        return cls(dataset.name, run, replay, end, block_scores(log, replay.solution, sight, SUSPECTS, DEFAULT_MODEL))
 
 
 def together(walks):
@@ -76,7 +78,7 @@ def rows_of(verdict, labels):
     """Return a row for each effect of what is named, the likeliest first, and if none is a row for the surest."""
     labels = labels | {"p_value": verdict.p_value}
     if not verdict.named:
-        return [labels | {"suspect": label(verdict.surest), "named": False}]
+        return [labels | {"suspect": label(verdict.most_significant), "named": False}]
     rows = []
     for one in verdict.named:
         suspect = SUSPECTS[one.number]
@@ -131,12 +133,12 @@ def asked(walks, remainder, params):
     for name in dict.fromkeys(walk.dataset for walk in walks):
         own, others = ([walk for walk in half if (walk.dataset == name) == here] for here in (True, False))
         labels = {"dataset": name, "asked": " ".join(str(walk.run) for walk in own), "half": HALVES[remainder]}
-        verdict = judge(together(own), params.alpha, stream(params.seed, "judge", name, remainder))
+        verdict = score_test(together(own), params.alpha, stream(params.seed, "judge", name, remainder))
         rows += rows_of(verdict, labels | {"by": NAMED})
         known[name] = {NAMED: verdict.named, SHARED: ()}
         if others:
             rng = stream(params.seed, "foot", name, remainder)
-            verdict = judge(together(others), params.alpha, rng, among=[SINKING])
+            verdict = score_test(together(others), params.alpha, rng, among=[SINKING])
             rows += rows_of(verdict, labels | {"by": SHARED})
             known[name][SHARED] = verdict.named
     return rows, known
@@ -161,7 +163,7 @@ if __name__ == "__main__":
     with journal(snakemake.log[0]):
         known = catalogue.load("data", "workflow/schemas")
         sets = [RawFiles(known[name], snakemake.input[name]) for name in snakemake.params.sets]
-        like, kind = Walk.read(snakemake.input.recipe), Kind.read(snakemake.input.kind)
+        like, kind = Walk.read(snakemake.input.recipe), DeviceClass.read(snakemake.input.kind)
         found, ends = main(sets, like, kind, snakemake.params)
         found.to_csv(snakemake.output.found, index=False)
         ends.to_parquet(snakemake.output.ends, index=False)

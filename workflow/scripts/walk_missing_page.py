@@ -6,11 +6,10 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from imugap import figures
-from imugap.figures import pedestrian
+from imugap.figures import pedestrian, style
 from imugap.numerics import block_bootstrap as bootstrap
 from imugap.stream import stream
-from imugap.study.proper_scores import energy_score, place
+from imugap.study.proper_scores import central_rank, energy_score
 from imugap.workflow import tables
 from imugap.workflow.job_log import journal
 
@@ -37,7 +36,10 @@ def scored(ends):
             row = {"dataset": dataset, "run": run, "by": name}
             for quantity, columns in QUANTITIES.items():
                 draws, truth = one[columns].to_numpy(), came[columns].to_numpy(float)
-                row |= {f"score_{quantity}": energy_score(draws, truth), f"place_{quantity}": place(draws, truth)}
+                row |= {
+                    f"score_{quantity}": energy_score(draws, truth),
+                    f"place_{quantity}": central_rank(draws, truth),
+                }
             rows.append(row)
     return pd.DataFrame(rows)
 
@@ -172,7 +174,7 @@ if __name__ == "__main__":
         data = compared(scores, seed)
         order = ends[["dataset", "run"]].drop_duplicates().sort_values(["dataset", "run"])
         titles = {(one.dataset, one.run): f"{SHORT[one.dataset]} {one.run}" for one in order.itertuples()}
-        figures.save(pedestrian.foretold(ends, titles, scores), output.figure)
+        style.save(pedestrian.foretold(ends, titles, scores), output.figure)
         tables.write(output.found.removesuffix(".csv"), found, found_page(found))
         tables.write(output.scores.removesuffix(".csv"), data, scores_page(data))
         Path(output.numbers).write_text(json.dumps(numbers(found, scores, data, seed), indent=1) + "\n")

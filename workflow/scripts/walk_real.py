@@ -16,9 +16,9 @@ from imugap.io import readers
 from imugap.io.datasets import RawFiles
 from imugap.log import ACCEL
 from imugap.navigation.pedestrian import WalkAssumptions, navigate
-from imugap.simulation.camera_track import footprints
+from imugap.simulation.camera_track import compare_with_cameras
+from imugap.simulation.matched_walk import matched_walk
 from imugap.simulation.walk import Walk
-from imugap.simulation.walk_twin import twin
 from imugap.workflow.job_log import journal
 
 STEP_S = 0.1
@@ -31,7 +31,7 @@ def against(files, run, solution):
     apart = bool(dataset.position_rate_hz)
     path = files.path(run, catalogue.POSITIONS if apart else catalogue.LOG)
     seen = readers.read_positions(path, dataset, run)
-    beside, loose = footprints(solution, seen), footprints(solution, seen, stiff=False)
+    beside, loose = compare_with_cameras(solution, seen), compare_with_cameras(solution, seen, stiff=False)
     told = run in dataset.runs_with(catalogue.EVENTS)
     events = readers.read_strides(files.path(run, catalogue.EVENTS), dataset, run) if told else solution.strides()
     return beside, beside.strides(events), loose.strides(events)
@@ -51,7 +51,7 @@ def scores(beside, strides, loose):
 
 
 def recipe(walk):
-    """Return what a twin has of its own, as plain data."""
+    """Return what a matched_walk has of its own, as plain data."""
     return {"rate_hz": walk.rate_hz, "gait": asdict(walk.gait), "course": asdict(walk.course)}
 
 
@@ -105,13 +105,13 @@ def one(files, run):
 
 
 def main(files, like):
-    """Return a row, a track and a twin for each walk."""
+    """Return a row, a track and a matched_walk for each walk."""
     rows, tracks, twins = [], [], {}
     for run in files.dataset.runs:
         row, track, solution = one(files, run)
         rows.append(row)
         tracks.append(track)
-        twins[run] = recipe(twin(solution, like))
+        twins[run] = recipe(matched_walk(solution, like))
     return pd.DataFrame(rows), pd.concat(tracks), twins
 
 

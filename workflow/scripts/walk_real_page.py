@@ -6,9 +6,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from imugap import figures
 from imugap.commands.walk import STD
-from imugap.figures import pedestrian
+from imugap.figures import pedestrian, style
 from imugap.workflow import tables
 from imugap.workflow.job_log import journal
 
@@ -131,10 +130,12 @@ if __name__ == "__main__":
         walks["share"] = 100 * walks["end"] / walks["distance_m"]
         tracks, peers = pd.concat(map(pd.read_parquet, source.tracks)), pd.read_csv(source.peers)
         titles = {(one.dataset, one.run): name(one.dataset, one.run) for one in walks.itertuples()}
-        figures.save(pedestrian.walks(tracks, titles), output.walks)
+        style.save(pedestrian.walks(tracks, titles), output.walks)
         known = {one: SHORT[one] for one in walks.loc[walks["cameras"], "dataset"].unique()}
-        drawn = pedestrian.against_cameras(tracks, known) if known else figures.said("no walk with cameras is here")
-        figures.save(drawn, output.errors)
+        drawn = (
+            pedestrian.against_cameras(tracks, known) if known else style.text_figure("no walk with cameras is here")
+        )
+        style.save(drawn, output.errors)
         tables.write(output.table.removesuffix(".csv"), walks, page(walks))
         here = peers[peers["dataset"].isin(walks["dataset"])]
         tables.write(output.peers.removesuffix(".csv"), here, peers_page(walks, here))

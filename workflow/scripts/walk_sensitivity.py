@@ -16,7 +16,7 @@ from imugap.io.datasets import RawFiles
 from imugap.log import ACCEL
 from imugap.model import ErrorModel
 from imugap.navigation.pedestrian import WalkAssumptions, navigate
-from imugap.simulation.camera_track import footprints
+from imugap.simulation.camera_track import compare_with_cameras
 from imugap.workflow.job_log import journal
 
 USUAL_CHOICE = WalkAssumptions()
@@ -48,7 +48,7 @@ def delayed(log, delay):
 def ends(solution, seen):
     """Return the errors of the end, against the begin or cameras: horizontal and height [m]."""
     if seen is not None:
-        return footprints(solution, seen).end()
+        return compare_with_cameras(solution, seen).end()
     end = solution.trajectory.iloc[-1]
     return float(np.hypot(end["north"], end["east"])), -float(end["down"])
 

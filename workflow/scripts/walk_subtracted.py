@@ -9,7 +9,7 @@ import yaml
 from imugap.model import ErrorModel
 from imugap.navigation.pedestrian import navigate
 from imugap.simulation.walk import Walk
-from imugap.study.walk_compensation import End, at_stand, granted, plain, subtracted
+from imugap.study.walk_compensation import End, known_assumptions, stand_biases, subtracted, white_noise_model
 from imugap.workflow.job_log import journal
 
 STEP_S = 0.5
@@ -18,11 +18,11 @@ STEP_S = 0.5
 
 def main(walk, models, white, params):
     """Return the ends of all devices and trials, and the tracks of the first device."""
-    truth, ideal, assumptions = walk.truth(0, params.seed), walk.ideal(0, params.seed), granted(walk)
+    truth, ideal, assumptions = walk.truth(0, params.seed), walk.ideal(0, params.seed), known_assumptions(walk)
     rows, tracks = [], []
     for device in range(params.devices):
         log = walk.model.simulate(ideal, params.seed, "walk", device)
-        for name, model in (models | {"none": ErrorModel({}), "stand": at_stand(log)}).items():
+        for name, model in (models | {"none": ErrorModel({}), "stand": stand_biases(log)}).items():
             for trial in range(params.printed if device == 0 else 1):
                 left = subtracted(log, model, params.seed, "compensation", name, device, trial)
                 found = navigate(left, white, assumptions)
@@ -40,6 +40,6 @@ if __name__ == "__main__":
         mappings = yaml.safe_load(Path(source.models).read_text())
         models = {name: ErrorModel.from_mapping(one) for name, one in mappings.items() if name != "truth"}
         indices = pd.read_csv(source.indices).set_index(["symbol", "axis"])["value"]
-        ends, tracks = main(Walk.read(source.recipe), models, plain(indices["N"]), snakemake.params)
+        ends, tracks = main(Walk.read(source.recipe), models, white_noise_model(indices["N"]), snakemake.params)
         ends.to_parquet(output.ends)
         tracks.to_parquet(output.tracks)

@@ -6,12 +6,11 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from imugap import figures
 from imugap.effects import GaussMarkov, RandomWalk, WhiteNoise
 from imugap.effects.effect import AxisModel
-from imugap.figures import tutorial as chapter
+from imugap.figures import farrell2022, style
 from imugap.numerics import allan_from_psd as spectrum
-from imugap.study.farrell2022_example import Example, checks
+from imugap.study.farrell2022_example import PrintedExample, checks
 from imugap.workflow import tables
 from imugap.workflow.job_log import journal
 
@@ -73,10 +72,10 @@ def numbers(example, found):
 if __name__ == "__main__":
     with journal(snakemake.log[0]):
         printed = pd.read_csv(snakemake.input.printed)
-        found, example = checks(printed), Example.of(printed)
+        found, example = checks(printed), PrintedExample.of(printed)
         (height,), ((low, _),) = example("accelerometer", "floor"), example.ranges("accelerometer", "floor")
         floor = (*example("accelerometer", "floor_tau"), height, height - low)
-        figures.save(chapter.worked_example(lines(example), floor, example.digits(TAU)), snakemake.output[0])
+        style.save(farrell2022.worked_example(lines(example), floor, example.digits(TAU)), snakemake.output[0])
         data = pd.DataFrame([vars(one) | {"agreement": one.agreement} for one in found])
         tables.write(snakemake.output[1].removesuffix(".csv"), data, page(found))
         Path(snakemake.output[-1]).write_text(json.dumps(numbers(example, found), indent=1) + "\n")

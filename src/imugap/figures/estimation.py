@@ -1,15 +1,184 @@
-"""Figures of the estimation chapter: each function draws one figure from tables and returns it."""
+"""Figures of the chapter on estimation: each function draws one figure from tables and returns it."""
 
 from math import ceil
 
+import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
 from imugap.figures.style import AXIS_TITLES, allan_label, allan_unit, legend_below, panels_of
 from imugap.units import from_si
 
-MOST_COLUMNS = 3
-DEVICE, MODEL = "black", "#0072B2"
+TITLES = {
+    "allan": "Allan, piecewise",
+    "allan_separated": "Allan, white taken off",
+    "indirect_interval": "indirect, interval weights",
+    "indirect_diagonal": "indirect, diagonal weights",
+    "indirect_full": "indirect, full weights",
+    "indirect_simulated": "indirect, by simulation",
+    "indirect_robust": "indirect, robust",
+    "likelihood": "likelihood",
+}
+COLOURS = {
+    "allan": "#D55E00",
+    "allan_separated": "#F0E442",
+    "indirect_interval": "#56B4E9",
+    "indirect_diagonal": "#0072B2",
+    "indirect_full": "#009E73",
+    "indirect_simulated": "#CC79A7",
+    "indirect_robust": "#E69F00",
+    "likelihood": "#000000",
+}
+SYMBOLS = {
+    ("white_noise", "density"): "N",
+    ("gauss_markov", "std"): "σ",
+    ("gauss_markov", "correlation_time"): "T",
+    ("gauss_markov", "driving_psd"): "S_B",
+    ("random_walk", "density_k"): "K",
+    ("bias_instability", "density_b"): "B",
+    ("quantization", "q"): "Q",
+    ("rate_ramp", "slope"): "R",
+}
+"""Symbol of each parameter, by effect and name."""
+LARGEST = 3.0
+"""Ratio to the truth beyond which an estimate is drawn at the edge."""
+
+
+def distributions(estimates: pd.DataFrame, truth: dict[int, pd.Series], bounds: dict[int, pd.Series]) -> Figure:
+    """Draw the estimates over the truth: a column per correlation time, a row per parameter, a box per method.
+
+    Boxes hold half of the runs, whiskers nine tenths; the grey band is the truth with two Cramer-Rao deviations.
+
+    Parameters
+    ----------
+    estimates
+        Columns ``time``, ``method``, ``effect``, ``parameter``, ``value``.
+    truth, bounds
+        By correlation time [s]: values and relative bounds, index ``effect``, ``ordinal``, ``parameter``.
+    """
+    rows = [key for key in SYMBOLS if key in {(e, p) for e, _, p in truth[next(iter(truth))].index}]
+    figure, grid = panels_of(len(rows), len(truth), 1.35 * len(rows) + 0.4, sharex="row", sharey=True)
+    methods = list(estimates["method"].unique())
+    for time, column in zip(truth, grid.T, strict=True):
+        for (effect, parameter), panel in zip(rows, column, strict=True):
+            of = estimates[
+                (estimates["time"] == time) & (estimates["effect"] == effect) & (estimates["parameter"] == parameter)
+            ]
+            ratio = (of["value"] / truth[time][effect, 1, parameter]).clip(0, LARGEST)
+            drawn = [ratio[of["method"] == name].dropna() for name in methods]
+            boxes = panel.boxplot(drawn, orientation="horizontal", whis=(5, 95), showfliers=False, widths=0.6)
+            for k, name in enumerate(methods):
+                for part in (boxes["boxes"][k], boxes["medians"][k], *boxes["whiskers"][2 * k : 2 * k + 2]):
+                    part.set(color=COLOURS[name], lw=1.2)
+            width = 2 * bounds[time][effect, 1, parameter]
+            panel.axvspan(max(1 - width, 0), min(1 + width, LARGEST), color="#dddddd", lw=0, zorder=0)
+            panel.axvline(1, color="black", lw=0.6)
+            panel.set(yticks=range(1, len(methods) + 1), yticklabels=[TITLES[name] for name in methods])
+        column[0].set_title(f"T = {time} s")
+    grid[0, 0].invert_yaxis()
+    for row, (effect, parameter) in zip(grid, rows, strict=True):
+        row[len(row) // 2].set_xlabel(f"{SYMBOLS[effect, parameter]} estimated / true")
+    return figure
+
+
+def iterations(histories: dict[str, pd.DataFrame], truth: pd.Series) -> Figure:
+    """Draw every parameter over the iterations (figure 2 of Liu, Ren and Li 2016), relative to the truth.
+
+    Parameters
+    ----------
+    histories
+        By method: index iteration; a column per parameter, named ``effect ordinal parameter``.
+    truth
+        Values, index ``effect``, ``ordinal``, ``parameter``.
+    """
+    keys = [key for key in truth.index if (key[0], key[2]) in SYMBOLS and key[2] != "driving_psd"]
+    figure, grid = panels_of(1, len(keys), 1.9, sharex=True)
+    for key, panel in zip(keys, grid[0], strict=True):
+        for name, history in histories.items():
+            ratio = history[" ".join(map(str, key))] / truth[key]
+            panel.plot(history.index, ratio, marker=".", color=COLOURS[name], label=TITLES[name])
+        panel.axhline(1, color="black", lw=0.6)
+        panel.set(title=SYMBOLS[key[0], key[2]], xlabel="iteration")
+    grid[0, 0].set_ylabel("estimate / truth")
+    legend_below(figure, 3)
+    return figure
+
+
+def bounds(table: pd.DataFrame) -> Figure:
+    """Draw the Cramer-Rao bound of each parameter over the length of the log.
+
+    Parameters
+    ----------
+    table
+        Columns ``model``, ``time`` [s] (NaN without Gauss-Markov process), ``length`` [s], ``effect``, ``parameter``,
+        ``bound`` (relative).
+    """
+    keys = [key for key in SYMBOLS if key in set(zip(table["effect"], table["parameter"], strict=True))]
+    figure, grid = panels_of(1, len(keys), 2.4, sharex=True, sharey=True)
+    models = list(table["model"].unique())
+    for (effect, parameter), panel in zip(keys, grid[0], strict=True):
+        of = table[(table["effect"] == effect) & (table["parameter"] == parameter)]
+        for (model, time), line in of.groupby(["model", "time"], dropna=False, sort=False):
+            label = model if np.isnan(time) else f"{model}, T = {time:g} s"
+            shade = 1.0 if np.isnan(time) else 1.0 - 0.3 * sorted(table["time"].dropna().unique()).index(time)
+            colour = list(COLOURS.values())[models.index(model)]
+            panel.plot(line["length"] / 3600, 100 * line["bound"], color=colour, alpha=shade, marker=".", label=label)
+        panel.axhline(20, color="black", lw=0.5, ls=":")
+        panel.set(title=SYMBOLS[effect, parameter], xscale="log", yscale="log", xlabel="length [h]")
+    grid[0, 0].set_ylabel("bound [%]")
+    legend_below(figure, 4)
+    return figure
+
+
+def contamination(summary: pd.DataFrame) -> Figure:
+    """Draw bias and root-mean-square error of each parameter, with and without outliers.
+
+    Parameters
+    ----------
+    summary
+        Rows of :func:`imugap.study.monte_carlo.summary` with a column ``log`` (``clean`` or ``contaminated``).
+    """
+    keys = [key for key in SYMBOLS if key in set(zip(summary["effect"], summary["parameter"], strict=True))]
+    keys = [key for key in keys if key[1] != "driving_psd"]
+    logs, methods = list(summary["log"].unique()), list(summary["method"].unique())
+    figure, grid = panels_of(1, len(keys), 2.2, sharey=False)
+    for (effect, parameter), panel in zip(keys, grid[0], strict=True):
+        of = summary[(summary["effect"] == effect) & (summary["parameter"] == parameter)]
+        for k, name in enumerate(methods):
+            one = of[of["method"] == name].set_index("log").loc[logs]
+            place = np.arange(len(logs)) + (k - (len(methods) - 1) / 2) * 0.8 / len(methods)
+            panel.bar(place, 100 * one["rmse"], 0.8 / len(methods), color=COLOURS[name], label=TITLES[name])
+            ends = 100 * np.abs(one[["rmse_low", "rmse_high"]].to_numpy().T - one["rmse"].to_numpy())
+            panel.errorbar(place, 100 * one["rmse"], ends, fmt="none", color="black", lw=0.8)
+        panel.set(title=SYMBOLS[effect, parameter], yscale="log", xticks=range(len(logs)), xticklabels=logs)
+    grid[0, 0].set_ylabel("error (RMS) [%]")
+    legend_below(figure, 4)
+    return figure
+
+
+def goodness(table: pd.DataFrame) -> Figure:
+    """Draw the wavelet variance of a log over that of the model chosen for it.
+
+    Parameters
+    ----------
+    table
+        Columns ``axis``, ``tau`` [s], ``ratio`` and ``error`` (relative standard deviation under the model).
+    """
+    axes = list(table["axis"].unique())
+    figure, grid = panels_of(-(-len(axes) // 3), 3, 2.1 * -(-len(axes) // 3), sharex=True, sharey=True)
+    for axis, panel in zip(axes, grid.flat, strict=False):
+        one = table[table["axis"] == axis]
+        low, high = (np.maximum(1 + sign * 1.96 * one["error"], 1e-2) for sign in (-1, 1))
+        panel.fill_between(one["tau"], low, high, color="#cccccc", lw=0, label="95 % under the model")
+        panel.plot(one["tau"], one["ratio"], color="#D55E00", marker=".", label="device / model")
+        panel.axhline(1, color="black", lw=0.6)
+        panel.set(title=AXIS_TITLES[axis], xscale="log", yscale="log")
+    for panel in grid[-1]:
+        panel.set_xlabel("averaging time τ [s]")
+    for panel in grid[:, 0]:
+        panel.set_ylabel("wavelet variance ratio")
+    legend_below(figure, 2)
+    return figure
 
 
 def fitted(curves: pd.DataFrame) -> Figure:
@@ -22,7 +191,7 @@ def fitted(curves: pd.DataFrame) -> Figure:
         the deviation of so long a log); SI.
     """
     axes = list(curves["axis"].unique())
-    columns = min(len(axes), MOST_COLUMNS)
+    columns = min(len(axes), 3)
     rows = ceil(len(axes) / columns)
     figure, grid = panels_of(rows, columns, 2.2 * rows + 0.4, sharex=True)
     for axis, panel in zip(axes, grid.flat, strict=False):
@@ -30,9 +199,9 @@ def fitted(curves: pd.DataFrame) -> Figure:
         one = curves[curves["axis"] == axis]
         tau = one["tau"].to_numpy()
         deviation, model, low, high = (from_si(one[c].to_numpy(), unit) for c in ("deviation", "model", "low", "high"))
-        panel.fill_between(tau, low, high, color=MODEL, alpha=0.2, lw=0, label="95 % of logs of this length under it")
-        panel.plot(tau, model, color=MODEL, label="fitted model")
-        panel.plot(tau, deviation, color=DEVICE, marker=".", ms=2.5, lw=0.6, label="log")
+        panel.fill_between(tau, low, high, color="#0072B2", alpha=0.2, lw=0, label="95 % of logs under it")
+        panel.plot(tau, model, color="#0072B2", label="fitted model")
+        panel.plot(tau, deviation, color="black", marker=".", ms=2.5, lw=0.6, label="log")
         panel.set(title=AXIS_TITLES[axis], xscale="log", yscale="log")
         panel.set(xlabel="averaging time τ [s]", ylabel=allan_label(axis))
         panel.tick_params(labelbottom=True)

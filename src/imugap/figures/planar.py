@@ -7,7 +7,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from imugap.figures.style import WIDTH, decades, legend_below, panels_of
-from imugap.navigation.planar import SCOPES, Drive
+from imugap.navigation.planar import SCOPES, PlanarDrive
 from imugap.units import from_si
 
 COLOURS = {"N": "#56B4E9", "N + K": "#E69F00", "N + B": "#CC79A7", "N + B + K": "#009E73"}
@@ -54,7 +54,7 @@ def spread(table: pd.DataFrame, outages: Sequence[tuple[float, float]]) -> Figur
     return figure
 
 
-def consistency(table: pd.DataFrame, drive: Drive) -> Figure:
+def consistency(table: pd.DataFrame, drive: PlanarDrive) -> Figure:
     """Draw the drive, and the NEES of every filter over time with its two-sided band.
 
     Parameters
@@ -86,7 +86,7 @@ def consistency(table: pd.DataFrame, drive: Drive) -> Figure:
     return figure
 
 
-def _draw_drive(panel, drive: Drive) -> None:
+def _draw_drive(panel, drive: PlanarDrive) -> None:
     """Draw the drive from above, stretches without fixes thick."""
     north, east = drive.states[:: drive.every, 0][1:], drive.states[:: drive.every, 1][1:]
     north, east = north[: len(drive.aided)], east[: len(drive.aided)]

@@ -1,8 +1,8 @@
-"""A vehicle in the plane with one gyroscope, two accelerometers and position fixes, and error-state filters for it.
+"""Planar vehicle with one gyroscope, two accelerometers and position fixes, and its error-state filter.
 
-The simplified example of Farrell et al. (2022): what a filter believes of its own error under one model of the sensors,
-against its actual error under another. The navigation state is north, east [m], their velocities [m/s] and the heading
-[rad], clockwise from north; the body axes are x forward and y right. Errors are estimated - true; what is estimated are
+The simplified example of Farrell et al. (2022): predicted error of a filter under one model of the sensors, against its
+actual error under another. The navigation state is north, east [m], their velocities [m/s] and the heading [rad],
+clockwise from north; the body axes are x forward and y right. Errors are estimated - true; the estimated quantities are
 the columns :data:`COLUMNS`, the navigation state and the slow error of each sensor.
 """
 
@@ -26,14 +26,14 @@ SENSORS = ("gyro_z", "accel_x", "accel_y")
 VEHICLE = ("north", "east", "vel_n", "vel_e", "heading")
 COLUMNS = (*VEHICLE, *(f"bias_{sensor}" for sensor in SENSORS))
 QUANTITIES = {"position": (0, 1), "velocity": (2, 3), "heading": (4,), "gyro bias": (5,), "accel bias": (6, 7)}
-"""What is compared, and its columns."""
+"""Quantities that are compared, and their columns."""
 SCOPES = {"navigation": len(VEHICLE), "with biases": len(COLUMNS)}
-"""What a normalised error is taken over, and how many of the columns, from the first, that are."""
+"""Scopes of the normalised error, and the number of leading columns of each."""
 
 
 @dataclass(frozen=True, eq=False)
-class Drive:
-    """A drive and its aid.
+class PlanarDrive:
+    """A planar drive and its position fixes.
 
     Attributes
     ----------
@@ -44,7 +44,7 @@ class Drive:
     states
         True navigation state, shape (steps + 1, 5).
     every
-        Intervals from one epoch to the next.
+        Number of intervals between epochs.
     aided
         Whether an epoch has a fix, shape (epochs,); epoch j is at step (j + 1) every.
     fix_std
@@ -63,10 +63,10 @@ class Drive:
         cls, duration_s: float, rate_hz: float, speed_m_per_s: float, surge_m_per_s: float, surge_period_s: float,
         turn_rad_per_s: float, turn_period_s: float, lap_s: float, fix_interval_s: float, fix_std_m: float,
         outages_s: Sequence[tuple[float, float]], heading_rad: float = 0.0,
-    ) -> "Drive":  # fmt: skip
-        """Drive laps without slip, with a speed and a rate of turn that swing like sines.
+    ) -> "PlanarDrive":  # fmt: skip
+        """Drive laps without slip, with sinusoidal variations of speed and turn rate.
 
-        There is no fix after the start of an outage up to and with its end.
+        An outage excludes fixes after its start up to and including its end.
         """
         count, interval = round(duration_s * rate_hz), 1 / rate_hz
         time = interval * (np.arange(count) + 0.5)
@@ -90,20 +90,20 @@ class Drive:
 
 
 @dataclass(frozen=True, eq=False)
-class Example:
-    """The example: figures of :data:`SENSORS`, drive, standard deviations of the navigation state at the start."""
+class PlanarExample:
+    """The example: data sheets of :data:`SENSORS`, drive, initial standard deviations of the navigation state."""
 
     sheets: tuple[DataSheet, ...]
-    drive: Drive
+    drive: PlanarDrive
     start_std: np.ndarray
 
     @classmethod
-    def read(cls, path: str | Path) -> "Example":
+    def read(cls, path: str | Path) -> "PlanarExample":
         """Read a recipe (YAML with ``sensors``, ``drive`` and ``start_std``)."""
         recipe = yaml.safe_load(Path(path).read_text())
         try:
             sheets = tuple(DataSheet(**recipe["sensors"][sensor]) for sensor in SENSORS)
-            return cls(sheets, Drive.winding(**recipe["drive"]), np.array(recipe["start_std"], float))
+            return cls(sheets, PlanarDrive.winding(**recipe["drive"]), np.array(recipe["start_std"], float))
         except (KeyError, TypeError, ValueError) as error:
             raise ValueError(f"{path}: expected sensors, drive and start_std; found {error}") from error
 
@@ -113,15 +113,15 @@ class Example:
 
 
 @dataclass(frozen=True, eq=False)
-class Errors:
-    """What a filter did in runs of a drive, at the epochs, after their update.
+class PlanarErrors:
+    """Errors of a filter over runs of a drive, at the epochs, after the update.
 
     Attributes
     ----------
     error
         Estimated - true, shape (runs, epochs, 8).
     variance
-        What the filter takes for the variance of the error, shape (runs, epochs, 8).
+        Variance of the error predicted by the filter, shape (runs, epochs, 8).
     nees
         Normalised estimation error squared, error' covariance^-1 error, of each of :data:`SCOPES`, shape
         (runs, epochs, 2).
@@ -133,12 +133,12 @@ class Errors:
 
 
 def monte_carlo(
-    drive: Drive, truth: Sequence[AxisModel], modelled: Sequence[AxisModel], start_std: np.ndarray, runs: int,
+    drive: PlanarDrive, truth: Sequence[AxisModel], modelled: Sequence[AxisModel], start_std: np.ndarray, runs: int,
     seed: int, *labels: object,
-) -> Errors:  # fmt: skip
+) -> PlanarErrors:  # fmt: skip
     """Navigate ``runs`` drives with sensors of models ``truth`` and a filter of models ``modelled``.
 
-    The same seed and labels give the same sensor errors, fixes and starting errors, whatever the filter.
+    The same seed and labels give the same sensor errors, fixes and initial errors for any filter.
 
     Parameters
     ----------
@@ -149,12 +149,12 @@ def monte_carlo(
     """
     chain = Chain.of([augmentation(model) for model in modelled], drive.interval)
     drawn = (draw(drive, truth, start_std, seed, *labels, run) for run in range(runs))
-    found = [filtered(drive, chain, start_std, *one) for one in drawn]
-    return Errors(*(np.array(one) for one in zip(*found, strict=True)))
+    found = [filter_run(drive, chain, start_std, *one) for one in drawn]
+    return PlanarErrors(*(np.array(one) for one in zip(*found, strict=True)))
 
 
 def draw(
-    drive: Drive, truth: Sequence[AxisModel], start_std: np.ndarray, seed: int, *labels: object
+    drive: PlanarDrive, truth: Sequence[AxisModel], start_std: np.ndarray, seed: int, *labels: object
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Draw sensor errors and their slow part, (steps + 1, 3) each, starting error (5,), and fix errors (epochs, 2)."""
     count = len(drive.states)
@@ -169,8 +169,8 @@ def draw(
     return *parts, start, fixes
 
 
-def filtered(
-    drive: Drive, chain: Chain, start_std: np.ndarray, errors: np.ndarray, slow: np.ndarray, start: np.ndarray,
+def filter_run(
+    drive: PlanarDrive, chain: Chain, start_std: np.ndarray, errors: np.ndarray, slow: np.ndarray, start: np.ndarray,
     fixes: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:  # fmt: skip
     """Navigate one run of :func:`draw` with the error-state filter of ``chain``.
@@ -178,7 +178,7 @@ def filtered(
     Returns
     -------
     tuple of numpy.ndarray
-        Error and its variance as the filter sees it, both (epochs, 8), and NEES (epochs, 2).
+        Error and its variance predicted by the filter, both (epochs, 8), and NEES (epochs, 2).
     """
     at = drive.every * np.arange(1, len(drive.aided) + 1)
     truth = np.concatenate([drive.states[at], slow[at]], axis=1)
@@ -191,11 +191,11 @@ def filtered(
 
 
 def covariances(
-    drive: Drive, truth: Sequence[AxisModel], modelled: Sequence[AxisModel], start_std: np.ndarray
+    drive: PlanarDrive, truth: Sequence[AxisModel], modelled: Sequence[AxisModel], start_std: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return predicted and actual variance of the error, each (epochs, 8), without drawing anything.
+    """Return predicted and actual variance of the error, each (epochs, 8), by covariance analysis.
 
-    Both are linear about the true drive. The predicted one is that of the filter; the actual one follows the joint
+    Both are linearised about the true drive. The predicted one is that of the filter; the actual one that of the joint
     state of vehicle error, true sensor errors and their estimates under the gains of the filter (Maybeck 1979,
     sec. 6.8). ``truth`` needs a state space.
     """
@@ -211,7 +211,7 @@ def covariances(
 
 
 def _estimates(sensors: Sequence[tuple[StateSpace, StateSpace]]) -> np.ndarray:
-    """Return where in the joint state of the sensors the filter's estimates are, in the order of the filter."""
+    """Return the indices of the filter's estimates in the joint state of the sensors."""
     places, first = [], 0
     for true, model in sensors:
         first += len(true.output)

@@ -1,21 +1,21 @@
-"""What walks say together of an error that all of them would have, block by block.
+"""Score test for sensor errors that several walks share, by blocks of innovations.
 
-The innovations of a filter are linear in a small error of the sensors: ``e = e0 - J x`` with x its size. A block of
-them, each over its standard deviation, gives the score ``J' e0`` and the information ``J' J`` of each suspect, and sums
-over blocks and walks give what all of them say. Zero velocity alone leaves much unseen; so where cameras saw the foot,
-or it came back to where it began, that is measured too (:class:`imugap.navigation.pedestrian.PositionAiding`).
+The innovations of a filter are linear in a small sensor error of size x: ``e = e0 - J x``. A block of normalised
+innovations gives the score ``J' e0`` and the information ``J' J`` of each candidate error; both add over blocks and
+walks. Since zero velocity observes little, known positions are measurements too, from cameras or from a return to the
+start (:class:`imugap.navigation.pedestrian.PositionAiding`).
 
-No filter knows how a foot moves at stance, and so its innovations are neither white nor as large as it takes them for.
-A walk counts as its own innovations scatter. Blocks of several strides know little of one another: their scatter gives
-the intervals (Liang and Zeger 1986). Signs drawn for the blocks give the chance that any suspect is as sure where none
-is there (the wild cluster bootstrap of Cameron, Gelbach and Miller 2008, and the least of all chances of Westfall and
-Young 1993): it is one of all suspects together. Of those beyond chance the likelihood tells which.
+A filter does not model the motion of a foot at stance exactly, so the innovations are neither white nor of the expected
+size. Each walk is weighted by the scatter of its own innovations. Blocks of several strides are nearly independent:
+their scatter gives the intervals (Liang and Zeger 1986). Random signs of the blocks give the p-value of each candidate
+(wild cluster bootstrap of Cameron, Gelbach and Miller 2008), adjusted for all candidates together (least p-value of
+Westfall and Young 1993). Of the significant candidates the one with the largest likelihood is named.
 
-One name is given and no second: what a filter does not know of a gait looks like a small error of a device, and on
-simulated walks, once the hidden effect is out, that is what would be named next.
+Only one error is named: on simulated walks, once the hidden error is compensated, the next one to be named is an effect
+of the gait that looks like a small sensor error.
 
-The angular rate of a body that stands is left out: an error in proportion to the input is in proportion to its noise
-there, and a smaller scale would always look likelier.
+The angular rate of a standing body is left out: there an error proportional to the input is proportional to its noise,
+and a smaller scale factor would always look more likely.
 
 Sources: K.-Y. Liang, S. L. Zeger, Longitudinal data analysis using generalized linear models, Biometrika 73 (1986)
 13-22; A. C. Cameron, J. B. Gelbach, D. L. Miller, Bootstrap-based improvements for inference with clustered errors,
@@ -33,53 +33,53 @@ from imugap.filters.error_state import NAVIGATION
 from imugap.filters.zero_velocity import STANCE
 from imugap.model import ErrorModel
 from imugap.navigation.pedestrian import PositionAiding, WalkAssumptions, WalkSolution, innovations
-from imugap.navigation.stance_innovations import ALIKE, Suspect
+from imugap.navigation.stance_innovations import INDISTINGUISHABLE, CandidateError
 
 BLOCK_S = 5.0
 """Length of a block [s]: several strides."""
-DRAWN = 9999
-"""Draws of the signs."""
+SIGN_DRAWS = 9999
+"""Number of draws of the signs."""
 ROUNDING = 1e-9
-"""Relative difference up to which two deviates are one."""
+"""Relative difference up to which two deviates are equal."""
 
 
 @dataclass(frozen=True, eq=False)
-class Testimony:
-    """What blocks of innovations say of suspects.
+class BlockScores:
+    """Scores of candidate errors by blocks of innovations.
 
     Attributes
     ----------
     score
-        ``J' e0``, shape (blocks, suspects).
+        ``J' e0``, shape (blocks, candidates).
     information
-        ``J' J``, shape (blocks, suspects).
+        ``J' J``, shape (blocks, candidates).
     """
 
     score: np.ndarray
     information: np.ndarray
 
-    def __add__(self, other: "Testimony") -> "Testimony":
-        """Return what both say."""
+    def __add__(self, other: "BlockScores") -> "BlockScores":
+        """Return the blocks of both."""
         pairs = (self.score, other.score), (self.information, other.information)
-        return Testimony(*(np.concatenate(pair) for pair in pairs))
+        return BlockScores(*(np.concatenate(pair) for pair in pairs))
 
-    def of(self, suspects: Sequence[int]) -> "Testimony":
-        """Return what is said of some of the suspects, by their numbers."""
-        return Testimony(self.score[:, list(suspects)], self.information[:, list(suspects)])
+    def of(self, candidates: Sequence[int]) -> "BlockScores":
+        """Return the scores of some of the candidates, by number."""
+        return BlockScores(self.score[:, list(candidates)], self.information[:, list(candidates)])
 
     @property
     def gain(self) -> np.ndarray:
-        """Twice the gain of log-likelihood by each suspect, shape (suspects,)."""
+        """Twice the log-likelihood gain of each candidate, shape (candidates,)."""
         return self.score.sum(axis=0) ** 2 / self.information.sum(axis=0)
 
     def sizes(self, signs: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
-        """Return the size of each suspect on its own and its standard deviation from the scatter of the blocks.
+        """Return the size of each candidate alone, and its standard deviation from the scatter of the blocks.
 
         Parameters
         ----------
         signs
-            Signs of the scores, shape (draws, blocks): the results have the shape (draws, suspects). None for those
-            that they have, and the shape (suspects,).
+            Signs of the scores, shape (draws, blocks), for results of shape (draws, candidates); None for the original
+            scores and results of shape (candidates,).
         """
         signs = np.ones(len(self.score)) if signs is None else signs
         total = self.information.sum(axis=0)
@@ -89,17 +89,17 @@ class Testimony:
         return size, np.sqrt(left * len(self.score) / max(len(self.score) - 1, 1)) / total
 
     def chances(self, rng: np.random.Generator) -> np.ndarray:
-        """Return for each suspect the chance that any is as sure where none is there, shape (suspects,)."""
+        """Return the p-value of each candidate, adjusted for all candidates, shape (candidates,)."""
         size, std = self.sizes()
-        drawn = np.divide(*self.sizes(rng.choice([-1.0, 1.0], size=(DRAWN, len(self.score)))))
+        drawn = np.divide(*self.sizes(rng.choice([-1.0, 1.0], size=(SIGN_DRAWS, len(self.score)))))
         together = np.abs(np.vstack([(1 - ROUNDING) * size / std, drawn]))
         ranks = np.argsort(np.argsort(together, axis=0), axis=0)
         return 1 - np.searchsorted(np.sort(ranks.max(axis=1)), ranks[0]) / len(ranks)
 
 
 @dataclass(frozen=True)
-class Named:
-    """A suspect by its number, with its size, standard deviation and 95 % interval in the unit of its parameter."""
+class NamedError:
+    """Number of a candidate, with its size, standard deviation and 95 % interval in the unit of its parameter."""
 
     number: int
     value: float
@@ -109,87 +109,91 @@ class Named:
 
 
 @dataclass(frozen=True)
-class Verdict:
-    """What walks lack.
+class ScoreTest:
+    """Result of the score test.
 
     Attributes
     ----------
     named
-        The likeliest suspect, then those that nobody can tell from it; none where nothing is beyond chance.
-    surest
-        Number of the suspect that is named or, where none is, of the surest.
+        The most likely candidate, then those that are indistinguishable from it; none if none is significant.
+    most_significant
+        Number of the candidate with the least p-value, or of the named one.
     p_value
-        Chance that any suspect is as sure as that one, where none is there.
+        Its p-value, adjusted for all candidates.
     """
 
-    named: tuple[Named, ...]
-    surest: int
+    named: tuple[NamedError, ...]
+    most_significant: int
     p_value: float
 
 
-def heard(
-    log: pd.DataFrame, solution: WalkSolution, sight: PositionAiding, suspects: Sequence[Suspect], model: ErrorModel,
-    assumptions: WalkAssumptions | None = None,
-) -> Testimony:  # fmt: skip
-    """Return what a walk says of the suspects.
+def block_scores(
+    log: pd.DataFrame, solution: WalkSolution, aiding: PositionAiding, candidates: Sequence[CandidateError],
+    model: ErrorModel, assumptions: WalkAssumptions | None = None,
+) -> BlockScores:  # fmt: skip
+    """Return the scores of the candidates by the blocks of a walk.
 
     Parameters
     ----------
     solution
-        Of the filter on the log as it is: stance is told from it, for all suspects alike.
-    sight
-        What is known of where the device was.
+        Filter solution of the original log, which gives the stances for all candidates.
+    aiding
+        Known positions of the device.
     model, assumptions
-        As of the solution.
+        Those of the solution.
     """
 
     def residuals(of: pd.DataFrame, velocity: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
-        return innovations(of, model, assumptions, velocity, sight, solution.phase)
+        return innovations(of, model, assumptions, velocity, aiding, solution.phase)
 
     plain, variance = residuals(log)
     known, std = np.isfinite(plain), np.sqrt(variance)
     known[solution.phase != STANCE, : NAVIGATION - 3] = False
     columns = []
-    for one in suspects:
+    for one in candidates:
         if one.velocity is None:
-            spared, _ = residuals(log - (one.model.simulate(log, 0) - log))
+            shifted, _ = residuals(log - (one.model.simulate(log, 0) - log))
         else:
-            spared, _ = residuals(log, one.small * np.outer(solution.phase == STANCE, one.velocity))
-        columns.append(((plain - spared) / std)[known] / one.small)
+            shifted, _ = residuals(log, one.small * np.outer(solution.phase == STANCE, one.velocity))
+        columns.append(((plain - shifted) / std)[known] / one.small)
     first = (plain / std)[known]
     slopes, square = np.column_stack(columns), np.mean(first**2)
     block = ((log.index.to_numpy() - log.index[0]) // BLOCK_S).astype(int)[np.nonzero(known)[0]]
     parts = [(slopes[block == number], first[block == number]) for number in np.unique(block)]
     score, information = [slope.T @ one for slope, one in parts], [(slope**2).sum(axis=0) for slope, _ in parts]
-    return Testimony(np.array(score) / square, np.array(information) / square)
+    return BlockScores(np.array(score) / square, np.array(information) / square)
 
 
-def judge(testimony: Testimony, alpha: float, rng: np.random.Generator, among: Sequence[int] | None = None) -> Verdict:
-    """Name, of the suspects that are sure beyond chance, the likeliest.
+def score_test(
+    scores: BlockScores, alpha: float, rng: np.random.Generator, among: Sequence[int] | None = None
+) -> ScoreTest:
+    """Test the candidates, and name the most likely of the significant ones.
 
-    Those are not told from it whose log-likelihoods are within :data:`imugap.navigation.stance_innovations.ALIKE` of
-    its own, in units of the scatter of the blocks.
+    Candidates are indistinguishable if their log-likelihoods differ by at most
+    :data:`imugap.navigation.stance_innovations.INDISTINGUISHABLE`, in units of the scatter of the blocks.
 
     Parameters
     ----------
     alpha
-        Chance with which any suspect may be named where none is there.
+        Probability of naming any candidate without a hidden error.
     among
-        Numbers of those that are suspected at all; None for all.
+        Numbers of the candidates to test; None for all.
     """
-    among = range(testimony.score.shape[1]) if among is None else among
-    asked = testimony.of(among)
-    (size, std), chance = asked.sizes(), asked.chances(rng)
-    gain = np.where(chance < alpha, asked.gain, -np.inf)
+    among = range(scores.score.shape[1]) if among is None else among
+    tested = scores.of(among)
+    (size, std), chance = tested.sizes(), tested.chances(rng)
+    gain = np.where(chance < alpha, tested.gain, -np.inf)
     best = int(np.argmax(gain))
     if chance[best] >= alpha:
-        surest = int(np.argmin(chance))
-        return Verdict((), among[surest], float(chance[surest]))
-    scatter = std[best] ** 2 * asked.information[:, best].sum()
-    alike = np.flatnonzero(gain > gain[best] - 2 * ALIKE * scatter)
-    half = stdtrit(len(asked.score) - 1, 0.975) * std
+        most_significant = int(np.argmin(chance))
+        return ScoreTest((), among[most_significant], float(chance[most_significant]))
+    scatter = std[best] ** 2 * tested.information[:, best].sum()
+    tied = np.flatnonzero(gain > gain[best] - 2 * INDISTINGUISHABLE * scatter)
+    half = stdtrit(len(tested.score) - 1, 0.975) * std
     named = [
-        Named(among[one], float(size[one]), float(std[one]), float(size[one] - half[one]), float(size[one] + half[one]))
-        for one in sorted(alike, key=lambda number: -gain[number])
+        NamedError(
+            among[one], float(size[one]), float(std[one]), float(size[one] - half[one]), float(size[one] + half[one])
+        )
+        for one in sorted(tied, key=lambda number: -gain[number])
     ]
-    return Verdict(tuple(named), among[best], float(chance[best]))
+    return ScoreTest(tuple(named), among[best], float(chance[best]))

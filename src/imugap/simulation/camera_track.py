@@ -1,9 +1,9 @@
-"""A navigated walk beside what cameras saw of it: a marker on the foot, in a frame and a time of their own.
+"""Comparison of a navigated walk with the track of a camera system: a marker on the foot, in its own frame and time.
 
-The marker is not the device. It sits at an arm from it, constant on a stiff foot, which with the heading, the origin
-and the offset of the clocks is fitted to the whole walk; lengths are never scaled. What is left is the error of the
-navigation, less the little that eight parameters take of it. Cameras lose a marker, and some then say where it was last
-or jump to another; such instants are left out.
+The marker sits at a constant arm from the device. The arm, the heading, the origin and the clock offset are fitted to
+the whole walk; lengths are never scaled. The residual is the navigation error, less the little that the eight fitted
+parameters absorb. Cameras lose a marker, and some then repeat its last position or jump to another marker; such
+instants are left out.
 """
 
 from dataclasses import dataclass
@@ -17,32 +17,31 @@ from imugap.navigation.pedestrian import PositionAiding, WalkSolution
 from imugap.numerics.rotation import from_euler
 
 STEP_S = 0.02
-"""Step of the instants at which both are compared [s]."""
+"""Sampling interval of the comparison [s]."""
 FASTEST_M_PER_S = 10.0
-"""Above this speed it is not a foot that moves."""
+"""Largest speed of a foot."""
 FROZEN = 3
-"""So many samples alike to the bit are not seen."""
+"""Number of bit-identical samples from which on a marker counts as lost."""
 MARGIN_S = 0.05
-"""Time around what was not seen that is left out [s]."""
+"""Time around a loss that is left out [s]."""
 MARKER_STD_M, ORIGIN_STD_M, HEADING_STD = 0.01, 0.03, np.radians(3.0)
-"""How far a marker, or a foot that comes back, is from where it should be [m]; how far place and heading of the begin
-are uncertain where they were fitted to the walk [m], [rad]."""
+"""Standard deviations of the position of a marker, or of a foot that returns [m], and of the fitted origin [m] and
+heading [rad]."""
 
 
 @dataclass(frozen=True, eq=False)
-class Footprints:
-    """A walk as navigated and as seen.
+class CameraComparison:
+    """Navigated and measured track of a walk.
 
     Attributes
     ----------
     time
         Instants of the log [s], shape (n,).
     found, seen
-        Positions of the marker, navigated and seen, in the frame of the reference [m], shape (n, 3): north, east, down;
-        NaN where it was not seen.
+        Positions of the marker, navigated and measured, in the frame of the cameras [m], shape (n, 3): north, east,
+        down; NaN where it was lost.
     heading, lag
-        What turns the navigated walk into the frame of the reference [rad]; how much later the reference stamps the
-        same event [s].
+        Rotation of the navigated walk into the frame of the cameras [rad]; delay of their stamps [s].
     arm
         From the device to the marker, in ``b`` [m], shape (3,).
     """
@@ -56,7 +55,7 @@ class Footprints:
 
     @property
     def error(self) -> np.ndarray:
-        """Return navigated less seen [m], shape (n, 3)."""
+        """Return navigated - measured [m], shape (n, 3)."""
         return self.found - self.seen
 
     def rmse(self) -> tuple[float, float]:
@@ -66,22 +65,22 @@ class Footprints:
 
     @property
     def off(self) -> np.ndarray:
-        """Return the error of the way from begin to end in the frame of the solution [m], shape (3,)."""
+        """Return the error of the displacement from begin to end in the frame of the solution [m], shape (3,)."""
         known = self.error[np.isfinite(self.error[:, 0])]
         return (known[-1] - known[0]) @ _frame(self.heading)
 
     def end(self) -> tuple[float, float]:
-        """Return the error of the way from begin to end: its horizontal length, and the height too much [m]."""
+        """Return the error of the displacement from begin to end: horizontal length, and height [m]."""
         north, east, down = self.off
         return float(np.hypot(north, east)), -float(down)
 
-    def sight(self, solution: WalkSolution) -> PositionAiding:
-        """Return where cameras saw the device in the middle of each stance, in the frame of the solution.
+    def aiding(self, solution: WalkSolution) -> PositionAiding:
+        """Return the camera position of the device in the middle of each stance, in the frame of the solution.
 
         Parameters
         ----------
         solution
-            The solution that was laid over what cameras saw.
+            The compared solution.
         """
         time = solution.time.to_numpy()
         rows, at = np.searchsorted(time, self.time), solution.stances()
@@ -93,7 +92,7 @@ class Footprints:
         return PositionAiding(position, MARKER_STD_M, HEADING_STD, ORIGIN_STD_M)
 
     def reach(self) -> tuple[float, float]:
-        """Return the largest horizontal distance from the begin, navigated and seen [m]."""
+        """Return the largest horizontal distance from the begin, navigated and measured [m]."""
         known = np.isfinite(self.seen[:, 0])
         found, seen = (np.hypot(*(one[known] - one[known][0])[:, :2].T).max() for one in (self.found, self.seen))
         return float(found), float(seen)
@@ -111,15 +110,15 @@ class Footprints:
         return known[["start", "end"]].assign(**lengths).dropna()
 
 
-def closed(solution: WalkSolution) -> PositionAiding:
-    """Return what is known of a walk that ends where it began."""
+def closed_loop_aiding(solution: WalkSolution) -> PositionAiding:
+    """Return the known end of a walk that returns to its start."""
     position = np.full((len(solution.time), 3), np.nan)
     position[-1] = 0.0
     return PositionAiding(position, MARKER_STD_M)
 
 
-def footprints(solution: WalkSolution, seen: pd.DataFrame, stiff: bool = True) -> Footprints:
-    """Lay a solution over the positions of a marker that was seen.
+def compare_with_cameras(solution: WalkSolution, seen: pd.DataFrame, stiff: bool = True) -> CameraComparison:
+    """Fit a solution to the measured positions of a marker.
 
     Parameters
     ----------
@@ -127,7 +126,7 @@ def footprints(solution: WalkSolution, seen: pd.DataFrame, stiff: bool = True) -
         Index ``time`` [s], columns :data:`imugap.kinematics.strapdown.POSITION` [m]
         (:func:`imugap.io.readers.read_positions`).
     stiff
-        Whether the arm is fitted; if not, the marker is taken to be where the device is.
+        Whether the arm is fitted; if not, the marker is at the device.
     """
     table, seen = solution.trajectory, _seen(seen)
     begin, end = max(table.index[0], seen.index[0]), min(table.index[-1], seen.index[-1])
@@ -141,13 +140,13 @@ def footprints(solution: WalkSolution, seen: pd.DataFrame, stiff: bool = True) -
     origin, arm = _placed(_at(seen, time[known] + lag), position[known], turns[known], heading, stiff)
     found = (position + turns @ arm) @ _frame(heading).T + origin
     target = np.where(known[:, None], _at(seen, time + lag), np.nan)
-    return Footprints(time, found, target, heading, lag, arm)
+    return CameraComparison(time, found, target, heading, lag, arm)
 
 
 def _clocked(
     seen: pd.DataFrame, time: np.ndarray, position: np.ndarray, turns: np.ndarray, stiff: bool
 ) -> tuple[float, float]:
-    """Return the heading and the lag with which the marker, best placed, is nearest to where it was seen."""
+    """Return heading and lag of the least-squares fit."""
 
     def misfit(parameters: np.ndarray) -> np.ndarray:
         heading, lag = parameters
@@ -180,7 +179,7 @@ def _frame(heading: float) -> np.ndarray:
 
 
 def _seen(table: pd.DataFrame) -> pd.DataFrame:
-    """Leave out what is NaN, what repeats itself to the bit, and what jumps."""
+    """Drop NaN, repeated and jumping samples."""
     table = table.dropna()
     steps = np.diff(table.to_numpy(), axis=0, prepend=np.nan)
     speed = np.linalg.norm(steps, axis=1) / np.diff(table.index, prepend=np.nan)
@@ -190,7 +189,7 @@ def _seen(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def _known(seen: pd.DataFrame, time: np.ndarray) -> np.ndarray:
-    """Tell which instants lie among what was seen, away from its gaps."""
+    """Return which instants have a measured position, away from gaps."""
     stamps = seen.index.to_numpy()
     place = np.clip(np.searchsorted(stamps, time), 1, len(stamps) - 1)
     near = np.diff(stamps)[place - 1] < MARGIN_S

@@ -1,12 +1,11 @@
-"""A simulated drive through a town: one smooth path gives position, attitude, and the output of an ideal device.
+"""Simulated drive through a town: one smooth path gives position, attitude, and the output of an ideal device.
 
-Legs (a rest, a speed to be reached, a turn) are made smooth functions of time on a grid, and splines of fifth order of
-them: speed, course, slope and bank. The rear axle goes along the road, but for the slip of its tyres, and the device,
-which sits ahead of it, swings out in a turn. At the stamps of the samples velocity and attitude of the device are what
-the splines say. The ideal output of each interval is then what the navigator (:mod:`imugap.kinematics.strapdown`, the
-ellipsoid in full) needs to get from one stamp to the next: mechanisation inverted, exact to rounding whatever the
-interval. The position is that which the navigator finds. Truth and ideal output are therefore one under the very
-equations of the filter.
+Legs (a rest, a speed, a turn) become smooth functions of time on a grid, and splines of fifth order of speed, course,
+slope and bank. The rear axle follows the road, except for tyre slip; the device ahead of it swings out in a turn. At
+the stamps velocity and attitude of the device are those of the splines. The ideal output of each interval is the one
+with which the navigator (:mod:`imugap.kinematics.strapdown`, the ellipsoid in full) gets from one stamp to the next:
+the inverted mechanisation, exact to rounding for any interval. The position is that of the navigator. Truth and ideal
+output therefore satisfy the equations of the filter exactly.
 """
 
 from dataclasses import dataclass
@@ -36,19 +35,19 @@ GRID_S = 0.1
 STEP_S = 1e-3
 """Step of difference quotients [s]."""
 ROUNDS = 5
-"""Rounds of the inversion: each leaves a hundredth or less of what was missed."""
+"""Iterations of the inversion; each reduces the error to a hundredth or less."""
 
 
 @dataclass(frozen=True)
-class Leg:
-    """A part of the way.
+class DriveLeg:
+    """Leg of a drive.
 
     Attributes
     ----------
     duration_s
-        How long it takes [s].
+        Duration [s].
     speed_m_per_s
-        Speed at its end; it is approached smoothly over ``change_s`` from its begin (the whole leg where 0).
+        Speed at its end, reached smoothly over ``change_s`` from its begin (over the whole leg if 0).
     turn_deg
         Change of heading over the leg, smooth.
     slope_deg
@@ -64,16 +63,16 @@ class Leg:
 
 @dataclass(frozen=True)
 class Axle:
-    """The rear axle, which goes along the road, but for the slip of its tyres.
+    """Rear axle, which follows the road except for tyre slip.
 
     Attributes
     ----------
     arm_m
-        From the device to its middle, in ``b``: the device swings out by it in a turn.
+        From the device to its middle, in ``b``.
     slip
-        Angle by which it goes beside the heading, outward, per lateral acceleration [rad s^2/m].
+        Outward slip angle per lateral acceleration [rad s^2/m].
     std_m_per_s, correlation_s
-        What a filter takes its velocity across and up to be (:mod:`imugap.filters.nonholonomic`).
+        Assumptions of a filter on its velocity across and up (:mod:`imugap.filters.nonholonomic`).
     """
 
     arm_m: tuple[float, float, float]
@@ -84,9 +83,9 @@ class Axle:
 
 @dataclass(frozen=True)
 class Receiver:
-    """A GNSS receiver: rate, white noise of position [m] and velocity [m/s] (north, east, down), what it tells of it.
+    """GNSS receiver: rate, white noise of position [m] and velocity [m/s] (north, east, down), and lever arm.
 
-    ``delay_s`` is how much earlier the stamp of a fix is than the time of the log at which it belongs.
+    ``delay_s`` is the time of the log minus the stamp of a fix.
     """
 
     rate_hz: float
@@ -100,7 +99,7 @@ class Receiver:
 class Drive:
     """A recipe: legs, device, receiver, site and rate."""
 
-    legs: tuple[Leg, ...]
+    legs: tuple[DriveLeg, ...]
     laps: int
     heading_deg: float
     bank: float
@@ -122,7 +121,7 @@ class Drive:
         try:
             course, site = recipe["course"], recipe["site"]
             return cls(
-                tuple(Leg(**leg) for leg in course["legs"]),
+                tuple(DriveLeg(**leg) for leg in course["legs"]),
                 course["laps"],
                 course["heading_deg"],
                 course["bank"],
@@ -144,11 +143,11 @@ class Drive:
 
     @property
     def path(self) -> tuple[pd.DataFrame, pd.DataFrame]:
-        """True Trajectory with the columns of a Reference, and what an error-free device reads; the same each time."""
+        """True Trajectory with the columns of a Reference, and the output of an error-free device."""
         return _path(self.legs, self.laps, self.heading_deg, self.bank, self.axle, self.ellipsoid, self.rate_hz)
 
     def device(self, run: int, seed: int) -> ErrorModel:
-        """Return the model of the device of ``run``: with scale factors of its own, drawn."""
+        """Return the model of the device of ``run``, with drawn scale factors."""
         drawn = stream(seed, "scale", run).standard_normal(len(AXES)) * np.repeat(self.scale_std, 3)
         own = {
             axis: self.model.axes.get(axis, AxisModel()) + ScaleFactor(error=float(error))
@@ -161,7 +160,7 @@ class Drive:
         return self.device(run, seed).simulate(self.path[1], seed, "drive", run)
 
     def errors(self, run: int, seed: int) -> pd.DataFrame:
-        """Return the true errors of the sensors on drive ``run`` that a filter's states estimate: all but white noise.
+        """Return the true sensor errors on drive ``run`` that filter states estimate: all but white noise.
 
         Columns are the axes, and the axes with ``_scale`` for the scale factors.
         """
@@ -171,7 +170,7 @@ class Drive:
         return table.assign(**{f"{axis}_scale": model.effects[-1].error for axis, model in device.axes.items()})
 
     def antenna(self) -> pd.DataFrame:
-        """Return what an error-free receiver measures at its epochs: :data:`imugap.io.gnss.COMPONENTS`."""
+        """Return error-free fixes, with columns :data:`imugap.io.gnss.COMPONENTS`."""
         truth, ideal = self.path
         every = round(self.rate_hz / self.receiver.rate_hz)
         rows = np.arange(every, len(truth), every)
@@ -197,7 +196,13 @@ def _without(model: AxisModel, *kinds: type) -> AxisModel:
 
 @lru_cache(maxsize=4)
 def _path(
-    legs: tuple[Leg, ...], laps: int, heading_deg: float, bank: float, axle: Axle, ellipsoid: Ellipsoid, rate_hz: float
+    legs: tuple[DriveLeg, ...],
+    laps: int,
+    heading_deg: float,
+    bank: float,
+    axle: Axle,
+    ellipsoid: Ellipsoid,
+    rate_hz: float,
 ) -> tuple[pd.DataFrame, pd.DataFrame]:
     """Design the path, and invert the mechanisation along it."""
     duration = laps * sum(leg.duration_s for leg in legs)
@@ -224,7 +229,9 @@ def _path(
     return truth, log.check(pd.DataFrame(samples, index=table.index)[list(AXES)])
 
 
-def _design(legs: tuple[Leg, ...], heading_deg: float, grid: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _design(
+    legs: tuple[DriveLeg, ...], heading_deg: float, grid: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return speed [m/s], course and slope [rad] on the grid."""
     begin, speed, slope = 0.0, 0.0, 0.0
     found = np.zeros((3, len(grid)))
@@ -253,8 +260,8 @@ def _against(quat, other):
 def _invert(time, velocity, quat, origin):
     """Return positions, and the rates and specific forces whose navigation gives velocity and attitude at each stamp.
 
-    The step is linear in the increments but for second-order terms: what it misses is added to rate and force until
-    nothing is. The first sample, which only the corrections of the second see, is the second again.
+    The step is linear in the increments to first order: the residual is added to rate and force, iteratively. The first
+    sample, which only the corrections of the second use, equals the second.
     """
     count = len(time)
     place, rate, force = np.zeros((count, 3)), np.zeros((count, 3)), np.zeros((count, 3))

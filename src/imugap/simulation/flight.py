@@ -70,7 +70,7 @@ class Disturbance:
 
 
 @dataclass(frozen=True)
-class Course:
+class FlightCourse:
     """How the aircraft rests, is launched and flies: the keys of ``course`` in a recipe."""
 
     rest_s: float
@@ -85,7 +85,7 @@ class Course:
     disturbance: Disturbance
 
     @classmethod
-    def from_mapping(cls, mapping: dict) -> "Course":
+    def from_mapping(cls, mapping: dict) -> "FlightCourse":
         """Build from plain data."""
         parts = {
             "speed_swing": Swing(**mapping["speed_swing"]),
@@ -122,7 +122,7 @@ class Course:
 class Flight:
     """A recipe: the course, the device, the site and the rate."""
 
-    course: Course
+    course: FlightCourse
     model: ErrorModel
     site: Site
     rate_hz: float
@@ -133,7 +133,7 @@ class Flight:
         recipe = yaml.safe_load(Path(path).read_text())
         try:
             return cls(
-                Course.from_mapping(recipe["course"]),
+                FlightCourse.from_mapping(recipe["course"]),
                 ErrorModel.from_mapping(recipe["model"]),
                 Site.from_mapping(recipe["site"]),
                 recipe["rate_hz"],

@@ -1,9 +1,9 @@
 """Gross errors of fixes, drawn from a recipe: isolated outliers, biased stretches, slow ramps, and outages.
 
-An outlier and a stretch shift the position by one vector, of a size that is drawn evenly on a logarithmic scale, in any
-horizontal direction and half as far, up or down, at most. The velocity of each such fix is off by a vector of its own,
-as large as the recipe says per metre of the shift. A ramp lets the position run away at a constant rate and leaves the
-velocity right. An outage leaves nothing. Whatever lasts keeps a distance from all others.
+Outliers and stretches shift the position by one vector, of a log-uniform horizontal size and a uniform direction, and
+by at most half that size up or down. The velocity of each such fix has an error of its own, in proportion to the shift.
+A ramp moves the position at a constant rate and leaves the velocity correct. An outage removes the fixes. Events that
+last keep a distance from all others.
 """
 
 from dataclasses import dataclass
@@ -19,15 +19,15 @@ from imugap.kinematics.strapdown import Ellipsoid
 from imugap.stream import stream
 
 OUTLIER, STRETCH, RAMP, OUTAGE = "outlier", "stretch", "ramp", "outage"
-WORTHLESS = 1e5
-"""Standard deviation of a position that says nothing [m]."""
+NO_INFORMATION_STD = 1e5
+"""Standard deviation of a position without information [m]."""
 TRIES = 10_000
-"""Draws of places until a recipe counts as one that does not fit its drive."""
+"""Largest number of draws of a free time for an event."""
 
 
 @dataclass(frozen=True)
-class Range:
-    """How many events of a kind there are, and between what limits their size and duration are drawn."""
+class FaultRange:
+    """Number of events of a kind, and limits of their size and duration."""
 
     number: int
     size: tuple[float, float] = (1.0, 1.0)
@@ -35,7 +35,7 @@ class Range:
 
 
 @dataclass(frozen=True)
-class Event:
+class FaultEvent:
     """A gross error: its kind, begin and end [s], and the shift [m], or its rate [m/s], north, east, down."""
 
     kind: str
@@ -51,22 +51,22 @@ class Faults:
     Attributes
     ----------
     begin_s
-        Time ahead of the first [s].
+        Time before the first event [s].
     gap_s
         Shortest time between two events that last [s].
     velocity_per_s
         Gross error of the velocity over that of the position [1/s].
     outliers, stretches, ramps, outages
-        What there is of each; sizes in metres, of ramps in metres per second.
+        Events of each kind; sizes in metres, of ramps in metres per second.
     """
 
     begin_s: float
     gap_s: float
     velocity_per_s: float
-    outliers: Range
-    stretches: Range
-    ramps: Range
-    outages: Range
+    outliers: FaultRange
+    stretches: FaultRange
+    ramps: FaultRange
+    outages: FaultRange
 
     @classmethod
     def read(cls, path: str | Path) -> "Faults":
@@ -74,7 +74,7 @@ class Faults:
         try:
             given = yaml.safe_load(Path(path).read_text())["faults"]
             ranges = {
-                name: Range(
+                name: FaultRange(
                     given[name]["number"],
                     tuple(given[name].get(size, (1.0, 1.0))),
                     tuple(given[name].get("duration_s", (0.0, 0.0))),
@@ -87,27 +87,29 @@ class Faults:
         except (KeyError, TypeError, ValueError) as error:
             raise ValueError(f"{path}: expected a recipe with faults; found {error}") from error
 
-    def draw(self, time: np.ndarray, seed: int, *labels: object) -> tuple[Event, ...]:
+    def draw(self, time: np.ndarray, seed: int, *labels: object) -> tuple[FaultEvent, ...]:
         """Draw the events of fixes at ``time`` [s], in the order of their begin."""
         rng, lasting = stream(seed, "faults", *labels), []
         for kind, given in ((STRETCH, self.stretches), (RAMP, self.ramps), (OUTAGE, self.outages)):
             for _ in range(given.number):
                 duration = rng.uniform(*given.duration_s)
                 begin = self._place(time, duration, lasting, rng)
-                lasting.append(Event(kind, begin, begin + duration, _shift(given, rng)))
+                lasting.append(FaultEvent(kind, begin, begin + duration, _shift(given, rng)))
         alone = [
             t for t in time if t > self.begin_s and all(not one.begin - 2 < t < one.end + self.gap_s for one in lasting)
         ]
         chosen = rng.choice(alone, min(self.outliers.number, len(alone)), replace=False)
-        isolated = [Event(OUTLIER, float(t), float(t), _shift(self.outliers, rng)) for t in chosen]
+        isolated = [FaultEvent(OUTLIER, float(t), float(t), _shift(self.outliers, rng)) for t in chosen]
         return tuple(sorted((*lasting, *isolated), key=lambda one: one.begin))
 
-    def first(self, seed: int, *labels: object) -> Event:
-        """Draw a stretch that is there from the beginning, and as long after ``begin_s`` as one lasts."""
+    def first(self, seed: int, *labels: object) -> FaultEvent:
+        """Draw a stretch from the beginning until a drawn duration after ``begin_s``."""
         rng = stream(seed, "faults", *labels, "first")
-        return Event(STRETCH, 0.0, self.begin_s + rng.uniform(*self.stretches.duration_s), _shift(self.stretches, rng))
+        return FaultEvent(
+            STRETCH, 0.0, self.begin_s + rng.uniform(*self.stretches.duration_s), _shift(self.stretches, rng)
+        )
 
-    def _place(self, time: np.ndarray, duration: float, others: list[Event], rng: np.random.Generator) -> float:
+    def _place(self, time: np.ndarray, duration: float, others: list[FaultEvent], rng: np.random.Generator) -> float:
         for _ in range(TRIES):
             begin = rng.uniform(self.begin_s, max(time[-1] - duration - self.gap_s, self.begin_s))
             if all(begin > one.end + self.gap_s or begin + duration < one.begin - self.gap_s for one in others):
@@ -115,10 +117,10 @@ class Faults:
         raise ValueError(f"faults: expected room for events of {duration:.3g} s, {self.gap_s:g} s apart; found none")
 
     def apply(
-        self, fixes: pd.DataFrame, events: tuple[Event, ...], ellipsoid: Ellipsoid, seed: int, *labels: object
+        self, fixes: pd.DataFrame, events: tuple[FaultEvent, ...], ellipsoid: Ellipsoid, seed: int, *labels: object
     ) -> pd.DataFrame:
-        """Return the fixes with the gross errors; those in an outage are left out."""
-        measured, kinds = gnss.local(fixes, ellipsoid), mark(fixes.index.to_numpy(), events)
+        """Return the fixes with the gross errors, without those in an outage."""
+        measured, kinds = gnss.local(fixes, ellipsoid), event_kinds(fixes.index.to_numpy(), events)
         wild = stream(seed, "faults", *labels, "velocity").standard_normal((len(fixes), 3)) / np.sqrt(3)
         for one in events:
             inside = _inside(fixes.index.to_numpy(), one)
@@ -131,31 +133,31 @@ class Faults:
         std = gnss.deviations(fixes, (1.0, 1.0, 1.0), (1.0, 1.0, 1.0))
         return gnss.from_local(fixes.index.to_numpy(), measured, std, ellipsoid)[kinds != OUTAGE]
 
-    def confess(self, spoilt: pd.DataFrame, events: tuple[Event, ...]) -> pd.DataFrame:
-        """Return spoilt fixes with standard deviations that tell of the gross errors: what an oracle would have."""
+    def with_true_deviations(self, spoilt: pd.DataFrame, events: tuple[FaultEvent, ...]) -> pd.DataFrame:
+        """Return contaminated fixes with standard deviations that include the gross errors, as an oracle knows them."""
         told, time = spoilt.copy(), spoilt.index.to_numpy()
         for one in (one for one in events if one.kind != OUTAGE):
             inside = _inside(time, one)
-            told.loc[inside, list(PLACE_STD)] = WORTHLESS
+            told.loc[inside, list(PLACE_STD)] = NO_INFORMATION_STD
             if one.kind != RAMP:
                 wild = self.velocity_per_s * np.linalg.norm(one.shift) / np.sqrt(3)
                 told.loc[inside, list(VELOCITY_STD)] = np.hypot(told.loc[inside, list(VELOCITY_STD)], wild)
         return told
 
 
-def mark(time: np.ndarray, events: tuple[Event, ...]) -> np.ndarray:
-    """Return the kind of the event at each time [s], an empty text where there is none, shape (n,)."""
+def event_kinds(time: np.ndarray, events: tuple[FaultEvent, ...]) -> np.ndarray:
+    """Return the kind of the event at each time [s], or an empty text, shape (n,)."""
     kinds = np.full(len(time), "", dtype=object)
     for one in events:
         kinds[_inside(time, one)] = one.kind
     return kinds
 
 
-def _inside(time: np.ndarray, event: Event) -> np.ndarray:
+def _inside(time: np.ndarray, event: FaultEvent) -> np.ndarray:
     return (time >= event.begin - 1e-6) & (time <= event.end + 1e-6)
 
 
-def _shift(given: Range, rng: np.random.Generator) -> tuple[float, float, float]:
+def _shift(given: FaultRange, rng: np.random.Generator) -> tuple[float, float, float]:
     size = np.exp(rng.uniform(*np.log(given.size)))
     angle, rise = rng.uniform(0, 2 * np.pi), rng.uniform(-0.5, 0.5)
     return float(size * np.cos(angle)), float(size * np.sin(angle)), float(size * rise)

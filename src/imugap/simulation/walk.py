@@ -64,7 +64,7 @@ class Gait:
 
 
 @dataclass(frozen=True)
-class Leg:
+class WalkLeg:
     """So many strides alike: turn of each [deg], rise of each [m], and its share of a full length (0: on the spot)."""
 
     strides: int
@@ -74,32 +74,32 @@ class Leg:
 
 
 @dataclass(frozen=True)
-class Course:
+class WalkCourse:
     """A stand [s], legs, and a stand."""
 
     stand_s: float
-    legs: tuple[Leg, ...]
+    legs: tuple[WalkLeg, ...]
     end_s: float
 
     @classmethod
-    def out_and_back(cls, strides: int, stand_s: float = 5.0, end_s: float = 2.0) -> "Course":
+    def out_and_back(cls, strides: int, stand_s: float = 5.0, end_s: float = 2.0) -> "WalkCourse":
         """Go straight out, turn on the spot, come back and turn again: position and heading close exactly."""
-        half = (Leg(strides), Leg(3, turn_deg=60.0, share=0.0))
+        half = (WalkLeg(strides), WalkLeg(3, turn_deg=60.0, share=0.0))
         return cls(stand_s, half * 2, end_s)
 
     @classmethod
-    def loop(cls, strides: int, stand_s: float = 5.0, end_s: float = 2.0) -> "Course":
+    def loop(cls, strides: int, stand_s: float = 5.0, end_s: float = 2.0) -> "WalkCourse":
         """Walk a circle of so many strides: position and heading close exactly."""
-        return cls(stand_s, (Leg(strides, turn_deg=360.0 / strides),), end_s)
+        return cls(stand_s, (WalkLeg(strides, turn_deg=360.0 / strides),), end_s)
 
-    def strides(self) -> Iterator[Leg]:
+    def strides(self) -> Iterator[WalkLeg]:
         """Iterate over the strides."""
         for leg in self.legs:
             yield from [leg] * leg.strides
 
 
 @dataclass(frozen=True, eq=False)
-class Motion:
+class FootMotion:
     """The motion of a device: position [m] in ``n`` and Euler angles of ``b`` [rad] over time [s]."""
 
     position: BSpline
@@ -111,7 +111,7 @@ class Walk:
     """A recipe: gait, course, device, site, rate, and where the point on the ground lies, in ``b`` [m]."""
 
     gait: Gait
-    course: Course
+    course: WalkCourse
     model: ErrorModel
     site: Site
     rate_hz: float
@@ -122,10 +122,10 @@ class Walk:
         """Read a recipe (YAML with ``gait``, ``course``, ``model``, ``site``, ``rate_hz`` and ``contact_m``)."""
         recipe = yaml.safe_load(Path(path).read_text())
         try:
-            course = recipe["course"] | {"legs": tuple(Leg(**leg) for leg in recipe["course"]["legs"])}
+            course = recipe["course"] | {"legs": tuple(WalkLeg(**leg) for leg in recipe["course"]["legs"])}
             return cls(
                 Gait(**recipe["gait"]),
-                Course(**course),
+                WalkCourse(**course),
                 ErrorModel.from_mapping(recipe["model"]),
                 Site.from_mapping(recipe["site"]),
                 recipe["rate_hz"],
@@ -144,7 +144,7 @@ class Walk:
         """Return the stamps of the samples [s]; each sample is the mean over the interval that ends there."""
         return np.arange(1, round(self.duration_s * self.rate_hz) + 1) / self.rate_hz
 
-    def motion(self, run: int, seed: int) -> Motion:
+    def motion(self, run: int, seed: int) -> FootMotion:
         """Return the motion on walk ``run``; without drift at stance all walks are one."""
         return _motion(self.gait, self.course, self.contact_m, *((run, seed) if self.gait.drift_m_per_s else (0, 0)))
 
@@ -175,7 +175,7 @@ class Walk:
 
 
 @lru_cache(maxsize=4)
-def _motion(gait: Gait, course: Course, contact: tuple[float, float, float], run: int, seed: int) -> Motion:
+def _motion(gait: Gait, course: WalkCourse, contact: tuple[float, float, float], run: int, seed: int) -> FootMotion:
     """Design contact point and foot stride by stride; the device hangs on them."""
     strides = list(course.strides())
     time = np.arange(-0.1, course.stand_s + len(strides) * gait.stride_s + course.end_s + 0.1, GRID_S)
@@ -202,7 +202,7 @@ def _motion(gait: Gait, course: Course, contact: tuple[float, float, float], run
         euler[done:, 2] += turn
         heading += turn
     device = point - from_euler(euler).apply(contact)
-    return Motion(make_interp_spline(time, device, ORDER), make_interp_spline(time, euler, ORDER))
+    return FootMotion(make_interp_spline(time, device, ORDER), make_interp_spline(time, euler, ORDER))
 
 
 def _bump(x: np.ndarray) -> np.ndarray:

@@ -1,8 +1,8 @@
-"""The replay of a real walk: its own log once more, with errors added, stands for another walk of the same kind.
+"""Replay of a real walk: its own log with simulated errors added, as another walk of the same kind.
 
-What the navigator makes of the log as it is counts as the truth. The same strides, turns and stands, the same shocks
-and the same mounting go through a device whose errors are drawn, and what the end moves by is the error of that walk.
-To first order it is no matter that the log has errors already: they are in both.
+The solution of the original log is the truth. The same strides, shocks and mounting pass through a device whose errors
+are drawn, and the displacement of the end is the error of that walk. To first order the errors of the original log do
+not matter, since they are in both.
 """
 
 from dataclasses import dataclass
@@ -14,23 +14,23 @@ from imugap.filters.zero_velocity import STANCE
 from imugap.kinematics.strapdown import POSITION
 from imugap.model import ErrorModel
 from imugap.navigation.pedestrian import WalkAssumptions, WalkSolution, navigate
-from imugap.simulation.camera_track import footprints
+from imugap.simulation.camera_track import compare_with_cameras
 
 
 @dataclass(frozen=True, eq=False)
 class Replay:
-    """A walk to be replayed.
+    """Walk to replay.
 
     Attributes
     ----------
     log
-        The log as it is.
+        Original log.
     solution
-        What the filter makes of it.
+        Its filter solution.
     model, assumptions
-        What the filter takes for granted.
+        Error model and assumptions of the filter.
     seen
-        Whether the end is told as where cameras saw the foot: with origin and heading fitted to the whole walk.
+        Whether the end error is that of a comparison with cameras: origin and heading fitted to the whole walk.
     """
 
     log: pd.DataFrame
@@ -41,7 +41,7 @@ class Replay:
 
     @classmethod
     def of(cls, log: pd.DataFrame, model: ErrorModel, assumptions: WalkAssumptions, seen: bool) -> "Replay":
-        """Navigate the log as it is."""
+        """Navigate the original log."""
         return cls(log, navigate(log, model, assumptions), model, assumptions, seen)
 
     def end(self, device: ErrorModel, velocity: np.ndarray, seed: int, *labels: object) -> np.ndarray:
@@ -50,26 +50,26 @@ class Replay:
         Parameters
         ----------
         device
-            The errors that are added.
+            Errors to add.
         velocity
-            Of the foot at stance, in ``n`` [m/s], shape (n, 3): the filter takes it for zero.
+            Velocity of the foot at stance, in ``n`` [m/s], shape (n, 3), which the filter assumes zero.
         """
         log = device.simulate(self.log, seed, *labels)
         found = navigate(log, self.model, self.assumptions, velocity=-velocity)
         if self.seen:
-            return footprints(found, self.solution.trajectory[list(POSITION)]).off
+            return compare_with_cameras(found, self.solution.trajectory[list(POSITION)]).off
         return (found.trajectory - self.solution.trajectory)[list(POSITION)].iloc[-1].to_numpy()
 
     def still(self) -> np.ndarray:
-        """Return the velocity at stance of a foot that rests, shape (n, 3)."""
+        """Return zero velocity at stance, shape (n, 3)."""
         return np.zeros((len(self.log), 3))
 
     def slip(self, std: float, rng: np.random.Generator) -> np.ndarray:
-        """Return a velocity drawn for each stance, each axis with this standard deviation [m/s], shape (n, 3)."""
+        """Draw a velocity for each stance, each axis with a standard deviation [m/s], shape (n, 3)."""
         stance = self.solution.phase == STANCE
         number = np.cumsum(np.diff(stance, prepend=False) & stance)
         return stance[:, None] * (std * rng.standard_normal((number[-1] + 1, 3)))[number]
 
     def sink(self, velocity: float) -> np.ndarray:
-        """Return a velocity down at every stance [m/s], shape (n, 3)."""
+        """Return a constant downward velocity at every stance [m/s], shape (n, 3)."""
         return np.outer(self.solution.phase == STANCE, [0.0, 0.0, velocity])

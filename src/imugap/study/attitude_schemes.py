@@ -42,11 +42,11 @@ def fitted(static: pd.DataFrame, minutes: Sequence[int]) -> tuple[pd.DataFrame, 
         begun = static[static.index < 60 * length]
         fits = {scheme: fit(begun, scheme) for scheme in SCHEMES}
         tables += [table(found, minutes=length, scheme=scheme) for scheme, found in fits.items()]
-        models[length] = {scheme: believed(found).to_mapping() for scheme, found in fits.items()}
+        models[length] = {scheme: filter_model(found).to_mapping() for scheme, found in fits.items()}
     return pd.concat(tables), models
 
 
-def believed(fits: Mapping[str, Fit]) -> ErrorModel:
+def filter_model(fits: Mapping[str, Fit]) -> ErrorModel:
     """Return what the filter is given, by one rule for all schemes.
 
     A parameter that is only bounded from above enters with its upper limit, the most that the log allows: a filter that

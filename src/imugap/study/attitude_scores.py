@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 
 from imugap.navigation.attitude import COVARIANCE
-from imugap.numerics import block_bootstrap as bootstrap
+from imugap.numerics import block_bootstrap
 
 SCORES = ("variance", "mean_abs", "rms", "lowest", "highest")
 """Variance about the mean [rad^2], mean absolute error, root mean square, range [rad] (Liu, Ren, Li 2016, table 5)."""
@@ -34,10 +34,10 @@ def nees(error: pd.DataFrame, solution: pd.DataFrame) -> np.ndarray:
     return (ee * north**2 - 2 * ne * north * east + nn * east**2) / (nn * ee - ne**2)
 
 
-def difference(error: np.ndarray, other: np.ndarray, rng: np.random.Generator) -> bootstrap.Mean:
+def difference(error: np.ndarray, other: np.ndarray, rng: np.random.Generator) -> block_bootstrap.Mean:
     """Return by how much the variance of ``other`` exceeds that of ``error``, two errors at the same instants [rad].
 
     The interval is that of blocks of the difference of their squared deviations, which is what varies.
     """
     squares = [(one - one.mean()) ** 2 for one in (error, other)]
-    return bootstrap.mean(squares[1] - squares[0], rng)
+    return block_bootstrap.mean(squares[1] - squares[0], rng)

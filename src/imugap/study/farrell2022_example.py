@@ -69,13 +69,13 @@ def markov(driving_psd: float, time: float) -> GaussMarkov:
 
 
 @dataclass(frozen=True)
-class Example:
+class PrintedExample:
     """The printed values by sensor and quantity."""
 
     table: pd.DataFrame
 
     @classmethod
-    def of(cls, printed: pd.DataFrame) -> "Example":
+    def of(cls, printed: pd.DataFrame) -> "PrintedExample":
         """Take the printed table."""
         return cls(printed.set_index(["sensor", "quantity"]))
 
@@ -127,7 +127,7 @@ class Example:
 
 def checks(printed: pd.DataFrame) -> list[Check]:
     """Return every printed value that others determine, recomputed."""
-    example = Example.of(printed)
+    example = PrintedExample.of(printed)
     place, height = flat_top()
     gain, sensor = floor_gain(), "accelerometer"
     return [

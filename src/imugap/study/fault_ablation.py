@@ -18,7 +18,7 @@ from imugap.log import ACCEL, GYRO
 from imugap.navigation.vehicle import DriveAssumptions, DriveInputs, DriveSolution, navigate
 from imugap.navigation.vehicle_alignment import align
 from imugap.simulation.drive import Drive
-from imugap.simulation.gnss_faults import OUTAGE, OUTLIER, RAMP, STRETCH, Event, Faults, mark
+from imugap.simulation.gnss_faults import OUTAGE, OUTLIER, RAMP, STRETCH, FaultEvent, Faults, event_kinds
 
 CLEAN, CONTAMINATED, LOST = "clean", "contaminated", "lost"
 """Cases: good fixes; all gross errors of the recipe; a stretch and no more, in which the drive begins."""
@@ -41,12 +41,12 @@ EVERY_S = 1.0
 
 
 @dataclass(frozen=True, eq=False)
-class Run:
+class AblationRun:
     """A drive under one scheme: solution, fixes, the gross errors in them, and the true errors of the sensors."""
 
     solution: DriveSolution
     fixes: pd.DataFrame
-    events: tuple[Event, ...]
+    events: tuple[FaultEvent, ...]
     true: pd.DataFrame
 
 
@@ -84,7 +84,7 @@ class Ablation:
 
     def runs(
         self, run: int, seed: int, schemes: dict[str, QualityControl] = SCHEMES, cases: tuple[str, ...] = CASES
-    ) -> Iterator[tuple[str, str, Run]]:
+    ) -> Iterator[tuple[str, str, AblationRun]]:
         """Yield case, scheme and what comes of it, for one drive."""
         drive, assumptions = self.drive, self.assumptions
         record, clean, true = drive.record(run, seed), drive.fixes(run, seed), drive.errors(run, seed)
@@ -94,11 +94,11 @@ class Ablation:
 
         def navigated(
             own: DriveAssumptions, fixes: pd.DataFrame, quality: QualityControl, events: tuple, smooth: bool
-        ) -> Run:
+        ) -> AblationRun:
             late = bool(events) and events[0].begin < start.time
             begin = align(replace(inputs, fixes=fixes)) if late else start
             given = replace(inputs, fixes=fixes, assumptions=own, quality=quality)
-            return Run(navigate(given, begin, smooth), fixes, events, true)
+            return AblationRun(navigate(given, begin, smooth), fixes, events, true)
 
         for case, (fixes, events) in ((case, known[case]) for case in cases):
             for name, quality in schemes.items():
@@ -110,10 +110,12 @@ class Ablation:
                 if case in (CLEAN, CONTAMINATED):
                     yield case, names[0], navigated(told, fixes, QualityControl(), events, True)
                 if case == CONTAMINATED:
-                    confessed = self.faults.confess(fixes, events)
+                    confessed = self.faults.with_true_deviations(fixes, events)
                     yield case, names[1], navigated(told, confessed, NO_CONTROL, events, False)
 
-    def _cases(self, clean: pd.DataFrame, run: int, seed: int) -> dict[str, tuple[pd.DataFrame, tuple[Event, ...]]]:
+    def _cases(
+        self, clean: pd.DataFrame, run: int, seed: int
+    ) -> dict[str, tuple[pd.DataFrame, tuple[FaultEvent, ...]]]:
         """Return the fixes of each case and the gross errors in them."""
         events = self.faults.draw(clean.index.to_numpy(), seed, run)
         known = {CLEAN: (), CONTAMINATED: events}
@@ -124,7 +126,7 @@ class Ablation:
             for case, some in known.items()
         }
 
-    def errors(self, one: Run) -> pd.DataFrame:
+    def errors(self, one: AblationRun) -> pd.DataFrame:
         """Return the errors at every :data:`EVERY_S`: ``time``, :data:`ERRORS`, and the kind of the event there."""
         solution = one.solution
         time = np.arange(np.ceil(solution.time[0]) + EVERY_S, solution.time[-1] + 1e-6, EVERY_S)
@@ -142,9 +144,9 @@ class Ablation:
             "gyro": np.linalg.norm(sensors[list(GYRO)], axis=1),
             "accel": np.linalg.norm(sensors[list(ACCEL)], axis=1),
         }
-        return pd.DataFrame(columns).assign(event=mark(time, one.events))
+        return pd.DataFrame(columns).assign(event=event_kinds(time, one.events))
 
-    def verdicts(self, one: Run) -> dict[str, float]:
+    def verdicts(self, one: AblationRun) -> dict[str, float]:
         """Return of one run what the quality control did to good and bad fixes, and how the filter knows itself.
 
         ``false`` is the share of the components of good fixes that are removed or weighed down, ``missed`` the share of
@@ -153,7 +155,7 @@ class Ablation:
         by degrees of freedom.
         """
         record, solution = one.solution.record, one.solution
-        bad = mark(solution.fix_time, one.events) != ""
+        bad = event_kinds(solution.fix_time, one.events) != ""
         touched = record.share < 1
         touched[:, :3] |= (record.position_use != ACCEPTED)[:, None]
         linear, turn = self._navigation(solution, solution.fix_row)
@@ -178,7 +180,7 @@ class Ablation:
         linear = found[:, :6] - truth[[*POSITION, *VELOCITY]].to_numpy(float)
         return linear, (Rotation.from_quat(found[:, 6:]) * reference.rotations(truth).inv()).as_rotvec()
 
-    def _sensors(self, one: Run, rows: np.ndarray) -> pd.DataFrame:
+    def _sensors(self, one: AblationRun, rows: np.ndarray) -> pd.DataFrame:
         names = [name for name in one.solution.names if name in one.true]
         return one.true[names].iloc[self._samples(one.solution, rows)]
 
@@ -186,7 +188,7 @@ class Ablation:
         return np.rint(solution.time.to_numpy()[rows] * self.drive.rate_hz).astype(int)
 
 
-def hide(study: Ablation, path: str | Path, what: str | None, run: int, seed: int) -> DriveInputs:
+def hide_effect(study: Ablation, path: str | Path, what: str | None, run: int, seed: int) -> DriveInputs:
     """Return a drive as a filter has it that is not told of one effect: a name of :data:`CANDIDATES`, or None.
 
     The effects are those of the part ``hidden`` of the recipe at ``path``.
@@ -203,7 +205,7 @@ def hide(study: Ablation, path: str | Path, what: str | None, run: int, seed: in
     return DriveInputs(record, fixes, drive.model, drive.ellipsoid, study.assumptions)
 
 
-def recovery(errors: pd.DataFrame, events: tuple[Event, ...], limit: float) -> pd.DataFrame:
+def recovery(errors: pd.DataFrame, events: tuple[FaultEvent, ...], limit: float) -> pd.DataFrame:
     """Return for each event that lasts how long after its end the horizontal error first stays below a limit.
 
     Parameters
@@ -237,13 +239,13 @@ def scores(errors: pd.DataFrame) -> pd.Series:
     found = {name: np.sqrt(np.mean(np.square(errors[name]))) for name in ERRORS}
     found["horizontal_95"] = np.quantile(errors["horizontal"], 0.95)
     found["aided_95"] = np.quantile(errors["horizontal"][errors["event"] != OUTAGE], 0.95)
-    bad = errors[lasting(errors["event"].to_numpy())]
+    bad = errors[in_lasting_fault(errors["event"].to_numpy())]
     for name in ("gyro", "accel"):
         found[f"{name}_bad"] = np.sqrt(np.mean(np.square(bad[name]))) if len(bad) else np.nan
     return pd.Series(found)
 
 
-def lasting(kinds: np.ndarray) -> np.ndarray:
+def in_lasting_fault(kinds: np.ndarray) -> np.ndarray:
     """Return which instants lie in a stretch or a ramp: gross errors that are there for a while, shape (n,)."""
     return ~np.isin(kinds, ["", "outlier", OUTAGE])
 

@@ -21,7 +21,7 @@ METHODS = ("method_a", "method_b", "restoration")
 
 
 @dataclass(frozen=True)
-class Finding:
+class PrintedCheck:
     """One check: what is compared, the printed and the implied value as text, whether they can both be true."""
 
     check: str
@@ -30,7 +30,7 @@ class Finding:
     consistent: bool
 
 
-def stability_against_floor(table1: pd.DataFrame) -> list[Finding]:
+def stability_against_floor(table1: pd.DataFrame) -> list[PrintedCheck]:
     """Compare the printed bias stability with the floor N/sqrt(P) that the printed white noise implies."""
     findings = []
     for row in table1.itertuples():
@@ -39,7 +39,7 @@ def stability_against_floor(table1: pd.DataFrame) -> list[Finding]:
         unit, shown = ("deg/h", "°/h") if row.sensor == "gyro" else ("ug", "µg")
         printed, implied = stability / to_si(1, unit), floor / to_si(1, unit)
         findings.append(
-            Finding(
+            PrintedCheck(
                 f"{row.sensor} {row.axis}: bias stability at 1 s, at least the white-noise floor",
                 f"{printed:.2f} {shown}",
                 f"≥ {implied:.2f} {shown}",
@@ -58,7 +58,7 @@ def final_drifts(table2: pd.DataFrame) -> pd.DataFrame:
     )
 
 
-def agreement_of_final_drifts(table2: pd.DataFrame) -> list[Finding]:
+def agreement_of_final_drifts(table2: pd.DataFrame) -> list[PrintedCheck]:
     """Check that all methods imply the same final drift, since the measured log is the same (within the rounding).
 
     Where one does not, say whether it is the final drift of another quantity, i.e. a wrong divisor.
@@ -71,11 +71,13 @@ def agreement_of_final_drifts(table2: pd.DataFrame) -> list[Finding]:
         name, unit = method.replace("_", " "), units[quantity]
         check = f"{quantity}, {name}: final drift e_abs/e_rel, against that of the other methods"
         agrees = bool(abs(drift / usual[quantity] - 1) < ROUNDING)
-        results.append(Finding(check, f"{drift:.2f} {unit}", f"{usual[quantity]:.2f} {unit}", agrees))
+        results.append(PrintedCheck(check, f"{drift:.2f} {unit}", f"{usual[quantity]:.2f} {unit}", agrees))
         twins = [other for other in usual.index if not agrees and abs(drift / usual[other] - 1) < ROUNDING]
         for twin in twins:
             check = f"{quantity}, {name}: the divisor of e_rel is the final drift of the quantity itself, not {twin}"
-            results.append(Finding(check, f"{drift:.2f} {unit}", f"{twin}: {usual[twin]:.2f} {units[twin]}", False))
+            results.append(
+                PrintedCheck(check, f"{drift:.2f} {unit}", f"{twin}: {usual[twin]:.2f} {units[twin]}", False)
+            )
     return results
 
 
@@ -98,10 +100,10 @@ def lengths(table1: pd.DataFrame, table2: pd.DataFrame) -> pd.Series:
     return pd.Series({name: np.argmax(hit) * 10 / rate if hit.any() else np.nan for name, hit in reached.items()})
 
 
-def agreement_of_lengths(table1: pd.DataFrame, table2: pd.DataFrame) -> Finding:
+def agreement_of_lengths(table1: pd.DataFrame, table2: pd.DataFrame) -> PrintedCheck:
     """Check that position and heading imply the same length of the static navigation."""
     length = lengths(table1, table2)
-    return Finding(
+    return PrintedCheck(
         "length of the static navigation that the printed biases imply, from position and from heading",
         f"{length['horizontal']:.0f} s",
         f"{length['heading']:.1f} s",
@@ -109,7 +111,7 @@ def agreement_of_lengths(table1: pd.DataFrame, table2: pd.DataFrame) -> Finding:
     )
 
 
-def heading_of_walk(table1: pd.DataFrame, table3: pd.DataFrame) -> Finding:
+def heading_of_walk(table1: pd.DataFrame, table3: pd.DataFrame) -> PrintedCheck:
     """Compare the heading error after restoration with what can be left once the printed z-gyro bias is taken off.
 
     The length of the walk is not printed; it is taken as the time in which that bias alone makes the uncompensated
@@ -119,7 +121,7 @@ def heading_of_walk(table1: pd.DataFrame, table3: pd.DataFrame) -> Finding:
     heading = table3.set_index("quantity").loc["end_heading_error"]
     length = np.deg2rad(heading["uncompensated"]) / to_si(gyro_z["bias"], gyro_z["bias_unit"])
     left = 3 * np.rad2deg(to_si(gyro_z["random_walk"], gyro_z["random_walk_unit"]) * np.sqrt(length))
-    return Finding(
+    return PrintedCheck(
         "walk: heading error after restoration, whose mean term takes the z-gyro bias off, if this bias made the "
         f"uncompensated {heading['uncompensated']:.2f}° (in {length:.0f} s)",
         f"{heading['restoration']:.2f}°",
@@ -128,7 +130,7 @@ def heading_of_walk(table1: pd.DataFrame, table3: pd.DataFrame) -> Finding:
     )
 
 
-def position_of_walk(table1: pd.DataFrame, table3: pd.DataFrame) -> Finding:
+def position_of_walk(table1: pd.DataFrame, table3: pd.DataFrame) -> PrintedCheck:
     """Compare the uncompensated position error with that which the uncompensated heading error makes of a walk.
 
     On a walk out and back of length s, at an even pace, with a heading that drifts evenly to psi, the end is off by
@@ -140,7 +142,7 @@ def position_of_walk(table1: pd.DataFrame, table3: pd.DataFrame) -> Finding:
     heading = np.deg2rad(walk["end_heading_error"])
     seconds = heading / to_si(gyro_z["bias"], gyro_z["bias_unit"])
     length = walk["end_position_error"] * heading / (4 * np.sin(heading / 4) ** 2)
-    return Finding(
+    return PrintedCheck(
         f"walk: way out and back in {seconds:.0f} s that ends so far off if the heading drifts evenly to "
         f"{walk['end_heading_error']:.2f}°",
         f"{walk['end_position_error']:.3f} m off",
@@ -149,7 +151,7 @@ def position_of_walk(table1: pd.DataFrame, table3: pd.DataFrame) -> Finding:
     )
 
 
-def reductions(table3: pd.DataFrame) -> list[Finding]:
+def reductions(table3: pd.DataFrame) -> list[PrintedCheck]:
     """Recompute the printed reductions of table 3."""
     rows = table3.set_index("quantity")
     findings = []
@@ -158,7 +160,7 @@ def reductions(table3: pd.DataFrame) -> list[Finding]:
         for method in METHODS:
             implied = 100 * (1 - value[method] / value["uncompensated"])
             findings.append(
-                Finding(
+                PrintedCheck(
                     f"table 3, {quantity.replace('_', ' ')}: reduction by {method.replace('_', ' ')}",
                     f"{printed[method]:.3f} %",
                     f"{implied:.3f} %",
@@ -173,7 +175,7 @@ def findings(table1: pd.DataFrame, table2: pd.DataFrame, table3: pd.DataFrame) -
     repeatability = "repeatability" in " ".join(table1.columns)
     everything = [
         *stability_against_floor(table1),
-        Finding("bias repeatability, which eq. 14 draws from", "not printed", "needed", repeatability),
+        PrintedCheck("bias repeatability, which eq. 14 draws from", "not printed", "needed", repeatability),
         *agreement_of_final_drifts(table2),
         agreement_of_lengths(table1, table2),
         heading_of_walk(table1, table3),

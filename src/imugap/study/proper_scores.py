@@ -26,7 +26,7 @@ def energy_score(draws: np.ndarray, came: np.ndarray) -> float:
     return float(np.linalg.norm(draws - came, axis=1).mean() - apart)
 
 
-def place(draws: np.ndarray, came: np.ndarray) -> float:
+def central_rank(draws: np.ndarray, came: np.ndarray) -> float:
     """Return where in the ranking from the middle outward what came lies: 0 in the middle, 1 beyond all draws.
 
     Draws and what came are ranked together by their distance from the middle of all, in the metric of their covariance;

@@ -27,13 +27,13 @@ from imugap.model import ErrorModel
 from imugap.navigation.vehicle import AlignmentSettings, DriveAssumptions, DriveInputs, DriveSolution, navigate
 from imugap.navigation.vehicle_alignment import align
 from imugap.numerics.rotation import from_euler
-from imugap.simulation.gnss_faults import Event, mark
+from imugap.simulation.gnss_faults import FaultEvent, event_kinds
 from imugap.stream import stream
-from imugap.study import attitude_schemes as schemes
-from imugap.study.fault_ablation import SMOOTHED, WHEELS, WHOLE, lasting
+from imugap.study import attitude_schemes
+from imugap.study.fault_ablation import SMOOTHED, WHEELS, WHOLE, in_lasting_fault
 from imugap.units import to_si
 
-KINDS = (WhiteNoise, RandomWalk)
+REST_KINDS = (WhiteNoise, RandomWalk)
 """What a rest of half a minute is asked for."""
 SCALE_STD = (0.01, 0.01)
 """Standard deviations of the scale factors of a device that nobody calibrated."""
@@ -50,7 +50,7 @@ GAIN = 0.5
 
 
 @dataclass(frozen=True)
-class Receiver:
+class StandardReceiver:
     """A standard receiver: time between fixes [s], standard deviations north, east, down [m] and [m/s]."""
 
     interval_s: float
@@ -58,7 +58,7 @@ class Receiver:
     velocity_std: tuple[float, float, float]
 
     @classmethod
-    def read(cls, path: str | Path, name: str) -> "Receiver":
+    def read(cls, path: str | Path, name: str) -> "StandardReceiver":
         """Read the receiver ``name`` of the part ``recorded`` of a recipe (YAML)."""
         given = yaml.safe_load(Path(path).read_text())["recorded"][name]
         return cls(given["interval_s"], tuple(given["position_std"]), tuple(given["velocity_std"]))
@@ -76,7 +76,7 @@ class Receiver:
 
 
 @dataclass(frozen=True, eq=False)
-class RoadTest:
+class DriveTest:
     """A recording and what a filter takes for granted on it."""
 
     recording: Recording
@@ -84,7 +84,7 @@ class RoadTest:
     alignment: AlignmentSettings
 
     @property
-    def rolling(self) -> "RoadTest":
+    def rolling(self) -> "DriveTest":
         """The same of a filter that is told of wheels; nobody says where the axle is, and the device stands for it."""
         return replace(self, assumptions=replace(self.assumptions, wheels_std=WHEELS_STD))
 
@@ -99,7 +99,7 @@ class RoadTest:
         return navigate(inputs, align(inputs), smooth)
 
     def schemes(
-        self, fixes: pd.DataFrame, spoilt: pd.DataFrame, events: tuple[Event, ...], model: ErrorModel
+        self, fixes: pd.DataFrame, spoilt: pd.DataFrame, events: tuple[FaultEvent, ...], model: ErrorModel
     ) -> tuple[pd.DataFrame, dict[str, pd.DataFrame]]:
         """Navigate with good and with spoilt fixes under every scheme of quality control.
 
@@ -125,7 +125,7 @@ class RoadTest:
             for case, one in (("clean", off), ("contaminated", errors[name])):
                 row[case] = np.quantile(np.hypot(one["north"], one["east"]), 0.95)
             at = np.arange(np.ceil(good.time[0]), good.time[-1])
-            at = at[lasting(mark(at, events))]
+            at = at[in_lasting_fault(event_kinds(at, events))]
             one, other = (some.sensors.iloc[np.searchsorted(some.time, at)] for some in (good, bad))
             for triad, axes in (("gyro", GYRO), ("accel", ACCEL)):
                 apart = one[list(axes)].to_numpy() - other[list(axes)].to_numpy()
@@ -197,29 +197,29 @@ class RoadTest:
         return -0.5 * float(np.sum(record.statistic + record.log_det))
 
 
-def car(recording: Recording, receiver: Receiver) -> RoadTest:
+def car(recording: Recording, receiver: StandardReceiver) -> DriveTest:
     """Return the test of a drive whose survey is degraded; scale factors are those of a cheap device."""
     assumptions = DriveAssumptions(
         lever_m=recording.lever_m, scale_std=SCALE_STD, position_std=receiver.position_std,
         velocity_std=receiver.velocity_std,
     )  # fmt: skip
-    return RoadTest(recording, assumptions, AlignmentSettings())
+    return DriveTest(recording, assumptions, AlignmentSettings())
 
 
-def aircraft(recording: Recording, receiver: Receiver) -> RoadTest:
+def aircraft(recording: Recording, receiver: StandardReceiver) -> DriveTest:
     """Return the test of a flight by its own receiver: it starts as it rolls, nearly along its course."""
     assumptions = DriveAssumptions(
         scale_std=SCALE_STD, position_std=receiver.position_std, velocity_std=receiver.velocity_std
     )  # fmt: skip
-    return RoadTest(recording, assumptions, AlignmentSettings(speed=2.0, heading_std=0.1))
+    return DriveTest(recording, assumptions, AlignmentSettings(speed=2.0, heading_std=0.1))
 
 
-def at_rest(log: pd.DataFrame, until: float) -> ErrorModel:
+def model_from_rest(log: pd.DataFrame, until: float) -> ErrorModel:
     """Return the model of a device from the rest up to ``until`` [s], by likelihood, with constant biases."""
     rest = log.loc[:until]
     step = interval(rest)
-    fits = {axis: schemes.SCHEMES["likelihood"](rest[axis].to_numpy(), step, KINDS) for axis in AXES}
-    believed = schemes.believed(fits)
+    fits = {axis: attitude_schemes.SCHEMES["likelihood"](rest[axis].to_numpy(), step, REST_KINDS) for axis in AXES}
+    believed = attitude_schemes.filter_model(fits)
     return ErrorModel({axis: believed[axis] + TurnOnBias(std=TURN_ON[axis not in GYRO]) for axis in AXES})
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from imugap.figures.ablation import COLOURS, TITLES
+from imugap.figures.fault_ablation import COLOURS, TITLES
 from imugap.figures.style import WIDTH, decades, legend_below, panels_of
 from imugap.kinematics.strapdown import ATTITUDE
 from imugap.navigation.vehicle import DriveSolution

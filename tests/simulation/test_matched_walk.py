@@ -10,8 +10,8 @@ from imugap.kinematics.strapdown import POSITION, VELOCITY
 from imugap.log import ACCEL, GYRO
 from imugap.model import ErrorModel
 from imugap.navigation.pedestrian import WalkAssumptions, navigate
-from imugap.simulation.walk import Course, Leg, Walk
-from imugap.simulation.walk_twin import Kind, measured, twin, without
+from imugap.simulation.matched_walk import DeviceClass, matched_walk, simulated_walk, without
+from imugap.simulation.walk import Walk, WalkCourse, WalkLeg
 
 ROOT = Path(__file__).parents[2]
 SEED = 61
@@ -20,13 +20,13 @@ SEED = 61
 @pytest.fixture(scope="module")
 def walk():
     recipe = Walk.read(ROOT / "data" / "walk.yaml")
-    legs = (Leg(6), Leg(3, turn_deg=30.0), Leg(4, rise_m=0.15, share=0.5))
-    return replace(recipe, course=Course(4.0, legs, 1.0), rate_hz=100)
+    legs = (WalkLeg(6), WalkLeg(3, turn_deg=30.0), WalkLeg(4, rise_m=0.15, share=0.5))
+    return replace(recipe, course=WalkCourse(4.0, legs, 1.0), rate_hz=100)
 
 
 @pytest.fixture(scope="module")
 def kind():
-    return Kind.read(ROOT / "data" / "foot.yaml")
+    return DeviceClass.read(ROOT / "data" / "foot.yaml")
 
 
 def shrunk(given):
@@ -59,7 +59,7 @@ def test_a_device_without_an_error_has_all_others(kind):
 
 def test_the_twin_of_a_walk_goes_its_strides(walk):
     solution = navigate(walk.ideal(0, SEED), ErrorModel({}), WalkAssumptions(gravity=walk.site.gravity), smooth=True)
-    other = twin(solution, walk)
+    other = matched_walk(solution, walk)
     strides = list(other.course.strides())
     assert len(strides) == 13
     assert other.rate_hz == pytest.approx(walk.rate_hz)
@@ -75,14 +75,16 @@ def test_the_twin_of_a_walk_goes_its_strides(walk):
 @pytest.mark.slow
 def test_what_single_errors_do_to_the_end_adds_up(walk, kind):
     """While errors are small: all at once, or the sum of the differences that leaving one out makes."""
-    loop = replace(walk, course=Course.loop(20), gait=replace(walk.gait, drift_m_per_s=0.0))
+    loop = replace(walk, course=WalkCourse.loop(20), gait=replace(walk.gait, drift_m_per_s=0.0))
     ideal, assumptions = loop.ideal(0, SEED), WalkAssumptions(gravity=loop.site.gravity)
 
     def end(model, run):
         found = navigate(model.simulate(ideal, SEED, "log", run), DEFAULT_MODEL, assumptions).trajectory
         return found[["north", "east"]].iloc[-1].to_numpy()
 
-    small = Kind({triad: {name: shrunk(given) for name, given in of.items()} for triad, of in kind.errors.items()})
+    small = DeviceClass(
+        {triad: {name: shrunk(given) for name, given in of.items()} for triad, of in kind.errors.items()}
+    )
     for run in range(3):
         device = small.draw(SEED, run)
         every, none = end(device, run), end(ErrorModel({}), run)
@@ -93,7 +95,7 @@ def test_what_single_errors_do_to_the_end_adds_up(walk, kind):
 def test_the_measured_velocity_is_that_of_a_point_of_the_foot(walk):
     """With an arm of no length it is the velocity of the device, with noise of the assumed density."""
     assumptions = WalkAssumptions(arm_std=0.0)
-    _, velocity = measured(walk, assumptions, 0, SEED)
+    _, velocity = simulated_walk(walk, assumptions, 0, SEED)
     noise = velocity - walk.truth(0, SEED)[list(VELOCITY)].to_numpy(float)
     expected = np.sqrt(2 * assumptions.velocity_std**2 * assumptions.correlation_s * walk.rate_hz)
     np.testing.assert_allclose(noise.std(axis=0), expected, rtol=4 / np.sqrt(2 * len(noise)))

@@ -8,8 +8,8 @@ from matplotlib.figure import Figure
 
 from imugap.figures.style import WIDTH, decades, legend_below, panels_of
 from imugap.io import gnss
-from imugap.simulation.gnss_faults import OUTAGE, OUTLIER, RAMP, STRETCH, Event, mark
-from imugap.study.fault_ablation import CLEAN, CONTAMINATED, ORACLE, SMOOTHED, WHEELS, WHOLE, Ablation, Run
+from imugap.simulation.gnss_faults import OUTAGE, OUTLIER, RAMP, STRETCH, FaultEvent, event_kinds
+from imugap.study.fault_ablation import CLEAN, CONTAMINATED, ORACLE, SMOOTHED, WHEELS, WHOLE, Ablation, AblationRun
 from imugap.units import from_si
 
 TITLES = {
@@ -28,7 +28,7 @@ SHOWN = {"gyro_x": ("gyro x [°/h]", "deg/h"), "gyro_z": ("gyro z [°/h]", "deg/
          "accel_y": ("accel y [mg]", "mg")}  # fmt: skip
 
 
-def drive(study: Ablation, one: Run, errors: Mapping[str, pd.DataFrame]) -> Figure:
+def drive(study: Ablation, one: AblationRun, errors: Mapping[str, pd.DataFrame]) -> Figure:
     """Draw a drive from above, with its bad fixes, and the horizontal error of every scheme over time."""
     figure = Figure(figsize=(WIDTH, 3.6), layout="constrained")
     left, right = figure.subplots(1, 2, width_ratios=[1, 2.1])
@@ -36,7 +36,7 @@ def drive(study: Ablation, one: Run, errors: Mapping[str, pd.DataFrame]) -> Figu
     every = round(study.drive.rate_hz)
     left.plot(truth["east"][::every], truth["north"][::every], color="black", lw=0.7, label="truth")
     seen = gnss.local(one.fixes, one.solution.ellipsoid)
-    kinds = mark(one.fixes.index.to_numpy(), one.events)
+    kinds = event_kinds(one.fixes.index.to_numpy(), one.events)
     for kind, colour in ((STRETCH, "#CC0000"), (RAMP, "#E69F00"), (OUTLIER, "#0072B2")):
         rows = kinds == kind
         left.plot(seen[rows, 1], seen[rows, 0], ".", color=colour, ms=3, label=f"fixes, {kind}")
@@ -51,7 +51,7 @@ def drive(study: Ablation, one: Run, errors: Mapping[str, pd.DataFrame]) -> Figu
     return figure
 
 
-def sensors(runs: Mapping[str, Run]) -> Figure:
+def sensors(runs: Mapping[str, AblationRun]) -> Figure:
     """Draw estimated errors of sensors over time under every scheme, and the true ones."""
     figure, grid = panels_of(2, 2, 4.2, sharex=True)
     true = next(iter(runs.values())).true
@@ -97,7 +97,7 @@ def schemes(scores: pd.DataFrame) -> Figure:
     return figure
 
 
-def _shade(panel, events: tuple[Event, ...]) -> None:
+def _shade(panel, events: tuple[FaultEvent, ...]) -> None:
     for one in events:
         if one.end > one.begin:
             panel.axvspan(one.begin, one.end, color=SHADES[one.kind], lw=0, zorder=0)

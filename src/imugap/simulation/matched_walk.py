@@ -1,8 +1,8 @@
-"""The simulated twin of a real walk: the same strides, turns and stands, on a device whose errors are drawn.
+"""Simulated walk matched to a real one: the same strides, turns and stands, on a device whose errors are drawn.
 
-What a single error does to the end of a walk is told from pairs: the twin is navigated with all errors and without the
-one, everything else drawn the same. While the errors act independently and in proportion to their size, the variances
-of these differences add up to that of all.
+The effect of a single error on the end of a walk follows from pairs: the walk is navigated with all errors and without
+that one, with the same draws of all others. For independent and linear errors the variances of these differences add up
+to that of all errors.
 """
 
 from collections.abc import Collection, Mapping
@@ -21,41 +21,41 @@ from imugap.kinematics.strapdown import POSITION, VELOCITY
 from imugap.log import ACCEL, AXES, GYRO, triad
 from imugap.model import ErrorModel
 from imugap.navigation.pedestrian import SHORTEST_STRIDE_M, WalkAssumptions, WalkSolution
-from imugap.simulation.walk import Course, Leg, Walk
+from imugap.simulation.walk import Walk, WalkCourse, WalkLeg
 from imugap.stream import stream
 
-SLIP = "stance_motion"
+STANCE_MOTION = "stance_motion"
 """Name of the motion of the foot at stance among the errors."""
 
 AT_REST = ("white_noise", "random_walk", "turn_on_bias")
-"""Errors of which a log at rest says something."""
+"""Errors that a log at rest shows."""
 
 
 @dataclass(frozen=True)
-class Kind:
-    """Errors of a kind of device: triad to effect to parameters, a number each or the spread of what is drawn."""
+class DeviceClass:
+    """Errors of a class of devices: triad to effect to parameters, each a number or the spread of a normal draw."""
 
     errors: Mapping[str, Mapping[str, Mapping]]
 
     @classmethod
-    def read(cls, path: str | Path) -> "Kind":
-        """Read from YAML; parameters of all other axes, or of all, may go by ``others`` or ``all``."""
+    def read(cls, path: str | Path) -> "DeviceClass":
+        """Read from YAML; a key ``others`` or ``all`` stands for the parameters of all other axes, or of all."""
         return cls(yaml.safe_load(Path(path).read_text()))
 
     def names(self) -> list[tuple[str, str]]:
         """Return (triad, effect) of every error."""
         return [(kind, name) for kind, effects in self.errors.items() for name in effects]
 
-    def only(self, names: Collection[str]) -> "Kind":
-        """Return the kind with these effects alone."""
+    def only(self, names: Collection[str]) -> "DeviceClass":
+        """Return the class with these effects alone."""
         kept = {
             kind: {name: values for name, values in effects.items() if name in names}
             for kind, effects in self.errors.items()
         }
-        return Kind(kept)
+        return DeviceClass(kept)
 
     def draw(self, seed: int, *labels: object) -> ErrorModel:
-        """Return the errors of one device of this kind."""
+        """Draw the error model of one device."""
         axes = {}
         for axis in AXES:
             kind = "gyro" if axis in GYRO else "accel"
@@ -87,30 +87,30 @@ def without(model: ErrorModel, kind: str, name: str) -> ErrorModel:
     return ErrorModel(axes)
 
 
-def twin(solution: WalkSolution, like: Walk) -> Walk:
-    """Return a walk with the strides of a solution, and in all else like another.
+def matched_walk(solution: WalkSolution, like: Walk) -> Walk:
+    """Return a walk with the strides of a solution, and the gait and device of the walk ``like``.
 
-    A stride is what lies between the middles of two stances; all take the same time. How a foot swings and lands is
-    that of the other: what a detector takes for stance is but the stillest part of it.
+    A stride goes from the middle of a stance to that of the next; all take the same time. Swing and strike are those of
+    ``like``, since the detected stance is only the stillest part of the true one.
     """
     time, table, at = solution.time.to_numpy(), solution.trajectory, solution.stances()
     steps = np.diff(table[list(POSITION)].to_numpy()[at], axis=0)
     turns = np.degrees(np.diff(np.unwrap(table["heading"].to_numpy())[at]))
     lengths, times = np.hypot(steps[:, 0], steps[:, 1]), np.diff(time[at])
-    walked = lengths > SHORTEST_STRIDE_M
-    usual, stride = float(np.median(lengths[walked])), float(np.median(times[walked]))
+    moved = lengths > SHORTEST_STRIDE_M
+    usual, stride = float(np.median(lengths[moved])), float(np.median(times[moved]))
     gait = replace(like.gait, stride_s=stride, length_m=usual)
     legs = [
-        Leg(1, float(turn), float(-down), float(length / usual))
+        WalkLeg(1, float(turn), float(-down), float(length / usual))
         for turn, down, length in zip(turns, steps[:, 2], lengths, strict=True)
     ]
     first, last = (np.flatnonzero(solution.phase == MOVING)[end] for end in (0, -1))
-    course = Course(float(time[first] - time[0]), tuple(legs), max(float(time[-1] - time[last]), 0.5))
+    course = WalkCourse(float(time[first] - time[0]), tuple(legs), max(float(time[-1] - time[last]), 0.5))
     return replace(like, gait=gait, course=course, rate_hz=(len(time) - 1) / float(time[-1] - time[0]))
 
 
-def measured(walk: Walk, assumptions: WalkAssumptions, run: int, seed: int) -> tuple[pd.DataFrame, np.ndarray]:
-    """Return the log of a walk, and the velocity of a point of the foot as a filter measures it that assumes rightly.
+def simulated_walk(walk: Walk, assumptions: WalkAssumptions, run: int, seed: int) -> tuple[pd.DataFrame, np.ndarray]:
+    """Return the log of a walk, and the velocity of a point of the foot with the noise that the filter assumes.
 
     The arm of the point is drawn, and noise of the assumed density is added to its velocity, shape (n, 3) [m/s].
     """
