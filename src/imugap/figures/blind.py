@@ -39,7 +39,7 @@ def detection(rates: pd.DataFrame, clear: float) -> Figure:
     """
     if rates.empty:
 <<<<<<< HEAD
-        return said("No case hides one effect alone.")
+        return text_figure("No case hides one effect alone.")
     names = [ALL, *sorted(set(rates["name"]) - {ALL})]
 =======
         return text_figure("No case hides one effect alone.")
