@@ -10,7 +10,6 @@ from matplotlib.ticker import NullFormatter, PercentFormatter
 from scipy.stats import binom
 
 from imugap.benchmark.scores import ALL, DISTANCES, LEVEL, NONE, UNKNOWN
-from imugap.benchmark.scores import DISTANCES, EVERY, LEVEL, NONE, UNKNOWN
 from imugap.figures.discovery import AFTER, BEFORE, NAMES, PLAIN, TITLES
 from imugap.figures.style import legend_below, panels_of, text_figure
 
@@ -38,13 +37,8 @@ def detection(rates: pd.DataFrame, clear: float) -> Figure:
         Size from which an effect counts as clear.
     """
     if rates.empty:
-<<<<<<< HEAD
         return text_figure("No case hides one effect alone.")
     names = [ALL, *sorted(set(rates["name"]) - {ALL})]
-=======
-        return text_figure("No case hides one effect alone.")
-    names = [EVERY, *sorted(set(rates["name"]) - {EVERY})]
->>>>>>> a6787b1 (Name filters and navigation in the field's words; walk and drive in one line of stages)
     columns = 5
     rows = ceil(len(names) / columns)
     figure, grid = panels_of(rows, columns, 1.15 * rows + 0.7, sharex=True, sharey=True)
