@@ -171,10 +171,12 @@ def search_axis(
         end = float(sequence.conditions.time[-1] + sequence.conditions.interval)
         whole = unsteady.without(part(sequence, 0, len(sequence.values)), early.bands)
         kept = replace(early.found.description, outliers=None, changes=before.description.changes)
-        again = early.search.afresh()
-        begun = again.cleared(fit(whole, kept if early.switching is None else again.start))
+        again = early.search.for_new_samples()
+        begun = again.without_known_outliers(fit(whole, kept if early.switching is None else again.start))
         unchanging = replace(again, catalogue=tuple(kind for kind in catalogue if kind.role is not Role.VARIANCE))
-        late = (_odd_in_both(again, begun, early) or _search(again, unchanging.settled(begun), early.bands)).bare()
+        late = (
+            _odd_in_both(again, begun, early) or _search(again, unchanging.refined(begun), early.bands)
+        ).without_cache()
         return AxisSearch(
             before,
             _extend_changes(early.found, end),
@@ -193,8 +195,8 @@ def _search_held_in(
     """Return the fit of the start model to the held-in part, and the end of the search from there."""
     begin = fit(held_in, described(start, held_in))
     search = Search(begin.description, catalogue, log_alpha)
-    before = search.cleared(begin)
-    return before.bare(), _search(search, before).bare()
+    before = search.without_known_outliers(begin)
+    return before.without_cache(), _search(search, before).without_cache()
 
 
 def _extend_changes(found: AxisFit, end: float) -> AxisFit:
@@ -224,16 +226,16 @@ class _SearchEnd:
     switching: Switching | None = None
     odd: bool = False
 
-    def bare(self) -> "_SearchEnd":
+    def without_cache(self) -> "_SearchEnd":
         """Drop intermediate fits and derived arrays, which are large."""
-        return replace(self, search=self.search.forgetful(), found=self.found.bare())
+        return replace(self, search=self.search.without_memory(), found=self.found.without_cache())
 
 
 def _odd_in_both(search: Search, begun: AxisFit, early: _SearchEnd) -> _SearchEnd | None:
     """Return the effects of the held-in part fitted to the whole log, if it is odd in both; else None."""
     if not early.odd or early.switching is not None:
         return None
-    wide = None if early.found.description.outliers is None else search.cleaned(begun)
+    wide = None if early.found.description.outliers is None else search.without_outliers(begun)
     found = begun if wide is None else wide.fit
     odd = search.added(found.description) and in_place_of_all(search, found).log_p < LEVEL
     return _SearchEnd(search, found, early.bands, odd=True) if odd else None
@@ -251,15 +253,15 @@ def _search(
         return _SearchEnd(search, found, taken, switched, odd=True)
     found = steady(search, told_apart(search, found))
     bands = unsteady.bands(found) if len(taken) < MOST_BANDS else ()
-    again = search.afresh()
+    again = search.for_new_samples()
     if bands:
         cleared = unsteady.without(before.sequence, bands)
-        return _search(again, again.cleared(fit(cleared, search.start)), (*taken, *bands), switched)
+        return _search(again, again.without_known_outliers(fit(cleared, search.start)), (*taken, *bands), switched)
     switched_too = hidden_telegraph(search, found) if switched is None else None
     if switched_too is None:
         return _SearchEnd(search, found, taken, switched)
     cleared = switched_too.without(before.sequence)
-    return _search(again, again.cleared(fit(cleared, search.start)), taken, switched_too)
+    return _search(again, again.without_known_outliers(fit(cleared, search.start)), taken, switched_too)
 
 
 def _unnamed_gain(search: Search, remove_lines: bool, fit: AxisFit) -> float:
@@ -291,7 +293,9 @@ def conclude(searched: AxisSearch) -> AxisResult:
         bands = (*searched.bands, *sweeps)
         switches = searched.switching.effect if switching else None
         slope = power_law_finding(search, final)
-        return AxisResult(searched.start_fit, after.bare(), final.bare(), findings, nameless, bands, switches, slope)
+        return AxisResult(
+            searched.start_fit, after.without_cache(), final.without_cache(), findings, nameless, bands, switches, slope
+        )
 
 
 def without_unnamed(search: Search, found: AxisFit, rejected: Mapping[Key, Doubt]) -> AxisFit:
@@ -307,7 +311,7 @@ def without_unnamed(search: Search, found: AxisFit, rejected: Mapping[Key, Doubt
     of_noise = (coloured(at(found.description, key)) and doubt.reason in OF_NOISE for key, doubt in rejected.items())
     if not rejected or not all(of_noise) or any(not one.named for one in kept.description.noise.effects):
         return kept
-    carried = beside_power_law(search.afresh(), kept)
+    carried = beside_power_law(search.for_new_samples(), kept)
     gain = carried.log_likelihood - kept.log_likelihood
     law = carried.description.noise.effects[-1]
     sure = log_chance(gain, len(fields(law))) < search.log_alpha
@@ -356,11 +360,11 @@ def _finding(searched: AxisSearch, found: AxisFit, key: Key) -> Finding:
     """Return one effect with its intervals, its gain on held-out data, and the alternatives that fit as well."""
     search, axis = searched.whole_search, found.sequence.conditions.axis
     effect = at(found.description, key)
-    own, without = search.weighed(found, key)
+    own, without = search.likelihood_ratio(found, key)
     near = found.log_likelihood + search.log_alpha / 2
     alternatives = {}
     bar = min(log_chance(near - without.log_likelihood, 1) + PLACES, search.log_alpha)
-    for rival in search.rivals(found, key, without, bar):
+    for rival in search.alternatives_to(found, key, without, bar):
         if rival.fit.log_likelihood > near:
             gain = rival.fit.log_likelihood - found.log_likelihood
             alternatives[rival.name] = max(gain, alternatives.get(rival.name, -np.inf))
@@ -393,7 +397,7 @@ def _gain(searched: AxisSearch, effect: Effect, found: AxisFit, without: AxisFit
     same = [(_relative_difference(one, effect), key) for key, one in added if type(one) is type(effect)]
     if same:
         key = min(same, key=lambda one: one[0])[1]
-        found, without = searched.held_in_fit, searched.held_in_search.weighed(searched.held_in_fit, key)[1]
+        found, without = searched.held_in_fit, searched.held_in_search.likelihood_ratio(searched.held_in_fit, key)[1]
     return log_score(searched.held_out, found.description) - log_score(searched.held_out, without.description)
 
 

@@ -70,7 +70,7 @@ def shared(fits: dict[str, AxisFit], log_alpha: float) -> tuple[Shared, ...]:
     if len(axes) < 2:
         return ()
     good = ~np.any([fits[axis].sequence.flawed for axis in axes], axis=0)
-    spectra = [_Spectrum.of(fits[axis].bare(), good) for axis in axes]
+    spectra = [_Spectrum.of(fits[axis].without_cache(), good) for axis in axes]
     correlation, number = _correlation(spectra, good)
     scores = np.arctanh(np.clip(correlation, -0.999999, 0.999999)) * np.sqrt(np.maximum(number - 3, 1))
     pairs = list(combinations(range(len(axes)), 2))

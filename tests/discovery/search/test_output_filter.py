@@ -61,6 +61,6 @@ def test_what_a_filter_gains_is_known_before_it_is_fitted(cutoff, slow):
     search = Search(description, tuple(CATALOGUE.values()), LOG_ALPHA)
     for start in OutputFilter.starts(before):
         expected, beside = behind_filter(start, before)
-        found = search.judged(expected, before, beside)
+        found = search.trial_of(expected, before, beside)
         assert found.gain == pytest.approx(expected.gain - RESHAPED, abs=RESHAPED / 3)
         assert may_reach(expected, LOG_ALPHA) or found.log_p > LOG_ALPHA

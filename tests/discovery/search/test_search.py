@@ -165,7 +165,7 @@ def test_nothing_stays_that_chance_explains_beside_the_rest(number):
     search = Search(plain(data).description, (RateRamp, Temperature, WarmUp, BiasStep, Sinusoid), LOG_ALPHA)
     found = search.explore(plain(data))
     assert search.added(found.description)
-    assert all(search.weighed(found, key)[0].log_p < LOG_ALPHA for key in search.added(found.description))
+    assert all(search.likelihood_ratio(found, key)[0].log_p < LOG_ALPHA for key in search.added(found.description))
 
 
 def test_two_means_that_nearly_cancel_are_found_together():

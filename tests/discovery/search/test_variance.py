@@ -44,10 +44,10 @@ def test_a_change_of_variance_is_weighed_again_as_it_was_taken(change):
     search = Search(Description((), Noise((WHITE,))), (VarianceChange,), LOG_ALPHA)
     before = search.fitted(sequence(change), search.start)
     taken = min(search.trials(before, LOG_ALPHA), key=lambda trial: trial.log_p)
-    again, _ = search.weighed(taken.fit, Key("change", 0))
+    again, _ = search.likelihood_ratio(taken.fit, Key("change", 0))
     assert (again.parameters, again.trials) == (taken.parameters, taken.trials)
     assert again.log_p == pytest.approx(taken.log_p)
-    assert search.settled(taken.fit).description.changes
+    assert search.refined(taken.fit).description.changes
 
 
 @pytest.mark.slow
@@ -99,5 +99,5 @@ def test_outliers_in_noise_that_is_not_white_have_their_size(beside, step):
     data = AxisSequence(values, data.conditions, np.zeros(100_000, bool), step=step)
     before = fit(data, Description((), Noise((WHITE, beside))))
     assert (before.cells is not None) == (step > 0)
-    cleaned = Search(before.description, (), LOG_ALPHA).cleaned(before)
+    cleaned = Search(before.description, (), LOG_ALPHA).without_outliers(before)
     assert cleaned.effect.std == pytest.approx(np.sqrt(np.mean(outliers**2)), rel=0.06)

@@ -145,7 +145,7 @@ def _certain_outside(search: Search, fit: AxisFit, key: Key, low: float, high: f
 
     What is within the band may have lifted the level of all: with and without the effect it is that of the others.
     """
-    own, without = search.weighed(fit, key)
+    own, without = search.likelihood_ratio(fit, key)
     frequency = np.arange(1, fit.sequence.bins.last + 1) / (
         2 * len(fit.sequence.values) * fit.sequence.conditions.interval
     )
@@ -167,7 +167,7 @@ def _after_clusters(search: Search, fit: AxisFit, found: Mapping[Key, Doubt]) ->
         return {}
     raw = search.fitted(search.raw[fit.description.outliers], replace(fit.description, outliers=None))
     random = [key for key in search.added(raw.description) if key.part != "term"]
-    return {key: doubt for key in random if search.weighed(raw, key)[0].log_p > search.log_alpha}
+    return {key: doubt for key in random if search.likelihood_ratio(raw, key)[0].log_p > search.log_alpha}
 
 
 def _beside_a_mean(search: Search, fit: AxisFit, keys: Sequence[Key], found: Mapping[Key, Doubt]) -> dict[Key, Doubt]:
@@ -208,7 +208,7 @@ def _certain_in(search: Search, other: AxisFit, fit: AxisFit, key: Key) -> bool:
     """Return whether chance does not explain a term of a fit in another fit with the same terms either."""
     without = search.fitted(fit.sequence, removed(other.description, key))
     gain = other.log_likelihood - without.log_likelihood
-    return replace(search.weighed(fit, key)[0], gain=gain).log_p < search.log_alpha
+    return replace(search.likelihood_ratio(fit, key)[0], gain=gain).log_p < search.log_alpha
 
 
 def spectrum_of_unnamed(fit: AxisFit, keys: Sequence[Key], found: Mapping[Key, Doubt]) -> dict[Key, Doubt]:

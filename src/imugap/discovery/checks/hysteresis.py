@@ -33,7 +33,7 @@ def in_place_of_noise(search: Search, fit: AxisFit, key: Key) -> Doubt:
     temperature = fit.sequence.conditions.temperature
     if temperature is None or np.ptp(temperature) == 0:
         return NONE
-    own, without = search.weighed(fit, key)
+    own, without = search.likelihood_ratio(fit, key)
     bases = without, search.fitted(fit.sequence, _without_slow_noise(fit.description))
     curves = _bends(temperature), _steps(np.gradient(temperature, fit.sequence.conditions.interval))
     bent = max(likelihood_beside(base, curve) for base in bases for curve in curves)
@@ -77,7 +77,7 @@ def in_place_of_means(search: Search, fit: AxisFit) -> Doubt:
 
 def _looped(search: Search, fits: Iterable[AxisFit]) -> Iterable[Trial]:
     """Yield the fits with a loop over the temperature more, where it is known and varies."""
-    return (search.judged(start, fit) for fit in fits for start in Hysteresis.starts(fit))
+    return (search.trial_of(start, fit) for fit in fits for start in Hysteresis.starts(fit))
 
 
 def _bends(temperature: np.ndarray) -> np.ndarray:

@@ -102,7 +102,7 @@ def variance_in_motion(search: Search, fit: AxisFit, key: Key) -> float:
 
     One that goes with its size has to be surer; one of the rests between motions only as sure: it is at the same times.
     """
-    own, without = search.weighed(fit, key)
+    own, without = search.likelihood_ratio(fit, key)
     energies = without.unrounded**2
     conditions = fit.sequence.conditions
     sizes = _least([log_chance(_gain(energies, shares), SHARES - 1) for shares in _shares(conditions)])

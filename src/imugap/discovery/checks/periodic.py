@@ -10,6 +10,6 @@ from imugap.discovery.unnamed import periodic as waves
 
 def repeated(search: Search, fit: AxisFit, key: Key) -> Doubt:
     """Weigh a wave in the place of an effect."""
-    own, without = search.weighed(fit, key)
+    own, without = search.likelihood_ratio(fit, key)
     wave = log_chance(waves.gain(without), waves.MORE) + np.log(waves.TRIALS)
     return Doubt("a wave of one period explains it better", over(own.log_p, wave, search.log_alpha))

@@ -54,7 +54,7 @@ def noise_doubt(search: Search, fit: AxisFit, key: Key) -> Doubt:
     share = share_of(fit, effect)
     slope = _score(fit, share * np.log(bins.frequency / bins.frequency[0]))
     mine = np.flatnonzero(share > SHARE)
-    named = search.weighed(fit, key)[0].log_p
+    named = search.likelihood_ratio(fit, key)[0].log_p
     doubts = [
         Doubt(SLOPE, slope),
         Doubt("its spectrum has another shape", log_p_of_bands(fit, mine)),
@@ -76,7 +76,7 @@ def filter_doubt(search: Search, fit: AxisFit, key: Key) -> Doubt:
     """
     bins = fit.sequence.bins
     acts = np.flatnonzero(at(fit.description, key).gain(bins.frequency, bins.interval) < 1 - SHARE)
-    named = search.weighed(fit, key)[0].log_p
+    named = search.likelihood_ratio(fit, key)[0].log_p
     return Doubt(AROUND_IT, over(named, _off_around(fit, acts), search.log_alpha))
 
 
@@ -189,7 +189,7 @@ def surplus_of_one_law(search: Search, fit: AxisFit, keys: Sequence[Key]) -> flo
 
     Each of these is one of the catalogue, and costs that too.
     """
-    own = [search.weighed(fit, key)[0] for key in keys]
+    own = [search.likelihood_ratio(fit, key)[0] for key in keys]
     bare = search.fitted(fit.sequence, without(fit, keys).description)
     laws = [beside_power_law(search, bare, slope).log_likelihood for slope in STEEP]
     costs = sum(one.cost + np.log(len(search.catalogue)) for one in own)

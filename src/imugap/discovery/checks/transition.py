@@ -42,7 +42,7 @@ def _instead(search: Search, fit: AxisFit, keys: Sequence[Key], clearly: float =
     """Return the log-probability of a doubt whether some effects are surer than a transition in their place."""
     bare = without(fit, keys)
     gain, more = fit.log_likelihood - bare.log_likelihood, fit.description.size() - bare.description.size()
-    named = log_chance(gain, more) + sum(np.log(search.weighed(fit, key)[0].trials) for key in keys)
+    named = log_chance(gain, more) + sum(np.log(search.likelihood_ratio(fit, key)[0].trials) for key in keys)
     best = _best(bare, NEAR * gain)
     if best is None:
         return 0.0

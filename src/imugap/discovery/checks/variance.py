@@ -35,7 +35,7 @@ def change_doubt(search: Search, fit: AxisFit, key: Key) -> Doubt:
 
 def _of_rounding(search: Search, fit: AxisFit, key: Key) -> float:
     """Return the log-probability of a doubt whether noise ahead of a coarse lattice changes for certain."""
-    own, without = search.weighed(fit, key)
+    own, without = search.likelihood_ratio(fit, key)
     if without.cells is None:
         return 0.0
     gain = _gain(without.unrounded**2, fit.description.changes[key.index], without.sequence.conditions.time)

@@ -22,7 +22,7 @@ class Withheld:
 
 def withheld(search: Search, fit: AxisFit, key: Key, doubt: Doubt) -> Withheld:
     """Return what is told of an effect of a fit whose name is in doubt."""
-    log_p = search.weighed(fit, key)[0].log_p
+    log_p = search.likelihood_ratio(fit, key)[0].log_p
     place = Gap(*_extent(fit, key), float(np.exp(np.clip(log_p, CERTAIN, 0.0))))
     return Withheld(at(fit.description, key).name, doubt.reason, place)
 

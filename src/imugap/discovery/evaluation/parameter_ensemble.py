@@ -33,7 +33,7 @@ class FitUncertainty:
     @classmethod
     def of(cls, fit: AxisFit) -> "FitUncertainty":
         """Return the uncertainty of a fit."""
-        own = fit.bare()
+        own = fit.without_cache()
         ends = limits(fit.description.noise, fit.sequence.bins, own.power)
         return cls(fit.description, own.covariance, fit.noise.covariance, ends)
 

@@ -1,7 +1,7 @@
-"""A description of one axis and its fit: systematic terms, random processes, stretches of another variance.
+"""Description of one axis and its fit: systematic terms, random processes, filter, changes of the variance.
 
-The mean is fitted by generalised least squares under the spectrum, the spectrum by Whittle's likelihood to what the
-mean leaves, in turn until neither moves; both in the basis of the cosine transform.
+The mean is fitted by generalised least squares for the given spectrum, the spectrum by Whittle's likelihood to the
+residual, in turn until both converge. Both are fitted in the basis of the cosine transform.
 """
 
 from collections.abc import Sequence
@@ -24,14 +24,14 @@ from imugap.effects.effect import Effect, FilterEffect, StochasticEffect, Varian
 from imugap.stream import stream
 
 ROUNDS = 8
-"""Turns between mean and spectrum."""
+"""Maximum number of alternations between mean and spectrum."""
 SETTLED = 0.02
-"""Change of log-likelihood below which the turns end."""
+"""Change of log-likelihood at which the alternation has converged."""
 HALVINGS = 6
 CUTOFF_STEP, LONGEST = 1e-4, 0.3
-"""In the logarithm of a cutoff: half the step of a slope, and the longest step."""
+"""Of the logarithm of a cutoff: half the step of its difference quotient, and the longest step of a fit."""
 SHARED = 4
-"""Systematic parts whose transforms are kept: fits that differ only in their noise have the same."""
+"""Number of systematic parts whose transforms are cached: fits that differ only in the noise share them."""
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ class Term:
         return Term(replace(self.effect, **values), self.free)
 
     def _moved(self, name: str, change: float) -> float:
-        """Return a parameter after a change; one that has to be positive changes by a factor, of e at most."""
+        """Return a parameter after a change; a positive one changes by a factor of at most e."""
         value, (low, high) = getattr(self.effect, name), self.effect.limits()[name]
         if low > 0:
             return min(value * exp(min(max(change / value, -1.0), 1.0)), high)
@@ -56,7 +56,7 @@ class Term:
 
 @dataclass(frozen=True)
 class Description:
-    """What is said to be on an axis besides an offset."""
+    """Effects of an axis, apart from its offset."""
 
     terms: tuple[Term, ...]
     noise: Noise
@@ -68,14 +68,14 @@ class Description:
         return (*(term.effect for term in self.terms), *self.noise, *self.changes, *filter(None, [self.outliers]))
 
     def size(self) -> int:
-        """Return the number of adjusted parameters."""
+        """Return the number of fitted parameters."""
         free = (*(term.free for term in self.terms), self.noise.parameters(), *(one.free() for one in self.changes))
         return sum(map(len, free))
 
 
 @dataclass(frozen=True, eq=False)
 class AxisFit:
-    """A description at its maximum of likelihood on a sequence.
+    """Description at its maximum likelihood on a sequence.
 
     Attributes
     ----------
@@ -94,7 +94,7 @@ class AxisFit:
 
     @cached_property
     def scale(self) -> np.ndarray | float:
-        """Return the factor of the standard deviation over time that the changes of variance make."""
+        """Factor of the standard deviation of each sample, shape (n,), or 1."""
         return scale(self.sequence, self.description.changes)
 
     @property
@@ -110,7 +110,7 @@ class AxisFit:
 
     @cached_property
     def residual(self) -> np.ndarray:
-        """Return what the systematic terms leave, of equal variance over time, shape (n,)."""
+        """Samples less the systematic terms, of equal variance over time, shape (n,)."""
         centred, outside = _centred(self.sequence, self.description), self.scatter.outside
         if outside is None:
             return centred
@@ -124,7 +124,7 @@ class AxisFit:
         return self.sequence.bins.sums((self.coefficients[:last] * self.scatter.root[:last]) ** 2)
 
     def power_behind(self, output_filter: FilterEffect) -> np.ndarray:
-        """Return the sums of squared coefficients of what would be left of the input and the terms behind a filter."""
+        """Return the sums of squared cosine coefficients of the residual if the output had a filter."""
         if not self.sequence.in_motion:
             return self.power
         described = replace(self.description, noise=replace(self.description.noise, output_filter=output_filter))
@@ -151,7 +151,7 @@ class AxisFit:
 
     @cached_property
     def basis(self) -> np.ndarray:
-        """Return an orthonormal basis of the directions that the terms can move the mean in, whitened."""
+        """Orthonormal basis of the whitened derivatives of the mean, shape (n - 1, rank)."""
         return _basis(self._directions())
 
     @cached_property
@@ -164,12 +164,12 @@ class AxisFit:
         inverse = np.linalg.pinv(precision / np.outer(norms, norms), rcond=1e-12, hermitian=True)
         return inverse / np.outer(norms, norms)
 
-    def bare(self) -> "AxisFit":
-        """Return the fit without what was derived from it, which is many times its size."""
+    def without_cache(self) -> "AxisFit":
+        """Return the fit without its cached arrays."""
         return replace(self)
 
     def has(self, kind: type[Effect]) -> bool:
-        """Return whether an effect of a kind is described."""
+        """Return whether the description has an effect of a kind."""
         return any(isinstance(effect, kind) for effect in self.description.effects())
 
     @cached_property
@@ -212,11 +212,11 @@ class AxisFit:
 
     @cached_property
     def steps(self) -> scans.Steps:
-        """Return what a step of the mean gains at each sample, ahead of the filter of the output."""
+        """Gain of log-likelihood of a step of the mean at each sample, before the output filter."""
         return self.steps_beside(np.empty((len(self.coefficients), 0)))
 
     def steps_beside(self, columns: np.ndarray) -> scans.Steps:
-        """Return what a step gains at each sample beside whitened columns more, (n - 1, m), which are fitted too."""
+        """Return the gain of a step at each sample, fitted together with whitened columns, shape (n - 1, m)."""
         more, rest = self.beside(columns)
         even = self._unturned(np.column_stack([rest, self.basis, more]))
         return scans.steps(even[:, 0], self.scatter.root**2 / self._gain, even[:, 1:])
@@ -228,7 +228,7 @@ class AxisFit:
         return 1.0 if output_filter is None else bins.spread(output_filter.gain(bins.frequency, bins.interval))
 
     def _unturned(self, coefficients: np.ndarray) -> np.ndarray:
-        """Return columns of cosine coefficients, shape (n - 1, m), without the phase of the filter of the output."""
+        """Return cosine coefficients, shape (n - 1, m), without the phase of the output filter."""
         output_filter, interval = self.description.noise.output_filter, self.sequence.conditions.interval
         if output_filter is None:
             return coefficients
@@ -238,27 +238,27 @@ class AxisFit:
         return cosine_coefficients(irfft(spectrum.T, count, axis=0))
 
     def steps_without(self, index: int) -> scans.Steps:
-        """Return what a step gains at each sample in the place of a term, the rest as it is."""
+        """Return the gain of a step at each sample in place of one term."""
         terms = self.description.terms
         return replace(self, description=replace(self.description, terms=terms[:index] + terms[index + 1 :])).steps
 
     @cached_property
     def cells(self) -> Cells | None:
-        """Return the cells in which the samples of a coarse lattice are known to be, if they say something."""
+        """Rounding intervals of the samples on a coarse lattice, or None where they are not informative."""
         if not self.sequence.coarse:
             return None
         return Cells.of(self.sequence, self.description.noise, self.residual, self.scale)
 
     @cached_property
     def unrounded(self) -> np.ndarray:
-        """Return the residual made white, ahead of a coarse lattice where its cells say something, shape (n,)."""
+        """Whitened residual, shape (n,), before the rounding where the lattice is coarse."""
         if self.cells is None:
             return self.whitened
         return self.cells.drawn(stream(0, "cells", self.sequence.conditions.axis))
 
     @cached_property
     def tails(self) -> Tails:
-        """Return the two normal laws in the residual made white, ahead of a coarse lattice if its cells tell them."""
+        """Mixture of two normal distributions in the whitened residual, before a coarse rounding."""
         if self.cells is not None:
             return self.cells.tails()
         return tails(self.whitened, self.sequence.bins.last / len(self.whitened))
@@ -286,11 +286,11 @@ class AxisFit:
         return scans.swing(self.unrounded, self.sequence.conditions.time)
 
     def beyond(self, columns: np.ndarray) -> np.ndarray:
-        """Return what the terms leave of whitened columns, shape (n - 1, m)."""
+        """Return whitened columns less their projection on the terms, shape (n - 1, m)."""
         return columns - self.basis @ (self.basis.T @ columns) if self.basis.size else columns
 
     def beside(self, columns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return a basis of what whitened columns say beside the terms, and the coefficients that are left of them."""
+        """Return an orthonormal basis of whitened columns beyond the terms, and the coefficients without them."""
         basis = _basis(self.beyond(columns))
         return basis, self.coefficients - basis @ (basis.T @ self.coefficients)
 

@@ -110,11 +110,11 @@ def _kinds(fit: AxisFit, keys: Sequence[Key]) -> tuple[type[Effect], ...]:
 
 def choice_of(search: Search, fit: AxisFit, keys: Sequence[Key]) -> Choice:
     """Return the effects at some keys of a fit, and the likeliest slow noise of each kind in their place."""
-    weighed = [search.weighed(fit, key)[0] for key in keys]
+    weighed = [search.likelihood_ratio(fit, key)[0] for key in keys]
     kinds = _kinds(fit, keys)
     bare = search.fitted(fit.sequence, without(fit, keys).description)
     own = fit.log_likelihood - bare.log_likelihood - sum(one.cost for one in weighed) + expected(*kinds)
-    others = [search.judged(start, bare) for kind in search.catalogue if kind.slow for start in kind.starts(bare)]
+    others = [search.trial_of(start, bare) for kind in search.catalogue if kind.slow for start in kind.starts(bare)]
     noise = {type(one.effect): one for one in sorted(others, key=lambda trial: trial.worth)}
     if len(kinds) == 1 and kinds[0].slow:
         noise[kinds[0]] = weighed[0]

@@ -15,7 +15,7 @@ FEW = 10.0
 
 
 @dataclass(frozen=True)
-class Couple:
+class Pair:
     """Two proposals, and the gain of log-likelihood that they promise together."""
 
     starts: tuple[Start, Start]
@@ -49,20 +49,20 @@ class Means:
         slopes = (jacobian((Term(start.effect, start.free),), fit.sequence) for start in starts)
         return Means(fit, starts, tuple(map(fit.whiten, slopes)), tuple(kind for kind in kinds if kind.event))
 
-    def smooth(self) -> list[Couple]:
+    def smooth(self) -> list[Pair]:
         """Return the couples of two kinds of smooth means."""
         return [
-            Couple((one, other), self._gain(i, j))
+            Pair((one, other), self._gain(i, j))
             for (i, one), (j, other) in combinations(enumerate(self.starts), 2)
             if type(one.effect) is not type(other.effect)
         ]
 
-    def stepped(self) -> list[Couple]:
+    def stepped(self) -> list[Pair]:
         """Return each smooth mean with the step that gains most beside it; of two steps the higher one shows alone."""
         conditions = self.fit.sequence.conditions
         steps = [(event, column) for event in self.events for column in enumerate(self.columns)]
         highest = [(i, event.highest(self.fit.steps_beside(column), conditions)) for event, (i, column) in steps]
-        return [Couple((self.starts[i], step), self._gain(i) + step.gain) for i, step in highest]
+        return [Pair((self.starts[i], step), self._gain(i) + step.gain) for i, step in highest]
 
     def _gain(self, *chosen: int) -> float:
         """Return the gain of log-likelihood of some of the means together, to first order."""

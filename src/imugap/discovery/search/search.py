@@ -1,8 +1,9 @@
-"""What is missing on one axis: effects are added, exchanged and removed until none improves the description.
+"""Stepwise search for the missing effects of one axis: add, exchange and remove until none improves the fit.
 
-Every effect of the catalogue proposes itself (:meth:`imugap.effects.effect.Effect.starts`); each proposal is fitted
-together with all that is there, and the one that chance explains least is taken. After an addition each effect that
-was added is taken out again and exchanged for every other, so that what came first by masquerade does not stay.
+Every kind of the catalogue proposes itself (:meth:`imugap.effects.effect.Effect.starts`). Each proposal is fitted
+together with all effects of the description, and the one of the lowest probability of chance is added. After each
+addition every added effect is removed and exchanged for every other, so that an effect which only stands in for another
+does not stay.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -16,52 +17,52 @@ from imugap.discovery.fit.axis_fit import AxisFit, Description, Term, fit
 from imugap.discovery.fit.contaminated_normal import Tails
 from imugap.discovery.fit.whittle import fit as fit_noise
 from imugap.discovery.preparation.sequence import AxisSequence
-from imugap.discovery.search.pairs import Couple, Means
+from imugap.discovery.search.pairs import Means, Pair
 from imugap.effects.effect import Effect, Role, Start, StochasticEffect
 from imugap.stream import stream
 
 TAILS = 100.0
-"""Independent shapes of tails, on the safe side."""
+"""Upper bound of the number of independent shapes of a heavy-tailed distribution."""
 LIMIT = 12
-"""Additions to one axis; each gains less than the one before, as a rule."""
+"""Maximum number of additions to one axis."""
 ASKED = 4
-"""Additions from which on it is asked whether something without a name says more than all that may come."""
+"""Number of additions from which an unnamed effect is compared with all further proposals."""
 FAR = 300.0
-"""Gain of log-likelihood above which the probability of a chance is its asymptote."""
+"""Gain of log-likelihood above which the asymptote of its probability is used."""
 MARGIN = 0.1
-"""Gain of log-likelihood, parameters and places paid for, that an exchange has to make."""
+"""Minimum gain of log-likelihood of an exchange, after the cost of parameters and places."""
 HELD = 3e6
-"""Samples of all fits together that have what is derived from them in memory."""
+"""Maximum number of samples of all fits whose derived arrays are kept in memory."""
 RETOLD = 3
-"""Rounds in which outliers and changes of the variance are told beside each other."""
+"""Rounds in which outliers and changes of the variance are estimated in turn."""
 CLOSE = 20.0
-"""Log-probability by which an effect that is worth more may be less certain."""
+"""Log-probability by which an effect of higher worth may be less certain."""
 PARAMETER = 2.5
-"""What a parameter is worth in log-likelihood where two effects are weighed against each other.
+"""Cost of a parameter in log-likelihood, where two effects are compared.
 
-A parameter too many gains as much by chance in 2.5 % of cases (Wilks 1938).
+A superfluous parameter gains as much by chance in 2.5 % of cases (Wilks 1938).
 """
 HOPE, HOPES = -4.0, 2
-"""Log-probability of chance below which, and number of, effects that are added on trial where nothing is certain.
+"""Log-probability below which an uncertain effect is added on trial, and the number of such effects.
 
-They stay if the exchange of what is there makes all of it certain: an effect that stands for two others hides both.
+They stay if the exchange of the others makes all effects certain: an effect that stands for two others hides both.
 """
 EXPECTED = 1.5
-"""Logarithm of how much likelier slow noise is than another effect before any sample: most sensors have some."""
+"""Prior log-odds of slow noise against another effect: most sensors have some."""
 TRACE = 0.01
-"""Share of the power at every frequency below which white noise is gone."""
+"""Share of the power, at every frequency, below which white noise counts as absent."""
 LITTLE = 0.03
-"""Share of its size that slow noise keeps where other slow noise is tried in its place."""
+"""Share of its size that slow noise of the start model keeps where other slow noise is tried in its place."""
 ALIKE = 0.6
-"""Share of the gain of one effect that a couple has to promise to be fitted."""
+"""Minimum expected gain of a pair, over that of the single effect, for the pair to be fitted."""
 COUPLES = 4
-"""Couples that are fitted, of smooth means and with a step each."""
+"""Number of pairs that are fitted: of two smooth means, and of a mean and a step."""
 CUTOFFS = (1.0, 0.3, 0.1, 0.03)
-"""Cutoffs at which a filter is tried, over that which it proposes."""
+"""Cutoffs at which a filter is tried, over the proposed one."""
 RESHAPED = 30.0
-"""Gain of log-likelihood, at most, that the terms are expected to make by what a filter does to them."""
+"""Upper bound of the gain of log-likelihood by the effect of a filter on the terms."""
 SLACK = 2.0
-"""How many times the gain that an effect expects before the fit it may make after it."""
+"""Ratio of the gain after the fit to the expected gain before it, at most."""
 
 
 def _nothing(_: AxisFit) -> float:
@@ -70,7 +71,7 @@ def _nothing(_: AxisFit) -> float:
 
 @dataclass(frozen=True, eq=False)
 class Trial:
-    """A description with one effect more, fitted.
+    """Fit of a description with one more effect.
 
     Attributes
     ----------
@@ -81,7 +82,7 @@ class Trial:
     gain
         Gain of log-likelihood over the fit without it.
     parameters, trials
-        Number of parameters more, and of independent places or shapes among which the effect was chosen.
+        Number of further parameters, and of independent places or shapes among which the effect was chosen.
     """
 
     effect: Effect
@@ -97,19 +98,19 @@ class Trial:
 
     @property
     def log_p(self) -> float:
-        """Return the log-probability of that gain by chance (likelihood ratio, Bonferroni over the trials)."""
+        """Log-probability of such a gain by chance (likelihood ratio, Bonferroni over the trials)."""
         return min(log_chance(self.gain, self.parameters) + float(np.log(self.trials)), 0.0)
 
     @property
     def cost(self) -> float:
-        """Return what its parameters and trials cost in log-likelihood."""
+        """Cost of its parameters and trials in log-likelihood."""
         return PARAMETER * self.parameters + float(np.log(self.trials))
 
     @property
     def worth(self) -> float:
-        """Return the gain less the cost: what effects are weighed by against each other.
+        """Gain less cost, by which effects are compared.
 
-        Slow noise is no likelier than another effect where it leaves no room for the white noise that every sensor has.
+        The prior odds of slow noise do not count where it leaves no white noise, which every sensor has.
         """
         white = self.fit.description.noise.share(0, self.fit.sequence.bins).max()
         return self.gain - self.cost + (expected(type(self.effect)) if white > TRACE else 0.0)
@@ -117,90 +118,91 @@ class Trial:
 
 @dataclass(frozen=True, eq=False)
 class Search:
-    """The search on one axis.
+    """Search for the missing effects of one axis.
 
     Attributes
     ----------
     start
-        What the start model describes; it stays.
+        Description of the start model, whose effects stay.
     catalogue
         Kinds of effects that may be missing.
     log_alpha
-        Logarithm of the probability that a proposal is taken by chance.
+        Logarithm of the probability that a proposal is accepted by chance.
     """
 
     start: Description
     catalogue: tuple[type[Effect], ...]
     log_alpha: float
     memory: dict[Description, AxisFit] = field(default_factory=dict)
-    """Fits by the description that they started from."""
+    """Fits, by the description from which they started."""
     tails: dict[Effect, Tails] = field(default_factory=dict)
-    """What outliers were found by; the samples without them say no more about them."""
+    """Distribution of the residual by which outliers were found."""
     raw: dict[Effect, AxisSequence] = field(default_factory=dict)
-    """The samples with the outliers."""
+    """Samples before the outliers were replaced."""
 
-    def forgetful(self) -> "Search":
-        """Return the search without the fits that it made on the way."""
+    def without_memory(self) -> "Search":
+        """Return the search without its stored fits."""
         return replace(self, memory={})
 
-    def afresh(self) -> "Search":
-        """Return the same search for other samples."""
+    def for_new_samples(self) -> "Search":
+        """Return the same search for another sequence."""
         return Search(self.start, self.catalogue, self.log_alpha)
 
-    def knows(self, kind: type[Effect]) -> bool:
+    def start_has(self, kind: type[Effect]) -> bool:
         """Return whether the start model has an effect of a kind."""
         return any(isinstance(effect, kind) for effect in self.start.effects())
 
     def fitted(self, sequence: AxisSequence, start: Description) -> AxisFit:
-        """Return the fit from a start, made once; what was derived from it is kept of the latest fits only."""
+        """Return the fit from a start, computed once; derived arrays are kept for the latest fits only."""
         found = self.memory.pop(start, None)
         self.memory[start] = fit(sequence, start) if found is None else found
         latest = max(int(HELD / len(sequence.values)), 3)
         if len(self.memory) > latest:
             older = list(self.memory)[-latest - 1]
-            self.memory[older] = self.memory[older].bare()
+            self.memory[older] = self.memory[older].without_cache()
         return self.memory[start]
 
     def explore(self, before: AxisFit, nameless: Callable[[AxisFit], float] = _nothing) -> AxisFit:
-        """Return the fit to which nothing is to be added.
+        """Add effects until no proposal improves the fit, and return that fit.
 
-        Behind a filter that was not known yet, a single event looks like many outliers: they are told anew.
+        Where both outliers and a filter were added, outliers are estimated again: behind an unknown filter a single
+        event looks like many outliers.
 
         Parameters
         ----------
         before
             Fit to begin with.
         nameless
-            Of a fit the gain of log-likelihood by what has no name, in the place of what was added; where all that may
-            be added does not reach it, nothing more is.
+            Function that returns the gain of log-likelihood by an unnamed effect in place of the added ones. The search
+            ends where all further proposals together cannot reach it.
         """
-        found = self._explored(before, nameless)
+        found = self._selected(before, nameless)
         keys = {key.part for key in self.added(found.description)}
         if {"outliers", "filter"} <= keys:
             raw = self.fitted(self.raw[found.description.outliers], replace(found.description, outliers=None))
-            found = self._explored(self.settled(raw), nameless)
-        return self.placed(self.retold(found))
+            found = self._selected(self.refined(raw), nameless)
+        return self.relocate_steps(self.refit_outliers_and_changes(found))
 
-    def retold(self, found: AxisFit) -> AxisFit:
-        """Return the fit with outliers and changes of the variance each as they are beside the others.
+    def refit_outliers_and_changes(self, found: AxisFit) -> AxisFit:
+        """Estimate outliers and changes of the variance in turn.
 
-        Outliers came first: what more noise has farthest out was taken for some of them, and is missed in the change.
+        Outliers were found first: the largest samples of a noisier stretch count among them, and lack in the change.
         """
         for _ in range(RETOLD):
             outliers = found.description.outliers
             if outliers not in self.raw or not self.added(found.description, changing):
                 break
-            found = self._changes_anew(found)
+            found = self._refit_changes(found)
             raw = replace(found, sequence=self.raw[outliers], description=replace(found.description, outliers=None))
             same = np.array_equal(raw.tails.flagged, self.tails[outliers].flagged)
-            wide = None if same else self.cleaned(raw)
+            wide = None if same else self.without_outliers(raw)
             if wide is None:
                 break
             found = wide.fit
         return found
 
-    def _changes_anew(self, found: AxisFit) -> AxisFit:
-        """Return the fit with every added change of the variance as it is most likely beside all else."""
+    def _refit_changes(self, found: AxisFit) -> AxisFit:
+        """Fit every added change of the variance again, all other effects held."""
         for key in self.added(found.description, changing):
             own = at(found.description, key)
             without = self.fitted(found.sequence, removed(found.description, key))
@@ -211,8 +213,8 @@ class Search:
             found = moved if moved.log_likelihood > found.log_likelihood else found
         return found
 
-    def placed(self, found: AxisFit) -> AxisFit:
-        """Return the fit with every added step where it is most likely beside all else, which came after it."""
+    def relocate_steps(self, found: AxisFit) -> AxisFit:
+        """Move every added step to its most likely time, given the effects that were added after it."""
         for key in self.added(found.description, stepping):
             time = found.sequence.conditions.time[np.argmax(found.steps_without(key.index).gains)]
             terms = list(found.description.terms)
@@ -221,45 +223,47 @@ class Search:
             found = moved if moved.log_likelihood > found.log_likelihood else found
         return found
 
-    def _explored(self, before: AxisFit, nameless: Callable[[AxisFit], float]) -> AxisFit:
+    def _selected(self, before: AxisFit, nameless: Callable[[AxisFit], float]) -> AxisFit:
         for _ in range(LIMIT):
-            if self.restless(before.description):
+            if self.too_many_changes(before.description):
                 break
             bar = HOPE if self.added(before.description) else self.log_alpha
             trials = sorted((one for one in self.trials(before, bar) if one.log_p < bar), key=lambda one: one.log_p)
-            wide = self.cleaned(before)
+            wide = self.without_outliers(before)
             if wide is not None and wide.log_p < min([self.log_alpha, *(one.log_p for one in trials)]):
-                before = self.retold(self.settled(wide.fit))
+                before = self.refit_outliers_and_changes(self.refined(wide.fit))
                 continue
             most = max((one.fit.log_likelihood - before.log_likelihood for one in trials), default=0.0)
             many = len(self.added(before.description)) >= ASKED
             if trials and many and nameless(before) > LIMIT * most:
                 break
             if trials and trials[0].log_p < self.log_alpha:
-                couple = self.couple(before, trials[0])
+                couple = self.pair(before, trials[0])
                 first = not self.added(before.description) and couple is None
-                before = self.retold(trials[0].fit if first else self.settled((couple or trials[0]).fit))
+                before = self.refit_outliers_and_changes(
+                    trials[0].fit if first else self.refined((couple or trials[0]).fit)
+                )
                 continue
-            hopes = (self.settled(trial.fit, type(trial.effect)) for trial in trials[:HOPES])
-            proven = next((after for after in hopes if self._proven(after, before)), None)
+            hopes = (self.refined(trial.fit, type(trial.effect)) for trial in trials[:HOPES])
+            proven = next((after for after in hopes if self._all_certain(after, before)), None)
             if proven is None:
                 break
             before = proven
         return before
 
-    def restless(self, description: Description) -> bool:
-        """Return whether more changes of the variance were added than can have their name; they stand for what has not.
+    def too_many_changes(self, description: Description) -> bool:
+        """Return whether more changes of the variance were added than may have that name.
 
-        What else such samples show is not to be told.
+        They stand for an unnamed effect, and no other effect of such samples is searched for.
         """
         changes = [at(description, key) for key in self.added(description, changing)]
         return bool(changes) and len(changes) > changes[0].most
 
-    def _proven(self, after: AxisFit, before: AxisFit) -> bool:
-        """Return whether a fit has more effects than before, each of which chance does not explain."""
+    def _all_certain(self, after: AxisFit, before: AxisFit) -> bool:
+        """Return whether a fit has more effects than before, each of them significant."""
         keys = self.added(after.description)
         return len(keys) > len(self.added(before.description)) and all(
-            self.weighed(after, key)[0].log_p < self.log_alpha for key in keys
+            self.likelihood_ratio(after, key)[0].log_p < self.log_alpha for key in keys
         )
 
     def trials(self, before: AxisFit, bar: float) -> Iterator[Trial]:
@@ -271,17 +275,17 @@ class Search:
                 if kind.role is Role.FILTER:
                     start, beside = behind_filter(start, before)
                     if may_reach(start, bar):
-                        trial = self.judged(start, before, beside)
+                        trial = self.trial_of(start, before, beside)
                         if not before.sequence.in_motion or noise_shows_filter(trial, self.log_alpha):
                             yield trial
                 elif _moves(start.effect, before) or may_reach(start, bar):
-                    yield self.judged(start, before)
-        yield from self._instead(before)
+                    yield self.trial_of(start, before)
+        yield from self._noise_instead(before)
 
-    def _instead(self, before: AxisFit) -> Iterator[Trial]:
-        """Yield slow noise in the place of that of the start model, which is free and may stand for what is missing.
+    def _noise_instead(self, before: AxisFit) -> Iterator[Trial]:
+        """Yield slow noise in place of that of the start model, whose fitted size may stand for the missing noise.
 
-        Beside it as it is there is no room; it keeps a little, and what it is worth beside the other.
+        The noise of the start model keeps a small share, which is fitted together with the other.
         """
         noise = before.description.noise
         for index, effect in enumerate(noise.effects[: len(self.start.noise.effects)]):
@@ -293,12 +297,12 @@ class Search:
             for kind in self.catalogue:
                 if kind.slow and kind is not type(effect):
                     for start in kind.starts(without):
-                        yield self.judged(start, before, given_up)
+                        yield self.trial_of(start, before, given_up)
 
-    def couple(self, before: AxisFit, single: Trial) -> Trial | None:
+    def pair(self, before: AxisFit, single: Trial) -> Trial | None:
         """Return two means that together are worth more than one slow effect, or None; one of them may be a step.
 
-        Two that nearly cancel gain little by themselves, but much beside each other, and what stands for both hides
+        Two means that nearly cancel gain little each, but much together, and a slow effect that stands for both hides
         them.
         """
         if not masking(single.effect):
@@ -309,26 +313,26 @@ class Search:
         for couples in both:
             likely = sorted(couples, key=lambda couple: -couple.gain)[:COUPLES]
             chosen = [couple for couple in likely if couple.gain > ALIKE * single.gain]
-            fitted = (self._coupled(couple, before, count) for couple in chosen)
+            fitted = (self._pair_trial(couple, before, count) for couple in chosen)
             best = max(fitted, key=lambda trial: trial.worth, default=None)
             if best is not None and best.worth > single.worth + MARGIN and self._needs_both(best.fit, before):
                 return best
         return None
 
     def _needs_both(self, after: AxisFit, before: AxisFit) -> bool:
-        """Return whether chance explains neither of the two terms that a fit has more, beside the other."""
+        """Return whether each of the two added terms is significant given the other."""
         keys = [Key("term", index) for index in range(len(before.description.terms), len(after.description.terms))]
-        return all(self.weighed(after, key)[0].log_p < self.log_alpha for key in keys)
+        return all(self.likelihood_ratio(after, key)[0].log_p < self.log_alpha for key in keys)
 
-    def _coupled(self, couple: Couple, before: AxisFit, count: int) -> Trial:
-        """Fit two proposals together, one couple among ``count``, and judge them against the fit without them."""
+    def _pair_trial(self, couple: Pair, before: AxisFit, count: int) -> Trial:
+        """Fit two proposals together, one pair among ``count``, and compare with the fit without them."""
         one, other = couple.starts
         after = self.fitted(before.sequence, with_effect(with_effect(before.description, one), other))
         parameters, trials = len(one.free) + len(other.free), count * one.trials * other.trials
         return Trial(other.effect, after, after.log_likelihood - before.log_likelihood, parameters, trials)
 
-    def cleaned(self, before: AxisFit) -> Trial | None:
-        """Return the fit to the samples without outliers, and what speaks for outliers; None where they are known."""
+    def without_outliers(self, before: AxisFit) -> Trial | None:
+        """Return the trial of outliers, fitted to the samples without them; None where the description has outliers."""
         outliers = None if before.description.outliers is not None else self._outliers(before)
         if outliers is None:
             return None
@@ -338,7 +342,7 @@ class Search:
         return Trial(outliers, after, found.gain, 2, TAILS)
 
     def _outliers(self, before: AxisFit) -> Effect | None:
-        """Return the outliers of samples that are described but for them, if chance does not explain them."""
+        """Return the outliers of a fit without any, if they are significant."""
         if before.sequence.coarse and before.cells is None:
             return None
         found = before.tails
@@ -351,45 +355,45 @@ class Search:
         self.tails[outliers], self.raw[outliers] = found, before.sequence
         return outliers
 
-    def cleared(self, before: AxisFit) -> AxisFit:
-        """Return the fit to the samples without the outliers that the start model knows of, if it knows of some."""
+    def without_known_outliers(self, before: AxisFit) -> AxisFit:
+        """Return the fit to the samples without outliers, if the start model has outliers."""
         if self.start.outliers is None:
             return before
-        wide = self.cleaned(replace(before, description=replace(before.description, outliers=None)))
+        wide = self.without_outliers(replace(before, description=replace(before.description, outliers=None)))
         return before if wide is None else wide.fit
 
-    def judged(self, start: Start, before: AxisFit, beside: Description | None = None) -> Trial:
-        """Fit a proposal, beside what is there or other values of it, and judge it against the fit without it."""
+    def trial_of(self, start: Start, before: AxisFit, beside: Description | None = None) -> Trial:
+        """Fit a proposal together with the description, or with ``beside``, and compare with the fit before."""
         after = self.fitted(before.sequence, with_effect(beside or before.description, start))
         gain = (after.log_likelihood - before.log_likelihood) / start.level
         return Trial(start.effect, after, gain, len(start.free), start.trials)
 
-    def settled(self, found: AxisFit, hoped: type[Effect] | None = None) -> AxisFit:
-        """Return the fit after the removal or exchange of every added effect that is superfluous or another one.
+    def refined(self, found: AxisFit, hoped: type[Effect] | None = None) -> AxisFit:
+        """Remove or exchange every added effect that is not significant, or for which another one is worth more.
 
-        Effects of a kind ``hoped`` for come last: the exchange of the others may make them certain.
+        Effects of the kind ``hoped`` come last: the exchange of the others may make them significant.
         """
         for _ in range(LIMIT):
             keys = [key for key in self.added(found.description) if key.part != "outliers"]
             if hoped is not None:
                 keys.sort(key=lambda key: isinstance(at(found.description, key), hoped))
-            changed = next((other for key in keys if (other := self._improved(found, key)) is not None), None)
+            changed = next((other for key in keys if (other := self._improvement(found, key)) is not None), None)
             if changed is None:
                 return found
             found = changed
         return found
 
     def pruned(self, found: AxisFit) -> AxisFit:
-        """Return the fit without the added effects that chance explains."""
+        """Return the fit without the added effects that are not significant."""
         for key in self.added(found.description):
-            own, without = self.weighed(found, key)
+            own, without = self.likelihood_ratio(found, key)
             if own.log_p > self.log_alpha:
                 return self.pruned(without)
         return found
 
-    def _improved(self, found: AxisFit, key: "Key") -> AxisFit | None:
-        """Return a fit without the effect at ``key``, or with another or a simpler in its place, if it is better."""
-        own, without = self.weighed(found, key)
+    def _improvement(self, found: AxisFit, key: "Key") -> AxisFit | None:
+        """Return a better fit without the effect at ``key``, or with another or a simpler one; else None."""
+        own, without = self.likelihood_ratio(found, key)
         if own.log_p > self.log_alpha:
             return without
         bar = min(self.log_alpha, own.log_p + CLOSE)
@@ -398,11 +402,11 @@ class Search:
         best = max(others, key=lambda trial: trial.worth, default=None)
         if best is not None and best.worth > own.worth + MARGIN:
             return best.fit
-        couple = self.couple(without, own)
+        couple = self.pair(without, own)
         return couple.fit if couple is not None else None
 
-    def weighed(self, found: AxisFit, key: "Key") -> tuple[Trial, AxisFit]:
-        """Return one effect as a trial, and the fit without it."""
+    def likelihood_ratio(self, found: AxisFit, key: "Key") -> tuple[Trial, AxisFit]:
+        """Return the trial of one effect of a fit, and the fit without it."""
         if key.part == "outliers":
             outliers = found.description.outliers
             return Trial(outliers, found, self.tails[outliers].gain, 2, TAILS), found
@@ -412,15 +416,15 @@ class Search:
         gain = found.log_likelihood - without.log_likelihood
         return Trial(effect, found, gain, more, _places(effect, more, without)), without
 
-    def rivals(self, found: AxisFit, key: "Key", without: AxisFit, bar: float) -> list[Trial]:
-        """Return every other effect in the place of one, fitted, whose log-probability may come below ``bar``."""
+    def alternatives_to(self, found: AxisFit, key: "Key", without: AxisFit, bar: float) -> list[Trial]:
+        """Return the trials of all other effects in place of one, whose log-probability may come below ``bar``."""
         if key.part == "outliers":
             return []
         name = at(found.description, key).name
         return [trial for trial in self.trials(without, bar) if trial.name != name]
 
     def added(self, description: Description, which: Callable[[Effect], bool] = lambda _: True) -> list["Key"]:
-        """Return where the effects are that the start model does not have, those for which ``which`` holds."""
+        """Return the keys of the added effects for which ``which`` holds."""
         keys = [Key("term", i) for i in range(len(self.start.terms), len(description.terms))]
         keys += [Key("noise", i) for i in range(len(self.start.noise.effects), len(description.noise.effects))]
         if description.noise.output_filter is not None and self.start.noise.output_filter is None:
@@ -433,7 +437,7 @@ class Search:
 
 @dataclass(frozen=True)
 class Key:
-    """Where in a description an effect is: its part and its index there."""
+    """Position of an effect in a description: its part and its index there."""
 
     part: str
     index: int
@@ -477,7 +481,7 @@ def _rest(items: tuple, index: int) -> tuple:
 
 
 def with_effect(description: Description, start: Start) -> Description:
-    """Return the description with an effect more, in the part of it where its kind belongs."""
+    """Return the description with one more effect."""
     effect = start.effect
     if effect.role is Role.MEAN:
         return replace(description, terms=(*description.terms, Term(effect, start.free)))
@@ -510,23 +514,23 @@ def masking(effect: Effect) -> bool:
 
 
 def _places(effect: Effect, parameters: int, without: AxisFit) -> float:
-    """Return the independent places or shapes among which an effect of so many parameters is chosen."""
+    """Return the number of independent places or shapes among which an effect is chosen."""
     starts = list(type(effect).starts(without))
     alike = [start.trials for start in starts if len(start.free) == parameters]
     return max(alike or [start.trials for start in starts], default=1.0)
 
 
 def little(effect: StochasticEffect) -> StochasticEffect:
-    """Return slow noise much smaller; its first parameter is its size."""
+    """Return slow noise of a small share of its size, which is its first parameter."""
     size = fields(effect)[0].name
     return replace(effect, **{size: LITTLE * getattr(effect, size)})
 
 
 def behind_filter(start: Start, before: AxisFit) -> tuple[Start, Description]:
-    """Return a filter, and the description with the noise behind it, from which a fit is most likely to get there.
+    """Return the start of a filter, and the description with the noise behind it, from which its fit converges.
 
-    Without the filter noise has gone far to look like it, and may not find back. What the noise gains is known by then,
-    what the terms may gain is not, nor what the filter takes from the input.
+    Without the filter the noise was fitted to the filtered spectrum, far from its own. The gain of the noise is known
+    here; that of the terms, and that of the filtered input, are not.
     """
     description, sequence = before.description, before.sequence
     fits = []
@@ -542,7 +546,7 @@ def behind_filter(start: Start, before: AxisFit) -> tuple[Start, Description]:
 
 
 def noise_shows_filter(filtered: Trial, log_alpha: float) -> bool:
-    """Return whether the noise shows a filter, besides the motion: else what the motion shows may be a mere delay."""
+    """Return whether the noise alone shows the filter: the motion alone cannot distinguish it from a delay."""
     fit, bins = filtered.fit, filtered.fit.sequence.bins
     unfiltered = fit_noise(replace(fit.noise.noise, output_filter=None), bins, fit.power)
     gain = fit.noise.log_likelihood - unfiltered.log_likelihood
@@ -550,13 +554,13 @@ def noise_shows_filter(filtered: Trial, log_alpha: float) -> bool:
 
 
 def _another(one: Effect, other: Effect) -> bool:
-    """Return whether two effects differ in more than what a fit adjusts: in kind, or in a whole number."""
+    """Return whether two effects differ in kind, or in a whole number, which no fit adjusts."""
     whole = [item.name for item in fields(one) if item.metadata["whole"]]
     return one.name != other.name or any(getattr(one, name) != getattr(other, name) for name in whole)
 
 
 def _moves(effect: Effect, before: AxisFit) -> bool:
-    """Return whether what an effect gains, everything else held, says little: other slow noise gives way to it."""
+    """Return whether the expected gain is unreliable because slow noise of the fit gives way to the effect."""
     slow = any(one.slow for one in before.description.noise.effects)
     return slow and effect.role is Role.NOISE
 
@@ -567,12 +571,12 @@ def may_reach(start: Start, bar: float) -> bool:
 
 
 def expected(*kinds: type[Effect]) -> float:
-    """Return the logarithm of how much likelier effects of some kinds are beforehand: slow noise, whatever beside."""
+    """Return the prior log-odds of effects of some kinds."""
     return EXPECTED if any(kind.slow for kind in kinds) else 0.0
 
 
 def log_chance(gain: float, more: int) -> float:
-    """Return the log-probability of a gain of log-likelihood by chance (Wilks 1938), its asymptote far out."""
+    """Return the log-probability of a gain of log-likelihood by ``more`` parameters by chance (Wilks 1938)."""
     if not 0 < gain < np.inf:
         return 0.0 if gain <= 0 else -np.inf
     if gain < FAR:

@@ -254,7 +254,7 @@ def _estimates(kinds: Sequence[type[Effect]], device: Device) -> list[Estimate]:
     """
     estimates = []
     for axis, found in device.fits.items():
-        asked = [kind for kind in kinds if axis in kind.common and not device.searches[axis].knows(kind)]
+        asked = [kind for kind in kinds if axis in kind.common and not device.searches[axis].start_has(kind)]
         for kind in asked:
             start = None if found.has(kind) else next(kind.starts(found), None)
             found = found if start is None else fit(found.sequence, with_effect(found.description, start))

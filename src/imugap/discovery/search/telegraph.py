@@ -132,7 +132,7 @@ def _slow_part(search: Search, found: AxisFit) -> tuple[StochasticEffect, ...]:
     That may be slow noise of the start model, which is free.
     """
     added = tuple(at(found.description, key) for key in search.added(found.description, lambda effect: effect.slow))
-    if added or not search.restless(found.description):
+    if added or not search.too_many_changes(found.description):
         return added
     return tuple(one for one in found.description.noise.effects if one.slow)
 

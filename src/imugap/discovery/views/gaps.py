@@ -205,7 +205,7 @@ def _axis_curves(groups: list[ReplicateGroup], tested: Collection[str]) -> Itera
         for member in group.fits:
             axis = member.sequence.conditions.axis
             if axis in tested:
-                for key, curve in views.curves(member.bare(), group.binnings_of(axis)).items():
+                for key, curve in views.curves(member.without_cache(), group.binnings_of(axis)).items():
                     yield (number, *key), curve
 
 
@@ -213,7 +213,7 @@ def _pair_curves(
     pairs: list[tuple[str, str]], common: list[tuple[str, str]], fits: Mapping[str, AxisFit]
 ) -> Iterator[tuple[object, views.Curve]]:
     """Yield the curves of pairs of axes, each after the key of its statistics; pairs without common noise share one."""
-    bare = {axis: fit.bare() for axis, fit in fits.items()}
+    bare = {axis: fit.without_cache() for axis, fit in fits.items()}
     for pair in pairs:
         members = [bare[axis] for axis in pair]
         yield pair if pair in common else ("independent", views.shared_last(*members)), views.of_coherence(*members)
