@@ -26,10 +26,16 @@ WHITE = WhiteNoise(1e-3)
 LOG_ALPHA = np.log(0.01 / 6 / 28)
 
 
+def simulated(effects, conditions, seed, *labels):
+    """The error sequence of effects, without flaws."""
+    count = len(conditions)
+    values = AxisModel(effects).simulate(np.zeros(count), conditions, seed, *labels)
+    return AxisSequence(values, conditions, np.zeros(count, bool))
+
+
 def sequence(*effects, count=COUNT, axis="gyro_x", label="search"):
     conditions = Conditions(INTERVAL * np.arange(count), INTERVAL, axis=axis)
-    values = AxisModel((WHITE, *effects)).simulate(np.zeros(count), conditions, 1, label)
-    return AxisSequence(values, conditions, np.zeros(count, bool))
+    return simulated((WHITE, *effects), conditions, 1, label)
 
 
 def plain(data):

@@ -2,7 +2,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.discovery.simulated import LOG_ALPHA, WHITE, beside_white, names, plain, sequence
+from tests.discovery.simulated import LOG_ALPHA, WHITE, beside_white, names, plain, sequence, simulated
 
 from imugap.benchmark.sealing.noise import fractional
 from imugap.discovery.axis import conclude, search_axis
@@ -28,7 +28,6 @@ from imugap.effects import (
     WarmUp,
 )
 from imugap.effects.conditions import Conditions
-from imugap.effects.effect import AxisModel
 from imugap.stream import stream
 
 
@@ -272,8 +271,7 @@ def test_a_temperature_beside_a_walk_is_seldom_a_memory_of_it():
     conditions, straight = Conditions(time, interval, warming, "gyro_x"), Temperature(1e-3, 25.0)
     described = Description((Term(straight, ("coefficient",)),), Noise((WHITE, RandomWalk(4e-5))))
     for run in range(60):
-        values = AxisModel((WHITE, RandomWalk(4e-5), straight)).simulate(np.zeros(count), conditions, run, "nested")
-        found = fit(AxisSequence(values, conditions, np.zeros(count, bool)), described)
+        found = fit(simulated((WHITE, RandomWalk(4e-5), straight), conditions, run, "nested"), described)
         few.append(in_place_of_means(Search(Description((), Noise((WHITE,))), (), LOG_ALPHA), found).log_p)
     assert np.sum(np.array(few) < LEVEL) <= 3
     assert 5 <= np.sum(np.array(few) < np.log(0.5)) <= 40

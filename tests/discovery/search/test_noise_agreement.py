@@ -4,15 +4,14 @@ from collections import Counter
 
 import numpy as np
 import pytest
+from tests.discovery.simulated import simulated
 
 from imugap.discovery.fit.axis_fit import Description, fit
 from imugap.discovery.fit.whittle import Noise
-from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.search.noise_agreement import BEFOREHAND, Choice, agreed, choice_of
 from imugap.discovery.search.search import Search
 from imugap.effects import BiasInstability, BiasStep, GaussMarkov, RandomWalk, RateRamp, WarmUp, WhiteNoise
 from imugap.effects.conditions import Conditions
-from imugap.effects.effect import AxisModel
 from imugap.log import ACCEL, GYRO
 
 COUNT, INTERVAL = 12_000, 0.05
@@ -26,8 +25,7 @@ def explored(effects, label=0):
     searches, fits = {}, {}
     for axis, some in effects.items():
         conditions = Conditions(INTERVAL * np.arange(COUNT), INTERVAL, axis=axis)
-        values = AxisModel((WHITE, *some)).simulate(np.zeros(COUNT), conditions, label, "agreement")
-        data = AxisSequence(values, conditions, np.zeros(COUNT, bool))
+        data = simulated((WHITE, *some), conditions, label, "agreement")
         searches[axis] = Search(Description((), Noise((WHITE,))), KINDS, np.log(0.01 / 6 / 28))
         fits[axis] = searches[axis].explore(fit(data, searches[axis].start))
     return fits, searches

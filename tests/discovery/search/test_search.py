@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from tests.discovery.simulated import COUNT, INTERVAL, LOG_ALPHA, WHITE, names, plain, sequence, told_of
+from tests.discovery.simulated import COUNT, INTERVAL, LOG_ALPHA, WHITE, names, plain, sequence, simulated, told_of
 
 from imugap.discovery.axis import conclude, search_axis
 from imugap.discovery.fit.axis_fit import Description, fit
@@ -25,7 +25,6 @@ from imugap.effects import (
     WhiteNoise,
 )
 from imugap.effects.conditions import Conditions
-from imugap.effects.effect import AxisModel
 from imugap.stream import stream
 
 
@@ -160,8 +159,7 @@ def test_nothing_stays_that_chance_explains_beside_the_rest(number):
     time = interval * np.arange(count)
     warming = 24 + 4 * (1 - np.exp(-time / 120)) + 0.5 * np.sin(2 * np.pi * time / 200)
     conditions = Conditions(time, interval, warming, "gyro_x")
-    values = AxisModel((WHITE, RandomWalk(4e-5))).simulate(np.zeros(count), conditions, number, "couple")
-    data = AxisSequence(values, conditions, np.zeros(count, bool))
+    data = simulated((WHITE, RandomWalk(4e-5)), conditions, number, "couple")
     search = Search(plain(data).description, (RateRamp, Temperature, WarmUp, BiasStep, Sinusoid), LOG_ALPHA)
     found = search.explore(plain(data))
     assert search.added(found.description)

@@ -5,18 +5,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.stats import chi2
+from tests.discovery.simulated import simulated
 
 from imugap.discovery.axis import conclude, search_axis
 from imugap.discovery.fit.axis_fit import Description, fit
 from imugap.discovery.fit.telegraph_likelihood import filtered
 from imugap.discovery.fit.whittle import Noise
-from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.search.search import Search
 from imugap.discovery.search.telegraph import told_apart
 from imugap.discovery.search.telegraph_in_noise import drawn_values, stationary_markov, switching
 from imugap.effects import BiasStep, GaussMarkov, RandomTelegraph, RandomWalk, VarianceChange, WhiteNoise
 from imugap.effects.conditions import Conditions
-from imugap.effects.effect import AxisModel
 from imugap.stream import stream
 
 COUNT, INTERVAL = 24_000, 0.04
@@ -27,8 +26,7 @@ LOG_ALPHA = np.log(0.01 / 6 / 28)
 
 def sequence(*effects, label="switching", count=COUNT, white=WHITE):
     conditions = Conditions(INTERVAL * np.arange(count), INTERVAL, axis="gyro_x")
-    values = AxisModel((white, *effects)).simulate(np.zeros(count), conditions, 1, label)
-    return AxisSequence(values, conditions, np.zeros(count, bool))
+    return simulated((white, *effects), conditions, 1, label)
 
 
 def with_markov(data):

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from scipy.signal import butter, lfilter
 from scipy.stats import binomtest, kstest
+from tests.discovery.simulated import simulated
 
 from imugap import log
 from imugap.discovery.fit.axis_fit import Description, Term, fit
 from imugap.discovery.fit.whittle import Noise
-from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.views.gaps import DOUBTFUL, FIRST, REPLICATES, find_gaps, replicate_groups, threshold, view_tests
 from imugap.effects import (
     BiasInstability,
@@ -28,7 +28,6 @@ from imugap.effects import (
     WhiteNoise,
 )
 from imugap.effects.conditions import Conditions
-from imugap.effects.effect import AxisModel
 from imugap.stream import stream
 
 COUNT, INTERVAL = 12000, 0.02
@@ -42,9 +41,8 @@ def fits(hidden, start=None, count=COUNT, seed=1, ideal=None):
     found = {}
     for axis, effects in hidden.items():
         conditions = Conditions(time, INTERVAL, temperature, axis, ideal)
-        values = AxisModel((WHITE, *effects)).simulate(np.zeros(count), conditions, seed, "gaps test")
         described = (start or {}).get(axis, Description((), Noise((WHITE,))))
-        found[axis] = fit(AxisSequence(values, conditions, np.zeros(count, bool)), described)
+        found[axis] = fit(simulated((WHITE, *effects), conditions, seed, "gaps test"), described)
     return found
 
 

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from scipy.stats import kstest
+from tests.discovery.simulated import simulated
 
 from imugap import log
 from imugap.discovery import views
@@ -26,7 +27,6 @@ from imugap.effects import (
     WhiteNoise,
 )
 from imugap.effects.conditions import Conditions
-from imugap.effects.effect import AxisModel
 from imugap.stream import stream
 
 COUNT, INTERVAL = 20000, 0.01
@@ -39,8 +39,7 @@ CELLS = {"mean": 128, "variance": 128, "temperature": 24, "temperature_rate": 24
 
 def fitted(*effects, axis="gyro_x", ideal=None, seed=1, start=(WHITE,)):
     conditions = Conditions(TIME, INTERVAL, WARMING, axis, ideal)
-    values = AxisModel((WHITE, *effects)).simulate(np.zeros(COUNT), conditions, seed, "views")
-    return fit(AxisSequence(values, conditions, np.zeros(COUNT, bool)), Description((), Noise(start)))
+    return fit(simulated((WHITE, *effects), conditions, seed, "views"), Description((), Noise(start)))
 
 
 def peak(curve):

@@ -8,8 +8,8 @@ from scipy.fft import irfft, next_fast_len, rfft
 
 from imugap.benchmark.sealing import detection_limits as limits
 from imugap.benchmark.sealing.hidden_effect import (
-    AdditiveEffect,
     AxisRun,
+    HiddenSignal,
     KnownWaveform,
     StationaryNoise,
     drawn,
@@ -189,7 +189,7 @@ class HiddenTemperature(KnownWaveform):
 
 
 @dataclass(frozen=True)
-class HiddenOutliers(AdditiveEffect):
+class HiddenOutliers(HiddenSignal):
     """Additional Gaussian error of standard deviation ``std``, in a sample with ``probability``.
 
     Limit: where n times the divergence of the mixture from the Gaussian of equal variance is 2.71.
@@ -223,7 +223,7 @@ class HiddenOutliers(AdditiveEffect):
 
 
 @dataclass(frozen=True)
-class HiddenCommonMode(AdditiveEffect):
+class HiddenCommonMode(HiddenSignal):
     """White noise shared by axes of a triad, each with the ``loading`` one.
 
     Limit: where the divergence -n/2 log det R of the correlation matrix R of the axes from independent axes is 2.71.
@@ -255,7 +255,7 @@ class HiddenCommonMode(AdditiveEffect):
 
 
 @dataclass(frozen=True)
-class HiddenTurnOnBias(AdditiveEffect):
+class HiddenTurnOnBias(HiddenSignal):
     """A bias that differs between five runs.
 
     Limit: with r = 1 + std^2/m over the variance m of a run's mean, where 2 (r - 1 - log r), the divergence of the four

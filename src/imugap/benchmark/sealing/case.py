@@ -13,9 +13,9 @@ from imugap import log
 from imugap.atomic import atomic
 from imugap.benchmark.sealing.device import BaseDevice, temperature
 from imugap.benchmark.sealing.hidden_effect import (
-    AdditiveEffect,
     AxisRun,
     HiddenEffect,
+    HiddenSignal,
     OutputEffect,
     ParameterSource,
     TimestampEffect,
@@ -135,7 +135,7 @@ def _axis(case: BlindCase, hidden: Sequence[PlacedEffect], axis_run: AxisRun, ru
     values = axis_run.ideal[axis_run.axis].to_numpy() + axis_run.bias + white
     values += axis_run.noise.coloured(axis_run.count, axis_run.interval, rng) + axis_run.noise.line(axis_run.time, rng)
     for item in here:
-        if isinstance(item.effect, AdditiveEffect):
+        if isinstance(item.effect, HiddenSignal):
             labels = () if item.effect.shared else (axis_run.axis,)
             values += item.effect.sample(axis_run, _stream(case, "signal", item.number, run, *labels))
     for item in sorted(

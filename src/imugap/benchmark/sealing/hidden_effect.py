@@ -154,7 +154,7 @@ class HiddenEffect:
         return {name: float(value) for name, value in asdict(self).items()}
 
 
-class AdditiveEffect(HiddenEffect):
+class HiddenSignal(HiddenEffect):
     """An effect that adds a signal to an axis."""
 
     shared: ClassVar[bool] = False
@@ -165,7 +165,7 @@ class AdditiveEffect(HiddenEffect):
         raise NotImplementedError
 
 
-class KnownWaveform(AdditiveEffect):
+class KnownWaveform(HiddenSignal):
     """A signal known but for its amplitude. Limit: the matched test (:func:`.detection_limits.matched_test`)."""
 
     def shape(self, run: AxisRun) -> np.ndarray:
@@ -181,7 +181,7 @@ class KnownWaveform(AdditiveEffect):
         return self.shape(run)
 
 
-class StationaryNoise(AdditiveEffect):
+class StationaryNoise(HiddenSignal):
     """A stationary random signal. Limit: the spectral test (:func:`.detection_limits.spectral_test`)."""
 
     def psd(self, frequency: np.ndarray, interval: float) -> np.ndarray:
