@@ -174,7 +174,7 @@ if __name__ == "__main__":
         data = compared(scores, seed)
         order = ends[["dataset", "run"]].drop_duplicates().sort_values(["dataset", "run"])
         titles = {(one.dataset, one.run): f"{SHORT[one.dataset]} {one.run}" for one in order.itertuples()}
-        style.save(pedestrian.foretold(ends, titles, scores), output.figure)
+        style.save(pedestrian.predictions(ends, titles, scores), output.figure)
         tables.write(output.found.removesuffix(".csv"), found, found_page(found))
         tables.write(output.scores.removesuffix(".csv"), data, scores_page(data))
         Path(output.numbers).write_text(json.dumps(numbers(found, scores, data, seed), indent=1) + "\n")

@@ -89,7 +89,7 @@ def _strip(panel, values: np.ndarray, place: float, colour: str) -> None:
 
 
 FOUND, SEEN = "#0072B2", "black"
-"""Colours of a navigated walk and of what cameras saw of it."""
+"""Colours of a navigated walk and of its camera track."""
 
 
 def walks(tracks: pd.DataFrame, titles: Mapping[tuple[str, int], str]) -> Figure:
@@ -208,12 +208,12 @@ def sensitivity(table: pd.DataFrame, sets: Mapping[str, str], detectors: Sequenc
     return figure
 
 
-FORETOLD = {"at rest": "#999999", "data sheet": "#56B4E9", "named": "#D55E00", "other sets": "#009E73"}
-"""Colours of what foretells the end of a walk."""
+PREDICTED = {"at rest": "#999999", "data sheet": "#56B4E9", "named": "#D55E00", "other sets": "#009E73"}
+"""Colours of the sources of a prediction."""
 
 
-def foretold(ends: pd.DataFrame, titles: Mapping[tuple[str, int], str], scores: pd.DataFrame) -> Figure:
-    """Draw what is foretold of the ends of walks beside what was measured, and where in the predictions that lies.
+def predictions(ends: pd.DataFrame, titles: Mapping[tuple[str, int], str], scores: pd.DataFrame) -> Figure:
+    """Draw the predicted and measured ends of walks, and the rank of the measured end in the prediction.
 
     Parameters
     ----------
@@ -227,13 +227,13 @@ def foretold(ends: pd.DataFrame, titles: Mapping[tuple[str, int], str], scores: 
     """
     figure, grid = panels_of(2, 2, 4.6, width_ratios=[3.4, 1])
     table = ends.assign(height=-ends["down"], horizontal=np.hypot(ends["north"], ends["east"]))
-    names = [name for name in FORETOLD if name in set(table["by"])]
+    names = [name for name in PREDICTED if name in set(table["by"])]
     for row, quantity in zip(grid, ("height", "horizontal"), strict=True):
         for number, (dataset, run) in enumerate(titles):
             one = table[(table["dataset"] == dataset) & (table["run"] == run)].set_index("by")[quantity]
             for name, shift in zip(names, np.linspace(-0.3, 0.3, len(names)), strict=True):
                 low, middle, high = np.quantile(one.loc[name], [0.05, 0.5, 0.95])
-                row[0].plot([number + shift] * 2, [low, high], color=FORETOLD[name], lw=2.4, alpha=0.8, label=name)
+                row[0].plot([number + shift] * 2, [low, high], color=PREDICTED[name], lw=2.4, alpha=0.8, label=name)
                 row[0].plot(number + shift, middle, "_", color="black", ms=4, mew=0.8)
             row[0].plot(number, one.loc["measured"], "D", color="black", ms=3.5, label="measured", zorder=5)
         row[0].set_xticks(range(len(titles)), titles.values() if quantity == "horizontal" else [], rotation=90)
@@ -242,7 +242,7 @@ def foretold(ends: pd.DataFrame, titles: Mapping[tuple[str, int], str], scores: 
         bins = np.linspace(0, 1, 6)
         for name, shift in zip(names, np.linspace(-0.06, 0.06, len(names)), strict=True):
             counts, _ = np.histogram(scores.loc[scores["by"] == name, f"place_{quantity}"], bins)
-            row[1].bar((bins[1:] + bins[:-1]) / 2 + shift, counts, width=0.04, color=FORETOLD[name])
+            row[1].bar((bins[1:] + bins[:-1]) / 2 + shift, counts, width=0.04, color=PREDICTED[name])
         row[1].axhline(len(titles) / 5, color="black", lw=0.8, ls="--")
         row[1].set(xlabel="place: 0 in the middle, 1 beyond" if quantity == "horizontal" else "", ylabel="walks")
         row[1].yaxis.set_major_locator(MaxNLocator(integer=True))

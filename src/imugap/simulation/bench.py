@@ -1,4 +1,4 @@
-"""The virtual bench: static logs of a simulated device from a recipe, with the truth kept apart."""
+"""Virtual bench: static logs of a simulated device from a recipe, with the truth kept apart."""
 
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,8 +1,8 @@
-"""A simulated flight of a small aircraft: one smooth course gives attitude, angular rate and specific force alike.
+"""Simulated flight of a small aircraft: one smooth course gives attitude, angular rate and specific force.
 
-Velocity and Euler angles are designed on a grid and made splines of fifth order. What the splines say is the truth:
-the specific force follows from the derivative of the velocity, the angular rate from that of the angles, and both are
-averaged over the sampling intervals. Earth rate is left out, as in :class:`imugap.kinematics.strapdown.Local`.
+Velocity and Euler angles are designed on a grid and interpolated by splines of fifth order, which are the truth: the
+specific force follows from the derivative of the velocity, the angular rate from that of the angles, and both are
+averaged over the sampling intervals. Earth rate is neglected, as in :class:`imugap.kinematics.strapdown.Local`.
 """
 
 from dataclasses import dataclass

@@ -1,10 +1,9 @@
-"""A simulated walk of a foot and the device on it: one smooth motion gives position, angular rate and specific force.
+"""Simulated walk of a foot with a device on it: one smooth motion gives position, angular rate and specific force.
 
-The point of the foot that touches the ground and the attitude of the foot are designed stride by stride on a grid: a
-swing, in which the point goes forward, up and down while the foot pitches nose down at the push and nose up before the
-strike, then a stance, in which the point rests and the foot rolls over it. The device sits away from that point. Both
-are made splines of fifth order, and what these say is the truth (:mod:`imugap.simulation.flight`). Earth rate is left
-out.
+The contact point of the foot and its attitude are designed stride by stride on a grid: a swing, in which the point
+moves forward, up and down while the foot pitches nose down at the push and nose up before the strike; then a stance, in
+which the point rests and the foot rolls over it. The device is at an arm from that point. Both are interpolated by
+splines of fifth order, which are the truth (:mod:`imugap.simulation.flight`). Earth rate is neglected.
 """
 
 from collections.abc import Iterator

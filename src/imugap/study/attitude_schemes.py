@@ -1,7 +1,7 @@
-"""The schemes of the attitude experiment: whence the filter has the parameters of its error model.
+"""Schemes of the attitude experiment: sources of the parameters of the filter's error model.
 
-After Liu, Ren and Li (2016): scheme 1 reads them from the Allan curve, scheme 2 infers them from wavelet variances.
-The likelihood is a third. All of them see the same static log and the same processes.
+After Liu, Ren and Li (2016): scheme 1 reads them from the Allan curve, scheme 2 estimates them from wavelet variances.
+Likelihood is a third scheme. All use the same static log and the same processes.
 """
 
 from collections.abc import Mapping, Sequence
@@ -23,7 +23,7 @@ SCHEMES: dict[str, Estimator] = {
 }
 """Scheme to method of estimation."""
 KINDS = dict.fromkeys(GYRO, (WhiteNoise, GaussMarkov)) | dict.fromkeys(ACCEL, (WhiteNoise, RandomWalk))
-"""The processes of each axis, as the source finds them on its device."""
+"""Processes of each axis, as in the source."""
 
 
 def fit(log: pd.DataFrame, scheme: str) -> dict[str, Fit]:
@@ -47,11 +47,10 @@ def fitted(static: pd.DataFrame, minutes: Sequence[int]) -> tuple[pd.DataFrame, 
 
 
 def filter_model(fits: Mapping[str, Fit]) -> ErrorModel:
-    """Return what the filter is given, by one rule for all schemes.
+    """Return the error model for the filter, by one rule for all schemes.
 
-    A parameter that is only bounded from above enters with its upper limit, the most that the log allows: a filter that
-    takes a sensor for worse than it is loses little, one that takes it for better believes itself. Every other
-    parameter enters with its value.
+    A parameter with only an upper bound enters with that bound: a pessimistic filter loses little, an optimistic one
+    becomes inconsistent. Every other parameter enters with its value.
     """
     return ErrorModel({axis: _cautious(one) for axis, one in fits.items()})
 

@@ -1,4 +1,4 @@
-"""Scores of attitude errors over time, and what of a difference between two estimates is more than chance."""
+"""Scores of attitude errors over time, and confidence intervals of their differences."""
 
 import numpy as np
 import pandas as pd

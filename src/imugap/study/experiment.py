@@ -1,4 +1,4 @@
-"""A simulated static log of one axis whose truth is known, as often as wanted."""
+"""Simulated static logs of one axis with known truth, in any number of runs."""
 
 from dataclasses import dataclass, replace
 from pathlib import Path

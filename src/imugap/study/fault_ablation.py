@@ -1,4 +1,4 @@
-"""What each part of a quality control is worth: simulated drives under every scheme, clean and with gross errors."""
+"""Benefit of each part of the quality control: simulated drives under every scheme, clean and with gross errors."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -21,28 +21,27 @@ from imugap.simulation.drive import Drive
 from imugap.simulation.gnss_faults import OUTAGE, OUTLIER, RAMP, STRETCH, FaultEvent, Faults, event_kinds
 
 CLEAN, CONTAMINATED, LOST = "clean", "contaminated", "lost"
-"""Cases: good fixes; all gross errors of the recipe; a stretch and no more, in which the drive begins."""
+"""Cases: good fixes; all gross errors of the recipe; only a stretch in which the drive begins."""
 ALONE = {kind: f"{kind} alone" for kind in (OUTLIER, STRETCH, RAMP, OUTAGE)}
-"""Further cases: of the gross errors those of one kind."""
+"""Further cases: gross errors of one kind."""
 ORACLE, SMOOTHED = "oracle", "smoothed"
-"""Schemes: told the gross errors as standard deviations, what a perfect test would make of the fixes; and the smoother
-with all control."""
+"""Schemes: true standard deviations of the gross errors, as from a perfect test; and the smoother with all control."""
 PLAIN, WHOLE = "none", "hindsight"
 """Schemes without control, and with all of it."""
 WHEELS = {name: f"{name}, wheels" for name in (PLAIN, WHOLE, SMOOTHED, ORACLE)}
-"""What they are called where the filter is told of the wheels; the plain one only has good fixes, to compare with."""
+"""Schemes with the constraint of the rear axle; the one without control runs on good fixes only."""
 PARTS = {LOST: ("gated", "reset", WHOLE)} | dict.fromkeys(ALONE.values(), ("reset", WHOLE))
-"""Cases that only some schemes are put to."""
+"""Cases with some of the schemes."""
 CASES = (CLEAN, CONTAMINATED, *PARTS)
 ERRORS = ("horizontal", "vertical", "velocity", "tilt", "heading", "gyro", "accel")
-"""What is scored: lengths of error vectors [m, m, m/s, rad, rad, rad/s, m/s^2], the last two of estimated biases."""
+"""Scored lengths of error vectors [m, m, m/s, rad, rad, rad/s, m/s^2], the last two of estimated biases."""
 EVERY_S = 1.0
-"""Time between two instants that are scored [s]."""
+"""Interval of the scored instants [s]."""
 
 
 @dataclass(frozen=True, eq=False)
 class AblationRun:
-    """A drive under one scheme: solution, fixes, the gross errors in them, and the true errors of the sensors."""
+    """Drive under one scheme: solution, fixes, their gross errors, and true sensor errors."""
 
     solution: DriveSolution
     fixes: pd.DataFrame
@@ -52,7 +51,7 @@ class AblationRun:
 
 @dataclass(frozen=True)
 class Ablation:
-    """Drives of a recipe with gross errors of another, by a filter that knows the device and the receiver."""
+    """Drives with gross errors, and a filter with the true models of device and receiver."""
 
     drive: Drive
     faults: Faults
@@ -64,7 +63,7 @@ class Ablation:
 
     @property
     def assumptions(self) -> DriveAssumptions:
-        """What the filter takes for granted: what the recipe says."""
+        """Assumptions of the filter: those of the recipe."""
         receiver = self.drive.receiver
         return DriveAssumptions(
             lever_m=receiver.lever_m,
@@ -76,7 +75,7 @@ class Ablation:
 
     @property
     def rolling(self) -> DriveAssumptions:
-        """The same of a filter that is told of the wheels."""
+        """Assumptions with the constraint of the rear axle."""
         axle = self.drive.axle
         return replace(
             self.assumptions, wheels_std=axle.std_m_per_s, wheels_s=axle.correlation_s, axle_m=axle.arm_m
@@ -85,7 +84,7 @@ class Ablation:
     def runs(
         self, run: int, seed: int, schemes: dict[str, QualityControl] = SCHEMES, cases: tuple[str, ...] = CASES
     ) -> Iterator[tuple[str, str, AblationRun]]:
-        """Yield case, scheme and what comes of it, for one drive."""
+        """Yield case, scheme and run, for one drive."""
         drive, assumptions = self.drive, self.assumptions
         record, clean, true = drive.record(run, seed), drive.fixes(run, seed), drive.errors(run, seed)
         known = self._cases(clean, run, seed)
@@ -106,12 +105,12 @@ class Ablation:
                     yield case, name, navigated(assumptions, fixes, quality, events, False)
                 if name == WHOLE or (name, case) == (PLAIN, CLEAN):
                     yield case, WHEELS[name], navigated(self.rolling, fixes, quality, events, False)
-            for told, names in ((assumptions, (SMOOTHED, ORACLE)), (self.rolling, (WHEELS[SMOOTHED], WHEELS[ORACLE]))):
+            for own, names in ((assumptions, (SMOOTHED, ORACLE)), (self.rolling, (WHEELS[SMOOTHED], WHEELS[ORACLE]))):
                 if case in (CLEAN, CONTAMINATED):
-                    yield case, names[0], navigated(told, fixes, QualityControl(), events, True)
+                    yield case, names[0], navigated(own, fixes, QualityControl(), events, True)
                 if case == CONTAMINATED:
-                    confessed = self.faults.with_true_deviations(fixes, events)
-                    yield case, names[1], navigated(told, confessed, NO_CONTROL, events, False)
+                    with_deviations = self.faults.with_true_deviations(fixes, events)
+                    yield case, names[1], navigated(own, with_deviations, NO_CONTROL, events, False)
 
     def _cases(
         self, clean: pd.DataFrame, run: int, seed: int
@@ -147,12 +146,12 @@ class Ablation:
         return pd.DataFrame(columns).assign(event=event_kinds(time, one.events))
 
     def verdicts(self, one: AblationRun) -> dict[str, float]:
-        """Return of one run what the quality control did to good and bad fixes, and how the filter knows itself.
+        """Return the decisions of the quality control in a run, and the consistency of the filter.
 
-        ``false`` is the share of the components of good fixes that are removed or weighed down, ``missed`` the share of
-        bad fixes all of whose components of position are taken as they are, ``closed`` that of fixes that shut the
-        gate, ``doubts`` how often an offset was opened; ``nis``, ``nees`` and ``nees_sensors`` are means over the fixes
-        by degrees of freedom.
+        ``false`` is the share of components of good fixes that are removed or weighted down, ``missed`` the share of
+        bad fixes with all position components accepted, ``closed`` that of fixes with a failing global test, ``doubts``
+        the number of opened offsets; ``nis``, ``nees`` and ``nees_sensors`` are means over the fixes per degree of
+        freedom.
         """
         record, solution = one.solution.record, one.solution
         bad = event_kinds(solution.fix_time, one.events) != ""
@@ -189,7 +188,7 @@ class Ablation:
 
 
 def hide_effect(study: Ablation, path: str | Path, what: str | None, run: int, seed: int) -> DriveInputs:
-    """Return a drive as a filter has it that is not told of one effect: a name of :data:`CANDIDATES`, or None.
+    """Return the filter inputs of a drive with one unmodelled effect, by its name among the candidates, or None.
 
     The effects are those of the part ``hidden`` of the recipe at ``path``.
     """
@@ -206,14 +205,14 @@ def hide_effect(study: Ablation, path: str | Path, what: str | None, run: int, s
 
 
 def recovery(errors: pd.DataFrame, events: tuple[FaultEvent, ...], limit: float) -> pd.DataFrame:
-    """Return for each event that lasts how long after its end the horizontal error first stays below a limit.
+    """Return the recovery time after each lasting event: until the horizontal error stays below a limit.
 
     Parameters
     ----------
     errors
-        Of one run, with ``time`` and ``horizontal``.
+        Errors of one run, with ``time`` and ``horizontal``.
     limit
-        Horizontal error [m]; it has to stay below for three instants.
+        Horizontal error [m], for three instants.
 
     Returns
     -------
@@ -230,7 +229,7 @@ def recovery(errors: pd.DataFrame, events: tuple[FaultEvent, ...], limit: float)
 
 
 def scores(errors: pd.DataFrame) -> pd.Series:
-    """Return how large the errors of one run are.
+    """Return the scores of the errors of one run.
 
     For each of :data:`ERRORS` the root mean square over the run; ``horizontal_95``, the 95th percentile of the
     horizontal error, and ``aided_95``, outages left out; ``gyro_bad``, ``accel_bad``, root mean squares over stretches
@@ -246,7 +245,7 @@ def scores(errors: pd.DataFrame) -> pd.Series:
 
 
 def in_lasting_fault(kinds: np.ndarray) -> np.ndarray:
-    """Return which instants lie in a stretch or a ramp: gross errors that are there for a while, shape (n,)."""
+    """Return whether each instant lies in a stretch or a ramp, shape (n,)."""
     return ~np.isin(kinds, ["", "outlier", OUTAGE])
 
 

@@ -1,6 +1,6 @@
-"""Audit of the tables printed by He et al. (2023): do they agree with one another and with physics?
+"""Audit of the tables of He et al. (2023): consistency with one another and with physics.
 
-Inputs are the printed tables as data frames (``data/published``); outputs are findings, each computed from them.
+Inputs are the printed tables as data frames (``data/published``); outputs are checks, each computed from them.
 """
 
 from dataclasses import dataclass
@@ -14,15 +14,15 @@ from imugap.units import STANDARD_GRAVITY, to_si
 PERIOD_S = 1.0
 """Averaging period of the printed bias stability."""
 ROUNDING = 2e-3
-"""Relative difference that the printed digits explain, three of them in the shortest number."""
+"""Relative difference within the printed digits, three in the shortest number."""
 SLOWEST_M_PER_S = 0.3
-"""Below this speed nobody walks."""
+"""Slowest walking speed."""
 METHODS = ("method_a", "method_b", "restoration")
 
 
 @dataclass(frozen=True)
 class PrintedCheck:
-    """One check: what is compared, the printed and the implied value as text, whether they can both be true."""
+    """One check: compared quantity, printed and implied value as text, and whether they are consistent."""
 
     check: str
     printed: str

@@ -1,4 +1,4 @@
-"""What many repetitions of an experiment say of a method: bias, error, coverage, efficiency, each with its interval."""
+"""Monte Carlo scores of estimation methods: bias, error, coverage, efficiency, each with its interval."""
 
 import numpy as np
 import pandas as pd

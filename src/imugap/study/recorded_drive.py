@@ -1,10 +1,9 @@
-"""A recorded drive put to the test: fixes of a survey made those of a standard receiver, outages, and a tuned filter.
+"""Recorded drives: fixes of a survey degraded to those of a standard receiver, outages, and a tuned filter.
 
-The survey is the truth. Its fixes, thinned and with the noise of a standard receiver added, are what the filter gets. A
-model of the device comes from the rest before the drive. In motion a device errs by more than at rest (vibration,
-misalignment, scale), and so short a rest only bounds what is slow; the innovations tell how much it is: white noise and
-random walks are multiplied so that the innovations of a drive without outages become most likely. Outages have no part
-in that.
+The survey is the truth. The filter gets its fixes, thinned and with the noise of a standard receiver. The model of the
+device comes from the rest before the drive. In motion the errors are larger (vibration, misalignment, scale factor),
+and a short rest only bounds the slow ones: white noise and random walks are multiplied by factors that maximise the
+likelihood of the innovations of a drive without outages.
 """
 
 from dataclasses import dataclass, replace
@@ -34,24 +33,24 @@ from imugap.study.fault_ablation import SMOOTHED, WHEELS, WHOLE, in_lasting_faul
 from imugap.units import to_si
 
 REST_KINDS = (WhiteNoise, RandomWalk)
-"""What a rest of half a minute is asked for."""
+"""Effects that are fitted to a rest of half a minute."""
 SCALE_STD = (0.01, 0.01)
-"""Standard deviations of the scale factors of a device that nobody calibrated."""
+"""Standard deviations of the scale factors of an uncalibrated device."""
 TURN_ON = (to_si(0.5, "deg/s"), 0.15)
-"""Standard deviations of its constant biases [rad/s] and [m/s^2], which a rest does not tell."""
+"""Standard deviations of its constant biases [rad/s] and [m/s^2]."""
 WHEELS_STD = 0.2
-"""What a car whose device is taken for its rear axle goes across and up [m/s]: an arm of a metre, in turns."""
+"""Standard deviation of the velocity across and up with the device instead of the rear axle [m/s]: an arm of 1 m."""
 TUNED = ("gyro_white", "accel_white", "gyro_walk", "accel_walk")
-"""What is multiplied when a model is tuned."""
+"""Tuning factors of a model."""
 FACTORS = (2.0**-10, 2.0**6)
 """Limits of the factors."""
 GAIN = 0.5
-"""Least gain of the log likelihood for which a factor is moved."""
+"""Least log-likelihood gain of a change of a factor."""
 
 
 @dataclass(frozen=True)
 class StandardReceiver:
-    """A standard receiver: time between fixes [s], standard deviations north, east, down [m] and [m/s]."""
+    """Standard receiver: time between fixes [s], standard deviations north, east, down [m] and [m/s]."""
 
     interval_s: float
     position_std: tuple[float, float, float]
@@ -64,7 +63,7 @@ class StandardReceiver:
         return cls(given["interval_s"], tuple(given["position_std"]), tuple(given["velocity_std"]))
 
     def degrade(self, survey: pd.DataFrame, seed: int, *labels: object) -> pd.DataFrame:
-        """Return the fixes of a survey as this receiver would have them: thinned, with noise, independent each time."""
+        """Return the fixes of a survey, thinned and with the noise of this receiver."""
         time = survey.index.to_numpy()
         number = np.floor((time - time[0]) / self.interval_s + 1e-6)
         kept = survey[np.append(True, np.diff(number) > 0)]
@@ -77,7 +76,7 @@ class StandardReceiver:
 
 @dataclass(frozen=True, eq=False)
 class DriveTest:
-    """A recording and what a filter takes for granted on it."""
+    """Recording, with the assumptions and the alignment settings of the filter."""
 
     recording: Recording
     assumptions: DriveAssumptions
@@ -85,7 +84,7 @@ class DriveTest:
 
     @property
     def rolling(self) -> "DriveTest":
-        """The same of a filter that is told of wheels; nobody says where the axle is, and the device stands for it."""
+        """The test with the constraint of the rear axle, which is taken to be at the device."""
         return replace(self, assumptions=replace(self.assumptions, wheels_std=WHEELS_STD))
 
     def navigate(
@@ -101,9 +100,9 @@ class DriveTest:
     def schemes(
         self, fixes: pd.DataFrame, spoilt: pd.DataFrame, events: tuple[FaultEvent, ...], model: ErrorModel
     ) -> tuple[pd.DataFrame, dict[str, pd.DataFrame]]:
-        """Navigate with good and with spoilt fixes under every scheme of quality control.
+        """Navigate with clean and with contaminated fixes under every scheme of quality control.
 
-        All of the control is there also on wheels, smoothed, and both.
+        The full control also runs with the constraint of the rear axle, with the smoother, and with both.
 
         Returns
         -------
@@ -134,7 +133,7 @@ class DriveTest:
         return pd.DataFrame(rows), errors
 
     def errors(self, solution: DriveSolution) -> pd.DataFrame:
-        """Return how far the antenna is from the survey at its fixes: ``north``, ``east``, ``down`` [m], by time."""
+        """Return the position error of the antenna at the fixes of the survey: ``north``, ``east``, ``down`` [m]."""
         survey = self.recording.fixes
         inside = survey[(survey.index >= solution.time[0]) & (survey.index <= solution.time[-1])]
         euler = solution.trajectory[list(ATTITUDE)].to_numpy()
@@ -144,7 +143,7 @@ class DriveTest:
         return pd.DataFrame(np.column_stack(at) - true[:, :3], index=inside.index, columns=list(POSITION))
 
     def outage(self, fixes: pd.DataFrame, model: ErrorModel, begin: float, duration: float) -> pd.DataFrame:
-        """Navigate through one outage; return its drift at the times of the survey.
+        """Navigate through an outage; return the drift at the times of the survey.
 
         Returns
         -------
@@ -166,14 +165,14 @@ class DriveTest:
         return pd.DataFrame(columns, index=pd.Index(off.index - begin, name="since"))
 
     def tune(self, fixes: pd.DataFrame, model: ErrorModel) -> tuple[ErrorModel, pd.DataFrame]:
-        """Multiply white noise and random walks of both triads so that the innovations become most likely.
+        """Tune white noise and random walks of both triads by maximum likelihood of the innovations.
 
-        Each of the four factors in turn is doubled or halved for as long as that helps, until nothing does.
+        Each of the four factors in turn is doubled or halved while the likelihood increases.
 
         Returns
         -------
         tuple
-            The model, and the way there: columns :data:`TUNED` and ``likelihood``, the logarithm.
+            The model, and the steps: columns :data:`TUNED` and ``likelihood``, the logarithm.
         """
         factors = dict.fromkeys(TUNED, 1.0)
         best = self.log_likelihood(fixes, model, factors)
@@ -198,7 +197,7 @@ class DriveTest:
 
 
 def car(recording: Recording, receiver: StandardReceiver) -> DriveTest:
-    """Return the test of a drive whose survey is degraded; scale factors are those of a cheap device."""
+    """Return the test of a drive with a degraded survey."""
     assumptions = DriveAssumptions(
         lever_m=recording.lever_m, scale_std=SCALE_STD, position_std=receiver.position_std,
         velocity_std=receiver.velocity_std,
@@ -207,7 +206,7 @@ def car(recording: Recording, receiver: StandardReceiver) -> DriveTest:
 
 
 def aircraft(recording: Recording, receiver: StandardReceiver) -> DriveTest:
-    """Return the test of a flight by its own receiver: it starts as it rolls, nearly along its course."""
+    """Return the test of a flight with its own receiver; it starts while rolling, nearly along its course."""
     assumptions = DriveAssumptions(
         scale_std=SCALE_STD, position_std=receiver.position_std, velocity_std=receiver.velocity_std
     )  # fmt: skip
@@ -215,7 +214,7 @@ def aircraft(recording: Recording, receiver: StandardReceiver) -> DriveTest:
 
 
 def model_from_rest(log: pd.DataFrame, until: float) -> ErrorModel:
-    """Return the model of a device from the rest up to ``until`` [s], by likelihood, with constant biases."""
+    """Return the model of a device by likelihood from the rest up to ``until`` [s], with constant biases."""
     rest = log.loc[:until]
     step = interval(rest)
     fits = {axis: attitude_schemes.SCHEMES["likelihood"](rest[axis].to_numpy(), step, REST_KINDS) for axis in AXES}
