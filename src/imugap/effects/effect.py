@@ -88,6 +88,8 @@ class Evidence:
         Samples that carry no error of the sensor because of it, shape (n,).
     extent
         Interval of the output in which it acts [unit of the axis], or None for all of its range.
+    bounds
+        Lower and upper limit of the input of each flawed sample, shape (n,) each, or None where they are not known.
     """
 
     effect: "Effect"
@@ -95,6 +97,7 @@ class Evidence:
     log_p: float
     flawed: np.ndarray
     extent: tuple[float, float] | None = None
+    bounds: tuple[np.ndarray, np.ndarray] | None = None
 
 
 def parameter(unit: str, meaning: str, low: float = 0.0, high: float = np.inf, whole: bool = False, **kwargs) -> Field:

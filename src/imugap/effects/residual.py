@@ -1,10 +1,13 @@
 """Protocol of the residual of a fit, from which an effect proposes itself as the missing one."""
 
-from typing import Any, Protocol
+from collections.abc import Callable
+from typing import Any, Protocol, Self, TypeVar
 
 import numpy as np
 
 from imugap.effects.conditions import Conditions
+
+Made = TypeVar("Made")
 
 
 class Process(Protocol):
@@ -78,6 +81,9 @@ class Residual(Protocol):
     @property
     def top(self) -> float:
         """Excess of the power in the upper fifth of the used frequencies, in standard deviations."""
+
+    def once(self, make: Callable[[Self], Made]) -> Made:
+        """Return ``make(self)``, computed at the first call: a search asks one residual time and again."""
 
     def has(self, kind: type) -> bool:
         """Return whether the description has an effect of a kind."""

@@ -10,6 +10,7 @@ from imugap.effects.conditions import Conditions
 from imugap.effects.effect import TINY, Effect, Evidence, Role, Stage, parameter
 from imugap.integrity.precision import grain, spacing
 from imugap.integrity.report import IMPROBABLE
+from imugap.numerics.truncated_exponential import log_slope
 
 TAIL = 100
 """Samples below the extreme value from which its expected count is computed."""
@@ -68,7 +69,8 @@ class Saturation(Effect):
         flawed = np.any([known & (sign * values == tops[sign]) for sign in ends], axis=0)
         intervals = {"limit": (limit - fine / 2, limit + fine / 2)}
         reached = np.abs(values[flawed])
-        return Evidence(cls(limit), intervals, log_p, flawed, (float(reached.min()), float(reached.max())))
+        bounds = np.where(values > 0, values, -np.inf), np.where(values > 0, np.inf, values)
+        return Evidence(cls(limit), intervals, log_p, flawed, (float(reached.min()), float(reached.max())), bounds)
 
 
 def _log_chance(values: np.ndarray, step: float, lattice: bool) -> float:
@@ -99,7 +101,8 @@ def _log_chance(values: np.ndarray, step: float, lattice: bool) -> float:
     reach = max(below[min(TAIL, len(below)) - 1], LEVELS * step)
     inside = below[below <= reach * (1 + 1e-9)]
     levels = max(int(np.rint(reach / step)), 1)
-    slope = _slope((inside - step / 2) / reach) / reach
+    slope, error = log_slope((inside - step / 2) / reach)
+    slope = max(slope - 2 * error, 0.0) / reach
     share = 1 / (1 + _geometric(slope * step, levels))
     near = values >= top - reach * (1 + 1e-9)
     visits = np.count_nonzero(np.diff(near.astype(int), prepend=0) == 1)
@@ -129,17 +132,6 @@ def _log_shortfall(values: np.ndarray, ideal: np.ndarray) -> float:
     if short.max() < CLEAR * others or short.min() < -others:
         return 0.0
     return float(-np.log(2 * len(values)))
-
-
-def _slope(distance: np.ndarray) -> float:
-    """Return the increase of the log-density over the unit interval, less two standard deviations."""
-    mean = distance.mean()
-    slope = float(np.clip(12 * (mean - 0.5), -50.0, 50.0))
-    for _ in range(30):
-        expected = 1 / -np.expm1(-slope) - 1 / slope if abs(slope) > 1e-3 else 0.5 + slope / 12
-        spread = 1 / slope**2 - np.exp(-slope) / np.expm1(-slope) ** 2 if abs(slope) > 1e-3 else 1 / 12
-        slope = float(np.clip(slope + (mean - expected) / max(spread, 1e-6), -50.0, 50.0))
-    return max(slope - 2 / np.sqrt(len(distance) * max(spread, 1e-6)), 0.0)
 
 
 def _geometric(rate: float, count: int) -> float:

@@ -6,7 +6,7 @@ from inspect import getmembers, isclass
 from pathlib import Path
 
 from imugap.effects import CATALOGUE
-from imugap.effects.effect import Effect, StochasticEffect, SystematicEffect
+from imugap.effects.effect import Effect, Role
 
 
 def catalogue(module: str | None) -> dict[str, type[Effect]]:
@@ -16,15 +16,13 @@ def catalogue(module: str | None) -> dict[str, type[Effect]]:
     ----------
     module
         Dotted name of a module, installed or in the working directory; None for the catalogue alone. Its effects
-        are the frozen dataclasses derived from :class:`SystematicEffect` or :class:`StochasticEffect` that have a name.
+        are the frozen dataclasses derived from :class:`imugap.effects.effect.Effect` that have a name and a role.
     """
     if module is None:
         return dict(CATALOGUE)
     kinds = {kind.name: kind for _, kind in getmembers(_imported(module), isclass) if _own(kind, module)}
     if not kinds:
-        raise ValueError(
-            f"effects: expected a module that defines a SystematicEffect or StochasticEffect; {module} has none"
-        )
+        raise ValueError(f"effects: expected a module that defines an Effect with a name and a role; {module} has none")
     taken = sorted(set(kinds) & set(CATALOGUE))
     if taken:
         raise ValueError(f"effects: expected names that are not in the catalogue; {module} has {', '.join(taken)}")
@@ -33,7 +31,7 @@ def catalogue(module: str | None) -> dict[str, type[Effect]]:
 
 def _own(kind: type, module: str) -> bool:
     named = isinstance(getattr(kind, "name", None), str)
-    return kind.__module__ == module and issubclass(kind, (SystematicEffect, StochasticEffect)) and named
+    return kind.__module__ == module and issubclass(kind, Effect) and kind.role is not Role.UNFITTED and named
 
 
 def _imported(module: str):

@@ -220,7 +220,8 @@ def test_clipped_samples_of_a_coarse_lattice_stay():
     values[::10], values[5::50] = 1.0, 2.0
     conditions = Conditions(0.01 * np.arange(1000), 0.01)
     sequence = AxisSequence(values, conditions, values == 2.0)
-    drawn = sequence.with_clipped_drawn(values, np.where(values == 2.0, 1.0, 0.0), stream(1, "coarse"))
+    low = np.where(values == 2.0, 2.0, -np.inf)
+    drawn = sequence.with_censored_drawn(low, np.full(len(values), np.inf), stream(1, "coarse"))
     np.testing.assert_array_equal(drawn.values, values)
     assert drawn.flawed.sum() == 20
 

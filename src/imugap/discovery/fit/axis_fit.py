@@ -4,10 +4,11 @@ The mean is fitted by generalised least squares for the given spectrum, the spec
 residual, in turn until both converge. Both are fitted in the basis of the cosine transform.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from math import exp
+from typing import TypeVar
 
 import numpy as np
 from scipy.fft import idct, irfft, rfft, rfftfreq
@@ -23,6 +24,7 @@ from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.effects.effect import Effect, FilterEffect, StochasticEffect, VarianceEffect
 from imugap.stream import stream
 
+Made = TypeVar("Made")
 ROUNDS = 8
 """Maximum number of alternations between mean and spectrum."""
 SETTLED = 0.02
@@ -167,6 +169,16 @@ class AxisFit:
     def without_cache(self) -> "AxisFit":
         """Return the fit without its cached arrays."""
         return replace(self)
+
+    @cached_property
+    def _made(self) -> dict[Callable, object]:
+        return {}
+
+    def once(self, make: Callable[["AxisFit"], Made]) -> Made:
+        """Return ``make(self)``, computed at the first call: a search asks one fit time and again."""
+        if make not in self._made:
+            self._made[make] = make(self)
+        return self._made[make]
 
     def has(self, kind: type[Effect]) -> bool:
         """Return whether the description has an effect of a kind."""

@@ -114,14 +114,13 @@ def prepare(
         if elsewhere.any() and not np.isnan(values).all():
             news.missing(axis, elsewhere, at[axis].time, kinds)
         news.seen(axis, seen[axis], values)
-    clipped = {axis: _flawed(one, len(outputs[axis]), Stage.RANGE) for axis, one in seen.items()}
     blind = np.zeros(clock.count, bool) if reference is None else in_reference_gap(reference, clock.course)
     flawed = {axis: np.isnan(values) | _flawed(seen[axis], len(values)) | blind for axis, values in outputs.items()}
     for kind in (kind for kind in catalogue if kind.stage is Stage.TRANSFER):
         _transferred(kind, news, outputs, at, flawed)
     steps = {axis: max((one.effect.lattice for one in some), default=0.0) for axis, some in seen.items()}
     sequences = {
-        axis: _sequence(values, at[axis], flawed[axis], clipped[axis], steps[axis], seed)
+        axis: _sequence(values, at[axis], flawed[axis], seen[axis], steps[axis], seed)
         for axis, values in outputs.items()
     }
     whole = {axis: _without_gaps(np.where(blind, np.nan, one), sequences[axis]) for axis, one in outputs.items()}
@@ -297,10 +296,9 @@ def _seen(values: np.ndarray, conditions: Conditions, catalogue: Sequence[type[E
     return [evidence for kind in kinds if (evidence := kind.found(values, conditions)) is not None]
 
 
-def _flawed(found: Sequence[Evidence], count: int, *stages: Stage) -> np.ndarray:
-    """Return which samples, shape (count,), are flawed by effects, of some stages or of all."""
-    mine = [one.flawed for one in found if not stages or one.effect.stage in stages]
-    return np.any(mine, axis=0) if mine else np.zeros(count, bool)
+def _flawed(found: Sequence[Evidence], count: int) -> np.ndarray:
+    """Return which samples, shape (count,), are flawed by effects."""
+    return np.any([one.flawed for one in found], axis=0) if found else np.zeros(count, bool)
 
 
 def _transferred(kind: type[Effect], news: _News, outputs: dict, at: dict, flawed: dict) -> None:
@@ -325,16 +323,24 @@ def _transferred(kind: type[Effect], news: _News, outputs: dict, at: dict, flawe
 
 
 def _sequence(
-    values: np.ndarray, conditions: Conditions, flawed: np.ndarray, clipped: np.ndarray, step: float, seed: int
+    values: np.ndarray,
+    conditions: Conditions,
+    flawed: np.ndarray,
+    seen: Sequence[Evidence],
+    step: float,
+    seed: int,
 ) -> AxisSequence:
-    side = np.where(clipped, np.sign(values), 0.0)
-    values = values - conditions.error_free
-    whole = AxisSequence(np.where(np.isfinite(values), values, 0.0), conditions, np.zeros(len(values), bool), step=step)
+    """Return the error of an axis with its flawed samples replaced, within the limits of their input if known."""
+    low, high = np.full((2, len(values)), [[-np.inf], [np.inf]])
+    for evidence in (one for one in seen if one.bounds is not None):
+        low = np.where(evidence.flawed, evidence.bounds[0], low)
+        high = np.where(evidence.flawed, evidence.bounds[1], high)
+    error, ideal = values - conditions.error_free, conditions.error_free
+    whole = AxisSequence(np.where(np.isfinite(error), error, 0.0), conditions, np.zeros(len(values), bool), step=step)
     if flawed.all():
         return whole
     mended = whole.with_replaced(flawed, stream(seed, "mended", conditions.axis))
-    if clipped.any():
-        mended = mended.with_clipped_drawn(whole.values, side, stream(seed, "beyond", conditions.axis))
+    mended = mended.with_censored_drawn(low - ideal, high - ideal, stream(seed, "beyond", conditions.axis))
     return replace(mended, share=usable_share(mended.values))
 
 

@@ -82,22 +82,31 @@ class AxisSequence:
         values = Autoregression.of(self.values, good).fill(self.values, ~good, rng)
         return replace(self, values=values, flawed=~good)
 
-    def with_clipped_drawn(self, bound: np.ndarray, side: np.ndarray, rng: np.random.Generator) -> "AxisSequence":
-        """Return the sequence with clipped samples drawn from the distribution beyond the full scale, no longer flawed.
+    def with_censored_drawn(self, low: np.ndarray, high: np.ndarray, rng: np.random.Generator) -> "AxisSequence":
+        """Return the sequence with censored samples drawn from the distribution within their limits, no longer flawed.
 
-        Each is normal about the mean of its neighbourhood, given that it is above (``side`` 1) or below (-1) its
-        bound, both of shape (n,). Samples of side 0 stay, and those deep within a motion beyond the full scale, where
-        the bound carries no information. Mean and spread include the samples drawn before, so that clipping biases
-        neither (data augmentation: Tanner and Wong 1987, doi:10.2307/2289457). On a coarse lattice, where most
-        neighbours are equal, all samples stay.
+        Each is normal about the mean of its neighbourhood, given that it is between ``low`` and ``high``, both of
+        shape (n,). Samples without a limit stay, and those deep within a motion beyond the full scale, where a single
+        limit carries no information. Mean and spread include the samples drawn before, so that censoring biases
+        neither (data augmentation: Tanner and Wong 1987, doi:10.2307/2289457). Between two limits, where most samples
+        may be censored, the mean of the neighbourhood is shrunk to that of the log by the share of its variance that is
+        noise (James and Stein 1961). On a coarse lattice, where most neighbours are equal, all samples stay.
         """
         if _spread(self.values) == 0:
             return self
-        at = np.flatnonzero(side * (bound - self.values) > -DEEP * np.abs(side) * _spread(self.values))
-        values, flawed, side, bound = self.values.copy(), self.flawed.copy(), side[at], bound[at]
+        deep = DEEP * _spread(self.values)
+        one, both = np.isfinite(low) ^ np.isfinite(high), np.isfinite(low) & np.isfinite(high)
+        at = np.flatnonzero(both | (one & (low > self.values - deep) | one & (high < self.values + deep)))
+        values, flawed, low, high = self.values.copy(), self.flawed.copy(), low[at], high[at]
         for _ in range(ROUNDS):
-            level, spread = uniform_filter1d(values, 2 * REACH + 1, mode="nearest")[at], _spread(values)
-            chance = log_ndtr(side * (level - bound) / spread) + np.log(1 - rng.random(len(at)))
+            around, spread = uniform_filter1d(values, 2 * REACH + 1, mode="nearest"), _spread(values)
+            moving = max(1 - spread**2 / (2 * REACH + 1) / around.var(), 0.0)
+            level = np.where(both[at], around.mean() + moving * (around[at] - around.mean()), around[at])
+            side = np.where(level - low < high - level, 1.0, -1.0)
+            near, far = np.where(side > 0, low, high), np.where(side > 0, high, low)
+            more, less = (log_ndtr(side * (level - bound) / spread) for bound in (near, far))
+            share = 1 - rng.random(len(at))
+            chance = np.logaddexp(more + np.log(share), less + np.log1p(-share))
             values[at] = level - side * spread * ndtri_exp(chance)
         flawed[at] = False
         return replace(self, values=values, flawed=flawed)
