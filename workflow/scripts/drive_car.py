@@ -1,4 +1,4 @@
-"""Put the recorded drive to the test: model of the rest, tuned model, outages, schemes of quality control."""
+"""Evaluate the recorded drive: model of the rest, tuned model, outages, schemes of quality control."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Put the recorded flight to the test: attitude against the filter aboard, outages against its own fixes."""
+"""Evaluate the recorded flight: attitude against the onboard filter, outages against its own fixes."""
 
 import json
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Ask the innovations of simulated drives what the filter is not told."""
+"""Diagnose simulated drives with one unmodelled effect each by the innovations of the filter."""
 
 import pandas as pd
 

@@ -1,4 +1,4 @@
-"""Tabulate what the innovations named of what was hidden from the filter."""
+"""Tabulate the effects that the diagnosis named against the unmodelled ones."""
 
 import json
 from pathlib import Path

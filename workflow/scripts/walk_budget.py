@@ -1,4 +1,4 @@
-"""Navigate simulated walks with all errors of a device and without one at a time: what does each do to the end?"""
+"""Navigate simulated walks with all errors of a device, and without one at a time, for the error budget of the end."""
 
 import json
 from dataclasses import replace

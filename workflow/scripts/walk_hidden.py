@@ -1,4 +1,4 @@
-"""Hide one effect at a time in a loop; ask discovery with the exact reference, and zero velocity without any."""
+"""Name one hidden effect at a time in simulated loops: by discovery with the exact reference, and by zero velocity."""
 
 from dataclasses import replace
 from pathlib import Path

@@ -42,7 +42,7 @@ LEFT_OUT = ["setting", "dataset", "chosen", "with_chosen", "usual", "with_usual"
 """Columns of what others choose for a set: values, and the median end errors of the set with them [%]."""
 LEVELS = (0.9, 0.99)
 IN_MOTION = ("scale_factor", "misalignment", "g_sensitivity", "time_offset")
-"""Errors of which a log at rest says nothing."""
+"""Errors that a log at rest does not show."""
 SMALL = 0.01
 """Share of the variance below which an effect goes under "others" in the figure."""
 

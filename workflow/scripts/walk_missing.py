@@ -1,4 +1,4 @@
-"""Ask the real walks what their twin lacks, and let it foretell the ends of walks that were not asked."""
+"""Name the errors that real walks show, and predict the ends of the walks that did not estimate them."""
 
 from dataclasses import dataclass
 
@@ -23,82 +23,87 @@ from imugap.simulation.walk_replay import Replay
 from imugap.stream import stream
 from imugap.workflow.job_log import journal
 
-SUSPECTS = (*candidate_errors(), foot_sinkage())
-SINKING = len(SUSPECTS) - 1
-"""What a foot does and no device: walks of other devices tell of it too."""
+CANDIDATES = (*candidate_errors(), foot_sinkage())
+SINKAGE = len(CANDIDATES) - 1
+"""Effect of the foot and not of the device: walks with other devices estimate it too."""
 HALVES = {1: "odd", 0: "even"}
-"""Which walks are asked, by the remainder of their number by two."""
+"""Half of the walks that estimates, by the remainder of their number by two."""
 REST, SHEET, NAMED, SHARED = "at rest", "data sheet", "named", "other sets"
-"""What foretells: noise and turn-on biases; all that data sheets allow; noise, turn-on biases and what is named on
-other walks of the device; these and what is named on walks of other sets."""
+"""Sources of a prediction: noise and turn-on biases; all errors of data sheets; noise, turn-on biases and the error
+named on other walks of the device; these and the error named on walks of other sets."""
 
 
 @dataclass(frozen=True, eq=False)
-class Taken:
+class ObservedWalk:
     """A walk of a set: its replay, the measured error of its end [m], shape (3,), and its block scores."""
 
     dataset: str
     run: int
     replay: Replay
     end: np.ndarray
-    said: BlockScores
+    scores: BlockScores
 
     @classmethod
     def of(cls, files, run):
-        """Read and navigate a walk, and ask it."""
+        """Read and navigate a walk, and score the candidates."""
         dataset = files.dataset
         log, seen = filled(readers.read_raw(files.path(run), dataset, run)), bool(dataset.positions)
         replay = Replay.of(log, DEFAULT_MODEL, WalkAssumptions(), seen)
-        sight, end = closed_loop_aiding(replay.solution), replay.solution.trajectory[list(POSITION)].iloc[-1].to_numpy()
+        aiding, end = (
+            closed_loop_aiding(replay.solution),
+            replay.solution.trajectory[list(POSITION)].iloc[-1].to_numpy(),
+        )
         if seen:
             content = catalogue.POSITIONS if dataset.position_rate_hz else catalogue.LOG
-            beside = compare_with_cameras(
+            comparison = compare_with_cameras(
                 replay.solution, readers.read_positions(files.path(run, content), dataset, run)
             )
-            sight, end = beside.aiding(replay.solution), beside.off
-        return cls(dataset.name, run, replay, end, block_scores(log, replay.solution, sight, SUSPECTS, DEFAULT_MODEL))
+            aiding, end = comparison.aiding(replay.solution), comparison.off
+        return cls(
+            dataset.name, run, replay, end, block_scores(log, replay.solution, aiding, CANDIDATES, DEFAULT_MODEL)
+        )
 
 
-def together(walks):
-    """Return what walks say together."""
-    total, *others = (walk.said for walk in walks)
+def total_scores(walks):
+    """Return the scores of all walks."""
+    total, *others = (walk.scores for walk in walks)
     for one in others:
         total = total + one
     return total
 
 
 def label(number):
-    """Return name, axis and parameter of a suspect as text."""
-    one = SUSPECTS[number]
+    """Return name, axis and parameter of a candidate as text."""
+    one = CANDIDATES[number]
     axis = "accel" if len(one.axes) > 1 else one.axes[0]
     return f"{one.name} {axis}" + (f" to {one.parameter}" if len(one.parameter) == 1 else "")
 
 
 def rows_of(verdict, labels):
-    """Return a row for each effect of what is named, the likeliest first, and if none is a row for the surest."""
+    """Return a row for each named effect, the most likely first, or one for the most significant candidate."""
     labels = labels | {"p_value": verdict.p_value}
     if not verdict.named:
         return [labels | {"suspect": label(verdict.most_significant), "named": False}]
     rows = []
     for one in verdict.named:
-        suspect = SUSPECTS[one.number]
-        unit = CATALOGUE[suspect.name].units("")[suspect.parameter]
-        row = {"suspect": label(one.number), "named": True, "name": suspect.name, "axis": " ".join(suspect.axes)}
-        row |= {"parameter": suspect.parameter, "unit": unit, "value": one.value, "low": one.low, "high": one.high}
+        candidate = CANDIDATES[one.number]
+        unit = CATALOGUE[candidate.name].units("")[candidate.parameter]
+        row = {"suspect": label(one.number), "named": True, "name": candidate.name, "axis": " ".join(candidate.axes)}
+        row |= {"parameter": candidate.parameter, "unit": unit, "value": one.value, "low": one.low, "high": one.high}
         rows.append(labels | row)
     return rows
 
 
-def shift(walk, number):
-    """Return what a unit of a suspect moves the end of a walk by, shape (3,)."""
-    one = SUSPECTS[number]
+def end_shift(walk, number):
+    """Return the displacement of the end of a walk per unit of a candidate, shape (3,)."""
+    one = CANDIDATES[number]
     if one.velocity is None:
         return walk.replay.end(one.model, walk.replay.still(), 0) / one.small
     return walk.replay.end(ErrorModel({}), walk.replay.sink(one.small), 0) / one.small
 
 
-def foretold(walk, known, kind, slip, params):
-    """Yield what foretells, and its draws of the end [m], shape (draws, 3)."""
+def predictions(walk, known, kind, slip, params):
+    """Yield each source of a prediction, and its draws of the end [m], shape (draws, 3)."""
     labels = walk.dataset, walk.run
     steps = [walk.replay.slip(slip, stream(params.seed, "slip", *labels, draw)) for draw in range(params.draws)]
 
@@ -114,46 +119,46 @@ def foretold(walk, known, kind, slip, params):
     yield rest, base
     yield draws(kind, SHEET)
     for name, named in known.items():
-        yield name, base + moved(walk, named, stream(params.seed, "size", name, *labels), len(base))
+        yield name, base + end_shifts(walk, named, stream(params.seed, "size", name, *labels), len(base))
 
 
-def moved(walk, named, rng, count):
-    """Return draws of what the named effect moves the end by, shape (count, 3); of several alike each has its share."""
+def end_shifts(walk, named, rng, count):
+    """Draw displacements of the end by the named effect, shape (count, 3); indistinguishable ones have equal shares."""
     by = np.zeros((count, len(POSITION)))
     for place, one in enumerate(named):
         rows = slice(place, None, len(named))
-        by[rows] = np.outer(one.value + one.std * rng.standard_normal(len(by[rows])), shift(walk, one.number))
+        by[rows] = np.outer(one.value + one.std * rng.standard_normal(len(by[rows])), end_shift(walk, one.number))
     return by
 
 
-def asked(walks, remainder, params):
-    """Return what each set names by the walks of one half, and what the others name of the foot of each."""
+def names_by_half(walks, remainder, params):
+    """Return the names of each set by one half of its walks, and the effect of the foot by the other sets."""
     half = [walk for walk in walks if walk.run % 2 == remainder]
     rows, known = [], {}
     for name in dict.fromkeys(walk.dataset for walk in walks):
         own, others = ([walk for walk in half if (walk.dataset == name) == here] for here in (True, False))
         labels = {"dataset": name, "asked": " ".join(str(walk.run) for walk in own), "half": HALVES[remainder]}
-        verdict = score_test(together(own), params.alpha, stream(params.seed, "judge", name, remainder))
+        verdict = score_test(total_scores(own), params.alpha, stream(params.seed, "judge", name, remainder))
         rows += rows_of(verdict, labels | {"by": NAMED})
         known[name] = {NAMED: verdict.named, SHARED: ()}
         if others:
             rng = stream(params.seed, "foot", name, remainder)
-            verdict = score_test(together(others), params.alpha, rng, among=[SINKING])
+            verdict = score_test(total_scores(others), params.alpha, rng, among=[SINKAGE])
             rows += rows_of(verdict, labels | {"by": SHARED})
             known[name][SHARED] = verdict.named
     return rows, known
 
 
 def main(sets, like, kind, params):
-    """Return what is named, and the ends: measured, and foretold."""
-    walks = [Taken.of(files, run) for files in sets for run in files.dataset.runs]
+    """Return the named effects, and the ends: measured, and predicted."""
+    walks = [ObservedWalk.of(files, run) for files in sets for run in files.dataset.runs]
     found, ends = [], []
     for remainder in list(HALVES)[: params.halves]:
-        rows, known = asked(walks, remainder, params)
+        rows, known = names_by_half(walks, remainder, params)
         found += rows
         for walk in (one for one in walks if one.run % 2 != remainder):
             labels = {"dataset": walk.dataset, "run": walk.run}
-            parts = foretold(walk, known[walk.dataset], kind, like.gait.drift_m_per_s, params)
+            parts = predictions(walk, known[walk.dataset], kind, like.gait.drift_m_per_s, params)
             for name, draws in [("measured", walk.end[None]), *parts]:
                 ends.append(pd.DataFrame(draws, columns=list(POSITION)).assign(by=name, **labels))
     return pd.DataFrame(found), pd.concat(ends, ignore_index=True)

@@ -1,4 +1,4 @@
-"""Navigate every walk of a data set by the rules that hold for all of them, and lay it over what cameras saw."""
+"""Navigate every walk of a data set with the same settings, and compare it with the camera track."""
 
 import json
 from dataclasses import asdict, replace

@@ -135,14 +135,14 @@ class Faults:
 
     def with_true_deviations(self, spoilt: pd.DataFrame, events: tuple[FaultEvent, ...]) -> pd.DataFrame:
         """Return contaminated fixes with standard deviations that include the gross errors, as an oracle knows them."""
-        told, time = spoilt.copy(), spoilt.index.to_numpy()
+        known, time = spoilt.copy(), spoilt.index.to_numpy()
         for one in (one for one in events if one.kind != OUTAGE):
             inside = _inside(time, one)
-            told.loc[inside, list(PLACE_STD)] = NO_INFORMATION_STD
+            known.loc[inside, list(PLACE_STD)] = NO_INFORMATION_STD
             if one.kind != RAMP:
                 wild = self.velocity_per_s * np.linalg.norm(one.shift) / np.sqrt(3)
-                told.loc[inside, list(VELOCITY_STD)] = np.hypot(told.loc[inside, list(VELOCITY_STD)], wild)
-        return told
+                known.loc[inside, list(VELOCITY_STD)] = np.hypot(known.loc[inside, list(VELOCITY_STD)], wild)
+        return known
 
 
 def event_kinds(time: np.ndarray, events: tuple[FaultEvent, ...]) -> np.ndarray:

@@ -18,7 +18,7 @@ def score(found: pd.DataFrame, hidden: dict[str, tuple[str, list[str]]]) -> pd.D
     ----------
     found
         Columns case, how (a source, or ``scatter``), name, value, deviate; a row for each name that is given, the
-        surest first. Names of one source stand for one effect: the surest suspect and what cannot be told from it.
+        most significant first. Names of one source are one effect: indistinguishable candidates.
     hidden
         Case -> name and axes of what it hides.
 
