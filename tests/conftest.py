@@ -23,7 +23,8 @@ if "PYTEST_XDIST_WORKER" in os.environ:
 import pytest
 import yaml
 from hypothesis import HealthCheck, settings
-from jsonschema import Draft202012Validator
+
+from imugap.io.json_schema import Draft202012Validator
 
 patient = [HealthCheck.too_slow]
 settings.register_profile("derandomised", derandomize=True, deadline=None, suppress_health_check=patient)

@@ -8,7 +8,6 @@ import numpy as np
 import pandas as pd
 import pytest
 import yaml
-from jsonschema import Draft202012Validator
 from scipy.signal import butter, lfilter
 
 from imugap import cli, log
@@ -34,6 +33,7 @@ from imugap.effects import (
 )
 from imugap.effects.effect import AxisModel
 from imugap.figures import style
+from imugap.io.json_schema import Draft202012Validator
 from imugap.model import ErrorModel
 
 SCHEMA = yaml.safe_load((Path(__file__).parents[2] / "workflow/schemas/discovery.schema.yaml").read_text())

@@ -10,12 +10,12 @@ import pytest
 import yaml
 from hypothesis import given
 from hypothesis import strategies as st
-from jsonschema import Draft202012Validator
 
 from imugap import cli, log
 from imugap.commands.drive import FILES, SCHEMA, STD, DriveSettings, RecordedDrive, mounted, navigate_drive
 from imugap.figures import style
 from imugap.io.configuration import configure
+from imugap.io.json_schema import Draft202012Validator
 from imugap.kinematics.strapdown import COLUMNS, GEODETIC
 from imugap.log import ACCEL, GYRO
 from imugap.numerics.rotation import from_euler

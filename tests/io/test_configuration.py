@@ -5,9 +5,9 @@ import pytest
 import yaml
 from hypothesis import given
 from hypothesis import strategies as st
-from jsonschema import Draft202012Validator
 
 from imugap.io.configuration import ConfigurationError, configure
+from imugap.io.json_schema import Draft202012Validator
 
 WORKFLOW = Path(__file__).parents[2] / "workflow"
 SCHEMA = WORKFLOW / "schemas" / "study.schema.yaml"

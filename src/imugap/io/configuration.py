@@ -6,7 +6,8 @@ from difflib import get_close_matches
 from pathlib import Path
 
 import yaml
-from jsonschema import Draft202012Validator, ValidationError, validators
+
+from imugap.io.json_schema import Draft202012Validator, ValidationError, validators
 
 SCALAR = re.compile(r"true|false|null|[-+]?[0-9]+([.][0-9]*)?", re.IGNORECASE)
 """Text that YAML does not read as text."""

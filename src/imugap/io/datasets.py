@@ -246,7 +246,7 @@ def _by_hand(file: RawFile, folder: str | Path, reason: str) -> str:
 
 def _rows(table: Path, schema_path: Path) -> Iterator[tuple[str, dict]]:
     """Yield (table and line, row) for each row, validated against its schema; empty cells are omitted."""
-    from jsonschema import Draft202012Validator  # takes a second, and most that import this module load no table
+    from imugap.io.json_schema import Draft202012Validator  # most that import this module load no table
 
     schema = yaml.safe_load(schema_path.read_text(encoding="utf-8"))
     validator = Draft202012Validator(schema)
