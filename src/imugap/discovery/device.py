@@ -25,7 +25,7 @@ from imugap.discovery.pooling import agree_on_noise, name_pooled, pooled_finding
 from imugap.discovery.preparation.prepare import PreparedLog, prepare
 from imugap.discovery.search.intervals import axis_unit
 from imugap.discovery.search.shared_effects import Joint
-from imugap.discovery.steps import Progress, Steps, each_in_processes
+from imugap.discovery.steps import Progress, StepCounter, each_in_processes
 from imugap.discovery.views import COHERENCE, Curve
 from imugap.discovery.views.gaps import REPLICATES, ViewTest, significant_gaps, view_tests
 from imugap.effects import CATALOGUE
@@ -34,7 +34,7 @@ from imugap.log import axes
 from imugap.model import ErrorModel
 
 OTHER_STEPS = 4
-"""Steps besides the two of each axis."""
+"""StepCounter besides the two of each axis."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,7 +141,7 @@ class _Prepared:
     record: PreparedLog
     known: ErrorModel
     log_alpha: float
-    steps: Steps
+    steps: StepCounter
 
 
 @dataclass(frozen=True, eq=False)
@@ -260,7 +260,7 @@ def _prepare(
     progress: Progress,
 ) -> _Prepared:
     """Take flawed samples and stamps out of the first log."""
-    steps = Steps(progress, OTHER_STEPS + 2 * len(axes(logs[0])))
+    steps = StepCounter(progress, OTHER_STEPS + 2 * len(axes(logs[0])))
     steps.begin("integrity")
     record = prepare(logs[0], reference, question.seed, question.start, question.catalogue)
     steps.count -= 2 * len(record.unusable)

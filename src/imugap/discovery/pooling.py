@@ -13,11 +13,13 @@ from imugap.discovery.search.intervals import NORMAL, axis_unit
 from imugap.discovery.search.noise_agreement import agreed
 from imugap.discovery.search.search import log_chance
 from imugap.discovery.search.shared_effects import Joint, joined
-from imugap.discovery.steps import Steps, of_each_axis
+from imugap.discovery.steps import StepCounter, of_each_axis
 from imugap.effects.effect import Effect
 
 
-def search_each(arguments: Sequence[tuple], axes: Iterable[str], workers: int, steps: Steps) -> dict[str, AxisSearch]:
+def search_each(
+    arguments: Sequence[tuple], axes: Iterable[str], workers: int, steps: StepCounter
+) -> dict[str, AxisSearch]:
     """Search each axis; ``arguments`` are those of :func:`imugap.discovery.axis.search_axis`."""
     return of_each_axis(search_axis, arguments, axes, workers, steps, "search")
 
@@ -34,7 +36,7 @@ def name_pooled(
     searches: dict[str, AxisSearch],
     workers: int,
     log_alpha: float,
-    steps: Steps,
+    steps: StepCounter,
     apart: tuple[type[Effect], ...] = (),
 ) -> tuple[dict[str, AxisResult], tuple[Joint, ...]]:
     """Pool effects shared by several axes, and name those of each axis; kinds ``apart`` are not pooled.

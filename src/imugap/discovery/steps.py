@@ -10,7 +10,7 @@ Progress = Callable[[str, int, int], None]
 
 
 @dataclass
-class Steps:
+class StepCounter:
     """Counter of the steps as they begin."""
 
     progress: Progress
@@ -34,7 +34,7 @@ def each_in_processes(workers: int) -> Iterator[Callable]:
 
 
 def of_each_axis(
-    task: Callable, arguments: Sequence[tuple], axes: Iterable[str], workers: int, steps: Steps, step: str
+    task: Callable, arguments: Sequence[tuple], axes: Iterable[str], workers: int, steps: StepCounter, step: str
 ) -> dict:
     """Return the result of a task for the arguments of each axis, several axes at a time."""
     found = {}

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from tests.discovery import simulated
 
 from imugap.discovery.fit.axis_fit import cosine_coefficients
-from imugap.discovery.fit.whittle import Noise, Spectra, fit, limits
+from imugap.discovery.fit.whittle import Noise, NoiseSpectra, fit, limits
 from imugap.discovery.preparation.cosine_bins import Bins
 from imugap.effects import (
     BiasInstability,
@@ -53,7 +53,7 @@ def test_the_end_of_a_climb_is_level_but_where_limits_stop_it(behind):
     seen = power(truth, 3)
     found = fit(truth.at(truth.theta() + 0.7), BINS, seen)
     theta, (low, high) = found.noise.theta(), limits(truth, BINS, seen)
-    gradient = Spectra(truth, BINS).expand(theta, seen)[1]
+    gradient = NoiseSpectra(truth, BINS).expand(theta, seen)[1]
     inside = (theta > low + 1e-9) & (theta < high - 1e-9)
     assert inside.sum() >= 3
     score = gradient[inside] / np.sqrt(np.diag(found.information)[inside])
@@ -71,7 +71,7 @@ def test_the_end_of_a_climb_is_level_but_where_limits_stop_it(behind):
 def test_gradient_of_the_spectral_likelihood(noise):
     data = simulated.sequence(GaussMarkov(3e-4, 5.0), count=5000)
     power = data.bins.sums(cosine_coefficients(data.values) ** 2)
-    spectra, theta = Spectra(noise, data.bins), noise.theta()
+    spectra, theta = NoiseSpectra(noise, data.bins), noise.theta()
     _, gradient, information = spectra.expand(theta, power)
     for step in 1e-5 * np.eye(len(theta)):
         above, below = spectra.expand(theta + step, power)[0], spectra.expand(theta - step, power)[0]

@@ -8,7 +8,7 @@ from tests.discovery.simulated import simulated
 
 from imugap.discovery.fit.axis_fit import Description, fit
 from imugap.discovery.fit.whittle import Noise
-from imugap.discovery.search.noise_agreement import BEFOREHAND, Choice, agreed, choice_of
+from imugap.discovery.search.noise_agreement import BEFOREHAND, NoiseChoice, agreed, choice_of
 from imugap.discovery.search.search import Search
 from imugap.effects import BiasInstability, BiasStep, GaussMarkov, RandomWalk, RateRamp, WarmUp, WhiteNoise
 from imugap.effects.conditions import Conditions
@@ -40,7 +40,7 @@ def kinds(fits):
 
 def test_an_axis_that_has_no_room_for_the_kind_of_the_others_keeps_its_own():
     found = object()
-    assert Choice((GaussMarkov,), 0.0, found, object(), {}).alike(RandomWalk, -8.0) is found
+    assert NoiseChoice((GaussMarkov,), 0.0, found, object(), {}).alike(RandomWalk, -8.0) is found
 
 
 @pytest.mark.slow

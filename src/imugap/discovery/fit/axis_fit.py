@@ -223,11 +223,11 @@ class AxisFit:
         return scans.lines(self.whitened, self.sequence.conditions.interval)
 
     @cached_property
-    def steps(self) -> scans.Steps:
+    def steps(self) -> scans.StepFilters:
         """Gain of log-likelihood of a step of the mean at each sample, before the output filter."""
         return self.steps_beside(np.empty((len(self.coefficients), 0)))
 
-    def steps_beside(self, columns: np.ndarray) -> scans.Steps:
+    def steps_beside(self, columns: np.ndarray) -> scans.StepFilters:
         """Return the gain of a step at each sample, fitted together with whitened columns, shape (n - 1, m)."""
         more, rest = self.beside(columns)
         even = self._unturned(np.column_stack([rest, self.basis, more]))
@@ -249,7 +249,7 @@ class AxisFit:
         spectrum = output_filter.unturned(rfft(values, axis=0).T, rfftfreq(count, interval), interval)
         return cosine_coefficients(irfft(spectrum.T, count, axis=0))
 
-    def steps_without(self, index: int) -> scans.Steps:
+    def steps_without(self, index: int) -> scans.StepFilters:
         """Return the gain of a step at each sample in place of one term."""
         terms = self.description.terms
         return replace(self, description=replace(self.description, terms=terms[:index] + terms[index + 1 :])).steps

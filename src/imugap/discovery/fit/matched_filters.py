@@ -28,7 +28,7 @@ BLOCKS = 400
 
 
 @dataclass(frozen=True, eq=False)
-class Steps:
+class StepFilters:
     """Matched filters of a step of the mean at each sample.
 
     Attributes
@@ -53,7 +53,7 @@ class Steps:
         return float(1 + 2 * max(gain, 0.0) * np.sum(self.apart * overshoot))
 
 
-def steps(coefficients: np.ndarray, variance: np.ndarray, basis: np.ndarray) -> Steps:
+def steps(coefficients: np.ndarray, variance: np.ndarray, basis: np.ndarray) -> StepFilters:
     """Return what a step of the mean gains at each sample, beside terms that are free to move.
 
     The step at sample t has the cosine coefficients -sqrt(2/n) sin(pi k t/n)/(2 sin(pi k/(2 n))), so that with the
@@ -85,7 +85,7 @@ def steps(coefficients: np.ndarray, variance: np.ndarray, basis: np.ndarray) -> 
     norm = np.where(told, norm, np.inf)
     gains, apart = 0.5 * _matched(coefficients, variance) ** 2 / norm, np.zeros(n)
     apart[:-1] = np.clip(1 - product[:-1] / np.sqrt(norm[:-1] * norm[1:]), 0.0, 2.0) * (told[:-1] & told[1:])
-    return Steps(gains, apart)
+    return StepFilters(gains, apart)
 
 
 @lru_cache(maxsize=4)

@@ -150,7 +150,7 @@ def fit(start: Noise, bins: Bins, power: np.ndarray, held: bool = False) -> Nois
     held
         Whether the cutoff of the filter stays as it is.
     """
-    spectra = Spectra(start, bins)
+    spectra = NoiseSpectra(start, bins)
     low, high = limits(start, bins, power)
     if held:
         low[-1] = high[-1] = start.theta()[-1]
@@ -211,7 +211,7 @@ class _Process:
         return effect.sampled_psd(bins.frequency, bins.interval) / bins.interval
 
 
-class Spectra:
+class NoiseSpectra:
     """Variances of the coefficients and their derivatives as functions of the log parameters."""
 
     def __init__(self, noise: Noise, bins: Bins) -> None:

@@ -28,7 +28,7 @@ SLOWER = 10.0
 
 
 @dataclass(frozen=True, eq=False)
-class Choice:
+class NoiseChoice:
     """The effects on an axis that slow noise is or may be taken for, and slow noise of each kind in their place.
 
     Attributes
@@ -58,7 +58,7 @@ class Choice:
         effects = self.noise[kind].fit.description.noise
         return [effect.correlation_time for effect in effects if type(effect) is kind][-1] if _timed(kind) else 0.0
 
-    def no_slower(self, longest: float) -> "Choice":
+    def no_slower(self, longest: float) -> "NoiseChoice":
         """Return the choice without processes of a correlation time above the longest [s]."""
         return replace(self, noise={kind: one for kind, one in self.noise.items() if self.time(kind) <= longest})
 
@@ -108,7 +108,7 @@ def _kinds(fit: AxisFit, keys: Sequence[Key]) -> tuple[type[Effect], ...]:
     return tuple(type(at(fit.description, key)) for key in keys)
 
 
-def choice_of(search: Search, fit: AxisFit, keys: Sequence[Key]) -> Choice:
+def choice_of(search: Search, fit: AxisFit, keys: Sequence[Key]) -> NoiseChoice:
     """Return the effects at some keys of a fit, and the likeliest slow noise of each kind in their place."""
     weighed = [search.likelihood_ratio(fit, key)[0] for key in keys]
     kinds = _kinds(fit, keys)
@@ -118,10 +118,10 @@ def choice_of(search: Search, fit: AxisFit, keys: Sequence[Key]) -> Choice:
     noise = {type(one.effect): one for one in sorted(others, key=lambda trial: trial.worth)}
     if len(kinds) == 1 and kinds[0].slow:
         noise[kinds[0]] = weighed[0]
-    return Choice(kinds, own, fit, bare, noise)
+    return NoiseChoice(kinds, own, fit, bare, noise)
 
 
-def _of_one_time(choices: Mapping[str, Choice]) -> dict[str, Choice]:
+def _of_one_time(choices: Mapping[str, NoiseChoice]) -> dict[str, NoiseChoice]:
     """Return the choices without processes far slower than those that axes have of their own; they are not alike."""
     alone = [(choice, choice.kinds[0]) for choice in choices.values() if len(choice.kinds) == 1]
     own = [choice.time(kind) for choice, kind in alone if _timed(kind)]
@@ -129,7 +129,7 @@ def _of_one_time(choices: Mapping[str, Choice]) -> dict[str, Choice]:
     return {axis: choice.no_slower(longest) for axis, choice in choices.items()}
 
 
-def _spoken_for(choices: list[Choice], slow: list[type[Effect]]) -> type[Effect] | None:
+def _spoken_for(choices: list[NoiseChoice], slow: list[type[Effect]]) -> type[Effect] | None:
     """Return the kind of slow noise that all axes together make much likelier than any other, if there is one.
 
     On one of them it is what was found, or all are much likelier with it than with what was found.
