@@ -34,6 +34,7 @@ def test_jitter_displaces_stamps_by_its_deviation_and_no_sample():
     assert log.check(kept) is kept
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("share", [0.002, 0.3])
 def test_the_interval_of_a_jitter_in_ticks_holds_its_deviation(share):
     """A share of the stamps is a tick early or late: the fewer, the less is known of the deviation."""

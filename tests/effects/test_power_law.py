@@ -8,7 +8,7 @@ from imugap.estimation import allan
 
 
 @pytest.mark.parametrize("exponent", [0.1, 0.6, 1.0, 2.0, 2.4, 2.8, 3.0, 3.6])
-@pytest.mark.parametrize("count", [600, 601])
+@pytest.mark.parametrize("count", [600, pytest.param(601, marks=pytest.mark.slow)])
 def test_noise_of_any_slope_has_its_spectrum_down_to_the_slowest(exponent, count):
     """Differences of samples are stationary, or their differences are; where an Allan variance is, it is theirs."""
     law, averaging = PowerLaw(0.4, exponent), np.array([1, 7, 100])

@@ -261,6 +261,7 @@ def test_the_output_is_kept_as_it_is_but_for_what_was_lost(reference):
     assert {"saturation", "stuck_samples", "sample_loss"} <= {name for _, name in names(record)}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("size", "louder"), [(0.2, 6.0), (0.5, 6.0), (0.8, 4.0)])
 def test_what_a_coarse_lattice_repeats_is_not_stuck_though_the_noise_is_louder_for_a_while(size, louder):
     for seed in range(30):
@@ -270,6 +271,7 @@ def test_what_a_coarse_lattice_repeats_is_not_stuck_though_the_noise_is_louder_f
         assert names(record) == {("gyro_x", "resolution")}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("deviation", [4.0, 8.0])
 def test_what_a_converter_without_some_codes_repeats_is_not_stuck(deviation):
     for seed in range(10):
@@ -305,6 +307,7 @@ def test_what_a_coarse_lattice_repeats_while_a_motion_is_slow_is_not_stuck():
         assert names(prepare(of_steps(values), of_steps(ideal))) == {("gyro_x", "resolution")}
 
 
+@pytest.mark.slow
 def test_what_axes_repeat_while_all_of_them_rest_is_not_stuck():
     for seed in range(10):
         axes = {axis: hand(seed, 2.5, axis, 2) for axis in ("gyro_x", "gyro_y", "gyro_z")}
@@ -312,6 +315,7 @@ def test_what_axes_repeat_while_all_of_them_rest_is_not_stuck():
         assert {name for _, name in names(prepare(values, ideal))} == {"resolution"}
 
 
+@pytest.mark.slow
 def test_what_sticks_on_all_axes_is_found_in_motion():
     held, axes = 0, ("gyro_x", "gyro_y", "gyro_z")
     for seed in range(8):
@@ -327,6 +331,7 @@ def test_what_sticks_on_all_axes_is_found_in_motion():
     assert held >= binom.ppf(1e-3, 16, 0.95)
 
 
+@pytest.mark.slow
 def test_what_sticks_on_all_axes_is_found_where_some_lattices_are_too_coarse_to_tell():
     held, deviations = 0, {"gyro_x": 0.9, "gyro_y": 1.7, "gyro_z": 0.4, "accel_x": 2.0, "accel_y": 3.0, "accel_z": 0.45}
     for seed in range(8):

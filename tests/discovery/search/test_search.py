@@ -135,6 +135,7 @@ def test_nothing_depends_on_the_unit(unit):
             assert [size * end for end in (a.value, a.low, a.high)] == pytest.approx([b.value, b.low, b.high], rel=2e-2)
 
 
+@pytest.mark.slow
 def test_beside_a_wave_of_another_shape_a_step_keeps_its_name():
     wave = Sinusoid(0.4, 2e-3, 0.3), Sinusoid(0.8, 1e-3, 1.0)
     assert names(told_of(*wave, BiasStep(250.0, 1e-3), count=12_000)) == ["bias_step"]
