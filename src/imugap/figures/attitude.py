@@ -100,7 +100,7 @@ def trials(errors: pd.DataFrame, titles: dict[int, str], models: Sequence[str]) 
     titles
         Trial to its name.
     models
-        The models, in order: with what the rest tells, and with a margin.
+        The models, in order: from the rest, and with a margin.
     """
     heads = {"tilt": "tilt", "down": "heading"}
     labels = {"rest": "model of the rest", "margin": "with a margin for motion"}

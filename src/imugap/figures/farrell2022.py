@@ -57,7 +57,7 @@ def models(device: pd.DataFrame, models: pd.DataFrame) -> Figure:
 
 
 def worked_example(lines: Mapping[str, pd.Series], floor: tuple[float, float, float], digits: pd.DataFrame) -> Figure:
-    """Draw what the printed values of the worked example add up to.
+    """Draw the Allan deviations of the printed values of the worked example.
 
     Parameters
     ----------

@@ -15,7 +15,7 @@ TITLES |= {"fitted": "Fitted composite", "truth": "True model"}
 """One name per compensation in every table and figure."""
 COLOURS = {"none": "black", "stand": "#7F3C8D"} | static.COLOURS | {"fitted": "#8B4513", "truth": "black"}
 PRINTED = "#D55E00"
-"""Colour of what is printed in the source."""
+"""Colour of the values printed in the source."""
 
 
 def tracks(table: pd.DataFrame, truth: pd.DataFrame, shown: Mapping[str, str]) -> Figure:
@@ -93,7 +93,7 @@ FOUND, SEEN = "#0072B2", "black"
 
 
 def walks(tracks: pd.DataFrame, titles: Mapping[tuple[str, int], str]) -> Figure:
-    """Draw every real walk from above, with what cameras saw of it.
+    """Draw every real walk from above, with its camera track.
 
     Parameters
     ----------
@@ -148,7 +148,7 @@ SHARES = ("#D55E00", "#E69F00", "#F0E442", "#009E73", "#56B4E9", "#0072B2", "#CC
 
 
 def budget(shares: Mapping[str, pd.DataFrame]) -> Figure:
-    """Draw which error makes the end what it is: shares of the sum of the variances, a bar for each set of walks.
+    """Draw the error budget of the end: shares of the sum of the variances, a bar for each set of walks.
 
     Parameters
     ----------

@@ -14,7 +14,7 @@ MODELS = {"rest": ("model of the rest", "#D55E00"), "tuned": ("tuned model", "#0
 
 
 def outages(table: pd.DataFrame) -> Figure:
-    """Draw the drift over the time since the begin of every outage, and what is predicted, a panel per model.
+    """Draw the drift over the time since the begin of every outage, and its predicted deviation, a panel per model.
 
     Parameters
     ----------

@@ -62,5 +62,5 @@ class Bench:
         return measured.assign(temperature=measured["temperature"].round(2))
 
     def truth(self) -> dict:
-        """Return what only scoring may see: the model."""
+        """Return the truth, for scoring only: the model."""
         return {"model": self.model.to_mapping()}

@@ -34,7 +34,7 @@ class Swing:
     period_s: float
 
     def at(self, time: np.ndarray) -> np.ndarray:
-        """Return its value [m/s]."""
+        """Return the value [m/s] at ``time`` [s]."""
         return self.amplitude_m_per_s * np.sin(2 * np.pi * time / self.period_s)
 
 
@@ -158,7 +158,7 @@ class Flight:
         return table.join(reference.from_rotations(time, from_euler(euler(time)), time >= 0))
 
     def ideal(self) -> pd.DataFrame:
-        """Return what an error-free device reads: interval means of angular rate and specific force."""
+        """Return the output of an error-free device: interval means of angular rate and specific force."""
         velocity, euler = self.course.splines(self.site.gravity)
         return ideal(self.times(), 1 / self.rate_hz, velocity.derivative(), euler, self.site.gravity)
 
@@ -173,7 +173,7 @@ class Flight:
 
 
 def ideal(time: np.ndarray, interval: float, acceleration: BSpline, euler: BSpline, gravity: float) -> pd.DataFrame:
-    """Return what an error-free device reads: means of angular rate and specific force over intervals.
+    """Return the output of an error-free device: interval means of angular rate and specific force.
 
     Parameters
     ----------

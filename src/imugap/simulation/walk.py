@@ -32,7 +32,7 @@ IMPACT_PERIODS = 2.0
 
 @dataclass(frozen=True)
 class Gait:
-    """How a foot goes.
+    """Gait of a foot.
 
     Attributes
     ----------
@@ -64,7 +64,7 @@ class Gait:
 
 @dataclass(frozen=True)
 class WalkLeg:
-    """So many strides alike: turn of each [deg], rise of each [m], and its share of a full length (0: on the spot)."""
+    """Number of equal strides, turn of each [deg], rise of each [m], and share of a full length (0: on the spot)."""
 
     strides: int
     turn_deg: float = 0.0
@@ -159,7 +159,7 @@ class Walk:
         return table.join(reference.from_rotations(time, from_euler(euler), moving))
 
     def ideal(self, run: int, seed: int) -> pd.DataFrame:
-        """Return what an error-free device reads on walk ``run``."""
+        """Return the output of an error-free device on walk ``run``."""
         motion = self.motion(run, seed)
         return ideal(self.times(), 1 / self.rate_hz, motion.position.derivative(2), motion.euler, self.site.gravity)
 
@@ -175,7 +175,7 @@ class Walk:
 
 @lru_cache(maxsize=4)
 def _motion(gait: Gait, course: WalkCourse, contact: tuple[float, float, float], run: int, seed: int) -> FootMotion:
-    """Design contact point and foot stride by stride; the device hangs on them."""
+    """Design contact point and foot attitude stride by stride, and place the device on them."""
     strides = list(course.strides())
     time = np.arange(-0.1, course.stand_s + len(strides) * gait.stride_s + course.end_s + 0.1, GRID_S)
     point, euler = np.zeros((len(time), 3)), np.zeros((len(time), 3))
@@ -205,7 +205,7 @@ def _motion(gait: Gait, course: WalkCourse, contact: tuple[float, float, float],
 
 
 def _bump(x: np.ndarray) -> np.ndarray:
-    """Return 0 outside of 0 to 1, and between them a hill of height 1 with two continuous derivatives."""
+    """Return a bump of height 1 between 0 and 1 with two continuous derivatives, and 0 elsewhere."""
     x = np.clip(x, 0, 1)
     return (4 * x * (1 - x)) ** 3
 

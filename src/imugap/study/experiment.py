@@ -14,7 +14,7 @@ from imugap.model import ErrorModel
 
 @dataclass(frozen=True)
 class Experiment:
-    """What is simulated.
+    """Recipe of the simulated logs.
 
     Attributes
     ----------

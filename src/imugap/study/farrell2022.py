@@ -1,4 +1,4 @@
-"""The continuous models of the tutorial, each from what is read on one Allan curve (Farrell et al. 2022, eqs. 22-38).
+"""Continuous models of the tutorial, each from the readings of one Allan curve (Farrell et al. 2022, eqs. 22-38).
 
 Every model has a state space; its Allan deviation follows from its spectrum (eq. 16), and samples from its exact
 discretisation.
@@ -29,13 +29,13 @@ def white_and_walk(white: float, walk: float, tau: float) -> float:
 
 
 def left(floor: float, white: float, walk: float, tau: float) -> float:
-    """Return the Allan deviation that N and K leave of the floor; 0 where they need all of it and more."""
+    """Return the Allan deviation of the floor without N and K; 0 if they exceed it."""
     return float(np.sqrt(max(floor**2 - white_and_walk(white, walk, tau) ** 2, 0.0)))
 
 
 @dataclass(frozen=True)
 class Readings:
-    """What the tutorial reads on an Allan curve.
+    """Readings of an Allan curve in the tutorial.
 
     Attributes
     ----------
@@ -71,7 +71,7 @@ class Readings:
 
     @property
     def left(self) -> float:
-        """Return what N and K leave of the floor."""
+        """Return the Allan deviation of the floor without N and K."""
         return left(self.floor, self.white, self.walk, self.place)
 
 
@@ -96,17 +96,17 @@ def gm(of: Readings) -> AxisModel:
 
 
 def nbk(of: Readings) -> AxisModel:
-    """Return N + B + K with one Gauss-Markov state, to which the whole floor is given, as the tutorial reads it."""
+    """Return N + B + K with one Gauss-Markov state that has the whole floor, as in the tutorial."""
     return nk(of) + gm(of)
 
 
 def nbk_freed(of: Readings) -> AxisModel:
-    """Return N + B + K with one Gauss-Markov state, to which only what N and K leave of the floor is given."""
+    """Return N + B + K with one Gauss-Markov state that has the floor without N and K."""
     return nk(of) + GaussMarkov(of.left / PEAK_RATIO, of.place / FLAT_TOP)
 
 
 def nbk_bank(of: Readings) -> AxisModel:
-    """Return N + B + K with a bank of states for flicker noise, at what N and K leave of the floor."""
+    """Return N + B + K with a bank of states for flicker noise that has the floor without N and K."""
     return nk(of) + bank_alone(of)
 
 

@@ -120,7 +120,7 @@ class PrintedExample:
         return WhiteNoise(white) + RandomWalk(walk) + markov(driving, time)
 
     def most_left(self) -> float:
-        """Return the most that N and K leave of the floor, whatever the printed digits hide."""
+        """Return the largest floor without N and K within the printed digits."""
         corners = product(*self.ranges("accelerometer", "floor", "N", "K", "floor_tau"))
         return max(left(*corner) for corner in corners)
 
