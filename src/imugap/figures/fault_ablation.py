@@ -70,7 +70,7 @@ def sensors(runs: Mapping[str, AblationRun]) -> Figure:
 
 
 def schemes(scores: pd.DataFrame) -> Figure:
-    """Draw the 95th percentile of the horizontal error of all runs, and the effect of the gate on the bias estimates."""
+    """Draw the 95th percentile of the horizontal error of all runs, and the effect of the gate on bias estimates."""
     figure = Figure(figsize=(WIDTH, 3.2), layout="constrained")
     left, *others = figure.subplots(1, 3, width_ratios=[1.6, 1, 1])
     spread = np.linspace(-0.12, 0.12, scores["run"].nunique())
