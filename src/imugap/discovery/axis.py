@@ -10,15 +10,15 @@ from threadpoolctl import threadpool_limits
 
 from imugap.discovery.checks import (
     LEVEL,
-    OF_NOISE,
-    OF_SLOPE,
-    VALUES,
-    Doubt,
-    beside_a_sweep,
-    beside_power_law,
-    doubts,
+    MIN_EXTRA_VALUES,
+    NOISE_REASONS,
+    SLOPE_REASONS,
+    Misfit,
+    add_power_law,
+    explained_by_bands,
+    misfits,
 )
-from imugap.discovery.checks.motion import in_place_of_all, without_a_name
+from imugap.discovery.checks.motion import all_against_motion, motion_gain
 from imugap.discovery.checks.withheld import Withheld, withheld
 from imugap.discovery.finding import CERTAIN, Finding, Gap, Interval
 from imugap.discovery.fit.axis_fit import AxisFit, fit, log_score, offset
@@ -237,7 +237,7 @@ def _odd_in_both(search: Search, begun: AxisFit, early: _SearchEnd) -> _SearchEn
         return None
     wide = None if early.found.description.outliers is None else search.without_outliers(begun)
     found = begun if wide is None else wide.fit
-    odd = search.added(found.description) and in_place_of_all(search, found).log_p < LEVEL
+    odd = search.added(found.description) and all_against_motion(search, found).log_p < LEVEL
     return _SearchEnd(search, found, early.bands, odd=True) if odd else None
 
 
@@ -249,7 +249,7 @@ def _search(
     The search ends where an unnamed function of the motion explains more than all added effects.
     """
     found = search.explore(before, partial(_unnamed_gain, search, len(taken) < MOST_BANDS))
-    if in_place_of_all(search, found).log_p < LEVEL:
+    if all_against_motion(search, found).log_p < LEVEL:
         return _SearchEnd(search, found, taken, switched, odd=True)
     found = steady(search, told_apart(search, found))
     bands = unsteady.bands(found) if len(taken) < MOST_BANDS else ()
@@ -269,26 +269,26 @@ def _unnamed_gain(search: Search, remove_lines: bool, fit: AxisFit) -> float:
 
     ``remove_lines`` says whether unsteady lines are removed.
     """
-    return np.inf if remove_lines and unsteady.bands(fit) else without_a_name(search, fit)
+    return np.inf if remove_lines and unsteady.bands(fit) else motion_gain(search, fit)
 
 
 def conclude(searched: AxisSearch) -> AxisResult:
     """Check the names that a search found, and return them with intervals, and the withheld ones with reasons."""
     with threadpool_limits(1):
         search, whole = searched.whole_search, two_valued(searched.whole_fit)
-        rejected = doubts(search, searched.whole_fit)
+        rejected = misfits(search, searched.whole_fit)
         kept = without_unnamed(search, whole, rejected)
         sweeps = (*swept(kept, search.log_alpha), *glints(whole))
         sure = [key for key in search.added(whole.description) if key not in rejected]
-        in_sweep = beside_a_sweep(search, searched.whole_fit, sure, sweeps)
+        in_sweep = explained_by_bands(search, searched.whole_fit, sure, sweeps)
         final = without_unnamed(search, whole, rejected | in_sweep) if in_sweep else kept
         rejected |= in_sweep
         named = [key for key in search.added(whole.description) if key not in rejected]
         switching, odd = _telegraph_finding(searched, rejected)
         findings = (*(_finding(searched, whole, key) for key in named), *switching)
-        nameless = (*(withheld(search, searched.whole_fit, key, doubt) for key, doubt in rejected.items()), *odd)
+        nameless = (*(withheld(search, searched.whole_fit, key, misfit) for key, misfit in rejected.items()), *odd)
         after = without_unnamed(
-            searched.held_in_search, searched.held_in_fit, doubts(searched.held_in_search, searched.held_in_fit)
+            searched.held_in_search, searched.held_in_fit, misfits(searched.held_in_search, searched.held_in_fit)
         )
         bands = (*searched.bands, *sweeps)
         switches = searched.switching.effect if switching else None
@@ -298,7 +298,7 @@ def conclude(searched: AxisSearch) -> AxisResult:
         )
 
 
-def without_unnamed(search: Search, found: AxisFit, rejected: Mapping[Key, Doubt]) -> AxisFit:
+def without_unnamed(search: Search, found: AxisFit, rejected: Mapping[Key, Misfit]) -> AxisFit:
     """Refit without the effects whose names are rejected; slow noise among them is replaced by a power law.
 
     It is replaced only where nothing but slow noise, and nothing but its spectrum, is rejected, and where the power law
@@ -308,10 +308,12 @@ def without_unnamed(search: Search, found: AxisFit, rejected: Mapping[Key, Doubt
         raw = replace(found, sequence=search.raw[found.description.outliers])
         return without(raw, list(rejected))
     kept = without(found, list(rejected))
-    of_noise = (coloured(at(found.description, key)) and doubt.reason in OF_NOISE for key, doubt in rejected.items())
+    of_noise = (
+        coloured(at(found.description, key)) and misfit.reason in NOISE_REASONS for key, misfit in rejected.items()
+    )
     if not rejected or not all(of_noise) or any(not one.named for one in kept.description.noise.effects):
         return kept
-    carried = beside_power_law(search.for_new_samples(), kept)
+    carried = add_power_law(search.for_new_samples(), kept)
     gain = carried.log_likelihood - kept.log_likelihood
     law = carried.description.noise.effects[-1]
     sure = log_chance(gain, len(fields(law))) < search.log_alpha
@@ -328,7 +330,7 @@ def power_law_finding(search: Search, found: AxisFit) -> Finding | None:
 
 
 def _telegraph_finding(
-    searched: AxisSearch, rejected: Mapping[Key, Doubt]
+    searched: AxisSearch, rejected: Mapping[Key, Misfit]
 ) -> tuple[tuple[Finding, ...], tuple[Withheld, ...]]:
     """Return the removed telegraph noise as a finding or as withheld, if there is any.
 
@@ -342,8 +344,8 @@ def _telegraph_finding(
         searched.whole_fit.sequence.conditions,
     )
     axis = conditions.axis
-    odd = [one.reason for key, one in rejected.items() if key.part == "noise" and one.reason not in OF_SLOPE]
-    if len(searched.whole_search.added(searched.whole_fit.description, stepping)) >= VALUES:
+    odd = [one.reason for key, one in rejected.items() if key.part == "noise" and one.reason not in SLOPE_REASONS]
+    if len(searched.whole_search.added(searched.whole_fit.description, stepping)) >= MIN_EXTRA_VALUES:
         odd.append("it has more than two values")
     if odd:
         ends = map(float, conditions.time[[0, -1]])

@@ -7,7 +7,7 @@ import numpy as np
 from scipy.stats import chi2
 
 from imugap.discovery.checks import LEVEL as DRIFTING
-from imugap.discovery.checks import nearly
+from imugap.discovery.checks import shape_log_p
 from imugap.discovery.finding import Finding, Interval, finding
 from imugap.discovery.fit.axis_fit import AxisFit, Description, Term, fit, jacobian, offset
 from imugap.discovery.preparation.sequence import AxisSequence
@@ -204,7 +204,7 @@ def _line_near(quiet: AxisFit, line: Term, blocks: Measure | None) -> Term | Non
 
 
 def _steady(found: AxisFit, index: int) -> bool:
-    return nearly(found, index) > DRIFTING
+    return shape_log_p(found, index) > DRIFTING
 
 
 def _frequency(found: AxisFit, index: int) -> tuple[float, float]:

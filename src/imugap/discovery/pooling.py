@@ -7,7 +7,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from imugap.discovery.axis import AxisResult, AxisSearch, conclude, search_axis
-from imugap.discovery.checks.motion import ANOTHER
+from imugap.discovery.checks.motion import OTHER_FUNCTION
 from imugap.discovery.finding import Finding, Interval
 from imugap.discovery.search.intervals import NORMAL, axis_unit
 from imugap.discovery.search.noise_agreement import agreed
@@ -45,7 +45,7 @@ def name_pooled(
     """
     pooled, joints = _pool(searches, apart)
     results = of_each_axis(conclude, [(one,) for one in pooled.values()], pooled, workers, steps, "names")
-    moved = {axis for axis, result in results.items() if any(one.reason == ANOTHER for one in result.withheld)}
+    moved = {axis for axis, result in results.items() if any(one.reason == OTHER_FUNCTION for one in result.withheld)}
     touched = [joint for joint in joints if moved & set(joint.axes)]
     uncertain = [type(joint.effect) for joint in touched if not joint.certain(set(joint.axes) - moved, log_alpha)]
     if not uncertain:

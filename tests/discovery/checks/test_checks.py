@@ -9,17 +9,17 @@ from scipy.special import ndtr
 from scipy.stats import binom
 
 from imugap.discovery.axis import conclude, power_law_finding, search_axis, without_unnamed
-from imugap.discovery.checks import LEVEL, SHARE, doubts
+from imugap.discovery.checks import LEVEL, MIN_SHARE, misfits
 from imugap.discovery.checks import gaussianity as samples
-from imugap.discovery.checks.all_checks import means_as_power_law, steps_of_unnamed, variance_of_unnamed
-from imugap.discovery.checks.gaussianity import BURSTS, of_samples
+from imugap.discovery.checks.all_checks import ambiguous_variance, means_as_power_law, steps_as_jump_process
+from imugap.discovery.checks.gaussianity import BURSTS, sample_misfits
 from imugap.discovery.checks.hysteresis import CURVE
-from imugap.discovery.checks.mean import nearly
-from imugap.discovery.checks.misfit import Doubt
-from imugap.discovery.checks.outliers import outliers_doubt
-from imugap.discovery.checks.spectrum import LAW, log_p_of_bands, log_p_with, share_of
-from imugap.discovery.checks.transient import FADING, of_transients
-from imugap.discovery.checks.transition import of_transitions
+from imugap.discovery.checks.mean import shape_log_p
+from imugap.discovery.checks.misfit import Misfit
+from imugap.discovery.checks.outliers import outliers_misfit
+from imugap.discovery.checks.spectrum import POWER_LAW, band_log_p, power_share, substitution_log_p
+from imugap.discovery.checks.transient import DURATION, transient_misfits
+from imugap.discovery.checks.transition import transition_misfits
 from imugap.discovery.fit.axis_fit import Description, Term, fit
 from imugap.discovery.fit.contaminated_normal import tails
 from imugap.discovery.fit.whittle import Noise
@@ -75,18 +75,18 @@ def explored(data, *kinds):
 
 
 def reasons(data, *kinds):
-    return {doubt.reason for doubt in doubts(*explored(data, *kinds)).values()}
+    return {misfit.reason for misfit in misfits(*explored(data, *kinds)).values()}
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("effect", [GaussMarkov(5e-3, 8.0), BiasInstability(2e-3), RandomWalk(1e-3)])
 def test_stationary_noise_is_as_uneven_over_time_as_chance_makes_it(effect, monkeypatch):
     """What is let pass of real noise apart."""
-    monkeypatch.setattr(samples, "FADING", 0.0)
+    monkeypatch.setattr(samples, "TOLERATED_DIVERGENCE", 0.0)
     chances = []
     for label in range(60):
         found = fit(sequence(effect, count=8000, label=label), Description((), Noise((WHITE, effect))))
-        _, fading = of_samples(found, share_of(found, found.description.noise.effects[1]))
+        _, fading = sample_misfits(found, power_share(found, found.description.noise.effects[1]))
         chances.append(np.exp(fading.log_p))
     for level in (0.05, 0.2):
         low, high = binom.ppf([1e-3, 1 - 1e-3], len(chances), level)
@@ -99,9 +99,9 @@ def test_a_spectrum_that_few_coefficients_tell_is_as_far_off_as_chance_makes_it(
     for label in range(200):
         effect = RandomWalk(2e-4)
         found = fit(sequence(effect, label=label), Description((), Noise((WHITE, effect))))
-        mine = np.flatnonzero(share_of(found, found.description.noise.effects[1]) > SHARE)
+        mine = np.flatnonzero(power_share(found, found.description.noise.effects[1]) > MIN_SHARE)
         assert 60 < len(mine) < 130
-        chances.append(log_p_of_bands(found, mine))
+        chances.append(band_log_p(found, mine))
     for level in (0.01, 0.05, 0.2):
         low, high = binom.ppf([1e-3, 1 - 1e-3], len(chances), level)
         assert low <= np.sum(np.exp(chances) < level) <= high
@@ -117,7 +117,7 @@ def rising(time, rng):
 def test_a_line_that_rises_exponentially_is_no_noise():
     data = sequence(added=rising, count=12_000)
     _, found = explored(data, GaussMarkov)
-    _, fading = of_samples(found, share_of(found, found.description.noise.effects[1]))
+    _, fading = sample_misfits(found, power_share(found, found.description.noise.effects[1]))
     assert fading.log_p < LEVEL
     assert names(story_of(data)) == []
 
@@ -207,12 +207,12 @@ def test_noise_of_a_slope_without_a_name_is_in_the_model_as_what_it_is(exponent)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("reason", [LAW, BURSTS])
+@pytest.mark.parametrize("reason", [POWER_LAW, BURSTS])
 def test_what_is_no_noise_is_not_in_the_model_as_noise(reason):
     search = Search(Description((), Noise((WHITE,))), (), LOG_ALPHA)
     found = fit(sequence(PowerLaw(4e-3, 1.5)), Description((), Noise((WHITE, RandomWalk(1e-3)))))
-    carried = without_unnamed(search, found, {Key("noise", 1): Doubt(reason, -20.0)})
-    assert carried.has(PowerLaw) == (reason == LAW)
+    carried = without_unnamed(search, found, {Key("noise", 1): Misfit(reason, -20.0)})
+    assert carried.has(PowerLaw) == (reason == POWER_LAW)
     assert not carried.has(RandomWalk)
 
 
@@ -222,7 +222,7 @@ def test_noise_that_is_rather_a_trend_is_not_in_the_model_as_noise():
     trend = sequence(added=lambda time, rng: 2e-2 * np.sin(2 * np.pi * (time / time[-1]) ** 2))
     for data, noise in ((trend, False), (sequence(PowerLaw(1e-4, 2.6), label="s1"), True)):
         found = fit(data, Description((), Noise((WHITE, RandomWalk(1e-4)))))
-        carried = without_unnamed(search, found, {Key("noise", 1): Doubt(LAW, -20.0)})
+        carried = without_unnamed(search, found, {Key("noise", 1): Misfit(POWER_LAW, -20.0)})
         assert carried.has(PowerLaw) == noise
     ends = power_law_finding(search, carried).parameters["exponent"]
     assert ends.low < 2.6 < STEEPEST < ends.high
@@ -234,7 +234,8 @@ def test_slow_noise_in_doubt_is_no_line_that_sweeps(monkeypatch):
     searched = search_axis(data, (), (RandomWalk,), LOG_ALPHA, 240_000)
     walk = searched.whole_search.added(searched.whole_fit.description)
     assert swept(without(searched.whole_fit, walk), LOG_ALPHA) != ()
-    monkeypatch.setattr("imugap.discovery.axis.doubts", lambda search, found: dict.fromkeys(walk, Doubt(LAW, -20.0)))
+    withheld = dict.fromkeys(walk, Misfit(POWER_LAW, -20.0))
+    monkeypatch.setattr("imugap.discovery.axis.misfits", lambda search, found: withheld)
     result = conclude(searched)
     assert [one.name for one in result.withheld] == ["random_walk"]
     assert result.bands == ()
@@ -244,7 +245,7 @@ def test_a_step_in_doubt_beside_slow_noise_is_not_in_the_model_as_noise():
     search = Search(Description((), Noise((WHITE,))), (), LOG_ALPHA)
     described = Description((Term(BiasStep(400.0, 0.1), ("step",)),), Noise((WHITE, RandomWalk(1e-3))))
     found = fit(sequence(PowerLaw(4e-3, 1.5), BiasStep(400.0, 0.1)), described)
-    doubtful = dict.fromkeys([Key("term", 0), Key("noise", 1)], Doubt(LAW, -20.0))
+    doubtful = dict.fromkeys([Key("term", 0), Key("noise", 1)], Misfit(POWER_LAW, -20.0))
     assert [one.name for one in without_unnamed(search, found, doubtful).description.effects()] == ["white_noise"]
 
 
@@ -261,13 +262,13 @@ def test_steps_are_jumps_where_there_are_many_beside_slow_noise(noise, most):
         effects = (noise, *(step.effect for step in steps))
         found = fit(sequence(*effects), Description(steps, Noise((WHITE, noise))))
         keys = search.added(found.description)
-        assert set(steps_of_unnamed(found, keys)) == (set(keys) if count > most else set())
+        assert set(steps_as_jump_process(found, keys)) == (set(keys) if count > most else set())
 
 
 @pytest.mark.parametrize(("second", "doubtful"), [(0.5, True), (2.0, False)])
 def test_steps_within_a_warm_up_make_it_a_transient_of_another_shape(second, doubtful):
     """Within two time constants; a single step is one, and so are others that come after it is over."""
-    over = FADING * 40.0
+    over = DURATION * 40.0
     terms = (
         Term(WarmUp(0.05, 40.0), ("amplitude", "time_constant")),
         *(Term(BiasStep(time, 0.02), ("step",)) for time in (0.25 * over, second * over)),
@@ -276,7 +277,7 @@ def test_steps_within_a_warm_up_make_it_a_transient_of_another_shape(second, dou
     found = fit(sequence(*(term.effect for term in terms)), Description(terms, Noise((WHITE,))))
     keys = search.added(found.description)
     assert len(keys) == 3
-    assert set(of_transients(search, found, keys)) == (set(keys) if doubtful else set())
+    assert set(transient_misfits(search, found, keys)) == (set(keys) if doubtful else set())
 
 
 def passing(time, rng):
@@ -290,7 +291,7 @@ def test_what_follows_a_gradual_transition_is_no_staircase_and_no_noise(kinds, m
     search, found = explored(sequence(added=passing), *kinds)
     keys = search.added(found.description)
     assert 0 < len(keys) <= most
-    assert set(of_transitions(search, found, keys)) == set(keys)
+    assert set(transition_misfits(search, found, keys)) == set(keys)
 
 
 @pytest.mark.slow
@@ -302,7 +303,7 @@ def test_steps_one_way_and_slow_noise_keep_their_names(effects):
         search, found = explored(sequence(*effects, label=label), BiasStep, RandomWalk, RandomTelegraph)
         keys = search.added(found.description)
         assert keys
-        assert of_transitions(search, found, keys) == {}
+        assert transition_misfits(search, found, keys) == {}
 
 
 @pytest.mark.parametrize("later", [True, False])
@@ -314,7 +315,7 @@ def test_a_step_that_comes_or_settles_in_its_time_is_not_quite_one(later):
         return 4e-3 * np.where(late > 0, np.exp(-late / 9.6), 0.0) * (-1 if later else 1) + 4e-3 * (time >= 480)
 
     found = fit(sequence(added=crept), Description((Term(BiasStep(480.0, 4e-3), ("step",)),), Noise((WHITE,))))
-    assert nearly(found, 0) < LEVEL - 10
+    assert shape_log_p(found, 0) < LEVEL - 10
 
 
 @pytest.mark.parametrize(("factor", "odd"), [(1.0, False), (4.0, True)])
@@ -323,7 +324,8 @@ def test_samples_and_spectrum_agree_where_a_walk_has_taken_the_place_of_telegrap
     found = fit(sequence(true), Description((), Noise((WHITE, RandomWalk(4e-4)))))
     hidden = replace(true, step=1e-9)
     beside = Description((), replace(found.description.noise, effects=(*found.description.noise.effects, hidden)))
-    log_p = log_p_with(replace(found, description=beside), Key("noise", 2), replace(true, step=factor * true.step))
+    other = replace(true, step=factor * true.step)
+    log_p = substitution_log_p(replace(found, description=beside), Key("noise", 2), other)
     assert (log_p < LEVEL) == odd
 
 
@@ -345,7 +347,7 @@ def test_a_transient_of_another_shape_is_no_warm_up_beside_a_ramp(kind):
     search, found = explored(data, WarmUp, RateRamp, BiasStep)
     keys = search.added(found.description)
     assert len(keys) >= 2
-    doubtful = doubts(search, found)
+    doubtful = misfits(search, found)
     assert set(doubtful) == (set() if kind == "warm-up and ramp" else set(keys))
 
 
@@ -355,10 +357,10 @@ def test_bursts_change_the_variance_and_leave_no_change_of_it_a_name():
     noise = GaussMarkov(2e-3, 5.0)
     found = fit(sequence(noise, change), Description((), Noise((WHITE, noise)), (change,)))
     slow, changes = (key for key in search.added(found.description))
-    bursts = Doubt(BURSTS, -20.0)
-    assert variance_of_unnamed(search, found, [slow, changes], {slow: bursts}) == {changes: bursts}
+    bursts = Misfit(BURSTS, -20.0)
+    assert ambiguous_variance(search, found, [slow, changes], {slow: bursts}) == {changes: bursts}
     assert (
-        variance_of_unnamed(search, found, [slow, changes], {slow: Doubt("its spectrum has another slope", -20.0)})
+        ambiguous_variance(search, found, [slow, changes], {slow: Misfit("its spectrum has another slope", -20.0)})
         == {}
     )
 
@@ -424,7 +426,7 @@ def skewed(time, rng):
 def test_what_comes_at_a_beat_or_dies_out_or_is_skewed_is_no_outlier(added, reason):
     search, found = explored(sequence(added=added), Outliers)
     assert found.has(Outliers)
-    assert outliers_doubt(search, found).reason == reason
+    assert outliers_misfit(search, found).reason == reason
     assert reasons(sequence(added=added), Outliers) == {reason}
 
 
@@ -438,7 +440,7 @@ def test_outliers_keep_their_name_whatever_their_distribution(law):
     for label in range(5):
         search, found = explored(sequence(added=far, label=label), Outliers)
         assert found.has(Outliers)
-        assert doubts(search, found) == {}
+        assert misfits(search, found) == {}
 
 
 @pytest.mark.slow
@@ -457,5 +459,5 @@ def test_volatile_noise_has_neither_outliers_nor_changes_of_variance():
     search, found = explored(sequence(added=volatile), Outliers, VarianceChange)
     keys = search.added(found.description)
     assert {key.part for key in keys} == {"outliers", "change"}
-    assert set(doubts(search, found)) == set(keys)
-    assert variance_of_unnamed(search, found, keys, {}) == {}
+    assert set(misfits(search, found)) == set(keys)
+    assert ambiguous_variance(search, found, keys, {}) == {}

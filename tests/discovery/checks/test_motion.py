@@ -10,7 +10,7 @@ from scipy.stats import binom
 
 from imugap import log
 from imugap.discovery.axis import conclude, search_axis
-from imugap.discovery.checks.motion import samples_in_motion
+from imugap.discovery.checks.motion import outliers_against_motion
 from imugap.discovery.fit.axis_fit import Description, Term, fit
 from imugap.discovery.fit.whittle import Noise
 from imugap.discovery.preparation.sequence import AxisSequence
@@ -216,7 +216,7 @@ def test_samples_by_chance_are_seldom_taken_to_come_with_the_motion():
     ideal = turning()
     fitted = SimpleNamespace(sequence=SimpleNamespace(conditions=conditions_of("gyro_y", ideal)))
     rng = stream(3, "by chance")
-    chances = [samples_in_motion(fitted, rng.random(COUNT) < 5e-3) for _ in range(100)]
+    chances = [outliers_against_motion(fitted, rng.random(COUNT) < 5e-3) for _ in range(100)]
     assert binom.ppf(0.001, 100, 0.02) <= np.sum(np.array(chances) < np.log(0.1)) <= binom.ppf(0.999, 100, 0.1)
 
 

@@ -6,9 +6,9 @@ from tests.discovery.simulated import LOG_ALPHA, WHITE, beside_white, names, pla
 
 from imugap.benchmark.sealing.noise import fractional
 from imugap.discovery.axis import conclude, search_axis
-from imugap.discovery.checks import Doubt, doubts
-from imugap.discovery.checks.all_checks import means_of_unnamed, spectrum_of_unnamed
-from imugap.discovery.checks.hysteresis import MEMORY, in_place_of_means
+from imugap.discovery.checks import Misfit, misfits
+from imugap.discovery.checks.all_checks import ambiguous_means, ambiguous_spectrum
+from imugap.discovery.checks.hysteresis import HYSTERESIS, means_against_hysteresis
 from imugap.discovery.checks.misfit import LEVEL
 from imugap.discovery.fit.axis_fit import Description, Term, fit
 from imugap.discovery.fit.whittle import Noise
@@ -57,7 +57,7 @@ def test_bursts_are_no_noise_though_their_spectrum_is():
         search = Search(plain(moved).description, (GaussMarkov,), LOG_ALPHA)
         found = search.explore(plain(moved))
         assert found.has(GaussMarkov)
-        reasons.append([doubt.reason for doubt in doubts(search, found).values()])
+        reasons.append([misfit.reason for misfit in misfits(search, found).values()])
     assert reasons == [["it is stronger at some times than at others"], []]
 
 
@@ -66,7 +66,7 @@ def test_bursts_are_no_noise_though_their_spectrum_is():
     [
         ("noise", "bursts", 2e-2, [BiasStep]),
         ("noise", "bursts", 2e-3, [BiasStep, WarmUp]),
-        ("noise", MEMORY, 2e-2, [BiasStep, WarmUp]),
+        ("noise", HYSTERESIS, 2e-2, [BiasStep, WarmUp]),
         ("line", "drifts", 2e-3, []),
     ],
 )
@@ -80,9 +80,9 @@ def test_what_slow_noise_without_a_name_may_have_made_has_none_either(doubtful, 
     data = sequence(BiasStep(200.0, 2e-2), WarmUp(warm, 20.0), GaussMarkov(1e-3, 6.0), count=12_000)
     search = Search(Description((), Noise((WHITE,))), tuple(CATALOGUE.values()), LOG_ALPHA)
     keys = [*(Key("term", index) for index in range(3)), Key("noise", 1)]
-    doubt = {keys[3 if doubtful == "noise" else 1]: Doubt(reason, -20.0)}
+    misfit = {keys[3 if doubtful == "noise" else 1]: Misfit(reason, -20.0)}
     found = fit(data, described)
-    of_it = means_of_unnamed(search, found, keys, doubt)
+    of_it = ambiguous_means(search, found, keys, misfit)
     assert [type(at(found.description, key)) for key in of_it] == withheld
     assert all(one.reason == reason for one in of_it.values())
 
@@ -90,12 +90,12 @@ def test_what_slow_noise_without_a_name_may_have_made_has_none_either(doubtful, 
 def test_a_line_or_filter_where_noise_without_a_name_is_the_power_has_none_either():
     """A peak of a spectrum that is not known is not known to be a line."""
     lines = tuple(Term(Sinusoid(f, 5e-4, 0.3), ("amplitude",)) for f in (0.1, 9.0))
-    keys, doubt = [Key("term", 0), Key("term", 1), Key("noise", 1), Key("filter", 0)], Doubt("bursts", -20.0)
+    keys, misfit = [Key("term", 0), Key("term", 1), Key("noise", 1), Key("filter", 0)], Misfit("bursts", -20.0)
     for cutoff, nameless in ((0.1, [Key("term", 0), Key("filter", 0)]), (9.0, [Key("term", 0)])):
         noise = Noise((WHITE, GaussMarkov(1e-2, 1.0)), OutputFilter(cutoff, 1))
         found = fit(sequence(GaussMarkov(1e-2, 1.0), count=12_000), Description(lines, noise))
         described = replace(found, description=Description(lines, noise))
-        assert list(spectrum_of_unnamed(described, keys, {Key("noise", 1): doubt})) == nameless
+        assert list(ambiguous_spectrum(described, keys, {Key("noise", 1): misfit})) == nameless
 
 
 @pytest.mark.slow
@@ -130,7 +130,7 @@ def test_flicker_keeps_its_name_in_either_form_that_samples_of_it_may_have():
     search = Search(plain(moved).description, (BiasInstability,), LOG_ALPHA)
     found = search.explore(plain(moved))
     assert found.has(BiasInstability)
-    assert doubts(search, found) == {}
+    assert misfits(search, found) == {}
 
 
 @pytest.mark.slow
@@ -182,7 +182,7 @@ def test_noise_between_flicker_and_walk_is_seldom_a_markov_process():
         search = Search(plain(moved).description, (GaussMarkov,), LOG_ALPHA)
         found = search.explore(plain(moved))
         assert found.has(GaussMarkov)
-        named.append(not doubts(search, found))
+        named.append(not misfits(search, found))
     assert sum(named) <= 4
 
 
@@ -193,7 +193,7 @@ def test_a_markov_process_is_no_power_law(run):
     search = Search(plain(data).description, (GaussMarkov,), LOG_ALPHA)
     found = search.explore(plain(data))
     assert found.has(GaussMarkov)
-    assert doubts(search, found) == {}
+    assert misfits(search, found) == {}
 
 
 def sawtooth(time, rng):
@@ -251,8 +251,8 @@ def test_a_jump_of_a_wave_is_no_step(shape, reasons):
     before = fit(moved, Description((), Noise((WHITE, known))))
     step = Term(BiasStep(4 * 96.3, -2e-3), ("step",))
     found = fit(moved, replace(before.description, terms=(step,)))
-    doubtful = doubts(Search(before.description, (BiasStep,), LOG_ALPHA), found)
-    assert [doubt.reason for doubt in doubtful.values()] == reasons
+    doubtful = misfits(Search(before.description, (BiasStep,), LOG_ALPHA), found)
+    assert [misfit.reason for misfit in doubtful.values()] == reasons
 
 
 def test_a_steady_line_is_not_in_doubt():
@@ -260,7 +260,7 @@ def test_a_steady_line_is_not_in_doubt():
     search = Search(plain(data).description, tuple(CATALOGUE.values()), LOG_ALPHA)
     found = search.explore(plain(data))
     assert [effect.name for effect in found.description.effects()] == ["sinusoid", "white_noise"]
-    assert doubts(search, found) == {}
+    assert misfits(search, found) == {}
 
 
 @pytest.mark.slow
@@ -272,6 +272,6 @@ def test_a_temperature_beside_a_walk_is_seldom_a_memory_of_it():
     described = Description((Term(straight, ("coefficient",)),), Noise((WHITE, RandomWalk(4e-5))))
     for run in range(60):
         found = fit(simulated((WHITE, RandomWalk(4e-5), straight), conditions, run, "nested"), described)
-        few.append(in_place_of_means(Search(Description((), Noise((WHITE,))), (), LOG_ALPHA), found).log_p)
+        few.append(means_against_hysteresis(Search(Description((), Noise((WHITE,))), (), LOG_ALPHA), found).log_p)
     assert np.sum(np.array(few) < LEVEL) <= 3
     assert 5 <= np.sum(np.array(few) < np.log(0.5)) <= 40

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from imugap.discovery.axis import conclude, search_axis
-from imugap.discovery.checks import beside_a_sweep
+from imugap.discovery.checks import explained_by_bands
 from imugap.discovery.fit.axis_fit import Description, fit
 from imugap.discovery.fit.whittle import Noise
 from imugap.discovery.preparation.sequence import AxisSequence
@@ -77,8 +77,8 @@ def test_a_filter_that_only_the_band_of_a_chirp_shows_is_none(cutoff, doubtful):
     density = WhiteNoise(1e-2 * np.sqrt(INTERVAL))
     search = Search(Description((), Noise((density,))), tuple(CATALOGUE.values()), LOG_ALPHA)
     seen = fit(data, Description((), Noise((density,), filtered)))
-    doubts = beside_a_sweep(search, seen, [Key("filter", 0)], [Band(2.3, 18.1, -500.0)])
-    assert list(doubts) == ([Key("filter", 0)] if doubtful else [])
+    misfits = explained_by_bands(search, seen, [Key("filter", 0)], [Band(2.3, 18.1, -500.0)])
+    assert list(misfits) == ([Key("filter", 0)] if doubtful else [])
 
 
 def test_the_fit_of_a_steady_line_leaves_no_sweep():

@@ -1,15 +1,16 @@
-"""Is a name right, or only the nearest one in the catalogue? Each effect is held against its own near misses.
+"""Goodness-of-fit tests of the effects that a search adds: is each of the named form, or only close to it?
 
-A right description leaves nothing in the directions in which its effects could be slightly something else: a line
-that drifts, a trend that bends, a spectrum of another slope, a stretch whose variance is not constant. Where chance
-does not explain what is left there, the name is withheld and the place reported as unexplained.
+Each effect is tested against small departures from its form (a line that drifts, a trend that bends, a spectrum of
+another slope, a variance that is not constant) by score tests, and against alternatives that are not in the catalogue
+by likelihood ratios. Where chance does not explain the departure, the name is withheld and its location is reported as
+unexplained. May import unnamed, search, views, fit and preparation.
 """
 
-from imugap.discovery.checks.all_checks import VALUES, beside_a_sweep, doubts
-from imugap.discovery.checks.gaussianity import SHARE
-from imugap.discovery.checks.mean import nearly
-from imugap.discovery.checks.misfit import LEVEL, Doubt
-from imugap.discovery.checks.spectrum import OF_NOISE, OF_SLOPE, beside_power_law, share_of
+from imugap.discovery.checks.all_checks import MIN_EXTRA_VALUES, explained_by_bands, misfits
+from imugap.discovery.checks.gaussianity import MIN_SHARE
+from imugap.discovery.checks.mean import shape_log_p
+from imugap.discovery.checks.misfit import LEVEL, Misfit
+from imugap.discovery.checks.spectrum import NOISE_REASONS, SLOPE_REASONS, add_power_law, power_share
 
-__all__ = ["LEVEL", "OF_NOISE", "OF_SLOPE", "SHARE", "VALUES", "Doubt"]
-__all__ += ["beside_a_sweep", "beside_power_law", "doubts", "nearly", "share_of"]
+__all__ = ["LEVEL", "MIN_EXTRA_VALUES", "MIN_SHARE", "NOISE_REASONS", "SLOPE_REASONS", "Misfit"]
+__all__ += ["add_power_law", "explained_by_bands", "misfits", "power_share", "shape_log_p"]

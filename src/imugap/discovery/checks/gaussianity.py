@@ -10,13 +10,13 @@ from itertools import pairwise
 import numpy as np
 from scipy.fft import idct
 
-from imugap.discovery.checks.misfit import Doubt, divergence
+from imugap.discovery.checks.misfit import Misfit, divergence
 from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.effects.effect import TINY
 from imugap.stream import stream
 
 BURSTS, UNEVEN = "it comes in bursts or jumps", "it is stronger at some times than at others"
-SHARE = 0.05
+MIN_SHARE = 0.05
 """Share of the variance of a coefficient above which it says something of the noise."""
 DRAWN, PARTS, FEWEST, MOST = 1999, 20, 40, 6000
 """Draws of Gaussian noise, how many parts they are handled in; the fewest coefficients that tell its shape, the most
@@ -25,24 +25,24 @@ USUAL = (-1.0, 1.0), (2.0, 6.0)
 """Skewness and kurtosis that leave a name as it is: no real noise is quite Gaussian; up to that of Laplace's law."""
 OCTAVE, EACH, BLOCKS = 16, 8, 32
 """Coefficients in the lowest band, the others being octaves; in each block of time at least; blocks at most."""
-FADING = 0.01
+TOLERATED_DIVERGENCE = 0.01
 """Divergence of the power of blocks, over their coefficients, that leaves a name as it is: up to a fifth of it."""
 
 
-def of_samples(fit: AxisFit, share: np.ndarray) -> tuple[Doubt, ...]:
+def sample_misfits(fit: AxisFit, share: np.ndarray) -> tuple[Misfit, ...]:
     """Return the doubts whether noise with such a share in the bins is Gaussian, and whether it is stationary.
 
     Where the variance changes it is not known of which noise, so that none is asked whether it is stationary.
     """
     bins = fit.sequence.bins
     weight = bins.spread(np.maximum(share, TINY))[: min(bins.last, MOST)]
-    weight = weight[: max(np.flatnonzero(weight > SHARE), default=0) + 1]
+    weight = weight[: max(np.flatnonzero(weight > MIN_SHARE), default=0) + 1]
     if len(weight) < FEWEST:
         return ()
     own = weight * fit.coefficients[: len(weight)]
-    jumps = Doubt(BURSTS, _uncommon(own, weight))
+    jumps = Misfit(BURSTS, _uncommon(own, weight))
     fading = 0.0 if fit.description.changes else _fading(own, weight)
-    return jumps, Doubt(UNEVEN, fading)
+    return jumps, Misfit(UNEVEN, fading)
 
 
 def _drawn(statistic: Callable[[np.ndarray], np.ndarray], weight: np.ndarray) -> np.ndarray:
@@ -78,7 +78,7 @@ def _fading(own: np.ndarray, weight: np.ndarray) -> float:
 
     On average a block diverges by half, less one half for each octave; noise that does by less is even: none is drawn.
     """
-    found = float(_unevenness(own[None], weight)[0]) - FADING * _number(weight)
+    found = float(_unevenness(own[None], weight)[0]) - TOLERATED_DIVERGENCE * _number(weight)
     if found < 0.5 * sum(blocks - 1 for _, _, blocks in _octaves(len(weight))):
         return 0.0
     drawn = _drawn(lambda noise: _unevenness(noise, weight), weight)

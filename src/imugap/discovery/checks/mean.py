@@ -4,9 +4,9 @@ from itertools import combinations
 
 import numpy as np
 
-from imugap.discovery.checks.misfit import Doubt
-from imugap.discovery.checks.motion import in_place_of_motion
-from imugap.discovery.checks.periodic import repeated
+from imugap.discovery.checks.misfit import Misfit
+from imugap.discovery.checks.motion import term_against_motion
+from imugap.discovery.checks.periodic import effect_against_periodic
 from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.discovery.search.intervals import term_intervals
 from imugap.discovery.search.search import Key, Search, at, log_chance
@@ -19,24 +19,24 @@ BESIDE = 0.01
 """Distance of lines, over their frequency, within which they are sidebands of one that may not be there itself."""
 
 
-def term_doubt(search: Search, fit: AxisFit, key: Key) -> Doubt | None:
+def mean_misfit(search: Search, fit: AxisFit, key: Key) -> Misfit | None:
     """Doubt a term that the log does not resolve, that other lines say more of, or that is not quite of its shape."""
     unresolved = _unresolved(fit, key)
     if unresolved is not None:
         return unresolved
     if _harmonic(fit, key):
-        return Doubt("lines at its multiples make it a wave of another shape", -np.inf)
+        return Misfit("lines at its multiples make it a wave of another shape", -np.inf)
     if _split(fit, key) or _modulated(fit, key):
-        return Doubt("lines beside it make it one that swells or drifts", -np.inf)
-    bent = Doubt("the mean is not quite of its shape", nearly(fit, key.index))
+        return Misfit("lines beside it make it one that swells or drifts", -np.inf)
+    bent = Misfit("the mean is not quite of its shape", shape_log_p(fit, key.index))
     if at(fit.description, key).of_motion:
-        return min(bent, in_place_of_motion(search, fit, key), key=lambda doubt: doubt.log_p)
+        return min(bent, term_against_motion(search, fit, key), key=lambda misfit: misfit.log_p)
     if not at(fit.description, key).event:
         return bent
-    return min(bent, repeated(search, fit, key), key=lambda doubt: doubt.log_p)
+    return min(bent, effect_against_periodic(search, fit, key), key=lambda misfit: misfit.log_p)
 
 
-def nearly(fit: AxisFit, index: int) -> float:
+def shape_log_p(fit: AxisFit, index: int) -> float:
     """Return the log-probability that a term is as far from its shape, in the likeliest of the ways that it may be."""
     ways = fit.description.terms[index].effect.near_misses(fit.sequence.conditions)
     found = [log_chance(gain, rank) for gain, rank in (fit.joint_gain(fit.whiten(way)) for way in ways) if rank]
@@ -88,9 +88,9 @@ def _modulated(fit: AxisFit, key: Key) -> bool:
     return False
 
 
-def _unresolved(fit: AxisFit, key: Key) -> Doubt | None:
+def _unresolved(fit: AxisFit, key: Key) -> Misfit | None:
     """Doubt an effect of which the log does not tell a parameter from nothing: a transient of a sample or two."""
     limits = at(fit.description, key).limits()
     ends = term_intervals(fit, key.index)
     lost = [name for name, (low, _) in ends.items() if limits[name][0] == TINY and low <= TINY]
-    return Doubt(f"the log does not tell its {lost[0]}", -np.inf) if lost else None
+    return Misfit(f"the log does not tell its {lost[0]}", -np.inf) if lost else None

@@ -9,14 +9,14 @@ LEVEL = np.log(3e-3)
 
 
 @dataclass(frozen=True)
-class Doubt:
+class Misfit:
     """Why a name is withheld, and the log-probability that chance makes as much of it."""
 
     reason: str
     log_p: float
 
 
-def over(named: float, other: float, log_alpha: float) -> float:
+def log_p_against(named: float, other: float, log_alpha: float) -> float:
     """Return the log-probability of a doubt that is at the level where something else does as well as what is named."""
     return LEVEL + other - named if other < log_alpha else 0.0
 

@@ -9,8 +9,8 @@ from scipy.ndimage import maximum_filter1d, uniform_filter1d
 from scipy.special import xlogy
 
 from imugap import log
-from imugap.discovery.checks.misfit import LEVEL, Doubt, divergence, over
-from imugap.discovery.checks.unnamed_mean import CLEARLY, likelihood_beside
+from imugap.discovery.checks.misfit import LEVEL, Misfit, divergence, log_p_against
+from imugap.discovery.checks.unnamed_mean import UNNAMED_MARGIN, likelihood_with
 from imugap.discovery.fit.axis_fit import AxisFit, Description, jacobian
 from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.search.search import Key, Search, log_chance, removed
@@ -28,11 +28,11 @@ PAUSE, STILL = 1.0, 0.05
 """Time [s] over which an input is at rest that moves by less than this share of its usual rate."""
 TURN, HEADINGS = 1.0, 3
 """Angle [rad] that a motion turns through at least, and waves in a turn, of an error that goes with the heading."""
-ANOTHER = "another function of the motion explains it better"
-NONE = Doubt(ANOTHER, 0.0)
+OTHER_FUNCTION = "another function of the motion explains it better"
+NONE = Misfit(OTHER_FUNCTION, 0.0)
 
 
-def in_place_of_motion(search: Search, fit: AxisFit, key: Key) -> Doubt:
+def term_against_motion(search: Search, fit: AxisFit, key: Key) -> Misfit:
     """Weigh what has no name in the place of a term that answers the motion, and ask what the term says beside it."""
     term = fit.description.terms[key.index]
     if not term.free:
@@ -41,8 +41,9 @@ def in_place_of_motion(search: Search, fit: AxisFit, key: Key) -> Doubt:
     own = base.whiten(jacobian((term,), fit.sequence))
     named = log_chance(*base.joint_gain(own))
     others = [_instead(base, own, way, search.log_alpha) for way in _ways(fit.sequence.conditions)]
-    clearly = np.log(max(len(others), 1)) + CLEARLY
-    return Doubt(ANOTHER, min((over(named, other + clearly, search.log_alpha) for other in others), default=0.0))
+    margin = np.log(max(len(others), 1)) + UNNAMED_MARGIN
+    log_p = min((log_p_against(named, other + margin, search.log_alpha) for other in others), default=0.0)
+    return Misfit(OTHER_FUNCTION, log_p)
 
 
 def _instead(base: AxisFit, own: np.ndarray, way: np.ndarray, log_alpha: float) -> float:
@@ -57,18 +58,18 @@ def _instead(base: AxisFit, own: np.ndarray, way: np.ndarray, log_alpha: float) 
     return log_chance(gain, rank) if silent else 0.0
 
 
-def in_place_of_all(search: Search, fit: AxisFit) -> Doubt:
+def all_against_motion(search: Search, fit: AxisFit) -> Misfit:
     """Weigh what has no name in the place of all that was added, or of all terms; outliers are samples again."""
     if fit.sequence.conditions.ideal is None:
         return NONE
     sequence, found, without = _with_outliers(search, fit)
-    own = likelihood_beside(without, jacobian(found.terms[len(search.start.terms) :], sequence))
+    own = likelihood_with(without, jacobian(found.terms[len(search.start.terms) :], sequence))
     named = max(search.fitted(sequence, found).log_likelihood, own)
-    more = without_a_name(search, fit) + search.fitted(sequence, found).log_likelihood - named
-    return Doubt(ANOTHER, min(LEVEL + CLEARLY - more, 0.0))
+    more = motion_gain(search, fit) + search.fitted(sequence, found).log_likelihood - named
+    return Misfit(OTHER_FUNCTION, min(LEVEL + UNNAMED_MARGIN - more, 0.0))
 
 
-def without_a_name(search: Search, fit: AxisFit) -> float:
+def motion_gain(search: Search, fit: AxisFit) -> float:
     """Return how much log-likelihood the best of what has no name and goes with the motion gains over a fit, if any.
 
     In the place of all that was added, or of all terms.
@@ -77,7 +78,7 @@ def without_a_name(search: Search, fit: AxisFit) -> float:
         return -np.inf
     sequence, found, without = _with_outliers(search, fit)
     bases = search.fitted(sequence, replace(search.start, outliers=None)), without
-    found_by = (likelihood_beside(base, way) for way in _ways(sequence.conditions) for base in bases)
+    found_by = (likelihood_with(base, way) for way in _ways(sequence.conditions) for base in bases)
     return max(found_by, default=-np.inf) - search.fitted(sequence, found).log_likelihood
 
 
@@ -88,7 +89,7 @@ def _with_outliers(search: Search, fit: AxisFit) -> tuple[AxisSequence, Descript
     return sequence, found, search.fitted(sequence, replace(found, terms=search.start.terms))
 
 
-def samples_in_motion(fit: AxisFit, flagged: np.ndarray) -> float:
+def outliers_against_motion(fit: AxisFit, flagged: np.ndarray) -> float:
     """Return the log-probability that flagged samples, shape (n,), come as unevenly over the sizes of the motion."""
     if flagged.sum() < FEW:
         return 0.0
@@ -97,7 +98,7 @@ def samples_in_motion(fit: AxisFit, flagged: np.ndarray) -> float:
     return _least([log_chance(gain, SHARES - 1) for gain in gains])
 
 
-def variance_in_motion(search: Search, fit: AxisFit, key: Key) -> float:
+def variance_against_motion(search: Search, fit: AxisFit, key: Key) -> float:
     """Weigh a variance that goes with the motion in the place of one that changes in time.
 
     One that goes with its size has to be surer; one of the rests between motions only as sure: it is at the same times.
@@ -107,7 +108,7 @@ def variance_in_motion(search: Search, fit: AxisFit, key: Key) -> float:
     conditions = fit.sequence.conditions
     sizes = _least([log_chance(_gain(energies, shares), SHARES - 1) for shares in _shares(conditions)])
     rests = _least([log_chance(_gain(energies, rest.astype(int)), 1) for rest in _rests(conditions)])
-    return over(own.log_p, min(sizes + CLEARLY, rests), search.log_alpha)
+    return log_p_against(own.log_p, min(sizes + UNNAMED_MARGIN, rests), search.log_alpha)
 
 
 def _gain(energies: np.ndarray, groups: np.ndarray) -> float:

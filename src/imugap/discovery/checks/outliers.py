@@ -4,8 +4,8 @@ import numpy as np
 from scipy.special import ndtr
 from scipy.stats import ncx2
 
-from imugap.discovery.checks.misfit import LEVEL, Doubt
-from imugap.discovery.checks.motion import samples_in_motion
+from imugap.discovery.checks.misfit import LEVEL, Misfit
+from imugap.discovery.checks.motion import outliers_against_motion
 from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.discovery.search.search import Search
 from imugap.effects.effect import TINY
@@ -21,22 +21,22 @@ SLIGHT = 0.005
 """Squared relative deviation of the core's density that leaves the name as it is: no real noise is quite normal."""
 
 
-def outliers_doubt(search: Search, fit: AxisFit) -> Doubt:
+def outliers_misfit(search: Search, fit: AxisFit) -> Misfit:
     """Ask whether outliers come by themselves and at any time, and whether the other samples are normal.
 
     Where the variance changes they need not be as many at one time as at another.
     """
     found = search.tails[fit.description.outliers]
-    doubts = [
-        Doubt("they are not rare", LEVEL - 1.0 if found.probability > RARE else 0.0),
-        Doubt("they come in clusters", found.clustered),
-        Doubt("they come with the motion", samples_in_motion(fit, found.flagged)),
-        Doubt("they come at a beat", found.beating),
-        Doubt("all samples are of another distribution", _another_core(fit)),
+    misfits = [
+        Misfit("they are not rare", LEVEL - 1.0 if found.probability > RARE else 0.0),
+        Misfit("they come in clusters", found.clustered),
+        Misfit("they come with the motion", outliers_against_motion(fit, found.flagged)),
+        Misfit("they come at a beat", found.beating),
+        Misfit("all samples are of another distribution", _another_core(fit)),
     ]
     if not fit.description.changes:
-        doubts.append(Doubt("they come at some times more often than at others", found.uneven))
-    return min(doubts, key=lambda doubt: doubt.log_p)
+        misfits.append(Misfit("they come at some times more often than at others", found.uneven))
+    return min(misfits, key=lambda misfit: misfit.log_p)
 
 
 def _another_core(fit: AxisFit) -> float:

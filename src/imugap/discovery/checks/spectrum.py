@@ -8,10 +8,10 @@ from scipy.optimize import minimize
 from scipy.special import log_ndtr
 from scipy.stats import ncx2
 
-from imugap.discovery.checks.gaussianity import BURSTS, SHARE, UNEVEN, of_samples
-from imugap.discovery.checks.hysteresis import in_place_of_noise
-from imugap.discovery.checks.misfit import LEVEL, Doubt, divergence, over
-from imugap.discovery.checks.periodic import repeated
+from imugap.discovery.checks.gaussianity import BURSTS, MIN_SHARE, UNEVEN, sample_misfits
+from imugap.discovery.checks.hysteresis import noise_against_temperature
+from imugap.discovery.checks.misfit import LEVEL, Misfit, divergence, log_p_against
+from imugap.discovery.checks.periodic import effect_against_periodic
 from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.discovery.fit.telegraph_likelihood import compare
 from imugap.discovery.fit.whittle import STEP, Noise, limits, log_likelihood
@@ -20,16 +20,16 @@ from imugap.discovery.views.spectral import of_spectrum
 from imugap.effects.effect import TINY, Effect, StochasticEffect
 from imugap.effects.power_law import PowerLaw
 
-SLOPE, LAW = "its spectrum has another slope", "a power law of another slope explains it better"
-LAW_TOO = "a power law explains it as well"
-OF_SLOPE = (SLOPE, LAW, LAW_TOO)
+SLOPE, POWER_LAW = "its spectrum has another slope", "a power law of another slope explains it better"
+POWER_LAW_AS_WELL = "a power law explains it as well"
+SLOPE_REASONS = (SLOPE, POWER_LAW, POWER_LAW_AS_WELL)
 """Doubts that leave slow noise a process, of a slope that has no name."""
 AT_ODDS = "its samples and its spectrum disagree"
 AROUND_IT = "the spectrum around it is farther off"
-IN_BURSTS = (AT_ODDS, BURSTS, UNEVEN)
+BURST_REASONS = (AT_ODDS, BURSTS, UNEVEN)
 """Doubts that leave slow noise something that comes and goes, and changes the variance as it does."""
 ALL_SLOW = "one power law explains all slow noise better"
-OF_NOISE = (*OF_SLOPE, AT_ODDS, ALL_SLOW)
+NOISE_REASONS = (*SLOPE_REASONS, AT_ODDS, ALL_SLOW)
 """Doubts that leave slow noise, of whatever spectrum, noise."""
 OTHER_SLOPE = np.log(1e-2)
 """Log-probability of chance below which a free slope of slow noise makes a doubt: no other test answers it as well."""
@@ -47,56 +47,56 @@ SLIGHT = 0.05
 """Relative deviation of the power in a band that leaves a name as it is: no real spectrum is one of a catalogue."""
 
 
-def noise_doubt(search: Search, fit: AxisFit, key: Key) -> Doubt:
+def noise_misfit(search: Search, fit: AxisFit, key: Key) -> Misfit:
     """Test the spectrum where the process answers for it, the samples, and what else wanders as it does."""
     effect = at(fit.description, key)
     bins = fit.sequence.bins
-    share = share_of(fit, effect)
+    share = power_share(fit, effect)
     slope = _score(fit, share * np.log(bins.frequency / bins.frequency[0]))
-    mine = np.flatnonzero(share > SHARE)
+    mine = np.flatnonzero(share > MIN_SHARE)
     named = search.likelihood_ratio(fit, key)[0].log_p
-    doubts = [
-        Doubt(SLOPE, slope),
-        Doubt("its spectrum has another shape", log_p_of_bands(fit, mine)),
-        Doubt(AROUND_IT, over(named, _off_around(fit, mine), search.log_alpha)),
+    misfits = [
+        Misfit(SLOPE, slope),
+        Misfit("its spectrum has another shape", band_log_p(fit, mine)),
+        Misfit(AROUND_IT, log_p_against(named, _off_around(fit, mine), search.log_alpha)),
     ]
     if effect.two_valued:
-        doubts += _two_valued(search, fit, key)
+        misfits += _two_valued(search, fit, key)
     else:
-        doubts += of_samples(fit, share)
+        misfits += sample_misfits(fit, share)
     if coloured(effect):
-        doubts += [repeated(search, fit, key), in_place_of_noise(search, fit, key)]
-    return min([*doubts, *_power_law(search, fit)], key=lambda doubt: doubt.log_p)
+        misfits += [effect_against_periodic(search, fit, key), noise_against_temperature(search, fit, key)]
+    return min([*misfits, *_power_law(search, fit)], key=lambda misfit: misfit.log_p)
 
 
-def filter_doubt(search: Search, fit: AxisFit, key: Key) -> Doubt:
+def filter_misfit(search: Search, fit: AxisFit, key: Key) -> Misfit:
     """Ask whether the filter is surer than what it leaves of the spectrum where it acts.
 
     Its shape is no matter: the filters of the catalogue stand for all low-pass filters.
     """
     bins = fit.sequence.bins
-    acts = np.flatnonzero(at(fit.description, key).gain(bins.frequency, bins.interval) < 1 - SHARE)
+    acts = np.flatnonzero(at(fit.description, key).gain(bins.frequency, bins.interval) < 1 - MIN_SHARE)
     named = search.likelihood_ratio(fit, key)[0].log_p
-    return Doubt(AROUND_IT, over(named, _off_around(fit, acts), search.log_alpha))
+    return Misfit(AROUND_IT, log_p_against(named, _off_around(fit, acts), search.log_alpha))
 
 
-def _two_valued(search: Search, fit: AxisFit, key: Key) -> list[Doubt]:
+def _two_valued(search: Search, fit: AxisFit, key: Key) -> list[Misfit]:
     """Ask whether both values are as frequent, and, of telegraph noise alone, whether samples and spectrum agree."""
     verdict = compare(fit, (at(fit.description, key),))
-    uneven = Doubt("it is at one of its values more often than at the other", log_chance(verdict.uneven, 1))
+    uneven = Misfit("it is at one of its values more often than at the other", log_chance(verdict.uneven, 1))
     if sum(key.part == "noise" for key in search.added(fit.description)) > 1:
         return [uneven]
-    return [uneven, Doubt(AT_ODDS, log_p_with(fit, key, verdict.effect))]
+    return [uneven, Misfit(AT_ODDS, substitution_log_p(fit, key, verdict.effect))]
 
 
-def share_of(fit: AxisFit, effect: StochasticEffect) -> np.ndarray:
+def power_share(fit: AxisFit, effect: StochasticEffect) -> np.ndarray:
     """Return the share of an effect in the variance of each bin."""
     bins, noise = fit.sequence.bins, fit.description.noise
     own = Noise((effect,), noise.output_filter).passed(bins)
     return own / noise.variance(bins)
 
 
-def log_p_with(fit: AxisFit, key: Key, other: StochasticEffect) -> float:
+def substitution_log_p(fit: AxisFit, key: Key, other: StochasticEffect) -> float:
     """Return the log-probability that the spectrum is as unlikely as it is with another effect at ``key``.
 
     All else of the noise, and the filter, are free to follow it.
@@ -154,7 +154,7 @@ def _off_around(fit: AxisFit, mine: np.ndarray) -> float:
     return min(float(chance), 0.0)
 
 
-def log_p_of_bands(fit: AxisFit, mine: np.ndarray) -> float:
+def band_log_p(fit: AxisFit, mine: np.ndarray) -> float:
     """Return the log-probability that power is as far from the fit in bands of some bins, slight deviations aside."""
     bins = fit.sequence.bins
     if len(mine) < 2:
@@ -172,32 +172,32 @@ def log_p_of_bands(fit: AxisFit, mine: np.ndarray) -> float:
     return float(np.log(max(chance, TINY)))
 
 
-def with_power_law(search: Search, fit: AxisFit, which: Callable[[Effect], bool]) -> AxisFit | None:
+def replaced_by_power_law(search: Search, fit: AxisFit, which: Callable[[Effect], bool]) -> AxisFit | None:
     """Return the fit with one power law in the place of the added processes for which ``which`` holds, if any."""
     slow = _added(search, fit, which)
     if not slow:
         return None
-    return beside_power_law(search, _without(search, fit, slow))
+    return add_power_law(search, _without(search, fit, slow))
 
 
 def _slow(effect: Effect) -> bool:
     return effect.slow
 
 
-def surplus_of_one_law(search: Search, fit: AxisFit, keys: Sequence[Key]) -> float:
+def power_law_advantage(search: Search, fit: AxisFit, keys: Sequence[Key]) -> float:
     """Return by how much one power law, however steep, is worth more than several means and slow noise together.
 
     Each of these is one of the catalogue, and costs that too.
     """
     own = [search.likelihood_ratio(fit, key)[0] for key in keys]
     bare = search.fitted(fit.sequence, without(fit, keys).description)
-    laws = [beside_power_law(search, bare, slope).log_likelihood for slope in STEEP]
+    laws = [add_power_law(search, bare, slope).log_likelihood for slope in STEEP]
     costs = sum(one.cost + np.log(len(search.catalogue)) for one in own)
     law = max(laws) - PARAMETER * len(fields(PowerLaw)) - np.log(len(search.catalogue))
     return float(law - fit.log_likelihood + costs)
 
 
-def beside_power_law(search: Search, bare: AxisFit, slope: float = STEEP[0]) -> AxisFit:
+def add_power_law(search: Search, bare: AxisFit, slope: float = STEEP[0]) -> AxisFit:
     """Return a fit with a power law more, from a slope."""
     size = max(bare.room(PowerLaw(1.0, slope)), 1e-12 * float(np.sqrt(bare.variance.mean())))
     noise = bare.description.noise
@@ -217,19 +217,19 @@ def _without(search: Search, fit: AxisFit, effects: list[StochasticEffect]) -> A
     return search.fitted(fit.sequence, replace(fit.description, noise=replace(noise, effects=kept)))
 
 
-def _power_law(search: Search, fit: AxisFit) -> list[Doubt]:
+def _power_law(search: Search, fit: AxisFit) -> list[Misfit]:
     """Weigh one power law against the added slow processes: its slope may be another, or it says more than two do."""
-    other, slow = with_power_law(search, fit, _slow), _added(search, fit, _slow)
+    other, slow = replaced_by_power_law(search, fit, _slow), _added(search, fit, _slow)
     if other is None:
         return []
     more = other.log_likelihood - fit.log_likelihood
     parameters = sum(len(one.parameters()) for one in slow)
     if parameters == 1:
         chance = log_chance(more, 1)
-        return [Doubt(LAW, LEVEL - OTHER_SLOPE + chance)]
+        return [Misfit(POWER_LAW, LEVEL - OTHER_SLOPE + chance)]
     if len(slow) == 1:
-        return [Doubt(LAW_TOO, LEVEL - LIKELIER - more)]
+        return [Misfit(POWER_LAW_AS_WELL, LEVEL - LIKELIER - more)]
     bare = _without(search, fit, slow)
     named = log_chance(fit.log_likelihood - bare.log_likelihood, parameters)
     unnamed = log_chance(other.log_likelihood - bare.log_likelihood, 2)
-    return [Doubt(ALL_SLOW, LEVEL + unnamed - named)]
+    return [Misfit(ALL_SLOW, LEVEL + unnamed - named)]

@@ -9,15 +9,15 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from scipy.optimize import minimize
 
-from imugap.discovery.checks.misfit import LEVEL, Doubt, over
-from imugap.discovery.checks.unnamed_mean import likelihood_beside
+from imugap.discovery.checks.misfit import LEVEL, Misfit, log_p_against
+from imugap.discovery.checks.unnamed_mean import likelihood_with
 from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.discovery.search.search import Key, Search, at, log_chance, without
 
 REASON = "it fades away in another way"
 SEVERAL = 2
 """Steps within a transient from which on they shape it."""
-FADING = 2.0
+DURATION = 2.0
 """Time constants in which most of a warm-up goes by, 86 % of it."""
 TIMES, EVALUATIONS = 8, 60
 """Times of a transient, and evaluations from the best one on, with which a search looks."""
@@ -27,7 +27,7 @@ PARAMETERS = 3
 """Size, time and shape of a transient."""
 
 
-def of_transients(search: Search, fit: AxisFit, keys: Sequence[Key]) -> dict[Key, Doubt]:
+def transient_misfits(search: Search, fit: AxisFit, keys: Sequence[Key]) -> dict[Key, Misfit]:
     """Return the doubts of a warm-up among ``keys`` and of what shapes it: steps while it goes by, and a ramp.
 
     Several steps need no rival: a transient has none.
@@ -36,18 +36,18 @@ def of_transients(search: Search, fit: AxisFit, keys: Sequence[Key]) -> dict[Key
     warm = next((key for key, effect in effects.items() if effect.transient), None)
     if warm is None:
         return {}
-    over_at = FADING * effects[warm].time_constant
+    over_at = DURATION * effects[warm].time_constant
     steps = [key for key, effect in effects.items() if effect.event and effect.time < over_at]
     ramps = [key for key, effect in effects.items() if effect.of_time and not effect.event and not effect.transient]
     if len(steps) >= SEVERAL:
-        return dict.fromkeys([warm, *steps], Doubt(REASON, -np.inf))
+        return dict.fromkeys([warm, *steps], Misfit(REASON, -np.inf))
     if not steps and not ramps:
         return {}
     shaped = [warm, *steps, *ramps]
     temperatures = [key for key, effect in effects.items() if effect.of_temperature]
     weighed = {some: _another_shape(search, fit, some) for some in {tuple(shaped), (*shaped, *temperatures)}}
     some, log_p = min(weighed.items(), key=lambda one: one[1])
-    return dict.fromkeys(some, Doubt(REASON, log_p)) if log_p < LEVEL else {}
+    return dict.fromkeys(some, Misfit(REASON, log_p)) if log_p < LEVEL else {}
 
 
 def _another_shape(search: Search, fit: AxisFit, keys: Sequence[Key]) -> float:
@@ -57,8 +57,8 @@ def _another_shape(search: Search, fit: AxisFit, keys: Sequence[Key]) -> float:
     best = max((_best(bare, time, kind) for kind in (_aged, _stretched)), key=lambda shape: _gain(bare, shape))
     more = fit.description.size() - bare.description.size()
     named = log_chance(fit.log_likelihood - bare.log_likelihood, more)
-    other = log_chance(likelihood_beside(bare, best) - bare.log_likelihood, PARAMETERS)
-    return over(named, other, search.log_alpha)
+    other = log_chance(likelihood_with(bare, best) - bare.log_likelihood, PARAMETERS)
+    return log_p_against(named, other, search.log_alpha)
 
 
 def _best(bare: AxisFit, time: np.ndarray, kind: Callable) -> np.ndarray:

@@ -10,8 +10,8 @@ import numpy as np
 from scipy.optimize import minimize
 from scipy.special import ndtr
 
-from imugap.discovery.checks.misfit import LEVEL, Doubt, over
-from imugap.discovery.checks.unnamed_mean import CLEARLY, likelihood_beside
+from imugap.discovery.checks.misfit import LEVEL, Misfit, log_p_against
+from imugap.discovery.checks.unnamed_mean import UNNAMED_MARGIN, likelihood_with
 from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.discovery.search.search import Key, Search, at, coloured, log_chance, without
 
@@ -26,16 +26,16 @@ PLACES = 100.0
 """Independent transitions in a log, on the safe side."""
 
 
-def of_transitions(search: Search, fit: AxisFit, keys: Sequence[Key]) -> dict[Key, Doubt]:
+def transition_misfits(search: Search, fit: AxisFit, keys: Sequence[Key]) -> dict[Key, Misfit]:
     """Return the doubts of several steps that follow each other one way, and of slow noise with all steps."""
     steps = [key for key in keys if at(fit.description, key).event]
     slow = [key for key in keys if coloured(at(fit.description, key))]
     steps.sort(key=lambda key: at(fit.description, key).time)
     ways = (list(way) for _, way in groupby(steps, lambda key: at(fit.description, key).step > 0))
-    doubts = {tuple(way): _instead(search, fit, way) for way in ways if len(way) > 1}
+    misfits = {tuple(way): _instead(search, fit, way) for way in ways if len(way) > 1}
     if slow:
-        doubts[*steps, *slow] = _instead(search, fit, [*steps, *slow], CLEARLY)
-    return {key: Doubt(REASON, log_p) for some, log_p in doubts.items() if log_p < LEVEL for key in some}
+        misfits[*steps, *slow] = _instead(search, fit, [*steps, *slow], UNNAMED_MARGIN)
+    return {key: Misfit(REASON, log_p) for some, log_p in misfits.items() if log_p < LEVEL for key in some}
 
 
 def _instead(search: Search, fit: AxisFit, keys: Sequence[Key], clearly: float = 0.0) -> float:
@@ -46,8 +46,8 @@ def _instead(search: Search, fit: AxisFit, keys: Sequence[Key], clearly: float =
     best = _best(bare, NEAR * gain)
     if best is None:
         return 0.0
-    other = log_chance(likelihood_beside(bare, best) - bare.log_likelihood, PARAMETERS) + np.log(PLACES)
-    return over(named, other + clearly, search.log_alpha)
+    other = log_chance(likelihood_with(bare, best) - bare.log_likelihood, PARAMETERS) + np.log(PLACES)
+    return log_p_against(named, other + clearly, search.log_alpha)
 
 
 def _best(bare: AxisFit, least: float) -> np.ndarray | None:

@@ -5,11 +5,11 @@ import numpy as np
 from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.discovery.fit.whittle import fit as fit_noise
 
-CLEARLY = 10.0
+UNNAMED_MARGIN = 10.0
 """Log-probability by which something without a name has to be surer than what has one."""
 
 
-def likelihood_beside(base: AxisFit, way: np.ndarray) -> float:
+def likelihood_with(base: AxisFit, way: np.ndarray) -> float:
     """Return the log-likelihood of a fit with columns of the error, shape (n, m), more, its noise fitted anew.
 
     Less what columns gain by chance on average.

@@ -3,8 +3,8 @@
 import numpy as np
 from scipy.fft import rfft
 
-from imugap.discovery.checks.misfit import LEVEL, Doubt, divergence
-from imugap.discovery.checks.motion import variance_in_motion
+from imugap.discovery.checks.misfit import LEVEL, Misfit, divergence
+from imugap.discovery.checks.motion import variance_against_motion
 from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.discovery.search.search import Key, Search, log_chance
 from imugap.effects.effect import Effect
@@ -15,7 +15,7 @@ INNER = 0.95
 """Share of the frequencies in use whose power no edge of a stretch makes less."""
 
 
-def change_doubt(search: Search, fit: AxisFit, key: Key) -> Doubt:
+def variance_misfit(search: Search, fit: AxisFit, key: Key) -> Misfit:
     """Compare the energies of blocks within the stretch, those of bands of the frequency, and those of motions.
 
     On a coarse lattice the change has to be one of the noise ahead of the rounding.
@@ -25,11 +25,11 @@ def change_doubt(search: Search, fit: AxisFit, key: Key) -> Doubt:
     used = fit.sequence.bins.last / len(fit.coefficients)
     power = np.abs(rfft(inside - inside.mean()))[1 : int(INNER * used * len(inside) / 2)] ** 2
     return min(
-        Doubt("the variance changes within the stretch", _scatter(inside**2, 1)),
-        Doubt("the variance of some frequencies changes more than that of others", _scatter(power, 2)),
-        Doubt("the variance goes with the motion", variance_in_motion(search, fit, key)),
-        Doubt("the rounding to a coarse lattice makes as much of it", _of_rounding(search, fit, key)),
-        key=lambda doubt: doubt.log_p,
+        Misfit("the variance changes within the stretch", _scatter(inside**2, 1)),
+        Misfit("the variance of some frequencies changes more than that of others", _scatter(power, 2)),
+        Misfit("the variance goes with the motion", variance_against_motion(search, fit, key)),
+        Misfit("the rounding to a coarse lattice makes as much of it", _of_rounding(search, fit, key)),
+        key=lambda misfit: misfit.log_p,
     )
 
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from imugap.discovery.checks import SHARE, Doubt, share_of
+from imugap.discovery.checks import MIN_SHARE, Misfit, power_share
 from imugap.discovery.finding import CERTAIN, Gap
 from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.discovery.search.intervals import term_intervals
@@ -20,11 +20,11 @@ class Withheld:
     place: Gap
 
 
-def withheld(search: Search, fit: AxisFit, key: Key, doubt: Doubt) -> Withheld:
+def withheld(search: Search, fit: AxisFit, key: Key, misfit: Misfit) -> Withheld:
     """Return what is told of an effect of a fit whose name is in doubt."""
     log_p = search.likelihood_ratio(fit, key)[0].log_p
     place = Gap(*_extent(fit, key), float(np.exp(np.clip(log_p, CERTAIN, 0.0))))
-    return Withheld(at(fit.description, key).name, doubt.reason, place)
+    return Withheld(at(fit.description, key).name, misfit.reason, place)
 
 
 def _extent(fit: AxisFit, key: Key) -> tuple[str, str, float, float, str]:
@@ -33,8 +33,8 @@ def _extent(fit: AxisFit, key: Key) -> tuple[str, str, float, float, str]:
     axis, begin, end = conditions.axis, float(conditions.time[0]), float(conditions.time[-1])
     if key.part == "noise":
         frequency = fit.sequence.bins.frequency
-        own = share_of(fit, effect)
-        mine = frequency[own >= min(SHARE, own.max())]
+        own = power_share(fit, effect)
+        mine = frequency[own >= min(MIN_SHARE, own.max())]
         return "spectrum", axis, float(mine[0]), float(mine[-1]), "Hz"
     if key.part == "change":
         return "variance", axis, max(effect.start, begin), min(effect.stop, end), "s"
