@@ -30,7 +30,7 @@ class Stage(IntEnum):
     MODULATION = 2
     """Scales the noise."""
     ERROR = 3
-    """Adds to the error, whatever else is in it."""
+    """Adds to the error, independent of its other terms."""
     SEQUENCE = 4
     """Transforms the whole error sequence once it is complete."""
     FILTER = 5
@@ -40,7 +40,7 @@ class Stage(IntEnum):
     WORD = 7
     """The word in which a value is stored."""
     TRANSFER = 8
-    """The way of the words from the device to the log."""
+    """The transfer of the words from the device to the log."""
     CLOCK = 9
     """The rows and stamps of the log, which all axes share: the pseudo-axis :data:`imugap.log.TIME`."""
     STANCE = 10
@@ -242,7 +242,7 @@ class Effect:
 
     @classmethod
     def starts(cls, fit: Residual) -> Iterator[Start]:
-        """Yield where fits start of an effect of this kind that ``fit`` may miss; none unless a subclass tells."""
+        """Yield where fits start of an effect of this kind that ``fit`` may miss; none by default."""
         return iter(())
 
     def __add__(self, other):
@@ -276,11 +276,11 @@ class SystematicEffect(AdditiveEffect):
         raise NotImplementedError
 
     def near_misses(self, conditions: Conditions) -> list[np.ndarray]:
-        """Return, for each way of being nearly this effect, the columns, shape (n, m), that are the difference."""
+        """Return, for each function similar to this effect, the columns, shape (n, m), of the difference."""
         return []
 
     def proposed(self, fit: Residual, free: tuple[str, ...], trials: float = 1.0) -> Iterator[Start]:
-        """Yield the start from here with ``free`` parameters if the data tell them from each other and the terms.
+        """Yield the start from here with ``free`` parameters if the data separate them from each other and the terms.
 
         The expected gain is that of the linear effect of these parameters.
         """
@@ -400,7 +400,7 @@ class FilterEffect(Effect):
         raise NotImplementedError
 
     def highest(self, interval: float) -> float:
-        """Return the highest cutoff that a fit can tell [Hz]."""
+        """Return the highest identifiable cutoff [Hz]."""
         raise NotImplementedError
 
     def apply(self, sequence: np.ndarray, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:

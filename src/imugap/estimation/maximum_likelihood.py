@@ -1,6 +1,6 @@
 """Maximum-likelihood estimates of an error model from a log, with profile-likelihood intervals."""
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import combinations
 
 import numpy as np
@@ -14,8 +14,6 @@ from imugap.estimation.likelihood import Composition, Cosines, Grid, Quantity, c
 from imugap.estimation.result import Fit, Identifiability, ParameterEstimate, identifiability
 from imugap.numerics.profile_likelihood import end
 from imugap.numerics.small_matrix import invert
-
-Objective = Callable[[np.ndarray], tuple[float, np.ndarray, np.ndarray]]
 
 TIMES = {0: 1, 1: 14, 2: 10, 3: 8}
 """Grid points of the correlation time at which the search starts, by number of Gauss-Markov processes."""

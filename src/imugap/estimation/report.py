@@ -116,10 +116,10 @@ class AxisEstimate:
             named = (f"{one.effect} {one.ordinal} {one.parameter} ({why})" for one, why in unknown)
             parts.append(f"Not identified: {', '.join(named)}")
         if self.alternatives:
-            parts.append(f"The data cannot tell it from: {'; '.join(map(title, self.alternatives))}")
+            parts.append(f"The data do not separate it from: {'; '.join(map(title, self.alternatives))}")
         kinds = set(map(type, self.fit.model))
         if GaussMarkov in kinds and not kinds & {WhiteNoise, Quantization}:
-            parts.append(f"There is no white noise beside {GaussMarkov.name} 1: an output filter would look the same")
+            parts.append(f"Without white noise {GaussMarkov.name} 1 may be an output filter")
         return ". ".join(parts) + "."
 
     def parameters(self) -> list[tuple[ParameterEstimate, str]]:
