@@ -27,7 +27,6 @@ rule flight_runs:
         models=expand("results/flight/{run}/models.yaml", run=FLIGHTS),
     log:
         "logs/flight_runs.log",
-    # minutes in one job, and much waits for it
     priority: 1
     params:
         seed=config["seed"],
@@ -152,6 +151,7 @@ if TRIALS:
             of_trials("reference.parquet"),
         log:
             "logs/trial_references.log",
+        priority: 1
         params:
             trials=TRIALS,
             code=library("trial_references"),

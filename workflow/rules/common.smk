@@ -108,6 +108,7 @@ if OPTIONS["log"]:
     ASKED[f"discover/{Path(OPTIONS['log'][0]).stem}"] = OPTIONS | own
 
 
+# Jobs of minutes, and those that they wait for, have priority 1: else one of them runs last, beside an idle core.
 wildcard_constraints:
     device="bench|adis16405|own|memsense_turnon|broad",
     dataset="|".join(CATALOGUE),

@@ -19,6 +19,7 @@ if RUNS["bench"]:
             expand("data/raw/bench/run{run}.parquet", run=RUNS["bench"]),
         log:
             "logs/bench_logs.log",
+        priority: 1
         params:
             runs=RUNS["bench"],
             seed=config["seed"],
@@ -57,6 +58,7 @@ for device, runs in LOGS.items():
             integrity=per_run(device, "integrity.json"),
         log:
             f"logs/ingest/{device}.log",
+        priority: 1
         params:
             device=device,
             runs=runs,

@@ -67,6 +67,7 @@ for device in MISSING_OF:
             per_run(device, "means.parquet"),
         log:
             f"logs/means/{device}.log",
+        priority: 1
         params:
             duration_s=config["discovery"]["duration_s"],
             rate_hz=config["estimation"]["rate_hz"],
@@ -85,6 +86,7 @@ rule run_nbk:
         "results/{device}/{run}/nbk.yaml",
     log:
         "logs/run_nbk/{device}_{run}.log",
+    priority: 1
     params:
         period_s=config["bias_stability_period_s"],
         code=library("run_nbk"),
@@ -110,6 +112,7 @@ if SIGHTED:
             noises=expand("results/broad/{run}/sighted/noise.csv", run=SIGHTED),
         log:
             "logs/sighted.log",
+        priority: 1
         params:
             trials=SIGHTED,
             site=SITES["broad"],
@@ -152,6 +155,7 @@ rule dossier:
         "logs/dossier/{asked}.log",
     wildcard_constraints:
         asked="(discover|story|missing|motion)/[^/]+",
+    priority: 1
     threads: lambda wildcards: 1 if wildcards.asked.startswith(("story/", "motion/")) else 2
     resources:
         mem_mb=3000,

@@ -11,6 +11,7 @@ rule fit_models:
         expand("results/{{device}}/models/{contender}.yaml", contender=CONTENDERS),
     log:
         "logs/fit_models/{device}.log",
+    priority: 1
     params:
         contenders=list(CONTENDERS),
         period_s=config["bias_stability_period_s"],

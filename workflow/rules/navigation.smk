@@ -20,6 +20,7 @@ rule measured_drift:
         "results/{device}/drift/measured.npz",
     log:
         "logs/measured_drift/{device}.log",
+    priority: 1
     params:
         site=site,
         course=COURSE,
@@ -39,6 +40,7 @@ rule simulated_drift:
         expand("results/{{device}}/drift/{contender}.npz", contender=CONTENDERS),
     log:
         "logs/simulated_drift/{device}.log",
+    priority: 1
     params:
         contenders=list(CONTENDERS),
         site=site,

@@ -11,6 +11,7 @@ for device in DEVICES:
             allan=per_run(device, "allan.csv"),
         log:
             f"logs/indices/{device}.log",
+        priority: 1
         params:
             site=SITES[device],
             period_s=config["bias_stability_period_s"],
@@ -30,6 +31,7 @@ rule device_indices:
         allan="results/{device}/allan.csv",
     log:
         "logs/device_indices/{device}.log",
+    priority: 1
     params:
         runs=lambda wildcards: RUNS[wildcards.device],
         code=library("device_indices"),

@@ -281,6 +281,7 @@ rule walk_hidden:
         expand("results/walk/hidden/{case}.csv", case=config["walks"]["hidden"]),
     log:
         "logs/walk_hidden.log",
+    priority: 1
     params:
         cases=config["walks"]["hidden"],
         seed=config["seed"],
