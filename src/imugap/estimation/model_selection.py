@@ -14,7 +14,8 @@ Held-out score
 
 The search starts with white noise alone and follows every move (:data:`MOVES`: additions, omissions) that raises the
 criterion. The selection is the composition of the highest criterion that is not rejected. Its alternatives are the
-other compositions that are not rejected, whose held-out score is not significantly lower, and that no move improves.
+other compositions that are not rejected, whose held-out score is not significantly lower, that no move improves, of
+which neither is part of the other, and that a likelihood test does not distinguish.
 """
 
 from collections import Counter

@@ -10,9 +10,9 @@ The transition over an epoch follows the trapezoidal rule: attitude first, then 
 the epoch, then position with the mean velocity error. Its error is of third order in the interval. Earth rate and
 transport rate are neglected, as in :class:`imugap.kinematics.strapdown.Local`.
 
-Every function is compiled and changes arrays in slot; vectors are tuples of floats as in
+Every function is compiled and changes arrays in place; vectors are tuples of floats as in
 :mod:`imugap.numerics.rotation`. Sources: P. D. Groves, Principles of GNSS, Inertial, and Multisensor Integrated
-Navigation Systems, 2nd ed., 2013; P. S. Maybeck, Stochastic Models, Estimation, and KernelControl, vol. 1, 1979; G. J.
+Navigation Systems, 2nd ed., 2013; P. S. Maybeck, Stochastic Models, Estimation, and Control, vol. 1, 1979; G. J.
 Bierman, Fixed interval smoothing with discrete measurements, Int. J. Control 18 (1973) 65-75; S. F. Schmidt,
 Application of state-space methods to navigation problems, Adv. Control Syst. 3 (1966) 293-340.
 """

@@ -22,7 +22,7 @@ from imugap.model import ErrorModel
 FLICKER_S = (1.0, 1000.0)
 """Range of averaging times over which flicker noise is approximated [s]."""
 FLICKER_STATES = 3
-"""Gauss-Markov processes in its slot; the Allan deviation of the bank errs by at most 4 %."""
+"""Number of Gauss-Markov processes that replace flicker noise; the Allan deviation of the bank errs by at most 4 %."""
 RANDOM_WALK_EXPONENT = 1.5
 """Exponent of power-law noise from which on it is approximated by a random walk."""
 

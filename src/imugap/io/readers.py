@@ -93,7 +93,7 @@ def read_raw(path: str | Path, dataset: DataSet, run: int) -> pd.DataFrame:
     """Read one run of a catalogue file as a canonical log, in SI units.
 
     Without a time column the samples are spaced evenly at the nominal rate of ``dataset``. A row that is equal
-    to the previous one, stamp included, is dropped.
+    to an earlier one, stamp included, is dropped.
     """
     table = read_raw_table(path, dataset, run)
     return check(table[_advances(table.index.to_numpy()) | ~table.reset_index().duplicated().to_numpy()], path)
