@@ -1,4 +1,4 @@
-"""Is a term of the mean what its name says? Its near misses, and the other lines beside a line."""
+"""Tests of a term of the mean: departures of its shape, unresolved parameters, and lines that belong to one signal."""
 
 from itertools import combinations
 
@@ -13,38 +13,38 @@ from imugap.discovery.search.search import Key, Search, at, log_chance
 from imugap.discovery.unnamed.wandering_lines import NEAR
 from imugap.effects.effect import TINY
 
-HARMONICS, ALONE = 9, 0.1
-"""Highest multiple of a line, and share of its frequency, or of the distance of lines, within which these are known."""
-BESIDE = 0.01
-"""Distance of lines, over their frequency, within which they are sidebands of one that may not be there itself."""
+MAX_HARMONIC, MAX_TOLERANCE = 9, 0.1
+"""Maximum harmonic number of a line, and maximum tolerance relative to its frequency or spacing."""
+SIDEBAND_SPACING = 0.01
+"""Maximum relative spacing of two lines that may be sidebands of a suppressed carrier."""
 
 
 def mean_misfit(search: Search, fit: AxisFit, key: Key) -> Misfit | None:
-    """Doubt a term that the log does not resolve, that other lines say more of, or that is not quite of its shape."""
-    unresolved = _unresolved(fit, key)
+    """Test whether a term is resolved, is no part of a composite line, and has the shape of its kind."""
+    unresolved = _unresolved_parameter(fit, key)
     if unresolved is not None:
         return unresolved
-    if _harmonic(fit, key):
+    if _has_harmonic(fit, key):
         return Misfit("lines at its multiples make it a wave of another shape", -np.inf)
-    if _split(fit, key) or _modulated(fit, key):
+    if _has_close_line(fit, key) or _has_sidebands(fit, key):
         return Misfit("lines beside it make it one that swells or drifts", -np.inf)
-    bent = Misfit("the mean is not quite of its shape", shape_log_p(fit, key.index))
+    shape = Misfit("the mean is not quite of its shape", shape_log_p(fit, key.index))
     if at(fit.description, key).of_motion:
-        return min(bent, term_against_motion(search, fit, key), key=lambda misfit: misfit.log_p)
+        return min(shape, term_against_motion(search, fit, key), key=lambda misfit: misfit.log_p)
     if not at(fit.description, key).event:
-        return bent
-    return min(bent, effect_against_periodic(search, fit, key), key=lambda misfit: misfit.log_p)
+        return shape
+    return min(shape, effect_against_periodic(search, fit, key), key=lambda misfit: misfit.log_p)
 
 
 def shape_log_p(fit: AxisFit, index: int) -> float:
-    """Return the log-probability that a term is as far from its shape, in the likeliest of the ways that it may be."""
+    """Score-test a term against each departure of its shape; return the smallest log-probability (Bonferroni)."""
     ways = fit.description.terms[index].effect.near_misses(fit.sequence.conditions)
     found = [log_chance(gain, rank) for gain, rank in (fit.joint_gain(fit.whiten(way)) for way in ways) if rank]
     return min(found, default=0.0) + np.log(max(len(found), 1))
 
 
-def _harmonic(fit: AxisFit, key: Key) -> bool:
-    """Return whether a line and another one are multiples of each other, of a frequency that is known well enough."""
+def _has_harmonic(fit: AxisFit, key: Key) -> bool:
+    """Return whether a line is a harmonic or the fundamental of another, both frequencies being known well enough."""
     lines = _lines(fit)
     if key.index not in lines:
         return False
@@ -52,13 +52,17 @@ def _harmonic(fit: AxisFit, key: Key) -> bool:
         (slow, slow_width), (fast, fast_width) = sorted([lines[key.index], other])
         ratio = np.rint(fast / slow)
         tolerance = fast_width + ratio * slow_width
-        if index != key.index and 2 <= ratio <= HARMONICS and abs(fast - ratio * slow) < tolerance < ALONE * slow:
+        if (
+            index != key.index
+            and 2 <= ratio <= MAX_HARMONIC
+            and abs(fast - ratio * slow) < tolerance < MAX_TOLERANCE * slow
+        ):
             return True
     return False
 
 
 def _lines(fit: AxisFit) -> dict[int, tuple[float, float]]:
-    """Return frequency [Hz] and width of its interval of each line, by the index of its term."""
+    """Return frequency and width of its 95 % interval [Hz] of each line, by the index of its term."""
     return {
         index: (term.effect.frequency, np.diff(term_intervals(fit, index)["frequency"])[0])
         for index, term in enumerate(fit.description.terms)
@@ -66,30 +70,30 @@ def _lines(fit: AxisFit) -> dict[int, tuple[float, float]]:
     }
 
 
-def _split(fit: AxisFit, key: Key) -> bool:
-    """Return whether another line is so near to one that both may be parts of a line that is not steady."""
+def _has_close_line(fit: AxisFit, key: Key) -> bool:
+    """Return whether another line is so close that both may be one line of varying amplitude or frequency."""
     lines = _lines(fit)
     duration = fit.sequence.conditions.interval * len(fit.sequence.values)
     return key.index in lines and any(
-        abs(line - lines[key.index][0]) < max(NEAR / duration, BESIDE * line)
+        abs(line - lines[key.index][0]) < max(NEAR / duration, SIDEBAND_SPACING * line)
         for index, (line, _) in lines.items()
         if index != key.index
     )
 
 
-def _modulated(fit: AxisFit, key: Key) -> bool:
-    """Return whether a line is one of three of equal distance, which is known well enough: carrier and sidebands."""
+def _has_sidebands(fit: AxisFit, key: Key) -> bool:
+    """Return whether a line is one of three at equal spacing, a carrier and its sidebands, the spacing well known."""
     lines = sorted((*line, index) for index, line in _lines(fit).items())
     for (low, left, first), (middle, own, second), (high, right, third) in combinations(lines, 3):
         tolerance = left + 2 * own + right
-        even = abs(low + high - 2 * middle) < tolerance < ALONE * (high - low) / 2
+        even = abs(low + high - 2 * middle) < tolerance < MAX_TOLERANCE * (high - low) / 2
         if even and key.index in (first, second, third):
             return True
     return False
 
 
-def _unresolved(fit: AxisFit, key: Key) -> Misfit | None:
-    """Doubt an effect of which the log does not tell a parameter from nothing: a transient of a sample or two."""
+def _unresolved_parameter(fit: AxisFit, key: Key) -> Misfit | None:
+    """Return a misfit where the interval of a positive parameter reaches zero, or None."""
     limits = at(fit.description, key).limits()
     ends = term_intervals(fit, key.index)
     lost = [name for name, (low, _) in ends.items() if limits[name][0] == TINY and low <= TINY]

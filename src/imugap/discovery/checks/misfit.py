@@ -1,27 +1,31 @@
-"""A doubt: why a name is withheld, and the level from which it is."""
+"""Misfit of a named effect: the reason for withholding its name, and the level of the tests."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
 LEVEL = np.log(3e-3)
-"""Log-probability of chance below which a name is in doubt."""
+"""Maximum log-probability of chance for withholding a name."""
 
 
 @dataclass(frozen=True)
 class Misfit:
-    """Why a name is withheld, and the log-probability that chance makes as much of it."""
+    """Reason for withholding a name, and the log-probability that chance makes a statistic as large."""
 
     reason: str
     log_p: float
 
 
-def log_p_against(named: float, other: float, log_alpha: float) -> float:
-    """Return the log-probability of a doubt that is at the level where something else does as well as what is named."""
-    return LEVEL + other - named if other < log_alpha else 0.0
+def log_p_against(named: float, alternative: float, log_alpha: float) -> float:
+    """Compare the log-probabilities of chance of a named effect and of an alternative.
+
+    Returns :data:`LEVEL` where both are equal, less where the alternative is less likely by chance, and 0 where the
+    alternative is not significant at ``log_alpha``.
+    """
+    return LEVEL + alternative - named if alternative < log_alpha else 0.0
 
 
 def divergence(power: np.ndarray, number: np.ndarray) -> np.ndarray:
-    """Return the gain of log-likelihood of a free variance in each band."""
+    """Return the log-likelihood gain of a free variance in each band, from relative power and degrees of freedom."""
     ratio = power / number
     return 0.5 * number * (ratio - 1 - np.log(ratio))

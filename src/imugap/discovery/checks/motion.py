@@ -1,4 +1,4 @@
-"""Does something else that goes with the motion explain a term better than its name does?"""
+"""Likelihood-ratio tests of effects against unnamed functions of the motion."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -18,40 +18,41 @@ from imugap.discovery.unnamed.hysteresis import play
 from imugap.effects.conditions import Conditions
 from imugap.effects.effect import TINY
 
-HALVES = 0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1.0
-"""Halves of plays, in standard deviations of the input."""
-WAVES, WITHIN = 12, (0.01, 0.99)
-"""Waves of the error over the range of the own input, and the quantiles between which that is."""
-SHARES, FEW = 5, 20
-"""Equal shares of the samples by the size of a motion; samples told apart, below which they are not looked at."""
-PAUSE, STILL = 1.0, 0.05
-"""Time [s] over which an input is at rest that moves by less than this share of its usual rate."""
-TURN, HEADINGS = 1.0, 3
-"""Angle [rad] that a motion turns through at least, and waves in a turn, of an error that goes with the heading."""
+PLAY_HALF_WIDTHS = 0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1.0
+"""Half-widths of play operators [standard deviations of the input]."""
+HARMONICS, RANGE_QUANTILES = 12, (0.01, 0.99)
+"""Number of harmonics over the range of the own input, and the quantiles that define the range."""
+SIZE_CLASSES, MIN_FLAGGED = 5, 20
+"""Number of equal classes of samples by the size of a motion; minimum number of flagged samples for a test."""
+REST_TIME_S, MAX_REST_RATE = 1.0, 0.05
+"""Minimum duration [s] of rest of an input, and maximum rate of change at rest over its RMS."""
+MIN_TURN, HEADING_HARMONICS = 1.0, 3
+"""Minimum turn [rad] for an error over the heading, and number of its harmonics."""
 OTHER_FUNCTION = "another function of the motion explains it better"
-NONE = Misfit(OTHER_FUNCTION, 0.0)
+NO_MISFIT = Misfit(OTHER_FUNCTION, 0.0)
 
 
 def term_against_motion(search: Search, fit: AxisFit, key: Key) -> Misfit:
-    """Weigh what has no name in the place of a term that answers the motion, and ask what the term says beside it."""
+    """Test a term against generic functions of the motion, in its place and in addition to it."""
     term = fit.description.terms[key.index]
     if not term.free:
-        return NONE
+        return NO_MISFIT
     base = replace(fit, description=removed(fit.description, key))
     own = base.whiten(jacobian((term,), fit.sequence))
     named = log_chance(*base.joint_gain(own))
-    others = [_instead(base, own, way, search.log_alpha) for way in _ways(fit.sequence.conditions)]
+    functions = _motion_functions(fit.sequence.conditions)
+    others = [_alternative_log_p(base, own, error, search.log_alpha) for error in functions]
     margin = np.log(max(len(others), 1)) + UNNAMED_MARGIN
     log_p = min((log_p_against(named, other + margin, search.log_alpha) for other in others), default=0.0)
     return Misfit(OTHER_FUNCTION, log_p)
 
 
-def _instead(base: AxisFit, own: np.ndarray, way: np.ndarray, log_alpha: float) -> float:
-    """Return the log-probability of what a way gains by chance, or zero where a term still says something beside it.
+def _alternative_log_p(base: AxisFit, own: np.ndarray, error: np.ndarray, log_alpha: float) -> float:
+    """Return the log-probability of a function of the motion, or zero where the term remains significant next to it.
 
-    ``own`` are the whitened columns of the term, ``way`` those of the error.
+    ``own`` are the whitened columns of the term, ``error`` the columns of the function, shape (n, m).
     """
-    columns = base.whiten(way)
+    columns = base.whiten(error)
     gain, rank = base.joint_gain(columns)
     both, more = base.joint_gain(np.column_stack([columns, own]))
     silent = rank and more > rank and log_chance(both - gain, more - rank) > log_alpha
@@ -59,10 +60,10 @@ def _instead(base: AxisFit, own: np.ndarray, way: np.ndarray, log_alpha: float) 
 
 
 def all_against_motion(search: Search, fit: AxisFit) -> Misfit:
-    """Weigh what has no name in the place of all that was added, or of all terms; outliers are samples again."""
+    """Test all added effects, and all added terms, against generic functions of the motion; outliers are restored."""
     if fit.sequence.conditions.ideal is None:
-        return NONE
-    sequence, found, without = _with_outliers(search, fit)
+        return NO_MISFIT
+    sequence, found, without = _with_outlier_samples(search, fit)
     own = likelihood_with(without, jacobian(found.terms[len(search.start.terms) :], sequence))
     named = max(search.fitted(sequence, found).log_likelihood, own)
     more = motion_gain(search, fit) + search.fitted(sequence, found).log_likelihood - named
@@ -70,85 +71,90 @@ def all_against_motion(search: Search, fit: AxisFit) -> Misfit:
 
 
 def motion_gain(search: Search, fit: AxisFit) -> float:
-    """Return how much log-likelihood the best of what has no name and goes with the motion gains over a fit, if any.
+    """Return the log-likelihood gain over a fit of the best generic function of the motion, -inf at rest.
 
-    In the place of all that was added, or of all terms.
+    The function takes the place of all added effects, or of all added terms.
     """
     if fit.sequence.conditions.ideal is None:
         return -np.inf
-    sequence, found, without = _with_outliers(search, fit)
+    sequence, found, without = _with_outlier_samples(search, fit)
     bases = search.fitted(sequence, replace(search.start, outliers=None)), without
-    found_by = (likelihood_with(base, way) for way in _ways(sequence.conditions) for base in bases)
+    found_by = (likelihood_with(base, error) for error in _motion_functions(sequence.conditions) for base in bases)
     return max(found_by, default=-np.inf) - search.fitted(sequence, found).log_likelihood
 
 
-def _with_outliers(search: Search, fit: AxisFit) -> tuple[AxisSequence, Description, AxisFit]:
-    """Return the samples of a fit with their outliers, what else describes them, and the fit without added terms."""
+def _with_outlier_samples(search: Search, fit: AxisFit) -> tuple[AxisSequence, Description, AxisFit]:
+    """Return the samples with their outliers, their description without outliers, and the fit without added terms."""
     sequence = search.raw.get(fit.description.outliers, fit.sequence)
     found = replace(fit.description, outliers=None)
     return sequence, found, search.fitted(sequence, replace(found, terms=search.start.terms))
 
 
 def outliers_against_motion(fit: AxisFit, flagged: np.ndarray) -> float:
-    """Return the log-probability that flagged samples, shape (n,), come as unevenly over the sizes of the motion."""
-    if flagged.sum() < FEW:
+    """Return the log-probability that flagged samples, shape (n,), are independent of the size of the motion."""
+    if flagged.sum() < MIN_FLAGGED:
         return 0.0
-    counts = [np.bincount(shares[flagged], minlength=SHARES) for shares in _shares(fit.sequence.conditions)]
-    gains = (float(np.sum(xlogy(count, SHARES * count / count.sum()))) for count in counts)
-    return _least([log_chance(gain, SHARES - 1) for gain in gains])
+    counts = [np.bincount(shares[flagged], minlength=SIZE_CLASSES) for shares in _size_classes(fit.sequence.conditions)]
+    gains = (float(np.sum(xlogy(count, SIZE_CLASSES * count / count.sum()))) for count in counts)
+    return _smallest_log_p([log_chance(gain, SIZE_CLASSES - 1) for gain in gains])
 
 
 def variance_against_motion(search: Search, fit: AxisFit, key: Key) -> float:
-    """Weigh a variance that goes with the motion in the place of one that changes in time.
+    """Test a change of variance in time against a variance that depends on the motion.
 
-    One that goes with its size has to be surer; one of the rests between motions only as sure: it is at the same times.
+    Dependence on its size needs :data:`.UNNAMED_MARGIN`; a difference between rest and motion does not, as it occurs at
+    the same times.
     """
     own, without = search.likelihood_ratio(fit, key)
     energies = without.unrounded**2
     conditions = fit.sequence.conditions
-    sizes = _least([log_chance(_gain(energies, shares), SHARES - 1) for shares in _shares(conditions)])
-    rests = _least([log_chance(_gain(energies, rest.astype(int)), 1) for rest in _rests(conditions)])
+    sizes = _smallest_log_p(
+        [log_chance(_group_variance_gain(energies, shares), SIZE_CLASSES - 1) for shares in _size_classes(conditions)]
+    )
+    rests = _smallest_log_p(
+        [log_chance(_group_variance_gain(energies, rest.astype(int)), 1) for rest in _rest_periods(conditions)]
+    )
     return log_p_against(own.log_p, min(sizes + UNNAMED_MARGIN, rests), search.log_alpha)
 
 
-def _gain(energies: np.ndarray, groups: np.ndarray) -> float:
-    """Return the gain of log-likelihood of a variance of its own for each group of samples."""
+def _group_variance_gain(energies: np.ndarray, groups: np.ndarray) -> float:
+    """Return the log-likelihood gain of a separate variance for each group of samples."""
     number = np.bincount(groups)
     power = np.bincount(groups, energies) / energies.mean()
     return float(divergence(power[number > 0], number[number > 0]).sum())
 
 
-def _least(chances: list[float]) -> float:
+def _smallest_log_p(chances: list[float]) -> float:
     return min(min(chances) + float(np.log(len(chances))), 0.0) if chances else 0.0
 
 
-def _shares(conditions: Conditions) -> Iterator[np.ndarray]:
-    """Yield the share of the samples, shape (n,), that each is in by the size of an input or of its derivative."""
+def _size_classes(conditions: Conditions) -> Iterator[np.ndarray]:
+    """Yield the class of each sample, shape (n,), by the size of an input or of its derivative."""
     for axis in log.AXES:
         if conditions.knows([axis]):
             values = conditions.ideal[axis].to_numpy(float)
             for motion in (values, np.gradient(values, conditions.interval)):
                 size = np.abs(motion - np.median(motion))
-                yield np.argsort(np.argsort(size)) * SHARES // len(size)
+                yield np.argsort(np.argsort(size)) * SIZE_CLASSES // len(size)
 
 
-def _rests(conditions: Conditions) -> Iterator[np.ndarray]:
-    """Yield which samples, shape (n,), are within a stretch in which an input hardly moves, where there is one."""
-    span = max(round(PAUSE / conditions.interval), 2)
+def _rest_periods(conditions: Conditions) -> Iterator[np.ndarray]:
+    """Yield the samples, shape (n,), in periods in which an input is at rest, for each input that has some."""
+    span = max(round(REST_TIME_S / conditions.interval), 2)
     for axis in log.AXES:
         if conditions.knows([axis]):
             power = np.gradient(conditions.ideal[axis].to_numpy(float), conditions.interval) ** 2
-            rest = maximum_filter1d(uniform_filter1d(power, span) < STILL**2 * power.mean(), span)
+            rest = maximum_filter1d(uniform_filter1d(power, span) < MAX_REST_RATE**2 * power.mean(), span)
             if 0 < np.count_nonzero(rest) < len(rest):
                 yield rest
 
 
-def _ways(conditions: Conditions) -> Iterator[np.ndarray]:
-    """Yield what an error may go with, columns of shape (n, m): inputs, their powers, products and derivatives, and
-    the squares of these.
+def _motion_functions(conditions: Conditions) -> Iterator[np.ndarray]:
+    """Yield generic functions of the motion as columns of shape (n, m).
 
-    All of a triad at a time, cubes about the mean, as gravity makes those about zero straight lines; of each turn the
-    angle; of the own axis what it drags along with some play, a share that drifts, and any other function of it.
+    Of each triad: inputs, powers, products, derivatives and their squares; cubes are about the mean, as with gravity
+    those about zero are nearly linear. Of each rotation: harmonics of the angle. Of the own axis: play operators, a
+    drifting scale factor, and a Fourier series of the input.
     """
     turns, forces = (
         np.array([conditions.ideal[axis].to_numpy(float) for axis in triad if conditions.knows([axis])])
@@ -168,13 +174,13 @@ def _ways(conditions: Conditions) -> Iterator[np.ndarray]:
     for axis in log.GYRO:
         if conditions.knows([axis]):
             angle = np.cumsum(conditions.ideal[axis].to_numpy(float)) * conditions.interval
-            if np.ptp(angle) > TURN:
-                headings = np.exp(1j * np.outer(angle, np.arange(1, HEADINGS + 1)))
+            if np.ptp(angle) > MIN_TURN:
+                headings = np.exp(1j * np.outer(angle, np.arange(1, HEADING_HARMONICS + 1)))
                 yield np.column_stack([headings.real, headings.imag])
     if conditions.knows([conditions.axis]):
         own = np.ascontiguousarray(conditions.error_free)
-        yield np.column_stack([play(own, half * own.std()) for half in HALVES])
+        yield np.column_stack([play(own, half * own.std()) for half in PLAY_HALF_WIDTHS])
         yield (own * np.linspace(-1.0, 1.0, len(own)))[:, None]
-        span = max(np.ptp(np.quantile(own, WITHIN)), TINY)
-        waves = np.exp(2j * np.pi * np.outer(own, np.arange(1, WAVES + 1)) / span)
+        span = max(np.ptp(np.quantile(own, RANGE_QUANTILES)), TINY)
+        waves = np.exp(2j * np.pi * np.outer(own, np.arange(1, HARMONICS + 1)) / span)
         yield np.column_stack([waves.real, waves.imag])

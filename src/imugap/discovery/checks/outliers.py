@@ -1,4 +1,4 @@
-"""Are outliers what their name says? Single samples, at any time, in noise that is normal otherwise."""
+"""Tests of outliers: rare single samples at independent times, in noise that is otherwise Gaussian."""
 
 import numpy as np
 from scipy.special import ndtr
@@ -11,48 +11,48 @@ from imugap.discovery.search.search import Search
 from imugap.effects.effect import TINY
 from imugap.stream import stream
 
-CORE, INSIDE = 2.0, 0.7737413
-"""Standard deviations within which most samples are no outliers, and the mean of the squares of normal ones there."""
-ROUNDS, BINS = 40, 12
-"""Rounds in which mean and deviation of the core settle; bins of equal probability in it."""
-RARE = 0.1
-"""Share of the samples above which they are none, but the tails of another distribution."""
-SLIGHT = 0.005
-"""Squared relative deviation of the core's density that leaves the name as it is: no real noise is quite normal."""
+CORE_WIDTH, CORE_VARIANCE = 2.0, 0.7737413
+"""Half-width of the core [standard deviations], and variance of a standard normal truncated to it."""
+ITERATIONS, BINS = 40, 12
+"""Iterations for mean and standard deviation of the core, and bins of equal probability in it."""
+MAX_PROBABILITY = 0.1
+"""Maximum fraction of the samples for outliers; above it they are the tails of another distribution."""
+TOLERATED_DEVIATION = 0.005
+"""Tolerated squared relative deviation of the density of the core from the normal one, as real noise has it."""
 
 
 def outliers_misfit(search: Search, fit: AxisFit) -> Misfit:
-    """Ask whether outliers come by themselves and at any time, and whether the other samples are normal.
+    """Test whether outliers are rare, independent, uniform in time and unrelated to the motion, and the core normal.
 
-    Where the variance changes they need not be as many at one time as at another.
+    Uniformity in time is not tested where the variance changes.
     """
     found = search.tails[fit.description.outliers]
     misfits = [
-        Misfit("they are not rare", LEVEL - 1.0 if found.probability > RARE else 0.0),
+        Misfit("they are not rare", LEVEL - 1.0 if found.probability > MAX_PROBABILITY else 0.0),
         Misfit("they come in clusters", found.clustered),
         Misfit("they come with the motion", outliers_against_motion(fit, found.flagged)),
         Misfit("they come at a beat", found.beating),
-        Misfit("all samples are of another distribution", _another_core(fit)),
+        Misfit("all samples are of another distribution", _core_normality_log_p(fit)),
     ]
     if not fit.description.changes:
         misfits.append(Misfit("they come at some times more often than at others", found.uneven))
     return min(misfits, key=lambda misfit: misfit.log_p)
 
 
-def _another_core(fit: AxisFit) -> float:
-    """Return the log-probability that most samples are as far from normal, those of the outliers having been replaced.
+def _core_normality_log_p(fit: AxisFit) -> float:
+    """Return the log-probability of the chi-square of the core against a normal distribution (noncentral, tolerated).
 
-    Fine steps of the values are spread over their width.
+    Outliers have been replaced before; values on a fine lattice are dithered over its step.
     """
     axis, step = fit.sequence.conditions.axis, 0.0 if fit.sequence.coarse else fit.sequence.step
     width = step / fit.unit
     values = fit.unrounded + width * (stream(0, "core", axis).random(len(fit.unrounded)) - 0.5)
     middle, scale = np.median(values), values.std()
-    for _ in range(ROUNDS):
-        core = (values[np.abs(values - middle) < CORE * scale] - middle) / scale
-        middle, scale = middle + 2 * core.mean() * scale, scale * np.mean(core**2) / INSIDE
-    place = (ndtr(core) - ndtr(-CORE)) / (ndtr(CORE) - ndtr(-CORE))
+    for _ in range(ITERATIONS):
+        core = (values[np.abs(values - middle) < CORE_WIDTH * scale] - middle) / scale
+        middle, scale = middle + 2 * core.mean() * scale, scale * np.mean(core**2) / CORE_VARIANCE
+    place = (ndtr(core) - ndtr(-CORE_WIDTH)) / (ndtr(CORE_WIDTH) - ndtr(-CORE_WIDTH))
     counts = np.bincount((place * BINS).astype(int).clip(0, BINS - 1), minlength=BINS)
     expected = len(core) / BINS
-    chance = ncx2.sf(np.sum((counts - expected) ** 2) / expected, BINS - 3, SLIGHT * len(core))
+    chance = ncx2.sf(np.sum((counts - expected) ** 2) / expected, BINS - 3, TOLERATED_DEVIATION * len(core))
     return float(np.log(max(chance, TINY)))

@@ -1,4 +1,4 @@
-"""Does it repeat itself? A wave of one period, in whatever shape, jumps and wanders as steps and slow noise do."""
+"""Likelihood-ratio test of an effect against a periodic term of any shape, which can imitate steps and slow noise."""
 
 import numpy as np
 
@@ -9,7 +9,7 @@ from imugap.discovery.unnamed import periodic as waves
 
 
 def effect_against_periodic(search: Search, fit: AxisFit, key: Key) -> Misfit:
-    """Weigh a wave in the place of an effect."""
+    """Test an effect against a periodic term (a fundamental and its harmonics) in its place."""
     own, without = search.likelihood_ratio(fit, key)
     wave = log_chance(waves.gain(without), waves.MORE) + np.log(waves.TRIALS)
     return Misfit("a wave of one period explains it better", log_p_against(own.log_p, wave, search.log_alpha))

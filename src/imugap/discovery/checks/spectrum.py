@@ -1,4 +1,4 @@
-"""Is noise what its name says? Its spectrum, its samples, and means that wander as it does."""
+"""Tests of noise: slope and shape of its spectrum, distribution of its samples, and unnamed alternatives."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import fields, replace
@@ -23,83 +23,83 @@ from imugap.effects.power_law import PowerLaw
 SLOPE, POWER_LAW = "its spectrum has another slope", "a power law of another slope explains it better"
 POWER_LAW_AS_WELL = "a power law explains it as well"
 SLOPE_REASONS = (SLOPE, POWER_LAW, POWER_LAW_AS_WELL)
-"""Doubts that leave slow noise a process, of a slope that has no name."""
-AT_ODDS = "its samples and its spectrum disagree"
-AROUND_IT = "the spectrum around it is farther off"
-BURST_REASONS = (AT_ODDS, BURSTS, UNEVEN)
-"""Doubts that leave slow noise something that comes and goes, and changes the variance as it does."""
-ALL_SLOW = "one power law explains all slow noise better"
-NOISE_REASONS = (*SLOPE_REASONS, AT_ODDS, ALL_SLOW)
-"""Doubts that leave slow noise, of whatever spectrum, noise."""
-OTHER_SLOPE = np.log(1e-2)
-"""Log-probability of chance below which a free slope of slow noise makes a doubt: no other test answers it as well."""
-LIKELIER = 2.0
-"""Log-likelihood by which a process of two parameters has to be likelier than a power law, which has as many.
+"""Reasons after which slow noise is still one process, of a slope without a name."""
+SAMPLES_DISAGREE = "its samples and its spectrum disagree"
+NEIGHBOURHOOD = "the spectrum around it is farther off"
+BURST_REASONS = (SAMPLES_DISAGREE, BURSTS, UNEVEN)
+"""Reasons after which slow noise is intermittent, and may change the variance."""
+ONE_POWER_LAW = "one power law explains all slow noise better"
+NOISE_REASONS = (*SLOPE_REASONS, SAMPLES_DISAGREE, ONE_POWER_LAW)
+"""Reasons after which slow noise is still noise, of any spectrum."""
+SLOPE_LEVEL = np.log(1e-2)
+"""Maximum log-probability of chance of a free slope for a misfit of slow noise of one parameter."""
+MIN_GAIN = 2.0
+"""Minimum log-likelihood gain of a process of two parameters over a power law, which has two as well.
 
-Of fractional noise between flicker and walk a Gauss-Markov process is seldom likelier by more.
+The gain of a Gauss-Markov process in fractional noise between flicker noise and random walk is seldom larger.
 """
-STEEP = 1.5, 2.5, 3.5
-"""Slopes from which a power law is fitted: from the first if it stands for noise, from all if for means too."""
-AROUND = 10.0
-"""Factor of the frequencies that an effect answers for within which the spectrum is around it."""
+START_SLOPES = 1.5, 2.5, 3.5
+"""Start values of the slope of a power law: the first in place of noise, all in place of means and noise."""
+NEIGHBOURHOOD_RATIO = 10.0
+"""Ratio to the frequencies of an effect within which the spectrum is its neighbourhood."""
 BANDS = 24
-SLIGHT = 0.05
-"""Relative deviation of the power in a band that leaves a name as it is: no real spectrum is one of a catalogue."""
+TOLERATED_DEVIATION = 0.05
+"""Tolerated relative deviation of the power in a band, as real spectra have it."""
 
 
 def noise_misfit(search: Search, fit: AxisFit, key: Key) -> Misfit:
-    """Test the spectrum where the process answers for it, the samples, and what else wanders as it does."""
+    """Test slope and shape of the spectrum, the samples, and unnamed alternatives of a noise process."""
     effect = at(fit.description, key)
     bins = fit.sequence.bins
     share = power_share(fit, effect)
-    slope = _score(fit, share * np.log(bins.frequency / bins.frequency[0]))
+    slope = _score_log_p(fit, share * np.log(bins.frequency / bins.frequency[0]))
     mine = np.flatnonzero(share > MIN_SHARE)
     named = search.likelihood_ratio(fit, key)[0].log_p
     misfits = [
         Misfit(SLOPE, slope),
         Misfit("its spectrum has another shape", band_log_p(fit, mine)),
-        Misfit(AROUND_IT, log_p_against(named, _off_around(fit, mine), search.log_alpha)),
+        Misfit(NEIGHBOURHOOD, log_p_against(named, _neighbourhood_log_p(fit, mine), search.log_alpha)),
     ]
     if effect.two_valued:
-        misfits += _two_valued(search, fit, key)
+        misfits += _two_valued_misfits(search, fit, key)
     else:
         misfits += sample_misfits(fit, share)
     if coloured(effect):
         misfits += [effect_against_periodic(search, fit, key), noise_against_temperature(search, fit, key)]
-    return min([*misfits, *_power_law(search, fit)], key=lambda misfit: misfit.log_p)
+    return min([*misfits, *_against_power_law(search, fit)], key=lambda misfit: misfit.log_p)
 
 
 def filter_misfit(search: Search, fit: AxisFit, key: Key) -> Misfit:
-    """Ask whether the filter is surer than what it leaves of the spectrum where it acts.
+    """Test whether the filter is more significant than the deviation of the spectrum that remains where it acts.
 
-    Its shape is no matter: the filters of the catalogue stand for all low-pass filters.
+    Its shape is not tested: the filters of the catalogue represent all low-pass filters.
     """
     bins = fit.sequence.bins
     acts = np.flatnonzero(at(fit.description, key).gain(bins.frequency, bins.interval) < 1 - MIN_SHARE)
     named = search.likelihood_ratio(fit, key)[0].log_p
-    return Misfit(AROUND_IT, log_p_against(named, _off_around(fit, acts), search.log_alpha))
+    return Misfit(NEIGHBOURHOOD, log_p_against(named, _neighbourhood_log_p(fit, acts), search.log_alpha))
 
 
-def _two_valued(search: Search, fit: AxisFit, key: Key) -> list[Misfit]:
-    """Ask whether both values are as frequent, and, of telegraph noise alone, whether samples and spectrum agree."""
+def _two_valued_misfits(search: Search, fit: AxisFit, key: Key) -> list[Misfit]:
+    """Test whether both values are equally frequent, and, without other noise, whether samples and spectrum agree."""
     verdict = compare(fit, (at(fit.description, key),))
     uneven = Misfit("it is at one of its values more often than at the other", log_chance(verdict.uneven, 1))
     if sum(key.part == "noise" for key in search.added(fit.description)) > 1:
         return [uneven]
-    return [uneven, Misfit(AT_ODDS, substitution_log_p(fit, key, verdict.effect))]
+    return [uneven, Misfit(SAMPLES_DISAGREE, substitution_log_p(fit, key, verdict.effect))]
 
 
 def power_share(fit: AxisFit, effect: StochasticEffect) -> np.ndarray:
-    """Return the share of an effect in the variance of each bin."""
+    """Return the share of a process in the variance of each bin, shape (bins,)."""
     bins, noise = fit.sequence.bins, fit.description.noise
     own = Noise((effect,), noise.output_filter).passed(bins)
     return own / noise.variance(bins)
 
 
 def substitution_log_p(fit: AxisFit, key: Key, other: StochasticEffect) -> float:
-    """Return the log-probability that the spectrum is as unlikely as it is with another effect at ``key``.
+    """Return the log-probability of the loss of likelihood with another process at ``key``, its parameters held.
 
-    All else of the noise, and the filter, are free to follow it.
+    All other parameters of the noise and the filter are refitted.
     """
     bins, noise = fit.sequence.bins, fit.description.noise
     power = bins.sums(fit.coefficients**2) * noise.variance(bins)
@@ -117,45 +117,45 @@ def substitution_log_p(fit: AxisFit, key: Key, other: StochasticEffect) -> float
     return log_chance(best + here.fun, len(other.parameters()))
 
 
-def _score(fit: AxisFit, direction: np.ndarray) -> float:
-    """Return the log-probability of the score of the log-spectrum in a direction, the parameters free to follow."""
+def _score_log_p(fit: AxisFit, direction: np.ndarray) -> float:
+    """Return the log-probability of the score of the log-spectrum in a direction, the parameters profiled out."""
     bins = fit.sequence.bins
     weighted = np.sqrt(bins.number / 2)
-    basis = np.linalg.qr(_directions(fit).T)[0]
+    basis = np.linalg.qr(_sensitivities(fit).T)[0]
     rest = direction * weighted - basis @ (basis.T @ (direction * weighted))
     excess = (bins.sums(fit.coefficients**2) / bins.number - 1) * weighted
     norm = rest @ rest
     return log_chance(0.5 * float(rest @ excess) ** 2 / norm, 1) if norm > 1e-6 else 0.0
 
 
-def _directions(fit: AxisFit) -> np.ndarray:
-    """Return how the log-spectrum answers each parameter of the noise, over its standard error, (parameters, bins)."""
+def _sensitivities(fit: AxisFit) -> np.ndarray:
+    """Return the derivatives of the log-spectrum by the parameters, in standard errors, shape (parameters, bins)."""
     bins, noise = fit.sequence.bins, fit.description.noise
     theta, variance = noise.theta(), noise.variance(bins)
     slopes = [(noise.at(theta + step).variance(bins) / variance - 1) / STEP for step in STEP * np.eye(len(theta))]
     return np.array(slopes) * np.sqrt(bins.number / 2)
 
 
-def _spent(fit: AxisFit, some: np.ndarray) -> float:
-    """Return how many of the parameters of the noise some of the bins tell: the trace of their share in what all do."""
-    directions = _directions(fit)
+def _effective_parameters(fit: AxisFit, some: np.ndarray) -> float:
+    """Return the effective number of parameters that some bins determine, by the trace of their information."""
+    directions = _sensitivities(fit)
     whole, part = directions @ directions.T, directions[:, some] @ directions[:, some].T
     return float(np.trace(np.linalg.pinv(whole, hermitian=True) @ part))
 
 
-def _off_around(fit: AxisFit, mine: np.ndarray) -> float:
-    """Return the log-probability of the band of power that is farthest from the fit, within or around some bins."""
+def _neighbourhood_log_p(fit: AxisFit, mine: np.ndarray) -> float:
+    """Return the log-probability of the largest deviation of power in bands within or around some bins (Bonferroni)."""
     if not len(mine):
         return 0.0
     low, high = fit.sequence.bins.frequency[mine[[0, -1]]]
     curve = of_spectrum(fit)
-    near = (curve.high > low / AROUND) & (curve.low < high * AROUND)
+    near = (curve.high > low / NEIGHBOURHOOD_RATIO) & (curve.low < high * NEIGHBOURHOOD_RATIO)
     chance = np.log(2 * near.sum()) + log_ndtr(-np.abs(curve.statistic[near]).max(initial=0.0))
     return min(float(chance), 0.0)
 
 
 def band_log_p(fit: AxisFit, mine: np.ndarray) -> float:
-    """Return the log-probability that power is as far from the fit in bands of some bins, slight deviations aside."""
+    """Return the log-probability of the power in bands of some bins (noncentral chi-square, tolerated deviation)."""
     bins = fit.sequence.bins
     if len(mine) < 2:
         return 0.0
@@ -166,70 +166,70 @@ def band_log_p(fit: AxisFit, mine: np.ndarray) -> float:
     used = number >= 8
     deviation = (power[used] / number[used] - 1) * np.sqrt(number[used] / 2)
     normal = np.sign(deviation) * np.sqrt(2 * divergence(power[used], number[used]))
-    free = max(used.sum() - _spent(fit, mine[used[band]]), 1.0)
-    slight = 0.5 * SLIGHT**2 * float(number[used].sum())
+    free = max(used.sum() - _effective_parameters(fit, mine[used[band]]), 1.0)
+    slight = 0.5 * TOLERATED_DEVIATION**2 * float(number[used].sum())
     chance = float(ncx2.sf(np.sum(normal**2), free, slight))
     return float(np.log(max(chance, TINY)))
 
 
 def replaced_by_power_law(search: Search, fit: AxisFit, which: Callable[[Effect], bool]) -> AxisFit | None:
-    """Return the fit with one power law in the place of the added processes for which ``which`` holds, if any."""
-    slow = _added(search, fit, which)
+    """Return the fit with one power law in place of the added processes for which ``which`` holds, or None."""
+    slow = _added_noise(search, fit, which)
     if not slow:
         return None
-    return add_power_law(search, _without(search, fit, slow))
+    return add_power_law(search, _without_noise(search, fit, slow))
 
 
-def _slow(effect: Effect) -> bool:
+def _is_slow(effect: Effect) -> bool:
     return effect.slow
 
 
 def power_law_advantage(search: Search, fit: AxisFit, keys: Sequence[Key]) -> float:
-    """Return by how much one power law, however steep, is worth more than several means and slow noise together.
+    """Return the advantage of one power law over several means and slow noise, in penalised log-likelihood.
 
-    Each of these is one of the catalogue, and costs that too.
+    The penalty includes the choice of each effect from the catalogue.
     """
     own = [search.likelihood_ratio(fit, key)[0] for key in keys]
     bare = search.fitted(fit.sequence, without(fit, keys).description)
-    laws = [add_power_law(search, bare, slope).log_likelihood for slope in STEEP]
+    laws = [add_power_law(search, bare, slope).log_likelihood for slope in START_SLOPES]
     costs = sum(one.cost + np.log(len(search.catalogue)) for one in own)
     law = max(laws) - PARAMETER * len(fields(PowerLaw)) - np.log(len(search.catalogue))
     return float(law - fit.log_likelihood + costs)
 
 
-def add_power_law(search: Search, bare: AxisFit, slope: float = STEEP[0]) -> AxisFit:
-    """Return a fit with a power law more, from a slope."""
+def add_power_law(search: Search, bare: AxisFit, slope: float = START_SLOPES[0]) -> AxisFit:
+    """Return a fit with a power law added, from a start value of its slope."""
     size = max(bare.room(PowerLaw(1.0, slope)), 1e-12 * float(np.sqrt(bare.variance.mean())))
     noise = bare.description.noise
     law = replace(noise, effects=(*noise.effects, PowerLaw(size, slope)))
     return search.fitted(bare.sequence, replace(bare.description, noise=law))
 
 
-def _added(search: Search, fit: AxisFit, which: Callable[[Effect], bool]) -> list[StochasticEffect]:
+def _added_noise(search: Search, fit: AxisFit, which: Callable[[Effect], bool]) -> list[StochasticEffect]:
     added = fit.description.noise.effects[len(search.start.noise.effects) :]
     return [effect for effect in added if which(effect)]
 
 
-def _without(search: Search, fit: AxisFit, effects: list[StochasticEffect]) -> AxisFit:
-    """Return the fit without some of its random processes."""
+def _without_noise(search: Search, fit: AxisFit, effects: list[StochasticEffect]) -> AxisFit:
+    """Return the fit without some of its noise processes."""
     noise = fit.description.noise
     kept = tuple(effect for effect in noise.effects if not any(effect is one for one in effects))
     return search.fitted(fit.sequence, replace(fit.description, noise=replace(noise, effects=kept)))
 
 
-def _power_law(search: Search, fit: AxisFit) -> list[Misfit]:
-    """Weigh one power law against the added slow processes: its slope may be another, or it says more than two do."""
-    other, slow = replaced_by_power_law(search, fit, _slow), _added(search, fit, _slow)
+def _against_power_law(search: Search, fit: AxisFit) -> list[Misfit]:
+    """Test the added slow processes against one power law of free slope."""
+    other, slow = replaced_by_power_law(search, fit, _is_slow), _added_noise(search, fit, _is_slow)
     if other is None:
         return []
     more = other.log_likelihood - fit.log_likelihood
     parameters = sum(len(one.parameters()) for one in slow)
     if parameters == 1:
         chance = log_chance(more, 1)
-        return [Misfit(POWER_LAW, LEVEL - OTHER_SLOPE + chance)]
+        return [Misfit(POWER_LAW, LEVEL - SLOPE_LEVEL + chance)]
     if len(slow) == 1:
-        return [Misfit(POWER_LAW_AS_WELL, LEVEL - LIKELIER - more)]
-    bare = _without(search, fit, slow)
+        return [Misfit(POWER_LAW_AS_WELL, LEVEL - MIN_GAIN - more)]
+    bare = _without_noise(search, fit, slow)
     named = log_chance(fit.log_likelihood - bare.log_likelihood, parameters)
     unnamed = log_chance(other.log_likelihood - bare.log_likelihood, 2)
-    return [Misfit(ALL_SLOW, LEVEL + unnamed - named)]
+    return [Misfit(ONE_POWER_LAW, LEVEL + unnamed - named)]

@@ -1,7 +1,7 @@
-"""Does a mean that dies away, with others beside it, stand for one transient of another shape?
+"""Likelihood-ratio test of a warm-up and the terms around it against one transient of another shape.
 
-What relaxes by many processes at once ages with the logarithm of time, a power of it, a hyperbola, or a stretched
-exponential (Kohlrausch 1854, Annalen der Physik 167, 56-82). A warm-up, a ramp and a step together come close.
+The relaxation of many processes follows the logarithm of time, a power of it, a hyperbola, or a stretched exponential
+(Kohlrausch 1854, Annalen der Physik 167, 56-82). The sum of a warm-up, a ramp and a step approximates these.
 """
 
 from collections.abc import Callable, Sequence
@@ -15,22 +15,22 @@ from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.discovery.search.search import Key, Search, at, log_chance, without
 
 REASON = "it fades away in another way"
-SEVERAL = 2
-"""Steps within a transient from which on they shape it."""
+MIN_STEPS = 2
+"""Minimum number of steps during a transient for rejecting the exponential shape."""
 DURATION = 2.0
-"""Time constants in which most of a warm-up goes by, 86 % of it."""
-TIMES, EVALUATIONS = 8, 60
-"""Times of a transient, and evaluations from the best one on, with which a search looks."""
-LONGER, STEEPEST = 3.0, 4.0
-"""Logarithm of how much longer than half the log a time may be, and the largest power."""
+"""Duration of a warm-up [time constants], after which 86 % of it has decayed."""
+START_TIMES, MAX_EVALUATIONS = 8, 60
+"""Number of start values of the time of a transient, and maximum evaluations of the optimiser."""
+MAX_LOG_EXTENSION, MAX_EXPONENT = 3.0, 4.0
+"""Maximum logarithm of the time over half the log, and maximum exponent."""
 PARAMETERS = 3
-"""Size, time and shape of a transient."""
+"""Number of parameters of a transient: amplitude, time and exponent."""
 
 
 def transient_misfits(search: Search, fit: AxisFit, keys: Sequence[Key]) -> dict[Key, Misfit]:
-    """Return the doubts of a warm-up among ``keys`` and of what shapes it: steps while it goes by, and a ramp.
+    """Test a warm-up among ``keys``, with the steps during it and the ramps, against a transient of another shape.
 
-    Several steps need no rival: a transient has none.
+    Several steps during the warm-up reject it without a comparison.
     """
     effects = {key: at(fit.description, key) for key in keys}
     warm = next((key for key, effect in effects.items() if effect.transient), None)
@@ -39,39 +39,42 @@ def transient_misfits(search: Search, fit: AxisFit, keys: Sequence[Key]) -> dict
     over_at = DURATION * effects[warm].time_constant
     steps = [key for key, effect in effects.items() if effect.event and effect.time < over_at]
     ramps = [key for key, effect in effects.items() if effect.of_time and not effect.event and not effect.transient]
-    if len(steps) >= SEVERAL:
+    if len(steps) >= MIN_STEPS:
         return dict.fromkeys([warm, *steps], Misfit(REASON, -np.inf))
     if not steps and not ramps:
         return {}
     shaped = [warm, *steps, *ramps]
     temperatures = [key for key, effect in effects.items() if effect.of_temperature]
-    weighed = {some: _another_shape(search, fit, some) for some in {tuple(shaped), (*shaped, *temperatures)}}
-    some, log_p = min(weighed.items(), key=lambda one: one[1])
+    tested = {some: _against_transient(search, fit, some) for some in {tuple(shaped), (*shaped, *temperatures)}}
+    some, log_p = min(tested.items(), key=lambda one: one[1])
     return dict.fromkeys(some, Misfit(REASON, log_p)) if log_p < LEVEL else {}
 
 
-def _another_shape(search: Search, fit: AxisFit, keys: Sequence[Key]) -> float:
-    """Return the log-probability of a doubt whether some means are surer than one transient in their place."""
+def _against_transient(search: Search, fit: AxisFit, keys: Sequence[Key]) -> float:
+    """Return the log-probability of some means against one transient in their place, relative to the level."""
     bare = without(fit, keys)
     time = fit.sequence.conditions.time
-    best = max((_best(bare, time, kind) for kind in (_aged, _stretched)), key=lambda shape: _gain(bare, shape))
+    best = max(
+        (_fit_transient(bare, time, kind) for kind in (_ageing, _stretched_exponential)),
+        key=lambda shape: _gain(bare, shape),
+    )
     more = fit.description.size() - bare.description.size()
     named = log_chance(fit.log_likelihood - bare.log_likelihood, more)
     other = log_chance(likelihood_with(bare, best) - bare.log_likelihood, PARAMETERS)
     return log_p_against(named, other, search.log_alpha)
 
 
-def _best(bare: AxisFit, time: np.ndarray, kind: Callable) -> np.ndarray:
-    """Return the likeliest transient of a kind, shape (n, 1), from the best one of a few times and powers."""
-    since, spans = time - time[0], np.log(np.geomspace(10 * (time[1] - time[0]), np.ptp(time) / 2, TIMES))
-    tried = [(span, power) for span in spans for power in POWERS[kind]]
+def _fit_transient(bare: AxisFit, time: np.ndarray, kind: Callable) -> np.ndarray:
+    """Maximise the likelihood gain of a transient over time and exponent; return its column, shape (n, 1)."""
+    since, spans = time - time[0], np.log(np.geomspace(10 * (time[1] - time[0]), np.ptp(time) / 2, START_TIMES))
+    tried = [(span, power) for span in spans for power in START_EXPONENTS[kind]]
 
     def loss(place: np.ndarray) -> float:
         return -_gain(bare, kind(since, *place))
 
     begin = min(tried, key=loss)
-    bounds = [(spans[0], spans[-1] + LONGER), (-STEEPEST, STEEPEST)]
-    found = minimize(loss, begin, method="Nelder-Mead", bounds=bounds, options={"maxfev": EVALUATIONS})
+    bounds = [(spans[0], spans[-1] + MAX_LOG_EXTENSION), (-MAX_EXPONENT, MAX_EXPONENT)]
+    found = minimize(loss, begin, method="Nelder-Mead", bounds=bounds, options={"maxfev": MAX_EVALUATIONS})
     return kind(since, *found.x)
 
 
@@ -79,15 +82,15 @@ def _gain(bare: AxisFit, shape: np.ndarray) -> float:
     return float(bare.gains(bare.whiten(shape))[0])
 
 
-def _aged(since: np.ndarray, span: float, power: float) -> np.ndarray:
-    """Return a power of the age, over exp(span) [s], shape (n, 1); that of a power near zero is its logarithm."""
+def _ageing(since: np.ndarray, span: float, power: float) -> np.ndarray:
+    """Return (1 + t/T)^power with T = exp(span) [s], shape (n, 1); a small power approximates the logarithm."""
     return ((1 + since / np.exp(span)) ** power)[:, None]
 
 
-def _stretched(since: np.ndarray, span: float, power: float) -> np.ndarray:
-    """Return a stretched exponential, shape (n, 1)."""
+def _stretched_exponential(since: np.ndarray, span: float, power: float) -> np.ndarray:
+    """Return exp(-(t/T)^|power|) with T = exp(span) [s], shape (n, 1)."""
     return np.exp(-((since / np.exp(span)) ** abs(power)))[:, None]
 
 
-POWERS = {_aged: (-2.0, -1.0, -0.5, -0.1, 0.1, 0.3, 0.6, 1.5), _stretched: (0.3, 0.5, 0.7, 0.85)}
-"""Powers from which transients of a kind are fitted."""
+START_EXPONENTS = {_ageing: (-2.0, -1.0, -0.5, -0.1, 0.1, 0.3, 0.6, 1.5), _stretched_exponential: (0.3, 0.5, 0.7, 0.85)}
+"""Start values of the exponent for each shape of a transient."""

@@ -1,4 +1,4 @@
-"""How likely a log is with something more in its mean that has no name, its noise fitted anew."""
+"""Likelihood of a fit with further columns in its mean that are no effect of the catalogue."""
 
 import numpy as np
 
@@ -6,16 +6,16 @@ from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.discovery.fit.whittle import fit as fit_noise
 
 UNNAMED_MARGIN = 10.0
-"""Log-probability by which something without a name has to be surer than what has one."""
+"""Minimum difference in log-probability for an unnamed alternative over a named effect."""
 
 
-def likelihood_with(base: AxisFit, way: np.ndarray) -> float:
-    """Return the log-likelihood of a fit with columns of the error, shape (n, m), more, its noise fitted anew.
+def likelihood_with(base: AxisFit, columns: np.ndarray) -> float:
+    """Return the log-likelihood of a fit with further columns of the error, shape (n, m), and the noise refitted.
 
-    Less what columns gain by chance on average.
+    The mean gain of m columns by chance, m/2, is subtracted.
     """
-    _, rest = base.beside(base.whiten(way))
+    _, rest = base.beside(base.whiten(columns))
     bins, noise = base.sequence.bins, base.noise
     power = bins.sums(rest**2) * noise.noise.variance(bins)
     gain = fit_noise(noise.noise, bins, power).log_likelihood - noise.log_likelihood
-    return base.log_likelihood + gain - 0.5 * way.shape[1]
+    return base.log_likelihood + gain - 0.5 * columns.shape[1]

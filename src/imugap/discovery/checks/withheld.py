@@ -1,4 +1,4 @@
-"""What is seen and has no name: the nearest name, why it is not given, and the place where it shows."""
+"""Withheld effects: the nearest name, the reason for withholding it, and its location in a view."""
 
 from dataclasses import dataclass
 
@@ -13,7 +13,7 @@ from imugap.discovery.search.search import Key, Search, at
 
 @dataclass(frozen=True)
 class Withheld:
-    """The nearest name, the reason why it is not given, and the place."""
+    """Nearest name of an effect that is not named, the reason, and its location."""
 
     name: str
     reason: str
@@ -21,14 +21,14 @@ class Withheld:
 
 
 def withheld(search: Search, fit: AxisFit, key: Key, misfit: Misfit) -> Withheld:
-    """Return what is told of an effect of a fit whose name is in doubt."""
+    """Return name, reason and location of an effect of a fit that has a misfit."""
     log_p = search.likelihood_ratio(fit, key)[0].log_p
-    place = Gap(*_extent(fit, key), float(np.exp(np.clip(log_p, CERTAIN, 0.0))))
+    place = Gap(*_location(fit, key), float(np.exp(np.clip(log_p, CERTAIN, 0.0))))
     return Withheld(at(fit.description, key).name, misfit.reason, place)
 
 
-def _extent(fit: AxisFit, key: Key) -> tuple[str, str, float, float, str]:
-    """Return view, axis, both ends, and their unit."""
+def _location(fit: AxisFit, key: Key) -> tuple[str, str, float, float, str]:
+    """Return view, axis, both ends of the location, and their unit."""
     effect, conditions = at(fit.description, key), fit.sequence.conditions
     axis, begin, end = conditions.axis, float(conditions.time[0]), float(conditions.time[-1])
     if key.part == "noise":
