@@ -29,9 +29,9 @@ from imugap.discovery.search.intervals import axis_unit, intervals
 from imugap.discovery.search.search import Key, Search, at, coloured, log_chance, stepping, without
 from imugap.discovery.search.telegraph import hidden_telegraph, steady, told_apart, two_valued
 from imugap.discovery.search.telegraph_in_noise import Switching
-from imugap.discovery.unnamed import wandering_lines as unsteady
-from imugap.discovery.unnamed.chirps import swept
-from imugap.discovery.unnamed.tone_bursts import glints
+from imugap.discovery.unnamed import wandering_lines
+from imugap.discovery.unnamed.chirps import find_chirps
+from imugap.discovery.unnamed.tone_bursts import find_tone_bursts
 from imugap.discovery.unnamed.wandering_lines import Band
 from imugap.effects.effect import AxisModel, Effect, Role
 from imugap.model import with_offset
@@ -169,7 +169,7 @@ def search_axis(
         held_in, held_out = part(sequence, 0, split), part(sequence, split, len(sequence.values))
         before, early = _search_held_in(held_in, start, catalogue, log_alpha)
         end = float(sequence.conditions.time[-1] + sequence.conditions.interval)
-        whole = unsteady.without(part(sequence, 0, len(sequence.values)), early.bands)
+        whole = wandering_lines.without_bands(part(sequence, 0, len(sequence.values)), early.bands)
         kept = replace(early.found.description, outliers=None, changes=before.description.changes)
         again = early.search.for_new_samples()
         begun = again.without_known_outliers(fit(whole, kept if early.switching is None else again.start))
@@ -252,10 +252,10 @@ def _search(
     if all_against_motion(search, found).log_p < LEVEL:
         return _SearchEnd(search, found, taken, switched, odd=True)
     found = steady(search, told_apart(search, found))
-    bands = unsteady.bands(found) if len(taken) < MOST_BANDS else ()
+    bands = wandering_lines.find_bands(found) if len(taken) < MOST_BANDS else ()
     again = search.for_new_samples()
     if bands:
-        cleared = unsteady.without(before.sequence, bands)
+        cleared = wandering_lines.without_bands(before.sequence, bands)
         return _search(again, again.without_known_outliers(fit(cleared, search.start)), (*taken, *bands), switched)
     switched_too = hidden_telegraph(search, found) if switched is None else None
     if switched_too is None:
@@ -269,7 +269,7 @@ def _unnamed_gain(search: Search, remove_lines: bool, fit: AxisFit) -> float:
 
     ``remove_lines`` says whether unsteady lines are removed.
     """
-    return np.inf if remove_lines and unsteady.bands(fit) else motion_gain(search, fit)
+    return np.inf if remove_lines and wandering_lines.find_bands(fit) else motion_gain(search, fit)
 
 
 def conclude(searched: AxisSearch) -> AxisResult:
@@ -278,7 +278,7 @@ def conclude(searched: AxisSearch) -> AxisResult:
         search, whole = searched.whole_search, two_valued(searched.whole_fit)
         rejected = misfits(search, searched.whole_fit)
         kept = without_unnamed(search, whole, rejected)
-        sweeps = (*swept(kept, search.log_alpha), *glints(whole))
+        sweeps = (*find_chirps(kept, search.log_alpha), *find_tone_bursts(whole))
         sure = [key for key in search.added(whole.description) if key not in rejected]
         in_sweep = explained_by_bands(search, searched.whole_fit, sure, sweeps)
         final = without_unnamed(search, whole, rejected | in_sweep) if in_sweep else kept

@@ -25,7 +25,7 @@ from imugap.discovery.fit.contaminated_normal import tails
 from imugap.discovery.fit.whittle import Noise
 from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.search.search import Key, Search, without
-from imugap.discovery.unnamed.chirps import swept
+from imugap.discovery.unnamed.chirps import find_chirps
 from imugap.effects import (
     CATALOGUE,
     BiasInstability,
@@ -233,7 +233,7 @@ def test_slow_noise_in_doubt_is_no_line_that_sweeps(monkeypatch):
     data = sequence(RandomWalk(3e-5), count=300_000, label="w0")
     searched = search_axis(data, (), (RandomWalk,), LOG_ALPHA, 240_000)
     walk = searched.whole_search.added(searched.whole_fit.description)
-    assert swept(without(searched.whole_fit, walk), LOG_ALPHA) != ()
+    assert find_chirps(without(searched.whole_fit, walk), LOG_ALPHA) != ()
     withheld = dict.fromkeys(walk, Misfit(POWER_LAW, -20.0))
     monkeypatch.setattr("imugap.discovery.axis.misfits", lambda search, found: withheld)
     result = conclude(searched)

@@ -9,7 +9,7 @@ from imugap.discovery.fit.axis_fit import Description, fit
 from imugap.discovery.fit.whittle import Noise
 from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.search.search import Key, Search
-from imugap.discovery.unnamed.chirps import swept
+from imugap.discovery.unnamed.chirps import find_chirps
 from imugap.discovery.unnamed.wandering_lines import Band
 from imugap.effects import CATALOGUE, OutputFilter, Sinusoid, WhiteNoise
 from imugap.effects.conditions import Conditions
@@ -32,7 +32,7 @@ def chirp(begin, end, deviate):
 
 def found(values):
     sequence = SimpleNamespace(conditions=SimpleNamespace(interval=INTERVAL))
-    return swept(SimpleNamespace(whitened=values, sequence=sequence), LOG_ALPHA)
+    return find_chirps(SimpleNamespace(whitened=values, sequence=sequence), LOG_ALPHA)
 
 
 @pytest.mark.parametrize(("begin", "end"), [(1.0, 4.0), (6.0, 2.5), (20.0, 21.0), (1.5, 20.0)])
@@ -53,7 +53,9 @@ def test_noise_and_steady_lines_do_not_sweep():
 @pytest.mark.slow
 def test_chance_is_not_taken_for_a_sweep_more_often_than_stated():
     sequence = SimpleNamespace(conditions=SimpleNamespace(interval=INTERVAL))
-    often = [swept(SimpleNamespace(whitened=white("chance", i), sequence=sequence), np.log(0.1)) for i in range(100)]
+    often = [
+        find_chirps(SimpleNamespace(whitened=white("chance", i), sequence=sequence), np.log(0.1)) for i in range(100)
+    ]
     assert sum(map(bool, often)) <= 17  # 0.1 of 100 and two standard deviations
 
 
@@ -86,4 +88,4 @@ def test_the_fit_of_a_steady_line_leaves_no_sweep():
     conditions = Conditions(INTERVAL * np.arange(COUNT), INTERVAL, axis="accel_y")
     data = AxisSequence(1e-2 * white("line") + line.sample(conditions, None), conditions, np.zeros(COUNT, bool))
     density = WhiteNoise(1e-2 * np.sqrt(INTERVAL))
-    assert swept(fit(data, Description((), Noise((density,)))), LOG_ALPHA) == ()
+    assert find_chirps(fit(data, Description((), Noise((density,)))), LOG_ALPHA) == ()

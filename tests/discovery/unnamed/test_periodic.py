@@ -3,7 +3,7 @@ from tests.discovery.simulated import WHITE, beside_white
 
 from imugap.discovery.fit.axis_fit import Description, fit
 from imugap.discovery.fit.whittle import Noise
-from imugap.discovery.unnamed import periodic as waves
+from imugap.discovery.unnamed import periodic
 
 
 @pytest.mark.parametrize("count", [19_997, 20_011])
@@ -13,6 +13,6 @@ def test_a_wave_gains_what_it_does_at_its_own_frequency(count, periods):
     frequency = periods / (0.05 * count)
     data = beside_white(lambda time, rng: 2e-3 * (time * frequency % 1), count)
     found = fit(data, Description((), Noise((WHITE,))))
-    own = waves.gain_at(frequency, found)
+    own = periodic.gain_at(frequency, found)
     assert own > 50
-    assert 0.95 * own < waves.gain(found) < 1.02 * own + 5
+    assert 0.95 * own < periodic.gain(found) < 1.02 * own + 5

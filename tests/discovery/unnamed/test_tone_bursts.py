@@ -10,7 +10,7 @@ from imugap.discovery.axis import conclude, search_axis
 from imugap.discovery.fit.axis_fit import Description, Term, fit
 from imugap.discovery.fit.whittle import Noise
 from imugap.discovery.preparation.sequence import AxisSequence
-from imugap.discovery.unnamed.tone_bursts import LENGTHS, LEVELS, cell_log_p, glints, loudest_band
+from imugap.discovery.unnamed.tone_bursts import LENGTHS, LEVELS, cell_log_p, find_tone_bursts, loudest_band
 from imugap.effects import (
     CATALOGUE,
     BiasStep,
@@ -53,7 +53,7 @@ def ringing(frequency):
 
 @pytest.mark.parametrize("tone", [wandering(2.0, 4.0), 3 * ringing(3.0)], ids=["wandering", "ringing"])
 def test_a_tone_that_is_not_steady_is_a_band(tone):
-    (band,) = glints(fit(sequence(added=STD * tone), Description((), Noise((WHITE,)))))
+    (band,) = find_tone_bursts(fit(sequence(added=STD * tone), Description((), Noise((WHITE,)))))
     assert 1.0 < band.low < 3.0 < band.high < 5.0
 
 
@@ -74,20 +74,20 @@ def test_what_is_described_has_none(effect):
         noise, changes = (WHITE,), (effect,)
     elif isinstance(effect, OutputFilter):
         noise, output = (WHITE,), effect
-    assert glints(fit(sequence(effect), Description((), Noise(noise, output), changes))) == ()
+    assert find_tone_bursts(fit(sequence(effect), Description((), Noise(noise, output), changes))) == ()
 
 
 def test_a_steady_line_and_a_step_that_are_not_described_are_none():
     data = sequence(Sinusoid(3.0, STD), BiasStep(400.0, 20 * STD))
-    assert glints(fit(data, Description((), Noise((WHITE,))))) == ()
+    assert find_tone_bursts(fit(data, Description((), Noise((WHITE,))))) == ()
     line = Term(Sinusoid(3.0, STD), ("amplitude",))
-    assert glints(fit(data, Description((line,), Noise((WHITE,))))) == ()
+    assert find_tone_bursts(fit(data, Description((line,), Noise((WHITE,))))) == ()
 
 
 @pytest.mark.parametrize("share", [0.01, 0.1, 1.0])
 def test_frequencies_above_those_that_a_fit_asks_are_not_asked_either(share):
     data = replace(sequence(), share=share)
-    assert glints(fit(data, Description((), Noise((WHITE,))))) == ()
+    assert find_tone_bursts(fit(data, Description((), Noise((WHITE,))))) == ()
 
 
 def test_cells_of_white_noise_are_as_loud_as_said():

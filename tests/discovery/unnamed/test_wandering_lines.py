@@ -6,7 +6,7 @@ from imugap.discovery.fit.axis_fit import Description, cosine_coefficients, fit
 from imugap.discovery.fit.whittle import Noise
 from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.search.search import Search
-from imugap.discovery.unnamed import wandering_lines as unsteady
+from imugap.discovery.unnamed import wandering_lines
 from imugap.discovery.unnamed.wandering_lines import Band
 from imugap.effects import CATALOGUE, BiasInstability, BiasStep, Sinusoid, WhiteNoise
 from imugap.effects.conditions import Conditions
@@ -40,19 +40,19 @@ def explored(data):
 
 
 def test_a_wandering_line_is_one_band_around_it():
-    (band,) = unsteady.bands(explored(sequence(line=4e-3)))
+    (band,) = wandering_lines.find_bands(explored(sequence(line=4e-3)))
     assert LINE_HZ / 1.1 < band.low < LINE_HZ < band.high < 1.1 * LINE_HZ
     assert band.log_p < LOG_ALPHA
 
 
 @pytest.mark.parametrize("effects", [(), (Sinusoid(LINE_HZ, 4e-3, 0.3),), (Sinusoid(0.3, 4e-3), Sinusoid(0.7, 4e-3))])
 def test_steady_lines_are_no_band(effects):
-    assert unsteady.bands(explored(sequence(*effects))) == ()
+    assert wandering_lines.find_bands(explored(sequence(*effects))) == ()
 
 
 def test_outside_of_a_band_the_coefficients_stay():
     data = sequence(line=4e-3)
-    cleared = unsteady.without(data, (Band(0.53, 0.59, -100.0),))
+    cleared = wandering_lines.without_bands(data, (Band(0.53, 0.59, -100.0),))
     frequency = np.arange(1, COUNT) / (2 * COUNT * INTERVAL)
     inside = (frequency >= 0.53) & (frequency <= 0.59)
     before, after = cosine_coefficients(data.values), cosine_coefficients(cleared.values)
@@ -67,7 +67,7 @@ def test_samples_on_few_levels_stay_coarse_without_a_band():
     data = sequence(line=4e-3)
     rounded = AxisSequence(0.02 * np.rint(data.values / 0.02), data.conditions, data.flawed)
     assert rounded.coarse
-    assert unsteady.without(rounded, (Band(0.53, 0.59, -100.0),)).coarse
+    assert wandering_lines.without_bands(rounded, (Band(0.53, 0.59, -100.0),)).coarse
 
 
 @pytest.mark.slow

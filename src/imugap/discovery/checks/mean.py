@@ -10,7 +10,7 @@ from imugap.discovery.checks.periodic import effect_against_periodic
 from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.discovery.search.intervals import term_intervals
 from imugap.discovery.search.search import Key, Search, at, log_chance
-from imugap.discovery.unnamed.wandering_lines import NEAR
+from imugap.discovery.unnamed.wandering_lines import MAX_DISTANCE
 from imugap.effects.effect import TINY
 
 MAX_HARMONIC, MAX_TOLERANCE = 9, 0.1
@@ -75,7 +75,7 @@ def _has_close_line(fit: AxisFit, key: Key) -> bool:
     lines = _lines(fit)
     duration = fit.sequence.conditions.interval * len(fit.sequence.values)
     return key.index in lines and any(
-        abs(line - lines[key.index][0]) < max(NEAR / duration, SIDEBAND_SPACING * line)
+        abs(line - lines[key.index][0]) < max(MAX_DISTANCE / duration, SIDEBAND_SPACING * line)
         for index, (line, _) in lines.items()
         if index != key.index
     )

@@ -1,4 +1,4 @@
-"""What is seen and has no name: wandering lines, chirps, tone bursts, periodic terms, hysteresis.
+"""Signals that are no effect of the catalogue: wandering lines, chirps, tone bursts, periodic terms, hysteresis.
 
 May import search, views, fit and preparation.
 """

@@ -1,7 +1,7 @@
-"""Waves: a mean that repeats itself after a period, in whatever shape.
+"""Likelihood gain of a periodic mean of any shape: a fundamental and its harmonics.
 
-No effect of the catalogue is one. A sawtooth or a relaxation oscillation jumps and wanders over a log like telegraph or
-slow noise, and as such it would be named: a fundamental and its next harmonics, all of one frequency, tell.
+No effect of the catalogue is periodic but a sinusoid. A sawtooth or a relaxation oscillation imitates telegraph or slow
+noise; its harmonics, which share one frequency, distinguish it.
 """
 
 import numpy as np
@@ -10,26 +10,26 @@ from scipy.fft import next_fast_len, rfft
 from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.discovery.fit.matched_filters import means
 
-FEWEST, MOST = 3, 100
-"""Periods in a log: of fewer nothing is known to repeat, and more make lines that are found one by one."""
+MIN_PERIODS, MAX_PERIODS = 3, 100
+"""Minimum and maximum number of periods in a log; of more, the search finds each harmonic as a line."""
 HARMONICS = 4
-FINER = 8
-"""Frequencies tried per period in the log."""
-FINE = 32
-"""Means of the log that are taken per period of the highest harmonic, of a log that has more samples."""
-MORE = 2 * HARMONICS + 1
-"""Parameters of a wave: two of each harmonic, and the frequency."""
-TRIALS = HARMONICS * (MOST - FEWEST)
-"""Independent frequencies."""
+OVERSAMPLING = 8
+"""Frequencies per resolution width of the log."""
+MEANS_PER_PERIOD = 32
+"""Number of block means per period of the highest harmonic, for a log of more samples."""
+PARAMETERS = 2 * HARMONICS + 1
+"""Number of parameters: two of each harmonic, and the frequency."""
+TRIALS = HARMONICS * (MAX_PERIODS - MIN_PERIODS)
+"""Number of independent frequencies (Bonferroni)."""
 
 
 def gain(fit: AxisFit) -> float:
-    """Return the gain of log-likelihood by the best wave."""
-    width = max(len(fit.whitened) // (FINE * HARMONICS * MOST), 1)
+    """Return the log-likelihood gain of the best periodic term."""
+    width = max(len(fit.whitened) // (MEANS_PER_PERIOD * HARMONICS * MAX_PERIODS), 1)
     coarse = means(fit.whitened, width)
-    length = next_fast_len(FINER * len(coarse), real=True)
+    length = next_fast_len(OVERSAMPLING * len(coarse), real=True)
     power = np.abs(rfft(coarse, length)) ** 2
-    bins = np.arange(FEWEST * FINER, MOST * FINER)
+    bins = np.arange(MIN_PERIODS * OVERSAMPLING, MAX_PERIODS * OVERSAMPLING)
     bins = bins[HARMONICS * bins < len(power)]
     if not len(bins):
         return 0.0
@@ -39,7 +39,7 @@ def gain(fit: AxisFit) -> float:
 
 
 def gain_at(frequency: float, fit: AxisFit) -> float:
-    """Return the gain in log-likelihood of a periodic term with harmonics at ``frequency`` [Hz]."""
+    """Return the log-likelihood gain of a periodic term of ``frequency`` [Hz]."""
     angle = 2 * np.pi * frequency * fit.sequence.conditions.time
-    wave = [part(k * angle) for k in range(1, HARMONICS + 1) for part in (np.cos, np.sin)]
-    return fit.joint_gain(fit.whiten(np.column_stack(wave)))[0]
+    columns = [part(k * angle) for k in range(1, HARMONICS + 1) for part in (np.cos, np.sin)]
+    return fit.joint_gain(fit.whiten(np.column_stack(columns)))[0]

@@ -1,9 +1,9 @@
-"""Power at a time and a frequency where steady noise has none: a tone that wanders, comes and goes, or rings.
+"""Detect tone bursts: excess power in cells of time and frequency, of a tone that wanders, is intermittent, or decays.
 
-The whitened residual of a right fit is white, and stays so for all time: the power of a cell of time and frequency is
-an exponential variable, whatever its neighbours are. A cell is held against the median of the cells of the same time
-and near frequencies, so that neither a shock nor a spectrum that is slightly off makes it loud, and against that of
-its frequency over all time where a steady line is. The median of m exponential variables is a sum of such variables
+The whitened residual of a correct fit is stationary white noise: the powers of cells of time and frequency are
+independent exponential variables. The statistic is the ratio of the power of a cell to the median of the cells of the
+same time at near frequencies, so that neither a shock nor a small error of the spectrum raises it, and to the median
+over time at a steady line. The median of m exponential variables is a sum of such variables
 (Renyi 1953, Acta Mathematica Hungarica 4, 191-231), which makes the probability of the ratio known.
 """
 
@@ -15,36 +15,40 @@ from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.discovery.unnamed.wandering_lines import Band
 
 LENGTHS = tuple(2**k for k in range(8, 13))
-"""Samples of a segment."""
-SEGMENTS = 8
-"""Least number of segments."""
-NEAR = 129
-"""Frequencies of the same time, itself among them, that a cell is held against."""
-LOWEST = 43
-"""Frequency, in periods of a segment, from which on cells are held against others: below, a jump is no shock."""
-STEADY = 1.8
-"""Median power over the segments above which a frequency has a steady line."""
+"""Lengths of a segment [samples]."""
+MIN_SEGMENTS = 8
+"""Minimum number of segments."""
+NEIGHBOURS = 129
+"""Number of frequencies of the same time, the cell included, for the median."""
+FIRST_FREQUENCY = 43
+"""Minimum frequency [periods per segment]; below it a step raises single cells."""
+MAX_STEADY_POWER = 1.8
+"""Maximum median power over the segments of a frequency without a steady line."""
 LEVELS = np.log([1e-2, 1e-3, 1e-4])
-"""Log-probabilities below which cells are counted."""
-CERTAIN = -30.0
-"""Log-probability of chance below which the residual is no steady noise: jumps that are well described reach -15."""
-ALONE = 3.0
-"""Logarithm of the number of cells among which a loud one is alone by chance."""
+"""Levels of log-probability below which cells are counted."""
+LEVEL = -30.0
+"""Maximum log-probability of chance for a detection; well-described steps reach -15."""
+ISOLATION_MARGIN = 3.0
+"""Margin in log-probability below one expected cell for the cells of the band."""
 
 
-def glints(found: AxisFit) -> tuple[Band, ...]:
-    """Return the band of the cells of the residual of a fit that are too loud or too many for certain, if any.
+def find_tone_bursts(found: AxisFit) -> tuple[Band, ...]:
+    """Return the band [Hz] of the cells of the whitened residual of a fit with significant excess power, if any.
 
-    The residual of values on a coarse lattice is that of their rounding, and is not asked.
+    Values on a coarse lattice are not tested: their residual is that of the rounding.
     """
     if found.sequence.coarse:
         return ()
     whitened, interval = found.whitened, found.sequence.conditions.interval
     used = found.sequence.bins.last / len(whitened)
-    lengths = [n for n in LENGTHS if len(whitened) >= SEGMENTS * n and _last(n, used) - LOWEST >= NEAR // 2]
+    lengths = [
+        n
+        for n in LENGTHS
+        if len(whitened) >= MIN_SEGMENTS * n and _last_frequency(n, used) - FIRST_FREQUENCY >= NEIGHBOURS // 2
+    ]
     bands = [loudest_band(cell_log_p(whitened, length, used), length * interval) for length in lengths]
     trials = np.log(max(len(lengths), 1) * (len(LEVELS) + 1))
-    loud = [band for band in bands if band.log_p + trials < CERTAIN]
+    loud = [band for band in bands if band.log_p + trials < LEVEL]
     if not loud:
         return ()
     low, high, log_p = min(band.low for band in loud), max(band.high for band in loud), min(band.log_p for band in loud)
@@ -54,24 +58,26 @@ def glints(found: AxisFit) -> tuple[Band, ...]:
 def cell_log_p(whitened: np.ndarray, length: int, used: float) -> np.ndarray:
     """Return the log-probability of the power of each cell, shape (segments, frequencies).
 
-    Of a share ``used`` of the frequencies, above which the fit asks nothing.
+    ``used`` is the fraction of the frequencies, from zero, that the fit uses.
     """
-    segments, last = len(whitened) // length, _last(length, used)
-    power = np.abs(rfft(whitened[: segments * length].reshape(segments, length), axis=1)[:, LOWEST:last]) ** 2
+    segments, last = len(whitened) // length, _last_frequency(length, used)
+    power = np.abs(rfft(whitened[: segments * length].reshape(segments, length), axis=1)[:, FIRST_FREQUENCY:last]) ** 2
     steady = np.median(power, axis=0) / power.mean()
-    power /= np.where(steady > STEADY, steady, 1.0)
-    return np.hstack([_above(part) for part in np.array_split(power, max((last - LOWEST) // NEAR, 1), axis=1)])
+    power /= np.where(steady > MAX_STEADY_POWER, steady, 1.0)
+    return np.hstack(
+        [_ratio_log_p(part) for part in np.array_split(power, max((last - FIRST_FREQUENCY) // NEIGHBOURS, 1), axis=1)]
+    )
 
 
-def _last(length: int, used: float) -> int:
-    """Return the number of the last frequency of a segment that is used, + 1."""
+def _last_frequency(length: int, used: float) -> int:
+    """Return the index of the last used frequency of a segment, + 1."""
     return int(used * (length // 2)) - 1
 
 
-def _above(power: np.ndarray) -> np.ndarray:
-    """Return the log-probability that a cell exceeds the median of those of its time as it does.
+def _ratio_log_p(power: np.ndarray) -> np.ndarray:
+    """Return the log-probability of the ratio of each cell to the median of the cells of its time.
 
-    That of a median M of m others, sum_j E_j/(m - j), is E[exp(-x M)] = prod_j (m - j)/(m - j + x).
+    With the median M of m others, sum_j E_j/(m - j), it is E[exp(-x M)] = prod_j (m - j)/(m - j + x).
     """
     others = power.shape[1] - 1
     ratio = power / np.median(power, axis=1, keepdims=True)
@@ -81,10 +87,10 @@ def _above(power: np.ndarray) -> np.ndarray:
 
 
 def loudest_band(log_p: np.ndarray, duration: float) -> Band:
-    """Return the band of the loudest cells of segments of so long [s], and how likely chance makes as much of all."""
+    """Return the band [Hz] of the strongest cells of segments of a duration [s], and its log-probability of chance."""
     count = log_p.size
     many = [binom.logsf(np.count_nonzero(log_p < level) - 1, count, np.exp(level)) for level in LEVELS]
     least = min(float(log_p.min() + np.log(count)), *map(float, many))
-    loud = np.flatnonzero((log_p < -np.log(count) - ALONE).any(axis=0))
+    loud = np.flatnonzero((log_p < -np.log(count) - ISOLATION_MARGIN).any(axis=0))
     first, last = (loud[0], loud[-1]) if len(loud) else (0, log_p.shape[1] - 1)
-    return Band((LOWEST + first - 0.5) / duration, (LOWEST + last + 0.5) / duration, min(least, 0.0))
+    return Band((FIRST_FREQUENCY + first - 0.5) / duration, (FIRST_FREQUENCY + last + 0.5) / duration, min(least, 0.0))

@@ -1,8 +1,8 @@
-"""Lines that are not steady: a machine whose speed wanders, a building that sways. No effect of the catalogue is one.
+"""Detect and remove lines of varying frequency or amplitude, as of a machine of varying speed.
 
-A search describes such a line by several steady ones side by side, and what it then says of all else is as doubtful as
-they are. So the narrow band is taken out: its cosine coefficients give way to random ones of the level around, the band
-is told as a place without a name, and the search starts again. A band that is not narrow stays.
+A search fits such a line by several steady ones, which disturb all other estimates. The narrow band is removed: its
+cosine coefficients are replaced by random ones of the level around it, the band is reported as unexplained, and the
+search is repeated. A band that is not narrow is not removed.
 """
 
 from collections.abc import Iterator
@@ -17,81 +17,83 @@ from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.stream import stream
 
-NEAR = 5.0
-"""Distance of two lines, in periods per log, below which they may be one that is not steady."""
-WIDEST = 1.15
-"""Largest ratio of the ends of a narrow band."""
-FLANK = 1.4
-"""Ratio of the ends of a band that tells the level on one side."""
-STRIDE, LOUD = 16, 2.0
-"""Coefficients by which a band grows while their power is above this many times the level."""
-SHARE = 0.1
-"""Largest share of the coefficients that may be taken out."""
-MEDIAN = 0.4549
+MAX_DISTANCE = 5.0
+"""Maximum distance of two lines that may be one wandering line [periods per log]."""
+MAX_BAND_RATIO = 1.15
+"""Maximum ratio of the ends of a narrow band."""
+FLANK_RATIO = 1.4
+"""Ratio of the ends of the flank that determines the level on one side of a band."""
+STRIDE, MIN_POWER = 16, 2.0
+"""Number of coefficients by which a band is widened, and minimum ratio of their power to the level for that."""
+MAX_SHARE = 0.1
+"""Maximum share of the coefficients that may be removed."""
+CHI2_MEDIAN = 0.4549
 """Median of chi-square with one degree of freedom."""
 
 
 @dataclass(frozen=True)
 class Band:
-    """A band of frequencies [Hz] with a line that is not steady, and the log-probability of its power by chance."""
+    """Band of frequencies [Hz] of an unnamed line, and the log-probability of chance of its power."""
 
     name: ClassVar[str] = "sinusoid"
-    """The nearest name of the vocabulary."""
+    """Nearest name of the catalogue."""
     low: float
     high: float
     log_p: float
 
     @property
     def narrow(self) -> bool:
-        """Return whether the band is that of a line."""
-        return self.high < WIDEST * self.low
+        """Return whether the band is narrow enough for a line."""
+        return self.high < MAX_BAND_RATIO * self.low
 
 
-def bands(found: AxisFit) -> tuple[Band, ...]:
-    """Return the bands of the lines of a fit that are several where one is meant, as far as their power reaches."""
+def find_bands(found: AxisFit) -> tuple[Band, ...]:
+    """Return the narrow bands in which several lines of a fit describe one wandering line."""
     resolution = 1 / (2 * found.sequence.conditions.interval * len(found.sequence.values))
-    lowest = 2 * STRIDE / (WIDEST - 1) * resolution
-    grown = (_grown(found.sequence, group) for group in _groups(found) if len(group) > 1 and group[0] > lowest)
+    lowest = 2 * STRIDE / (MAX_BAND_RATIO - 1) * resolution
+    grown = (
+        _widened_band(found.sequence, group) for group in _line_groups(found) if len(group) > 1 and group[0] > lowest
+    )
     narrow = tuple(band for band in grown if band.narrow)
     span = sum(band.high - band.low for band in narrow)
-    return narrow if span < SHARE * 0.5 / found.sequence.conditions.interval else ()
+    return narrow if span < MAX_SHARE * 0.5 / found.sequence.conditions.interval else ()
 
 
-def without(sequence: AxisSequence, taken: tuple[Band, ...]) -> AxisSequence:
-    """Return the sequence with random coefficients of the level around in the place of those of each band."""
+def without_bands(sequence: AxisSequence, bands: tuple[Band, ...]) -> AxisSequence:
+    """Replace the cosine coefficients in each band by random ones of the level around it."""
     coefficients = dct(sequence.values, norm="ortho")
-    for band in taken:
-        first, last = _places(sequence, band.low, band.high)
+    for band in bands:
+        first, last = _coefficient_range(sequence, band.low, band.high)
         rng = stream(0, "unsteady", sequence.conditions.axis, first)
         level = _level(coefficients**2, first, last, np.arange(first, last))
         coefficients[first:last] = np.sqrt(level) * rng.standard_normal(last - first)
-    return sequence.with_values(dct(coefficients, type=3, norm="ortho")) if taken else sequence
+    return sequence.with_values(dct(coefficients, type=3, norm="ortho")) if bands else sequence
 
 
-def _groups(found: AxisFit) -> Iterator[list[float]]:
-    """Yield the frequencies of lines that are near each other, in groups."""
+def _line_groups(found: AxisFit) -> Iterator[list[float]]:
+    """Yield the frequencies [Hz] of close lines, in groups."""
     lines = sorted(one.frequency for one in found.description.effects() if one.line)
-    near = NEAR / (found.sequence.conditions.interval * len(found.sequence.values))
+    near = MAX_DISTANCE / (found.sequence.conditions.interval * len(found.sequence.values))
     breaks = np.flatnonzero(np.diff(lines) > near) + 1
     yield from (group.tolist() for group in np.split(np.array(lines), breaks))
 
 
-def _places(sequence: AxisSequence, low: float, high: float) -> tuple[int, int]:
-    """Return the first and the last + 1 of the cosine coefficients between two frequencies [Hz]."""
+def _coefficient_range(sequence: AxisSequence, low: float, high: float) -> tuple[int, int]:
+    """Return the index of the first and the last + 1 cosine coefficient between two frequencies [Hz]."""
     scale = 2 * len(sequence.values) * sequence.conditions.interval
     return max(int(low * scale), 1), min(int(np.ceil(high * scale)) + 1, len(sequence.values))
 
 
-def _grown(sequence: AxisSequence, lines: list[float]) -> Band:
-    """Return the band of lines, widened until its power is down at the level, and by as much again."""
+def _widened_band(sequence: AxisSequence, lines: list[float]) -> Band:
+    """Return the band of lines, widened until its power falls to the level, and by the same amount again."""
     power = dct(sequence.values, norm="ortho") ** 2
-    first, last = _places(sequence, lines[0], lines[-1])
+    first, last = _coefficient_range(sequence, lines[0], lines[-1])
     scale, ends = 2 * len(power) * sequence.conditions.interval, []
     for end, step in ((first, -STRIDE), (last, STRIDE)):
         start = end
-        while 0 < end + step < len(power) and max(end / last, first / max(end, 1)) < WIDEST:
+        while 0 < end + step < len(power) and max(end / last, first / max(end, 1)) < MAX_BAND_RATIO:
             window = np.arange(*sorted((end, end + step)))
-            if np.mean(power[window] / _level(power, first, last, window)) < LOUD:
+            if np.mean(power[window] / _level(power, first, last, window)) < MIN_POWER:
                 break
             end += step
         ends.append(2 * end - start + step)
@@ -101,8 +103,8 @@ def _grown(sequence: AxisSequence, lines: list[float]) -> Band:
 
 
 def _level(power: np.ndarray, first: int, last: int, at: np.ndarray) -> np.ndarray:
-    """Return the level of the power at some coefficients, a power law between both sides of a band."""
-    low, high = int(first / WIDEST), min(int(last * WIDEST), len(power) - STRIDE)
-    sides = (slice(max(int(low / FLANK), 1), low), slice(high, max(int(high * FLANK), high + STRIDE)))
-    level = [np.median(power[side]) / MEDIAN for side in sides]
+    """Return the level of the power at some coefficients, a power law between the flanks of a band."""
+    low, high = int(first / MAX_BAND_RATIO), min(int(last * MAX_BAND_RATIO), len(power) - STRIDE)
+    sides = (slice(max(int(low / FLANK_RATIO), 1), low), slice(high, max(int(high * FLANK_RATIO), high + STRIDE)))
+    level = [np.median(power[side]) / CHI2_MEDIAN for side in sides]
     return np.exp(np.interp(np.log(at), np.log([max(low, 1), high]), np.log(level)))
