@@ -1,4 +1,7 @@
-"""The catalogue of effects: one effect per file, one line here."""
+"""Catalogue of effects: one effect per file, one line here.
+
+May import integrity, log, numerics, units and stream.
+"""
 
 from imugap.effects.bias import Bias
 from imugap.effects.bias_instability import BiasInstability
@@ -35,42 +38,8 @@ from imugap.effects.warm_up import WarmUp
 from imugap.effects.white_noise import WhiteNoise
 
 CATALOGUE: dict[str, type[Effect]] = {
-    effect.name: effect
-    for effect in (
-        Bias,
-        BiasInstability,
-        BiasStep,
-        ClockScale,
-        CommonMode,
-        GSensitivity,
-        GaussMarkov,
-        LeverArm,
-        Misalignment,
-        Outliers,
-        OutputFilter,
-        PowerLaw,
-        Quantization,
-        RandomTelegraph,
-        RandomWalk,
-        RateRamp,
-        Resolution,
-        SampleLoss,
-        Saturation,
-        ScaleFactor,
-        Sinusoid,
-        StabilityRestoration,
-        StanceMotion,
-        StuckSamples,
-        Temperature,
-        TimeOffset,
-        TimestampJitter,
-        TurnOnBias,
-        VarianceChange,
-        VibrationRectification,
-        WarmUp,
-        WhiteNoise,
-    )
+    kind.name: kind
+    for kind in list(globals().values())
+    if isinstance(kind, type) and issubclass(kind, Effect) and "name" in vars(kind)
 }
-
-__all__ = ["CATALOGUE", "AdditiveEffect", "AllanEffect", "ClockEffect", "Conditions", "Effect", "Stage"]
-__all__ += ["StochasticEffect", *(effect.__name__ for effect in CATALOGUE.values())]
+"""Kinds of effects by name: all that are imported here."""
