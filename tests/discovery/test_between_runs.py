@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from tests.discovery import simulated
 
-from imugap.discovery.between_runs import as_first, clocks, level_error, mean_variance, turn_on
+from imugap.discovery.between_runs import clock_findings, fit_like_first, level_error, mean_variance, turn_on_findings
 from imugap.discovery.fit.axis_fit import Description, Term, fit
 from imugap.discovery.fit.whittle import Noise
 from imugap.discovery.preparation.sequence import AxisSequence
@@ -34,7 +34,7 @@ def run(number, ratio, lines, count=12000, label="clock"):
 @pytest.mark.parametrize("ratio", [1.0001, 0.9995, 1.005])
 def test_lines_of_two_axes_tell_the_clock(ratio):
     lines = {"gyro_x": 3.1, "accel_y": 11.7}
-    (found,) = clocks([run(1, 1.0, lines), run(2, ratio, lines)], LOG_ALPHA)
+    (found,) = clock_findings([run(1, 1.0, lines), run(2, ratio, lines)], LOG_ALPHA)
     interval = found.parameters["ratio"]
     assert interval.low < ratio < interval.high
     assert interval.high - interval.low < 1e-4
@@ -47,7 +47,7 @@ def test_the_interval_of_the_clock_holds_the_truth_as_often_as_it_says():
     lines, ratio, inside = {"gyro_x": 3.1, "accel_y": 11.7}, 1.0001, []
     for number in range(40):
         pair = [run(number, 1.0, lines, label="first"), run(number, ratio, lines, label="second")]
-        ratios = [found.parameters["ratio"] for found in clocks(pair, LOG_ALPHA)]
+        ratios = [found.parameters["ratio"] for found in clock_findings(pair, LOG_ALPHA)]
         inside += [one.low < ratio < one.high for one in ratios]
     assert len(inside) >= 37  # lines disagree by chance in one of a hundred
     assert 33 <= sum(inside) <= 40
@@ -56,13 +56,13 @@ def test_the_interval_of_the_clock_holds_the_truth_as_often_as_it_says():
 def test_runs_of_one_clock_and_lines_that_move_by_themselves_name_no_clock():
     lines = {"gyro_x": 3.1, "accel_y": 11.7}
     same = [run(number, 1.0, lines) for number in (1, 2, 3)]
-    assert clocks(same, LOG_ALPHA) == ()
-    assert clocks([same[0], run(4, 1.0, {"gyro_x": 3.1, "accel_y": 11.75})], LOG_ALPHA) == ()
+    assert clock_findings(same, LOG_ALPHA) == ()
+    assert clock_findings([same[0], run(4, 1.0, {"gyro_x": 3.1, "accel_y": 11.75})], LOG_ALPHA) == ()
 
 
 def test_only_the_run_that_is_off_is_named():
     lines = {"gyro_x": 3.1, "accel_y": 11.7}
-    found = clocks([run(1, 1.0, lines), run(2, 1.0, lines), run(3, 1.0003, lines)], LOG_ALPHA)
+    found = clock_findings([run(1, 1.0, lines), run(2, 1.0, lines), run(3, 1.0003, lines)], LOG_ALPHA)
     assert [one.parameters["run"].value for one in found] == [3]
 
 
@@ -76,7 +76,7 @@ def test_right_stamps_of_another_rate_are_no_error_of_the_clock():
         values += sum(line.sample(conditions, None) for line in lines)
         sequence = AxisSequence(values, conditions, np.zeros(len(values), bool))
         fits.append({"gyro_x": fit(sequence, Description(tuple(Term(one, FREE) for one in lines), Noise((noise,))))})
-    assert clocks(fits, LOG_ALPHA) == ()
+    assert clock_findings(fits, LOG_ALPHA) == ()
 
 
 def levelled(number, levels, effects, noise, found=()):
@@ -89,7 +89,7 @@ def levelled(number, levels, effects, noise, found=()):
         )
         sequence, random = AxisSequence(values, conditions, np.zeros(3000, bool)), Noise((white, *noise))
         if fits:
-            fits.append({"gyro_x": as_first(sequence, (), fits[0]["gyro_x"])})
+            fits.append({"gyro_x": fit_like_first(sequence, (), fits[0]["gyro_x"])})
         else:
             fits.append({"gyro_x": fit(sequence, Description(tuple(found), random))})
     return fits
@@ -105,8 +105,8 @@ REPEATED = {
 def test_what_every_run_does_is_no_difference_between_runs(name):
     effect, free = REPEATED[name]
     term = Term(effect, free)
-    assert turn_on(levelled(1, (1e-3, 1e-3), (effect,), (), (term,)), LOG_ALPHA) == ()
-    (found,) = turn_on(levelled(1, (1e-3, 1e-3, 6e-3), (effect,), (), (term,)), LOG_ALPHA)
+    assert turn_on_findings(levelled(1, (1e-3, 1e-3), (effect,), (), (term,)), LOG_ALPHA) == ()
+    (found,) = turn_on_findings(levelled(1, (1e-3, 1e-3, 6e-3), (effect,), (), (term,)), LOG_ALPHA)
     assert found.parameters["std"].low < 5e-3 / np.sqrt(3) < found.parameters["std"].high
 
 
@@ -114,7 +114,7 @@ def test_what_every_run_does_is_no_difference_between_runs(name):
 @pytest.mark.parametrize("noise", [RandomWalk(2e-3), GaussMarkov(1e-2, 300.0), GaussMarkov(1e-2, 3.0)])
 def test_slow_noise_makes_runs_differ_as_often_as_it_should(noise):
     level = np.log(0.05)
-    chance = [turn_on(levelled(number, (0.0, 0.0), (), (noise,)), level) for number in range(60)]
+    chance = [turn_on_findings(levelled(number, (0.0, 0.0), (), (noise,)), level) for number in range(60)]
     assert sum(map(len, chance)) <= 9  # binomial: more than 9 of 60 at 5 % in 0.2 %
 
 
@@ -135,7 +135,7 @@ def test_turn_on_bias_of_several_runs():
         {"gyro_x": simulated.plain(simulated.sequence(TurnOnBias(1e-3), count=4000, label=f"run{run}"))}
         for run in range(8)
     ]
-    (finding,) = turn_on(fits, simulated.LOG_ALPHA)
+    (finding,) = turn_on_findings(fits, simulated.LOG_ALPHA)
     assert finding.parameters["std"].low < 1e-3 < finding.parameters["std"].high
     same = [{"gyro_x": simulated.plain(simulated.sequence(count=4000, label=f"run{run}"))} for run in range(8)]
-    assert turn_on(same, simulated.LOG_ALPHA) == ()
+    assert turn_on_findings(same, simulated.LOG_ALPHA) == ()

@@ -5,7 +5,7 @@ import pytest
 from scipy.signal import lfilter
 from tests.discovery.simulated import COUNT, INTERVAL, LOG_ALPHA, WHITE, plain, sequence
 
-from imugap.discovery.common_noise import loading_errors, shared
+from imugap.discovery.common_noise import find_common_noise, loading_errors
 from imugap.discovery.fit.axis_fit import Description, fit
 from imugap.discovery.fit.whittle import Noise
 from imugap.effects import CommonMode, GaussMarkov, OutputFilter
@@ -25,14 +25,14 @@ def correlated(run, colour, size, own=()):
 @pytest.mark.parametrize(("size", "own"), [(0.2, ()), (0.5, (GaussMarkov(2e-3, 2.0),)), (2.0, ())])
 def test_white_noise_in_common_has_its_name(size, own):
     for run in range(5):
-        (found,) = shared(correlated(run, [1.0], size, own), LOG_ALPHA)
+        (found,) = find_common_noise(correlated(run, [1.0], size, own), LOG_ALPHA)
         assert found.axes == ("gyro_x", "gyro_y")
 
 
 @pytest.mark.parametrize("colour", [[1.0, -0.5], [1.0, -0.99], [1.0, 0.5]])
 def test_noise_in_common_that_is_not_white_has_no_name(colour):
     for run in range(5):
-        assert shared(correlated(run, colour, 0.5), LOG_ALPHA) == ()
+        assert find_common_noise(correlated(run, colour, 0.5), LOG_ALPHA) == ()
 
 
 def test_noise_in_common_for_a_moment_has_no_name():
@@ -41,7 +41,7 @@ def test_noise_in_common_for_a_moment_has_no_name():
     shock[np.abs(np.arange(COUNT) - 0.6 * COUNT) > COUNT / 200] = 0.0
     data = {axis: sequence(axis=axis) for axis in ("gyro_x", "gyro_y")}
     shaken = {axis: plain(replace(one, values=one.values + shock)) for axis, one in data.items()}
-    assert shared(shaken, LOG_ALPHA) == ()
+    assert find_common_noise(shaken, LOG_ALPHA) == ()
 
 
 @pytest.mark.slow
@@ -52,7 +52,7 @@ def test_errors_of_shared_noise_are_those_of_many_logs(loading, count):
     for number in range(100):
         own = CommonMode(1e-3, loading)
         data = {axis: sequence(own, count=2000, axis=axis, label=f"shared {number}") for axis in axes}
-        (found,) = shared({axis: plain(one) for axis, one in data.items()}, LOG_ALPHA)
+        (found,) = find_common_noise({axis: plain(one) for axis, one in data.items()}, LOG_ALPHA)
         whole.append(found.densities[0])
         errors.append(found.errors[0])
     assert np.mean(whole) == pytest.approx(1e-3 * loading, abs=4 * np.std(whole) / 10)
@@ -71,7 +71,7 @@ def test_shared_noise_has_its_sign_and_size_also_where_one_axis_is_filtered():
     data = {axis: sequence(common, axis=axis) for axis in ("gyro_x", "gyro_y")}
     output = smooth.apply(data["gyro_x"].values, data["gyro_x"].conditions, stream(1))
     filtered = fit(replace(data["gyro_x"], values=output), Description((), Noise((WHITE,), smooth)))
-    (found,) = shared({"gyro_x": filtered, "gyro_y": plain(data["gyro_y"])}, LOG_ALPHA)
+    (found,) = find_common_noise({"gyro_x": filtered, "gyro_y": plain(data["gyro_y"])}, LOG_ALPHA)
     np.testing.assert_array_less(np.abs(found.densities - 1e-3), 4 * found.errors)
 
 
@@ -81,7 +81,7 @@ def test_noise_that_axes_share():
     fits = {
         axis: plain(sequence(*effects.get(axis, []), axis=axis)) for axis in ("gyro_x", "gyro_y", "gyro_z", "accel_z")
     }
-    (found,) = shared(fits, LOG_ALPHA)
+    (found,) = find_common_noise(fits, LOG_ALPHA)
     assert found.axes == sharing
     np.testing.assert_array_less(np.abs(found.densities - [5e-4, -4e-4, 3e-4]), 4 * found.errors)
-    assert shared({axis: plain(sequence(axis=axis, label="alone")) for axis in sharing}, LOG_ALPHA) == ()
+    assert find_common_noise({axis: plain(sequence(axis=axis, label="alone")) for axis in sharing}, LOG_ALPHA) == ()

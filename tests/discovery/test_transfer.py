@@ -3,7 +3,7 @@ import pandas as pd
 import pytest
 
 from imugap import log
-from imugap.discovery.transfer import agreement, explained, inertial
+from imugap.discovery.transfer import explained_variance, motion_effects, parameter_agreement
 from imugap.effects import Bias, LeverArm, Misalignment, ScaleFactor, WhiteNoise
 from imugap.effects.effect import AxisModel
 from imugap.figures import discovery
@@ -30,7 +30,7 @@ def device(noise=1e-3):
 
 def test_the_model_of_the_device_explains_all_of_another_motion_but_its_noise():
     ideal = motion(1)
-    table = explained(device(), device().simulate(ideal, 3), ideal, stream(4, "carried"))
+    table = explained_variance(device(), device().simulate(ideal, 3), ideal, stream(4, "carried"))
     assert table.loc[["gyro_x", "accel_y"], "share"].tolist() == pytest.approx([1, 1], abs=0.02)
     assert table["rms"]["gyro_z"] == pytest.approx(1e-3, rel=0.1)
     assert table["share"].drop(["gyro_x", "accel_y"]).tolist() == pytest.approx([0, 0, 0, 0], abs=1e-12)
@@ -38,7 +38,7 @@ def test_the_model_of_the_device_explains_all_of_another_motion_but_its_noise():
 
 def test_a_wrong_model_explains_less_than_nothing():
     ideal, wrong = motion(1), ErrorModel({"gyro_x": AxisModel((ScaleFactor(-0.02),))})
-    table = explained(wrong, device().simulate(ideal, 3), ideal, stream(4, "carried"))
+    table = explained_variance(wrong, device().simulate(ideal, 3), ideal, stream(4, "carried"))
     assert table.loc["gyro_x", "high"] < 0
 
 
@@ -51,13 +51,13 @@ def test_the_interval_of_the_share_holds_that_of_a_long_motion():
     for seed in range(100):
         ideal = motion(seed)
         measured = true.simulate(ideal, seed)[["gyro_x"]]
-        found = explained(half, measured, ideal, stream(seed, "carried")).loc["gyro_x"]
+        found = explained_variance(half, measured, ideal, stream(seed, "carried")).loc["gyro_x"]
         inside.append(found["low"] <= 0.375 <= found["high"])
     assert 0.85 <= np.mean(inside) <= 1.0
 
 
 def test_only_what_answers_the_motion_is_kept():
-    kept = inertial(device())
+    kept = motion_effects(device())
     assert [effect.name for effect in kept["gyro_x"]] == ["scale_factor", "misalignment"]
     assert [effect.name for effect in kept["accel_y"]] == ["lever_arm"]
     assert list(kept["gyro_z"]) == []
@@ -74,7 +74,7 @@ def test_trials_that_scatter_as_their_intervals_say_have_a_factor_of_one():
         found(trial, 1 + half / 1.96 * rng.standard_normal(), half, f"p{number}")
         for number in range(400) for trial in range(4)
     ]  # fmt: skip
-    table = agreement(pd.DataFrame(rows))
+    table = parameter_agreement(pd.DataFrame(rows))
     assert len(table) == 400
     assert np.mean(table["factor"] ** 2) == pytest.approx(1, abs=4 * np.sqrt(2 / 3 / 400))
     assert table["same_sign"].all()
@@ -82,7 +82,7 @@ def test_trials_that_scatter_as_their_intervals_say_have_a_factor_of_one():
 
 def test_the_mean_leans_to_the_surer_trial_and_one_trial_agrees_with_nobody():
     rows = [found(1, 1.0, 0.1), found(2, -2.0, 0.3), found(1, 5.0, 0.1, "y")]
-    table = agreement(pd.DataFrame(rows))
+    table = parameter_agreement(pd.DataFrame(rows))
     assert table["parameter"].tolist() == ["x"]
     assert table["middle"].tolist() == pytest.approx([(9 * 1.0 - 2.0) / 10])
     assert not table["same_sign"].any()
@@ -90,7 +90,7 @@ def test_the_mean_leans_to_the_surer_trial_and_one_trial_agrees_with_nobody():
 
 def test_a_parameter_without_an_interval_does_not_count():
     rows = pd.DataFrame([found(1, 1.0, 0.1), found(2, 1.0, 0.1) | {"low": None, "high": None}])
-    assert agreement(rows).empty
+    assert parameter_agreement(rows).empty
 
 
 def test_a_point_for_each_trial_that_gives_a_parameter():

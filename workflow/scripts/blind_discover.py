@@ -5,7 +5,7 @@ from pathlib import Path
 from time import perf_counter
 
 from imugap.discovery.device import Question
-from imugap.discovery.inputs import Files, ask
+from imugap.discovery.inputs import Files, discover_files
 from imugap.discovery.report import view_table
 from imugap.workflow.job_log import journal
 
@@ -16,10 +16,10 @@ def main(case, question, out):
     logs = tuple(sorted(path for path in case.glob("*.parquet") if path.stem != "reference"))
     given = {"reference": case / "reference.parquet", "model": case / "model.yaml"}
     files = Files(logs, **{name: path for name, path in given.items() if path.exists()})
-    inquiry = ask(files, question)
+    result = discover_files(files, question)
     out.mkdir(parents=True)
-    (out / "report.json").write_text(json.dumps(inquiry.report(), indent=1, allow_nan=False) + "\n")
-    view_table(inquiry.found).to_csv(out / "views.csv", index=False)
+    (out / "report.json").write_text(json.dumps(result.report(), indent=1, allow_nan=False) + "\n")
+    view_table(result.found).to_csv(out / "views.csv", index=False)
     (out / "seconds.json").write_text(json.dumps({"seconds": perf_counter() - begin}) + "\n")
 
 

@@ -9,7 +9,7 @@ from shutil import copyfile
 import pandas as pd
 
 from imugap.discovery.finding import Gap
-from imugap.discovery.report import span
+from imugap.discovery.report import describe_range
 from imugap.figures import discovery
 from imugap.figures.static import TITLES
 from imugap.figures.style import AXIS_TITLES
@@ -93,7 +93,7 @@ def places_listed(gaps):
     """Tell how many places there are, and which is the surest of each of the surest views."""
     surest = [next(group) for _, group in groupby(sorted(gaps, key=lambda gap: gap["view"]), lambda gap: gap["view"])]
     first = sorted(surest, key=lambda gap: gap["p_value"])[:FEW]
-    shown = "; ".join(f"{gap_title(gap)} {tables.unit(span(Gap(**gap)))}" for gap in first)
+    shown = "; ".join(f"{gap_title(gap)} {tables.unit(describe_range(Gap(**gap)))}" for gap in first)
     return f"{len(gaps)}: {shown}" if gaps else "none"
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pandas as pd
 
 from imugap import log
-from imugap.discovery.transfer import agreement, explained
+from imugap.discovery.transfer import explained_variance, parameter_agreement
 from imugap.effects import CATALOGUE
 from imugap.figures import discovery, style
 from imugap.figures.style import AXIS_TITLES
@@ -59,7 +59,7 @@ def effects_page(data, agreed, trials):
 def carried(models, logs, ideals, seed):
     """Return what the model of every trial explains of every trial, by axis."""
     found = (
-        explained(models[one], logs[other], ideals[other], stream(seed, "carried", one, other))
+        explained_variance(models[one], logs[other], ideals[other], stream(seed, "carried", one, other))
         .reset_index().assign(model=one, trial=other)
         for one, other in product(models, logs)
     )  # fmt: skip
@@ -150,7 +150,7 @@ if __name__ == "__main__":
         )
         noise = pd.concat(map(pd.read_csv, source.noises))
         data = effects(reports)
-        agreed, share = agreement(data), carried(models, logs, ideals, snakemake.params.seed)
+        agreed, share = parameter_agreement(data), carried(models, logs, ideals, snakemake.params.seed)
         pages = [
             (data, effects_page(data, agreed, trials)),
             (share, explained_page(share, noise)),

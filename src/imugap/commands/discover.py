@@ -10,8 +10,8 @@ from tqdm import tqdm
 from imugap.atomic import write_together
 from imugap.commands.arguments import add_effects, count, probability
 from imugap.discovery.device import Question
-from imugap.discovery.inputs import Files, Inquiry, ask
-from imugap.discovery.report import candidate_table, gap_table, span, verdict
+from imugap.discovery.inputs import FileDiscovery, Files, discover_files
+from imugap.discovery.report import candidate_table, describe_range, gap_table, verdict
 from imugap.discovery.steps import Progress
 
 FILES = (
@@ -56,57 +56,57 @@ def run(options: argparse.Namespace) -> None:
             bar.total, bar.n = steps, done
             bar.set_description(step)
 
-        inquiry = compose(files, question, options.out, progress)
-    print(verdict(inquiry.found))
+        result = compose(files, question, options.out, progress)
+    print(verdict(result.found))
 
 
 def compose(
     files: Files, question: Question, out: str | Path, progress: Progress = lambda step, done, steps: None
-) -> Inquiry:
+) -> FileDiscovery:
     """Discover on files and write all :data:`FILES` into the folder ``out``, or none if anything fails."""
     out = Path(out)
     if out.exists() and not out.is_dir():
         raise ValueError(f"{out}: expected a folder; found a file")
-    inquiry = ask(files, question, progress)
-    write(inquiry, out)
-    return inquiry
+    result = discover_files(files, question, progress)
+    write(result, out)
+    return result
 
 
-def write(inquiry: Inquiry, out: str | Path) -> None:
+def write(result: FileDiscovery, out: str | Path) -> None:
     """Write all :data:`FILES` into the folder ``out``, or none if one of them fails."""
     from imugap.figures import discovery
     from imugap.figures.style import save  # figures take longer to import than to read and check the files
 
-    found = inquiry.found
-    text = json.dumps(inquiry.report(), indent=1, allow_nan=False) + "\n"
+    found = result.found
+    text = json.dumps(result.report(), indent=1, allow_nan=False) + "\n"
     gaps, candidates = gap_table(found.gaps, found.unexplained), candidate_table(found)
-    views = discovery.places(found, inquiry.alpha), discovery.surest(found, inquiry.alpha)
+    views = discovery.places(found, result.alpha), discovery.surest(found, result.alpha)
     drawn = (*views, discovery.distance(found), discovery.drift(found))
     writers = (
         lambda path: path.write_text(text),
         found.final.write,
         lambda path: gaps.to_csv(path, index=False),
         lambda path: candidates.to_csv(path, index=False),
-        lambda path: path.write_text(page(inquiry)),
+        lambda path: path.write_text(page(result)),
         *(lambda path, figure=figure: save(figure, path) for figure in drawn),
     )
     write_together({Path(out) / name: writer for name, writer in zip(FILES, writers, strict=True)})
 
 
-def page(inquiry: Inquiry) -> str:
+def page(result: FileDiscovery) -> str:
     """Return the report to read, in Markdown; it shows the figures that lie beside it."""
-    found = inquiry.found
+    found = result.found
     logs = [f"- {role}: `{one['path']}`, {one['duration_s']:.6g} s at {one['rate_hz']:.6g} Hz; its first stamp, "
             f"{one['begin_s']:.10g} s, is time zero here"
-            for role, some in (("log", inquiry.logs), ("test", inquiry.tests)) for one in some]  # fmt: skip
-    held_out = "the test logs" if inquiry.tests else "the last part of the log"
+            for role, some in (("log", result.logs), ("test", result.tests)) for one in some]  # fmt: skip
+    held_out = "the test logs" if result.tests else "the last part of the log"
     parts = [
         "# Where simulation and measurement disagree, and what is missing",
         "\n".join(logs),
         "## Verdict",
         "\n".join(f"- {line}" for line in verdict(found).splitlines()),
         "## Effects",
-        _table(_effects(inquiry)),
+        _table(_effects(result)),
         "## Places",
         "Where the log leaves the start model:",
         _table(_places(found.gaps)),
@@ -114,18 +114,18 @@ def page(inquiry: Inquiry) -> str:
         _table(_places(found.unexplained)),
         "![The surest place of each view before and after](surest.svg)",
         "![Each place before and after](places.svg)\n\nViews with a place, before (start model, held-in part) and "
-        f"after (final model, whole log). Line: the log. Band: where {1 - inquiry.alpha:.0%} of simulated logs stay "
+        f"after (final model, whole log). Line: the log. Band: where {1 - result.alpha:.0%} of simulated logs stay "
         "everywhere. Bars: the places. Probabilities much below one in a hundred are extrapolated from simulations.",
         "## Distance",
         f"On {held_out}. The floor is how far simulations of the final model are from each other.",
-        _table(_distances(inquiry)),
+        _table(_distances(result)),
         "![Distance before and after](distance.svg)",
         "![Navigation drift before and after](drift.svg)",
     ]  # fmt: skip
     return "\n\n".join(parts) + "\n"
 
 
-def _effects(inquiry: Inquiry) -> pd.DataFrame:
+def _effects(result: FileDiscovery) -> pd.DataFrame:
     rows = [
         (
             ", ".join(one.axes),
@@ -133,20 +133,23 @@ def _effects(inquiry: Inquiry) -> pd.DataFrame:
             "; ".join(f"{name} {_interval(end)} {end.unit}".removesuffix(" 1") for name, end in one.parameters.items()),
             ", ".join(name for name, _ in one.alternatives) or "-",
         )
-        for one in inquiry.found.findings
+        for one in result.found.findings
     ]
     return pd.DataFrame(rows, columns=["axes", "name", "parameters (95 %)", "not to be told from it"])
 
 
 def _places(gaps) -> pd.DataFrame:
-    rows = [(gap.axis, gap.view, span(gap), f"{gap.p_value:.1e}" if gap.p_value else f"< {LEAST:.0e}") for gap in gaps]
+    rows = [
+        (gap.axis, gap.view, describe_range(gap), f"{gap.p_value:.1e}" if gap.p_value else f"< {LEAST:.0e}")
+        for gap in gaps
+    ]
     return pd.DataFrame(rows, columns=["axis", "view", "where", "p-value"])
 
 
-def _distances(inquiry: Inquiry) -> pd.DataFrame:
+def _distances(result: FileDiscovery) -> pd.DataFrame:
     rows = [
         (name, *(_interval(getattr(apart, state)) for state in ("before", "after", "floor")))
-        for name, apart in inquiry.found.distances.items()
+        for name, apart in result.found.distances.items()
     ]
     return pd.DataFrame(rows, columns=["distance", "before", "after", "floor"])
 

@@ -20,7 +20,7 @@ from imugap.discovery.checks import (
 )
 from imugap.discovery.checks.motion import all_against_motion, motion_gain
 from imugap.discovery.checks.withheld import Withheld, withheld
-from imugap.discovery.finding import CERTAIN, Finding, Gap, Interval
+from imugap.discovery.finding import MIN_LOG_P, Finding, Gap, Interval
 from imugap.discovery.fit.axis_fit import AxisFit, fit, log_score, offset
 from imugap.discovery.fit.start_model import described
 from imugap.discovery.fit.telegraph_likelihood import compare
@@ -326,7 +326,7 @@ def power_law_finding(search: Search, found: AxisFit) -> Finding | None:
     if not laws:
         return None
     law = at(found.description, laws[0])
-    return Finding({found.sequence.conditions.axis: law}, intervals(found, found, laws[0]), CERTAIN)
+    return Finding({found.sequence.conditions.axis: law}, intervals(found, found, laws[0]), MIN_LOG_P)
 
 
 def _telegraph_finding(
@@ -349,13 +349,15 @@ def _telegraph_finding(
         odd.append("it has more than two values")
     if odd:
         ends = map(float, conditions.time[[0, -1]])
-        return (), (Withheld(effect.name, odd[0], Gap("change", axis, *ends, "s", float(np.exp(max(log_p, CERTAIN))))),)
+        return (), (
+            Withheld(effect.name, odd[0], Gap("change", axis, *ends, "s", float(np.exp(max(log_p, MIN_LOG_P))))),
+        )
     units = effect.units(axis_unit(axis))
     parameters = {
         name: Interval(value, *searched.switching.intervals[name], units[name])
         for name, value in effect.parameters().items()
     }
-    return (Finding({axis: effect}, parameters, max(log_p, CERTAIN), searched.switching.gain),), ()
+    return (Finding({axis: effect}, parameters, max(log_p, MIN_LOG_P), searched.switching.gain),), ()
 
 
 def _finding(searched: AxisSearch, found: AxisFit, key: Key) -> Finding:
@@ -383,7 +385,7 @@ def _finding(searched: AxisSearch, found: AxisFit, key: Key) -> Finding:
     else:
         parameters = intervals(found, without, key)
         gain = _gain(searched, effect, found, without)
-    return Finding({axis: effect}, parameters, max(own.log_p, CERTAIN), float(gain), tuple(alternatives.items()))
+    return Finding({axis: effect}, parameters, max(own.log_p, MIN_LOG_P), float(gain), tuple(alternatives.items()))
 
 
 def _gain(searched: AxisSearch, effect: Effect, found: AxisFit, without: AxisFit) -> float:
@@ -414,7 +416,7 @@ def white_noise_finding(found: AxisFit) -> tuple[Finding, ...]:
     axis, effect = found.sequence.conditions.axis, found.description.noise.effects[0]
     parameters = intervals(found, found, Key("noise", 0))
     seen = parameters["density"].low > 0
-    return (Finding({axis: effect}, parameters, CERTAIN),) if seen else ()
+    return (Finding({axis: effect}, parameters, MIN_LOG_P),) if seen else ()
 
 
 def _outlier_parameters(search: Search, found: AxisFit) -> dict[str, Interval]:

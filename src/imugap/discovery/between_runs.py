@@ -1,4 +1,4 @@
-"""Several runs of one device: does its bias differ from run to run, does its sampling clock?"""
+"""Effects that differ between runs of one device: turn-on bias and sampling clock."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -6,8 +6,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.stats import chi2
 
-from imugap.discovery.checks import LEVEL as DRIFTING
-from imugap.discovery.checks import shape_log_p
+from imugap.discovery.checks import LEVEL, shape_log_p
 from imugap.discovery.finding import Finding, Interval, finding
 from imugap.discovery.fit.axis_fit import AxisFit, Description, Term, fit, jacobian, offset
 from imugap.discovery.preparation.sequence import AxisSequence
@@ -17,44 +16,44 @@ from imugap.effects.effect import Effect, Role, StochasticEffect
 from imugap.integrity.sampling_clock import BLOCKS, SHORTEST, relative_interval, spectra
 from imugap.log import TIME, from_samples
 
-BEGIN, NEVER = 0.1049769, 1e-7
-"""Periods per run above which noise adds to the variance of a mean: of what begins with the run, and of other noise.
+WALK_CUTOFF, STATIONARY_CUTOFF = 0.1049769, 1e-7
+"""Lower limits [periods per run] of the variance integral of a mean: of noise that starts with the run, and stationary.
 
-From the first on the spectrum of a random walk makes that of its mean, K^2 duration/3: the integral of sinc^2(x)/x^2
+With the first, the spectrum of a random walk makes that of its mean, K^2 duration/3: the integral of sinc^2(x)/x^2
 is 2 pi^2/3.
 """
-LASTING = 0.2
-"""Correlation time, in runs, from which on noise holds a level through a run."""
+MAX_CORRELATION_TIME = 0.2
+"""Maximum correlation time [runs] of noise that does not imitate a constant level in a run."""
 FREQUENCIES = 20_000
-"""At which the integral over the spectrum is taken."""
-NEAR = 0.01
-"""Largest relative difference of the frequency of a line between runs whose clocks nothing else compares."""
-CLEAR = 20.0
-"""Gain of log-likelihood from which a line is the one of the other run."""
-WIDE = 4.0
-"""Standard deviations of the ratio of clocks, or periods per log, within which a line is looked for."""
-CONFLICT = 0.01
-"""Probability below which kinds of evidence disagree."""
+"""Number of frequencies of the integral over the spectrum."""
+MAX_LINE_SHIFT = 0.01
+"""Maximum relative shift of a line between runs whose clocks no other evidence compares."""
+MIN_LINE_GAIN = 20.0
+"""Minimum log-likelihood gain of a line to be identified with that of the other run."""
+SEARCH_WIDTH = 4.0
+"""Half-width of the search for a line [standard deviations of the clock ratio, or periods per log]."""
+MIN_AGREEMENT = 0.01
+"""Minimum probability for kinds of evidence to agree."""
 Runs = list[Mapping[str, AxisFit]]
-"""Axis to its fit, for each run."""
+"""Fit of each axis, for each run."""
 Catalogue = Sequence[type[Effect]]
 """Kinds of effects that may be missing."""
-EVERY = tuple(CATALOGUE.values())
+ALL_KINDS = tuple(CATALOGUE.values())
 
 
-def turn_on(fits: Runs, log_alpha: float, catalogue: Catalogue = EVERY) -> tuple[Finding, ...]:
-    """Return the axes whose levels differ between runs by more than the noise of each run lets them.
+def turn_on_findings(fits: Runs, log_alpha: float, catalogue: Catalogue = ALL_KINDS) -> tuple[Finding, ...]:
+    """Return the axes whose levels differ significantly between runs, with their turn-on bias.
 
-    A level is the mean less the systematic terms, which every run may have; where it stands is told by
-    :func:`level_error`. The weighted scatter of the levels is chi-square distributed with one degree of freedom less
+    A level is the mean less the systematic terms, which each run may have; its error is :func:`level_error`. The
+    weighted scatter of the levels is chi-square distributed with one degree of freedom less
     than runs.
     """
     axes = [axis for axis in fits[0] if all(axis in one for one in fits)]
-    found = (_turn_on(axis, [one[axis] for one in fits], catalogue, log_alpha) for axis in axes)
+    found = (_turn_on_finding(axis, [one[axis] for one in fits], catalogue, log_alpha) for axis in axes)
     return tuple(one for one in found if one is not None)
 
 
-def _turn_on(axis: str, runs: list[AxisFit], catalogue: Catalogue, log_alpha: float) -> Finding | None:
+def _turn_on_finding(axis: str, runs: list[AxisFit], catalogue: Catalogue, log_alpha: float) -> Finding | None:
     levels = np.array([offset(run.sequence, run.description) for run in runs])
     errors = np.array([level_error(run) for run in runs])
     if not np.isfinite(errors).all():
@@ -67,21 +66,24 @@ def _turn_on(axis: str, runs: list[AxisFit], catalogue: Catalogue, log_alpha: fl
 
 
 def level_error(run: AxisFit) -> float:
-    """Return the standard deviation of the level of a run: that of its mean, and of the terms that are taken off it.
+    """Return the standard deviation of the level of a run, of its mean and of the subtracted terms.
 
-    Infinite beside noise with a memory that may be as long as the run, or of any slope: it holds a level like a bias.
+    Infinite with noise whose correlation time may reach the run, or of free slope, which cannot be distinguished from a
+    bias.
     """
     conditions, noise = run.sequence.conditions, run.description.noise
     duration = conditions.interval * len(conditions)
-    if any(memory > LASTING * duration for memory in _memories(run)) or not all(one.named for one in noise.effects):
+    if any(memory > MAX_CORRELATION_TIME * duration for memory in _correlation_times(run)) or not all(
+        one.named for one in noise.effects
+    ):
         return np.inf
     slopes = jacobian(run.description.terms, run.sequence).mean(axis=0)
     variance = sum(mean_variance(effect, duration, conditions.interval) for effect in noise.effects)
     return float(np.sqrt(variance + slopes @ run.covariance @ slopes))
 
 
-def _memories(run: AxisFit) -> Iterator[float]:
-    """Yield the correlation time of each Gauss-Markov process, the upper end of its interval [s]."""
+def _correlation_times(run: AxisFit) -> Iterator[float]:
+    """Yield the upper end of the 95 % interval of each correlation time [s]."""
     covariance = run.noise.covariance
     for place, (index, name) in enumerate(run.description.noise.parameters()):
         if name == "correlation_time":
@@ -92,37 +94,37 @@ def _memories(run: AxisFit) -> Iterator[float]:
 def mean_variance(effect: StochasticEffect, duration: float, interval: float) -> float:
     """Return the variance of the mean of noise over a run, the integral of S(f) sinc^2(f duration).
 
-    A random walk begins with its run: below :data:`BEGIN` periods per run nothing is
-    missing, which makes it K^2 duration/3; and neither is of flicker, whose variance has no bound.
+    A random walk starts with its run: the integral from :data:`WALK_CUTOFF` periods per run makes it K^2 duration/3.
+    Flicker noise, whose variance is unbounded, has the same limit.
     """
-    lowest = (NEVER if effect.stationary else BEGIN) / duration
+    lowest = (STATIONARY_CUTOFF if effect.stationary else WALK_CUTOFF) / duration
     frequency = np.geomspace(lowest, 0.5 / interval, FREQUENCIES)
     passed = effect.sampled_psd(frequency, interval) * np.sinc(frequency * duration) ** 2
     return 2 * float(np.trapezoid(passed, frequency))
 
 
-def clocks(fits: Runs, log_alpha: float, catalogue: Catalogue = EVERY) -> tuple[Finding, ...]:
-    """Return the runs whose clock differs from that of the first, each with its number: lines and roll-off have moved.
+def clock_findings(fits: Runs, log_alpha: float, catalogue: Catalogue = ALL_KINDS) -> tuple[Finding, ...]:
+    """Return the clock errors of the runs relative to the first, each with the number of its run.
 
-    Evidence are the spectra of blocks (:mod:`imugap.integrity.sampling_clock`), which find any ratio, and the lines
-    that are steady through both runs, which tell a ratio near one as closely as their frequencies are known. The other
-    terms of the fits but the lines have to be what any run of the device has.
+    Evidence is the shift of lines and roll-off in the spectra of blocks (:mod:`imugap.integrity.sampling_clock`), for
+    any ratio, and the frequencies of lines that are steady in both runs, for a ratio near one. All terms of the fits
+    but the lines have to be those of any run of the device.
     """
     first, *others = fits
     found = (
-        _clock(first, other, run, catalogue, log_alpha - np.log(len(others)))
+        _clock_finding(first, other, run, catalogue, log_alpha - np.log(len(others)))
         for run, other in enumerate(others, start=2)
     )
     return tuple(one for one in found if one is not None)
 
 
-def _clock(
+def _clock_finding(
     first: Mapping[str, AxisFit], other: Mapping[str, AxisFit], run: int, catalogue: Catalogue, log_alpha: float
 ) -> Finding | None:
-    """Return by how much the clock of a run differs, if it does; nothing where kinds of evidence disagree."""
-    blocks = _mean(_by_blocks(first, other))
-    lines = _mean(_by_lines(first, other, blocks))
-    known = _mean([one for one in (blocks, lines) if one is not None])
+    """Return the clock error of a run if significant; None where kinds of evidence disagree."""
+    blocks = _weighted_mean(_from_blocks(first, other))
+    lines = _weighted_mean(_from_lines(first, other, blocks))
+    known = _weighted_mean([one for one in (blocks, lines) if one is not None])
     if known is None:
         return None
     mean, sd = known
@@ -134,25 +136,25 @@ def _clock(
     return replace(found, parameters=found.parameters | {"run": Interval(run, run, run, "1")})
 
 
-Measure = tuple[float, float]
-"""Logarithm of the true sampling interval of a run over that of its stamps, of which the first run sets the measure,
-and its standard deviation."""
+LogRatio = tuple[float, float]
+"""Logarithm of the ratio of true to stamped sampling interval, relative to the first run, and its standard
+deviation."""
 
 
-def _mean(found: list[Measure]) -> Measure | None:
-    """Return the mean by inverse variance, or None where there is none or what there is disagrees."""
+def _weighted_mean(found: list[LogRatio]) -> LogRatio | None:
+    """Return the inverse-variance mean, or None without values or where they disagree."""
     if not found:
         return None
     values, weights = np.array([value for value, _ in found]), np.array([sd**-2 for _, sd in found])
     mean = float(np.average(values, weights=weights))
-    agree = chi2.sf(weights @ (values - mean) ** 2, max(len(found) - 1, 1)) > CONFLICT
+    agree = chi2.sf(weights @ (values - mean) ** 2, max(len(found) - 1, 1)) > MIN_AGREEMENT
     return (mean, float(weights.sum() ** -0.5)) if agree or len(found) == 1 else None
 
 
-def _by_blocks(first: Mapping[str, AxisFit], other: Mapping[str, AxisFit]) -> list[Measure]:
-    """Return what the spectra of blocks say, if the runs are long enough for them.
+def _from_blocks(first: Mapping[str, AxisFit], other: Mapping[str, AxisFit]) -> list[LogRatio]:
+    """Return the ratios by the spectra of blocks, none for runs that are too short.
 
-    They compare samples; that the stamps of the runs have other intervals is no error of a clock.
+    Spectra compare samples; the known ratio of the stamped intervals is subtracted.
     """
     intervals = [next(iter(one.values())).sequence.conditions.interval for one in (first, other)]
     logs = [
@@ -166,45 +168,48 @@ def _by_blocks(first: Mapping[str, AxisFit], other: Mapping[str, AxisFit]) -> li
     return [(one.log_ratio - stamped, one.sd) for one in (clock.lines, clock.rolloff) if one and one.sd > 0]
 
 
-def _by_lines(first: Mapping[str, AxisFit], other: Mapping[str, AxisFit], blocks: Measure | None) -> list[Measure]:
-    """Return the ratio of the frequencies of each line that is steady in both runs."""
+def _from_lines(first: Mapping[str, AxisFit], other: Mapping[str, AxisFit], blocks: LogRatio | None) -> list[LogRatio]:
+    """Return the ratio by each line that is steady in both runs."""
     return [
-        evidence for axis, found in first.items() if axis in other for evidence in _moved(found, other[axis], blocks)
+        evidence
+        for axis, found in first.items()
+        if axis in other
+        for evidence in _line_ratios(found, other[axis], blocks)
     ]
 
 
-def _moved(first: AxisFit, other: AxisFit, blocks: Measure | None) -> Iterator[Measure]:
+def _line_ratios(first: AxisFit, other: AxisFit, blocks: LogRatio | None) -> Iterator[LogRatio]:
     terms = first.description.terms
-    quiet = fit(other.sequence, replace(other.description, terms=_others(other.description.terms)))
+    without_lines = fit(other.sequence, replace(other.description, terms=_without_lines(other.description.terms)))
     for index in (i for i, term in enumerate(terms) if term.effect.line):
-        line = _line_near(quiet, terms[index], blocks)
+        line = _line_near(without_lines, terms[index], blocks)
         if line is None:
             continue
-        found = fit(other.sequence, replace(quiet.description, terms=(*quiet.description.terms, line)))
-        if _steady(first, index) and _steady(found, len(found.description.terms) - 1):
+        found = fit(other.sequence, replace(without_lines.description, terms=(*without_lines.description.terms, line)))
+        if _is_steady(first, index) and _is_steady(found, len(found.description.terms) - 1):
             before, after = _frequency(first, index), _frequency(found, len(found.description.terms) - 1)
             yield float(np.log(after[0] / before[0])), float(np.hypot(before[1] / before[0], after[1] / after[0]))
 
 
-def _others(terms: tuple[Term, ...]) -> tuple[Term, ...]:
+def _without_lines(terms: tuple[Term, ...]) -> tuple[Term, ...]:
     return tuple(term for term in terms if not term.effect.line)
 
 
-def _line_near(quiet: AxisFit, line: Term, blocks: Measure | None) -> Term | None:
-    """Return the highest line where that of the first run may be, or None if none is clear."""
-    ratio, sd = blocks or (0.0, NEAR / WIDE)
-    duration = quiet.sequence.conditions.interval * len(quiet.residual)
-    tried, gains, _ = quiet.lines
+def _line_near(without_lines: AxisFit, line: Term, blocks: LogRatio | None) -> Term | None:
+    """Return the strongest line within the search width of a line of the first run, or None below the minimum gain."""
+    ratio, sd = blocks or (0.0, MAX_LINE_SHIFT / SEARCH_WIDTH)
+    duration = without_lines.sequence.conditions.interval * len(without_lines.residual)
+    tried, gains, _ = without_lines.lines
     frequency = line.effect.frequency
-    near = np.abs(tried - frequency * np.exp(ratio)) < WIDE * max(sd * frequency, 1 / duration)
-    if not near.any() or gains[near].max() < CLEAR:
+    near = np.abs(tried - frequency * np.exp(ratio)) < SEARCH_WIDTH * max(sd * frequency, 1 / duration)
+    if not near.any() or gains[near].max() < MIN_LINE_GAIN:
         return None
     best = float(tried[near][np.argmax(gains[near])])
-    return replace(line, effect=type(line.effect).at(best, quiet))
+    return replace(line, effect=type(line.effect).at(best, without_lines))
 
 
-def _steady(found: AxisFit, index: int) -> bool:
-    return shape_log_p(found, index) > DRIFTING
+def _is_steady(found: AxisFit, index: int) -> bool:
+    return shape_log_p(found, index) > LEVEL
 
 
 def _frequency(found: AxisFit, index: int) -> tuple[float, float]:
@@ -213,10 +218,10 @@ def _frequency(found: AxisFit, index: int) -> tuple[float, float]:
     return found.description.terms[index].effect.frequency, (high - low) / 2 / NORMAL
 
 
-def as_first(sequence: AxisSequence, terms: tuple[Term, ...], first: AxisFit) -> AxisFit:
-    """Fit another run of a device: the terms of the start model, and terms and noise that the first run shows.
+def fit_like_first(sequence: AxisSequence, terms: tuple[Term, ...], first: AxisFit) -> AxisFit:
+    """Fit another run of a device with the terms of the start model and the terms and noise of the first run.
 
-    Lines have another phase in each run, and steps another time.
+    Lines and steps are left out: their phase and time differ from run to run.
     """
     added = first.description.terms[len(terms) :]
     repeated = tuple(term for term in added if not (term.effect.event or term.effect.line))

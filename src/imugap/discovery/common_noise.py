@@ -1,4 +1,4 @@
-"""Noise that axes share: the correlation of what is left of them after everything of their own is described."""
+"""White noise common to several axes: correlation of their whitened residuals, and a one-factor model of it."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -16,23 +16,23 @@ from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.effects import CommonMode, WhiteNoise
 from imugap.effects.effect import TINY
 
-FAINT = 1e-9
-"""Information of a sample that keeps what axes of no loading leave open finite."""
-CLEAR = 1e-3
-"""Power gain of a filter above which what it lets through is the axis' own."""
-WHITE = (CommonMode, WhiteNoise)
-"""White noise."""
-BANDS, FEWEST = 16, 32
-"""Bands of frequency in which a correlation is looked at, and the coefficients in the lowest."""
-SLIGHT = 0.1
-"""Relative unevenness of a correlation that leaves noise white."""
-BLOCKS, MOMENTS, LEFT = 20, 4, 1 / 3
-"""Blocks of time, the number of those that may not hold all, and the share of the product that others have to hold."""
+MIN_INFORMATION = 1e-9
+"""Minimum Fisher information per sample, which keeps the errors of axes without loading finite."""
+MIN_POWER_GAIN = 1e-3
+"""Minimum power gain of the output filter for using a frequency."""
+WHITE_KINDS = (CommonMode, WhiteNoise)
+"""Effects that are white noise."""
+BANDS, MIN_COEFFICIENTS = 16, 32
+"""Number of frequency bands for the test of whiteness, and minimum number of coefficients in the lowest."""
+TOLERATED_DEVIATION = 0.1
+"""Tolerated relative deviation of the correlation over frequency for white noise."""
+BLOCKS, MAX_EVENT_BLOCKS, MIN_REMAINDER = 20, 4, 1 / 3
+"""Number of blocks of time, maximum number of blocks of an event, and minimum share of the product in the others."""
 
 
 @dataclass(frozen=True, eq=False)
-class Shared:
-    """A white part that axes share.
+class CommonNoise:
+    """White noise common to several axes.
 
     Attributes
     ----------
@@ -52,7 +52,7 @@ class Shared:
     log_p: float
 
     def finding(self, unit: str) -> Finding:
-        """Return it as an effect of each axis: one density, a loading for each axis."""
+        """Return a finding with one density and a loading for each axis."""
         density, error = abs(float(self.densities[0])), float(self.errors[0])
         parameters = {"density": Interval(density, max(density - 1.96 * error, 0.0), density + 1.96 * error, unit)}
         effects = {}
@@ -64,8 +64,8 @@ class Shared:
         return Finding(effects, parameters, self.log_p)
 
 
-def shared(fits: dict[str, AxisFit], log_alpha: float) -> tuple[Shared, ...]:
-    """Return the groups of axes whose whitened residuals are correlated beyond chance, as white noise makes them."""
+def find_common_noise(fits: dict[str, AxisFit], log_alpha: float) -> tuple[CommonNoise, ...]:
+    """Return the groups of axes whose whitened residuals have a significant, white and lasting correlation."""
     axes = tuple(fits)
     if len(axes) < 2:
         return ()
@@ -81,9 +81,9 @@ def shared(fits: dict[str, AxisFit], log_alpha: float) -> tuple[Shared, ...]:
     _, label = connected_components(linked, directed=False)
     groups = [np.flatnonzero(label == one) for one in range(label.max() + 1)]
     several = [members for members in groups if len(members) > 1]
-    white = [members for members in several if _white_together(spectra, members) and _lasting(spectra, members)]
+    white = [members for members in several if _is_white(spectra, members) and _is_lasting(spectra, members)]
     return tuple(
-        _group(
+        _one_factor(
             axes,
             members,
             correlation,
@@ -95,17 +95,17 @@ def shared(fits: dict[str, AxisFit], log_alpha: float) -> tuple[Shared, ...]:
     )
 
 
-def _group(
+def _one_factor(
     axes: tuple[str, ...], members: np.ndarray, correlation: np.ndarray, fits: dict[str, AxisFit], log_p: float, n: int
-) -> Shared:
-    """Return the densities of one factor, of equal share on two axes, by the mean of all pairs on more.
+) -> CommonNoise:
+    """Fit one common factor to the correlations; return its density on each axis.
 
-    The errors are those of the covariance of ``n`` samples.
+    On two axes, which determine only the product, both have equal loadings. Errors are those of ``n`` samples.
     """
     block = correlation[np.ix_(members, members)]
     loadings = _loadings(block)
     loadings *= np.sign(loadings[0]) or 1.0
-    white = np.array([_white(fits[axes[i]]) for i in members])
+    white = np.array([_white_density(fits[axes[i]]) for i in members])
     if len(members) == 2:
         product = abs(block[0, 1]) * white.prod()
         densities = np.sqrt(product) * np.array([1.0, np.sign(block[0, 1])])
@@ -113,13 +113,13 @@ def _group(
     else:
         densities = loadings * white
         errors = white * loading_errors(loadings, n)
-    return Shared(tuple(axes[i] for i in members), densities, errors, log_p)
+    return CommonNoise(tuple(axes[i] for i in members), densities, errors, log_p)
 
 
 def loading_errors(loadings: np.ndarray, n: int) -> np.ndarray:
-    """Return the Cramer-Rao standard deviations of the loadings of one factor, each axis with noise of its own besides.
+    """Return the Cramer-Rao standard deviations of the loadings of one factor with independent noise on each axis.
 
-    Those of three axes or more, whose noise has unit variance, from ``n`` samples.
+    For three or more axes of unit total variance, and ``n`` samples.
     """
     unit = np.eye(len(loadings))
     own = np.maximum(1 - loadings**2, 1e-6)
@@ -127,22 +127,22 @@ def loading_errors(loadings: np.ndarray, n: int) -> np.ndarray:
     slopes = [inverse @ (np.outer(one, loadings) + np.outer(loadings, one)) for one in unit]
     slopes += [inverse @ np.outer(one, one) for one in unit]
     information = n / 2 * np.array([[np.trace(a @ b) for b in slopes] for a in slopes])
-    known = information + FAINT * n * np.eye(len(information))
+    known = information + MIN_INFORMATION * n * np.eye(len(information))
     return np.sqrt(np.diag(np.linalg.inv(known))[: len(loadings)])
 
 
 @dataclass(frozen=True, eq=False)
 class _Spectrum:
-    """The spectrum of an axis' whitened residual, without the phase that a filter of the output gave it.
+    """Spectrum of the whitened residual of an axis, without the phase of the output filter.
 
     Attributes
     ----------
     values
         Fourier coefficients from the second on, shape (m,), complex.
     clear
-        Where a filter lets through more than what leaks in from other frequencies, shape (m,).
+        Whether the output filter passes more than leaks in from other frequencies, shape (m,).
     share
-        Share of the amplitude that is white noise, shape (m,).
+        Share of white noise in the amplitude, shape (m,).
     """
 
     values: np.ndarray
@@ -151,21 +151,21 @@ class _Spectrum:
 
     @staticmethod
     def of(fit: AxisFit, good: np.ndarray) -> "_Spectrum":
-        """Return that of a fit, of the samples that are ``good``."""
+        """Return the spectrum of a fit from the samples that are ``good``, shape (n,)."""
         noise, interval = fit.description.noise, fit.sequence.conditions.interval
         frequency = rfftfreq(len(good), interval)[1:]
         values = rfft(np.where(good, fit.whitened, 0.0))[1:]
-        white = replace(noise, effects=tuple(one for one in noise.effects if isinstance(one, WHITE)))
+        white = replace(noise, effects=tuple(one for one in noise.effects if isinstance(one, WHITE_KINDS)))
         share = np.sqrt(white.variance(fit.sequence.bins) / noise.variance(fit.sequence.bins))
         share = np.interp(frequency, fit.sequence.bins.frequency, share)
         if noise.output_filter is None:
             return _Spectrum(values, np.ones(len(frequency), bool), share)
-        clear = noise.output_filter.gain(frequency, interval) > CLEAR
+        clear = noise.output_filter.gain(frequency, interval) > MIN_POWER_GAIN
         return _Spectrum(noise.output_filter.unturned(values, frequency, interval), clear, share)
 
 
 def _correlation(spectra: Sequence[_Spectrum], good: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the correlations of the whitened residuals and from how many values each is, shape (axes, axes)."""
+    """Return the correlations of the whitened residuals and their numbers of values, each of shape (axes, axes)."""
     correlation, number = np.eye(len(spectra)), np.full((len(spectra), len(spectra)), good.sum())
     for i, j in combinations(range(len(spectra)), 2):
         both = spectra[i].clear & spectra[j].clear
@@ -176,34 +176,34 @@ def _correlation(spectra: Sequence[_Spectrum], good: np.ndarray) -> tuple[np.nda
     return correlation, number
 
 
-def _white_together(spectra: Sequence[_Spectrum], members: np.ndarray) -> bool:
-    """Return whether chance explains how uneven over frequency the correlations of all pairs are."""
-    chances = [_uneven(spectra[i], spectra[j]) for i, j in combinations(members, 2)]
+def _is_white(spectra: Sequence[_Spectrum], members: np.ndarray) -> bool:
+    """Return whether the correlation of each pair is constant over frequency within chance."""
+    chances = [_whiteness_log_p(spectra[i], spectra[j]) for i, j in combinations(members, 2)]
     return min(chances) + np.log(len(chances)) > LEVEL
 
 
-def _lasting(spectra: Sequence[_Spectrum], members: np.ndarray) -> bool:
-    """Return whether axes go together all the time: noise in common is no event of a few moments."""
-    pairs = [_products(spectra[i], spectra[j]) for i, j in combinations(members, 2)]
+def _is_lasting(spectra: Sequence[_Spectrum], members: np.ndarray) -> bool:
+    """Return whether axes are correlated throughout the log and not only in a short event."""
+    pairs = [_block_products(spectra[i], spectra[j]) for i, j in combinations(members, 2)]
     together = np.sort(np.sum([pair * np.sign(pair.sum()) for pair in pairs], axis=0))
-    return together[:-MOMENTS].sum() > LEFT * together.sum()
+    return together[:-MAX_EVENT_BLOCKS].sum() > MIN_REMAINDER * together.sum()
 
 
-def _products(one: _Spectrum, other: _Spectrum) -> np.ndarray:
+def _block_products(one: _Spectrum, other: _Spectrum) -> np.ndarray:
     """Return the sums of the product of two axes over blocks of time, shape (blocks,)."""
     a, b = (irfft(np.r_[0.0, np.where(axis.clear, axis.values, 0.0)]) for axis in (one, other))
     return np.array([block.sum() for block in np.array_split(a * b, BLOCKS)])
 
 
-def _uneven(one: _Spectrum, other: _Spectrum) -> float:
-    """Return the log-probability that noise which is white has a correlation as uneven in bands of frequency.
+def _whiteness_log_p(one: _Spectrum, other: _Spectrum) -> float:
+    """Return the log-probability of the chi-square of the correlation over frequency bands for white noise.
 
-    A relative unevenness of :data:`SLIGHT` is none: no real noise is quite white.
+    Noncentral for a relative deviation of :data:`TOLERATED_DEVIATION`, as real noise has it.
     """
     both = one.clear & other.clear
-    if both.sum() < 2 * FEWEST:
+    if both.sum() < 2 * MIN_COEFFICIENTS:
         return 0.0
-    first = np.unique(np.r_[0, np.geomspace(FEWEST, both.sum(), BANDS).astype(int)])[:-1]
+    first = np.unique(np.r_[0, np.geomspace(MIN_COEFFICIENTS, both.sum(), BANDS).astype(int)])[:-1]
     a, b, share = one.values[both], other.values[both], (one.share * other.share)[both]
     cross, power, other_power = (
         np.add.reduceat(part, first) for part in ((a.conj() * b).real, np.abs(a) ** 2, np.abs(b) ** 2)
@@ -214,18 +214,18 @@ def _uneven(one: _Spectrum, other: _Spectrum) -> float:
     variance = number * (1 + (size * expected / number) ** 2) / 2
     size = np.sum(total * expected / variance) / np.sum(expected**2 / variance)
     apart = np.sum((total - size * expected) ** 2 / variance)
-    slight = np.sum((SLIGHT * size * expected) ** 2 / variance)
+    slight = np.sum((TOLERATED_DEVIATION * size * expected) ** 2 / variance)
     return float(np.log(max(ncx2.sf(apart, len(total) - 1, slight), TINY)))
 
 
-def _white(fit: AxisFit) -> float:
-    """Return the density of the noise near half the sampling rate, ahead of the filter of the output."""
+def _white_density(fit: AxisFit) -> float:
+    """Return the density of the noise at half the sampling rate, ahead of the output filter."""
     noise = replace(fit.description.noise, output_filter=None)
     return float(np.sqrt(noise.variance(fit.sequence.bins)[-1] * fit.sequence.conditions.interval))
 
 
 def _loadings(block: np.ndarray, rounds: int = 200) -> np.ndarray:
-    """Return the loadings of one factor that fit the off-diagonal correlations best (principal factors, iterated)."""
+    """Return the loadings of one factor by iterated principal-factor analysis of the correlations."""
     communality = np.max(np.abs(block - np.eye(len(block))), axis=0)
     for _ in range(rounds):
         reduced = block - np.diag(1 - communality)

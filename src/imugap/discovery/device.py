@@ -14,11 +14,11 @@ import pandas as pd
 
 from imugap.discovery.assembly import axis_effects, device_model, keep_undetermined, output_effects, with_effects
 from imugap.discovery.axis import AxisResult, AxisSearch, part, white_noise_finding
-from imugap.discovery.between_runs import as_first, clocks, turn_on
-from imugap.discovery.common_noise import shared
+from imugap.discovery.between_runs import clock_findings, fit_like_first, turn_on_findings
+from imugap.discovery.common_noise import find_common_noise
 from imugap.discovery.evaluation.distance import Distances, Drifts
 from imugap.discovery.evaluation.held_out import HELD_IN, compare_held_out, compare_test_run, distances
-from imugap.discovery.finding import CERTAIN, Finding, Gap
+from imugap.discovery.finding import MIN_LOG_P, Finding, Gap
 from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.discovery.fit.start_model import described, noisy
 from imugap.discovery.pooling import agree_on_noise, name_pooled, pooled_finding, search_each
@@ -297,7 +297,9 @@ def _locate_gaps(stage: _Named) -> _Located:
 
 def _compare_runs(stage: _Located) -> _Compared:
     """Find the noise that axes share, and the differences between runs, as far as the start model has neither."""
-    common = (one.finding(f"{axis_unit(one.axes[0])}/sqrt(Hz)") for one in shared(stage.whole, stage.log_alpha))
+    common = (
+        one.finding(f"{axis_unit(one.axes[0])}/sqrt(Hz)") for one in find_common_noise(stage.whole, stage.log_alpha)
+    )
     return _Compared(**vars(stage), common=_news(common, stage.known), between=_news(_between_runs(stage), stage.known))
 
 
@@ -392,8 +394,11 @@ def _between_runs(stage: _Located) -> tuple[Finding, ...]:
         sequences = prepare(log, None, question.seed, question.start, question.catalogue).sequences
         whole = {axis: part(sequences[axis], 0, len(sequences[axis].values)) for axis in first if axis in sequences}
         starts = {axis: described(axis_effects(stage.known, axis), one) for axis, one in whole.items()}
-        fits.append({axis: as_first(one, starts[axis].terms, first[axis]) for axis, one in whole.items()})
-    found = (*turn_on(fits, stage.log_alpha, question.catalogue), *clocks(fits, stage.log_alpha, question.catalogue))
+        fits.append({axis: fit_like_first(one, starts[axis].terms, first[axis]) for axis, one in whole.items()})
+    found = (
+        *turn_on_findings(fits, stage.log_alpha, question.catalogue),
+        *clock_findings(fits, stage.log_alpha, question.catalogue),
+    )
     return found
 
 
@@ -405,7 +410,7 @@ def _between_sharing(one: Gap | Curve, sharing: set[frozenset[str]]) -> bool:
 def _line_gaps(results: Mapping[str, AxisResult]) -> tuple[Gap, ...]:
     """Return the places of lines that are not steady; neither model has them."""
     return tuple(
-        Gap("line", axis, band.low, band.high, "Hz", float(np.exp(max(band.log_p, CERTAIN))))
+        Gap("line", axis, band.low, band.high, "Hz", float(np.exp(max(band.log_p, MIN_LOG_P))))
         for axis, result in results.items()
         for band in result.bands
     )

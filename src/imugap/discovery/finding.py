@@ -1,27 +1,27 @@
-"""What discovery says: places where simulation and measurement differ, and effects that explain them."""
+"""Results of discovery: locations where simulation and measurement disagree, and effects that explain them."""
 
 from dataclasses import dataclass, field
 
 from imugap.effects.effect import Effect, Evidence
 
-CERTAIN = -690.0
-"""Logarithm of the least probability that is told from zero."""
+MIN_LOG_P = -690.0
+"""Minimum log-probability that is reported; its exponential is above zero."""
 
 
 @dataclass(frozen=True)
 class Gap:
-    """A place where measured data leave what a model simulates.
+    """Location in a view where measured data disagree with simulations of a model.
 
     Attributes
     ----------
     view
-        Name of the view in which it shows.
+        Name of the view.
     axis
         Canonical name of the axis (two, joined by a comma, for a view of pairs; ``time`` for the stamps).
     low, high, unit
-        Where in the view: range of the location and its unit.
+        Range of the location in the view, and its unit.
     p_value
-        Probability of anything as extreme anywhere in this view of this axis if the model were right.
+        Probability of a disagreement as large anywhere in this view of this axis under the model.
     """
 
     view: str
@@ -34,7 +34,7 @@ class Gap:
 
 @dataclass(frozen=True)
 class Interval:
-    """A parameter with its 95 % interval; SI."""
+    """Estimate of a parameter with its 95 % interval; SI."""
 
     value: float
     low: float
@@ -44,7 +44,7 @@ class Interval:
 
 @dataclass(frozen=True)
 class Finding:
-    """An effect that explains a gap.
+    """Named effect on one or several axes, with the evidence for it.
 
     Attributes
     ----------
@@ -53,13 +53,13 @@ class Finding:
     parameters
         Its parameters; loadings, which differ from axis to axis, carry the axis in their name.
     log_p
-        Logarithm of the probability that chance makes as much of it.
+        Logarithm of the probability of the evidence by chance.
     log_score_gain
-        Gain of the log-density of data that the fit has not seen. Of the whole log for outliers and telegraph noise,
-        which no spectrum tells; of the last part, which the fit has seen, for what shows there only; 0 for what was
-        not weighed by its likelihood.
+        Gain of the log-density of held-out data. Outliers and telegraph noise, which a spectrum does not determine, are
+        scored on the whole log; effects that only the last part of the log shows, on this part after fitting to it; 0
+        for effects that were not found by likelihood.
     alternatives
-        (name, gain) of what the data cannot tell from it.
+        (name, gain) of effects that the data cannot distinguish from it.
     """
 
     effects: dict[str, Effect]
@@ -80,7 +80,7 @@ class Finding:
 
 
 def finding(effects: dict[str, Effect], evidence: Evidence, unit: str) -> Finding:
-    """Return what evidence shows as a finding of some axes, which have the SI unit ``unit``."""
+    """Return evidence as a finding on some axes, which have the SI unit ``unit``."""
     effect = evidence.effect
     units = effect.units(unit)
     parameters = {

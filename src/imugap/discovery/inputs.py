@@ -1,4 +1,4 @@
-"""Discovery on files: logs, reference and start model as a user has them, checked before anything is computed."""
+"""Discovery on files: read and check logs, reference and start model of a user, then discover."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -20,19 +20,19 @@ from imugap.io import readers
 from imugap.log import LogError
 from imugap.model import ErrorModel
 
-FEWEST = 320
-"""Samples that a log has to have: held-in and held-out part have to show their views."""
-ALIKE, NEAR = 0.02, 0.2
-"""Largest relative difference of the rates of a test and the log, and of logs of which the clocks are compared."""
-REGULAR, SEVERAL = 0.9, 40
-"""Share and number of the values that come equally many rows apart, from which that is the rate of the axis."""
-COVERED = 0.9
-"""Least share of the log that its reference has to cover; what it leaves out is not used."""
+MIN_SAMPLES = 320
+"""Minimum number of samples of an axis, for the views of the held-in and the held-out part."""
+MAX_TEST_RATE_DIFFERENCE, MAX_RUN_RATE_DIFFERENCE = 0.02, 0.2
+"""Maximum relative difference of the rates of a test and the log, and of the runs whose clocks are compared."""
+MIN_REGULAR_SHARE, MIN_REGULAR_COUNT = 0.9, 40
+"""Minimum share and number of values at one spacing in rows for this spacing to be the rate of the axis."""
+MIN_COVERAGE = 0.9
+"""Minimum share of the log that its reference covers; the rest is not used."""
 
 
 @dataclass(frozen=True)
 class Files:
-    """The files that discovery works on, and where it finds effects of the user's own.
+    """Files of a discovery, and the module of further effects.
 
     Attributes
     ----------
@@ -51,16 +51,16 @@ class Files:
 
 
 @dataclass(frozen=True, eq=False)
-class Inquiry:
-    """What was asked and what was found.
+class FileDiscovery:
+    """Discovery on files, with the properties of its logs.
 
     Attributes
     ----------
     logs, tests
-        Path, sha256, rate [Hz], first stamp and duration [s] of each log, of the first one those of what is used of
-        it. All times of the report and of the models count from its first stamp.
+        Path, sha256, rate [Hz], first stamp and duration [s] of each log; of the first log those of its used part. All
+        times of the report and of the models count from its first stamp.
     alpha
-        The level of the question.
+        Level of the tests.
     found
         The discovery.
     """
@@ -75,11 +75,13 @@ class Inquiry:
         return report.to_mapping(self.found, self.logs, self.tests)
 
 
-def ask(files: Files, question: Question, progress: Progress = lambda step, done, steps: None) -> Inquiry:
-    """Read the files, discover, and return what was found.
+def discover_files(
+    files: Files, question: Question, progress: Progress = lambda step, done, steps: None
+) -> FileDiscovery:
+    """Read and check the files, then discover.
 
-    The start model and the catalogue of ``question`` are those of the files. Anything wrong with a file is a
-    ValueError or OSError that says which, where in it, what was expected and what was found.
+    The start model and the catalogue of ``question`` are replaced by those of the files. An invalid file raises a
+    ValueError or OSError that names the file, the location in it, and the expected and found value.
     """
     kinds = catalogue(files.effects)
     start = None if files.model is None else ErrorModel.read(files.model, kinds)
@@ -92,17 +94,21 @@ def ask(files: Files, question: Question, progress: Progress = lambda step, done
     for path, table in zip((*files.logs[1:], *files.tests), (*logs[1:], *tests), strict=True):
         _require_columns(table, path, list(logs[0].columns))
         _require_values(table, path, logs[0])
-        _require_rate(table, path, logs[0], ALIKE if path in files.tests else NEAR)
+        _require_rate(
+            table, path, logs[0], MAX_TEST_RATE_DIFFERENCE if path in files.tests else MAX_RUN_RATE_DIFFERENCE
+        )
     if start is not None:
-        _require_described(start, files.model, logs[0])
+        _require_describable(start, files.model, logs[0])
     reference = None if files.reference is None else _reference(files.reference, logs[0])
     found = discover(logs, question, tests, reference, progress)
-    first, *others = map(_described, files.logs, logs)
-    return Inquiry((first | _used(found), *others), tuple(map(_described, files.tests, tests)), question.alpha, found)
+    first, *others = map(_log_properties, files.logs, logs)
+    return FileDiscovery(
+        (first | _used_part(found), *others), tuple(map(_log_properties, files.tests, tests)), question.alpha, found
+    )
 
 
 def _read(paths: Sequence[Path]) -> list[pd.DataFrame]:
-    """Read logs; each has to have an axis whose values vary, and every such axis enough samples."""
+    """Read logs; raise a LogError unless an axis varies and each such axis has enough samples at its own rate."""
     tables = [readers.read_table(path) for path in paths]
     for path, table in zip(paths, tables, strict=True):
         _clock(path, table)
@@ -113,33 +119,33 @@ def _read(paths: Sequence[Path]) -> list[pd.DataFrame]:
         if not varying:
             raise LogError(path, "columns", "values that vary on one axis at least", "one value everywhere")
         for axis, values in varying.items():
-            if len(values) < FEWEST:
-                raise LogError(path, f"column {axis}", f"at least {FEWEST} samples", str(len(values)))
+            if len(values) < MIN_SAMPLES:
+                raise LogError(path, f"column {axis}", f"at least {MIN_SAMPLES} samples", str(len(values)))
             _require_own_rate(table, path, axis)
     return tables
 
 
 def _varying(table: pd.DataFrame) -> dict[str, pd.Series]:
-    """Return the values of the axes that have more than one."""
+    """Return the finite values of the axes that have more than one distinct value."""
     finite = {axis: table[axis][np.isfinite(table[axis])] for axis in log.axes(table)}
     return {axis: values for axis, values in finite.items() if values.nunique() > 1}
 
 
 def _require_own_rate(table: pd.DataFrame, path: Path, axis: str) -> None:
-    """Raise a LogError if an axis has a new value in every so many rows only, the others being empty or alike."""
+    """Raise a LogError if an axis has a new value only at regular spacings of several rows."""
     values = table[axis].to_numpy(float)
     known = np.isfinite(values)
     fresh = np.flatnonzero(known)
     fresh = fresh[np.r_[True, np.diff(values[fresh]) != 0]]
     steps, counts = np.unique(np.diff(fresh), return_counts=True)
     most = int(steps[np.argmax(counts)])
-    if most > 1 and counts.max() > max(REGULAR * counts.sum(), SEVERAL):
+    if most > 1 and counts.max() > max(MIN_REGULAR_SHARE * counts.sum(), MIN_REGULAR_COUNT):
         expected = "a value in every row (logs of sensors of other rates come in files of their own)"
         raise LogError(path, f"column {axis}", expected, f"a new one in one of {most} rows")
 
 
 def _clock(path: Path, table: pd.DataFrame) -> Stamps:
-    """Return the clock of a log, which has to have one."""
+    """Return the sampling clock of a log; raise a LogError with its path where it has none."""
     try:
         return stamps(table.index.to_numpy(float))
     except LogError as error:
@@ -153,7 +159,7 @@ def _require_columns(table: pd.DataFrame, path: Path, names: Sequence[str]) -> N
 
 
 def _require_values(table: pd.DataFrame, path: Path, first: pd.DataFrame) -> None:
-    """Raise a LogError unless a further log has a temperature where the first has, and a varying axis of it."""
+    """Raise a LogError unless a further log has a temperature if the first has, and a varying axis in common."""
     if log.TEMPERATURE in first and first[log.TEMPERATURE].notna().any() and table[log.TEMPERATURE].isna().all():
         raise LogError(path, f"column {log.TEMPERATURE}", "values, as the first log has", "none")
     if not set(_varying(first)) & set(_varying(table)):
@@ -163,8 +169,8 @@ def _require_values(table: pd.DataFrame, path: Path, first: pd.DataFrame) -> Non
         )
 
 
-def _require_described(model: ErrorModel, path: Path, measured: pd.DataFrame) -> None:
-    """Raise a ValueError unless a start model has what a description has, and a lattice that the log can be on."""
+def _require_describable(model: ErrorModel, path: Path, measured: pd.DataFrame) -> None:
+    """Raise a ValueError unless a start model has at most one filter and outlier effect and a step within the range."""
     for axis, values in _varying(measured).items():
         effects = tuple(model.axes.get(axis, ()))
         for role in (Role.FILTER, Role.OUTLIERS):
@@ -179,35 +185,35 @@ def _require_described(model: ErrorModel, path: Path, measured: pd.DataFrame) ->
 
 
 def _require_rate(table: pd.DataFrame, path: Path, first: pd.DataFrame, most: float) -> None:
-    """Raise a LogError unless a further log has the rate of the first: spectra and filters are those of a rate."""
+    """Raise a LogError unless a further log has the rate of the first, on which spectra and filters depend."""
     found, expected = (1 / _clock(path, one).interval for one in (table, first))
     if abs(found / expected - 1) > most:
         raise LogError(path, "time", f"the rate of the first log, {expected:.4g} Hz", f"{found:.4g} Hz")
 
 
 def _reference(path: Path, measured: pd.DataFrame) -> pd.DataFrame:
-    """Read the reference, which has to be whole and to cover the log."""
+    """Read the reference; raise a LogError unless it is complete and covers the log."""
     reference = log.check(readers.read_table(path), path)
     _require_columns(reference, path, log.axes(measured))
     time = measured.index.to_numpy(float)
     covered = (time >= reference.index[0]) & (time <= reference.index[-1])
-    if np.mean(covered) < COVERED:
+    if np.mean(covered) < MIN_COVERAGE:
         expected = f"that of the log, {np.nanmin(time):g} to {np.nanmax(time):g} s"
         raise LogError(path, "time", expected, f"{reference.index[0]:g} to {reference.index[-1]:g} s")
     covered &= ~in_reference_gap(reference, time)
-    if np.mean(covered) < COVERED:
+    if np.mean(covered) < MIN_COVERAGE:
         found = f"holes, which leave {100 * np.mean(covered):.0f} %"
-        raise LogError(path, "time", f"stamps near {100 * COVERED:.0f} % of those of the log", found)
+        raise LogError(path, "time", f"stamps near {100 * MIN_COVERAGE:.0f} % of those of the log", found)
     return reference
 
 
-def _used(found: Discovery) -> dict:
-    """Return first stamp and duration [s] of what is used of the first log."""
+def _used_part(found: Discovery) -> dict:
+    """Return first stamp and duration [s] of the used part of the first log."""
     conditions = next(iter(found.record.sequences.values())).conditions
     return {"begin_s": found.record.begin, "duration_s": conditions.interval * len(conditions)}
 
 
-def _described(path: Path, table: pd.DataFrame) -> dict:
+def _log_properties(path: Path, table: pd.DataFrame) -> dict:
     with Path(path).open("rb") as file:
         digest = file_digest(file, "sha256").hexdigest()
     clock = _clock(path, table)

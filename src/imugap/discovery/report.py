@@ -1,4 +1,4 @@
-"""What discovery found, as plain data, as tables and in words."""
+"""Report of a discovery as plain data, as tables, and as text."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict
@@ -7,15 +7,13 @@ from math import exp, isfinite
 import pandas as pd
 
 from imugap.discovery.device import Discovery
-from imugap.discovery.finding import Finding, Gap, Interval
+from imugap.discovery.finding import MIN_LOG_P, Finding, Gap, Interval
 
 SCHEMA = "imugap/discovery/1"
-SMALLEST = -690.0
-"""Logarithm of the least probability that is written as a number above zero."""
 
 
 def to_mapping(found: Discovery, logs: Sequence[dict], tests: Sequence[dict] = ()) -> dict:
-    """Return the report as plain data; what tells of each log and of each test log is given."""
+    """Return the report as plain data; ``logs`` and ``tests`` are the properties of each log and test log."""
     report = {
         "schema": SCHEMA,
         "log": list(logs),
@@ -42,7 +40,7 @@ def _effect(finding: Finding) -> dict:
         "name": finding.name,
         "axes": list(finding.axes),
         "parameters": _parameters(finding),
-        "p_value": exp(max(finding.log_p, SMALLEST)),
+        "p_value": exp(max(finding.log_p, MIN_LOG_P)),
         "log_score_gain": _number(finding.log_score_gain),
         "alternatives": [{"name": name, "log_score_gain": _number(gain)} for name, gain in finding.alternatives],
     }
@@ -75,7 +73,7 @@ def gap_table(gaps: Iterable[Gap], left: Iterable[Gap]) -> pd.DataFrame:
 
 
 def view_table(found: Discovery) -> pd.DataFrame:
-    """Return the p-value of every view under the start and the final model; of a view that one has not, none there."""
+    """Return the p-value of each view under the start and the final model; none where a model has no such view."""
     start, final = (
         pd.Series({(one.curve.view, one.curve.axis): one.p_value for one in some}, dtype=float)
         for some in (found.before, found.after)
@@ -84,7 +82,7 @@ def view_table(found: Discovery) -> pd.DataFrame:
 
 
 def candidate_table(found: Discovery) -> pd.DataFrame:
-    """Return what was named, what could not be told from it, and what was withheld with the reason."""
+    """Return named effects, their alternatives that the data cannot distinguish, and withheld ones with the reason."""
     columns = ["axes", "name", "status", "log_p", "log_score_gain", "reason"]
     rows = []
     for one in found.findings:
@@ -96,16 +94,16 @@ def candidate_table(found: Discovery) -> pd.DataFrame:
 
 
 def verdict(found: Discovery) -> str:
-    """Return the answer in plain words."""
-    nameless = "has a name" if found.withheld or found.unexplained else "the log can show"
-    lines = [_sentence(finding) for finding in found.findings] or [f"Nothing is missing that {nameless}."]
+    """Return the verdict as text."""
+    known = "has a name" if found.withheld or found.unexplained else "the log can show"
+    lines = [_sentence(finding) for finding in found.findings] or [f"Nothing is missing that {known}."]
     lines += [f"{axis}: something like {name}, but {reason}; not named." for axis, name, reason in found.withheld]
     lines += [_slope(one) for one in found.described]
     if found.undetermined:
         kept = ", ".join(f"{name} of {axis}" for axis, name in found.undetermined)
         lines.append(f"The log cannot tell {kept}; kept as the start model has it.")
     if found.unexplained:
-        places = "; ".join(dict.fromkeys(place(gap) for gap in found.unexplained))
+        places = "; ".join(dict.fromkeys(describe_location(gap) for gap in found.unexplained))
         lines.append(f"Still unexplained: {places}.")
     for name, apart in found.distances.items():
         numbers = f"{apart.before.value:.3g} before, {apart.after.value:.3g} after"
@@ -115,10 +113,10 @@ def verdict(found: Discovery) -> str:
 
 def _sentence(finding: Finding) -> str:
     values = (f"{name} {one.value:.4g} {one.unit}".removesuffix(" 1") for name, one in finding.parameters.items())
-    told = f"{', '.join(finding.axes)}: {finding.name} ({', '.join(values)})"
+    text = f"{', '.join(finding.axes)}: {finding.name} ({', '.join(values)})"
     if finding.alternatives:
-        told += f"; the log cannot tell it from {', '.join(name for name, _ in finding.alternatives)}"
-    return told + "."
+        text += f"; the log cannot tell it from {', '.join(name for name, _ in finding.alternatives)}"
+    return text + "."
 
 
 def _slope(finding: Finding) -> str:
@@ -127,12 +125,12 @@ def _slope(finding: Finding) -> str:
     return f"{finding.axes[0]}: in the place of slow noise without a name the model has noise of spectrum 1/f^{ends}."
 
 
-def place(gap: Gap) -> str:
-    """Return a place in words, e.g. "gyro_y, line, 49.98 Hz"."""
-    return f"{gap.axis}, {gap.view}, {span(gap)}"
+def describe_location(gap: Gap) -> str:
+    """Return a location as text, e.g. "gyro_y, line, 49.98 Hz"."""
+    return f"{gap.axis}, {gap.view}, {describe_range(gap)}"
 
 
-def span(gap: Gap) -> str:
-    """Return where in its view a place is."""
+def describe_range(gap: Gap) -> str:
+    """Return the range of a location in its view as text."""
     where = f"{gap.low:.4g}" if gap.low == gap.high else f"{gap.low:.4g} to {gap.high:.4g}"
     return f"{where} {gap.unit}".removesuffix(" 1")

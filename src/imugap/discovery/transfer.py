@@ -1,4 +1,4 @@
-"""Whether what was found on several motions of one device agrees, and what the model of one explains of another."""
+"""Transfer of a model to another run: agreement of the parameters of several runs, and explained variance."""
 
 import numpy as np
 import pandas as pd
@@ -10,28 +10,30 @@ from imugap.model import ErrorModel
 from imugap.numerics import block_bootstrap as bootstrap
 
 
-def inertial(model: ErrorModel) -> ErrorModel:
-    """Return the model with those of its effects alone that answer the motion."""
+def motion_effects(model: ErrorModel) -> ErrorModel:
+    """Return the model with only the effects that depend on the motion."""
     kept = {axis: tuple(effect for effect in one if effect.of_motion) for axis, one in model.sensors.items()}
     return ErrorModel({axis: AxisModel(effects) for axis, effects in kept.items()})
 
 
-def explained(model: ErrorModel, log: pd.DataFrame, ideal: pd.DataFrame, rng: np.random.Generator) -> pd.DataFrame:
-    """Return how much of the difference of a log and its error-free log the effects explain that answer the motion.
+def explained_variance(
+    model: ErrorModel, log: pd.DataFrame, ideal: pd.DataFrame, rng: np.random.Generator
+) -> pd.DataFrame:
+    """Return the share of the error of a log that the motion-dependent effects of a model explain.
 
     Parameters
     ----------
     log, ideal
         Canonical logs with the same evenly spaced index.
     rng
-        Of the circular block bootstrap, for intervals of 95 %.
+        Generator of the circular block bootstrap, for 95 % intervals.
 
     Returns
     -------
-    Index ``axis``; ``rms`` of the difference less its mean [unit of the axis], and the share of its variance that goes
-    with the effects taken out: ``share``, ``low``, ``high``, below zero where they add to it.
+    Index ``axis``; ``rms`` of log minus error-free log, less its mean [unit of the axis]; ``share`` of its variance
+    that the effects explain, with ``low`` and ``high``, negative where they increase it.
     """
-    simulated, rows = inertial(model).simulate(ideal, 0), {}
+    simulated, rows = motion_effects(model).simulate(ideal, 0), {}
     for axis in axes(log):
         gaps = ((log[axis] - without[axis]).to_numpy() for without in (ideal, simulated))
         before, after = ((gap - gap.mean()) ** 2 for gap in gaps)
@@ -40,8 +42,8 @@ def explained(model: ErrorModel, log: pd.DataFrame, ideal: pd.DataFrame, rng: np
     return pd.DataFrame.from_dict(rows, orient="index").rename_axis("axis")
 
 
-def agreement(found: pd.DataFrame) -> pd.DataFrame:
-    """Return whether the trials that give a parameter agree on it.
+def parameter_agreement(found: pd.DataFrame) -> pd.DataFrame:
+    """Compare the estimates of each parameter over several trials.
 
     Parameters
     ----------
@@ -50,9 +52,9 @@ def agreement(found: pd.DataFrame) -> pd.DataFrame:
 
     Returns
     -------
-    A row for each parameter of two trials or more: ``name``, ``axis``, ``parameter``; ``middle``, the mean weighted by
-    the inverse squares of the intervals; ``factor`` by which the trials scatter more than the intervals say (Birge
-    1932); whether all have the ``same_sign``.
+    A row for each parameter of two or more trials: ``name``, ``axis``, ``parameter``; ``middle``, the mean weighted by
+    the inverse squares of the intervals; ``factor``, the Birge ratio of the scatter of the trials to that of the
+    intervals (Birge 1932); ``same_sign``, whether all have one sign.
     """
     rows = []
     for key, one in found.dropna(subset=["low", "high"]).groupby(["name", "axis", "parameter"], sort=False):

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from imugap.discovery.checks import MIN_SHARE, Misfit, power_share
-from imugap.discovery.finding import CERTAIN, Gap
+from imugap.discovery.finding import MIN_LOG_P, Gap
 from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.discovery.search.intervals import term_intervals
 from imugap.discovery.search.search import Key, Search, at
@@ -23,7 +23,7 @@ class Withheld:
 def withheld(search: Search, fit: AxisFit, key: Key, misfit: Misfit) -> Withheld:
     """Return name, reason and location of an effect of a fit that has a misfit."""
     log_p = search.likelihood_ratio(fit, key)[0].log_p
-    place = Gap(*_location(fit, key), float(np.exp(np.clip(log_p, CERTAIN, 0.0))))
+    place = Gap(*_location(fit, key), float(np.exp(np.clip(log_p, MIN_LOG_P, 0.0))))
     return Withheld(at(fit.description, key).name, misfit.reason, place)
 
 
