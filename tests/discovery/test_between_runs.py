@@ -32,7 +32,7 @@ def run(number, ratio, lines, count=12000, label="clock"):
 
 
 @pytest.mark.parametrize("ratio", [1.0001, 0.9995, 1.005])
-def test_lines_of_two_axes_tell_the_clock(ratio):
+def test_lines_of_two_axes_determine_the_clock_ratio(ratio):
     lines = {"gyro_x": 3.1, "accel_y": 11.7}
     (found,) = clock_findings([run(1, 1.0, lines), run(2, ratio, lines)], LOG_ALPHA)
     interval = found.parameters["ratio"]
@@ -43,7 +43,7 @@ def test_lines_of_two_axes_tell_the_clock(ratio):
 
 
 @pytest.mark.slow
-def test_the_interval_of_the_clock_holds_the_truth_as_often_as_it_says():
+def test_the_interval_of_the_clock_ratio_has_nominal_coverage():
     lines, ratio, inside = {"gyro_x": 3.1, "accel_y": 11.7}, 1.0001, []
     for number in range(40):
         pair = [run(number, 1.0, lines, label="first"), run(number, ratio, lines, label="second")]
@@ -53,20 +53,20 @@ def test_the_interval_of_the_clock_holds_the_truth_as_often_as_it_says():
     assert 33 <= sum(inside) <= 40
 
 
-def test_runs_of_one_clock_and_lines_that_move_by_themselves_name_no_clock():
+def test_equal_clocks_and_independently_shifted_lines_give_no_finding():
     lines = {"gyro_x": 3.1, "accel_y": 11.7}
     same = [run(number, 1.0, lines) for number in (1, 2, 3)]
     assert clock_findings(same, LOG_ALPHA) == ()
     assert clock_findings([same[0], run(4, 1.0, {"gyro_x": 3.1, "accel_y": 11.75})], LOG_ALPHA) == ()
 
 
-def test_only_the_run_that_is_off_is_named():
+def test_only_the_run_of_another_clock_is_named():
     lines = {"gyro_x": 3.1, "accel_y": 11.7}
     found = clock_findings([run(1, 1.0, lines), run(2, 1.0, lines), run(3, 1.0003, lines)], LOG_ALPHA)
     assert [one.parameters["run"].value for one in found] == [3]
 
 
-def test_right_stamps_of_another_rate_are_no_error_of_the_clock():
+def test_correct_stamps_of_another_rate_are_no_clock_error():
     fits = []
     for number, interval in ((1, 0.01), (2, 0.0125)):
         conditions = Conditions(np.arange(20_000) * interval, interval, axis="gyro_x")
@@ -102,7 +102,7 @@ REPEATED = {
 
 
 @pytest.mark.parametrize("name", REPEATED)
-def test_what_every_run_does_is_no_difference_between_runs(name):
+def test_an_effect_in_every_run_is_no_turn_on_bias(name):
     effect, free = REPEATED[name]
     term = Term(effect, free)
     assert turn_on_findings(levelled(1, (1e-3, 1e-3), (effect,), (), (term,)), LOG_ALPHA) == ()
@@ -112,18 +112,18 @@ def test_what_every_run_does_is_no_difference_between_runs(name):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("noise", [RandomWalk(2e-3), GaussMarkov(1e-2, 300.0), GaussMarkov(1e-2, 3.0)])
-def test_slow_noise_makes_runs_differ_as_often_as_it_should(noise):
+def test_the_false_alarm_rate_of_turn_on_bias_with_slow_noise_is_nominal(noise):
     level = np.log(0.05)
     chance = [turn_on_findings(levelled(number, (0.0, 0.0), (), (noise,)), level) for number in range(60)]
     assert sum(map(len, chance)) <= 9  # binomial: more than 9 of 60 at 5 % in 0.2 %
 
 
 @pytest.mark.parametrize("duration", [100.0, 4000.0])
-def test_the_mean_of_a_walk_has_a_third_of_the_variance_of_its_end(duration):
+def test_the_mean_of_a_random_walk_has_a_third_of_its_final_variance(duration):
     assert mean_variance(RandomWalk(0.3), duration, 0.1) == pytest.approx(0.3**2 * duration / 3, rel=1e-3)
 
 
-def test_noise_of_any_slope_may_hold_a_level_through_a_run():
+def test_the_level_error_is_infinite_with_noise_of_free_slope():
     conditions = Conditions(0.1 * np.arange(2000), 0.1, axis="gyro_x")
     values = stream(1, "slope").standard_normal(2000)
     noise = Noise((WhiteNoise(0.3), PowerLaw(0.01, 1.2)))

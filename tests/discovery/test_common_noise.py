@@ -23,19 +23,19 @@ def correlated(run, colour, size, own=()):
 
 
 @pytest.mark.parametrize(("size", "own"), [(0.2, ()), (0.5, (GaussMarkov(2e-3, 2.0),)), (2.0, ())])
-def test_white_noise_in_common_has_its_name(size, own):
+def test_common_white_noise_is_named(size, own):
     for run in range(5):
         (found,) = find_common_noise(correlated(run, [1.0], size, own), LOG_ALPHA)
         assert found.axes == ("gyro_x", "gyro_y")
 
 
 @pytest.mark.parametrize("colour", [[1.0, -0.5], [1.0, -0.99], [1.0, 0.5]])
-def test_noise_in_common_that_is_not_white_has_no_name(colour):
+def test_common_noise_that_is_not_white_is_not_named(colour):
     for run in range(5):
         assert find_common_noise(correlated(run, colour, 0.5), LOG_ALPHA) == ()
 
 
-def test_noise_in_common_for_a_moment_has_no_name():
+def test_a_short_common_event_is_not_named():
     """For a hundredth of the log, as long as a shock."""
     shock = 3 * WHITE.density / np.sqrt(INTERVAL) * stream(1, "shock").standard_normal(COUNT)
     shock[np.abs(np.arange(COUNT) - 0.6 * COUNT) > COUNT / 200] = 0.0
@@ -47,7 +47,7 @@ def test_noise_in_common_for_a_moment_has_no_name():
 @pytest.mark.slow
 @pytest.mark.parametrize("loading", [0.6, 3.0])
 @pytest.mark.parametrize("count", [2, 3])
-def test_errors_of_shared_noise_are_those_of_many_logs(loading, count):
+def test_loading_errors_match_the_scatter_over_many_logs(loading, count):
     axes, whole, errors = ("gyro_x", "gyro_y", "gyro_z")[:count], [], []
     for number in range(100):
         own = CommonMode(1e-3, loading)
@@ -59,14 +59,14 @@ def test_errors_of_shared_noise_are_those_of_many_logs(loading, count):
     assert np.std(whole, ddof=1) == pytest.approx(np.mean(errors), rel=4 / np.sqrt(200))
 
 
-def test_what_an_axis_of_no_loading_leaves_open_has_a_wide_interval():
+def test_the_error_is_large_where_an_axis_without_loading_leaves_it_undetermined():
     sure, open_ended = (loading_errors(np.array([0.5, 0.5, last]), 1000) for last in (0.5, 0.0))
     assert np.all(sure < 0.1)
     assert np.all(np.isfinite(open_ended))
     assert np.all(open_ended[:2] > 10)
 
 
-def test_shared_noise_has_its_sign_and_size_also_where_one_axis_is_filtered():
+def test_common_noise_has_its_sign_and_density_where_one_axis_is_filtered():
     common, smooth = CommonMode(1e-3, 1.0), OutputFilter(3.0, 2)
     data = {axis: sequence(common, axis=axis) for axis in ("gyro_x", "gyro_y")}
     output = smooth.apply(data["gyro_x"].values, data["gyro_x"].conditions, stream(1))
@@ -75,7 +75,7 @@ def test_shared_noise_has_its_sign_and_size_also_where_one_axis_is_filtered():
     np.testing.assert_array_less(np.abs(found.densities - 1e-3), 4 * found.errors)
 
 
-def test_noise_that_axes_share():
+def test_loadings_and_density_of_common_noise():
     sharing = ("gyro_x", "gyro_y", "accel_z")
     effects = {axis: [CommonMode(5e-4, loading)] for axis, loading in zip(sharing, (1.0, -0.8, 0.6), strict=True)}
     fits = {

@@ -5,7 +5,7 @@ from imugap.discovery.device import nameless_places
 from imugap.discovery.finding import Gap
 
 
-def test_what_has_no_name_is_told_on_axes_on_which_no_view_shows_it():
+def test_withheld_effects_are_reported_on_axes_without_a_gap():
     gap = Gap("spectrum", "gyro_x", 1.0, 2.0, "Hz", 1e-9)
     places = {axis: replace(gap, axis=axis) for axis in ("gyro_x", "gyro_y", "accel_x")}
     weak = replace(gap, axis="accel_y", p_value=0.2)

@@ -28,7 +28,7 @@ def device(noise=1e-3):
     })  # fmt: skip
 
 
-def test_the_model_of_the_device_explains_all_of_another_motion_but_its_noise():
+def test_the_true_model_explains_all_of_another_run_but_its_noise():
     ideal = motion(1)
     table = explained_variance(device(), device().simulate(ideal, 3), ideal, stream(4, "carried"))
     assert table.loc[["gyro_x", "accel_y"], "share"].tolist() == pytest.approx([1, 1], abs=0.02)
@@ -36,14 +36,14 @@ def test_the_model_of_the_device_explains_all_of_another_motion_but_its_noise():
     assert table["share"].drop(["gyro_x", "accel_y"]).tolist() == pytest.approx([0, 0, 0, 0], abs=1e-12)
 
 
-def test_a_wrong_model_explains_less_than_nothing():
+def test_a_wrong_model_has_a_negative_explained_share():
     ideal, wrong = motion(1), ErrorModel({"gyro_x": AxisModel((ScaleFactor(-0.02),))})
     table = explained_variance(wrong, device().simulate(ideal, 3), ideal, stream(4, "carried"))
     assert table.loc["gyro_x", "high"] < 0
 
 
 @pytest.mark.slow
-def test_the_interval_of_the_share_holds_that_of_a_long_motion():
+def test_the_interval_of_the_explained_share_covers_that_of_a_long_run():
     """Half a scale factor takes three quarters of its variance, and noise as large as it half of the rest."""
     half = ErrorModel({"gyro_x": AxisModel((ScaleFactor(0.01),))})
     true = ErrorModel({"gyro_x": AxisModel((ScaleFactor(0.02), WhiteNoise(0.02 / np.sqrt(2) * np.sqrt(INTERVAL))))})
@@ -56,7 +56,7 @@ def test_the_interval_of_the_share_holds_that_of_a_long_motion():
     assert 0.85 <= np.mean(inside) <= 1.0
 
 
-def test_only_what_answers_the_motion_is_kept():
+def test_only_motion_dependent_effects_are_kept():
     kept = motion_effects(device())
     assert [effect.name for effect in kept["gyro_x"]] == ["scale_factor", "misalignment"]
     assert [effect.name for effect in kept["accel_y"]] == ["lever_arm"]
@@ -68,7 +68,7 @@ def found(trial, value, half, parameter="x"):
             "low": value - half, "high": value + half, "unit": "m"}  # fmt: skip
 
 
-def test_trials_that_scatter_as_their_intervals_say_have_a_factor_of_one():
+def test_consistent_trials_have_a_birge_ratio_of_one():
     rng, half = stream(5, "agreement"), 0.1
     rows = [
         found(trial, 1 + half / 1.96 * rng.standard_normal(), half, f"p{number}")
@@ -80,7 +80,7 @@ def test_trials_that_scatter_as_their_intervals_say_have_a_factor_of_one():
     assert table["same_sign"].all()
 
 
-def test_the_mean_leans_to_the_surer_trial_and_one_trial_agrees_with_nobody():
+def test_the_mean_is_weighted_by_precision_and_needs_two_trials():
     rows = [found(1, 1.0, 0.1), found(2, -2.0, 0.3), found(1, 5.0, 0.1, "y")]
     table = parameter_agreement(pd.DataFrame(rows))
     assert table["parameter"].tolist() == ["x"]
@@ -88,7 +88,7 @@ def test_the_mean_leans_to_the_surer_trial_and_one_trial_agrees_with_nobody():
     assert not table["same_sign"].any()
 
 
-def test_a_parameter_without_an_interval_does_not_count():
+def test_a_parameter_without_an_interval_is_left_out():
     rows = pd.DataFrame([found(1, 1.0, 0.1), found(2, 1.0, 0.1) | {"low": None, "high": None}])
     assert parameter_agreement(rows).empty
 

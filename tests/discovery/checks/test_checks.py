@@ -1,4 +1,4 @@
-"""Names that are withheld because what is there is not what they say."""
+"""Misfits of named effects, by goodness of fit and against unnamed alternatives."""
 
 from dataclasses import replace
 
@@ -53,14 +53,14 @@ LOG_ALPHA = np.log(0.01 / 6 / 28)
 
 
 def sequence(*effects, added=None, count=COUNT, label="doubts", temperature=None):
-    """Return white noise and effects, and ``added`` of the time and a generator."""
+    """Simulate white noise, effects, and ``added(time, rng)``."""
     conditions = Conditions(INTERVAL * np.arange(count), INTERVAL, temperature, axis="gyro_x")
     values = AxisModel((WHITE, *effects)).simulate(np.zeros(count), conditions, 1, label)
     more = 0.0 if added is None else added(conditions.time, stream(1, label, "added"))
     return AxisSequence(values + more, conditions, np.zeros(count, bool))
 
 
-def story_of(data):
+def result_of(data):
     return conclude(search_axis(data, (), tuple(CATALOGUE.values()), LOG_ALPHA, int(0.8 * len(data.values))))
 
 
@@ -80,8 +80,8 @@ def reasons(data, *kinds):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("effect", [GaussMarkov(5e-3, 8.0), BiasInstability(2e-3), RandomWalk(1e-3)])
-def test_stationary_noise_is_as_uneven_over_time_as_chance_makes_it(effect, monkeypatch):
-    """What is let pass of real noise apart."""
+def test_the_stationarity_p_value_of_stationary_noise_is_uniform(effect, monkeypatch):
+    """Without the tolerated divergence."""
     monkeypatch.setattr(samples, "TOLERATED_DIVERGENCE", 0.0)
     chances = []
     for label in range(60):
@@ -93,8 +93,8 @@ def test_stationary_noise_is_as_uneven_over_time_as_chance_makes_it(effect, monk
         assert low <= np.sum(np.array(chances) < level) <= high
 
 
-def test_a_spectrum_that_few_coefficients_tell_is_as_far_off_as_chance_makes_it():
-    """Bands take up no more parameters of the noise than they tell: the white noise is told by others."""
+def test_the_band_p_value_of_few_coefficients_is_uniform():
+    """Bands use only the effective number of parameters; other bins determine the white noise."""
     chances = []
     for label in range(200):
         effect = RandomWalk(2e-4)
@@ -114,12 +114,12 @@ def rising(time, rng):
 
 
 @pytest.mark.slow
-def test_a_line_that_rises_exponentially_is_no_noise():
+def test_an_exponential_chirp_is_not_named_noise():
     data = sequence(added=rising, count=12_000)
     _, found = explored(data, GaussMarkov)
     _, fading = sample_misfits(found, power_share(found, found.description.noise.effects[1]))
     assert fading.log_p < LEVEL
-    assert names(story_of(data)) == []
+    assert names(result_of(data)) == []
 
 
 def chamber(time):
@@ -128,15 +128,15 @@ def chamber(time):
 
 
 @pytest.mark.slow
-def test_a_curve_over_the_temperature_is_no_noise():
-    """One that bends at a level, as where water freezes."""
+def test_a_curve_over_the_temperature_is_not_named_noise():
+    """With a bend at a level, as at the freezing point of water."""
     warm = chamber(INTERVAL * np.arange(COUNT))
     data = sequence(added=lambda time, rng: 2e-4 * np.maximum(warm - 5, 0) - 4e-6 * warm**2, temperature=warm)
     assert CURVE in reasons(data, BiasInstability, GaussMarkov, RandomWalk)
 
 
 @pytest.mark.slow
-def test_what_jumps_as_the_temperature_turns_is_no_telegraph_noise():
+def test_steps_with_the_sign_of_the_temperature_rate_are_not_named_noise():
     wanders = uniform_filter1d(stream(2, "warm").standard_normal(COUNT), 300)
     warm = 20 + 2 * uniform_filter1d(np.cumsum(wanders), 300)
     data = sequence(added=lambda time, rng: 5e-3 * np.sign(np.gradient(warm, INTERVAL)), temperature=warm)
@@ -148,7 +148,7 @@ def test_what_jumps_as_the_temperature_turns_is_no_telegraph_noise():
 @pytest.mark.parametrize(
     "effect", [BiasInstability(2e-3), RandomWalk(1e-4), RandomWalk(1e-3), RandomTelegraph(4e-3, 0.02)]
 )
-def test_noise_keeps_its_name_whatever_the_temperature(effect, course):
+def test_noise_keeps_its_name_under_any_temperature_profile(effect, course):
     warm = course(INTERVAL * np.arange(COUNT))
     withheld = [
         reasons(
@@ -170,7 +170,7 @@ def steep(time, rng):
 
 
 @pytest.mark.slow
-def test_means_that_a_steep_spectrum_makes_have_no_name():
+def test_means_fitted_to_steep_noise_are_withheld():
     kinds, more = (BiasStep, RateRamp, WarmUp), 0
     for label in range(12):
         search, found = explored(sequence(added=steep, label=f"steep {label}"), *kinds)
@@ -179,7 +179,7 @@ def test_means_that_a_steep_spectrum_makes_have_no_name():
     assert more > 3
 
 
-def test_means_that_are_there_are_likelier_than_a_steep_spectrum():
+def test_true_means_are_likelier_than_a_power_law():
     data = sequence(BiasStep(400.0, -1e-3), RateRamp(2e-6), WarmUp(3e-3, 60.0))
     search, found = explored(data, BiasStep, RateRamp, WarmUp)
     assert len(search.added(found.description)) > 1
@@ -195,8 +195,8 @@ def relaxations(time, rng):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("exponent", [0.6, 1.5])
-def test_noise_of_a_slope_without_a_name_is_in_the_model_as_what_it_is(exponent):
-    found = story_of(sequence(PowerLaw(4e-3, exponent), label=exponent))
+def test_noise_of_an_unnamed_slope_enters_the_model_as_a_power_law(exponent):
+    found = result_of(sequence(PowerLaw(4e-3, exponent), label=exponent))
     assert found.withheld
     assert not found.findings
     ends = found.power_law.parameters["exponent"]
@@ -208,7 +208,7 @@ def test_noise_of_a_slope_without_a_name_is_in_the_model_as_what_it_is(exponent)
 
 @pytest.mark.slow
 @pytest.mark.parametrize("reason", [POWER_LAW, BURSTS])
-def test_what_is_no_noise_is_not_in_the_model_as_noise(reason):
+def test_only_noise_of_another_slope_is_replaced_by_a_power_law(reason):
     search = Search(Description((), Noise((WHITE,))), (), LOG_ALPHA)
     found = fit(sequence(PowerLaw(4e-3, 1.5)), Description((), Noise((WHITE, RandomWalk(1e-3)))))
     carried = without_unnamed(search, found, {Key("noise", 1): Misfit(reason, -20.0)})
@@ -216,8 +216,8 @@ def test_what_is_no_noise_is_not_in_the_model_as_noise(reason):
     assert not carried.has(RandomWalk)
 
 
-def test_noise_that_is_rather_a_trend_is_not_in_the_model_as_noise():
-    """Nor is one left out that may be a trend, if it rather is noise."""
+def test_a_trend_is_not_replaced_by_a_power_law():
+    """Steep noise is, although its interval of the slope reaches that of a trend."""
     search = Search(Description((), Noise((WHITE,))), (), LOG_ALPHA)
     trend = sequence(added=lambda time, rng: 2e-2 * np.sin(2 * np.pi * (time / time[-1]) ** 2))
     for data, noise in ((trend, False), (sequence(PowerLaw(1e-4, 2.6), label="s1"), True)):
@@ -229,7 +229,7 @@ def test_noise_that_is_rather_a_trend_is_not_in_the_model_as_noise():
 
 
 @pytest.mark.slow
-def test_slow_noise_in_doubt_is_no_line_that_sweeps(monkeypatch):
+def test_misfitting_slow_noise_is_not_detected_as_a_chirp(monkeypatch):
     data = sequence(RandomWalk(3e-5), count=300_000, label="w0")
     searched = search_axis(data, (), (RandomWalk,), LOG_ALPHA, 240_000)
     walk = searched.whole_search.added(searched.whole_fit.description)
@@ -241,21 +241,21 @@ def test_slow_noise_in_doubt_is_no_line_that_sweeps(monkeypatch):
     assert result.bands == ()
 
 
-def test_a_step_in_doubt_beside_slow_noise_is_not_in_the_model_as_noise():
+def test_a_misfitting_step_with_slow_noise_is_not_replaced_by_a_power_law():
     search = Search(Description((), Noise((WHITE,))), (), LOG_ALPHA)
     described = Description((Term(BiasStep(400.0, 0.1), ("step",)),), Noise((WHITE, RandomWalk(1e-3))))
     found = fit(sequence(PowerLaw(4e-3, 1.5), BiasStep(400.0, 0.1)), described)
-    doubtful = dict.fromkeys([Key("term", 0), Key("noise", 1)], Misfit(POWER_LAW, -20.0))
-    assert [one.name for one in without_unnamed(search, found, doubtful).description.effects()] == ["white_noise"]
+    misfitting = dict.fromkeys([Key("term", 0), Key("noise", 1)], Misfit(POWER_LAW, -20.0))
+    assert [one.name for one in without_unnamed(search, found, misfitting).description.effects()] == ["white_noise"]
 
 
 @pytest.mark.slow
-def test_what_jumps_and_relaxes_is_no_telegraph_noise():
-    assert names(story_of(sequence(added=relaxations, count=12_000, label="a"))) == []
+def test_relaxations_after_steps_are_not_named_telegraph_noise():
+    assert names(result_of(sequence(added=relaxations, count=12_000, label="a"))) == []
 
 
 @pytest.mark.parametrize(("noise", "most"), [(GaussMarkov(2e-3, 5.0), 2), (RandomTelegraph(4e-3, 0.1), 1)])
-def test_steps_are_jumps_where_there_are_many_beside_slow_noise(noise, most):
+def test_many_steps_with_slow_noise_are_a_jump_process(noise, most):
     search = Search(Description((), Noise((WHITE,))), (), LOG_ALPHA)
     for count in (most, most + 1):
         steps = tuple(Term(BiasStep(200.0 * (k + 1), 0.05), ("step",)) for k in range(count))
@@ -265,9 +265,9 @@ def test_steps_are_jumps_where_there_are_many_beside_slow_noise(noise, most):
         assert set(steps_as_jump_process(found, keys)) == (set(keys) if count > most else set())
 
 
-@pytest.mark.parametrize(("second", "doubtful"), [(0.5, True), (2.0, False)])
-def test_steps_within_a_warm_up_make_it_a_transient_of_another_shape(second, doubtful):
-    """Within two time constants; a single step is one, and so are others that come after it is over."""
+@pytest.mark.parametrize(("second", "misfitting"), [(0.5, True), (2.0, False)])
+def test_several_steps_within_a_warm_up_reject_its_shape(second, misfitting):
+    """Within two time constants; a single step, or steps after the warm-up, keep their names."""
     over = DURATION * 40.0
     terms = (
         Term(WarmUp(0.05, 40.0), ("amplitude", "time_constant")),
@@ -277,7 +277,7 @@ def test_steps_within_a_warm_up_make_it_a_transient_of_another_shape(second, dou
     found = fit(sequence(*(term.effect for term in terms)), Description(terms, Noise((WHITE,))))
     keys = search.added(found.description)
     assert len(keys) == 3
-    assert set(transient_misfits(search, found, keys)) == (set(keys) if doubtful else set())
+    assert set(transient_misfits(search, found, keys)) == (set(keys) if misfitting else set())
 
 
 def passing(time, rng):
@@ -287,7 +287,7 @@ def passing(time, rng):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("kinds", "most"), [((BiasStep,), 4), ((RandomWalk, GaussMarkov), 2)])
-def test_what_follows_a_gradual_transition_is_no_staircase_and_no_noise(kinds, most):
+def test_a_gradual_transition_is_named_neither_steps_nor_noise(kinds, most):
     search, found = explored(sequence(added=passing), *kinds)
     keys = search.added(found.description)
     assert 0 < len(keys) <= most
@@ -298,7 +298,7 @@ def test_what_follows_a_gradual_transition_is_no_staircase_and_no_noise(kinds, m
 @pytest.mark.parametrize(
     "effects", [(BiasStep(460.0, 1e-3), BiasStep(500.0, 1e-3)), (RandomWalk(1e-4),), (RandomTelegraph(2e-3, 0.02),)]
 )
-def test_steps_one_way_and_slow_noise_keep_their_names(effects):
+def test_steps_of_one_sign_and_slow_noise_keep_their_names(effects):
     for label in range(10):
         search, found = explored(sequence(*effects, label=label), BiasStep, RandomWalk, RandomTelegraph)
         keys = search.added(found.description)
@@ -307,7 +307,7 @@ def test_steps_one_way_and_slow_noise_keep_their_names(effects):
 
 
 @pytest.mark.parametrize("later", [True, False])
-def test_a_step_that_comes_or_settles_in_its_time_is_not_quite_one(later):
+def test_a_step_with_exponential_onset_or_settling_has_a_misfit(later):
     """With a time constant of a hundredth of the log, before or after it."""
 
     def crept(time, rng):
@@ -319,7 +319,7 @@ def test_a_step_that_comes_or_settles_in_its_time_is_not_quite_one(later):
 
 
 @pytest.mark.parametrize(("factor", "odd"), [(1.0, False), (4.0, True)])
-def test_samples_and_spectrum_agree_where_a_walk_has_taken_the_place_of_telegraph_noise(factor, odd):
+def test_samples_and_spectrum_agree_where_a_random_walk_replaces_telegraph_noise(factor, odd):
     true = RandomTelegraph(4e-3, 0.05)
     found = fit(sequence(true), Description((), Noise((WHITE, RandomWalk(4e-4)))))
     hidden = replace(true, step=1e-9)
@@ -330,7 +330,7 @@ def test_samples_and_spectrum_agree_where_a_walk_has_taken_the_place_of_telegrap
 
 
 def relaxing(kind):
-    """What ages by itself, in white noise; a warm-up and a ramp among it."""
+    """Return a relaxation by its kind, or a warm-up with a ramp."""
     time = INTERVAL * np.arange(COUNT)
     return {
         "logarithm": lambda: 3e-3 * np.log1p(time / 5),
@@ -342,16 +342,16 @@ def relaxing(kind):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", ["logarithm", "power", "stretched", "warm-up and ramp"])
-def test_a_transient_of_another_shape_is_no_warm_up_beside_a_ramp(kind):
+def test_a_transient_of_another_shape_is_not_named_warm_up_and_ramp(kind):
     data = sequence(added=lambda time, rng: relaxing(kind), label=kind)
     search, found = explored(data, WarmUp, RateRamp, BiasStep)
     keys = search.added(found.description)
     assert len(keys) >= 2
-    doubtful = misfits(search, found)
-    assert set(doubtful) == (set() if kind == "warm-up and ramp" else set(keys))
+    misfitting = misfits(search, found)
+    assert set(misfitting) == (set() if kind == "warm-up and ramp" else set(keys))
 
 
-def test_bursts_change_the_variance_and_leave_no_change_of_it_a_name():
+def test_bursts_make_a_change_of_variance_ambiguous():
     change = VarianceChange(200.0, 300.0, 4.0)
     search = Search(Description((), Noise((WHITE,))), (), LOG_ALPHA)
     noise = GaussMarkov(2e-3, 5.0)
@@ -366,7 +366,7 @@ def test_bursts_change_the_variance_and_leave_no_change_of_it_a_name():
 
 
 @pytest.mark.slow
-def test_a_line_that_swells_without_a_carrier_is_two_that_have_no_name():
+def test_two_sidebands_without_a_carrier_are_withheld():
     def beating(time, rng):
         return 8e-4 * np.cos(2 * np.pi * 0.05 * time / 2) * np.cos(2 * np.pi * 9 * time)
 
@@ -377,7 +377,7 @@ def test_a_line_that_swells_without_a_carrier_is_two_that_have_no_name():
 
 
 @pytest.mark.slow
-def test_a_filter_is_surer_than_what_it_leaves():
+def test_a_filter_is_more_significant_than_the_remaining_deviation():
     """A bump of the spectrum below Nyquist is followed by a fall, which alone would be a filter."""
 
     def bump(time, rng):
@@ -390,7 +390,7 @@ def test_a_filter_is_surer_than_what_it_leaves():
 
 
 @pytest.mark.slow
-def test_outliers_at_any_time_are_as_even_and_as_irregular_as_chance_makes_them():
+def test_p_values_of_uniform_and_irregular_outliers_are_conservative():
     rng, found = stream(5, "even"), []
     for _ in range(200):
         hit = rng.random(10_000) < 10 ** rng.uniform(-2.5, -1.5)
@@ -423,7 +423,7 @@ def skewed(time, rng):
         (skewed, "all samples are of another distribution"),
     ],
 )
-def test_what_comes_at_a_beat_or_dies_out_or_is_skewed_is_no_outlier(added, reason):
+def test_periodic_decaying_or_skewed_samples_are_not_named_outliers(added, reason):
     search, found = explored(sequence(added=added), Outliers)
     assert found.has(Outliers)
     assert outliers_misfit(search, found).reason == reason
@@ -432,7 +432,7 @@ def test_what_comes_at_a_beat_or_dies_out_or_is_skewed_is_no_outlier(added, reas
 
 @pytest.mark.slow
 @pytest.mark.parametrize("law", ["standard_normal", "laplace", "uniform"])
-def test_outliers_keep_their_name_whatever_their_distribution(law):
+def test_outliers_of_any_distribution_keep_their_name(law):
     def far(time, rng):
         size = 0.04 * (rng.uniform(-2, 2, len(time)) if law == "uniform" else getattr(rng, law)(size=len(time)))
         return np.where(rng.random(len(time)) < 0.005, size, 0.0)
@@ -444,14 +444,14 @@ def test_outliers_keep_their_name_whatever_their_distribution(law):
 
 
 @pytest.mark.slow
-def test_heavy_tails_of_all_samples_are_no_outliers():
+def test_heavy_tails_of_all_samples_are_not_named_outliers():
     assert reasons(sequence(added=lambda time, rng: 5e-3 * rng.laplace(size=len(time))), Outliers) == {
         "they are not rare"
     }
 
 
 @pytest.mark.slow
-def test_volatile_noise_has_neither_outliers_nor_changes_of_variance():
+def test_volatile_noise_is_named_neither_outliers_nor_changes_of_variance():
     def volatile(time, rng):
         level = np.convolve(rng.standard_normal(len(time)), np.ones(200) / np.sqrt(200), "same")
         return 5e-3 * np.exp(0.8 * level) * rng.standard_normal(len(time))

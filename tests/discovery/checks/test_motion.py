@@ -1,4 +1,4 @@
-"""Names of what answers the motion, and what else may go with it."""
+"""Effects that depend on the motion, against unnamed functions of it."""
 
 from dataclasses import replace
 from types import SimpleNamespace
@@ -71,7 +71,7 @@ def result(axis, ideal, *effects, added=0.0):
     ],
 )
 @pytest.mark.parametrize("beside", [(), (GaussMarkov(5e-3, 5.0),), (OutputFilter(5.0, 2),)])
-def test_what_answers_the_motion_keeps_its_name(axis, effect, beside):
+def test_motion_dependent_effects_keep_their_names(axis, effect, beside):
     found = result(axis, turning(), effect, *beside)
     assert sorted(finding.name for finding in found.findings) == sorted(one.name for one in (effect, *beside))
     assert not found.withheld
@@ -79,7 +79,7 @@ def test_what_answers_the_motion_keeps_its_name(axis, effect, beside):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("coupled", [0.8, 0.95])
-def test_an_accelerometer_that_answers_the_rate_leans_to_no_axis(coupled):
+def test_rate_sensitivity_of_an_accelerometer_is_not_named_misalignment(coupled):
     ideal = turning(coupled)
     found = result("accel_z", ideal, added=2e-3 * ideal["gyro_z"].to_numpy())
     assert not found.findings
@@ -88,7 +88,7 @@ def test_an_accelerometer_that_answers_the_rate_leans_to_no_axis(coupled):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("waves", [2.5, 6.0])
-def test_a_wavy_transfer_is_no_noise(waves):
+def test_a_periodic_nonlinearity_is_not_named_noise(waves):
     """An interpolation error repeats itself over the input; as the input moves, its spectrum is that of slow noise."""
     ideal = turning()
     rate = ideal["gyro_z"].to_numpy()
@@ -98,7 +98,7 @@ def test_a_wavy_transfer_is_no_noise(waves):
 
 
 @pytest.mark.slow
-def test_the_cutoff_of_a_filter_of_the_motion_scatters_as_its_error_says():
+def test_the_cutoff_of_a_filter_in_motion_scatters_by_its_standard_error():
     """What the filter takes from the motion tells it, beside a scale factor that takes some of it too."""
     ideal, log_cutoff, seen = turning().iloc[:3000], np.log(5.0), []
     own = conditions_of("gyro_z", ideal).error_free
@@ -120,7 +120,7 @@ def test_the_cutoff_of_a_filter_of_the_motion_scatters_as_its_error_says():
 
 
 @pytest.mark.parametrize(("effect", "shown"), [(TimeOffset(5e-5), False), (OutputFilter(15.0, 1), True)])
-def test_a_delay_is_no_filter_that_noise_does_not_show(effect, shown):
+def test_a_delay_is_not_named_filter_without_evidence_in_the_noise(effect, shown):
     """One whose cutoff is next to half the rate delays the motion a little, and does nothing else."""
     conditions = conditions_of("gyro_z", turning())
     own = conditions.error_free
@@ -136,7 +136,7 @@ def test_a_delay_is_no_filter_that_noise_does_not_show(effect, shown):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("gravity", [0.0, -9.8])
-def test_a_cube_about_where_the_input_is_is_no_scale_factor(gravity):
+def test_a_cubic_nonlinearity_about_the_mean_input_is_not_named_scale_factor(gravity):
     ideal = turning()
     moved = ideal["accel_z"].to_numpy()
     ideal["accel_z"] += gravity
@@ -147,7 +147,7 @@ def test_a_cube_about_where_the_input_is_is_no_scale_factor(gravity):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("waves", [1, 2])
-def test_an_error_that_goes_with_the_heading_is_no_noise(waves):
+def test_a_heading_dependent_error_is_not_named_noise(waves):
     """Iron of a vehicle, say: it is the same wherever the vehicle heads the same way."""
     ideal = turning()
     heading = INTERVAL * np.cumsum(0.2 * ideal["gyro_z"].to_numpy())
@@ -159,7 +159,7 @@ def test_an_error_that_goes_with_the_heading_is_no_noise(waves):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("half", [0.003, 0.03])
-def test_a_play_is_neither_what_it_looks_like_nor_the_noise_that_takes_it_up(half):
+def test_play_of_the_input_is_not_named(half):
     """A delay, a filter, outliers: each of them explains some of it."""
     ideal = turning()
     own = np.ascontiguousarray(ideal["gyro_y"])
@@ -169,7 +169,7 @@ def test_a_play_is_neither_what_it_looks_like_nor_the_noise_that_takes_it_up(hal
 
 
 @pytest.mark.slow
-def test_what_has_no_name_is_not_searched_through_again_in_the_whole_log():
+def test_the_search_stops_at_an_unnamed_function_of_the_motion_in_the_whole_log():
     """It stands for whatever a search would make of it, and the search would go on and on."""
     ideal = turning()
     rate = ideal["gyro_x"].to_numpy()
@@ -183,7 +183,7 @@ def test_what_has_no_name_is_not_searched_through_again_in_the_whole_log():
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("axis", "size"), [("gyro_y", 0.8), ("gyro_y", 2.0), ("accel_x", 0.8)])
-def test_noise_that_grows_with_the_motion_has_no_name(axis, size):
+def test_noise_that_grows_with_the_motion_is_withheld(axis, size):
     ideal = turning()
     change = np.gradient(ideal[axis].to_numpy())
     noise = size * stream(9, "grows").standard_normal(COUNT) * change / change.std()
@@ -193,7 +193,7 @@ def test_noise_that_grows_with_the_motion_has_no_name(axis, size):
 
 
 @pytest.mark.slow
-def test_noise_that_differs_at_rest_has_no_name():
+def test_noise_that_differs_at_rest_is_withheld():
     """Coarse rounding, say, is louder or softer while nothing moves."""
     moving = INTERVAL * np.arange(COUNT) > 20
     ideal = turning().mul(moving, axis=0)
@@ -205,14 +205,14 @@ def test_noise_that_differs_at_rest_has_no_name():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("effect", [Outliers(1e-3, 0.05), VarianceChange(100.0, 150.0, 1.6)])
-def test_what_comes_at_times_of_its_own_keeps_its_name_in_motion(effect):
+def test_outliers_and_variance_changes_independent_of_the_motion_keep_their_names(effect):
     found = result("gyro_y", turning(), effect)
     assert [finding.name for finding in found.findings] == [effect.name]
     assert not found.withheld
 
 
 @pytest.mark.slow
-def test_samples_by_chance_are_seldom_taken_to_come_with_the_motion():
+def test_the_p_value_of_outliers_independent_of_the_motion_is_near_uniform():
     ideal = turning()
     fitted = SimpleNamespace(sequence=SimpleNamespace(conditions=conditions_of("gyro_y", ideal)))
     rng = stream(3, "by chance")
@@ -222,7 +222,7 @@ def test_samples_by_chance_are_seldom_taken_to_come_with_the_motion():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("own", [0, 1])
-def test_vibration_is_told_from_the_motion_beneath_it(own):
+def test_vibration_rectification_is_separated_from_slow_motion(own):
     rng, ideal = stream(5, "vibration"), turning()
     power = np.repeat(rng.uniform(0.0, 3.0, 20), COUNT // 20)
     fast = lfilter(*butter(2, 0.4, "high"), rng.standard_normal((3, COUNT))) * power

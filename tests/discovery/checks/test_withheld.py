@@ -32,7 +32,7 @@ from imugap.stream import stream
 
 
 @pytest.mark.slow
-def test_a_line_that_drifts_is_a_place_without_a_name():
+def test_a_drifting_line_is_unexplained_and_not_named():
     data = sequence(count=12_000)
     time = data.conditions.time
     chirp = 2.5e-3 * np.cos(2 * np.pi * (0.5 * time + 2.0 * time**2 / (2 * time[-1])))
@@ -44,8 +44,8 @@ def test_a_line_that_drifts_is_a_place_without_a_name():
 
 
 @pytest.mark.slow
-def test_bursts_are_no_noise_though_their_spectrum_is():
-    """What dies away has the spectrum of a Gauss-Markov process, but what drives it is skewed and peaked."""
+def test_bursts_with_the_spectrum_of_noise_are_not_named_noise():
+    """Exponential decays have the spectrum of a Gauss-Markov process, but a skewed and peaked driving process."""
     data, rng = sequence(count=12_000), stream(3, "bursts")
     since = data.conditions.time - rng.uniform(0, data.conditions.time[-1], (20, 1))
     heights = 4e-3 * rng.standard_exponential((20, 1))
@@ -62,7 +62,7 @@ def test_bursts_are_no_noise_though_their_spectrum_is():
 
 
 @pytest.mark.parametrize(
-    ("doubtful", "reason", "warm", "withheld"),
+    ("misfitting", "reason", "warm", "withheld"),
     [
         ("noise", "bursts", 2e-2, [BiasStep]),
         ("noise", "bursts", 2e-3, [BiasStep, WarmUp]),
@@ -70,7 +70,7 @@ def test_bursts_are_no_noise_though_their_spectrum_is():
         ("line", "drifts", 2e-3, []),
     ],
 )
-def test_what_slow_noise_without_a_name_may_have_made_has_none_either(doubtful, reason, warm, withheld):
+def test_means_that_misfitting_slow_noise_can_imitate_are_withheld(misfitting, reason, warm, withheld):
     terms = [
         Term(BiasStep(200.0, 2e-2), ("step",)),
         Term(Sinusoid(0.8, 5e-4, 0.3), ("amplitude",)),
@@ -80,15 +80,15 @@ def test_what_slow_noise_without_a_name_may_have_made_has_none_either(doubtful, 
     data = sequence(BiasStep(200.0, 2e-2), WarmUp(warm, 20.0), GaussMarkov(1e-3, 6.0), count=12_000)
     search = Search(Description((), Noise((WHITE,))), tuple(CATALOGUE.values()), LOG_ALPHA)
     keys = [*(Key("term", index) for index in range(3)), Key("noise", 1)]
-    misfit = {keys[3 if doubtful == "noise" else 1]: Misfit(reason, -20.0)}
+    misfit = {keys[3 if misfitting == "noise" else 1]: Misfit(reason, -20.0)}
     found = fit(data, described)
     of_it = ambiguous_means(search, found, keys, misfit)
     assert [type(at(found.description, key)) for key in of_it] == withheld
     assert all(one.reason == reason for one in of_it.values())
 
 
-def test_a_line_or_filter_where_noise_without_a_name_is_the_power_has_none_either():
-    """A peak of a spectrum that is not known is not known to be a line."""
+def test_lines_and_filters_dominated_by_misfitting_noise_are_withheld():
+    """A peak of an unknown spectrum is not necessarily a line."""
     lines = tuple(Term(Sinusoid(f, 5e-4, 0.3), ("amplitude",)) for f in (0.1, 9.0))
     keys, misfit = [Key("term", 0), Key("term", 1), Key("noise", 1), Key("filter", 0)], Misfit("bursts", -20.0)
     for cutoff, nameless in ((0.1, [Key("term", 0), Key("filter", 0)]), (9.0, [Key("term", 0)])):
@@ -99,7 +99,7 @@ def test_a_line_or_filter_where_noise_without_a_name_is_the_power_has_none_eithe
 
 
 @pytest.mark.slow
-def test_the_power_of_a_line_that_sweeps_is_no_noise():
+def test_the_power_of_a_chirp_is_not_named_noise():
     data = sequence()
     time = data.conditions.time
     turns = 0.5 * time + 0.5 * (2.1 - 0.5) * time**2 / time[-1]
@@ -112,7 +112,7 @@ def test_the_power_of_a_line_that_sweeps_is_no_noise():
 
 
 @pytest.mark.slow
-def test_beside_a_line_that_sweeps_noise_of_other_frequencies_keeps_its_name():
+def test_noise_outside_the_band_of_a_chirp_keeps_its_name():
     data = sequence(GaussMarkov(2e-3, 10.0))
     time = data.conditions.time
     turns = 2.0 * time + 0.5 * (4.0 - 2.0) * time**2 / time[-1]
@@ -123,7 +123,7 @@ def test_beside_a_line_that_sweeps_noise_of_other_frequencies_keeps_its_name():
 
 
 @pytest.mark.slow
-def test_flicker_keeps_its_name_in_either_form_that_samples_of_it_may_have():
+def test_fractionally_differenced_flicker_keeps_its_name():
     """Fractionally differenced noise lies above 1/f towards half the rate; its slope is that of flicker."""
     data, rng = sequence(count=120_000), stream(1, "fractional")
     moved = replace(data, values=data.values + 6e-3 * fractional(120_000, 1.0, rng))
@@ -134,8 +134,8 @@ def test_flicker_keeps_its_name_in_either_form_that_samples_of_it_may_have():
 
 
 @pytest.mark.slow
-def test_a_loop_over_the_temperature_is_no_walk():
-    """The bias goes by the way that the temperature came, with play; the walk of the same size keeps its name."""
+def test_hysteresis_is_not_named_random_walk():
+    """The bias follows the temperature with play; a random walk of the same size keeps its name."""
     time = np.arange(16_000) * 0.04
     warming = 25 + 4 * np.sin(2 * np.pi * time / 260) + 1.5 * np.sin(2 * np.pi * time / 97 + 1)
     conditions = Conditions(time, 0.04, warming, "gyro_x")
@@ -156,8 +156,8 @@ def test_a_loop_over_the_temperature_is_no_walk():
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("constant", "period", "size"), [(200, 700, 9e-3), (100, 500, 6e-3), (120, 900, 9e-3)])
-def test_a_loop_over_a_temperature_that_warms_up_is_neither_temperature_nor_warm_up(constant, period, size):
-    """Both together, by coefficients and a time constant of their own, keep their names."""
+def test_hysteresis_during_warming_is_named_neither_temperature_nor_warm_up(constant, period, size):
+    """A temperature effect and an independent warm-up keep their names."""
     time = np.arange(24_000) * 0.04
     warming = 25 + 5.5 * (1 - np.exp(-time / constant)) + np.sin(2 * np.pi * time / period)
     conditions = Conditions(time, 0.04, warming, "gyro_x")
@@ -173,7 +173,7 @@ def test_a_loop_over_a_temperature_that_warms_up_is_neither_temperature_nor_warm
 
 
 @pytest.mark.slow
-def test_noise_between_flicker_and_walk_is_seldom_a_markov_process():
+def test_noise_between_flicker_and_random_walk_is_seldom_named_gauss_markov():
     """A process of the same number of parameters has to be likelier than a power law to have its name."""
     white, named = sequence(count=60_000), []
     for run in range(16):
@@ -188,7 +188,7 @@ def test_noise_between_flicker_and_walk_is_seldom_a_markov_process():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("run", range(3))
-def test_a_markov_process_is_no_power_law(run):
+def test_a_gauss_markov_process_keeps_its_name(run):
     data = sequence(GaussMarkov(1e-3, 5.0), count=60_000, label=f"markov {run}")
     search = Search(plain(data).description, (GaussMarkov,), LOG_ALPHA)
     found = search.explore(plain(data))
@@ -232,7 +232,7 @@ def between_walk_and_flicker(time, rng):
         (between_walk_and_flicker, "spectrum", 0.001, 0.01),
     ],
 )
-def test_what_is_nearly_an_effect_has_a_place_and_no_name(added, view, low, high):
+def test_signals_close_to_an_effect_are_located_and_not_named(added, view, low, high):
     result = conclude(search_axis(beside_white(added), (), tuple(CATALOGUE.values()), LOG_ALPHA, 16_000))
     assert names(result) == []
     places = [one.place for one in result.withheld if one.place.view == view]
@@ -241,8 +241,8 @@ def test_what_is_nearly_an_effect_has_a_place_and_no_name(added, view, low, high
 
 
 @pytest.mark.parametrize(("shape", "reasons"), [("teeth", ["a wave of one period explains it better"]), ("step", [])])
-def test_a_jump_of_a_wave_is_no_step(shape, reasons):
-    """The walk of the start model hides the wave but for a jump of it; a step alone keeps its name."""
+def test_a_jump_of_a_periodic_term_is_not_named_step(shape, reasons):
+    """The random walk of the start model absorbs all of the periodic term but one jump; a true step keeps its name."""
     known = RandomWalk(5e-5)
     data = sequence(known, label="jump")
     time = data.conditions.time
@@ -251,11 +251,11 @@ def test_a_jump_of_a_wave_is_no_step(shape, reasons):
     before = fit(moved, Description((), Noise((WHITE, known))))
     step = Term(BiasStep(4 * 96.3, -2e-3), ("step",))
     found = fit(moved, replace(before.description, terms=(step,)))
-    doubtful = misfits(Search(before.description, (BiasStep,), LOG_ALPHA), found)
-    assert [misfit.reason for misfit in doubtful.values()] == reasons
+    misfitting = misfits(Search(before.description, (BiasStep,), LOG_ALPHA), found)
+    assert [misfit.reason for misfit in misfitting.values()] == reasons
 
 
-def test_a_steady_line_is_not_in_doubt():
+def test_a_steady_line_has_no_misfit():
     data = sequence(Sinusoid(0.8, 5e-4, 0.3), count=12_000)
     search = Search(plain(data).description, tuple(CATALOGUE.values()), LOG_ALPHA)
     found = search.explore(plain(data))
@@ -264,7 +264,7 @@ def test_a_steady_line_is_not_in_doubt():
 
 
 @pytest.mark.slow
-def test_a_temperature_beside_a_walk_is_seldom_a_memory_of_it():
+def test_a_temperature_effect_with_random_walk_is_seldom_taken_for_hysteresis():
     count, interval, few = 3000, 0.2, []
     time = interval * np.arange(count)
     warming = 24 + 4 * (1 - np.exp(-time / 120)) + 0.5 * np.sin(2 * np.pi * time / 200)

@@ -24,7 +24,7 @@ def white(label, run=0):
 
 
 def chirp(begin, end, deviate):
-    """A chirp whose amplitude is so many of the standard deviations with which it can be known in white noise."""
+    """Return a chirp with an amplitude in units of its standard deviation in white noise."""
     time, duration = INTERVAL * np.arange(COUNT), INTERVAL * COUNT
     angle = 2 * np.pi * (begin * time + (end - begin) * time**2 / (2 * duration))
     return deviate * np.sqrt(2 / COUNT) * np.cos(angle)
@@ -36,7 +36,7 @@ def found(values):
 
 
 @pytest.mark.parametrize(("begin", "end"), [(1.0, 4.0), (6.0, 2.5), (20.0, 21.0), (1.5, 20.0)])
-def test_a_chirp_is_a_band_from_its_begin_to_its_end(begin, end):
+def test_a_chirp_is_found_as_the_band_of_its_frequencies(begin, end):
     (band,) = found(white("chirp") + chirp(begin, end, 15))
     low, high = sorted((begin, end))
     width = 8 / (INTERVAL * COUNT)
@@ -44,14 +44,14 @@ def test_a_chirp_is_a_band_from_its_begin_to_its_end(begin, end):
     assert abs(band.high - high) < 2 * width
 
 
-def test_noise_and_steady_lines_do_not_sweep():
+def test_noise_and_steady_lines_are_not_detected_as_chirps():
     time = INTERVAL * np.arange(COUNT)
     assert found(white("noise")) == ()
     assert found(white("noise") + 0.5 * np.cos(2 * np.pi * 3.3 * time)) == ()
 
 
 @pytest.mark.slow
-def test_chance_is_not_taken_for_a_sweep_more_often_than_stated():
+def test_the_false_alarm_rate_of_chirps_is_at_most_nominal():
     sequence = SimpleNamespace(conditions=SimpleNamespace(interval=INTERVAL))
     often = [
         find_chirps(SimpleNamespace(whitened=white("chance", i), sequence=sequence), np.log(0.1)) for i in range(100)
@@ -60,7 +60,7 @@ def test_chance_is_not_taken_for_a_sweep_more_often_than_stated():
 
 
 @pytest.mark.slow
-def test_a_faint_chirp_is_a_place_without_a_name():
+def test_a_faint_chirp_is_located_and_not_named():
     conditions = Conditions(INTERVAL * np.arange(COUNT), INTERVAL, axis="accel_y")
     data = AxisSequence(1e-2 * (white("result") + chirp(1.5, 5.0, 12)), conditions, np.zeros(COUNT, bool))
     result = conclude(search_axis(data, (), tuple(CATALOGUE.values()), LOG_ALPHA, int(0.8 * COUNT)))
@@ -69,21 +69,21 @@ def test_a_faint_chirp_is_a_place_without_a_name():
     assert band.low < 2 < 4 < band.high
 
 
-@pytest.mark.parametrize(("cutoff", "doubtful"), [(24.6, True), (2.0, False)])
-def test_a_filter_that_only_the_band_of_a_chirp_shows_is_none(cutoff, doubtful):
-    """All frequencies that the chirp reaches are louder, so that those above look filtered."""
+@pytest.mark.parametrize(("cutoff", "misfitting"), [(24.6, True), (2.0, False)])
+def test_a_filter_that_is_significant_only_within_the_band_of_a_chirp_is_withheld(cutoff, misfitting):
+    """The chirp raises the power of its band, so that higher frequencies appear filtered."""
     conditions = Conditions(INTERVAL * np.arange(COUNT), INTERVAL, axis="accel_y")
     noise, filtered = white("filter"), OutputFilter(cutoff, 1)
-    noise = noise if doubtful else filtered.apply(noise, conditions, stream(1))
+    noise = noise if misfitting else filtered.apply(noise, conditions, stream(1))
     data = AxisSequence(1e-2 * (noise + chirp(2.3, 18.1, 30)), conditions, np.zeros(COUNT, bool))
     density = WhiteNoise(1e-2 * np.sqrt(INTERVAL))
     search = Search(Description((), Noise((density,))), tuple(CATALOGUE.values()), LOG_ALPHA)
     seen = fit(data, Description((), Noise((density,), filtered)))
     misfits = explained_by_bands(search, seen, [Key("filter", 0)], [Band(2.3, 18.1, -500.0)])
-    assert list(misfits) == ([Key("filter", 0)] if doubtful else [])
+    assert list(misfits) == ([Key("filter", 0)] if misfitting else [])
 
 
-def test_the_fit_of_a_steady_line_leaves_no_sweep():
+def test_a_steady_line_is_not_detected_as_a_chirp():
     line = Sinusoid(3.3, 1e-2, 0.3)
     conditions = Conditions(INTERVAL * np.arange(COUNT), INTERVAL, axis="accel_y")
     data = AxisSequence(1e-2 * white("line") + line.sample(conditions, None), conditions, np.zeros(COUNT, bool))

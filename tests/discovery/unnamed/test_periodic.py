@@ -8,8 +8,8 @@ from imugap.discovery.unnamed import periodic
 
 @pytest.mark.parametrize("count", [19_997, 20_011])
 @pytest.mark.parametrize("periods", [5.3, 41.7, 93.1])
-def test_a_wave_gains_what_it_does_at_its_own_frequency(count, periods):
-    """Also where no fast transform has the length of the log, or a multiple of it."""
+def test_the_search_reaches_the_gain_at_the_true_frequency(count, periods):
+    """Also for lengths of the log that no fast transform divides."""
     frequency = periods / (0.05 * count)
     data = beside_white(lambda time, rng: 2e-3 * (time * frequency % 1), count)
     found = fit(data, Description((), Noise((WHITE,))))

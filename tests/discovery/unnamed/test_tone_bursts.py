@@ -1,4 +1,4 @@
-"""Tones that wander, come and go, or ring, and what is none."""
+"""Detection of tones that wander, are intermittent, or decay."""
 
 from dataclasses import replace
 
@@ -52,7 +52,7 @@ def ringing(frequency):
 
 
 @pytest.mark.parametrize("tone", [wandering(2.0, 4.0), 3 * ringing(3.0)], ids=["wandering", "ringing"])
-def test_a_tone_that_is_not_steady_is_a_band(tone):
+def test_a_wandering_or_decaying_tone_is_found_as_a_band(tone):
     (band,) = find_tone_bursts(fit(sequence(added=STD * tone), Description((), Noise((WHITE,)))))
     assert 1.0 < band.low < 3.0 < band.high < 5.0
 
@@ -68,7 +68,7 @@ def test_a_tone_that_is_not_steady_is_a_band(tone):
     ],
     ids=lambda effect: effect.name,
 )
-def test_what_is_described_has_none(effect):
+def test_described_effects_leave_no_tone_bursts(effect):
     noise, changes, output = (WHITE, effect), (), None
     if isinstance(effect, VarianceChange):
         noise, changes = (WHITE,), (effect,)
@@ -77,7 +77,7 @@ def test_what_is_described_has_none(effect):
     assert find_tone_bursts(fit(sequence(effect), Description((), Noise(noise, output), changes))) == ()
 
 
-def test_a_steady_line_and_a_step_that_are_not_described_are_none():
+def test_a_steady_line_and_a_step_are_no_tone_bursts():
     data = sequence(Sinusoid(3.0, STD), BiasStep(400.0, 20 * STD))
     assert find_tone_bursts(fit(data, Description((), Noise((WHITE,))))) == ()
     line = Term(Sinusoid(3.0, STD), ("amplitude",))
@@ -85,12 +85,12 @@ def test_a_steady_line_and_a_step_that_are_not_described_are_none():
 
 
 @pytest.mark.parametrize("share", [0.01, 0.1, 1.0])
-def test_frequencies_above_those_that_a_fit_asks_are_not_asked_either(share):
+def test_frequencies_that_the_fit_does_not_use_are_not_tested(share):
     data = replace(sequence(), share=share)
     assert find_tone_bursts(fit(data, Description((), Noise((WHITE,))))) == ()
 
 
-def test_cells_of_white_noise_are_as_loud_as_said():
+def test_the_cell_p_value_of_white_noise_is_uniform():
     for length in LENGTHS:
         chances = cell_log_p(stream(3, "cells", length).standard_normal(400_000), length, 1.0)
         for level in LEVELS:
@@ -98,7 +98,7 @@ def test_cells_of_white_noise_are_as_loud_as_said():
             assert low <= np.count_nonzero(chances < level) <= high
 
 
-def test_chance_makes_as_much_of_white_noise_no_more_often_than_said():
+def test_the_false_alarm_rate_of_tone_bursts_is_at_most_nominal():
     log_p = [
         loudest_band(cell_log_p(stream(4, "chance", k).standard_normal(30_000), 512, 1.0), 1.0).log_p
         for k in range(300)
@@ -109,7 +109,7 @@ def test_chance_makes_as_much_of_white_noise_no_more_often_than_said():
 
 
 @pytest.mark.slow
-def test_a_tone_that_wanders_is_no_noise_and_no_filter():
+def test_a_wandering_tone_is_named_neither_noise_nor_filter():
     data = sequence(added=0.6 * STD * wandering(2.0, 4.0))
     found = conclude(search_axis(data, (), tuple(CATALOGUE.values()), np.log(0.01 / 6 / 28), int(0.8 * COUNT)))
     assert not found.findings

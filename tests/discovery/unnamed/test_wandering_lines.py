@@ -39,18 +39,18 @@ def explored(data):
     return search.explore(fit(data, search.start))
 
 
-def test_a_wandering_line_is_one_band_around_it():
+def test_a_wandering_line_is_found_as_one_band():
     (band,) = wandering_lines.find_bands(explored(sequence(line=4e-3)))
     assert LINE_HZ / 1.1 < band.low < LINE_HZ < band.high < 1.1 * LINE_HZ
     assert band.log_p < LOG_ALPHA
 
 
 @pytest.mark.parametrize("effects", [(), (Sinusoid(LINE_HZ, 4e-3, 0.3),), (Sinusoid(0.3, 4e-3), Sinusoid(0.7, 4e-3))])
-def test_steady_lines_are_no_band(effects):
+def test_steady_lines_are_not_found_as_wandering(effects):
     assert wandering_lines.find_bands(explored(sequence(*effects))) == ()
 
 
-def test_outside_of_a_band_the_coefficients_stay():
+def test_coefficients_outside_of_a_band_are_unchanged():
     data = sequence(line=4e-3)
     cleared = wandering_lines.without_bands(data, (Band(0.53, 0.59, -100.0),))
     frequency = np.arange(1, COUNT) / (2 * COUNT * INTERVAL)
@@ -63,7 +63,7 @@ def test_outside_of_a_band_the_coefficients_stay():
     assert abs(excess - 1) < 4 * np.sqrt(2 / inside.sum()) + 0.05
 
 
-def test_samples_on_few_levels_stay_coarse_without_a_band():
+def test_rounded_samples_stay_coarse_after_the_removal_of_a_band():
     data = sequence(line=4e-3)
     rounded = AxisSequence(0.02 * np.rint(data.values / 0.02), data.conditions, data.flawed)
     assert rounded.coarse
@@ -71,7 +71,7 @@ def test_samples_on_few_levels_stay_coarse_without_a_band():
 
 
 @pytest.mark.slow
-def test_beside_a_wandering_line_the_others_keep_their_names():
+def test_other_effects_keep_their_names_next_to_a_wandering_line():
     data = sequence(BiasStep(700.0, 4e-3), BiasInstability(1e-3), line=4e-3)
     result = conclude(search_axis(data, (), tuple(CATALOGUE.values()), LOG_ALPHA, int(0.8 * COUNT)))
     assert sorted(finding.name for finding in result.findings) == ["bias_instability", "bias_step"]
@@ -80,7 +80,7 @@ def test_beside_a_wandering_line_the_others_keep_their_names():
 
 
 @pytest.mark.slow
-def test_a_wandering_line_alone_gets_no_name():
+def test_a_wandering_line_is_not_named():
     result = conclude(search_axis(sequence(line=4e-3), (), tuple(CATALOGUE.values()), LOG_ALPHA, int(0.8 * COUNT)))
     assert result.findings == ()
     assert len(result.bands) == 1
