@@ -1,4 +1,4 @@
-"""Runs of one device against each other: clocks from lines that all move alike."""
+"""Differences between runs of one device: sampling clock and turn-on bias."""
 
 import numpy as np
 import pytest
@@ -80,7 +80,7 @@ def test_correct_stamps_of_another_rate_are_no_clock_error():
 
 
 def levelled(number, levels, effects, noise, found=()):
-    """Fit runs with the same ``effects`` at ``levels``; the first with the terms ``found``, as a search leaves them."""
+    """Fit runs with the same ``effects`` at ``levels``; the first with the terms ``found``, as after a search."""
     fits, white = [], WhiteNoise(1e-4)
     for run, level in enumerate(levels):
         conditions = Conditions(np.arange(3000) * INTERVAL, INTERVAL, axis="gyro_x")

@@ -13,7 +13,7 @@ from imugap.stream import stream
 
 
 def correlated(run, colour, size, own=()):
-    """Fits of two axes with noise of their own and in common, this filtered by the coefficients ``colour``."""
+    """Fit two axes with independent and common noise, the latter filtered by the coefficients ``colour``."""
     fits, common = {}, lfilter([1.0], colour, stream(run, "common").standard_normal(COUNT))
     for axis in ("gyro_x", "gyro_y"):
         data = sequence(*own, axis=axis, label=f"own {run}")
@@ -36,7 +36,7 @@ def test_common_noise_that_is_not_white_is_not_named(colour):
 
 
 def test_a_short_common_event_is_not_named():
-    """For a hundredth of the log, as long as a shock."""
+    """As of a shock, for a hundredth of the log."""
     shock = 3 * WHITE.density / np.sqrt(INTERVAL) * stream(1, "shock").standard_normal(COUNT)
     shock[np.abs(np.arange(COUNT) - 0.6 * COUNT) > COUNT / 200] = 0.0
     data = {axis: sequence(axis=axis) for axis in ("gyro_x", "gyro_y")}

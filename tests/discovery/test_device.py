@@ -10,7 +10,7 @@ def test_withheld_effects_are_reported_on_axes_without_a_gap():
     places = {axis: replace(gap, axis=axis) for axis in ("gyro_x", "gyro_y", "accel_x")}
     weak = replace(gap, axis="accel_y", p_value=0.2)
     results = {
-        axis: SimpleNamespace(withheld=[SimpleNamespace(place=place)])
+        axis: SimpleNamespace(withheld=[SimpleNamespace(location=place)])
         for axis, place in (places | {"accel_y": weak}).items()
     }
     shown = [replace(gap, view="coherence", axis="gyro_x,gyro_z")]

@@ -14,7 +14,7 @@ INTERVAL, COUNT = 0.05, 2000
 
 
 def motion(seed):
-    """The error-free log of a device that swings."""
+    """Return the error-free log of an oscillating device."""
     time, rng = INTERVAL * np.arange(COUNT), stream(seed, "motion")
     phase = rng.uniform(0, 2 * np.pi, 6)
     pulse = 2 * np.pi * np.array([0.3, 0.41, 0.53, 0.23, 0.37, 0.61])
@@ -44,7 +44,7 @@ def test_a_wrong_model_has_a_negative_explained_share():
 
 @pytest.mark.slow
 def test_the_interval_of_the_explained_share_covers_that_of_a_long_run():
-    """Half a scale factor takes three quarters of its variance, and noise as large as it half of the rest."""
+    """Half of the scale factor explains three quarters of its variance, which is half of the total."""
     half = ErrorModel({"gyro_x": AxisModel((ScaleFactor(0.01),))})
     true = ErrorModel({"gyro_x": AxisModel((ScaleFactor(0.02), WhiteNoise(0.02 / np.sqrt(2) * np.sqrt(INTERVAL))))})
     inside = []

@@ -419,7 +419,7 @@ def _line_gaps(results: Mapping[str, AxisResult]) -> tuple[Gap, ...]:
 def nameless_places(results: Mapping[str, AxisResult], places: Sequence[Gap], alpha: float) -> tuple[Gap, ...]:
     """Return the places of withheld names on the axes of which no view shows a place."""
     shown = {axis for place in places for axis in place.axis.split(",")}
-    unseen = [one.place for axis, result in results.items() if axis not in shown for one in result.withheld]
+    unseen = [one.location for axis, result in results.items() if axis not in shown for one in result.withheld]
     return tuple(place for place in unseen if place.p_value < alpha)
 
 

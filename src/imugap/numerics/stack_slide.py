@@ -1,4 +1,4 @@
-"""The highest straight track through the spectrogram of noise: a line whose frequency sweeps evenly.
+"""Stack-slide search for a chirp: the straight track of highest power through a spectrogram.
 
 White noise is cut into segments; in each the power at a frequency that moves evenly through the segment is an
 exponential variable of mean 1. Its sum over the segments along a straight track is a gamma variable, so that the
@@ -13,22 +13,22 @@ from numba import njit
 from scipy.fft import fft
 from scipy.special import gammaincc
 
-SEGMENTS = 8
-"""Least number of segments."""
-REACH = 0.45
-"""Largest sweep over the log, in sampling rates."""
-FINER = 2
-"""Frequencies per width of a line."""
+MIN_SEGMENTS = 8
+"""Minimum number of segments."""
+MAX_DRIFT = 0.45
+"""Maximum drift over the log [sampling rates]."""
+OVERSAMPLING = 2
+"""Frequencies per resolution width of a segment."""
 STRIDE = 2
-"""Sweep within a segment, in widths of a line, from one transform to the next."""
-WORK = 1.35e9
-"""Powers that are added up at most; a longer log is cut into more segments."""
-SLOWEST = 3
-"""Least sweep over the log, in widths of a line in a segment: what moves less is as good as steady."""
-STEADY = 1.8
-"""Median power over the segments above which a frequency has a steady line."""
+"""Increment of the sweep within a segment between transforms [resolution widths]."""
+MAX_WORK = 1.35e9
+"""Maximum number of added powers; a longer log has more segments."""
+MIN_DRIFT = 3
+"""Minimum drift over the log [resolution widths of a segment]; a line of less is steady."""
+MAX_STEADY_POWER = 1.8
+"""Maximum median power over the segments of a frequency without a steady line."""
 WINDOW = 64
-"""Frequencies over which the level is taken."""
+"""Number of frequencies for the median noise level."""
 TINY = float(np.finfo(float).tiny)
 
 
@@ -60,65 +60,65 @@ class Track:
 
 def highest_track(whitened: np.ndarray) -> Track | None:
     """Return the track of most power in ``whitened``, shape (n,), of unit variance; None of too few samples."""
-    segments = _segments(len(whitened))
+    segments = _segment_count(len(whitened))
     length = len(whitened) // segments
     if length < 2 * WINDOW:
         return None
-    widest = int(REACH * length)
+    max_drift = int(MAX_DRIFT * length)
     parts = whitened[: segments * length].reshape(segments, length).astype(np.float32)
-    drift, first, power = max(_highest(parts, widest), key=lambda one: one[2])
-    trials = 2.0 * widest * FINER * length * FINER / 2
+    drift, first, power = max(_best_tracks(parts, max_drift), key=lambda one: one[2])
+    trials = 2.0 * max_drift * OVERSAMPLING * length * OVERSAMPLING / 2
     log_p = float(np.log(max(gammaincc(segments, power), TINY)) + np.log(trials))
-    return Track(first / FINER / length, drift / FINER / length, log_p, segments)
+    return Track(first / OVERSAMPLING / length, drift / OVERSAMPLING / length, log_p, segments)
 
 
-def _segments(count: int) -> int:
-    """Return the number of segments of a log: tracks, segments and frequencies together make the work."""
-    work = 2 * REACH * FINER**2 / 2 * count**2
-    return max(SEGMENTS, int(np.ceil(work / WORK)))
+def _segment_count(count: int) -> int:
+    """Return the number of segments of ``count`` samples that keeps the number of added powers below the maximum."""
+    work = 2 * MAX_DRIFT * OVERSAMPLING**2 / 2 * count**2
+    return max(MIN_SEGMENTS, int(np.ceil(work / MAX_WORK)))
 
 
-def _highest(parts: np.ndarray, widest: int) -> list[tuple[int, int, float]]:
-    """Return drift over the log and first frequency, in steps, and sum of the highest track for each sweep.
+def _best_tracks(parts: np.ndarray, max_drift: int) -> list[tuple[int, int, float]]:
+    """Return drift over the log and first frequency [steps], and power of the best track, for each sweep.
 
     Parameters
     ----------
     parts
         Whitened samples, shape (segments, length).
     widest
-        Largest drift over the log, in widths of a line.
+        Maximum drift over the log [resolution widths].
     """
     segments = len(parts)
-    drifts = np.arange(-widest * FINER, widest * FINER + 1)
-    drifts = drifts[np.abs(drifts) >= SLOWEST * FINER]
-    inside = np.rint(drifts / FINER / segments / STRIDE).astype(int)
+    drifts = np.arange(-max_drift * OVERSAMPLING, max_drift * OVERSAMPLING + 1)
+    drifts = drifts[np.abs(drifts) >= MIN_DRIFT * OVERSAMPLING]
+    inside = np.rint(drifts / OVERSAMPLING / segments / STRIDE).astype(int)
     found = []
     for sweep in range(inside.max() + 1):
-        up, down = _powers(parts, STRIDE * sweep)
-        found.append(_best(up / _level(up), drifts[inside == sweep]))
+        up, down = _segment_powers(parts, STRIDE * sweep)
+        found.append(_best_track(up / _level(up), drifts[inside == sweep]))
         if sweep:
-            found.append(_best(down / _level(down), drifts[inside == -sweep]))
+            found.append(_best_track(down / _level(down), drifts[inside == -sweep]))
     return found
 
 
-def _powers(parts: np.ndarray, sweep: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return the power of a line that sweeps so many widths in each segment, at its middle, upwards and downwards.
+def _segment_powers(parts: np.ndarray, sweep: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return the power over the mid-frequency of a chirp of a given sweep per segment, upward and downward.
 
-    Each has shape (segments, steps). A sweep downwards is one upwards at the negative frequency.
+    Each has shape (segments, steps). A downward sweep is an upward one at the negative frequency.
     """
     length = parts.shape[1]
     time = (np.arange(length) - (length - 1) / 2) / length
-    turned = parts * np.exp(-1j * np.pi * sweep * time**2).astype(np.complex64)
-    lines = fft(turned, FINER * length, axis=1)
+    dechirped = parts * np.exp(-1j * np.pi * sweep * time**2).astype(np.complex64)
+    lines = fft(dechirped, OVERSAMPLING * length, axis=1)
     powers = (lines.real**2 + lines.imag**2) / np.float32(length)
-    steps = FINER * length // 2
+    steps = OVERSAMPLING * length // 2
     return powers[:, :steps], np.roll(powers[:, ::-1], 1, axis=1)[:, :steps]
 
 
 def _level(powers: np.ndarray) -> np.ndarray:
-    """Return the level of the power, at least 1, shape of the powers.
+    """Return the noise level of the powers, at least 1, same shape.
 
-    That of each segment, that around each frequency, and that at frequencies where most segments have a line.
+    It combines the mean of each segment, the median around each frequency, and the median over time at steady lines.
     """
     over_time = np.maximum(powers.mean(axis=1, keepdims=True), 1.0)
     along = np.ascontiguousarray(powers.T)
@@ -126,19 +126,19 @@ def _level(powers: np.ndarray) -> np.ndarray:
     around = np.repeat(_medians(along[: count * WINDOW].reshape(count, -1)), WINDOW)
     around = np.pad(around, (0, len(along) - len(around)), mode="edge")
     steady = _medians(along)
-    medians = np.maximum(around, np.where(steady > STEADY, steady, 0.0))
+    medians = np.maximum(around, np.where(steady > MAX_STEADY_POWER, steady, 0.0))
     return over_time * np.maximum(medians / np.float32(np.log(2)), 1.0)
 
 
 def _medians(rows: np.ndarray) -> np.ndarray:
-    """Return the median of each row; sorted whole, rows so short are several times faster than by their partition."""
+    """Return the median of each row; for short rows a full sort is faster than a partition."""
     ordered, half = np.sort(rows, axis=1), rows.shape[1] // 2
     return (ordered[:, half] + ordered[:, -half - 1]) / 2
 
 
 @njit(cache=True)
-def _best(powers, drifts):
-    """Return drift, first frequency and sum of the highest of straight tracks; both in steps."""
+def _best_track(powers, drifts):
+    """Return drift and first frequency [steps], and power, of the straight track of highest power."""
     segments, steps = powers.shape
     best = (0, 0, 0.0)
     shifts = np.empty(segments, np.int64)

@@ -38,7 +38,7 @@ LOG_ALPHA = np.log(0.01 / 6 / 28)
 
 
 def turning(coupled=0.9):
-    """Return the error-free log of a vehicle: its turns are felt sideways, more or less."""
+    """Return the error-free log of a vehicle, with a correlation ``coupled`` of lateral acceleration and yaw rate."""
     slow = lfilter(*butter(2, 0.02), stream(5, "turning").standard_normal((6, COUNT)))
     slow[4] = coupled * slow[2] + np.sqrt(1 - coupled**2) * slow[4]
     return log.from_samples(dict(zip(log.AXES, 8 * slow, strict=True)), INTERVAL)
@@ -89,7 +89,7 @@ def test_rate_sensitivity_of_an_accelerometer_is_not_named_misalignment(coupled)
 @pytest.mark.slow
 @pytest.mark.parametrize("waves", [2.5, 6.0])
 def test_a_periodic_nonlinearity_is_not_named_noise(waves):
-    """An interpolation error repeats itself over the input; as the input moves, its spectrum is that of slow noise."""
+    """An interpolation error is periodic in the input, and has the spectrum of slow noise over a varying input."""
     ideal = turning()
     rate = ideal["gyro_z"].to_numpy()
     found = result("gyro_z", ideal, added=4e-3 * np.sin(2 * np.pi * waves * rate / np.ptp(rate)))
@@ -99,7 +99,7 @@ def test_a_periodic_nonlinearity_is_not_named_noise(waves):
 
 @pytest.mark.slow
 def test_the_cutoff_of_a_filter_in_motion_scatters_by_its_standard_error():
-    """What the filter takes from the motion tells it, beside a scale factor that takes some of it too."""
+    """The motion that the filter removes determines its cutoff, jointly with a scale factor."""
     ideal, log_cutoff, seen = turning().iloc[:3000], np.log(5.0), []
     own = conditions_of("gyro_z", ideal).error_free
     scatter = []
@@ -121,7 +121,7 @@ def test_the_cutoff_of_a_filter_in_motion_scatters_by_its_standard_error():
 
 @pytest.mark.parametrize(("effect", "shown"), [(TimeOffset(5e-5), False), (OutputFilter(15.0, 1), True)])
 def test_a_delay_is_not_named_filter_without_evidence_in_the_noise(effect, shown):
-    """One whose cutoff is next to half the rate delays the motion a little, and does nothing else."""
+    """A filter with a cutoff near half the rate is equivalent to a small delay of the motion."""
     conditions = conditions_of("gyro_z", turning())
     own = conditions.error_free
     error = AxisModel((WhiteNoise(1e-4), effect)).simulate(own, conditions, 1, "delay") - own
@@ -148,7 +148,7 @@ def test_a_cubic_nonlinearity_about_the_mean_input_is_not_named_scale_factor(gra
 @pytest.mark.slow
 @pytest.mark.parametrize("waves", [1, 2])
 def test_a_heading_dependent_error_is_not_named_noise(waves):
-    """Iron of a vehicle, say: it is the same wherever the vehicle heads the same way."""
+    """As of hard and soft iron of a vehicle, the error is a function of the heading."""
     ideal = turning()
     heading = INTERVAL * np.cumsum(0.2 * ideal["gyro_z"].to_numpy())
     ideal["gyro_z"] *= 0.2
@@ -160,7 +160,7 @@ def test_a_heading_dependent_error_is_not_named_noise(waves):
 @pytest.mark.slow
 @pytest.mark.parametrize("half", [0.003, 0.03])
 def test_play_of_the_input_is_not_named(half):
-    """A delay, a filter, outliers: each of them explains some of it."""
+    """A delay, a filter, and outliers each explain a part of it."""
     ideal = turning()
     own = np.ascontiguousarray(ideal["gyro_y"])
     found = result("gyro_y", ideal, added=play(own, half * own.std()) - own)
@@ -170,7 +170,7 @@ def test_play_of_the_input_is_not_named(half):
 
 @pytest.mark.slow
 def test_the_search_stops_at_an_unnamed_function_of_the_motion_in_the_whole_log():
-    """It stands for whatever a search would make of it, and the search would go on and on."""
+    """The function explains more than all effects that a longer search would add."""
     ideal = turning()
     rate = ideal["gyro_x"].to_numpy()
     found = searched("gyro_x", ideal, added=np.where(np.abs(rate) < 0.1 * rate.std(), -rate, 0.0))
@@ -194,7 +194,7 @@ def test_noise_that_grows_with_the_motion_is_withheld(axis, size):
 
 @pytest.mark.slow
 def test_noise_that_differs_at_rest_is_withheld():
-    """Coarse rounding, say, is louder or softer while nothing moves."""
+    """As with coarse rounding, whose noise differs at rest."""
     moving = INTERVAL * np.arange(COUNT) > 20
     ideal = turning().mul(moving, axis=0)
     noise = stream(6, "rest").standard_normal(COUNT) * moving

@@ -235,7 +235,7 @@ def between_walk_and_flicker(time, rng):
 def test_signals_close_to_an_effect_are_located_and_not_named(added, view, low, high):
     result = conclude(search_axis(beside_white(added), (), tuple(CATALOGUE.values()), LOG_ALPHA, 16_000))
     assert names(result) == []
-    places = [one.place for one in result.withheld if one.place.view == view]
+    places = [one.location for one in result.withheld if one.location.view == view]
     assert all(place.axis == "gyro_x" and place.p_value < 0.01 for place in places)
     assert any(place.low <= low and high <= place.high for place in places)
 

@@ -17,14 +17,14 @@ class Withheld:
 
     name: str
     reason: str
-    place: Gap
+    location: Gap
 
 
 def withheld(search: Search, fit: AxisFit, key: Key, misfit: Misfit) -> Withheld:
     """Return name, reason and location of an effect of a fit that has a misfit."""
     log_p = search.likelihood_ratio(fit, key)[0].log_p
-    place = Gap(*_location(fit, key), float(np.exp(np.clip(log_p, MIN_LOG_P, 0.0))))
-    return Withheld(at(fit.description, key).name, misfit.reason, place)
+    location = Gap(*_location(fit, key), float(np.exp(np.clip(log_p, MIN_LOG_P, 0.0))))
+    return Withheld(at(fit.description, key).name, misfit.reason, location)
 
 
 def _location(fit: AxisFit, key: Key) -> tuple[str, str, float, float, str]:
