@@ -59,10 +59,10 @@ def _turn_on_finding(axis: str, runs: list[AxisFit], catalogue: Catalogue, log_a
     if not np.isfinite(errors).all():
         return None
     found = (kind.between(levels, errors) for kind in catalogue if kind.role is Role.RUN)
-    surest = min(found, key=lambda evidence: evidence.log_p, default=None)
-    if surest is None or surest.log_p > log_alpha:
+    strongest = min(found, key=lambda evidence: evidence.log_p, default=None)
+    if strongest is None or strongest.log_p > log_alpha:
         return None
-    return finding({axis: surest.effect}, surest, axis_unit(axis))
+    return finding({axis: strongest.effect}, strongest, axis_unit(axis))
 
 
 def level_error(run: AxisFit) -> float:
@@ -129,10 +129,10 @@ def _clock_finding(
         return None
     mean, sd = known
     found = (kind.between(mean, sd) for kind in catalogue if kind.role is Role.CLOCK)
-    surest = min(filter(None, found), key=lambda evidence: evidence.log_p, default=None)
-    if surest is None or surest.log_p > log_alpha:
+    strongest = min(filter(None, found), key=lambda evidence: evidence.log_p, default=None)
+    if strongest is None or strongest.log_p > log_alpha:
         return None
-    found = finding({TIME: surest.effect}, surest, "s")
+    found = finding({TIME: strongest.effect}, strongest, "s")
     return replace(found, parameters=found.parameters | {"run": Interval(run, run, run, "1")})
 
 

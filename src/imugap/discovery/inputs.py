@@ -87,7 +87,7 @@ def discover_files(
     start = None if files.model is None else ErrorModel.read(files.model, kinds)
     question = replace(question, start=start, catalogue=tuple(kinds.values()))
     if files.tests and files.reference:
-        raise ValueError("test: expected runs at rest; found a reference, which tells of a device in motion")
+        raise ValueError("test: expected runs at rest; found a reference, which implies a device in motion")
     if len(files.logs) > 1 and files.reference:
         raise ValueError(f"reference: expected one log, which it is the error-free one of; found {len(files.logs)}")
     logs, tests = _read(files.logs), _read(files.tests)
