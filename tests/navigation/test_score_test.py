@@ -32,10 +32,10 @@ def number(name, axis, parameter):
     )
 
 
-def told(loop, model, run, sight=closed_loop_aiding):
+def scores_of(loop, model, run, aiding=closed_loop_aiding):
     log, assumptions = model.simulate(loop.ideal(run, SEED), SEED, "told", run), known_assumptions(loop)
     solution = navigate(log, loop.model, assumptions)
-    return block_scores(log, solution, sight(solution), SUSPECTS, loop.model, assumptions)
+    return block_scores(log, solution, aiding(solution), SUSPECTS, loop.model, assumptions)
 
 
 def seen(loop, run):
@@ -46,10 +46,10 @@ def seen(loop, run):
 
 
 def test_positions_are_innovations_too(loop):
-    log, sight, assumptions = loop.record(1, SEED), seen(loop, 1), known_assumptions(loop)
+    log, aiding, assumptions = loop.record(1, SEED), seen(loop, 1), known_assumptions(loop)
     solution = navigate(log, loop.model, assumptions)
-    residual, variance = innovations(log, loop.model, assumptions, sight=sight, phase=solution.phase)
-    assert np.array_equal(np.isfinite(residual[1:, 6]), np.isfinite(sight.position[1:, 0]))
+    residual, variance = innovations(log, loop.model, assumptions, aiding=aiding, phase=solution.phase)
+    assert np.array_equal(np.isfinite(residual[1:, 6]), np.isfinite(aiding.position[1:, 0]))
     own = np.nansum(residual[:, :6] ** 2 / variance[:, :6], axis=1)
     blind = innovations(log, loop.model, assumptions)
     alone = np.nansum(blind[0] ** 2 / blind[1], axis=1)
@@ -59,9 +59,9 @@ def test_positions_are_innovations_too(loop):
 
 def test_positions_hold_the_walk(loop):
     """With cameras the innovations of position are as large as the filter says, and smaller than the walk's error."""
-    sight, assumptions = seen(loop, 1), known_assumptions(loop)
+    aiding, assumptions = seen(loop, 1), known_assumptions(loop)
     log = loop.record(1, SEED)
-    residual, variance = innovations(log, loop.model, assumptions, sight=sight)
+    residual, variance = innovations(log, loop.model, assumptions, aiding=aiding)
     end = navigate(log, loop.model, assumptions).trajectory[list(POSITION)].iloc[-1]
     off = np.linalg.norm(end - loop.truth(1, SEED)[list(POSITION)].iloc[-1])
     assert np.linalg.norm(residual[np.flatnonzero(np.isfinite(residual[:, 6]))[-1], 6:9]) < off
@@ -77,7 +77,7 @@ HIDDEN = [
 
 @pytest.fixture(scope="module")
 def plain(loop):
-    return told(loop, loop.model, 1) + told(loop, loop.model, 2) + told(loop, loop.model, 3)
+    return scores_of(loop, loop.model, 1) + scores_of(loop, loop.model, 2) + scores_of(loop, loop.model, 3)
 
 
 @pytest.mark.slow
@@ -86,7 +86,7 @@ def test_an_effect_on_all_walks_is_named_and_its_size_is_right(loop, plain, name
     """What a filter does not know of the gait is in the sizes with and without the effect, and not in the gap."""
     device = ErrorModel(dict(loop.model.axes) | {axis: loop.model[axis] + effect})
     hidden = number(name, axis, parameter)
-    said = told(loop, device, 1) + told(loop, device, 2) + told(loop, device, 3)
+    said = scores_of(loop, device, 1) + scores_of(loop, device, 2) + scores_of(loop, device, 3)
     verdict = score_test(said, 0.01, np.random.default_rng(1))
     assert hidden in [found.number for found in verdict.named]
     gap = said.of([hidden]).sizes()[0][0] - plain.of([hidden]).sizes()[0][0]
@@ -103,7 +103,7 @@ def test_cameras_know_the_turn_of_a_stride_better_than_the_return_to_the_begin(l
     turning = ErrorModel(dict(loop.model.axes) | {"gyro_z": loop.model["gyro_z"] + Misalignment(x=0.01)})
     hidden = [number("misalignment", "gyro_z", "x")]
     closing, cameras = (
-        told(loop, turning, 1, sight).of(hidden) for sight in (closed_loop_aiding, lambda _: seen(loop, 1))
+        scores_of(loop, turning, 1, aiding).of(hidden) for aiding in (closed_loop_aiding, lambda _: seen(loop, 1))
     )
     assert cameras.sizes()[1][0] < closing.sizes()[1][0]
     (size,), (std,) = cameras.sizes()

@@ -160,5 +160,5 @@ def test_a_chirp_that_the_log_does_not_need_is_taken_out_again(chirp, kinds):
         (white("line") + line.sample(conditions(), None), chirp(5.0, 1e-7, 30 * KNOWN, 1.0), ["sinusoid"]),
     ):
         begun = fit(sequence(values), Description((Term(effect, free),), noise))
-        settled = search.settled(begun).description
+        settled = search.refined(begun).description
         assert [term.effect.name for term in settled.terms] == left
