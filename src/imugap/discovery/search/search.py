@@ -18,6 +18,7 @@ from imugap.discovery.fit.contaminated_normal import Tails
 from imugap.discovery.fit.whittle import fit as fit_noise
 from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.search.pairs import Means, Pair
+from imugap.effects import CATALOGUE
 from imugap.effects.effect import Effect, Role, Start, StochasticEffect
 from imugap.stream import stream
 
@@ -348,9 +349,7 @@ class Search:
         found = before.tails
         if log_chance(found.gain, 2) + np.log(TAILS) > self.log_alpha or not found.flagged.any():
             return None
-        kind = next((one for one in self.catalogue if one.role is Role.OUTLIERS), None)
-        if kind is None:
-            return None
+        kind = next(one for one in (*self.catalogue, *CATALOGUE.values()) if one.role is Role.OUTLIERS)
         outliers = kind(found.probability, found.excess * before.unit)
         self.tails[outliers], self.raw[outliers] = found, before.sequence
         return outliers
