@@ -23,6 +23,7 @@ from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.discovery.fit.start_model import described, noisy
 from imugap.discovery.pooling import agree_on_noise, name_pooled, pooled_finding, search_each
 from imugap.discovery.preparation.prepare import PreparedLog, prepare
+from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.search.intervals import axis_unit
 from imugap.discovery.search.shared_effects import Joint
 from imugap.discovery.steps import Progress, StepCounter, each_in_processes
@@ -366,7 +367,7 @@ def _conclude(stage: _Measured) -> Discovery:
     )
 
 
-def _split(sequence) -> int:
+def _split(sequence: AxisSequence) -> int:
     """Return the number of samples of the held-in part."""
     return int(HELD_IN * len(sequence.values))
 
@@ -395,11 +396,10 @@ def _between_runs(stage: _Located) -> tuple[Finding, ...]:
         whole = {axis: part(sequences[axis], 0, len(sequences[axis].values)) for axis in first if axis in sequences}
         starts = {axis: described(axis_effects(stage.known, axis), one) for axis, one in whole.items()}
         fits.append({axis: fit_like_first(one, starts[axis].terms, first[axis]) for axis, one in whole.items()})
-    found = (
+    return (
         *turn_on_findings(fits, stage.log_alpha, question.catalogue),
         *clock_findings(fits, stage.log_alpha, question.catalogue),
     )
-    return found
 
 
 def _between_sharing(one: Gap | Curve, sharing: set[frozenset[str]]) -> bool:

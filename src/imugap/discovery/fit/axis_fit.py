@@ -277,7 +277,7 @@ class AxisFit:
 
     @cached_property
     def unit(self) -> float:
-        """Return the size, in the unit of the axis, of a single sample that is one off in what the tails are told from.
+        """Size [unit of the axis] of a deviation of a single sample that is one in the residual of :attr:`tails`.
 
         A single sample has a share of every cosine, so that it comes out of the residual made white by the mean of
         1/sqrt(S) over the frequencies, whatever the root of the mean of S is.
@@ -338,7 +338,7 @@ def _centred(sequence: AxisSequence, description: Description) -> np.ndarray:
 
 
 def _seen(sequence: AxisSequence, description: Description) -> np.ndarray:
-    """Return the cosine coefficients of what the systematic terms leave, whatever noise is described."""
+    """Return the cosine coefficients of the samples less the systematic terms; they do not depend on the noise."""
     return _seen_beside(sequence, description.terms, description.changes, description.noise.output_filter)
 
 

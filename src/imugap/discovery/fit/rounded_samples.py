@@ -56,7 +56,7 @@ class Cells:
     def of(
         cls, sequence: AxisSequence, noise: Noise, residual: np.ndarray, scale: np.ndarray | float
     ) -> "Cells | None":
-        """Return the cells of the white noise of a fit, None where it is not told from the rest of the signal.
+        """Return the cells of the white noise of a fit, None where it is not distinguishable from the rest.
 
         Parameters
         ----------
