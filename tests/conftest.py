@@ -9,6 +9,7 @@ take the time that they take, for the first call of a kernel compiles and a mach
 
 import json
 import os
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -24,11 +25,43 @@ import pytest
 import yaml
 from hypothesis import HealthCheck, settings
 
+from imugap.io import datasets
 from imugap.io.json_schema import Draft202012Validator
 
 patient = [HealthCheck.too_slow]
 settings.register_profile("derandomised", derandomize=True, deadline=None, suppress_health_check=patient)
 settings.load_profile("derandomised")
+
+
+@pytest.fixture(scope="session")
+def sets():
+    """The data sets of the study, by name."""
+    return datasets.load(ROOT / "data", ROOT / "workflow" / "schemas")
+
+
+@pytest.fixture(scope="session")
+def mirror():
+    """The folder of the real logs; skips a test that needs them where they are not."""
+    folder = os.environ.get("IMUGAP_MIRROR")
+    if not (folder and Path(folder).is_dir()):
+        pytest.skip("IMUGAP_MIRROR names no folder of real logs")
+    return folder
+
+
+@pytest.fixture(scope="session")
+def lap():
+    """A drive of one lap by the recipe of the study."""
+    from imugap.simulation.drive import Drive
+
+    return replace(Drive.read(ROOT / "data" / "drive.yaml"), laps=1)
+
+
+@pytest.fixture(scope="session")
+def assumptions(lap):
+    """Assumptions of a filter that hold on the lap."""
+    from imugap.navigation.vehicle import DriveAssumptions
+
+    return DriveAssumptions(lever_m=lap.receiver.lever_m, scale_std=lap.scale_std)
 
 
 @pytest.fixture

@@ -1,7 +1,6 @@
 """The command drive: the folder is whole, its numbers are those of the drive, bad input is one message."""
 
 import json
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -19,17 +18,11 @@ from imugap.io.json_schema import Draft202012Validator
 from imugap.kinematics.strapdown import COLUMNS, GEODETIC
 from imugap.log import ACCEL, GYRO
 from imugap.numerics.rotation import from_euler
-from imugap.simulation.drive import Drive
 
 ROOT = Path(__file__).parents[2]
 SEED = 61
 MOUNTING = {"roll_deg": 180.0, "pitch_deg": 7.0, "heading_deg": -175.0}
 LEVER = {"x_m": 0.4, "y_m": -0.3, "z_m": -1.2}
-
-
-@pytest.fixture(scope="module")
-def recipe():
-    return replace(Drive.read(ROOT / "data" / "drive.yaml"), laps=1)
 
 
 def degrees(fixes):
@@ -44,10 +37,10 @@ def in_device(record):
 
 
 @pytest.fixture(scope="module")
-def files(tmp_path_factory, recipe):
+def files(tmp_path_factory, lap):
     """A drive, straight and turned, its fixes with an outage and outliers, and settings."""
     folder = tmp_path_factory.mktemp("drive")
-    record, fixes = recipe.record(1, SEED), degrees(recipe.fixes(1, SEED))
+    record, fixes = lap.record(1, SEED), degrees(lap.fixes(1, SEED))
     fixes = fixes[(fixes.index < 150) | (fixes.index > 170)]
     fixes.loc[100.0, "latitude"] += 50 / 111e3
     log.write(record, folder / "imu.csv")
@@ -57,7 +50,7 @@ def files(tmp_path_factory, recipe):
     fixes.drop(columns=[name for name in fixes if name not in GEODETIC]).to_parquet(folder / "places.parquet")
     fixes.loc[:14].to_csv(folder / "still.csv")
     fixes.set_index(fixes.index + 1e5).to_csv(folder / "later.csv")
-    recipe.model.write(folder / "device.yaml")
+    lap.model.write(folder / "device.yaml")
     own = {"model": "device.yaml", "lever_arm": LEVER, "scale_factor": {"gyro_std": 1e-3, "accel_std": 1e-3}}
     (folder / "own.yaml").write_text(yaml.safe_dump(own))
     (folder / "turned.yaml").write_text(yaml.safe_dump(own | {"mounting": MOUNTING}))
@@ -93,7 +86,7 @@ def summary(folder):
         pytest.param("imu.csv", "places.parquet", ("--config", "own.yaml"), 6.0, marks=pytest.mark.slow),
     ],
 )
-def test_the_folder_is_whole_and_says_where_the_vehicle_was(here, recipe, capsys, samples, fixes, config, limit):
+def test_the_folder_is_whole_and_says_where_the_vehicle_was(here, lap, capsys, samples, fixes, config, limit):
     assert cli.main(["drive", samples, fixes, *config, "--out", "found"]) == 0
     assert {path.name for path in Path("found").iterdir()} == set(FILES)
     found = summary("found")
@@ -101,13 +94,13 @@ def test_the_folder_is_whole_and_says_where_the_vehicle_was(here, recipe, capsys
     assert found["outages"] == 1
     assert found["longest_outage_s"] == pytest.approx(22.0)
     assert found["distance_m"] == pytest.approx(2830, rel=0.02)
-    truth = recipe.path[0]
+    truth = lap.path[0]
     for name in ("solution", "smoothed"):
         table = pd.read_parquet(f"found/{name}.parquet")
         assert {*COLUMNS, *GEODETIC, *(f"{one}{STD}" for one in COLUMNS)} < set(table.columns)
         assert not table.isna().any().any()
         aided = table[(table.index > 60) & (table.index < 150)]
-        true = truth.iloc[np.rint(aided.index * recipe.rate_hz).astype(int)]
+        true = truth.iloc[np.rint(aided.index * lap.rate_hz).astype(int)]
         off = aided[["north", "east"]].to_numpy() - true[["north", "east"]].to_numpy()
         off -= off.mean(axis=0)  # the origin is the first fix, noise and antenna included
         assert np.hypot(*off.T).max() < limit
@@ -120,25 +113,25 @@ def test_the_folder_is_whole_and_says_where_the_vehicle_was(here, recipe, capsys
 
 
 @pytest.mark.slow
-def test_the_summary_tells_whether_the_filter_knows_itself(recipe):
+def test_the_summary_tells_whether_the_filter_knows_itself(lap):
     """Over clean drives with the true settings: NIS in its band as often as it says."""
     given = {
         "lever_arm": dict(LEVER),
         "scale_factor": {"gyro_std": 1e-3, "accel_std": 1e-3},
         "quality": {"component_sigma": None, "gated": False, "reset_s": None},
     }
-    setting = DriveSettings.of(configure(given, SCHEMA), recipe.model)
+    setting = DriveSettings.of(configure(given, SCHEMA), lap.model)
     inside = []
     for run in range(30):
-        found = navigate_drive(RecordedDrive(recipe.record(run, SEED), recipe.fixes(run, SEED), setting)).summary()
+        found = navigate_drive(RecordedDrive(lap.record(run, SEED), lap.fixes(run, SEED), setting)).summary()
         inside.append(found["nis_low"] < found["nis"] < found["nis_high"])
         assert found["global_test_failed"] <= 3
     assert 25 <= sum(inside) <= 30
 
 
 @pytest.mark.slow
-def test_lost_samples_are_filled(recipe):
-    record, fixes = recipe.record(1, SEED), recipe.fixes(1, SEED)
+def test_lost_samples_are_filled(lap):
+    record, fixes = lap.record(1, SEED), lap.fixes(1, SEED)
     whole, holes = (
         navigate_drive(RecordedDrive(some, fixes)).filtered for some in (record, record.drop(record.index[5000:5020]))
     )
@@ -224,7 +217,7 @@ def test_any_configuration_is_a_setting_or_one_message(tmp_path_factory, content
     assert found.assumptions.epoch_s > 0
 
 
-def test_a_mounting_turns_the_device_into_the_vehicle(recipe):
-    record = recipe.record(1, SEED)
+def test_a_mounting_turns_the_device_into_the_vehicle(lap):
+    record = lap.record(1, SEED)
     turned = mounted(in_device(record), tuple(np.radians(list(MOUNTING.values()))))
     np.testing.assert_allclose(turned, record, atol=1e-12)

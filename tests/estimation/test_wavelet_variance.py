@@ -1,4 +1,3 @@
-import os
 from pathlib import Path
 
 import allantools
@@ -14,14 +13,12 @@ from tests.wavelet_coefficients import by_definition
 from imugap.effects import BiasInstability, Conditions, GaussMarkov, Quantization, RandomWalk, RateRamp, WhiteNoise
 from imugap.effects.effect import AxisModel
 from imugap.estimation import wavelet_variance
-from imugap.io.datasets import load
 from imugap.io.readers import read_raw
 from imugap.numerics.daubechies import WIDTHS, depth, length
 from imugap.stream import stream
 from imugap.units import from_si
 
 ROOT = Path(__file__).parents[2]
-MIRROR = os.environ.get("IMUGAP_MIRROR")
 INTERVAL = 0.01
 PROCESSES = (WhiteNoise(0.1), RandomWalk(0.2), GaussMarkov(0.5, 0.3), BiasInstability(0.3))
 MODEL = AxisModel((WhiteNoise(0.1), RandomWalk(0.05), GaussMarkov(0.3, 2.0)))
@@ -112,11 +109,10 @@ def test_all_haar_levels_of_a_million_samples_are_those_of_a_plain_loop():
     np.testing.assert_allclose(wavelet_variance.variance(sequence), plain_loop(sequence, 19), rtol=1e-9)
 
 
-@pytest.mark.skipif(not (MIRROR and Path(MIRROR).is_dir()), reason="IMUGAP_MIRROR names no folder of real logs")
-def test_real_wavelet_variances_and_intervals_are_those_of_gmwm():
+def test_real_wavelet_variances_and_intervals_are_those_of_gmwm(sets, mirror):
     published = pd.read_csv(ROOT / "tests/reference/gmwm_wavelet_variance.csv", comment="#").set_index("axis")
-    dataset = load(ROOT / "data", ROOT / "workflow" / "schemas")["adis16405"]
-    log = read_raw(dataset.file(1).place(MIRROR), dataset, 1)
+    dataset = sets["adis16405"]
+    log = read_raw(dataset.file(1).place(mirror), dataset, 1)
     for axis, unit in zip(log.columns, dataset.units, strict=True):
         found = wavelet_variance.curve(from_si(log[axis].to_numpy(), unit), INTERVAL)
         expected = published.loc[axis]

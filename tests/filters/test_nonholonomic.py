@@ -1,11 +1,11 @@
 """Wheels that roll: what they tell is taken in as it should be, and they tell nothing where they skid."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
+from tests.drives import navigation_error
 
 from imugap.commands.drive import SCHEMA, DriveSettings, RecordedDrive, navigate_drive
 from imugap.filters import nonholonomic
@@ -16,17 +16,14 @@ from imugap.filters.innovation_gate import NO_CONTROL, QualityControl
 from imugap.filters.nonholonomic import SKID_SIGMA, SLOW_M_PER_S, WINDOW_S, WheelConstraint, quiet_epochs
 from imugap.filters.sensor_states import SensorStates
 from imugap.filters.smoother import SensorArrays, SmootherBlock
-from imugap.io import reference
 from imugap.io.configuration import configure
-from imugap.kinematics.strapdown import POSITION, VELOCITY
+from imugap.kinematics.strapdown import VELOCITY
 from imugap.log import ACCEL, AXES, GYRO
-from imugap.navigation.vehicle import DriveAssumptions, DriveInputs, navigate
+from imugap.navigation.vehicle import DriveInputs, navigate
 from imugap.navigation.vehicle_alignment import align
 from imugap.numerics.rotation import from_euler, mat_from_quat
-from imugap.simulation.drive import Drive
 from imugap.stream import stream
 
-ROOT = Path(__file__).parents[2]
 SEED = 141
 RUNS = 40
 OUTAGE = (150.0, 200.0)
@@ -35,41 +32,23 @@ AXLE = (-1.3, 0.2, 0.4)
 
 
 @pytest.fixture(scope="module")
-def recipe():
-    return replace(Drive.read(ROOT / "data" / "drive.yaml"), laps=1)
+def rolling(lap, assumptions):
+    axle = lap.axle
+    return replace(assumptions, wheels_std=axle.std_m_per_s, wheels_s=axle.correlation_s, axle_m=axle.arm_m)
 
 
-@pytest.fixture(scope="module")
-def plain(recipe):
-    return DriveAssumptions(lever_m=recipe.receiver.lever_m, scale_std=recipe.scale_std)
-
-
-@pytest.fixture(scope="module")
-def rolling(recipe, plain):
-    axle = recipe.axle
-    return replace(plain, wheels_std=axle.std_m_per_s, wheels_s=axle.correlation_s, axle_m=axle.arm_m)
-
-
-def drive(recipe, assumptions, run, quality=NO_CONTROL, outage=OUTAGE, smooth=False):
-    record, fixes = recipe.record(run, SEED), recipe.fixes(run, SEED)
-    begin = align(DriveInputs(record, fixes, recipe.model, recipe.ellipsoid, assumptions))
+def drive(lap, assumptions, run, quality=NO_CONTROL, outage=OUTAGE, smooth=False):
+    record, fixes = lap.record(run, SEED), lap.fixes(run, SEED)
+    begin = align(DriveInputs(record, fixes, lap.model, lap.ellipsoid, assumptions))
     if outage:
         fixes = fixes[(fixes.index <= outage[0]) | (fixes.index > outage[1])]
-    inputs = DriveInputs(record, fixes, recipe.model, recipe.ellipsoid, assumptions, quality)
+    inputs = DriveInputs(record, fixes, lap.model, lap.ellipsoid, assumptions, quality)
     return navigate(inputs, begin, smooth)
 
 
-def errors(recipe, one, rows):
-    """Return the error of the navigation at rows of a solution, shape (rows, 9)."""
-    truth = recipe.path[0].iloc[np.rint(one.time.to_numpy()[rows] * recipe.rate_hz).astype(int)]
-    found = one.history.navigation[rows]
-    turn = (Rotation.from_quat(found[:, 6:]) * reference.rotations(truth).inv()).as_rotvec()
-    return np.hstack([found[:, :6] - truth[[*POSITION, *VELOCITY]].to_numpy(float), turn])
-
-
-def state(speed, sigma):
+def state(model, speed, sigma):
     """Return what the kernel needs of a vehicle that goes so fast, by its axle in ``b``, known to sigma."""
-    states = SensorStates.of(Drive.read(ROOT / "data" / "drive.yaml").model, (1e-3, 1e-3), np.inf)
+    states = SensorStates.of(model, (1e-3, 1e-3), np.inf)
     size = NAVIGATION + len(states)
     quat = from_euler(np.array([0.05, -0.1, 2.0])).as_quat()
     rate = np.array([0.02, -0.03, 0.3])
@@ -81,9 +60,9 @@ def state(speed, sigma):
     return nav, tuple(map(float, rate)), covariance, np.zeros(len(states)), SensorArrays.of(states)
 
 
-def rolled(speed, sigma, still, interval=0.05, std=0.1):
+def rolled(model, speed, sigma, still, interval=0.05, std=0.1):
     """Return navigation in ``b`` at the axle and covariance, before and after."""
-    nav, rate, covariance, estimates, sensors = state(speed, sigma)
+    nav, rate, covariance, estimates, sensors = state(model, speed, sigma)
     size, gain = len(covariance), np.where(sensors.scale, 0.3, 1.0)
     before, row = covariance.copy(), np.zeros(size)
     after = nonholonomic.apply_wheel_constraint(
@@ -95,19 +74,19 @@ def rolled(speed, sigma, still, interval=0.05, std=0.1):
     return turn.apply(after[1]) + np.cross(rate, AXLE), before, covariance
 
 
-def test_without_wheels_nothing_changes(recipe, plain):
+def test_without_wheels_nothing_changes(lap, assumptions):
     """To the bit, whatever arm and correlation time are."""
-    one = drive(recipe, plain, 1, QualityControl())
-    other = drive(recipe, replace(plain, wheels_s=7.0, axle_m=AXLE), 1, QualityControl())
+    one = drive(lap, assumptions, 1, QualityControl())
+    other = drive(lap, replace(assumptions, wheels_s=7.0, axle_m=AXLE), 1, QualityControl())
     for name in ("navigation", "errors", "variances", "cross"):
         np.testing.assert_array_equal(getattr(one.history, name), getattr(other.history, name))
     np.testing.assert_array_equal(one.covariances, other.covariances)
 
 
 @pytest.mark.parametrize("component", range(3))
-def test_the_slope_is_that_of_the_velocity_of_the_axle(component):
+def test_the_slope_is_that_of_the_velocity_of_the_axle(lap, component):
     """Against difference quotients in velocity, attitude and the errors of the gyroscopes."""
-    nav, rate, covariance, _, sensors = state((8.0, 0.2, -0.1), 0.1)
+    nav, rate, covariance, _, sensors = state(lap.model, (8.0, 0.2, -0.1), 0.1)
     gain, row = np.where(sensors.scale, np.tile(rate, 4)[: len(sensors.axis)], 1.0), np.zeros(len(covariance))
 
     def slide(velocity, quat, rate):
@@ -128,34 +107,34 @@ def test_the_slope_is_that_of_the_velocity_of_the_axle(component):
         assert (slide(nav[1], nav[2], less) - middle) / step == pytest.approx(told[NAVIGATION + s], abs=1e-7)
 
 
-def test_slip_is_taken_in_and_a_skid_is_left_out():
+def test_slip_is_taken_in_and_a_skid_is_left_out(lap):
     """Across and up fall towards zero; a component beyond what it may be is as if it had not been asked."""
-    inside, before, after = rolled((8.0, 0.2, -0.15), 0.3, False)
+    inside, before, after = rolled(lap.model, (8.0, 0.2, -0.15), 0.3, False)
     assert abs(inside[1]) < 0.2
     assert abs(inside[2]) < 0.15
     assert np.trace(after) < np.trace(before)
     assert np.linalg.eigvalsh(after).min() > -1e-12
-    gone, before, after = rolled((8.0, 3.0, -3.0), 0.3, False)
+    gone, before, after = rolled(lap.model, (8.0, 3.0, -3.0), 0.3, False)
     np.testing.assert_allclose(gone, (8.0, 3.0, -3.0), atol=1e-12)
     np.testing.assert_array_equal(before, after)
-    sure, before, after = rolled((8.0, 1.02 * SKID_SIGMA * 0.1, 0.0), 1e-6, False)
+    sure, before, after = rolled(lap.model, (8.0, 1.02 * SKID_SIGMA * 0.1, 0.0), 1e-6, False)
     np.testing.assert_allclose(sure[1], 1.02 * SKID_SIGMA * 0.1)
-    near = rolled((8.0, 0.98 * SKID_SIGMA * 0.1, 0.0), 1e-6, False)[2]
+    near = rolled(lap.model, (8.0, 0.98 * SKID_SIGMA * 0.1, 0.0), 1e-6, False)[2]
     assert np.trace(near) < np.trace(after) < np.trace(before)
 
 
-def test_only_a_vehicle_that_is_surely_slow_may_stand():
+def test_only_a_vehicle_that_is_surely_slow_may_stand(lap):
     """Quiet and slow: it stands. In motion, uncertain of its speed, or not quiet: nothing is said of it."""
-    assert abs(rolled((0.3, 0.0, 0.0), 0.2, True)[0][0]) < 0.3
+    assert abs(rolled(lap.model, (0.3, 0.0, 0.0), 0.2, True)[0][0]) < 0.3
     for speed, sigma, still in ((0.3, 0.2, False), (1.2 * SLOW_M_PER_S, 0.2, True), (0.3, SLOW_M_PER_S, True)):
-        told = [np.trace(rolled((speed, 0.0, 0.0), sigma, one)[2]) for one in (still, False)]
+        told = [np.trace(rolled(lap.model, (speed, 0.0, 0.0), sigma, one)[2]) for one in (still, False)]
         assert told[0] == told[1]
 
 
-def test_a_device_is_quiet_at_rest_engine_running_or_not(recipe):
+def test_a_device_is_quiet_at_rest_engine_running_or_not(lap):
     """Shaken by an engine, and by the road the more the faster it goes."""
-    speed = np.linalg.norm(recipe.path[0][list(VELOCITY)].to_numpy(float), axis=1)
-    record = recipe.record(1, SEED)
+    speed = np.linalg.norm(lap.path[0][list(VELOCITY)].to_numpy(float), axis=1)
+    record = lap.record(1, SEED)
     stamp, samples = record.index.to_numpy(), record[list(AXES)].to_numpy()
     engine = stream(SEED, "engine").standard_normal(samples.shape) * [0.02, 0.05, 0.01, 0.1, 0.1, 0.2]
     rest = (speed < 1e-3) & (stamp > 2 * WINDOW_S)
@@ -163,20 +142,20 @@ def test_a_device_is_quiet_at_rest_engine_running_or_not(recipe):
         found = quiet_epochs(one, stamp, stamp)
         assert found[rest].mean() > 0.9
         assert speed[found & (speed < SLOW_M_PER_S)].max() < slowest
-        assert not found[: round(WINDOW_S * recipe.rate_hz) - 1].any()
+        assert not found[: round(WINDOW_S * lap.rate_hz) - 1].any()
     assert not quiet_epochs(samples[:50], stamp[:50], stamp[:50]).any()
 
 
 @pytest.fixture(scope="module")
-def pairs(recipe, plain, rolling):
+def pairs(lap, assumptions, rolling):
     """Drives with an outage, without wheels and with: errors and deviations at its end, NEES at fixes, NIS."""
     found = {"plain": [], "rolling": []}
     for run in range(RUNS):
-        for name, assumptions in (("plain", plain), ("rolling", rolling)):
-            one = drive(recipe, assumptions, run)
+        for name, given in (("plain", assumptions), ("rolling", rolling)):
+            one = drive(lap, given, run)
             row = int(np.searchsorted(one.time, OUTAGE[1]))
-            off, fixes = errors(recipe, one, [row])[0], one.fix_row[60::25]
-            some, told = errors(recipe, one, fixes), one.covariances[60::25, :NAVIGATION, :NAVIGATION]
+            off, fixes = navigation_error(lap, one, [row])[0], one.fix_row[60::25]
+            some, told = navigation_error(lap, one, fixes), one.covariances[60::25, :NAVIGATION, :NAVIGATION]
             nees = np.einsum("ni,ni->n", some, np.linalg.solve(told, some[..., None])[..., 0])
             std = one.trajectory_std.iloc[row].to_numpy()
             found[name].append((off, std, off[:2] @ np.linalg.solve(one.horizontal[row], off[:2]), nees.mean(),
@@ -207,8 +186,8 @@ def test_a_filter_that_is_told_the_slip_as_it_is_knows_itself(pairs):
     assert abs(nis.mean() / 6 - 1) < 0.02
 
 
-def test_longer_epochs_tell_the_same(recipe, rolling):
-    whole, fine = (drive(recipe, replace(rolling, epoch_s=epoch), 6) for epoch in (0.05, 0.01))
+def test_longer_epochs_tell_the_same(lap, rolling):
+    whole, fine = (drive(lap, replace(rolling, epoch_s=epoch), 6) for epoch in (0.05, 0.01))
     apart = np.abs(whole.history.navigation[whole.fix_row, :6] - fine.history.navigation[fine.fix_row, :6])
     std = np.sqrt(fine.history.variances[fine.fix_row, :6])
     assert (apart < 0.1 * std).all()
@@ -216,15 +195,15 @@ def test_longer_epochs_tell_the_same(recipe, rolling):
 
 
 @pytest.mark.slow
-def test_the_smoother_ends_where_the_filter_does_and_is_nearer_before(recipe, rolling):
+def test_the_smoother_ends_where_the_filter_does_and_is_nearer_before(lap, rolling):
     sizes = {False: [], True: []}
     for run in range(12):
         ends = []
         for smooth in sizes:
-            one = drive(recipe, rolling, run, smooth=smooth)
+            one = drive(lap, rolling, run, smooth=smooth)
             ends.append((one.history.navigation[-1], one.history.variances[-1]))
             rows = np.flatnonzero((one.time > OUTAGE[0]) & (one.time < OUTAGE[1]))[::100]
-            off, std = errors(recipe, one, rows)[:, :3], np.sqrt(one.history.variances[rows, :3])
+            off, std = navigation_error(lap, one, rows)[:, :3], np.sqrt(one.history.variances[rows, :3])
             sizes[smooth].append((off, off / std))
             assert (one.history.variances > 0).all()
         np.testing.assert_allclose(ends[0][0], ends[1][0], atol=1e-9)
@@ -236,20 +215,18 @@ def test_the_smoother_ends_where_the_filter_does_and_is_nearer_before(recipe, ro
 
 
 @pytest.mark.slow
-def test_a_device_that_is_mounted_askew_tells_the_same(recipe):
+def test_a_device_that_is_mounted_askew_tells_the_same(lap):
     given = {
         "wheels": {"std_m_per_s": 0.05, "x_m": -1.3, "z_m": 0.4},
         "lever_arm": {"x_m": 0.4, "y_m": -0.3, "z_m": -1.2},
     }
     mounting = {"roll_deg": 180.0, "pitch_deg": 7.0, "heading_deg": -175.0}
-    record, fixes = recipe.record(2, SEED), recipe.fixes(2, SEED)
+    record, fixes = lap.record(2, SEED), lap.fixes(2, SEED)
     turn = from_euler(np.radians(list(mounting.values()))).inv()
     askew = record.copy()
     for triad in (GYRO, ACCEL):
         askew[list(triad)] = turn.apply(record[list(triad)].to_numpy(copy=True))
-    settings = (
-        DriveSettings.of(configure(one, SCHEMA), recipe.model) for one in (given, given | {"mounting": mounting})
-    )
+    settings = (DriveSettings.of(configure(one, SCHEMA), lap.model) for one in (given, given | {"mounting": mounting}))
     one, other = (
         navigate_drive(RecordedDrive(log, fixes, setting))
         for log, setting in zip((record, askew), settings, strict=True)

@@ -1,6 +1,4 @@
 import json
-import os
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -9,14 +7,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from imugap.integrity.report import gravity_unit, lattice, report, timing
-from imugap.io import datasets as catalogue
 from imugap.io.readers import read_raw
 from imugap.log import AXES
 from imugap.stream import stream
 from imugap.units import STANDARD_GRAVITY, to_si
 
-ROOT = Path(__file__).parents[2]
-MIRROR = os.environ.get("IMUGAP_MIRROR")
 COUNT = 20_000
 
 
@@ -217,15 +212,9 @@ def test_the_worst_table_still_gets_a_report_fit_for_json(rows):
     json.dumps(found.to_frame().to_json())
 
 
-needs_mirror = pytest.mark.skipif(
-    not (MIRROR and Path(MIRROR).is_dir()), reason="IMUGAP_MIRROR names no folder of real logs"
-)
-
-
-@needs_mirror
-def test_the_knocks_of_the_real_run_4_are_found():
-    dataset = catalogue.load(ROOT / "data", ROOT / "workflow" / "schemas")["adis16405"]
-    found = report(read_raw(dataset.file(4).place(MIRROR), dataset, 4))
+def test_the_knocks_of_the_real_run_4_are_found(sets, mirror):
+    dataset = sets["adis16405"]
+    found = report(read_raw(dataset.file(4).place(mirror), dataset, 4))
     strongest = sorted(sorted(found.events, key=lambda event: -event.size)[:2], key=lambda event: event.start_s)
     assert [event.start_s for event in strongest] == pytest.approx([4045, 5146], abs=1)
     assert len(found.events) < 10
@@ -236,10 +225,9 @@ def test_the_knocks_of_the_real_run_4_are_found():
     assert found.gravity.norm / STANDARD_GRAVITY == pytest.approx(1.0168, abs=1e-3)
 
 
-@needs_mirror
-def test_the_real_turn_on_logs_are_continuous_and_whole():
-    dataset = catalogue.load(ROOT / "data", ROOT / "workflow" / "schemas")["memsense_turnon"]
-    found = report(read_raw(dataset.files[0].place(MIRROR), dataset, 7))
+def test_the_real_turn_on_logs_are_continuous_and_whole(sets, mirror):
+    dataset = sets["memsense_turnon"]
+    found = report(read_raw(dataset.files[0].place(mirror), dataset, 7))
     assert found.timing.rate_hz == pytest.approx(250.0)
     assert found.to_frame()["lattice"].isna().all()
     assert not found.to_frame()[["nan", "outliers", "stuck", "saturated"]].any(axis=None)

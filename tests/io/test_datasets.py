@@ -1,5 +1,4 @@
 import hashlib
-import os
 import threading
 from contextlib import contextmanager
 from dataclasses import FrozenInstanceError, replace
@@ -13,7 +12,6 @@ from imugap.io.datasets import CatalogueError, FetchError, RawFile, available, f
 ROOT = Path(__file__).parents[2]
 SCHEMAS = ROOT / "workflow" / "schemas"
 CONTENT = bytes(range(256)) * 4000
-MIRROR = os.environ.get("IMUGAP_MIRROR")
 
 
 @pytest.fixture
@@ -64,8 +62,7 @@ def server(ranges=True, cut_after=None, content=CONTENT, status=200):
         httpd.shutdown()
 
 
-def test_the_catalogue_of_the_study_is_valid():
-    sets = load(ROOT / "data", SCHEMAS)
+def test_the_catalogue_of_the_study_is_valid(sets):
     assert sets["adis16405"].runs == (1, 2, 3, 4, 5, 6)
     assert sets["memsense_turnon"].runs == tuple(range(1, 12))
     assert sets["memsense_turnon"].units == ("deg/s",) * 3
@@ -84,9 +81,9 @@ def test_the_catalogue_of_the_study_is_valid():
         sets["adis16405"].rate_hz = 99.0
 
 
-def test_a_run_that_no_file_holds_is_named():
+def test_a_run_that_no_file_holds_is_named(sets):
     with pytest.raises(CatalogueError, match="expected a run among 1, 2, 3, 4, 5, 6; found 7"):
-        load(ROOT / "data", SCHEMAS)["adis16405"].file(7)
+        sets["adis16405"].file(7)
 
 
 @pytest.mark.parametrize(
@@ -213,8 +210,8 @@ def test_offline_the_message_says_all_that_is_needed_to_place_the_file(raw):
         assert part in str(failure.value)
 
 
-def test_the_folder_comes_before_the_mirror(raw, tmp_path):
-    dataset = replace(load(ROOT / "data", SCHEMAS)["adis16405"], files=(a_file(),))
+def test_the_folder_comes_before_the_mirror(raw, sets, tmp_path):
+    dataset = replace(sets["adis16405"], files=(a_file(),))
     mirror = tmp_path / "mirror"
     assert not available(dataset, raw, mirror)
     with pytest.raises(FetchError, match="not found"):
@@ -228,8 +225,7 @@ def test_the_folder_comes_before_the_mirror(raw, tmp_path):
     assert available(dataset, raw)
 
 
-@pytest.mark.skipif(not (MIRROR and Path(MIRROR).is_dir()), reason="IMUGAP_MIRROR names no folder of real logs")
-def test_the_mirror_holds_what_the_catalogue_says(raw):
-    for dataset in load(ROOT / "data", SCHEMAS).values():
+def test_the_mirror_holds_what_the_catalogue_says(raw, sets, mirror):
+    for dataset in sets.values():
         for file in dataset.files:
-            assert fetch(file, raw, MIRROR).stat().st_size == file.size_bytes
+            assert fetch(file, raw, mirror).stat().st_size == file.size_bytes

@@ -1,4 +1,3 @@
-import os
 import tempfile
 from dataclasses import replace
 from pathlib import Path
@@ -10,7 +9,6 @@ import scipy.io
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from imugap.io import datasets as catalogue
 from imugap.io import reference
 from imugap.io.datasets import LOG, POSITIONS
 from imugap.io.readers import read, read_positions, read_raw, read_raw_table, read_reference, read_strides, read_table
@@ -19,8 +17,6 @@ from imugap.numerics.rotation import to_euler
 from imugap.stream import stream
 from imugap.units import to_si
 
-ROOT = Path(__file__).parents[2]
-MIRROR = os.environ.get("IMUGAP_MIRROR")
 HEADER = "time,gyro_x,accel_z"
 ROWS = ["0.00,0.1,-9.8", "0.01,0.2,-9.7", "0.02,0.3,-9.9", "0.03,0.4,-9.8"]
 
@@ -28,11 +24,6 @@ ROWS = ["0.00,0.1,-9.8", "0.01,0.2,-9.7", "0.02,0.3,-9.9", "0.03,0.4,-9.8"]
 @pytest.fixture
 def path(tmp_path):
     return tmp_path / "log.csv"
-
-
-@pytest.fixture(scope="module")
-def sets():
-    return catalogue.load(ROOT / "data", ROOT / "workflow" / "schemas")
 
 
 def lines(path, *rows, header=HEADER):
@@ -362,36 +353,28 @@ def test_a_reference_that_is_none_is_named(tmp_path, sets, arrays, found):
         read_reference(write_trial(tmp_path / "trial.mat", **arrays), sets["broad"], 6)
 
 
-needs_mirror = pytest.mark.skipif(
-    not (MIRROR and Path(MIRROR).is_dir()), reason="IMUGAP_MIRROR names no folder of real logs"
-)
-
-
-@needs_mirror
-def test_the_real_static_log_reads_as_at_rest(sets, tmp_path):
+def test_the_real_static_log_reads_as_at_rest(sets, mirror, tmp_path):
     file = sets["adis16405"].file(1)
-    log = read_raw(file.place(MIRROR), sets["adis16405"], 1)
+    log = read_raw(file.place(mirror), sets["adis16405"], 1)
     assert log.shape == (1_000_000, 6)
     assert log["accel_z"].mean() / 9.80665 == pytest.approx(-1.0161, abs=1e-3)
     cut = tmp_path / file.name
-    cut.write_bytes(file.place(MIRROR).read_bytes()[:100_000])
+    cut.write_bytes(file.place(mirror).read_bytes()[:100_000])
     with pytest.raises(LogError, match=r"expected 3200168 bytes in \.rda format; found 100000 bytes"):
         read_raw(cut, sets["adis16405"], 1)
 
 
-@needs_mirror
-def test_the_real_turn_on_means_scatter_as_published(sets):
+def test_the_real_turn_on_means_scatter_as_published(sets, mirror):
     dataset = sets["memsense_turnon"]
-    path = dataset.files[0].place(MIRROR)
+    path = dataset.files[0].place(mirror)
     means = np.degrees([read_raw(path, dataset, run).mean().to_numpy() for run in dataset.runs])
     np.testing.assert_allclose(means.std(axis=0, ddof=1), [0.0008, 0.0006, 0.0022], atol=1e-4)
 
 
-@needs_mirror
 @pytest.mark.parametrize("run", [1, 6, 10, 24])
-def test_the_real_trials_rest_level_with_z_up_and_agree_with_their_reference(sets, run):
+def test_the_real_trials_rest_level_with_z_up_and_agree_with_their_reference(sets, mirror, run):
     dataset = sets["broad"]
-    path = dataset.file(run).place(MIRROR)
+    path = dataset.file(run).place(mirror)
     table, known = read_raw(path, dataset, run), read_reference(path, dataset, run)
     first, last = reference.rests(table, known, 3.0)
     assert first["accel_z"].mean() == pytest.approx(9.87, abs=0.05)
@@ -461,27 +444,25 @@ def test_the_strides_of_a_foot_come_in_seconds(tmp_path, sets):
     np.testing.assert_allclose(read_strides(path, sets["gaitmap_2x20m"], 1), [[10, 20]])
 
 
-@needs_mirror
 @pytest.mark.parametrize(
     ("name", "up"), [("openshoe_kth", 1), ("xio_gait_tracking", 1), ("gaitmap_2x20m", 1), ("pyshoe_vicon", -1)]
 )
-def test_the_real_walks_begin_with_a_stand_under_gravity_with_z_as_stated(sets, name, up):
+def test_the_real_walks_begin_with_a_stand_under_gravity_with_z_as_stated(sets, mirror, name, up):
     dataset = sets[name]
     for run in dataset.runs:
-        stand = read_raw(dataset.file(run).place(MIRROR), dataset, run).iloc[:100].mean()
+        stand = read_raw(dataset.file(run).place(mirror), dataset, run).iloc[:100].mean()
         force = stand[["accel_x", "accel_y", "accel_z"]]
         assert np.linalg.norm(force) == pytest.approx(9.81, abs=0.09)
         assert np.sign(force["accel_z"]) == up
         assert stand[["gyro_x", "gyro_y", "gyro_z"]].abs().max() < np.radians(1)
 
 
-@needs_mirror
-def test_a_foot_in_swing_rises_in_the_reference_positions(sets):
+def test_a_foot_in_swing_rises_in_the_reference_positions(sets, mirror):
     """Down is what the accelerometers call down: in every walk the foot is for half of the time near its lowest."""
     for name in ("gaitmap_2x20m", "pyshoe_vicon"):
         dataset = sets[name]
         content = POSITIONS if dataset.position_rate_hz else LOG
         for run in dataset.runs:
-            down = read_positions(dataset.file(run, content).place(MIRROR), dataset, run)["down"]
+            down = read_positions(dataset.file(run, content).place(mirror), dataset, run)["down"]
             assert 0.1 < down.median() - down.min() < 0.3
             assert down.max() - down.median() < 0.1

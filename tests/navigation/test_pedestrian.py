@@ -1,4 +1,3 @@
-import os
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,7 +11,6 @@ from imugap.effects.effect import AxisModel
 from imugap.filters.consistency import nees_band
 from imugap.filters.zero_velocity import MOVING, STANCE, STILL
 from imugap.integrity.timestamps import filled
-from imugap.io import datasets as catalogue
 from imugap.io import reference
 from imugap.io.readers import read_positions, read_raw, read_strides
 from imugap.kinematics.strapdown import ATTITUDE, POSITION, VELOCITY
@@ -25,7 +23,6 @@ from imugap.simulation.walk import Walk, WalkCourse, WalkLeg
 from imugap.stream import stream
 
 ROOT = Path(__file__).parents[2]
-MIRROR = os.environ.get("IMUGAP_MIRROR")
 SEED = 21
 RUNS = 150
 MIDDLE = 2925
@@ -281,62 +278,47 @@ def test_a_log_that_lacks_an_axis_is_refused(walk):
         navigate(walk.ideal(0, SEED).drop(columns="accel_y"), walk.model)
 
 
-needs_mirror = pytest.mark.skipif(
-    not (MIRROR and Path(MIRROR).is_dir()), reason="IMUGAP_MIRROR names no folder of real logs"
-)
+def real(mirror, dataset, run, smooth=False, assumptions=None):
+    return navigate(filled(read_raw(dataset.file(run).place(mirror), dataset, run)), DEFAULT_MODEL, assumptions, smooth)
 
 
-@pytest.fixture(scope="module")
-def sets():
-    return catalogue.load(ROOT / "data", ROOT / "workflow" / "schemas")
-
-
-def real(dataset, run, smooth=False, assumptions=None):
-    return navigate(filled(read_raw(dataset.file(run).place(MIRROR), dataset, run)), DEFAULT_MODEL, assumptions, smooth)
-
-
-@needs_mirror
-def test_the_real_loops_close_without_a_hand_on_any_of_them(sets):
+def test_the_real_loops_close_without_a_hand_on_any_of_them(sets, mirror):
     """Horizontal end error: half a per cent of the distance in the median, under one per cent on each."""
     shares = []
     for name in ("openshoe_kth", "xio_gait_tracking"):
         for run in sets[name].runs:
-            solution = real(sets[name], run)
+            solution = real(mirror, sets[name], run)
             end = np.hypot(*solution.trajectory[["north", "east"]].iloc[-1])
             shares.append(end / solution.strides()["length"].sum())
     assert np.median(shares) < 0.005
     assert max(shares) < 0.01
 
 
-@needs_mirror
 @pytest.mark.parametrize(("run", "publisher_m"), [(1, 0.082), (2, 0.421)])
-def test_the_loops_close_in_space_better_than_with_the_program_of_their_publisher(sets, run, publisher_m):
+def test_the_loops_close_in_space_better_than_with_the_program_of_their_publisher(sets, mirror, run, publisher_m):
     """Xio, gait tracking: the printed distances from begin to end."""
-    solution = real(sets["xio_gait_tracking"], run, assumptions=INDOORS)
+    solution = real(mirror, sets["xio_gait_tracking"], run, assumptions=INDOORS)
     assert np.linalg.norm(solution.trajectory[list(POSITION)].iloc[-1]) < publisher_m
 
 
-@needs_mirror
-def test_the_height_under_cameras_is_better_for_a_level_floor(sets):
+def test_the_height_under_cameras_is_better_for_a_level_floor(sets, mirror):
     """In the median over the trials: the height at the end, against that which was seen."""
     dataset, ends = sets["pyshoe_vicon"], []
     for run in dataset.runs:
-        seen = read_positions(dataset.file(run).place(MIRROR), dataset, run)["down"]
-        rises = [
-            real(dataset, run, assumptions=one).trajectory["down"].iloc[-1] for one in (WalkAssumptions(), INDOORS)
-        ]
-        ends.append(np.abs(np.array(rises) - (seen.iloc[-1] - seen.iloc[0])))
+        seen = read_positions(dataset.file(run).place(mirror), dataset, run)["down"]
+        found = [real(mirror, dataset, run, assumptions=one) for one in (WalkAssumptions(), INDOORS)]
+        rises = np.array([one.trajectory["down"].iloc[-1] for one in found])
+        ends.append(np.abs(rises - (seen.iloc[-1] - seen.iloc[0])))
     assert np.median(ends, axis=0)[1] < 0.5 * np.median(ends, axis=0)[0]
 
 
-@needs_mirror
 @pytest.mark.parametrize("run", [1, 2])
-def test_the_strides_of_both_feet_are_as_long_as_the_cameras_saw(sets, run):
+def test_the_strides_of_both_feet_are_as_long_as_the_cameras_saw(sets, mirror, run):
     """Root mean square error below that of the peer, 0.049 m; of the toe, whose marker is the steadiest."""
     dataset = replace(sets["gaitmap_2x20m"], positions=("L_TOE", "R_TOE"))
-    found = real(dataset, run, smooth=True).trajectory
-    seen = read_positions(dataset.file(run, "positions").place(MIRROR), dataset, run)
-    strides = read_strides(dataset.file(run, "events").place(MIRROR), dataset, run)
+    found = real(mirror, dataset, run, smooth=True).trajectory
+    seen = read_positions(dataset.file(run, "positions").place(mirror), dataset, run)
+    strides = read_strides(dataset.file(run, "events").place(mirror), dataset, run)
 
     def lengths(table):
         ends = [[np.interp(strides[at], table.index, table[name]) for name in ("north", "east")] for at in strides]
@@ -345,23 +327,21 @@ def test_the_strides_of_both_feet_are_as_long_as_the_cameras_saw(sets, run):
     assert np.sqrt(np.mean((lengths(found) - lengths(seen)) ** 2)) < 0.049
 
 
-@needs_mirror
 @pytest.mark.parametrize("run", [1, 2])
-def test_the_way_out_of_both_feet_is_as_long_as_the_cameras_saw(sets, run):
+def test_the_way_out_of_both_feet_is_as_long_as_the_cameras_saw(sets, mirror, run):
     """The largest distance from the begin, within 0.05 m; the peer is 0.110 m (left) and 0.053 m (right) off."""
     dataset = sets["gaitmap_2x20m"]
-    solution = real(dataset, run, smooth=True, assumptions=replace(INDOORS, full_scale=dataset.full_scale))
-    seen = read_positions(dataset.file(run, "positions").place(MIRROR), dataset, run)
+    solution = real(mirror, dataset, run, smooth=True, assumptions=replace(INDOORS, full_scale=dataset.full_scale))
+    seen = read_positions(dataset.file(run, "positions").place(mirror), dataset, run)
     found, true = compare_with_cameras(solution, seen).reach()
     assert abs(found - true) < 0.05
 
 
-@needs_mirror
-def test_the_real_walks_under_cameras_end_where_they_were_seen_to(sets):
+def test_the_real_walks_under_cameras_end_where_they_were_seen_to(sets, mirror):
     """The distance from begin to end against that of the reference: within one per cent of the walk on each."""
     dataset = sets["pyshoe_vicon"]
     for run in dataset.runs:
-        solution = real(dataset, run)
-        seen = read_positions(dataset.file(run).place(MIRROR), dataset, run)[["north", "east"]]
+        solution = real(mirror, dataset, run)
+        seen = read_positions(dataset.file(run).place(mirror), dataset, run)[["north", "east"]]
         end = np.hypot(*solution.trajectory[["north", "east"]].iloc[-1])
         assert abs(end - np.hypot(*(seen.iloc[-1] - seen.iloc[0]))) < 0.01 * solution.strides()["length"].sum()

@@ -1,27 +1,25 @@
 """The filter of a vehicle: right of itself in every state, the same however it is cut, and what the gates leave."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
+from tests.drives import navigation_error, true_state
 
 from imugap import log
 from imugap.filters.alignment import biases_from_rest, level_sensitivity
 from imugap.filters.consistency import nees_band
 from imugap.filters.error_state import NAVIGATION
 from imugap.filters.innovation_gate import FAILED, NO_CONTROL, RESET, SCHEMES, QualityControl
-from imugap.io import gnss, reference
-from imugap.kinematics.strapdown import POSITION, VELOCITY, level
+from imugap.io import gnss
+from imugap.kinematics.strapdown import level
 from imugap.model import ErrorModel
 from imugap.navigation.vehicle import DriveAssumptions, DriveInputs, InitialState, navigate
 from imugap.navigation.vehicle_alignment import align
 from imugap.numerics.rotation import from_euler
-from imugap.simulation.drive import Drive
 from imugap.stream import stream
 
-ROOT = Path(__file__).parents[2]
 SEED = 51
 RUNS = 120
 OUTAGE = (150.0, 210.0)
@@ -29,64 +27,42 @@ BEGIN = 10.0
 STD = np.array([2, 2, 3, 0.1, 0.1, 0.1, 0.005, 0.005, 0.05])
 
 
-@pytest.fixture(scope="module")
-def recipe():
-    return replace(Drive.read(ROOT / "data" / "drive.yaml"), laps=1)
-
-
-@pytest.fixture(scope="module")
-def assumptions(recipe):
-    return DriveAssumptions(lever_m=recipe.receiver.lever_m, scale_std=recipe.scale_std)
-
-
-def true_state(recipe, time):
-    truth = recipe.path[0].iloc[np.rint(np.atleast_1d(time) * recipe.rate_hz).astype(int)]
-    return truth[[*POSITION, *VELOCITY]].to_numpy(float), reference.rotations(truth)
-
-
-def start(recipe, assumptions, run, *constants):
+def start(lap, assumptions, run, *constants):
     """Return a start whose errors are drawn from the covariance that it says."""
-    states = assumptions.states(recipe.model)
+    states = assumptions.states(lap.model)
     variance = np.array([*STD**2, *states.variance, *(std**2 for _, std in assumptions.constants())])
-    linear, turn = true_state(recipe, BEGIN)
+    linear, turn = true_state(lap, BEGIN)
     off = STD * stream(SEED, "start", run).standard_normal(NAVIGATION)
     navigation = np.concatenate([linear[0] + off[:6], (Rotation.from_rotvec(off[6:]) * turn[0]).as_quat()])
     return InitialState(BEGIN, navigation, np.zeros(len(variance) - NAVIGATION), np.diag(variance))
 
 
-def drive(recipe, assumptions, run, quality=NO_CONTROL, fixes=None, smooth=False, begin=None):
-    fixes = recipe.fixes(run, SEED) if fixes is None else fixes
-    begin = start(recipe, assumptions, run) if begin is None else begin
-    inputs = DriveInputs(recipe.record(run, SEED), fixes, recipe.model, recipe.ellipsoid, assumptions, quality)
+def drive(lap, assumptions, run, quality=NO_CONTROL, fixes=None, smooth=False, begin=None):
+    fixes = lap.fixes(run, SEED) if fixes is None else fixes
+    begin = start(lap, assumptions, run) if begin is None else begin
+    inputs = DriveInputs(lap.record(run, SEED), fixes, lap.model, lap.ellipsoid, assumptions, quality)
     return navigate(inputs, begin, smooth)
 
 
-def error(recipe, solution, rows):
-    """Return the error of the navigation at rows of a solution, shape (rows, 9)."""
-    linear, turn = true_state(recipe, solution.time.to_numpy()[rows])
-    found = solution.history.navigation[rows]
-    return np.hstack([found[:, :6] - linear, (Rotation.from_quat(found[:, 6:]) * turn.inv()).as_rotvec()])
-
-
-def sensor_error(recipe, solution, run, rows):
-    at = np.rint(solution.time.to_numpy()[rows] * recipe.rate_hz).astype(int)
+def sensor_error(lap, solution, run, rows):
+    at = np.rint(solution.time.to_numpy()[rows] * lap.rate_hz).astype(int)
     names = [name for name in solution.names if name.startswith(("gyro", "accel"))]
-    true = recipe.errors(run, SEED)[names].iloc[at].to_numpy()
+    true = lap.errors(run, SEED)[names].iloc[at].to_numpy()
     return solution.sensors[names].iloc[rows].to_numpy() - true
 
 
 @pytest.fixture(scope="module")
-def runs(recipe, assumptions):
+def runs(lap, assumptions):
     """Filtered drives with an outage: NEES at the end of it and of the drive, NIS, drift over its deviation."""
     found = []
     for run in range(RUNS):
-        fixes = recipe.fixes(run, SEED)
+        fixes = lap.fixes(run, SEED)
         fixes = fixes[(fixes.index <= OUTAGE[0]) | (fixes.index > OUTAGE[1])]
-        one = drive(recipe, assumptions, run, fixes=fixes)
+        one = drive(lap, assumptions, run, fixes=fixes)
         rows = one.fix_row
-        whole = np.hstack([error(recipe, one, rows), sensor_error(recipe, one, run, rows)])
+        whole = np.hstack([navigation_error(lap, one, rows), sensor_error(lap, one, run, rows)])
         last = int(np.searchsorted(one.time, OUTAGE[1]))
-        drift = error(recipe, one, [last])[0, :2]
+        drift = navigation_error(lap, one, [last])[0, :2]
         found.append((whole, one.covariances, one.record, drift, one.horizontal[last]))
     return found
 
@@ -123,13 +99,13 @@ def test_innovations_are_white_and_as_large_as_expected(runs):
 
 
 @pytest.mark.slow
-def test_the_smoother_errs_as_much_as_it_says_and_less_than_the_filter(recipe, assumptions):
+def test_the_smoother_errs_as_much_as_it_says_and_less_than_the_filter(lap, assumptions):
     both, count, row = {False: [], True: []}, 40, 2000
     for run in range(count):
         ends = []
         for smooth, found in both.items():
-            one = drive(recipe, assumptions, run, smooth=smooth)
-            found.append((error(recipe, one, [row])[0], one.trajectory_std.iloc[row].to_numpy()))
+            one = drive(lap, assumptions, run, smooth=smooth)
+            found.append((navigation_error(lap, one, [row])[0], one.trajectory_std.iloc[row].to_numpy()))
             ends.append((one.history.navigation[-1], one.history.variances[-1]))
             assert (one.history.variances > 0).all()
         np.testing.assert_allclose(ends[0][0], ends[1][0], atol=1e-9)
@@ -143,24 +119,24 @@ def test_the_smoother_errs_as_much_as_it_says_and_less_than_the_filter(recipe, a
     assert (size[True][:6] < 0.85 * size[False][:6]).all()
 
 
-def test_with_all_gates_open_the_gated_filter_is_the_plain_one(recipe, assumptions):
+def test_with_all_gates_open_the_gated_filter_is_the_plain_one(lap, assumptions):
     """To the bit: a gate that never closes is none."""
     never = 1e-300
-    plain = drive(recipe, assumptions, 1)
-    gated = drive(recipe, assumptions, 1, replace(NO_CONTROL, false_alarm=never, gated=True))
+    plain = drive(lap, assumptions, 1)
+    gated = drive(lap, assumptions, 1, replace(NO_CONTROL, false_alarm=never, gated=True))
     np.testing.assert_array_equal(plain.history.navigation, gated.history.navigation)
     np.testing.assert_array_equal(plain.history.errors, gated.history.errors)
     np.testing.assert_array_equal(plain.covariances, gated.covariances)
 
 
-def test_a_closed_gate_holds_the_sensors_and_tells_what_that_costs(recipe, assumptions):
+def test_a_closed_gate_holds_the_sensors_and_tells_what_that_costs(lap, assumptions):
     """A fix that shuts the gate: sensors keep their estimates; the covariance is that of a considered update."""
     assumptions = replace(assumptions, lever_m=(0.0, 0.0, 0.0))
-    begin = start(recipe, assumptions, 2)
-    fixes = recipe.fixes(2, SEED).loc[BEGIN + 0.5 : BEGIN + 3.5].copy()
+    begin = start(lap, assumptions, 2)
+    fixes = lap.fixes(2, SEED).loc[BEGIN + 0.5 : BEGIN + 3.5].copy()
     fixes.loc[fixes.index[-1], "latitude"] += 60 / 6.4e6
-    shut = drive(recipe, assumptions, 2, replace(NO_CONTROL, gated=True), fixes, begin=begin)
-    plain = drive(recipe, assumptions, 2, NO_CONTROL, fixes, begin=begin)
+    shut = drive(lap, assumptions, 2, replace(NO_CONTROL, gated=True), fixes, begin=begin)
+    plain = drive(lap, assumptions, 2, NO_CONTROL, fixes, begin=begin)
     assert shut.record.passed.tolist() == [True, True, False]
     row = shut.fix_row[-1]
     np.testing.assert_array_equal(shut.history.navigation[:row], plain.history.navigation[:row])
@@ -177,12 +153,12 @@ def test_a_closed_gate_holds_the_sensors_and_tells_what_that_costs(recipe, assum
 
 
 @pytest.mark.parametrize("scheme", list(SCHEMES))
-def test_gross_errors_are_met_as_each_scheme_says(recipe, assumptions, scheme):
+def test_gross_errors_are_met_as_each_scheme_says(lap, assumptions, scheme):
     """An isolated 60 m: without control it throws the filter by metres, with any control by less than a third of it."""
-    fixes = recipe.fixes(3, SEED)
+    fixes = lap.fixes(3, SEED)
     fixes.loc[100.0, "latitude"] += 60 / 6.4e6
-    one = drive(recipe, assumptions, 3, SCHEMES[scheme], fixes)
-    clean = drive(recipe, assumptions, 3, SCHEMES[scheme])
+    one = drive(lap, assumptions, 3, SCHEMES[scheme], fixes)
+    clean = drive(lap, assumptions, 3, SCHEMES[scheme])
     at = one.fix_row[np.searchsorted(one.fix_time, 100.0)]
     thrown = np.linalg.norm(one.history.navigation[at, :2] - clean.history.navigation[at, :2])
     share = one.record.share[np.searchsorted(one.fix_time, 100.0), 0]
@@ -197,36 +173,36 @@ def test_gross_errors_are_met_as_each_scheme_says(recipe, assumptions, scheme):
         assert (events["component"] == ("position" if scheme == "hindsight" else "north")).any()
 
 
-def test_a_soft_reset_brings_back_a_filter_that_is_lost(recipe, assumptions):
+def test_a_soft_reset_brings_back_a_filter_that_is_lost(lap, assumptions):
     """Sure of itself and 400 m off: it takes no fix until the reset, and is right soon after."""
-    begin = start(recipe, assumptions, 4)
+    begin = start(lap, assumptions, 4)
     lost = replace(begin, navigation=begin.navigation + np.eye(10)[0] * 400)
     remove = QualityControl(robust=False, reset_s=30.0, separation_s=None)
-    one = drive(recipe, assumptions, 4, remove, begin=lost)
+    one = drive(lap, assumptions, 4, remove, begin=lost)
     resets = one.events[one.events["event"] == RESET]
     assert len(resets) >= 1
     assert resets["time"].iloc[0] == pytest.approx(BEGIN + 32, abs=1.01)
     assert resets["statistic"].iloc[0] > 30
-    assert np.abs(error(recipe, one, [-1])[0, :2]).max() < 5
-    still = drive(recipe, assumptions, 4, replace(remove, reset_s=None), begin=lost)
-    assert np.abs(error(recipe, still, [-1])[0, 0]) > 50
-    assert (drive(recipe, assumptions, 4, remove, begin=lost, smooth=True).history.variances > 0).all()
+    assert np.abs(navigation_error(lap, one, [-1])[0, :2]).max() < 5
+    still = drive(lap, assumptions, 4, replace(remove, reset_s=None), begin=lost)
+    assert np.abs(navigation_error(lap, still, [-1])[0, 0]) > 50
+    assert (drive(lap, assumptions, 4, remove, begin=lost, smooth=True).history.variances > 0).all()
 
 
-def test_sensor_errors_out_of_proportion_start_again_at_a_reset(recipe, assumptions):
-    begin = start(recipe, assumptions, 5)
+def test_sensor_errors_out_of_proportion_start_again_at_a_reset(lap, assumptions):
+    begin = start(lap, assumptions, 5)
     insane = begin.errors.copy()
     insane[3] = 1.0
     wrong = replace(begin, errors=insane, covariance=begin.covariance * np.where(np.arange(21) == 12, 1e-6, 1)[:, None])
-    one = drive(recipe, assumptions, 5, QualityControl(reset_s=20.0, separation_s=None), begin=wrong)
+    one = drive(lap, assumptions, 5, QualityControl(reset_s=20.0, separation_s=None), begin=wrong)
     first = one.fix_row[np.flatnonzero(one.record.reset)[0]]
     assert one.history.errors[first - 1, 3] > 0.5
     assert abs(one.history.errors[first + 200, 3]) < 0.15
 
 
-def test_the_covariance_may_go_in_longer_epochs(recipe, assumptions):
+def test_the_covariance_may_go_in_longer_epochs(lap, assumptions):
     """Of 0.05 s and of every sample: apart by little against what is not known."""
-    whole, fine = (drive(recipe, replace(assumptions, epoch_s=epoch), 6) for epoch in (0.05, 0.01))
+    whole, fine = (drive(lap, replace(assumptions, epoch_s=epoch), 6) for epoch in (0.05, 0.01))
     rows = whole.fix_row, fine.fix_row
     apart = np.abs(whole.history.navigation[rows[0], :6] - fine.history.navigation[rows[1], :6])
     std = np.sqrt(fine.history.variances[rows[1], :6])
@@ -234,15 +210,15 @@ def test_the_covariance_may_go_in_longer_epochs(recipe, assumptions):
     np.testing.assert_allclose(whole.history.variances[rows[0]], fine.history.variances[rows[1]], rtol=0.01)
 
 
-def test_fixes_between_samples_are_taken_where_they_are(recipe, assumptions):
+def test_fixes_between_samples_are_taken_where_they_are(lap, assumptions):
     """A log of 20 Hz and exact fixes that fall anywhere between its samples: nothing is left of the innovations."""
-    coarse = replace(recipe, rate_hz=20, receiver=replace(recipe.receiver, rate_hz=1))
-    fine = replace(recipe, receiver=replace(recipe.receiver, rate_hz=100 / 97)).antenna()
+    coarse = replace(lap, rate_hz=20, receiver=replace(lap.receiver, rate_hz=1))
+    fine = replace(lap, receiver=replace(lap.receiver, rate_hz=100 / 97)).antenna()
     std = np.tile([0.01] * 3 + [0.01] * 3, (len(fine), 1))
-    fixes = gnss.from_local(fine.index.to_numpy(), fine.to_numpy(), std, recipe.ellipsoid)
-    linear, turn = true_state(recipe, BEGIN)
+    fixes = gnss.from_local(fine.index.to_numpy(), fine.to_numpy(), std, lap.ellipsoid)
+    linear, turn = true_state(lap, BEGIN)
     begin = InitialState(BEGIN, np.concatenate([linear[0], turn[0].as_quat()]), np.zeros(12), np.diag([1e-6] * 21))
-    one = navigate(DriveInputs(coarse.path[1], fixes, recipe.model, recipe.ellipsoid, assumptions, NO_CONTROL), begin)
+    one = navigate(DriveInputs(coarse.path[1], fixes, lap.model, lap.ellipsoid, assumptions, NO_CONTROL), begin)
     assert np.abs(one.record.innovation[:, :3]).max() < 0.01
     assert np.abs(one.record.innovation[:, 3:]).max() < 0.02
     assert len(np.unique(np.round(np.remainder(one.fix_time, 0.05), 6))) > 4
@@ -250,15 +226,15 @@ def test_fixes_between_samples_are_taken_where_they_are(recipe, assumptions):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("delay", [0.0, 0.137])
-def test_the_time_offset_is_taken_off_or_estimated(recipe, assumptions, delay):
-    late = replace(recipe, receiver=replace(recipe.receiver, delay_s=delay))
+def test_the_time_offset_is_taken_off_or_estimated(lap, assumptions, delay):
+    late = replace(lap, receiver=replace(lap.receiver, delay_s=delay))
     told = drive(late, replace(assumptions, offset_s=delay), 7)
-    plain = drive(recipe, assumptions, 7)
+    plain = drive(lap, assumptions, 7)
     np.testing.assert_allclose(told.history.navigation[-1], plain.history.navigation[-1], atol=1e-6)
     aware = replace(assumptions, offset_std=0.2)
     errors = []
     for run in range(30):
-        one = drive(late, aware, run, begin=start(recipe, aware, run))
+        one = drive(late, aware, run, begin=start(lap, aware, run))
         errors.append((one.sensors["offset"].iloc[-1] - delay) / one.sensors_std["offset"].iloc[-1])
         assert one.sensors_std["offset"].iloc[-1] < 0.02
     low, high = nees_band(1, 30, 0.999)
@@ -266,12 +242,12 @@ def test_the_time_offset_is_taken_off_or_estimated(recipe, assumptions, delay):
 
 
 @pytest.mark.slow
-def test_the_lever_arm_is_estimated_as_exactly_as_it_says(recipe, assumptions):
+def test_the_lever_arm_is_estimated_as_exactly_as_it_says(lap, assumptions):
     aware = replace(assumptions, lever_m=(0.0, 0.0, 0.0), lever_std=1.0)
     errors = []
     for run in range(30):
-        one = drive(recipe, aware, run, begin=start(recipe, aware, run))
-        off = one.history.errors[-1, -3:] - recipe.receiver.lever_m
+        one = drive(lap, aware, run, begin=start(lap, aware, run))
+        off = one.history.errors[-1, -3:] - lap.receiver.lever_m
         errors.append(off @ np.linalg.solve(one.covariances[-1][-3:, -3:], off))
         assert one.sensors_std[["lever_x", "lever_y"]].iloc[-1].max() < 0.4
     low, high = nees_band(3, 30, 0.999)
@@ -281,16 +257,16 @@ def test_the_lever_arm_is_estimated_as_exactly_as_it_says(recipe, assumptions):
 @pytest.mark.slow
 @pytest.mark.parametrize("constants", [{}, {"lever_std": 0.1, "offset_std": 0.01}])
 @pytest.mark.parametrize("rest", [True, False])
-def test_the_start_is_as_right_as_it_says(recipe, assumptions, rest, constants):
+def test_the_start_is_as_right_as_it_says(lap, assumptions, rest, constants):
     """Levelled at rest, or in motion where the log begins there; position, velocity and attitude against the truth."""
     assumptions = replace(assumptions, **constants)
     found = []
     for run in range(60):
-        samples, fixes = recipe.record(run, SEED), recipe.fixes(run, SEED)
+        samples, fixes = lap.record(run, SEED), lap.fixes(run, SEED)
         if not rest:
             samples, fixes = samples.loc[30.0:], fixes.loc[30.0:]
-        one = align(DriveInputs(samples, fixes, recipe.model, recipe.ellipsoid, assumptions))
-        linear, turn = true_state(recipe, one.time)
+        one = align(DriveInputs(samples, fixes, lap.model, lap.ellipsoid, assumptions))
+        linear, turn = true_state(lap, one.time)
         off = np.concatenate([
             one.navigation[:6] - linear[0], (Rotation.from_quat(one.navigation[6:]) * turn[0].inv()).as_rotvec()
         ])  # fmt: skip
@@ -302,19 +278,19 @@ def test_the_start_is_as_right_as_it_says(recipe, assumptions, rest, constants):
     assert (squares[:6] > nees_band(1, 60, 0.9999)[0]).all()
 
 
-def test_a_drive_without_a_course_does_not_start(recipe, assumptions):
-    given = recipe.record(1, SEED).loc[:10.0], recipe.fixes(1, SEED).loc[:10.0]
+def test_a_drive_without_a_course_does_not_start(lap, assumptions):
+    given = lap.record(1, SEED).loc[:10.0], lap.fixes(1, SEED).loc[:10.0]
     with pytest.raises(ValueError, match=r"start: expected a fix that tells the course within 0\.1 rad; found none"):
-        align(DriveInputs(*given, recipe.model, recipe.ellipsoid, assumptions))
+        align(DriveInputs(*given, lap.model, lap.ellipsoid, assumptions))
 
 
-def test_a_start_outside_of_the_log_is_refused(recipe, assumptions):
-    late = replace(start(recipe, assumptions, 1), time=1e4)
+def test_a_start_outside_of_the_log_is_refused(lap, assumptions):
+    late = replace(start(lap, assumptions, 1), time=1e4)
     with pytest.raises(ValueError, match="start: expected a time from 0 s to 300 s; found 10000 s"):
-        drive(recipe, assumptions, 1, begin=late)
+        drive(lap, assumptions, 1, begin=late)
 
 
-def test_a_rest_tells_the_gyroscopes_what_the_best_estimate_is(recipe):
+def test_a_rest_tells_the_gyroscopes_what_the_best_estimate_is(lap):
     """Against the Gaussian posterior of a constant seen in white noise."""
     model = ErrorModel.from_mapping({axis: [{"white_noise": {"density": 1e-4}}, {"turn_on_bias": {"std": 1e-3}}]
                                      for axis in log.GYRO})  # fmt: skip
@@ -325,9 +301,9 @@ def test_a_rest_tells_the_gyroscopes_what_the_best_estimate_is(recipe):
     np.testing.assert_allclose(np.diag(covariance), 1e-6 * (1 - share))
 
 
-def test_what_accelerometers_are_off_tilts_the_level_across(recipe, assumptions):
+def test_what_accelerometers_are_off_tilts_the_level_across(lap, assumptions):
     """Against the levelling itself, by difference quotients; the error of the state is less what it leaves out."""
-    states = assumptions.states(recipe.model)
+    states = assumptions.states(lap.model)
     turn = from_euler(np.array([0.03, -0.05, 1.0]))
     force = turn.inv().apply([0, 0, -9.8])
     rows = level_sensitivity(force, turn.as_matrix(), states, 9.8)

@@ -1,6 +1,5 @@
 """Recorded drives: read as their publishers say, degraded as told, tuned by what the filter sees; and the real ones."""
 
-import os
 import struct
 from dataclasses import replace
 from pathlib import Path
@@ -11,26 +10,18 @@ import pytest
 import scipy.io
 
 from imugap.effects import RandomWalk, WhiteNoise
-from imugap.io import datasets as catalogue
 from imugap.io import gnss
 from imugap.io.recordings import CAR_LAG_S, CAR_MOUNTING, FLIGHT_BEGIN_S, Recording, read_car, read_flight
 from imugap.log import ACCEL, AXES, GYRO, LogError
 from imugap.model import ErrorModel
 from imugap.numerics.rotation import from_euler
-from imugap.simulation.drive import Drive
 from imugap.stream import stream
 from imugap.study.recorded_drive import TUNED, StandardReceiver, aircraft, car, model_from_rest, scaled
 from imugap.units import STANDARD_GRAVITY
 
 ROOT = Path(__file__).parents[2]
-MIRROR = os.environ.get("IMUGAP_MIRROR")
 SEED = 91
 RECEIVER = StandardReceiver(1.0, (1.5, 1.5, 3.0), (0.1, 0.1, 0.2))
-
-
-@pytest.fixture(scope="module")
-def sets():
-    return catalogue.load(ROOT / "data", ROOT / "workflow" / "schemas")
 
 
 def publish_car(folder, samples, start="2025-07-08 19:34:21.500"):
@@ -103,16 +94,11 @@ def test_a_flight_gets_its_biases_back(tmp_path):
 
 
 @pytest.fixture(scope="module")
-def drive():
-    return replace(Drive.read(ROOT / "data" / "drive.yaml"), laps=1)
-
-
-@pytest.fixture(scope="module")
-def recorded(drive):
+def recorded(lap):
     """A simulated drive as a recording: the survey is at 4 Hz, to a centimetre."""
-    receiver = replace(drive.receiver, rate_hz=4, position_std=(0.01,) * 3, velocity_std=(0.05,) * 3)
-    fixes = replace(drive, receiver=receiver).fixes(1, SEED)
-    return Recording(drive.record(1, SEED), fixes, None, drive.receiver.lever_m)
+    receiver = replace(lap.receiver, rate_hz=4, position_std=(0.01,) * 3, velocity_std=(0.05,) * 3)
+    fixes = replace(lap, receiver=receiver).fixes(1, SEED)
+    return Recording(lap.record(1, SEED), fixes, None, lap.receiver.lever_m)
 
 
 def test_a_survey_is_degraded_to_what_the_receiver_is(recorded):
@@ -127,31 +113,31 @@ def test_a_survey_is_degraded_to_what_the_receiver_is(recorded):
     np.testing.assert_allclose(told, np.hypot([1.5, 0.1], [0.01, 0.05]))
 
 
-def test_errors_are_those_of_the_antenna(recorded, drive):
+def test_errors_are_those_of_the_antenna(recorded, lap):
     test = car(recorded, RECEIVER)
-    solution = test.navigate(recorded.fixes, drive.model)
+    solution = test.navigate(recorded.fixes, lap.model)
     off = test.errors(solution).loc[60:]
     assert np.sqrt((off**2).mean()).max() < 0.03
 
 
-def test_an_outage_drifts_as_predicted_where_the_model_is_right(recorded, drive):
+def test_an_outage_drifts_as_predicted_where_the_model_is_right(recorded, lap):
     test = car(recorded, RECEIVER)
-    found = test.outage(RECEIVER.degrade(recorded.fixes, SEED, 0), drive.model, 120.0, 40.0)
+    found = test.outage(RECEIVER.degrade(recorded.fixes, SEED, 0), lap.model, 120.0, 40.0)
     assert found.index[-1] == pytest.approx(40, abs=0.3)
     assert found["predicted"].iloc[-1] > 5 * found["predicted"].iloc[0]
     assert (found["nees"] < 14).all()
 
 
-def test_wheels_hold_an_outage_even_where_the_device_stands_for_the_axle(recorded, drive):
+def test_wheels_hold_an_outage_even_where_the_device_stands_for_the_axle(recorded, lap):
     """The arm of 1.3 m is told to nobody: what is predicted is less than without wheels, and not too little."""
     test, fixes = car(recorded, RECEIVER), RECEIVER.degrade(recorded.fixes, SEED, 0)
-    plain, rolling = (one.outage(fixes, drive.model, 150.0, 45.0) for one in (test, test.rolling))
+    plain, rolling = (one.outage(fixes, lap.model, 150.0, 45.0) for one in (test, test.rolling))
     assert 0.1 < rolling["predicted"].iloc[-1] / plain["predicted"].iloc[-1] < 0.8
     assert (rolling["nees"] < 14).all()
 
 
 @pytest.mark.slow
-def test_tuning_finds_noise_that_is_told_wrongly(recorded, drive):
+def test_tuning_finds_noise_that_is_told_wrongly(recorded, lap):
     """White noise told eight times too small or too large comes back to within a factor of two."""
     test, fixes = car(recorded, RECEIVER), RECEIVER.degrade(recorded.fixes, SEED, 0)
     model = ErrorModel.from_mapping({
@@ -178,10 +164,9 @@ def test_factors_multiply_what_they_name():
     assert [effect.parameters() for effect in found["accel_x"]] == [{"density": 9.0}, {"std": 5.0}]
 
 
-@pytest.mark.skipif(not MIRROR, reason="the files of the catalogue are not here")
-def test_the_real_car_rests_level_and_its_speed_is_that_of_its_fixes(sets):
+def test_the_real_car_rests_level_and_its_speed_is_that_of_its_fixes(sets, mirror):
     dataset = sets["rtklibexplorer_drive"]
-    found = read_car(*(dataset.file(1, content).place(MIRROR) for content in ("log", "clock", "fixes")), dataset)
+    found = read_car(*(dataset.file(1, content).place(mirror) for content in ("log", "clock", "fixes")), dataset)
     rest = found.log.loc[:32].mean()
     assert np.hypot(rest["accel_x"], rest["accel_y"]) < 0.3
     assert rest["accel_z"] == pytest.approx(-9.93, abs=0.05)
@@ -194,9 +179,8 @@ def test_the_real_car_rests_level_and_its_speed_is_that_of_its_fixes(sets):
     assert 0.8 < solution.record.statistic.mean() / 6 < 1.3
 
 
-@pytest.mark.skipif(not MIRROR, reason="the files of the catalogue are not here")
-def test_the_real_flight_agrees_with_the_filter_aboard(sets):
-    found = read_flight(sets["thor_flight75"].file(1).place(MIRROR))
+def test_the_real_flight_agrees_with_the_filter_aboard(sets, mirror):
+    found = read_flight(sets["thor_flight75"].file(1).place(mirror))
     test = aircraft(found, StandardReceiver.read(ROOT / "data" / "drive.yaml", "flight"))
     model, _ = test.tune(found.fixes, model_from_rest(found.log, 157.0))
     solution = test.navigate(found.fixes, model)
