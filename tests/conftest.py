@@ -7,7 +7,6 @@ ends long before the others. There linear algebra has one thread. Property tests
 take the time that they take, for the first call of a kernel compiles and a machine may be busy.
 """
 
-import json
 import os
 from dataclasses import replace
 from pathlib import Path
@@ -24,6 +23,7 @@ if "PYTEST_XDIST_WORKER" in os.environ:
 import pytest
 import yaml
 from hypothesis import HealthCheck, settings
+from tests import strict_json
 
 from imugap.io import datasets
 from imugap.io.json_schema import Draft202012Validator
@@ -77,11 +77,8 @@ def validated():
     """Read what ``imugap estimate`` writes: JSON that has neither NaN nor Infinity and keeps its schema."""
     schema = yaml.safe_load((ROOT / "workflow/schemas/estimates.schema.yaml").read_text())
 
-    def refuse(constant):
-        raise AssertionError(f"{constant} is no JSON")
-
     def read(text):
-        records = json.loads(text, parse_constant=refuse)
+        records = strict_json.loads(text)
         Draft202012Validator(schema).validate(records)
         return records
 

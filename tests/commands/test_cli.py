@@ -23,12 +23,35 @@ accel_z: [{white_noise: {density: 1e-3}}, {bias: {value: 0.02}}]
 """
 
 
-@pytest.fixture
-def here(tmp_path, monkeypatch):
-    """An empty working directory with a model."""
-    monkeypatch.chdir(tmp_path)
-    Path("model.yaml").write_text(MODEL)
-    return tmp_path
+TEXTS = {
+    "model.yaml": MODEL,
+    "half.csv": "time,gyro_x\n0.0,0.1\n0.1,0.",
+    "foreign.csv": "time,giro_x\n0.0,0.1\n0.1,0.1\n",
+    "holed.csv": "time,gyro_x\n0.0,0.1\n0.1,nan\n0.2,0.1\n",
+    "bad.yaml": "gyro_x: [{white_nois: {density: 1}}]",
+    "clock.yaml": "time: [{clock_scale: {ratio: 1.1}}]",
+    "no.yaml": "gyro_x: [{white_noise: {density: 1e-4}\n",
+}
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory):
+    """A model, and bad files."""
+    folder = tmp_path_factory.mktemp("cli")
+    for name, text in TEXTS.items():
+        (folder / name).write_text(text)
+    rng = stream(1, "noisy")
+    noisy = log.from_samples({axis: rng.normal(0, 1e-3, 3000) for axis in ("gyro_x", "accel_y")}, 0.01)
+    tables = {
+        "unsorted": log.from_samples({"gyro_x": np.arange(5.0) / 100}, 0.1).iloc[[0, 1, 3, 2, 4]],
+        "constant": log.from_samples({"gyro_x": np.zeros(3000)}, 0.01),
+        "still": log.from_samples({"gyro_x": np.sin(np.arange(3000.0)), "accel_y": np.full(3000, 0.1)}, 0.01),
+        "noisy": noisy,
+        "brief": noisy[:100],
+    }
+    for name, table in tables.items():
+        table.to_csv(folder / f"{name}.csv")
+    return folder
 
 
 def simulate(out, duration=40, rate=50, seed=1):
@@ -37,7 +60,8 @@ def simulate(out, duration=40, rate=50, seed=1):
 
 
 def names(folder):
-    return {path.name for path in folder.iterdir()}
+    """Names of the files that no fixture has put there."""
+    return {path.name for path in folder.iterdir() if not path.is_symlink()}
 
 
 @pytest.mark.parametrize("name", ["run.csv", "run.parquet"])
@@ -47,7 +71,7 @@ def test_a_simulated_log_is_the_one_of_the_library(here, name):
     still = {axis: np.full(2000, -9.80665 * (axis == "accel_z")) for axis in ("gyro_x", "gyro_z", "accel_z")}
     expected = ErrorModel.read("model.yaml").simulate(log.from_samples(still, 0.02), 1, "simulate")
     pd.testing.assert_frame_equal(found, expected, rtol=1e-15)
-    assert names(here) == {"model.yaml", name}
+    assert names(here) == {name}
 
 
 def test_another_seed_is_another_log_and_the_same_seed_is_the_same(here):
@@ -100,159 +124,64 @@ def test_indices_count_from_the_gravity_of_the_place(here, capsys):
     assert difference.drop(("accel_z", "bias")).abs().max() < 1e-12
 
 
-def unsorted(path):
-    log.from_samples({"gyro_x": np.arange(5.0) / 100}, 0.1).iloc[[0, 1, 3, 2, 4]].to_csv(path)
-
-
-def half(path):
-    Path(path).write_text("time,gyro_x\n0.0,0.1\n0.1,0.")
-
-
-def foreign(path):
-    Path(path).write_text("time,giro_x\n0.0,0.1\n0.1,0.1\n")
-
-
-def constant(path):
-    log.from_samples({"gyro_x": np.zeros(3000)}, 0.01).to_csv(path)
-
-
-def nothing(path):
-    """Leave no file."""
-
-
-def still(path):
-    log.from_samples({"gyro_x": np.sin(np.arange(3000.0)), "accel_y": np.full(3000, 0.1)}, 0.01).to_csv(path)
-
-
-def noisy(path, count=3000):
-    rng = stream(1, "noisy")
-    log.from_samples({axis: rng.normal(0, 1e-3, count) for axis in ("gyro_x", "accel_y")}, 0.01).to_csv(path)
-
-
-def brief(path):
-    noisy(path, 100)
-
-
-def holed(path):
-    Path(path).write_text("time,gyro_x\n0.0,0.1\n0.1,nan\n0.2,0.1\n")
-
-
 FAULTS = {
-    "time goes back": (unsorted, ["check", "bad.csv"], "bad.csv: line 5, column time"),
-    "cut off": (half, ["check", "bad.csv"], "bad.csv: line 3"),
-    "unknown column": (foreign, ["indices", "bad.csv"], "did you mean gyro_x"),
-    "no log": (nothing, ["indices", "bad.csv"], "bad.csv: file: .*no such file"),
-    "constant": (constant, ["indices", "bad.csv"], "found a constant sequence"),
-    "no model": (nothing, ["simulate", "bad.yaml", "--duration", "1", "--rate", "9"], "No such file.*bad.yaml"),
-    "not a model": (
-        lambda path: Path("bad.yaml").write_text("gyro_x: [{white_nois: {density: 1}}]"),
-        ["simulate", "bad.yaml", "--duration", "1", "--rate", "9"],
-        "bad.yaml: gyro_x: effect: expected white_noise; found 'white_nois'",
-    ),
-    "no sensor": (
-        lambda path: Path("bad.yaml").write_text("time: [{clock_scale: {ratio: 1.1}}]"),
-        ["simulate", "bad.yaml", "--duration", "1", "--rate", "9"],
-        "bad.yaml: expected a model of at least one sensor axis; found none",
-    ),
-    "no such target": (
-        nothing,
-        ["export", "model.yaml", "--to", "kaliber", "--rate", "100"],
-        "target: expected kalibr; found 'kaliber'",
-    ),
-    "not enough axes": (
-        nothing,
-        ["export", "model.yaml", "--to", "kalibr", "--rate", "100"],
-        "model: expected all of .*; found none of gyro_y, accel_x, accel_y",
-    ),
-    "absurd duration": (
-        nothing,
-        ["simulate", "model.yaml", "--duration", "1e15", "--rate", "1e3"],
-        r"simulate: expected a duration and rate of at most \S+ samples; found 1e\+18",
-    ),
-    "endless duration": (
-        nothing,
-        ["simulate", "model.yaml", "--duration", "1e200", "--rate", "1e200"],
-        r"simulate: expected a duration and rate of at most \S+ samples; found inf",
-    ),
-    "constant axis": (
-        still,
-        ["estimate", "bad.csv", "--terms", "white_noise"],
-        "accel_y: likelihood: expected finite samples that vary; found constant",
-    ),
-    "NaN": (holed, ["estimate", "bad.csv"], "bad.csv: line 3, column gyro_x: expected a finite number; found nan"),
-    "too short": (brief, ["estimate", "bad.csv"], "gyro_x: choice: expected at least 256 samples; found 100"),
-    "unknown term": (
-        noisy,
-        ["estimate", "bad.csv", "--terms", "white_noise,gaus_markov"],
-        "terms: expected gauss_markov; found 'gaus_markov'",
-    ),
-    "no term": (noisy, ["estimate", "bad.csv", "--terms", ""], "terms: expected one of .*; found ''"),
-    "term twice": (
-        noisy,
-        ["estimate", "bad.csv", "--terms", "white_noise,white_noise"],
-        "terms: expected only gauss_markov more than once; found white_noise",
-    ),
-    "unknown axis": (noisy, ["estimate", "bad.csv", "--axis", "gyro_X"], "axis: expected gyro_x; found 'gyro_X'"),
-    "axis that the log lacks": (noisy, ["estimate", "bad.csv", "--axis", "accel_z"], "axis: expected accel_y; found"),
-    "two for Allan": (
-        noisy,
-        ["estimate", "bad.csv", "--method", "allan", "--terms", "gauss_markov,gauss_markov"],
-        "terms: expected at most one gauss_markov for the method allan",
-    ),
-    "robust likelihood": (noisy, ["estimate", "bad.csv", "--robust"], "robust: expected the method wavelet"),
-    "figure of another format": (
-        noisy,
-        ["estimate", "bad.csv", "--figure", "out.png"],
-        "out.png: file name: expected one that ends in .svg",
-    ),
-    "one sample": (nothing, ["simulate", "model.yaml", "--duration", "0.1", "--rate", "9"], "at least 2 samples"),
+    "check unsorted.csv": "unsorted.csv: line 5, column time",
+    "check half.csv": "half.csv: line 3",
+    "indices foreign.csv": "did you mean gyro_x",
+    "indices none.csv": "none.csv: file: .*no such file",
+    "indices constant.csv": "found a constant sequence",
+    "simulate none.yaml --duration 1 --rate 9": "No such file.*none.yaml",
+    "simulate no.yaml --duration 1 --rate 9": "",
+    "simulate bad.yaml --duration 1 --rate 9": "bad.yaml: gyro_x: effect: expected white_noise; found 'white_nois'",
+    "simulate clock.yaml --duration 1 --rate 9": "clock.yaml: expected a model of at least one sensor axis; found none",
+    "simulate model.yaml --duration 0.1 --rate 9": "at least 2 samples",
+    "simulate model.yaml --duration 1e15 --rate 1e3": r"simulate: expected a duration and rate of at most \S+ "
+    r"samples; found 1e\+18",
+    "simulate model.yaml --duration 1e200 --rate 1e200": r"simulate: expected a duration and rate of at most \S+ "
+    r"samples; found inf",
+    "export model.yaml --to kaliber --rate 100": "target: expected kalibr; found 'kaliber'",
+    "export model.yaml --to kalibr --rate 100": "model: expected all of .*; found none of gyro_y, accel_x, accel_y",
+    "estimate still.csv --terms white_noise": "accel_y: likelihood: expected finite samples that vary; found constant",
+    "estimate holed.csv": "holed.csv: line 3, column gyro_x: expected a finite number; found nan",
+    "estimate brief.csv": "gyro_x: choice: expected at least 256 samples; found 100",
+    "estimate noisy.csv --terms white_noise,gaus_markov": "terms: expected gauss_markov; found 'gaus_markov'",
+    "estimate noisy.csv --terms ''": "terms: expected one of .*; found ''",
+    "estimate noisy.csv --terms white_noise,white_noise": "terms: expected only gauss_markov more than once; "
+    "found white_noise",
+    "estimate noisy.csv --axis gyro_X": "axis: expected gyro_x; found 'gyro_X'",
+    "estimate noisy.csv --axis accel_z": "axis: expected accel_y; found",
+    "estimate noisy.csv --method allan --terms gauss_markov,gauss_markov": "terms: expected at most one "
+    "gauss_markov for the method allan",
+    "estimate noisy.csv --robust": "robust: expected the method wavelet",
+    "estimate noisy.csv --figure out.png": "out.png: file name: expected one that ends in .svg",
 }
+TITLES = "|".join(re.escape(index.title) for index in INDICES.values())
+NO_NOTE = rf"(?!imugap: ({TITLES}): expected at least \S+ s; found \S+ s$)"
+"""Matches a line on the standard error that does not say which index a log is too short for."""
 
 
-DUE = ("--duration", "30", "--rate", "50")
+@pytest.mark.parametrize(("line", "message"), FAULTS.items(), ids=FAULTS)
+def test_bad_input_is_one_line_and_exit_code_1_and_leaves_no_file(refused, judge, line, message):
+    refused(line if line.startswith("check") else f"{line} --out out.csv", message, among=NO_NOTE)
 
 
-def lines(capsys):
-    """The lines on the standard error, but for those that say which index a log is too short for."""
-    titles = "|".join(re.escape(index.title) for index in INDICES.values())
-    note = re.compile(rf"imugap: ({titles}): expected at least \S+ s; found \S+ s")
-    return [line for line in capsys.readouterr().err.splitlines() if not note.fullmatch(line)]
-
-
-@pytest.mark.parametrize("fault", FAULTS)
-def test_bad_input_is_one_line_and_exit_code_1_and_leaves_no_file(here, judge, capsys, fault):
-    make, arguments, message = FAULTS[fault]
-    make("bad.csv")
-    before = names(here)
-    assert cli.main(arguments if arguments[0] == "check" else [*arguments, "--out", "out.csv"]) == 1
-    (line,) = lines(capsys)
-    assert re.match(f"imugap: .*{message}", line)
-    assert names(here) == before
-
-
-def test_a_file_that_is_no_yaml_is_one_line(here, capsys):
-    Path("bad.yaml").write_text("gyro_x: [{white_noise: {density: 1e-4}\n")
-    assert cli.main(["simulate", "bad.yaml", *DUE, "--out", "out.csv"]) == 1
-    assert len(lines(capsys)) == 1
+DUE = "simulate model.yaml --duration 30 --rate 50"
 
 
 @pytest.mark.parametrize(
-    ("option", "value"), [("--rate", "0"), ("--rate", "abc"), ("--duration", "inf"), ("--gravity", "-1")]
+    ("line", "option", "value"),
+    [(DUE, "--rate", "0"), (DUE, "--rate", "abc"), (DUE, "--duration", "inf"), (DUE, "--gravity", "-1")]
+    + [
+        ("indices run.csv", option, value)
+        for option in ("--period", "--gravity")
+        for value in ("0", "-1", "nan", "inf")
+    ],
 )
-def test_an_option_that_has_to_be_positive_is_refused(here, capsys, option, value):
+def test_an_option_that_has_to_be_positive_is_refused(here, capsys, line, option, value):
     with pytest.raises(SystemExit, match="2"):
-        cli.main(["simulate", "model.yaml", *DUE, option, value, "--out", "out.csv"])
+        cli.main([*line.split(), f"{option}={value}", "--out", "out.csv"])
     assert f"argument {option}: expected a finite number > 0; found {value}" in capsys.readouterr().err
-    assert names(here) == {"model.yaml"}
-
-
-@pytest.mark.parametrize("value", ["0", "-1", "nan", "inf"])
-@pytest.mark.parametrize("option", ["--period", "--gravity"])
-def test_an_option_of_the_indices_that_has_to_be_positive_is_refused(here, capsys, option, value):
-    with pytest.raises(SystemExit, match="2"):
-        cli.main(["indices", "run.csv", f"{option}={value}", "--out", "out.csv"])
-    assert f"argument {option}: expected a finite number > 0; found {value}" in capsys.readouterr().err
-    assert names(here) == {"model.yaml"}
+    assert not names(here)
 
 
 def estimate(*options):
@@ -277,7 +206,7 @@ def test_estimates_are_written_in_every_form(here, capsys, judge, validated):
     out, err = capsys.readouterr()
     assert err == ""
     assert out.count(judge) == 3
-    assert names(here) == {"model.yaml", "run.csv", "out.json", "out.csv", "out.svg", "found.yaml"}
+    assert names(here) == {"run.csv", "out.json", "out.csv", "out.svg", "found.yaml"}
 
 
 @settings(max_examples=15, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow])
@@ -312,14 +241,13 @@ def test_estimates_are_written_all_or_none(here, judge, capsys, monkeypatch):
 
     monkeypatch.setattr(pd.DataFrame, "to_csv", broken)
     assert estimate("--terms", "white_noise", "--model", "found.yaml", "--table", "out.csv") == 1
-    assert lines(capsys) == ["imugap: disk full"]
+    assert capsys.readouterr().err == "imugap: disk full\n"
     assert names(here) == before
 
 
-def test_a_log_too_short_for_every_index_is_refused(here, capsys):
+def test_a_log_too_short_for_every_index_is_refused(refused):
     simulate("run.csv", duration=5)
-    assert cli.main(["indices", "run.csv"]) == 1
-    assert len(lines(capsys)) == 1
+    refused("indices run.csv", "", among=NO_NOTE)
 
 
 def test_a_slow_log_shows_what_it_can(here, capsys):
@@ -333,20 +261,14 @@ def test_an_export_is_that_of_the_library(here):
     assert cli.main(["export", "model.yaml", *options, "--out", "filter.yaml"]) == 0
     rule = Rule(100.0, 5.0, 60.0, Triad.WORST)
     assert Path("filter.yaml").read_text() == export(ErrorModel.read("model.yaml"), Target.IMUGAP, rule)
-    assert names(here) == {"model.yaml", "filter.yaml"}
+    assert names(here) == {"filter.yaml"}
 
 
 def test_an_ending_that_is_not_read_is_not_written(here):
     assert simulate("run.txt") == 1
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        "out.csv",
-        "out.parquet",
-    ],
-)
+@pytest.mark.parametrize("name", ["out.csv", "out.parquet"])
 def test_an_interrupted_write_leaves_the_old_file_and_no_other(here, capsys, monkeypatch, name):
     def broken(self, *_, **__):
         self.write_bytes(b"half")
@@ -356,6 +278,6 @@ def test_an_interrupted_write_leaves_the_old_file_and_no_other(here, capsys, mon
     monkeypatch.setattr(pd.DataFrame, "to_csv", lambda _, path: broken(path))
     monkeypatch.setattr(pd.DataFrame, "to_parquet", lambda _, path: broken(path))
     assert simulate(name) == 1
-    assert lines(capsys) == ["imugap: disk full"]
+    assert capsys.readouterr().err == "imugap: disk full\n"
     assert Path(name).read_text() == "old"
-    assert names(here) == {"model.yaml", name}
+    assert names(here) == {name}

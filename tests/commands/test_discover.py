@@ -1,6 +1,5 @@
 """Discovery on files: the folder is whole and keeps its schema, bad input is one message and leaves nothing."""
 
-import json
 import re
 from pathlib import Path
 
@@ -9,6 +8,7 @@ import pandas as pd
 import pytest
 import yaml
 from scipy.signal import butter, lfilter
+from tests import strict_json
 
 from imugap import cli, log
 from imugap.commands.discover import FILES, compose
@@ -32,7 +32,6 @@ from imugap.effects import (
     WhiteNoise,
 )
 from imugap.effects.effect import AxisModel
-from imugap.figures import style
 from imugap.io.json_schema import Draft202012Validator
 from imugap.model import ErrorModel
 
@@ -55,17 +54,48 @@ def measured(*hidden, seed=1, axes=("gyro_x", "gyro_y"), count=COUNT):
     return device(*hidden, axes=axes).simulate(still(axes, count), seed, "dossier")
 
 
-@pytest.fixture
-def here(tmp_path, monkeypatch):
-    """A working directory with two runs of a device that has a line, and another one."""
-    monkeypatch.chdir(tmp_path)
+TEXTS = {
+    "foreign.csv": "time,giro_x\n0.0,0.1\n0.1,0.1\n",
+    "misspelt.yaml": "gyro_x: [{white_nois: {density: 1}}]",
+    "two_filters.yaml": "gyro_x: [{output_filter: {cutoff: 5}}, {output_filter: {cutoff: 9}}]",
+    "in_degrees.yaml": "gyro_x: [{white_noise: {density: 1e-4}}, {resolution: {step: 10}}]",
+    "broken_effects.py": "import nothing_that_is_there\n",
+    "empty_effects.py": "A = 1\n",
+}
+
+
+def faulty():
+    """Logs that are no runs of one device, by name."""
+    table, row = measured(), np.arange(COUNT)
+    return {
+        "short": table[:100],
+        "constant": table.assign(gyro_x=1e-3, gyro_y=1e-3),
+        "stray": table.set_axis(pd.Index([0.0, *(1.6e9 + table.index[1:])], name="time")),
+        "slow": table[::2],
+        "half": still(count=COUNT // 2),
+        "x": table[["gyro_x"]],
+        "every_other": table.assign(gyro_y=table["gyro_y"].where(row % 2 == 0)),
+        "held": table.assign(gyro_y=table["gyro_y"].to_numpy()[row // 3 * 3]),
+        "two_in_one": table.set_axis(pd.Index(row % (COUNT // 2) * INTERVAL, name="time")),
+        "warm": table.assign(temperature=np.linspace(20.0, 30.0, COUNT)),
+        "without": table.assign(temperature=np.nan),
+        "x_alive": table.assign(gyro_y=0.0),
+        "y_alive": measured(seed=2).assign(gyro_x=0.0),
+        "holes": still()[lambda one: (one.index < 20.0) | (one.index > 40.0)],
+    }
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory):
+    """Two runs of a device that has a line, and bad files."""
+    folder = tmp_path_factory.mktemp("discover")
     for seed, name in ((1, "run1.csv"), (2, "run2.parquet")):
-        log.write(measured(LINE, seed=seed), name)
-    return tmp_path
-
-
-def names(folder):
-    return {path.name for path in Path(folder).iterdir()}
+        log.write(measured(LINE, seed=seed), folder / name)
+    for name, table in faulty().items():
+        table.to_csv(folder / f"{name}.csv")
+    for name, text in TEXTS.items():
+        (folder / name).write_text(text)
+    return folder
 
 
 def discovered(*arguments, out="found"):
@@ -73,10 +103,7 @@ def discovered(*arguments, out="found"):
 
 
 def read_report(folder):
-    def refuse(constant):
-        raise AssertionError(f"{constant} is no JSON")
-
-    report = json.loads((Path(folder) / "report.json").read_text(), parse_constant=refuse)
+    report = strict_json.load(f"{folder}/report.json")
     Draft202012Validator(SCHEMA).validate(report)
     return report
 
@@ -86,7 +113,7 @@ def test_the_folder_is_whole_and_tells_the_line(here, capsys):
     assert discovered("run1.csv") == 0
     out, _ = capsys.readouterr()
     assert "gyro_y: sinusoid (frequency 7.3 Hz" in out
-    assert names("found") == set(FILES)
+    assert {path.name for path in Path("found").iterdir()} == set(FILES)
     report = read_report("found")
     (effect,) = report["effects"]
     assert (effect["name"], effect["axes"]) == ("sinusoid", ["gyro_y"])
@@ -168,202 +195,42 @@ def test_steps_are_told_in_order_to_the_last():
     assert (told[0][0], told[-1][0]) == ("integrity", "done")
 
 
-def table(change):
-    """A fault of the log: a change of its table."""
-
-    def make():
-        change(measured()).to_csv("bad.csv")
-
-    return make
-
-
-def cut(table):
-    return table[:100]
-
-
-def flat(table):
-    return table.assign(gyro_x=1e-3, gyro_y=1e-3)
-
-
-def stray(table):
-    return table.set_axis(pd.Index([0.0, *(1.6e9 + table.index[1:])], name="time"))
-
-
-def other_rate():
-    log.write(measured()[::2], "bad.csv")
-
-
-def foreign():
-    Path("bad.csv").write_text("time,giro_x\n0.0,0.1\n0.1,0.1\n")
-
-
-def unknown_effect():
-    Path("bad.yaml").write_text("gyro_x: [{white_nois: {density: 1}}]")
-
-
-def short_reference():
-    log.write(still(count=COUNT // 2), "bad.csv")
-
-
-def other_axes():
-    log.write(still(("gyro_x",)), "bad.csv")
-
-
-def one_axis():
-    log.write(measured()[["gyro_x"]], "bad.csv")
-
-
-def half_rate():
-    log.write(measured(), "bad.csv")
-    rows = Path("bad.csv").read_text().splitlines()
-    rows[2::2] = [",".join([*row.split(",")[:-1], ""]) for row in rows[2::2]]
-    Path("bad.csv").write_text("\n".join(rows) + "\n")
-
-
-def held():
-    log.write(measured().assign(gyro_y=measured()["gyro_y"].to_numpy()[np.arange(COUNT) // 3 * 3]), "bad.csv")
-
-
-def two_in_one():
-    table = measured()
-    index = np.arange(COUNT) % (COUNT // 2) * INTERVAL
-    log.write(table, "bad.csv")
-    rows = Path("bad.csv").read_text().splitlines()
-    lines = [",".join([f"{time:.2f}", *row.split(",")[1:]]) for time, row in zip(index, rows[1:], strict=True)]
-    Path("bad.csv").write_text("\n".join([rows[0], *lines]) + "\n")
-
-
-def without_temperature():
-    for name, values in (("warm.csv", np.linspace(20.0, 30.0, COUNT)), ("bad.csv", np.full(COUNT, np.nan))):
-        measured().assign(temperature=values).to_csv(name)
-
-
-def other_axis_alive():
-    log.write(measured().assign(gyro_y=0.0), "mine.csv")
-    log.write(measured(seed=2).assign(gyro_x=0.0), "bad.csv")
-
-
-def holes():
-    table = still()
-    log.write(table[(table.index < 20.0) | (table.index > 40.0)], "bad.csv")
-
-
-def two_filters():
-    Path("bad.yaml").write_text("gyro_x: [{output_filter: {cutoff: 5}}, {output_filter: {cutoff: 9}}]")
-
-
-def lattice_in_degrees():
-    Path("bad.yaml").write_text("gyro_x: [{white_noise: {density: 1e-4}}, {resolution: {step: 10}}]")
-
-
-def broken_module():
-    Path("broken_effects.py").write_text("import nothing_that_is_there\n")
-
-
-def empty_module():
-    Path("empty_effects.py").write_text("A = 1\n")
-
-
-def nothing():
-    """Leave no file."""
-
-
 FAULTS = {
-    "no log": (nothing, ["bad.csv"], "bad.csv: file: .*no such file"),
-    "no test": (nothing, ["run1.csv", "--test", "bad.csv"], "bad.csv: file: .*no such file"),
-    "wrong columns": (foreign, ["bad.csv"], "bad.csv: line 1: .*did you mean gyro_x"),
-    "short": (table(cut), ["bad.csv"], "bad.csv: column gyro_x: expected at least 320 samples; found 100"),
-    "constant": (table(flat), ["bad.csv"], "bad.csv: columns: expected values that vary on one axis at least"),
-    "stray stamp": (table(stray), ["bad.csv"], "bad.csv: index: expected a row for one in 50 samples at least"),
-    "reference for two": (
-        nothing,
-        ["run1.csv", "run2.parquet", "--reference", "run1.csv"],
-        "reference: expected one log, which it is the error-free one of; found 2",
-    ),
-    "test of another rate": (
-        other_rate,
-        ["run1.csv", "--test", "bad.csv"],
-        "bad.csv: time: expected the rate of the first log, 50 Hz; found 25 Hz",
-    ),
-    "no model": (nothing, ["run1.csv", "--model", "bad.yaml"], "No such file.*bad.yaml"),
-    "unknown effect": (
-        unknown_effect,
-        ["run1.csv", "--model", "bad.yaml"],
-        "bad.yaml: gyro_x: effect: expected white_noise; found 'white_nois'",
-    ),
-    "reference of other length": (
-        short_reference,
-        ["run1.csv", "--reference", "bad.csv"],
-        "bad.csv: time: expected that of the log, 0 to 79.98 s; found 0 to 39.98 s",
-    ),
-    "reference without an axis": (
-        other_axes,
-        ["run1.csv", "--reference", "bad.csv"],
-        "bad.csv: columns: expected those of the first log, gyro_x, gyro_y; found no gyro_y",
-    ),
-    "test without an axis": (
-        one_axis,
-        ["run1.csv", "--test", "bad.csv"],
-        "bad.csv: columns: expected those of the first log, gyro_x, gyro_y; found no gyro_y",
-    ),
-    "test in motion": (
-        nothing,
-        ["run1.csv", "--test", "run2.parquet", "--reference", "run1.csv"],
-        "test: expected runs",
-    ),
-    "half the rate": (half_rate, ["bad.csv"], "bad.csv: column gyro_y: expected a value in every row.*one of 2 rows"),
-    "held values": (held, ["bad.csv"], "bad.csv: column gyro_y: expected a value in every row.*one of 3 rows"),
-    "two runs in one file": (
-        two_in_one,
-        ["bad.csv"],
-        "bad.csv: row 2000: expected a time that advances; found 0 s after 39.98 s",
-    ),
-    "test without temperature": (
-        without_temperature,
-        ["warm.csv", "--test", "bad.csv"],
-        "bad.csv: column temperature: expected values, as the first log has; found none",
-    ),
-    "another axis alive": (
-        other_axis_alive,
-        ["mine.csv", "bad.csv"],
-        "bad.csv: columns: expected values that vary on an axis on which those of the first log do, gyro_x; found none",
-    ),
-    "log of another rate": (
-        other_rate,
-        ["run1.csv", "bad.csv"],
-        "bad.csv: time: expected the rate of the first log, 50 Hz; found 25 Hz",
-    ),
-    "reference with holes": (
-        holes,
-        ["run1.csv", "--reference", "bad.csv"],
-        "bad.csv: time: expected stamps near 90 % of those of the log; found holes, which leave 75 %",
-    ),
-    "two filters": (
-        two_filters,
-        ["run1.csv", "--model", "bad.yaml"],
-        "bad.yaml: gyro_x: expected one output_filter at most; found 2",
-    ),
-    "a lattice beyond the values": (
-        lattice_in_degrees,
-        ["run1.csv", "--model", "bad.yaml"],
-        "bad.yaml: gyro_x: resolution: expected a step below the range of the values of the log.*found 10",
-    ),
-    "no module": (nothing, ["run1.csv", "--effects", "not_a_module"], "effects: expected a module.*not_a_module"),
-    "broken module": (broken_module, ["run1.csv", "--effects", "broken_effects"], "nothing_that_is_there"),
-    "module without effects": (empty_module, ["run1.csv", "--effects", "empty_effects"], "empty_effects has none"),
+    "none.csv": "none.csv: file: .*no such file",
+    "run1.csv --test none.csv": "none.csv: file: .*no such file",
+    "foreign.csv": "foreign.csv: line 1: .*did you mean gyro_x",
+    "short.csv": "short.csv: column gyro_x: expected at least 320 samples; found 100",
+    "constant.csv": "constant.csv: columns: expected values that vary on one axis at least",
+    "stray.csv": "stray.csv: index: expected a row for one in 50 samples at least",
+    "run1.csv run1.csv --reference run1.csv": "reference: expected one log, which it is the error-free one of; found 2",
+    "run1.csv --test slow.csv": "slow.csv: time: expected the rate of the first log, 50 Hz; found 25 Hz",
+    "run1.csv slow.csv": "slow.csv: time: expected the rate of the first log, 50 Hz; found 25 Hz",
+    "run1.csv --test run2.parquet --reference run1.csv": "test: expected runs",
+    "run1.csv --reference half.csv": "half.csv: time: expected that of the log, 0 to 79.98 s; found 0 to 39.98 s",
+    "run1.csv --reference holes.csv": "holes.csv: time: expected stamps near 90 % of those of the log; "
+    "found holes, which leave 75 %",
+    "run1.csv --reference x.csv": "x.csv: columns: expected those of the first log, gyro_x, gyro_y; found no gyro_y",
+    "run1.csv --test x.csv": "x.csv: columns: expected those of the first log, gyro_x, gyro_y; found no gyro_y",
+    "every_other.csv": "every_other.csv: column gyro_y: expected a value in every row.*one of 2 rows",
+    "held.csv": "held.csv: column gyro_y: expected a value in every row.*one of 3 rows",
+    "two_in_one.csv": "two_in_one.csv: row 2000: expected a time that advances; found 0 s after 39.98 s",
+    "warm.csv --test without.csv": "without.csv: column temperature: expected values, as the first log has; found none",
+    "x_alive.csv y_alive.csv": "y_alive.csv: columns: expected values that vary on an axis on which those "
+    "of the first log do, gyro_x; found none",
+    "run1.csv --model none.yaml": "No such file.*none.yaml",
+    "run1.csv --model misspelt.yaml": "misspelt.yaml: gyro_x: effect: expected white_noise; found 'white_nois'",
+    "run1.csv --model two_filters.yaml": "two_filters.yaml: gyro_x: expected one output_filter at most; found 2",
+    "run1.csv --model in_degrees.yaml": "in_degrees.yaml: gyro_x: resolution: expected a step below the range "
+    "of the values of the log.*found 10",
+    "run1.csv --effects not_a_module": "effects: expected a module.*not_a_module",
+    "run1.csv --effects broken_effects": "nothing_that_is_there",
+    "run1.csv --effects empty_effects": "empty_effects has none",
 }
 
 
-@pytest.mark.parametrize("fault", FAULTS)
-def test_bad_input_is_one_message_and_leaves_nothing(here, capsys, fault):
-    make, arguments, message = FAULTS[fault]
-    make()
-    before = names(here)
-    assert discovered(*arguments) == 1
-    lines = [line for line in capsys.readouterr().err.replace("\r", "\n").splitlines() if line.startswith("imugap:")]
-    assert len(lines) == 1
-    assert re.match(f"imugap: .*{message}", lines[0])
-    assert names(here) - {"__pycache__"} == before
+@pytest.mark.parametrize(("arguments", "message"), FAULTS.items(), ids=FAULTS)
+def test_bad_input_is_one_message_and_leaves_nothing(refused, arguments, message):
+    refused(f"discover {arguments} --workers 1 --out found", message, among="imugap:")
 
 
 def test_a_file_in_the_place_of_the_folder_is_refused_before_the_work(here, capsys):
@@ -499,18 +366,13 @@ def test_values_without_a_unit_are_written_in_full():
 
 
 @pytest.mark.slow
-def test_a_write_that_fails_leaves_the_old_folder(here, capsys, monkeypatch):
+def test_a_write_that_fails_leaves_the_old_folder(here, capsys, fill_disk):
     compose(Files((Path("run1.csv"),)), Question(**QUICK), "found")
     before = {name: (here / "found" / name).read_bytes() for name in FILES}
-
-    def broken(figure, path):
-        Path(path).write_text("half")
-        raise OSError("disk full")
-
-    monkeypatch.setattr(style, "save", broken)
+    fill_disk()
     assert discovered("run2.parquet") == 1
     assert "imugap: disk full" in capsys.readouterr().err
-    assert {name: (here / "found" / name).read_bytes() for name in names("found")} == before
+    assert {path.name: path.read_bytes() for path in Path("found").iterdir()} == before
 
 
 @pytest.mark.parametrize(
@@ -520,4 +382,4 @@ def test_an_option_out_of_range_is_refused(here, capsys, option, value):
     with pytest.raises(SystemExit, match="2"):
         discovered("run1.csv", option, value)
     assert f"argument {option}: expected" in capsys.readouterr().err
-    assert "found" not in names(here)
+    assert not Path("found").exists()
