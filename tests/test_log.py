@@ -27,6 +27,11 @@ def spoilt(row, column, value):
     return bad
 
 
+def at(*time):
+    """The table with other times."""
+    return table().set_axis(pd.Index(time, name="time"))
+
+
 FAULTS = {
     "unknown column": (table().assign(mag_x=0.0), "columns", "a subset of gyro_x, .*, temperature", "mag_x"),
     "no axis": (table()[["temperature"]], "columns", "at least one of gyro_x", "none of them"),
@@ -34,38 +39,13 @@ FAULTS = {
     "a column twice": (table()[["gyro_x", "gyro_x"]], "columns", "the order gyro_x", "gyro_x, gyro_x"),
     "unnamed index": (table().rename_axis("t"), "index", r"time \[s\]", "'t'"),
     "one sample": (table(1), "rows", "at least 2 samples", "1"),
-    "time stands": (
-        table().set_axis(pd.Index([0, 1, 1, 2, 3.0], name="time")),
-        "row 2",
-        "time that increases",
-        "1.0 s",
-    ),
-    "time goes back": (
-        table().set_axis(pd.Index([0, 1, 2, 3, 2.5], name="time")),
-        "row 4",
-        "time that",
-        "2.5 s after 3",
-    ),
-    "time is no number": (
-        table().set_axis(pd.Index([0, 1, np.nan, 3, 4], name="time")),
-        "row 2",
-        "a finite time",
-        "nan",
-    ),
-    "time is infinite": (
-        table().set_axis(pd.Index([0, 1, 2, 3, np.inf], name="time")),
-        "row 4",
-        "a finite time",
-        "inf",
-    ),
-    "time is infinite before it goes back": (
-        table().set_axis(pd.Index([0, 2, 1, np.nan, 4], name="time")),
-        "row 3",
-        "a finite time",
-        "nan",
-    ),
+    "time stands": (at(0, 1, 1, 2, 3.0), "row 2", "time that increases", "1.0 s"),
+    "time goes back": (at(0, 1, 2, 3, 2.5), "row 4", "time that", "2.5 s after 3"),
+    "time is no number": (at(0, 1, np.nan, 3, 4), "row 2", "a finite time", "nan"),
+    "time is infinite": (at(0, 1, 2, 3, np.inf), "row 4", "a finite time", "inf"),
+    "time is infinite before it goes back": (at(0, 2, 1, np.nan, 4), "row 3", "a finite time", "nan"),
     "text": (table(gyro_x=list("abcde")), "column gyro_x", "numbers", "text"),
-    "time is text": (table().set_axis(pd.Index(list("abcde"), name="time")), "column time", "numbers", "text"),
+    "time is text": (at(*"abcde"), "column time", "numbers", "text"),
     "nan": (spoilt(3, "gyro_x", np.nan), "row 3, column gyro_x", "a finite number", r"nan \(1 such rows\)"),
     "infinity": (spoilt(1, "accel_z", -np.inf), "row 1, column accel_z", "a finite number", "-inf"),
     "temperature": (spoilt(0, "temperature", np.nan), "row 0, column temperature", "a finite number", "nan"),
@@ -145,28 +125,3 @@ def test_an_ending_that_is_neither_parquet_nor_csv_is_refused_and_nothing_writte
     with pytest.raises(LogError, match=rf"expected one that ends in \.parquet or \.csv; found {found}"):
         log.write(table(), tmp_path / "deep" / name)
     assert not list(tmp_path.iterdir())
-
-
-def test_an_interrupted_write_leaves_the_old_log(tmp_path, monkeypatch):
-    path = tmp_path / "run.parquet"
-    log.write(table(), path)
-
-    def broken(self, target):
-        target.write_bytes(b"PAR1 half")
-        raise OSError("disk full")
-
-    monkeypatch.setattr(pd.DataFrame, "to_parquet", broken)
-    with pytest.raises(OSError, match="disk full"):
-        log.write(table(9), path)
-    assert log.load(path).equals(table())
-
-
-def test_an_interrupted_write_leaves_no_partial_file(tmp_path, monkeypatch):
-    def broken(self, target):
-        target.write_bytes(b"PAR1 half")
-        raise OSError("disk full")
-
-    monkeypatch.setattr(pd.DataFrame, "to_parquet", broken)
-    with pytest.raises(OSError, match="disk full"):
-        log.write(table(), tmp_path / "run.parquet")
-    assert list(tmp_path.iterdir()) == []

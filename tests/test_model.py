@@ -111,6 +111,7 @@ def test_plain_data_gives_the_model_back_and_is_plain(model):
             {"accel_z": [{"random_walk": {"density": 1.0}}]},
             "accel_z: parameter of random_walk: expected density_k; found 'density'",
         ),
+        ({"gyro_X": []}, "axis: expected gyro_x; found 'gyro_X'"),
         ({"qqqq": []}, "axis: expected gyro_x, gyro_y, gyro_z, accel_x, accel_y, accel_z, time; found 'qqqq'"),
     ],
 )
@@ -119,39 +120,43 @@ def test_a_misspelt_name_meets_the_nearest(mapping, message):
         ErrorModel.from_mapping(mapping)
 
 
-def test_a_name_in_the_wrong_case_meets_itself():
-    with pytest.raises(ValueError, match="expected gyro_x; found 'gyro_X'"):
-        ErrorModel.from_mapping({"gyro_X": []})
+@pytest.fixture
+def read(tmp_path):
+    """Read a model from a text."""
+
+    def from_text(text):
+        path = tmp_path / "model.yaml"
+        path.write_text(text)
+        return ErrorModel.read(path)
+
+    return from_text
 
 
 @pytest.mark.parametrize(
-    "text", ["gyro_x: [{white_noise: {density: -1.0}}]", "gyro_x: [white_noise]", "gyro_x: [", "3"]
+    ("text", "place"),
+    [
+        ("gyro_x: [{white_noise: {density: -1.0}}]", "gyro_x: "),
+        ("gyro_x: [{white_noise: {}}]", "gyro_x: .*density"),
+        ("gyro_x: [white_noise]", ""),
+        ("gyro_x: [", ""),
+        ("3", ""),
+    ],
 )
-def test_a_broken_file_names_itself(tmp_path, text):
-    path = tmp_path / "model.yaml"
-    path.write_text(text)
-    with pytest.raises(ValueError, match=r"model\.yaml: "):
-        ErrorModel.read(path)
-
-
-def test_a_missing_parameter_is_named_with_its_axis():
-    with pytest.raises(ValueError, match=r"gyro_x: .*density"):
-        ErrorModel.from_mapping({"gyro_x": [{"white_noise": {}}]})
+def test_a_broken_file_names_itself_and_the_axis(read, text, place):
+    with pytest.raises(ValueError, match=rf"model\.yaml: {place}"):
+        read(text)
 
 
 @pytest.mark.parametrize("text", ["1e-4", "1E-4", "+1e-4", "'1e-4'", "1.0e-4", "0.0001"])
-def test_a_number_is_a_number_however_yaml_reads_it(tmp_path, text):
-    path = tmp_path / "model.yaml"
-    path.write_text(f"gyro_x: [{{white_noise: {{density: {text}}}}}]")
-    assert ErrorModel.read(path) == ErrorModel({"gyro_x": AxisModel((WhiteNoise(1e-4),))})
+def test_a_number_is_a_number_however_yaml_reads_it(read, text):
+    found = read(f"gyro_x: [{{white_noise: {{density: {text}}}}}]")
+    assert found == ErrorModel({"gyro_x": AxisModel((WhiteNoise(1e-4),))})
 
 
 @pytest.mark.parametrize("text", ["much", "1e-4x", "[1.0]", "null", "nan", "''"])
-def test_what_is_no_number_is_named_with_file_axis_and_parameter(tmp_path, text):
-    path = tmp_path / "model.yaml"
-    path.write_text(f"gyro_x: [{{white_noise: {{density: {text}}}}}]")
+def test_what_is_no_number_is_named_with_file_axis_and_parameter(read, text):
     with pytest.raises(ValueError, match=r"model\.yaml: gyro_x: white_noise: white_noise\.density: expected a finite"):
-        ErrorModel.read(path)
+        read(f"gyro_x: [{{white_noise: {{density: {text}}}}}]")
 
 
 def test_effects_compose_with_plus():
@@ -376,13 +381,11 @@ def test_errors_of_the_clock_have_streams_of_their_own():
         ("accel_y", Misalignment(y=0.1), "accel_y: misalignment.y: expected 0 on its own axis accel_y; found 0.1"),
     ],
 )
-def test_an_effect_away_from_home_is_refused(tmp_path, axis, effect, message):
+def test_an_effect_away_from_home_is_refused(read, axis, effect, message):
     with pytest.raises(ValueError, match=f"^{message}$"):
         ErrorModel({axis: AxisModel((effect,))})
-    path = tmp_path / "model.yaml"
-    path.write_text(yaml.safe_dump({axis: [{effect.name: effect.parameters()}]}))
     with pytest.raises(ValueError, match=rf"model\.yaml: {message}$"):
-        ErrorModel.read(path)
+        read(yaml.safe_dump({axis: [{effect.name: effect.parameters()}]}))
 
 
 def test_a_model_fills_the_conditions_of_its_effects():

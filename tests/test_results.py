@@ -15,13 +15,21 @@ TABLES = ROOT / "paper" / "tables"
 pytestmark = pytest.mark.skipif(not (ROOT / "paper/paper.pdf").exists(), reason="the workflow has not been run here")
 
 
-def devices():
+def devices(key="devices"):
+    """The devices of the study, or those whose missing effects it tells (``missing_of``)."""
     study = ROOT / "paper/numbers/study.json"
-    return json.loads(study.read_text())["devices"] if study.exists() else []
+    return json.loads(study.read_text())[key] if study.exists() else []
 
 
 def read(name):
     return pd.read_csv(TABLES / f"{name}.csv")
+
+
+def read_of_walks(name):
+    """Read a table that is not there without the walking sets."""
+    if not (TABLES / f"{name}.csv").exists():
+        pytest.skip("the walking sets are not here")
+    return read(name)
 
 
 def test_every_table_has_its_three_forms_and_rows():
@@ -140,12 +148,7 @@ def test_laws_that_are_there_are_read_more_often_than_those_that_are_not():
     assert rates[True] > 0.5
 
 
-def missing_of():
-    study = ROOT / "paper/numbers/study.json"
-    return json.loads(study.read_text())["missing_of"] if study.exists() else []
-
-
-@pytest.mark.parametrize("device", missing_of())
+@pytest.mark.parametrize("device", devices("missing_of"))
 def test_what_is_missing_lies_in_its_intervals_and_simulations_are_one_scatter_apart(device):
     effects = read(f"missing_effects_{device}").dropna(subset=["low", "high"])
     assert ((effects["low"] <= effects["value"]) & (effects["value"] <= effects["high"])).all()
@@ -230,9 +233,7 @@ def test_a_filter_that_knows_of_turn_on_biases_ends_near_and_believes_itself():
 
 def test_every_real_walk_ends_within_a_hundredth_of_its_distance():
     """The bars of the study: half a per cent in the median, one per cent on each."""
-    if not (TABLES / "walks.csv").exists():
-        pytest.skip("the walking sets are not here")
-    walks = read("walks")
+    walks = read_of_walks("walks")
     assert walks["share"].median() < 0.5
     assert walks["share"].max() < 1.0
     strides = walks[walks["dataset"] == "gaitmap_2x20m"]
@@ -256,9 +257,7 @@ def test_a_filter_whose_assumptions_hold_has_ellipses_that_hold_the_end():
 
 
 def test_what_real_walks_name_is_beyond_chance_and_the_rest_is_not():
-    if not (TABLES / "walk_missing.csv").exists():
-        pytest.skip("the walking sets are not here")
-    found = read("walk_missing")
+    found = read_of_walks("walk_missing")
     alpha = found.loc[found["named"], "p_value"].max()
     assert (found.loc[~found["named"], "p_value"] > alpha).all()
     named = found[found["named"]]
@@ -267,9 +266,7 @@ def test_what_real_walks_name_is_beyond_chance_and_the_rest_is_not():
 
 
 def test_ends_are_foretold_by_every_twin_alike():
-    if not (TABLES / "walk_foretold.csv").exists():
-        pytest.skip("the walking sets are not here")
-    scores = read("walk_foretold").set_index("by")
+    scores = read_of_walks("walk_foretold").set_index("by")
     assert scores["walks"].nunique() == 1
     assert set(scores.index) == {"at rest", "data sheet", "named", "other sets"}
     for quantity in ("horizontal", "height", "space"):
