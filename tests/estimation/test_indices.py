@@ -1,7 +1,7 @@
 import numpy as np
 import pandas as pd
 import pytest
-from scipy.stats import binom
+from tests.chance import as_often_as
 
 from imugap import log
 from imugap.effects import BiasInstability, Conditions, RandomWalk, WhiteNoise
@@ -9,12 +9,6 @@ from imugap.estimation import allan
 from imugap.estimation.indices import BATCHES, INDICES, of_run, over_runs, repeatability, shortest
 from imugap.stream import stream
 from imugap.units import factor
-
-
-def covered(inside, level=0.95):
-    """Whether intervals hold the truth as often as they say: two-sided binomial bounds at 1e-4."""
-    low, high = binom.ppf([5e-5, 1 - 5e-5], len(inside), level)
-    return low <= np.sum(inside) <= high
 
 
 def table(sequence, interval=0.01, axis="gyro_x"):
@@ -53,7 +47,7 @@ def test_bias_is_the_mean_error_against_the_ideal_reading():
 @pytest.mark.slow
 def test_interval_of_the_bias_covers_it():
     rows = [found(simulated(1000, WhiteNoise(1.0), label=run), "bias").loc["bias"] for run in range(400)]
-    assert covered([row["low"] <= 0 <= row["high"] for row in rows])
+    assert as_often_as([row["low"] <= 0 <= row["high"] for row in rows], 0.95)
 
 
 def test_stability_of_a_square_wave_over_whole_periods_is_its_amplitude_with_one_degree_less():
@@ -152,7 +146,7 @@ def test_repeatability_is_the_deviation_over_runs():
 def test_interval_of_the_repeatability_covers_it(count):
     drawn = stream(52, count).normal(5.0, 0.7, (4000, count))
     intervals = np.array([repeatability(biases)[1:] for biases in drawn])
-    assert covered((intervals[:, 0] <= 0.7) & (intervals[:, 1] >= 0.7))
+    assert as_often_as((intervals[:, 0] <= 0.7) & (intervals[:, 1] >= 0.7), 0.95)
 
 
 def test_over_runs_is_the_mean_with_a_student_interval():
@@ -168,7 +162,7 @@ def test_over_runs_is_the_mean_with_a_student_interval():
 def test_interval_over_runs_covers_the_mean(count):
     drawn = stream(53, count).normal(5.0, 0.7, (1000, count))
     rows = [over_runs(runs(values)).iloc[0] for values in drawn]
-    assert covered([row["low"] <= 5.0 <= row["high"] for row in rows])
+    assert as_often_as([row["low"] <= 5.0 <= row["high"] for row in rows], 0.95)
 
 
 def test_a_single_run_keeps_its_own_intervals_and_has_no_repeatability():

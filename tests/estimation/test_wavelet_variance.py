@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numba import njit
 from scipy.stats import binom
+from tests.chance import as_often_as, mean_is
 from tests.wavelet_coefficients import by_definition
 
 from imugap.effects import BiasInstability, Conditions, GaussMarkov, Quantization, RandomWalk, RateRamp, WhiteNoise
@@ -32,18 +33,6 @@ def sampled(count, *effects, label=0):
 
 def noise(count, *labels):
     return stream(62, *labels).standard_normal(count)
-
-
-def between(hits, trials, probability, alpha=1e-4):
-    """Whether a count of hits agrees with its probability, two-sided."""
-    low, high = binom.ppf([alpha / 2, 1 - alpha / 2], trials, probability)
-    return low <= hits <= high
-
-
-def agrees(estimates, truth):
-    """Whether the mean of independent estimates, shape (runs, ...), is within 4.5 standard errors of the truth."""
-    error = estimates.std(axis=0, ddof=1) / np.sqrt(len(estimates))
-    return np.all(np.abs(estimates.mean(axis=0) - truth) < 4.5 * error)
 
 
 @pytest.mark.parametrize("width", [1, 3, 10])
@@ -165,11 +154,11 @@ def test_estimates_have_the_implied_mean_and_the_covariance(process, width):
         [wavelet_variance.variance(sampled(count, process, label=run), levels, width) for run in range(runs)]
     )
     truth = wavelet_variance.implied(process, INTERVAL, levels, width)
-    assert agrees(found, truth)
+    assert mean_is(found, truth, 4.5)
     deviation = found - truth
     products = deviation[:, :, None] * deviation[:, None, :]
     expected = wavelet_variance.covariance(process, INTERVAL, count, levels, width)
-    assert agrees(products, expected)
+    assert mean_is(products, expected, 4.5)
     error = products.std(axis=0) / np.sqrt(runs)
     assert np.all(np.diag(error) < 0.25 * np.diag(expected))  # sharp enough to tell
     assert np.all(np.diag(error)[:-2] < 0.08 * np.diag(expected)[:-2])
@@ -208,7 +197,7 @@ def test_covariance_with_a_ramp_is_that_of_sequences_with_one(process):
     deviation = found - wavelet_variance.implied(process + ramp, INTERVAL, 8)
     products = deviation[:, :, None] * deviation[:, None, :]
     expected = wavelet_variance.covariance(process + ramp, INTERVAL, count, 8)
-    assert agrees(products, expected)
+    assert mean_is(products, expected, 4.5)
     assert expected[-1, -1] > 2 * wavelet_variance.covariance(process, INTERVAL, count, 8)[-1, -1]
 
 
@@ -236,13 +225,12 @@ def test_intervals_on_the_degrees_of_freedom_of_the_model_cover_as_often_as_they
     levels = depth(count, width) - 1
     truth = wavelet_variance.implied(MODEL, INTERVAL, levels, width)
     edf = wavelet_variance.edf_model(MODEL, INTERVAL, count, levels, width)
-    hits = np.zeros(levels, int)
+    held = []
     for run in range(runs):
-        low, high = wavelet_variance.limits(
-            wavelet_variance.variance(sampled(count, *MODEL, label=run), levels, width), edf, 0.9
-        )
-        hits += (low < truth) & (truth < high)
-    assert all(between(hit, runs, 0.9) for hit in hits)
+        found = wavelet_variance.variance(sampled(count, *MODEL, label=run), levels, width)
+        low, high = wavelet_variance.limits(found, edf, 0.9)
+        held.append((low < truth) & (truth < high))
+    assert all(as_often_as(inside, 0.9) for inside in np.transpose(held))
 
 
 def test_intervals_of_gmwm_are_cautious_and_those_of_the_robust_variance_too():
@@ -325,21 +313,17 @@ def test_test_of_the_deepest_scale_has_its_size(process):
     count, runs = 1024, 1500
     p = [wavelet_variance.level_means(sampled(count, process, label=run))["p"] for run in range(runs)]
     for level in range(1, 10):
-        assert between(sum(value[level] < 0.1 for value in p), runs, 0.1), level
-    lost = sum(wavelet_variance.deepest(sampled(count, process, label=run)) < 9 for run in range(runs))
-    assert between(lost, runs, 1 - (1 - 0.05 / 9) ** 9)
+        assert as_often_as([value[level] < 0.1 for value in p], 0.1), level
+    lost = [wavelet_variance.deepest(sampled(count, process, label=run)) < 9 for run in range(runs)]
+    assert as_often_as(lost, 1 - (1 - 0.05 / 9) ** 9)
 
 
 def test_test_of_the_deepest_scale_finds_a_ramp_where_it_outgrows_the_noise():
-    levels = []
-    for run in range(200):
-        levels.append(wavelet_variance.deepest(sampled(4096, WhiteNoise(0.1), RateRamp(0.2), label=run)))
-    assert np.mean(np.array(levels) < 11) > 0.99
-    steep = [wavelet_variance.deepest(sampled(4096, WhiteNoise(0.1), RateRamp(2.0), label=run)) for run in range(50)]
-    assert np.mean(steep) < np.mean(levels) - 1
-    assert (
-        np.mean(
-            [wavelet_variance.deepest(sampled(4096, WhiteNoise(0.1), RateRamp(2.0), label=r), 4) > 8 for r in range(50)]
-        )
-        > 0.8
+    flat, steep = (
+        [sampled(4096, WhiteNoise(0.1), RateRamp(slope), label=run) for run in range(runs)]
+        for slope, runs in ((0.2, 200), (2.0, 50))
     )
+    levels = np.array([wavelet_variance.deepest(one) for one in flat])
+    assert np.mean(levels < 11) > 0.99
+    assert np.mean([wavelet_variance.deepest(one) for one in steep]) < np.mean(levels) - 1
+    assert np.mean([wavelet_variance.deepest(one, 4) > 8 for one in steep]) > 0.8

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.stats import binom
+from tests.chance import as_often_as
 
 from imugap.filters.consistency import nees_band, root_mean_square
 from imugap.stream import stream
@@ -10,16 +10,10 @@ from imugap.stream import stream
 TRIALS = 2000
 
 
-def holds_as_often_as_it_says(inside):
-    """Whether the share of ``inside`` is 95 %, two-sided at a level of 1e-4."""
-    low, high = binom.ppf([5e-5, 1 - 5e-5], len(inside), 0.95)
-    return low <= np.sum(inside) <= high
-
-
 def test_mean_nees_of_a_consistent_filter_is_in_the_band_as_often_as_it_says():
     low, high = nees_band(5, 30)
     nees = np.square(stream(1, "nees").standard_normal((TRIALS, 30, 5))).sum(axis=-1).mean(axis=-1)
-    assert holds_as_often_as_it_says((low <= nees) & (nees <= high))
+    assert as_often_as((low <= nees) & (nees <= high), 0.95)
 
 
 @given(st.integers(1, 20), st.integers(1, 1000))

@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from tests.chance import mean_is
 
 from imugap.effects import Conditions, WhiteNoise
 from imugap.numerics.bias_stability import bias_stability, period_means
@@ -35,10 +36,8 @@ def test_blind_to_the_offset_and_linear_in_the_scale(count, offset, scale, lengt
 def test_stability_of_white_noise_is_its_floor(period):
     at, density = Conditions(0.01 * np.arange(4000), 0.01), 0.3
     runs = [WhiteNoise(density).sample(at, stream(32, period, run)) for run in range(300)]
-    squares = np.array([bias_stability(run, 0.01, period) ** 2 for run in runs])
-    error = squares.std(ddof=1) / np.sqrt(len(squares))
-    assert error < 0.02 * density**2 / period
-    assert abs(squares.mean() - density**2 / period) < 4 * error
+    squares = [bias_stability(run, 0.01, period) ** 2 for run in runs]
+    assert mean_is(squares, density**2 / period, share=0.02)
 
 
 @pytest.mark.parametrize("period", [0.001, 0.004, 3.1, 100.0])

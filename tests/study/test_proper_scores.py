@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 from scipy.stats import norm
+from tests.chance import mean_is
 
 from imugap.study.proper_scores import central_rank, energy_score
 
@@ -15,8 +16,7 @@ def closed_form(mean, std, came):
 def test_the_score_of_one_number_is_that_of_the_law(came):
     rng = np.random.default_rng(3)
     scores = [energy_score(0.3 + 1.2 * rng.standard_normal((20, 1)), np.array([came])) for _ in range(2000)]
-    error = np.std(scores) / np.sqrt(len(scores))
-    assert abs(np.mean(scores) - closed_form(0.3, 1.2, came)) < 4 * error
+    assert mean_is(scores, closed_form(0.3, 1.2, came))
 
 
 def test_the_score_is_fair_and_proper():

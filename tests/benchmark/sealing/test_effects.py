@@ -1,11 +1,13 @@
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
 from scipy.fft import dct
 from scipy.signal import butter, freqz, sosfilt
 from scipy.spatial.transform import Rotation
-from scipy.stats import binom, norm, poisson
+from scipy.stats import norm, poisson
+from tests.chance import as_often_as, mean_is
 
 from imugap.benchmark.sealing import additive, inertial, output, unnamed
 from imugap.benchmark.sealing import detection_limits as limits
@@ -28,12 +30,7 @@ def axis_run(noise=WHITE, count=COUNT, motion=None, axis="gyro_x", seed=1):
     return AxisRun(axis, time, INTERVAL, noise, degrees, moving if motion else None, moving.ideal(time), 0.0)
 
 
-def within(values, truth, sigmas=4.0, share=0.05):
-    """Whether the mean of independent values is the truth, by their scatter, which must be a small share of it."""
-    values = np.asarray(values, float)
-    error = values.std(ddof=1) / np.sqrt(len(values))
-    assert error < share * abs(truth)
-    return abs(values.mean() - truth) < sigmas * error
+within = partial(mean_is, share=0.05)
 
 
 def mode_powers(draw, runs, *labels):
@@ -129,10 +126,8 @@ def test_telegraph_noise_has_two_values_and_switches_at_its_rate():
 def test_outliers_come_as_often_and_as_large_as_they_should():
     effect, place = additive.HiddenOutliers(0.01, 5.0), axis_run()
     drawn = np.concatenate([effect.sample(place, stream(10, run)) for run in range(100)])
-    hit = drawn[drawn != 0]
-    low, high = binom.ppf([1e-4, 1 - 1e-4], len(drawn), 0.01)
-    assert low < len(hit) < high
-    assert within(hit**2, 25.0)
+    assert as_often_as(drawn != 0, 0.01, 2e-4)
+    assert within(drawn[drawn != 0] ** 2, 25.0)
 
 
 def test_axes_with_a_common_mode_share_it_and_others_do_not():
@@ -176,8 +171,7 @@ def test_at_the_limit_the_matched_test_has_half_its_power_and_at_zero_one_per_ce
     noises = mode_noises(place, runs)
     quiet, loud = (noises @ (signal / variance) / norm_of, (noises + signal) @ (signal / variance) / norm_of)
     for statistic, rate in ((quiet, 0.01), (loud, 0.5)):
-        low, high = binom.ppf([1e-4, 1 - 1e-4], runs, rate)
-        assert low <= np.count_nonzero(statistic > limits.Z) <= high
+        assert as_often_as(statistic > limits.Z, rate, 2e-4)
 
 
 def mode_noises(place, runs):
@@ -308,9 +302,8 @@ def test_at_its_limit_half_of_the_logs_have_a_displaced_stamp():
     place = axis_run(count=500)
     effect = output.HiddenTimestampJitter(tick=1e-4).of_size(1.0, [place])
     table = from_samples({"gyro_x": np.zeros(500)}, INTERVAL)
-    moved = sum(not effect.act(table, stream(25, run)).index.equals(table.index) for run in range(400))
-    low, high = binom.ppf([1e-4, 1 - 1e-4], 400, 0.5)
-    assert low < moved < high
+    moved = [not effect.act(table, stream(25, run)).index.equals(table.index) for run in range(400)]
+    assert as_often_as(moved, 0.5, 2e-4)
 
 
 def test_the_limit_of_a_clock_is_the_scatter_of_a_fitted_frequency():

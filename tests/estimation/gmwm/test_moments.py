@@ -20,6 +20,16 @@ def problem(weighting, model=MODEL, label=0, kinds=None, efficiency=1.0):
     return MomentMatching(Family(composition, INTERVAL, COUNT, len(curve), 2), curve, weighting, efficiency)
 
 
+def expected_weights(found, covariance):
+    """The weights of a problem by their definition, from the covariance of its wavelet variances."""
+    width = (found.curve["high"] - found.curve["low"]).to_numpy()
+    return {
+        Weighting.INTERVAL: np.diag(width**-2.0),
+        Weighting.DIAGONAL: np.diag(1 / np.diag(covariance)),
+        Weighting.FULL: np.linalg.inv(covariance),
+    }[found.weighting]
+
+
 @pytest.mark.parametrize("weighting", Weighting)
 def test_weights_are_those_of_the_definition(weighting):
     found = problem(weighting, efficiency=0.5)
@@ -28,12 +38,7 @@ def test_weights_are_those_of_the_definition(weighting):
     implied = path[-1].implied
     model = found.family.composition.model(found.theta(path[-1]))
     covariance = 2 * wavelet_variance.covariance(model, INTERVAL, COUNT, len(implied))
-    width = (found.curve["high"] - found.curve["low"]).to_numpy()
-    expected = {
-        Weighting.INTERVAL: np.diag(width**-2.0),
-        Weighting.DIAGONAL: np.diag(1 / np.diag(covariance)),
-        Weighting.FULL: np.linalg.inv(covariance),
-    }[weighting]
+    expected = expected_weights(found, covariance)
     white, scale = weights.white(implied), np.sqrt(np.diag(expected))
     np.testing.assert_allclose(white.T @ white / np.outer(scale, scale), expected / np.outer(scale, scale), atol=0.01)
 
@@ -55,12 +60,7 @@ def test_weighted_slopes_of_the_wavelet_variances_are_orthogonal_to_the_deviatio
         ]
     ) / (2 * step)
     covariance = wavelet_variance.covariance(composition.model(theta), INTERVAL, COUNT, levels)
-    width = (found.curve["high"] - found.curve["low"]).to_numpy()
-    weights = {
-        Weighting.INTERVAL: np.diag(width**-2.0),
-        Weighting.DIAGONAL: np.diag(1 / np.diag(covariance)),
-        Weighting.FULL: np.linalg.inv(covariance),
-    }[weighting]
+    weights = expected_weights(found, covariance)
     score = slopes @ weights @ (found.observed - wavelet_variance.implied(composition.model(theta), INTERVAL, levels))
     assert np.all(np.abs(score) < 0.01 * np.sqrt(np.diag(slopes @ weights @ slopes.T)))
 
