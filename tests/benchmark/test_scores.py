@@ -17,15 +17,8 @@ ROOT = Path(__file__).parents[2]
 
 
 def key(case, kind="single", effects=(), motion=False):
-    return {
-        "case": case,
-        "kind": kind,
-        "motion": motion,
-        "base": "white",
-        "rate_hz": 50.0,
-        "duration_s": 600,
-        "effects": list(effects),
-    }
+    log = {"motion": motion, "base": "white", "rate_hz": 50.0, "duration_s": 600}
+    return {"case": case, "kind": kind, "effects": list(effects)} | log
 
 
 def hidden(name, axes=("gyro_x",), size=10.0, **parameters):
@@ -33,16 +26,10 @@ def hidden(name, axes=("gyro_x",), size=10.0, **parameters):
 
 
 def found(name, axes=("gyro_x",), alternatives=(), **parameters):
-    return {
-        "name": name,
-        "axes": list(axes),
-        "parameters": {
-            key: dict(zip(("value", "low", "high"), values, strict=True)) for key, values in parameters.items()
-        },
-        "p_value": 1e-4,
-        "log_score_gain": 9.0,
-        "alternatives": [{"name": other, "log_score_gain": 8.0} for other in alternatives],
-    }
+    others = [{"name": other, "log_score_gain": 8.0} for other in alternatives]
+    known = {key: dict(zip(("value", "low", "high"), of, strict=True)) for key, of in parameters.items()}
+    sure = {"p_value": 1e-4, "log_score_gain": 9.0, "alternatives": others}
+    return {"name": name, "axes": list(axes), "parameters": known} | sure
 
 
 PLACE = {"view": "spectrum", "axis": "gyro_x", "low": 1.0, "high": 2.0, "unit": "Hz", "p_value": 1e-3}
@@ -54,13 +41,8 @@ CLOSED = {
 
 
 def report(*effects, unexplained=(), distance=CLOSED):
-    return {
-        "schema": blind.SCHEMA,
-        "gaps": [PLACE] if effects or unexplained else [],
-        "effects": list(effects),
-        "unexplained": list(unexplained),
-        "distance": distance,
-    }
+    places = {"gaps": [PLACE] if effects or unexplained else [], "unexplained": list(unexplained)}
+    return {"schema": blind.SCHEMA, "effects": list(effects), "distance": distance} | places
 
 
 def scored(*pairs):

@@ -96,12 +96,9 @@ def test_restored_sequence_has_exactly_the_prescribed_stability(stability, perio
 
 
 def test_white_with_turn_on_is_the_restoration_without_its_scaling():
-    assert CONTENDERS["restoration"](indices()).effects[:-1] == (
-        WhiteNoise(0.05),
-        Bias(0.4),
-        TurnOnBias(0.2),
-    )
-    assert set(CONTENDERS["white_turn_on"](indices())) == set(CONTENDERS["restoration"](indices()).effects[:-1])
+    unscaled = CONTENDERS["restoration"](indices()).effects[:-1]
+    assert unscaled == (WhiteNoise(0.05), Bias(0.4), TurnOnBias(0.2))
+    assert set(CONTENDERS["white_turn_on"](indices())) == set(unscaled)
 
 
 def test_restoration_shifts_the_allan_curve_in_parallel_and_makes_no_slow_drift():
@@ -150,31 +147,25 @@ def test_nbk_leaves_out_what_the_curve_does_not_know():
     assert nbk(indices(curve=pd.concat([known, wild]))) == nbk(indices(curve=known))
 
 
+VALUES = pd.Series({"bias": 1.0, "stability": 0.1, "repeatability": 0.3, "N": 0.2, "B": 0.05, "K": 0.01})
+
+
+def restored(period, **values):
+    """Fit the restoration to the indices of axes, each a series by symbol."""
+    tables = [of.rename_axis("symbol").reset_index(name="value").assign(axis=axis) for axis, of in values.items()]
+    curves = pd.DataFrame({"axis": list(values), "tau": 1.0, "deviation": 1.0, "error": 0.1})
+    return fit("restoration", pd.concat(tables), curves, period)
+
+
 def test_fit_builds_each_axis_from_its_own_indices():
-    rows = [
-        {"axis": axis, "symbol": symbol, "value": scale * value}
-        for axis, scale in (("gyro_x", 1.0), ("accel_z", 2.0))
-        for symbol, value in {
-            "bias": 1.0,
-            "stability": 0.1,
-            "repeatability": 0.3,
-            "N": 0.2,
-            "B": 0.05,
-            "K": 0.01,
-        }.items()
-    ]
-    curves = pd.DataFrame({"axis": ["gyro_x", "accel_z"], "tau": 1.0, "deviation": 1.0, "error": 0.1})
-    model = fit("restoration", pd.DataFrame(rows), curves, 4.0)
+    model = restored(4.0, gyro_x=VALUES, accel_z=2 * VALUES)
     parameters = {name: [item.parameters() for item in model[name]] for name in ("gyro_x", "accel_z")}
     assert parameters["gyro_x"] == [{"density": 0.2}, {"value": 1.0}, {"std": 0.3}, {"stability": 0.1, "period": 4.0}]
     assert parameters["accel_z"] == [{"density": 0.4}, {"value": 2.0}, {"std": 0.6}, {"stability": 0.2, "period": 4.0}]
 
 
 def test_fit_of_a_single_run_has_no_turn_on_bias():
-    values = {"bias": 1.0, "stability": 0.1, "N": 0.2, "B": 0.05, "K": 0.01}
-    rows = pd.DataFrame([{"axis": "gyro_x", "symbol": s, "value": v} for s, v in values.items()])
-    curves = pd.DataFrame({"axis": ["gyro_x"], "tau": 1.0, "deviation": 1.0, "error": 0.1})
-    assert effect(fit("restoration", rows, curves, 1.0)["gyro_x"], TurnOnBias).std == 0
+    assert effect(restored(1.0, gyro_x=VALUES.drop("repeatability"))["gyro_x"], TurnOnBias).std == 0
 
 
 def test_every_contender_has_a_title():

@@ -116,9 +116,8 @@ def test_the_quick_overlay_fits_and_is_quick():
 
 @pytest.mark.parametrize("name", ["study", "quick"])
 def test_times_of_a_configuration_agree_with_one_another(name):
-    found = configure(
-        overlaid(read(WORKFLOW / "config" / "study.yaml"), read(WORKFLOW / "config" / f"{name}.yaml")), SCHEMA
-    )
+    study, other = (read(WORKFLOW / "config" / f"{one}.yaml") for one in ("study", name))
+    found = configure(overlaid(study, other), SCHEMA)
     navigation = found["navigation"]
     assert navigation["table_horizon_s"] in navigation["horizons_s"]
     assert navigation["calibration_s"] + max(navigation["horizons_s"]) < found["bench"]["duration_s"]

@@ -93,12 +93,7 @@ def test_a_run_that_no_file_holds_is_named(sets):
         ("datasets.csv", "static,100,", "static,-1,", "line 2, column rate_hz"),
         ("datasets.csv", "static,100,", "moving,100,", "line 2, column kind"),
         ("datasets.csv", "gyro_x gyro_y gyro_z accel_x", "gyro_x gyro_y gyr_z accel_x", "line 2, column columns"),
-        (
-            "datasets.csv",
-            "accel_z,,,,,,,deg/s,g,",
-            "accel_z,,,,,,,deg/s,,",
-            "line 2: 'accel_unit' is a required property",
-        ),
+        ("datasets.csv", "_z,,,,,,,deg/s,g,", "_z,,,,,,,deg/s,,", "line 2: 'accel_unit' is a required property"),
         ("datasets.csv", "memsense_turnon,", "adis16405,", "line 3, column dataset"),
         ("datasets.csv", ",remarks\n", ",remark\n", "line 2: Additional properties"),
         ("files.csv", "adis_16405_imu2.rda,2,", "adis_16405_imu2.rda,1,", "line 3, column run: .* found '1'"),

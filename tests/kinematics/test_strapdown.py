@@ -80,11 +80,8 @@ def test_a_circle_is_exact_in_velocity_and_trapezoidal_in_position(dt):
 
 
 def test_halving_the_interval_changes_nothing_for_constant_input():
-    rate, force, start = (
-        [0.4, -0.3, 0.8],
-        [1.0, 2.0, -9.0],
-        NavigationState(velocity=(1.0, 2.0, 3.0), attitude=(0.1, 0.2, 0.3)),
-    )
+    rate, force = [0.4, -0.3, 0.8], [1.0, 2.0, -9.0]
+    start = NavigationState(velocity=(1.0, 2.0, 3.0), attitude=(0.1, 0.2, 0.3))
     coarse = strapdown.navigate(constant(rate, 1001), constant(force, 1001), 0.02, start, Local(G))
     fine = strapdown.navigate(constant(rate, 2001), constant(force, 2001), 0.01, start, Local(G), every=2)
     np.testing.assert_allclose(fine[:, 3:], coarse[:, 3:], rtol=0, atol=1e-11)
@@ -137,13 +134,9 @@ def smooth_euler(time):
 def smooth_gyro(time):
     """Body rate of the Euler angles (Groves 2013, eq. 2.58)."""
     (roll, pitch, _), (droll, dpitch, dheading) = (part.T for part in smooth_euler(time))
-    return np.column_stack(
-        [
-            droll - dheading * np.sin(pitch),
-            dpitch * np.cos(roll) + dheading * np.cos(pitch) * np.sin(roll),
-            -dpitch * np.sin(roll) + dheading * np.cos(pitch) * np.cos(roll),
-        ]
-    )
+    across = dpitch * np.cos(roll) + dheading * np.cos(pitch) * np.sin(roll)
+    downward = -dpitch * np.sin(roll) + dheading * np.cos(pitch) * np.cos(roll)
+    return np.column_stack([droll - dheading * np.sin(pitch), across, downward])
 
 
 SWAY, SWAY_RATE = np.array([3.0, -2.0, 1.0]), np.array([0.9, 1.3, 0.6])
@@ -165,14 +158,14 @@ def smooth_run(times):
     return path, (position, velocity, smooth_euler(times[-1:])[0][0]), (gyro, accel, dt, start)
 
 
+def apart(row, position, velocity, attitude):
+    """Distances of a row of a path from a position [m], a velocity [m/s] and an attitude [rad]."""
+    return np.linalg.norm(row[:3] - position), np.linalg.norm(row[3:6] - velocity), turn_between(row[6:], attitude)
+
+
 def smooth_errors(times):
-    path, (position, velocity, attitude), _ = smooth_run(times)
-    last = path[-1]
-    return (
-        np.linalg.norm(last[:3] - position),
-        np.linalg.norm(last[3:6] - velocity),
-        turn_between(last[6:], attitude),
-    )
+    path, end, _ = smooth_run(times)
+    return apart(path[-1], *end)
 
 
 def regular(count):
@@ -203,13 +196,7 @@ def test_time_reversal_leads_back_to_the_start():
         turned = NavigationState(tuple(path[-1, :3]), tuple(-path[-1, 3:6]), tuple(path[-1, 6:]))
         gyro, accel = (np.concatenate([data[-1:], data[:0:-1]]) for data in (-gyro, accel))
         back = strapdown.navigate(gyro, accel, dt, turned, Local(G))[-1]
-        misses.append(
-            [
-                np.linalg.norm(back[:3] - start.position),
-                np.linalg.norm(back[3:6] + start.velocity),
-                turn_between(back[6:], start.attitude),
-            ]
-        )
+        misses.append(apart(back, start.position, -np.array(start.velocity), start.attitude))
     assert (np.array(misses[0]) < [1e-4, 1e-5, 1e-6]).all()
     assert (np.divide(*misses) > 3.4).all()
 
@@ -437,9 +424,8 @@ def flight_errors(interval):
     metres = np.array([*earth.metres_per_radian(*first[[0, 2]]), 1.0])
     position = (table[list(strapdown.GEODETIC)].to_numpy() - flight.geodetic(times)) * metres
     velocity = table[list(strapdown.VELOCITY)].to_numpy() - flight.velocity(times)
-    attitude = rotation.from_euler(flight.euler(times)).inv() * rotation.from_euler(
-        table[list(strapdown.ATTITUDE)].to_numpy()
-    )
+    found = rotation.from_euler(table[list(strapdown.ATTITUDE)].to_numpy())
+    attitude = rotation.from_euler(flight.euler(times)).inv() * found
     flat = strapdown.trajectory(log, state, Local(earth.normal_gravity(*first[[0, 2]])))
     return np.abs(position).max(), np.abs(velocity).max(), attitude.magnitude().max(), table, flat
 
@@ -511,39 +497,34 @@ def test_levelling_finds_the_tilt_and_the_levelled_body_stays(roll, pitch, headi
     assert np.abs(rest[list(strapdown.POSITION + strapdown.VELOCITY)].to_numpy()).max() < 1e-11
 
 
-def _samples(count=5):
-    return np.zeros((count, 3)), constant([0, 0, -G], count)
-
-
-def _with(data, value):
-    data = data.copy()
-    data[2, 1] = value
-    return data
+RATE, FORCE = np.zeros((5, 3)), constant([0, 0, -G], 5)
+BAD = np.array([[0, 0, 0], [0, 0, 0], [0, np.nan, 0], [0, 0, 0], [0, 0, 0]])
 
 
 @pytest.mark.parametrize(
-    ("change", "message"),
+    ("gyro", "accel", "dt", "message"),
     [
-        (lambda gyro, accel: (_with(gyro, np.nan), accel, 0.1), "gyro: expected finite"),
-        (lambda gyro, accel: (gyro, _with(accel, np.inf), 0.1), "accel: expected finite"),
-        (lambda gyro, accel: (gyro[:-1], accel, 0.1), "expected equal shapes"),
-        (lambda gyro, accel: (gyro[:, :2], accel[:, :2], 0.1), "expected equal shapes"),
-        (lambda gyro, accel: (gyro[:1], accel[:1], 0.1), "expected equal shapes"),
-        (lambda gyro, accel: (gyro[0], accel[0], 0.1), "expected equal shapes"),
-        (lambda gyro, accel: (gyro, accel, 0.0), "dt: expected"),
-        (lambda gyro, accel: (gyro, accel, np.nan), "dt: expected"),
-        (lambda gyro, accel: (gyro, accel, [0.1, 0.1, -0.1, 0.1, 0.1]), "dt: expected"),
-        (lambda gyro, accel: (gyro, accel, [0.1, 0.1]), "dt: expected one number or shape"),
+        (RATE + BAD, FORCE, 0.1, "gyro: expected finite"),
+        (RATE, FORCE + BAD, 0.1, "accel: expected finite"),
+        (RATE, np.where(np.isnan(BAD), np.inf, FORCE), 0.1, "accel: expected finite"),
+        (RATE[:-1], FORCE, 0.1, "expected equal shapes"),
+        (RATE[:, :2], FORCE[:, :2], 0.1, "expected equal shapes"),
+        (RATE[:1], FORCE[:1], 0.1, "expected equal shapes"),
+        (RATE[0], FORCE[0], 0.1, "expected equal shapes"),
+        (RATE, FORCE, 0.0, "dt: expected"),
+        (RATE, FORCE, np.nan, "dt: expected"),
+        (RATE, FORCE, [0.1, 0.1, -0.1, 0.1, 0.1], "dt: expected"),
+        (RATE, FORCE, [0.1, 0.1], "dt: expected one number or shape"),
     ],
 )
-def test_bad_samples_are_turned_away(change, message):
+def test_bad_samples_are_turned_away(gyro, accel, dt, message):
     with pytest.raises(ValueError, match=message):
-        strapdown.navigate(*change(*_samples()), NavigationState(), Local(G))
+        strapdown.navigate(gyro, accel, dt, NavigationState(), Local(G))
 
 
 def test_bad_settings_are_turned_away():
     with pytest.raises(ValueError, match="every"):
-        strapdown.navigate(*_samples(), 0.1, NavigationState(), Local(G), every=0)
+        strapdown.navigate(RATE, FORCE, 0.1, NavigationState(), Local(G), every=0)
     with pytest.raises(ValueError, match="velocity: expected 3 finite"):
         NavigationState(velocity=(0, np.nan, 0))
     with pytest.raises(ValueError, match="attitude: expected 3 finite"):
@@ -558,8 +539,7 @@ def test_bad_settings_are_turned_away():
 
 
 def test_bad_logs_are_turned_away():
-    gyro, accel = _samples()
-    log = from_samples(dict(zip(GYRO + ACCEL, np.hstack([gyro, accel]).T, strict=True)), 0.1)
+    log = from_samples(dict(zip(GYRO + ACCEL, np.hstack([RATE, FORCE]).T, strict=True)), 0.1)
     with pytest.raises(LogError, match="no gyro_z"):
         strapdown.trajectory(log.drop(columns="gyro_z"), NavigationState(), Local(G))
     for duration_s in (0.0, 0.5, np.nan):

@@ -80,9 +80,6 @@ def test_what_cameras_lost_does_not_count():
 
 
 def test_a_marker_taken_for_the_device_leaves_its_arm_in_the_error():
-    rigid, loose = (
-        compare_with_cameras(solution(), sighting()),
-        compare_with_cameras(solution(), sighting(), stiff=False),
-    )
+    rigid, loose = (compare_with_cameras(solution(), sighting(), stiff=stiff) for stiff in (True, False))
     assert not loose.arm.any()
     assert loose.rmse()[0] > 10 * rigid.rmse()[0]

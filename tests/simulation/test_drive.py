@@ -9,7 +9,6 @@ from imugap.io import gnss, reference
 from imugap.kinematics.strapdown import ATTITUDE, POSITION, VELOCITY, NavigationState, trajectory
 from imugap.log import AXES, GYRO
 from imugap.numerics.rotation import from_euler
-from imugap.simulation.drive import Drive
 
 SEED = 41
 
@@ -90,10 +89,3 @@ def test_scale_factors_differ_from_run_to_run_as_they_are_told(lap):
     assert list(record.columns) == list(ideal.columns)
     white = (record - ideal)[list(GYRO)].diff().std() / np.sqrt(2 * lap.rate_hz)
     assert np.abs(white / 1e-4 - 1).max() < 0.05
-
-
-def test_a_recipe_without_a_part_is_told(tmp_path):
-    path = tmp_path / "drive.yaml"
-    path.write_text("course: {}")
-    with pytest.raises(ValueError, match=r"drive\.yaml: expected a recipe with course, axle, model, receiver, site"):
-        Drive.read(path)

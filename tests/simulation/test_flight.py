@@ -54,10 +54,3 @@ def test_runs_differ_and_are_repeatable(flight):
     assert first.equals(again)
     assert not np.allclose(first, other)
     assert log.axes(first) == log.AXES
-
-
-def test_a_recipe_with_a_misspelt_part_is_named(tmp_path):
-    text = (ROOT / "data" / "flight.yaml").read_text().replace("launch_s", "lunch_s")
-    (tmp_path / "flight.yaml").write_text(text)
-    with pytest.raises(ValueError, match=r"flight.yaml: expected a recipe with course.*lunch_s"):
-        Flight.read(tmp_path / "flight.yaml")

@@ -94,10 +94,3 @@ def test_a_drive_without_room_is_told(faults):
     crowded = replace(faults, stretches=replace(faults.stretches, number=40))
     with pytest.raises(ValueError, match="faults: expected room for events"):
         crowded.draw(TIME, 1, 1)
-
-
-def test_a_recipe_without_faults_is_told(tmp_path):
-    path = tmp_path / "recipe.yaml"
-    path.write_text("course: {}")
-    with pytest.raises(ValueError, match=r"recipe\.yaml: expected a recipe with faults"):
-        Faults.read(path)

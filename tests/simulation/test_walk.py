@@ -122,9 +122,5 @@ def test_a_static_log_is_the_site_with_the_errors_of_the_device(short):
     np.testing.assert_allclose(error.std(axis=0, ddof=1), turned, rtol=0.5)
 
 
-def test_a_recipe_that_is_none_is_named(tmp_path):
-    path = tmp_path / "walk.yaml"
-    path.write_text("gait: {stride_s: 1}\n")
-    with pytest.raises(ValueError, match=r"expected a recipe with gait, course, model, site; found 'course'"):
-        Walk.read(path)
+def test_a_usual_stride_has_a_swing_and_a_stance():
     assert Gait().stride_s > Gait().stride_s * Gait().swing_share > 0

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Iterator
+from copy import deepcopy
 from difflib import get_close_matches
 from pathlib import Path
 
@@ -44,7 +45,7 @@ def _with_defaults(validator, properties: dict, instance, schema: dict) -> Itera
     if isinstance(instance, dict):
         for key, description in properties.items():
             if "default" in description:
-                instance.setdefault(key, yaml.safe_load(yaml.safe_dump(description["default"])))
+                instance.setdefault(key, deepcopy(description["default"]))
     yield from Draft202012Validator.VALIDATORS["properties"](validator, properties, instance, schema)
 
 
