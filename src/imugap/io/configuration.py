@@ -4,6 +4,7 @@ import re
 from collections.abc import Iterator
 from copy import deepcopy
 from difflib import get_close_matches
+from functools import lru_cache
 from pathlib import Path
 
 import yaml
@@ -25,8 +26,7 @@ def configure(values: dict, schema: str | Path) -> dict:
     converted.
     """
     completed = _numbers(values)
-    validator = _Completing(yaml.safe_load(Path(schema).read_text()))
-    faults = [_explain(error) for error in validator.iter_errors(completed)]
+    faults = [_explain(error) for error in _validator(Path(schema).read_text()).iter_errors(completed)]
     if faults:
         raise ConfigurationError("\n".join(["the configuration does not fit:", *faults]))
     return completed
@@ -50,6 +50,12 @@ def _with_defaults(validator, properties: dict, instance, schema: dict) -> Itera
 
 
 _Completing = validators.extend(Draft202012Validator, {"properties": _with_defaults})
+
+
+@lru_cache(maxsize=16)
+def _validator(schema: str) -> Draft202012Validator:
+    """Return the validator of a schema given as YAML, which takes longer to read than a configuration to complete."""
+    return _Completing(yaml.safe_load(schema))
 
 
 def _explain(error: ValidationError) -> str:
