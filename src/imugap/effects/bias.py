@@ -15,7 +15,6 @@ class Bias(AdditiveEffect):
 
     name: ClassVar[str] = "bias"
     role: ClassVar[Role] = Role.OFFSET
-    role: ClassVar[Role] = Role.OFFSET
     value: float = parameter("{u}", "offset of the output", low=-np.inf)
 
     def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:

@@ -24,7 +24,6 @@ class BiasInstability(StochasticEffect):
 
     name: ClassVar[str] = "bias_instability"
     slow: ClassVar[bool] = True
-    slow: ClassVar[bool] = True
     stationary: ClassVar[bool] = False
     fractional: ClassVar[bool] = False
     """Whether the spectrum of the samples bends up towards half the sampling rate."""

@@ -22,9 +22,6 @@ class BiasStep(SystematicEffect):
     most: ClassVar[int] = 3
     of_time: ClassVar[bool] = True
     event: ClassVar[bool] = True
-    most: ClassVar[int] = 3
-    of_time: ClassVar[bool] = True
-    event: ClassVar[bool] = True
     time: float = parameter("s", "time of the step since power-on")
     step: float = parameter("{u}", "change of the bias", low=-np.inf)
 

@@ -19,7 +19,6 @@ class CommonMode(EquivalentEffect):
     """
 
     name: ClassVar[str] = "common_mode"
-    white: ClassVar[bool] = True
     shared: ClassVar[bool] = True
     density: float = parameter("{u}/sqrt(Hz)", "square root of the two-sided PSD at a loading of 1")
     loading: float = parameter("1", "signed share of the common noise that the axis takes", -np.inf, default=1.0)

@@ -72,31 +72,6 @@ class Role(IntEnum):
     """No fit adjusts it: it stays as the start model has it."""
 
 
-class Role(IntEnum):
-    """What an effect is to a fit: how it enters the likelihood of a log, and what shows it."""
-
-    MEAN = 1
-    """Adds the same sequence whenever the conditions are the same: a term of the mean."""
-    NOISE = 2
-    """A random process: a term of the spectrum."""
-    FILTER = 3
-    """Filters what is sensed: a factor of the spectrum."""
-    OUTLIERS = 4
-    """Rare samples of another distribution."""
-    VARIANCE = 5
-    """Scales the noise over time."""
-    OFFSET = 6
-    """The constant bias, which every fit leaves free."""
-    RUN = 7
-    """Differs from run to run only: the levels of several runs show it."""
-    OUTPUT = 8
-    """Acts on the output behind the filter: the samples themselves show it (``found(values, conditions)``)."""
-    CLOCK = 9
-    """Acts on rows and stamps: the stamps themselves show it (``found(stamps)``), or the clocks of several runs."""
-    STANCE = 10
-    """Acts on what a filter takes for known while the device stands."""
-
-
 @dataclass(frozen=True, eq=False)
 class Evidence:
     """An effect seen in the samples or stamps themselves.
@@ -225,21 +200,6 @@ class Effect:
         """Whether it happens at a time of its own, so that another run need not have it."""
         return self.event
 
-    @property
-    def frequency_band(self) -> float | None:
-        """Frequency [Hz] at which it acts, of a line or a filter; None where there is no single one."""
-        return None
-
-    @property
-    def lattice(self) -> float:
-        """Distance of the levels to which it rounds the output [unit of the axis]; 0 where it does not."""
-        return 0.0
-
-    @property
-    def once(self) -> bool:
-        """Whether it happens at a time of its own, so that another run need not have it."""
-        return self.event
-
     def check_axis(self, axis: str) -> None:
         """Raise a ValueError if the effect has no place on ``axis``."""
         if axis == TIME:
@@ -311,8 +271,6 @@ class SystematicEffect(AdditiveEffect):
 
     role: ClassVar[Role] = Role.MEAN
 
-    role: ClassVar[Role] = Role.MEAN
-
     def slopes(self, conditions: Conditions) -> dict[str, np.ndarray]:
         """Return the derivative of :meth:`sample` in each parameter that a fit may adjust, arrays of shape (n,)."""
         raise NotImplementedError
@@ -357,8 +315,6 @@ class StochasticEffect(AllanEffect):
     Unless its own page says otherwise, what is drawn are values at the sample times, not means over the intervals:
     for slow processes the difference is of the order of interval/tau at averaging time tau.
     """
-
-    role: ClassVar[Role] = Role.NOISE
 
     role: ClassVar[Role] = Role.NOISE
 
@@ -481,7 +437,6 @@ class ClockEffect(Effect):
     """An effect on the rows or stamps of a whole log, at home on the pseudo-axis :data:`imugap.log.TIME`."""
 
     stage: ClassVar[Stage] = Stage.CLOCK
-    role: ClassVar[Role] = Role.CLOCK
     role: ClassVar[Role] = Role.CLOCK
 
     displaces: ClassVar[bool] = False

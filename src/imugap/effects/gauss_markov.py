@@ -36,7 +36,6 @@ class GaussMarkov(StochasticEffect):
 
     name: ClassVar[str] = "gauss_markov"
     slow: ClassVar[bool] = True
-    slow: ClassVar[bool] = True
     std: float = parameter("{u}", "stationary standard deviation")
     correlation_time: float = parameter("s", "T", low=TINY)
 

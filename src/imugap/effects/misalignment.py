@@ -21,7 +21,6 @@ class Misalignment(SystematicEffect):
 
     name: ClassVar[str] = "misalignment"
     of_motion: ClassVar[bool] = True
-    of_motion: ClassVar[bool] = True
     x: float = parameter("rad", "share of the input of the x axis", low=-np.inf, default=0.0)
     y: float = parameter("rad", "share of the input of the y axis", low=-np.inf, default=0.0)
     z: float = parameter("rad", "share of the input of the z axis", low=-np.inf, default=0.0)

@@ -15,7 +15,6 @@ class Outliers(AdditiveEffect):
 
     name: ClassVar[str] = "outliers"
     role: ClassVar[Role] = Role.OUTLIERS
-    role: ClassVar[Role] = Role.OUTLIERS
     probability: float = parameter("1", "probability that a sample has the additional error", high=1.0)
     std: float = parameter("{u}", "standard deviation of the additional error")
 

@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 from scipy.fft import irfft, next_fast_len, rfft, rfftfreq
 
-from imugap.effects.effect import FilterEffect, Role, Start, TINY, parameter
+from imugap.effects.effect import TINY, FilterEffect, Start, parameter
 from imugap.effects.residual import Residual
 
 DEFICIT = -2.5
@@ -44,7 +44,6 @@ class OutputFilter(FilterEffect):
     """
 
     name: ClassVar[str] = "output_filter"
-    role: ClassVar[Role] = Role.FILTER
     cutoff: float = parameter("Hz", "frequency at which the power gain is 1/2 ahead of the sampling", low=TINY)
     order: float = parameter("1", "order", low=1.0, high=8.0, whole=True, default=1)
     form: float = parameter(

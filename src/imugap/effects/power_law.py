@@ -31,7 +31,6 @@ class PowerLaw(StochasticEffect):
 
     name: ClassVar[str] = "power_law"
     named: ClassVar[bool] = False
-    named: ClassVar[bool] = False
     density: float = parameter("{u}/sqrt(Hz)*(rad/s)^(exponent/2)", "square root of the two-sided PSD at 1 rad/s")
     exponent: float = parameter("1", "exponent of 1/f", low=0.05, high=4.0)
 

@@ -20,7 +20,6 @@ class RandomTelegraph(EquivalentEffect):
 
     name: ClassVar[str] = "random_telegraph"
     two_valued: ClassVar[bool] = True
-    two_valued: ClassVar[bool] = True
     step: float = parameter("{u}", "distance of the two values")
     rate: float = parameter("1/s", "mean number of switches per second", low=TINY)
 

@@ -16,7 +16,6 @@ class RandomWalk(StochasticEffect):
 
     name: ClassVar[str] = "random_walk"
     slow: ClassVar[bool] = True
-    slow: ClassVar[bool] = True
     stationary: ClassVar[bool] = False
     density_k: float = parameter("{u}/s/sqrt(Hz)", "K, square root of the two-sided PSD of the driving noise")
 

@@ -8,7 +8,7 @@ from scipy.optimize import brentq
 from scipy.special import ndtr
 
 from imugap.effects.conditions import Conditions
-from imugap.effects.effect import Effect, Evidence, Role, Stage, TINY, parameter
+from imugap.effects.effect import TINY, Effect, Evidence, Role, Stage, parameter
 from imugap.integrity.precision import decimal, spacing
 from imugap.integrity.report import IMPROBABLE
 
@@ -30,7 +30,6 @@ class Resolution(Effect):
 
     name: ClassVar[str] = "resolution"
     stage: ClassVar[Stage] = Stage.WORD
-    role: ClassVar[Role] = Role.OUTPUT
     role: ClassVar[Role] = Role.OUTPUT
     step: float = parameter("{u}", "distance of neighbouring output values", low=TINY)
 

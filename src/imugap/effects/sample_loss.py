@@ -23,7 +23,6 @@ class SampleLoss(ClockEffect):
 
     name: ClassVar[str] = "sample_loss"
     replaced: ClassVar[bool] = True
-    replaced: ClassVar[bool] = True
     probability: float = parameter("1", "probability that a gap begins at a sample", high=1.0)
     length: float = parameter("1", "mean number of lost samples of a gap", low=1.0)
 

@@ -7,7 +7,7 @@ import numpy as np
 from scipy.special import bdtrc
 
 from imugap.effects.conditions import Conditions
-from imugap.effects.effect import Effect, Evidence, Role, Stage, TINY, parameter
+from imugap.effects.effect import TINY, Effect, Evidence, Role, Stage, parameter
 from imugap.integrity.precision import grain, spacing
 from imugap.integrity.report import IMPROBABLE
 from imugap.numerics.truncated_exponential import log_slope
@@ -34,8 +34,6 @@ class Saturation(Effect):
 
     name: ClassVar[str] = "saturation"
     stage: ClassVar[Stage] = Stage.RANGE
-    role: ClassVar[Role] = Role.OUTPUT
-    replaced: ClassVar[bool] = True
     role: ClassVar[Role] = Role.OUTPUT
     replaced: ClassVar[bool] = True
     limit: float = parameter("{u}", "full scale, on both sides", low=TINY)

@@ -27,7 +27,6 @@ class Sinusoid(SystematicEffect, AllanEffect):
 
     name: ClassVar[str] = "sinusoid"
     most: ClassVar[int] = 5
-    most: ClassVar[int] = 5
     line: ClassVar[bool] = True
     frequency: float = parameter("Hz", "f", low=TINY)
     amplitude: float = parameter("{u}", "amplitude")

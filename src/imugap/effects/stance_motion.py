@@ -6,7 +6,7 @@ from typing import ClassVar
 import numpy as np
 
 from imugap.effects.conditions import Conditions
-from imugap.effects.effect import Effect, Role, Stage, parameter
+from imugap.effects.effect import Effect, Stage, parameter
 
 
 @dataclass(frozen=True)
@@ -18,7 +18,6 @@ class StanceMotion(Effect):
 
     name: ClassVar[str] = "stance_motion"
     stage: ClassVar[Stage] = Stage.STANCE
-    role: ClassVar[Role] = Role.STANCE
     std: float = parameter("m/s", "standard deviation of the velocity at stance")
     bias: float = parameter("m/s", "mean velocity at stance", low=-np.inf)
 

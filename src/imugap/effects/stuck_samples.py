@@ -7,7 +7,7 @@ import numpy as np
 from scipy.special import bdtrc, pdtrc
 
 from imugap.effects.conditions import Conditions
-from imugap.effects.effect import Effect, Evidence, Role, Stage, TINY, parameter
+from imugap.effects.effect import TINY, Effect, Evidence, Role, Stage, parameter
 from imugap.integrity.precision import grain, spacing
 from imugap.integrity.report import IMPROBABLE
 from imugap.numerics.random_runs import RunEstimate, estimate_from_repeats, estimate_from_runs, simulate_runs
@@ -43,8 +43,6 @@ class StuckSamples(Effect):
 
     name: ClassVar[str] = "stuck_samples"
     stage: ClassVar[Stage] = Stage.TRANSFER
-    role: ClassVar[Role] = Role.OUTPUT
-    replaced: ClassVar[bool] = True
     role: ClassVar[Role] = Role.OUTPUT
     replaced: ClassVar[bool] = True
     probability: float = parameter("1", "probability that a stretch begins at a sample", high=1.0)

@@ -23,7 +23,6 @@ class TimeOffset(SystematicEffect):
 
     name: ClassVar[str] = "time_offset"
     of_motion: ClassVar[bool] = True
-    of_motion: ClassVar[bool] = True
     common: ClassVar[tuple[str, ...]] = AXES
     offset: float = parameter("s", "delay of the input", low=-np.inf)
 

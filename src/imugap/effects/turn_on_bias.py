@@ -19,7 +19,6 @@ class TurnOnBias(AdditiveEffect):
 
     name: ClassVar[str] = "turn_on_bias"
     role: ClassVar[Role] = Role.RUN
-    role: ClassVar[Role] = Role.RUN
     std: float = parameter("{u}", "standard deviation over runs")
 
     def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:

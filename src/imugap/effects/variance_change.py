@@ -6,7 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from imugap.effects.effect import Role, Start, TINY, VarianceEffect, parameter
+from imugap.effects.effect import TINY, Start, VarianceEffect, parameter
 from imugap.effects.residual import Residual
 
 STRETCHES = 1e5
@@ -27,8 +27,6 @@ class VarianceChange(VarianceEffect):
     """
 
     name: ClassVar[str] = "variance_change"
-    role: ClassVar[Role] = Role.VARIANCE
-    most: ClassVar[int] = 3
     most: ClassVar[int] = 3
     start: float = parameter("s", "begin of the change since power-on")
     stop: float = parameter("s", "end of the change since power-on")
