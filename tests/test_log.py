@@ -125,3 +125,13 @@ def test_an_ending_that_is_neither_parquet_nor_csv_is_refused_and_nothing_writte
     with pytest.raises(LogError, match=rf"expected one that ends in \.parquet or \.csv; found {found}"):
         log.write(table(), tmp_path / "deep" / name)
     assert not list(tmp_path.iterdir())
+
+
+def test_block_means_leave_out_the_rest_and_never_raise_the_rate():
+    ten = log.from_samples({"gyro_x": np.arange(10.0), "accel_z": np.ones(10)}, 0.1)
+    means, step = log.block_means(ten, 2.5)
+    assert step == pytest.approx(0.4)
+    assert {name: one.tolist() for name, one in means.items()} == {"gyro_x": [1.5, 5.5], "accel_z": [1.0, 1.0]}
+    means, step = log.block_means(ten, 100.0)
+    assert step == pytest.approx(0.1)
+    assert len(means["gyro_x"]) == 10

@@ -93,6 +93,14 @@ def triad(axis: str) -> tuple[str, ...]:
     return GYRO if axis in GYRO else ACCEL
 
 
+def block_means(log: pd.DataFrame, rate_hz: float) -> tuple[dict[str, np.ndarray], float]:
+    """Return the means of the columns over blocks, near a lower rate, and their sampling interval [s]."""
+    factor = max(round(1 / (interval(log) * rate_hz)), 1)
+    whole = log.iloc[: len(log) // factor * factor]
+    means = {name: whole[name].to_numpy().reshape(-1, factor).mean(axis=1) for name in whole}
+    return means, factor * interval(log)
+
+
 def interval(log: pd.DataFrame) -> float:
     """Return the sampling interval [s]: the mean step among those within half of the median step.
 

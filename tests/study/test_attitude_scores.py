@@ -36,3 +36,20 @@ def test_a_larger_variance_is_told_from_chance_and_an_equal_one_is_not():
     assert louder.differs
     assert not attitude_scores.difference(noise[0], noise[2], stream(4)).differs
     assert attitude_scores.difference(noise[0], noise[0] + 7, stream(5)).value == pytest.approx(0, abs=1e-12)
+
+
+def test_scored_and_differences_keep_the_labels_of_a_solution_and_of_a_group():
+    rng = stream(6, "groups")
+    rows = []
+    for run, scheme in ((2, "allan"), (2, "indirect"), (1, "allan"), (1, "indirect")):
+        error = pd.DataFrame(rng.standard_normal((400, 2)), columns=["north", "east"]).rename_axis("time")
+        solution = pd.DataFrame(dict(zip(COVARIANCE, (1.0, 0.0, 1.0, 1.0), strict=True)), index=error.index)
+        errors, scores = attitude_scores.scored(solution, error, ["east"], {"run": run, "scheme": scheme})
+        assert scores[["angle", "run", "scheme"]].to_numpy().tolist() == [["east", run, scheme]]
+        assert scores["nees"].iloc[0] == pytest.approx((error**2).sum(axis=1).mean())
+        rows.append(errors)
+    found = attitude_scores.differences(pd.concat(rows), ["run"], ["north", "east"], 1)
+    assert found[["run", "angle"]].to_numpy().tolist() == [[2, "north"], [2, "east"], [1, "north"], [1, "east"]]
+    first, second = (one["north"].to_numpy() for one in rows[:2])
+    expected = attitude_scores.difference(first, second, stream(1, "difference", 2, "north"))
+    assert found[["value", "low", "high"]].iloc[0].tolist() == [expected.value, expected.low, expected.high]

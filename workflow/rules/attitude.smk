@@ -95,32 +95,10 @@ rule flight_page:
         estimates=expand("results/flight/{run}/estimates.csv", run=FLIGHTS),
         published="data/published/liu2016_results.csv",
     output:
-        multiext("paper/tables/attitude_flight", ".json", ".tex"),
-        multiext("paper/tables/attitude_parameters", ".json", ".tex"),
-        flight=report(
-            "paper/figures/attitude_flight.svg",
-            caption="../report/attitude_flight.rst",
-            category="Attitude",
-            labels={"result": "one flight (figure)"},
-        ),
-        runs=report(
-            "paper/figures/attitude_runs.svg",
-            caption="../report/attitude_runs.rst",
-            category="Attitude",
-            labels={"result": "all flights (figure)"},
-        ),
-        table=report(
-            "paper/tables/attitude_flight.csv",
-            caption="../report/attitude_table.rst",
-            category="Attitude",
-            labels={"result": "errors in flight (table)"},
-        ),
-        parameters=report(
-            "paper/tables/attitude_parameters.csv",
-            caption="../report/attitude_parameters.rst",
-            category="Attitude",
-            labels={"result": "estimated parameters (table)"},
-        ),
+        flight=figure("attitude_flight", "Attitude", "one flight (figure)"),
+        runs=figure("attitude_runs", "Attitude", "all flights (figure)"),
+        table=table("attitude_flight", "Attitude", "errors in flight (table)", caption="attitude_table"),
+        parameters=table("attitude_parameters", "Attitude", "estimated parameters (table)"),
         numbers="paper/numbers/attitude_flight.json",
     log:
         "logs/flight_page.log",
@@ -134,11 +112,7 @@ rule flight_page:
         "../scripts/flight_page.py"
 
 
-PAPER["attitude"] += multiext("paper/figures/attitude", "_flight.svg", "_runs.svg")
-PAPER["attitude"] += multiext(
-    "paper/tables/attitude", "_flight.json", "_parameters.json"
-)
-PAPER["attitude"] += ["paper/numbers/attitude_flight.json"]
+PAPER["attitude"] += rules.flight_page.output
 
 if TRIALS:
 
@@ -224,33 +198,10 @@ if TRIALS:
             differences="results/broad/differences.csv",
             errors="results/broad/errors.parquet",
         output:
-            multiext("paper/tables/attitude_alignment", ".json", ".tex"),
-            multiext("paper/tables/attitude_rests", ".json", ".tex"),
-            multiext("paper/tables/attitude_trials", ".json", ".tex"),
-            figure=report(
-                "paper/figures/attitude_trials.svg",
-                caption="../report/attitude_trials.rst",
-                category="Attitude",
-                labels={"result": "trials (figure)"},
-            ),
-            alignment=report(
-                "paper/tables/attitude_alignment.csv",
-                caption="../report/attitude_alignment.rst",
-                category="Attitude",
-                labels={"result": "log against reference (table)"},
-            ),
-            rests=report(
-                "paper/tables/attitude_rests.csv",
-                caption="../report/attitude_rests.rst",
-                category="Attitude",
-                labels={"result": "what a rest tells (table)"},
-            ),
-            trials=report(
-                "paper/tables/attitude_trials.csv",
-                caption="../report/attitude_trials_table.rst",
-                category="Attitude",
-                labels={"result": "errors of the trials (table)"},
-            ),
+            figure=figure("attitude_trials", "Attitude", "trials (figure)"),
+            alignment=table("attitude_alignment", "Attitude", "log against reference (table)"),
+            rests=table("attitude_rests", "Attitude", "what a rest tells (table)"),
+            trials=table("attitude_trials", "Attitude", "errors of the trials (table)", caption="attitude_trials_table"),
             numbers="paper/numbers/attitude_trials.json",
         log:
             "logs/trial_page.log",
@@ -259,10 +210,4 @@ if TRIALS:
         script:
             "../scripts/trial_page.py"
 
-    PAPER["attitude"] += [
-        "paper/figures/attitude_trials.svg",
-        "paper/numbers/attitude_trials.json",
-    ]
-    PAPER["attitude"] += multiext(
-        "paper/tables/attitude", "_alignment.json", "_rests.json", "_trials.json"
-    )
+    PAPER["attitude"] += rules.trial_page.output

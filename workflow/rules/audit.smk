@@ -10,14 +10,7 @@ rule audit:
     input:
         **PUBLISHED,
     output:
-        report(
-            "paper/tables/audit.csv",
-            caption="../report/audit.rst",
-            category="Published claims",
-            labels={"result": "audit (table)"},
-        ),
-        "paper/tables/audit.json",
-        "paper/tables/audit.tex",
+        table=table("audit", "Published claims", "audit (table)"),
     log:
         "logs/audit.log",
     params:
@@ -33,18 +26,9 @@ rule claims:
         five=expand("paper/tables/five_trials_{device}.csv", device=DEVICES),
         ranking=expand("paper/tables/ranking_{device}.csv", device=DEVICES),
         scores=expand("results/{device}/drift_scores.csv", device=DEVICES),
-        compensation=(
-            ["paper/tables/compensation.csv"] if "pedestrian" in CHAPTERS else []
-        ),
+        compensation=(["paper/tables/compensation.csv"] if "pedestrian" in CHAPTERS else []),
     output:
-        report(
-            "paper/tables/claims.csv",
-            caption="../report/claims.rst",
-            category="Published claims",
-            labels={"result": "claims (table)"},
-        ),
-        "paper/tables/claims.json",
-        "paper/tables/claims.tex",
+        table=table("claims", "Published claims", "claims (table)"),
     log:
         "logs/claims.log",
     params:
@@ -55,4 +39,4 @@ rule claims:
         "../scripts/claims.py"
 
 
-PAPER["study"] += ["paper/tables/audit.json", "paper/tables/claims.json"]
+PAPER["study"] += [*rules.audit.output, *rules.claims.output]

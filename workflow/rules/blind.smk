@@ -1,8 +1,7 @@
 BLIND_CASES = [f"c{number:04}" for number in range(1, config["blind"]["cases"] + 1)]
 PER_JOB = config["blind"]["cases_per_job"]
 BATCHES = {
-    str(1 + first // PER_JOB): BLIND_CASES[first : first + PER_JOB]
-    for first in range(0, len(BLIND_CASES), PER_JOB)
+    str(1 + first // PER_JOB): BLIND_CASES[first : first + PER_JOB] for first in range(0, len(BLIND_CASES), PER_JOB)
 }
 
 
@@ -36,9 +35,7 @@ rule blind_seal:
 rule blind_discover:
     """Name what is missing from the model of each of a batch of sealed cases, from its logs alone."""
     input:
-        cases=lambda wildcards: expand(
-            "results/blind/cases/{case}", case=BATCHES[wildcards.batch]
-        ),
+        cases=lambda wildcards: expand("results/blind/cases/{case}", case=BATCHES[wildcards.batch]),
     output:
         directory("results/blind/discovered/{batch}"),
     log:
@@ -49,10 +46,7 @@ rule blind_discover:
         mem_mb=3000,
         runtime=10 * PER_JOB,
     params:
-        asked={
-            key: config["discovery"][key]
-            for key in ("alpha", "replicates", "simulations")
-        },
+        asked=QUESTION,
         seed=config["seed"],
         code=library("blind_discover"),
     script:
@@ -84,74 +78,30 @@ rule blind_page:
         unpack(blind_scores),
         peer="data/published/gmwm_choice.csv",
     output:
-        detection_figure=report(
-            "paper/figures/{benchmark}_detection.svg",
-            caption="../report/blind.rst",
-            category="Discovery",
-            labels={"result": "detection over size (figure)", "run": "{benchmark}"},
+        detection_figure=figure(
+            "{benchmark}_detection", "Discovery", "detection over size (figure)", caption="blind", run="{benchmark}"
         ),
-        confusion_figure=report(
-            "paper/figures/{benchmark}_confusion.svg",
-            caption="../report/blind.rst",
-            category="Discovery",
-            labels={"result": "confusion (figure)", "run": "{benchmark}"},
+        confusion_figure=figure(
+            "{benchmark}_confusion", "Discovery", "confusion (figure)", caption="blind", run="{benchmark}"
         ),
-        rates_figure=report(
-            "paper/figures/{benchmark}_rates.svg",
-            caption="../report/blind.rst",
-            category="Discovery",
-            labels={"result": "rates (figure)", "run": "{benchmark}"},
+        rates_figure=figure("{benchmark}_rates", "Discovery", "rates (figure)", caption="blind", run="{benchmark}"),
+        coverage_figure=figure(
+            "{benchmark}_coverage", "Discovery", "parameters (figure)", caption="blind", run="{benchmark}"
         ),
-        coverage_figure=report(
-            "paper/figures/{benchmark}_coverage.svg",
-            caption="../report/blind.rst",
-            category="Discovery",
-            labels={"result": "parameters (figure)", "run": "{benchmark}"},
+        distances_figure=figure(
+            "{benchmark}_distances", "Discovery", "distances (figure)", caption="blind", run="{benchmark}"
         ),
-        distances_figure=report(
-            "paper/figures/{benchmark}_distances.svg",
-            caption="../report/blind.rst",
-            category="Discovery",
-            labels={"result": "distances (figure)", "run": "{benchmark}"},
+        calibration_figure=figure(
+            "{benchmark}_calibration", "Discovery", "p-values (figure)", caption="blind", run="{benchmark}"
         ),
-        calibration_figure=report(
-            "paper/figures/{benchmark}_calibration.svg",
-            caption="../report/blind.rst",
-            category="Discovery",
-            labels={"result": "p-values (figure)", "run": "{benchmark}"},
-        ),
-        rates=report(
-            "paper/tables/{benchmark}_rates.csv",
-            caption="../report/blind.rst",
-            category="Discovery",
-            labels={"result": "rates (table)", "run": "{benchmark}"},
-        ),
-        misses=report(
-            "paper/tables/{benchmark}_misses.csv",
-            caption="../report/blind.rst",
-            category="Discovery",
-            labels={"result": "wrong answers (table)", "run": "{benchmark}"},
-        ),
-        detection="paper/tables/{benchmark}_detection.csv",
-        confusion="paper/tables/{benchmark}_confusion.csv",
-        coverage="paper/tables/{benchmark}_coverage.csv",
-        calibration="paper/tables/{benchmark}_calibration.csv",
-        beside="paper/tables/{benchmark}_beside.csv",
-        peer="paper/tables/{benchmark}_peer.csv",
-        others=expand(
-            "paper/tables/{{benchmark}}_{table}.{suffix}",
-            table=[
-                "rates",
-                "misses",
-                "detection",
-                "confusion",
-                "coverage",
-                "calibration",
-                "beside",
-                "peer",
-            ],
-            suffix=["json", "tex"],
-        ),
+        rates=table("{benchmark}_rates", "Discovery", "rates (table)", caption="blind", run="{benchmark}"),
+        misses=table("{benchmark}_misses", "Discovery", "wrong answers (table)", caption="blind", run="{benchmark}"),
+        detection=table("{benchmark}_detection"),
+        confusion=table("{benchmark}_confusion"),
+        coverage=table("{benchmark}_coverage"),
+        calibration=table("{benchmark}_calibration"),
+        beside=table("{benchmark}_beside"),
+        peer=table("{benchmark}_peer"),
         numbers="paper/numbers/{benchmark}.json",
     log:
         "logs/{benchmark}_page.log",
@@ -164,6 +114,4 @@ rule blind_page:
         "../scripts/blind_page.py"
 
 
-PAPER["discovery"] += (
-    ["paper/numbers/blind_recorded.json"] if config["blind"]["recorded"] else []
-)
+PAPER["discovery"] += ["paper/numbers/blind_recorded.json"] if config["blind"]["recorded"] else []

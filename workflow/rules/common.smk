@@ -30,9 +30,7 @@ TRIALS = config["attitude"]["trials"] if "broad" in PRESENT else []
 LOGS = RUNS | {"memsense_turnon": POWER_CYCLES, "broad": TRIALS}
 LOGS = {device: runs for device, runs in LOGS.items() if runs}
 WALKS = [name for name in PRESENT if CATALOGUE[name].kind == "walk"]
-SITES = config["sites"] | {
-    "bench": yaml.safe_load(Path("data/bench.yaml").read_text())["site"]
-}
+SITES = config["sites"] | {"bench": yaml.safe_load(Path("data/bench.yaml").read_text())["site"]}
 OMITTED = [name for name in CATALOGUE if name not in PRESENT]
 NOTEBOOK_OF = {
     "static": "study",
@@ -56,9 +54,7 @@ for option, paths in OPTIONS.items():
         if not Path(path).is_file():
             raise ConfigurationError(f"{option}: expected a file; found none at {path}")
     if paths and not OPTIONS["log"]:
-        raise ConfigurationError(
-            f"log: expected the log that {option} belongs to; found none"
-        )
+        raise ConfigurationError(f"log: expected the log that {option} belongs to; found none")
 
 # What discovery is asked, by the folder of the answer below results: a log of one's own, and the stories of the notebook.
 ASKED = {
@@ -75,19 +71,13 @@ if len(RUNS["adis16405"]) > 1:
         "test": ["results/story/real_test.parquet"],
     }
 # The trials in motion that discovery is asked of, with the error-free log that cameras give.
-SIGHTED = [
-    run
-    for run in TRIALS
-    if run in config["discovery"]["trials"] and "discovery" in CHAPTERS
-]
+SIGHTED = [run for run in TRIALS if run in config["discovery"]["trials"] and "discovery" in CHAPTERS]
+# What every run of discovery shares.
+QUESTION = {key: config["discovery"][key] for key in ("alpha", "replicates", "simulations")}
 STORIES = [f"results/{asked}/report.json" for asked in ASKED]
 STARTS = ["white", "nbk"]
 # The devices whose first run is asked, from two start models; what is found is tested on their other runs.
-MISSING_OF = [
-    name
-    for name in config["discovery"]["devices"]
-    if len(RUNS[name]) > 1 and "discovery" in CHAPTERS
-]
+MISSING_OF = [name for name in config["discovery"]["devices"] if len(RUNS[name]) > 1 and "discovery" in CHAPTERS]
 for name in MISSING_OF:
     first, *others = (f"results/{name}/{run}" for run in RUNS[name])
     runs = {
@@ -127,9 +117,27 @@ def library(script):
     return digest(modules_of(f"workflow/scripts/{script}.py", "src/imugap"))
 
 
-def of_devices(*patterns):
-    """Name files of every device of the study."""
-    return expand(patterns, device=DEVICES)
+def figure(name, category, result, caption=None, **labels):
+    """Name the file of a figure, which the report shows; its caption has the name of the figure without the device."""
+    return shown(f"paper/figures/{name}.svg", category, result, caption, labels)
+
+
+def table(name, category=None, result=None, caption=None, **labels):
+    """Name the files of a table: CSV, which the report shows where there is a category, JSON and LaTeX."""
+    data, *others = multiext(f"paper/tables/{name}", ".csv", ".json", ".tex")
+    return [shown(data, category, result, caption, labels) if category else data, *others]
+
+
+def shown(path, category, result, caption, labels):
+    """Mark a file for the report."""
+    caption = caption or Path(path).stem.removesuffix("_{device}")
+    labels = {"result": result} | labels
+    return report(path, caption=f"../report/{caption}.rst", category=category, labels=labels)
+
+
+def of_devices(rule):
+    """Name the outputs of a rule for every device of the study."""
+    return expand(rule.output, device=DEVICES)
 
 
 def per_run(device, name):

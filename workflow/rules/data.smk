@@ -35,7 +35,7 @@ rule bench_truth:
     input:
         recipe="data/bench.yaml",
     output:
-        "results/bench/truth.json",
+        truth="results/bench/truth.json",
     log:
         "logs/bench_truth.log",
     params:
@@ -72,14 +72,7 @@ rule integrity_table:
     input:
         reports=of_runs("integrity.json"),
     output:
-        report(
-            "paper/tables/integrity_{device}.csv",
-            caption="../report/integrity.rst",
-            category="Data",
-            labels={"result": "integrity (table), {device}"},
-        ),
-        "paper/tables/integrity_{device}.json",
-        "paper/tables/integrity_{device}.tex",
+        table=table("integrity_{device}", "Data", "integrity (table), {device}"),
     log:
         "logs/integrity_table/{device}.log",
     params:
@@ -89,4 +82,4 @@ rule integrity_table:
         "../scripts/integrity_table.py"
 
 
-PAPER["study"] += of_devices("paper/tables/integrity_{device}.json")
+PAPER["study"] += of_devices(rules.integrity_table)

@@ -101,10 +101,7 @@ if SIGHTED:
         input:
             logs=expand("results/broad/{run}/log.parquet", run=SIGHTED),
             references=expand("results/broad/{run}/reference.parquet", run=SIGHTED),
-            raw=[
-                str(locate(CATALOGUE["broad"].file(run), RAW, MIRROR))
-                for run in SIGHTED
-            ],
+            raw=[str(locate(CATALOGUE["broad"].file(run), RAW, MIRROR)) for run in SIGHTED],
             tables=["data/datasets.csv", "data/files.csv"],
         output:
             logs=expand("results/broad/{run}/sighted/log.parquet", run=SIGHTED),
@@ -161,10 +158,7 @@ rule dossier:
         mem_mb=3000,
         runtime=lambda wildcards: 120 if wildcards.asked.startswith("missing/") else 30,
     params:
-        asked={
-            key: config["discovery"][key]
-            for key in ("alpha", "replicates", "simulations")
-        },
+        asked=QUESTION,
         seed=config["seed"],
         effects=lambda wildcards: ASKED[wildcards.asked].get("effects"),
         code=library("dossier"),
@@ -182,19 +176,13 @@ rule missing_page:
             figure=["surest", "distance", "drift"],
         ),
     output:
-        tables=report(
-            expand(
-                "paper/tables/missing_{table}_{{device}}.csv",
-                table=["effects", "places", "withheld", "distances"],
-            ),
-            caption="../report/missing.rst",
-            category="Discovery",
-            labels={"result": "what is missing (tables), {device}"},
+        effects=table("missing_effects_{device}", "Discovery", "what is missing (tables), {device}", caption="missing"),
+        places=table("missing_places_{device}", "Discovery", "what is missing (tables), {device}", caption="missing"),
+        withheld=table(
+            "missing_withheld_{device}", "Discovery", "what is missing (tables), {device}", caption="missing"
         ),
-        others=expand(
-            "paper/tables/missing_{table}_{{device}}.{suffix}",
-            table=["effects", "places", "withheld", "distances"],
-            suffix=["json", "tex"],
+        distances=table(
+            "missing_distances_{device}", "Discovery", "what is missing (tables), {device}", caption="missing"
         ),
         figures=expand(
             "paper/figures/missing_{{device}}_{start}_{figure}.svg",
@@ -220,26 +208,10 @@ rule motion_page:
         ideals=expand("results/broad/{run}/sighted/ideal.parquet", run=SIGHTED),
         noises=expand("results/broad/{run}/sighted/noise.csv", run=SIGHTED),
     output:
-        tables=report(
-            expand(
-                "paper/tables/motion_{table}.csv",
-                table=["effects", "explained", "distances"],
-            ),
-            caption="../report/motion.rst",
-            category="Discovery",
-            labels={"result": "what is missing in motion (tables)"},
-        ),
-        others=expand(
-            "paper/tables/motion_{table}.{suffix}",
-            table=["effects", "explained", "distances"],
-            suffix=["json", "tex"],
-        ),
-        figure=report(
-            "paper/figures/motion_effects.svg",
-            caption="../report/motion.rst",
-            category="Discovery",
-            labels={"result": "what is missing in motion (figure)"},
-        ),
+        effects=table("motion_effects", "Discovery", "what is missing in motion (tables)", caption="motion"),
+        explained=table("motion_explained", "Discovery", "what is missing in motion (tables)", caption="motion"),
+        distances=table("motion_distances", "Discovery", "what is missing in motion (tables)", caption="motion"),
+        figure=figure("motion_effects", "Discovery", "what is missing in motion (figure)", caption="motion"),
         numbers="paper/numbers/motion.json",
     log:
         "logs/motion_page.log",
@@ -257,14 +229,7 @@ rule missing_score:
         reports=expand("results/missing/bench_{start}/report.json", start=STARTS),
         truth="results/bench/truth.json",
     output:
-        report(
-            "paper/tables/missing_score.csv",
-            caption="../report/missing_score.rst",
-            category="Discovery",
-            labels={"result": "what is missing against truth (table), bench"},
-        ),
-        "paper/tables/missing_score.json",
-        "paper/tables/missing_score.tex",
+        table=table("missing_score", "Discovery", "what is missing against truth (table), bench"),
     log:
         "logs/missing_score.log",
     params:
@@ -274,8 +239,6 @@ rule missing_score:
         "../scripts/missing_score.py"
 
 
-PAPER["discovery"] += expand("paper/numbers/missing_{device}.json", device=MISSING_OF)
-PAPER["discovery"] += ["paper/numbers/motion.json"] if SIGHTED else []
-PAPER["discovery"] += (
-    ["paper/tables/missing_score.json"] if "bench" in MISSING_OF else []
-)
+PAPER["discovery"] += expand(rules.missing_page.output, device=MISSING_OF)
+PAPER["discovery"] += rules.motion_page.output if SIGHTED else []
+PAPER["discovery"] += rules.missing_score.output if "bench" in MISSING_OF else []

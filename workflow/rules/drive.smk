@@ -16,9 +16,7 @@ rule drive_runs:
         part=r"\d+",
     params:
         seed=config["seed"],
-        runs=lambda wildcards: list(range(1, DRIVES + 1))[
-            int(wildcards.part) - 1 :: len(DRIVE_PARTS)
-        ],
+        runs=lambda wildcards: list(range(1, DRIVES + 1))[int(wildcards.part) - 1 :: len(DRIVE_PARTS)],
         parted=config["drive"]["parted_runs"],
         code=library("drive_runs"),
     script:
@@ -51,38 +49,11 @@ rule drive_page:
         kinds="results/drive/kinds.csv",
         recovery="results/drive/recovery.csv",
     output:
-        multiext("paper/tables/drive_schemes", ".json", ".tex"),
-        multiext("paper/tables/drive_kinds", ".json", ".tex"),
-        map=report(
-            "paper/figures/drive_map.svg",
-            caption="../report/drive_map.rst",
-            category="Drive",
-            labels={"result": "one drive (figure)"},
-        ),
-        sensors=report(
-            "paper/figures/drive_sensors.svg",
-            caption="../report/drive_sensors.rst",
-            category="Drive",
-            labels={"result": "estimated sensor errors (figure)"},
-        ),
-        runs=report(
-            "paper/figures/drive_schemes.svg",
-            caption="../report/drive_schemes.rst",
-            category="Drive",
-            labels={"result": "all drives (figure)"},
-        ),
-        schemes=report(
-            "paper/tables/drive_schemes.csv",
-            caption="../report/drive_table.rst",
-            category="Drive",
-            labels={"result": "schemes (table)"},
-        ),
-        kinds=report(
-            "paper/tables/drive_kinds.csv",
-            caption="../report/drive_kinds.rst",
-            category="Drive",
-            labels={"result": "kinds of gross errors (table)"},
-        ),
+        map=figure("drive_map", "Drive", "one drive (figure)"),
+        sensors=figure("drive_sensors", "Drive", "estimated sensor errors (figure)"),
+        runs=figure("drive_schemes", "Drive", "all drives (figure)"),
+        schemes=table("drive_schemes", "Drive", "schemes (table)", caption="drive_table"),
+        kinds=table("drive_kinds", "Drive", "kinds of gross errors (table)"),
         numbers="paper/numbers/drive.json",
     log:
         "logs/drive_page.log",
@@ -118,13 +89,7 @@ rule drive_hidden_page:
         names="results/drive/hidden.csv",
         recipe="data/drive.yaml",
     output:
-        multiext("paper/tables/drive_hidden", ".json", ".tex"),
-        table=report(
-            "paper/tables/drive_hidden.csv",
-            caption="../report/drive_hidden.rst",
-            category="Drive",
-            labels={"result": "hidden effects (table)"},
-        ),
+        table=table("drive_hidden", "Drive", "hidden effects (table)"),
         numbers="paper/numbers/drive_hidden.json",
     log:
         "logs/drive_hidden_page.log",
@@ -134,12 +99,7 @@ rule drive_hidden_page:
         "../scripts/drive_hidden_page.py"
 
 
-PAPER["drive"] += expand(
-    "paper/figures/drive_{name}.svg", name=["map", "sensors", "schemes"]
-)
-PAPER["drive"] += ["paper/tables/drive_hidden.json", "paper/numbers/drive_hidden.json"]
-PAPER["drive"] += multiext("paper/tables/drive", "_schemes.json", "_kinds.json")
-PAPER["drive"] += ["paper/numbers/drive.json"]
+PAPER["drive"] += [*rules.drive_page.output, *rules.drive_hidden_page.output]
 
 if "rtklibexplorer_drive" in PRESENT:
 
@@ -177,25 +137,9 @@ if "rtklibexplorer_drive" in PRESENT:
             schemes="results/drive_car/schemes.csv",
             errors="results/drive_car/errors.parquet",
         output:
-            multiext("paper/tables/drive_car", ".json", ".tex"),
-            outages=report(
-                "paper/figures/drive_outages.svg",
-                caption="../report/drive_outages.rst",
-                category="Drive",
-                labels={"result": "outages of the recorded drive (figure)"},
-            ),
-            track=report(
-                "paper/figures/drive_car.svg",
-                caption="../report/drive_car.rst",
-                category="Drive",
-                labels={"result": "recorded drive (figure)"},
-            ),
-            table=report(
-                "paper/tables/drive_car.csv",
-                caption="../report/drive_car_table.rst",
-                category="Drive",
-                labels={"result": "recorded drive (table)"},
-            ),
+            outages=figure("drive_outages", "Drive", "outages of the recorded drive (figure)"),
+            track=figure("drive_car", "Drive", "recorded drive (figure)"),
+            table=table("drive_car", "Drive", "recorded drive (table)", caption="drive_car_table"),
             numbers="paper/numbers/drive_car.json",
         log:
             "logs/drive_car_page.log",
@@ -204,13 +148,7 @@ if "rtklibexplorer_drive" in PRESENT:
         script:
             "../scripts/drive_car_page.py"
 
-    PAPER["drive"] += expand(
-        "paper/figures/drive_{name}.svg", name=["outages", "car"]
-    )
-    PAPER["drive"] += [
-        "paper/tables/drive_car.json",
-        "paper/numbers/drive_car.json",
-    ]
+    PAPER["drive"] += rules.drive_car_page.output
 
 
 if "thor_flight75" in PRESENT:
@@ -222,12 +160,7 @@ if "thor_flight75" in PRESENT:
             tables=["data/datasets.csv", "data/files.csv"],
             recipe="data/drive.yaml",
         output:
-            figure=report(
-                "paper/figures/drive_flight.svg",
-                caption="../report/drive_flight.rst",
-                category="Drive",
-                labels={"result": "recorded flight (figure)"},
-            ),
+            figure=figure("drive_flight", "Drive", "recorded flight (figure)"),
             numbers="paper/numbers/drive_flight.json",
         log:
             "logs/drive_flight.log",
@@ -238,7 +171,4 @@ if "thor_flight75" in PRESENT:
         script:
             "../scripts/drive_flight.py"
 
-    PAPER["drive"] += [
-        "paper/figures/drive_flight.svg",
-        "paper/numbers/drive_flight.json",
-    ]
+    PAPER["drive"] += rules.drive_flight.output

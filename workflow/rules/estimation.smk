@@ -6,7 +6,7 @@ rule monte_carlo:
     input:
         recipe="data/indirect.yaml",
     output:
-        "results/indirect/monte_carlo_{time}.parquet",
+        estimates="results/indirect/monte_carlo_{time}.parquet",
     log:
         "logs/monte_carlo/{time}.log",
     wildcard_constraints:
@@ -27,31 +27,10 @@ rule monte_carlo_tables:
         published="data/published/liu2016_results.csv",
         estimates=expand("results/indirect/monte_carlo_{time}.parquet", time=TIMES),
     output:
-        five=report(
-            "paper/tables/indirect_five_runs.csv",
-            caption="../report/indirect_five_runs.rst",
-            category="Estimation",
-            labels={"result": "five runs (table)"},
-        ),
-        summary=report(
-            "paper/tables/monte_carlo.csv",
-            caption="../report/monte_carlo.rst",
-            category="Estimation",
-            labels={"result": "bias, error, coverage (table)"},
-        ),
-        figure=report(
-            "paper/figures/monte_carlo.svg",
-            caption="../report/monte_carlo.rst",
-            category="Estimation",
-            labels={"result": "distribution of the correlation time (figure)"},
-        ),
+        five=table("indirect_five_runs", "Estimation", "five runs (table)"),
+        summary=table("monte_carlo", "Estimation", "bias, error, coverage (table)"),
+        figure=figure("monte_carlo", "Estimation", "distribution of the correlation time (figure)"),
         numbers="paper/numbers/monte_carlo.json",
-        others=[
-            "paper/tables/indirect_five_runs.json",
-            "paper/tables/indirect_five_runs.tex",
-            "paper/tables/monte_carlo.json",
-            "paper/tables/monte_carlo.tex",
-        ],
     log:
         "logs/monte_carlo_tables.log",
     params:
@@ -68,12 +47,7 @@ rule iterations:
     input:
         recipe="data/indirect.yaml",
     output:
-        report(
-            "paper/figures/iterations.svg",
-            caption="../report/iterations.rst",
-            category="Estimation",
-            labels={"result": "iterations (figure)"},
-        ),
+        figure=figure("iterations", "Estimation", "iterations (figure)"),
     log:
         "logs/iterations.log",
     params:
@@ -88,20 +62,8 @@ rule bounds:
     input:
         recipe="data/indirect.yaml",
     output:
-        report(
-            "paper/figures/bounds.svg",
-            caption="../report/bounds.rst",
-            category="Estimation",
-            labels={"result": "Cramer-Rao bound (figure)"},
-        ),
-        report(
-            "paper/tables/bounds.csv",
-            caption="../report/bounds.rst",
-            category="Estimation",
-            labels={"result": "Cramer-Rao bound (table)"},
-        ),
-        "paper/tables/bounds.json",
-        "paper/tables/bounds.tex",
+        figure=figure("bounds", "Estimation", "Cramer-Rao bound (figure)"),
+        table=table("bounds", "Estimation", "Cramer-Rao bound (table)"),
     log:
         "logs/bounds.log",
     params:
@@ -117,21 +79,9 @@ rule contamination:
     input:
         recipe="data/indirect.yaml",
     output:
-        report(
-            "paper/figures/contamination.svg",
-            caption="../report/contamination.rst",
-            category="Estimation",
-            labels={"result": "contamination (figure)"},
-        ),
-        report(
-            "paper/tables/contamination.csv",
-            caption="../report/contamination.rst",
-            category="Estimation",
-            labels={"result": "contamination (table)"},
-        ),
-        "paper/tables/contamination.json",
-        "paper/tables/contamination.tex",
-        "paper/numbers/contamination.json",
+        figure=figure("contamination", "Estimation", "contamination (figure)"),
+        table=table("contamination", "Estimation", "contamination (table)"),
+        numbers="paper/numbers/contamination.json",
     log:
         "logs/contamination.log",
     params:
@@ -166,23 +116,8 @@ rule estimates_tables:
     input:
         estimates=of_runs("estimates.csv"),
     output:
-        gyro=report(
-            "paper/tables/estimates_gyro_{device}.csv",
-            caption="../report/estimates.rst",
-            category="Estimation",
-            labels={"result": "gyroscopes (table), {device}"},
-        ),
-        accel=report(
-            "paper/tables/estimates_accel_{device}.csv",
-            caption="../report/estimates.rst",
-            category="Estimation",
-            labels={"result": "accelerometers (table), {device}"},
-        ),
-        others=expand(
-            "paper/tables/estimates_{kind}_{{device}}.{suffix}",
-            kind=["gyro", "accel"],
-            suffix=["json", "tex"],
-        ),
+        gyro=table("estimates_gyro_{device}", "Estimation", "gyroscopes (table), {device}", caption="estimates"),
+        accel=table("estimates_accel_{device}", "Estimation", "accelerometers (table), {device}", caption="estimates"),
         numbers="paper/numbers/estimates_{device}.json",
     log:
         "logs/estimates_tables/{device}.log",
@@ -198,8 +133,8 @@ rule choice:
     input:
         log="results/{device}/{run}/log.parquet",
     output:
-        "results/{device}/{run}/choice.json",
-        "results/{device}/{run}/goodness.csv",
+        choice="results/{device}/{run}/choice.json",
+        goodness="results/{device}/{run}/goodness.csv",
     log:
         "logs/choice/{device}_{run}.log",
     params:
@@ -214,20 +149,8 @@ rule choice_table:
         choice=lambda wildcards: f"results/{wildcards.device}/{RUNS[wildcards.device][0]}/choice.json",
         goodness=lambda wildcards: f"results/{wildcards.device}/{RUNS[wildcards.device][0]}/goodness.csv",
     output:
-        report(
-            "paper/figures/goodness_{device}.svg",
-            caption="../report/goodness.rst",
-            category="Estimation",
-            labels={"result": "goodness of fit (figure), {device}"},
-        ),
-        report(
-            "paper/tables/choice_{device}.csv",
-            caption="../report/choice.rst",
-            category="Estimation",
-            labels={"result": "chosen effects (table), {device}"},
-        ),
-        "paper/tables/choice_{device}.json",
-        "paper/tables/choice_{device}.tex",
+        figure=figure("goodness_{device}", "Estimation", "goodness of fit (figure), {device}"),
+        table=table("choice_{device}", "Estimation", "chosen effects (table), {device}"),
     log:
         "logs/choice_table/{device}.log",
     params:
@@ -242,15 +165,8 @@ rule peers:
         log="results/adis16405/1/log.parquet",
         peer="data/published/gmwm_objective.csv",
     output:
-        report(
-            "paper/tables/peers.csv",
-            caption="../report/peers.rst",
-            category="Estimation",
-            labels={"result": "against gmwm (table)"},
-        ),
-        "paper/tables/peers.json",
-        "paper/tables/peers.tex",
-        "paper/numbers/peers.json",
+        table=table("peers", "Estimation", "against gmwm (table)"),
+        numbers="paper/numbers/peers.json",
     log:
         "logs/peers.log",
     params:
@@ -259,18 +175,7 @@ rule peers:
         "../scripts/peers.py"
 
 
-PAPER["estimation"] += of_devices(
-    "paper/figures/goodness_{device}.svg",
-    "paper/tables/choice_{device}.json",
-    "paper/tables/estimates_gyro_{device}.json",
-    "paper/numbers/estimates_{device}.json",
-)
-PAPER["estimation"] += expand(
-    "paper/figures/{name}.svg",
-    name=["iterations", "bounds", "monte_carlo", "contamination"],
-)
-PAPER["estimation"] += [
-    "paper/numbers/monte_carlo.json",
-    "paper/numbers/contamination.json",
-]
-PAPER["estimation"] += ["paper/numbers/peers.json"] if "adis16405" in DEVICES else []
+PAPER["estimation"] += [*of_devices(rules.estimates_tables), *of_devices(rules.choice_table)]
+for one in (rules.monte_carlo_tables, rules.iterations, rules.bounds, rules.contamination):
+    PAPER["estimation"] += one.output
+PAPER["estimation"] += rules.peers.output if "adis16405" in DEVICES else []

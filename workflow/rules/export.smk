@@ -4,14 +4,7 @@ rule conversion_table:
         models=expand("results/{device}/models/nbk.yaml", device=DEVICES),
         logs=[f"results/{device}/{RUNS[device][0]}/log.parquet" for device in DEVICES],
     output:
-        report(
-            "paper/tables/conversion.csv",
-            caption="../report/conversion.rst",
-            category="Augmentation",
-            labels={"result": "conventions of filters and simulators (table)"},
-        ),
-        "paper/tables/conversion.json",
-        "paper/tables/conversion.tex",
+        table=table("conversion", "Augmentation", "conventions of filters and simulators (table)"),
     log:
         "logs/conversion_table.log",
     params:
@@ -22,4 +15,4 @@ rule conversion_table:
         "../scripts/conversion_table.py"
 
 
-PAPER["augmentation"] += ["paper/tables/conversion.json"]
+PAPER["augmentation"] += rules.conversion_table.output

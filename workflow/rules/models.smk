@@ -43,25 +43,11 @@ rule models_figure:
     input:
         device="results/{device}/allan.csv",
         indices="results/{device}/indices.csv",
-        models=expand(
-            "results/{{device}}/model_allan/{contender}.csv", contender=SPREAD
-        ),
+        models=expand("results/{{device}}/model_allan/{contender}.csv", contender=SPREAD),
     output:
-        report(
-            "paper/figures/models_{device}.svg",
-            caption="../report/models.rst",
-            category="Error models",
-            labels={"result": "Allan deviation of the models (figure), {device}"},
-        ),
-        report(
-            "paper/tables/models_{device}.csv",
-            caption="../report/models.rst",
-            category="Error models",
-            labels={"result": "where models and device part (table), {device}"},
-        ),
-        "paper/tables/models_{device}.json",
-        "paper/tables/models_{device}.tex",
-        "paper/numbers/models_{device}.json",
+        figure=figure("models_{device}", "Error models", "Allan deviation of the models (figure), {device}"),
+        table=table("models_{device}", "Error models", "where models and device part (table), {device}"),
+        numbers="paper/numbers/models_{device}.json",
     log:
         "logs/models_figure/{device}.log",
     params:
@@ -70,8 +56,4 @@ rule models_figure:
         "../scripts/models_figure.py"
 
 
-PAPER["study"] += of_devices(
-    "paper/figures/models_{device}.svg",
-    "paper/tables/models_{device}.json",
-    "paper/numbers/models_{device}.json",
-)
+PAPER["study"] += of_devices(rules.models_figure)

@@ -32,9 +32,7 @@ rule measured_drift:
 rule simulated_drift:
     """Simulate every contender at rest many times and navigate every trial without aid."""
     input:
-        models=expand(
-            "results/{{device}}/models/{contender}.yaml", contender=CONTENDERS
-        ),
+        models=expand("results/{{device}}/models/{contender}.yaml", contender=CONTENDERS),
         measured="results/{device}/drift/measured.npz",
     output:
         expand("results/{{device}}/drift/{contender}.npz", contender=CONTENDERS),
@@ -56,9 +54,7 @@ rule drift_scores:
     """Score the simulated drifts of every contender against the measured ones at every navigation length."""
     input:
         measured="results/{device}/drift/measured.npz",
-        simulated=expand(
-            "results/{{device}}/drift/{contender}.npz", contender=CONTENDERS
-        ),
+        simulated=expand("results/{{device}}/drift/{contender}.npz", contender=CONTENDERS),
     output:
         errors="results/{device}/drift_errors.parquet",
         proper="results/{device}/drift_crps.parquet",
@@ -79,23 +75,18 @@ rule drift_figures:
         measured="results/{device}/drift/measured.npz",
         simulated=expand("results/{{device}}/drift/{contender}.npz", contender=DRAWN),
     output:
-        drift=report(
-            "paper/figures/drift_{device}.svg",
-            caption="../report/drift.rst",
-            category="Navigation",
-            labels={"result": "free-inertial drift (figure), {device}"},
+        drift=figure("drift_{device}", "Navigation", "free-inertial drift (figure), {device}"),
+        raw=figure(
+            "differences_raw_{device}",
+            "Navigation",
+            "measured - simulated, raw (figure), {device}",
+            caption="differences",
         ),
-        raw=report(
-            "paper/figures/differences_raw_{device}.svg",
-            caption="../report/differences.rst",
-            category="Navigation",
-            labels={"result": "measured - simulated, raw (figure), {device}"},
-        ),
-        calibrated=report(
-            "paper/figures/differences_calibrated_{device}.svg",
-            caption="../report/differences.rst",
-            category="Navigation",
-            labels={"result": "measured - simulated, calibrated (figure), {device}"},
+        calibrated=figure(
+            "differences_calibrated_{device}",
+            "Navigation",
+            "measured - simulated, calibrated (figure), {device}",
+            caption="differences",
         ),
     log:
         "logs/drift_figures/{device}.log",
@@ -117,39 +108,11 @@ rule drift_tables:
         indices="results/{device}/indices.csv",
         static="data/published/he2023_table2_static_navigation.csv",
     output:
-        multiext("paper/tables/five_trials_{device}", ".json", ".tex"),
-        multiext("paper/tables/distribution_{device}", ".json", ".tex"),
-        multiext("paper/tables/ranking_{device}", ".json", ".tex"),
-        five=report(
-            "paper/tables/five_trials_{device}.csv",
-            caption="../report/five_trials.rst",
-            category="Navigation",
-            labels={"result": "five trials (table), {device}"},
-        ),
-        distribution=report(
-            "paper/tables/distribution_{device}.csv",
-            caption="../report/distribution.rst",
-            category="Navigation",
-            labels={"result": "distribution over trials (table), {device}"},
-        ),
-        ranking=report(
-            "paper/tables/ranking_{device}.csv",
-            caption="../report/ranking.rst",
-            category="Navigation",
-            labels={"result": "ranking over length (table), {device}"},
-        ),
-        figure=report(
-            "paper/figures/ranking_{device}.svg",
-            caption="../report/ranking.rst",
-            category="Navigation",
-            labels={"result": "ranking over length (figure), {device}"},
-        ),
-        crps=report(
-            "paper/figures/crps_{device}.svg",
-            caption="../report/crps.rst",
-            category="Navigation",
-            labels={"result": "proper score over length (figure), {device}"},
-        ),
+        five=table("five_trials_{device}", "Navigation", "five trials (table), {device}"),
+        distribution=table("distribution_{device}", "Navigation", "distribution over trials (table), {device}"),
+        ranking=table("ranking_{device}", "Navigation", "ranking over length (table), {device}"),
+        figure=figure("ranking_{device}", "Navigation", "ranking over length (figure), {device}"),
+        crps=figure("crps_{device}", "Navigation", "proper score over length (figure), {device}"),
         numbers="paper/numbers/navigation_{device}.json",
     log:
         "logs/drift_tables/{device}.log",
@@ -162,14 +125,4 @@ rule drift_tables:
         "../scripts/drift_tables.py"
 
 
-PAPER["study"] += of_devices(
-    "paper/figures/drift_{device}.svg",
-    "paper/figures/differences_raw_{device}.svg",
-    "paper/figures/differences_calibrated_{device}.svg",
-    "paper/figures/ranking_{device}.svg",
-    "paper/figures/crps_{device}.svg",
-    "paper/tables/five_trials_{device}.json",
-    "paper/tables/distribution_{device}.json",
-    "paper/tables/ranking_{device}.json",
-    "paper/numbers/navigation_{device}.json",
-)
+PAPER["study"] += [*of_devices(rules.drift_figures), *of_devices(rules.drift_tables)]

@@ -3,8 +3,8 @@ rule study_numbers:
     input:
         tables=["data/datasets.csv", "data/files.csv"],
     output:
-        "paper/numbers/study.json",
-        multiext("paper/tables/datasets", ".csv", ".json", ".tex"),
+        numbers="paper/numbers/study.json",
+        table=table("datasets"),
     log:
         "logs/study_numbers.log",
     params:
@@ -24,8 +24,7 @@ rule paper:
     """Compile the paper; it types no number."""
     input:
         [path for chapter in CHAPTERS for path in PAPER[chapter]],
-        "paper/tables/datasets.json",
-        "paper/numbers/study.json",
+        rules.study_numbers.output,
         main="paper/main.typ",
         chapters=sorted(map(str, Path("paper/chapters").glob("*.typ"))),
         style="paper/style.typ",

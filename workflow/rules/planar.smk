@@ -29,31 +29,14 @@ rule planar_page:
         ends=expand("results/planar/{case}_ends.parquet", case=PLANAR_CASES),
         nees=expand("results/planar/{case}_nees.parquet", case=PLANAR_CASES),
     output:
-        multiext("paper/tables/planar", ".json", ".tex"),
-        gauss_markov=report(
-            "paper/figures/planar_gauss_markov.svg",
-            caption="../report/planar_spread.rst",
-            category="Augmentation",
-            labels={"result": "predicted and actual error (figure)"},
+        gauss_markov=figure(
+            "planar_gauss_markov", "Augmentation", "predicted and actual error (figure)", caption="planar_spread"
         ),
-        flicker=report(
-            "paper/figures/planar_flicker.svg",
-            caption="../report/planar_spread.rst",
-            category="Augmentation",
-            labels={"result": "predicted and actual error, flicker (figure)"},
+        flicker=figure(
+            "planar_flicker", "Augmentation", "predicted and actual error, flicker (figure)", caption="planar_spread"
         ),
-        consistency=report(
-            "paper/figures/planar_consistency.svg",
-            caption="../report/planar_consistency.rst",
-            category="Augmentation",
-            labels={"result": "NEES over time (figure)"},
-        ),
-        table=report(
-            "paper/tables/planar.csv",
-            caption="../report/planar.rst",
-            category="Augmentation",
-            labels={"result": "at the ends of the outages (table)"},
-        ),
+        consistency=figure("planar_consistency", "Augmentation", "NEES over time (figure)"),
+        table=table("planar", "Augmentation", "at the ends of the outages (table)"),
         numbers="paper/numbers/planar.json",
     log:
         "logs/planar_page.log",
@@ -64,7 +47,4 @@ rule planar_page:
         "../scripts/planar_page.py"
 
 
-PAPER["augmentation"] += expand(
-    "paper/figures/planar_{name}.svg", name=[*TRUTHS, "consistency"]
-)
-PAPER["augmentation"] += ["paper/tables/planar.json", "paper/numbers/planar.json"]
+PAPER["augmentation"] += rules.planar_page.output

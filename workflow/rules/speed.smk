@@ -1,23 +1,13 @@
 rule speed:
     """Time the kernels against their peers, and the chain from raw logs to indices; alone on the machine."""
     input:
-        raw=[
-            str(locate(CATALOGUE["adis16405"].file(run), RAW, MIRROR))
-            for run in RUNS["adis16405"]
-        ],
+        raw=[str(locate(CATALOGUE["adis16405"].file(run), RAW, MIRROR)) for run in RUNS["adis16405"]],
         recipe="data/indirect.yaml",
         walk="data/walk.yaml",
         drive="data/drive.yaml",
         walkers="data/published/walk_speed.csv",
     output:
-        report(
-            "paper/tables/speed.csv",
-            caption="../report/speed.rst",
-            category="Speed",
-            labels={"result": "speed (table)"},
-        ),
-        "paper/tables/speed.json",
-        "paper/tables/speed.tex",
+        table=table("speed", "Speed", "speed (table)"),
     log:
         "logs/speed.log",
     # more than any machine here has: the rule runs alone
@@ -34,4 +24,4 @@ rule speed:
         "../scripts/speed.py"
 
 
-PAPER["study"] += ["paper/tables/speed.json"]
+PAPER["study"] += rules.speed.output

@@ -44,14 +44,7 @@ rule indices_table:
     input:
         indices="results/{device}/indices.csv",
     output:
-        report(
-            "paper/tables/indices_{device}.csv",
-            caption="../report/indices.rst",
-            category="Performance indices",
-            labels={"result": "indices (table), {device}"},
-        ),
-        "paper/tables/indices_{device}.json",
-        "paper/tables/indices_{device}.tex",
+        table=table("indices_{device}", "Performance indices", "indices (table), {device}"),
     log:
         "logs/indices_table/{device}.log",
     params:
@@ -66,12 +59,7 @@ rule allan_figure:
         allan="results/{device}/allan.csv",
         indices="results/{device}/indices_runs.csv",
     output:
-        report(
-            "paper/figures/allan_{device}.svg",
-            caption="../report/allan.rst",
-            category="Performance indices",
-            labels={"result": "Allan deviation (figure), {device}"},
-        ),
+        figure=figure("allan_{device}", "Performance indices", "Allan deviation (figure), {device}"),
     log:
         "logs/allan_figure/{device}.log",
     params:
@@ -86,14 +74,7 @@ rule bench_score:
         indices="results/bench/indices.csv",
         truth="results/bench/truth.json",
     output:
-        report(
-            "paper/tables/bench_score.csv",
-            caption="../report/bench_score.rst",
-            category="Performance indices",
-            labels={"result": "indices against truth (table), bench"},
-        ),
-        "paper/tables/bench_score.json",
-        "paper/tables/bench_score.tex",
+        table=table("bench_score", "Performance indices", "indices against truth (table), bench"),
         numbers="paper/numbers/bench_score.json",
     log:
         "logs/bench_score.log",
@@ -110,21 +91,9 @@ rule clock:
         logs=of_runs("log.parquet"),
         indices="results/{device}/indices_runs.csv",
     output:
-        report(
-            "paper/figures/clock_{device}.svg",
-            caption="../report/clock.rst",
-            category="Data",
-            labels={"result": "sampling clock (figure), {device}"},
-        ),
-        report(
-            "paper/tables/clock_{device}.csv",
-            caption="../report/clock.rst",
-            category="Data",
-            labels={"result": "sampling clock (table), {device}"},
-        ),
-        "paper/tables/clock_{device}.json",
-        "paper/tables/clock_{device}.tex",
-        "paper/numbers/clock_{device}.json",
+        figure=figure("clock_{device}", "Data", "sampling clock (figure), {device}"),
+        table=table("clock_{device}", "Data", "sampling clock (table), {device}"),
+        numbers="paper/numbers/clock_{device}.json",
     log:
         "logs/clock/{device}.log",
     params:
@@ -139,20 +108,8 @@ rule turn_on:
     input:
         logs=expand("results/memsense_turnon/{run}/log.parquet", run=POWER_CYCLES),
     output:
-        report(
-            "paper/figures/turn_on.svg",
-            caption="../report/turn_on.rst",
-            category="Performance indices",
-            labels={"result": "turn-on bias (figure), memsense_turnon"},
-        ),
-        report(
-            "paper/tables/turn_on.csv",
-            caption="../report/turn_on.rst",
-            category="Performance indices",
-            labels={"result": "turn-on bias (table), memsense_turnon"},
-        ),
-        "paper/tables/turn_on.json",
-        "paper/tables/turn_on.tex",
+        figure=figure("turn_on", "Performance indices", "turn-on bias (figure), memsense_turnon"),
+        table=table("turn_on", "Performance indices", "turn-on bias (table), memsense_turnon"),
     log:
         "logs/turn_on.log",
     params:
@@ -163,16 +120,7 @@ rule turn_on:
         "../scripts/turn_on.py"
 
 
-PAPER["study"] += of_devices(
-    "paper/figures/allan_{device}.svg",
-    "paper/tables/indices_{device}.json",
-)
-PAPER["study"] += [
-    f"paper/numbers/clock_{device}.json" for device in DEVICES if len(RUNS[device]) > 1
-]
-PAPER["study"] += (
-    ["paper/tables/bench_score.json", "paper/numbers/bench_score.json"]
-    if "bench" in DEVICES
-    else []
-)
-PAPER["study"] += ["paper/tables/turn_on.json"] if POWER_CYCLES else []
+PAPER["study"] += [*of_devices(rules.allan_figure), *of_devices(rules.indices_table)]
+PAPER["study"] += expand(rules.clock.output, device=[device for device in DEVICES if len(RUNS[device]) > 1])
+PAPER["study"] += rules.bench_score.output if "bench" in DEVICES else []
+PAPER["study"] += rules.turn_on.output if POWER_CYCLES else []

@@ -23,7 +23,7 @@ rule tutorial_allan:
         models=expand("results/{{device}}/tutorial/{textbook}.yaml", textbook=MODELS),
         log=lambda wildcards: f"results/{wildcards.device}/{RUNS[wildcards.device][0]}/log.parquet",
     output:
-        "results/{device}/tutorial/allan.csv",
+        allan="results/{device}/tutorial/allan.csv",
     log:
         "logs/tutorial_allan/{device}.log",
     params:
@@ -41,21 +41,13 @@ rule tutorial_figure:
         readings="results/{device}/tutorial/readings.csv",
         models="results/{device}/tutorial/allan.csv",
     output:
-        report(
-            "paper/figures/tutorial_{device}.svg",
-            caption="../report/tutorial.rst",
-            category="Allan deviation to state space",
-            labels={"result": "continuous models (figure), {device}"},
+        figure=figure("tutorial_{device}", "Allan deviation to state space", "continuous models (figure), {device}"),
+        table=table(
+            "tutorial_{device}",
+            "Allan deviation to state space",
+            "where the continuous models depart (table), {device}",
         ),
-        report(
-            "paper/tables/tutorial_{device}.csv",
-            caption="../report/tutorial.rst",
-            category="Allan deviation to state space",
-            labels={"result": "where the continuous models depart (table), {device}"},
-        ),
-        "paper/tables/tutorial_{device}.json",
-        "paper/tables/tutorial_{device}.tex",
-        "paper/numbers/tutorial_{device}.json",
+        numbers="paper/numbers/tutorial_{device}.json",
     log:
         "logs/tutorial_figure/{device}.log",
     params:
@@ -69,21 +61,9 @@ rule worked_example:
     input:
         printed="data/published/farrell2022_worked_example.csv",
     output:
-        report(
-            "paper/figures/worked_example.svg",
-            caption="../report/worked_example.rst",
-            category="Allan deviation to state space",
-            labels={"result": "worked example (figure)"},
-        ),
-        report(
-            "paper/tables/worked_example.csv",
-            caption="../report/worked_example.rst",
-            category="Allan deviation to state space",
-            labels={"result": "worked example (table)"},
-        ),
-        "paper/tables/worked_example.json",
-        "paper/tables/worked_example.tex",
-        "paper/numbers/worked_example.json",
+        figure=figure("worked_example", "Allan deviation to state space", "worked example (figure)"),
+        table=table("worked_example", "Allan deviation to state space", "worked example (table)"),
+        numbers="paper/numbers/worked_example.json",
     log:
         "logs/worked_example.log",
     params:
@@ -95,21 +75,9 @@ rule worked_example:
 rule flicker_bank:
     """Fit banks of Gauss-Markov states to flicker noise and take their errors."""
     output:
-        report(
-            "paper/figures/flicker_bank.svg",
-            caption="../report/flicker_bank.rst",
-            category="Allan deviation to state space",
-            labels={"result": "flicker bank (figure)"},
-        ),
-        report(
-            "paper/tables/flicker_bank.csv",
-            caption="../report/flicker_bank.rst",
-            category="Allan deviation to state space",
-            labels={"result": "states and error (table)"},
-        ),
-        "paper/tables/flicker_bank.json",
-        "paper/tables/flicker_bank.tex",
-        "paper/numbers/flicker_bank.json",
+        figure=figure("flicker_bank", "Allan deviation to state space", "flicker bank (figure)"),
+        table=table("flicker_bank", "Allan deviation to state space", "states and error (table)"),
+        numbers="paper/numbers/flicker_bank.json",
     log:
         "logs/flicker_bank.log",
     params:
@@ -121,15 +89,8 @@ rule flicker_bank:
 rule false_readings:
     """Count how often each law is read on simulated logs, whether it is there or not."""
     output:
-        report(
-            "paper/tables/false_readings.csv",
-            caption="../report/false_readings.rst",
-            category="Allan deviation to state space",
-            labels={"result": "readings of laws (table)"},
-        ),
-        "paper/tables/false_readings.json",
-        "paper/tables/false_readings.tex",
-        "paper/numbers/false_readings.json",
+        table=table("false_readings", "Allan deviation to state space", "readings of laws (table)"),
+        numbers="paper/numbers/false_readings.json",
     log:
         "logs/false_readings.log",
     params:
@@ -143,15 +104,8 @@ rule false_readings:
 rule piecewise:
     """Score the classical reading of white noise and a Gauss-Markov process on simulated logs."""
     output:
-        report(
-            "paper/tables/piecewise.csv",
-            caption="../report/piecewise.rst",
-            category="Allan deviation to state space",
-            labels={"result": "accuracy of readings (table)"},
-        ),
-        "paper/tables/piecewise.json",
-        "paper/tables/piecewise.tex",
-        "paper/numbers/piecewise.json",
+        table=table("piecewise", "Allan deviation to state space", "accuracy of readings (table)"),
+        numbers="paper/numbers/piecewise.json",
     log:
         "logs/piecewise.log",
     params:
@@ -162,19 +116,6 @@ rule piecewise:
         "../scripts/piecewise.py"
 
 
-PAPER["tutorial"] += of_devices(
-    "paper/figures/tutorial_{device}.svg",
-    "paper/tables/tutorial_{device}.json",
-    "paper/numbers/tutorial_{device}.json",
-)
-PAPER["tutorial"] += [
-    "paper/figures/worked_example.svg",
-    "paper/tables/worked_example.json",
-    "paper/numbers/worked_example.json",
-    "paper/figures/flicker_bank.svg",
-    "paper/numbers/flicker_bank.json",
-    "paper/tables/false_readings.json",
-    "paper/numbers/false_readings.json",
-    "paper/tables/piecewise.json",
-    "paper/numbers/piecewise.json",
-]
+PAPER["tutorial"] += of_devices(rules.tutorial_figure)
+for one in (rules.worked_example, rules.flicker_bank, rules.false_readings, rules.piecewise):
+    PAPER["tutorial"] += one.output

@@ -43,7 +43,7 @@ rule walk_inside:
         recipe="data/walk.yaml",
         models="results/walk/models.yaml",
     output:
-        "results/walk/inside.parquet",
+        ends="results/walk/inside.parquet",
     log:
         "logs/walk_inside.log",
     params:
@@ -63,32 +63,10 @@ rule compensation_page:
         inside="results/walk/inside.parquet",
         printed="data/published/he2023_table3_pedestrian_compensation.csv",
     output:
-        multiext("paper/tables/compensation", ".json", ".tex"),
-        multiext("paper/tables/compensation_inside", ".json", ".tex"),
-        tracks=report(
-            "paper/figures/compensation_tracks.svg",
-            caption="../report/compensation_tracks.rst",
-            category="Walks",
-            labels={"result": "compensated walks (figure)"},
-        ),
-        ends=report(
-            "paper/figures/compensation_ends.svg",
-            caption="../report/compensation_ends.rst",
-            category="Walks",
-            labels={"result": "end errors over devices (figure)"},
-        ),
-        table=report(
-            "paper/tables/compensation.csv",
-            caption="../report/compensation.rst",
-            category="Walks",
-            labels={"result": "compensation (table)"},
-        ),
-        inside=report(
-            "paper/tables/compensation_inside.csv",
-            caption="../report/compensation_inside.rst",
-            category="Walks",
-            labels={"result": "models inside the filter (table)"},
-        ),
+        tracks=figure("compensation_tracks", "Walks", "compensated walks (figure)"),
+        ends=figure("compensation_ends", "Walks", "end errors over devices (figure)"),
+        table=table("compensation", "Walks", "compensation (table)"),
+        inside=table("compensation_inside", "Walks", "models inside the filter (table)"),
         numbers="paper/numbers/compensation.json",
     log:
         "logs/compensation_page.log",
@@ -102,10 +80,7 @@ rule compensation_page:
 rule walk_real:
     """Navigate every walk of a data set, and lay it over what cameras saw."""
     input:
-        raw=lambda wildcards: [
-            str(locate(file, RAW, MIRROR))
-            for file in CATALOGUE[wildcards.dataset].files
-        ],
+        raw=lambda wildcards: [str(locate(file, RAW, MIRROR)) for file in CATALOGUE[wildcards.dataset].files],
         recipe="data/walk.yaml",
         tables=["data/datasets.csv", "data/files.csv"],
     output:
@@ -127,32 +102,10 @@ rule walk_real_page:
         tracks=expand("results/walk/real/{dataset}.parquet", dataset=WALKS),
         peers="data/published/walk_peers.csv",
     output:
-        multiext("paper/tables/walks", ".json", ".tex"),
-        multiext("paper/tables/walks_peers", ".json", ".tex"),
-        walks=report(
-            "paper/figures/walks.svg",
-            caption="../report/walks.rst",
-            category="Walks",
-            labels={"result": "real walks (figure)"},
-        ),
-        errors=report(
-            "paper/figures/walk_errors.svg",
-            caption="../report/walk_errors.rst",
-            category="Walks",
-            labels={"result": "errors against cameras (figure)"},
-        ),
-        table=report(
-            "paper/tables/walks.csv",
-            caption="../report/walks_table.rst",
-            category="Walks",
-            labels={"result": "real walks (table)"},
-        ),
-        peers=report(
-            "paper/tables/walks_peers.csv",
-            caption="../report/walks_peers.rst",
-            category="Walks",
-            labels={"result": "what peers make of the walks (table)"},
-        ),
+        walks=figure("walks", "Walks", "real walks (figure)"),
+        errors=figure("walk_errors", "Walks", "errors against cameras (figure)"),
+        table=table("walks", "Walks", "real walks (table)", caption="walks_table"),
+        peers=table("walks_peers", "Walks", "what peers make of the walks (table)"),
         numbers="paper/numbers/walks.json",
     log:
         "logs/walk_real_page.log",
@@ -169,7 +122,7 @@ rule walk_budget:
         recipe="data/walk.yaml",
         kind="data/foot.yaml",
     output:
-        "results/walk/budget/{walkers}.parquet",
+        errors="results/walk/budget/{walkers}.parquet",
     log:
         "logs/walk_budget/{walkers}.log",
     wildcard_constraints:
@@ -185,13 +138,10 @@ rule walk_budget:
 rule walk_sensitivity:
     """Navigate the walks of a set with other thresholds and detectors, and with delayed accelerometers."""
     input:
-        raw=lambda wildcards: [
-            str(locate(file, RAW, MIRROR))
-            for file in CATALOGUE[wildcards.dataset].files
-        ],
+        raw=lambda wildcards: [str(locate(file, RAW, MIRROR)) for file in CATALOGUE[wildcards.dataset].files],
         tables=["data/datasets.csv", "data/files.csv"],
     output:
-        "results/walk/choices/{dataset}.csv",
+        choices="results/walk/choices/{dataset}.csv",
     log:
         "logs/walk_sensitivity/{dataset}.log",
     params:
@@ -208,7 +158,7 @@ rule walk_consistency:
     input:
         recipe="data/walk.yaml",
     output:
-        "results/walk/consistency.csv",
+        ends="results/walk/consistency.csv",
     log:
         "logs/walk_consistency.log",
     params:
@@ -223,46 +173,16 @@ rule walk_consistency:
 rule walk_limits_page:
     """Draw and tabulate what limits a walk: errors one at a time, the detector, and whether the filter knows."""
     input:
-        budgets=expand(
-            "results/walk/budget/{walkers}.parquet", walkers=["embedded", *WALKS]
-        ),
+        budgets=expand("results/walk/budget/{walkers}.parquet", walkers=["embedded", *WALKS]),
         choices=expand("results/walk/choices/{dataset}.csv", dataset=WALKS),
         walks=expand("results/walk/real/{dataset}.csv", dataset=WALKS),
         consistency="results/walk/consistency.csv",
     output:
-        multiext("paper/tables/walk_budget", ".json", ".tex"),
-        multiext("paper/tables/walk_consistency", ".json", ".tex"),
-        multiext("paper/tables/walk_settings", ".json", ".tex"),
-        budget_figure=report(
-            "paper/figures/walk_budget.svg",
-            caption="../report/walk_budget.rst",
-            category="Walks",
-            labels={"result": "which error dominates (figure)"},
-        ),
-        sensitivity=report(
-            "paper/figures/walk_sensitivity.svg",
-            caption="../report/walk_sensitivity.rst",
-            category="Walks",
-            labels={"result": "thresholds and detectors (figure)"},
-        ),
-        budget=report(
-            "paper/tables/walk_budget.csv",
-            caption="../report/walk_budget.rst",
-            category="Walks",
-            labels={"result": "which error dominates (table)"},
-        ),
-        consistency=report(
-            "paper/tables/walk_consistency.csv",
-            caption="../report/walk_consistency.rst",
-            category="Walks",
-            labels={"result": "ellipses of the end (table)"},
-        ),
-        settings=report(
-            "paper/tables/walk_settings.csv",
-            caption="../report/walk_settings.rst",
-            category="Walks",
-            labels={"result": "settings chosen on other sets (table)"},
-        ),
+        budget_figure=figure("walk_budget", "Walks", "which error dominates (figure)"),
+        sensitivity=figure("walk_sensitivity", "Walks", "thresholds and detectors (figure)"),
+        budget=table("walk_budget", "Walks", "which error dominates (table)"),
+        consistency=table("walk_consistency", "Walks", "ellipses of the end (table)"),
+        settings=table("walk_settings", "Walks", "settings chosen on other sets (table)"),
         numbers="paper/numbers/walk_limits.json",
     log:
         "logs/walk_limits_page.log",
@@ -286,9 +206,7 @@ rule walk_hidden:
         cases=config["walks"]["hidden"],
         seed=config["seed"],
         strides=config["walks"]["loop_strides"],
-        alpha=config["discovery"]["alpha"],
-        replicates=config["discovery"]["replicates"],
-        simulations=config["discovery"]["simulations"],
+        asked=QUESTION,
         code=library("walk_hidden"),
     script:
         "../scripts/walk_hidden.py"
@@ -300,13 +218,7 @@ rule walk_hidden_page:
         cases="data/hidden.yaml",
         found=expand("results/walk/hidden/{case}.csv", case=config["walks"]["hidden"]),
     output:
-        multiext("paper/tables/walk_hidden", ".json", ".tex"),
-        table=report(
-            "paper/tables/walk_hidden.csv",
-            caption="../report/walk_hidden.rst",
-            category="Walks",
-            labels={"result": "discovery on walks (table)"},
-        ),
+        table=table("walk_hidden", "Walks", "discovery on walks (table)"),
         numbers="paper/numbers/walk_hidden.json",
     log:
         "logs/walk_hidden_page.log",
@@ -320,10 +232,7 @@ rule walk_hidden_page:
 rule walk_missing:
     """Ask the real walks what their twin lacks; foretell with it the ends of walks that were not asked."""
     input:
-        **{
-            name: [str(locate(file, RAW, MIRROR)) for file in CATALOGUE[name].files]
-            for name in WALKS
-        },
+        **{name: [str(locate(file, RAW, MIRROR)) for file in CATALOGUE[name].files] for name in WALKS},
         recipe="data/walk.yaml",
         kind="data/foot.yaml",
         tables=["data/datasets.csv", "data/files.csv"],
@@ -349,26 +258,9 @@ rule walk_missing_page:
         found="results/walk/missing/found.csv",
         ends="results/walk/missing/ends.parquet",
     output:
-        multiext("paper/tables/walk_missing", ".json", ".tex"),
-        multiext("paper/tables/walk_foretold", ".json", ".tex"),
-        figure=report(
-            "paper/figures/walk_foretold.svg",
-            caption="../report/walk_foretold.rst",
-            category="Walks",
-            labels={"result": "ends foretold by twins (figure)"},
-        ),
-        found=report(
-            "paper/tables/walk_missing.csv",
-            caption="../report/walk_missing.rst",
-            category="Walks",
-            labels={"result": "discovery on real walks (table)"},
-        ),
-        scores=report(
-            "paper/tables/walk_foretold.csv",
-            caption="../report/walk_foretold.rst",
-            category="Walks",
-            labels={"result": "ends foretold by twins (table)"},
-        ),
+        figure=figure("walk_foretold", "Walks", "ends foretold by twins (figure)"),
+        found=table("walk_missing", "Walks", "discovery on real walks (table)"),
+        scores=table("walk_foretold", "Walks", "ends foretold by twins (table)"),
         numbers="paper/numbers/walk_missing.json",
     log:
         "logs/walk_missing_page.log",
@@ -379,34 +271,6 @@ rule walk_missing_page:
         "../scripts/walk_missing_page.py"
 
 
-PAPER["pedestrian"] += [
-    "paper/tables/walk_hidden.json",
-    "paper/numbers/walk_hidden.json",
-]
-PAPER["pedestrian"] += multiext(
-    "paper/figures/compensation", "_tracks.svg", "_ends.svg"
-)
-PAPER["pedestrian"] += multiext("paper/tables/compensation", ".json", "_inside.json")
-PAPER["pedestrian"] += ["paper/numbers/compensation.json"]
-PAPER["pedestrian"] += [
-    "paper/figures/walk_budget.svg",
-    "paper/figures/walk_sensitivity.svg",
-]
-PAPER["pedestrian"] += [
-    "paper/tables/walk_budget.json",
-    "paper/tables/walk_consistency.json",
-]
-PAPER["pedestrian"] += ["paper/numbers/walk_limits.json"]
-if WALKS:
-    PAPER["pedestrian"] += ["paper/figures/walks.svg", "paper/figures/walk_errors.svg"]
-    PAPER["pedestrian"] += ["paper/tables/walks.json", "paper/tables/walks_peers.json"]
-    PAPER["pedestrian"] += ["paper/numbers/walks.json"]
-    PAPER["pedestrian"] += [
-        "paper/figures/walk_foretold.svg",
-        "paper/numbers/walk_missing.json",
-    ]
-    PAPER["pedestrian"] += ["paper/tables/walk_settings.json"]
-    PAPER["pedestrian"] += [
-        "paper/tables/walk_missing.json",
-        "paper/tables/walk_foretold.json",
-    ]
+PAPER["pedestrian"] += [*rules.walk_hidden_page.output, *rules.compensation_page.output]
+PAPER["pedestrian"] += rules.walk_limits_page.output
+PAPER["pedestrian"] += [*rules.walk_real_page.output, *rules.walk_missing_page.output] if WALKS else []

@@ -2,10 +2,9 @@
 
 import pandas as pd
 
-from imugap.figures import static, style
-from imugap.workflow.job_log import journal
+from imugap.figures import static
+from imugap.workflow.job_log import job
+from imugap.workflow.products import save
 
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        curves, indices = pd.read_csv(snakemake.input.allan), pd.read_csv(snakemake.input.indices)
-        style.save(static.allan(curves, indices), snakemake.output[0])
+with job(snakemake) as (source, _, output):
+    save(output, figure=static.allan(pd.read_csv(source.allan), pd.read_csv(source.indices)))

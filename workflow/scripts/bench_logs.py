@@ -2,12 +2,11 @@
 
 from imugap import log
 from imugap.simulation.bench import Bench
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
 
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        bench, params = Bench.read(snakemake.input.recipe), snakemake.params
-        for run, path in zip(params.runs, snakemake.output, strict=True):
-            table = bench.run(run, 1 / params.rate_hz, params.duration_s, params.seed)
-            log.write(table, path)
-            print(f"run {run}: {len(table)} samples")
+with job(snakemake) as (source, params, output):
+    bench = Bench.read(source.recipe)
+    for run, path in zip(params.runs, output, strict=True):
+        table = bench.run(run, 1 / params.rate_hz, params.duration_s, params.seed)
+        log.write(table, path)
+        print(f"run {run}: {len(table)} samples")

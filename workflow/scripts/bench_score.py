@@ -1,8 +1,5 @@
 """Compare the indices of the virtual bench with its truth."""
 
-import json
-from pathlib import Path
-
 import numpy as np
 import pandas as pd
 
@@ -10,7 +7,8 @@ from imugap.estimation.indices import INDICES
 from imugap.figures.style import AXIS_TITLES
 from imugap.units import from_si
 from imugap.workflow import tables
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
+from imugap.workflow.products import read_json, save
 
 TRUTH = {
     "bias": ("bias", "value"),
@@ -40,15 +38,13 @@ def score(indices, model, interval):
 
 def page(data):
     """Lay the table out: a row per axis and index."""
-    rows = []
     for row in data.itertuples():
         unit = INDICES[row.symbol].unit(row.axis)
         value, low, high, truth = (from_si(v, unit) for v in (row.value, row.low, row.high, row.truth))
         shown = tables.interval(value, low, high) if row.holds else f"≤ {tables.number(high)}"
-        axis = AXIS_TITLES[row.axis]
-        verdict = "inside" if row.inside else "outside"
-        rows.append([axis, INDICES[row.symbol].title, tables.unit(unit), tables.number(truth), shown, verdict])
-    return pd.DataFrame(rows, columns=["axis", "index", "unit", "truth", "estimate", "truth is"])
+        yield {"axis": AXIS_TITLES[row.axis], "index": INDICES[row.symbol].title, "unit": tables.unit(unit),
+               "truth": tables.number(truth), "estimate": shown,
+               "truth is": "inside" if row.inside else "outside"}  # fmt: skip
 
 
 def numbers(data):
@@ -62,9 +58,7 @@ def numbers(data):
     }  # fmt: skip
 
 
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        model = json.loads(Path(snakemake.input.truth).read_text())["model"]
-        data = score(pd.read_csv(snakemake.input.indices), model, 1 / snakemake.params.rate_hz)
-        tables.write(snakemake.output[0].removesuffix(".csv"), data, page(data))
-        Path(snakemake.output.numbers).write_text(json.dumps(numbers(data), indent=1) + "\n")
+with job(snakemake) as (source, params, output):
+    model = read_json(source.truth)["model"]
+    data = score(pd.read_csv(source.indices), model, 1 / params.rate_hz)
+    save(output, table=(data, page(data)), numbers=numbers(data))

@@ -1,12 +1,8 @@
 """Write the truth of the virtual bench."""
 
-import json
-from pathlib import Path
-
 from imugap.simulation.bench import Bench
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
+from imugap.workflow.products import save
 
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        truth = Bench.read(snakemake.input.recipe).truth()
-        Path(snakemake.output[0]).write_text(json.dumps(truth, indent=1) + "\n")
+with job(snakemake) as (source, _, output):
+    save(output, truth=Bench.read(source.recipe).truth())

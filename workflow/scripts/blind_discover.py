@@ -7,25 +7,18 @@ from time import perf_counter
 from imugap.discovery.device import Question
 from imugap.discovery.inputs import Files, discover_files
 from imugap.discovery.report import view_table
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
 
-
-def main(case, question, out):
-    """Run discovery on the logs of the folder ``case``, with its reference and start model, if any."""
-    begin = perf_counter()
-    logs = tuple(sorted(path for path in case.glob("*.parquet") if path.stem != "reference"))
-    given = {"reference": case / "reference.parquet", "model": case / "model.yaml"}
-    files = Files(logs, **{name: path for name, path in given.items() if path.exists()})
-    result = discover_files(files, question)
-    out.mkdir(parents=True)
-    (out / "report.json").write_text(json.dumps(result.report(), indent=1, allow_nan=False) + "\n")
-    view_table(result.found).to_csv(out / "views.csv", index=False)
-    (out / "seconds.json").write_text(json.dumps({"seconds": perf_counter() - begin}) + "\n")
-
-
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        question = Question(**snakemake.params.asked, seed=snakemake.params.seed)
-        for case in map(Path, snakemake.input.cases):
-            main(case, question, Path(snakemake.output[0]) / case.name)
-            print(case.name)
+with job(snakemake) as (source, params, output):
+    question = Question(**params.asked, seed=params.seed)
+    for case in map(Path, source.cases):
+        begin, out = perf_counter(), Path(output[0]) / case.name
+        logs = tuple(sorted(path for path in case.glob("*.parquet") if path.stem != "reference"))
+        given = {"reference": case / "reference.parquet", "model": case / "model.yaml"}
+        files = Files(logs, **{name: path for name, path in given.items() if path.exists()})
+        result = discover_files(files, question)
+        out.mkdir(parents=True)
+        (out / "report.json").write_text(json.dumps(result.report(), indent=1, allow_nan=False) + "\n")
+        view_table(result.found).to_csv(out / "views.csv", index=False)
+        (out / "seconds.json").write_text(json.dumps({"seconds": perf_counter() - begin}) + "\n")
+        print(case.name)

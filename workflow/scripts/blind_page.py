@@ -1,6 +1,5 @@
 """Draw and tabulate the scores of the blind benchmark, and write what the text says of them."""
 
-import json
 from pathlib import Path
 
 import pandas as pd
@@ -8,10 +7,10 @@ import yaml
 
 from imugap.benchmark import scores as blind
 from imugap.figures import blind as drawn
-from imugap.figures import style
 from imugap.figures.style import AXIS_TITLES
 from imugap.workflow import tables
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
+from imugap.workflow.products import save
 
 TERMS = {"white_noise": "WN", "quantization": "QN", "random_walk": "RW", "gauss_markov": "AR1", "rate_ramp": "DR"}
 """What the R package gmwm calls the names that its choice of a model can give."""
@@ -152,17 +151,6 @@ def peer_page(peer):
     })  # fmt: skip
 
 
-def drawings(scores, rates, coverage, clear_size):
-    """Draw all figures, by name."""
-    return {
-        "detection": drawn.detection(blind.detection(scores.effects), clear_size),
-        "confusion": drawn.confusion(blind.confusion(scores.effects, clear_size)),
-        "rates": drawn.rates(rates),
-        "coverage": drawn.coverage(scores.parameters, coverage),
-        "distances": drawn.distances(blind.single_cases(scores, clear_size)),
-    }
-
-
 def numbers(scores, beside, seconds, clear_size):
     """Return what the text says."""
     cases = scores.cases
@@ -203,42 +191,30 @@ def numbers(scores, beside, seconds, clear_size):
     }
 
 
-def main(source, clear_size, output):
-    """Write the tables and figures of the scores, and the numbers of the text with the record of the run, if any."""
+with job(snakemake) as (source, params, output):
+    clear, source = params.clear_size, dict(source.items())
     scores = blind.Scores(*(pd.read_csv(source[name]) for name in ("cases", "effects", "parameters")))
     p_values, seconds = pd.read_csv(source["p_values"]), pd.read_csv(source["run_time"])["seconds"]
-    data = {
-        "rates": rates(scores, clear_size),
-        "detection": blind.detection(scores.effects),
-        "confusion": blind.confusion(scores.effects, clear_size).reset_index(),
-        "misses": blind.wrong_answers(scores, clear_size),
-        "coverage": blind.coverage(scores.parameters),
-        "calibration": blind.calibration(p_values),
-        "beside": blind.stochastic_names(scores.effects, TERMS, clear_size),
-        "peer": pd.read_csv(source["peer"]),
-    }
-    shown = drawings(scores, data["rates"], data["coverage"], clear_size) | {"calibration": drawn.calibration(p_values)}
-    for name, figure in shown.items():
-        style.save(figure, output[f"{name}_figure"])
-    for name, table in data.items():
-        tables.write(output[name].removesuffix(".csv"), table, PAGES[name](table))
+    table, coverage = rates(scores, clear), blind.coverage(scores.parameters)
+    detection, confusion = blind.detection(scores.effects), blind.confusion(scores.effects, clear)
+    misses, calibration = blind.wrong_answers(scores, clear), blind.calibration(p_values)
+    beside, peer = blind.stochastic_names(scores.effects, TERMS, clear), pd.read_csv(source["peer"])
     record = yaml.safe_load(Path(source["record"]).read_text()) if "record" in source else {}
-    said = numbers(scores, data["beside"], seconds, clear_size) | record
-    Path(output["numbers"]).write_text(json.dumps(said, indent=1) + "\n")
-
-
-PAGES = {
-    "rates": rates_page,
-    "detection": detection_page,
-    "confusion": confusion_page,
-    "misses": misses_page,
-    "coverage": coverage_page,
-    "calibration": calibration_page,
-    "beside": beside_page,
-    "peer": peer_page,
-}
-"""How each table is laid out."""
-
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        main(dict(snakemake.input.items()), snakemake.params.clear_size, dict(snakemake.output.items()))
+    save(
+        output,
+        detection_figure=drawn.detection(detection, clear),
+        confusion_figure=drawn.confusion(confusion),
+        rates_figure=drawn.rates(table),
+        coverage_figure=drawn.coverage(scores.parameters, coverage),
+        distances_figure=drawn.distances(blind.single_cases(scores, clear)),
+        calibration_figure=drawn.calibration(p_values),
+        rates=(table, rates_page(table)),
+        detection=(detection, detection_page(detection)),
+        confusion=(confusion.reset_index(), confusion_page(confusion.reset_index())),
+        misses=(misses, misses_page(misses)),
+        coverage=(coverage, coverage_page(coverage)),
+        calibration=(calibration, calibration_page(calibration)),
+        beside=(beside, beside_page(beside)),
+        peer=(peer, peer_page(peer)),
+        numbers=numbers(scores, beside, seconds, clear) | record,
+    )

@@ -1,32 +1,12 @@
 """Score the blind benchmark."""
 
-import json
 from pathlib import Path
 
 import pandas as pd
 
 from imugap.benchmark import scores as blind
-from imugap.workflow.job_log import journal
-
-
-def main(source, output):
-    """Read keys, reports and run times; write the scores case by case."""
-    keys = [blind.read_key(path) for path in source.key]
-    found = {case.name: case for batch in source.found for case in Path(batch).iterdir()}
-    answers = [found[key["case"]] for key in keys]
-    reports = [blind.read_report(answer / "report.json") for answer in answers]
-    seconds = [json.loads((answer / "seconds.json").read_text())["seconds"] for answer in answers]
-    scores = blind.score(keys, reports, seconds)
-    tables = {
-        # run times differ from run to run: apart from them, the tables are the same on every machine
-        "cases": scores.cases.drop(columns="seconds"),
-        "run_time": scores.cases[["case", "rate_hz", "duration_s", "seconds"]],
-        "effects": scores.effects,
-        "parameters": scores.parameters,
-        "p_values": quiet_views(keys, [answer / "views.csv" for answer in answers]),
-    }
-    for name, table in tables.items():
-        table.to_csv(output[name], index=False)
+from imugap.workflow.job_log import job
+from imugap.workflow.products import read_json, save
 
 
 def quiet_views(keys, paths):
@@ -41,6 +21,15 @@ def quiet_views(keys, paths):
     return table.rename(columns=columns)[list(columns.values())].dropna(subset=["p_value"])
 
 
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        main(snakemake.input, dict(snakemake.output.items()))
+with job(snakemake) as (source, _, output):
+    keys = [blind.read_key(path) for path in source.key]
+    found = {case.name: case for batch in source.found for case in Path(batch).iterdir()}
+    answers = [found[key["case"]] for key in keys]
+    reports = [blind.read_report(answer / "report.json") for answer in answers]
+    seconds = [read_json(answer / "seconds.json")["seconds"] for answer in answers]
+    scores = blind.score(keys, reports, seconds)
+    # run times differ from run to run: apart from them, the tables are the same on every machine
+    run_time = scores.cases[["case", "rate_hz", "duration_s", "seconds"]]
+    save(output, cases=scores.cases.drop(columns="seconds"), run_time=run_time, effects=scores.effects,
+         parameters=scores.parameters, p_values=quiet_views(keys, [answer / "views.csv" for answer in answers]),
+    )  # fmt: skip

@@ -6,18 +6,10 @@ import yaml
 
 from imugap.benchmark.sealing import plan, seal, write
 from imugap.io.configuration import configure
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
 
-
-def main(recipe, params, cases, keys):
-    """Plan the cases, seal each, and write its logs below ``cases`` and its key below ``keys``."""
+with job(snakemake) as (source, params, output):
+    recipe = configure(yaml.safe_load(Path(source.recipe).read_text()), source.schema)
     for case in plan(params.seed, params.cases, recipe["shares"], recipe):
-        write(seal(case, recipe), cases, keys)
+        write(seal(case, recipe), Path(output.cases[0]).parent, Path(output.key[0]).parent)
     print(f"{params.cases} cases")
-
-
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        source, output = snakemake.input, snakemake.output
-        recipe = configure(yaml.safe_load(Path(source.recipe).read_text()), source.schema)
-        main(recipe, snakemake.params, Path(output.cases[0]).parent, Path(output.key[0]).parent)

@@ -7,10 +7,11 @@ import pandas as pd
 from imugap.effects import GaussMarkov, RandomWalk, WhiteNoise
 from imugap.effects.effect import AxisModel
 from imugap.estimation.cramer_rao import bound
-from imugap.figures import estimation, style
+from imugap.figures import estimation
 from imugap.study.experiment import Experiment
 from imugap.workflow import tables
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
+from imugap.workflow.products import save
 
 COMPOSITIONS = {
     "N": (WhiteNoise,),
@@ -46,9 +47,6 @@ def page(data):
     return wide[heads].fillna("").reset_index()
 
 
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        params = snakemake.params
-        data = bounds(Experiment.read(snakemake.input.recipe), params.times, params.lengths_s)
-        style.save(estimation.bounds(data), snakemake.output[0])
-        tables.write(snakemake.output[1].removesuffix(".csv"), data, page(data))
+with job(snakemake) as (source, params, output):
+    data = bounds(Experiment.read(source.recipe), params.times, params.lengths_s)
+    save(output, figure=estimation.bounds(data), table=(data, page(data)))

@@ -9,7 +9,8 @@ from imugap import log
 from imugap.estimation import goodness_of_fit
 from imugap.estimation.model_selection import choose, title
 from imugap.io import readers
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
+from imugap.workflow.products import save
 
 
 def chosen(table):
@@ -32,8 +33,7 @@ def chosen(table):
     return found, pd.concat(octaves, ignore_index=True)
 
 
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        found, octaves = chosen(readers.read(snakemake.input.log))
-        Path(snakemake.output[0]).write_text(json.dumps(found, indent=1, default=float) + "\n")
-        octaves.to_csv(snakemake.output[1], index=False)
+with job(snakemake) as (source, _, output):
+    found, octaves = chosen(readers.read(source.log))
+    Path(output.choice).write_text(json.dumps(found, indent=1, default=float) + "\n")
+    save(output, goodness=octaves)

@@ -1,44 +1,33 @@
 """Tabulate the effects chosen for every axis of a device, and draw where the models fail."""
 
-import json
-from pathlib import Path
-
 import pandas as pd
 
 from imugap.estimation.result import Identifiability
-from imugap.figures import estimation, style
+from imugap.figures import estimation
 from imugap.figures.style import AXIS_TITLES
-from imugap.workflow import tables
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
+from imugap.workflow.products import read_json, save
 
 
 def rows(choice):
-    """Return one row per axis and estimate."""
-    return pd.DataFrame(
-        [
-            {"axis": axis, "effects": of["effects"], "verdict": of["verdict"], "p_value": of["p_value"]}
-            | {f"estimate_{key}" if key == "verdict" else key: value for key, value in one.items()}
-            for axis, of in choice.items()
-            for one in of["estimates"]
-        ]
-    )
+    """Yield one row per axis and estimate."""
+    for axis, of in choice.items():
+        for one in of["estimates"]:
+            row = {"axis": axis, "effects": of["effects"], "verdict": of["verdict"], "p_value": of["p_value"]}
+            yield row | {f"estimate_{key}" if key == "verdict" else key: value for key, value in one.items()}
 
 
 def page(choice):
     """Lay the table out: a row per axis."""
-    found = []
     for axis, of in choice.items():
         values = [shown(one) for one in of["estimates"] if one["parameter"] != "driving_psd"]
-        found.append(
-            {
-                "axis": AXIS_TITLES[axis],
-                "chosen": of["effects"].replace("_", " "),
-                "parameters (SI)": ", ".join(values),
-                "not distinguished from it": "; ".join(of["alternatives"]).replace("_", " ") or "—",
-                "does it fit?": of["verdict"],
-            }
-        )
-    return pd.DataFrame(found)
+        yield {
+            "axis": AXIS_TITLES[axis],
+            "chosen": of["effects"].replace("_", " "),
+            "parameters (SI)": ", ".join(values),
+            "not distinguished from it": "; ".join(of["alternatives"]).replace("_", " ") or "—",
+            "does it fit?": of["verdict"],
+        }
 
 
 def shown(one):
@@ -53,8 +42,7 @@ def shown(one):
     return f"{symbol} {one['value']:.3g}"
 
 
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        choice = json.loads(Path(snakemake.input.choice).read_text())
-        style.save(estimation.goodness(pd.read_csv(snakemake.input.goodness)), snakemake.output[0])
-        tables.write(snakemake.output[1].removesuffix(".csv"), rows(choice), page(choice))
+with job(snakemake) as (source, _, output):
+    choice = read_json(source.choice)
+    figure = estimation.goodness(pd.read_csv(source.goodness))
+    save(output, figure=figure, table=(pd.DataFrame(rows(choice)), page(choice)))

@@ -3,17 +3,15 @@
 import pandas as pd
 
 from imugap.study import claims
-from imugap.workflow import tables
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
+from imugap.workflow.products import save
 
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        source, params = snakemake.input, snakemake.params
-        static = pd.read_csv(source.static)
-        results = ([pd.read_csv(path) for path in paths] for paths in (source.five, source.ranking, source.scores))
-        frames = zip(params.devices, *results, strict=True)
-        rows = [row for frame in frames for row in claims.of_device(*frame, static, params.table_horizon_s)]
-        published = pd.read_csv(source.walk).set_index("quantity")
-        rows += [claims.of_walk(pd.read_csv(path), published) for path in source.compensation]
-        data = pd.DataFrame(rows)
-        tables.write(snakemake.output[0].removesuffix(".csv"), data, data)
+with job(snakemake) as (source, params, output):
+    static = pd.read_csv(source.static)
+    results = ([pd.read_csv(path) for path in paths] for paths in (source.five, source.ranking, source.scores))
+    frames = zip(params.devices, *results, strict=True)
+    rows = [row for frame in frames for row in claims.of_device(*frame, static, params.table_horizon_s)]
+    published = pd.read_csv(source.walk).set_index("quantity")
+    rows += [claims.of_walk(pd.read_csv(path), published) for path in source.compensation]
+    data = pd.DataFrame(rows)
+    save(output, table=(data, data))

@@ -1,16 +1,14 @@
 """Measure the sampling interval of every run relative to the first, and what it does to the indices."""
 
-import json
-from pathlib import Path
-
 import numpy as np
 import pandas as pd
 
 from imugap import log
-from imugap.figures import static, style
+from imugap.figures import static
 from imugap.integrity.sampling_clock import relative_interval, spectra
 from imugap.workflow import tables
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
+from imugap.workflow.products import save
 
 
 def measure(paths, runs):
@@ -66,11 +64,8 @@ def numbers(clocks, spread):
     }
 
 
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        figure, table, *_, quoted = snakemake.output
-        clocks = measure(snakemake.input.logs, snakemake.params.runs)
-        spread = scatter(pd.read_csv(snakemake.input.indices), clocks)
-        style.save(static.clock(clocks, spread), figure)
-        tables.write(table.removesuffix(".csv"), clocks, page(clocks))
-        Path(quoted).write_text(json.dumps(numbers(clocks, spread), indent=1) + "\n")
+with job(snakemake) as (source, params, output):
+    clocks = measure(source.logs, params.runs)
+    spread = scatter(pd.read_csv(source.indices), clocks)
+    table = clocks, page(clocks)
+    save(output, figure=static.clock(clocks, spread), table=table, numbers=numbers(clocks, spread))

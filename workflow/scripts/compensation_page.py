@@ -1,18 +1,16 @@
 """Lay out what compensation is worth on the simulated walk: figures, tables beside the printed ones, the verdict."""
 
-import json
-from pathlib import Path
-
 import numpy as np
 import pandas as pd
 
-from imugap.figures import pedestrian, style
+from imugap.figures import pedestrian
 from imugap.numerics import block_bootstrap as bootstrap
 from imugap.simulation.walk import Walk
 from imugap.stream import stream
 from imugap.study import he2023
 from imugap.workflow import tables
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
+from imugap.workflow.products import save
 
 QUANTITIES = {"position": ("position error at the end", "m"), "heading": ("heading error at the end", "°")}
 ROWS = {"position": "end_position_error", "heading": "end_heading_error"}
@@ -62,7 +60,6 @@ def over_devices(ends, seed):
 
 def page(trials, devices, errors, gains):
     """Lay the table out: a row per compensation."""
-    rows = []
     for name in trials.index:
         one, row = trials.loc[name], {"compensation": pedestrian.TITLES[name]}
         for quantity, (_, unit) in QUANTITIES.items():
@@ -75,33 +72,28 @@ def page(trials, devices, errors, gains):
             row[f"{quantity}, printed"] = f"{errors[quantity][name]:g}{gain}" if known else "—"
             ends = (devices.loc[name, f"{quantity}_mean{end}"] for end in ENDS)
             row[f"{quantity}, devices [{unit}]"] = tables.interval(*ends)
-        rows.append(row)
-    return pd.DataFrame(rows)
+        yield row
 
 
 def inside_of(ends, seed):
-    """Return what each model is worth inside the filter: mean errors, and what the filter believes of them."""
-    rows = []
+    """Yield what each model is worth inside the filter: mean errors, and what the filter believes of them."""
     for name, one in ends.groupby("contender", sort=False):
         row = {"contender": name}
         for quantity in QUANTITIES:
             found = bootstrap.mean(one[quantity].to_numpy(), stream(seed, "inside", name, quantity), block=1)
             row |= {quantity: found.value, f"{quantity}_low": found.low, f"{quantity}_high": found.high}
         row |= {"nees": one["nees"].mean() / 2, "heading_nees": one["heading_nees"].mean()}
-        rows.append(row | {"inside": (one["nees"] < -2 * np.log(1 - ELLIPSE)).mean()})
-    return pd.DataFrame(rows)
+        yield row | {"inside": (one["nees"] < -2 * np.log(1 - ELLIPSE)).mean()}
 
 
 def inside_page(data):
     """Lay the table out: a row per model."""
-    rows = []
     for one in data.to_dict("records"):
         row = {"model in the filter": pedestrian.TITLES[one["contender"]]}
         for quantity, (_, unit) in QUANTITIES.items():
             row[f"{quantity} [{unit}]"] = tables.interval(*(one[quantity + end] for end in ENDS))
         row |= {"NEES, position": tables.number(one["nees"], 2), "NEES, heading": tables.number(one["heading_nees"], 2)}
-        rows.append(row | {f"ends in the {ELLIPSE:.0%} ellipse": f"{100 * one['inside']:.0f} %"})
-    return pd.DataFrame(rows)
+        yield row | {f"ends in the {ELLIPSE:.0%} ellipse": f"{100 * one['inside']:.0f} %"}
 
 
 def numbers(trials, devices, inside, walk, table3):
@@ -141,28 +133,21 @@ def numbers(trials, devices, inside, walk, table3):
     }  # fmt: skip
 
 
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        source, output, params = snakemake.input, snakemake.output, snakemake.params
-        ends, held = (
-            one.assign(heading=np.degrees(one["heading"])) for one in map(pd.read_parquet, (source.ends, source.inside))
-        )
-        ends["contender"] = pd.Categorical(ends["contender"], [name for name in pedestrian.TITLES if name != "truth"])
-        ends = ends.sort_values(["contender", "device", "trial"]).astype({"contender": str})
-        walk, (errors, gains) = Walk.read(source.recipe), printed(source.printed)
-        style.save(
-            pedestrian.tracks(
-                pd.read_parquet(source.tracks), walk.truth(0, params.seed),
-                {name: pedestrian.TITLES[name] for name in PANELS},
-            ),
-            output.tracks,
-        )  # fmt: skip
-        both = pd.concat([ends[ends["trial"] == 0].assign(use=SUBTRACTED), held.assign(use=INSIDE)])
-        style.save(pedestrian.ends(both, errors, QUANTITIES), output.ends)
-        trials, devices = five(ends), over_devices(ends, params.seed)
-        data = trials.join(devices).reset_index()
-        tables.write(output.table.removesuffix(".csv"), data, page(trials, devices, errors, gains))
-        inside = inside_of(held, params.seed)
-        tables.write(output.inside.removesuffix(".csv"), inside, inside_page(inside))
-        found = numbers(trials, devices, inside, walk, errors)
-        Path(output.numbers).write_text(json.dumps(found, indent=1) + "\n")
+with job(snakemake) as (source, params, output):
+    ends, held = (
+        one.assign(heading=np.degrees(one["heading"])) for one in map(pd.read_parquet, (source.ends, source.inside))
+    )
+    ends["contender"] = pd.Categorical(ends["contender"], [name for name in pedestrian.TITLES if name != "truth"])
+    ends = ends.sort_values(["contender", "device", "trial"]).astype({"contender": str})
+    walk, (errors, gains) = Walk.read(source.recipe), printed(source.printed)
+    titles = {name: pedestrian.TITLES[name] for name in PANELS}
+    both = pd.concat([ends[ends["trial"] == 0].assign(use=SUBTRACTED), held.assign(use=INSIDE)])
+    trials, devices, inside = five(ends), over_devices(ends, params.seed), pd.DataFrame(inside_of(held, params.seed))
+    save(
+        output,
+        tracks=pedestrian.tracks(pd.read_parquet(source.tracks), walk.truth(0, params.seed), titles),
+        ends=pedestrian.ends(both, errors, QUANTITIES),
+        table=(trials.join(devices).reset_index(), page(trials, devices, errors, gains)),
+        inside=(inside, inside_page(inside)),
+        numbers=numbers(trials, devices, inside, walk, errors),
+    )

@@ -1,8 +1,6 @@
 """Estimate from logs with gross outliers, by plain and by robust wavelet variances and by likelihood."""
 
-import json
 from functools import partial
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -12,12 +10,13 @@ from imugap.estimation.gmwm import estimator
 from imugap.estimation.gmwm.estimator import GmwmOptions
 from imugap.estimation.methods import METHODS
 from imugap.estimation.wavelet_variance import EFFICIENCY
-from imugap.figures import estimation, style
+from imugap.figures import estimation
 from imugap.stream import stream
 from imugap.study.experiment import Experiment
 from imugap.study.monte_carlo import row, summary
 from imugap.workflow import tables
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
+from imugap.workflow.products import save
 
 COMPARED = {
     "indirect_full": METHODS["indirect_full"],
@@ -48,36 +47,29 @@ def estimates(experiment, choice, seed):
 
 def page(data):
     """Lay the table out: a row per parameter and method, clean and contaminated side by side."""
-    rows = []
     for (effect, parameter, method), group in data.groupby(["effect", "parameter", "method"], sort=False):
         if parameter == "driving_psd":
             continue
         cells = {"parameter": estimation.SYMBOLS[effect, parameter], "method": estimation.TITLES[method]}
         for one in group.itertuples():
-            cells[f"bias, {one.log} [%]"] = (
-                f"{tables.number(100 * one.bias, 2)} ± {tables.number(100 * one.bias_error, 1)}"
-            )
+            bias, error = tables.number(100 * one.bias, 2), tables.number(100 * one.bias_error, 1)
+            cells[f"bias, {one.log} [%]"] = f"{bias} ± {error}"
             cells[f"RMSE, {one.log} [%]"] = tables.number(100 * one.rmse, 2)
             cells[f"coverage, {one.log} [%]"] = f"{100 * one.coverage:.0f}"
-        rows.append(cells)
-    return pd.DataFrame(rows)
+        yield cells
 
 
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        experiment, params = Experiment.read(snakemake.input.recipe), snakemake.params
-        found = estimates(experiment, params.contamination, params.seed)
-        truth, limits = experiment.truth(), bound(experiment.model, experiment.interval, experiment.count)
-        data = pd.concat(
-            summary(group, truth, limits, params.seed).assign(log=log)
-            for log, group in found.groupby("log", sort=False)
-        )
-        style.save(estimation.contamination(data), snakemake.output[0])
-        tables.write(snakemake.output[1].removesuffix(".csv"), data, page(data))
-        dirty = data[data["log"] == "contaminated"].set_index(["parameter", "method"])
-        said = {
-            "white": {name: tables.number(100 * value, 2) for name, value in dirty["bias"]["density"].items()},
-            "time": {name: tables.number(100 * v, 2) for name, v in dirty["rmse"]["correlation_time"].items()},
-        }
-        said |= params.contamination
-        Path(snakemake.output[-1]).write_text(json.dumps(said, indent=1) + "\n")
+with job(snakemake) as (source, params, output):
+    experiment = Experiment.read(source.recipe)
+    found = estimates(experiment, params.contamination, params.seed)
+    truth, limits = experiment.truth(), bound(experiment.model, experiment.interval, experiment.count)
+    data = pd.concat(
+        summary(group, truth, limits, params.seed).assign(log=log) for log, group in found.groupby("log", sort=False)
+    )
+    dirty = data[data["log"] == "contaminated"].set_index(["parameter", "method"])
+    said = {
+        "white": {name: tables.number(100 * value, 2) for name, value in dirty["bias"]["density"].items()},
+        "time": {name: tables.number(100 * v, 2) for name, v in dirty["rmse"]["correlation_time"].items()},
+    }
+    table = data, page(data)
+    save(output, figure=estimation.contamination(data), table=table, numbers=said | params.contamination)

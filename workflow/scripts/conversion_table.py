@@ -10,7 +10,8 @@ from imugap.interchange.export import TRIADS
 from imugap.model import ErrorModel
 from imugap.units import from_si
 from imugap.workflow import tables
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
+from imugap.workflow.products import save
 
 NAMES = {"bench": "virtual bench", "adis16405": "ADIS16405", "own": "own device"}
 
@@ -33,7 +34,6 @@ def values(device, model, rule):
 
 def page(data):
     """Lay the table out: the parameters of gyroscope and accelerometer side by side, a column per device."""
-    rows = []
     shown = data.set_index(["tool", "parameter", "device"])["value"]
     for convention in CONVENTIONS:
         for pair in zip_longest(convention.gyro, convention.accel):
@@ -49,17 +49,14 @@ def page(data):
             for device in data["device"].unique():
                 numbers = (tables.number(shown[convention.tool, one.name, device]) for one in of)
                 row[NAMES[device]] = ", ".join(dict.fromkeys(numbers))
-            rows.append(row)
-    return pd.DataFrame(rows)
+            yield row
 
 
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        source, devices = snakemake.input, snakemake.params.devices
-        found = []
-        for device, model, path in zip(devices, source.models, source.logs, strict=True):
-            rate = 1 / log.interval(log.load(path, columns=[log.AXES[0]]))
-            rule = Rule(rate, snakemake.params.horizon_s, correlation_time=HOUR)
-            found.append(values(device, ErrorModel.read(model), rule))
-        data = pd.concat(found)
-        tables.write(snakemake.output[0].removesuffix(".csv"), data, page(data))
+with job(snakemake) as (source, params, output):
+    found = []
+    for device, model, path in zip(params.devices, source.models, source.logs, strict=True):
+        rate = 1 / log.interval(log.load(path, columns=[log.AXES[0]]))
+        rule = Rule(rate, params.horizon_s, correlation_time=HOUR)
+        found.append(values(device, ErrorModel.read(model), rule))
+    data = pd.concat(found)
+    save(output, table=(data, page(data)))

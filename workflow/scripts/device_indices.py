@@ -3,7 +3,8 @@
 import pandas as pd
 
 from imugap.estimation.indices import over_runs
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
+from imugap.workflow.products import save
 
 
 def stacked(paths, runs):
@@ -12,9 +13,6 @@ def stacked(paths, runs):
     return pd.concat(tables, keys=runs, names=["run"]).reset_index("run").reset_index(drop=True)
 
 
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        runs = stacked(snakemake.input.indices, snakemake.params.runs)
-        runs.to_csv(snakemake.output.runs, index=False)
-        over_runs(runs).to_csv(snakemake.output.indices, index=False)
-        stacked(snakemake.input.allan, snakemake.params.runs).to_csv(snakemake.output.allan, index=False)
+with job(snakemake) as (source, params, output):
+    runs = stacked(source.indices, params.runs)
+    save(output, runs=runs, indices=over_runs(runs), allan=stacked(source.allan, params.runs))

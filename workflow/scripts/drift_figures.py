@@ -2,26 +2,21 @@
 
 import numpy as np
 
-from imugap.figures import static, style
+from imugap.figures import static
 from imugap.kinematics.free_inertial import QUANTITIES, STARTS, differences
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
+from imugap.workflow.products import save
 
-
-def main(measured_path, simulated_paths, params, output):
-    """Draw up to ``params.length_s``, the length of the published table."""
-    measured = np.load(measured_path)
+with job(snakemake) as (source, params, output):
+    measured = np.load(source.measured)
     shown = measured["time"] <= params.length_s
     time, drift = measured["time"][shown], measured["drift"][:, :, shown]
-    style.save(static.drift(time, dict(zip(STARTS, drift, strict=True))), output.drift)
+    save(output, drift=static.drift(time, dict(zip(STARTS, drift, strict=True))))
     ensembles = {
-        name: np.load(path)["drift"][:, :, shown] for name, path in zip(params.contenders, simulated_paths, strict=True)
+        name: np.load(path)["drift"][:, :, shown]
+        for name, path in zip(params.contenders, source.simulated, strict=True)
     }
     columns = list(QUANTITIES.values())
     for k, start in enumerate(STARTS):
         gaps = {name: differences(drift[k, :1][..., columns], one[k])[0] for name, one in ensembles.items()}
-        style.save(static.differences(time, gaps, params.drawn), output[start])
-
-
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        main(snakemake.input.measured, snakemake.input.simulated, snakemake.params, snakemake.output)
+        save(output, **{start: static.differences(time, gaps, params.drawn)})

@@ -1,19 +1,17 @@
 """Tabulate the drift comparison: five trials as published, distributions, ranking over the navigation length."""
 
-import json
-from pathlib import Path
-
 import numpy as np
 import pandas as pd
 
-from imugap.figures import static, style
+from imugap.figures import static
 from imugap.figures.static import TITLES, titled
 from imugap.interchange.from_indices import SOURCE, bounded
 from imugap.kinematics.free_inertial import QUANTITIES
 from imugap.stream import stream
 from imugap.study.rankings import first_places, interval
 from imugap.workflow import tables
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
+from imugap.workflow.products import save
 
 SPREADLESS = ("bias_only", "white")
 DRAWS = 2000
@@ -40,7 +38,6 @@ def printed(table_2):
 
 def five_trials_page(data, titles):
     """Lay out as the source's table 2: a row per model, absolute and relative error per quantity; runs 1 and all."""
-    rows = []
     data = data[data["runs"].isin(["1", "all", "He et al."])]
     for (runs, contender), group in data.groupby(["runs", "contender"], sort=False):
         row = {"runs": runs, "model": (TITLES if runs == "He et al." else titles)[contender]}
@@ -48,14 +45,13 @@ def five_trials_page(data, titles):
             unit, scale = UNITS[one.quantity]
             row[f"{one.quantity} [{unit}]"] = tables.number(one.e_abs * scale)
             row[f"{one.quantity} [%]"] = tables.number(one.e_rel * 100)
-        rows.append(row)
-    return pd.DataFrame(rows)
+        yield row
 
 
 def distribution_page(scores, titles):
     """Lay out median and 90 % range of e_abs, the proper score, and the share of runs inside the 90 % band."""
-    rows = []
-    for (start, contender), group in scores.groupby(["start", "contender"], sort=False):
+    ordered = scores.sort_values("start", ascending=False, kind="stable")
+    for (start, contender), group in ordered.groupby(["start", "contender"], sort=False):
         row = {"start": start, "model": titles[contender]}
         for one in group.itertuples():
             unit, scale = UNITS[one.quantity]
@@ -63,17 +59,14 @@ def distribution_page(scores, titles):
             row[f"e_abs {one.quantity} [{unit}]"] = "{} [{}, {}]".format(*values)
         for one in group.itertuples():
             unit, scale = UNITS[one.quantity]
-            row[f"CRPS {one.quantity} [{unit}]"] = (
-                f"{tables.number(one.crps * scale)} ± {tables.number(one.crps_error * scale, 2)}"
-            )
+            crps, error = tables.number(one.crps * scale), tables.number(one.crps_error * scale, 2)
+            row[f"CRPS {one.quantity} [{unit}]"] = f"{crps} ± {error}"
         row["inside 90 %"] = f"{100 * group['inside_90'].mean():.0f} %"
-        rows.append(row)
-    return pd.DataFrame(rows).sort_values("start", ascending=False, kind="stable")
+        yield row
 
 
 def chance_of_first(errors, count, seed):
-    """Return how often a table of ``count`` trials on the first run ranks each of the source's methods first."""
-    rows = []
+    """Yield how often a table of ``count`` trials on the first run ranks each of the source's methods first."""
     first = errors[(errors["run"] == 0) & errors["contender"].isin(SOURCE)]
     for (start, horizon, quantity), group in first.groupby(["start", "horizon", "quantity"], sort=False):
         rng = stream(seed, "five-trial tables", start, horizon, quantity)
@@ -81,13 +74,11 @@ def chance_of_first(errors, count, seed):
         picked = rng.integers(values.shape[1], size=(len(SOURCE), DRAWS, count))
         means = np.array([value[pick].mean(axis=1) for value, pick in zip(values, picked, strict=True)])
         share = np.bincount(means.argmin(axis=0), minlength=len(SOURCE)) / DRAWS
-        rows.append({"start": start, "horizon": horizon, "quantity": quantity, **dict(zip(SOURCE, share, strict=True))})
-    return pd.DataFrame(rows)
+        yield {"start": start, "horizon": horizon, "quantity": quantity, **dict(zip(SOURCE, share, strict=True))}
 
 
 def ranking_page(scores, chances, titles):
     """Lay out the best model by each score, and the chance that a five-trial table puts restoration first."""
-    rows = []
     for (start, horizon), group in scores.groupby(["start", "horizon"], sort=False):
         row = {"start": start, "length [s]": f"{horizon:g}"}
         for quantity in QUANTITIES:
@@ -97,29 +88,7 @@ def ranking_page(scores, chances, titles):
         chance = chances[(chances["start"] == start) & (chances["horizon"] == horizon)].set_index("quantity")
         shares = [f"{100 * chance.loc[quantity, 'restoration']:.0f}" for quantity in QUANTITIES]
         row["restoration first [%]"] = " / ".join(shares)
-        rows.append(row)
-    return pd.DataFrame(rows)
-
-
-def main(errors, scores, proper, indices, table_2, params, output):
-    """Write the three tables, the two figures and the numbers of the text."""
-    bounds = bounded(indices)
-    titles = titled(bounds)
-    at_table = scores[scores["horizon"] == params.table_horizon_s]
-    five = five_trials(errors[errors["horizon"] == params.table_horizon_s], params.published_trials)
-    five = pd.concat([five, printed(table_2)])
-    tables.write(output.five.removesuffix(".csv"), five, five_trials_page(five, titles))
-    tables.write(output.distribution.removesuffix(".csv"), at_table, distribution_page(at_table, titles))
-    chances = chance_of_first(errors, params.published_trials, params.seed)
-    tables.write(output.ranking.removesuffix(".csv"), chances, ranking_page(scores, chances, titles))
-    style.save(static.ranking(scores, "median_e_abs", "median e_abs"), output.figure)
-    style.save(static.ranking(scores, "crps", "CRPS"), output.crps)
-    firsts = first_places(errors, proper, stream(params.seed, "first places"))
-    found = numbers(scores, at_table, chances, firsts, titles, params) | {
-        "bounded": bounds,
-        "runs": int(proper["run"].nunique()),
-    }
-    Path(output.numbers).write_text(json.dumps(found, indent=1) + "\n")
+        yield row
 
 
 def listed(firsts, score, titles):
@@ -167,9 +136,23 @@ def numbers(scores, at_table, chances, firsts, titles, params):
     }
 
 
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        source = snakemake.input
-        errors, proper = pd.read_parquet(source.errors), pd.read_parquet(source.proper)
-        scores, indices, static_2 = (pd.read_csv(path) for path in (source.scores, source.indices, source.static))
-        main(errors, scores, proper, indices, static_2, snakemake.params, snakemake.output)
+with job(snakemake) as (source, params, output):
+    errors, proper = pd.read_parquet(source.errors), pd.read_parquet(source.proper)
+    scores, indices, table_2 = (pd.read_csv(path) for path in (source.scores, source.indices, source.static))
+    bounds = bounded(indices)
+    titles = titled(bounds)
+    at_table = scores[scores["horizon"] == params.table_horizon_s]
+    five = five_trials(errors[errors["horizon"] == params.table_horizon_s], params.published_trials)
+    five = pd.concat([five, printed(table_2)])
+    chances = pd.DataFrame(chance_of_first(errors, params.published_trials, params.seed))
+    firsts = first_places(errors, proper, stream(params.seed, "first places"))
+    found = numbers(scores, at_table, chances, firsts, titles, params)
+    save(
+        output,
+        five=(five, five_trials_page(five, titles)),
+        distribution=(at_table, distribution_page(at_table, titles)),
+        ranking=(chances, ranking_page(scores, chances, titles)),
+        figure=static.ranking(scores, "median_e_abs", "median e_abs"),
+        crps=static.ranking(scores, "crps", "CRPS"),
+        numbers=found | {"bounded": bounds, "runs": int(proper["run"].nunique())},
+    )

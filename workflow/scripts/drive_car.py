@@ -10,7 +10,8 @@ from imugap.io import datasets as catalogue
 from imugap.io import gnss, recordings
 from imugap.simulation.gnss_faults import Faults
 from imugap.study import recorded_drive
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
+from imugap.workflow.products import save
 
 NAME = "rtklibexplorer_drive"
 
@@ -48,22 +49,17 @@ def contaminated(test, receiver, faults, model, params):
     return pd.concat(scores), shown
 
 
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        source, output, params = snakemake.input, snakemake.output, snakemake.params
-        dataset = catalogue.load("data", "workflow/schemas")[NAME]
-        for file in dataset.files:
-            catalogue.verify(file, {"log": source.log, "clock": source.clock, "fixes": source.fixes}[file.content])
-        recording = recordings.read_car(source.log, source.clock, source.fixes, dataset)
-        receiver = recorded_drive.StandardReceiver.read(source.recipe, "car")
-        test = recorded_drive.car(recording, receiver)
-        rest = recorded_drive.model_from_rest(recording.log, params.rest_s)
-        tuned, way = test.tune(receiver.degrade(recording.fixes, params.seed, "tuning"), rest)
-        models = {"rest": rest, "tuned": tuned}
-        way.to_csv(output.tuning, index=False)
-        Path(output.models).write_text(yaml.safe_dump({name: one.to_mapping() for name, one in models.items()}))
-        tests = {name: (test, model) for name, model in models.items()} | {"wheels": (test.rolling, tuned)}
-        outages(tests, receiver, params).to_parquet(output.outages, index=False)
-        scores, shown = contaminated(test, receiver, Faults.read(source.recipe), tuned, params)
-        scores.to_csv(output.schemes, index=False)
-        shown.to_parquet(output.errors, index=False)
+with job(snakemake) as (source, params, output):
+    dataset = catalogue.load("data", "workflow/schemas")[NAME]
+    for file in dataset.files:
+        catalogue.verify(file, source[file.content])
+    recording = recordings.read_car(source.log, source.clock, source.fixes, dataset)
+    receiver = recorded_drive.StandardReceiver.read(source.recipe, "car")
+    test = recorded_drive.car(recording, receiver)
+    rest = recorded_drive.model_from_rest(recording.log, params.rest_s)
+    tuned, way = test.tune(receiver.degrade(recording.fixes, params.seed, "tuning"), rest)
+    models = {"rest": rest, "tuned": tuned}
+    Path(output.models).write_text(yaml.safe_dump({name: one.to_mapping() for name, one in models.items()}))
+    tests = {name: (test, model) for name, model in models.items()} | {"wheels": (test.rolling, tuned)}
+    scores, shown = contaminated(test, receiver, Faults.read(source.recipe), tuned, params)
+    save(output, tuning=way, outages=outages(tests, receiver, params), schemes=scores, errors=shown)

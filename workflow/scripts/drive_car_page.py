@@ -1,37 +1,33 @@
 """Lay out the recorded drive: track and outages as figures, a table of the schemes, numbers of the text."""
 
-import json
-from pathlib import Path
-
 import numpy as np
 import pandas as pd
 
-from imugap.figures import fault_ablation, recorded_drive, style
+from imugap.figures import fault_ablation, recorded_drive
 from imugap.filters.consistency import nees_band
 from imugap.filters.innovation_gate import SCHEMES
 from imugap.study.fault_ablation import SMOOTHED, WHEELS, WHOLE
 from imugap.study.recorded_drive import TUNED, WHEELS_STD
 from imugap.units import from_si
 from imugap.workflow import tables
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
+from imugap.workflow.products import save
 
 SHOWN = (*SCHEMES, SMOOTHED, WHEELS[WHOLE], WHEELS[SMOOTHED])
 
 
 def page(scores):
     """Lay the schemes out: medians over the draws."""
-    rows = []
     for name in SHOWN:
         one = scores[scores["scheme"] == name].median(numeric_only=True)
-        rows.append({
+        yield {
             "scheme": fault_ablation.TITLES[name],
             "clean, 95 % [m]": tables.number(one["clean"]),
             "contaminated, 95 % [m]": tables.number(one["contaminated"]),
             "gyro bias moves by [°/h]": tables.number(from_si(one["gyro"], "deg/h")),
             "accel bias moves by [mg]": tables.number(from_si(one["accel"], "mg")),
             "NIS, clean": tables.number(one["nis"]),
-        })  # fmt: skip
-    return pd.DataFrame(rows)
+        }  # fmt: skip
 
 
 def drift(outages):
@@ -75,12 +71,8 @@ def numbers(outages, scores, tuning):
     }  # fmt: skip
 
 
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        source, output = snakemake.input, snakemake.output
-        outages, errors = pd.read_parquet(source.outages), pd.read_parquet(source.errors)
-        scores, tuning = pd.read_csv(source.schemes), pd.read_csv(source.tuning)
-        style.save(recorded_drive.outages(outages), output.outages)
-        style.save(recorded_drive.track(errors), output.track)
-        tables.write(output.table.removesuffix(".csv"), scores, page(scores))
-        Path(output.numbers).write_text(json.dumps(numbers(outages, scores, tuning), indent=1) + "\n")
+with job(snakemake) as (source, _, output):
+    outages, errors = pd.read_parquet(source.outages), pd.read_parquet(source.errors)
+    scores, tuning = pd.read_csv(source.schemes), pd.read_csv(source.tuning)
+    save(output, outages=recorded_drive.outages(outages), track=recorded_drive.track(errors))
+    save(output, table=(scores, page(scores)), numbers=numbers(outages, scores, tuning))

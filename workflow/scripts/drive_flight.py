@@ -1,19 +1,17 @@
 """Evaluate the recorded flight: attitude against the onboard filter, outages against its own fixes."""
 
-import json
-from pathlib import Path
-
 import numpy as np
 import pandas as pd
 
-from imugap.figures import recorded_drive, style
+from imugap.figures import recorded_drive
 from imugap.filters.consistency import nees_band
 from imugap.io import datasets as catalogue
 from imugap.io import recordings
 from imugap.kinematics.strapdown import ATTITUDE
 from imugap.study import recorded_drive as roadtest
 from imugap.workflow import tables
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
+from imugap.workflow.products import save
 
 NAME = "thor_flight75"
 IN_THE_AIR_S = (230.0, 560.0)
@@ -46,18 +44,14 @@ def numbers(solution, gaps, drift, way):
     }  # fmt: skip
 
 
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        source, output, params = snakemake.input, snakemake.output, snakemake.params
-        catalogue.verify(catalogue.load("data", "workflow/schemas")[NAME].file(1), source.log)
-        recording = recordings.read_flight(source.log)
-        test = roadtest.aircraft(recording, roadtest.StandardReceiver.read(source.recipe, "flight"))
-        model, way = test.tune(recording.fixes, roadtest.model_from_rest(recording.log, params.rest_s))
-        solution = test.navigate(recording.fixes, model)
-        first, last, length = params.outages_s
-        drift = pd.DataFrame([
-            test.outage(recording.fixes, model, begin, length).iloc[-1] for begin in np.arange(first, last, length + 1)
-        ])  # fmt: skip
-        style.save(recorded_drive.attitude(solution, recording.aboard), output.figure)
-        found = numbers(solution, apart(solution, recording.aboard), drift, way)
-        Path(output.numbers).write_text(json.dumps(found, indent=1) + "\n")
+with job(snakemake) as (source, params, output):
+    catalogue.verify(catalogue.load("data", "workflow/schemas")[NAME].file(1), source.log)
+    recording = recordings.read_flight(source.log)
+    test = roadtest.aircraft(recording, roadtest.StandardReceiver.read(source.recipe, "flight"))
+    model, way = test.tune(recording.fixes, roadtest.model_from_rest(recording.log, params.rest_s))
+    solution = test.navigate(recording.fixes, model)
+    first, last, length = params.outages_s
+    begins = np.arange(first, last, length + 1)
+    drift = pd.DataFrame([test.outage(recording.fixes, model, begin, length).iloc[-1] for begin in begins])
+    found = numbers(solution, apart(solution, recording.aboard), drift, way)
+    save(output, figure=recorded_drive.attitude(solution, recording.aboard), numbers=found)

@@ -1,6 +1,5 @@
 """Lay out the simulated drives: figures, tables, numbers of the text."""
 
-import json
 from pathlib import Path
 
 import numpy as np
@@ -8,7 +7,7 @@ import pandas as pd
 import yaml
 from scipy.stats import binomtest
 
-from imugap.figures import fault_ablation, style
+from imugap.figures import fault_ablation
 from imugap.filters.innovation_gate import SCHEMES
 from imugap.numerics import block_bootstrap as bootstrap
 from imugap.simulation.gnss_faults import OUTAGE, OUTLIER, RAMP, STRETCH
@@ -28,7 +27,8 @@ from imugap.study.fault_ablation import (
 )
 from imugap.units import from_si
 from imugap.workflow import tables
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
+from imugap.workflow.products import save
 
 COLUMNS = {
     "horizontal_95": ("position, 95 % [m]", "m"),
@@ -45,6 +45,8 @@ BLIND = (*SCHEMES, SMOOTHED, ORACLE)
 ALL = (*BLIND, *(WHEELS[name] for name in (WHOLE, SMOOTHED, ORACLE)))
 OF = {ORACLE: PLAIN, WHEELS[ORACLE]: WHEELS[PLAIN]}
 """Whose clean run stands beside a scheme that has none."""
+GAINS = {WHOLE: CONTAMINATED, SMOOTHED: CONTAMINATED, ORACLE: CONTAMINATED, PLAIN: CLEAN}
+"""Schemes that run with wheels too, and the case in which they are compared."""
 DRAWN = ("none", "robust", "hindsight", WHEELS[WHOLE], SMOOTHED, ORACLE)
 """Schemes whose errors are drawn over time."""
 BAR, SHARE = 1.3, 0.95
@@ -151,15 +153,7 @@ def numbers(scores, recovery, recipe, seed, runs):
             kind: {scheme: ratio(scores, scheme, seed, case=case) for scheme in (*PARTS[case], WHEELS[WHOLE])}
             for kind, case in ALONE.items()
         },
-        "gains": {
-            scheme: gain(scores, scheme, case)
-            for scheme, case in (
-                (WHOLE, CONTAMINATED),
-                (SMOOTHED, CONTAMINATED),
-                (ORACLE, CONTAMINATED),
-                (PLAIN, CLEAN),
-            )
-        },
+        "gains": {scheme: gain(scores, scheme, case) for scheme, case in GAINS.items()},
         "wheels": WHEELS,
         "lost": lost(scores, recovery),
         "false_percent": {
@@ -186,20 +180,20 @@ def numbers(scores, recovery, recipe, seed, runs):
     }
 
 
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        source, params, output = snakemake.input, snakemake.params, snakemake.output
-        scores, kinds, recovery = (pd.read_csv(source[name]) for name in ("scores", "kinds", "recovery"))
-        study = Ablation.read(source.recipe)
-        one = {(case, name): run for case, name, run in study.runs(params.shown, params.seed, cases=(CONTAMINATED,))}
-        tracks = {name: study.errors(one[CONTAMINATED, name]) for name in DRAWN}
-        style.save(fault_ablation.drive(study, one[CONTAMINATED, "hindsight"], tracks), output.map)
-        style.save(fault_ablation.sensors({name: one[CONTAMINATED, name] for name in SCHEMES}), output.sensors)
-        style.save(fault_ablation.schemes(scores), output.runs)
-        tables.write(output.schemes.removesuffix(".csv"), scores, schemes_page(scores, recovery))
-        tables.write(output.kinds.removesuffix(".csv"), kinds, kinds_page(kinds))
-        recipe = yaml.safe_load(Path(source.recipe).read_text())
-        found = numbers(scores, recovery, {name: recipe[name] for name in ("faults", "receiver", "rate_hz", "axle")},
-                        params.seed, params.runs)  # fmt: skip
-        found["duration_s"], found["schemes"] = study.drive.duration_s, fault_ablation.TITLES
-        Path(output.numbers).write_text(json.dumps(found, indent=1) + "\n")
+with job(snakemake) as (source, params, output):
+    scores, kinds, recovery = (pd.read_csv(source[name]) for name in ("scores", "kinds", "recovery"))
+    study = Ablation.read(source.recipe)
+    shown = {name: run for _, name, run in study.runs(params.shown, params.seed, cases=(CONTAMINATED,))}
+    tracks = {name: study.errors(shown[name]) for name in DRAWN}
+    recipe = yaml.safe_load(Path(source.recipe).read_text())
+    recipe = {name: recipe[name] for name in ("faults", "receiver", "rate_hz", "axle")}
+    found = numbers(scores, recovery, recipe, params.seed, params.runs)
+    save(
+        output,
+        map=fault_ablation.drive(study, shown["hindsight"], tracks),
+        sensors=fault_ablation.sensors({name: shown[name] for name in SCHEMES}),
+        runs=fault_ablation.schemes(scores),
+        schemes=(scores, schemes_page(scores, recovery)),
+        kinds=(kinds, kinds_page(kinds)),
+        numbers=found | {"duration_s": study.drive.duration_s, "schemes": fault_ablation.TITLES},
+    )

@@ -1,5 +1,7 @@
 """Estimate the source's models of gyroscopes and accelerometers from every run, by every method."""
 
+from itertools import product
+
 import pandas as pd
 
 from imugap import log
@@ -7,25 +9,21 @@ from imugap.effects import GaussMarkov, RandomWalk, WhiteNoise
 from imugap.estimation.methods import METHODS
 from imugap.io import readers
 from imugap.study.monte_carlo import row
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
 
 MODELS = {"gyro": (WhiteNoise, GaussMarkov), "accel": (WhiteNoise, RandomWalk)}
 
 
 def estimates(table, rate):
     """Return the estimates of all axes by all methods, from means at ``rate`` [Hz]."""
-    factor = max(round(1 / (log.interval(table) * rate)), 1)
-    found = []
-    for axis in log.axes(table):
-        kinds = MODELS[axis.split("_")[0]]
-        samples = table[axis].to_numpy()
-        means = samples[: len(samples) // factor * factor].reshape(-1, factor).mean(axis=1)
-        for name, method in METHODS.items():
-            found.append(row(method(means, factor * log.interval(table), kinds), method=name, axis=axis))
+    means, interval = log.block_means(table, rate)
+    found = [
+        row(method(means[axis], interval, MODELS[axis.split("_")[0]]), method=name, axis=axis)
+        for axis, (name, method) in product(log.axes(table), METHODS.items())
+    ]
     return pd.concat(found, ignore_index=True)
 
 
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        for source, path in zip(snakemake.input.logs, snakemake.output, strict=True):
-            estimates(readers.read(source), snakemake.params.rate_hz).to_csv(path, index=False)
+with job(snakemake) as (source, params, output):
+    for path, to in zip(source.logs, output, strict=True):
+        estimates(readers.read(path), params.rate_hz).to_csv(to, index=False)

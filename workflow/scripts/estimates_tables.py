@@ -1,8 +1,5 @@
 """Tabulate the estimates of a device over its runs (tables 3 and 4 of the source)."""
 
-import json
-from pathlib import Path
-
 import numpy as np
 import pandas as pd
 
@@ -12,7 +9,8 @@ from imugap.figures.estimation import SYMBOLS, TITLES
 from imugap.figures.style import AXIS_TITLES
 from imugap.units import from_si
 from imugap.workflow import tables
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
+from imugap.workflow.products import save
 
 DATASHEET = {
     ("gyro", "density"): "deg/sqrt(h)",
@@ -24,7 +22,6 @@ DATASHEET = {
 
 def page(data, kind):
     """Lay the table out: a row per axis and method; first run with its interval, and the scatter over the runs."""
-    rows = []
     part = data[data["axis"].str.startswith(kind) & (data["parameter"] != "driving_psd")]
     for (axis, method), group in part.groupby(["axis", "method"], sort=False):
         cells = {"axis": AXIS_TITLES[axis], "method": TITLES[method]}
@@ -39,8 +36,7 @@ def page(data, kind):
             known = np.array(shown["value"])[(runs["verdict"] == Identifiability.IDENTIFIED).to_numpy()]
             spread = f"{100 * known.std(ddof=1) / known.mean():.0f}" if len(known) > 1 else "—"
             cells[f"{SYMBOLS[effect, parameter]}: runs, scatter [%]"] = f"{len(known)}/{len(runs)}, {spread}"
-        rows.append(cells)
-    return pd.DataFrame(rows)
+        yield cells
 
 
 def cell(verdict, value, low, high):
@@ -62,15 +58,8 @@ def numbers(data):
     return {name: {"identified": int(row["sum"]), "of": int(row["count"])} for name, row in shares.iterrows()}
 
 
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        output = snakemake.output
-        frames = [
-            pd.read_csv(path).assign(run=run)
-            for path, run in zip(snakemake.input.estimates, snakemake.params.runs, strict=True)
-        ]
-        data = pd.concat(frames, ignore_index=True)
-        for kind in ("gyro", "accel"):
-            part = data[data["axis"].str.startswith(kind)]
-            tables.write(output[kind].removesuffix(".csv"), part, page(data, kind))
-        Path(output.numbers).write_text(json.dumps(numbers(data), indent=1) + "\n")
+with job(snakemake) as (source, params, output):
+    runs = zip(source.estimates, params.runs, strict=True)
+    data = pd.concat([pd.read_csv(path).assign(run=run) for path, run in runs], ignore_index=True)
+    parts = {kind: (data[data["axis"].str.startswith(kind)], page(data, kind)) for kind in ("gyro", "accel")}
+    save(output, **parts, numbers=numbers(data))

@@ -1,8 +1,5 @@
 """Count how often each law is read on simulated logs."""
 
-import json
-from pathlib import Path
-
 import numpy as np
 import pandas as pd
 from scipy.stats import beta
@@ -10,8 +7,8 @@ from scipy.stats import beta
 from imugap.effects import BiasInstability, Conditions, GaussMarkov, Quantization, RandomWalk, RateRamp, WhiteNoise
 from imugap.effects.effect import AxisModel
 from imugap.estimation import allan
-from imugap.workflow import tables
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
+from imugap.workflow.products import save
 
 WHITE = WhiteNoise(1.0)
 LOGS = {
@@ -37,9 +34,8 @@ def counted(name, model, laws, at, params):
     rows = []
     for symbol, law in allan.LAWS.items():
         read = sum(allan.tangent(asd, law).holds for asd in curves)
-        low, high = beta.ppf(
-            [0.025, 0.975], [read or 1e-9, read + 1], [params.logs - read + 1, params.logs - read or 1e-9]
-        )
+        others = params.logs - read
+        low, high = beta.ppf([0.025, 0.975], [read or 1e-9, read + 1], [others + 1, others or 1e-9])
         rows.append({"log": name, "law": symbol, "there": symbol in laws, "logs": params.logs, "read": read,
                      "rate": read / params.logs, "low": low, "high": high})  # fmt: skip
     return rows
@@ -61,12 +57,7 @@ def numbers(data):
             "law": worst["law"], "log": worst["log"]}  # fmt: skip
 
 
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        params = snakemake.params
-        at = Conditions(np.arange(round(params.duration_s * params.rate_hz)) / params.rate_hz, 1 / params.rate_hz)
-        data = pd.DataFrame(
-            [row for name, (model, laws) in LOGS.items() for row in counted(name, model, laws, at, params)]
-        )
-        tables.write(snakemake.output[0].removesuffix(".csv"), data, page(data))
-        Path(snakemake.output[-1]).write_text(json.dumps(numbers(data), indent=1) + "\n")
+with job(snakemake) as (_, params, output):
+    at = Conditions(np.arange(round(params.duration_s * params.rate_hz)) / params.rate_hz, 1 / params.rate_hz)
+    data = pd.DataFrame([row for name, of in LOGS.items() for row in counted(name, *of, at, params)])
+    save(output, table=(data, page(data)), numbers=numbers(data))

@@ -3,23 +3,15 @@
 import sys
 
 from imugap.io.datasets import FetchError, fetch, load
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
 
-
-def main(folder, mirror):
-    """Fetch into ``folder``; raise one error that lists every file that is missing."""
+with job(snakemake) as (_, params, _):
     faults = []
-    for dataset in load("data", "workflow/schemas").values():
-        for file in dataset.files:
-            try:
-                print(fetch(file, folder, mirror))
-            except FetchError as error:
-                faults.append(str(error))
+    for file in (file for dataset in load("data", "workflow/schemas").values() for file in dataset.files):
+        try:
+            print(fetch(file, params.folder, params.mirror))
+        except FetchError as error:
+            faults.append(str(error))
     if faults:
         raise FetchError("\n\n".join(faults))
-
-
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        main(snakemake.params.folder, snakemake.params.mirror)
-    sys.stdout.write("every file of the catalogue is in data/raw\n")
+sys.stdout.write("every file of the catalogue is in data/raw\n")

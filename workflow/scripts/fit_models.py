@@ -3,10 +3,9 @@
 import pandas as pd
 
 from imugap.interchange.from_indices import averaged, fit
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
 
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        indices, curves = pd.read_csv(snakemake.input.indices), averaged(pd.read_csv(snakemake.input.allan))
-        for name, path in zip(snakemake.params.contenders, snakemake.output, strict=True):
-            fit(name, indices, curves, snakemake.params.period_s).write(path)
+with job(snakemake) as (source, params, output):
+    indices, curves = pd.read_csv(source.indices), averaged(pd.read_csv(source.allan))
+    for name, path in zip(params.contenders, output, strict=True):
+        fit(name, indices, curves, params.period_s).write(path)

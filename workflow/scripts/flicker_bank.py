@@ -1,16 +1,13 @@
 """Fit banks of Gauss-Markov states to flicker noise."""
 
-import json
-from pathlib import Path
-
 import numpy as np
 import pandas as pd
 
 from imugap.effects import BiasInstability
-from imugap.figures import farrell2022, style
+from imugap.figures import farrell2022
 from imugap.interchange import flicker_bank
-from imugap.workflow import tables
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
+from imugap.workflow.products import save
 
 DECADES = (1, 2, 3, 4, 5)
 DRAWN = 3
@@ -46,15 +43,12 @@ def numbers(data):
     }
 
 
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        rows = [
-            {"decades": decades, "states": states,
-             "error": flicker_bank.error(flicker_bank.bank(1.0, 1.0, 10.0**decades, states), 1.0, 1.0, 10.0**decades)}
-            for decades in DECADES for states in range(1, decades + 4)
-        ]  # fmt: skip
-        data = pd.DataFrame(rows)
-        ratios = {states: ratio(DRAWN, states) for states in range(1, DRAWN + 2)}
-        style.save(farrell2022.bank(ratios, data), snakemake.output[0])
-        tables.write(snakemake.output[1].removesuffix(".csv"), data, page(data))
-        Path(snakemake.output[-1]).write_text(json.dumps(numbers(data), indent=1) + "\n")
+with job(snakemake) as (_, _, output):
+    rows = [
+        {"decades": decades, "states": states,
+         "error": flicker_bank.error(flicker_bank.bank(1.0, 1.0, 10.0**decades, states), 1.0, 1.0, 10.0**decades)}
+        for decades in DECADES for states in range(1, decades + 4)
+    ]  # fmt: skip
+    data = pd.DataFrame(rows)
+    ratios = {states: ratio(DRAWN, states) for states in range(1, DRAWN + 2)}
+    save(output, figure=farrell2022.bank(ratios, data), table=(data, page(data)), numbers=numbers(data))

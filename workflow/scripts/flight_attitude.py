@@ -10,7 +10,7 @@ import yaml
 from imugap import log
 from imugap.model import ErrorModel
 from imugap.navigation.attitude import AttitudeAssumptions, InitialAttitude, estimate_attitude
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
 
 STEP_S = 0.1
 """Step of the stored attitudes."""
@@ -22,16 +22,14 @@ def attitude(flown, lift_s, heading, model, assumptions):
     return estimate_attitude(ahead, model, InitialAttitude.at_rest(rest, heading), assumptions).table(STEP_S).loc[0:]
 
 
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        params, found = snakemake.params, {}
-        assumptions = AttitudeAssumptions.from_mapping(**params.assumptions)
-        models = [yaml.safe_load(Path(path).read_text()) for path in snakemake.input.models]
-        for run, (path, of_run) in enumerate(zip(snakemake.input.logs, cycle(models), strict=False), start=1):
-            flown = log.load(path)
-            for minutes, of_length in of_run.items():
-                for scheme, mapping in of_length.items():
-                    model = ErrorModel.from_mapping(mapping)
-                    key, heading = (run, minutes, scheme), radians(params.heading_deg)
-                    found[key] = attitude(flown, -params.launch_s, heading, model, assumptions)
-        pd.concat(found, names=["run", "minutes", "scheme"]).to_parquet(snakemake.output[0])
+with job(snakemake) as (source, params, output):
+    assumptions, found = AttitudeAssumptions.from_mapping(**params.assumptions), {}
+    models = [yaml.safe_load(Path(path).read_text()) for path in source.models]
+    for run, (path, of_run) in enumerate(zip(source.logs, cycle(models), strict=False), start=1):
+        flown = log.load(path)
+        for minutes, of_length in of_run.items():
+            for scheme, mapping in of_length.items():
+                model = ErrorModel.from_mapping(mapping)
+                key, heading = (run, minutes, scheme), radians(params.heading_deg)
+                found[key] = attitude(flown, -params.launch_s, heading, model, assumptions)
+    pd.concat(found, names=["run", "minutes", "scheme"]).to_parquet(output[0])

@@ -1,6 +1,5 @@
 """Lay out the simulated flights: figures, table 5 of the source, estimated parameters, numbers of the text."""
 
-import json
 from pathlib import Path
 
 import numpy as np
@@ -8,13 +7,14 @@ import pandas as pd
 import yaml
 
 from imugap.estimation.result import Identifiability
-from imugap.figures import attitude, style
+from imugap.figures import attitude
 from imugap.log import GYRO
 from imugap.numerics import block_bootstrap as bootstrap
 from imugap.stream import stream
 from imugap.units import from_si
 from imugap.workflow import tables
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
+from imugap.workflow.products import save
 
 MEASURES = {"variance": "error variance [°²]", "mean_abs": "mean absolute error [°]", "range": "range [°]"}
 PARAMETERS = {
@@ -149,21 +149,21 @@ def ratio_of(published, angle):
     return None if row.isna().any() else tables.number(row["indirect"] / row["allan"], 2)
 
 
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        source, output, params = snakemake.input, snakemake.output, snakemake.params
-        scores, errors = pd.read_csv(source.scores), pd.read_parquet(source.errors)
-        published = pd.read_csv(source.published).set_index("quantity")
-        shortest = scores.loc[scores["minutes"] > 0, "minutes"].min()
-        drawn = errors[errors["minutes"].isin([0, shortest]) & errors["scheme"].isin(["allan", "indirect", "truth"])]
-        swing = params.course["disturbance"]
-        gust = swing["start_s"], swing["start_s"] + swing["duration_s"]
-        style.save(attitude.flight(pd.read_parquet(source.truth), drawn, gust), output.flight)
-        style.save(attitude.runs(scores), output.runs)
-        compared = comparison(scores, params.seed)
-        tables.write(output.table.removesuffix(".csv"), compared, page(compared, scores, published))
-        model = yaml.safe_load(Path(source.model).read_text())[0]["truth"]
-        data = parameters(pd.concat(map(pd.read_csv, source.estimates)), model)
-        tables.write(output.parameters.removesuffix(".csv"), data, parameter_page(data))
-        found = numbers(compared, scores, pd.read_csv(source.differences), published, params)
-        Path(output.numbers).write_text(json.dumps(found, indent=1) + "\n")
+with job(snakemake) as (source, params, output):
+    scores, errors = pd.read_csv(source.scores), pd.read_parquet(source.errors)
+    published = pd.read_csv(source.published).set_index("quantity")
+    shortest = scores.loc[scores["minutes"] > 0, "minutes"].min()
+    drawn = errors[errors["minutes"].isin([0, shortest]) & errors["scheme"].isin(["allan", "indirect", "truth"])]
+    swing = params.course["disturbance"]
+    gust = swing["start_s"], swing["start_s"] + swing["duration_s"]
+    compared = comparison(scores, params.seed)
+    model = yaml.safe_load(Path(source.model).read_text())[0]["truth"]
+    data = parameters(pd.concat(map(pd.read_csv, source.estimates)), model)
+    save(
+        output,
+        flight=attitude.flight(pd.read_parquet(source.truth), drawn, gust),
+        runs=attitude.runs(scores),
+        table=(compared, page(compared, scores, published)),
+        parameters=(data, parameter_page(data)),
+        numbers=numbers(compared, scores, pd.read_csv(source.differences), published, params),
+    )

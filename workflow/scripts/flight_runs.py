@@ -7,16 +7,15 @@ import yaml
 from imugap import log
 from imugap.simulation.flight import Flight
 from imugap.study import attitude_schemes
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
 
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        flight, params, output = Flight.read(snakemake.input.recipe), snakemake.params, snakemake.output
-        files = zip(params.runs, output.flights, output.estimates, output.models, strict=True)
-        for run, flown, estimates, models in files:
-            static = flight.static(run, 60 * max(params.minutes), params.seed)
-            table, fitted = attitude_schemes.fitted(static, params.minutes)
-            table.to_csv(estimates, index=False)
-            Path(models).write_text(yaml.safe_dump(fitted, sort_keys=False))
-            log.write(flight.fly(run, params.seed), flown)
-            print(f"flight {run}")
+with job(snakemake) as (source, params, output):
+    flight = Flight.read(source.recipe)
+    files = zip(params.runs, output.flights, output.estimates, output.models, strict=True)
+    for run, flown, estimates, models in files:
+        static = flight.static(run, 60 * max(params.minutes), params.seed)
+        table, fitted = attitude_schemes.fitted(static, params.minutes)
+        table.to_csv(estimates, index=False)
+        Path(models).write_text(yaml.safe_dump(fitted, sort_keys=False))
+        log.write(flight.fly(run, params.seed), flown)
+        print(f"flight {run}")

@@ -5,11 +5,10 @@ from pathlib import Path
 import yaml
 
 from imugap.simulation.flight import Flight
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
 
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        flight = Flight.read(snakemake.input.recipe)
-        flight.truth().to_parquet(snakemake.output.trajectory)
-        models = {0: {"truth": flight.model.to_mapping()}}
-        Path(snakemake.output.models).write_text(yaml.safe_dump(models, sort_keys=False))
+with job(snakemake) as (source, _, output):
+    flight = Flight.read(source.recipe)
+    flight.truth().to_parquet(output.trajectory)
+    models = {0: {"truth": flight.model.to_mapping()}}
+    Path(output.models).write_text(yaml.safe_dump(models, sort_keys=False))

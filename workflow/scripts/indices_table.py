@@ -5,7 +5,8 @@ import pandas as pd
 from imugap.estimation.indices import INDICES
 from imugap.units import from_si
 from imugap.workflow import tables
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
+from imugap.workflow.products import save
 
 
 def in_datasheet_units(indices):
@@ -20,14 +21,12 @@ def in_datasheet_units(indices):
 
 def page(data):
     """Lay the table out: a row per index, a column per axis, gyroscopes above accelerometers."""
-    rows = []
     for kind, sensor in {"gyro": "gyroscope", "accel": "accelerometer"}.items():
         part = data[data["axis"].str.startswith(kind)]
         for symbol, group in part.groupby("symbol", sort=False):
             unit = tables.unit(group["datasheet_unit"].iloc[0])
             cells = {row.axis[-1]: cell(row) for row in group.itertuples()}
-            rows.append({"sensor": sensor, "index": INDICES[symbol].title, "unit": unit, **cells})
-    return pd.DataFrame(rows)
+            yield {"sensor": sensor, "index": INDICES[symbol].title, "unit": unit, **cells}
 
 
 def cell(row):
@@ -36,7 +35,6 @@ def cell(row):
     return tables.interval(value, low, high) if row.holds else f"≤ {tables.number(high)}"
 
 
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        data = in_datasheet_units(pd.read_csv(snakemake.input.indices))
-        tables.write(snakemake.output[0].removesuffix(".csv"), data, page(data))
+with job(snakemake) as (source, _, output):
+    data = in_datasheet_units(pd.read_csv(source.indices))
+    save(output, table=(data, page(data)))

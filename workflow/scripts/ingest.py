@@ -8,7 +8,7 @@ from imugap import log
 from imugap.integrity import report as integrity
 from imugap.io import datasets as catalogue
 from imugap.io import readers
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
 
 
 def main(raw, dataset, run, log_path, report_path):
@@ -27,9 +27,7 @@ def main(raw, dataset, run, log_path, report_path):
     log.write(table, log_path)
 
 
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        params, output = snakemake.params, snakemake.output
-        dataset = catalogue.load("data", "workflow/schemas").get(params.device)
-        for run, raw, *paths in zip(params.runs, snakemake.input.raw, output.logs, output.integrity, strict=True):
-            main(raw, dataset, run, *paths)
+with job(snakemake) as (source, params, output):
+    dataset = catalogue.load("data", "workflow/schemas").get(params.device)
+    for run, raw, *paths in zip(params.runs, source.raw, output.logs, output.integrity, strict=True):
+        main(raw, dataset, run, *paths)

@@ -1,13 +1,11 @@
 """Collect the integrity reports of a device."""
 
-import json
-from pathlib import Path
-
 import pandas as pd
 
 from imugap.units import from_si
 from imugap.workflow import tables
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
+from imugap.workflow.products import read_json, save
 
 
 def page_row(run, facts):
@@ -38,15 +36,10 @@ def step(lattices, unit):
     return tables.number(from_si(max(known), unit)) if known else "none"
 
 
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        reports = [json.loads(Path(path).read_text()) for path in snakemake.input.reports]
-        runs = dict(zip(snakemake.params.runs, reports, strict=True))
-        data = pd.concat(
-            [
-                pd.DataFrame(facts["axes"]).assign(run=run, **facts["timing"], knocks=len(facts["events"]))
-                for run, facts in runs.items()
-            ]
-        )
-        shown = pd.DataFrame([page_row(run, facts) for run, facts in runs.items()])
-        tables.write(snakemake.output[0].removesuffix(".csv"), data, shown)
+with job(snakemake) as (source, params, output):
+    runs = dict(zip(params.runs, map(read_json, source.reports), strict=True))
+    data = pd.concat(
+        pd.DataFrame(facts["axes"]).assign(run=run, **facts["timing"], knocks=len(facts["events"]))
+        for run, facts in runs.items()
+    )
+    save(output, table=(data, pd.DataFrame([page_row(run, facts) for run, facts in runs.items()])))

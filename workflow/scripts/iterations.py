@@ -1,21 +1,14 @@
 """Follow the iterations of indirect inference on one run (figure 2 of the source)."""
 
 from imugap.estimation.gmwm.estimator import GmwmOptions, Weighting, fit, fit_by_simulation
-from imugap.figures import estimation, style
+from imugap.figures import estimation
 from imugap.study.experiment import Experiment
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
+from imugap.workflow.products import save
 
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        experiment = Experiment.read(snakemake.input.recipe)
-        sequence = experiment.simulate(snakemake.params.seed, "iterations")
-        histories = {
-            f"indirect_{weighting.value}": fit(
-                sequence, experiment.interval, experiment.kinds, GmwmOptions(weighting=weighting)
-            ).history
-            for weighting in Weighting
-        }
-        histories["indirect_simulated"] = fit_by_simulation(
-            sequence, experiment.interval, experiment.kinds, snakemake.params.seed
-        ).history
-        style.save(estimation.iterations(histories, experiment.truth()), snakemake.output[0])
+with job(snakemake) as (source, params, output):
+    experiment = Experiment.read(source.recipe)
+    log = experiment.simulate(params.seed, "iterations"), experiment.interval, experiment.kinds
+    histories = {f"indirect_{one.value}": fit(*log, GmwmOptions(weighting=one)).history for one in Weighting}
+    histories["indirect_simulated"] = fit_by_simulation(*log, params.seed).history
+    save(output, figure=estimation.iterations(histories, experiment.truth()))

@@ -4,7 +4,7 @@ import numpy as np
 
 from imugap import log
 from imugap.kinematics.free_inertial import StaticNavigation
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
 
 
 def reachable(tables, course):
@@ -17,14 +17,8 @@ def reachable(tables, course):
     return max(lengths)
 
 
-def main(paths, site, course, path):
-    """Write the drifts, shape (starts, runs, epochs, 9), and their epochs."""
-    tables = [log.load(one, columns=list(log.AXES)) for one in paths]
-    plan = StaticNavigation.from_mapping(site, course, reachable(tables, course))
-    drifts = np.stack([plan.drift(table) for table in tables], axis=1)
-    np.savez(path, time=plan.epochs(), drift=drifts, interval=log.interval(tables[0]))
-
-
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        main(snakemake.input.logs, snakemake.params.site, snakemake.params.course, snakemake.output[0])
+with job(snakemake) as (source, params, output):
+    tables = [log.load(one, columns=list(log.AXES)) for one in source.logs]
+    plan = StaticNavigation.from_mapping(params.site, params.course, reachable(tables, params.course))
+    drifts = np.stack([plan.drift(table) for table in tables], axis=1)  # starts, runs, epochs, 9
+    np.savez(output[0], time=plan.epochs(), drift=drifts, interval=log.interval(tables[0]))

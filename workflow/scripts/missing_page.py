@@ -1,9 +1,7 @@
 """Tabulate what is missing from the models of a device, where, and how far the gap shrinks on its other runs."""
 
-import json
 from itertools import groupby
 from math import isfinite, nan
-from pathlib import Path
 from shutil import copyfile
 
 import pandas as pd
@@ -15,7 +13,8 @@ from imugap.figures.static import TITLES
 from imugap.figures.style import AXIS_TITLES
 from imugap.study.distances import change
 from imugap.workflow import tables
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
+from imugap.workflow.products import read_json, save
 
 DISTANCES = {"distance": "distribution", "navigation_distance": "navigation drift"}
 STATES, ENDS = ("before", "after", "floor"), ("value", "low", "high")
@@ -135,15 +134,13 @@ def withheld_page(data):
 
 
 def distances(reports):
-    """Return the distances on the other runs, and whether the last one is within the floor's interval or below it."""
-    rows = []
+    """Yield the distances on the other runs, and whether the last one is within the floor's interval or below it."""
     for start, report in reports.items():
         for key, name in DISTANCES.items():
             row = {"start": start, "distance": name}
             for state in STATES:
                 row |= {f"{state}_{end}": report[key][state][end] for end in ENDS}
-            rows.append(row | {"reached": row["after_value"] <= row["floor_high"]})
-    return pd.DataFrame(rows)
+            yield row | {"reached": row["after_value"] <= row["floor_high"]}
 
 
 def distances_page(data):
@@ -193,21 +190,11 @@ def numbers(reports, data):
     return said
 
 
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        source, output, starts = snakemake.input, snakemake.output, snakemake.params.starts
-        reports = {
-            start: json.loads(Path(path).read_text()) for start, path in zip(starts, source.reports, strict=True)
-        }
-        apart, unnamed = distances(reports), withheld(reports)
-        pages = [
-            (effects(reports), effects_page(reports)),
-            (places(reports), places_page(reports)),
-            (unnamed, withheld_page(unnamed)),
-            (apart, distances_page(apart)),
-        ]
-        for path, (data, page) in zip(output.tables, pages, strict=True):
-            tables.write(path.removesuffix(".csv"), data, page)
-        for figure, path in zip(source.figures, output.figures, strict=True):
-            copyfile(figure, path)
-        Path(output.numbers).write_text(json.dumps(numbers(reports, apart), indent=1) + "\n")
+with job(snakemake) as (source, params, output):
+    reports = dict(zip(params.starts, map(read_json, source.reports), strict=True))
+    apart, unnamed = pd.DataFrame(distances(reports)), withheld(reports)
+    for figure, path in zip(source.figures, output.figures, strict=True):
+        copyfile(figure, path)
+    save(output, effects=(effects(reports), effects_page(reports)), places=(places(reports), places_page(reports)),
+         withheld=(unnamed, withheld_page(unnamed)), distances=(apart, distances_page(apart)),
+         numbers=numbers(reports, apart))  # fmt: skip

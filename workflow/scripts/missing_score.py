@@ -1,14 +1,11 @@
 """Compare the names that were found on the virtual bench with its truth."""
 
-import json
-from pathlib import Path
-
 import pandas as pd
 
 from imugap.figures.static import TITLES
 from imugap.figures.style import AXIS_TITLES
-from imugap.workflow import tables
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
+from imugap.workflow.products import read_json, save
 
 NOT_MISSING = ("bias", "white_noise", "turn_on_bias")
 """What every start model has, and a bias that is drawn anew, which one run cannot show."""
@@ -20,9 +17,8 @@ def named(model):
 
 
 def score(reports, truth):
-    """Return, for each start and name, on how many axes it is true, known at the start, found, and found wrongly."""
+    """Yield, for each start and name, on how many axes it is true, known at the start, found, and found wrongly."""
     true = {(name, axis) for name, axis in named(truth) if name not in NOT_MISSING}
-    rows = []
     for start, report in reports.items():
         known = named(report["start_model"])
         found = {(one["name"], axis) for one in report["effects"] for axis in one["axes"]}
@@ -32,13 +28,12 @@ def score(reports, truth):
         groups = {"true": true, "known": known, "found": found, "rival": rivals}
         for name in sorted({name for name, _ in true | found}):
             of = {title: {axis for other, axis in group if other == name} for title, group in groups.items()}
-            rows.append({
+            yield {
                 "start": start, "name": name, "true": len(of["true"]), "known": len(of["known"] & of["true"]),
                 "found": len(of["found"] & of["true"]), "rival": len(of["rival"] & of["true"]),
                 "wrong": len(of["found"] - of["true"]),
                 "missed": " ".join(axis for axis in AXIS_TITLES if axis in of["true"] - of["known"] - of["found"]),
-            })  # fmt: skip
-    return pd.DataFrame(rows)
+            }  # fmt: skip
 
 
 def page(data):
@@ -54,12 +49,7 @@ def page(data):
     return shown.rename(columns={"start": "start model"} | heads).assign(**{"not found on": missed})
 
 
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        source = snakemake.input
-        reports = {
-            start: json.loads(Path(path).read_text())
-            for start, path in zip(snakemake.params.starts, source.reports, strict=True)
-        }
-        data = score(reports, json.loads(Path(source.truth).read_text())["model"])
-        tables.write(snakemake.output[0].removesuffix(".csv"), data, page(data))
+with job(snakemake) as (source, params, output):
+    reports = dict(zip(params.starts, map(read_json, source.reports), strict=True))
+    data = pd.DataFrame(score(reports, read_json(source.truth)["model"]))
+    save(output, table=(data, page(data)))

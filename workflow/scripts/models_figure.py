@@ -1,8 +1,5 @@
 """Draw the Allan deviation of every contender against the device, and tabulate where they part."""
 
-import json
-from pathlib import Path
-
 import numpy as np
 import pandas as pd
 
@@ -10,7 +7,8 @@ from imugap.figures import static, style
 from imugap.figures.static import TITLES, titled
 from imugap.interchange.from_indices import bounded
 from imugap.workflow import tables
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
+from imugap.workflow.products import save
 
 
 def agreement(device, simulated):
@@ -52,11 +50,9 @@ def numbers(data):
             "best_percent": percent[share.index[-1]], "second_percent": percent[share.index[-2]]}  # fmt: skip
 
 
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        device = pd.read_csv(snakemake.input.device)
-        simulated = pd.concat([pd.read_csv(path) for path in snakemake.input.models])
-        style.save(static.models(device, simulated), snakemake.output[0])
-        data, bounds = agreement(device, simulated), bounded(pd.read_csv(snakemake.input.indices))
-        tables.write(snakemake.output[1].removesuffix(".csv"), data, page(data, bounds))
-        Path(snakemake.output[-1]).write_text(json.dumps(numbers(data) | {"bounded": bounds}, indent=1) + "\n")
+with job(snakemake) as (source, _, output):
+    device = pd.read_csv(source.device)
+    simulated = pd.concat([pd.read_csv(path) for path in source.models])
+    data, bounds = agreement(device, simulated), bounded(pd.read_csv(source.indices))
+    table = data, page(data, bounds)
+    save(output, figure=static.models(device, simulated), table=table, numbers=numbers(data) | {"bounded": bounds})

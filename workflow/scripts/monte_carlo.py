@@ -6,7 +6,8 @@ from imugap.estimation.gmwm import estimator
 from imugap.estimation.methods import METHODS
 from imugap.study.experiment import Experiment
 from imugap.study.monte_carlo import row
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
+from imugap.workflow.products import save
 
 
 def estimates(experiment, time, seed, runs, printed):
@@ -23,10 +24,7 @@ def estimates(experiment, time, seed, runs, printed):
     return pd.concat(found, ignore_index=True)
 
 
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        time, params = int(snakemake.wildcards.time), snakemake.params
-        experiment = Experiment.read(snakemake.input.recipe).at(time)
-        estimates(experiment, time, params.seed, params.runs, params.printed).to_parquet(
-            snakemake.output[0], index=False
-        )
+with job(snakemake) as (source, params, output):
+    time = int(snakemake.wildcards.time)
+    experiment = Experiment.read(source.recipe).at(time)
+    save(output, estimates=estimates(experiment, time, params.seed, params.runs, params.printed))

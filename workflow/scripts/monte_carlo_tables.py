@@ -1,30 +1,18 @@
 """Tabulate five runs as the source does, and beside them what many runs say of every method."""
 
-import json
-from pathlib import Path
-
 import numpy as np
 import pandas as pd
 
 from imugap.estimation.cramer_rao import bound
 from imugap.estimation.methods import METHODS
-from imugap.figures import estimation, style
+from imugap.figures import estimation
 from imugap.study.experiment import Experiment
 from imugap.study.monte_carlo import summary
 from imugap.workflow import tables
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
+from imugap.workflow.products import save
 
 TIME = ("gauss_markov", 1, "correlation_time")
-
-
-def summaries(experiments, estimates, seed):
-    """Return the summary of every correlation time."""
-    found = []
-    for time, experiment in experiments.items():
-        limits = bound(experiment.model, experiment.interval, experiment.count)
-        rows = summary(estimates[estimates["time"] == time], experiment.truth(), limits, seed)
-        found.append(rows.assign(time=time))
-    return pd.concat(found, ignore_index=True)
 
 
 def five_page(data):
@@ -41,25 +29,19 @@ def five_page(data):
 
 def summary_page(data):
     """Lay the summary out: a row per correlation time, parameter and method."""
-    rows = []
     for row in data[data["parameter"] != "driving_psd"].itertuples():
-        rows.append(
-            {
-                "T [s]": row.time,
-                "parameter": estimation.SYMBOLS[row.effect, row.parameter],
-                "method": estimation.TITLES[row.method],
-                "bias [%]": f"{tables.number(100 * row.bias, 2)} ± {tables.number(100 * row.bias_error, 1)}",
-                "RMSE [%]": tables.number(100 * row.rmse, 2),
-                "bound [%]": tables.number(100 * row.bound, 2),
-                "RMSE / bound": tables.interval(row.efficiency, row.efficiency_low, row.efficiency_high),
-                "coverage [%]": tables.interval(
-                    *(100 * c for c in (row.coverage, row.coverage_low, row.coverage_high))
-                ),
-                "identified [%]": f"{100 * row.identified:.0f}",
-                "failed": row.failed,
-            }
-        )
-    return pd.DataFrame(rows)
+        yield {
+            "T [s]": row.time,
+            "parameter": estimation.SYMBOLS[row.effect, row.parameter],
+            "method": estimation.TITLES[row.method],
+            "bias [%]": f"{tables.number(100 * row.bias, 2)} ± {tables.number(100 * row.bias_error, 1)}",
+            "RMSE [%]": tables.number(100 * row.rmse, 2),
+            "bound [%]": tables.number(100 * row.bound, 2),
+            "RMSE / bound": tables.interval(row.efficiency, row.efficiency_low, row.efficiency_high),
+            "coverage [%]": tables.interval(*(100 * c for c in (row.coverage, row.coverage_low, row.coverage_high))),
+            "identified [%]": f"{100 * row.identified:.0f}",
+            "failed": row.failed,
+        }
 
 
 def numbers(estimates, truth, published, printed):
@@ -96,23 +78,25 @@ def _majority(pair, printed):
     return (means["indirect_full"] < means["allan"]).mean()
 
 
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        source, params, output = snakemake.input, snakemake.params, snakemake.output
-        experiments = {time: Experiment.read(source.recipe).at(time) for time in params.times}
-        truths = {time: experiment.truth() for time, experiment in experiments.items()}
-        estimates = pd.concat(pd.read_parquet(path) for path in source.estimates)
-        middle = params.times[len(params.times) // 2]
-        five = estimates[(estimates["time"] == middle) & (estimates["run"] < params.printed)]
-        true = [truths[middle][row.effect, row.ordinal, row.parameter] for row in five.itertuples()]
-        five = five.assign(truth=true, error=five["value"] / true - 1)
-        tables.write(output.five.removesuffix(".csv"), five, five_page(five))
-        estimates = estimates[estimates["method"].isin(METHODS)]  # those that all runs were estimated by
-        found = summaries(experiments, estimates, params.seed)
-        tables.write(output.summary.removesuffix(".csv"), found, summary_page(found))
-        limits = {time: bound(one.model, one.interval, one.count) for time, one in experiments.items()}
-        style.save(estimation.distributions(estimates, truths, limits), output.figure)
-        said = numbers(
-            estimates, {t: one[TIME] for t, one in truths.items()}, pd.read_csv(source.published), params.printed
-        )
-        Path(output.numbers).write_text(json.dumps(said | {"middle": middle}, indent=1) + "\n")
+with job(snakemake) as (source, params, output):
+    experiments = {time: Experiment.read(source.recipe).at(time) for time in params.times}
+    truths = {time: experiment.truth() for time, experiment in experiments.items()}
+    limits = {time: bound(one.model, one.interval, one.count) for time, one in experiments.items()}
+    estimates = pd.concat(pd.read_parquet(path) for path in source.estimates)
+    middle = params.times[len(params.times) // 2]
+    five = estimates[(estimates["time"] == middle) & (estimates["run"] < params.printed)]
+    true = [truths[middle][row.effect, row.ordinal, row.parameter] for row in five.itertuples()]
+    five = five.assign(truth=true, error=five["value"] / true - 1)
+    estimates = estimates[estimates["method"].isin(METHODS)]  # those that all runs were estimated by
+    found = pd.concat(
+        [
+            summary(estimates[estimates["time"] == time], truths[time], limits[time], params.seed).assign(time=time)
+            for time in params.times
+        ],
+        ignore_index=True,
+    )
+    times = {time: one[TIME] for time, one in truths.items()}
+    said = numbers(estimates, times, pd.read_csv(source.published), params.printed)
+    figure = estimation.distributions(estimates, truths, limits)
+    save(output, five=(five, five_page(five)), summary=(found, summary_page(found)), figure=figure,
+         numbers=said | {"middle": middle})  # fmt: skip

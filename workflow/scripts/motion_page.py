@@ -1,21 +1,20 @@
 """Tabulate what discovery names on trials in motion, whether they agree, and what the model of one says of another."""
 
-import json
 from itertools import product
-from pathlib import Path
 
 import pandas as pd
 
 from imugap import log
 from imugap.discovery.transfer import explained_variance, parameter_agreement
 from imugap.effects import CATALOGUE
-from imugap.figures import discovery, style
+from imugap.figures import discovery
 from imugap.figures.style import AXIS_TITLES
 from imugap.model import ErrorModel
 from imugap.stream import stream
 from imugap.study.distances import NEARER, change
 from imugap.workflow import tables
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
+from imugap.workflow.products import read_json, save
 
 NAMES = [name for name, effect in CATALOGUE.items() if effect.of_motion]
 SCALES = {"1": ("%", 1e2), "rad": ("mrad", 1e3), "m": ("mm", 1e3), "s": ("ms", 1e3),
@@ -75,18 +74,16 @@ def reach(values):
 def explained_page(data, noise):
     """Lay out the difference from the ideal, what the cameras add at rest, and what own and other models explain."""
     own = data["model"] == data["trial"]
-    rows = []
     for axis, one in data.groupby("axis", sort=False):
         unit = "m/s²" if axis in log.ACCEL else "mrad/s"
         scale = 1.0 if axis in log.ACCEL else 1e3
-        rows.append({
+        yield {
             "axis": AXIS_TITLES[axis],
             "difference, rms": f"{tables.number(scale * one.loc[own, 'rms'].median(), 2)} {unit}",
             "cameras at rest": f"{tables.number(scale * noise.loc[noise['axis'] == axis, 'std'].median(), 2)} {unit}",
             "explained by the trial's own model [%]": reach(one.loc[own, "share"]),
             "by the model of another trial [%]": reach(one.loc[~own, "share"]),
-        })  # fmt: skip
-    return pd.DataFrame(rows)
+        }  # fmt: skip
 
 
 def distances(reports):
@@ -136,27 +133,20 @@ def numbers(reports, agreed, share, noise):
     }
 
 
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        source, output, trials = snakemake.input, snakemake.output, snakemake.params.trials
-        reports, models, logs, ideals = (
-            {trial: read(path) for trial, path in zip(trials, paths, strict=True)}
-            for read, paths in (
-                (lambda path: json.loads(Path(path).read_text()), source.reports),
-                (ErrorModel.read, source.models),
-                (log.load, source.logs),
-                (log.load, source.ideals),
-            )
+with job(snakemake) as (source, params, output):
+    reports, models, logs, ideals = (
+        dict(zip(params.trials, map(read, paths), strict=True))
+        for read, paths in (
+            (read_json, source.reports),
+            (ErrorModel.read, source.models),
+            (log.load, source.logs),
+            (log.load, source.ideals),
         )
-        noise = pd.concat(map(pd.read_csv, source.noises))
-        data = effects(reports)
-        agreed, share = parameter_agreement(data), carried(models, logs, ideals, snakemake.params.seed)
-        pages = [
-            (data, effects_page(data, agreed, trials)),
-            (share, explained_page(share, noise)),
-            (distances(reports), distances_page(reports)),
-        ]
-        for path, (table, page) in zip(output.tables, pages, strict=True):
-            tables.write(path.removesuffix(".csv"), table, page)
-        style.save(discovery.repeated(data.merge(agreed[["name", "axis", "parameter"]]), SCALES), output.figure)
-        Path(output.numbers).write_text(json.dumps(numbers(reports, agreed, share, noise), indent=1) + "\n")
+    )
+    noise = pd.concat(map(pd.read_csv, source.noises))
+    data = effects(reports)
+    agreed, share = parameter_agreement(data), carried(models, logs, ideals, params.seed)
+    figure = discovery.repeated(data.merge(agreed[["name", "axis", "parameter"]]), SCALES)
+    save(output, effects=(data, effects_page(data, agreed, params.trials)), figure=figure,
+         explained=(share, explained_page(share, noise)), distances=(distances(reports), distances_page(reports)),
+         numbers=numbers(reports, agreed, share, noise))  # fmt: skip

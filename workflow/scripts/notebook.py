@@ -6,11 +6,10 @@ import nbformat
 from nbclient import NotebookClient
 from nbconvert import HTMLExporter
 
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
 
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        notebook = nbformat.read(snakemake.input.notebook, as_version=4)
-        NotebookClient(notebook, startup_timeout=600, resources={"metadata": {"path": "."}}).execute()
-        page, _ = HTMLExporter().from_notebook_node(notebook)
-        Path(snakemake.output[0]).write_text(page)
+with job(snakemake) as (source, _, output):
+    notebook = nbformat.read(source.notebook, as_version=4)
+    NotebookClient(notebook, startup_timeout=600, resources={"metadata": {"path": "."}}).execute()
+    page, _ = HTMLExporter().from_notebook_node(notebook)
+    Path(output[0]).write_text(page)

@@ -2,8 +2,7 @@
 
 import typst
 
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
 
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        typst.compile(snakemake.input.main, output=snakemake.output[0], root="paper")
+with job(snakemake) as (source, _, output):
+    typst.compile(source.main, output=output[0], root="paper")

@@ -1,7 +1,5 @@
 """Fit the models that gmwm was run with, by its own objective, and compare what is reached and how fast."""
 
-import json
-from pathlib import Path
 from time import process_time
 
 import pandas as pd
@@ -12,7 +10,8 @@ from imugap.estimation.gmwm.estimator import GmwmOptions, Weighting, fit, point_
 from imugap.figures.style import AXIS_TITLES
 from imugap.io import readers
 from imugap.workflow import tables
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
+from imugap.workflow.products import save
 
 KINDS = {"WN": (WhiteNoise,), "RW": (RandomWalk,), "QN": (Quantization,), "AR1": (GaussMarkov,)}
 KINDS["2AR1"] = (GaussMarkov, GaussMarkov)
@@ -26,16 +25,14 @@ def timed(call, *arguments, **named):
 
 
 def compared(table, interval, peer):
-    """Return the objective and the processor time of every fit beside the peer's."""
-    rows = []
+    """Yield the objective and the processor time of every fit beside the peer's."""
     for one in peer.itertuples():
         kinds = [kind for term in one.model.split("+") for kind in KINDS[term]]
         arguments = table[one.axis].to_numpy(), interval, kinds
         (_, objective), point_s = timed(point_estimate, *arguments, GmwmOptions(weighting=Weighting.INTERVAL))
         _, fit_s = timed(fit, *arguments, GmwmOptions(weighting=Weighting.INTERVAL))
-        rows.append({"axis": one.axis, "model": one.model, "gmwm": one.objective, "minimum": one.minimum,
-                     "here": objective, "gmwm_s": one.cpu_s, "here_s": point_s, "intervals_s": fit_s})  # fmt: skip
-    return pd.DataFrame(rows)
+        yield {"axis": one.axis, "model": one.model, "gmwm": one.objective, "minimum": one.minimum,
+                     "here": objective, "gmwm_s": one.cpu_s, "here_s": point_s, "intervals_s": fit_s}  # fmt: skip
 
 
 def page(data):
@@ -54,21 +51,19 @@ def page(data):
     )
 
 
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        table = readers.read(snakemake.input.log)
-        data = compared(table, log.interval(table), pd.read_csv(snakemake.input.peer))
-        tables.write(snakemake.output[0].removesuffix(".csv"), data, page(data))
-        ratio, faster = data["gmwm"] / data["here"], data["gmwm_s"] / data["here_s"]
-        whole = data["gmwm_s"] / data["intervals_s"]
-        said = {
-            "fits": len(data),
-            "reached": int((data["here"] <= data["minimum"] * (1 + 1e-6)).sum()),
-            "smallest": tables.fixed(ratio.min(), 4),
-            "largest": tables.fixed(ratio.max(), 2),
-            "slowest": f"{faster.min():.0f}",
-            "median": f"{faster.median():.0f}",
-            "slowest_whole": f"{whole.min():.0f}",
-            "median_whole": f"{whole.median():.0f}",
-        }
-        Path(snakemake.output[-1]).write_text(json.dumps(said, indent=1) + "\n")
+with job(snakemake) as (source, _, output):
+    table = readers.read(source.log)
+    data = pd.DataFrame(compared(table, log.interval(table), pd.read_csv(source.peer)))
+    ratio, faster = data["gmwm"] / data["here"], data["gmwm_s"] / data["here_s"]
+    whole = data["gmwm_s"] / data["intervals_s"]
+    said = {
+        "fits": len(data),
+        "reached": int((data["here"] <= data["minimum"] * (1 + 1e-6)).sum()),
+        "smallest": tables.fixed(ratio.min(), 4),
+        "largest": tables.fixed(ratio.max(), 2),
+        "slowest": f"{faster.min():.0f}",
+        "median": f"{faster.median():.0f}",
+        "slowest_whole": f"{whole.min():.0f}",
+        "median_whole": f"{whole.median():.0f}",
+    }
+    save(output, table=(data, page(data)), numbers=said)

@@ -1,8 +1,5 @@
 """Score the classical reading of white noise and a Gauss-Markov process."""
 
-import json
-from pathlib import Path
-
 import numpy as np
 import pandas as pd
 
@@ -13,7 +10,8 @@ from imugap.estimation.allan_slopes import PEAK_RATIO, fit
 from imugap.estimation.cramer_rao import bound
 from imugap.estimation.result import Identifiability
 from imugap.workflow import tables
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
+from imugap.workflow.products import save
 
 TIMES = (10.0, 50.0, 200.0)
 WHITE, STD = 0.005, 1 / 180
@@ -62,15 +60,12 @@ def page(data):
     return pd.DataFrame(shown | percent)
 
 
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        params = snakemake.params
-        at = Conditions(np.arange(round(params.duration_s * params.rate_hz)) / params.rate_hz, 1 / params.rate_hz)
-        data = pd.DataFrame([row for time in TIMES for row in score(time, at, params)])
-        tables.write(snakemake.output[0].removesuffix(".csv"), data, page(data))
-        times = data[data["parameter"] == "correlation_time"]
-        quoted = {"white": f"{WHITE:g}", "std": f"{STD:.4f}", "times": [f"{time:.0f}" for time in TIMES]}
-        for name in ("rmse", "plain_rmse"):
-            loss = times[name] / times["bound"]
-            quoted[name] = [f"{loss.min():.1f}", f"{loss.max():.1f}"]
-        Path(snakemake.output[-1]).write_text(json.dumps(quoted, indent=1) + "\n")
+with job(snakemake) as (_, params, output):
+    at = Conditions(np.arange(round(params.duration_s * params.rate_hz)) / params.rate_hz, 1 / params.rate_hz)
+    data = pd.DataFrame([row for time in TIMES for row in score(time, at, params)])
+    times = data[data["parameter"] == "correlation_time"]
+    quoted = {"white": f"{WHITE:g}", "std": f"{STD:.4f}", "times": [f"{time:.0f}" for time in TIMES]}
+    for name in ("rmse", "plain_rmse"):
+        loss = times[name] / times["bound"]
+        quoted[name] = [f"{loss.min():.1f}", f"{loss.max():.1f}"]
+    save(output, table=(data, page(data)), numbers=quoted)

@@ -1,18 +1,18 @@
 """Lay out the two-dimensional example: figures, table, numbers of the text."""
 
-import json
 from pathlib import Path
 
 import pandas as pd
 import yaml
 
-from imugap.figures import planar, style
+from imugap.figures import planar
 from imugap.interchange.augmentation import augmentation
 from imugap.interchange.datasheet import MODELS
 from imugap.navigation.planar import QUANTITIES, SCOPES, VEHICLE, PlanarExample
 from imugap.units import from_si
 from imugap.workflow import tables
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
+from imugap.workflow.products import save
 
 SHOWN = {
     "gyro": {"white": "deg/sqrt(h)", "flicker": "deg/h", "walk": "deg/h/sqrt(h)", "turn_on": "deg/h"},
@@ -29,7 +29,6 @@ def inside(nees):
 
 def page(ends, shares, states):
     """Lay the table out: a row per truth and filter."""
-    rows = []
     for (case, title), group in ends.groupby(["case", "filter"], sort=False):
         one = group.set_index("quantity")
         row = {"truth": planar.CASES[case].removeprefix("truth: "), "filter": title, "states": states[title]}
@@ -38,8 +37,7 @@ def page(ends, shares, states):
             row[quantity] = tables.interval(*one.loc[quantity, ["ratio", "low", "high"]])
         for scope in SCOPES:
             row[f"NEES, {scope} [%]"] = f"{100 * shares[case, title, scope]:.0f}"
-        rows.append(row)
-    return pd.DataFrame(rows)
+        yield row
 
 
 def numbers(ends, shares, example, runs):
@@ -65,20 +63,16 @@ def numbers(ends, shares, example, runs):
     return {"runs": runs, "case": said, "agree": int(agree.sum()), "compared": len(known), "sensors": sensors}
 
 
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        source, output = snakemake.input, snakemake.output
-        example, recipe = PlanarExample.read(source.recipe), yaml.safe_load(Path(source.recipe).read_text())
-        read = {name: pd.concat(map(pd.read_parquet, source[name])) for name in ("spread", "ends", "nees")}
-        outages = recipe["drive"]["outages_s"]
-        for case, path in zip(planar.CASES, (output.gauss_markov, output.flicker), strict=True):
-            style.save(planar.spread(read["spread"][read["spread"]["case"] == case], outages), path)
-        style.save(planar.consistency(read["nees"], example.drive), output.consistency)
-        shares = inside(read["nees"])
-        states = {
-            title: len(VEHICLE) + sum(len(augmentation(model).output) for model in example.models(slow))
-            for title, slow in MODELS.items()
-        }
-        tables.write(output.table.removesuffix(".csv"), read["ends"], page(read["ends"], shares, states))
-        found = numbers(read["ends"], shares, example, snakemake.params.runs) | {"drive": recipe["drive"]}
-        Path(output.numbers).write_text(json.dumps(found, indent=1) + "\n")
+with job(snakemake) as (source, params, output):
+    example, recipe = PlanarExample.read(source.recipe), yaml.safe_load(Path(source.recipe).read_text())
+    spread, ends, nees = (pd.concat(map(pd.read_parquet, source[name])) for name in ("spread", "ends", "nees"))
+    for case in planar.CASES:
+        save(output, **{case: planar.spread(spread[spread["case"] == case], recipe["drive"]["outages_s"])})
+    shares = inside(nees)
+    states = {
+        title: len(VEHICLE) + sum(len(augmentation(model).output) for model in example.models(slow))
+        for title, slow in MODELS.items()
+    }
+    found = numbers(ends, shares, example, params.runs) | {"drive": recipe["drive"]}
+    table = ends, page(ends, shares, states)
+    save(output, consistency=planar.consistency(nees, example.drive), table=table, numbers=found)

@@ -6,7 +6,8 @@ import pandas as pd
 from imugap.filters.consistency import nees_band, root_mean_square
 from imugap.interchange.datasheet import MODELS, TRUTHS, Slow
 from imugap.navigation.planar import QUANTITIES, SCOPES, PlanarExample, covariances, monte_carlo
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
+from imugap.workflow.products import save
 
 
 def spread(drive, errors, computed):
@@ -53,23 +54,16 @@ def consistency(drive, errors):
     return pd.concat(rows)
 
 
-def main(example, case, params, output):
-    """Write the three tables; the computed covariance is missing where the truth has no state space."""
+with job(snakemake) as (source, params, output):
+    example, case = PlanarExample.read(source.recipe), snakemake.wildcards.case
     truth, drive = example.models(TRUTHS[case]), example.drive
-    found = {"spread": [], "ends": [], "nees": []}
+    found = []
     for title, slow in MODELS.items():
         modelled = example.models(slow)
         errors = monte_carlo(drive, truth, modelled, example.start_std, params.runs, params.seed, "planar", case)
-        computed = np.full((2, *errors.error.shape[1:]), np.nan)
+        computed = np.full((2, *errors.error.shape[1:]), np.nan)  # missing where the truth has no state space
         if Slow.FLICKER not in TRUTHS[case]:
             computed = covariances(drive, truth, modelled, example.start_std)
         tables = spread(drive, errors, computed), ends(drive, errors, computed), consistency(drive, errors)
-        for rows, table in zip(found.values(), tables, strict=True):
-            rows.append(table.assign(case=case, filter=title))
-    for name, rows in found.items():
-        pd.concat(rows).to_parquet(output[name], index=False)
-
-
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        main(PlanarExample.read(snakemake.input.recipe), snakemake.wildcards.case, snakemake.params, snakemake.output)
+        found.append([table.assign(case=case, filter=title) for table in tables])
+    save(output, **dict(zip(("spread", "ends", "nees"), map(pd.concat, zip(*found, strict=True)), strict=True)))

@@ -5,18 +5,15 @@ import pandas as pd
 from imugap.effects.effect import AxisModel
 from imugap.interchange.from_indices import fit
 from imugap.model import ErrorModel
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
 
 
 def without_nothing(model):
     """Leave out what the fit sets to zero: the turn-on bias, of which one run says nothing, and processes not seen."""
-    axes = model.axes.items()
-    return ErrorModel(
-        {axis: AxisModel(tuple(one for one in of if all(one.parameters().values()))) for axis, of in axes}
-    )
+    seen = {axis: [one for one in of if all(one.parameters().values())] for axis, of in model.axes.items()}
+    return ErrorModel({axis: AxisModel(tuple(effects)) for axis, effects in seen.items()})
 
 
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        indices, allan = pd.read_csv(snakemake.input.indices), pd.read_csv(snakemake.input.allan)
-        without_nothing(fit("nbk", indices, allan, snakemake.params.period_s)).write(snakemake.output[0])
+with job(snakemake) as (source, params, output):
+    indices, allan = pd.read_csv(source.indices), pd.read_csv(source.allan)
+    without_nothing(fit("nbk", indices, allan, params.period_s)).write(output[0])

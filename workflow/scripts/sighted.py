@@ -7,7 +7,7 @@ from imugap.io import datasets as catalogue
 from imugap.io import motion_capture as optical
 from imugap.io import readers, reference
 from imugap.kinematics.site import Site
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
 
 
 def main(run, dataset, params, raw, log_path, reference_path, cut_path, ideal_path, noise_path):
@@ -25,10 +25,8 @@ def main(run, dataset, params, raw, log_path, reference_path, cut_path, ideal_pa
     still.rename_axis("axis").rename("std").to_frame().assign(unseen=unseen).to_csv(noise_path)
 
 
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        source, output, params = snakemake.input, snakemake.output, snakemake.params
-        broad = catalogue.load("data", "workflow/schemas")["broad"]
-        paths = source.raw, source.logs, source.references, output.logs, output.ideals, output.noises
-        for run, *files in zip(params.trials, *paths, strict=True):
-            main(run, broad, params, *files)
+with job(snakemake) as (source, params, output):
+    broad = catalogue.load("data", "workflow/schemas")["broad"]
+    paths = source.raw, source.logs, source.references, output.logs, output.ideals, output.noises
+    for run, *files in zip(params.trials, *paths, strict=True):
+        main(run, broad, params, *files)

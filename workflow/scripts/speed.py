@@ -34,7 +34,8 @@ from imugap.stream import stream
 from imugap.study.experiment import Experiment
 from imugap.study.fault_ablation import Ablation
 from imugap.workflow import tables
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
+from imugap.workflow.products import save
 
 INTERVAL = 0.01
 FIRST_WALK = """
@@ -66,21 +67,17 @@ def kernels(samples, repeats):
     rng = stream(0, "speed")
     gyro, accel = 0.1 * rng.standard_normal((samples, 3)), rng.standard_normal((samples, 3)) - [0, 0, 9.8]
     device = np.concatenate([gyro, accel], axis=1)
-    forms = {"strapdown, local": Local(9.8), "strapdown, ellipsoid": Ellipsoid(0.8, 0.0, 100.0)}
-    rows = []
-    for name, form in forms.items():
-        spent = median_time(
-            lambda form=form: navigate(gyro, accel, INTERVAL, NavigationState(), form, samples - 1), repeats
-        )
-        rows.append([name, f"{samples} samples, one core", spent, "million samples/s", samples / spent / 1e6])
+    for name, form in {"strapdown, local": Local(9.8), "strapdown, ellipsoid": Ellipsoid(0.8, 0.0, 100.0)}.items():
+        given = gyro, accel, INTERVAL, NavigationState(), form, samples - 1
+        spent = median_time(lambda given=given: navigate(*given), repeats)
+        yield [name, f"{samples} samples, one core", spent, "million samples/s", samples / spent / 1e6]
     averaging = allan.factors(samples)
     own = median_time(lambda: [allan.variance(axis, averaging) for axis in device.T], repeats)
     taus = averaging * INTERVAL
     peer = median_time(lambda: [allantools.oadev(a, 1 / INTERVAL, "freq", taus=taus) for a in device.T], repeats)
     what = f"{samples} × 6, {len(averaging)} averaging times, one core"
-    rows.append(["Allan deviation, here", what, own, "times faster than allantools", peer / own])
-    rows.append(["Allan deviation, allantools", what, peer, "", np.nan])
-    return rows
+    yield ["Allan deviation, here", what, own, "times faster than allantools", peer / own]
+    yield ["Allan deviation, allantools", what, peer, "", np.nan]
 
 
 @njit
@@ -163,12 +160,10 @@ def drives(recipe, samples, repeats):
     record, fixes = drive.record(0, 0), drive.fixes(0, 0)
     inputs = DriveInputs(record, fixes, drive.model, drive.ellipsoid, study.assumptions)
     start = align(inputs)
-    rows, what = [], f"{len(record)} samples, {len(fixes)} fixes, one core"
+    what = f"{len(record)} samples, {len(fixes)} fixes, one core"
     for name, smooth in (("filter", False), ("smoother", True)):
         spent = median_time(lambda smooth=smooth: navigate_vehicle(inputs, start, smooth), repeats)
-        speed = len(record) / spent / 1e6
-        rows.append([f"vehicle {name}, 21 states", what, spent, "million samples/s", speed])
-    return rows
+        yield [f"vehicle {name}, 21 states", what, spent, "million samples/s", len(record) / spent / 1e6]
 
 
 def fits_of(experiment, method, runs):
@@ -184,14 +179,12 @@ def fits_of(experiment, method, runs):
 def fits(recipe, number):
     """Time fits of four parameters with intervals in two processes."""
     experiment = Experiment.read(recipe)
-    rows = []
     for name, method in {"likelihood": maximum_likelihood.fit, "indirect, full weights": estimator.fit}.items():
         with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
             halves = [range(0, number, 2), range(1, number, 2)]
             spent = max(pool.map(fits_of, [experiment] * 2, [method] * 2, halves))
         what = f"{number} logs of {experiment.count} samples, four parameters, two processes"
-        rows.append([f"fits with intervals, {name}", what, spent, "ms per fit and process", 2e3 * spent / number])
-    return rows
+        yield [f"fits with intervals, {name}", what, spent, "ms per fit and process", 2e3 * spent / number]
 
 
 def indices_of(path, run, period):
@@ -211,16 +204,14 @@ def chain(paths, runs, period):
     return [["raw .rda to indices", what, spent, "MB at most in a process", max(peaks)]]
 
 
+# started processes import this module again
 if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        params = snakemake.params
-        rows = kernels(params.samples, params.repeats) + wavelets(params.samples, params.repeats)
-        rows += walks(snakemake.input.walk, snakemake.input.walkers, params.samples, params.repeats)
-        rows += first_walks(snakemake.input.walk) if params.first_calls else []
-        rows += drives(snakemake.input.drive, params.samples, params.repeats)
-        rows += fits(snakemake.input.recipe, params.fits)
-        if snakemake.input.raw:
-            rows += chain(snakemake.input.raw, params.runs, params.period_s)
+    with job(snakemake) as (source, params, output):
+        sizes = params.samples, params.repeats
+        rows = [*kernels(*sizes), *wavelets(*sizes), *walks(source.walk, source.walkers, *sizes)]
+        rows += first_walks(source.walk) if params.first_calls else []
+        rows += [*drives(source.drive, *sizes), *fits(source.recipe, params.fits)]
+        rows += chain(source.raw, params.runs, params.period_s) if source.raw else []
         data = pd.DataFrame(rows, columns=["what", "task", "seconds", "measure", "value"])
-        shown = data.assign(**{name: data[name].map(tables.number) for name in ("seconds", "value")})
-        tables.write(snakemake.output[0].removesuffix(".csv"), data, shown)
+        shown = {name: data[name].map(tables.number) for name in ("seconds", "value")}
+        save(output, table=(data, data.assign(**shown)))

@@ -5,12 +5,10 @@ import numpy as np
 from imugap import log
 from imugap.interchange.plugins import catalogue
 from imugap.model import ErrorModel
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
 
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        params = snakemake.params
-        model = ErrorModel.read(snakemake.input.model, catalogue(params.effects))
-        silent = dict.fromkeys(model.sensors, np.zeros(round(params.duration_s * params.rate_hz)))
-        still = log.from_samples(silent, 1 / params.rate_hz)
-        log.write(model.simulate(still, params.seed, "story", "heater"), snakemake.output[0])
+with job(snakemake) as (source, params, output):
+    model = ErrorModel.read(source.model, catalogue(params.effects))
+    silent = dict.fromkeys(model.sensors, np.zeros(round(params.duration_s * params.rate_hz)))
+    still = log.from_samples(silent, 1 / params.rate_hz)
+    log.write(model.simulate(still, params.seed, "story", "heater"), output[0])

@@ -6,24 +6,14 @@ import yaml
 
 from imugap.benchmark.sealing import BlindCase, CaseKind, PlannedEffect, seal, write
 from imugap.io.configuration import configure
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
 
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        source, params, output = snakemake.input, snakemake.params, snakemake.output
-        folder = Path(output.log).parent
-        case = BlindCase(
-            name=folder.name,
-            seed=params.seed,
-            kind=CaseKind.PAIR,
-            effects=tuple(PlannedEffect(name, size) for name, size in params.effects.items()),
-            same_axis=False,
-            base="white",
-            motion="rest",
-            rate_hz=params.rate_hz,
-            duration_s=params.duration_s,
-            runs=1,
-            temperature=True,
-        )
-        recipe = configure(yaml.safe_load(Path(source.recipe).read_text()), source.schema)
-        write(seal(case, recipe), folder.parent, Path(output.key).parent)
+with job(snakemake) as (source, params, output):
+    folder = Path(output.log).parent
+    case = BlindCase(
+        name=folder.name, seed=params.seed, kind=CaseKind.PAIR,
+        effects=tuple(PlannedEffect(name, size) for name, size in params.effects.items()), same_axis=False,
+        base="white", motion="rest", rate_hz=params.rate_hz, duration_s=params.duration_s, runs=1, temperature=True,
+    )  # fmt: skip
+    recipe = configure(yaml.safe_load(Path(source.recipe).read_text()), source.schema)
+    write(seal(case, recipe), folder.parent, Path(output.key).parent)

@@ -1,9 +1,7 @@
 """Write what the text says of the study itself."""
 
-import json
 import platform
 from importlib.metadata import version
-from pathlib import Path
 
 import pandas as pd
 
@@ -11,8 +9,8 @@ from imugap.estimation import allan
 from imugap.figures.static import TITLES
 from imugap.interchange.from_indices import CONTENDERS
 from imugap.io import datasets as catalogue
-from imugap.workflow import tables
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
+from imugap.workflow.products import save
 
 PACKAGES = ("imugap", "numpy", "scipy", "pandas", "numba", "matplotlib", "allantools", "snakemake")
 
@@ -22,26 +20,24 @@ def omission(dataset):
     return {"name": dataset.name, "title": dataset.title, "source": dataset.source, "files": len(dataset.files)}
 
 
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        params, sets = snakemake.params, catalogue.load("data", "workflow/schemas")
-        study = {
-            "devices": list(params.runs),
-            "runs": {device: len(runs) for device, runs in params.runs.items()},
-            "missing_of": params.missing_of,
-            "sighted": params.sighted,
-            "power_cycles": len(params.power_cycles),
-            "walks": params.walks,
-            "omitted": [omission(sets[name]) for name in params.omitted],
-            "contenders": [TITLES[name] for name in CONTENDERS],
-            "config": params.config,
-            "reading": {"tolerance": allan.SLOPE_TOLERANCE, "decades": allan.REGION_DECADES},
-            "versions": {name: version(name) for name in PACKAGES} | {"Python": platform.python_version()},
-        }
-        Path(snakemake.output[0]).write_text(json.dumps(study, indent=1) + "\n")
-        data = pd.DataFrame([vars(one) | {"files": len(one.files), "runs": len(one.runs)} for one in sets.values()])
-        heads = {"name": "name", "title": "title", "rate_hz": "rate [Hz]", "runs": "runs", "gyro_unit": "gyro",
-                 "accel_unit": "accel", "frame": "frame", "licence": "licence"}  # fmt: skip
-        shown = data[list(heads)].assign(rate_hz=data["rate_hz"].map("{:.6g}".format)).rename(columns=heads).fillna("—")
-        shown["here"] = ["left out" if name in params.omitted else "yes" for name in shown["name"]]
-        tables.write(snakemake.output[1].removesuffix(".csv"), data, shown)
+with job(snakemake) as (_, params, output):
+    sets = catalogue.load("data", "workflow/schemas")
+    study = {
+        "devices": list(params.runs),
+        "runs": {device: len(runs) for device, runs in params.runs.items()},
+        "missing_of": params.missing_of,
+        "sighted": params.sighted,
+        "power_cycles": len(params.power_cycles),
+        "walks": params.walks,
+        "omitted": [omission(sets[name]) for name in params.omitted],
+        "contenders": [TITLES[name] for name in CONTENDERS],
+        "config": params.config,
+        "reading": {"tolerance": allan.SLOPE_TOLERANCE, "decades": allan.REGION_DECADES},
+        "versions": {name: version(name) for name in PACKAGES} | {"Python": platform.python_version()},
+    }
+    data = pd.DataFrame([vars(one) | {"files": len(one.files), "runs": len(one.runs)} for one in sets.values()])
+    heads = {"name": "name", "title": "title", "rate_hz": "rate [Hz]", "runs": "runs", "gyro_unit": "gyro",
+             "accel_unit": "accel", "frame": "frame", "licence": "licence"}  # fmt: skip
+    shown = data[list(heads)].assign(rate_hz=data["rate_hz"].map("{:.6g}".format)).rename(columns=heads).fillna("—")
+    shown["here"] = ["left out" if name in params.omitted else "yes" for name in shown["name"]]
+    save(output, numbers=study, table=(data, shown))

@@ -12,7 +12,7 @@ from imugap.io import reference
 from imugap.model import ErrorModel
 from imugap.navigation.attitude import AttitudeAssumptions, InitialAttitude, estimate_attitude
 from imugap.numerics.rotation import to_euler
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
 
 STEP_S = 0.1
 """Step of the stored attitudes."""
@@ -24,22 +24,19 @@ def attitude(table, known, model, margin_s, assumptions):
     rest, _ = reference.rests(table, known, margin_s)
     heading = to_euler(reference.rotations(known.loc[rest.index[0] : rest.index[-1]]).mean())[2]
     ahead = table[(table.index > rest.index[-1]) & (table.index <= end)]
-    return (
-        estimate_attitude(ahead, model, InitialAttitude.at_rest(rest, heading), assumptions).table(STEP_S).loc[begin:]
-    )
+    start = InitialAttitude.at_rest(rest, heading)
+    return estimate_attitude(ahead, model, start, assumptions).table(STEP_S).loc[begin:]
 
 
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        source, params = snakemake.input, snakemake.params
-        assumptions = AttitudeAssumptions.from_mapping(**params.assumptions)
-        models, found = yaml.safe_load(Path(source.models).read_text()), {}
-        extra = GaussMarkov(radians(params.motion_margin["std_deg_per_s"]), params.motion_margin["correlation_time_s"])
-        for trial, log_path, reference_path in zip(params.trials, source.logs, source.references, strict=True):
-            table, known = log.load(log_path), pd.read_parquet(reference_path)
-            for scheme, mapping in models[trial].items():
-                rest = ErrorModel.from_mapping(mapping)
-                wider = {axis: one + extra if axis in log.GYRO else one for axis, one in rest.axes.items()}
-                for model, of_model in {"rest": rest, "margin": ErrorModel(wider)}.items():
-                    found[trial, model, scheme] = attitude(table, known, of_model, params.margin_s, assumptions)
-        pd.concat(found, names=["trial", "model", "scheme"]).to_parquet(snakemake.output[0])
+with job(snakemake) as (source, params, output):
+    assumptions = AttitudeAssumptions.from_mapping(**params.assumptions)
+    models, found = yaml.safe_load(Path(source.models).read_text()), {}
+    extra = GaussMarkov(radians(params.motion_margin["std_deg_per_s"]), params.motion_margin["correlation_time_s"])
+    for trial, log_path, reference_path in zip(params.trials, source.logs, source.references, strict=True):
+        table, known = log.load(log_path), pd.read_parquet(reference_path)
+        for scheme, mapping in models[trial].items():
+            rest = ErrorModel.from_mapping(mapping)
+            wider = {axis: one + extra if axis in log.GYRO else one for axis, one in rest.axes.items()}
+            for model, of_model in {"rest": rest, "margin": ErrorModel(wider)}.items():
+                found[trial, model, scheme] = attitude(table, known, of_model, params.margin_s, assumptions)
+    pd.concat(found, names=["trial", "model", "scheme"]).to_parquet(output[0])

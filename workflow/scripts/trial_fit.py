@@ -8,23 +8,18 @@ import yaml
 from imugap import log
 from imugap.io import reference
 from imugap.study import attitude_schemes
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
+from imugap.workflow.products import save
 
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        rows, models = [], {}
-        trials = zip(snakemake.params.trials, snakemake.input.logs, snakemake.input.references, strict=True)
-        for trial, log_path, reference_path in trials:
-            table = log.load(log_path)
-            first, last = reference.rests(table, pd.read_parquet(reference_path), snakemake.params.margin_s)
-            for name, rest in {"first": first, "last": last}.items():
-                fits = {scheme: attitude_schemes.fit(rest, scheme) for scheme in attitude_schemes.SCHEMES}
-                rows += [
-                    attitude_schemes.table(one, trial=trial, rest=name, scheme=scheme) for scheme, one in fits.items()
-                ]
-                if name == "first":
-                    models[trial] = {
-                        scheme: attitude_schemes.filter_model(one).to_mapping() for scheme, one in fits.items()
-                    }
-        pd.concat(rows).to_csv(snakemake.output.estimates, index=False)
-        Path(snakemake.output.models).write_text(yaml.safe_dump(models, sort_keys=False))
+with job(snakemake) as (source, params, output):
+    rows, models = [], {}
+    for trial, log_path, reference_path in zip(params.trials, source.logs, source.references, strict=True):
+        table = log.load(log_path)
+        rests = reference.rests(table, pd.read_parquet(reference_path), params.margin_s)
+        for name, rest in zip(("first", "last"), rests, strict=True):
+            fits = {scheme: attitude_schemes.fit(rest, scheme) for scheme in attitude_schemes.SCHEMES}
+            rows += [attitude_schemes.table(one, trial=trial, rest=name, scheme=of) for of, one in fits.items()]
+            if name == "first":
+                models[trial] = {of: attitude_schemes.filter_model(one).to_mapping() for of, one in fits.items()}
+    save(output, estimates=pd.concat(rows))
+    Path(output.models).write_text(yaml.safe_dump(models, sort_keys=False))

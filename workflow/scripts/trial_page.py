@@ -1,19 +1,17 @@
 """Lay out the real trials: the figure, log against reference, what the rests tell, errors, numbers of the text."""
 
-import json
-from pathlib import Path
-
 import numpy as np
 import pandas as pd
 
 from imugap.estimation.result import Identifiability
-from imugap.figures import attitude, style
+from imugap.figures import attitude
 from imugap.io.datasets import load
 from imugap.io.reference import ERROR
 from imugap.log import GYRO
 from imugap.units import from_si
 from imugap.workflow import tables
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
+from imugap.workflow.products import save
 
 MODELS = {"rest": "of the rest", "margin": "with a margin"}
 ANGLES = {"north": "tilt about north", "east": "tilt about east", "down": "heading"}
@@ -34,7 +32,6 @@ def names():
 
 def alignment_page(data, titles):
     """Lay the alignment out: a row per trial."""
-    rows = []
     for trial, one in data.groupby("trial", sort=False):
         found = one.set_index("quantity")[["value", "low", "high"]]
         row = {"trial": titles[trial], "lag [ms]": tables.interval(*(1e3 * found.loc["lag"]))}
@@ -43,32 +40,28 @@ def alignment_page(data, titles):
                 row[head.format(axis)] = tables.interval(*from_si(found.loc[f"{kind}_{axis}"], "deg"))
         for axis in ("north", "east"):
             row[f"level {axis} [°]"] = tables.number(from_si(found.loc[f"tilt_{axis}", "value"], "deg"), 2)
-        rows.append(row)
-    return pd.DataFrame(rows)
+        yield row
 
 
 def rests(estimates):
-    """Return per parameter and scheme the share identified, the median, and how far two rests of a trial disagree.
+    """Yield per parameter and scheme the share identified, the median, and how far two rests of a trial disagree.
 
     The disagreement is the factor exp(rms log(last/first)) over axes and trials, zeros left out.
     """
     known = estimates[estimates["parameter"] != "driving_psd"].copy()
     known["kind"] = np.where(known["axis"].isin(GYRO), "gyro", "accel")
     known["identified"] = known["verdict"] == Identifiability.IDENTIFIED
-    rows = []
     for (kind, parameter, scheme), one in known.groupby(["kind", "parameter", "scheme"], sort=False):
         both = one.pivot(index=["trial", "axis"], columns="rest", values="value").replace(0.0, np.nan).dropna()
         apart = np.log(both["last"] / both["first"]) if len(both) else pd.Series(dtype=float)
-        rows.append({"kind": kind, "parameter": parameter, "scheme": scheme, "fits": len(one),
+        yield {"kind": kind, "parameter": parameter, "scheme": scheme, "fits": len(one),
                      "identified": int(one["identified"].sum()), "median": one["value"].median(),
-                     "pairs": len(both), "disagreement": np.exp(np.sqrt((apart**2).mean()))})  # fmt: skip
-    return pd.DataFrame(rows)
+                     "pairs": len(both), "disagreement": np.exp(np.sqrt((apart**2).mean()))}  # fmt: skip
 
 
 def rests_page(data):
     """Lay the table out: a row per parameter, three columns per scheme."""
-    known = data.set_index(["kind", "parameter", "scheme"])
-    rows = []
+    known, rows = data.set_index(["kind", "parameter", "scheme"]), []
     for (kind, parameter), (title, unit) in ESTIMATES.items():
         row = {"parameter": title}
         for scheme in known.index.unique("scheme"):
@@ -124,15 +117,15 @@ def numbers(alignment, scores, differences, told):
     return said
 
 
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        source, output, titles = snakemake.input, snakemake.output, names()
-        alignment, scores, differences = (pd.read_csv(source[name]) for name in ("alignment", "scores", "differences"))
-        errors = pd.read_parquet(source.errors)
-        chosen = {trial: titles[trial] for trial in errors["trial"].unique()}
-        style.save(attitude.trials(errors, chosen, list(MODELS)), output.figure)
-        tables.write(output.alignment.removesuffix(".csv"), alignment, alignment_page(alignment, titles))
-        told = rests(pd.read_csv(source.estimates))
-        tables.write(output.rests.removesuffix(".csv"), told, rests_page(told))
-        tables.write(output.trials.removesuffix(".csv"), differences, trials_page(scores, differences, titles))
-        Path(output.numbers).write_text(json.dumps(numbers(alignment, scores, differences, told), indent=1) + "\n")
+with job(snakemake) as (source, _, output):
+    alignment, scores, differences = (pd.read_csv(source[name]) for name in ("alignment", "scores", "differences"))
+    errors, titles, told = pd.read_parquet(source.errors), names(), pd.DataFrame(rests(pd.read_csv(source.estimates)))
+    chosen = {trial: titles[trial] for trial in errors["trial"].unique()}
+    save(
+        output,
+        figure=attitude.trials(errors, chosen, list(MODELS)),
+        alignment=(alignment, alignment_page(alignment, titles)),
+        rests=(told, rests_page(told)),
+        trials=(differences, trials_page(scores, differences, titles)),
+        numbers=numbers(alignment, scores, differences, told),
+    )

@@ -6,9 +6,9 @@ from imugap import log
 from imugap.io import reference
 from imugap.kinematics.strapdown import level
 from imugap.numerics.rotation import from_euler, to_euler
-from imugap.stream import stream
 from imugap.study import attitude_scores
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
+from imugap.workflow.products import save
 
 KEY = ["trial", "model", "scheme"]
 
@@ -27,36 +27,18 @@ def measure(table, known, margin):
     return found
 
 
-def differences(errors, seed):
-    """Return by how much scheme 2's variance exceeds scheme 1's, with block-bootstrap intervals."""
-    rows = []
-    for (trial, model), one in errors.groupby(["trial", "model"], sort=False):
-        pair = dict(list(one.groupby("scheme")))
-        for angle in reference.ERROR:
-            first, second = (pair[scheme][angle].to_numpy() for scheme in ("allan", "indirect"))
-            found = attitude_scores.difference(first, second, stream(seed, "difference", trial, model, angle))
-            rows.append({"trial": trial, "model": model, "angle": angle} | vars(found) | {"differs": found.differs})
-    return pd.DataFrame(rows)
-
-
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        source, output, params = snakemake.input, snakemake.output, snakemake.params
-        filtered, alignments, errors, scores = pd.read_parquet(source.attitude), [], [], []
-        for trial, log_path, reference_path in zip(params.trials, source.logs, source.references, strict=True):
-            known = pd.read_parquet(reference_path)
-            measured = measure(log.load(log_path), known, params.margin_s)
-            alignments.append(measured.reset_index().assign(trial=trial))
-            for (model, scheme), one in filtered.loc[trial].groupby(level=["model", "scheme"], sort=False):
-                solution = one.droplevel(["model", "scheme"])
-                error = reference.error(solution, known, measured.loc["lag", "value"])
-                labels = {"trial": trial, "model": model, "scheme": scheme}
-                nees = attitude_scores.nees(error, solution).mean()
-                found = attitude_scores.scores(error[list(reference.ERROR)])
-                scores.append(found.reset_index().assign(nees=nees, **labels))
-                errors.append(error.reset_index().assign(**labels))
-        errors = pd.concat(errors)
-        pd.concat(alignments).to_csv(output.alignment, index=False)
-        pd.concat(scores).to_csv(output.scores, index=False)
-        differences(errors, params.seed).to_csv(output.differences, index=False)
-        errors.to_parquet(output.errors)
+with job(snakemake) as (source, params, output):
+    filtered, alignments, found = pd.read_parquet(source.attitude), [], []
+    for trial, log_path, reference_path in zip(params.trials, source.logs, source.references, strict=True):
+        known = pd.read_parquet(reference_path)
+        measured = measure(log.load(log_path), known, params.margin_s)
+        alignments.append(measured.reset_index().assign(trial=trial))
+        for key, one in filtered.loc[trial].groupby(level=KEY[1:], sort=False):
+            solution = one.droplevel(KEY[1:])
+            error = reference.error(solution, known, measured.loc["lag", "value"])
+            labels = dict(zip(KEY, (trial, *key), strict=True))
+            found.append(attitude_scores.scored(solution, error, reference.ERROR, labels))
+    errors, scores = map(pd.concat, zip(*found, strict=True))
+    gaps = attitude_scores.differences(errors, KEY[:2], reference.ERROR, params.seed)
+    save(output, alignment=pd.concat(alignments), scores=scores, differences=gaps)
+    errors.to_parquet(output.errors)

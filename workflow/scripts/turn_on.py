@@ -6,11 +6,12 @@ from scipy.stats import chi2
 
 from imugap import log
 from imugap.estimation.indices import INDICES, of_run, repeatability
-from imugap.figures import static, style
+from imugap.figures import static
 from imugap.figures.style import AXIS_TITLES
 from imugap.units import from_si
 from imugap.workflow import tables
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
+from imugap.workflow.products import save
 
 
 def cycle(path, period):
@@ -21,8 +22,7 @@ def cycle(path, period):
 
 
 def compare(cycles):
-    """Return repeatability, the floor sqrt(mean N^2/T) and the chi-square p-value that the floor explains it all."""
-    rows = []
+    """Yield repeatability, the floor sqrt(mean N^2/T) and the chi-square p-value that the floor explains it all."""
     for axis, group in cycles.groupby("axis", sort=False):
         means = group.loc[group["symbol"] == "bias", "value"].to_numpy()
         white = group[group["symbol"] == "N"]
@@ -30,9 +30,8 @@ def compare(cycles):
         value, low, high = repeatability(means)
         p = chi2.sf((len(means) - 1) * (value / floor) ** 2, len(means) - 1)
         excess = np.sqrt(max(value**2 - floor**2, 0))
-        rows.append({"axis": axis, "cycles": len(means), "repeatability": value, "low": low, "high": high,
-                     "floor": floor, "p_value": p, "turn_on_bias": excess})  # fmt: skip
-    return pd.DataFrame(rows)
+        yield {"axis": axis, "cycles": len(means), "repeatability": value, "low": low, "high": high,
+                     "floor": floor, "p_value": p, "turn_on_bias": excess}  # fmt: skip
 
 
 def page(data):
@@ -51,13 +50,8 @@ def page(data):
     return pd.DataFrame(rows, columns=["axis", "cycles", *heads, "verdict"])
 
 
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        period = snakemake.params.period_s
-        found = {
-            run: cycle(path, period) for run, path in zip(snakemake.params.runs, snakemake.input.logs, strict=True)
-        }
-        cycles = pd.concat(found, names=["run"]).reset_index("run")
-        style.save(static.repeatability(cycles[cycles["symbol"] == "bias"]), snakemake.output[0])
-        data = compare(cycles)
-        tables.write(snakemake.output[1].removesuffix(".csv"), data, page(data))
+with job(snakemake) as (source, params, output):
+    found = {run: cycle(path, params.period_s) for run, path in zip(params.runs, source.logs, strict=True)}
+    cycles = pd.concat(found, names=["run"]).reset_index("run")
+    data = pd.DataFrame(compare(cycles))
+    save(output, figure=static.repeatability(cycles[cycles["symbol"] == "bias"]), table=(data, page(data)))

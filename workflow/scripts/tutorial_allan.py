@@ -11,7 +11,8 @@ from imugap.model import ErrorModel
 from imugap.numerics import allan_from_psd as spectrum
 from imugap.stream import stream
 from imugap.study.farrell2022 import COMPOSED
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
+from imugap.workflow.products import save
 
 
 def rows(axis, model, interval, count, trials, labels):
@@ -27,13 +28,12 @@ def rows(axis, model, interval, count, trials, labels):
                          "low": low, "mean": np.sqrt(runs.mean(axis=0)), "high": high})  # fmt: skip
 
 
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        like = log.load(snakemake.input.log, columns=[log.AXES[0]])
-        interval, count, curves = log.interval(like), len(like), []
-        for path in map(Path, snakemake.input.models):
-            model, trials = ErrorModel.read(path), snakemake.params.trials if path.stem in COMPOSED else 0
-            labels = (snakemake.params.seed, "tutorial", snakemake.wildcards.device, path.stem)
-            parts = [rows(axis, model[axis], interval, count, trials, labels) for axis in model.axes]
-            curves.append(pd.concat(parts).assign(model=path.stem))
-        pd.concat(curves).to_csv(snakemake.output[0], index=False)
+with job(snakemake) as (source, params, output):
+    like = log.load(source.log, columns=[log.AXES[0]])
+    interval, count, curves = log.interval(like), len(like), []
+    for path in map(Path, source.models):
+        model, trials = ErrorModel.read(path), params.trials if path.stem in COMPOSED else 0
+        labels = (params.seed, "tutorial", snakemake.wildcards.device, path.stem)
+        parts = [rows(axis, model[axis], interval, count, trials, labels) for axis in model.axes]
+        curves.append(pd.concat(parts).assign(model=path.stem))
+    save(output, allan=pd.concat(curves))

@@ -1,15 +1,13 @@
 """Draw the continuous models of a device against it, and tabulate where and by how much they depart."""
 
-import json
-from pathlib import Path
-
 import numpy as np
 import pandas as pd
 
 from imugap.figures import farrell2022, style
 from imugap.study.farrell2022 import COMPOSED, KNOWN, TITLES
 from imugap.workflow import tables
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
+from imugap.workflow.products import save
 
 
 def departures(device, models):
@@ -66,12 +64,8 @@ def numbers(data, models, readings, device):
     }
 
 
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        device, readings = pd.read_csv(snakemake.input.device), pd.read_csv(snakemake.input.readings)
-        models = pd.read_csv(snakemake.input.models)
-        style.save(farrell2022.models(device, models), snakemake.output[0])
-        data = departures(device, models)
-        tables.write(snakemake.output[1].removesuffix(".csv"), data, page(data))
-        text = json.dumps(numbers(data, models, readings, device), indent=1)
-        Path(snakemake.output[-1]).write_text(text + "\n")
+with job(snakemake) as (source, _, output):
+    device, readings, models = (pd.read_csv(source[name]) for name in ("device", "readings", "models"))
+    data = departures(device, models)
+    save(output, figure=farrell2022.models(device, models), table=(data, page(data)),
+         numbers=numbers(data, models, readings, device))  # fmt: skip

@@ -1,8 +1,7 @@
 """Navigate simulated walks with all errors of a device, and without one at a time, for the error budget of the end."""
 
-import json
 from dataclasses import replace
-from pathlib import Path
+from itertools import product
 
 import pandas as pd
 
@@ -12,7 +11,8 @@ from imugap.model import ErrorModel
 from imugap.navigation.pedestrian import WalkAssumptions, navigate
 from imugap.simulation.matched_walk import STANCE_MOTION, DeviceClass, without
 from imugap.simulation.walk import Gait, Walk, WalkCourse, WalkLeg
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
+from imugap.workflow.products import read_json, save
 
 ALL, NONE = ("all", "all"), ("none", "none")
 LOOP = 60
@@ -24,7 +24,7 @@ def walks(path, like):
     if path is None:
         return {"out and back": like, "loop": replace(like, course=WalkCourse.loop(LOOP))}
     found = {}
-    for run, one in json.loads(Path(path).read_text()).items():
+    for run, one in read_json(path).items():
         course = one["course"] | {"legs": tuple(WalkLeg(**leg) for leg in one["course"]["legs"])}
         found[run] = replace(like, gait=Gait(**one["gait"]), course=WalkCourse(**course), rate_hz=one["rate_hz"])
     return found
@@ -54,19 +54,10 @@ def errors(walk, name, kind, draw, seed):
     yield NONE, end(ErrorModel({}))
 
 
-def main(path, like, kind, params):
-    """Return the errors of every walk, device and choice of effects."""
-    rows = []
-    for name, walk in walks(path, like).items():
-        for draw in range(1, params.draws + 1):
-            for (triad, effect), (north, east, down) in errors(walk, name, kind, draw, params.seed):
-                rows.append({"walk": name, "draw": draw, "triad": triad, "effect": effect,
-                             "north": north, "east": east, "down": down})  # fmt: skip
-    return pd.DataFrame(rows)
-
-
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        source = snakemake.input
-        table = main(source.get("twins"), Walk.read(source.recipe), DeviceClass.read(source.kind), snakemake.params)
-        table.to_parquet(snakemake.output[0], index=False)
+with job(snakemake) as (source, params, output):
+    like, kind, rows = Walk.read(source.recipe), DeviceClass.read(source.kind), []
+    for (name, walk), draw in product(walks(source.get("twins"), like).items(), range(1, params.draws + 1)):
+        for (triad, effect), off in errors(walk, name, kind, draw, params.seed):
+            labels = {"walk": name, "draw": draw, "triad": triad, "effect": effect}
+            rows.append(labels | dict(zip(POSITION, off, strict=True)))
+    save(output, errors=pd.DataFrame(rows))

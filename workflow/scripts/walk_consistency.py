@@ -8,7 +8,8 @@ from imugap.navigation.pedestrian import WalkAssumptions, navigate
 from imugap.simulation.matched_walk import simulated_walk
 from imugap.simulation.walk import Walk, WalkCourse
 from imugap.study.walk_compensation import End, known_assumptions
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
+from imugap.workflow.products import save
 
 END_S = 0.4
 """Stand at the end of the loop: too short to be taken for one."""
@@ -30,7 +31,5 @@ def main(walk, params):
     return pd.DataFrame(rows)
 
 
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        walk = Walk.read(snakemake.input.recipe)
-        main(walk, snakemake.params).to_csv(snakemake.output[0], index=False)
+with job(snakemake) as (source, params, output):
+    save(output, ends=main(Walk.read(source.recipe), params))

@@ -13,7 +13,7 @@ from imugap.model import ErrorModel
 from imugap.navigation.stance_innovations import stance_test
 from imugap.simulation.walk import Walk, WalkCourse
 from imugap.study.walk_compensation import known_assumptions
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
 
 RATE_HZ = 100
 
@@ -32,9 +32,7 @@ def main(walk, case, params):
     loop = replace(walk, rate_hz=RATE_HZ, course=WalkCourse.loop(params.strides, stand_s=walk.course.stand_s))
     device = hidden(loop, case)
     log, ideal = device.record(1, params.seed), device.ideal(1, params.seed)
-    question = Question(
-        alpha=params.alpha, seed=params.seed, replicates=params.replicates, simulations=params.simulations
-    )
+    question = Question(seed=params.seed, **params.asked)
     found = discover([log], question, reference=ideal)
     rows = [
         {"how": how, "name": one.name, "axis": " ".join(one.axes)}
@@ -49,13 +47,11 @@ def main(walk, case, params):
     ]  # fmt: skip
     said = stance_test(log, loop.model, known_assumptions(loop))
     rows.append({"how": "scatter", "value": said.scatter})
-    rows += [{"how": "innovations"} | one for one in said.named(params.alpha).to_dict("records")]
+    rows += [{"how": "innovations"} | one for one in said.named(params.asked["alpha"]).to_dict("records")]
     return pd.DataFrame(rows)
 
 
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        walk, params = Walk.read(snakemake.input.recipe), snakemake.params
-        known = yaml.safe_load(Path(snakemake.input.cases).read_text())
-        for case, path in zip(params.cases, snakemake.output, strict=True):
-            main(walk, known[case], params).to_csv(path, index=False)
+with job(snakemake) as (source, params, output):
+    walk, known = Walk.read(source.recipe), yaml.safe_load(Path(source.cases).read_text())
+    for case, path in zip(params.cases, output, strict=True):
+        main(walk, known[case], params).to_csv(path, index=False)

@@ -1,6 +1,5 @@
 """Tabulate what is found of the effects that were hidden in simulated walks."""
 
-import json
 from pathlib import Path
 
 import pandas as pd
@@ -9,7 +8,8 @@ import yaml
 from imugap.model import ErrorModel
 from imugap.study.walk_naming import score, summary
 from imugap.workflow import tables
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
+from imugap.workflow.products import save
 
 SHOWN = 2
 """Places that a row of the table shows."""
@@ -58,7 +58,6 @@ def innovations(rows):
 
 def page(found, scores):
     """Lay the table out: a row per case."""
-    rows = []
     for case in scores.itertuples():
         one = found[found["case"] == case.case]
         of = {how: one[one["how"] == how] for how in ("exact", "place", "integrity", "innovations")}
@@ -66,19 +65,15 @@ def page(found, scores):
         row = {"hidden": hidden, "named with the exact reference": listed(of["exact"])}
         row |= {"most significant places": places(of["place"]), "named by the log alone": listed(of["integrity"])}
         row |= {"named by zero velocity": innovations(of["innovations"]), "scatter": tables.number(case.scatter, 2)}
-        rows.append(row)
-    return pd.DataFrame(rows)
+        yield row
 
 
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        source, output = snakemake.input, snakemake.output
-        hides = truth(yaml.safe_load(Path(source.cases).read_text()))
-        named = zip(snakemake.params.cases, source.found, strict=True)
-        found = pd.concat(pd.read_csv(path).assign(case=case) for case, path in named)
-        for column in ("name", "axis", "unit", "value", "high", "chance", "deviate"):
-            if column not in found:
-                found[column] = None
-        scores = score(found, hides)
-        tables.write(output.table.removesuffix(".csv"), scores, page(found, scores))
-        Path(output.numbers).write_text(json.dumps(summary(scores), indent=1) + "\n")
+with job(snakemake) as (source, params, output):
+    hides = truth(yaml.safe_load(Path(source.cases).read_text()))
+    named = zip(params.cases, source.found, strict=True)
+    found = pd.concat(pd.read_csv(path).assign(case=case) for case, path in named)
+    for column in ("name", "axis", "unit", "value", "high", "chance", "deviate"):
+        if column not in found:
+            found[column] = None
+    scores = score(found, hides)
+    save(output, table=(scores, page(found, scores)), numbers=summary(scores))

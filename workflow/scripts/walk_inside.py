@@ -10,11 +10,12 @@ from imugap.model import ErrorModel
 from imugap.navigation.pedestrian import navigate
 from imugap.simulation.walk import Walk
 from imugap.study.walk_compensation import End, filter_model, known_assumptions
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
+from imugap.workflow.products import save
 
-
-def main(walk, models, params):
-    """Return the ends of all devices under every model."""
+with job(snakemake) as (source, params, output):
+    walk, mappings = Walk.read(source.recipe), yaml.safe_load(Path(source.models).read_text())
+    models = {name: ErrorModel.from_mapping(one) for name, one in mappings.items() if name != "bias_only"}
     truth, ideal, assumptions = walk.truth(0, params.seed), walk.ideal(0, params.seed), known_assumptions(walk)
     rows = []
     for device in range(params.devices):
@@ -22,11 +23,4 @@ def main(walk, models, params):
         for name, model in models.items():
             found = navigate(log, filter_model(model), assumptions)
             rows.append({"contender": name, "device": device} | asdict(End.of(found, truth)))
-    return pd.DataFrame(rows)
-
-
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        mappings = yaml.safe_load(Path(snakemake.input.models).read_text())
-        models = {name: ErrorModel.from_mapping(one) for name, one in mappings.items() if name != "bias_only"}
-        main(Walk.read(snakemake.input.recipe), models, snakemake.params).to_parquet(snakemake.output[0])
+    save(output, ends=pd.DataFrame(rows))

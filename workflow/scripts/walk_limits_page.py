@@ -1,6 +1,5 @@
 """Lay out what limits a walk: variance budget, sensitivity to the detector, consistency, numbers of the text."""
 
-import json
 from pathlib import Path
 
 import numpy as np
@@ -9,15 +8,10 @@ import pandas as pd
 from imugap.benchmark.scores import rate
 from imugap.figures import pedestrian, style
 from imugap.workflow import tables
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
+from imugap.workflow.products import save
 
-SETS = {
-    "embedded": "embedded",
-    "openshoe_kth": "OpenShoe",
-    "xio_gait_tracking": "xio",
-    "gaitmap_2x20m": "gaitmap",
-    "pyshoe_vicon": "PyShoe",
-}
+SETS = {"embedded": "embedded"} | pedestrian.SETS
 EFFECTS = {
     "white_noise": "noise",
     "random_walk": "random walk",
@@ -48,10 +42,9 @@ SMALL = 0.01
 
 
 def contributions(errors):
-    """Return root mean squares over walks and devices: of what each effect adds, of all, of none [m]."""
+    """Yield root mean squares over walks and devices: of what each effect adds, of all, of none [m]."""
     walks = errors.set_index(["set", "walk", "draw", "triad", "effect"])[["north", "east", "down"]]
     whole = walks.xs(("all", "all"), level=("triad", "effect"))
-    rows = []
     for (name, triad, effect), one in walks.groupby(level=["set", "triad", "effect"], sort=False):
         here = one.droplevel(["triad", "effect"])
         if triad not in ("all", "none"):
@@ -59,8 +52,7 @@ def contributions(errors):
         row = {"set": name, "triad": triad, "effect": effect}
         for quantity, columns in QUANTITIES.items():
             row[quantity] = np.sqrt((here[columns] ** 2).sum(axis=1).mean())
-        rows.append(row)
-    return pd.DataFrame(rows)
+        yield row
 
 
 def title(triad, effect):
@@ -91,39 +83,36 @@ def drawn(found):
 def budget_page(found, real):
     """Lay the budget out: a row per error, root mean square in centimetres, two columns per set."""
     names = [name for name in SETS if name in set(found["set"])]
-    of, rows = found.set_index(["set", "triad", "effect"]), []
+    of = found.set_index(["set", "triad", "effect"])
     for triad, effect in dict.fromkeys(zip(found["triad"], found["effect"], strict=True)):
         row = {"error": title(triad, effect)}
         for name in names:
             one = of.loc[(name, triad, effect)]
             row[SETS[name]] = " / ".join(tables.number(100 * one[quantity], 2) for quantity in QUANTITIES)
-        rows.append(row)
+        yield row
     ends = {"error": "the real walks"}
     for name in names:
         one = real[real["dataset"] == name]
         ends[SETS[name]] = " / ".join(
             tables.number(100 * np.sqrt((one[key] ** 2).mean()), 2) for key in ("end", "height_alone")
         ) if len(one) else "—"  # fmt: skip
-    return pd.DataFrame([*rows, ends])
+    yield ends
 
 
 def consistency(ends, real):
-    """Return the share of ends in the ellipses with binomial intervals, and the mean NEES."""
+    """Yield the share of ends in the ellipses with binomial intervals, and the mean NEES."""
     groups = dict(list(ends.groupby("foot", sort=False))) | ({"real walks": real} if len(real) else {})
-    rows = []
     for name, one in groups.items():
         row = {"foot": name, "walks": len(one)}
         for level in LEVELS:
             row |= {f"{key}_{level:g}": value for key, value in rate(one["nees"] < -2 * np.log(1 - level)).items()}
         row["nees"] = one["nees"].mean() / 2
         row["heading_nees"] = one["heading_nees"].mean() if "heading_nees" in one else np.nan
-        rows.append(row)
-    return pd.DataFrame(rows)
+        yield row
 
 
 def consistency_page(data):
     """Lay the table out."""
-    rows = []
     for one in data.to_dict("records"):
         row = {"walks": f"{one['foot']} ({one['walks']})"}
         for level in LEVELS:
@@ -131,14 +120,13 @@ def consistency_page(data):
             middle, low, high = (tables.fixed(value, 1) for value in values)
             row[f"in the {level:.0%} ellipse [%]"] = f"{middle} [{low}, {high}]"
         row |= {"NEES, position": tables.number(one["nees"], 2), "NEES, heading": tables.number(one["heading_nees"], 2)}
-        rows.append(row)
-    return pd.DataFrame(rows)
+        yield row
 
 
 def numbers(found, counted, varied, real):
     """Collect what the text quotes."""
     said = {"sets": {}, "within": {}}
-    for name in set(found["set"]):
+    for name in found["set"].unique():
         one = found[found["set"] == name].set_index(["triad", "effect"])
         single = one.drop(index=[("all", "all"), ("none", "none")])
         said["sets"][name] = {
@@ -229,15 +217,13 @@ def left_out(varied):
 
 def settings_page(data):
     """Lay the table out: a row per setting, a column per set left out."""
-    rows = []
     for setting, group in data.groupby("setting", sort=False):
         row = {"setting": SETTINGS[setting][0]}
         for one in group.to_dict("records"):
             value = DETECTORS[int(one["chosen"])] if setting == "detector" else f"× {one['chosen']:g}"
             ends = (tables.number(one[f"with_{key}"], 2) for key in ("chosen", "usual", "best"))
             row[f"without {SETS[one['dataset']]}"] = f"{value}: {' / '.join(ends)}"
-        rows.append(row)
-    return pd.DataFrame(rows)
+        yield row
 
 
 def least(one):
@@ -248,29 +234,26 @@ def least(one):
     return float(np.clip(-b / (2 * a), value[0], value[-1]))
 
 
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        source, output = snakemake.input, snakemake.output
-        errors = pd.concat(
-            pd.read_parquet(path).assign(set=Path(path).stem, walk=lambda one: one["walk"].astype(str))
-            for path in source.budgets
-        )
-        real = pd.concat(map(pd.read_csv, source.walks)) if source.walks else pd.DataFrame(columns=["dataset"])
-        found = contributions(errors)
-        style.save(pedestrian.budget(drawn(found)), output.budget_figure)
-        tables.write(output.budget.removesuffix(".csv"), found, budget_page(found, real))
-        counted = consistency(pd.read_csv(source.consistency), real)
-        tables.write(output.consistency.removesuffix(".csv"), counted, consistency_page(counted))
-        varied = None
-        if source.choices:
-            varied = pd.concat(map(pd.read_csv, source.choices))
-            varied["share"] = 100 * varied["end"] / varied["distance"]
-            present = {name: SETS[name] for name in SETS if name in set(varied["dataset"])}
-            style.save(pedestrian.sensitivity(varied, present, DETECTORS), output.sensitivity)
-        else:
-            style.save(style.text_figure("no real walk is here"), output.sensitivity)
-        settings = pd.DataFrame(columns=LEFT_OUT) if varied is None else left_out(varied)
-        nothing = pd.DataFrame([{"setting": "fewer than two sets of walks are here"}])
-        shown = settings_page(settings) if len(settings) else nothing
-        tables.write(output.settings.removesuffix(".csv"), settings, shown)
-        Path(output.numbers).write_text(json.dumps(numbers(found, counted, varied, real), indent=1) + "\n")
+with job(snakemake) as (source, _, output):
+    errors = pd.concat(
+        pd.read_parquet(path).assign(set=Path(path).stem, walk=lambda one: one["walk"].astype(str))
+        for path in source.budgets
+    )
+    real = pd.concat(map(pd.read_csv, source.walks)) if source.walks else pd.DataFrame(columns=["dataset"])
+    found, counted = map(pd.DataFrame, (contributions(errors), consistency(pd.read_csv(source.consistency), real)))
+    varied, sensitivity, settings = None, style.text_figure("no real walk is here"), pd.DataFrame(columns=LEFT_OUT)
+    if source.choices:
+        varied = pd.concat(map(pd.read_csv, source.choices))
+        varied["share"] = 100 * varied["end"] / varied["distance"]
+        present = {name: SETS[name] for name in SETS if name in set(varied["dataset"])}
+        sensitivity, settings = pedestrian.sensitivity(varied, present, DETECTORS), left_out(varied)
+    nothing = pd.DataFrame([{"setting": "fewer than two sets of walks are here"}])
+    save(
+        output,
+        budget_figure=pedestrian.budget(drawn(found)),
+        budget=(found, budget_page(found, real)),
+        consistency=(counted, consistency_page(counted)),
+        sensitivity=sensitivity,
+        settings=(settings, settings_page(settings) if len(settings) else nothing),
+        numbers=numbers(found, counted, varied, real),
+    )

@@ -21,7 +21,8 @@ from imugap.simulation.matched_walk import AT_REST, DeviceClass
 from imugap.simulation.walk import Walk
 from imugap.simulation.walk_replay import Replay
 from imugap.stream import stream
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
+from imugap.workflow.products import save
 
 CANDIDATES = (*candidate_errors(), foot_sinkage())
 SINKAGE = len(CANDIDATES) - 1
@@ -49,19 +50,13 @@ class ObservedWalk:
         dataset = files.dataset
         log, seen = filled(readers.read_raw(files.path(run), dataset, run)), bool(dataset.positions)
         replay = Replay.of(log, DEFAULT_MODEL, WalkAssumptions(), seen)
-        aiding, end = (
-            closed_loop_aiding(replay.solution),
-            replay.solution.trajectory[list(POSITION)].iloc[-1].to_numpy(),
-        )
+        aiding = closed_loop_aiding(replay.solution)
+        end = replay.solution.trajectory[list(POSITION)].iloc[-1].to_numpy()
         if seen:
-            content = catalogue.POSITIONS if dataset.position_rate_hz else catalogue.LOG
-            comparison = compare_with_cameras(
-                replay.solution, readers.read_positions(files.path(run, content), dataset, run)
-            )
+            comparison = compare_with_cameras(replay.solution, readers.positions_of(files, run))
             aiding, end = comparison.aiding(replay.solution), comparison.off
-        return cls(
-            dataset.name, run, replay, end, block_scores(log, replay.solution, aiding, CANDIDATES, DEFAULT_MODEL)
-        )
+        scores = block_scores(log, replay.solution, aiding, CANDIDATES, DEFAULT_MODEL)
+        return cls(dataset.name, run, replay, end, scores)
 
 
 def total_scores(walks):
@@ -164,11 +159,8 @@ def main(sets, like, kind, params):
     return pd.DataFrame(found), pd.concat(ends, ignore_index=True)
 
 
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        known = catalogue.load("data", "workflow/schemas")
-        sets = [RawFiles(known[name], snakemake.input[name]) for name in snakemake.params.sets]
-        like, kind = Walk.read(snakemake.input.recipe), DeviceClass.read(snakemake.input.kind)
-        found, ends = main(sets, like, kind, snakemake.params)
-        found.to_csv(snakemake.output.found, index=False)
-        ends.to_parquet(snakemake.output.ends, index=False)
+with job(snakemake) as (source, params, output):
+    known = catalogue.load("data", "workflow/schemas")
+    sets = [RawFiles(known[name], source[name]) for name in params.sets]
+    found, ends = main(sets, Walk.read(source.recipe), DeviceClass.read(source.kind), params)
+    save(output, found=found, ends=ends)

@@ -1,19 +1,17 @@
 """Tabulate the errors named on real walks, and the scores of the predicted ends of the other walks."""
 
-import json
-from pathlib import Path
-
 import numpy as np
 import pandas as pd
 
-from imugap.figures import pedestrian, style
+from imugap.figures import pedestrian
+from imugap.figures.pedestrian import SETS
 from imugap.numerics import block_bootstrap as bootstrap
 from imugap.stream import stream
 from imugap.study.proper_scores import central_rank, energy_score
 from imugap.workflow import tables
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
+from imugap.workflow.products import save
 
-SHORT = {"openshoe_kth": "OpenShoe", "xio_gait_tracking": "xio", "gaitmap_2x20m": "gaitmap", "pyshoe_vicon": "PyShoe"}
 REST, NAMED, SHARED = "at rest", "named", "other sets"
 QUANTITIES = {"horizontal": ["north", "east"], "height": ["down"], "space": ["north", "east", "down"]}
 LEVELS = (0.5, 0.9)
@@ -28,38 +26,30 @@ SHOWN_UNITS = {
 
 
 def scored(ends):
-    """Return energy scores [m] of every walk and prediction, and where in it the measured end lies."""
-    rows = []
+    """Yield energy scores [m] of every walk and prediction, and where in it the measured end lies."""
     for (dataset, run), walk in ends.groupby(["dataset", "run"], sort=False):
         came = walk[walk["by"] == "measured"].iloc[0]
         for name, one in walk[walk["by"] != "measured"].groupby("by", sort=False):
             row = {"dataset": dataset, "run": run, "by": name}
             for quantity, columns in QUANTITIES.items():
                 draws, truth = one[columns].to_numpy(), came[columns].to_numpy(float)
-                row |= {
-                    f"score_{quantity}": energy_score(draws, truth),
-                    f"place_{quantity}": central_rank(draws, truth),
-                }
-            rows.append(row)
-    return pd.DataFrame(rows)
+                row[f"score_{quantity}"] = energy_score(draws, truth)
+                row[f"place_{quantity}"] = central_rank(draws, truth)
+            yield row
 
 
 def compared(scores, seed):
-    """Return means of the scores and their differences to those of the device at rest, with intervals over walks."""
-    rows = []
+    """Yield means of the scores and their differences to those of the device at rest, with intervals over walks."""
     for name in scores["by"].unique():
         row = {"by": name, "walks": int((scores["by"] == name).sum())}
         for quantity in QUANTITIES:
             wide = scores.pivot(index=["dataset", "run"], columns="by", values=f"score_{quantity}")
-            row[quantity] = wide[name].mean()
-            gap = bootstrap.mean(
-                (wide[name] - wide[REST]).to_numpy(), stream(seed, "foretold", name, quantity), block=1
-            )
+            row[quantity], gaps = wide[name].mean(), (wide[name] - wide[REST]).to_numpy()
+            gap = bootstrap.mean(gaps, stream(seed, "foretold", name, quantity), block=1)
             row |= {f"{quantity}_gap": gap.value, f"{quantity}_low": gap.low, f"{quantity}_high": gap.high}
             inside = scores.loc[scores["by"] == name, f"place_{quantity}"]
             row |= {f"{quantity}_{level:g}": int((inside < level).sum()) for level in LEVELS}
-        rows.append(row)
-    return pd.DataFrame(rows)
+        yield row
 
 
 def size(one):
@@ -70,17 +60,15 @@ def size(one):
 
 def found_page(found):
     """Lay out what is named: a row for each half of a set."""
-    rows = []
     for (dataset, asked), group in found[found["by"] == NAMED].groupby(["dataset", "asked"], sort=False):
         first, *others = group.to_dict("records")
-        row = {"asked": f"{SHORT[dataset]} {', '.join(str(asked).split())}"}
+        row = {"asked": f"{SETS[dataset]} {', '.join(str(asked).split())}"}
         if first["named"]:
             row |= {"named": said(first), "size": size(first)}
             row |= {"not distinguished from": "; ".join(f"{said(one)} ({size(one)})" for one in others) or "—"}
         else:
             row |= {"named": "nothing", "size": "—", "not distinguished from": f"most significant: {said(first)}"}
-        rows.append(row | {"chance": tables.number(first["p_value"], 2)})
-    return pd.DataFrame(rows)
+        yield row | {"chance": tables.number(first["p_value"], 2)}
 
 
 def said(one):
@@ -90,7 +78,6 @@ def said(one):
 
 def scores_page(data):
     """Lay out the scores: a row for each prediction, in centimetres."""
-    rows = []
     for one in data.to_dict("records"):
         row = {"predicted from": one["by"]}
         for quantity in QUANTITIES:
@@ -100,8 +87,7 @@ def scores_page(data):
         for quantity in ("horizontal", "height"):
             inside = " / ".join(str(one[f"{quantity}_{level:g}"]) for level in LEVELS)
             row[f"{quantity}: in the middle 50 / 90 %"] = f"{inside} of {one['walks']}"
-        rows.append(row)
-    return pd.DataFrame(rows)
+        yield row
 
 
 def numbers(found, scores, data, seed):
@@ -122,8 +108,8 @@ def numbers(found, scores, data, seed):
         "walks": int((scores["by"] == REST).sum()),
         "asked": len(halves),
         "silent": int((~halves).sum()),
-        "silent_sets": [SHORT[name] for name in own["dataset"].unique() if name not in with_name],
-        "sets": {SHORT[name]: of_set(own[own["dataset"] == name]) for name in with_name},
+        "silent_sets": [SETS[name] for name in own["dataset"].unique() if name not in with_name],
+        "sets": {SETS[name]: of_set(own[own["dataset"] == name]) for name in with_name},
         "shared": {
             "asked": len(shared),
             "named": len(sinking),
@@ -166,15 +152,11 @@ def verdict(values):
     return {"value": said, "less": bool(value < 0), "better": bool(high < 0), "worse": bool(low > 0)}
 
 
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        source, output, seed = snakemake.input, snakemake.output, snakemake.params.seed
-        found, ends = pd.read_csv(source.found), pd.read_parquet(source.ends)
-        scores = scored(ends)
-        data = compared(scores, seed)
-        order = ends[["dataset", "run"]].drop_duplicates().sort_values(["dataset", "run"])
-        titles = {(one.dataset, one.run): f"{SHORT[one.dataset]} {one.run}" for one in order.itertuples()}
-        style.save(pedestrian.predictions(ends, titles, scores), output.figure)
-        tables.write(output.found.removesuffix(".csv"), found, found_page(found))
-        tables.write(output.scores.removesuffix(".csv"), data, scores_page(data))
-        Path(output.numbers).write_text(json.dumps(numbers(found, scores, data, seed), indent=1) + "\n")
+with job(snakemake) as (source, params, output):
+    found, ends = pd.read_csv(source.found), pd.read_parquet(source.ends)
+    scores = pd.DataFrame(scored(ends))
+    data = pd.DataFrame(compared(scores, params.seed))
+    order = ends[["dataset", "run"]].drop_duplicates().sort_values(["dataset", "run"])
+    titles = {(one.dataset, one.run): f"{SETS[one.dataset]} {one.run}" for one in order.itertuples()}
+    save(output, figure=pedestrian.predictions(ends, titles, scores), found=(found, found_page(found)),
+         scores=(data, scores_page(data)), numbers=numbers(found, scores, data, params.seed))  # fmt: skip

@@ -13,7 +13,8 @@ from imugap.estimation.model_selection import choose
 from imugap.interchange.from_indices import CONTENDERS, averaged, fit
 from imugap.model import ErrorModel
 from imugap.simulation.walk import Walk
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
+from imugap.workflow.products import save
 
 SYMBOLS = tuple(symbol for symbol in INDICES if symbol != "repeatability")
 
@@ -30,22 +31,19 @@ def calibrated(walk, logs, period):
 
 def composite(indices, table, rate):
     """Return what the means of one log choose, with the bias of all logs and its repeatability."""
-    factor, axes = round(1 / (log.interval(table) * rate)), {}
+    axes, (means, _) = {}, log.block_means(table, rate)
     for axis in log.AXES:
-        means = table[axis].to_numpy()[: len(table) // factor * factor].reshape(-1, factor).mean(axis=1)
         value = indices[indices["axis"] == axis].set_index("symbol")["value"]
-        axes[axis] = choose(means, 1 / rate).fit.model + Bias(value["bias"]) + TurnOnBias(value["repeatability"])
+        axes[axis] = choose(means[axis], 1 / rate).fit.model + Bias(value["bias"]) + TurnOnBias(value["repeatability"])
     return ErrorModel(axes)
 
 
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        params, walk = snakemake.params, Walk.read(snakemake.input.recipe)
-        runs = range(1, params.static["runs"] + 1)
-        logs = [walk.static(run, params.static["duration_s"], params.seed) for run in runs]
-        indices, curves = calibrated(walk, logs, params.period_s)
-        models = {name: fit(name, indices, curves, params.period_s) for name in CONTENDERS}
-        models |= {"fitted": composite(indices, logs[0], params.rate_hz), "truth": walk.model}
-        plain = {name: model.to_mapping() for name, model in models.items()}
-        Path(snakemake.output.models).write_text(yaml.safe_dump(plain, sort_keys=False))
-        indices.to_csv(snakemake.output.indices, index=False)
+with job(snakemake) as (source, params, output):
+    walk, runs = Walk.read(source.recipe), range(1, params.static["runs"] + 1)
+    logs = [walk.static(run, params.static["duration_s"], params.seed) for run in runs]
+    indices, curves = calibrated(walk, logs, params.period_s)
+    models = {name: fit(name, indices, curves, params.period_s) for name in CONTENDERS}
+    models |= {"fitted": composite(indices, logs[0], params.rate_hz), "truth": walk.model}
+    plain = {name: model.to_mapping() for name, model in models.items()}
+    Path(output.models).write_text(yaml.safe_dump(plain, sort_keys=False))
+    save(output, indices=indices)

@@ -19,7 +19,8 @@ from imugap.navigation.pedestrian import WalkAssumptions, navigate
 from imugap.simulation.camera_track import compare_with_cameras
 from imugap.simulation.matched_walk import matched_walk
 from imugap.simulation.walk import Walk
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
+from imugap.workflow.products import save
 
 STEP_S = 0.1
 """Step of the stored tracks [s]."""
@@ -28,9 +29,7 @@ STEP_S = 0.1
 def against(files, run, solution):
     """Return how a solution lies to what cameras saw, its strides, and these with the marker taken for the device."""
     dataset = files.dataset
-    apart = bool(dataset.position_rate_hz)
-    path = files.path(run, catalogue.POSITIONS if apart else catalogue.LOG)
-    seen = readers.read_positions(path, dataset, run)
+    seen = readers.positions_of(files, run)
     beside, loose = compare_with_cameras(solution, seen), compare_with_cameras(solution, seen, stiff=False)
     told = run in dataset.runs_with(catalogue.EVENTS)
     events = readers.read_strides(files.path(run, catalogue.EVENTS), dataset, run) if told else solution.strides()
@@ -76,8 +75,8 @@ def believed(files, run, log):
     }  # fmt: skip
 
 
-def one(files, run):
-    """Return the row and the track of a walk, and its smoothed solution."""
+def one(files, run, like):
+    """Return the row and the track of a walk, and the recipe of its matched walk."""
     timing = integrity.report(readers.read_raw_table(files.path(run), files.dataset, run)).timing
     log = readers.read_raw(files.path(run), files.dataset, run)
     full_scale = files.dataset.full_scale
@@ -101,25 +100,12 @@ def one(files, run):
     row["height_alone_std"] = floorless.trajectory_std["down"].iloc[-1]
     row["nees"] = off @ np.linalg.solve(solution.horizontal[-1], off)
     every = max(round(STEP_S / np.median(np.diff(track["time"]))), 1)
-    return row, track[::every].assign(**labels), solution
+    return row, track[::every].assign(**labels), recipe(matched_walk(solution, like))
 
 
-def main(files, like):
-    """Return a row, a track and a matched_walk for each walk."""
-    rows, tracks, twins = [], [], {}
-    for run in files.dataset.runs:
-        row, track, solution = one(files, run)
-        rows.append(row)
-        tracks.append(track)
-        twins[run] = recipe(matched_walk(solution, like))
-    return pd.DataFrame(rows), pd.concat(tracks), twins
-
-
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        dataset = catalogue.load("data", "workflow/schemas")[snakemake.wildcards.dataset]
-        like = Walk.read(snakemake.input.recipe)
-        table, tracks, twins = main(RawFiles(dataset, snakemake.input.raw), like)
-        table.to_csv(snakemake.output.walks, index=False)
-        tracks.to_parquet(snakemake.output.tracks, index=False)
-        Path(snakemake.output.twins).write_text(json.dumps(twins) + "\n")
+with job(snakemake) as (source, _, output):
+    dataset, like = catalogue.load("data", "workflow/schemas")[snakemake.wildcards.dataset], Walk.read(source.recipe)
+    files = RawFiles(dataset, source.raw)
+    rows, tracks, twins = zip(*(one(files, run, like) for run in dataset.runs), strict=True)
+    save(output, walks=pd.DataFrame(rows), tracks=pd.concat(tracks))
+    Path(output.twins).write_text(json.dumps(dict(zip(dataset.runs, twins, strict=True))) + "\n")

@@ -1,17 +1,16 @@
 """Lay out the real walks: tracks, errors against cameras, tables, numbers of the text."""
 
-import json
-from pathlib import Path
-
 import numpy as np
 import pandas as pd
 
 from imugap.commands.walk import STD
 from imugap.figures import pedestrian, style
+from imugap.figures.pedestrian import SETS
 from imugap.workflow import tables
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
+from imugap.workflow.products import save
 
-SHORT = {"openshoe_kth": "OpenShoe", "xio_gait_tracking": "xio", "gaitmap_2x20m": "gaitmap", "pyshoe_vicon": "PyShoe"}
+RMSE = {"RMSE": "rmse", "RMSE of height": "rmse_vertical", "RMSE of a stride": "stride_rmse"}
 FEET = {1: "left foot", 2: "right foot"}
 PEERS = {
     "end_spatial": "end, in space",
@@ -32,38 +31,31 @@ OWN = {
 
 def name(dataset, run):
     """Return the name of a walk."""
-    return f"{SHORT.get(dataset, dataset)}, {FEET[run]}" if dataset == "gaitmap_2x20m" else f"{SHORT[dataset]} {run}"
+    return f"{SETS.get(dataset, dataset)}, {FEET[run]}" if dataset == "gaitmap_2x20m" else f"{SETS[dataset]} {run}"
 
 
 def peers_page(walks, peers):
     """Lay out what other programs make of a walk beside what is found here, a row per walk and quantity."""
-    own, rows = walks.set_index(["dataset", "run"]), []
+    own = walks.set_index(["dataset", "run"])
     for (dataset, run, quantity), group in peers.groupby(["dataset", "run", "quantity"], sort=False):
         if (dataset, run) in own.index:
             told = "; ".join(f"{one.program}: {one.value:.3f}" for one in group.itertuples())
             here = tables.fixed(abs(OWN[quantity](own.loc[(dataset, run)])), 3)
-            rows.append({"walk": name(dataset, run), "error [m]": PEERS[quantity], "here": here, "others": told})
-    return pd.DataFrame(rows)
+            yield {"walk": name(dataset, run), "error [m]": PEERS[quantity], "here": here, "others": told}
 
 
 def page(walks):
     """Lay the table out: a row per walk, lengths in metres."""
-    rows = []
     for one in walks.to_dict("records"):
         spread = tables.number(one["end_horizontal_m" + STD], 2)
         row = {"walk": name(one["dataset"], one["run"]), "time [s]": f"{one['duration_s']:.0f}"}
         row |= {"distance": tables.fixed(one["distance_m"], 1), "strides": int(one["strides"])}
         row |= {"end": f"{tables.fixed(one['end'], 3)} ± {spread}", "of distance [%]": tables.fixed(one["share"], 2)}
         row["height"] = f"{tables.fixed(one['height'], 2)} ± {tables.number(one['end_vertical_m' + STD], 2)}"
-        for title, column in {
-            "RMSE": "rmse",
-            "RMSE of height": "rmse_vertical",
-            "RMSE of a stride": "stride_rmse",
-        }.items():
+        for title, column in RMSE.items():
             row[title] = tables.fixed(one[column], 3) if one["cameras"] else "—"
         row["no floor"] = f"{tables.fixed(one['height_alone'], 2)} ± {tables.number(one['height_alone_std'], 2)}"
-        rows.append(row)
-    return pd.DataFrame(rows)
+        yield row
 
 
 def numbers(walks, peers):
@@ -123,20 +115,13 @@ def numbers(walks, peers):
     return said
 
 
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        source, output = snakemake.input, snakemake.output
-        walks = pd.concat(map(pd.read_csv, source.walks), ignore_index=True)
-        walks["share"] = 100 * walks["end"] / walks["distance_m"]
-        tracks, peers = pd.concat(map(pd.read_parquet, source.tracks)), pd.read_csv(source.peers)
-        titles = {(one.dataset, one.run): name(one.dataset, one.run) for one in walks.itertuples()}
-        style.save(pedestrian.walks(tracks, titles), output.walks)
-        known = {one: SHORT[one] for one in walks.loc[walks["cameras"], "dataset"].unique()}
-        drawn = (
-            pedestrian.against_cameras(tracks, known) if known else style.text_figure("no walk with cameras is here")
-        )
-        style.save(drawn, output.errors)
-        tables.write(output.table.removesuffix(".csv"), walks, page(walks))
-        here = peers[peers["dataset"].isin(walks["dataset"])]
-        tables.write(output.peers.removesuffix(".csv"), here, peers_page(walks, here))
-        Path(output.numbers).write_text(json.dumps(numbers(walks, peers), indent=1) + "\n")
+with job(snakemake) as (source, _, output):
+    walks = pd.concat(map(pd.read_csv, source.walks), ignore_index=True)
+    walks["share"] = 100 * walks["end"] / walks["distance_m"]
+    tracks, peers = pd.concat(map(pd.read_parquet, source.tracks)), pd.read_csv(source.peers)
+    titles = {(one.dataset, one.run): name(one.dataset, one.run) for one in walks.itertuples()}
+    known = {one: SETS[one] for one in walks.loc[walks["cameras"], "dataset"].unique()}
+    drawn = pedestrian.against_cameras(tracks, known) if known else style.text_figure("no walk with cameras is here")
+    here = peers[peers["dataset"].isin(walks["dataset"])]
+    save(output, walks=pedestrian.walks(tracks, titles), errors=drawn, table=(walks, page(walks)),
+         peers=(here, peers_page(walks, here)), numbers=numbers(walks, peers))  # fmt: skip

@@ -17,7 +17,8 @@ from imugap.log import ACCEL
 from imugap.model import ErrorModel
 from imugap.navigation.pedestrian import WalkAssumptions, navigate
 from imugap.simulation.camera_track import compare_with_cameras
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
+from imugap.workflow.products import save
 
 USUAL_CHOICE = WalkAssumptions()
 DETECTOR = USUAL_CHOICE.detector
@@ -58,13 +59,8 @@ def choices(params):
     for factor in params.factors:
         yield "threshold", factor, scaled(factor), DEFAULT_MODEL, 0.0
     for statistic in Statistic:
-        yield (
-            "detector",
-            statistic,
-            replace(USUAL_CHOICE, detector=replace(DETECTOR, statistic=statistic)),
-            DEFAULT_MODEL,
-            0.0,
-        )
+        other = replace(USUAL_CHOICE, detector=replace(DETECTOR, statistic=statistic))
+        yield "detector", statistic, other, DEFAULT_MODEL, 0.0
     for factor in params.doubts:
         slower = replace(USUAL_CHOICE, velocity_std=factor * USUAL_CHOICE.velocity_std)
         yield "velocity", factor, slower, DEFAULT_MODEL, 0.0
@@ -79,8 +75,7 @@ def main(files, params):
     for run in dataset.runs:
         log, seen = filled(readers.read_raw(files.path(run), dataset, run)), None
         if dataset.positions:
-            content = catalogue.POSITIONS if dataset.position_rate_hz else catalogue.LOG
-            seen = readers.read_positions(files.path(run, content), dataset, run)
+            seen = readers.positions_of(files, run)
         for varied, value, assumptions, model, delay in choices(params):
             solution = navigate(delayed(log, delay) if delay else log, model, assumptions)
             end, height = ends(solution, seen)
@@ -90,8 +85,6 @@ def main(files, params):
     return pd.DataFrame(rows)
 
 
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        dataset = catalogue.load("data", "workflow/schemas")[snakemake.wildcards.dataset]
-        found = main(RawFiles(dataset, snakemake.input.raw), snakemake.params)
-        found.to_csv(snakemake.output[0], index=False)
+with job(snakemake) as (source, params, output):
+    dataset = catalogue.load("data", "workflow/schemas")[snakemake.wildcards.dataset]
+    save(output, choices=main(RawFiles(dataset, source.raw), params))

@@ -10,14 +10,17 @@ from imugap.model import ErrorModel
 from imugap.navigation.pedestrian import navigate
 from imugap.simulation.walk import Walk
 from imugap.study.walk_compensation import End, known_assumptions, stand_biases, subtracted, white_noise_model
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
+from imugap.workflow.products import save
 
 STEP_S = 0.5
 """Step of the stored tracks."""
 
 
-def main(walk, models, white, params):
-    """Return the ends of all devices and trials, and the tracks of the first device."""
+with job(snakemake) as (source, params, output):
+    walk, mappings = Walk.read(source.recipe), yaml.safe_load(Path(source.models).read_text())
+    models = {name: ErrorModel.from_mapping(one) for name, one in mappings.items() if name != "truth"}
+    white = white_noise_model(pd.read_csv(source.indices).set_index(["symbol", "axis"])["value"]["N"])
     truth, ideal, assumptions = walk.truth(0, params.seed), walk.ideal(0, params.seed), known_assumptions(walk)
     rows, tracks = [], []
     for device in range(params.devices):
@@ -31,15 +34,5 @@ def main(walk, models, white, params):
                 if device == 0:
                     every = round(STEP_S * walk.rate_hz)
                     tracks.append(found.trajectory[["north", "east", "heading"]][::every].assign(**labels))
-    return pd.DataFrame(rows), pd.concat(tracks)
-
-
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        source, output = snakemake.input, snakemake.output
-        mappings = yaml.safe_load(Path(source.models).read_text())
-        models = {name: ErrorModel.from_mapping(one) for name, one in mappings.items() if name != "truth"}
-        indices = pd.read_csv(source.indices).set_index(["symbol", "axis"])["value"]
-        ends, tracks = main(Walk.read(source.recipe), models, white_noise_model(indices["N"]), snakemake.params)
-        ends.to_parquet(output.ends)
-        tracks.to_parquet(output.tracks)
+    save(output, ends=pd.DataFrame(rows))
+    pd.concat(tracks).to_parquet(output.tracks)

@@ -1,18 +1,16 @@
 """Recompute the tutorial's worked example."""
 
-import json
-from pathlib import Path
-
 import numpy as np
 import pandas as pd
 
 from imugap.effects import GaussMarkov, RandomWalk, WhiteNoise
 from imugap.effects.effect import AxisModel
-from imugap.figures import farrell2022, style
+from imugap.figures import farrell2022
 from imugap.numerics import allan_from_psd as spectrum
 from imugap.study.farrell2022_example import PrintedExample, checks
 from imugap.workflow import tables
-from imugap.workflow.job_log import journal
+from imugap.workflow.job_log import job
+from imugap.workflow.products import save
 
 TAU = np.geomspace(0.1, 1000, 161)
 NAMES = {WhiteNoise: "N", RandomWalk: "K", GaussMarkov: "B as read"}
@@ -29,17 +27,14 @@ def lines(example):
 
 def page(found):
     """Lay the table out: printed value, recomputed value with its range, verdict."""
-    rows = []
     for one in found:
         digits = len(str(round(one.printed / (2 * one.half_digit))))
         printed, value, low, high = (
             tables.number(number, digits + extra)
             for number, extra in ((one.printed, 0), (one.recomputed, 1), (one.low, 1), (one.high, 1))
         )
-        rows.append(
-            [one.quantity, one.unit.replace("^2", "²"), printed, value, f"{low} to {high}", one.agreement.value]
-        )
-    return pd.DataFrame(rows, columns=["quantity", "unit", "printed", "recomputed", "within the digits", "verdict"])
+        yield {"quantity": one.quantity, "unit": one.unit.replace("^2", "²"), "printed": printed, "recomputed": value,
+               "within the digits": f"{low} to {high}", "verdict": one.agreement.value}  # fmt: skip
 
 
 def numbers(example, found):
@@ -69,13 +64,11 @@ def numbers(example, found):
     }
 
 
-if __name__ == "__main__":
-    with journal(snakemake.log[0]):
-        printed = pd.read_csv(snakemake.input.printed)
-        found, example = checks(printed), PrintedExample.of(printed)
-        (height,), ((low, _),) = example("accelerometer", "floor"), example.ranges("accelerometer", "floor")
-        floor = (*example("accelerometer", "floor_tau"), height, height - low)
-        style.save(farrell2022.worked_example(lines(example), floor, example.digits(TAU)), snakemake.output[0])
-        data = pd.DataFrame([vars(one) | {"agreement": one.agreement} for one in found])
-        tables.write(snakemake.output[1].removesuffix(".csv"), data, page(found))
-        Path(snakemake.output[-1]).write_text(json.dumps(numbers(example, found), indent=1) + "\n")
+with job(snakemake) as (source, _, output):
+    printed = pd.read_csv(source.printed)
+    found, example = checks(printed), PrintedExample.of(printed)
+    (height,), ((low, _),) = example("accelerometer", "floor"), example.ranges("accelerometer", "floor")
+    floor = (*example("accelerometer", "floor_tau"), height, height - low)
+    data = pd.DataFrame([vars(one) | {"agreement": one.agreement} for one in found])
+    figure = farrell2022.worked_example(lines(example), floor, example.digits(TAU))
+    save(output, figure=figure, table=(data, page(found)), numbers=numbers(example, found))

@@ -13,6 +13,7 @@ from imugap.discovery.device import Question
 from imugap.discovery.inputs import FileDiscovery, Files, discover_files
 from imugap.discovery.report import candidate_table, describe_range, gap_table, verdict
 from imugap.discovery.steps import Progress
+from imugap.workflow.products import write_svg
 
 FILES = (
     "report.json", "model.yaml", "gaps.csv", "candidates.csv", "report.md",
@@ -74,8 +75,7 @@ def compose(
 
 def write(result: FileDiscovery, out: str | Path) -> None:
     """Write all :data:`FILES` into the folder ``out``, or none if one of them fails."""
-    from imugap.figures import discovery
-    from imugap.figures.style import save  # figures take longer to import than to read and check the files
+    from imugap.figures import discovery  # figures take longer to import than to read and check the files
 
     found = result.found
     text = json.dumps(result.report(), indent=1, allow_nan=False) + "\n"
@@ -88,7 +88,7 @@ def write(result: FileDiscovery, out: str | Path) -> None:
         lambda path: gaps.to_csv(path, index=False),
         lambda path: candidates.to_csv(path, index=False),
         lambda path: path.write_text(page(result)),
-        *(lambda path, figure=figure: save(figure, path) for figure in drawn),
+        *(lambda path, figure=figure: write_svg(figure, path) for figure in drawn),
     )
     write_together({Path(out) / name: writer for name, writer in zip(FILES, writers, strict=True)})
 

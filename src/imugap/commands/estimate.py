@@ -26,6 +26,7 @@ from imugap.estimation.report import AxisEstimate, EstimatorSettings, Method
 from imugap.integrity.report import timing
 from imugap.io import readers
 from imugap.model import ErrorModel
+from imugap.workflow.products import write_svg
 
 AUTO = "auto"
 """The value of ``--terms`` that has the effects selected from the log."""
@@ -97,11 +98,10 @@ def _write(estimates: list[AxisEstimate], table: pd.DataFrame, options: argparse
     if options.model:
         writers[options.model] = ErrorModel({one.axis: one.fit.model for one in estimates}).write
     if options.figure:
-        from imugap.figures import estimation
-        from imugap.figures.style import save  # a figure takes longer to import than the rest
+        from imugap.figures import estimation  # a figure takes longer to import than the rest
 
         figure = estimation.fitted(report.curves(table, log.interval(table), estimates))
-        writers[options.figure] = lambda path: save(figure, path)
+        writers[options.figure] = lambda path: write_svg(figure, path)
     write_together(writers)
 
 

@@ -6,6 +6,7 @@ from functools import partial
 from pathlib import Path
 
 from imugap.atomic import write_together
+from imugap.workflow.products import write_svg
 
 
 def require_folder(path: str | Path) -> Path:
@@ -25,13 +26,11 @@ def write_folder(folder: str | Path, files: Mapping[str, object]) -> None:
         Name to content; the suffix of the name selects the format: ``.parquet`` and ``.csv`` for a DataFrame, ``.json``
         for plain data, ``.svg`` for a figure.
     """
-    from imugap.figures import style  # figures take longer to import than to read and check a log
-
     writers = {
         ".parquet": lambda table, path: table.to_parquet(path),
         ".csv": lambda table, path: table.to_csv(path, index=False),
         ".json": lambda data, path: path.write_text(json.dumps(data, indent=1, allow_nan=False) + "\n"),
-        ".svg": lambda figure, path: style.save(figure, path),
+        ".svg": write_svg,
     }
     write_together({
         Path(folder) / name: partial(writers[Path(name).suffix], content) for name, content in files.items()

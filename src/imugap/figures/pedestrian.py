@@ -13,6 +13,8 @@ from imugap.figures.style import legend_below, panels_of
 TITLES = {"none": "None", "stand": "Mean at the stand"} | static.TITLES
 TITLES |= {"fitted": "Fitted composite", "truth": "True model"}
 """One name per compensation in every table and figure."""
+SETS = {"openshoe_kth": "OpenShoe", "xio_gait_tracking": "xio", "gaitmap_2x20m": "gaitmap", "pyshoe_vicon": "PyShoe"}
+"""Data set of real walks to its name."""
 COLOURS = {"none": "black", "stand": "#7F3C8D"} | static.COLOURS | {"fitted": "#8B4513", "truth": "black"}
 PRINTED = "#D55E00"
 """Colour of the values printed in the source."""

@@ -1,6 +1,4 @@
-"""Style of the figures, and panels, legends and files that all chapters share."""
-
-from pathlib import Path
+"""Style of the figures, and panels and legends that all chapters share."""
 
 import matplotlib as mpl
 import numpy as np
@@ -30,11 +28,6 @@ WIDTH = 7.2
 """Width of a full-width figure [inch]."""
 
 mpl.rcParams.update(STYLE)
-
-
-def save(figure: Figure, path: str | Path) -> None:
-    """Write the figure as SVG, the same bytes for the same figure."""
-    figure.savefig(path, format="svg", metadata={"Date": None})
 
 
 def panels_of(rows: int, columns: int, height: float, **kwargs) -> tuple[Figure, np.ndarray]:

@@ -20,7 +20,7 @@ from scipy.spatial.transform import Rotation
 
 from imugap.integrity.report import gravity_unit
 from imugap.io import gnss, reference
-from imugap.io.datasets import EVENTS, LOG, POSITIONS, DataSet
+from imugap.io.datasets import EVENTS, LOG, POSITIONS, DataSet, RawFiles
 from imugap.kinematics.strapdown import POSITION
 from imugap.log import ACCEL, COLUMNS, GYRO, LogError, check
 from imugap.units import from_si, to_si
@@ -138,6 +138,12 @@ def read_reference(path: str | Path, dataset: DataSet, run: int) -> pd.DataFrame
     time = np.flatnonzero(known) / dataset.rate_hz
     quat_ub = Rotation.from_quat(samples[known][:, [1, 2, 3, 0]])
     return reference.from_rotations(time, reference.ENU_TO_NED * quat_ub, samples[known, 4] != 0)
+
+
+def positions_of(files: RawFiles, run: int) -> pd.DataFrame:
+    """Read the reference positions of one run of a data set whose raw files lie here (:func:`read_positions`)."""
+    content = POSITIONS if files.dataset.position_rate_hz else LOG
+    return read_positions(files.path(run, content), files.dataset, run)
 
 
 def read_positions(path: str | Path, dataset: DataSet, run: int) -> pd.DataFrame:

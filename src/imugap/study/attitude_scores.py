@@ -1,10 +1,13 @@
 """Scores of attitude errors over time, and confidence intervals of their differences."""
 
+from collections.abc import Mapping, Sequence
+
 import numpy as np
 import pandas as pd
 
 from imugap.navigation.attitude import COVARIANCE
 from imugap.numerics import block_bootstrap
+from imugap.stream import stream
 
 SCORES = ("variance", "mean_abs", "rms", "lowest", "highest")
 """Variance about the mean [rad^2], mean absolute error, root mean square, range [rad] (Liu, Ren, Li 2016, table 5)."""
@@ -41,3 +44,30 @@ def difference(error: np.ndarray, other: np.ndarray, rng: np.random.Generator) -
     """
     squares = [(one - one.mean()) ** 2 for one in (error, other)]
     return block_bootstrap.mean(squares[1] - squares[0], rng)
+
+
+def scored(
+    solution: pd.DataFrame, error: pd.DataFrame, angles: Sequence[str], labels: Mapping[str, object]
+) -> tuple[pd.DataFrame, pd.DataFrame]:
+    """Return the errors of a solution and the scores of some of them with the mean NEES, with columns for labels."""
+    found = scores(error[list(angles)]).reset_index().assign(nees=nees(error, solution).mean())
+    return error.reset_index().assign(**labels), found.assign(**labels)
+
+
+def differences(errors: pd.DataFrame, by: Sequence[str], angles: Sequence[str], seed: int) -> pd.DataFrame:
+    """Return by how much the variances of scheme 2 exceed those of scheme 1, with intervals by blocks.
+
+    Parameters
+    ----------
+    errors
+        Columns ``scheme``, ``angles`` [rad] and ``by``, by which the errors are grouped.
+    """
+    rows = []
+    for key, one in errors.groupby(list(by), sort=False):
+        pair = dict(list(one.groupby("scheme")))
+        for angle in angles:
+            first, second = (pair[scheme][angle].to_numpy() for scheme in ("allan", "indirect"))
+            found = difference(first, second, stream(seed, "difference", *key, angle))
+            labels = dict(zip(by, key, strict=True)) | {"angle": angle}
+            rows.append(labels | vars(found) | {"differs": found.differs})
+    return pd.DataFrame(rows)

@@ -1,4 +1,4 @@
-"""What rules and scripts of the workflow need: dependencies of a script, job log, tables for the paper.
+"""What rules and scripts of the workflow need: dependencies, log and products of a job, tables of the paper.
 
 May import log, units, atomic, stream, numerics.
 """

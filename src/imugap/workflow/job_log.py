@@ -19,3 +19,10 @@ def journal(path: str | Path) -> Iterator[None]:
             traceback.print_exc(file=file)
             raise
         print("done", file=sys.stdout)
+
+
+@contextmanager
+def job(rule) -> Iterator[tuple]:
+    """Run the block as the job of a rule (``snakemake`` of its script), with its log; give input, params, output."""
+    with journal(rule.log[0]):
+        yield rule.input, rule.params, rule.output
