@@ -1,4 +1,5 @@
 import copy
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -14,6 +15,7 @@ SCHEMA = WORKFLOW / "schemas" / "study.schema.yaml"
 SCHEMAS = sorted((WORKFLOW / "schemas").glob("*.yaml"))
 
 
+@cache
 def read(path):
     return yaml.safe_load(path.read_text())
 
