@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from imugap.discovery.axis import conclude, search_axis
-from imugap.discovery.fit.axis_fit import Description, fit
-from imugap.discovery.fit.whittle import Noise
+from imugap.discovery.fit.axis_fit import fit
+from imugap.discovery.fit.description import Description
 from imugap.discovery.preparation.cosine_bins import usable_share
 from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.effects import CATALOGUE, OutputFilter, WhiteNoise
@@ -39,7 +39,7 @@ def sequence(*effects, count=COUNT, axis="gyro_x", label="search"):
 
 
 def plain(data):
-    return fit(data, Description((), Noise((WHITE,))))
+    return fit(data, Description.known(WHITE))
 
 
 def told_of(*effects, **kwargs):

@@ -5,8 +5,8 @@ import pytest
 from tests.discovery import simulated
 
 from imugap.discovery.between_runs import clock_findings, fit_like_first, level_error, mean_variance, turn_on_findings
-from imugap.discovery.fit.axis_fit import Description, Term, fit
-from imugap.discovery.fit.whittle import Noise
+from imugap.discovery.fit.axis_fit import fit
+from imugap.discovery.fit.description import Description, Entry
 from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.effects import GaussMarkov, PowerLaw, RandomWalk, RateRamp, Sinusoid, TurnOnBias, WarmUp, WhiteNoise
 from imugap.effects.conditions import Conditions
@@ -27,7 +27,7 @@ def run(number, ratio, lines, count=12000, label="clock"):
         noise = WhiteNoise(1e-4)
         values = line.sample(conditions, None) + noise.sample(conditions, rng)
         sequence = AxisSequence(values, conditions, np.zeros(count, bool))
-        fits[axis] = fit(sequence, Description((Term(line, FREE),), Noise((noise,))))
+        fits[axis] = fit(sequence, Description.known(noise).adding(Entry(line, FREE)))
     return fits
 
 
@@ -75,7 +75,7 @@ def test_correct_stamps_of_another_rate_are_no_clock_error():
         values = noise.sample(conditions, stream(number, "rates"))
         values += sum(line.sample(conditions, None) for line in lines)
         sequence = AxisSequence(values, conditions, np.zeros(len(values), bool))
-        fits.append({"gyro_x": fit(sequence, Description(tuple(Term(one, FREE) for one in lines), Noise((noise,))))})
+        fits.append({"gyro_x": fit(sequence, Description.known(noise).adding(*(Entry(one, FREE) for one in lines)))})
     assert clock_findings(fits, LOG_ALPHA) == ()
 
 
@@ -87,11 +87,11 @@ def levelled(number, levels, effects, noise, found=()):
         values = level + sum(
             one.sample(conditions, stream(number, "level", run, one.name)) for one in (white, *effects, *noise)
         )
-        sequence, random = AxisSequence(values, conditions, np.zeros(3000, bool)), Noise((white, *noise))
+        sequence = AxisSequence(values, conditions, np.zeros(3000, bool))
         if fits:
             fits.append({"gyro_x": fit_like_first(sequence, (), fits[0]["gyro_x"])})
         else:
-            fits.append({"gyro_x": fit(sequence, Description(tuple(found), random))})
+            fits.append({"gyro_x": fit(sequence, Description.known(white).adding(*noise, *found))})
     return fits
 
 
@@ -104,7 +104,7 @@ REPEATED = {
 @pytest.mark.parametrize("name", REPEATED)
 def test_an_effect_in_every_run_is_no_turn_on_bias(name):
     effect, free = REPEATED[name]
-    term = Term(effect, free)
+    term = Entry(effect, free)
     assert turn_on_findings(levelled(1, (1e-3, 1e-3), (effect,), (), (term,)), LOG_ALPHA) == ()
     (found,) = turn_on_findings(levelled(1, (1e-3, 1e-3, 6e-3), (effect,), (), (term,)), LOG_ALPHA)
     assert found.parameters["std"].low < 5e-3 / np.sqrt(3) < found.parameters["std"].high
@@ -126,8 +126,8 @@ def test_the_mean_of_a_random_walk_has_a_third_of_its_final_variance(duration):
 def test_the_level_error_is_infinite_with_noise_of_free_slope():
     conditions = Conditions(0.1 * np.arange(2000), 0.1, axis="gyro_x")
     values = stream(1, "slope").standard_normal(2000)
-    noise = Noise((WhiteNoise(0.3), PowerLaw(0.01, 1.2)))
-    assert np.isinf(level_error(fit(AxisSequence(values, conditions, np.zeros(2000, bool)), Description((), noise))))
+    noise = Description.known(WhiteNoise(0.3)).adding(PowerLaw(0.01, 1.2))
+    assert np.isinf(level_error(fit(AxisSequence(values, conditions, np.zeros(2000, bool)), noise)))
 
 
 def test_turn_on_bias_of_several_runs():

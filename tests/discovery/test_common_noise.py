@@ -6,8 +6,8 @@ from scipy.signal import lfilter
 from tests.discovery.simulated import COUNT, INTERVAL, LOG_ALPHA, WHITE, plain, sequence
 
 from imugap.discovery.common_noise import find_common_noise, loading_errors
-from imugap.discovery.fit.axis_fit import Description, fit
-from imugap.discovery.fit.whittle import Noise
+from imugap.discovery.fit.axis_fit import fit
+from imugap.discovery.fit.description import Description
 from imugap.effects import CommonMode, GaussMarkov, OutputFilter
 from imugap.stream import stream
 
@@ -18,7 +18,7 @@ def correlated(run, colour, size, own=()):
     for axis in ("gyro_x", "gyro_y"):
         data = sequence(*own, axis=axis, label=f"own {run}")
         values = data.values + size * WHITE.density / np.sqrt(INTERVAL) * common / common.std()
-        fits[axis] = fit(replace(data, values=values), Description((), Noise((WHITE, *own))))
+        fits[axis] = fit(replace(data, values=values), Description.known(WHITE).adding(*own))
     return fits
 
 
@@ -70,7 +70,7 @@ def test_common_noise_has_its_sign_and_density_where_one_axis_is_filtered():
     common, smooth = CommonMode(1e-3, 1.0), OutputFilter(3.0, 2)
     data = {axis: sequence(common, axis=axis) for axis in ("gyro_x", "gyro_y")}
     output = smooth.apply(data["gyro_x"].values, data["gyro_x"].conditions, stream(1))
-    filtered = fit(replace(data["gyro_x"], values=output), Description((), Noise((WHITE,), smooth)))
+    filtered = fit(replace(data["gyro_x"], values=output), Description.known(WHITE).adding(smooth))
     (found,) = find_common_noise({"gyro_x": filtered, "gyro_y": plain(data["gyro_y"])}, LOG_ALPHA)
     np.testing.assert_array_less(np.abs(found.densities - 1e-3), 4 * found.errors)
 

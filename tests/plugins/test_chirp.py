@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from imugap.discovery.device import Question, discover
-from imugap.discovery.fit.axis_fit import Description, Term, fit
-from imugap.discovery.fit.whittle import Noise
+from imugap.discovery.fit.axis_fit import fit
+from imugap.discovery.fit.description import Description, Entry
 from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.search.search import Search
 from imugap.effects import Bias, Sinusoid, WhiteNoise
@@ -93,8 +93,8 @@ def test_its_rate_is_known_to_the_published_bound(chirp):
     A cosine in real noise carries the information of a complex line in noise of four times its variance.
     """
     effect = chirp(3.0, 0.01, 20 * KNOWN)
-    noise = Noise((WhiteNoise(1e-4),))
-    description = Description((Term(effect, ("frequency", "chirp_rate", "amplitude", "phase")),), noise)
+    entry = Entry(effect, ("frequency", "chirp_rate", "amplitude", "phase"))
+    description = Description.known(WhiteNoise(1e-4)).adding(entry)
     fitted = fit(sequence(white("bound") + effect.sample(conditions(), None)), description)
     bound = 90 * 4 * STD**2 / effect.amplitude**2 / (COUNT * (COUNT**2 - 1.0) * (COUNT**2 - 4.0))
     std = np.sqrt(bound) / (np.pi * INTERVAL**2)
@@ -104,7 +104,7 @@ def test_its_rate_is_known_to_the_published_bound(chirp):
 @pytest.mark.parametrize(("begin", "end"), [(1.0, 4.0), (6.0, 2.5), (5.0, 5.03), (20.0, 21.0), (1.5, 20.0)])
 def test_it_proposes_itself_where_it_is(chirp, begin, end):
     truth = chirp(begin, (end - begin) / DURATION, 15 * KNOWN, 1.0)
-    noise = fit(sequence(white(begin) + truth.sample(conditions(), None)), Description((), Noise((WhiteNoise(1e-4),))))
+    noise = fit(sequence(white(begin) + truth.sample(conditions(), None)), Description.known(WhiteNoise(1e-4)))
     (start,) = chirp.starts(noise)
     assert abs(start.effect.frequency - begin) < 0.6 / DURATION
     assert abs(start.effect.chirp_rate - truth.chirp_rate) < 1 / DURATION**2
@@ -115,7 +115,7 @@ def test_it_proposes_itself_where_it_is(chirp, begin, end):
 @pytest.mark.slow
 def test_what_it_expects_of_noise_is_no_more_than_chance_stated(chirp):
     """The highest gain of so many trials goes beyond log(trials/share) with the probability share, at most."""
-    noise = [fit(sequence(white("chance", run)), Description((), Noise((WhiteNoise(1e-4),)))) for run in range(30)]
+    noise = [fit(sequence(white("chance", run)), Description.known(WhiteNoise(1e-4))) for run in range(30)]
     starts = [next(chirp.starts(one)) for one in noise]
     assert sum(start.gain > np.log(start.trials / 0.1) for start in starts) <= 7  # 0.1 of 30 and 2.4 deviations
 
@@ -152,13 +152,13 @@ def test_nothing_else_is_called_a_chirp(kinds, hidden):
 
 def test_a_chirp_that_the_log_does_not_need_is_taken_out_again(chirp, kinds):
     """A search removes it from noise, and exchanges it for the sinusoid that it stands for."""
-    line, noise = Sinusoid(5.0, 30 * KNOWN, 1.0), Noise((WhiteNoise(1e-4),))
+    line, noise = Sinusoid(5.0, 30 * KNOWN, 1.0), Description.known(WhiteNoise(1e-4))
     free = ("frequency", "chirp_rate", "amplitude", "phase")
-    search = Search(Description((), noise), tuple(kinds.values()), np.log(0.01 / 6 / len(kinds)))
+    search = Search(noise, tuple(kinds.values()), np.log(0.01 / 6 / len(kinds)))
     for values, effect, left in (
         (white("none"), chirp(5.0, 0.01, KNOWN), []),
         (white("line") + line.sample(conditions(), None), chirp(5.0, 1e-7, 30 * KNOWN, 1.0), ["sinusoid"]),
     ):
-        begun = fit(sequence(values), Description((Term(effect, free),), noise))
+        begun = fit(sequence(values), noise.adding(Entry(effect, free)))
         settled = search.refined(begun).description
         assert [term.effect.name for term in settled.terms] == left

@@ -26,7 +26,7 @@ from imugap.discovery.fit.start_model import described
 from imugap.discovery.fit.telegraph_likelihood import compare
 from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.search.intervals import axis_unit, intervals
-from imugap.discovery.search.search import Key, Search, at, coloured, log_chance, stepping, without
+from imugap.discovery.search.search import Candidate, Search, coloured, log_chance, stepping, without
 from imugap.discovery.search.telegraph import hidden_telegraph, steady, told_apart, two_valued
 from imugap.discovery.search.telegraph_in_noise import Switching
 from imugap.discovery.unnamed import wandering_lines
@@ -170,7 +170,8 @@ def search_axis(
         before, early = _search_held_in(held_in, start, catalogue, log_alpha)
         end = float(sequence.conditions.time[-1] + sequence.conditions.interval)
         whole = wandering_lines.without_bands(part(sequence, 0, len(sequence.values)), early.bands)
-        kept = replace(early.found.description, outliers=None, changes=before.description.changes)
+        changes = before.description.of(Role.VARIANCE)
+        kept = early.found.description.exchanging(Role.OUTLIERS).exchanging(Role.VARIANCE, changes)
         again = early.search.for_new_samples()
         begun = again.without_known_outliers(fit(whole, kept if early.switching is None else again.start))
         unchanging = replace(again, catalogue=tuple(kind for kind in catalogue if kind.role is not Role.VARIANCE))
@@ -202,8 +203,10 @@ def _search_held_in(
 def _extend_changes(found: AxisFit, end: float) -> AxisFit:
     """Extend the changes of the variance that last to the end of the samples until ``end`` [s]."""
     description, last = found.description, found.sequence.conditions.time[-1]
-    changes = tuple(replace(one, stop=max(one.stop, end)) if one.stop > last else one for one in description.changes)
-    return replace(found, description=replace(description, changes=changes))
+    for index, effect in enumerate(description.effects()):
+        if effect.role is Role.VARIANCE and effect.stop > last:
+            description = description.with_effect(index, replace(effect, stop=max(effect.stop, end)))
+    return replace(found, description=description)
 
 
 @dataclass(frozen=True, eq=False)
@@ -237,7 +240,7 @@ def _odd_in_both(search: Search, begun: AxisFit, early: _SearchEnd) -> _SearchEn
         return None
     wide = None if early.found.description.outliers is None else search.without_outliers(begun)
     found = begun if wide is None else wide.fit
-    odd = search.added(found.description) and all_against_motion(search, found).log_p < LEVEL
+    odd = search.added(found) and all_against_motion(search, found).log_p < LEVEL
     return _SearchEnd(search, found, early.bands, odd=True) if odd else None
 
 
@@ -276,17 +279,17 @@ def conclude(searched: AxisSearch) -> AxisResult:
     """Check the names that a search found, and return them with intervals, and the withheld ones with reasons."""
     with threadpool_limits(1):
         search, whole = searched.whole_search, two_valued(searched.whole_fit)
+        added = search.added(searched.whole_fit)
         rejected = misfits(search, searched.whole_fit)
         kept = without_unnamed(search, whole, rejected)
         sweeps = (*find_chirps(kept, search.log_alpha), *find_tone_bursts(whole))
-        sure = [key for key in search.added(whole.description) if key not in rejected]
-        in_sweep = explained_by_bands(search, searched.whole_fit, sure, sweeps)
+        in_sweep = explained_by_bands([one for one in added if one not in rejected], sweeps)
         final = without_unnamed(search, whole, rejected | in_sweep) if in_sweep else kept
         rejected |= in_sweep
-        named = [key for key in search.added(whole.description) if key not in rejected]
+        named = [replace(one, fit=whole) for one in added if one not in rejected]
         switching, odd = _telegraph_finding(searched, rejected)
-        findings = (*(_finding(searched, whole, key) for key in named), *switching)
-        nameless = (*(withheld(search, searched.whole_fit, key, misfit) for key, misfit in rejected.items()), *odd)
+        findings = (*(_finding(searched, one) for one in named), *switching)
+        nameless = (*(withheld(one, misfit) for one, misfit in rejected.items()), *odd)
         after = without_unnamed(
             searched.held_in_search, searched.held_in_fit, misfits(searched.held_in_search, searched.held_in_fit)
         )
@@ -298,19 +301,17 @@ def conclude(searched: AxisSearch) -> AxisResult:
         )
 
 
-def without_unnamed(search: Search, found: AxisFit, rejected: Mapping[Key, Misfit]) -> AxisFit:
+def without_unnamed(search: Search, found: AxisFit, rejected: Mapping[Candidate, Misfit]) -> AxisFit:
     """Refit without the effects whose names are rejected; slow noise among them is replaced by a power law.
 
     It is replaced only where nothing but slow noise, and nothing but its spectrum, is rejected, and where the power law
     is not as steep as a trend. Samples that were replaced as outliers are put back if the name is rejected.
     """
-    if any(key.part == "outliers" for key in rejected):
+    if any(one.role is Role.OUTLIERS for one in rejected):
         raw = replace(found, sequence=search.raw[found.description.outliers])
         return without(raw, list(rejected))
     kept = without(found, list(rejected))
-    of_noise = (
-        coloured(at(found.description, key)) and misfit.reason in NOISE_REASONS for key, misfit in rejected.items()
-    )
+    of_noise = (coloured(one.effect) and misfit.reason in NOISE_REASONS for one, misfit in rejected.items())
     if not rejected or not all(of_noise) or any(not one.named for one in kept.description.noise.effects):
         return kept
     carried = add_power_law(search.for_new_samples(), kept)
@@ -322,15 +323,14 @@ def without_unnamed(search: Search, found: AxisFit, rejected: Mapping[Key, Misfi
 
 def power_law_finding(search: Search, found: AxisFit) -> Finding | None:
     """Return the added power law of a fit with its intervals, or None."""
-    laws = search.added(found.description, lambda effect: not effect.named)
+    laws = search.added(found, lambda effect: not effect.named)
     if not laws:
         return None
-    law = at(found.description, laws[0])
-    return Finding({found.sequence.conditions.axis: law}, intervals(found, found, laws[0]), MIN_LOG_P)
+    return Finding({found.sequence.conditions.axis: laws[0].effect}, intervals(found, laws[0].index), MIN_LOG_P)
 
 
 def _telegraph_finding(
-    searched: AxisSearch, rejected: Mapping[Key, Misfit]
+    searched: AxisSearch, rejected: Mapping[Candidate, Misfit]
 ) -> tuple[tuple[Finding, ...], tuple[Withheld, ...]]:
     """Return the removed telegraph noise as a finding or as withheld, if there is any.
 
@@ -344,8 +344,9 @@ def _telegraph_finding(
         searched.whole_fit.sequence.conditions,
     )
     axis = conditions.axis
-    odd = [one.reason for key, one in rejected.items() if key.part == "noise" and one.reason not in SLOPE_REASONS]
-    if len(searched.whole_search.added(searched.whole_fit.description, stepping)) >= MIN_EXTRA_VALUES:
+    of_noise = [misfit.reason for one, misfit in rejected.items() if one.role is Role.NOISE]
+    odd = [reason for reason in of_noise if reason not in SLOPE_REASONS]
+    if len(searched.whole_search.added(searched.whole_fit, stepping)) >= MIN_EXTRA_VALUES:
         odd.append("it has more than two values")
     if odd:
         ends = map(float, conditions.time[[0, -1]])
@@ -360,15 +361,14 @@ def _telegraph_finding(
     return (Finding({axis: effect}, parameters, max(log_p, MIN_LOG_P), searched.switching.gain),), ()
 
 
-def _finding(searched: AxisSearch, found: AxisFit, key: Key) -> Finding:
+def _finding(searched: AxisSearch, candidate: Candidate) -> Finding:
     """Return one effect with its intervals, its gain on held-out data, and the alternatives that fit as well."""
-    search, axis = searched.whole_search, found.sequence.conditions.axis
-    effect = at(found.description, key)
-    own, without = search.likelihood_ratio(found, key)
+    search, found, effect = candidate.search, candidate.fit, candidate.effect
+    axis, without = found.sequence.conditions.axis, candidate.without
     near = found.log_likelihood + search.log_alpha / 2
     alternatives = {}
     bar = min(log_chance(near - without.log_likelihood, 1) + PLACES, search.log_alpha)
-    for rival in search.alternatives_to(found, key, without, bar):
+    for rival in candidate.alternatives(bar):
         if rival.fit.log_likelihood > near:
             gain = rival.fit.log_likelihood - found.log_likelihood
             alternatives[rival.name] = max(gain, alternatives.get(rival.name, -np.inf))
@@ -380,29 +380,26 @@ def _finding(searched: AxisSearch, found: AxisFit, key: Key) -> Finding:
             for (name, value), ends in zip(effect.parameters().items(), verdict.intervals, strict=True)
         }
         gain = verdict.gain
-    elif key.part == "outliers":
+    elif effect.role is Role.OUTLIERS:
         parameters, gain = _outlier_parameters(search, found), search.tails[effect].gain
     else:
-        parameters = intervals(found, without, key)
-        gain = _gain(searched, effect, found, without)
-    return Finding({axis: effect}, parameters, max(own.log_p, MIN_LOG_P), float(gain), tuple(alternatives.items()))
+        parameters = intervals(found, candidate.index)
+        gain = _gain(searched, candidate)
+    return Finding(
+        {axis: effect}, parameters, max(candidate.trial.log_p, MIN_LOG_P), float(gain), tuple(alternatives.items())
+    )
 
 
-def _gain(searched: AxisSearch, effect: Effect, found: AxisFit, without: AxisFit) -> float:
-    """Return the gain of log-density of the held-out part by an effect.
+def _gain(searched: AxisSearch, candidate: Candidate) -> float:
+    """Return the gain of log-density of the held-out part by an effect of the fit to the whole log.
 
-    It is that of fits to the held-in part, or, where that part does not show the effect, to the whole log (``found``,
-    ``without``).
+    It is that of fits to the held-in part, or, where that part does not show the effect, of those to the whole log.
     """
-    added = [
-        (key, at(searched.held_in_fit.description, key))
-        for key in searched.held_in_search.added(searched.held_in_fit.description)
-    ]
-    same = [(_relative_difference(one, effect), key) for key, one in added if type(one) is type(effect)]
-    if same:
-        key = min(same, key=lambda one: one[0])[1]
-        found, without = searched.held_in_fit, searched.held_in_search.likelihood_ratio(searched.held_in_fit, key)[1]
-    return log_score(searched.held_out, found.description) - log_score(searched.held_out, without.description)
+    effect = candidate.effect
+    same = searched.held_in_search.added(searched.held_in_fit, lambda one: type(one) is type(effect))
+    nearest = min(same, key=lambda one: _relative_difference(one.effect, effect), default=candidate)
+    full, without = (log_score(searched.held_out, one.description) for one in (nearest.fit, nearest.without))
+    return full - without
 
 
 def _relative_difference(one: Effect, other: Effect) -> float:
@@ -414,7 +411,7 @@ def _relative_difference(one: Effect, other: Effect) -> float:
 def white_noise_finding(found: AxisFit) -> tuple[Finding, ...]:
     """Return the white noise of an axis as a finding, where its interval excludes zero."""
     axis, effect = found.sequence.conditions.axis, found.description.noise.effects[0]
-    parameters = intervals(found, found, Key("noise", 0))
+    parameters = intervals(found, len(found.description.terms))
     seen = parameters["density"].low > 0
     return (Finding({axis: effect}, parameters, MIN_LOG_P),) if seen else ()
 

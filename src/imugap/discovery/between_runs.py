@@ -8,7 +8,8 @@ from scipy.stats import chi2
 
 from imugap.discovery.checks import LEVEL, shape_log_p
 from imugap.discovery.finding import Finding, Interval, finding
-from imugap.discovery.fit.axis_fit import AxisFit, Description, Term, fit, jacobian, offset
+from imugap.discovery.fit.axis_fit import AxisFit, fit, jacobian, offset
+from imugap.discovery.fit.description import Description, Entry
 from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.search.intervals import NORMAL, axis_unit, term_intervals
 from imugap.effects import CATALOGUE
@@ -180,22 +181,19 @@ def _from_lines(first: Mapping[str, AxisFit], other: Mapping[str, AxisFit], bloc
 
 def _line_ratios(first: AxisFit, other: AxisFit, blocks: LogRatio | None) -> Iterator[LogRatio]:
     terms = first.description.terms
-    without_lines = fit(other.sequence, replace(other.description, terms=_without_lines(other.description.terms)))
+    without_lines = fit(other.sequence, other.description.keeping(lambda entry: not entry.effect.line))
     for index in (i for i, term in enumerate(terms) if term.effect.line):
         line = _line_near(without_lines, terms[index], blocks)
         if line is None:
             continue
-        found = fit(other.sequence, replace(without_lines.description, terms=(*without_lines.description.terms, line)))
-        if _is_steady(first, index) and _is_steady(found, len(found.description.terms) - 1):
-            before, after = _frequency(first, index), _frequency(found, len(found.description.terms) - 1)
+        found = fit(other.sequence, without_lines.description.adding(line))
+        last = len(found.description.terms) - 1
+        if _is_steady(first, index) and _is_steady(found, last):
+            before, after = _frequency(first, index), _frequency(found, last)
             yield float(np.log(after[0] / before[0])), float(np.hypot(before[1] / before[0], after[1] / after[0]))
 
 
-def _without_lines(terms: tuple[Term, ...]) -> tuple[Term, ...]:
-    return tuple(term for term in terms if not term.effect.line)
-
-
-def _line_near(without_lines: AxisFit, line: Term, blocks: LogRatio | None) -> Term | None:
+def _line_near(without_lines: AxisFit, line: Entry, blocks: LogRatio | None) -> Entry | None:
     """Return the strongest line within the search width of a line of the first run, or None below the minimum gain."""
     ratio, sd = blocks or (0.0, MAX_LINE_SHIFT / SEARCH_WIDTH)
     duration = without_lines.sequence.conditions.interval * len(without_lines.residual)
@@ -205,7 +203,7 @@ def _line_near(without_lines: AxisFit, line: Term, blocks: LogRatio | None) -> T
     if not near.any() or gains[near].max() < MIN_LINE_GAIN:
         return None
     best = float(tried[near][np.argmax(gains[near])])
-    return replace(line, effect=type(line.effect).at(best, without_lines))
+    return replace(line, known=False, effect=type(line.effect).at(best, without_lines))
 
 
 def _is_steady(found: AxisFit, index: int) -> bool:
@@ -218,11 +216,12 @@ def _frequency(found: AxisFit, index: int) -> tuple[float, float]:
     return found.description.terms[index].effect.frequency, (high - low) / 2 / NORMAL
 
 
-def fit_like_first(sequence: AxisSequence, terms: tuple[Term, ...], first: AxisFit) -> AxisFit:
+def fit_like_first(sequence: AxisSequence, terms: Sequence[Entry], first: AxisFit) -> AxisFit:
     """Fit another run of a device with the terms of the start model and the terms and noise of the first run.
 
     Lines and steps are left out: their phase and time differ from run to run.
     """
     added = first.description.terms[len(terms) :]
-    repeated = tuple(term for term in added if not (term.effect.event or term.effect.line))
-    return fit(sequence, Description((*terms, *repeated), first.description.noise))
+    repeated = (term for term in added if not (term.effect.event or term.effect.line))
+    random = (entry for role in (Role.NOISE, Role.FILTER) for entry in first.description.of(role))
+    return fit(sequence, Description((*terms, *repeated, *random)))

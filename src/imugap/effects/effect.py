@@ -230,6 +230,13 @@ class Effect:
         """Return the parameters by name, in SI units."""
         return {item.name: getattr(self, item.name) for item in fields(self)}
 
+    def free(self) -> tuple[str, ...]:
+        """Return the parameters that a fit adjusts: none that is whole, and none with a sign.
+
+        Those of a term of the mean differ from fit to fit (:class:`Start`).
+        """
+        return tuple(item.name for item in fields(self) if not item.metadata["whole"] and item.metadata["low"] >= 0)
+
     @classmethod
     def units(cls, axis_unit: str) -> dict[str, str]:
         """Return the SI unit of each parameter for an axis measured in ``axis_unit``."""

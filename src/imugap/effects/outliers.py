@@ -18,6 +18,10 @@ class Outliers(AdditiveEffect):
     probability: float = parameter("1", "probability that a sample has the additional error", high=1.0)
     std: float = parameter("{u}", "standard deviation of the additional error")
 
+    def free(self) -> tuple[str, ...]:
+        """Return no parameter: a fit replaces the outliers, and does not adjust them."""
+        return ()
+
     def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
         """Draw the additional error; samples without one have zero."""
         hit = rng.random(len(conditions)) < self.probability

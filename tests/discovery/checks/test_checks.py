@@ -20,11 +20,11 @@ from imugap.discovery.checks.outliers import outliers_misfit
 from imugap.discovery.checks.spectrum import POWER_LAW, band_log_p, power_share, substitution_log_p
 from imugap.discovery.checks.transient import DURATION, transient_misfits
 from imugap.discovery.checks.transition import transition_misfits
-from imugap.discovery.fit.axis_fit import Description, Term, fit
+from imugap.discovery.fit.axis_fit import fit
 from imugap.discovery.fit.contaminated_normal import tails
-from imugap.discovery.fit.whittle import Noise
+from imugap.discovery.fit.description import Description, Entry
 from imugap.discovery.preparation.sequence import AxisSequence
-from imugap.discovery.search.search import Key, Search, without
+from imugap.discovery.search.search import Search, without
 from imugap.discovery.unnamed.chirps import find_chirps
 from imugap.effects import (
     CATALOGUE,
@@ -70,7 +70,7 @@ def names(result):
 
 def explored(data, *kinds):
     """Return a search among some kinds, and the fit that it ends with."""
-    search = Search(Description((), Noise((WHITE,))), kinds, LOG_ALPHA)
+    search = Search(Description.known(WHITE), kinds, LOG_ALPHA)
     return search, search.explore(fit(data, search.start))
 
 
@@ -85,7 +85,7 @@ def test_the_stationarity_p_value_of_stationary_noise_is_uniform(effect, monkeyp
     monkeypatch.setattr(samples, "TOLERATED_DIVERGENCE", 0.0)
     chances = []
     for label in range(60):
-        found = fit(sequence(effect, count=8000, label=label), Description((), Noise((WHITE, effect))))
+        found = fit(sequence(effect, count=8000, label=label), Description.known(WHITE).adding(effect))
         _, fading = sample_misfits(found, power_share(found, found.description.noise.effects[1]))
         chances.append(np.exp(fading.log_p))
     for level in (0.05, 0.2):
@@ -98,7 +98,7 @@ def test_the_band_p_value_of_few_coefficients_is_uniform():
     chances = []
     for label in range(200):
         effect = RandomWalk(2e-4)
-        found = fit(sequence(effect, label=label), Description((), Noise((WHITE, effect))))
+        found = fit(sequence(effect, label=label), Description.known(WHITE).adding(effect))
         mine = np.flatnonzero(power_share(found, found.description.noise.effects[1]) > MIN_SHARE)
         assert 60 < len(mine) < 130
         chances.append(band_log_p(found, mine))
@@ -174,16 +174,16 @@ def test_means_fitted_to_steep_noise_are_withheld():
     kinds, more = (BiasStep, RateRamp, WarmUp), 0
     for label in range(12):
         search, found = explored(sequence(added=steep, label=f"steep {label}"), *kinds)
-        keys = search.added(found.description)
-        more += len(keys) > 1 and means_as_power_law(search, found, keys).keys() == set(keys)
+        added = search.added(found)
+        more += len(added) > 1 and means_as_power_law(added).keys() == set(added)
     assert more > 3
 
 
 def test_true_means_are_likelier_than_a_power_law():
     data = sequence(BiasStep(400.0, -1e-3), RateRamp(2e-6), WarmUp(3e-3, 60.0))
     search, found = explored(data, BiasStep, RateRamp, WarmUp)
-    assert len(search.added(found.description)) > 1
-    assert means_as_power_law(search, found, search.added(found.description)) == {}
+    assert len(search.added(found)) > 1
+    assert means_as_power_law(search.added(found)) == {}
 
 
 def relaxations(time, rng):
@@ -209,20 +209,20 @@ def test_noise_of_an_unnamed_slope_enters_the_model_as_a_power_law(exponent):
 @pytest.mark.slow
 @pytest.mark.parametrize("reason", [POWER_LAW, BURSTS])
 def test_only_noise_of_another_slope_is_replaced_by_a_power_law(reason):
-    search = Search(Description((), Noise((WHITE,))), (), LOG_ALPHA)
-    found = fit(sequence(PowerLaw(4e-3, 1.5)), Description((), Noise((WHITE, RandomWalk(1e-3)))))
-    carried = without_unnamed(search, found, {Key("noise", 1): Misfit(reason, -20.0)})
+    search = Search(Description.known(WHITE), (), LOG_ALPHA)
+    found = fit(sequence(PowerLaw(4e-3, 1.5)), Description.known(WHITE).adding(RandomWalk(1e-3)))
+    carried = without_unnamed(search, found, dict.fromkeys(search.added(found), Misfit(reason, -20.0)))
     assert carried.has(PowerLaw) == (reason == POWER_LAW)
     assert not carried.has(RandomWalk)
 
 
 def test_a_trend_is_not_replaced_by_a_power_law():
     """Steep noise is, although its interval of the slope reaches that of a trend."""
-    search = Search(Description((), Noise((WHITE,))), (), LOG_ALPHA)
+    search = Search(Description.known(WHITE), (), LOG_ALPHA)
     trend = sequence(added=lambda time, rng: 2e-2 * np.sin(2 * np.pi * (time / time[-1]) ** 2))
     for data, noise in ((trend, False), (sequence(PowerLaw(1e-4, 2.6), label="s1"), True)):
-        found = fit(data, Description((), Noise((WHITE, RandomWalk(1e-4)))))
-        carried = without_unnamed(search, found, {Key("noise", 1): Misfit(POWER_LAW, -20.0)})
+        found = fit(data, Description.known(WHITE).adding(RandomWalk(1e-4)))
+        carried = without_unnamed(search, found, dict.fromkeys(search.added(found), Misfit(POWER_LAW, -20.0)))
         assert carried.has(PowerLaw) == noise
     ends = power_law_finding(search, carried).parameters["exponent"]
     assert ends.low < 2.6 < STEEPEST < ends.high
@@ -232,7 +232,7 @@ def test_a_trend_is_not_replaced_by_a_power_law():
 def test_misfitting_slow_noise_is_not_detected_as_a_chirp(monkeypatch):
     data = sequence(RandomWalk(3e-5), count=300_000, label="w0")
     searched = search_axis(data, (), (RandomWalk,), LOG_ALPHA, 240_000)
-    walk = searched.whole_search.added(searched.whole_fit.description)
+    walk = searched.whole_search.added(searched.whole_fit)
     assert find_chirps(without(searched.whole_fit, walk), LOG_ALPHA) != ()
     withheld = dict.fromkeys(walk, Misfit(POWER_LAW, -20.0))
     monkeypatch.setattr("imugap.discovery.axis.misfits", lambda search, found: withheld)
@@ -242,10 +242,10 @@ def test_misfitting_slow_noise_is_not_detected_as_a_chirp(monkeypatch):
 
 
 def test_a_misfitting_step_with_slow_noise_is_not_replaced_by_a_power_law():
-    search = Search(Description((), Noise((WHITE,))), (), LOG_ALPHA)
-    described = Description((Term(BiasStep(400.0, 0.1), ("step",)),), Noise((WHITE, RandomWalk(1e-3))))
+    search = Search(Description.known(WHITE), (), LOG_ALPHA)
+    described = Description.known(WHITE).adding(Entry(BiasStep(400.0, 0.1), ("step",)), RandomWalk(1e-3))
     found = fit(sequence(PowerLaw(4e-3, 1.5), BiasStep(400.0, 0.1)), described)
-    misfitting = dict.fromkeys([Key("term", 0), Key("noise", 1)], Misfit(POWER_LAW, -20.0))
+    misfitting = dict.fromkeys(search.added(found), Misfit(POWER_LAW, -20.0))
     assert [one.name for one in without_unnamed(search, found, misfitting).description.effects()] == ["white_noise"]
 
 
@@ -256,13 +256,13 @@ def test_relaxations_after_steps_are_not_named_telegraph_noise():
 
 @pytest.mark.parametrize(("noise", "most"), [(GaussMarkov(2e-3, 5.0), 2), (RandomTelegraph(4e-3, 0.1), 1)])
 def test_many_steps_with_slow_noise_are_a_jump_process(noise, most):
-    search = Search(Description((), Noise((WHITE,))), (), LOG_ALPHA)
+    search = Search(Description.known(WHITE), (), LOG_ALPHA)
     for count in (most, most + 1):
-        steps = tuple(Term(BiasStep(200.0 * (k + 1), 0.05), ("step",)) for k in range(count))
+        steps = tuple(Entry(BiasStep(200.0 * (k + 1), 0.05), ("step",)) for k in range(count))
         effects = (noise, *(step.effect for step in steps))
-        found = fit(sequence(*effects), Description(steps, Noise((WHITE, noise))))
-        keys = search.added(found.description)
-        assert set(steps_as_jump_process(found, keys)) == (set(keys) if count > most else set())
+        found = fit(sequence(*effects), Description.known(WHITE).adding(*steps, noise))
+        added = search.added(found)
+        assert set(steps_as_jump_process(added)) == (set(added) if count > most else set())
 
 
 @pytest.mark.parametrize(("second", "misfitting"), [(0.5, True), (2.0, False)])
@@ -270,14 +270,14 @@ def test_several_steps_within_a_warm_up_reject_its_shape(second, misfitting):
     """Within two time constants; a single step, or steps after the warm-up, keep their names."""
     over = DURATION * 40.0
     terms = (
-        Term(WarmUp(0.05, 40.0), ("amplitude", "time_constant")),
-        *(Term(BiasStep(time, 0.02), ("step",)) for time in (0.25 * over, second * over)),
+        Entry(WarmUp(0.05, 40.0), ("amplitude", "time_constant")),
+        *(Entry(BiasStep(time, 0.02), ("step",)) for time in (0.25 * over, second * over)),
     )
-    search = Search(Description((), Noise((WHITE,))), (), LOG_ALPHA)
-    found = fit(sequence(*(term.effect for term in terms)), Description(terms, Noise((WHITE,))))
-    keys = search.added(found.description)
-    assert len(keys) == 3
-    assert set(transient_misfits(search, found, keys)) == (set(keys) if misfitting else set())
+    search = Search(Description.known(WHITE), (), LOG_ALPHA)
+    found = fit(sequence(*(term.effect for term in terms)), Description.known(WHITE).adding(*terms))
+    added = search.added(found)
+    assert len(added) == 3
+    assert set(transient_misfits(added)) == (set(added) if misfitting else set())
 
 
 def passing(time, rng):
@@ -289,9 +289,9 @@ def passing(time, rng):
 @pytest.mark.parametrize(("kinds", "most"), [((BiasStep,), 4), ((RandomWalk, GaussMarkov), 2)])
 def test_a_gradual_transition_is_named_neither_steps_nor_noise(kinds, most):
     search, found = explored(sequence(added=passing), *kinds)
-    keys = search.added(found.description)
-    assert 0 < len(keys) <= most
-    assert set(transition_misfits(search, found, keys)) == set(keys)
+    added = search.added(found)
+    assert 0 < len(added) <= most
+    assert set(transition_misfits(added)) == set(added)
 
 
 @pytest.mark.slow
@@ -301,9 +301,8 @@ def test_a_gradual_transition_is_named_neither_steps_nor_noise(kinds, most):
 def test_steps_of_one_sign_and_slow_noise_keep_their_names(effects):
     for label in range(10):
         search, found = explored(sequence(*effects, label=label), BiasStep, RandomWalk, RandomTelegraph)
-        keys = search.added(found.description)
-        assert keys
-        assert transition_misfits(search, found, keys) == {}
+        assert search.added(found)
+        assert transition_misfits(search.added(found)) == {}
 
 
 @pytest.mark.parametrize("later", [True, False])
@@ -314,18 +313,18 @@ def test_a_step_with_exponential_onset_or_settling_has_a_misfit(later):
         late = np.maximum(time - 480 if later else 480 - time, 0.0)
         return 4e-3 * np.where(late > 0, np.exp(-late / 9.6), 0.0) * (-1 if later else 1) + 4e-3 * (time >= 480)
 
-    found = fit(sequence(added=crept), Description((Term(BiasStep(480.0, 4e-3), ("step",)),), Noise((WHITE,))))
+    found = fit(sequence(added=crept), Description.known(WHITE).adding(Entry(BiasStep(480.0, 4e-3), ("step",))))
     assert shape_log_p(found, 0) < LEVEL - 10
 
 
 @pytest.mark.parametrize(("factor", "odd"), [(1.0, False), (4.0, True)])
 def test_samples_and_spectrum_agree_where_a_random_walk_replaces_telegraph_noise(factor, odd):
     true = RandomTelegraph(4e-3, 0.05)
-    found = fit(sequence(true), Description((), Noise((WHITE, RandomWalk(4e-4)))))
+    found = fit(sequence(true), Description.known(WHITE).adding(RandomWalk(4e-4)))
     hidden = replace(true, step=1e-9)
-    beside = Description((), replace(found.description.noise, effects=(*found.description.noise.effects, hidden)))
-    other = replace(true, step=factor * true.step)
-    log_p = substitution_log_p(replace(found, description=beside), Key("noise", 2), other)
+    beside = replace(found, description=found.description.adding(hidden))
+    *_, candidate = Search(Description.known(WHITE), (), LOG_ALPHA).added(beside)
+    log_p = substitution_log_p(candidate, replace(true, step=factor * true.step))
     assert (log_p < LEVEL) == odd
 
 
@@ -345,24 +344,21 @@ def relaxing(kind):
 def test_a_transient_of_another_shape_is_not_named_warm_up_and_ramp(kind):
     data = sequence(added=lambda time, rng: relaxing(kind), label=kind)
     search, found = explored(data, WarmUp, RateRamp, BiasStep)
-    keys = search.added(found.description)
-    assert len(keys) >= 2
+    added = search.added(found)
+    assert len(added) >= 2
     misfitting = misfits(search, found)
-    assert set(misfitting) == (set() if kind == "warm-up and ramp" else set(keys))
+    assert set(misfitting) == (set() if kind == "warm-up and ramp" else set(added))
 
 
 def test_bursts_make_a_change_of_variance_ambiguous():
     change = VarianceChange(200.0, 300.0, 4.0)
-    search = Search(Description((), Noise((WHITE,))), (), LOG_ALPHA)
+    search = Search(Description.known(WHITE), (), LOG_ALPHA)
     noise = GaussMarkov(2e-3, 5.0)
-    found = fit(sequence(noise, change), Description((), Noise((WHITE, noise)), (change,)))
-    slow, changes = (key for key in search.added(found.description))
-    bursts = Misfit(BURSTS, -20.0)
-    assert ambiguous_variance(search, found, [slow, changes], {slow: bursts}) == {changes: bursts}
-    assert (
-        ambiguous_variance(search, found, [slow, changes], {slow: Misfit("its spectrum has another slope", -20.0)})
-        == {}
-    )
+    found = fit(sequence(noise, change), Description.known(WHITE).adding(noise, change))
+    slow, changes = search.added(found)
+    bursts, slope = Misfit(BURSTS, -20.0), Misfit("its spectrum has another slope", -20.0)
+    assert ambiguous_variance([slow, changes], {slow: bursts}) == {changes: bursts}
+    assert ambiguous_variance([slow, changes], {slow: slope}) == {}
 
 
 @pytest.mark.slow
@@ -457,7 +453,7 @@ def test_volatile_noise_is_named_neither_outliers_nor_changes_of_variance():
         return 5e-3 * np.exp(0.8 * level) * rng.standard_normal(len(time))
 
     search, found = explored(sequence(added=volatile), Outliers, VarianceChange)
-    keys = search.added(found.description)
-    assert {key.part for key in keys} == {"outliers", "change"}
-    assert set(misfits(search, found)) == set(keys)
-    assert ambiguous_variance(search, found, keys, {}) == {}
+    added = search.added(found)
+    assert {type(one.effect) for one in added} == {Outliers, VarianceChange}
+    assert set(misfits(search, found)) == set(added)
+    assert ambiguous_variance(added, {}) == {}

@@ -11,8 +11,8 @@ from scipy.stats import binom
 from imugap import log
 from imugap.discovery.axis import conclude, search_axis
 from imugap.discovery.checks.motion import outliers_against_motion
-from imugap.discovery.fit.axis_fit import Description, Term, fit
-from imugap.discovery.fit.whittle import Noise
+from imugap.discovery.fit.axis_fit import fit
+from imugap.discovery.fit.description import Description, Entry
 from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.search.search import Trial, noise_shows_filter
 from imugap.discovery.unnamed.hysteresis import play
@@ -30,7 +30,7 @@ from imugap.effects import (
     WhiteNoise,
 )
 from imugap.effects.conditions import Conditions
-from imugap.effects.effect import AxisModel
+from imugap.effects.effect import AxisModel, Role
 from imugap.stream import stream
 
 COUNT, INTERVAL = 20_000, 0.02
@@ -108,14 +108,14 @@ def test_the_cutoff_of_a_filter_in_motion_scatters_by_its_standard_error():
         model = AxisModel((WhiteNoise(0.02), ScaleFactor(0.01), OutputFilter(5.0, 2)))
         error = model.simulate(own, conditions, number, "cutoff") - own
         data = AxisSequence(error, conditions, np.zeros(len(ideal), bool))
-        terms = (Term(ScaleFactor(0.0), ("error",)),)
-        found = fit(data, Description(terms, Noise((WhiteNoise(0.02),), OutputFilter(4.0, 2))))
+        terms = (Entry(ScaleFactor(0.0), ("error",)),)
+        found = fit(data, Description.known(WhiteNoise(0.02)).adding(*terms, OutputFilter(4.0, 2)))
         seen.append(np.log(found.description.noise.output_filter.cutoff) - log_cutoff)
         scatter.append(np.sqrt(found.noise.covariance[-1, -1]))
     z = np.array(seen) / scatter
     assert abs(z.mean()) < 4 / np.sqrt(60)
     assert 0.7 < z.std() < 1.35
-    free = fit(replace(data, conditions=replace(data.conditions, ideal=None)), replace(found.description, terms=()))
+    free = fit(replace(data, conditions=replace(data.conditions, ideal=None)), found.description.exchanging(Role.MEAN))
     assert scatter[-1] < 0.5 * np.sqrt(free.noise.covariance[-1, -1])
 
 
@@ -126,9 +126,9 @@ def test_a_delay_is_not_named_filter_without_evidence_in_the_noise(effect, shown
     own = conditions.error_free
     error = AxisModel((WhiteNoise(1e-4), effect)).simulate(own, conditions, 1, "delay") - own
     data = AxisSequence(error, conditions, np.zeros(COUNT, bool))
-    plain = fit(data, Description((), Noise((WhiteNoise(1e-4),))))
+    plain = fit(data, Description.known(WhiteNoise(1e-4)))
     near = OutputFilter(15.0 if shown else 24.9, 1)
-    filtered = fit(data, Description((), Noise((WhiteNoise(1e-4),), near)))
+    filtered = fit(data, Description.known(WhiteNoise(1e-4)).adding(near))
     gain = filtered.log_likelihood - plain.log_likelihood
     assert gain > 100
     assert noise_shows_filter(Trial(near, filtered, gain, 1, 10.0), LOG_ALPHA) == shown

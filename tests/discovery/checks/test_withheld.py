@@ -10,10 +10,10 @@ from imugap.discovery.checks import Misfit, misfits
 from imugap.discovery.checks.all_checks import ambiguous_means, ambiguous_spectrum
 from imugap.discovery.checks.hysteresis import HYSTERESIS, means_against_hysteresis
 from imugap.discovery.checks.misfit import LEVEL
-from imugap.discovery.fit.axis_fit import Description, Term, fit
-from imugap.discovery.fit.whittle import Noise
+from imugap.discovery.fit.axis_fit import fit
+from imugap.discovery.fit.description import Description, Entry
 from imugap.discovery.preparation.sequence import AxisSequence
-from imugap.discovery.search.search import Key, Search, at
+from imugap.discovery.search.search import Search
 from imugap.discovery.unnamed.hysteresis import Hysteresis
 from imugap.discovery.views.gaps import find_gaps
 from imugap.effects import (
@@ -29,6 +29,9 @@ from imugap.effects import (
 )
 from imugap.effects.conditions import Conditions
 from imugap.stream import stream
+
+KNOWN = Description.known(WHITE)
+"""Start model with white noise alone."""
 
 
 @pytest.mark.slow
@@ -71,31 +74,31 @@ def test_bursts_with_the_spectrum_of_noise_are_not_named_noise():
     ],
 )
 def test_means_that_misfitting_slow_noise_can_imitate_are_withheld(misfitting, reason, warm, withheld):
-    terms = [
-        Term(BiasStep(200.0, 2e-2), ("step",)),
-        Term(Sinusoid(0.8, 5e-4, 0.3), ("amplitude",)),
-        Term(WarmUp(warm, 20.0), ("amplitude",)),
-    ]
-    described = Description(tuple(terms), Noise((WHITE, GaussMarkov(1e-3, 6.0))))
+    described = KNOWN.adding(
+        Entry(BiasStep(200.0, 2e-2), ("step",)),
+        Entry(Sinusoid(0.8, 5e-4, 0.3), ("amplitude",)),
+        Entry(WarmUp(warm, 20.0), ("amplitude",)),
+        GaussMarkov(1e-3, 6.0),
+    )
     data = sequence(BiasStep(200.0, 2e-2), WarmUp(warm, 20.0), GaussMarkov(1e-3, 6.0), count=12_000)
-    search = Search(Description((), Noise((WHITE,))), tuple(CATALOGUE.values()), LOG_ALPHA)
-    keys = [*(Key("term", index) for index in range(3)), Key("noise", 1)]
-    misfit = {keys[3 if misfitting == "noise" else 1]: Misfit(reason, -20.0)}
-    found = fit(data, described)
-    of_it = ambiguous_means(search, found, keys, misfit)
-    assert [type(at(found.description, key)) for key in of_it] == withheld
+    search = Search(KNOWN, tuple(CATALOGUE.values()), LOG_ALPHA)
+    added = search.added(fit(data, described))
+    misfit = {added[3 if misfitting == "noise" else 1]: Misfit(reason, -20.0)}
+    of_it = ambiguous_means(added, misfit)
+    assert [type(one.effect) for one in of_it] == withheld
     assert all(one.reason == reason for one in of_it.values())
 
 
 def test_lines_and_filters_dominated_by_misfitting_noise_are_withheld():
     """A peak of an unknown spectrum is not necessarily a line."""
-    lines = tuple(Term(Sinusoid(f, 5e-4, 0.3), ("amplitude",)) for f in (0.1, 9.0))
-    keys, misfit = [Key("term", 0), Key("term", 1), Key("noise", 1), Key("filter", 0)], Misfit("bursts", -20.0)
-    for cutoff, nameless in ((0.1, [Key("term", 0), Key("filter", 0)]), (9.0, [Key("term", 0)])):
-        noise = Noise((WHITE, GaussMarkov(1e-2, 1.0)), OutputFilter(cutoff, 1))
-        found = fit(sequence(GaussMarkov(1e-2, 1.0), count=12_000), Description(lines, noise))
-        described = replace(found, description=Description(lines, noise))
-        assert list(ambiguous_spectrum(described, keys, {Key("noise", 1): misfit})) == nameless
+    lines, search = [Entry(Sinusoid(f, 5e-4, 0.3), ("amplitude",)) for f in (0.1, 9.0)], Search(KNOWN, (), LOG_ALPHA)
+    for cutoff, both in ((0.1, True), (9.0, False)):
+        described = KNOWN.adding(*lines, GaussMarkov(1e-2, 1.0), OutputFilter(cutoff, 1))
+        found = fit(sequence(GaussMarkov(1e-2, 1.0), count=12_000), described)
+        line, other, noise, passes = search.added(replace(found, description=described))
+        misfit = {noise: Misfit("bursts", -20.0)}
+        nameless = ambiguous_spectrum([line, other, noise, passes], misfit)
+        assert list(nameless) == ([line, passes] if both else [line])
 
 
 @pytest.mark.slow
@@ -248,9 +251,9 @@ def test_a_jump_of_a_periodic_term_is_not_named_step(shape, reasons):
     time = data.conditions.time
     added = {"teeth": 2e-3 * (time / 96.3 % 1), "step": -2e-3 * (time > 4 * 96.3)}[shape]
     moved = replace(data, values=data.values + added)
-    before = fit(moved, Description((), Noise((WHITE, known))))
-    step = Term(BiasStep(4 * 96.3, -2e-3), ("step",))
-    found = fit(moved, replace(before.description, terms=(step,)))
+    before = fit(moved, Description.known(WHITE, known))
+    step = Entry(BiasStep(4 * 96.3, -2e-3), ("step",))
+    found = fit(moved, before.description.adding(step))
     misfitting = misfits(Search(before.description, (BiasStep,), LOG_ALPHA), found)
     assert [misfit.reason for misfit in misfitting.values()] == reasons
 
@@ -269,9 +272,9 @@ def test_a_temperature_effect_with_random_walk_is_seldom_taken_for_hysteresis():
     time = interval * np.arange(count)
     warming = 24 + 4 * (1 - np.exp(-time / 120)) + 0.5 * np.sin(2 * np.pi * time / 200)
     conditions, straight = Conditions(time, interval, warming, "gyro_x"), Temperature(1e-3, 25.0)
-    described = Description((Term(straight, ("coefficient",)),), Noise((WHITE, RandomWalk(4e-5))))
+    described = KNOWN.adding(Entry(straight, ("coefficient",)), RandomWalk(4e-5))
     for run in range(60):
         found = fit(simulated((WHITE, RandomWalk(4e-5), straight), conditions, run, "nested"), described)
-        few.append(means_against_hysteresis(Search(Description((), Noise((WHITE,))), (), LOG_ALPHA), found).log_p)
+        few.append(means_against_hysteresis(Search(KNOWN, (), LOG_ALPHA), found).log_p)
     assert np.sum(np.array(few) < LEVEL) <= 3
     assert 5 <= np.sum(np.array(few) < np.log(0.5)) <= 40

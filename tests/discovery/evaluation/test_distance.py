@@ -7,8 +7,8 @@ from scipy.stats import binomtest
 from imugap import log
 from imugap.discovery.evaluation.distance import HeldOutComparison, combined
 from imugap.discovery.evaluation.parameter_ensemble import UncertainModel
-from imugap.discovery.fit.axis_fit import Description, Term, fit
-from imugap.discovery.fit.whittle import Noise
+from imugap.discovery.fit.axis_fit import fit
+from imugap.discovery.fit.description import Description, Entry
 from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.effects import (
     Bias,
@@ -115,7 +115,7 @@ def fitted(measured, held_in, description):
 
 
 def test_drawn_models_scatter_as_their_fit_says():
-    described = Description((Term(RateRamp(1e-4), ("slope",)),), Noise((WHITE, GaussMarkov(3e-3, 2.0))))
+    described = Description.known(WHITE).adding(Entry(RateRamp(1e-4), ("slope",)), GaussMarkov(3e-3, 2.0))
     axes = ("gyro_x",)
     measured = model(GaussMarkov(3e-3, 2.0), RateRamp(1e-4), axes=axes).simulate(rest(axes=axes), 1)
     found = fitted(measured, 4000, described)
@@ -145,7 +145,7 @@ def test_drawn_models_scatter_as_their_fit_says():
 def test_a_drawn_filter_ends_below_half_the_rate():
     """A filter that is not there, and of which the data say little: its cutoff scatters widely."""
     measured = model(axes=("gyro_x",)).simulate(rest(400, ("gyro_x",)), 1)
-    described = Description((), Noise((WHITE,), OutputFilter(0.4 / INTERVAL, 1)))
+    described = Description.known(WHITE).adding(OutputFilter(0.4 / INTERVAL, 1))
     found = fitted(measured, 400, described)
     uncertain = UncertainModel.of(ErrorModel({"gyro_x": AxisModel(found.description.effects())}), {"gyro_x": found})
     rng = stream(1, "draws")
@@ -161,7 +161,7 @@ def test_a_drawn_filter_ends_below_half_the_rate():
 def test_the_right_model_lands_in_the_floor_in_95_percent_of_cases(kind):
     axes, count, logs = (log.AXES if kind == "navigation" else ("gyro_x",)), 1200, 60
     true = model(RandomWalk(5e-3), axes=axes)
-    described = Description((), Noise((WHITE, RandomWalk(5e-3))))
+    described = Description.known(WHITE).adding(RandomWalk(5e-3))
     inside = 0
     for seed in range(logs):
         measured = true.simulate(rest(count, axes), 7, seed)

@@ -6,8 +6,8 @@ import pytest
 from imugap import log
 from imugap.discovery.axis import AxisResult
 from imugap.discovery.evaluation import held_out as comparison
-from imugap.discovery.fit.axis_fit import Description, Term, fit
-from imugap.discovery.fit.whittle import Noise
+from imugap.discovery.fit.axis_fit import fit
+from imugap.discovery.fit.description import Description, Entry
 from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.effects import Bias, BiasStep, VarianceChange, WhiteNoise
 from imugap.effects.conditions import Conditions
@@ -28,9 +28,9 @@ def found(table, *events):
     """Return what a fit says of a log in which events are known."""
     conditions = Conditions(table.index.to_numpy(), INTERVAL, axis="gyro_x")
     sequence = AxisSequence(table["gyro_x"].to_numpy(), conditions, np.zeros(COUNT, bool))
-    terms = tuple(Term(one, ("step",)) for one in events if isinstance(one, BiasStep))
+    terms = tuple(Entry(one, ("step",)) for one in events if isinstance(one, BiasStep))
     changes = tuple(one for one in events if isinstance(one, VarianceChange))
-    return fit(sequence, Description(terms, Noise((WHITE,)), changes=changes))
+    return fit(sequence, Description.known(WHITE).adding(*terms, *changes))
 
 
 def modelled(description):

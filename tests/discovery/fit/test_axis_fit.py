@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from tests.discovery.simulated import COUNT, INTERVAL, WHITE, sequence
 
-from imugap.discovery.fit.axis_fit import Description, Term, fit, jacobian
-from imugap.discovery.fit.whittle import Noise
+from imugap.discovery.fit.axis_fit import fit, jacobian
+from imugap.discovery.fit.description import Description, Entry
 from imugap.discovery.preparation.cosine_bins import usable_share
 from imugap.effects import BiasStep, OutputFilter, Quantization, RateRamp, Sinusoid, WarmUp
 from imugap.stream import stream
@@ -13,7 +13,7 @@ from imugap.stream import stream
 
 def test_ramp_in_white_noise_is_that_of_least_squares():
     data = sequence(RateRamp(1e-6))
-    found = fit(data, Description((Term(RateRamp(0.0), ("slope",)),), Noise((WHITE,))))
+    found = fit(data, Description.known(WHITE).adding(Entry(RateRamp(0.0), ("slope",))))
     slope = np.polynomial.polynomial.polyfit(data.conditions.time, data.values, 1)[1]
     assert found.description.terms[0].effect.slope == pytest.approx(slope, rel=1e-6)
     error = np.sqrt(12 * found.variance[0] / COUNT) / (COUNT * INTERVAL)
@@ -28,7 +28,7 @@ def test_ramp_in_white_noise_is_that_of_least_squares():
 def test_slopes_are_difference_quotients(effect):
     data = sequence(count=2000)
     free = tuple(effect.slopes(data.conditions))
-    columns = jacobian((Term(effect, free),), data)
+    columns = jacobian((Entry(effect, free),), data)
     for name, column in zip(free, columns.T, strict=True):
         step = 1e-6 * max(abs(getattr(effect, name)), 1e-3)
         above, below = (
@@ -45,7 +45,7 @@ def test_what_a_steep_filter_leaves_is_not_taken_for_noise(cutoff, order, count)
     data, smooth = sequence(count=count), OutputFilter(cutoff, order)
     output = smooth.apply(data.values, data.conditions, stream(1))
     moved = replace(data, values=output, share=usable_share(output))
-    plainly = fit(moved, Description((), Noise((WHITE,), smooth)))
-    grainy = fit(moved, Description((), Noise((WHITE, Quantization(1e-7)), smooth)))
+    plainly = fit(moved, Description.known(WHITE).adding(smooth))
+    grainy = fit(moved, Description.known(WHITE).adding(Quantization(1e-7), smooth))
     assert grainy.log_likelihood - plainly.log_likelihood < 3
     assert plainly.description.noise.output_filter.cutoff == pytest.approx(cutoff, rel=0.03)

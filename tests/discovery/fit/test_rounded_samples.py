@@ -5,9 +5,9 @@ import pytest
 from scipy.stats import binom, kstest
 
 from imugap.discovery.axis import conclude, search_axis
-from imugap.discovery.fit.axis_fit import Description, fit
+from imugap.discovery.fit.axis_fit import fit
+from imugap.discovery.fit.description import Description
 from imugap.discovery.fit.rounded_samples import Cells, ahead
-from imugap.discovery.fit.whittle import Noise
 from imugap.discovery.preparation.rounding import unrounded
 from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.search.search import log_chance
@@ -31,9 +31,9 @@ def rounded(step, label, *effects, walk=0.0):
     return AxisSequence(Resolution(step).apply(values, conditions, rng), conditions, np.zeros(COUNT, bool), step=step)
 
 
-def fitted(sequence, *effects, **parts):
+def fitted(sequence, *effects):
     white = WhiteNoise(float(np.sqrt(INTERVAL)))
-    return fit(sequence, Description((), Noise((white, *effects)), **parts))
+    return fit(sequence, Description.known(white, *effects))
 
 
 def cells_of(found):
@@ -111,7 +111,7 @@ def test_normal_noise_on_a_coarse_lattice_has_no_tails(step):
 
 def test_cells_are_narrower_where_the_noise_is_louder():
     change = VarianceChange(100.0, 220.0, 4.0)
-    found = fitted(rounded(2.0, 3, change), changes=(change,))
+    found = fitted(rounded(2.0, 3, change), change)
     half = found.cells.half
     assert half[15_000] == pytest.approx(half[0] / 2)
     assert np.std(found.unrounded[10_000:22_000]) == pytest.approx(1.0, abs=0.03)
@@ -119,8 +119,8 @@ def test_cells_are_narrower_where_the_noise_is_louder():
 
 def test_nothing_is_asked_where_the_noise_is_not_told_from_the_rest():
     data = rounded(2.0, 1)
-    white = Noise((WhiteNoise(float(np.sqrt(INTERVAL))),), OutputFilter(10.0, 1.0))
-    assert cells_of(fit(data, Description((), white))) is None
+    filtered = Description.known(WhiteNoise(float(np.sqrt(INTERVAL))), OutputFilter(10.0, 1.0))
+    assert cells_of(fit(data, filtered)) is None
     assert cells_of(fitted(rounded(5.0, 1))) is None
     assert fitted(rounded(0.5, 1)).cells is None
 
@@ -160,7 +160,7 @@ def test_white_noise_behind_a_filter_is_fitted_beside_what_rounding_adds():
     output = smooth.passed(stream(8, "filtered").standard_normal(COUNT), INTERVAL)
     conditions = Conditions(INTERVAL * np.arange(COUNT), INTERVAL, axis="gyro_x")
     data = AxisSequence(step * np.rint(output / step), conditions, np.zeros(COUNT, bool), step=step)
-    found = fit(data, Description((), Noise((WhiteNoise(float(np.sqrt(INTERVAL))),), smooth)))
+    found = fit(data, Description.known(WhiteNoise(float(np.sqrt(INTERVAL)))).adding(smooth))
     effects = unrounded(found.description.effects(), (Resolution(step),), data)
     white = next(one for one in effects if isinstance(one, WhiteNoise))
     assert white.density == pytest.approx(np.sqrt(INTERVAL), rel=0.02)

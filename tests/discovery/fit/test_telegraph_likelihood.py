@@ -8,9 +8,9 @@ from scipy.special import logsumexp
 from scipy.stats import multivariate_normal
 from tests.discovery import simulated
 
-from imugap.discovery.fit.axis_fit import Description, fit
+from imugap.discovery.fit.axis_fit import fit
+from imugap.discovery.fit.description import Description
 from imugap.discovery.fit.telegraph_likelihood import FINE, Blocks, compare, continuum_log_densities, filtered
-from imugap.discovery.fit.whittle import Noise
 from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.effects import GaussMarkov, OutputFilter, RandomTelegraph, RandomWalk, WhiteNoise
 from imugap.effects.conditions import Conditions
@@ -89,7 +89,7 @@ def test_the_estimates_hold_the_truth_as_often_as_they_say(beside, step, passes)
     hits, errors = 0, []
     for seed in range(12):
         one, effects = sequence(seed, beside, step, passes)
-        found = fit(one, Description((), Noise(effects, passes)))
+        found = fit(one, Description.known(*effects, *filter(None, [passes])))
         verdict = compare(found, tuple(found.description.noise.effects[1:2]))
         assert verdict.gain > 0
         truth = (step, 0.1)
@@ -103,7 +103,7 @@ def test_the_estimates_hold_the_truth_as_often_as_they_say(beside, step, passes)
 def test_a_process_slower_than_the_log_has_blocks_too():
     values = stream(1, "slower").standard_normal(5000)
     data = AxisSequence(values, Conditions(0.04 * np.arange(5000), 0.04, axis="gyro_x"), np.zeros(5000, bool))
-    found = fit(data, Description((), Noise((WhiteNoise(0.2), GaussMarkov(1.0, 10.0)))))
+    found = fit(data, Description.known(WhiteNoise(0.2)).adding(GaussMarkov(1.0, 10.0)))
     slow = GaussMarkov(1.0, 1e6)
     assert len(Blocks.of(found, (slow,)).means) >= FINE
 
@@ -115,7 +115,7 @@ def test_a_continuum_is_told_from_two_values():
     values = sum(effect.sample(conditions, stream(4, "smooth")) for effect in smooth)
     other = AxisSequence(values, conditions, one.flawed)
     gains = [
-        compare(fit(log, Description((), Noise(noise))), (noise[1],)).gain
+        compare(fit(log, Description.known(*noise)), (noise[1],)).gain
         for log, noise in ((one, (effects[0], effects[1].equivalent)), (other, smooth))
     ]
     assert gains[0] > 5
@@ -133,12 +133,12 @@ def test_what_never_switches_is_weighed_all_the_same(exponent, seed):
     curve = np.fft.irfft(np.fft.rfft(rng.standard_normal(2 * count)) * frequency ** (-exponent / 2))[:count]
     values = WhiteNoise(1e-3).sample(conditions, rng) + 4e-3 * (curve - curve.mean()) / curve.std()
     data = AxisSequence(values, conditions, np.zeros(count, bool))
-    found = fit(data, Description((), Noise((WhiteNoise(1e-3), RandomWalk(1e-4)))))
+    found = fit(data, Description.known(WhiteNoise(1e-3)).adding(RandomWalk(1e-4)))
     verdict = compare(found, tuple(found.description.noise.effects[1:]))
     assert np.isfinite([verdict.gain, verdict.uneven]).all()
 
 
 def test_two_values_are_told_from_a_continuum():
     for effect, sign in ((RandomTelegraph(2e-3, 0.05), 1), (GaussMarkov(1e-3, 10.0), -1)):
-        found = fit(simulated.sequence(effect), Description((), Noise((simulated.WHITE, GaussMarkov(1e-3, 10.0)))))
+        found = fit(simulated.sequence(effect), Description.known(simulated.WHITE).adding(GaussMarkov(1e-3, 10.0)))
         assert sign * compare(found, found.description.noise.effects[1:]).gain > 6

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from tests.discovery.simulated import simulated
 
-from imugap.discovery.fit.axis_fit import Description, fit
-from imugap.discovery.fit.whittle import Noise
+from imugap.discovery.fit.axis_fit import fit
+from imugap.discovery.fit.description import Description
 from imugap.discovery.search.noise_agreement import BEFOREHAND, NoiseChoice, agreed, choice_of
 from imugap.discovery.search.search import Search
 from imugap.effects import BiasInstability, BiasStep, GaussMarkov, RandomWalk, RateRamp, WarmUp, WhiteNoise
@@ -26,7 +26,7 @@ def explored(effects, label=0):
     for axis, some in effects.items():
         conditions = Conditions(INTERVAL * np.arange(COUNT), INTERVAL, axis=axis)
         data = simulated((WHITE, *some), conditions, label, "agreement")
-        searches[axis] = Search(Description((), Noise((WHITE,))), KINDS, np.log(0.01 / 6 / 28))
+        searches[axis] = Search(Description.known(WHITE), KINDS, np.log(0.01 / 6 / 28))
         fits[axis] = searches[axis].explore(fit(data, searches[axis].start))
     return fits, searches
 
@@ -97,7 +97,7 @@ def test_a_walk_beside_far_faster_processes_is_none_of_them():
     """A process slow enough is as good as a walk, but not one like those of the others."""
     fast, walk = (GaussMarkov(2e-3, 3.0),), (RandomWalk(7e-5),)
     fits, searches = explored({"gyro_x": fast, "gyro_y": walk, "gyro_z": fast}, 3)
-    own = choice_of(searches["gyro_y"], fits["gyro_y"], searches["gyro_y"].added(fits["gyro_y"].description))
+    own = choice_of(searches["gyro_y"], fits["gyro_y"], searches["gyro_y"].added(fits["gyro_y"]))
     assert own.time > 1000
     assert own.worth(GaussMarkov) > -BEFOREHAND
     assert agreed(fits, searches) == fits

@@ -5,8 +5,8 @@ import pytest
 from tests.discovery.simulated import COUNT, INTERVAL, LOG_ALPHA, WHITE, filtered, names, sequence
 
 from imugap.discovery.axis import conclude, search_axis
-from imugap.discovery.fit.axis_fit import Description, fit
-from imugap.discovery.fit.whittle import Noise
+from imugap.discovery.fit.axis_fit import fit
+from imugap.discovery.fit.description import Description
 from imugap.discovery.preparation.cosine_bins import usable_share
 from imugap.discovery.search.search import RESHAPED, Search, behind_filter, may_reach
 from imugap.effects import CATALOGUE, BiasInstability, GaussMarkov, OutputFilter, RandomWalk
@@ -56,7 +56,7 @@ def test_what_a_filter_gains_is_known_before_it_is_fitted(cutoff, slow):
     if cutoff is not None:
         output = OutputFilter(cutoff, 2).apply(data.values, data.conditions, stream(1))
         data = replace(data, values=output, share=usable_share(output))
-    description = Description((), Noise((WHITE, *slow)))
+    description = Description.known(WHITE, *slow)
     before = fit(data, description)
     search = Search(description, tuple(CATALOGUE.values()), LOG_ALPHA)
     for start in OutputFilter.starts(before):

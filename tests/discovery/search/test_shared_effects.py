@@ -5,11 +5,11 @@ import pytest
 from scipy.stats import binom, chi2
 
 from imugap import log
-from imugap.discovery.fit.axis_fit import Description, Term, fit
+from imugap.discovery.fit.axis_fit import fit
+from imugap.discovery.fit.description import Description, Entry
 from imugap.discovery.fit.start_model import described
-from imugap.discovery.fit.whittle import Noise
 from imugap.discovery.preparation.sequence import AxisSequence
-from imugap.discovery.search.search import Search, at
+from imugap.discovery.search.search import Search
 from imugap.discovery.search.shared_effects import Estimate, agreeing, contradicts, joined, pooled
 from imugap.effects import CATALOGUE, LeverArm, Misalignment, ScaleFactor, TimeOffset, WhiteNoise
 from imugap.effects.conditions import Conditions
@@ -43,9 +43,7 @@ def device(hidden, run, ideal=IDEAL):
         values = STD * stream(31, "device", axis, run).standard_normal(COUNT)
         if axis in hidden:
             values += hidden[axis].sample(conditions, None)
-        before = fit(
-            AxisSequence(values, conditions, np.zeros(COUNT, bool)), Description((), Noise((WhiteNoise(DENSITY),)))
-        )
+        before = fit(AxisSequence(values, conditions, np.zeros(COUNT, bool)), Description.known(WhiteNoise(DENSITY)))
         searches[axis] = Search(before.description, INERTIAL, LOG_ALPHA)
         fits[axis] = searches[axis].explore(before)
     return fits, searches
@@ -81,7 +79,7 @@ def test_the_known_axes_of_a_triad_tell_a_misalignment():
     conditions = Conditions(ideal.index.to_numpy(), INTERVAL, None, "gyro_x", ideal)
     values = STD * stream(33, "pair").standard_normal(COUNT) + 0.05 * ideal["gyro_y"].to_numpy()
     sequence = AxisSequence(values, conditions, np.zeros(COUNT, bool))
-    before = fit(sequence, Description((), Noise((WhiteNoise(DENSITY),))))
+    before = fit(sequence, Description.known(WhiteNoise(DENSITY)))
     found = Search(before.description, INERTIAL, LOG_ALPHA).explore(before)
     (term,) = found.description.terms
     assert isinstance(term.effect, Misalignment)
@@ -91,7 +89,7 @@ def test_the_known_axes_of_a_triad_tell_a_misalignment():
 def names(found):
     """Names of the added effects of each axis that has one."""
     added = {
-        axis: [at(one.description, key).name for key in found.searches[axis].added(one.description)]
+        axis: [candidate.effect.name for candidate in found.searches[axis].added(one)]
         for axis, one in found.fits.items()
     }
     return {axis: found for axis, found in added.items() if found}
@@ -101,7 +99,7 @@ def estimate(value, information, axis="gyro_x"):
     value = np.atleast_1d(value)
     free = ("x", "y", "z")[: len(value)]
     effect = LeverArm(*np.r_[value, np.zeros(3 - len(value))].tolist())
-    return Estimate(axis, (Term(effect, free),), np.atleast_2d(information))
+    return Estimate(axis, (Entry(effect, free),), np.atleast_2d(information))
 
 
 def drawn(rng, truth, count):
@@ -126,7 +124,7 @@ def test_two_estimates_are_pooled_by_their_weights():
 
 def test_what_one_axis_says_of_one_effect_helps_with_the_other():
     """The second knows the delay alone; the first takes an arm and a delay for each other."""
-    delay, arm = Term(TimeOffset(3.0), ("offset",)), Term(LeverArm(1.0, 0.0, 0.0), ("x",))
+    delay, arm = Entry(TimeOffset(3.0), ("offset",)), Entry(LeverArm(1.0, 0.0, 0.0), ("x",))
     both = Estimate("accel_x", (delay, arm), np.array([[2.0, 1.0], [1.0, 2.0]]))
     pool = pooled([both, Estimate("gyro_x", (replace(delay, effect=TimeOffset(5.0)),), np.array([[4.0]]))])
     np.testing.assert_allclose(pool.information, [[6.0, 1.0], [1.0, 2.0]])
@@ -220,7 +218,7 @@ def test_an_arm_is_that_of_the_three_accelerometers():
 def test_the_errors_of_an_arm_and_a_delay_that_are_told_together_have_their_law():
     """Without the gyroscopes, on inputs by which each accelerometer takes one for the other."""
     ideal = IDEAL.assign(accel_y=IDEAL["gyro_z"], accel_z=IDEAL["gyro_x"] + 0.5 * IDEAL["gyro_y"])
-    arm, delay, noise = LeverArm(2e-2, -1e-2, 3e-2), TimeOffset(6e-3), Noise((WhiteNoise(10 * DENSITY),))
+    arm, delay, noise = LeverArm(2e-2, -1e-2, 3e-2), TimeOffset(6e-3), Description.known(WhiteNoise(10 * DENSITY))
     squares = {LeverArm: [], TimeOffset: []}
     for run in range(40):
         fits, searches = {}, {}
@@ -229,8 +227,8 @@ def test_the_errors_of_an_arm_and_a_delay_that_are_told_together_have_their_law(
             values = 10 * STD * stream(34, "together", axis, run).standard_normal(COUNT)
             values += arm.sample(conditions, None) + delay.sample(conditions, None)
             sequence = AxisSequence(values, conditions, np.zeros(COUNT, bool))
-            searches[axis] = Search(Description((), noise), INERTIAL, LOG_ALPHA)
-            fits[axis] = fit(sequence, Description((Term(delay, ("offset",)), Term(arm, ("x", "y", "z"))), noise))
+            searches[axis] = Search(noise, INERTIAL, LOG_ALPHA)
+            fits[axis] = fit(sequence, noise.adding(Entry(delay, ("offset",)), Entry(arm, ("x", "y", "z"))))
         for joint in joined(fits, searches).joints:
             true = arm if isinstance(joint.effect, LeverArm) else delay
             gap = joint.pool.value - [getattr(true, name) for name in joint.free]

@@ -1,16 +1,14 @@
 """Telegraph noise beside other slow noise: told by its samples, and taken out of them."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from scipy.stats import chi2
 from tests.discovery.simulated import simulated
 
 from imugap.discovery.axis import conclude, search_axis
-from imugap.discovery.fit.axis_fit import Description, fit
+from imugap.discovery.fit.axis_fit import fit
+from imugap.discovery.fit.description import Description
 from imugap.discovery.fit.telegraph_likelihood import filtered
-from imugap.discovery.fit.whittle import Noise
 from imugap.discovery.search.search import Search
 from imugap.discovery.search.telegraph import told_apart
 from imugap.discovery.search.telegraph_in_noise import drawn_values, stationary_markov, switching
@@ -30,7 +28,7 @@ def sequence(*effects, label="switching", count=COUNT, white=WHITE):
 
 
 def with_markov(data):
-    return fit(data, Description((), Noise((WHITE, GaussMarkov(6e-3, 8.0)))))
+    return fit(data, Description.known(WHITE).adding(GaussMarkov(6e-3, 8.0)))
 
 
 def test_without_switches_the_filter_is_that_of_a_gauss_markov_process():
@@ -100,7 +98,7 @@ def test_a_process_half_as_large_as_the_step_leaves_its_interval_true():
     errors, off = [], []
     for run in range(6):
         data = sequence(switches, reverts, label=f"large {run}", count=60_000, white=white)
-        found = fit(data, Description((), Noise((white, GaussMarkov(1.5e-2, 22.0)))))
+        found = fit(data, Description.known(white).adding(GaussMarkov(1.5e-2, 22.0)))
         told_apart = switching(found, found.description.noise.effects[1:], LOG_ALPHA)
         low, high = np.log([told_apart.intervals[name] for name in ("step", "rate")]).T
         errors.append((high - low) / 2 / 1.96)
@@ -148,10 +146,10 @@ def test_switches_in_noise_that_changes_are_named_beside_the_change():
 @pytest.mark.parametrize("number", [VarianceChange.most, VarianceChange.most + 1])
 def test_switches_for_which_slow_noise_of_the_start_model_and_changes_of_variance_stand_are_told(number):
     data = sequence(SWITCHES, label="stands for")
-    known = Description((), Noise((WHITE, RandomWalk(1e-3))))
+    known = Description.known(WHITE, RandomWalk(1e-3))
     changes = tuple(VarianceChange(start, start + 20.0, 1.1) for start in 100.0 + 150.0 * np.arange(number))
     search = Search(known, (BiasStep, GaussMarkov, RandomWalk, VarianceChange), LOG_ALPHA)
-    found = told_apart(search, fit(data, replace(known, changes=changes)))
+    found = told_apart(search, fit(data, known.adding(*changes)))
     assert found.has(RandomTelegraph) == (number > VarianceChange.most)
 
 

@@ -5,10 +5,10 @@ import pytest
 from tests.discovery.simulated import COUNT, INTERVAL, LOG_ALPHA, WHITE, names, sequence, told_of
 
 from imugap.discovery.axis import conclude, search_axis
-from imugap.discovery.fit.axis_fit import Description, fit
-from imugap.discovery.fit.whittle import Noise
+from imugap.discovery.fit.axis_fit import fit
+from imugap.discovery.fit.description import Description
 from imugap.discovery.preparation.sequence import AxisSequence
-from imugap.discovery.search.search import Key, Search
+from imugap.discovery.search.search import Search
 from imugap.effects import CATALOGUE, BiasInstability, BiasStep, GaussMarkov, Outliers, RandomTelegraph, VarianceChange
 from imugap.stream import stream
 
@@ -41,10 +41,10 @@ def test_outliers_beside_a_louder_stretch_have_their_share_and_size_and_it_its_r
     "change", [VarianceChange(200.0, 290.0, 1.3), VarianceChange(0.0, 960.0, depth=0.15, frequency=0.01, phase=1.0)]
 )
 def test_a_change_of_variance_is_weighed_again_as_it_was_taken(change):
-    search = Search(Description((), Noise((WHITE,))), (VarianceChange,), LOG_ALPHA)
+    search = Search(Description.known(WHITE), (VarianceChange,), LOG_ALPHA)
     before = search.fitted(sequence(change), search.start)
     taken = min(search.trials(before, LOG_ALPHA), key=lambda trial: trial.log_p)
-    again, _ = search.likelihood_ratio(taken.fit, Key("change", 0))
+    again = search.added(taken.fit)[0].trial
     assert (again.parameters, again.trials) == (taken.parameters, taken.trials)
     assert again.log_p == pytest.approx(taken.log_p)
     assert search.refined(taken.fit).description.changes
@@ -74,8 +74,8 @@ def test_a_change_of_variance_keeps_its_name_beside_outliers(change):
 def test_beside_more_changes_of_the_variance_than_have_a_name_nothing_else_is_looked_for(number):
     changes = tuple(VarianceChange(start, start + 50.0, 3.0) for start in 100.0 + 200.0 * np.arange(number))
     data = sequence(*changes, BiasStep(480.0, 2e-3), label="restless")
-    search = Search(Description((), Noise((WHITE,))), tuple(CATALOGUE.values()), LOG_ALPHA)
-    found = search.explore(fit(data, replace(search.start, changes=changes)))
+    search = Search(Description.known(WHITE), tuple(CATALOGUE.values()), LOG_ALPHA)
+    found = search.explore(fit(data, search.start.adding(*changes)))
     assert found.has(BiasStep) == (number == VarianceChange.most)
 
 
@@ -97,7 +97,7 @@ def test_outliers_in_noise_that_is_not_white_have_their_size(beside, step):
     data.values[rng.choice(100_000, 400, replace=False)] += outliers
     values = step * np.rint(data.values / step) if step else data.values
     data = AxisSequence(values, data.conditions, np.zeros(100_000, bool), step=step)
-    before = fit(data, Description((), Noise((WHITE, beside))))
+    before = fit(data, Description.known(WHITE, beside))
     assert (before.cells is not None) == (step > 0)
     cleaned = Search(before.description, (), LOG_ALPHA).without_outliers(before)
     assert cleaned.effect.std == pytest.approx(np.sqrt(np.mean(outliers**2)), rel=0.06)

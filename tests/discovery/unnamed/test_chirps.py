@@ -5,10 +5,10 @@ import pytest
 
 from imugap.discovery.axis import conclude, search_axis
 from imugap.discovery.checks import explained_by_bands
-from imugap.discovery.fit.axis_fit import Description, fit
-from imugap.discovery.fit.whittle import Noise
+from imugap.discovery.fit.axis_fit import fit
+from imugap.discovery.fit.description import Description
 from imugap.discovery.preparation.sequence import AxisSequence
-from imugap.discovery.search.search import Key, Search
+from imugap.discovery.search.search import Search
 from imugap.discovery.unnamed.chirps import find_chirps
 from imugap.discovery.unnamed.wandering_lines import Band
 from imugap.effects import CATALOGUE, OutputFilter, Sinusoid, WhiteNoise
@@ -77,10 +77,11 @@ def test_a_filter_that_is_significant_only_within_the_band_of_a_chirp_is_withhel
     noise = noise if misfitting else filtered.apply(noise, conditions, stream(1))
     data = AxisSequence(1e-2 * (noise + chirp(2.3, 18.1, 30)), conditions, np.zeros(COUNT, bool))
     density = WhiteNoise(1e-2 * np.sqrt(INTERVAL))
-    search = Search(Description((), Noise((density,))), tuple(CATALOGUE.values()), LOG_ALPHA)
-    seen = fit(data, Description((), Noise((density,), filtered)))
-    misfits = explained_by_bands(search, seen, [Key("filter", 0)], [Band(2.3, 18.1, -500.0)])
-    assert list(misfits) == ([Key("filter", 0)] if misfitting else [])
+    search = Search(Description.known(density), tuple(CATALOGUE.values()), LOG_ALPHA)
+    seen = fit(data, Description.known(density).adding(filtered))
+    added = search.added(seen)
+    misfits = explained_by_bands(added, [Band(2.3, 18.1, -500.0)])
+    assert list(misfits) == (added if misfitting else [])
 
 
 def test_a_steady_line_is_not_detected_as_a_chirp():
@@ -88,4 +89,4 @@ def test_a_steady_line_is_not_detected_as_a_chirp():
     conditions = Conditions(INTERVAL * np.arange(COUNT), INTERVAL, axis="accel_y")
     data = AxisSequence(1e-2 * white("line") + line.sample(conditions, None), conditions, np.zeros(COUNT, bool))
     density = WhiteNoise(1e-2 * np.sqrt(INTERVAL))
-    assert find_chirps(fit(data, Description((), Noise((density,)))), LOG_ALPHA) == ()
+    assert find_chirps(fit(data, Description.known(density)), LOG_ALPHA) == ()

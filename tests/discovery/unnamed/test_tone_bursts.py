@@ -7,8 +7,8 @@ import pytest
 from scipy.stats import binom
 
 from imugap.discovery.axis import conclude, search_axis
-from imugap.discovery.fit.axis_fit import Description, Term, fit
-from imugap.discovery.fit.whittle import Noise
+from imugap.discovery.fit.axis_fit import fit
+from imugap.discovery.fit.description import Description, Entry
 from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.unnamed.tone_bursts import LENGTHS, LEVELS, cell_log_p, find_tone_bursts, loudest_band
 from imugap.effects import (
@@ -53,7 +53,7 @@ def ringing(frequency):
 
 @pytest.mark.parametrize("tone", [wandering(2.0, 4.0), 3 * ringing(3.0)], ids=["wandering", "ringing"])
 def test_a_wandering_or_decaying_tone_is_found_as_a_band(tone):
-    (band,) = find_tone_bursts(fit(sequence(added=STD * tone), Description((), Noise((WHITE,)))))
+    (band,) = find_tone_bursts(fit(sequence(added=STD * tone), Description.known(WHITE)))
     assert 1.0 < band.low < 3.0 < band.high < 5.0
 
 
@@ -69,25 +69,20 @@ def test_a_wandering_or_decaying_tone_is_found_as_a_band(tone):
     ids=lambda effect: effect.name,
 )
 def test_described_effects_leave_no_tone_bursts(effect):
-    noise, changes, output = (WHITE, effect), (), None
-    if isinstance(effect, VarianceChange):
-        noise, changes = (WHITE,), (effect,)
-    elif isinstance(effect, OutputFilter):
-        noise, output = (WHITE,), effect
-    assert find_tone_bursts(fit(sequence(effect), Description((), Noise(noise, output), changes))) == ()
+    assert find_tone_bursts(fit(sequence(effect), Description.known(WHITE, effect))) == ()
 
 
 def test_a_steady_line_and_a_step_are_no_tone_bursts():
     data = sequence(Sinusoid(3.0, STD), BiasStep(400.0, 20 * STD))
-    assert find_tone_bursts(fit(data, Description((), Noise((WHITE,))))) == ()
-    line = Term(Sinusoid(3.0, STD), ("amplitude",))
-    assert find_tone_bursts(fit(data, Description((line,), Noise((WHITE,))))) == ()
+    assert find_tone_bursts(fit(data, Description.known(WHITE))) == ()
+    line = Entry(Sinusoid(3.0, STD), ("amplitude",))
+    assert find_tone_bursts(fit(data, Description.known(WHITE).adding(line))) == ()
 
 
 @pytest.mark.parametrize("share", [0.01, 0.1, 1.0])
 def test_frequencies_that_the_fit_does_not_use_are_not_tested(share):
     data = replace(sequence(), share=share)
-    assert find_tone_bursts(fit(data, Description((), Noise((WHITE,))))) == ()
+    assert find_tone_bursts(fit(data, Description.known(WHITE))) == ()
 
 
 def test_the_cell_p_value_of_white_noise_is_uniform():

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from imugap.discovery.axis import conclude, search_axis
-from imugap.discovery.fit.axis_fit import Description, cosine_coefficients, fit
-from imugap.discovery.fit.whittle import Noise
+from imugap.discovery.fit.axis_fit import cosine_coefficients, fit
+from imugap.discovery.fit.description import Description
 from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.search.search import Search
 from imugap.discovery.unnamed import wandering_lines
@@ -35,7 +35,7 @@ def wandering():
 
 
 def explored(data):
-    search = Search(Description((), Noise((WHITE,))), tuple(CATALOGUE.values()), LOG_ALPHA)
+    search = Search(Description.known(WHITE), tuple(CATALOGUE.values()), LOG_ALPHA)
     return search.explore(fit(data, search.start))
 
 

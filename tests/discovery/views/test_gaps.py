@@ -10,8 +10,8 @@ from scipy.stats import binomtest, kstest
 from tests.discovery.simulated import simulated
 
 from imugap import log
-from imugap.discovery.fit.axis_fit import Description, Term, fit
-from imugap.discovery.fit.whittle import Noise
+from imugap.discovery.fit.axis_fit import fit
+from imugap.discovery.fit.description import Description, Entry
 from imugap.discovery.views.gaps import DOUBTFUL, FIRST, REPLICATES, find_gaps, replicate_groups, threshold, view_tests
 from imugap.effects import (
     BiasInstability,
@@ -41,7 +41,7 @@ def fits(hidden, start=None, count=COUNT, seed=1, ideal=None):
     found = {}
     for axis, effects in hidden.items():
         conditions = Conditions(time, INTERVAL, temperature, axis, ideal)
-        described = (start or {}).get(axis, Description((), Noise((WHITE,))))
+        described = (start or {}).get(axis, Description.known(WHITE))
         found[axis] = fit(simulated((WHITE, *effects), conditions, seed, "gaps test"), described)
     return found
 
@@ -49,7 +49,7 @@ def fits(hidden, start=None, count=COUNT, seed=1, ideal=None):
 def test_axes_that_use_different_shares_of_the_frequencies_are_compared_on_what_they_share():
     found = fits({"gyro_x": (), "gyro_y": (), "gyro_z": ()})
     narrow = replace(found["gyro_y"].sequence, share=0.5)
-    found["gyro_y"] = fit(narrow, Description((), Noise((WHITE,))))
+    found["gyro_y"] = fit(narrow, Description.known(WHITE))
     tests = {one.curve.axis: one for one in view_tests(found, 1, 19) if one.curve.view == "coherence"}
     assert set(tests) == {"gyro_x,gyro_y", "gyro_x,gyro_z", "gyro_y,gyro_z"}
     reach = {axes: one.curve.high.max() for axes, one in tests.items()}
@@ -118,7 +118,7 @@ def test_what_goes_with_the_motion_of_other_axes_is_found_over_it(view, source, 
     quiet = fits({"gyro_x": (), "gyro_y": ()}, ideal=ideal)
     sequence = quiet["gyro_x"].sequence
     moved = sequence.with_values(sequence.values + np.asarray(hidden(ideal)))
-    found = find_gaps(quiet | {"gyro_x": fit(moved, Description((), Noise((WHITE,))))}, 0.01, seed=1)
+    found = find_gaps(quiet | {"gyro_x": fit(moved, Description.known(WHITE))}, 0.01, seed=1)
     assert (view, f"gyro_x,{source}") in {(gap.view, gap.axis) for gap in found}
     assert all("gyro_x" in gap.axis for gap in found)
 
@@ -128,12 +128,12 @@ def test_what_goes_with_the_motion_of_other_axes_is_found_over_it(view, source, 
     [
         (
             Sinusoid(7.3, 1e-3, 1.0),
-            Description((Term(Sinusoid(7.3, 9e-4, 1.1), ("frequency", "amplitude", "phase")),), Noise((WHITE,))),
+            Description.known(WHITE).adding(Entry(Sinusoid(7.3, 9e-4, 1.1), ("frequency", "amplitude", "phase"))),
         ),
-        (BiasStep(150.0, 3e-3), Description((Term(BiasStep(150.0, 0.0), ("step",)),), Noise((WHITE,)))),
-        (RandomWalk(3e-4), Description((), Noise((WHITE, RandomWalk(1e-4))))),
-        (OutputFilter(8.0, 2), Description((), Noise((WHITE,), OutputFilter(10.0, 2)))),
-        (VarianceChange(60.0, 120.0, 2.0), Description((), Noise((WHITE,)), (VarianceChange(60.0, 120.0, 2.0),))),
+        (BiasStep(150.0, 3e-3), Description.known(WHITE).adding(Entry(BiasStep(150.0, 0.0), ("step",)))),
+        (RandomWalk(3e-4), Description.known(WHITE).adding(RandomWalk(1e-4))),
+        (OutputFilter(8.0, 2), Description.known(WHITE).adding(OutputFilter(10.0, 2))),
+        (VarianceChange(60.0, 120.0, 2.0), Description.known(WHITE).adding(VarianceChange(60.0, 120.0, 2.0))),
     ],
 )
 def test_what_is_described_is_no_gap(effect, description):
@@ -155,7 +155,7 @@ def test_outliers_that_are_described_are_replaced_in_replicates_too():
     sequence = found["gyro_x"].sequence
     flagged = np.abs(sequence.values) > 0.03
     mended = sequence.with_replaced(flagged, np.random.default_rng(1))
-    described = fit(mended, Description((), Noise((WHITE,)), (), spikes))
+    described = fit(mended, Description.known(WHITE).adding(spikes))
     assert not [gap for gap in find_gaps({"gyro_x": described}, 0.01, seed=1) if gap.view == "variance"]
 
 
@@ -163,12 +163,12 @@ def test_common_mode_is_a_gap_between_axes_until_it_is_described():
     hidden = {"gyro_x": (CommonMode(1e-3, 0.5),), "gyro_y": (CommonMode(1e-3, 0.5),), "gyro_z": ()}
     found = find_gaps(fits(hidden), 0.01, seed=1)
     assert {(gap.view, gap.axis) for gap in found} == {("coherence", "gyro_x,gyro_y")}
-    described = Description((), Noise((WHITE, CommonMode(1e-3, 0.5))))
+    described = Description.known(WHITE).adding(CommonMode(1e-3, 0.5))
     assert find_gaps(fits(hidden, {"gyro_x": described, "gyro_y": described}), 0.01, seed=1) == ()
 
 
 def test_axes_of_white_noise_share_replicates():
-    walk = {"gyro_z": Description((), Noise((WHITE, RandomWalk(1e-4))))}
+    walk = {"gyro_z": Description.known(WHITE).adding(RandomWalk(1e-4))}
     found = fits({"gyro_x": (), "gyro_y": (), "gyro_z": (RandomWalk(1e-4),)}, walk, count=2000)
     groups = [[member.sequence.conditions.axis for member in group.fits] for group in replicate_groups(found, {})]
     assert groups == [["gyro_x", "gyro_y"], ["gyro_z"]]
@@ -179,7 +179,7 @@ def test_axes_of_white_noise_share_replicates():
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_only_axes_that_the_first_replicates_put_in_doubt_have_all(seed):
     slow = RandomWalk(3e-4)
-    start = {"gyro_x": Description((), Noise((WHITE, slow)))}
+    start = {"gyro_x": Description.known(WHITE).adding(slow)}
     found = fits({"gyro_x": (slow,), "gyro_y": (Sinusoid(7.3, 1e-3, 1.0),)}, start, seed=seed)
     doubtful = set().union(*(one.axes for one in view_tests(found, 1, FIRST) if one.p_value < DOUBTFUL))
     assert "gyro_y" in doubtful
@@ -209,7 +209,7 @@ def test_the_seed_decides():
 )
 def test_p_values_are_uniform_and_gaps_rare_where_nothing_is_hidden(model, axes):
     logs, p_values, empty = 40, defaultdict(list), 0
-    start = dict.fromkeys(axes, Description((), Noise(model)))
+    start = dict.fromkeys(axes, Description.known(*model))
     for seed in range(logs):
         found = fits(dict.fromkeys(start, model[1:]), start, count=1500, seed=seed)
         tests = view_tests(found, seed, replicates=39)

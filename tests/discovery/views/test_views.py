@@ -7,8 +7,8 @@ from tests.discovery.simulated import simulated
 
 from imugap import log
 from imugap.discovery import views
-from imugap.discovery.fit.axis_fit import Description, fit
-from imugap.discovery.fit.whittle import Noise
+from imugap.discovery.fit.axis_fit import fit
+from imugap.discovery.fit.description import Description
 from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.views.curve import block_maxima, block_starts, correlation_score, window_sums, windows
 from imugap.discovery.views.spectral import implied_allan_variance
@@ -39,7 +39,7 @@ CELLS = {"mean": 128, "variance": 128, "temperature": 24, "temperature_rate": 24
 
 def fitted(*effects, axis="gyro_x", ideal=None, seed=1, start=(WHITE,)):
     conditions = Conditions(TIME, INTERVAL, WARMING, axis, ideal)
-    return fit(simulated((WHITE, *effects), conditions, seed, "views"), Description((), Noise(start)))
+    return fit(simulated((WHITE, *effects), conditions, seed, "views"), Description.known(*start))
 
 
 def peak(curve):
@@ -130,7 +130,7 @@ def test_flawed_samples_count_in_no_block():
     clean = fitted().sequence
     values = np.where(flawed, 100.0, clean.values)
     sequence = AxisSequence(values, clean.conditions, np.zeros(COUNT, bool)).with_replaced(flawed, stream(1, "flaws"))
-    curves = views.curves(fit(sequence, Description((), Noise((WHITE,)))))
+    curves = views.curves(fit(sequence, Description.known(WHITE)))
     assert np.abs(curves["variance", ""].statistic).max() < 6
     assert curves["extremes", ""].statistic.max() < 15
     assert curves["marginal", ""].statistic.max() < 6
@@ -201,6 +201,6 @@ def test_every_replicate_has_the_same_locations_however_many_of_its_samples_are_
     counts = []
     for share in (0.0, 0.02, 0.5, 0.8):
         flawed = rng.random(COUNT) < share
-        found = fit(AxisSequence(whole.values, whole.conditions, flawed), Description((), Noise((WHITE,))))
+        found = fit(AxisSequence(whole.values, whole.conditions, flawed), Description.known(WHITE))
         counts.append({key: len(curve.statistic) for key, curve in views.curves(found).items()})
     assert counts[1:] == counts[:1] * 3

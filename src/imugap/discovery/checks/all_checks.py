@@ -1,6 +1,7 @@
 """All misfits of a fit, and the effects whose names they make ambiguous."""
 
-from collections.abc import Mapping, Sequence
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -23,8 +24,9 @@ from imugap.discovery.checks.transition import transition_misfits
 from imugap.discovery.checks.variance import variance_misfit
 from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.discovery.fit.whittle import log_likelihood
-from imugap.discovery.search.search import Key, Search, at, coloured, removed, stepping
+from imugap.discovery.search.search import Candidate, Search, coloured, stepping
 from imugap.discovery.unnamed.wandering_lines import Band
+from imugap.effects.effect import Role
 
 MAX_POWER_SHARE = 0.5
 """Maximum share of misfitting noise in the power at the frequency of a line or filter that keeps its name."""
@@ -40,122 +42,132 @@ LINE_MARGIN = 2.0
 """Ratio to the frequency of a misfitting line beyond which effects are independent of it."""
 
 
-def misfits(search: Search, fit: AxisFit) -> dict[Key, Misfit]:
-    """Return the misfits of the added effects of a fit, by their keys.
+TESTS = {
+    Role.MEAN: mean_misfit,
+    Role.NOISE: noise_misfit,
+    Role.FILTER: filter_misfit,
+    Role.OUTLIERS: outliers_misfit,
+    Role.VARIANCE: variance_misfit,
+}
+"""Test of an added effect by its role."""
+Found = Mapping[Candidate, Misfit]
+"""Misfits found so far, of the added effects that have one."""
 
-    One misfit applies to all added effects of the same part of the description; next to misfitting lines, a term that
-    is significant at other frequencies keeps its name.
+
+def misfits(search: Search, fit: AxisFit) -> dict[Candidate, Misfit]:
+    """Return the misfits of the added effects of a fit.
+
+    One misfit applies to all added effects of the same role; next to misfitting lines, a term that is significant at
+    other frequencies keeps its name.
     """
-    keys = search.added(fit.description)
-    from_motion = _all_from_motion(search, fit, keys)
+    added = search.added(fit)
+    from_motion = _all_from_motion(search, fit, added)
     if from_motion:
         return from_motion
-    found = {key: misfit for key in keys if (misfit := _misfit(search, fit, key)) is not None}
-    for key in keys:
-        kind = type(at(fit.description, key))
-        same = [one for one in keys if isinstance(at(fit.description, one), kind)]
-        if kind.most is not None and len(same) > kind.most:
-            found[key] = Misfit(f"{len(same)} of them", -np.inf)
-    found |= (
-        _means_from_hysteresis(search, fit, keys)
-        | steps_as_jump_process(fit, keys)
-        | transient_misfits(search, fit, keys)
-    )
-    found |= transition_misfits(search, fit, keys) | means_as_power_law(search, fit, keys)
-    found |= ambiguous_variance(search, fit, keys, found)
-    found |= _dependent_on_outliers(search, fit, found) | _ambiguous_slow_noise(search, fit, keys, found)
-    found |= ambiguous_means(search, fit, keys, found) | ambiguous_spectrum(fit, keys, found)
-    clear = _certain_off_lines(search, fit, keys, found)
-    for part in {key.part for key in found}:
-        worst = min((found[key] for key in found if key.part == part), key=lambda misfit: misfit.log_p)
-        found |= {key: worst for key in keys if key.part == part and key not in found and key not in clear}
+    found = {one: misfit for one in added if (misfit := _misfit(one)) is not None} | _too_many(added)
+    found |= _means_from_hysteresis(search, fit, added) | steps_as_jump_process(added) | transient_misfits(added)
+    found |= transition_misfits(added) | means_as_power_law(added)
+    found |= ambiguous_variance(added, found)
+    found |= _dependent_on_outliers(found) | _ambiguous_slow_noise(added, found)
+    found |= ambiguous_means(added, found) | ambiguous_spectrum(added, found)
+    clear = _certain_off_lines(added, found)
+    for role in {one.role for one in found}:
+        worst = _worst(found, [one for one in found if one.role is role])
+        found |= {one: worst for one in added if one.role is role and one not in found and one not in clear}
     return found
 
 
-def explained_by_bands(search: Search, fit: AxisFit, keys: Sequence[Key], bands: Sequence[Band]) -> dict[Key, Misfit]:
-    """Return the noise and the filter among ``keys`` that are not significant outside the bands of unnamed lines."""
+def _worst(found: Found, some: Iterable[Candidate]) -> Misfit:
+    """Return the misfit of the lowest probability among those of some effects."""
+    return min((found[one] for one in some), key=lambda misfit: misfit.log_p)
+
+
+def _too_many(added: Sequence[Candidate]) -> dict[Candidate, Misfit]:
+    """Return the effects of which there are more of a kind than may have its name."""
+    count = Counter(type(one.effect) for one in added)
     return {
-        key: Misfit("a line that sweeps or wanders explains it", band.log_p)
-        for band in bands
-        for key in keys
-        if key.part in ("noise", "filter")
-        and not _certain_outside_band(search, fit, key, band.low / BAND_MARGIN, band.high * BAND_MARGIN)
+        one: Misfit(f"{count[type(one.effect)]} of them", -np.inf)
+        for one in added
+        if one.effect.most is not None and count[type(one.effect)] > one.effect.most
     }
 
 
-def _means_from_hysteresis(search: Search, fit: AxisFit, keys: Sequence[Key]) -> dict[Key, Misfit]:
+def explained_by_bands(some: Sequence[Candidate], bands: Sequence[Band]) -> dict[Candidate, Misfit]:
+    """Return the noise and the filter among some effects that are not significant outside bands of unnamed lines."""
+    return {
+        one: Misfit("a line that sweeps or wanders explains it", band.log_p)
+        for band in bands
+        for one in some
+        if one.role in (Role.NOISE, Role.FILTER)
+        and not _certain_outside_band(one, band.low / BAND_MARGIN, band.high * BAND_MARGIN)
+    }
+
+
+def _means_from_hysteresis(search: Search, fit: AxisFit, added: Sequence[Candidate]) -> dict[Candidate, Misfit]:
     """Return the added means if hysteresis over the temperature explains them better."""
     misfit = means_against_hysteresis(search, fit)
-    means = [key for key in keys if key.part == "term" and may_be_hysteresis(at(fit.description, key))]
-    return {key: misfit for key in means if misfit.log_p < LEVEL}
+    means = [one for one in added if one.role is Role.MEAN and may_be_hysteresis(one.effect)]
+    return dict.fromkeys(means, misfit) if misfit.log_p < LEVEL else {}
 
 
-def _all_from_motion(search: Search, fit: AxisFit, keys: Sequence[Key]) -> dict[Key, Misfit]:
+def _all_from_motion(search: Search, fit: AxisFit, added: Sequence[Candidate]) -> dict[Candidate, Misfit]:
     """Return all added effects if an unnamed function of the motion explains more than they do."""
-    if not keys:
+    if not added:
         return {}
     misfit = all_against_motion(search, fit)
-    return dict.fromkeys(keys, misfit) if misfit.log_p < LEVEL else {}
+    return dict.fromkeys(added, misfit) if misfit.log_p < LEVEL else {}
 
 
-def steps_as_jump_process(fit: AxisFit, keys: Sequence[Key]) -> dict[Key, Misfit]:
+def steps_as_jump_process(added: Sequence[Candidate]) -> dict[Candidate, Misfit]:
     """Return steps and slow noise where the number of steps indicates an unnamed jump process.
 
     With telegraph noise two steps indicate a process of more than two values.
     """
-    effects = {key: at(fit.description, key) for key in keys}
-    steps = [key for key in keys if effects[key].event]
-    slow = [key for key in keys if effects[key].slow]
-    switches = [key for key in keys if effects[key].two_valued]
+    steps = [one for one in added if one.effect.event]
+    slow = [one for one in added if one.effect.slow]
+    switches = [one for one in added if one.effect.two_valued]
     jumps = (slow and len(steps) >= MIN_JUMPS) or (switches and len(steps) >= MIN_EXTRA_VALUES)
     return dict.fromkeys([*steps, *slow, *switches], Misfit("it jumps", -np.inf)) if jumps else {}
 
 
-def means_as_power_law(search: Search, fit: AxisFit, keys: Sequence[Key]) -> dict[Key, Misfit]:
+def means_as_power_law(added: Sequence[Candidate]) -> dict[Candidate, Misfit]:
     """Return two or more means over time, and slow noise, if one power law is likelier than all of them."""
-    means = [key for key in keys if at(fit.description, key).of_time]
-    slow = [key for key in keys if at(fit.description, key).slow]
-    both = [*means, *slow]
-    more = power_law_advantage(search, fit, both) if len(means) >= MIN_MEANS else 0.0
+    means = [one for one in added if one.effect.of_time]
+    both = [*means, *(one for one in added if one.effect.slow)]
+    more = power_law_advantage(both) if len(means) >= MIN_MEANS else 0.0
     return dict.fromkeys(both, Misfit("one power law explains all of it better", -np.inf)) if more > 0 else {}
 
 
-def ambiguous_variance(
-    search: Search, fit: AxisFit, keys: Sequence[Key], found: Mapping[Key, Misfit]
-) -> dict[Key, Misfit]:
+def ambiguous_variance(added: Sequence[Candidate], found: Found) -> dict[Candidate, Misfit]:
     """Return changes of variance that bursts or misfitting outliers can imitate.
 
     Also outliers of small excess where a change of variance has a misfit.
     """
-    changes = [key for key in keys if key.part == "change"]
-    outliers = [key for key in keys if key.part == "outliers"]
-    near = [key for key in outliers if search.tails[fit.description.outliers].excess <= MAX_AMBIGUOUS_EXCESS]
-    bursts = [misfit for key, misfit in found.items() if key in outliers or misfit.reason in BURST_REASONS]
-    ambiguous = dict.fromkeys(changes, min(bursts, key=lambda misfit: misfit.log_p)) if bursts else {}
-    odd = [found[key] for key in changes if key in found]
-    return ambiguous | (dict.fromkeys(near, min(odd, key=lambda misfit: misfit.log_p)) if odd else {})
+    changes = [one for one in added if one.role is Role.VARIANCE]
+    outliers = [one for one in added if one.role is Role.OUTLIERS]
+    near = [one for one in outliers if one.search.tails[one.effect].excess <= MAX_AMBIGUOUS_EXCESS]
+    bursts = [one for one, misfit in found.items() if one in outliers or misfit.reason in BURST_REASONS]
+    misfitting = [one for one in changes if one in found]
+    ambiguous = dict.fromkeys(changes, _worst(found, bursts)) if bursts else {}
+    return ambiguous | (dict.fromkeys(near, _worst(found, misfitting)) if misfitting else {})
 
 
-def _certain_off_lines(search: Search, fit: AxisFit, keys: Sequence[Key], found: Mapping[Key, Misfit]) -> set[Key]:
+def _certain_off_lines(added: Sequence[Candidate], found: Found) -> set[Candidate]:
     """Return the terms that are significant far from misfitting lines, if no other term has a misfit."""
-    ambiguous = [at(fit.description, key) for key in found if key.part == "term"]
+    ambiguous = [one.effect for one in found if one.role is Role.MEAN]
     if not ambiguous or not all(effect.line for effect in ambiguous):
         return set()
     lines = [line.frequency for line in ambiguous]
-    others = [key for key in keys if key.part == "term" and key not in found]
-    return {
-        key
-        for key in others
-        if _certain_outside_band(search, fit, key, min(lines) / LINE_MARGIN, max(lines) * LINE_MARGIN)
-    }
+    others = [one for one in added if one.role is Role.MEAN and one not in found]
+    return {one for one in others if _certain_outside_band(one, min(lines) / LINE_MARGIN, max(lines) * LINE_MARGIN)}
 
 
-def _certain_outside_band(search: Search, fit: AxisFit, key: Key, low: float, high: float) -> bool:
+def _certain_outside_band(candidate: Candidate, low: float, high: float) -> bool:
     """Return whether an effect is significant outside of a band of frequencies [Hz].
 
     The noise level is profiled outside of the band, with and without the effect, as the band may have raised it.
     """
-    own, without = search.likelihood_ratio(fit, key)
+    fit, without = candidate.fit, candidate.without
     frequency = np.arange(1, fit.sequence.bins.last + 1) / (
         2 * len(fit.sequence.values) * fit.sequence.conditions.interval
     )
@@ -167,94 +179,86 @@ def _certain_outside_band(search: Search, fit: AxisFit, key: Key, low: float, hi
         + np.sum(np.log(one.variance[: len(frequency)][outside]))
         for one in (fit, without)
     )
-    return replace(own, gain=0.5 * float(less - full)).log_p < search.log_alpha
+    return replace(candidate.trial, gain=0.5 * float(less - full)).log_p < candidate.search.log_alpha
 
 
-def _dependent_on_outliers(search: Search, fit: AxisFit, found: Mapping[Key, Misfit]) -> dict[Key, Misfit]:
+def _dependent_on_outliers(found: Found) -> dict[Candidate, Misfit]:
     """Return the noise that is not significant in the samples with outliers, if the outliers have a misfit."""
-    misfit = next((found[key] for key in found if key.part == "outliers"), None)
-    if misfit is None:
+    outliers = next((one for one in found if one.role is Role.OUTLIERS), None)
+    if outliers is None:
         return {}
-    raw = search.fitted(search.raw[fit.description.outliers], replace(fit.description, outliers=None))
-    random = [key for key in search.added(raw.description) if key.part != "term"]
-    return {key: misfit for key in random if search.likelihood_ratio(raw, key)[0].log_p > search.log_alpha}
+    search, fit = outliers.search, outliers.fit
+    raw = search.with_outlier_samples(fit)
+    random = [one for one in search.added(raw) if one.role is not Role.MEAN and not one.significant]
+    behind = len(fit.description.entries) - len(raw.description.entries)
+    return {Candidate(search, fit, one.index + behind * (one.role > Role.OUTLIERS)): found[outliers] for one in random}
 
 
-def _ambiguous_slow_noise(
-    search: Search, fit: AxisFit, keys: Sequence[Key], found: Mapping[Key, Misfit]
-) -> dict[Key, Misfit]:
+def _ambiguous_slow_noise(added: Sequence[Candidate], found: Found) -> dict[Candidate, Misfit]:
     """Return the slow noise that may describe the residual of a misfitting mean.
 
     A line leaves no residual below its frequency: noise that is significant there keeps its name.
     """
-    mean_log_p = {key: found[key].log_p for key in found if key.part == "term"}
-    if not mean_log_p:
+    means = [one for one in found if one.role is Role.MEAN]
+    if not means:
         return {}
-    lowest = min(getattr(at(fit.description, key), "frequency", 0.0) for key in mean_log_p)
-    slow = [key for key in keys if key.part == "noise" and at(fit.description, key).slow]
-    ambiguous = [key for key in slow if _gain_below(fit, key, 0.5 * lowest) < -search.log_alpha]
-    return {key: Misfit("the mean beside it has no known shape", min(mean_log_p.values())) for key in ambiguous}
+    lowest = min(getattr(one.effect, "frequency", 0.0) for one in means)
+    slow = [one for one in added if one.role is Role.NOISE and one.effect.slow]
+    ambiguous = [one for one in slow if _gain_below(one, 0.5 * lowest) < -one.search.log_alpha]
+    return dict.fromkeys(ambiguous, Misfit("the mean beside it has no known shape", _worst(found, means).log_p))
 
 
-def ambiguous_means(
-    search: Search, fit: AxisFit, keys: Sequence[Key], found: Mapping[Key, Misfit]
-) -> dict[Key, Misfit]:
+def ambiguous_means(added: Sequence[Candidate], found: Found) -> dict[Candidate, Misfit]:
     """Return the means that the unnamed cause of misfitting slow noise can imitate.
 
     Any cause can imitate steps; hysteresis can imitate all means over temperature or time. Other means keep their names
     if they are significant next to a power law as well.
     """
-    slow = [key for key in found if coloured(at(fit.description, key))]
+    slow = [one for one in found if coloured(one.effect)]
     if not slow:
         return {}
-    worst = min((found[key] for key in slow), key=lambda misfit: misfit.log_p)
+    worst = _worst(found, slow)
     made = may_be_hysteresis if worst.reason == HYSTERESIS else stepping
-    means = [key for key in keys if key not in found and may_be_hysteresis(at(fit.description, key))]
-    law = replaced_by_power_law(search, fit, coloured)
+    means = [one for one in added if one not in found and may_be_hysteresis(one.effect)]
+    law = replaced_by_power_law(slow[0].search, slow[0].fit, coloured)
     return {
-        key: worst
-        for key in means
-        if made(at(fit.description, key)) or (law is not None and not _certain_beside_power_law(search, law, fit, key))
+        one: worst for one in means if made(one.effect) or (law is not None and not _certain_beside_power_law(one, law))
     }
 
 
-def _certain_beside_power_law(search: Search, other: AxisFit, fit: AxisFit, key: Key) -> bool:
+def _certain_beside_power_law(candidate: Candidate, other: AxisFit) -> bool:
     """Return whether a term of a fit is significant in another fit with the same terms as well."""
-    without = search.fitted(fit.sequence, removed(other.description, key))
-    gain = other.log_likelihood - without.log_likelihood
-    return replace(search.likelihood_ratio(fit, key)[0], gain=gain).log_p < search.log_alpha
+    gain = other.log_likelihood - replace(candidate, fit=other).without.log_likelihood
+    return replace(candidate.trial, gain=gain).log_p < candidate.search.log_alpha
 
 
-def ambiguous_spectrum(fit: AxisFit, keys: Sequence[Key], found: Mapping[Key, Misfit]) -> dict[Key, Misfit]:
+def ambiguous_spectrum(added: Sequence[Candidate], found: Found) -> dict[Candidate, Misfit]:
     """Return the lines and the filter at frequencies where misfitting noise is most of the power."""
-    ambiguous = [key for key in found if key.part == "noise"]
+    ambiguous = [one for one in found if one.role is Role.NOISE]
     if not ambiguous:
         return {}
-    share = sum(power_share(fit, at(fit.description, key)) for key in ambiguous)
-    worst = min((found[key] for key in ambiguous), key=lambda misfit: misfit.log_p)
+    share = sum(power_share(one.fit, one.effect) for one in ambiguous)
+    frequency, worst = ambiguous[0].fit.sequence.bins.frequency, _worst(found, ambiguous)
     return {
-        key: worst
-        for key in keys
-        if key not in found
-        and (centre := at(fit.description, key).centre) is not None
-        and np.interp(centre, fit.sequence.bins.frequency, share) > MAX_POWER_SHARE
+        one: worst
+        for one in added
+        if one not in found
+        and one.effect.centre is not None
+        and np.interp(one.effect.centre, frequency, share) > MAX_POWER_SHARE
     }
 
 
-def _gain_below(fit: AxisFit, key: Key, frequency: float) -> float:
+def _gain_below(candidate: Candidate, frequency: float) -> float:
     """Return the log-likelihood gain of a noise process below a frequency [Hz], all other parameters held."""
-    bins = fit.sequence.bins
+    fit, bins = candidate.fit, candidate.fit.sequence.bins
     below = bins.frequency < frequency
     power = (bins.sums(fit.coefficients**2) * fit.description.noise.variance(bins))[below]
-    parts = [noise.variance(bins)[below] for noise in (fit.description.noise, removed(fit.description, key).noise)]
+    both = fit.description, fit.description.without([candidate.index])
+    parts = [description.noise.variance(bins)[below] for description in both]
     full, without = (log_likelihood(part, power, bins.number[below]) for part in parts)
     return full - without
 
 
-def _misfit(search: Search, fit: AxisFit, key: Key) -> Misfit | None:
-    if key.part == "outliers":
-        misfit = outliers_misfit(search, fit)
-    else:
-        tests = {"term": mean_misfit, "noise": noise_misfit, "change": variance_misfit, "filter": filter_misfit}
-        misfit = tests[key.part](search, fit, key)
+def _misfit(candidate: Candidate) -> Misfit | None:
+    misfit = TESTS[candidate.role](candidate)
     return misfit if misfit is not None and misfit.log_p < LEVEL else None

@@ -10,10 +10,11 @@ import numpy as np
 
 from imugap.discovery.checks.misfit import LEVEL, Misfit, log_p_against
 from imugap.discovery.checks.unnamed_mean import UNNAMED_MARGIN, likelihood_with
-from imugap.discovery.fit.axis_fit import AxisFit, Description
-from imugap.discovery.search.search import Key, Search, Trial, coloured, log_chance
+from imugap.discovery.fit.axis_fit import AxisFit
+from imugap.discovery.fit.description import Description
+from imugap.discovery.search.search import Candidate, Search, Trial, coloured, log_chance
 from imugap.discovery.unnamed.hysteresis import Hysteresis
-from imugap.effects.effect import Effect
+from imugap.effects.effect import Effect, Role
 
 HYSTERESIS = "a memory of the temperature explains it better"
 CURVE = "a curve over the temperature or its rate explains it better"
@@ -27,29 +28,29 @@ def may_be_hysteresis(effect: Effect) -> bool:
     return effect.of_time or effect.of_temperature
 
 
-def noise_against_temperature(search: Search, fit: AxisFit, key: Key) -> Misfit:
+def noise_against_temperature(candidate: Candidate) -> Misfit:
     """Test slow noise, one process or all of it, against a curve and a hysteresis over the temperature."""
+    search, fit = candidate.search, candidate.fit
     temperature = fit.sequence.conditions.temperature
     if temperature is None or np.ptp(temperature) == 0:
         return NO_MISFIT
-    own, without = search.likelihood_ratio(fit, key)
-    bases = without, search.fitted(fit.sequence, _without_slow_noise(fit.description))
+    bases = candidate.without, search.fitted(fit.sequence, _without_slow_noise(fit.description))
     curves = _temperature_curve(temperature), _rate_steps(np.gradient(temperature, fit.sequence.conditions.interval))
     bent = max(likelihood_with(base, curve) for base in bases for curve in curves)
     return min(
         Misfit(CURVE, min(LEVEL + UNNAMED_MARGIN + fit.log_likelihood - bent, 0.0)),
-        _against_hysteresis(search, fit, own, bases),
+        _against_hysteresis(candidate, bases),
         key=lambda misfit: misfit.log_p,
     )
 
 
-def _against_hysteresis(search: Search, fit: AxisFit, own: Trial, bases: tuple[AxisFit, AxisFit]) -> Misfit:
+def _against_hysteresis(candidate: Candidate, bases: tuple[AxisFit, AxisFit]) -> Misfit:
     """Test a process against hysteresis in ``bases``: the fits without it, and without all slow noise."""
-    without, _ = bases
+    without, search = bases[0], candidate.search
     trials = list(_hysteresis_trials(search, bases))
     best = max(trials, key=lambda trial: trial.fit.log_likelihood)
     loop = replace(best, gain=best.fit.log_likelihood - without.log_likelihood)
-    return Misfit(HYSTERESIS, log_p_against(own.log_p, loop.log_p, search.log_alpha))
+    return Misfit(HYSTERESIS, log_p_against(candidate.trial.log_p, loop.log_p, search.log_alpha))
 
 
 def means_against_hysteresis(search: Search, fit: AxisFit) -> Misfit:
@@ -57,20 +58,18 @@ def means_against_hysteresis(search: Search, fit: AxisFit) -> Misfit:
 
     Hysteresis contains the linear temperature term, so that only the addition is tested where that alone was added.
     """
-    first = len(search.start.terms)
-    added = [term for term in fit.description.terms[first:] if may_be_hysteresis(term.effect)]
+    added = search.added(fit, lambda effect: effect.role is Role.MEAN and may_be_hysteresis(effect))
     if not added or fit.sequence.conditions.temperature is None:
         return NO_MISFIT
     both = list(_hysteresis_trials(search, (fit,)))
     if not both:
         return NO_MISFIT
     more = both[0].log_p
-    if all(term.effect.of_temperature and term.free == ("coefficient",) for term in added):
+    if all(one.effect.of_temperature and one.entry.free == ("coefficient",) for one in added):
         return Misfit(HYSTERESIS, more)
-    kept = tuple(term for term in fit.description.terms if not any(term is one for one in added))
-    without = search.fitted(fit.sequence, replace(fit.description, terms=kept))
+    without = search.fitted(fit.sequence, fit.description.without(one.index for one in added))
     (instead,) = _hysteresis_trials(search, (without,))
-    named = log_chance(fit.log_likelihood - without.log_likelihood, sum(len(term.free) for term in added))
+    named = log_chance(fit.log_likelihood - without.log_likelihood, sum(len(one.entry.free) for one in added))
     return Misfit(HYSTERESIS, min(more, log_p_against(named, instead.log_p, search.log_alpha)))
 
 
@@ -92,6 +91,6 @@ def _rate_steps(rate: np.ndarray) -> np.ndarray:
 
 
 def _without_slow_noise(description: Description) -> Description:
-    noise = description.noise
-    kept = tuple(effect for effect in noise.effects if not coloured(effect))
-    return replace(description, noise=replace(noise, effects=kept or noise.effects[:1]))
+    first = description.of(Role.NOISE)[0]
+    kept = description.keeping(lambda entry: not coloured(entry.effect))
+    return kept if kept.of(Role.NOISE) else kept.exchanging(Role.NOISE, [first])

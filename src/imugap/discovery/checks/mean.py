@@ -9,7 +9,7 @@ from imugap.discovery.checks.motion import term_against_motion
 from imugap.discovery.checks.periodic import effect_against_periodic
 from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.discovery.search.intervals import term_intervals
-from imugap.discovery.search.search import Key, Search, at, log_chance
+from imugap.discovery.search.search import Candidate, log_chance
 from imugap.discovery.unnamed.wandering_lines import MAX_DISTANCE
 from imugap.effects.effect import TINY
 
@@ -19,21 +19,22 @@ SIDEBAND_SPACING = 0.01
 """Maximum relative spacing of two lines that may be sidebands of a suppressed carrier."""
 
 
-def mean_misfit(search: Search, fit: AxisFit, key: Key) -> Misfit | None:
+def mean_misfit(candidate: Candidate) -> Misfit | None:
     """Test whether a term is resolved, is no part of a composite line, and has the shape of its kind."""
-    unresolved = _unresolved_parameter(fit, key)
+    fit, index = candidate.fit, candidate.index
+    unresolved = _unresolved_parameter(candidate)
     if unresolved is not None:
         return unresolved
-    if _has_harmonic(fit, key):
+    if _has_harmonic(fit, index):
         return Misfit("lines at its multiples make it a wave of another shape", -np.inf)
-    if _has_close_line(fit, key) or _has_sidebands(fit, key):
+    if _has_close_line(fit, index) or _has_sidebands(fit, index):
         return Misfit("lines beside it make it one that swells or drifts", -np.inf)
-    shape = Misfit("the mean is not quite of its shape", shape_log_p(fit, key.index))
-    if at(fit.description, key).of_motion:
-        return min(shape, term_against_motion(search, fit, key), key=lambda misfit: misfit.log_p)
-    if not at(fit.description, key).event:
+    shape = Misfit("the mean is not quite of its shape", shape_log_p(fit, index))
+    if candidate.effect.of_motion:
+        return min(shape, term_against_motion(candidate), key=lambda misfit: misfit.log_p)
+    if not candidate.effect.event:
         return shape
-    return min(shape, effect_against_periodic(search, fit, key), key=lambda misfit: misfit.log_p)
+    return min(shape, effect_against_periodic(candidate), key=lambda misfit: misfit.log_p)
 
 
 def shape_log_p(fit: AxisFit, index: int) -> float:
@@ -43,20 +44,16 @@ def shape_log_p(fit: AxisFit, index: int) -> float:
     return min(found, default=0.0) + np.log(max(len(found), 1))
 
 
-def _has_harmonic(fit: AxisFit, key: Key) -> bool:
+def _has_harmonic(fit: AxisFit, own: int) -> bool:
     """Return whether a line is a harmonic or the fundamental of another, both frequencies being known well enough."""
     lines = _lines(fit)
-    if key.index not in lines:
+    if own not in lines:
         return False
     for index, other in lines.items():
-        (slow, slow_width), (fast, fast_width) = sorted([lines[key.index], other])
+        (slow, slow_width), (fast, fast_width) = sorted([lines[own], other])
         ratio = np.rint(fast / slow)
         tolerance = fast_width + ratio * slow_width
-        if (
-            index != key.index
-            and 2 <= ratio <= MAX_HARMONIC
-            and abs(fast - ratio * slow) < tolerance < MAX_TOLERANCE * slow
-        ):
+        if index != own and 2 <= ratio <= MAX_HARMONIC and abs(fast - ratio * slow) < tolerance < MAX_TOLERANCE * slow:
             return True
     return False
 
@@ -70,31 +67,31 @@ def _lines(fit: AxisFit) -> dict[int, tuple[float, float]]:
     }
 
 
-def _has_close_line(fit: AxisFit, key: Key) -> bool:
+def _has_close_line(fit: AxisFit, own: int) -> bool:
     """Return whether another line is so close that both may be one line of varying amplitude or frequency."""
     lines = _lines(fit)
     duration = fit.sequence.conditions.interval * len(fit.sequence.values)
-    return key.index in lines and any(
-        abs(line - lines[key.index][0]) < max(MAX_DISTANCE / duration, SIDEBAND_SPACING * line)
+    return own in lines and any(
+        abs(line - lines[own][0]) < max(MAX_DISTANCE / duration, SIDEBAND_SPACING * line)
         for index, (line, _) in lines.items()
-        if index != key.index
+        if index != own
     )
 
 
-def _has_sidebands(fit: AxisFit, key: Key) -> bool:
+def _has_sidebands(fit: AxisFit, index: int) -> bool:
     """Return whether a line is one of three at equal spacing, a carrier and its sidebands, the spacing well known."""
-    lines = sorted((*line, index) for index, line in _lines(fit).items())
-    for (low, left, first), (middle, own, second), (high, right, third) in combinations(lines, 3):
-        tolerance = left + 2 * own + right
+    lines = sorted((*line, place) for place, line in _lines(fit).items())
+    for (low, left, first), (middle, width, second), (high, right, third) in combinations(lines, 3):
+        tolerance = left + 2 * width + right
         even = abs(low + high - 2 * middle) < tolerance < MAX_TOLERANCE * (high - low) / 2
-        if even and key.index in (first, second, third):
+        if even and index in (first, second, third):
             return True
     return False
 
 
-def _unresolved_parameter(fit: AxisFit, key: Key) -> Misfit | None:
+def _unresolved_parameter(candidate: Candidate) -> Misfit | None:
     """Return a misfit where the interval of a positive parameter reaches zero, or None."""
-    limits = at(fit.description, key).limits()
-    ends = term_intervals(fit, key.index)
+    limits = candidate.effect.limits()
+    ends = term_intervals(candidate.fit, candidate.index)
     lost = [name for name, (low, _) in ends.items() if limits[name][0] == TINY and low <= TINY]
     return Misfit(f"the log does not tell its {lost[0]}", -np.inf) if lost else None

@@ -11,12 +11,13 @@ from scipy.special import xlogy
 from imugap import log
 from imugap.discovery.checks.misfit import LEVEL, Misfit, divergence, log_p_against
 from imugap.discovery.checks.unnamed_mean import UNNAMED_MARGIN, likelihood_with
-from imugap.discovery.fit.axis_fit import AxisFit, Description, jacobian
+from imugap.discovery.fit.axis_fit import AxisFit, jacobian
+from imugap.discovery.fit.description import Description
 from imugap.discovery.preparation.sequence import AxisSequence
-from imugap.discovery.search.search import Key, Search, log_chance, removed
+from imugap.discovery.search.search import Candidate, Search, log_chance
 from imugap.discovery.unnamed.hysteresis import play
 from imugap.effects.conditions import Conditions
-from imugap.effects.effect import TINY
+from imugap.effects.effect import TINY, Role
 
 PLAY_HALF_WIDTHS = 0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1.0
 """Half-widths of play operators [standard deviations of the input]."""
@@ -32,18 +33,18 @@ OTHER_FUNCTION = "another function of the motion explains it better"
 NO_MISFIT = Misfit(OTHER_FUNCTION, 0.0)
 
 
-def term_against_motion(search: Search, fit: AxisFit, key: Key) -> Misfit:
+def term_against_motion(candidate: Candidate) -> Misfit:
     """Test a term against generic functions of the motion, in its place and in addition to it."""
-    term = fit.description.terms[key.index]
-    if not term.free:
+    fit, log_alpha = candidate.fit, candidate.search.log_alpha
+    if not candidate.entry.free:
         return NO_MISFIT
-    base = replace(fit, description=removed(fit.description, key))
-    own = base.whiten(jacobian((term,), fit.sequence))
+    base = replace(fit, description=fit.description.without([candidate.index]))
+    own = base.whiten(jacobian((candidate.entry,), fit.sequence))
     named = log_chance(*base.joint_gain(own))
     functions = _motion_functions(fit.sequence.conditions)
-    others = [_alternative_log_p(base, own, error, search.log_alpha) for error in functions]
+    others = [_alternative_log_p(base, own, error, log_alpha) for error in functions]
     margin = np.log(max(len(others), 1)) + UNNAMED_MARGIN
-    log_p = min((log_p_against(named, other + margin, search.log_alpha) for other in others), default=0.0)
+    log_p = min((log_p_against(named, other + margin, log_alpha) for other in others), default=0.0)
     return Misfit(OTHER_FUNCTION, log_p)
 
 
@@ -78,7 +79,7 @@ def motion_gain(search: Search, fit: AxisFit) -> float:
     if fit.sequence.conditions.ideal is None:
         return -np.inf
     sequence, found, without = _with_outlier_samples(search, fit)
-    bases = search.fitted(sequence, replace(search.start, outliers=None)), without
+    bases = search.fitted(sequence, search.start.exchanging(Role.OUTLIERS)), without
     found_by = (likelihood_with(base, error) for error in _motion_functions(sequence.conditions) for base in bases)
     return max(found_by, default=-np.inf) - search.fitted(sequence, found).log_likelihood
 
@@ -86,8 +87,8 @@ def motion_gain(search: Search, fit: AxisFit) -> float:
 def _with_outlier_samples(search: Search, fit: AxisFit) -> tuple[AxisSequence, Description, AxisFit]:
     """Return the samples with their outliers, their description without outliers, and the fit without added terms."""
     sequence = search.raw.get(fit.description.outliers, fit.sequence)
-    found = replace(fit.description, outliers=None)
-    return sequence, found, search.fitted(sequence, replace(found, terms=search.start.terms))
+    found = fit.description.exchanging(Role.OUTLIERS)
+    return sequence, found, search.fitted(sequence, found.exchanging(Role.MEAN, search.start.terms))
 
 
 def outliers_against_motion(fit: AxisFit, flagged: np.ndarray) -> float:
@@ -99,22 +100,21 @@ def outliers_against_motion(fit: AxisFit, flagged: np.ndarray) -> float:
     return _smallest_log_p([log_chance(gain, SIZE_CLASSES - 1) for gain in gains])
 
 
-def variance_against_motion(search: Search, fit: AxisFit, key: Key) -> float:
+def variance_against_motion(candidate: Candidate) -> float:
     """Test a change of variance in time against a variance that depends on the motion.
 
     Dependence on its size needs :data:`.UNNAMED_MARGIN`; a difference between rest and motion does not, as it occurs at
     the same times.
     """
-    own, without = search.likelihood_ratio(fit, key)
-    energies = without.unrounded**2
-    conditions = fit.sequence.conditions
+    energies = candidate.without.unrounded**2
+    conditions = candidate.fit.sequence.conditions
     sizes = _smallest_log_p(
         [log_chance(_group_variance_gain(energies, shares), SIZE_CLASSES - 1) for shares in _size_classes(conditions)]
     )
     rests = _smallest_log_p(
         [log_chance(_group_variance_gain(energies, rest.astype(int)), 1) for rest in _rest_periods(conditions)]
     )
-    return log_p_against(own.log_p, min(sizes + UNNAMED_MARGIN, rests), search.log_alpha)
+    return log_p_against(candidate.trial.log_p, min(sizes + UNNAMED_MARGIN, rests), candidate.search.log_alpha)
 
 
 def _group_variance_gain(energies: np.ndarray, groups: np.ndarray) -> float:

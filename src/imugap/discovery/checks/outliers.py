@@ -7,7 +7,7 @@ from scipy.stats import ncx2
 from imugap.discovery.checks.misfit import LEVEL, Misfit
 from imugap.discovery.checks.motion import outliers_against_motion
 from imugap.discovery.fit.axis_fit import AxisFit
-from imugap.discovery.search.search import Search
+from imugap.discovery.search.search import Candidate
 from imugap.effects.effect import TINY
 from imugap.stream import stream
 
@@ -21,12 +21,12 @@ TOLERATED_DEVIATION = 0.005
 """Tolerated squared relative deviation of the density of the core from the normal one, as real noise has it."""
 
 
-def outliers_misfit(search: Search, fit: AxisFit) -> Misfit:
+def outliers_misfit(candidate: Candidate) -> Misfit:
     """Test whether outliers are rare, independent, uniform in time and unrelated to the motion, and the core normal.
 
     Uniformity in time is not tested where the variance changes.
     """
-    found = search.tails[fit.description.outliers]
+    fit, found = candidate.fit, candidate.search.tails[candidate.effect]
     misfits = [
         Misfit("they are not rare", LEVEL - 1.0 if found.probability > MAX_PROBABILITY else 0.0),
         Misfit("they come in clusters", found.clustered),

@@ -3,13 +3,12 @@
 import numpy as np
 
 from imugap.discovery.checks.misfit import Misfit, log_p_against
-from imugap.discovery.fit.axis_fit import AxisFit
-from imugap.discovery.search.search import Key, Search, log_chance
+from imugap.discovery.search.search import Candidate, log_chance
 from imugap.discovery.unnamed import periodic
 
 
-def effect_against_periodic(search: Search, fit: AxisFit, key: Key) -> Misfit:
+def effect_against_periodic(candidate: Candidate) -> Misfit:
     """Test an effect against a periodic term (a fundamental and its harmonics) in its place."""
-    own, without = search.likelihood_ratio(fit, key)
-    alternative = log_chance(periodic.gain(without), periodic.PARAMETERS) + np.log(periodic.TRIALS)
-    return Misfit("a wave of one period explains it better", log_p_against(own.log_p, alternative, search.log_alpha))
+    alternative = log_chance(periodic.gain(candidate.without), periodic.PARAMETERS) + np.log(periodic.TRIALS)
+    log_p = log_p_against(candidate.trial.log_p, alternative, candidate.search.log_alpha)
+    return Misfit("a wave of one period explains it better", log_p)

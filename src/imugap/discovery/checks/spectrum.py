@@ -1,7 +1,7 @@
 """Tests of noise: slope and shape of its spectrum, distribution of its samples, and unnamed alternatives."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import fields, replace
+from dataclasses import fields
 
 import numpy as np
 from scipy.optimize import minimize
@@ -15,9 +15,9 @@ from imugap.discovery.checks.periodic import effect_against_periodic
 from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.discovery.fit.telegraph_likelihood import compare
 from imugap.discovery.fit.whittle import STEP, Noise, limits, log_likelihood
-from imugap.discovery.search.search import PARAMETER, Key, Search, at, coloured, log_chance, without
+from imugap.discovery.search.search import PARAMETER, Candidate, Search, coloured, log_chance, without
 from imugap.discovery.views.spectral import of_spectrum
-from imugap.effects.effect import TINY, Effect, StochasticEffect
+from imugap.effects.effect import TINY, Effect, Role, StochasticEffect
 from imugap.effects.power_law import PowerLaw
 
 SLOPE, POWER_LAW = "its spectrum has another slope", "a power law of another slope explains it better"
@@ -47,46 +47,46 @@ TOLERATED_DEVIATION = 0.05
 """Tolerated relative deviation of the power in a band, as real spectra have it."""
 
 
-def noise_misfit(search: Search, fit: AxisFit, key: Key) -> Misfit:
+def noise_misfit(candidate: Candidate) -> Misfit:
     """Test slope and shape of the spectrum, the samples, and unnamed alternatives of a noise process."""
-    effect = at(fit.description, key)
+    search, fit, effect = candidate.search, candidate.fit, candidate.effect
     bins = fit.sequence.bins
     share = power_share(fit, effect)
     slope = _score_log_p(fit, share * np.log(bins.frequency / bins.frequency[0]))
     mine = np.flatnonzero(share > MIN_SHARE)
-    named = search.likelihood_ratio(fit, key)[0].log_p
+    near = _neighbourhood_log_p(fit, mine)
     misfits = [
         Misfit(SLOPE, slope),
         Misfit("its spectrum has another shape", band_log_p(fit, mine)),
-        Misfit(NEIGHBOURHOOD, log_p_against(named, _neighbourhood_log_p(fit, mine), search.log_alpha)),
+        Misfit(NEIGHBOURHOOD, log_p_against(candidate.trial.log_p, near, search.log_alpha)),
     ]
     if effect.two_valued:
-        misfits += _two_valued_misfits(search, fit, key)
+        misfits += _two_valued_misfits(candidate)
     else:
         misfits += sample_misfits(fit, share)
     if coloured(effect):
-        misfits += [effect_against_periodic(search, fit, key), noise_against_temperature(search, fit, key)]
+        misfits += [effect_against_periodic(candidate), noise_against_temperature(candidate)]
     return min([*misfits, *_against_power_law(search, fit)], key=lambda misfit: misfit.log_p)
 
 
-def filter_misfit(search: Search, fit: AxisFit, key: Key) -> Misfit:
+def filter_misfit(candidate: Candidate) -> Misfit:
     """Test whether the filter is more significant than the deviation of the spectrum that remains where it acts.
 
     Its shape is not tested: the filters of the catalogue represent all low-pass filters.
     """
-    bins = fit.sequence.bins
-    acts = np.flatnonzero(at(fit.description, key).gain(bins.frequency, bins.interval) < 1 - MIN_SHARE)
-    named = search.likelihood_ratio(fit, key)[0].log_p
-    return Misfit(NEIGHBOURHOOD, log_p_against(named, _neighbourhood_log_p(fit, acts), search.log_alpha))
+    bins = candidate.fit.sequence.bins
+    acts = np.flatnonzero(candidate.effect.gain(bins.frequency, bins.interval) < 1 - MIN_SHARE)
+    near = _neighbourhood_log_p(candidate.fit, acts)
+    return Misfit(NEIGHBOURHOOD, log_p_against(candidate.trial.log_p, near, candidate.search.log_alpha))
 
 
-def _two_valued_misfits(search: Search, fit: AxisFit, key: Key) -> list[Misfit]:
+def _two_valued_misfits(candidate: Candidate) -> list[Misfit]:
     """Test whether both values are equally frequent, and, without other noise, whether samples and spectrum agree."""
-    verdict = compare(fit, (at(fit.description, key),))
+    verdict = compare(candidate.fit, (candidate.effect,))
     uneven = Misfit("it is at one of its values more often than at the other", log_chance(verdict.uneven, 1))
-    if sum(key.part == "noise" for key in search.added(fit.description)) > 1:
+    if len(candidate.search.added(candidate.fit, lambda effect: effect.role is Role.NOISE)) > 1:
         return [uneven]
-    return [uneven, Misfit(SAMPLES_DISAGREE, substitution_log_p(fit, key, verdict.effect))]
+    return [uneven, Misfit(SAMPLES_DISAGREE, substitution_log_p(candidate, verdict.effect))]
 
 
 def power_share(fit: AxisFit, effect: StochasticEffect) -> np.ndarray:
@@ -96,15 +96,17 @@ def power_share(fit: AxisFit, effect: StochasticEffect) -> np.ndarray:
     return own / noise.variance(bins)
 
 
-def substitution_log_p(fit: AxisFit, key: Key, other: StochasticEffect) -> float:
-    """Return the log-probability of the loss of likelihood with another process at ``key``, its parameters held.
+def substitution_log_p(candidate: Candidate, other: StochasticEffect) -> float:
+    """Return the log-probability of the loss of likelihood with another process in the place of one, held as it is.
 
     All other parameters of the noise and the filter are refitted.
     """
+    fit = candidate.fit
     bins, noise = fit.sequence.bins, fit.description.noise
     power = bins.sums(fit.coefficients**2) * noise.variance(bins)
-    moved = replace(noise, effects=tuple(other if i == key.index else one for i, one in enumerate(noise.effects)))
-    free = np.array([index != key.index for index, _ in moved.parameters()])
+    moved = fit.description.with_effect(candidate.index, other).noise
+    own = candidate.index - len(fit.description.terms)
+    free = np.array([index != own for index, _ in moved.parameters()])
 
     def loss(theta: np.ndarray) -> float:
         placed = moved.theta()
@@ -175,24 +177,22 @@ def band_log_p(fit: AxisFit, mine: np.ndarray) -> float:
 def replaced_by_power_law(search: Search, fit: AxisFit, which: Callable[[Effect], bool]) -> AxisFit | None:
     """Return the fit with one power law in place of the added processes for which ``which`` holds, or None."""
     slow = _added_noise(search, fit, which)
-    if not slow:
-        return None
-    return add_power_law(search, _without_noise(search, fit, slow))
+    return add_power_law(search, _without_noise(slow)) if slow else None
 
 
 def _is_slow(effect: Effect) -> bool:
     return effect.slow
 
 
-def power_law_advantage(search: Search, fit: AxisFit, keys: Sequence[Key]) -> float:
+def power_law_advantage(some: Sequence[Candidate]) -> float:
     """Return the advantage of one power law over several means and slow noise, in penalised log-likelihood.
 
     The penalty includes the choice of each effect from the catalogue.
     """
-    own = [search.likelihood_ratio(fit, key)[0] for key in keys]
-    bare = search.fitted(fit.sequence, without(fit, keys).description)
+    search, fit = some[0].search, some[0].fit
+    bare = search.fitted(fit.sequence, without(fit, some).description)
     laws = [add_power_law(search, bare, slope).log_likelihood for slope in START_SLOPES]
-    costs = sum(one.cost + np.log(len(search.catalogue)) for one in own)
+    costs = sum(one.trial.cost + np.log(len(search.catalogue)) for one in some)
     law = max(laws) - PARAMETER * len(fields(PowerLaw)) - np.log(len(search.catalogue))
     return float(law - fit.log_likelihood + costs)
 
@@ -200,21 +200,17 @@ def power_law_advantage(search: Search, fit: AxisFit, keys: Sequence[Key]) -> fl
 def add_power_law(search: Search, bare: AxisFit, slope: float = START_SLOPES[0]) -> AxisFit:
     """Return a fit with a power law added, from a start value of its slope."""
     size = max(bare.room(PowerLaw(1.0, slope)), 1e-12 * float(np.sqrt(bare.variance.mean())))
-    noise = bare.description.noise
-    law = replace(noise, effects=(*noise.effects, PowerLaw(size, slope)))
-    return search.fitted(bare.sequence, replace(bare.description, noise=law))
+    return search.fitted(bare.sequence, bare.description.adding(PowerLaw(size, slope)))
 
 
-def _added_noise(search: Search, fit: AxisFit, which: Callable[[Effect], bool]) -> list[StochasticEffect]:
-    added = fit.description.noise.effects[len(search.start.noise.effects) :]
-    return [effect for effect in added if which(effect)]
+def _added_noise(search: Search, fit: AxisFit, which: Callable[[Effect], bool]) -> list[Candidate]:
+    return search.added(fit, lambda effect: effect.role is Role.NOISE and which(effect))
 
 
-def _without_noise(search: Search, fit: AxisFit, effects: list[StochasticEffect]) -> AxisFit:
-    """Return the fit without some of its noise processes."""
-    noise = fit.description.noise
-    kept = tuple(effect for effect in noise.effects if not any(effect is one for one in effects))
-    return search.fitted(fit.sequence, replace(fit.description, noise=replace(noise, effects=kept)))
+def _without_noise(some: Sequence[Candidate]) -> AxisFit:
+    """Return the fit without some added effects, from the search that added them."""
+    search, fit = some[0].search, some[0].fit
+    return search.fitted(fit.sequence, fit.description.without(one.index for one in some))
 
 
 def _against_power_law(search: Search, fit: AxisFit) -> list[Misfit]:
@@ -223,13 +219,13 @@ def _against_power_law(search: Search, fit: AxisFit) -> list[Misfit]:
     if other is None:
         return []
     more = other.log_likelihood - fit.log_likelihood
-    parameters = sum(len(one.parameters()) for one in slow)
+    parameters = sum(len(one.effect.parameters()) for one in slow)
     if parameters == 1:
         chance = log_chance(more, 1)
         return [Misfit(POWER_LAW, LEVEL - SLOPE_LEVEL + chance)]
     if len(slow) == 1:
         return [Misfit(POWER_LAW_AS_WELL, LEVEL - MIN_GAIN - more)]
-    bare = _without_noise(search, fit, slow)
+    bare = _without_noise(slow)
     named = log_chance(fit.log_likelihood - bare.log_likelihood, parameters)
     unnamed = log_chance(other.log_likelihood - bare.log_likelihood, 2)
     return [Misfit(ONE_POWER_LAW, LEVEL + unnamed - named)]

@@ -12,7 +12,7 @@ from scipy.optimize import minimize
 from imugap.discovery.checks.misfit import LEVEL, Misfit, log_p_against
 from imugap.discovery.checks.unnamed_mean import likelihood_with
 from imugap.discovery.fit.axis_fit import AxisFit
-from imugap.discovery.search.search import Key, Search, at, log_chance, without
+from imugap.discovery.search.search import Candidate, log_chance, without
 
 REASON = "it fades away in another way"
 MIN_STEPS = 2
@@ -27,32 +27,32 @@ PARAMETERS = 3
 """Number of parameters of a transient: amplitude, time and exponent."""
 
 
-def transient_misfits(search: Search, fit: AxisFit, keys: Sequence[Key]) -> dict[Key, Misfit]:
-    """Test a warm-up among ``keys``, with the steps during it and the ramps, against a transient of another shape.
+def transient_misfits(added: Sequence[Candidate]) -> dict[Candidate, Misfit]:
+    """Test an added warm-up, with the steps during it and the ramps, against a transient of another shape.
 
     Several steps during the warm-up reject it without a comparison.
     """
-    effects = {key: at(fit.description, key) for key in keys}
-    warm = next((key for key, effect in effects.items() if effect.transient), None)
+    warm = next((one for one in added if one.effect.transient), None)
     if warm is None:
         return {}
-    over_at = DURATION * effects[warm].time_constant
-    steps = [key for key, effect in effects.items() if effect.event and effect.time < over_at]
-    ramps = [key for key, effect in effects.items() if effect.of_time and not effect.event and not effect.transient]
+    over_at = DURATION * warm.effect.time_constant
+    steps = [one for one in added if one.effect.event and one.effect.time < over_at]
+    ramps = [one for one in added if one.effect.of_time and not (one.effect.event or one.effect.transient)]
     if len(steps) >= MIN_STEPS:
         return dict.fromkeys([warm, *steps], Misfit(REASON, -np.inf))
     if not steps and not ramps:
         return {}
     shaped = [warm, *steps, *ramps]
-    temperatures = [key for key, effect in effects.items() if effect.of_temperature]
-    tested = {some: _against_transient(search, fit, some) for some in {tuple(shaped), (*shaped, *temperatures)}}
+    temperatures = [one for one in added if one.effect.of_temperature]
+    tested = {some: _against_transient(some) for some in (tuple(shaped), (*shaped, *temperatures))}
     some, log_p = min(tested.items(), key=lambda one: one[1])
     return dict.fromkeys(some, Misfit(REASON, log_p)) if log_p < LEVEL else {}
 
 
-def _against_transient(search: Search, fit: AxisFit, keys: Sequence[Key]) -> float:
+def _against_transient(some: Sequence[Candidate]) -> float:
     """Return the log-probability of some means against one transient in their place, relative to the level."""
-    bare = without(fit, keys)
+    fit = some[0].fit
+    bare = without(fit, some)
     time = fit.sequence.conditions.time
     best = max(
         (_fit_transient(bare, time, kind) for kind in (_ageing, _stretched_exponential)),
@@ -61,7 +61,7 @@ def _against_transient(search: Search, fit: AxisFit, keys: Sequence[Key]) -> flo
     more = fit.description.size() - bare.description.size()
     named = log_chance(fit.log_likelihood - bare.log_likelihood, more)
     other = log_chance(likelihood_with(bare, best) - bare.log_likelihood, PARAMETERS)
-    return log_p_against(named, other, search.log_alpha)
+    return log_p_against(named, other, some[0].search.log_alpha)
 
 
 def _fit_transient(bare: AxisFit, time: np.ndarray, kind: Callable) -> np.ndarray:

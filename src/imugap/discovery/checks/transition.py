@@ -13,7 +13,7 @@ from scipy.special import ndtr
 from imugap.discovery.checks.misfit import LEVEL, Misfit, log_p_against
 from imugap.discovery.checks.unnamed_mean import UNNAMED_MARGIN, likelihood_with
 from imugap.discovery.fit.axis_fit import AxisFit
-from imugap.discovery.search.search import Key, Search, at, coloured, log_chance, without
+from imugap.discovery.search.search import Candidate, coloured, log_chance, without
 
 REASON = "one gradual transition explains it better"
 WIDTHS, MAX_EVALUATIONS = np.geomspace(0.003, 0.2, 7), 60
@@ -26,28 +26,28 @@ TRIALS = 100.0
 """Upper bound on the independent transitions in a log (Bonferroni)."""
 
 
-def transition_misfits(search: Search, fit: AxisFit, keys: Sequence[Key]) -> dict[Key, Misfit]:
+def transition_misfits(added: Sequence[Candidate]) -> dict[Candidate, Misfit]:
     """Test successive steps of one sign, and slow noise together with all steps, against a gradual transition."""
-    steps = [key for key in keys if at(fit.description, key).event]
-    slow = [key for key in keys if coloured(at(fit.description, key))]
-    steps.sort(key=lambda key: at(fit.description, key).time)
-    ways = (list(way) for _, way in groupby(steps, lambda key: at(fit.description, key).step > 0))
-    misfits = {tuple(way): _against_transition(search, fit, way) for way in ways if len(way) > 1}
+    steps = sorted((one for one in added if one.effect.event), key=lambda one: one.effect.time)
+    slow = [one for one in added if coloured(one.effect)]
+    ways = (list(way) for _, way in groupby(steps, lambda one: one.effect.step > 0))
+    misfits = {tuple(way): _against_transition(way) for way in ways if len(way) > 1}
     if slow:
-        misfits[*steps, *slow] = _against_transition(search, fit, [*steps, *slow], UNNAMED_MARGIN)
-    return {key: Misfit(REASON, log_p) for some, log_p in misfits.items() if log_p < LEVEL for key in some}
+        misfits[*steps, *slow] = _against_transition([*steps, *slow], UNNAMED_MARGIN)
+    return {one: Misfit(REASON, log_p) for some, log_p in misfits.items() if log_p < LEVEL for one in some}
 
 
-def _against_transition(search: Search, fit: AxisFit, keys: Sequence[Key], margin: float = 0.0) -> float:
+def _against_transition(some: Sequence[Candidate], margin: float = 0.0) -> float:
     """Return the log-probability of some effects against a transition in their place, relative to the level."""
-    bare = without(fit, keys)
+    fit = some[0].fit
+    bare = without(fit, some)
     gain, more = fit.log_likelihood - bare.log_likelihood, fit.description.size() - bare.description.size()
-    named = log_chance(gain, more) + sum(np.log(search.likelihood_ratio(fit, key)[0].trials) for key in keys)
+    named = log_chance(gain, more) + sum(np.log(one.trial.trials) for one in some)
     best = _fit_transition(bare, MIN_START_GAIN * gain)
     if best is None:
         return 0.0
     other = log_chance(likelihood_with(bare, best) - bare.log_likelihood, PARAMETERS) + np.log(TRIALS)
-    return log_p_against(named, other + margin, search.log_alpha)
+    return log_p_against(named, other + margin, some[0].search.log_alpha)
 
 
 def _fit_transition(bare: AxisFit, least: float) -> np.ndarray | None:

@@ -5,8 +5,7 @@ from scipy.fft import rfft
 
 from imugap.discovery.checks.misfit import LEVEL, Misfit, divergence
 from imugap.discovery.checks.motion import variance_against_motion
-from imugap.discovery.fit.axis_fit import AxisFit
-from imugap.discovery.search.search import Key, Search, log_chance
+from imugap.discovery.search.search import Candidate, log_chance
 from imugap.effects.effect import Effect
 
 MAX_BLOCKS = 12
@@ -15,32 +14,32 @@ USED_SHARE = 0.95
 """Fraction of the used frequencies that are tested; above it the edges of the interval reduce the power."""
 
 
-def variance_misfit(search: Search, fit: AxisFit, key: Key) -> Misfit:
+def variance_misfit(candidate: Candidate) -> Misfit:
     """Test the variance within the interval of the change for equality over time and frequency, and against motion.
 
     On a coarse lattice the noise ahead of the rounding has to change significantly.
     """
-    change = fit.description.changes[key.index]
+    fit, change = candidate.fit, candidate.effect
     inside = fit.unrounded[change.within(fit.sequence.conditions.time)]
     used = fit.sequence.bins.last / len(fit.coefficients)
     power = np.abs(rfft(inside - inside.mean()))[1 : int(USED_SHARE * used * len(inside) / 2)] ** 2
     return min(
         Misfit("the variance changes within the stretch", _homogeneity_log_p(inside**2, 1)),
         Misfit("the variance of some frequencies changes more than that of others", _homogeneity_log_p(power, 2)),
-        Misfit("the variance goes with the motion", variance_against_motion(search, fit, key)),
-        Misfit("the rounding to a coarse lattice makes as much of it", _against_rounding(search, fit, key)),
+        Misfit("the variance goes with the motion", variance_against_motion(candidate)),
+        Misfit("the rounding to a coarse lattice makes as much of it", _against_rounding(candidate)),
         key=lambda misfit: misfit.log_p,
     )
 
 
-def _against_rounding(search: Search, fit: AxisFit, key: Key) -> float:
+def _against_rounding(candidate: Candidate) -> float:
     """Return the log-probability of the change of the noise ahead of a coarse lattice, relative to the level."""
-    own, without = search.likelihood_ratio(fit, key)
+    own, without = candidate.trial, candidate.without
     if without.cells is None:
         return 0.0
-    gain = _change_gain(without.unrounded**2, fit.description.changes[key.index], without.sequence.conditions.time)
+    gain = _change_gain(without.unrounded**2, candidate.effect, without.sequence.conditions.time)
     ahead = log_chance(gain, own.parameters) + float(np.log(own.trials))
-    return min(LEVEL + search.log_alpha - ahead, 0.0)
+    return min(LEVEL + candidate.search.log_alpha - ahead, 0.0)
 
 
 def _change_gain(energies: np.ndarray, change: Effect, time: np.ndarray) -> float:

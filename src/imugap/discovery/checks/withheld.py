@@ -6,9 +6,9 @@ import numpy as np
 
 from imugap.discovery.checks import MIN_SHARE, Misfit, power_share
 from imugap.discovery.finding import MIN_LOG_P, Gap
-from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.discovery.search.intervals import term_intervals
-from imugap.discovery.search.search import Key, Search, at
+from imugap.discovery.search.search import Candidate
+from imugap.effects.effect import Role
 
 
 @dataclass(frozen=True)
@@ -20,28 +20,27 @@ class Withheld:
     location: Gap
 
 
-def withheld(search: Search, fit: AxisFit, key: Key, misfit: Misfit) -> Withheld:
+def withheld(candidate: Candidate, misfit: Misfit) -> Withheld:
     """Return name, reason and location of an effect of a fit that has a misfit."""
-    log_p = search.likelihood_ratio(fit, key)[0].log_p
-    location = Gap(*_location(fit, key), float(np.exp(np.clip(log_p, MIN_LOG_P, 0.0))))
-    return Withheld(at(fit.description, key).name, misfit.reason, location)
+    chance = float(np.exp(np.clip(candidate.trial.log_p, MIN_LOG_P, 0.0)))
+    return Withheld(candidate.effect.name, misfit.reason, Gap(*_location(candidate), chance))
 
 
-def _location(fit: AxisFit, key: Key) -> tuple[str, str, float, float, str]:
+def _location(candidate: Candidate) -> tuple[str, str, float, float, str]:
     """Return view, axis, both ends of the location, and their unit."""
-    effect, conditions = at(fit.description, key), fit.sequence.conditions
+    fit, effect, conditions = candidate.fit, candidate.effect, candidate.fit.sequence.conditions
     axis, begin, end = conditions.axis, float(conditions.time[0]), float(conditions.time[-1])
-    if key.part == "noise":
+    if effect.role is Role.NOISE:
         frequency = fit.sequence.bins.frequency
         own = power_share(fit, effect)
         mine = frequency[own >= min(MIN_SHARE, own.max())]
         return "spectrum", axis, float(mine[0]), float(mine[-1]), "Hz"
-    if key.part == "change":
+    if effect.role is Role.VARIANCE:
         return "variance", axis, max(effect.start, begin), min(effect.stop, end), "s"
-    if key.part == "outliers":
+    if effect.role is Role.OUTLIERS:
         return "extremes", axis, begin, end, "s"
     if effect.line:
-        low, high = term_intervals(fit, key.index)["frequency"]
+        low, high = term_intervals(fit, candidate.index)["frequency"]
         return "line", axis, float(max(low, 0.0)), float(high), "Hz"
     if effect.event:
         return "change", axis, effect.time, effect.time, "s"

@@ -1,7 +1,6 @@
 """Compare models with held-out data: the last part of a log, or further runs of the device."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
 from itertools import chain, islice
 
 import pandas as pd
@@ -113,10 +112,8 @@ def _in_another(model: ErrorModel, fits: Mapping[str, AxisFit], sequences: Mappi
 
 def _recurs(event: Effect, fit: AxisFit, run: AxisSequence) -> bool:
     """Return whether the likelihood of a further run is larger with an event of the first run than without it."""
-    found = fit.description
-    terms = tuple(term for term in found.terms if term.effect != event)
-    without = replace(found, terms=terms, changes=tuple(one for one in found.changes if one != event))
-    return log_score(run, found) > log_score(run, without)
+    without = fit.description.keeping(lambda entry: entry.effect != event)
+    return log_score(run, fit.description) > log_score(run, without)
 
 
 def _without(model: ErrorModel, excluded: Callable[[str, Effect], bool]) -> ErrorModel:

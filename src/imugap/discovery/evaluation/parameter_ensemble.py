@@ -5,7 +5,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from imugap.discovery.fit.axis_fit import AxisFit, Description
+from imugap.discovery.fit.axis_fit import AxisFit
+from imugap.discovery.fit.description import Description
 from imugap.discovery.fit.whittle import limits
 from imugap.effects.effect import AxisModel, Effect
 from imugap.model import ErrorModel

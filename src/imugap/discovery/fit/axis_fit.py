@@ -1,4 +1,4 @@
-"""Description of one axis and its fit: systematic terms, random processes, filter, changes of the variance.
+"""Fit of the description of one axis: terms of the mean, random processes, filter, changes of the variance.
 
 The mean is fitted by generalised least squares for the given spectrum, the spectrum by Whittle's likelihood to the
 residual, in turn until both converge. Both are fitted in the basis of the cosine transform.
@@ -7,7 +7,6 @@ residual, in turn until both converge. Both are fitted in the basis of the cosin
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
-from math import exp
 from typing import TypeVar
 
 import numpy as np
@@ -16,12 +15,13 @@ from scipy.fft import idct, irfft, rfft, rfftfreq
 from imugap.discovery.fit import matched_filters as scans
 from imugap.discovery.fit.boundary import Outside, over_time
 from imugap.discovery.fit.contaminated_normal import Tails, tails
+from imugap.discovery.fit.description import Description, Entry
 from imugap.discovery.fit.rounded_samples import Cells
 from imugap.discovery.fit.whittle import Noise, NoiseFit, log_likelihood
 from imugap.discovery.fit.whittle import fit as fit_noise
 from imugap.discovery.preparation.cosine_bins import cosine_coefficients
 from imugap.discovery.preparation.sequence import AxisSequence
-from imugap.effects.effect import Effect, FilterEffect, StochasticEffect, VarianceEffect
+from imugap.effects.effect import Effect, FilterEffect, Role, StochasticEffect, VarianceEffect
 from imugap.stream import stream
 
 Made = TypeVar("Made")
@@ -32,47 +32,10 @@ SETTLED = 0.02
 HALVINGS = 6
 CUTOFF_STEP, LONGEST = 1e-4, 0.3
 """Of the logarithm of a cutoff: half the step of its difference quotient, and the longest step of a fit."""
+SHAPING = (Role.MEAN, Role.FILTER, Role.VARIANCE)
+"""Roles of the effects that change the cosine coefficients of the samples, apart from their likelihood."""
 SHARED = 4
 """Number of systematic parts whose transforms are cached: fits that differ only in the noise share them."""
-
-
-@dataclass(frozen=True)
-class Term:
-    """A systematic effect and which of its parameters a fit adjusts."""
-
-    effect: Effect
-    free: tuple[str, ...]
-
-    def moved(self, step: np.ndarray) -> "Term":
-        """Return the term with its free parameters changed by ``step``, kept within their physical limits."""
-        values = {item: self._moved(item, change) for item, change in zip(self.free, step.tolist(), strict=True)}
-        return Term(replace(self.effect, **values), self.free)
-
-    def _moved(self, name: str, change: float) -> float:
-        """Return a parameter after a change; a positive one changes by a factor of at most e."""
-        value, (low, high) = getattr(self.effect, name), self.effect.limits()[name]
-        if low > 0:
-            return min(value * exp(min(max(change / value, -1.0), 1.0)), high)
-        return min(max(value + change, low), high)
-
-
-@dataclass(frozen=True)
-class Description:
-    """Effects of an axis, apart from its offset."""
-
-    terms: tuple[Term, ...]
-    noise: Noise
-    changes: tuple[VarianceEffect, ...] = ()
-    outliers: Effect | None = None
-
-    def effects(self) -> tuple[Effect, ...]:
-        """Return all effects."""
-        return (*(term.effect for term in self.terms), *self.noise, *self.changes, *filter(None, [self.outliers]))
-
-    def size(self) -> int:
-        """Return the number of fitted parameters."""
-        free = (*(term.free for term in self.terms), self.noise.parameters(), *(one.free() for one in self.changes))
-        return sum(map(len, free))
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,7 +92,7 @@ class AxisFit:
         """Return the sums of squared cosine coefficients of the residual if the output had a filter."""
         if not self.sequence.in_motion:
             return self.power
-        described = replace(self.description, noise=replace(self.description.noise, output_filter=output_filter))
+        described = self.description.exchanging(Role.FILTER, [Entry.of(output_filter)])
         return self.sequence.bins.sums(Scatter.of(self.sequence, described).left(described) ** 2)
 
     @cached_property
@@ -250,9 +213,8 @@ class AxisFit:
         return cosine_coefficients(irfft(spectrum.T, count, axis=0))
 
     def steps_without(self, index: int) -> scans.StepFilters:
-        """Return the gain of a step at each sample in place of one term."""
-        terms = self.description.terms
-        return replace(self, description=replace(self.description, terms=terms[:index] + terms[index + 1 :])).steps
+        """Return the gain of a step at each sample in place of the term at ``index``."""
+        return replace(self, description=self.description.without([index])).steps
 
     @cached_property
     def cells(self) -> Cells | None:
@@ -339,17 +301,16 @@ def _centred(sequence: AxisSequence, description: Description) -> np.ndarray:
 
 def _seen(sequence: AxisSequence, description: Description) -> np.ndarray:
     """Return the cosine coefficients of the samples less the systematic terms; they do not depend on the noise."""
-    return _seen_beside(sequence, description.terms, description.changes, description.noise.output_filter)
+    shaping = tuple(entry for entry in description.entries if entry.effect.role in SHAPING)
+    return _seen_of(sequence, shaping)
 
 
 @lru_cache(maxsize=SHARED)
-def _seen_beside(
+def _seen_of(
     sequence: AxisSequence,
-    terms: tuple[Term, ...],
-    changes: tuple[VarianceEffect, ...],
-    output_filter: FilterEffect | None,
+    entries: tuple[Entry, ...],
 ) -> np.ndarray:
-    seen = cosine_coefficients(_centred(sequence, Description(terms, Noise((), output_filter), changes)))
+    seen = cosine_coefficients(_centred(sequence, Description(entries)))
     seen.flags.writeable = False
     return seen
 
@@ -423,13 +384,13 @@ def _level(rest: np.ndarray, sequence: AxisSequence, description: Description) -
     return np.average(rest, weights=scale(sequence, description.changes) ** -2.0)
 
 
-def jacobian(terms: Sequence[Term], sequence: AxisSequence) -> np.ndarray:
+def jacobian(terms: Sequence[Entry], sequence: AxisSequence) -> np.ndarray:
     """Return the derivatives of the mean in the free parameters, shape (n, parameters)."""
     columns = [column for term in terms for column in _slopes(term, sequence)]
     return np.array(columns).T if columns else np.empty((len(sequence.values), 0))
 
 
-def _slopes(term: Term, sequence: AxisSequence) -> list[np.ndarray]:
+def _slopes(term: Entry, sequence: AxisSequence) -> list[np.ndarray]:
     slopes = term.effect.slopes(sequence.conditions)
     return [slopes[name] for name in term.free]
 
@@ -495,9 +456,9 @@ def _cut_off_anew(found: AxisFit) -> AxisFit:
 
 def _cut_off(description: Description, step: float, interval: float) -> Description:
     """Return a description with the cutoff of its filter moved by a step of its logarithm, as far as a fit can tell."""
-    noise, one = description.noise, description.noise.output_filter
+    one = description.noise.output_filter
     moved = replace(one, cutoff=min(one.cutoff * float(np.exp(step)), one.highest(interval)))
-    return replace(description, noise=replace(noise, output_filter=moved))
+    return description.with_noise(replace(description.noise, output_filter=moved))
 
 
 def _fitted(sequence: AxisSequence, start: Description, held: bool = False) -> AxisFit:
@@ -507,7 +468,7 @@ def _fitted(sequence: AxisSequence, start: Description, held: bool = False) -> A
     for _ in range(ROUNDS):
         left = Scatter.of(sequence, description).left(description)
         noise = fit_noise(description.noise, sequence.bins, sequence.bins.sums(left**2), held)
-        description = replace(description, noise=noise.noise)
+        description = description.with_noise(noise.noise)
         value = noise.log_likelihood - _jacobian_of_scale(sequence, description)
         if value < last + SETTLED or fixed:
             break
@@ -558,7 +519,7 @@ def _line_search(
         for term in description.terms:
             terms.append(term.moved(step[first : first + len(term.free)]))
             first += len(term.free)
-        moved = replace(description, terms=tuple(terms))
+        moved = description.exchanging(Role.MEAN, terms)
         after = scatter.left(moved) / scatter.root
         if after @ after < rest @ rest:
             return moved, after

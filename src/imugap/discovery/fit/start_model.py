@@ -5,8 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from imugap.discovery.fit.axis_fit import Description, Term
-from imugap.discovery.fit.whittle import Noise
+from imugap.discovery.fit.description import Description, Entry
 from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.effects.conditions import Conditions
 from imugap.effects.effect import Effect, Role, Stage, StochasticEffect, SystematicEffect
@@ -18,12 +17,12 @@ WIDEST = 0.98
 
 def described(effects: Sequence[Effect], sequence: AxisSequence) -> Description:
     """Return the start model of an axis as a description: what a fit can adjust of it; a bias is the offset."""
-    random = tuple(effect for effect in effects if noisy(effect))
-    filters = tuple(_seen(effect, sequence) for effect in effects if effect.role is Role.FILTER)
-    terms = tuple(_term(effect, sequence) for effect in effects if _shows(effect, sequence.conditions))
-    changes = tuple(effect for effect in effects if effect.role is Role.VARIANCE)
-    outliers = next((effect for effect in effects if effect.role is Role.OUTLIERS), None)
-    return Description(terms, Noise(random or (_white(sequence),), *filters[:1]), changes, outliers)
+    random = [effect for effect in effects if noisy(effect)]
+    filters = [_seen(effect, sequence) for effect in effects if effect.role is Role.FILTER]
+    terms = [_term(effect, sequence) for effect in effects if _shows(effect, sequence.conditions)]
+    changes = [effect for effect in effects if effect.role is Role.VARIANCE]
+    outliers = [effect for effect in effects if effect.role is Role.OUTLIERS]
+    return Description.known(*terms, *(random or [_white(sequence)]), *filters[:1], *outliers[:1], *changes)
 
 
 def noisy(effect: Effect) -> bool:
@@ -66,8 +65,8 @@ def _white(sequence: AxisSequence) -> StochasticEffect:
     return white_noise(float(max(spread, 1e-12) * np.sqrt(sequence.conditions.interval)))
 
 
-def _term(effect: SystematicEffect, sequence: AxisSequence) -> Term:
+def _term(effect: SystematicEffect, sequence: AxisSequence) -> Entry:
     if effect.line:
         turns = np.exp(-2j * np.pi * effect.frequency * sequence.conditions.time)
         effect = replace(effect, phase=float(np.angle(np.mean((sequence.values - sequence.values.mean()) * turns))))
-    return Term(effect, tuple(effect.slopes(sequence.conditions)))
+    return Entry(effect, tuple(effect.slopes(sequence.conditions)))

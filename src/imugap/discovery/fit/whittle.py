@@ -5,7 +5,7 @@ S(f_k)/interval, f_k = k/(2 n interval); for other processes this is Whittle's a
 a sequence without jumps at its ends (:mod:`imugap.estimation.likelihood`).
 """
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from math import isfinite
 
 import numpy as np
@@ -86,12 +86,11 @@ class Noise:
         return iter(self.effects if self.output_filter is None else (*self.effects, self.output_filter))
 
     def parameters(self) -> tuple[tuple[int, str], ...]:
-        """Return (index of the effect, parameter) of all that a fit adjusts: no numbers that are whole, no signed ones.
+        """Return (index of the effect, parameter) of all that a fit adjusts.
 
         A loading of common noise has a sign, and its size is that of the density.
         """
-        items = [(i, item.name, item.metadata) for i, effect in enumerate(self) for item in fields(effect)]
-        return tuple((i, name) for i, name, limits in items if not limits["whole"] and limits["low"] >= 0)
+        return tuple((i, name) for i, effect in enumerate(self) for name in effect.free())
 
     def theta(self) -> np.ndarray:
         """Return the logarithms of the parameters."""

@@ -3,9 +3,8 @@
 import numpy as np
 
 from imugap.discovery.finding import Interval
-from imugap.discovery.fit.axis_fit import AxisFit, Term
-from imugap.discovery.search.search import Key, at
-from imugap.effects.effect import Effect
+from imugap.discovery.fit.axis_fit import AxisFit
+from imugap.effects.effect import Effect, Role
 from imugap.log import GYRO
 
 NORMAL = 1.959963984540054
@@ -20,20 +19,18 @@ WIDEST = 20.0
 """Standard deviation of a log parameter above which nothing is known of it."""
 
 
-def intervals(fit: AxisFit, without: AxisFit, key: Key) -> dict[str, Interval]:
-    """Return the parameters of the effect at ``key``; ``without`` is the fit without it."""
-    effect, axis = at(fit.description, key), fit.sequence.conditions.axis
-    units = effect.units(axis_unit(axis))
-    if key.part == "term":
-        ends = term_intervals(fit, key.index)
+def intervals(fit: AxisFit, index: int) -> dict[str, Interval]:
+    """Return the parameters of the effect at ``index`` of the description."""
+    effect = fit.description.entries[index].effect
+    units = effect.units(axis_unit(fit.sequence.conditions.axis))
+    if effect.role is Role.MEAN:
+        ends = term_intervals(fit, index)
         if effect.event:
-            ends["time"] = times_near_best(
-                fit.steps_without(key.index).gains, fit.sequence.conditions.time, effect.time
-            )
-    elif key.part == "change":
+            ends["time"] = times_near_best(fit.steps_without(index).gains, fit.sequence.conditions.time, effect.time)
+    elif effect.role is Role.VARIANCE:
         ends = _swing(fit, effect) if effect.depth else _stretch(fit, effect)
     else:
-        ends = _random(fit, key)
+        ends = _random(fit, index - len(fit.description.terms))
     return {
         name: Interval(value, *map(float, ends.get(name, (value, value))), units[name])
         for name, value in effect.parameters().items()
@@ -48,7 +45,7 @@ def axis_unit(axis: str) -> str:
 def term_intervals(fit: AxisFit, index: int) -> dict[str, tuple[float, float]]:
     """Return the 95 % interval of each free parameter of a term."""
     first = sum(len(term.free) for term in fit.description.terms[:index])
-    term: Term = fit.description.terms[index]
+    term = fit.description.terms[index]
     errors = np.sqrt(np.maximum(np.diag(fit.covariance), 0.0))[first : first + len(term.free)]
     values = {name: getattr(term.effect, name) for name in term.free}
     limits = term.effect.limits()
@@ -58,10 +55,9 @@ def term_intervals(fit: AxisFit, index: int) -> dict[str, tuple[float, float]]:
     }
 
 
-def _random(fit: AxisFit, key: Key) -> dict[str, tuple[float, float]]:
-    """Return intervals, in logarithms, from the expected information."""
+def _random(fit: AxisFit, index: int) -> dict[str, tuple[float, float]]:
+    """Return the intervals of a random process or the filter, in logarithms, from the expected information."""
     noise = fit.description.noise
-    index = len(noise.effects) if key.part == "filter" else key.index
     information = fit.noise.information
     covariance = np.linalg.pinv(information, rcond=1e-12, hermitian=True)
     ends = {}

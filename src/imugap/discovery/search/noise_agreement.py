@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from imugap.discovery.fit.axis_fit import AxisFit
-from imugap.discovery.search.search import Key, Search, Trial, at, expected, without
+from imugap.discovery.search.search import Candidate, Search, Trial, expected, without
 from imugap.effects.effect import Effect
 from imugap.log import ACCEL, GYRO
 
@@ -77,9 +77,9 @@ def agreed(fits: Mapping[str, AxisFit], searches: Mapping[str, Search]) -> dict[
     """Return the fits of axes, those in doubt with slow noise of the kind that their sensor speaks for."""
     found = dict(fits)
     for sensor in (GYRO, ACCEL):
-        keys = {axis: searches[axis].added(fits[axis].description, _faint) for axis in sensor if axis in fits}
-        few = {axis: some for axis, some in keys.items() if len(some) <= MOST}
-        if not _at_issue([_kinds(fits[axis], some) for axis, some in few.items()]):
+        added = {axis: searches[axis].added(fits[axis], _faint) for axis in sensor if axis in fits}
+        few = {axis: some for axis, some in added.items() if len(some) <= MOST}
+        if not _at_issue(list(map(_kinds, few.values()))):
             continue
         choices = _of_one_time({axis: choice_of(searches[axis], fits[axis], some) for axis, some in few.items()})
         catalogue = next(iter(searches.values())).catalogue
@@ -104,15 +104,15 @@ def _at_issue(kinds: list[tuple[type[Effect], ...]]) -> bool:
     return differ or (len(kinds) > 1 and any(kind.of_time for some in kinds for kind in some))
 
 
-def _kinds(fit: AxisFit, keys: Sequence[Key]) -> tuple[type[Effect], ...]:
-    return tuple(type(at(fit.description, key)) for key in keys)
+def _kinds(candidates: Sequence[Candidate]) -> tuple[type[Effect], ...]:
+    return tuple(type(candidate.effect) for candidate in candidates)
 
 
-def choice_of(search: Search, fit: AxisFit, keys: Sequence[Key]) -> NoiseChoice:
-    """Return the effects at some keys of a fit, and the likeliest slow noise of each kind in their place."""
-    weighed = [search.likelihood_ratio(fit, key)[0] for key in keys]
-    kinds = _kinds(fit, keys)
-    bare = search.fitted(fit.sequence, without(fit, keys).description)
+def choice_of(search: Search, fit: AxisFit, candidates: Sequence[Candidate]) -> NoiseChoice:
+    """Return some added effects of a fit, of which there may be none, and the likeliest noise of each slow kind."""
+    weighed = [candidate.trial for candidate in candidates]
+    kinds = _kinds(candidates)
+    bare = search.fitted(fit.sequence, without(fit, candidates).description)
     own = fit.log_likelihood - bare.log_likelihood - sum(one.cost for one in weighed) + expected(*kinds)
     others = [search.trial_of(start, bare) for kind in search.catalogue if kind.slow for start in kind.starts(bare)]
     noise = {type(one.effect): one for one in sorted(others, key=lambda trial: trial.worth)}

@@ -7,7 +7,8 @@ from itertools import combinations
 
 import numpy as np
 
-from imugap.discovery.fit.axis_fit import AxisFit, Term, jacobian
+from imugap.discovery.fit.axis_fit import AxisFit, jacobian
+from imugap.discovery.fit.description import Entry
 from imugap.effects.effect import TINY, Effect, Role, Start
 
 FEW = 10.0
@@ -46,7 +47,7 @@ class Means:
         """Return those of the kinds of a catalogue."""
         kinds = [kind for kind in catalogue if kind.role is Role.MEAN]
         starts = tuple(start for kind in kinds for start in kind.starts(fit) if start.trials <= FEW)
-        slopes = (jacobian((Term(start.effect, start.free),), fit.sequence) for start in starts)
+        slopes = (jacobian((Entry(start.effect, start.free),), fit.sequence) for start in starts)
         return Means(fit, starts, tuple(map(fit.whiten, slopes)), tuple(kind for kind in kinds if kind.event))
 
     def smooth(self) -> list[Pair]:

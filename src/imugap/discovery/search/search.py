@@ -8,13 +8,15 @@ does not stay.
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, fields, replace
+from functools import cached_property
 
 import numpy as np
 from scipy.special import gammaln
 from scipy.stats import chi2
 
-from imugap.discovery.fit.axis_fit import AxisFit, Description, Term, fit
+from imugap.discovery.fit.axis_fit import AxisFit, fit
 from imugap.discovery.fit.contaminated_normal import Tails
+from imugap.discovery.fit.description import Description, Entry
 from imugap.discovery.fit.whittle import fit as fit_noise
 from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.search.pairs import Means, Pair
@@ -178,10 +180,9 @@ class Search:
             ends where all further proposals together cannot reach it.
         """
         found = self._selected(before, nameless)
-        keys = {key.part for key in self.added(found.description)}
-        if {"outliers", "filter"} <= keys:
-            raw = self.fitted(self.raw[found.description.outliers], replace(found.description, outliers=None))
-            found = self._selected(self.refined(raw), nameless)
+        roles = {candidate.role for candidate in self.added(found)}
+        if {Role.OUTLIERS, Role.FILTER} <= roles:
+            found = self._selected(self.refined(self.with_outlier_samples(found)), nameless)
         return self.relocate_steps(self.refit_outliers_and_changes(found))
 
     def refit_outliers_and_changes(self, found: AxisFit) -> AxisFit:
@@ -191,10 +192,11 @@ class Search:
         """
         for _ in range(RETOLD):
             outliers = found.description.outliers
-            if outliers not in self.raw or not self.added(found.description, changing):
+            if outliers not in self.raw or not self.added(found, changing):
                 break
             found = self._refit_changes(found)
-            raw = replace(found, sequence=self.raw[outliers], description=replace(found.description, outliers=None))
+            restored = found.description.exchanging(Role.OUTLIERS)
+            raw = replace(found, sequence=self.raw[outliers], description=restored)
             same = np.array_equal(raw.tails.flagged, self.tails[outliers].flagged)
             wide = None if same else self.without_outliers(raw)
             if wide is None:
@@ -204,43 +206,39 @@ class Search:
 
     def _refit_changes(self, found: AxisFit) -> AxisFit:
         """Fit every added change of the variance again, all other effects held."""
-        for key in self.added(found.description, changing):
-            own = at(found.description, key)
-            without = self.fitted(found.sequence, removed(found.description, key))
-            changes = list(found.description.changes)
+        for index in [candidate.index for candidate in self.added(found, changing)]:
+            own, without = found.description.entries[index].effect, Candidate(self, found, index).without
             alike = (start.effect for start in type(own).starts(without) if start.free == own.free())
-            changes[key.index] = next(alike, own)
-            moved = self.fitted(found.sequence, replace(found.description, changes=tuple(changes)))
+            moved = self.fitted(found.sequence, found.description.with_effect(index, next(alike, own)))
             found = moved if moved.log_likelihood > found.log_likelihood else found
         return found
 
     def relocate_steps(self, found: AxisFit) -> AxisFit:
         """Move every added step to its most likely time, given the effects that were added after it."""
-        for key in self.added(found.description, stepping):
-            time = found.sequence.conditions.time[np.argmax(found.steps_without(key.index).gains)]
-            terms = list(found.description.terms)
-            terms[key.index] = replace(terms[key.index], effect=replace(terms[key.index].effect, time=float(time)))
-            moved = self.fitted(found.sequence, replace(found.description, terms=tuple(terms)))
+        for index in [candidate.index for candidate in self.added(found, stepping)]:
+            time = found.sequence.conditions.time[np.argmax(found.steps_without(index).gains)]
+            step = replace(found.description.entries[index].effect, time=float(time))
+            moved = self.fitted(found.sequence, found.description.with_effect(index, step))
             found = moved if moved.log_likelihood > found.log_likelihood else found
         return found
 
     def _selected(self, before: AxisFit, nameless: Callable[[AxisFit], float]) -> AxisFit:
         for _ in range(LIMIT):
-            if self.too_many_changes(before.description):
+            if self.too_many_changes(before):
                 break
-            bar = HOPE if self.added(before.description) else self.log_alpha
+            bar = HOPE if self.added(before) else self.log_alpha
             trials = sorted((one for one in self.trials(before, bar) if one.log_p < bar), key=lambda one: one.log_p)
             wide = self.without_outliers(before)
             if wide is not None and wide.log_p < min([self.log_alpha, *(one.log_p for one in trials)]):
                 before = self.refit_outliers_and_changes(self.refined(wide.fit))
                 continue
             most = max((one.fit.log_likelihood - before.log_likelihood for one in trials), default=0.0)
-            many = len(self.added(before.description)) >= ASKED
+            many = len(self.added(before)) >= ASKED
             if trials and many and nameless(before) > LIMIT * most:
                 break
             if trials and trials[0].log_p < self.log_alpha:
                 couple = self.pair(before, trials[0])
-                first = not self.added(before.description) and couple is None
+                first = not self.added(before) and couple is None
                 before = self.refit_outliers_and_changes(
                     trials[0].fit if first else self.refined((couple or trials[0]).fit)
                 )
@@ -252,20 +250,18 @@ class Search:
             before = proven
         return before
 
-    def too_many_changes(self, description: Description) -> bool:
+    def too_many_changes(self, found: AxisFit) -> bool:
         """Return whether more changes of the variance were added than may have that name.
 
         They stand for an unnamed effect, and no other effect of such samples is searched for.
         """
-        changes = [at(description, key) for key in self.added(description, changing)]
-        return bool(changes) and len(changes) > changes[0].most
+        changes = self.added(found, changing)
+        return bool(changes) and len(changes) > changes[0].effect.most
 
     def _all_certain(self, after: AxisFit, before: AxisFit) -> bool:
         """Return whether a fit has more effects than before, each of them significant."""
-        keys = self.added(after.description)
-        return len(keys) > len(self.added(before.description)) and all(
-            self.likelihood_ratio(after, key)[0].log_p < self.log_alpha for key in keys
-        )
+        added = self.added(after)
+        return len(added) > len(self.added(before)) and all(one.significant for one in added)
 
     def trials(self, before: AxisFit, bar: float) -> Iterator[Trial]:
         """Yield every proposal, fitted, whose log-probability may come below ``bar``."""
@@ -288,13 +284,12 @@ class Search:
 
         The noise of the start model keeps a small share, which is fitted together with the other.
         """
-        noise = before.description.noise
-        for index, effect in enumerate(noise.effects[: len(self.start.noise.effects)]):
-            if not effect.slow:
+        for index, entry in enumerate(before.description.entries):
+            effect = entry.effect
+            if not (entry.known and effect.slow):
                 continue
-            without = self.fitted(before.sequence, removed(before.description, Key("noise", index)))
-            effects = (*noise.effects[:index], little(effect), *noise.effects[index + 1 :])
-            given_up = replace(before.description, noise=replace(noise, effects=effects))
+            without = Candidate(self, before, index).without
+            given_up = before.description.with_effect(index, little(effect))
             for kind in self.catalogue:
                 if kind.slow and kind is not type(effect):
                     for start in kind.starts(without):
@@ -322,13 +317,13 @@ class Search:
 
     def _needs_both(self, after: AxisFit, before: AxisFit) -> bool:
         """Return whether each of the two added terms is significant given the other."""
-        keys = [Key("term", index) for index in range(len(before.description.terms), len(after.description.terms))]
-        return all(self.likelihood_ratio(after, key)[0].log_p < self.log_alpha for key in keys)
+        indices = range(len(before.description.terms), len(after.description.terms))
+        return all(Candidate(self, after, index).significant for index in indices)
 
     def _pair_trial(self, couple: Pair, before: AxisFit, count: int) -> Trial:
         """Fit two proposals together, one pair among ``count``, and compare with the fit without them."""
         one, other = couple.starts
-        after = self.fitted(before.sequence, with_effect(with_effect(before.description, one), other))
+        after = self.fitted(before.sequence, before.description.adding(entry_of(one), entry_of(other)))
         parameters, trials = len(one.free) + len(other.free), count * one.trials * other.trials
         return Trial(other.effect, after, after.log_likelihood - before.log_likelihood, parameters, trials)
 
@@ -339,8 +334,14 @@ class Search:
             return None
         found, axis = self.tails[outliers], before.sequence.conditions.axis
         sequence = before.sequence.with_replaced(found.flagged, stream(0, "mended", axis))
-        after = self.fitted(sequence, replace(before.description, outliers=outliers))
+        entry = replace(Entry.of(outliers), known=self.start.outliers is not None)
+        after = self.fitted(sequence, before.description.exchanging(Role.OUTLIERS, [entry]))
         return Trial(outliers, after, found.gain, 2, TAILS)
+
+    def with_outlier_samples(self, found: AxisFit) -> AxisFit:
+        """Return the fit of the other effects to the samples before the outliers were replaced."""
+        restored = found.description.exchanging(Role.OUTLIERS)
+        return self.fitted(self.raw.get(found.description.outliers, found.sequence), restored)
 
     def _outliers(self, before: AxisFit) -> Effect | None:
         """Return the outliers of a fit without any, if they are significant."""
@@ -358,12 +359,12 @@ class Search:
         """Return the fit to the samples without outliers, if the start model has outliers."""
         if self.start.outliers is None:
             return before
-        wide = self.without_outliers(replace(before, description=replace(before.description, outliers=None)))
+        wide = self.without_outliers(replace(before, description=before.description.exchanging(Role.OUTLIERS)))
         return before if wide is None else wide.fit
 
     def trial_of(self, start: Start, before: AxisFit, beside: Description | None = None) -> Trial:
         """Fit a proposal together with the description, or with ``beside``, and compare with the fit before."""
-        after = self.fitted(before.sequence, with_effect(beside or before.description, start))
+        after = self.fitted(before.sequence, (beside or before.description).adding(entry_of(start)))
         gain = (after.log_likelihood - before.log_likelihood) / start.level
         return Trial(start.effect, after, gain, len(start.free), start.trials)
 
@@ -373,10 +374,10 @@ class Search:
         Effects of the kind ``hoped`` come last: the exchange of the others may make them significant.
         """
         for _ in range(LIMIT):
-            keys = [key for key in self.added(found.description) if key.part != "outliers"]
+            added = self.added(found, lambda effect: effect.role is not Role.OUTLIERS)
             if hoped is not None:
-                keys.sort(key=lambda key: isinstance(at(found.description, key), hoped))
-            changed = next((other for key in keys if (other := self._improvement(found, key)) is not None), None)
+                added.sort(key=lambda candidate: isinstance(candidate.effect, hoped))
+            changed = next((other for one in added if (other := self._improvement(one)) is not None), None)
             if changed is None:
                 return found
             found = changed
@@ -384,15 +385,12 @@ class Search:
 
     def pruned(self, found: AxisFit) -> AxisFit:
         """Return the fit without the added effects that are not significant."""
-        for key in self.added(found.description):
-            own, without = self.likelihood_ratio(found, key)
-            if own.log_p > self.log_alpha:
-                return self.pruned(without)
-        return found
+        superfluous = next((one for one in self.added(found) if one.trial.log_p > self.log_alpha), None)
+        return found if superfluous is None else self.pruned(superfluous.without)
 
-    def _improvement(self, found: AxisFit, key: "Key") -> AxisFit | None:
-        """Return a better fit without the effect at ``key``, or with another or a simpler one; else None."""
-        own, without = self.likelihood_ratio(found, key)
+    def _improvement(self, candidate: "Candidate") -> AxisFit | None:
+        """Return a better fit without an added effect, or with another or a simpler one in its place; else None."""
+        own, without = candidate.trial, candidate.without
         if own.log_p > self.log_alpha:
             return without
         bar = min(self.log_alpha, own.log_p + CLOSE)
@@ -404,92 +402,83 @@ class Search:
         couple = self.pair(without, own)
         return couple.fit if couple is not None else None
 
-    def likelihood_ratio(self, found: AxisFit, key: "Key") -> tuple[Trial, AxisFit]:
-        """Return the trial of one effect of a fit, and the fit without it."""
-        if key.part == "outliers":
-            outliers = found.description.outliers
-            return Trial(outliers, found, self.tails[outliers].gain, 2, TAILS), found
-        without = self.fitted(found.sequence, removed(found.description, key))
-        effect = at(found.description, key)
-        more = max(found.description.size() - without.description.size(), 1)
-        gain = found.log_likelihood - without.log_likelihood
-        return Trial(effect, found, gain, more, _places(effect, more, without)), without
-
-    def alternatives_to(self, found: AxisFit, key: "Key", without: AxisFit, bar: float) -> list[Trial]:
-        """Return the trials of all other effects in place of one, whose log-probability may come below ``bar``."""
-        if key.part == "outliers":
-            return []
-        name = at(found.description, key).name
-        return [trial for trial in self.trials(without, bar) if trial.name != name]
-
-    def added(self, description: Description, which: Callable[[Effect], bool] = lambda _: True) -> list["Key"]:
-        """Return the keys of the added effects for which ``which`` holds."""
-        keys = [Key("term", i) for i in range(len(self.start.terms), len(description.terms))]
-        keys += [Key("noise", i) for i in range(len(self.start.noise.effects), len(description.noise.effects))]
-        if description.noise.output_filter is not None and self.start.noise.output_filter is None:
-            keys.append(Key("filter", 0))
-        if description.outliers is not None and self.start.outliers is None:
-            keys.append(Key("outliers", 0))
-        keys += [Key("change", i) for i in range(len(self.start.changes), len(description.changes))]
-        return [key for key in keys if which(at(description, key))]
+    def added(self, found: AxisFit, which: Callable[[Effect], bool] = lambda _: True) -> list["Candidate"]:
+        """Return the added effects of a fit for which ``which`` holds."""
+        entries = enumerate(found.description.entries)
+        return [Candidate(self, found, index) for index, one in entries if not one.known and which(one.effect)]
 
 
 @dataclass(frozen=True)
-class Key:
-    """Position of an effect in a description: its part and its index there."""
+class Candidate:
+    """An effect of a fit, which is compared with the fit without it and with others in its place.
 
-    part: str
+    Attributes
+    ----------
+    search
+        The search that added the effect.
+    fit
+        The fit.
+    index
+        Index of the effect among the entries of the description; among the terms too, if it is a term of the mean.
+    """
+
+    search: Search
+    fit: AxisFit
     index: int
 
+    @property
+    def entry(self) -> Entry:
+        """Return the entry of the description."""
+        return self.fit.description.entries[self.index]
 
-def at(description: Description, key: Key) -> Effect:
-    """Return the effect at ``key``."""
-    if key.part == "term":
-        return description.terms[key.index].effect
-    if key.part == "noise":
-        return description.noise.effects[key.index]
-    if key.part == "outliers":
-        return description.outliers
-    return description.noise.output_filter if key.part == "filter" else description.changes[key.index]
+    @property
+    def effect(self) -> Effect:
+        """Return the effect."""
+        return self.entry.effect
+
+    @property
+    def role(self) -> Role:
+        """Return the role of the effect."""
+        return self.effect.role
+
+    @property
+    def without(self) -> AxisFit:
+        """Return the fit without the effect; that with it, if it is outliers, which are not adjusted."""
+        if self.role is Role.OUTLIERS:
+            return self.fit
+        return self.search.fitted(self.fit.sequence, self.fit.description.without([self.index]))
+
+    @cached_property
+    def trial(self) -> Trial:
+        """The likelihood ratio of the effect."""
+        if self.role is Role.OUTLIERS:
+            return Trial(self.effect, self.fit, self.search.tails[self.effect].gain, 2, TAILS)
+        without = self.without
+        more = max(self.fit.description.size() - without.description.size(), 1)
+        gain = self.fit.log_likelihood - without.log_likelihood
+        return Trial(self.effect, self.fit, gain, more, _places(self.effect, more, without))
+
+    @property
+    def significant(self) -> bool:
+        """Return whether the gain by the effect is significant."""
+        return self.trial.log_p < self.search.log_alpha
+
+    def alternatives(self, bar: float) -> list[Trial]:
+        """Return the trials of all other effects in its place whose log-probability may come below ``bar``."""
+        if self.role is Role.OUTLIERS:
+            return []
+        return [trial for trial in self.search.trials(self.without, bar) if trial.name != self.effect.name]
 
 
-def removed(description: Description, key: Key) -> Description:
-    """Return the description without the effect at ``key``."""
-    if key.part == "term":
-        return replace(description, terms=_rest(description.terms, key.index))
-    if key.part == "change":
-        return replace(description, changes=_rest(description.changes, key.index))
-    if key.part == "outliers":
-        return replace(description, outliers=None)
-    noise = description.noise
-    if key.part == "filter":
-        return replace(description, noise=replace(noise, output_filter=None))
-    return replace(description, noise=replace(noise, effects=_rest(noise.effects, key.index)))
+def without(found: AxisFit, candidates: Sequence[Candidate]) -> AxisFit:
+    """Return the fit without the effects of some candidates, refitted."""
+    left = found.description.without(candidate.index for candidate in candidates)
+    return fit(found.sequence, left) if candidates else found
 
 
-def without(found: AxisFit, keys: Sequence[Key]) -> AxisFit:
-    """Return the fit without the effects at some keys."""
-    description = found.description
-    for key in sorted(keys, key=lambda key: -key.index):
-        description = removed(description, key)
-    return fit(found.sequence, description) if keys else found
-
-
-def _rest(items: tuple, index: int) -> tuple:
-    return items[:index] + items[index + 1 :]
-
-
-def with_effect(description: Description, start: Start) -> Description:
-    """Return the description with one more effect."""
-    effect = start.effect
-    if effect.role is Role.MEAN:
-        return replace(description, terms=(*description.terms, Term(effect, start.free)))
-    if effect.role is Role.VARIANCE:
-        return replace(description, changes=(*description.changes, effect))
-    noise = description.noise
-    if effect.role is Role.FILTER:
-        return replace(description, noise=replace(noise, output_filter=effect))
-    return replace(description, noise=replace(noise, effects=(*noise.effects, effect)))
+def entry_of(start: Start) -> Entry:
+    """Return a proposal as an entry of a description."""
+    return Entry(start.effect, start.free) if start.effect.role is Role.MEAN else Entry.of(start.effect)
 
 
 def changing(effect: Effect) -> bool:
@@ -539,7 +528,7 @@ def behind_filter(start: Start, before: AxisFit) -> tuple[Start, Description]:
         both = noise, noise.beneath(sequence.bins, power)
         fits += [fit_noise(one, sequence.bins, power, held=sequence.in_motion) for one in both]
     best = max(fits, key=lambda one: one.log_likelihood)
-    beside = replace(description, noise=replace(best.noise, output_filter=None))
+    beside = description.with_noise(replace(best.noise, output_filter=None))
     gain = np.inf if sequence.in_motion else best.log_likelihood - before.noise.log_likelihood + RESHAPED
     return replace(start, effect=best.noise.output_filter, gain=gain), beside
 

@@ -15,8 +15,9 @@ from itertools import chain
 import numpy as np
 from scipy.stats import chi2
 
-from imugap.discovery.fit.axis_fit import AxisFit, Term, fit
-from imugap.discovery.search.search import Search, log_chance, with_effect
+from imugap.discovery.fit.axis_fit import AxisFit, fit
+from imugap.discovery.fit.description import Entry
+from imugap.discovery.search.search import Search, entry_of, log_chance
 from imugap.effects.effect import Effect, SystematicEffect
 from imugap.log import ACCEL, GYRO
 
@@ -41,7 +42,7 @@ class Estimate:
     """
 
     axis: str
-    terms: tuple[Term, ...]
+    terms: tuple[Entry, ...]
     information: np.ndarray
 
     @property
@@ -257,7 +258,7 @@ def _estimates(kinds: Sequence[type[Effect]], device: Device) -> list[Estimate]:
         asked = [kind for kind in kinds if axis in kind.common and not device.searches[axis].start_has(kind)]
         for kind in asked:
             start = None if found.has(kind) else next(kind.starts(found), None)
-            found = found if start is None else fit(found.sequence, with_effect(found.description, start))
+            found = found if start is None else fit(found.sequence, found.description.adding(entry_of(start)))
         if any(found.has(kind) for kind in asked):
             estimates.append(_estimate(axis, found, asked))
     return estimates
@@ -276,10 +277,8 @@ def _held(device: Device, joint: Joint) -> Device:
     """Return the device with an effect held at its common value, and without what was there in its place."""
     fits, searches = dict(device.fits), dict(device.searches)
     for axis in joint.axes:
-        search, term = searches[axis], Term(joint.effect, ())
-        known = len(search.start.terms)
-        terms = [one for one in fits[axis].description.terms if not isinstance(one.effect, type(joint.effect))]
-        searches[axis] = replace(search, start=replace(search.start, terms=(*search.start.terms, term)), memory={})
-        description = replace(fits[axis].description, terms=(*terms[:known], term, *terms[known:]))
-        fits[axis] = searches[axis].pruned(fit(fits[axis].sequence, description))
+        search, held = searches[axis], Entry(joint.effect, (), known=True)
+        rest = fits[axis].description.keeping(lambda entry: not isinstance(entry.effect, type(joint.effect)))
+        searches[axis] = replace(search, start=search.start.adding(held), memory={})
+        fits[axis] = searches[axis].pruned(fit(fits[axis].sequence, rest.adding(held)))
     return Device(fits, searches, (*device.joints, joint))

@@ -6,20 +6,10 @@ import numpy as np
 
 from imugap.discovery.fit.axis_fit import AxisFit, fit
 from imugap.discovery.fit.telegraph_likelihood import Blocks, compare, likeliest
-from imugap.discovery.search.search import (
-    Search,
-    at,
-    changing,
-    coloured,
-    little,
-    log_chance,
-    removed,
-    stepping,
-    without,
-)
+from imugap.discovery.search.search import Search, changing, coloured, little, log_chance, stepping, without
 from imugap.discovery.search.telegraph_in_noise import Switching, switching
 from imugap.effects import RandomTelegraph
-from imugap.effects.effect import StochasticEffect
+from imugap.effects.effect import Effect, StochasticEffect
 
 SWITCHES, ALIKE = 3, 0.4
 """Steps to and fro at least, and largest difference of their sizes over the largest, that are telegraph noise."""
@@ -36,50 +26,51 @@ def told_apart(search: Search, found: AxisFit) -> AxisFit:
     verdict = compare(found, slow)
     if verdict.gain < -search.log_alpha / 2:
         return found
-    noise = found.description.noise
-    known = len(search.start.noise.effects)
-    kept = (little(one) if one in slow else one for one in noise.effects[:known])
-    rest = (one for one in noise.effects[known:] if one not in slow)
-    effects = replace(noise, effects=(*kept, *rest, verdict.effect))
-    exchanged = _without_switches(search, fit(found.sequence, replace(found.description, noise=effects)))
+    kept = found.description.keeping(lambda entry: entry.known or entry.effect not in slow)
+    for index, entry in enumerate(kept.entries):
+        if entry.effect in slow:
+            kept = kept.with_effect(index, little(entry.effect))
+    exchanged = _without_switches(search, fit(found.sequence, kept.adding(verdict.effect)))
     beside = _stepless(search).explore(exchanged)
     return _one_telegraph(search, beside) if beside.has(RandomTelegraph) else exchanged
 
 
 def steady(search: Search, found: AxisFit) -> AxisFit:
     """Return the fit without the added changes of variance that are clusters of switches of telegraph noise."""
-    changes = search.added(found.description, changing)
-    if not changes or not search.added(found.description, lambda effect: effect.two_valued):
+    changes = search.added(found, changing)
+    if not changes or not search.added(found, _is_two_valued):
         return found
     blocks = Blocks.of(found, _slow(search, found))
     likelihood = likeliest(blocks).log_likelihood
-    for key in changes:
-        others = removed(found.description, key).changes
+    for change in changes:
+        others = found.description.without([change.index]).changes
         gain = likelihood - likeliest(blocks.changed(found.sequence, others)).log_likelihood
         if log_chance(gain, 1) > search.log_alpha:
-            return steady(search, without(found, [key]))
+            return steady(search, without(found, [change]))
     return found
 
 
 def hidden_telegraph(search: Search, found: AxisFit) -> Switching | None:
     """Return the telegraph noise of a fit beside another process, in the place of steps and slow noise too."""
-    if not search.added(found.description, lambda effect: effect.two_valued):
+    if not search.added(found, _is_two_valued):
         return None
-    stepless = without(found, search.added(found.description, stepping))
+    stepless = without(found, search.added(found, stepping))
     return switching(stepless, _slow(search, stepless), search.log_alpha)
 
 
 def two_valued(found: AxisFit) -> AxisFit:
     """Return the fit with the telegraph noise that the samples, not their spectrum alone, make most likely."""
-    noise = found.description.noise
-    effects = tuple(compare(found, (one,)).effect if isinstance(one, RandomTelegraph) else one for one in noise.effects)
-    return replace(found, description=replace(found.description, noise=replace(noise, effects=effects)))
+    description = found.description
+    for index, effect in enumerate(description.effects()):
+        if isinstance(effect, RandomTelegraph):
+            description = description.with_effect(index, compare(found, (effect,)).effect)
+    return replace(found, description=description)
 
 
 def _many_steps(search: Search, found: AxisFit) -> AxisFit:
     """Return the fit with telegraph noise in the place of more steps than can have their name, if it is that."""
-    steps = search.added(found.description, stepping)
-    if not steps or len(steps) <= at(found.description, steps[0]).most:
+    steps = search.added(found, stepping)
+    if not steps or len(steps) <= steps[0].effect.most:
         return found
     stepless = _stepless(search)
     other = told_apart(stepless, stepless.explore(without(found, steps)))
@@ -88,9 +79,8 @@ def _many_steps(search: Search, found: AxisFit) -> AxisFit:
 
 def _switching(search: Search, found: AxisFit) -> AxisFit:
     """Return the fit with telegraph noise in the place of steps to and fro of one size."""
-    steps = search.added(found.description, stepping)
-    sizes = [at(found.description, key) for key in steps]
-    jumps = np.array([effect.step for effect in sorted(sizes, key=lambda effect: effect.time)])
+    steps = sorted(search.added(found, stepping), key=lambda candidate: candidate.effect.time)
+    jumps = np.array([candidate.effect.step for candidate in steps])
     if (
         len(jumps) < SWITCHES
         or np.any(np.diff(np.sign(jumps)) == 0)
@@ -100,25 +90,22 @@ def _switching(search: Search, found: AxisFit) -> AxisFit:
     rest = without(found, steps).description
     duration = found.sequence.conditions.interval * len(found.sequence.values)
     effect = RandomTelegraph(float(np.abs(jumps).mean()), len(jumps) / duration)
-    noise = replace(rest.noise, effects=(*rest.noise.effects, effect))
-    return fit(found.sequence, replace(rest, noise=noise))
+    return fit(found.sequence, rest.adding(effect))
 
 
 def _without_switches(search: Search, found: AxisFit) -> AxisFit:
     """Return the fit without the added steps that are switches of its telegraph noise, for their size."""
     most = TWICE * max(one.step for one in found.description.noise.effects if isinstance(one, RandomTelegraph))
-    steps = search.added(found.description, stepping)
-    return without(found, [key for key in steps if abs(at(found.description, key).step) < most])
+    return without(found, [one for one in search.added(found, stepping) if abs(one.effect.step) < most])
 
 
 def _one_telegraph(search: Search, found: AxisFit) -> AxisFit:
     """Return the fit with one telegraph noise in the place of several that were added, which no log tells apart."""
-    added = search.added(found.description, lambda effect: effect.two_valued)
+    added = search.added(found, _is_two_valued)
     if len(added) < 2:
         return found
-    one = compare(found, tuple(at(found.description, key) for key in added)).effect
-    rest = without(found, added).description
-    return fit(found.sequence, replace(rest, noise=replace(rest.noise, effects=(*rest.noise.effects, one))))
+    one = compare(found, tuple(candidate.effect for candidate in added)).effect
+    return fit(found.sequence, without(found, added).description.adding(one))
 
 
 def _stepless(search: Search) -> Search:
@@ -131,12 +118,16 @@ def _slow_part(search: Search, found: AxisFit) -> tuple[StochasticEffect, ...]:
 
     That may be slow noise of the start model, which is free.
     """
-    added = tuple(at(found.description, key) for key in search.added(found.description, lambda effect: effect.slow))
-    if added or not search.too_many_changes(found.description):
+    added = tuple(candidate.effect for candidate in search.added(found, lambda effect: effect.slow))
+    if added or not search.too_many_changes(found):
         return added
     return tuple(one for one in found.description.noise.effects if one.slow)
 
 
 def _slow(search: Search, found: AxisFit) -> tuple[StochasticEffect, ...]:
     """Return the slow processes of a fit that were added."""
-    return tuple(at(found.description, key) for key in search.added(found.description, coloured))
+    return tuple(candidate.effect for candidate in search.added(found, coloured))
+
+
+def _is_two_valued(effect: Effect) -> bool:
+    return effect.two_valued
