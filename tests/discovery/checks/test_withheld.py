@@ -153,7 +153,7 @@ def test_hysteresis_is_not_named_random_walk():
         found.append(conclude(search_axis(data, (), tuple(CATALOGUE.values()), LOG_ALPHA, 12_800)))
     loop, wandering = found
     assert names(loop) == []
-    assert loop.seen
+    assert loop.changed
     assert names(wandering) == ["random_walk"]
 
 
@@ -171,7 +171,7 @@ def test_hysteresis_during_warming_is_named_neither_temperature_nor_warm_up(cons
         data = AxisSequence(white + added, conditions, np.zeros(len(time), bool))
         found.append(conclude(search_axis(data, (), tuple(CATALOGUE.values()), LOG_ALPHA, 19_200)))
     assert names(found[0]) == []
-    assert found[0].seen
+    assert found[0].changed
     assert names(found[1]) == ["temperature", "warm_up"]
 
 

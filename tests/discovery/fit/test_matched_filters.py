@@ -24,8 +24,8 @@ def test_gain_of_every_step_is_that_of_its_column():
 def test_gain_of_every_step_is_that_beside_terms_which_move(output_filter):
     """Behind a filter what leaks over the ends of the log is left out of it."""
     terms = Entry(RateRamp(0.0), ("slope",)), Entry(Sinusoid(0.013, 1e-4, 0.4), ("frequency", "amplitude", "phase"))
-    effects = () if output_filter is None else (output_filter,)
-    found = fit(sequence(*effects, count=4000), Description.known(WHITE).adding(*terms, output_filter))
+    filters = () if output_filter is None else (output_filter,)
+    found = fit(sequence(*filters, count=4000), Description.known(WHITE).adding(*terms, *filters))
     for place in (77, 700, 2000, 3200):
         column = found.whiten((np.arange(4000) >= place).astype(float)[:, None])
         gain, rank = found.joint_gain(column)
