@@ -217,7 +217,7 @@ def test_wrong_answers_are_those_of_clear_effects_and_of_nothing():
     assert more.loc["every", ["count", "rate"]].tolist() == [9, 3 / 9]
 
 
-def test_the_gap_is_closed_below_the_upper_end_of_the_floor():
+def test_the_distance_is_closed_below_the_upper_end_of_the_floor():
     far = CLOSED | {"after": {"value": 2.0, "low": 1.9, "high": 2.1}}
     cases = [
         (key("a", effects=[hidden("sinusoid")]), report(found("sinusoid"))),

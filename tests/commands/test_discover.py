@@ -127,8 +127,8 @@ def test_the_folder_is_whole_and_tells_the_line(here, capsys):
     assert report["distance"]["before"]["value"] > report["distance"]["after"]["value"]
     final = ErrorModel.read("found/model.yaml")
     assert final.to_mapping() == report["final_model"]
-    gaps = pd.read_csv("found/gaps.csv")
-    assert {("gyro_y", "line", "start")} <= set(zip(gaps["axis"], gaps["view"], gaps["model"], strict=True))
+    table = pd.read_csv("found/gaps.csv")
+    assert {("gyro_y", "line", "start")} <= set(zip(table["axis"], table["view"], table["model"], strict=True))
     page = Path("found/report.md").read_text()
     assert set(re.findall(r"\]\((\S+)\)", page)) == {name for name in FILES if name.endswith(".svg")}
     for name in re.findall(r"\]\((\S+)\)", page):
@@ -143,7 +143,7 @@ def test_two_runs_of_the_command_write_the_same_bytes(here):
         assert (here / "one" / name).read_bytes() == (here / "two" / name).read_bytes()
 
 
-def test_the_gap_shrinks_on_a_run_that_no_fit_has_seen(here):
+def test_the_discrepancy_shrinks_on_a_run_that_no_fit_has_seen(here):
     found = compose(Files((Path("run1.csv"),), (Path("run2.parquet"),)), Question(**QUICK), "found").found
     report = read_report("found")
     assert [one["path"] for one in report["test"]] == ["run2.parquet"]
@@ -272,8 +272,8 @@ def test_what_the_start_model_knows_is_not_named_again():
 def test_an_axis_without_two_values_is_a_place_and_does_not_stop_the_others():
     found = discover([measured(LINE).assign(gyro_x=2.0, gyro_z=np.nan)], Question(**QUICK))
     assert [(one.name, one.axes) for one in found.findings] == [("sinusoid", ("gyro_y",))]
-    for gaps in (found.gaps, found.unexplained):
-        assert {(gap.axis, gap.view) for gap in gaps} >= {("gyro_x", "values"), ("gyro_z", "values")}
+    for discrepancies in (found.discrepancies, found.unexplained):
+        assert {(place.axis, place.view) for place in discrepancies} >= {("gyro_x", "values"), ("gyro_z", "values")}
 
 
 def test_a_change_of_variance_that_lasts_goes_on_in_what_no_fit_has_seen():
@@ -314,7 +314,7 @@ def test_noise_in_common_takes_no_place_of_what_an_axis_answers():
     device = measured() + ideal + pd.DataFrame(errors, index=ideal.index)
     found = discover([device], Question(**QUICK), reference=ideal)
     assert "common_mode" in {one.name for one in found.findings}
-    assert any(gap.view == "rate" and gap.axis == "gyro_x,gyro_y" for gap in found.unexplained)
+    assert any(place.view == "rate" and place.axis == "gyro_x,gyro_y" for place in found.unexplained)
 
 
 def test_nothing_is_told_of_the_holes_of_a_reference():

@@ -86,17 +86,17 @@ def test_a_track_is_known_where_its_attitude_and_its_position_are():
 def test_differences_of_a_smooth_track_are_the_means_of_rate_and_force():
     _, track = recorded()
     found = ideal(track, Alignment(0.0, Rotation.identity(), TRUE.gravity)).iloc[1:-1]
-    gap = found.to_numpy() - means(found.index.to_numpy())
-    assert np.abs(gap[:, :3]).max() < 2e-4
-    assert np.abs(gap[:, 3:]).max() < 2e-3
+    difference = found.to_numpy() - means(found.index.to_numpy())
+    assert np.abs(difference[:, :3]).max() < 2e-4
+    assert np.abs(difference[:, 3:]).max() < 2e-3
 
 
 def test_a_log_without_errors_is_its_ideal_within_the_band():
     device, track = recorded()
     pair = band_limited(device, track, TRUE, BAND_HZ)
-    gap = (pair.log - pair.ideal).to_numpy()[20:-20]
-    assert np.abs(gap[:, :3]).max() < 2e-4
-    assert np.abs(gap[:, 3:]).max() < 2e-3
+    difference = (pair.log - pair.ideal).to_numpy()[20:-20]
+    assert np.abs(difference[:, :3]).max() < 2e-4
+    assert np.abs(difference[:, 3:]).max() < 2e-3
     assert not pair.unseen.any()
     assert log.rate(pair.log) == pytest.approx(2 * BAND_HZ, rel=0.05)
 
@@ -125,9 +125,9 @@ def test_an_error_of_the_sensor_is_what_remains():
     device, track = recorded()
     wrong = device.assign(gyro_y=device["gyro_y"] * 1.01, accel_z=device["accel_z"] + 0.3)
     pair = band_limited(wrong, track, TRUE, BAND_HZ)
-    gap = (pair.log - pair.ideal).iloc[20:-20]
-    np.testing.assert_allclose(gap["gyro_y"], 0.01 * pair.ideal["gyro_y"].iloc[20:-20], atol=3e-4)
-    np.testing.assert_allclose(gap["accel_z"], 0.3, atol=3e-3)
+    difference = (pair.log - pair.ideal).iloc[20:-20]
+    np.testing.assert_allclose(difference["gyro_y"], 0.01 * pair.ideal["gyro_y"].iloc[20:-20], atol=3e-4)
+    np.testing.assert_allclose(difference["accel_z"], 0.3, atol=3e-3)
 
 
 def test_where_the_cameras_lose_the_device_nothing_is_said():
@@ -138,15 +138,15 @@ def test_where_the_cameras_lose_the_device_nothing_is_said():
     stamps = pair.log.index[pair.unseen] - LAG
     assert all(np.any((stamps > begin) & (stamps < end)) for begin, end in ((19.95, 20.15), (49.95, 50.1)))
     assert 0 < pair.unseen.mean() < 0.02
-    gap = (pair.log - pair.ideal).iloc[20:-20]
-    np.testing.assert_allclose(gap["gyro_x"], 0.2, atol=5e-4)
-    np.testing.assert_allclose(gap["accel_y"], 0.0, atol=0.05)
+    difference = (pair.log - pair.ideal).iloc[20:-20]
+    np.testing.assert_allclose(difference["gyro_x"], 0.2, atol=5e-4)
+    np.testing.assert_allclose(difference["accel_y"], 0.0, atol=0.05)
 
 
 def test_white_noise_of_the_log_keeps_its_density():
     device, track = recorded()
     noise = 0.1 * stream(41, "white").standard_normal(len(device))
-    gap = band_limited(device.assign(gyro_z=device["gyro_z"] + noise), track, TRUE, BAND_HZ)
-    left = (gap.log - gap.ideal)["gyro_z"].to_numpy()
-    expected = 0.1**2 * INTERVAL * log.rate(gap.log)
+    difference = band_limited(device.assign(gyro_z=device["gyro_z"] + noise), track, TRUE, BAND_HZ)
+    left = (difference.log - difference.ideal)["gyro_z"].to_numpy()
+    expected = 0.1**2 * INTERVAL * log.rate(difference.log)
     assert np.var(left) == pytest.approx(expected, rel=4 * np.sqrt(2 / len(left)))

@@ -89,8 +89,8 @@ def test_an_effect_on_all_walks_is_named_and_its_size_is_right(loop, plain, name
     said = scores_of(loop, device, 1) + scores_of(loop, device, 2) + scores_of(loop, device, 3)
     verdict = score_test(said, 0.01, np.random.default_rng(1))
     assert hidden in [found.number for found in verdict.named]
-    gap = said.of([hidden]).sizes()[0][0] - plain.of([hidden]).sizes()[0][0]
-    assert gap == pytest.approx(getattr(effect, parameter), rel=0.15)
+    difference = said.of([hidden]).sizes()[0][0] - plain.of([hidden]).sizes()[0][0]
+    assert difference == pytest.approx(getattr(effect, parameter), rel=0.15)
 
 
 @pytest.mark.slow

@@ -143,9 +143,9 @@ def test_a_dead_zone_is_found_placed_and_named(kinds, zone, seed, width):
     assert (one.name, one.axes) == ("dead_zone", ("gyro_y",))
     interval = one.parameters["width"]
     assert interval.low - (interval.high - interval.low) < width < interval.high + (interval.high - interval.low)
-    (gap,) = (gap for gap in discovery.gaps if gap.view == "values")
-    assert (gap.axis, gap.unit) == ("gyro_y", "rad/s")
-    assert (gap.low, gap.high) == pytest.approx((-width / 2, width / 2), rel=1e-2)
+    (place,) = (place for place in discovery.discrepancies if place.view == "values")
+    assert (place.axis, place.unit) == ("gyro_y", "rad/s")
+    assert (place.low, place.high) == pytest.approx((-width / 2, width / 2), rel=1e-2)
     assert discovery.unexplained == ()
     assert any(isinstance(effect, zone) for effect in discovery.final["gyro_y"])
     (density,) = (effect.density for effect in discovery.final["gyro_y"] if isinstance(effect, WhiteNoise))

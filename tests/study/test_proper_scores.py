@@ -27,8 +27,8 @@ def test_the_score_is_fair_and_proper():
         came, draws = rng.standard_normal(2), rng.standard_normal((5, 2))
         for shift, own in scores.items():
             own.append(energy_score(draws + shift, came))
-    gap = np.subtract(scores[0.7], scores[0.0])
-    assert gap.mean() > 4 * gap.std() / np.sqrt(len(gap))
+    difference = np.subtract(scores[0.7], scores[0.0])
+    assert difference.mean() > 4 * difference.std() / np.sqrt(len(difference))
 
 
 @pytest.mark.parametrize("size", [1, 2])

@@ -167,7 +167,7 @@ rule dossier:
 
 
 rule missing_page:
-    """Tabulate what is missing from the models of a device, where, and how far the gap shrinks on its other runs."""
+    """Tabulate what is missing from the models of a device, where, and how far the discrepancy shrinks on other runs."""
     input:
         reports=expand("results/missing/{{device}}_{start}/report.json", start=STARTS),
         figures=expand(

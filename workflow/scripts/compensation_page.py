@@ -98,7 +98,7 @@ def inside_page(data):
 
 def numbers(trials, devices, inside, walk, table3):
     """Collect what the text quotes."""
-    gap = {
+    difference = {
         quantity: {
             name: {
                 "value": tables.interval(*devices.loc[name, [f"{quantity}_excess{end}" for end in ENDS]]),
@@ -124,7 +124,7 @@ def numbers(trials, devices, inside, walk, table3):
         "length_m": f"{sum(leg.share for leg in walk.course.strides()) * walk.gait.length_m:.0f}",
         "strides": sum(1 for _ in walk.course.strides()),
         "rate_hz": walk.rate_hz,
-        "gap": gap,
+        "gap": difference,
         "five": known.to_dict("index"),
         "mean": mean,
         "inside": filtered,

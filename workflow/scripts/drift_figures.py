@@ -18,5 +18,5 @@ with job(snakemake) as (source, params, output):
     }
     columns = list(QUANTITIES.values())
     for k, start in enumerate(STARTS):
-        gaps = {name: differences(drift[k, :1][..., columns], one[k])[0] for name, one in ensembles.items()}
-        save(output, **{start: static.differences(time, gaps, params.drawn)})
+        deviations = {name: differences(drift[k, :1][..., columns], one[k])[0] for name, one in ensembles.items()}
+        save(output, **{start: static.differences(time, deviations, params.drawn)})

@@ -24,16 +24,16 @@ def apart(solution, aboard):
     return np.angle(np.exp(1j * (mine - np.column_stack(theirs))))
 
 
-def numbers(solution, gaps, drift, way):
+def numbers(solution, errors, drift, way):
     """Collect what the text quotes."""
     record, nees = solution.record, drift["nees"]
     low, high = nees_band(2, len(nees))
     std = np.degrees(solution.trajectory_std.loc[slice(*IN_THE_AIR_S), list(ATTITUDE)].mean())
     return {
         "angles": {
-            name: {"mean": tables.number(np.degrees(gap.mean()), 2), "std": tables.number(np.degrees(gap.std()), 2),
+            name: {"mean": tables.number(np.degrees(error.mean()), 2), "std": tables.number(np.degrees(error.std()), 2),
                    "told": tables.number(std[name], 2)}
-            for name, gap in zip(ATTITUDE, gaps.T, strict=True)
+            for name, error in zip(ATTITUDE, errors.T, strict=True)
         },
         "nis": tables.number(record.statistic.sum() / record.freedom.sum(), 2),
         "factors": {name: tables.number(way.iloc[-1][name], 2) for name in roadtest.TUNED},

@@ -42,10 +42,15 @@ def comparison(scores, seed):
                 of = {one: known.loc[(minutes, angle, one), measure] for one in ESTIMATED}
                 of["truth"] = known.loc[(0, angle, "truth"), measure]
                 rng = stream(seed, "flights", minutes, angle, measure)
-                gap = bootstrap.mean((of["indirect"] - of["allan"]).to_numpy(), rng, block=1)
+                difference = bootstrap.mean((of["indirect"] - of["allan"]).to_numpy(), rng, block=1)
                 row = {"minutes": minutes, "angle": angle, "measure": measure}
                 row |= {one: float(values.mean()) for one, values in of.items()}
-                row |= {"difference": gap.value, "low": gap.low, "high": gap.high, "differs": gap.differs}
+                row |= {
+                    "difference": difference.value,
+                    "low": difference.low,
+                    "high": difference.high,
+                    "differs": difference.differs,
+                }
                 rows.append(row | {"smaller": float((of["indirect"] < of["allan"]).mean())})
     return pd.DataFrame(rows)
 
@@ -69,9 +74,9 @@ def page(compared, scores, published):
     for (minutes, angle), group in compared.groupby(["minutes", "angle"], sort=False):
         for row in group.itertuples():
             means = [tables.number(degrees(getattr(row, one), row.measure)) for one in (*ESTIMATED, "truth")]
-            gap = tables.interval(*(degrees(v, row.measure) for v in (row.difference, row.low, row.high)))
+            difference = tables.interval(*(degrees(v, row.measure) for v in (row.difference, row.low, row.high)))
             head = [f"{minutes} min", attitude.ANGLES[angle], MEASURES[row.measure]]
-            rows.append([*head, *means, gap, printed(published, angle, row.measure)])
+            rows.append([*head, *means, difference, printed(published, angle, row.measure)])
         ranges = [spans(scores, minutes, angle, one) for one in ESTIMATED] + [spans(scores, 0, angle, "truth")]
         head = [f"{minutes} min", attitude.ANGLES[angle], MEASURES["range"]]
         rows.append([*head, *ranges, "—", printed(published, angle, "range")])

@@ -18,6 +18,6 @@ with job(snakemake) as (source, params, output):
         labels = dict(zip(KEY, key, strict=True))
         found.append(attitude_scores.scored(solution, reference.error(solution, truth), ATTITUDE, labels))
     errors, scores = map(pd.concat, zip(*found, strict=True))
-    gaps = attitude_scores.differences(errors[errors["minutes"] > 0], KEY[:2], ATTITUDE, params.seed)
-    save(output, scores=scores, differences=gaps.sort_values(KEY[:2], kind="stable"))
+    differences = attitude_scores.differences(errors[errors["minutes"] > 0], KEY[:2], ATTITUDE, params.seed)
+    save(output, scores=scores, differences=differences.sort_values(KEY[:2], kind="stable"))
     errors[errors["run"] == 1].to_parquet(output.errors)

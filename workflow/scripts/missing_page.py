@@ -1,4 +1,4 @@
-"""Tabulate what is missing from the models of a device, where, and how far the gap shrinks on its other runs."""
+"""Tabulate what is missing from the models of a device, where, and how far the discrepancy shrinks on other runs."""
 
 from itertools import groupby
 from math import isfinite, nan
@@ -6,7 +6,7 @@ from shutil import copyfile
 
 import pandas as pd
 
-from imugap.discovery.finding import Gap
+from imugap.discovery.finding import Discrepancy
 from imugap.discovery.report import describe_range
 from imugap.figures import discovery
 from imugap.figures.static import TITLES
@@ -31,9 +31,9 @@ def axes_of(names):
     return "all six" if names == tuple(AXIS_TITLES) else ", ".join(AXIS_TITLES.get(name, name) for name in names)
 
 
-def gap_title(gap):
+def view_title(place):
     """Give the view of a place as a page shows it."""
-    return discovery.TITLES.get(gap["view"], gap["view"])
+    return discovery.TITLES.get(place["view"], place["view"])
 
 
 def effects(reports):
@@ -81,19 +81,22 @@ def effects_page(reports):
 def places(reports):
     """Return the places that the start model leaves and those that the final one leaves."""
     return pd.DataFrame([
-        {"start": start, "model": model} | gap
+        {"start": start, "model": model} | place
         for start, report in reports.items()
         for model, key in (("start", "gaps"), ("final", "unexplained"))
-        for gap in report[key]
+        for place in report[key]
     ], columns=["start", "model", "view", "axis", "low", "high", "unit", "p_value"])  # fmt: skip
 
 
-def places_listed(gaps):
+def places_listed(places):
     """Tell how many places there are, and which is the surest of each of the surest views."""
-    surest = [next(group) for _, group in groupby(sorted(gaps, key=lambda gap: gap["view"]), lambda gap: gap["view"])]
-    first = sorted(surest, key=lambda gap: gap["p_value"])[:FEW]
-    shown = "; ".join(f"{gap_title(gap)} {tables.unit(describe_range(Gap(**gap)))}" for gap in first)
-    return f"{len(gaps)}: {shown}" if gaps else "none"
+    surest = [
+        next(group)
+        for _, group in groupby(sorted(places, key=lambda place: place["view"]), lambda place: place["view"])
+    ]
+    first = sorted(surest, key=lambda place: place["p_value"])[:FEW]
+    shown = "; ".join(f"{view_title(place)} {tables.unit(describe_range(Discrepancy(**place)))}" for place in first)
+    return f"{len(places)}: {shown}" if places else "none"
 
 
 def places_page(reports):
@@ -102,7 +105,7 @@ def places_page(reports):
     for start, report in reports.items():
         for axis in [*AXIS_TITLES, PAIRS]:
             sides = [
-                [gap for gap in report[key] if (PAIRS if "," in gap["axis"] else gap["axis"]) == axis]
+                [place for place in report[key] if (PAIRS if "," in place["axis"] else place["axis"]) == axis]
                 for key in ("gaps", "unexplained")
             ]
             if any(sides):
@@ -165,13 +168,13 @@ def numbers(reports, data):
     }
     for start, report in reports.items():
         rows = data[data["start"] == start].set_index("distance")
-        left = sorted({axis for gap in report["unexplained"] for axis in gap["axis"].split(",")})
+        left = sorted({axis for place in report["unexplained"] for axis in place["axis"].split(",")})
         said["starts"][start] = {
             "title": TITLES[start],
             "gaps": len(report["gaps"]),
             "left": len(report["unexplained"]),
             "left_axes": axes_of(axis for axis in AXIS_TITLES if axis in left),
-            "left_views": ", ".join(dict.fromkeys(gap_title(gap) for gap in report["unexplained"])),
+            "left_views": ", ".join(dict.fromkeys(view_title(place) for place in report["unexplained"])),
             "effects": len(report["effects"]),
             "names": ", ".join(dict.fromkeys(one["name"].replace("_", " ") for one in report["effects"])),
             "withheld": len(report["withheld"]),

@@ -80,9 +80,11 @@ def trials_page(scores, differences, titles):
     for one in differences.itertuples():
         key = one.trial, one.model, one.angle
         errors = [tables.number(from_si(rms[(*key, scheme)], "deg")) for scheme in attitude.TITLES if scheme != "truth"]
-        gap = tables.interval(*(from_si(from_si(value, "deg"), "deg") for value in (one.value, one.low, one.high)))
+        difference = tables.interval(
+            *(from_si(from_si(value, "deg"), "deg") for value in (one.value, one.low, one.high))
+        )
         said = "too few blocks" if np.isinf(one.high) else ("beyond chance" if one.differs else "chance")
-        rows.append([titles[one.trial], MODELS[one.model], ANGLES[one.angle], *errors, gap, one.blocks, said])
+        rows.append([titles[one.trial], MODELS[one.model], ANGLES[one.angle], *errors, difference, one.blocks, said])
     heads = [f"{title}: rms [°]" for scheme, title in attitude.TITLES.items() if scheme != "truth"]
     heads = ["trial", "model", "error", *heads, "variance, 2 less 1 [°²]", "blocks", "2 against 1"]
     return pd.DataFrame(rows, columns=heads)

@@ -39,6 +39,6 @@ with job(snakemake) as (source, params, output):
             labels = dict(zip(KEY, (trial, *key), strict=True))
             found.append(attitude_scores.scored(solution, error, reference.ERROR, labels))
     errors, scores = map(pd.concat, zip(*found, strict=True))
-    gaps = attitude_scores.differences(errors, KEY[:2], reference.ERROR, params.seed)
-    save(output, alignment=pd.concat(alignments), scores=scores, differences=gaps)
+    differences = attitude_scores.differences(errors, KEY[:2], reference.ERROR, params.seed)
+    save(output, alignment=pd.concat(alignments), scores=scores, differences=differences)
     errors.to_parquet(output.errors)

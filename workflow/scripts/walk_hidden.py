@@ -39,11 +39,13 @@ def main(walk, case, params):
         for how, findings in {"exact": found.findings, "integrity": prepare(log).findings}.items()
         for one in findings
     ]
-    places = {(gap.axis, gap.view): gap for gap in sorted(found.gaps, key=lambda gap: -gap.p_value)}
+    places = {
+        (place.axis, place.view): place for place in sorted(found.discrepancies, key=lambda place: -place.p_value)
+    }
     rows += [
-        {"how": "place", "name": gap.view, "axis": gap.axis, "value": gap.low, "high": gap.high, "unit": gap.unit,
-         "chance": gap.p_value}
-        for gap in places.values()
+        {"how": "place", "name": place.view, "axis": place.axis, "value": place.low, "high": place.high,
+         "unit": place.unit, "chance": place.p_value}
+        for place in places.values()
     ]  # fmt: skip
     said = stance_test(log, loop.model, known_assumptions(loop))
     rows.append({"how": "scatter", "value": said.scatter})

@@ -44,9 +44,13 @@ def compared(scores, seed):
         row = {"by": name, "walks": int((scores["by"] == name).sum())}
         for quantity in QUANTITIES:
             wide = scores.pivot(index=["dataset", "run"], columns="by", values=f"score_{quantity}")
-            row[quantity], gaps = wide[name].mean(), (wide[name] - wide[REST]).to_numpy()
-            gap = bootstrap.mean(gaps, stream(seed, "foretold", name, quantity), block=1)
-            row |= {f"{quantity}_gap": gap.value, f"{quantity}_low": gap.low, f"{quantity}_high": gap.high}
+            row[quantity], differences = wide[name].mean(), (wide[name] - wide[REST]).to_numpy()
+            difference = bootstrap.mean(differences, stream(seed, "foretold", name, quantity), block=1)
+            row |= {
+                f"{quantity}_gap": difference.value,
+                f"{quantity}_low": difference.low,
+                f"{quantity}_high": difference.high,
+            }
             inside = scores.loc[scores["by"] == name, f"place_{quantity}"]
             row |= {f"{quantity}_{level:g}": int((inside < level).sum()) for level in LEVELS}
         yield row
@@ -82,8 +86,8 @@ def scores_page(data):
         row = {"predicted from": one["by"]}
         for quantity in QUANTITIES:
             row[f"{quantity} [cm]"] = tables.fixed(100 * one[quantity], 1)
-            gap = (100 * one[f"{quantity}_{key}"] for key in ("gap", "low", "high"))
-            row[f"{quantity}, against at rest"] = "—" if one["by"] == REST else tables.interval(*gap)
+            difference = (100 * one[f"{quantity}_{key}"] for key in ("gap", "low", "high"))
+            row[f"{quantity}, against at rest"] = "—" if one["by"] == REST else tables.interval(*difference)
         for quantity in ("horizontal", "height"):
             inside = " / ".join(str(one[f"{quantity}_{level:g}"]) for level in LEVELS)
             row[f"{quantity}: in the middle 50 / 90 %"] = f"{inside} of {one['walks']}"
@@ -94,15 +98,15 @@ def numbers(found, scores, data, seed):
     """Collect what the text quotes."""
     own, shared = (found[found["by"] == name] for name in (NAMED, SHARED))
     halves = own.groupby(["dataset", "asked"], sort=False)["named"].first()
-    gap, beyond = {}, {}
+    difference, beyond = {}, {}
     for one in data.to_dict("records"):
         values = {name: [one[f"{name}_{key}"] for key in ("gap", "low", "high")] for name in QUANTITIES}
-        gap[one["by"]] = {name: verdict(value) for name, value in values.items()}
+        difference[one["by"]] = {name: verdict(value) for name, value in values.items()}
         beyond[one["by"]] = {name: one["walks"] - one[f"{name}_0.9"] for name in QUANTITIES}
     with_name = own.loc[own["named"], "dataset"].unique()
     wide = scores[named_for(scores, own)].pivot(index=["dataset", "run"], columns="by", values="score_space")
-    gaps = (wide[NAMED] - wide[REST]).to_numpy() if len(wide) else np.empty(0)
-    there = bootstrap.mean(gaps, stream(seed, "foretold", "there"), block=1) if len(wide) else None
+    differences = (wide[NAMED] - wide[REST]).to_numpy() if len(wide) else np.empty(0)
+    there = bootstrap.mean(differences, stream(seed, "foretold", "there"), block=1) if len(wide) else None
     sinking = 1e3 * shared.loc[shared["named"], "value"]
     return {
         "walks": int((scores["by"] == REST).sum()),
@@ -115,7 +119,7 @@ def numbers(found, scores, data, seed):
             "named": len(sinking),
             "mm_per_s": [tables.number(end(sinking), 2) for end in (min, max)] if len(sinking) else [],
         },
-        "gap_cm": gap,
+        "gap_cm": difference,
         "beyond": beyond,
         "there": {"walks": len(wide)} | (verdict([there.value, there.low, there.high]) if there else {}),
     }

@@ -38,14 +38,14 @@ def against(files, run, solution):
 
 def scores(beside, strides, loose):
     """Return what the comparison says, in metres but for the lag [s]."""
-    gap, loose = (one["found"] - one["seen"] for one in (strides, loose))
+    error, loose = (one["found"] - one["seen"] for one in (strides, loose))
     found, seen = beside.reach()
     horizontal, vertical = beside.rmse()
     end, height = beside.end()
     return {
         "end": end, "height": height, "rmse": horizontal, "rmse_vertical": vertical, "lag": beside.lag,
-        "arm": np.linalg.norm(beside.arm), "stride_rmse": np.sqrt(np.mean(gap**2)), "stride_bias": gap.mean(),
-        "stride_rmse_plain": np.sqrt(np.mean(loose**2)), "compared": len(gap), "reach": found, "reach_seen": seen,
+        "arm": np.linalg.norm(beside.arm), "stride_rmse": np.sqrt(np.mean(error**2)), "stride_bias": error.mean(),
+        "stride_rmse_plain": np.sqrt(np.mean(loose**2)), "compared": len(error), "reach": found, "reach_seen": seen,
     }  # fmt: skip
 
 
@@ -66,11 +66,11 @@ def believed(files, run, log):
     """Return what comes of believing samples near the full scale, and how strides go with the force of their strike."""
     beside, strides, _ = against(files, run, navigate_walk(WalkInputs(log)).smoothed)
     found, seen = beside.reach()
-    gap = strides["found"] - strides["seen"]
+    error = strides["found"] - strides["seen"]
     force = log[list(ACCEL)].abs().max(axis=1)
-    rank = spearmanr([force.loc[one.start : one.end].max() for one in strides.itertuples()], gap)
+    rank = spearmanr([force.loc[one.start : one.end].max() for one in strides.itertuples()], error)
     return {
-        "reach_believed": found - seen, "stride_rmse_believed": np.sqrt(np.mean(gap**2)),
+        "reach_believed": found - seen, "stride_rmse_believed": np.sqrt(np.mean(error**2)),
         "strike_rank": rank.statistic, "strike_p": rank.pvalue,
     }  # fmt: skip
 

@@ -11,7 +11,7 @@ from imugap.atomic import write_together
 from imugap.commands.arguments import add_effects, count, probability
 from imugap.discovery.device import Question
 from imugap.discovery.inputs import FileDiscovery, Files, discover_files
-from imugap.discovery.report import candidate_table, describe_range, gap_table, verdict
+from imugap.discovery.report import candidate_table, describe_range, discrepancy_table, verdict
 from imugap.discovery.steps import Progress
 from imugap.workflow.products import write_svg
 
@@ -28,7 +28,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     parser.description = (
         "Find where logs of a device and simulations of its error model disagree, name the effects that are missing, "
-        "add them, and show that the gap shrinks on data that no fit has seen."
+        "add them, and show that the discrepancy shrinks on data that no fit has seen."
     )
     parser.add_argument("log", nargs="+", help="canonical CSV or Parquet log, one per run of the device")
     parser.add_argument(
@@ -79,13 +79,13 @@ def write(result: FileDiscovery, out: str | Path) -> None:
 
     found = result.found
     text = json.dumps(result.report(), indent=1, allow_nan=False) + "\n"
-    gaps, candidates = gap_table(found.gaps, found.unexplained), candidate_table(found)
+    discrepancies, candidates = discrepancy_table(found.discrepancies, found.unexplained), candidate_table(found)
     views = discovery.places(found, result.alpha), discovery.surest(found, result.alpha)
     drawn = (*views, discovery.distance(found), discovery.drift(found))
     writers = (
         lambda path: path.write_text(text),
         found.final.write,
-        lambda path: gaps.to_csv(path, index=False),
+        lambda path: discrepancies.to_csv(path, index=False),
         lambda path: candidates.to_csv(path, index=False),
         lambda path: path.write_text(page(result)),
         *(lambda path, figure=figure: write_svg(figure, path) for figure in drawn),
@@ -109,7 +109,7 @@ def page(result: FileDiscovery) -> str:
         _table(_effects(result)),
         "## Places",
         "Where the log leaves the start model:",
-        _table(_places(found.gaps)),
+        _table(_places(found.discrepancies)),
         "Where it leaves the final model:",
         _table(_places(found.unexplained)),
         "![The surest place of each view before and after](surest.svg)",
@@ -138,10 +138,10 @@ def _effects(result: FileDiscovery) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=["axes", "name", "parameters (95 %)", "not to be told from it"])
 
 
-def _places(gaps) -> pd.DataFrame:
+def _places(discrepancies) -> pd.DataFrame:
     rows = [
-        (gap.axis, gap.view, describe_range(gap), f"{gap.p_value:.1e}" if gap.p_value else f"< {LEAST:.0e}")
-        for gap in gaps
+        (place.axis, place.view, describe_range(place), f"{place.p_value:.1e}" if place.p_value else f"< {LEAST:.0e}")
+        for place in discrepancies
     ]
     return pd.DataFrame(rows, columns=["axis", "view", "where", "p-value"])
 

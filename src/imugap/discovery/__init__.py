@@ -1,4 +1,4 @@
-"""Discovery: find where simulation and measurement disagree, name the missing effect, add it, show the gap shrink.
+"""Discovery: find where simulation and measurement disagree, name the missing effect, add it, and measure both models.
 
 :mod:`.inputs` works on files, :mod:`.device` on tables. The stages: preparation, search of each axis, pooling of axes,
 checks, comparison of runs, evaluation, report. May import simulation, estimation, effects, io and what lies below.

@@ -20,7 +20,7 @@ from imugap.discovery.checks import (
 )
 from imugap.discovery.checks.motion import all_against_motion, motion_gain
 from imugap.discovery.checks.withheld import Withheld, withheld
-from imugap.discovery.finding import MIN_LOG_P, Finding, Gap, Interval
+from imugap.discovery.finding import MIN_LOG_P, Discrepancy, Finding, Interval
 from imugap.discovery.fit.axis_fit import AxisFit, fit, log_score, offset
 from imugap.discovery.fit.start_model import described
 from imugap.discovery.fit.telegraph_likelihood import compare
@@ -351,7 +351,9 @@ def _telegraph_finding(
     if odd:
         ends = map(float, conditions.time[[0, -1]])
         return (), (
-            Withheld(effect.name, odd[0], Gap("change", axis, *ends, "s", float(np.exp(max(log_p, MIN_LOG_P))))),
+            Withheld(
+                effect.name, odd[0], Discrepancy("change", axis, *ends, "s", float(np.exp(max(log_p, MIN_LOG_P))))
+            ),
         )
     units = effect.units(axis_unit(axis))
     parameters = {

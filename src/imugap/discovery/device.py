@@ -1,8 +1,8 @@
 """Discovery on the logs of a device.
 
 The stages, in order, each a function of the one before: :func:`_prepare`, :func:`_search_axes`, :func:`_name_effects`,
-:func:`_locate_gaps`, :func:`_compare_runs`, :func:`_assemble`, :func:`_test_final_model`, :func:`_measure_distances`,
-:func:`_conclude`.
+:func:`_locate_discrepancies`, :func:`_compare_runs`, :func:`_assemble`, :func:`_test_final_model`,
+:func:`_measure_distances`, :func:`_conclude`.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -18,7 +18,7 @@ from imugap.discovery.between_runs import clock_findings, fit_like_first, turn_o
 from imugap.discovery.common_noise import find_common_noise
 from imugap.discovery.evaluation.distance import Distances, Drifts
 from imugap.discovery.evaluation.held_out import HELD_IN, compare_held_out, compare_test_run, distances
-from imugap.discovery.finding import MIN_LOG_P, Finding, Gap
+from imugap.discovery.finding import MIN_LOG_P, Discrepancy, Finding
 from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.discovery.fit.start_model import described, noisy
 from imugap.discovery.pooling import agree_on_noise, name_pooled, pooled_finding, search_each
@@ -28,7 +28,7 @@ from imugap.discovery.search.intervals import axis_unit
 from imugap.discovery.search.shared_effects import Joint
 from imugap.discovery.steps import Progress, StepCounter, each_in_processes
 from imugap.discovery.views import COHERENCE, Curve
-from imugap.discovery.views.gaps import REPLICATES, ViewTest, significant_gaps, view_tests
+from imugap.discovery.views.discrepancies import REPLICATES, ViewTest, significant_discrepancies, view_tests
 from imugap.effects import CATALOGUE
 from imugap.effects.effect import Effect, Stage
 from imugap.log import axes
@@ -46,7 +46,7 @@ class Discovery:
     ----------
     start, final
         Error models before and after.
-    gaps
+    discrepancies
         Where the start model and the held-in part disagree.
     findings
         The effects that were added, surest first.
@@ -71,9 +71,9 @@ class Discovery:
 
     start: ErrorModel
     final: ErrorModel
-    gaps: tuple[Gap, ...]
+    discrepancies: tuple[Discrepancy, ...]
     findings: tuple[Finding, ...]
-    unexplained: tuple[Gap, ...]
+    unexplained: tuple[Discrepancy, ...]
     withheld: tuple[tuple[str, str, str], ...]
     described: tuple[Finding, ...]
     undetermined: tuple[tuple[str, str], ...]
@@ -100,7 +100,7 @@ class Question:
     catalogue
         Kinds of effects that may be missing.
     replicates, simulations
-        Of the bootstrap of gaps, and of the distances.
+        Of the bootstrap of the views, and of the distances.
     workers
         Processes that work at a time.
     """
@@ -177,10 +177,10 @@ class _Named(_Searched):
 
 @dataclass(frozen=True, eq=False)
 class _Located(_Named):
-    """With every view of the start model, and the gaps."""
+    """With every view of the start model, and the discrepancies."""
 
     views: Sequence[ViewTest]
-    gaps: tuple[Gap, ...]
+    discrepancies: tuple[Discrepancy, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -207,10 +207,10 @@ class _Assembled(_Compared):
 
 @dataclass(frozen=True, eq=False)
 class _Tested(_Assembled):
-    """With every view of the final model, and the gaps that remain."""
+    """With every view of the final model, and the remaining discrepancies."""
 
     views_after: tuple[ViewTest, ...]
-    gaps_after: tuple[Gap, ...]
+    discrepancies_after: tuple[Discrepancy, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -228,7 +228,7 @@ def discover(
     reference: pd.DataFrame | None = None,
     progress: Progress = lambda step, done, steps: None,
 ) -> Discovery:
-    """Find where a simulator and a device disagree, name what is missing and show that the gap shrinks.
+    """Find where a simulator and a device disagree, name what is missing and show that the discrepancy shrinks.
 
     Parameters
     ----------
@@ -245,7 +245,7 @@ def discover(
     prepared = _prepare(logs, question, tests, reference, progress)
     searched = _search_axes(prepared)
     named = _name_effects(searched)
-    located = _locate_gaps(named)
+    located = _locate_discrepancies(named)
     compared = _compare_runs(located)
     assembled = _assemble(compared)
     final = _test_final_model(assembled)
@@ -286,14 +286,14 @@ def _name_effects(stage: _Searched) -> _Named:
     return _Named(**vars(stage), results=results, joints=joints)
 
 
-def _locate_gaps(stage: _Named) -> _Located:
+def _locate_discrepancies(stage: _Named) -> _Located:
     """Test every view of the held-in part against replicates of the start model."""
     question = stage.question
-    stage.steps.begin("gaps")
+    stage.steps.begin("discrepancies")
     with each_in_processes(question.workers) as each:
         views = view_tests(stage.before, question.seed, question.replicates, stage.outputs, each=each)
-    gaps = (*significant_gaps(views, question.alpha), *_line_gaps(stage.results))
-    return _Located(**vars(stage), views=views, gaps=gaps)
+    discrepancies = (*significant_discrepancies(views, question.alpha), *_line_discrepancies(stage.results))
+    return _Located(**vars(stage), views=views, discrepancies=discrepancies)
 
 
 def _compare_runs(stage: _Located) -> _Compared:
@@ -320,16 +320,16 @@ def _test_final_model(stage: _Assembled) -> _Tested:
     Axes on which nothing was found are as they were; axes that share noise are not tested against each other.
     """
     question, results = stage.question, stage.results
-    stage.steps.begin("gaps that remain")
+    stage.steps.begin("remaining discrepancies")
     found = {axis: _with_found_outputs(stage, axis) for axis in results}
     changed = {axis for axis, result in results.items() if result.changed or found[axis] != stage.outputs[axis]}
     with each_in_processes(question.workers) as each:
         views = view_tests(stage.whole, question.seed + 1, question.replicates, found, changed, each)
     views += [one for one in stage.views if not changed & one.axes]
     sharing = {frozenset(pair) for finding in stage.common for pair in _pairs(finding.axes)}
-    left = (gap for gap in significant_gaps(views, question.alpha) if not _between_sharing(gap, sharing))
+    left = (place for place in significant_discrepancies(views, question.alpha) if not _between_sharing(place, sharing))
     views = tuple(one for one in views if not _between_sharing(one.curve, sharing))
-    return _Tested(**vars(stage), views_after=views, gaps_after=(*_line_gaps(results), *left))
+    return _Tested(**vars(stage), views_after=views, discrepancies_after=(*_line_discrepancies(results), *left))
 
 
 def _measure_distances(stage: _Tested) -> _Measured:
@@ -352,9 +352,17 @@ def _conclude(stage: _Measured) -> Discovery:
     return Discovery(
         start=with_effects(stage.start, kept),
         final=with_effects(stage.model(stage.whole), kept),
-        gaps=(*stage.record.gaps, *stage.gaps, *nameless_places(results, stage.gaps, alpha)),
+        discrepancies=(
+            *stage.record.discrepancies,
+            *stage.discrepancies,
+            *nameless_places(results, stage.discrepancies, alpha),
+        ),
         findings=stage.findings,
-        unexplained=(*stage.record.unusable, *stage.gaps_after, *nameless_places(results, stage.gaps_after, alpha)),
+        unexplained=(
+            *stage.record.unusable,
+            *stage.discrepancies_after,
+            *nameless_places(results, stage.discrepancies_after, alpha),
+        ),
         withheld=tuple((axis, *one) for axis, result in results.items() for one in result.unnamed()),
         described=tuple(one.power_law for one in results.values() if one.power_law is not None),
         undetermined=tuple((axis, one.name) for axis, some in kept.items() for one in some if axis in results),
@@ -402,21 +410,23 @@ def _between_runs(stage: _Located) -> tuple[Finding, ...]:
     )
 
 
-def _between_sharing(one: Gap | Curve, sharing: set[frozenset[str]]) -> bool:
-    """Return whether a gap or a curve is the coherence of two axes that share noise."""
+def _between_sharing(one: Discrepancy | Curve, sharing: set[frozenset[str]]) -> bool:
+    """Return whether a discrepancy or a curve is the coherence of two axes that share noise."""
     return one.view == COHERENCE and frozenset(one.axis.split(",")) in sharing
 
 
-def _line_gaps(results: Mapping[str, AxisResult]) -> tuple[Gap, ...]:
+def _line_discrepancies(results: Mapping[str, AxisResult]) -> tuple[Discrepancy, ...]:
     """Return the places of lines that are not steady; neither model has them."""
     return tuple(
-        Gap("line", axis, band.low, band.high, "Hz", float(np.exp(max(band.log_p, MIN_LOG_P))))
+        Discrepancy("line", axis, band.low, band.high, "Hz", float(np.exp(max(band.log_p, MIN_LOG_P))))
         for axis, result in results.items()
         for band in result.bands
     )
 
 
-def nameless_places(results: Mapping[str, AxisResult], places: Sequence[Gap], alpha: float) -> tuple[Gap, ...]:
+def nameless_places(
+    results: Mapping[str, AxisResult], places: Sequence[Discrepancy], alpha: float
+) -> tuple[Discrepancy, ...]:
     """Return the places of withheld names on the axes of which no view shows a place."""
     shown = {axis for place in places for axis in place.axis.split(",")}
     unseen = [one.location for axis, result in results.items() if axis not in shown for one in result.withheld]

@@ -9,7 +9,7 @@ MIN_LOG_P = -690.0
 
 
 @dataclass(frozen=True)
-class Gap:
+class Discrepancy:
     """Location in a view where measured data disagree with simulations of a model.
 
     Attributes

@@ -7,7 +7,7 @@ from math import exp, isfinite
 import pandas as pd
 
 from imugap.discovery.device import Discovery
-from imugap.discovery.finding import MIN_LOG_P, Finding, Gap, Interval
+from imugap.discovery.finding import MIN_LOG_P, Discrepancy, Finding, Interval
 
 SCHEMA = "imugap/discovery/1"
 
@@ -20,9 +20,9 @@ def to_mapping(found: Discovery, logs: Sequence[dict], tests: Sequence[dict] = (
         "test": list(tests),
         "start_model": found.start.to_mapping(),
         "final_model": found.final.to_mapping(),
-        "gaps": [_gap(gap) for gap in found.gaps],
+        "gaps": [_place(place) for place in found.discrepancies],
         "effects": [_effect(finding) for finding in found.findings],
-        "unexplained": [_gap(gap) for gap in found.unexplained],
+        "unexplained": [_place(place) for place in found.unexplained],
         "withheld": [dict(zip(("axis", "name", "reason"), one, strict=True)) for one in found.withheld],
         "described": [
             {"axis": one.axes[0], "name": one.name, "parameters": _parameters(one)} for one in found.described
@@ -56,8 +56,8 @@ def _ends(interval: Interval) -> dict[str, float | None]:
     return {key: _number(value) for key, value in ends.items()}
 
 
-def _gap(gap: Gap) -> dict:
-    return asdict(gap) | {"low": _number(gap.low), "high": _number(gap.high)}
+def _place(place: Discrepancy) -> dict:
+    return asdict(place) | {"low": _number(place.low), "high": _number(place.high)}
 
 
 def _number(value: float) -> float | None:
@@ -65,10 +65,14 @@ def _number(value: float) -> float | None:
     return float(value) if isfinite(value) else None
 
 
-def gap_table(gaps: Iterable[Gap], left: Iterable[Gap]) -> pd.DataFrame:
+def discrepancy_table(discrepancies: Iterable[Discrepancy], left: Iterable[Discrepancy]) -> pd.DataFrame:
     """Return the places, found with the start model and left by the final one."""
     columns = ["view", "axis", "low", "high", "unit", "p_value", "model"]
-    rows = [asdict(gap) | {"model": model} for model, some in (("start", gaps), ("final", left)) for gap in some]
+    rows = [
+        asdict(place) | {"model": model}
+        for model, some in (("start", discrepancies), ("final", left))
+        for place in some
+    ]
     return pd.DataFrame(rows, columns=columns)
 
 
@@ -103,7 +107,7 @@ def verdict(found: Discovery) -> str:
         kept = ", ".join(f"{name} of {axis}" for axis, name in found.undetermined)
         lines.append(f"The log cannot tell {kept}; kept as the start model has it.")
     if found.unexplained:
-        places = "; ".join(dict.fromkeys(describe_location(gap) for gap in found.unexplained))
+        places = "; ".join(dict.fromkeys(describe_location(place) for place in found.unexplained))
         lines.append(f"Still unexplained: {places}.")
     for name, apart in found.distances.items():
         numbers = f"{apart.before.value:.3g} before, {apart.after.value:.3g} after"
@@ -125,12 +129,12 @@ def _slope(finding: Finding) -> str:
     return f"{finding.axes[0]}: in the place of slow noise without a name the model has noise of spectrum 1/f^{ends}."
 
 
-def describe_location(gap: Gap) -> str:
+def describe_location(place: Discrepancy) -> str:
     """Return a location as text, e.g. "gyro_y, line, 49.98 Hz"."""
-    return f"{gap.axis}, {gap.view}, {describe_range(gap)}"
+    return f"{place.axis}, {place.view}, {describe_range(place)}"
 
 
-def describe_range(gap: Gap) -> str:
+def describe_range(place: Discrepancy) -> str:
     """Return the range of a location in its view as text."""
-    where = f"{gap.low:.4g}" if gap.low == gap.high else f"{gap.low:.4g} to {gap.high:.4g}"
-    return f"{where} {gap.unit}".removesuffix(" 1")
+    where = f"{place.low:.4g}" if place.low == place.high else f"{place.low:.4g} to {place.high:.4g}"
+    return f"{where} {place.unit}".removesuffix(" 1")

@@ -35,8 +35,8 @@ def explained_variance(
     """
     simulated, rows = motion_effects(model).simulate(ideal, 0), {}
     for axis in axes(log):
-        gaps = ((log[axis] - without[axis]).to_numpy() for without in (ideal, simulated))
-        before, after = ((gap - gap.mean()) ** 2 for gap in gaps)
+        differences = ((log[axis] - without[axis]).to_numpy() for without in (ideal, simulated))
+        before, after = ((difference - difference.mean()) ** 2 for difference in differences)
         found = bootstrap.mean((before - after) / before.mean(), rng)
         rows[axis] = {"rms": float(np.sqrt(before.mean())), "share": found.value, "low": found.low, "high": found.high}
     return pd.DataFrame.from_dict(rows, orient="index").rename_axis("axis")

@@ -11,9 +11,9 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from imugap.discovery.device import Discovery
 from imugap.discovery.evaluation.distance import Drifts
-from imugap.discovery.finding import Gap
+from imugap.discovery.finding import Discrepancy
 from imugap.discovery.views import Curve
-from imugap.discovery.views.gaps import ViewTest
+from imugap.discovery.views.discrepancies import ViewTest
 from imugap.figures.style import AXIS_TITLES, legend_below, panels_of, text_figure
 from imugap.workflow.tables import unit
 
@@ -87,13 +87,13 @@ def surest(found: Discovery, alpha: float) -> Figure:
 def _shown(found: Discovery) -> list[tuple[str, str]]:
     """Return view and axis of every place of which there is a curve, the surest first."""
     curves = {(one.curve.view, one.curve.axis) for one in found.before}
-    return [key for key in dict.fromkeys((gap.view, gap.axis) for gap in found.gaps) if key in curves]
+    return [key for key in dict.fromkeys((place.view, place.axis) for place in found.discrepancies) if key in curves]
 
 
 def _compared(found: Discovery, alpha: float, drawn: Sequence[tuple[str, str]]) -> Figure:
     """Draw views before and after, a row for each view and axis."""
     if not drawn:
-        views = sorted({gap.view for gap in found.gaps})
+        views = sorted({place.view for place in found.discrepancies})
         return text_figure(
             f"The log leaves the start model where no curve shows it: {', '.join(views)}."
             if views
@@ -102,23 +102,23 @@ def _compared(found: Discovery, alpha: float, drawn: Sequence[tuple[str, str]]) 
     before, after = ({(one.curve.view, one.curve.axis): one for one in some} for some in (found.before, found.after))
     figure, grid = panels_of(len(drawn), 2, 1.5 * len(drawn) + 0.6, sharex="row", sharey="row")
     for key, row in zip(drawn, grid, strict=True):
-        pairs = ((before[key], found.gaps), (after.get(key), found.unexplained))
-        for panel, (title, colour), (verdict, gaps) in zip(row, STATES.values(), pairs, strict=True):
+        pairs = ((before[key], found.discrepancies), (after.get(key), found.unexplained))
+        for panel, (title, colour), (test, places) in zip(row, STATES.values(), pairs, strict=True):
             panel.set_title(f"{_titled(key[1])}, {TITLES[key[0]]}: {title}")
-            if verdict is None:
+            if test is None:
                 panel.text(0.5, 0.5, "explained by what the axes share", ha="center", transform=panel.transAxes)
             else:
-                _view(panel, verdict, alpha, colour, f"{1 - alpha:.0%} of simulations, {title}")
-                _marked(panel, [gap for gap in gaps if (gap.view, gap.axis) == key])
+                _view(panel, test, alpha, colour, f"{1 - alpha:.0%} of simulations, {title}")
+                _marked(panel, [place for place in places if (place.view, place.axis) == key])
         _scaled(row, before[key].curve)
     legend_below(figure, 4)
     return figure
 
 
-def _view(panel: Axes, verdict: ViewTest, alpha: float, colour: str, label: str) -> None:
+def _view(panel: Axes, test: ViewTest, alpha: float, colour: str, label: str) -> None:
     """Draw one view of the log against the envelope of a model."""
-    curve = verdict.curve
-    low, high = verdict.envelope.bounds(alpha)
+    curve = test.curve
+    low, high = test.envelope.bounds(alpha)
     cells = np.arange(len(curve.low))
     if curve.windows is not None:
         first, last = curve.windows
@@ -131,10 +131,10 @@ def _view(panel: Axes, verdict: ViewTest, alpha: float, colour: str, label: str)
     panel.plot(at, curve.statistic[cells], color=LOG, marker=".", ms=2, lw=0.7, label="log")
 
 
-def _marked(panel: Axes, gaps: Sequence[Gap]) -> None:
+def _marked(panel: Axes, places: Sequence[Discrepancy]) -> None:
     """Mark places at the top of a panel."""
-    for gap in gaps:
-        panel.plot([gap.low, gap.high], [TOP, TOP], color=PLACE, lw=2.5, marker="|", ms=7, mew=1.5, label="place",
+    for place in places:
+        panel.plot([place.low, place.high], [TOP, TOP], color=PLACE, lw=2.5, marker="|", ms=7, mew=1.5, label="place",
                    transform=panel.get_xaxis_transform())  # fmt: skip
 
 

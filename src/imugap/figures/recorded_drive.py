@@ -78,13 +78,13 @@ def attitude(solution: DriveSolution, aboard: pd.DataFrame) -> Figure:
     table, std = solution.trajectory[::10], solution.trajectory_std[::10]
     for (left, right), name in zip(grid, ATTITUDE, strict=True):
         theirs = np.interp(table.index, aboard.index, np.unwrap(aboard[name]))
-        gap = np.angle(np.exp(1j * (table[name] - theirs)))
+        difference = np.angle(np.exp(1j * (table[name] - theirs)))
         left.plot(table.index, np.degrees(table[name]), color="#0072B2", lw=0.6, label="filter here")
         left.set_ylabel(f"{name} [°]")
         spread = np.degrees(std[name])
         right.fill_between(table.index, -spread, spread, color="#0072B2", lw=0, alpha=0.3, label="σ, filter here")
-        right.plot(table.index, np.degrees(gap), color="black", lw=0.7, label="filter here less filter aboard")
-        limit = max(3 * float(np.median(np.abs(np.degrees(gap)))), 3 * float(np.median(spread)))
+        right.plot(table.index, np.degrees(difference), color="black", lw=0.7, label="filter here less filter aboard")
+        limit = max(3 * float(np.median(np.abs(np.degrees(difference)))), 3 * float(np.median(spread)))
         right.set(ylim=(-2 * limit, 2 * limit))
     for panel in grid[-1]:
         panel.set_xlabel("time [s]")

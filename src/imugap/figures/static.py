@@ -140,28 +140,28 @@ def drift(time: np.ndarray, paths: Mapping[str, np.ndarray]) -> Figure:
     return figure
 
 
-def differences(time: np.ndarray, gaps: Mapping[str, np.ndarray], drawn: int) -> Figure:
+def differences(time: np.ndarray, differences: Mapping[str, np.ndarray], drawn: int) -> Figure:
     """Draw measured minus simulated drift of each contender (He et al. 2023, figure 3).
 
     Parameters
     ----------
     time
         Epochs [s], shape (epochs,).
-    gaps
+    differences
         Contender to d of one run, shape (trials, epochs, 3): east [m], north [m], heading [rad].
     drawn
         Number of trials drawn as lines; the band holds 90 % of all.
     """
     rows = {"east [m]": np.asarray, "north [m]": np.asarray, "heading [°]": np.rad2deg}
-    figure, grid = panels_of(3, len(gaps), 4.6, sharex=True, sharey="row")
+    figure, grid = panels_of(3, len(differences), 4.6, sharex=True, sharey="row")
     for k, (row, (label, convert)) in enumerate(zip(grid, rows.items(), strict=True)):
         row[0].set_ylabel(f"d {label}")
-        usual = convert(np.median([np.abs(gap[:, -1, k]).max() for gap in gaps.values()]))
+        usual = convert(np.median([np.abs(difference[:, -1, k]).max() for difference in differences.values()]))
         for panel in row:
             panel.set_yscale("symlog", linthresh=10.0 ** np.floor(np.log10(usual)))
-    for column, (name, gap) in zip(grid.T, gaps.items(), strict=True):
+    for column, (name, difference) in zip(grid.T, differences.items(), strict=True):
         for k, (panel, convert) in enumerate(zip(column, rows.values(), strict=True)):
-            shown = convert(gap[:, :, k])
+            shown = convert(difference[:, :, k])
             low, high = np.quantile(shown, [0.05, 0.95], axis=0)
             panel.fill_between(time, low, high, color=COLOURS[name], alpha=0.3, lw=0)
             panel.plot(time, shown[:drawn].T, color=COLOURS[name], lw=0.6)

@@ -121,8 +121,8 @@ class Clock:
     @property
     def agreement(self) -> float:
         """p-value of the hypothesis that lines and roll-off have one ratio; NaN unless there are both."""
-        gap = abs(self.lines.log_ratio - self.rolloff.log_ratio) / sqrt(self.lines.sd**2 + self.rolloff.sd**2)
-        return float(2 * stats.t.sf(gap, BLOCKS - 1))
+        difference = abs(self.lines.log_ratio - self.rolloff.log_ratio) / sqrt(self.lines.sd**2 + self.rolloff.sd**2)
+        return float(2 * stats.t.sf(difference, BLOCKS - 1))
 
     @property
     def combined(self) -> IntervalRatio:
@@ -226,11 +226,11 @@ def _match(reference: Spectra, run: Spectra) -> IntervalRatio:
 
     The source of a line wanders, slowly: the mean of a run is taken to be as uncertain as one of its blocks.
     """
-    gaps = np.median(run.lines, axis=1) - np.median(reference.lines, axis=1)[:, None]
-    tried = gaps[np.abs(gaps) <= REACH]
+    differences = np.median(run.lines, axis=1) - np.median(reference.lines, axis=1)[:, None]
+    tried = differences[np.abs(differences) <= REACH]
     if not len(tried):
         return IntervalRatio()
-    misses = np.abs(gaps - tried[:, None, None])
+    misses = np.abs(differences - tried[:, None, None])
     hits = (misses <= TOLERANCE).any(axis=1).sum(axis=1)
     best = np.lexsort((np.minimum(misses, TOLERANCE).sum(axis=(1, 2)), -hits))[0]
     share = min(1.0, 2 * TOLERANCE * len(reference.lines) / np.log(run.length / 2 / LOWEST))
@@ -288,8 +288,8 @@ def _fit(pair: np.ndarray, family: Callable, shape: float) -> tuple[float, Inter
 
     def residual(parameters: np.ndarray) -> np.ndarray:
         width, shape, ratio = parameters
-        gap = np.stack([_folded(family, exp(width), shape), _folded(family, exp(width + ratio), shape)]) - means
-        return ((gap - gap.mean(axis=1, keepdims=True)) / sd).ravel()
+        difference = np.stack([_folded(family, exp(width), shape), _folded(family, exp(width + ratio), shape)]) - means
+        return ((difference - difference.mean(axis=1, keepdims=True)) / sd).ravel()
 
     starts = [(width, shape, 0.0) for width in np.arange(-3.0, 1.0, 0.25)]
     start = min(starts, key=lambda parameters: (residual(parameters) ** 2).sum())

@@ -131,8 +131,8 @@ def aligned(log: pd.DataFrame, track: pd.DataFrame, reference: pd.DataFrame, gra
     seen = np.isfinite(raw.to_numpy()).all(axis=1)
     down = np.full((len(raw), 3, 3), np.nan)
     down[seen] = -rotations(_middle(track, level).loc[raw.index[seen]]).inv().as_matrix()
-    gap = (measured - raw.to_numpy())[:, len(GYRO) :]
-    found = _trimmed(np.concatenate([down, _nuisances(measured, interval(raw))], axis=2), gap)
+    difference = (measured - raw.to_numpy())[:, len(GYRO) :]
+    found = _trimmed(np.concatenate([down, _nuisances(measured, interval(raw))], axis=2), difference)
     return Alignment(level.lag, rotation, gravity * found[:3] / np.linalg.norm(found[:3]))
 
 
@@ -167,22 +167,22 @@ def _nuisances(measured: np.ndarray, step: float) -> np.ndarray:
     return np.concatenate([np.broadcast_to(np.eye(3), own.shape), own, np.stack(arms, axis=-1), delay], axis=2)
 
 
-def _trimmed(design: np.ndarray, gap: np.ndarray) -> np.ndarray:
+def _trimmed(design: np.ndarray, difference: np.ndarray) -> np.ndarray:
     """Return the least-squares solution over means of blocks, with outliers excluded iteratively.
 
     Parameters
     ----------
-    design, gap
+    design, difference
         Arrays of shape (n, 3, k) and (n, 3); a block with a NaN is excluded.
     """
-    size = len(gap) // BLOCK * BLOCK
-    design, gap = (one[:size].reshape(-1, BLOCK, *one.shape[1:]).mean(axis=1) for one in (design, gap))
-    whole = np.isfinite(design).all(axis=(1, 2)) & np.isfinite(gap).all(axis=1)
-    design, gap = design[whole], gap[whole]
-    near = np.ones(len(gap), bool)
+    size = len(difference) // BLOCK * BLOCK
+    design, difference = (one[:size].reshape(-1, BLOCK, *one.shape[1:]).mean(axis=1) for one in (design, difference))
+    whole = np.isfinite(design).all(axis=(1, 2)) & np.isfinite(difference).all(axis=1)
+    design, difference = design[whole], difference[whole]
+    near = np.ones(len(difference), bool)
     for _ in range(ROUNDS):
-        found = np.linalg.lstsq(design[near].reshape(-1, design.shape[2]), gap[near].ravel())[0]
-        left = np.linalg.norm(gap - design @ found, axis=1)
+        found = np.linalg.lstsq(design[near].reshape(-1, design.shape[2]), difference[near].ravel())[0]
+        left = np.linalg.norm(difference - design @ found, axis=1)
         near = left < FAR * np.median(left)
     return found
 

@@ -144,9 +144,9 @@ def _fit(angle: _Angle, early: np.ndarray, late: np.ndarray, rate: np.ndarray) -
     design = design.reshape(-1, 6)
 
     def solve(lag: float) -> tuple[np.ndarray, float]:
-        gap = (angle.mean_rate(early + lag, late + lag) - rate).ravel()
-        solution = np.linalg.lstsq(design, gap)[0]
-        return solution, float(np.sum((gap - design @ solution) ** 2))
+        difference = (angle.mean_rate(early + lag, late + lag) - rate).ravel()
+        solution = np.linalg.lstsq(design, difference)[0]
+        return solution, float(np.sum((difference - design @ solution) ** 2))
 
     bounds = (-LONGEST_LAG_S, LONGEST_LAG_S)
     lag = minimize_scalar(lambda lag: solve(lag)[1], bounds=bounds, method="bounded", options={"xatol": 1e-7}).x

@@ -114,7 +114,7 @@ def of_walk(ends: pd.DataFrame, printed: pd.DataFrame) -> dict[str, str]:
     one = ends.set_index("contender").loc["restoration"]
     units = {"position": "m", "heading": "°"}
     lows, highs = ([one[f"{quantity}_excess{end}"] for quantity in units] for end in ("_low", "_high"))
-    gaps = [
+    differences = [
         tables.interval(*(one[f"{quantity}_excess{end}"] for end in ("", "_low", "_high"))) + f" {unit}"
         for quantity, unit in units.items()
     ]
@@ -124,7 +124,7 @@ def of_walk(ends: pd.DataFrame, printed: pd.DataFrame) -> dict[str, str]:
         "claim": "subtracted from the log of a walk it reduces the end error (excess over that of its bias alone)",
         "published": " / ".join(f"{gain:.1f} % less" for gain in gains),
         "device": "simulated walk",
-        "here": " / ".join(gaps),
+        "here": " / ".join(differences),
         "rule": "holds: both 95 % intervals below 0; does harm: one of them above 0",
         "verdict": verdict,
     }

@@ -15,7 +15,7 @@ from imugap.discovery.fit.description import Description, Entry
 from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.search.search import Search
 from imugap.discovery.unnamed.hysteresis import Hysteresis
-from imugap.discovery.views.gaps import find_gaps
+from imugap.discovery.views.discrepancies import find_discrepancies
 from imugap.effects import (
     CATALOGUE,
     BiasInstability,
@@ -42,8 +42,10 @@ def test_a_drifting_line_is_unexplained_and_not_named():
     moving = AxisSequence(data.values + chirp, data.conditions, data.flawed)
     result = conclude(search_axis(moving, (), tuple(CATALOGUE.values()), LOG_ALPHA, 9600))
     assert names(result) == []
-    places = [gap for gap in find_gaps({"gyro_x": result.whole_fit}, 0.01, 0, 39) if gap.view == "spectrum"]
-    assert any(gap.low < 2.5 and gap.high > 0.5 for gap in places)
+    places = [
+        place for place in find_discrepancies({"gyro_x": result.whole_fit}, 0.01, 0, 39) if place.view == "spectrum"
+    ]
+    assert any(place.low < 2.5 and place.high > 0.5 for place in places)
 
 
 @pytest.mark.slow

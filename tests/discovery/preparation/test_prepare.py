@@ -119,7 +119,7 @@ def check_silence(cases):
             assert name == "resolution", (case, axis, name)
             assert parameters_of(record, axis).step == pytest.approx(steps[axis], rel=1e-3), (case, axis)
             named += 1
-        assert not [gap for gap in record.gaps if gap.view == "stamps"], case
+        assert not [place for place in record.discrepancies if place.view == "stamps"], case
     return named
 
 
@@ -364,7 +364,7 @@ def test_values_without_noise_are_looked_at_all_the_same(curve):
     time = 0.01 * np.arange(4000)
     values = {"line": np.sin(2 * np.pi * 3 * time), "ramp": time, "step": (time > 20) * 1.0}[curve]
     record = prepare(log.from_samples({"gyro_x": values}, 0.01))
-    assert all(gap.p_value < 1e-6 for gap in record.gaps)
+    assert all(place.p_value < 1e-6 for place in record.discrepancies)
 
 
 def test_repeats_of_all_axes_at_once_are_one_finding():
@@ -418,7 +418,7 @@ def test_repeated_reversed_and_missing_stamps_are_described():
     time[100], time[2000], time[3000] = time[99], time[1000], np.nan
     record = prepare(table.set_axis(pd.Index(time, name="time")))
     assert names(record) == set()
-    assert [gap.view for gap in record.gaps] == ["stamps"]
+    assert [place.view for place in record.discrepancies] == ["stamps"]
     np.testing.assert_array_equal(record.sequences["gyro_x"].values, table["gyro_x"])
 
 
@@ -427,14 +427,14 @@ def test_a_clock_that_wanders_has_no_jitter():
     time = table.index.to_numpy() + np.cumsum(1e-4 * stream(7, "wander").standard_normal(5000))
     record = prepare(table.set_axis(pd.Index(time, name="time")))
     assert names(record) == set()
-    assert [gap.view for gap in record.gaps] == ["stamps"]
+    assert [place.view for place in record.discrepancies] == ["stamps"]
     assert len(record.sequences["gyro_x"].values) == 5000
 
 
 def test_known_effects_are_no_news_but_still_taken_out():
     clipped = device(Saturation(0.24)).simulate(still(5000), 8)
     record = prepare(clipped, start=ErrorModel({"gyro_x": AxisModel((Saturation(0.24),))}))
-    assert (record.findings, record.gaps) == ((), ())
+    assert (record.findings, record.discrepancies) == ((), ())
     assert np.abs(record.sequences["gyro_x"].values).max() > 0.24
 
 

@@ -209,8 +209,8 @@ def test_an_arm_is_that_of_the_three_accelerometers():
     found = joined(fits, searches)
     (joint,) = found.joints
     assert joint.axes == log.ACCEL
-    gap = joint.pool.value - [arm.x, arm.y, arm.z]
-    assert gap @ joint.pool.information @ gap < chi2.isf(1e-3, 3)
+    difference = joint.pool.value - [arm.x, arm.y, arm.z]
+    assert difference @ joint.pool.information @ difference < chi2.isf(1e-3, 3)
     assert joint.pool.agreement > 1e-3
 
 
@@ -231,8 +231,8 @@ def test_the_errors_of_an_arm_and_a_delay_that_are_told_together_have_their_law(
             fits[axis] = fit(sequence, noise.adding(Entry(delay, ("offset",)), Entry(arm, ("x", "y", "z"))))
         for joint in joined(fits, searches).joints:
             true = arm if isinstance(joint.effect, LeverArm) else delay
-            gap = joint.pool.value - [getattr(true, name) for name in joint.free]
-            squares[type(joint.effect)].append(gap @ joint.pool.information @ gap)
+            difference = joint.pool.value - [getattr(true, name) for name in joint.free]
+            squares[type(joint.effect)].append(difference @ joint.pool.information @ difference)
     for kind, size in ((LeverArm, 3), (TimeOffset, 1)):
         low, high = chi2.interval(0.999, 40 * size)
         assert len(squares[kind]) == 40

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from imugap.discovery.checks import MIN_SHARE, Misfit, power_share
-from imugap.discovery.finding import MIN_LOG_P, Gap
+from imugap.discovery.finding import MIN_LOG_P, Discrepancy
 from imugap.discovery.search.intervals import term_intervals
 from imugap.discovery.search.search import Candidate
 from imugap.effects.effect import Role
@@ -17,13 +17,13 @@ class Withheld:
 
     name: str
     reason: str
-    location: Gap
+    location: Discrepancy
 
 
 def withheld(candidate: Candidate, misfit: Misfit) -> Withheld:
     """Return name, reason and location of an effect of a fit that has a misfit."""
     chance = float(np.exp(np.clip(candidate.trial.log_p, MIN_LOG_P, 0.0)))
-    return Withheld(candidate.effect.name, misfit.reason, Gap(*_location(candidate), chance))
+    return Withheld(candidate.effect.name, misfit.reason, Discrepancy(*_location(candidate), chance))
 
 
 def _location(candidate: Candidate) -> tuple[str, str, float, float, str]:

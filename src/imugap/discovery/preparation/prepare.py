@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 from scipy.interpolate import CubicSpline
 
-from imugap.discovery.finding import Finding, Gap, finding
+from imugap.discovery.finding import Discrepancy, Finding, finding
 from imugap.discovery.preparation.cosine_bins import usable_share
 from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.preparation.thermometer import smoothed
@@ -53,7 +53,7 @@ class PreparedLog:
         Output of each axis at the same times with its flaws; only lost samples are replaced.
     findings
         The effects found.
-    gaps
+    discrepancies
         Where log and start model disagree, in the views ``stamps`` and ``values``, named or not.
     begin
         Stamp of the first sample, which is time zero.
@@ -65,9 +65,9 @@ class PreparedLog:
     sequences: dict[str, AxisSequence]
     outputs: dict[str, np.ndarray]
     findings: tuple[Finding, ...]
-    gaps: tuple[Gap, ...]
+    discrepancies: tuple[Discrepancy, ...]
     begin: float = 0.0
-    unusable: tuple[Gap, ...] = ()
+    unusable: tuple[Discrepancy, ...] = ()
 
 
 def prepare(
@@ -95,7 +95,7 @@ def prepare(
     """
     known = ErrorModel({}) if start is None else start
     unusable = _unusable(log)
-    rows = _rows(log.drop(columns=[gap.axis for gap in unusable]), reference)
+    rows = _rows(log.drop(columns=[place.axis for place in unusable]), reference)
     clock = stamps(rows.index.to_numpy(float))
     kinds = sorted((kind for kind in catalogue if kind.role is Role.CLOCK), key=lambda kind: not kind.displaces)
     stamped = [evidence for kind in kinds if (evidence := kind.found(clock)) is not None]
@@ -123,15 +123,15 @@ def prepare(
         axis: _sequence(values, at[axis], flawed[axis], seen[axis], steps[axis], seed)
         for axis, values in outputs.items()
     }
-    whole = {axis: _without_gaps(np.where(blind, np.nan, one), sequences[axis]) for axis, one in outputs.items()}
-    return PreparedLog(sequences, whole, news.findings(), (*unusable, *news.gaps), float(time[0]), unusable)
+    whole = {axis: _filled_output(np.where(blind, np.nan, one), sequences[axis]) for axis, one in outputs.items()}
+    return PreparedLog(sequences, whole, news.findings(), (*unusable, *news.discrepancies), float(time[0]), unusable)
 
 
 class _News:
-    """Collector of evidence: effects outside of the start model become gaps and findings."""
+    """Collector of evidence: effects outside of the start model become discrepancies and findings."""
 
     def __init__(self, known: ErrorModel, origin: float) -> None:
-        self.known, self.origin, self.gaps = known, origin, []
+        self.known, self.origin, self.discrepancies = known, origin, []
         self.evidence: dict[type[Effect], dict[str, Evidence]] = {}
 
     def add(self, axis: str, evidence: Evidence, view: str, low: float, high: float, unit: str = "s") -> None:
@@ -144,7 +144,7 @@ class _News:
     def place(self, view: str, axis: str, low: float, high: float, unit: str, log_p: float) -> None:
         shift = self.origin if unit == "s" else 0.0
         p_value = float(np.exp(max(log_p, CERTAIN)))
-        self.gaps.append(Gap(view, axis, float(low - shift), float(high - shift), unit, p_value))
+        self.discrepancies.append(Discrepancy(view, axis, float(low - shift), float(high - shift), unit, p_value))
 
     def seen(self, axis: str, found: Sequence[Evidence], values: np.ndarray) -> None:
         """Add the evidence found in the output of an axis, shape (n,), at the range of values affected."""
@@ -192,7 +192,7 @@ def _unit(axis: str) -> str:
     return {TIME: "s"}.get(axis, "rad/s" if axis in GYRO else "m/s^2")
 
 
-def _unusable(log: pd.DataFrame) -> tuple[Gap, ...]:
+def _unusable(log: pd.DataFrame) -> tuple[Discrepancy, ...]:
     """Return the unusable axes, each as a place, if there are others.
 
     Those without two different values, and those of samples between which the others were interpolated.
@@ -203,10 +203,10 @@ def _unusable(log: pd.DataFrame) -> tuple[Gap, ...]:
         unique = found.unique()
         if len(unique) < 2:
             level = float(unique[0]) if len(unique) else np.nan
-            unusable[axis] = Gap("values", axis, level, level, _unit(axis), 0.0)
+            unusable[axis] = Discrepancy("values", axis, level, level, _unit(axis), 0.0)
         elif (every := _samples_to_a_knot(found.to_numpy(float))) > 1:
             period = every * float(np.median(np.diff(found.index)))
-            unusable[axis] = Gap("values", axis, period, period, "s", 0.0)
+            unusable[axis] = Discrepancy("values", axis, period, period, "s", 0.0)
     return () if len(unusable) == len(values) else tuple(unusable.values())
 
 
@@ -344,6 +344,6 @@ def _sequence(
     return replace(mended, share=usable_share(mended.values))
 
 
-def _without_gaps(values: np.ndarray, sequence: AxisSequence) -> np.ndarray:
+def _filled_output(values: np.ndarray, sequence: AxisSequence) -> np.ndarray:
     """Return the output of an axis with the replacements of its sequence where it has no value."""
     return np.where(np.isnan(values), sequence.values + sequence.conditions.error_free, values)

@@ -164,8 +164,10 @@ def pooled(estimates: Sequence[Estimate]) -> Pool:
         total[np.ix_(place, place)] += one.information
         weighted[place] += one.information @ one.value
     value = np.linalg.pinv(total, hermitian=True) @ weighted
-    gaps = [one.value - value[place] for one, place in zip(estimates, places, strict=True)]
-    distance = sum(gap @ one.information @ gap for one, gap in zip(estimates, gaps, strict=True))
+    differences = [one.value - value[place] for one, place in zip(estimates, places, strict=True)]
+    distance = sum(
+        difference @ one.information @ difference for one, difference in zip(estimates, differences, strict=True)
+    )
     ranks = [np.linalg.matrix_rank(one.information, hermitian=True) for one in estimates]
     return Pool(labels, value, total, float(distance), int(sum(ranks) - np.linalg.matrix_rank(total, hermitian=True)))
 
@@ -182,8 +184,8 @@ def agreeing(estimates: Sequence[Estimate], level: float = LEVEL) -> list[Estima
 def contradicts(one: Estimate | Pool, pool: Pool, level: float = LEVEL) -> bool:
     """Return whether an estimate, or several, that are not in a pool are too far from it."""
     covariance = np.linalg.pinv(one.information, hermitian=True) + pool.covariance
-    gap = one.value - pool.value
-    return bool(gap @ np.linalg.solve(covariance, gap) > chi2.isf(level, len(gap)))
+    difference = one.value - pool.value
+    return bool(difference @ np.linalg.solve(covariance, difference) > chi2.isf(level, len(difference)))
 
 
 def _marginal(information: np.ndarray, mine: Sequence[bool]) -> np.ndarray:

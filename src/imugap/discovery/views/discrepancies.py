@@ -10,7 +10,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from imugap.discovery import views
-from imugap.discovery.finding import Gap
+from imugap.discovery.finding import Discrepancy
 from imugap.discovery.fit.axis_fit import AxisFit, fit
 from imugap.discovery.preparation.rounding import level_before_rounding, unrounded
 from imugap.discovery.preparation.sequence import AxisSequence
@@ -43,11 +43,12 @@ class ViewTest:
         axes = self.curve.axis.split(",")
         return set(axes) if self.curve.view == views.COHERENCE else {axes[0]}
 
-    def places(self, level: float) -> list[Gap]:
+    def places(self, level: float) -> list[Discrepancy]:
         """Return the places beyond the envelope at a level."""
         curve = self.curve
         return [
-            Gap(curve.view, curve.axis, low, high, curve.unit, p) for low, high, p in self.envelope.places(curve, level)
+            Discrepancy(curve.view, curve.axis, low, high, curve.unit, p)
+            for low, high, p in self.envelope.places(curve, level)
         ]
 
 
@@ -226,13 +227,13 @@ def threshold(p_values: np.ndarray, alpha: float) -> float:
     return float(alpha * (passed[-1] + 1) / len(ordered)) if len(passed) else 0.0
 
 
-def find_gaps(
+def find_discrepancies(
     fits: Mapping[str, AxisFit],
     alpha: float,
     seed: int,
     replicates: int = REPLICATES,
     known: Mapping[str, tuple[Effect, ...]] | None = None,
-) -> tuple[Gap, ...]:
+) -> tuple[Discrepancy, ...]:
     """Locate where data and model disagree, at a false discovery rate over views and axes, by increasing p-value.
 
     Parameters
@@ -244,11 +245,11 @@ def find_gaps(
     known
         Axis to effects on its output outside of the descriptions, such as a resolution.
     """
-    return significant_gaps(view_tests(fits, seed, replicates, known), alpha)
+    return significant_discrepancies(view_tests(fits, seed, replicates, known), alpha)
 
 
-def significant_gaps(tests: Collection[ViewTest], alpha: float) -> tuple[Gap, ...]:
+def significant_discrepancies(tests: Collection[ViewTest], alpha: float) -> tuple[Discrepancy, ...]:
     """Return the places of view tests at a false discovery rate over all of them, by p-value."""
     level = threshold(np.array([test.p_value for test in tests]), alpha)
-    found = [gap for test in tests if test.p_value <= level for gap in test.places(level)]
-    return tuple(sorted(found, key=lambda gap: gap.p_value))
+    found = [place for test in tests if test.p_value <= level for place in test.places(level)]
+    return tuple(sorted(found, key=lambda place: place.p_value))

@@ -1,4 +1,4 @@
-"""Gaps: uniform p-values where nothing is hidden, a place where something is."""
+"""Discrepancies: uniform p-values where nothing is hidden, a place where something is."""
 
 from collections import defaultdict
 from dataclasses import replace
@@ -12,7 +12,15 @@ from tests.discovery.simulated import simulated
 from imugap import log
 from imugap.discovery.fit.axis_fit import fit
 from imugap.discovery.fit.description import Description, Entry
-from imugap.discovery.views.gaps import DOUBTFUL, FIRST, REPLICATES, find_gaps, replicate_groups, threshold, view_tests
+from imugap.discovery.views.discrepancies import (
+    DOUBTFUL,
+    FIRST,
+    REPLICATES,
+    find_discrepancies,
+    replicate_groups,
+    threshold,
+    view_tests,
+)
 from imugap.effects import (
     BiasInstability,
     BiasStep,
@@ -83,15 +91,15 @@ def test_false_discovery_threshold(p_values, level):
     ],
 )
 def test_what_is_hidden_is_found_on_its_axis(effect, view, low, high):
-    found = find_gaps(fits({"gyro_x": (), "gyro_y": (effect,)}), 0.01, seed=1)
-    places = [gap for gap in found if gap.view == view]
-    assert {gap.axis for gap in found} <= {"gyro_y", "gyro_x,gyro_y"}
+    found = find_discrepancies(fits({"gyro_x": (), "gyro_y": (effect,)}), 0.01, seed=1)
+    places = [place for place in found if place.view == view]
+    assert {place.axis for place in found} <= {"gyro_y", "gyro_x,gyro_y"}
     assert places
     assert places[0].axis == "gyro_y"
     assert places[0].p_value < 1e-4
     assert places[0].low <= high
     assert places[0].high >= low
-    assert [gap.p_value for gap in found] == sorted(gap.p_value for gap in found)
+    assert [place.p_value for place in found] == sorted(place.p_value for place in found)
 
 
 def swings():
@@ -101,9 +109,11 @@ def swings():
 
 
 def test_what_goes_with_the_input_of_another_axis_is_found_over_it():
-    found = find_gaps(fits({"gyro_x": (), "gyro_y": (Misalignment(0.0, 0.0, 3e-4),)}, ideal=swings()), 0.01, seed=1)
-    assert ("rate", "gyro_y,gyro_z") in {(gap.view, gap.axis) for gap in found}
-    assert all("gyro_y" in gap.axis for gap in found)
+    found = find_discrepancies(
+        fits({"gyro_x": (), "gyro_y": (Misalignment(0.0, 0.0, 3e-4),)}, ideal=swings()), 0.01, seed=1
+    )
+    assert ("rate", "gyro_y,gyro_z") in {(place.view, place.axis) for place in found}
+    assert all("gyro_y" in place.axis for place in found)
 
 
 @pytest.mark.parametrize(
@@ -118,9 +128,9 @@ def test_what_goes_with_the_motion_of_other_axes_is_found_over_it(view, source, 
     quiet = fits({"gyro_x": (), "gyro_y": ()}, ideal=ideal)
     sequence = quiet["gyro_x"].sequence
     moved = sequence.with_values(sequence.values + np.asarray(hidden(ideal)))
-    found = find_gaps(quiet | {"gyro_x": fit(moved, Description.known(WHITE))}, 0.01, seed=1)
-    assert (view, f"gyro_x,{source}") in {(gap.view, gap.axis) for gap in found}
-    assert all("gyro_x" in gap.axis for gap in found)
+    found = find_discrepancies(quiet | {"gyro_x": fit(moved, Description.known(WHITE))}, 0.01, seed=1)
+    assert (view, f"gyro_x,{source}") in {(place.view, place.axis) for place in found}
+    assert all("gyro_x" in place.axis for place in found)
 
 
 @pytest.mark.parametrize(
@@ -136,35 +146,35 @@ def test_what_goes_with_the_motion_of_other_axes_is_found_over_it(view, source, 
         (VarianceChange(60.0, 120.0, 2.0), Description.known(WHITE).adding(VarianceChange(60.0, 120.0, 2.0))),
     ],
 )
-def test_what_is_described_is_no_gap(effect, description):
-    assert find_gaps(fits({"gyro_y": (effect,)}), 0.01, seed=1)
-    assert find_gaps(fits({"gyro_y": (effect,)}, {"gyro_y": description}), 0.01, seed=1) == ()
+def test_what_is_described_is_no_discrepancy(effect, description):
+    assert find_discrepancies(fits({"gyro_y": (effect,)}), 0.01, seed=1)
+    assert find_discrepancies(fits({"gyro_y": (effect,)}, {"gyro_y": description}), 0.01, seed=1) == ()
 
 
-def test_known_resolution_is_no_gap():
+def test_known_resolution_is_no_discrepancy():
     coarse = Resolution(0.01)
     found = fits({"gyro_x": (coarse,)})
-    assert {gap.view for gap in find_gaps(found, 0.01, seed=1)} == {"marginal"}
-    assert find_gaps(found, 0.01, seed=1, known={"gyro_x": (coarse,)}) == ()
+    assert {place.view for place in find_discrepancies(found, 0.01, seed=1)} == {"marginal"}
+    assert find_discrepancies(found, 0.01, seed=1, known={"gyro_x": (coarse,)}) == ()
 
 
 def test_outliers_that_are_described_are_replaced_in_replicates_too():
     spikes = Outliers(1e-3, 0.1)
     found = fits({"gyro_x": (spikes,)})
-    assert {"extremes", "marginal"} <= {gap.view for gap in find_gaps(found, 0.01, seed=1)}
+    assert {"extremes", "marginal"} <= {place.view for place in find_discrepancies(found, 0.01, seed=1)}
     sequence = found["gyro_x"].sequence
     flagged = np.abs(sequence.values) > 0.03
     mended = sequence.with_replaced(flagged, np.random.default_rng(1))
     described = fit(mended, Description.known(WHITE).adding(spikes))
-    assert not [gap for gap in find_gaps({"gyro_x": described}, 0.01, seed=1) if gap.view == "variance"]
+    assert not [place for place in find_discrepancies({"gyro_x": described}, 0.01, seed=1) if place.view == "variance"]
 
 
-def test_common_mode_is_a_gap_between_axes_until_it_is_described():
+def test_common_mode_is_a_discrepancy_between_axes_until_it_is_described():
     hidden = {"gyro_x": (CommonMode(1e-3, 0.5),), "gyro_y": (CommonMode(1e-3, 0.5),), "gyro_z": ()}
-    found = find_gaps(fits(hidden), 0.01, seed=1)
-    assert {(gap.view, gap.axis) for gap in found} == {("coherence", "gyro_x,gyro_y")}
+    found = find_discrepancies(fits(hidden), 0.01, seed=1)
+    assert {(place.view, place.axis) for place in found} == {("coherence", "gyro_x,gyro_y")}
     described = Description.known(WHITE).adding(CommonMode(1e-3, 0.5))
-    assert find_gaps(fits(hidden, {"gyro_x": described, "gyro_y": described}), 0.01, seed=1) == ()
+    assert find_discrepancies(fits(hidden, {"gyro_x": described, "gyro_y": described}), 0.01, seed=1) == ()
 
 
 def test_axes_of_white_noise_share_replicates():
@@ -207,7 +217,7 @@ def test_the_seed_decides():
     ],
     ids=["white", "flicker", "walk"],
 )
-def test_p_values_are_uniform_and_gaps_rare_where_nothing_is_hidden(model, axes):
+def test_p_values_are_uniform_and_discrepancies_rare_where_nothing_is_hidden(model, axes):
     logs, p_values, empty = 40, defaultdict(list), 0
     start = dict.fromkeys(axes, Description.known(*model))
     for seed in range(logs):
