@@ -30,7 +30,7 @@ def simulated(effects, conditions, seed, *labels):
     """The error sequence of effects, without flaws."""
     count = len(conditions)
     values = AxisModel(effects).simulate(np.zeros(count), conditions, seed, *labels)
-    return AxisSequence(values, conditions, np.zeros(count, bool))
+    return AxisSequence(values, conditions)
 
 
 def sequence(*effects, count=COUNT, axis="gyro_x", label="search"):
@@ -64,4 +64,4 @@ def beside_white(added, count=20_000, interval=0.05, label="beside"):
     conditions = Conditions(np.arange(count) * interval, interval, axis="gyro_x")
     rng = stream(5, label)
     values = WHITE.sample(conditions, rng) + added(conditions.time, rng)
-    return AxisSequence(values, conditions, np.zeros(count, bool))
+    return AxisSequence(values, conditions)

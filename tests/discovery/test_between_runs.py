@@ -26,7 +26,7 @@ def run(number, ratio, lines, count=12000, label="clock"):
         line = Sinusoid(frequency / ratio, 3e-4, float(rng.uniform(0, 6)))
         noise = WhiteNoise(1e-4)
         values = line.sample(conditions, None) + noise.sample(conditions, rng)
-        sequence = AxisSequence(values, conditions, np.zeros(count, bool))
+        sequence = AxisSequence(values, conditions)
         fits[axis] = fit(sequence, Description.known(noise).adding(Entry(line, FREE)))
     return fits
 
@@ -74,7 +74,7 @@ def test_correct_stamps_of_another_rate_are_no_clock_error():
         noise = WhiteNoise(1e-4)
         values = noise.sample(conditions, stream(number, "rates"))
         values += sum(line.sample(conditions, None) for line in lines)
-        sequence = AxisSequence(values, conditions, np.zeros(len(values), bool))
+        sequence = AxisSequence(values, conditions)
         fits.append({"gyro_x": fit(sequence, Description.known(noise).adding(*(Entry(one, FREE) for one in lines)))})
     assert clock_findings(fits, LOG_ALPHA) == ()
 
@@ -87,7 +87,7 @@ def levelled(number, levels, effects, noise, found=()):
         values = level + sum(
             one.sample(conditions, stream(number, "level", run, one.name)) for one in (white, *effects, *noise)
         )
-        sequence = AxisSequence(values, conditions, np.zeros(3000, bool))
+        sequence = AxisSequence(values, conditions)
         if fits:
             fits.append({"gyro_x": fit_like_first(sequence, (), fits[0]["gyro_x"])})
         else:
@@ -127,7 +127,7 @@ def test_the_level_error_is_infinite_with_noise_of_free_slope():
     conditions = Conditions(0.1 * np.arange(2000), 0.1, axis="gyro_x")
     values = stream(1, "slope").standard_normal(2000)
     noise = Description.known(WhiteNoise(0.3)).adding(PowerLaw(0.01, 1.2))
-    assert np.isinf(level_error(fit(AxisSequence(values, conditions, np.zeros(2000, bool)), noise)))
+    assert np.isinf(level_error(fit(AxisSequence(values, conditions), noise)))
 
 
 def test_turn_on_bias_of_several_runs():

@@ -42,7 +42,7 @@ def conditions(count=COUNT):
 
 
 def sequence(values):
-    return AxisSequence(values, conditions(len(values)), np.zeros(len(values), bool))
+    return AxisSequence(values, conditions(len(values)))
 
 
 def white(*labels):

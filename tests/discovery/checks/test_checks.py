@@ -57,7 +57,7 @@ def sequence(*effects, added=None, count=COUNT, label="doubts", temperature=None
     conditions = Conditions(INTERVAL * np.arange(count), INTERVAL, temperature, axis="gyro_x")
     values = AxisModel((WHITE, *effects)).simulate(np.zeros(count), conditions, 1, label)
     more = 0.0 if added is None else added(conditions.time, stream(1, label, "added"))
-    return AxisSequence(values + more, conditions, np.zeros(count, bool))
+    return AxisSequence(values + more, conditions)
 
 
 def result_of(data):

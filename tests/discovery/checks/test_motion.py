@@ -52,7 +52,7 @@ def searched(axis, ideal, *effects, added=0.0):
     conditions = conditions_of(axis, ideal)
     own = conditions.error_free
     error = AxisModel((WhiteNoise(1e-3), *effects)).simulate(own, conditions, 1, "motion") - own
-    sequence = AxisSequence(error + added, conditions, np.zeros(COUNT, bool))
+    sequence = AxisSequence(error + added, conditions)
     return search_axis(sequence, (), tuple(CATALOGUE.values()), LOG_ALPHA, int(0.8 * COUNT))
 
 
@@ -107,7 +107,7 @@ def test_the_cutoff_of_a_filter_in_motion_scatters_by_its_standard_error():
         conditions = conditions_of("gyro_z", ideal)
         model = AxisModel((WhiteNoise(0.02), ScaleFactor(0.01), OutputFilter(5.0, 2)))
         error = model.simulate(own, conditions, number, "cutoff") - own
-        data = AxisSequence(error, conditions, np.zeros(len(ideal), bool))
+        data = AxisSequence(error, conditions)
         terms = (Entry(ScaleFactor(0.0), ("error",)),)
         found = fit(data, Description.known(WhiteNoise(0.02)).adding(*terms, OutputFilter(4.0, 2)))
         seen.append(np.log(found.description.noise.output_filter.cutoff) - log_cutoff)
@@ -125,7 +125,7 @@ def test_a_delay_is_not_named_filter_without_evidence_in_the_noise(effect, shown
     conditions = conditions_of("gyro_z", turning())
     own = conditions.error_free
     error = AxisModel((WhiteNoise(1e-4), effect)).simulate(own, conditions, 1, "delay") - own
-    data = AxisSequence(error, conditions, np.zeros(COUNT, bool))
+    data = AxisSequence(error, conditions)
     plain = fit(data, Description.known(WhiteNoise(1e-4)))
     near = OutputFilter(15.0 if shown else 24.9, 1)
     filtered = fit(data, Description.known(WhiteNoise(1e-4)).adding(near))

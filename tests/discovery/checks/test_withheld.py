@@ -151,7 +151,7 @@ def test_hysteresis_is_not_named_random_walk():
     walk = RandomWalk(1e-4).sample(conditions, stream(4, "walk"))
     found = []
     for added in (2e-3 * (warming - np.array(dragged)), walk):
-        data = AxisSequence(white + added, conditions, np.zeros(len(time), bool))
+        data = AxisSequence(white + added, conditions)
         found.append(conclude(search_axis(data, (), tuple(CATALOGUE.values()), LOG_ALPHA, 12_800)))
     loop, wandering = found
     assert names(loop) == []
@@ -170,7 +170,7 @@ def test_hysteresis_during_warming_is_named_neither_temperature_nor_warm_up(cons
     both = Temperature(1e-3, 25.0).sample(conditions, None) + WarmUp(5e-3, 60.0).sample(conditions, None)
     white, found = WHITE.sample(conditions, stream(4, "white2")), []
     for added in (loop, both):
-        data = AxisSequence(white + added, conditions, np.zeros(len(time), bool))
+        data = AxisSequence(white + added, conditions)
         found.append(conclude(search_axis(data, (), tuple(CATALOGUE.values()), LOG_ALPHA, 19_200)))
     assert names(found[0]) == []
     assert found[0].changed

@@ -111,7 +111,7 @@ def test_a_split_that_leaves_nothing_is_refused(split):
 def fitted(measured, held_in, description):
     conditions = Conditions(measured.index.to_numpy()[:held_in], INTERVAL, axis="gyro_x")
     values = measured["gyro_x"].to_numpy()[:held_in]
-    return fit(AxisSequence(values, conditions, np.zeros(held_in, bool)), description)
+    return fit(AxisSequence(values, conditions), description)
 
 
 def test_drawn_models_scatter_as_their_fit_says():

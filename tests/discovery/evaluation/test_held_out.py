@@ -27,7 +27,7 @@ def run(*effects, label):
 def found(table, *events):
     """Return what a fit says of a log in which events are known."""
     conditions = Conditions(table.index.to_numpy(), INTERVAL, axis="gyro_x")
-    sequence = AxisSequence(table["gyro_x"].to_numpy(), conditions, np.zeros(COUNT, bool))
+    sequence = AxisSequence(table["gyro_x"].to_numpy(), conditions)
     terms = tuple(Entry(one, ("step",)) for one in events if isinstance(one, BiasStep))
     changes = tuple(one for one in events if isinstance(one, VarianceChange))
     return fit(sequence, Description.known(WHITE).adding(*terms, *changes))

@@ -28,7 +28,7 @@ def rounded(step, label, *effects, walk=0.0):
     values = rng.standard_normal(COUNT) + rng.uniform(-step, step) + walk * np.cumsum(rng.standard_normal(COUNT))
     for effect in effects:
         values = effect.apply(values, conditions, rng)
-    return AxisSequence(Resolution(step).apply(values, conditions, rng), conditions, np.zeros(COUNT, bool), step=step)
+    return AxisSequence(Resolution(step).apply(values, conditions, rng), conditions, step=step)
 
 
 def fitted(sequence, *effects):
@@ -148,7 +148,7 @@ def test_a_filter_ahead_of_a_lattice_has_its_cutoff(cutoff, order, step):
     output = smooth.passed(stream(7, "filtered").standard_normal(COUNT), INTERVAL)
     step = step * output.std()
     conditions = Conditions(INTERVAL * np.arange(COUNT), INTERVAL, axis="gyro_x")
-    found = result(AxisSequence(step * np.rint(output / step), conditions, np.zeros(COUNT, bool), step=step))
+    found = result(AxisSequence(step * np.rint(output / step), conditions, step=step))
     (finding,) = found.findings
     assert finding.effects["gyro_x"].order == order
     assert finding.parameters["cutoff"].low < cutoff < finding.parameters["cutoff"].high
@@ -159,7 +159,7 @@ def test_white_noise_behind_a_filter_is_fitted_beside_what_rounding_adds():
     smooth, step = OutputFilter(10.0, 2), 0.5
     output = smooth.passed(stream(8, "filtered").standard_normal(COUNT), INTERVAL)
     conditions = Conditions(INTERVAL * np.arange(COUNT), INTERVAL, axis="gyro_x")
-    data = AxisSequence(step * np.rint(output / step), conditions, np.zeros(COUNT, bool), step=step)
+    data = AxisSequence(step * np.rint(output / step), conditions, step=step)
     found = fit(data, Description.known(WhiteNoise(float(np.sqrt(INTERVAL)))).adding(smooth))
     effects = unrounded(found.description.effects(), (Resolution(step),), data)
     white = next(one for one in effects if isinstance(one, WhiteNoise))

@@ -69,7 +69,7 @@ def sequence(seed, beside, step=2e-4, passes=None, count=60000, interval=0.02):
     values = sum(effect.sample(conditions, rng) for effect in effects)
     if passes is not None:
         values = passes.apply(values, conditions, rng)
-    return AxisSequence(values, conditions, np.zeros(count, bool)), effects
+    return AxisSequence(values, conditions), effects
 
 
 @pytest.mark.slow
@@ -102,7 +102,7 @@ def test_the_estimates_hold_the_truth_as_often_as_they_say(beside, step, passes)
 
 def test_a_process_slower_than_the_log_has_blocks_too():
     values = stream(1, "slower").standard_normal(5000)
-    data = AxisSequence(values, Conditions(0.04 * np.arange(5000), 0.04, axis="gyro_x"), np.zeros(5000, bool))
+    data = AxisSequence(values, Conditions(0.04 * np.arange(5000), 0.04, axis="gyro_x"))
     found = fit(data, Description.known(WhiteNoise(0.2)).adding(GaussMarkov(1.0, 10.0)))
     slow = GaussMarkov(1.0, 1e6)
     assert len(Blocks.of(found, (slow,)).means) >= FINE
@@ -132,7 +132,7 @@ def test_what_never_switches_is_weighed_all_the_same(exponent, seed):
     frequency[0] = np.inf
     curve = np.fft.irfft(np.fft.rfft(rng.standard_normal(2 * count)) * frequency ** (-exponent / 2))[:count]
     values = WhiteNoise(1e-3).sample(conditions, rng) + 4e-3 * (curve - curve.mean()) / curve.std()
-    data = AxisSequence(values, conditions, np.zeros(count, bool))
+    data = AxisSequence(values, conditions)
     found = fit(data, Description.known(WhiteNoise(1e-3)).adding(RandomWalk(1e-4)))
     verdict = compare(found, tuple(found.description.noise.effects[1:]))
     assert np.isfinite([verdict.gain, verdict.uneven]).all()

@@ -148,7 +148,7 @@ def two_means(slope, coefficient, label):
     conditions = Conditions(time, 0.05, warming, "gyro_x")
     values = RateRamp(slope).sample(conditions, None) + Temperature(coefficient).sample(conditions, None)
     values += WhiteNoise(1e-4).sample(conditions, stream(1, label))
-    log = AxisSequence(values, conditions, np.zeros(len(time), bool))
+    log = AxisSequence(values, conditions)
     before = fit(log, Description.known(WhiteNoise(1e-4)))
     return Search(before.description, tuple(CATALOGUE.values()), LOG_ALPHA).explore(before)
 
@@ -184,7 +184,7 @@ def test_slow_noise_beside_a_walk_of_the_start_model_is_found():
     conditions = Conditions(np.arange(20000) * 0.04, 0.04, axis="gyro_x")
     effects = (WhiteNoise(2e-4), RandomWalk(6e-6), GaussMarkov(5e-4, 7.0))
     values = sum(effect.sample(conditions, stream(2, "beside", effect.name)) for effect in effects)
-    log = AxisSequence(values, conditions, np.zeros(len(values), bool))
+    log = AxisSequence(values, conditions)
     before = fit(log, Description.known(*effects[:2]))
     after = Search(before.description, tuple(CATALOGUE.values()), LOG_ALPHA).explore(before)
     assert [effect.name for effect in after.description.noise.effects[2:]] == ["gauss_markov"]

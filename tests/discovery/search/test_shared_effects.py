@@ -43,7 +43,7 @@ def device(hidden, run, ideal=IDEAL):
         values = STD * stream(31, "device", axis, run).standard_normal(COUNT)
         if axis in hidden:
             values += hidden[axis].sample(conditions, None)
-        before = fit(AxisSequence(values, conditions, np.zeros(COUNT, bool)), Description.known(WhiteNoise(DENSITY)))
+        before = fit(AxisSequence(values, conditions), Description.known(WhiteNoise(DENSITY)))
         searches[axis] = Search(before.description, INERTIAL, LOG_ALPHA)
         fits[axis] = searches[axis].explore(before)
     return fits, searches
@@ -65,7 +65,7 @@ def test_what_the_start_model_has_is_no_news_and_hides_nothing():
         conditions = Conditions(IDEAL.index.to_numpy(), INTERVAL, None, axis, IDEAL)
         values = STD * stream(32, "known", axis).standard_normal(COUNT) + arm.sample(conditions, None)
         values += scale.sample(conditions, None) if axis == "accel_x" else 0.0
-        sequence = AxisSequence(values, conditions, np.zeros(COUNT, bool))
+        sequence = AxisSequence(values, conditions)
         before = fit(sequence, described((arm, WhiteNoise(DENSITY)), sequence))
         searches[axis] = Search(before.description, INERTIAL, LOG_ALPHA)
         fits[axis] = searches[axis].explore(before)
@@ -78,7 +78,7 @@ def test_the_known_axes_of_a_triad_tell_a_misalignment():
     ideal = IDEAL[["gyro_x", "gyro_y"]]
     conditions = Conditions(ideal.index.to_numpy(), INTERVAL, None, "gyro_x", ideal)
     values = STD * stream(33, "pair").standard_normal(COUNT) + 0.05 * ideal["gyro_y"].to_numpy()
-    sequence = AxisSequence(values, conditions, np.zeros(COUNT, bool))
+    sequence = AxisSequence(values, conditions)
     before = fit(sequence, Description.known(WhiteNoise(DENSITY)))
     found = Search(before.description, INERTIAL, LOG_ALPHA).explore(before)
     (term,) = found.description.terms
@@ -226,7 +226,7 @@ def test_the_errors_of_an_arm_and_a_delay_that_are_told_together_have_their_law(
             conditions = Conditions(ideal.index.to_numpy(), INTERVAL, None, axis, ideal)
             values = 10 * STD * stream(34, "together", axis, run).standard_normal(COUNT)
             values += arm.sample(conditions, None) + delay.sample(conditions, None)
-            sequence = AxisSequence(values, conditions, np.zeros(COUNT, bool))
+            sequence = AxisSequence(values, conditions)
             searches[axis] = Search(noise, INERTIAL, LOG_ALPHA)
             fits[axis] = fit(sequence, noise.adding(Entry(delay, ("offset",)), Entry(arm, ("x", "y", "z"))))
         for joint in joined(fits, searches).joints:

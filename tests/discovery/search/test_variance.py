@@ -96,7 +96,7 @@ def test_outliers_in_noise_that_is_not_white_have_their_size(beside, step):
     outliers = 0.06 * rng.standard_normal(400)
     data.values[rng.choice(100_000, 400, replace=False)] += outliers
     values = step * np.rint(data.values / step) if step else data.values
-    data = AxisSequence(values, data.conditions, np.zeros(100_000, bool), step=step)
+    data = AxisSequence(values, data.conditions, step=step)
     before = fit(data, Description.known(WHITE, beside))
     assert (before.cells is not None) == (step > 0)
     cleaned = Search(before.description, (), LOG_ALPHA).without_outliers(before)

@@ -62,7 +62,7 @@ def test_the_false_alarm_rate_of_chirps_is_at_most_nominal():
 @pytest.mark.slow
 def test_a_faint_chirp_is_located_and_not_named():
     conditions = Conditions(INTERVAL * np.arange(COUNT), INTERVAL, axis="accel_y")
-    data = AxisSequence(1e-2 * (white("result") + chirp(1.5, 5.0, 12)), conditions, np.zeros(COUNT, bool))
+    data = AxisSequence(1e-2 * (white("result") + chirp(1.5, 5.0, 12)), conditions)
     result = conclude(search_axis(data, (), tuple(CATALOGUE.values()), LOG_ALPHA, int(0.8 * COUNT)))
     assert result.findings == ()
     (band,) = result.bands
@@ -75,7 +75,7 @@ def test_a_filter_that_is_significant_only_within_the_band_of_a_chirp_is_withhel
     conditions = Conditions(INTERVAL * np.arange(COUNT), INTERVAL, axis="accel_y")
     noise, filtered = white("filter"), OutputFilter(cutoff, 1)
     noise = noise if misfitting else filtered.apply(noise, conditions, stream(1))
-    data = AxisSequence(1e-2 * (noise + chirp(2.3, 18.1, 30)), conditions, np.zeros(COUNT, bool))
+    data = AxisSequence(1e-2 * (noise + chirp(2.3, 18.1, 30)), conditions)
     density = WhiteNoise(1e-2 * np.sqrt(INTERVAL))
     search = Search(Description.known(density), tuple(CATALOGUE.values()), LOG_ALPHA)
     seen = fit(data, Description.known(density).adding(filtered))
@@ -87,6 +87,6 @@ def test_a_filter_that_is_significant_only_within_the_band_of_a_chirp_is_withhel
 def test_a_steady_line_is_not_detected_as_a_chirp():
     line = Sinusoid(3.3, 1e-2, 0.3)
     conditions = Conditions(INTERVAL * np.arange(COUNT), INTERVAL, axis="accel_y")
-    data = AxisSequence(1e-2 * white("line") + line.sample(conditions, None), conditions, np.zeros(COUNT, bool))
+    data = AxisSequence(1e-2 * white("line") + line.sample(conditions, None), conditions)
     density = WhiteNoise(1e-2 * np.sqrt(INTERVAL))
     assert find_chirps(fit(data, Description.known(density)), LOG_ALPHA) == ()

@@ -35,7 +35,7 @@ STD = 1e-3 / np.sqrt(INTERVAL)
 def sequence(*effects, added=0.0, label="glints"):
     conditions = Conditions(TIME, INTERVAL, axis="gyro_x")
     values = AxisModel((WHITE, *effects)).simulate(np.zeros(COUNT), conditions, 1, label)
-    return AxisSequence(values + added, conditions, np.zeros(COUNT, bool))
+    return AxisSequence(values + added, conditions)
 
 
 def wandering(low, high):

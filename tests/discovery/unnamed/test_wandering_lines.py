@@ -23,7 +23,7 @@ def sequence(*effects, line=0.0, label="unsteady"):
     """White noise and effects, and a line of given amplitude whose amplitude and phase wander within 150 s."""
     conditions = Conditions(INTERVAL * np.arange(COUNT), INTERVAL, axis="accel_x")
     values = AxisModel((WHITE, *effects)).simulate(np.zeros(COUNT), conditions, 1, label)
-    return AxisSequence(values + line * wandering(), conditions, np.zeros(COUNT, bool))
+    return AxisSequence(values + line * wandering(), conditions)
 
 
 def wandering():

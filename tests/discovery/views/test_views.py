@@ -129,7 +129,7 @@ def test_flawed_samples_count_in_no_block():
     flawed[5000:6000] = True
     clean = fitted().sequence
     values = np.where(flawed, 100.0, clean.values)
-    sequence = AxisSequence(values, clean.conditions, np.zeros(COUNT, bool)).with_replaced(flawed, stream(1, "flaws"))
+    sequence = AxisSequence(values, clean.conditions).with_replaced(flawed, stream(1, "flaws"))
     curves = views.curves(fit(sequence, Description.known(WHITE)))
     assert np.abs(curves["variance", ""].statistic).max() < 6
     assert curves["extremes", ""].statistic.max() < 15

@@ -336,7 +336,7 @@ def _sequence(
         low = np.where(evidence.flawed, evidence.bounds[0], low)
         high = np.where(evidence.flawed, evidence.bounds[1], high)
     error, ideal = values - conditions.error_free, conditions.error_free
-    whole = AxisSequence(np.where(np.isfinite(error), error, 0.0), conditions, np.zeros(len(values), bool), step=step)
+    whole = AxisSequence(np.where(np.isfinite(error), error, 0.0), conditions, step=step)
     if flawed.all():
         return whole
     mended = whole.with_replaced(flawed, stream(seed, "mended", conditions.axis))

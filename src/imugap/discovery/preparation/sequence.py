@@ -32,7 +32,7 @@ class AxisSequence:
     conditions
         Time since the start of the log [s], interval, temperature, error-free input and name of the axis.
     flawed
-        Which samples are replacements, shape (n,).
+        Which samples are replacements, shape (n,); None for none of them.
     share
         Share of the frequencies, from the lowest on, with power beyond leakage.
     was_coarse
@@ -43,10 +43,15 @@ class AxisSequence:
 
     values: np.ndarray
     conditions: Conditions
-    flawed: np.ndarray
+    flawed: np.ndarray = None
     share: float = USED
     was_coarse: bool | None = None
     step: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Mark no sample as replaced where none is given."""
+        if self.flawed is None:
+            object.__setattr__(self, "flawed", np.zeros(len(self.values), bool))
 
     @cached_property
     def bins(self) -> Bins:

@@ -96,7 +96,7 @@ class ReplicateGroup:
             )
             error = AxisModel(self.known).simulate(level + ideal + error, conditions, seed, *labels) - (mean + ideal)
         step = sequence.step if any(one.lattice for one in self.known) else 0.0
-        clean = AxisSequence(error, conditions, np.zeros(len(conditions), bool), sequence.share, step=step)
+        clean = AxisSequence(error, conditions, share=sequence.share, step=step)
         rng = stream(seed, *labels, "mended")
         found = fit(clean.with_replaced(sequence.flawed, rng), description)
         if description.outliers is None:
