@@ -256,7 +256,7 @@ def test_a_filter_whose_assumptions_hold_has_ellipses_that_hold_the_end():
         assert found.loc["slipping", f"high_{level:g}"] >= level
 
 
-def test_what_real_walks_name_is_beyond_chance_and_the_rest_is_not():
+def test_what_real_walks_name_is_significant_and_the_rest_is_not():
     found = read_of_walks("walk_missing")
     alpha = found.loc[found["named"], "p_value"].max()
     assert (found.loc[~found["named"], "p_value"] > alpha).all()

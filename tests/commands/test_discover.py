@@ -12,7 +12,7 @@ from tests import strict_json
 
 from imugap import cli, log
 from imugap.commands.discover import FILES, compose
-from imugap.discovery.device import Question, discover
+from imugap.discovery.device import Settings, discover
 from imugap.discovery.inputs import Files
 from imugap.discovery.report import verdict
 from imugap.effects import (
@@ -138,13 +138,13 @@ def test_the_folder_is_whole_and_tells_the_line(here, capsys):
 @pytest.mark.slow
 def test_two_runs_of_the_command_write_the_same_bytes(here):
     for out in ("one", "two"):
-        compose(Files((Path("run1.csv"),)), Question(**QUICK), out)
+        compose(Files((Path("run1.csv"),)), Settings(**QUICK), out)
     for name in FILES:
         assert (here / "one" / name).read_bytes() == (here / "two" / name).read_bytes()
 
 
 def test_the_discrepancy_shrinks_on_a_run_that_no_fit_has_seen(here):
-    found = compose(Files((Path("run1.csv"),), (Path("run2.parquet"),)), Question(**QUICK), "found").found
+    found = compose(Files((Path("run1.csv"),), (Path("run2.parquet"),)), Settings(**QUICK), "found").found
     report = read_report("found")
     assert [one["path"] for one in report["test"]] == ["run2.parquet"]
     apart = found.distances["distribution"]
@@ -155,7 +155,7 @@ def test_the_discrepancy_shrinks_on_a_run_that_no_fit_has_seen(here):
 @pytest.mark.slow
 def test_a_test_run_of_another_device_stays_far(here):
     log.write(measured(Sinusoid(11.0, 6e-4), seed=3), "other.csv")
-    found = compose(Files((Path("run1.csv"),), (Path("other.csv"),)), Question(**QUICK), "found").found
+    found = compose(Files((Path("run1.csv"),), (Path("other.csv"),)), Settings(**QUICK), "found").found
     apart = found.distances["distribution"]
     assert apart.after.low > apart.floor.high
 
@@ -163,9 +163,9 @@ def test_a_test_run_of_another_device_stays_far(here):
 @pytest.mark.slow
 def test_distances_over_two_runs_are_root_mean_squares():
     runs = [measured(LINE, seed=seed) for seed in (1, 2, 3)]
-    question = Question(**QUICK)
-    alone = discover(runs[:1], question, runs[1:2]).distances["distribution"]
-    both = discover(runs[:1], question, [runs[1], runs[1]]).distances["distribution"]
+    settings = Settings(**QUICK)
+    alone = discover(runs[:1], settings, runs[1:2]).distances["distribution"]
+    both = discover(runs[:1], settings, [runs[1], runs[1]]).distances["distribution"]
     # the same run twice: each with simulations of its own, so that only the scatter differs
     assert both.before.value == pytest.approx(alone.before.value, rel=0.1)
     assert both.floor.high - both.floor.low < alone.floor.high - alone.floor.low
@@ -173,7 +173,7 @@ def test_distances_over_two_runs_are_root_mean_squares():
 
 @pytest.mark.slow
 def test_six_axes_at_rest_are_navigated():
-    found = discover([measured(axes=log.AXES, count=1600)], Question(**QUICK))
+    found = discover([measured(axes=log.AXES, count=1600)], Settings(**QUICK))
     assert set(found.distances) == {"distribution", "navigation"}
     (path,) = found.drifts
     assert path.before.shape == path.after.shape == (20, *path.measured.shape)
@@ -183,14 +183,14 @@ def test_six_axes_at_rest_are_navigated():
 def test_a_clipped_log_with_lost_values_is_compared_as_it_is():
     flawed = measured(Saturation(1.4e-3))
     flawed.iloc[100:2000:50, 0] = np.nan
-    apart = discover([flawed], Question(**QUICK)).distances["distribution"]
+    apart = discover([flawed], Settings(**QUICK)).distances["distribution"]
     assert apart.floor.high < apart.before.value
     assert apart.after.value < apart.floor.high
 
 
 def test_steps_are_told_in_order_to_the_last():
     told = []
-    discover([measured()], Question(**QUICK), progress=lambda *step: told.append(step))
+    discover([measured()], Settings(**QUICK), progress=lambda *step: told.append(step))
     assert [done for _, done, _ in told] == list(range(told[0][2] + 1))
     assert (told[0][0], told[-1][0]) == ("integrity", "done")
 
@@ -263,21 +263,21 @@ def test_what_the_start_model_knows_is_not_named_again():
         "gyro_x": AxisModel((white, Bias(0.0), Outliers(5e-3, 2e-2), CommonMode(1e-4, 1.0))),
         "gyro_y": AxisModel((white, Bias(0.0), RandomWalk(0.0), CommonMode(1e-4, -0.8))),
     })  # fmt: skip
-    found = discover([start.simulate(still(), 5)], Question(start, **QUICK))
+    found = discover([start.simulate(still(), 5)], Settings(start, **QUICK))
     assert (found.findings, found.unexplained) == ((), ())
     assert {"outliers", "common_mode"} <= {effect.name for effect in found.final["gyro_x"]}
 
 
 @pytest.mark.slow
 def test_an_axis_without_two_values_is_a_place_and_does_not_stop_the_others():
-    found = discover([measured(LINE).assign(gyro_x=2.0, gyro_z=np.nan)], Question(**QUICK))
+    found = discover([measured(LINE).assign(gyro_x=2.0, gyro_z=np.nan)], Settings(**QUICK))
     assert [(one.name, one.axes) for one in found.findings] == [("sinusoid", ("gyro_y",))]
     for discrepancies in (found.discrepancies, found.unexplained):
         assert {(place.axis, place.view) for place in discrepancies} >= {("gyro_x", "values"), ("gyro_z", "values")}
 
 
 def test_a_change_of_variance_that_lasts_goes_on_in_what_no_fit_has_seen():
-    found = discover([measured(VarianceChange(48.0, 80.0, 3.0))], Question(**QUICK))
+    found = discover([measured(VarianceChange(48.0, 80.0, 3.0))], Settings(**QUICK))
     assert [one.name for one in found.findings] == ["variance_change"]
     assert found.findings[0].log_score_gain > 0
     apart = found.distances["distribution"]
@@ -286,7 +286,7 @@ def test_a_change_of_variance_that_lasts_goes_on_in_what_no_fit_has_seen():
 
 def test_outliers_of_the_start_model_stay_where_the_log_shows_none():
     start = ErrorModel({**device().axes, "gyro_x": AxisModel((WhiteNoise(1e-4), Bias(1e-3), Outliers(1e-3, 0.02)))})
-    found = discover([measured()], Question(start, **QUICK))
+    found = discover([measured()], Settings(start, **QUICK))
     assert "outliers" in {effect.name for effect in found.final["gyro_x"]}
     assert ("gyro_x", "outliers") in found.undetermined
 
@@ -301,7 +301,7 @@ def test_a_log_of_one_axis_may_answer_a_motion_of_which_all_is_known():
     ideal = turning(log.AXES)
     answered = 2e-3 * ideal["accel_y"]
     device = pd.DataFrame({"gyro_x": measured()["gyro_x"] + ideal["gyro_x"] + answered})
-    found = discover([device], Question(**QUICK), reference=ideal)
+    found = discover([device], Settings(**QUICK), reference=ideal)
     assert [one.name for one in found.findings] == ["g_sensitivity"]
     assert found.distances["distribution"].after.value < found.distances["distribution"].before.value
 
@@ -312,7 +312,7 @@ def test_noise_in_common_takes_no_place_of_what_an_axis_answers():
     ideal, shared = turning(axes), np.random.default_rng(3).standard_normal(COUNT) * 2e-3
     errors = {"gyro_x": shared + 4e-3 * np.abs(ideal["gyro_y"]), "gyro_y": shared}
     device = measured() + ideal + pd.DataFrame(errors, index=ideal.index)
-    found = discover([device], Question(**QUICK), reference=ideal)
+    found = discover([device], Settings(**QUICK), reference=ideal)
     assert "common_mode" in {one.name for one in found.findings}
     assert any(place.view == "rate" and place.axis == "gyro_x,gyro_y" for place in found.unexplained)
 
@@ -321,7 +321,7 @@ def test_nothing_is_told_of_the_holes_of_a_reference():
     ideal = turning(("gyro_x", "gyro_y"))
     device = measured() + ideal
     broken = ideal[(ideal.index < 30.0) | (ideal.index > 34.0)]
-    found = discover([device], Question(**QUICK), reference=broken)
+    found = discover([device], Settings(**QUICK), reference=broken)
     assert (found.findings, found.unexplained) == ((), ())
 
 
@@ -341,7 +341,7 @@ def test_times_count_from_the_first_sample_that_is_used(here):
 @pytest.mark.slow
 def test_a_test_run_knows_nothing_of_a_step_that_happened_in_the_log():
     step = BiasStep(40.0, 5e-3)
-    apart = discover([measured(step)], Question(**QUICK), [measured(seed=2)]).distances["distribution"]
+    apart = discover([measured(step)], Settings(**QUICK), [measured(seed=2)]).distances["distribution"]
     assert apart.after.low < apart.floor.high < apart.before.low  # 260 where the step is simulated
 
 
@@ -350,7 +350,7 @@ def test_a_log_on_a_coarse_lattice_is_reached_by_the_model_with_it(steps):
     std = 1e-4 / np.sqrt(INTERVAL)
     start = ErrorModel({"gyro_x": AxisModel((WhiteNoise(1e-4), Bias(0.3 * steps * std)))})
     truth = ErrorModel({"gyro_x": AxisModel((*start["gyro_x"], Resolution(steps * std)))})
-    found = discover([truth.simulate(still(("gyro_x",)), 6)], Question(**QUICK))
+    found = discover([truth.simulate(still(("gyro_x",)), 6)], Settings(**QUICK))
     assert [one.name for one in found.findings] == ["resolution"]
     assert found.distances["distribution"].after.value < found.distances["distribution"].floor.high
     white, bias = (one for one in found.final["gyro_x"] if isinstance(one, (WhiteNoise, Bias)))
@@ -360,14 +360,14 @@ def test_a_log_on_a_coarse_lattice_is_reached_by_the_model_with_it(steps):
 
 def test_values_without_a_unit_are_written_in_full():
     step = VarianceChange(20.0, 60.0, 11.0)
-    text = verdict(discover([measured(step)], Question(**QUICK)))
+    text = verdict(discover([measured(step)], Settings(**QUICK)))
     ratio = float(re.search(r"variance_change \(.*ratio ([0-9.]+)[,)]", text)[1])
     assert ratio == pytest.approx(11.0, rel=0.2)
 
 
 @pytest.mark.slow
 def test_a_write_that_fails_leaves_the_old_folder(here, capsys, fill_disk):
-    compose(Files((Path("run1.csv"),)), Question(**QUICK), "found")
+    compose(Files((Path("run1.csv"),)), Settings(**QUICK), "found")
     before = {name: (here / "found" / name).read_bytes() for name in FILES}
     fill_disk()
     assert discovered("run2.parquet") == 1

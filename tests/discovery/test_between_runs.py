@@ -114,8 +114,8 @@ def test_an_effect_in_every_run_is_no_turn_on_bias(name):
 @pytest.mark.parametrize("noise", [RandomWalk(2e-3), GaussMarkov(1e-2, 300.0), GaussMarkov(1e-2, 3.0)])
 def test_the_false_alarm_rate_of_turn_on_bias_with_slow_noise_is_nominal(noise):
     level = np.log(0.05)
-    chance = [turn_on_findings(levelled(number, (0.0, 0.0), (), (noise,)), level) for number in range(60)]
-    assert sum(map(len, chance)) <= 9  # binomial: more than 9 of 60 at 5 % in 0.2 %
+    false = [turn_on_findings(levelled(number, (0.0, 0.0), (), (noise,)), level) for number in range(60)]
+    assert sum(map(len, false)) <= 9  # binomial: more than 9 of 60 at 5 % in 0.2 %
 
 
 @pytest.mark.parametrize("duration", [100.0, 4000.0])

@@ -113,7 +113,7 @@ def test_missing_samples_are_counted_and_do_no_other_harm():
 
 
 @pytest.mark.parametrize("step", [0.01, 0.3, 1.0, 3.0])
-def test_a_coarse_lattice_repeats_by_chance_and_is_not_stuck(step):
+def test_a_coarse_lattice_repeats_and_is_not_stuck(step):
     for run in range(10):
         found = axis(rounded(noise("coarse", step, run), step))
         assert not found.stuck

@@ -21,7 +21,7 @@ def constant(vector, count):
 
 
 def interval_means(function, times):
-    """Means of a function of time, (m,) to (m, 3), over the intervals that end at ``times``."""
+    """SmoothTerms of a function of time, (m,) to (m, 3), over the intervals that end at ``times``."""
     steps = np.diff(times, prepend=2 * times[0] - times[1])
     inner = times[:, None] + 0.5 * steps[:, None] * (NODES - 1)
     values = function(inner.ravel()).reshape(len(times), len(NODES), 3)

@@ -122,7 +122,7 @@ def noise(rng, blocks=24, count=10, effect=None, size=0.0):
     return BlockScores(np.array(score), np.array(information))
 
 
-def test_nothing_is_named_more_often_than_chance_allows():
+def test_nothing_is_named_more_often_than_the_level_allows():
     """Two-sided: 200 questions at 10 %, scatter unknown to the filter and candidate_errors alike."""
     rng = np.random.default_rng(7)
     wrong = sum(bool(score_test(noise(rng), 0.1, rng).named) for _ in range(200))

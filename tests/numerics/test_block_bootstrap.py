@@ -50,7 +50,7 @@ def test_a_drift_over_the_whole_series_leaves_no_blocks_and_no_statement():
     assert not one.differs
 
 
-def test_a_constant_difference_is_beyond_chance():
+def test_a_constant_difference_is_significant():
     one = mean(np.full(100, 2.5), stream(9))
     assert (one.value, one.low, one.high) == pytest.approx((2.5, 2.5, 2.5))
     assert one.differs

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from imugap.discovery.device import Question, discover
+from imugap.discovery.device import Settings, discover
 from imugap.discovery.fit.axis_fit import fit
 from imugap.discovery.fit.description import Description, Entry
 from imugap.discovery.preparation.sequence import AxisSequence
@@ -54,8 +54,8 @@ def found(kinds, seed, *hidden):
     alone = AxisModel((WhiteNoise(1e-4), Bias(1e-4)))
     model = ErrorModel({"gyro_x": alone, "gyro_y": AxisModel((*alone, *hidden))})
     still = from_samples({axis: np.zeros(COUNT) for axis in model.axes}, INTERVAL)
-    question = Question(catalogue=tuple(kinds.values()), replicates=20, simulations=10)
-    return discover([model.simulate(still, seed, "plug-in")], question)
+    settings = Settings(catalogue=tuple(kinds.values()), replicates=20, simulations=10)
+    return discover([model.simulate(still, seed, "plug-in")], settings)
 
 
 def names(discovery):
@@ -113,7 +113,7 @@ def test_it_proposes_itself_where_it_is(chirp, begin, end):
 
 
 @pytest.mark.slow
-def test_what_it_expects_of_noise_is_no_more_than_chance_stated(chirp):
+def test_the_gain_of_noise_is_seldom_significant(chirp):
     """The highest gain of so many trials goes beyond log(trials/share) with the probability share, at most."""
     noise = [fit(sequence(white("chance", run)), Description.known(WhiteNoise(1e-4))) for run in range(30)]
     starts = [next(chirp.starts(one)) for one in noise]

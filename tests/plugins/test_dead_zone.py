@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from imugap.discovery.device import Question, discover
+from imugap.discovery.device import Settings, discover
 from imugap.discovery.preparation.prepare import prepare
 from imugap.effects import Bias, OutputFilter, Resolution, Saturation, StuckSamples, WhiteNoise
 from imugap.effects.conditions import Conditions
@@ -105,7 +105,7 @@ def test_the_output_is_zero_within_the_zone_and_the_input_outside(zone):
 
 
 def test_no_other_flaw_is_taken_for_it(zone):
-    """252 logs without a dead zone, of which one in a million may be named by chance."""
+    """252 logs without a dead zone, of which one in a million may be named falsely."""
     for run in range(6):
         for make in INPUTS:
             for change in OTHERS:
@@ -137,8 +137,8 @@ def test_an_input_far_from_zero_says_nothing_of_it(zone):
 @pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.slow), pytest.param(3, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("width", [1e-3, pytest.param(2e-3, marks=pytest.mark.slow)])
 def test_a_dead_zone_is_found_placed_and_named(kinds, zone, seed, width):
-    question = Question(catalogue=tuple(kinds.values()), replicates=20, simulations=10)
-    discovery = discover([recorded(seed, zone(width))], question)
+    settings = Settings(catalogue=tuple(kinds.values()), replicates=20, simulations=10)
+    discovery = discover([recorded(seed, zone(width))], settings)
     (one,) = discovery.findings
     assert (one.name, one.axes) == ("dead_zone", ("gyro_y",))
     interval = one.parameters["width"]

@@ -28,7 +28,7 @@ def test_nees_of_errors_drawn_from_the_covariance_is_chi_square_of_two():
     assert low < attitude_scores.nees(error, solution).mean() < high
 
 
-def test_a_larger_variance_is_told_from_chance_and_an_equal_one_is_not():
+def test_a_larger_variance_is_significant_and_an_equal_one_is_not():
     rng = stream(2, "difference")
     noise = rng.standard_normal((3, 1000))
     louder = attitude_scores.difference(noise[0], 3 + 1.5 * noise[1], stream(3))

@@ -190,7 +190,7 @@ if TRIALS:
             "../scripts/trial_scores.py"
 
     rule trial_page:
-        """Draw and tabulate the real trials: alignment, what the rests tell, errors."""
+        """Draw and tabulate the real trials: alignment, estimates from the rests, errors."""
         input:
             alignment="results/broad/alignment.csv",
             estimates="results/broad/estimates.csv",
@@ -200,7 +200,7 @@ if TRIALS:
         output:
             figure=figure("attitude_trials", "Attitude", "trials (figure)"),
             alignment=table("attitude_alignment", "Attitude", "log against reference (table)"),
-            rests=table("attitude_rests", "Attitude", "what a rest tells (table)"),
+            rests=table("attitude_rests", "Attitude", "what a rest shows (table)"),
             trials=table("attitude_trials", "Attitude", "errors of the trials (table)", caption="attitude_trials_table"),
             numbers="paper/numbers/attitude_trials.json",
         log:

@@ -46,7 +46,7 @@ rule blind_discover:
         mem_mb=3000,
         runtime=10 * PER_JOB,
     params:
-        asked=QUESTION,
+        settings=DISCOVERY_SETTINGS,
         seed=config["seed"],
         code=library("blind_discover"),
     script:

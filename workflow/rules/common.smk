@@ -56,8 +56,8 @@ for option, paths in OPTIONS.items():
     if paths and not OPTIONS["log"]:
         raise ConfigurationError(f"log: expected the log that {option} belongs to; found none")
 
-# What discovery is asked, by the folder of the answer below results: a log of one's own, and the stories of the notebook.
-ASKED = {
+# Inputs of each discovery, by the folder of its products below results: a log of one's own, and the logs of the notebook.
+DISCOVERIES = {
     "story/hidden": {"log": ["results/story/cases/hidden/log.parquet"]},
     "story/heater": {"log": ["results/story/heater.parquet"]},
     "story/heater_named": {
@@ -66,17 +66,17 @@ ASKED = {
     },
 }
 if len(RUNS["adis16405"]) > 1:
-    ASKED["story/real"] = {
+    DISCOVERIES["story/real"] = {
         "log": ["results/story/real_log.parquet"],
         "test": ["results/story/real_test.parquet"],
     }
-# The trials in motion that discovery is asked of, with the error-free log that cameras give.
+# Trials in motion for discovery, with the error-free log of the cameras.
 SIGHTED = [run for run in TRIALS if run in config["discovery"]["trials"] and "discovery" in CHAPTERS]
-# What every run of discovery shares.
-QUESTION = {key: config["discovery"][key] for key in ("alpha", "replicates", "simulations")}
-STORIES = [f"results/{asked}/report.json" for asked in ASKED]
+# Settings of every discovery.
+DISCOVERY_SETTINGS = {key: config["discovery"][key] for key in ("alpha", "replicates", "simulations")}
+DISCOVERY_REPORTS = [f"results/{discovery}/report.json" for discovery in DISCOVERIES]
 STARTS = ["white", "nbk"]
-# The devices whose first run is asked, from two start models; what is found is tested on their other runs.
+# Devices for discovery: on the first run, from two start models, tested on the other runs.
 MISSING_OF = [name for name in config["discovery"]["devices"] if len(RUNS[name]) > 1 and "discovery" in CHAPTERS]
 for name in MISSING_OF:
     first, *others = (f"results/{name}/{run}" for run in RUNS[name])
@@ -84,9 +84,9 @@ for name in MISSING_OF:
         "log": [f"{first}/means.parquet"],
         "test": [f"{one}/means.parquet" for one in others],
     }
-    ASKED[f"missing/{name}_white"] = runs
-    ASKED[f"missing/{name}_nbk"] = runs | {"model": [f"{first}/nbk.yaml"]}
-ASKED |= {
+    DISCOVERIES[f"missing/{name}_white"] = runs
+    DISCOVERIES[f"missing/{name}_nbk"] = runs | {"model": [f"{first}/nbk.yaml"]}
+DISCOVERIES |= {
     f"motion/broad_{run}": {
         "log": [f"results/broad/{run}/sighted/log.parquet"],
         "reference": [f"results/broad/{run}/sighted/ideal.parquet"],
@@ -95,7 +95,7 @@ ASKED |= {
 }
 if OPTIONS["log"]:
     own = {"effects": config["effects"]} if config["effects"] else {}
-    ASKED[f"discover/{Path(OPTIONS['log'][0]).stem}"] = OPTIONS | own
+    DISCOVERIES[f"discover/{Path(OPTIONS['log'][0]).stem}"] = OPTIONS | own
 
 
 # Jobs of minutes, and those that they wait for, have priority 1: else one of them runs last, beside an idle core.
@@ -191,14 +191,14 @@ def assumptions(site, motion):
     }
 
 
-def asked(option):
-    """Name the files of an option of what discovery is asked."""
-    return lambda wildcards: ASKED[wildcards.asked].get(option, [])
+def discovery_input(option):
+    """Return the function that names the input files of a discovery for an option."""
+    return lambda wildcards: DISCOVERIES[wildcards.discovery].get(option, [])
 
 
 def own_effects(wildcards):
     """Name the file of the module of one's own effects, if it lies here."""
-    path = f"{ASKED[wildcards.asked].get('effects', '').replace('.', '/')}.py"
+    path = f"{DISCOVERIES[wildcards.discovery].get('effects', '').replace('.', '/')}.py"
     return [path] if Path(path).is_file() else []
 
 

@@ -1,5 +1,5 @@
 rule story_hidden:
-    """Seal the log of the notebook that tells of discovery, in which two effects are hidden."""
+    """Seal the log of the notebook on discovery, in which two effects are hidden."""
     input:
         recipe="data/blind.yaml",
         schema="workflow/schemas/blind.schema.yaml",
@@ -58,7 +58,7 @@ rule story_real:
 for device in MISSING_OF:
 
     rule:
-        """Average every run of a device over blocks: what discovery is asked about it."""
+        """Average every run of a device over blocks, as the input of discovery."""
         name:
             f"means_{device}"
         input:
@@ -123,44 +123,44 @@ if SIGHTED:
 rule dossier:
     """Find where a log and a simulator disagree, and name, add and show what is missing from the error model."""
     input:
-        log=asked("log"),
-        test=asked("test"),
-        reference=asked("reference"),
-        model=asked("model"),
+        log=discovery_input("log"),
+        test=discovery_input("test"),
+        reference=discovery_input("reference"),
+        model=discovery_input("model"),
         effects=own_effects,
     output:
-        "results/{asked}/report.json",
-        "results/{asked}/model.yaml",
-        "results/{asked}/gaps.csv",
-        "results/{asked}/candidates.csv",
+        "results/{discovery}/report.json",
+        "results/{discovery}/model.yaml",
+        "results/{discovery}/gaps.csv",
+        "results/{discovery}/candidates.csv",
         report(
-            "results/{asked}/report.md",
+            "results/{discovery}/report.md",
             caption="../report/dossier.rst",
             category="Discovery",
-            labels={"result": "{asked}"},
+            labels={"result": "{discovery}"},
         ),
         report(
             expand(
-                "results/{{asked}}/{figure}.svg",
+                "results/{{discovery}}/{figure}.svg",
                 figure=["places", "surest", "distance", "drift"],
             ),
             caption="../report/dossier.rst",
             category="Discovery",
-            labels={"result": "{asked}"},
+            labels={"result": "{discovery}"},
         ),
     log:
-        "logs/dossier/{asked}.log",
+        "logs/dossier/{discovery}.log",
     wildcard_constraints:
-        asked="(discover|story|missing|motion)/[^/]+",
+        discovery="(discover|story|missing|motion)/[^/]+",
     priority: 1
-    threads: lambda wildcards: 1 if wildcards.asked.startswith(("story/", "motion/")) else 2
+    threads: lambda wildcards: 1 if wildcards.discovery.startswith(("story/", "motion/")) else 2
     resources:
         mem_mb=3000,
-        runtime=lambda wildcards: 120 if wildcards.asked.startswith("missing/") else 30,
+        runtime=lambda wildcards: 120 if wildcards.discovery.startswith("missing/") else 30,
     params:
-        asked=QUESTION,
+        settings=DISCOVERY_SETTINGS,
         seed=config["seed"],
-        effects=lambda wildcards: ASKED[wildcards.asked].get("effects"),
+        effects=lambda wildcards: DISCOVERIES[wildcards.discovery].get("effects"),
         code=library("dossier"),
     script:
         "../scripts/dossier.py"

@@ -67,7 +67,7 @@ rule drive_page:
 
 
 rule drive_hidden:
-    """Ask the innovations of simulated drives what the filter is not told: a name, or none."""
+    """Name, from the innovations of simulated drives, the effect that the filter does not model, or none."""
     input:
         recipe="data/drive.yaml",
     output:

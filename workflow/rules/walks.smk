@@ -193,7 +193,7 @@ rule walk_limits_page:
 
 
 rule walk_hidden:
-    """Hide one effect at a time in a simulated loop; ask discovery with the exact reference, zero velocity without any."""
+    """Hide one effect at a time in a simulated loop; test discovery with the exact reference, and zero velocity without."""
     input:
         recipe="data/walk.yaml",
         cases="data/hidden.yaml",
@@ -206,7 +206,7 @@ rule walk_hidden:
         cases=config["walks"]["hidden"],
         seed=config["seed"],
         strides=config["walks"]["loop_strides"],
-        asked=QUESTION,
+        settings=DISCOVERY_SETTINGS,
         code=library("walk_hidden"),
     script:
         "../scripts/walk_hidden.py"
@@ -230,7 +230,7 @@ rule walk_hidden_page:
 
 
 rule walk_missing:
-    """Ask the real walks what their twin lacks; foretell with it the ends of walks that were not asked."""
+    """Find the effects that the twin of the real walks lacks; predict with them the ends of the other walks."""
     input:
         **{name: [str(locate(file, RAW, MIRROR)) for file in CATALOGUE[name].files] for name in WALKS},
         recipe="data/walk.yaml",

@@ -4,19 +4,19 @@ import json
 from pathlib import Path
 from time import perf_counter
 
-from imugap.discovery.device import Question
+from imugap.discovery.device import Settings
 from imugap.discovery.inputs import Files, discover_files
 from imugap.discovery.report import view_table
 from imugap.workflow.job_log import job
 
 with job(snakemake) as (source, params, output):
-    question = Question(**params.asked, seed=params.seed)
+    settings = Settings(**params.settings, seed=params.seed)
     for case in map(Path, source.cases):
         begin, out = perf_counter(), Path(output[0]) / case.name
         logs = tuple(sorted(path for path in case.glob("*.parquet") if path.stem != "reference"))
         given = {"reference": case / "reference.parquet", "model": case / "model.yaml"}
         files = Files(logs, **{name: path for name, path in given.items() if path.exists()})
-        result = discover_files(files, question)
+        result = discover_files(files, settings)
         out.mkdir(parents=True)
         (out / "report.json").write_text(json.dumps(result.report(), indent=1, allow_nan=False) + "\n")
         view_table(result.found).to_csv(out / "views.csv", index=False)

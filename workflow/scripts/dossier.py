@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from imugap.commands.discover import compose
-from imugap.discovery.device import Question
+from imugap.discovery.device import Settings
 from imugap.discovery.inputs import Files
 from imugap.discovery.report import verdict
 from imugap.workflow.job_log import job
@@ -13,6 +13,6 @@ if __name__ == "__main__":
     with job(snakemake) as (source, params, output):
         single = {name: Path(*source[name]) for name in ("reference", "model") if source[name]}
         files = Files(tuple(map(Path, source.log)), tuple(map(Path, source.test)), **single, effects=params.effects)
-        question = Question(**params.asked, seed=params.seed, workers=snakemake.threads)
+        settings = Settings(**params.settings, seed=params.seed, workers=snakemake.threads)
         out = Path(output[0]).parent
-        print(verdict(compose(files, question, out, lambda step, done, steps: print(f"{done}/{steps} {step}")).found))
+        print(verdict(compose(files, settings, out, lambda step, done, steps: print(f"{done}/{steps} {step}")).found))

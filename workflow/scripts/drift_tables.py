@@ -65,7 +65,7 @@ def distribution_page(scores, titles):
         yield row
 
 
-def chance_of_first(errors, count, seed):
+def probability_of_first(errors, count, seed):
     """Yield how often a table of ``count`` trials on the first run ranks each of the source's methods first."""
     first = errors[(errors["run"] == 0) & errors["contender"].isin(SOURCE)]
     for (start, horizon, quantity), group in first.groupby(["start", "horizon", "quantity"], sort=False):
@@ -77,16 +77,18 @@ def chance_of_first(errors, count, seed):
         yield {"start": start, "horizon": horizon, "quantity": quantity, **dict(zip(SOURCE, share, strict=True))}
 
 
-def ranking_page(scores, chances, titles):
-    """Lay out the best model by each score, and the chance that a five-trial table puts restoration first."""
+def ranking_page(scores, probabilities, titles):
+    """Lay out the best model by each score, and the probability that a five-trial table puts restoration first."""
     for (start, horizon), group in scores.groupby(["start", "horizon"], sort=False):
         row = {"start": start, "length [s]": f"{horizon:g}"}
         for quantity in QUANTITIES:
             one = group[group["quantity"] == quantity].set_index("contender")
             row[f"e_abs {quantity}"] = titles[one["median_e_abs"].idxmin()]
             row[f"CRPS {quantity}"] = titles[one["crps"].idxmin()]
-        chance = chances[(chances["start"] == start) & (chances["horizon"] == horizon)].set_index("quantity")
-        shares = [f"{100 * chance.loc[quantity, 'restoration']:.0f}" for quantity in QUANTITIES]
+        probability = probabilities[
+            (probabilities["start"] == start) & (probabilities["horizon"] == horizon)
+        ].set_index("quantity")
+        shares = [f"{100 * probability.loc[quantity, 'restoration']:.0f}" for quantity in QUANTITIES]
         row["restoration first [%]"] = " / ".join(shares)
         yield row
 
@@ -114,11 +116,11 @@ def crps_ratio(scores, of, over):
     return {start: "{:.2f} ({:.2f} to {:.2f})".format(*ratio.quantile([0.5, 0, 1])) for start, ratio in grouped}
 
 
-def numbers(scores, at_table, chances, firsts, titles, params):
+def numbers(scores, at_table, probabilities, firsts, titles, params):
     """Collect what the text of the paper quotes."""
     inside = at_table.groupby(["start", "contender"], sort=False)["inside_90"].mean()
-    at = chances[(chances["start"] == "raw") & (chances["horizon"] == params.table_horizon_s)]
-    over = chances[chances["start"] == "raw"]
+    at = probabilities[(probabilities["start"] == "raw") & (probabilities["horizon"] == params.table_horizon_s)]
+    over = probabilities[probabilities["start"] == "raw"]
     return {
         "table_horizon_s": params.table_horizon_s,
         "trials": params.published_trials,
@@ -144,14 +146,14 @@ with job(snakemake) as (source, params, output):
     at_table = scores[scores["horizon"] == params.table_horizon_s]
     five = five_trials(errors[errors["horizon"] == params.table_horizon_s], params.published_trials)
     five = pd.concat([five, printed(table_2)])
-    chances = pd.DataFrame(chance_of_first(errors, params.published_trials, params.seed))
+    probabilities = pd.DataFrame(probability_of_first(errors, params.published_trials, params.seed))
     firsts = first_places(errors, proper, stream(params.seed, "first places"))
-    found = numbers(scores, at_table, chances, firsts, titles, params)
+    found = numbers(scores, at_table, probabilities, firsts, titles, params)
     save(
         output,
         five=(five, five_trials_page(five, titles)),
         distribution=(at_table, distribution_page(at_table, titles)),
-        ranking=(chances, ranking_page(scores, chances, titles)),
+        ranking=(probabilities, ranking_page(scores, probabilities, titles)),
         figure=static.ranking(scores, "median_e_abs", "median e_abs"),
         crps=static.ranking(scores, "crps", "CRPS"),
         numbers=found | {"bounded": bounds, "runs": int(proper["run"].nunique())},

@@ -1,4 +1,4 @@
-"""Lay out the real trials: the figure, log against reference, what the rests tell, errors, numbers of the text."""
+"""Lay out the real trials: the figure, log against reference, estimates from the rests, errors, numbers of the text."""
 
 import numpy as np
 import pandas as pd
@@ -90,7 +90,7 @@ def trials_page(scores, differences, titles):
     return pd.DataFrame(rows, columns=heads)
 
 
-def numbers(alignment, scores, differences, told):
+def numbers(alignment, scores, differences, estimates):
     """Collect what the text quotes."""
     lag = alignment[alignment["quantity"] == "lag"]["value"]
     change = alignment[alignment["quantity"].str.startswith("change")]["value"].abs()
@@ -114,20 +114,24 @@ def numbers(alignment, scores, differences, told):
             "cases": len(alone), "better": int((alone["high"] < 0).sum()), "worse": int((alone["low"] > 0).sum()),
             "mute": int(np.isinf(alone["high"]).sum()),
         }  # fmt: skip
-    times = told[(told["parameter"] == "correlation_time")]
+    times = estimates[(estimates["parameter"] == "correlation_time")]
     said["identified_times"] = f"{times['identified'].sum()} of {times['fits'].sum()}"
     return said
 
 
 with job(snakemake) as (source, _, output):
     alignment, scores, differences = (pd.read_csv(source[name]) for name in ("alignment", "scores", "differences"))
-    errors, titles, told = pd.read_parquet(source.errors), names(), pd.DataFrame(rests(pd.read_csv(source.estimates)))
+    errors, titles, estimates = (
+        pd.read_parquet(source.errors),
+        names(),
+        pd.DataFrame(rests(pd.read_csv(source.estimates))),
+    )
     chosen = {trial: titles[trial] for trial in errors["trial"].unique()}
     save(
         output,
         figure=attitude.trials(errors, chosen, list(MODELS)),
         alignment=(alignment, alignment_page(alignment, titles)),
-        rests=(told, rests_page(told)),
+        rests=(estimates, rests_page(estimates)),
         trials=(differences, trials_page(scores, differences, titles)),
-        numbers=numbers(alignment, scores, differences, told),
+        numbers=numbers(alignment, scores, differences, estimates),
     )

@@ -6,7 +6,7 @@ from pathlib import Path
 import pandas as pd
 import yaml
 
-from imugap.discovery.device import Question, discover
+from imugap.discovery.device import Settings, discover
 from imugap.discovery.preparation.prepare import prepare
 from imugap.effects.effect import AxisModel
 from imugap.model import ErrorModel
@@ -32,8 +32,8 @@ def main(walk, case, params):
     loop = replace(walk, rate_hz=RATE_HZ, course=WalkCourse.loop(params.strides, stand_s=walk.course.stand_s))
     device = hidden(loop, case)
     log, ideal = device.record(1, params.seed), device.ideal(1, params.seed)
-    question = Question(seed=params.seed, **params.asked)
-    found = discover([log], question, reference=ideal)
+    settings = Settings(seed=params.seed, **params.settings)
+    found = discover([log], settings, reference=ideal)
     rows = [
         {"how": how, "name": one.name, "axis": " ".join(one.axes)}
         for how, findings in {"exact": found.findings, "integrity": prepare(log).findings}.items()
@@ -49,7 +49,7 @@ def main(walk, case, params):
     ]  # fmt: skip
     said = stance_test(log, loop.model, known_assumptions(loop))
     rows.append({"how": "scatter", "value": said.scatter})
-    rows += [{"how": "innovations"} | one for one in said.named(params.asked["alpha"]).to_dict("records")]
+    rows += [{"how": "innovations"} | one for one in said.named(params.settings["alpha"]).to_dict("records")]
     return pd.DataFrame(rows)
 
 

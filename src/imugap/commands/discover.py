@@ -9,7 +9,7 @@ from tqdm import tqdm
 
 from imugap.atomic import write_together
 from imugap.commands.arguments import add_effects, count, probability
-from imugap.discovery.device import Question
+from imugap.discovery.device import Settings
 from imugap.discovery.inputs import FileDiscovery, Files, discover_files
 from imugap.discovery.report import candidate_table, describe_range, discrepancy_table, verdict
 from imugap.discovery.steps import Progress
@@ -50,25 +50,25 @@ def run(options: argparse.Namespace) -> None:
     """Discover on the logs, write the folder ``--out``, and print the verdict."""
     reference, model = (None if path is None else Path(path) for path in (options.reference, options.model))
     files = Files(tuple(map(Path, options.log)), tuple(map(Path, options.test)), reference, model, options.effects)
-    question = Question(alpha=options.alpha, seed=options.seed, workers=options.workers)
+    settings = Settings(alpha=options.alpha, seed=options.seed, workers=options.workers)
     with tqdm(bar_format="{l_bar}{bar}| {n_fmt}/{total_fmt} [{elapsed}]", leave=False) as bar:
 
         def progress(step: str, done: int, steps: int) -> None:
             bar.total, bar.n = steps, done
             bar.set_description(step)
 
-        result = compose(files, question, options.out, progress)
+        result = compose(files, settings, options.out, progress)
     print(verdict(result.found))
 
 
 def compose(
-    files: Files, question: Question, out: str | Path, progress: Progress = lambda step, done, steps: None
+    files: Files, settings: Settings, out: str | Path, progress: Progress = lambda step, done, steps: None
 ) -> FileDiscovery:
     """Discover on files and write all :data:`FILES` into the folder ``out``, or none if anything fails."""
     out = Path(out)
     if out.exists() and not out.is_dir():
         raise ValueError(f"{out}: expected a folder; found a file")
-    result = discover_files(files, question, progress)
+    result = discover_files(files, settings, progress)
     write(result, out)
     return result
 

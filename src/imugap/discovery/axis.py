@@ -26,7 +26,7 @@ from imugap.discovery.fit.start_model import described
 from imugap.discovery.fit.telegraph_likelihood import compare
 from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.search.intervals import axis_unit, intervals
-from imugap.discovery.search.search import Candidate, Search, coloured, log_chance, stepping, without
+from imugap.discovery.search.search import Candidate, Search, coloured, log_p_of_gain, stepping, without
 from imugap.discovery.search.telegraph import hidden_telegraph, steady, told_apart, two_valued
 from imugap.discovery.search.telegraph_in_noise import Switching
 from imugap.discovery.unnamed import wandering_lines
@@ -161,7 +161,7 @@ def search_axis(
     catalogue
         Kinds of effects that may be missing.
     log_alpha
-        Logarithm of the probability that a proposal is accepted by chance.
+        Logarithm of the false-alarm probability of one proposal.
     split
         First sample of the held-out part.
     """
@@ -317,7 +317,7 @@ def without_unnamed(search: Search, found: AxisFit, rejected: Mapping[Candidate,
     carried = add_power_law(search.for_new_samples(), kept)
     gain = carried.log_likelihood - kept.log_likelihood
     law = carried.description.noise.effects[-1]
-    sure = log_chance(gain, len(fields(law))) < search.log_alpha
+    sure = log_p_of_gain(gain, len(fields(law))) < search.log_alpha
     return carried if sure and not law.is_trend else kept
 
 
@@ -369,19 +369,19 @@ def _finding(searched: AxisSearch, candidate: Candidate) -> Finding:
     axis, without = found.sequence.conditions.axis, candidate.without
     near = found.log_likelihood + search.log_alpha / 2
     alternatives = {}
-    bar = min(log_chance(near - without.log_likelihood, 1) + PLACES, search.log_alpha)
+    bar = min(log_p_of_gain(near - without.log_likelihood, 1) + PLACES, search.log_alpha)
     for rival in candidate.alternatives(bar):
         if rival.fit.log_likelihood > near:
             gain = rival.fit.log_likelihood - found.log_likelihood
             alternatives[rival.name] = max(gain, alternatives.get(rival.name, -np.inf))
     if effect.two_valued:
         alternatives.pop(effect.equivalent.name, None)
-        verdict, units = compare(found, (effect,)), effect.units(axis_unit(axis))
+        comparison, units = compare(found, (effect,)), effect.units(axis_unit(axis))
         parameters = {
             name: Interval(value, *ends, units[name])
-            for (name, value), ends in zip(effect.parameters().items(), verdict.intervals, strict=True)
+            for (name, value), ends in zip(effect.parameters().items(), comparison.intervals, strict=True)
         }
-        gain = verdict.gain
+        gain = comparison.gain
     elif effect.role is Role.OUTLIERS:
         parameters, gain = _outlier_parameters(search, found), search.tails[effect].gain
     else:

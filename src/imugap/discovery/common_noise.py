@@ -43,7 +43,7 @@ class CommonNoise:
     errors
         Their standard deviations.
     log_p
-        Log-probability of chance of the strongest pair (two-sided, Bonferroni over the pairs).
+        Log p-value of the strongest pair (two-sided, Bonferroni over the pairs).
     """
 
     axes: tuple[str, ...]
@@ -74,10 +74,10 @@ def find_common_noise(fits: dict[str, AxisFit], log_alpha: float) -> tuple[Commo
     correlation, number = _correlation(spectra, good)
     scores = np.arctanh(np.clip(correlation, -0.999999, 0.999999)) * np.sqrt(np.maximum(number - 3, 1))
     pairs = list(combinations(range(len(axes)), 2))
-    chance = {pair: float(np.log(2 * len(pairs)) + log_ndtr(-abs(scores[pair]))) for pair in pairs}
+    log_ps = {pair: float(np.log(2 * len(pairs)) + log_ndtr(-abs(scores[pair]))) for pair in pairs}
     linked = np.zeros((len(axes), len(axes)), bool)
     for pair in pairs:
-        linked[pair] = chance[pair] < log_alpha
+        linked[pair] = log_ps[pair] < log_alpha
     _, label = connected_components(linked, directed=False)
     groups = [np.flatnonzero(label == one) for one in range(label.max() + 1)]
     several = [members for members in groups if len(members) > 1]
@@ -88,7 +88,7 @@ def find_common_noise(fits: dict[str, AxisFit], log_alpha: float) -> tuple[Commo
             members,
             correlation,
             fits,
-            min(chance[p] for p in pairs if set(p) <= set(members)),
+            min(log_ps[p] for p in pairs if set(p) <= set(members)),
             number[np.ix_(members, members)].min(),
         )
         for members in white
@@ -177,9 +177,9 @@ def _correlation(spectra: Sequence[_Spectrum], good: np.ndarray) -> tuple[np.nda
 
 
 def _is_white(spectra: Sequence[_Spectrum], members: np.ndarray) -> bool:
-    """Return whether the correlation of each pair is constant over frequency within chance."""
-    chances = [_whiteness_log_p(spectra[i], spectra[j]) for i, j in combinations(members, 2)]
-    return min(chances) + np.log(len(chances)) > LEVEL
+    """Return whether the correlation of each pair is constant over frequency within its uncertainty."""
+    log_ps = [_whiteness_log_p(spectra[i], spectra[j]) for i, j in combinations(members, 2)]
+    return min(log_ps) + np.log(len(log_ps)) > LEVEL
 
 
 def _is_lasting(spectra: Sequence[_Spectrum], members: np.ndarray) -> bool:

@@ -86,7 +86,7 @@ class Discovery:
 
 
 @dataclass(frozen=True)
-class Question:
+class Settings:
     """Settings of discovery.
 
     Attributes
@@ -114,7 +114,7 @@ class Question:
     workers: int = 1
 
     def log_alpha(self, axes: int) -> float:
-        """Return the logarithm of the probability that one proposal of one axis is taken by chance."""
+        """Return the logarithm of the false-alarm probability of one proposal on one axis."""
         return float(np.log(self.alpha / axes / len(self.catalogue)))
 
 
@@ -124,21 +124,21 @@ class _Prepared:
 
     Attributes
     ----------
-    logs, tests, question
+    logs, tests, settings
         Runs, further runs for the distances, and settings.
     record
         The first log, prepared.
     known
         Start model; empty where there is none.
     log_alpha
-        Logarithm of the probability that one proposal of one axis is taken by chance.
+        Logarithm of the false-alarm probability of one proposal on one axis.
     steps
         Counter of the steps.
     """
 
     logs: Sequence[pd.DataFrame]
     tests: Sequence[pd.DataFrame]
-    question: Question
+    settings: Settings
     record: PreparedLog
     known: ErrorModel
     log_alpha: float
@@ -223,7 +223,7 @@ class _Measured(_Tested):
 
 def discover(
     logs: Sequence[pd.DataFrame],
-    question: Question,
+    settings: Settings,
     tests: Sequence[pd.DataFrame] = (),
     reference: pd.DataFrame | None = None,
     progress: Progress = lambda step, done, steps: None,
@@ -242,7 +242,7 @@ def discover(
     progress
         Called as each step begins.
     """
-    prepared = _prepare(logs, question, tests, reference, progress)
+    prepared = _prepare(logs, settings, tests, reference, progress)
     searched = _search_axes(prepared)
     named = _name_effects(searched)
     located = _locate_discrepancies(named)
@@ -255,7 +255,7 @@ def discover(
 
 def _prepare(
     logs: Sequence[pd.DataFrame],
-    question: Question,
+    settings: Settings,
     tests: Sequence[pd.DataFrame],
     reference: pd.DataFrame | None,
     progress: Progress,
@@ -263,36 +263,36 @@ def _prepare(
     """Take flawed samples and stamps out of the first log."""
     steps = StepCounter(progress, OTHER_STEPS + 2 * len(axes(logs[0])))
     steps.begin("integrity")
-    record = prepare(logs[0], reference, question.seed, question.start, question.catalogue)
+    record = prepare(logs[0], reference, settings.seed, settings.start, settings.catalogue)
     steps.count -= 2 * len(record.unusable)
-    known = ErrorModel({}) if question.start is None else question.start
-    return _Prepared(logs, tests, question, record, known, question.log_alpha(len(record.sequences)), steps)
+    known = ErrorModel({}) if settings.start is None else settings.start
+    return _Prepared(logs, tests, settings, record, known, settings.log_alpha(len(record.sequences)), steps)
 
 
 def _search_axes(stage: _Prepared) -> _Searched:
     """Search each axis for missing effects, then let the axes of a sensor agree on their kind of slow noise."""
-    question = stage.question
+    settings = stage.settings
     arguments = [
-        (sequence, axis_effects(stage.known, axis), question.catalogue, stage.log_alpha, _split(sequence))
+        (sequence, axis_effects(stage.known, axis), settings.catalogue, stage.log_alpha, _split(sequence))
         for axis, sequence in stage.record.sequences.items()
     ]
-    searches = search_each(arguments, stage.record.sequences, question.workers, stage.steps)
+    searches = search_each(arguments, stage.record.sequences, settings.workers, stage.steps)
     return _Searched(**vars(stage), searches=agree_on_noise(searches))
 
 
 def _name_effects(stage: _Searched) -> _Named:
     """Pool effects that axes share by one value, check every name, and give intervals."""
-    results, joints = name_pooled(stage.searches, stage.question.workers, stage.log_alpha, stage.steps)
+    results, joints = name_pooled(stage.searches, stage.settings.workers, stage.log_alpha, stage.steps)
     return _Named(**vars(stage), results=results, joints=joints)
 
 
 def _locate_discrepancies(stage: _Named) -> _Located:
     """Test every view of the held-in part against replicates of the start model."""
-    question = stage.question
+    settings = stage.settings
     stage.steps.begin("discrepancies")
-    with each_in_processes(question.workers) as each:
-        views = view_tests(stage.before, question.seed, question.replicates, stage.outputs, each=each)
-    discrepancies = (*significant_discrepancies(views, question.alpha), *_line_discrepancies(stage.results))
+    with each_in_processes(settings.workers) as each:
+        views = view_tests(stage.before, settings.seed, settings.replicates, stage.outputs, each=each)
+    discrepancies = (*significant_discrepancies(views, settings.alpha), *_line_discrepancies(stage.results))
     return _Located(**vars(stage), views=views, discrepancies=discrepancies)
 
 
@@ -307,7 +307,7 @@ def _compare_runs(stage: _Located) -> _Compared:
 def _assemble(stage: _Compared) -> _Assembled:
     """Order all findings, and assemble the models of the device before and after."""
     alone = (*(one for result in stage.results.values() for one in result.findings), *map(pooled_finding, stage.joints))
-    findings = _ordered((*alone, *_noise_findings(stage.whole, stage.question.start), *stage.beyond_axes))
+    findings = _ordered((*alone, *_noise_findings(stage.whole, stage.settings.start), *stage.beyond_axes))
     switching = {axis: (one.switching,) for axis, one in stage.results.items() if one.switching is not None}
     model = partial(device_model, known=stage.known, findings=stage.beyond_axes, beside=switching)
     start = device_model(stage.before, stage.known)
@@ -319,35 +319,35 @@ def _test_final_model(stage: _Assembled) -> _Tested:
 
     Axes on which nothing was found are as they were; axes that share noise are not tested against each other.
     """
-    question, results = stage.question, stage.results
+    settings, results = stage.settings, stage.results
     stage.steps.begin("remaining discrepancies")
     found = {axis: _with_found_outputs(stage, axis) for axis in results}
     changed = {axis for axis, result in results.items() if result.changed or found[axis] != stage.outputs[axis]}
-    with each_in_processes(question.workers) as each:
-        views = view_tests(stage.whole, question.seed + 1, question.replicates, found, changed, each)
+    with each_in_processes(settings.workers) as each:
+        views = view_tests(stage.whole, settings.seed + 1, settings.replicates, found, changed, each)
     views += [one for one in stage.views if not changed & one.axes]
     sharing = {frozenset(pair) for finding in stage.common for pair in _pairs(finding.axes)}
-    left = (place for place in significant_discrepancies(views, question.alpha) if not _between_sharing(place, sharing))
+    left = (place for place in significant_discrepancies(views, settings.alpha) if not _between_sharing(place, sharing))
     views = tuple(one for one in views if not _between_sharing(one.curve, sharing))
     return _Tested(**vars(stage), views_after=views, discrepancies_after=(*_line_discrepancies(results), *left))
 
 
 def _measure_distances(stage: _Tested) -> _Measured:
     """Measure the distance of both models from the test runs, or from the held-out part where there are none."""
-    question = stage.question
+    settings = stage.settings
     stage.steps.begin("distances")
     final = stage.model(stage.whole)
-    compared = [compare_test_run(test, stage.results, stage.start, final, question.seed) for test in stage.tests]
-    with each_in_processes(question.workers) as each:
+    compared = [compare_test_run(test, stage.results, stage.start, final, settings.seed) for test in stage.tests]
+    with each_in_processes(settings.workers) as each:
         runs = compared or [compare_held_out(stage.record, stage.results, stage.start, stage.model)]
-        apart, drifts = distances(runs, question.seed, question.simulations, each)
+        apart, drifts = distances(runs, settings.seed, settings.simulations, each)
     return _Measured(**vars(stage), apart=apart, drifts=drifts)
 
 
 def _conclude(stage: _Measured) -> Discovery:
     """Put together the result."""
     stage.steps.begin("done")
-    results, alpha = stage.results, stage.question.alpha
+    results, alpha = stage.results, stage.settings.alpha
     kept = keep_undetermined(stage.known, stage.record, stage.whole)
     return Discovery(
         start=with_effects(stage.start, kept),
@@ -395,18 +395,18 @@ def _with_found_outputs(stage: _Compared, axis: str) -> tuple[Effect, ...]:
 
 def _between_runs(stage: _Located) -> tuple[Finding, ...]:
     """Return what differs between the runs."""
-    question, first = stage.question, stage.whole
+    settings, first = stage.settings, stage.whole
     if len(stage.logs) < 2:
         return ()
     fits = [first]
     for log in stage.logs[1:]:
-        sequences = prepare(log, None, question.seed, question.start, question.catalogue).sequences
+        sequences = prepare(log, None, settings.seed, settings.start, settings.catalogue).sequences
         whole = {axis: part(sequences[axis], 0, len(sequences[axis].values)) for axis in first if axis in sequences}
         starts = {axis: described(axis_effects(stage.known, axis), one) for axis, one in whole.items()}
         fits.append({axis: fit_like_first(one, starts[axis].terms, first[axis]) for axis, one in whole.items()})
     return (
-        *turn_on_findings(fits, stage.log_alpha, question.catalogue),
-        *clock_findings(fits, stage.log_alpha, question.catalogue),
+        *turn_on_findings(fits, stage.log_alpha, settings.catalogue),
+        *clock_findings(fits, stage.log_alpha, settings.catalogue),
     )
 
 

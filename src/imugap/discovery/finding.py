@@ -53,7 +53,7 @@ class Finding:
     parameters
         Its parameters; loadings, which differ from axis to axis, carry the axis in their name.
     log_p
-        Logarithm of the probability of the evidence by chance.
+        Log p-value of the evidence.
     log_score_gain
         Gain of the log-density of held-out data. Outliers and telegraph noise, which a spectrum does not determine, are
         scored on the whole log; effects that only the last part of the log shows, on this part after fitting to it; 0

@@ -10,7 +10,7 @@ import pandas as pd
 
 from imugap import log
 from imugap.discovery import report
-from imugap.discovery.device import Discovery, Question, discover
+from imugap.discovery.device import Discovery, Settings, discover
 from imugap.discovery.preparation.prepare import in_reference_gap
 from imugap.discovery.steps import Progress
 from imugap.effects.effect import Role
@@ -76,16 +76,16 @@ class FileDiscovery:
 
 
 def discover_files(
-    files: Files, question: Question, progress: Progress = lambda step, done, steps: None
+    files: Files, settings: Settings, progress: Progress = lambda step, done, steps: None
 ) -> FileDiscovery:
     """Read and check the files, then discover.
 
-    The start model and the catalogue of ``question`` are replaced by those of the files. An invalid file raises a
+    The start model and the catalogue of ``settings`` are replaced by those of the files. An invalid file raises a
     ValueError or OSError that names the file, the location in it, and the expected and found value.
     """
     kinds = catalogue(files.effects)
     start = None if files.model is None else ErrorModel.read(files.model, kinds)
-    question = replace(question, start=start, catalogue=tuple(kinds.values()))
+    settings = replace(settings, start=start, catalogue=tuple(kinds.values()))
     if files.tests and files.reference:
         raise ValueError("test: expected runs at rest; found a reference, which implies a device in motion")
     if len(files.logs) > 1 and files.reference:
@@ -100,10 +100,10 @@ def discover_files(
     if start is not None:
         _require_describable(start, files.model, logs[0])
     reference = None if files.reference is None else _reference(files.reference, logs[0])
-    found = discover(logs, question, tests, reference, progress)
+    found = discover(logs, settings, tests, reference, progress)
     first, *others = map(_log_properties, files.logs, logs)
     return FileDiscovery(
-        (first | _used_part(found), *others), tuple(map(_log_properties, files.tests, tests)), question.alpha, found
+        (first | _used_part(found), *others), tuple(map(_log_properties, files.tests, tests)), settings.alpha, found
     )
 
 

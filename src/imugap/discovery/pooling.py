@@ -11,7 +11,7 @@ from imugap.discovery.checks.motion import OTHER_FUNCTION
 from imugap.discovery.finding import Finding, Interval
 from imugap.discovery.search.intervals import NORMAL, axis_unit
 from imugap.discovery.search.noise_agreement import agreed
-from imugap.discovery.search.search import log_chance
+from imugap.discovery.search.search import log_p_of_gain
 from imugap.discovery.search.shared_effects import Joint, joined
 from imugap.discovery.steps import StepCounter, of_each_axis
 from imugap.effects.effect import Effect
@@ -62,7 +62,7 @@ def pooled_finding(joint: Joint) -> Finding:
         name: Interval(value, value - error, value + error, units[name])
         for name, value, error in zip(joint.free, joint.pool.value.tolist(), errors.tolist(), strict=True)
     }
-    return Finding(dict.fromkeys(joint.axes, joint.effect), parameters, log_chance(joint.pool.gain, len(joint.free)))
+    return Finding(dict.fromkeys(joint.axes, joint.effect), parameters, log_p_of_gain(joint.pool.gain, len(joint.free)))
 
 
 def _pool(

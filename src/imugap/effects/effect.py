@@ -83,7 +83,7 @@ class Evidence:
     intervals
         Lower and upper limit of each parameter, 95 %.
     log_p
-        Logarithm of the probability that chance makes as much of it.
+        Log p-value of the evidence.
     flawed
         Samples that carry no error of the sensor because of it, shape (n,).
     extent

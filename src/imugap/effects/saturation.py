@@ -55,11 +55,11 @@ class Saturation(Effect):
             return None
         step, _ = spacing(values[known])
         fine = max(step, float(grain(values[known]).max()))
-        sides = {sign: _log_chance(sign * values[known], fine, bool(step)) for sign in (1, -1)}
+        sides = {sign: _log_p(sign * values[known], fine, bool(step)) for sign in (1, -1)}
         tops = {sign: float(np.max(sign * values[known])) for sign in sides}
         clipped = [sign for sign, log_p in sides.items() if log_p < np.log(IMPROBABLE)] or [max(tops, key=tops.get)]
         limit = max(tops[sign] for sign in clipped)
-        alike = _log_chance(np.abs(values[known]), fine, bool(step))
+        alike = _log_p(np.abs(values[known]), fine, bool(step))
         log_p = min(*sides.values(), alike)
         if log_p >= np.log(IMPROBABLE):
             log_p = _log_shortfall(values[known], np.broadcast_to(conditions.error_free, values.shape)[known])
@@ -73,10 +73,10 @@ class Saturation(Effect):
         return Evidence(cls(limit), intervals, log_p, flawed, (float(reached.min()), float(reached.max())), bounds)
 
 
-def _log_chance(values: np.ndarray, step: float, lattice: bool) -> float:
-    """Return the log-probability of as many samples at the highest of ``values``, shape (n,), without clipping.
+def _log_p(values: np.ndarray, step: float, lattice: bool) -> float:
+    """Return the log p-value of the number of samples at the highest of ``values``, shape (n,), without clipping.
 
-    Without a lattice values are not equal by chance; each equals the highest of n with a probability of at most 1/n. A
+    Without a lattice values differ; each equals the highest of n with a probability of at most 1/n. A
     stuck output is at the highest value with probability 1/n; at two separate times the values are equal to the last
     digit with a probability of one over the number of digits in between.
     """
@@ -112,7 +112,7 @@ def _log_chance(values: np.ndarray, step: float, lattice: bool) -> float:
 
 
 def _log_shortfall(values: np.ndarray, ideal: np.ndarray) -> float:
-    """Return the log-probability that the only samples far from their error-free input are the largest by chance.
+    """Return the log p-value of the coincidence that the only samples far from their error-free input are the largest.
 
     Both have shape (n,). Zero unless the largest value is below the largest input, while all other samples agree with
     the input to within the smooth errors of a sensor as a function of its input. Stuck samples deviate at other times

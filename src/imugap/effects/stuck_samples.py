@@ -15,17 +15,17 @@ from imugap.numerics.random_runs import RunEstimate, estimate_from_repeats, esti
 STEEP = 1.27
 """Log ratio of differences of one and of two steps above which the lattice is too coarse for the noise."""
 SHAPE = 0.05
-"""Relative uncertainty of the probability of a chance repeat from the non-normality of noise."""
+"""Relative uncertainty of the probability of a random repeat from the non-normality of noise."""
 FEW = 30
 """Number of steps between neighbours of a lattice below which the smallest steps of any size are used."""
 SPARSE = 0.3
-"""Relative uncertainty of the probability of a chance repeat then."""
+"""Relative uncertainty of the probability of a random repeat then."""
 PART, FEWEST = 250, 8
 """Samples of a part of the log, and fewest steps between neighbours of a lattice to estimate its noise."""
 FAR = 4.0
-"""Standard deviations of the number of chance repeats beyond which a part has other noise."""
+"""Standard deviations of the number of random repeats beyond which a part has other noise."""
 RARE = 0.01
-"""Expected share of chance repeats below which every repeat is a fault."""
+"""Expected share of random repeats below which every repeat is a fault."""
 SAFE = 2.0
 """Factor of safety on the expected simultaneous repeats of several axes."""
 TURNS = 3.0
@@ -57,7 +57,7 @@ class StuckSamples(Effect):
     def found(cls, values: np.ndarray, conditions: Conditions) -> Evidence | None:
         """Return the runs of repeats in the output ``values``, NaN where lost, or None.
 
-        ``values`` has shape (n,), or (n, axes) for repeats of all axes at once. The probability of a chance repeat on a
+        ``values`` has shape (n,), or (n, axes) for repeats of all axes at once. The probability of a random repeat on a
         lattice follows from the numbers of one-step and two-step differences, since the logarithm of a normal density
         is a parabola. Parts of the log with another noise level are excluded. An axis with too coarse a lattice is
         tested for repeats where the others are stuck. In fast motion zero differences are compared with one-step
@@ -68,12 +68,12 @@ class StuckSamples(Effect):
         if not _repeats(columns[known]).any():
             return None
         known = known[np.all([_alike(column) for column in columns[known].T], axis=0)]
-        told = [_chance(column[known]) for column in columns.T]
+        told = [_repeat_probability(column[known]) for column in columns.T]
         telling = np.array([one is not None for one in told])
         if not telling.any():
             return None
-        ideal, chances = np.broadcast_to(conditions.error_free, len(values))[known], list(filter(None, told))
-        found = _estimated(columns[np.ix_(known, telling)], ideal, chances)
+        ideal, probabilities = np.broadcast_to(conditions.error_free, len(values))[known], list(filter(None, told))
+        found = _estimated(columns[np.ix_(known, telling)], ideal, probabilities)
         if found is None or found[0].log_p > np.log(IMPROBABLE) or not found[1].any():
             return None
         estimate, stuck = found
@@ -87,27 +87,30 @@ class StuckSamples(Effect):
 
 
 def _estimated(
-    columns: np.ndarray, ideal: np.ndarray, chances: list[tuple[float, float]]
+    columns: np.ndarray, ideal: np.ndarray, probabilities: list[tuple[float, float]]
 ) -> tuple[RunEstimate, np.ndarray] | None:
     """Return the estimate of the runs in ``columns``, shape (n, axes), and the mask of their rows, shape (n,)."""
     repeats = _repeats(columns)
     first = np.flatnonzero(np.r_[True, ~repeats])
     runs = np.diff(np.r_[first, len(columns)]) - 1
-    chance, spread = float(np.prod([c for c, _ in chances])), float(np.hypot.reduce([s for _, s in chances]))
+    probability, spread = (
+        float(np.prod([c for c, _ in probabilities])),
+        float(np.hypot.reduce([s for _, s in probabilities])),
+    )
     begun = np.count_nonzero(runs)
     if not begun:
         return None
     steps = np.column_stack([_steps(column) for column in columns.T])
-    expected = max(max(chance, 1e-12) * len(columns), _at_once(steps))
+    expected = max(max(probability, 1e-12) * len(columns), _at_once(steps))
     if expected < RARE * begun:
         estimate = estimate_from_runs(runs[runs > 0], max(len(first) - 1, begun))
         log_p = float(np.log(max(pdtrc(begun - 1, expected), TINY)))
         return replace(estimate, log_p=log_p), _within(runs > 0, runs, first)
     fast = _fast(columns[:, 0], ideal)
-    if fast is None or (len(chances) > 1 and pdtrc(begun - 1, SAFE * expected) < IMPROBABLE):
+    if fast is None or (len(probabilities) > 1 and pdtrc(begun - 1, SAFE * expected) < IMPROBABLE):
         lengths = np.unique(runs, return_counts=True)
         estimate = estimate_from_repeats(*lengths, expected / len(columns), spread, np.log(IMPROBABLE))
-        if estimate is None or (len(chances) == 1 and estimate.length[1] < TURNS and _smooth(steps[:, 0])):
+        if estimate is None or (len(probabilities) == 1 and estimate.length[1] < TURNS and _smooth(steps[:, 0])):
             return None
         return estimate, _within(runs >= estimate.least, runs, first)
     open_to = fast[first[:-1]]
@@ -115,7 +118,7 @@ def _estimated(
     if not held.any():
         return None
     near = open_to & np.all(np.abs(steps[first[:-1]]) < 1.5, axis=1)
-    log_p = np.log(max(bdtrc(held.sum() - 1, near.sum(), 1 / 3 ** len(chances)), TINY))
+    log_p = np.log(max(bdtrc(held.sum() - 1, near.sum(), 1 / 3 ** len(probabilities)), TINY))
     through = np.logical_or.reduceat(np.r_[repeats & fast, False], first)
     return replace(estimate_from_runs(runs[:-1][held], int(open_to.sum())), log_p=float(log_p)), _within(
         through, runs, first
@@ -128,7 +131,7 @@ def _smooth(steps: np.ndarray) -> bool:
 
 
 def _at_once(steps: np.ndarray) -> float:
-    """Return the expected number of simultaneous chance repeats from ``steps``, shape (n, axes); 0 for one axis.
+    """Return the expected number of simultaneous random repeats from ``steps``, shape (n, axes); 0 for one axis.
 
     Axes at rest at the same times repeat together more often than independent ones: each is evaluated where the others
     change by at most one step, and the result applies to rows with a change.
@@ -166,8 +169,8 @@ def _repeats(columns: np.ndarray) -> np.ndarray:
     return np.all(columns[1:] == columns[:-1], axis=1)
 
 
-def _chance(values: np.ndarray) -> tuple[float, float] | None:
-    """Return the probability of a chance repeat and the uncertainty of its logarithm; None for too coarse a lattice."""
+def _repeat_probability(values: np.ndarray) -> tuple[float, float] | None:
+    """Return the probability of a random repeat and the uncertainty of its logarithm; None for too coarse a lattice."""
     steps = _steps(values)
     one, two = _counts(steps)
     apart = np.abs(steps[steps != 0])
@@ -199,7 +202,7 @@ def _coincidence(values: np.ndarray) -> float:
 
 
 def _alike(values: np.ndarray) -> np.ndarray:
-    """Return the mask of the samples, shape (n,), in parts of the log with the usual rate of chance repeats."""
+    """Return the mask of the samples, shape (n,), in parts of the log with the usual rate of repeats."""
     parts = np.array_split(_steps(values), max(len(values) // PART, 1))
     counts = np.array([_counts(part) for part in parts])
     told = counts[:, 0] >= FEWEST
@@ -232,5 +235,5 @@ def _uncertainty(one: np.ndarray | int, two: np.ndarray | int) -> np.ndarray | f
 
 
 def _expected(one: np.ndarray | int, two: np.ndarray | int) -> np.ndarray | float:
-    """Return the expected number of chance repeats from the numbers of one-step and two-step differences."""
+    """Return the expected number of random repeats from the numbers of one-step and two-step differences."""
     return one / 2 * np.maximum(one / two, 1.0) ** (1 / 3)

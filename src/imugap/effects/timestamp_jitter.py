@@ -49,8 +49,8 @@ class TimestampJitter(ClockEffect):
         freedom = 2 * stamps.freedom / (_kurtosis(stamps.scatter) - 1)
         limits = stamps.variance * freedom / chdtri(freedom, [0.025, 0.975]) - stamps.rounding_variance
         low, high = (float(np.sqrt(max(limit, 0.0))) for limit in limits)
-        chance = chdtrc(stamps.freedom, stamps.variance * stamps.freedom / stamps.rounding_variance)
-        log_p = float(np.log(max(chance, TINY)))
+        p_value = chdtrc(stamps.freedom, stamps.variance * stamps.freedom / stamps.rounding_variance)
+        log_p = float(np.log(max(p_value, TINY)))
         return Evidence(cls(float(np.sqrt(excess))), {"std": (low, high)}, log_p, np.zeros(len(stamps.time), bool))
 
 

@@ -134,8 +134,8 @@ def _verdict(off: pd.DataFrame, p_value: float) -> str:
     ranges = sorted((run for _, run in off.groupby(starts.cumsum())), key=lambda run: -run["deviation"].abs().max())
     rest = len(ranges) - NAMED
     named = [*map(_range, ranges[:NAMED]), *([f"{rest} more"] if rest > 0 else [])]
-    chance = f"p = {p_value:.2g}" if p_value > SMALLEST else f"p < {SMALLEST:g}"
-    return f"misfit at {'; '.join(named)} ({chance})"
+    shown = f"p = {p_value:.2g}" if p_value > SMALLEST else f"p < {SMALLEST:g}"
+    return f"misfit at {'; '.join(named)} ({shown})"
 
 
 def _range(run: pd.DataFrame) -> str:

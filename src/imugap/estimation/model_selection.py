@@ -82,7 +82,7 @@ def title(kinds: Kinds) -> str:
 
 
 def penalty(level: float) -> float:
-    """Return the penalty of one parameter: half the likelihood ratio that a superfluous one reaches by chance.
+    """Return the penalty of one parameter: half the likelihood ratio that a superfluous one reaches.
 
     The ratio is twice the gain of log-likelihood. For a parameter that cannot be negative and is zero it is zero half
     the time, else chi-square (Self and Liang 1987, JASA 82, 605-610). The limit is exceeded with the probability

@@ -53,7 +53,7 @@ def spacing(values: np.ndarray) -> tuple[float, float]:
 
 
 def _holds(levels: np.ndarray, step: float, exact: float) -> bool:
-    """Return whether enough differences of levels to exclude chance are multiples of a step, each to ``exact``."""
+    """Return whether enough differences of levels for significance are multiples of a step, each to ``exact``."""
     apart = np.diff(levels)
     multiples = np.rint(apart / step)
     telling = (multiples > 0) & (multiples < step / (20 * exact))
@@ -75,7 +75,9 @@ def _decimal(values: np.ndarray) -> np.ndarray:
     shifts = range(DIGITS)
     common = next((k for k in shifts if _fits(some, top - k) and _fits(values, top - k)), None)
     own = None
-    if any(len(np.unique(ones)) > SEVERAL for ones in (some, values)):  # few levels may share their digits by chance
+    if any(
+        len(np.unique(ones)) > SEVERAL for ones in (some, values)
+    ):  # few levels may share their digits by coincidence
         own = next(
             (k for k in shifts[1:] if _fits(some, _decades(some) - k) and _fits(values, _decades(values) - k)), None
         )

@@ -191,7 +191,7 @@ def lattice(levels: np.ndarray, samples: int, grain: float = 0.0) -> float | Non
 
 
 def repeats(values: np.ndarray) -> tuple[int, int, float, float]:
-    """Return the longest run of exact repeats in ``values``, shape (n,), and its expectation by chance.
+    """Return the longest run of exact repeats in ``values``, shape (n,), and its expectation for random repeats.
 
     A sample repeats its predecessor with probability p: that of its level, or of the whole log where the level is
     rare, estimated without the run itself. The expected number of runs of k repeats is at most ``n p^k``.
@@ -209,8 +209,8 @@ def repeats(values: np.ndarray) -> tuple[int, int, float, float]:
     hits, trials = np.count_nonzero(equal & at_level), np.count_nonzero(at_level)
     if trials - longest < 100:
         hits, trials = np.count_nonzero(equal), len(equal)
-    chance = (hits - longest + 1) / (trials - longest + 2)
-    return longest, first, float(np.log(len(values)) / -np.log(chance)), float(len(values) * chance**longest)
+    probability = (hits - longest + 1) / (trials - longest + 2)
+    return longest, first, float(np.log(len(values)) / -np.log(probability)), float(len(values) * probability**longest)
 
 
 def clipped(counts: np.ndarray) -> bool:
@@ -240,7 +240,7 @@ def outlier_scores(values: np.ndarray, interval_s: float | None, step: float | N
 
 
 def outlier_limit(scores: np.ndarray) -> float:
-    """Return the score that no sample exceeds by chance; ``scores`` >= 0, shape (n,).
+    """Return the score that no sample of normal noise exceeds; ``scores`` >= 0, shape (n,).
 
     Real accelerometers have heavier tails than a Gaussian. The tail is taken as exponential beyond the 99th percentile
     of the scores, with the median excess there (Pickands 1975, peaks over threshold), which is insensitive to shocks;
@@ -292,13 +292,13 @@ def _axis(name, values, time, levels, counts, step, outliers) -> Axis:
     }
     if not len(levels):
         return Axis(**known)
-    longest, first, expected, chance = repeats(values[finite])
+    longest, first, expected, number = repeats(values[finite])
     return Axis(
         **known,
         longest_repeat=longest,
         expected_repeat=expected,
         repeat_s=float(time[finite][first]) if longest else None,
-        stuck=bool(chance < IMPROBABLE),
+        stuck=bool(number < IMPROBABLE),
         minimum=float(levels[0]),
         minimum_count=int(counts[0]),
         maximum=float(levels[-1]),

@@ -88,7 +88,7 @@ class BlockScores:
         left = np.maximum(left + size**2 * (self.information**2).sum(axis=0), np.finfo(float).tiny)
         return size, np.sqrt(left * len(self.score) / max(len(self.score) - 1, 1)) / total
 
-    def chances(self, rng: np.random.Generator) -> np.ndarray:
+    def p_values(self, rng: np.random.Generator) -> np.ndarray:
         """Return the p-value of each candidate, adjusted for all candidates, shape (candidates,)."""
         size, std = self.sizes()
         drawn = np.divide(*self.sizes(rng.choice([-1.0, 1.0], size=(SIGN_DRAWS, len(self.score)))))
@@ -181,12 +181,12 @@ def score_test(
     """
     among = range(scores.score.shape[1]) if among is None else among
     tested = scores.of(among)
-    (size, std), chance = tested.sizes(), tested.chances(rng)
-    gain = np.where(chance < alpha, tested.gain, -np.inf)
+    (size, std), p_values = tested.sizes(), tested.p_values(rng)
+    gain = np.where(p_values < alpha, tested.gain, -np.inf)
     best = int(np.argmax(gain))
-    if chance[best] >= alpha:
-        most_significant = int(np.argmin(chance))
-        return ScoreTest((), among[most_significant], float(chance[most_significant]))
+    if p_values[best] >= alpha:
+        most_significant = int(np.argmin(p_values))
+        return ScoreTest((), among[most_significant], float(p_values[most_significant]))
     scatter = std[best] ** 2 * tested.information[:, best].sum()
     tied = np.flatnonzero(gain > gain[best] - 2 * INDISTINGUISHABLE * scatter)
     half = stdtrit(len(tested.score) - 1, 0.975) * std
@@ -196,4 +196,4 @@ def score_test(
         )
         for one in sorted(tied, key=lambda number: -gain[number])
     ]
-    return ScoreTest(tuple(named), among[best], float(chance[best]))
+    return ScoreTest(tuple(named), among[best], float(p_values[best]))

@@ -11,7 +11,7 @@ NODES, WEIGHTS = np.polynomial.hermite_e.hermegauss(9)
 TINY = 1e-9
 """Lower limit of the probability that a run ends."""
 NARROW = 0.4
-"""Standard deviation of the logarithm of the narrowness k of the chance of a repeat over the levels."""
+"""Standard deviation of the logarithm of the narrowness k of the probability of a repeat over the levels."""
 LARGE = 2.0
 """Largest logarithm of k."""
 
@@ -60,7 +60,7 @@ class RunEstimate:
     log_p
         Logarithm of the p-value of the hypothesis that there are no runs.
     least
-        Repeats in a row from which on a run is more probable than chance.
+        Repeats in a row from which on a run is more probable than free samples.
     """
 
     probability: tuple[float, float, float]
@@ -92,33 +92,33 @@ def _binomial(hits: int, trials: int) -> tuple[float, float, float]:
 
 
 def estimate_from_repeats(
-    lengths: np.ndarray, counts: np.ndarray, chance: float, spread: float, log_alpha: float
+    lengths: np.ndarray, counts: np.ndarray, probability: float, spread: float, log_alpha: float
 ) -> RunEstimate | None:
-    """Estimate from sequences of repeats, some of them by chance: maximum of the posterior and its curvature.
+    """Estimate from sequences of repeats, some of them random: maximum of the posterior and its curvature.
 
     A sequence ends with a sample that differs from the previous one, and is free. The samples are a Markov chain of two
-    states: a free sample repeats by chance, a stuck one always. The probability of a chance repeat depends on the
-    level, ``p exp(-k x^2/2)`` for x ~ N(0, 1): k is 1 for white noise, smaller for correlated neighbours, and larger
+    states: a free sample repeats at random, a stuck one always. The probability of a random repeat over the level is
+    ``p exp(-k x^2/2)`` for x ~ N(0, 1): k is 1 for white noise, smaller for correlated neighbours, and larger
     where the variance changes; the prior of its logarithm is N(0, NARROW^2).
 
     Parameters
     ----------
     lengths, counts
         Numbers of repeats in a row, zero included, and the count of each, shape (m,).
-    chance
+    probability
         Mean probability that a free sample repeats the one before.
     spread
-        Standard deviation of the logarithm of ``chance``.
+        Standard deviation of the logarithm of ``probability``.
     log_alpha
         Logarithm of the p-value above which the result is None.
     """
 
     def cost(theta: np.ndarray) -> float:
-        prior = 0.5 * ((theta[0] - np.log(chance)) / spread) ** 2 + 0.5 * (theta[1] / NARROW) ** 2
+        prior = 0.5 * ((theta[0] - np.log(probability)) / spread) ** 2 + 0.5 * (theta[1] / NARROW) ** 2
         begin, end = expit(theta[2:]) if len(theta) > 2 else (0.0, 1.0)
         return prior - counts @ _log_runs(lengths, begin, end, *_levels(theta))
 
-    plain = _least(cost, [[np.log(chance), 0.0]])
+    plain = _least(cost, [[np.log(probability), 0.0]])
     total = counts.sum()
     # Of a gain g of log-likelihood by two parameters, chi-square with two degrees of freedom has the tail exp(-g).
     if -max(plain.fun + counts @ np.log(counts / total), 0.0) > log_alpha:
@@ -145,18 +145,20 @@ def _levels(theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return probabilities of a repeat at several levels and the share of sequences from there, shape (levels,)."""
     narrow = np.exp(min(theta[1], LARGE))
     highest = np.exp(theta[0]) * np.sqrt(1 + narrow)
-    chances = np.minimum(highest * np.exp(-0.5 * narrow * NODES**2), 1 - 1e-6)
-    shares = WEIGHTS * (1 - chances)
-    return chances, shares / shares.sum()
+    probabilities = np.minimum(highest * np.exp(-0.5 * narrow * NODES**2), 1 - 1e-6)
+    shares = WEIGHTS * (1 - probabilities)
+    return probabilities, shares / shares.sum()
 
 
-def _log_runs(repeats: np.ndarray, begin: float, end: float, chances: np.ndarray, shares: np.ndarray) -> np.ndarray:
+def _log_runs(
+    repeats: np.ndarray, begin: float, end: float, probabilities: np.ndarray, shares: np.ndarray
+) -> np.ndarray:
     """Return the log-probability of numbers of repeats until the next sample that differs, from a free sample on."""
-    chance, length = chances[:, None], repeats[None, :]
-    a, b, c, d = (1 - begin) * chance, begin, end * chance, 1 - end
+    probability, length = probabilities[:, None], repeats[None, :]
+    a, b, c, d = (1 - begin) * probability, begin, end * probability, 1 - end
     root = np.sqrt((a - d) ** 2 + 4 * b * c) + 1e-12
     high, low = (a + d + root) / 2, (a + d - root) / 2
-    differs = (1 - begin) * (1 - chance), end * (1 - chance)
+    differs = (1 - begin) * (1 - probability), end * (1 - probability)
     first, second = ((a - other) * differs[0] + b * differs[1] for other in (low, high))
     log_run = length * np.log(high) + np.log(np.maximum((first - second * (low / high) ** length) / root, 1e-300))
     return logsumexp(log_run, axis=0, b=shares[:, None])

@@ -11,7 +11,7 @@ from scipy.stats import binom
 from imugap.discovery.axis import conclude, power_law_finding, search_axis, without_unnamed
 from imugap.discovery.checks import LEVEL, MIN_SHARE, misfits
 from imugap.discovery.checks import gaussianity as samples
-from imugap.discovery.checks.all_checks import ambiguous_variance, means_as_power_law, steps_as_jump_process
+from imugap.discovery.checks.all_checks import ambiguous_variance, steps_as_jump_process, terms_as_power_law
 from imugap.discovery.checks.gaussianity import BURSTS, sample_misfits
 from imugap.discovery.checks.hysteresis import CURVE
 from imugap.discovery.checks.mean import shape_log_p
@@ -83,28 +83,28 @@ def reasons(data, *kinds):
 def test_the_stationarity_p_value_of_stationary_noise_is_uniform(effect, monkeypatch):
     """Without the tolerated divergence."""
     monkeypatch.setattr(samples, "TOLERATED_DIVERGENCE", 0.0)
-    chances = []
+    log_ps = []
     for label in range(60):
         found = fit(sequence(effect, count=8000, label=label), Description.known(WHITE).adding(effect))
         _, fading = sample_misfits(found, power_share(found, found.description.noise.effects[1]))
-        chances.append(np.exp(fading.log_p))
+        log_ps.append(np.exp(fading.log_p))
     for level in (0.05, 0.2):
-        low, high = binom.ppf([1e-3, 1 - 1e-3], len(chances), level)
-        assert low <= np.sum(np.array(chances) < level) <= high
+        low, high = binom.ppf([1e-3, 1 - 1e-3], len(log_ps), level)
+        assert low <= np.sum(np.array(log_ps) < level) <= high
 
 
 def test_the_band_p_value_of_few_coefficients_is_uniform():
     """Bands use only the effective number of parameters; other bins determine the white noise."""
-    chances = []
+    log_ps = []
     for label in range(200):
         effect = RandomWalk(2e-4)
         found = fit(sequence(effect, label=label), Description.known(WHITE).adding(effect))
         mine = np.flatnonzero(power_share(found, found.description.noise.effects[1]) > MIN_SHARE)
         assert 60 < len(mine) < 130
-        chances.append(band_log_p(found, mine))
+        log_ps.append(band_log_p(found, mine))
     for level in (0.01, 0.05, 0.2):
-        low, high = binom.ppf([1e-3, 1 - 1e-3], len(chances), level)
-        assert low <= np.sum(np.exp(chances) < level) <= high
+        low, high = binom.ppf([1e-3, 1 - 1e-3], len(log_ps), level)
+        assert low <= np.sum(np.exp(log_ps) < level) <= high
 
 
 def rising(time, rng):
@@ -175,7 +175,7 @@ def test_means_fitted_to_steep_noise_are_withheld():
     for label in range(12):
         search, found = explored(sequence(added=steep, label=f"steep {label}"), *kinds)
         added = search.added(found)
-        more += len(added) > 1 and means_as_power_law(added).keys() == set(added)
+        more += len(added) > 1 and terms_as_power_law(added).keys() == set(added)
     assert more > 3
 
 
@@ -183,7 +183,7 @@ def test_true_means_are_likelier_than_a_power_law():
     data = sequence(BiasStep(400.0, -1e-3), RateRamp(2e-6), WarmUp(3e-3, 60.0))
     search, found = explored(data, BiasStep, RateRamp, WarmUp)
     assert len(search.added(found)) > 1
-    assert means_as_power_law(search.added(found)) == {}
+    assert terms_as_power_law(search.added(found)) == {}
 
 
 def relaxations(time, rng):
@@ -392,8 +392,8 @@ def test_p_values_of_uniform_and_irregular_outliers_are_conservative():
         hit = rng.random(10_000) < 10 ** rng.uniform(-2.5, -1.5)
         found.append(tails(rng.standard_normal(10_000) * np.where(hit, 12.0, 1.0)))
     for level in (0.01, 0.1):
-        for chances in ([one.uneven for one in found], [one.beating for one in found]):
-            assert np.sum(np.exp(chances) < level) <= binom.isf(1e-3, len(found), level)
+        for log_ps in ([one.uneven for one in found], [one.beating for one in found]):
+            assert np.sum(np.exp(log_ps) < level) <= binom.isf(1e-3, len(found), level)
     assert np.sum(np.exp([one.uneven for one in found]) < 0.5) >= binom.isf(1 - 1e-3, len(found), 0.4)
 
 

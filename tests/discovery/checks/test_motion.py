@@ -216,8 +216,8 @@ def test_the_p_value_of_outliers_independent_of_the_motion_is_near_uniform():
     ideal = turning()
     fitted = SimpleNamespace(sequence=SimpleNamespace(conditions=conditions_of("gyro_y", ideal)))
     rng = stream(3, "by chance")
-    chances = [outliers_against_motion(fitted, rng.random(COUNT) < 5e-3) for _ in range(100)]
-    assert binom.ppf(0.001, 100, 0.02) <= np.sum(np.array(chances) < np.log(0.1)) <= binom.ppf(0.999, 100, 0.1)
+    log_ps = [outliers_against_motion(fitted, rng.random(COUNT) < 5e-3) for _ in range(100)]
+    assert binom.ppf(0.001, 100, 0.02) <= np.sum(np.array(log_ps) < np.log(0.1)) <= binom.ppf(0.999, 100, 0.1)
 
 
 @pytest.mark.slow

@@ -7,8 +7,8 @@ from tests.discovery.simulated import LOG_ALPHA, WHITE, beside_white, names, pla
 from imugap.benchmark.sealing.noise import fractional
 from imugap.discovery.axis import conclude, search_axis
 from imugap.discovery.checks import Misfit, misfits
-from imugap.discovery.checks.all_checks import ambiguous_means, ambiguous_spectrum
-from imugap.discovery.checks.hysteresis import HYSTERESIS, means_against_hysteresis
+from imugap.discovery.checks.all_checks import ambiguous_spectrum, ambiguous_terms
+from imugap.discovery.checks.hysteresis import HYSTERESIS, terms_against_hysteresis
 from imugap.discovery.checks.misfit import LEVEL
 from imugap.discovery.fit.axis_fit import fit
 from imugap.discovery.fit.description import Description, Entry
@@ -86,7 +86,7 @@ def test_means_that_misfitting_slow_noise_can_imitate_are_withheld(misfitting, r
     search = Search(KNOWN, tuple(CATALOGUE.values()), LOG_ALPHA)
     added = search.added(fit(data, described))
     misfit = {added[3 if misfitting == "noise" else 1]: Misfit(reason, -20.0)}
-    of_it = ambiguous_means(added, misfit)
+    of_it = ambiguous_terms(added, misfit)
     assert [type(one.effect) for one in of_it] == withheld
     assert all(one.reason == reason for one in of_it.values())
 
@@ -277,6 +277,6 @@ def test_a_temperature_effect_with_random_walk_is_seldom_taken_for_hysteresis():
     described = KNOWN.adding(Entry(straight, ("coefficient",)), RandomWalk(4e-5))
     for run in range(60):
         found = fit(simulated((WHITE, RandomWalk(4e-5), straight), conditions, run, "nested"), described)
-        few.append(means_against_hysteresis(Search(KNOWN, (), LOG_ALPHA), found).log_p)
+        few.append(terms_against_hysteresis(Search(KNOWN, (), LOG_ALPHA), found).log_p)
     assert np.sum(np.array(few) < LEVEL) <= 3
     assert 5 <= np.sum(np.array(few) < np.log(0.5)) <= 40

@@ -62,18 +62,18 @@ def test_stretch_of_another_variance_is_the_best_of_all():
 
 
 @pytest.mark.parametrize("walk", [0.0, 1.0, 1e4])
-def test_the_highest_step_comes_by_chance_as_often_as_its_places_say(walk):
+def test_the_p_value_of_the_highest_step_is_uniform(walk):
     """From white noise to a walk, of which each increment is a step of its own."""
     noise = Noise((WHITE, RandomWalk(walk * 1e-3)) if walk else (WHITE,))
     data = sequence(count=4000)
     variance = data.bins.spread(noise.variance(data.bins))
-    chances = []
+    p_values = []
     for run in range(400):
         found = scans.steps(stream(run, "places").standard_normal(3999), variance, np.empty((3999, 0)))
         gain = found.gains.max()
-        chances.append(found.places(gain) * chi2.sf(2 * gain, 1))
+        p_values.append(found.places(gain) * chi2.sf(2 * gain, 1))
     for level in (0.02, 0.1):
-        assert binom.ppf(1e-4, 400, 0.5 * level) <= np.sum(np.array(chances) < level) <= binom.isf(1e-4, 400, level)
+        assert binom.ppf(1e-4, 400, 0.5 * level) <= np.sum(np.array(p_values) < level) <= binom.isf(1e-4, 400, level)
 
 
 @pytest.mark.parametrize("growth", [-4.0, 0.0, 4.0])

@@ -10,7 +10,7 @@ from imugap.discovery.fit.description import Description
 from imugap.discovery.fit.rounded_samples import Cells, ahead
 from imugap.discovery.preparation.rounding import unrounded
 from imugap.discovery.preparation.sequence import AxisSequence
-from imugap.discovery.search.search import log_chance
+from imugap.discovery.search.search import log_p_of_gain
 from imugap.effects import CATALOGUE, Outliers, OutputFilter, RandomWalk, Resolution, VarianceChange, WhiteNoise
 from imugap.effects.conditions import Conditions
 from imugap.stream import stream
@@ -54,26 +54,26 @@ def test_the_mean_ahead_of_the_rounding_is_that_of_rounded_normal_values(step):
 @pytest.mark.parametrize("walk", [0.0, 0.01])
 @pytest.mark.parametrize("step", STEPS)
 def test_what_is_drawn_from_the_cells_is_normal(step, walk):
-    chances = []
+    log_ps = []
     for label in range(8):
         found = fitted(rounded(step, label, walk=walk), *([RandomWalk(10 * walk)] if walk else []))
         values = found.cells.drawn(stream(label, "drawn")) if found.cells else found.whitened
-        chances.append(kstest(values[::10], "norm").pvalue)
-    assert min(chances) > 1e-3 / 8
+        log_ps.append(kstest(values[::10], "norm").pvalue)
+    assert min(log_ps) > 1e-3 / 8
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("walk", [0.0, 0.01])
 def test_rounding_to_a_coarse_lattice_makes_no_change_of_variance(walk):
-    """As residuals of the rounded values some of these logs have one for certain, by chance e-10 and less."""
-    chances, as_they_are = [], []
+    """As residuals of the rounded values some of these logs have one for certain, of a p-value of e-10 and less."""
+    log_ps, as_they_are = [], []
     for label in range(20):
         found = fitted(rounded(3.0, label, walk=walk), *([RandomWalk(10 * walk)] if walk else []))
         starts = list(VarianceChange.starts(found))
-        chances.append(min(log_chance(one.gain, len(one.free)) + np.log(one.trials) for one in starts))
+        log_ps.append(min(log_p_of_gain(one.gain, len(one.free)) + np.log(one.trials) for one in starts))
         squares = found.whitened**2
         as_they_are.append(abs(np.std(squares) - np.sqrt(2)))
-    assert min(chances) > LOG_ALPHA
+    assert min(log_ps) > LOG_ALPHA
     assert max(as_they_are) > 0.3
 
 
@@ -82,7 +82,7 @@ def test_a_change_of_variance_on_a_coarse_lattice_is_found(step):
     change = VarianceChange(100.0, 220.0, 1.5)
     found = fitted(rounded(step, 1, change))
     start = next(VarianceChange.starts(found))
-    assert log_chance(start.gain, 1) + np.log(start.trials) < LOG_ALPHA
+    assert log_p_of_gain(start.gain, 1) + np.log(start.trials) < LOG_ALPHA
     assert start.effect.start == pytest.approx(100.0, abs=10.0)
     assert start.effect.stop == pytest.approx(220.0, abs=10.0)
 

@@ -49,14 +49,14 @@ def test_two_values_have_the_density_of_all_their_paths(walk, wide, kept, tolera
     change = np.array([[1 - up * (1 - same), up * (1 - same)], [(1 - up) * (1 - same), 1 - (1 - up) * (1 - same)]])
     logs = []
     for path in product((0, 1), repeat=COUNT + 1):
-        chance = np.log([1 - up, up][path[0]]) + np.sum(np.log(change[path[:-1], path[1:]]))
+        log_p = np.log([1 - up, up][path[0]]) + np.sum(np.log(change[path[:-1], path[1:]]))
         signs, switched = 2 * np.array(path[1:]) - 1, np.diff(path) != 0
         within = half * (1 - 2 * np.arange(width) / width)
         levels = signs * np.where(switched, within.mean(), half)
         law = multivariate_normal(
             means.mean() + levels, wandering(white, walk, wide) + np.diag(within.var() * switched)
         )
-        logs.append(chance + law.logpdf(means))
+        logs.append(log_p + law.logpdf(means))
     slow = 1.0, walk**2, means.mean(), wide
     found = filtered(means, width, half, rise, fall, np.full(COUNT, white), *slow, kept)[0].sum()
     assert found == pytest.approx(logsumexp(logs), abs=tolerance)
@@ -90,11 +90,11 @@ def test_the_estimates_hold_the_truth_as_often_as_they_say(beside, step, passes)
     for seed in range(12):
         one, effects = sequence(seed, beside, step, passes)
         found = fit(one, Description.known(*effects, *filter(None, [passes])))
-        verdict = compare(found, tuple(found.description.noise.effects[1:2]))
-        assert verdict.gain > 0
+        comparison = compare(found, tuple(found.description.noise.effects[1:2]))
+        assert comparison.gain > 0
         truth = (step, 0.1)
-        hits += sum(low <= true <= high for true, (low, high) in zip(truth, verdict.intervals, strict=True))
-        errors.append(np.log([verdict.effect.step / truth[0], verdict.effect.rate / truth[1]]))
+        hits += sum(low <= true <= high for true, (low, high) in zip(truth, comparison.intervals, strict=True))
+        errors.append(np.log([comparison.effect.step / truth[0], comparison.effect.rate / truth[1]]))
     assert 20 <= hits <= 24
     spread = np.std(errors, axis=0) / np.sqrt(len(errors))
     assert np.all(np.abs(np.mean(errors, axis=0)) < 3.5 * spread)
@@ -134,8 +134,8 @@ def test_what_never_switches_is_weighed_all_the_same(exponent, seed):
     values = WhiteNoise(1e-3).sample(conditions, rng) + 4e-3 * (curve - curve.mean()) / curve.std()
     data = AxisSequence(values, conditions)
     found = fit(data, Description.known(WhiteNoise(1e-3)).adding(RandomWalk(1e-4)))
-    verdict = compare(found, tuple(found.description.noise.effects[1:]))
-    assert np.isfinite([verdict.gain, verdict.uneven]).all()
+    comparison = compare(found, tuple(found.description.noise.effects[1:]))
+    assert np.isfinite([comparison.gain, comparison.uneven]).all()
 
 
 def test_two_values_are_told_from_a_continuum():

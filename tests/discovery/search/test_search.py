@@ -86,7 +86,7 @@ def test_slow_noise_of_the_start_model_does_not_stand_for_what_is_missing(hidden
 
 @pytest.mark.slow
 @pytest.mark.parametrize("base", [RandomWalk(1.5e-4), BiasInstability(4e-4), GaussMarkov(1e-3, 20.0)])
-def test_in_the_place_of_slow_noise_that_is_right_other_is_no_surer_than_chance_makes_it(base):
+def test_other_slow_noise_in_place_of_the_right_one_is_seldom_significant(base):
     surest = []
     for number in range(60):
         data = sequence(base, count=4000, label=f"instead {number}")
@@ -141,7 +141,7 @@ def test_beside_a_wave_of_another_shape_a_step_keeps_its_name():
     assert names(told_of(*wave, BiasStep(250.0, 1e-3), count=12_000)) == ["bias_step"]
 
 
-def two_means(slope, coefficient, label):
+def two_terms(slope, coefficient, label):
     """Search a log with a ramp and a temperature effect that nearly cancel."""
     time = np.arange(12000) * 0.05
     warming = 20 + 8 * (1 - np.exp(-time / 200)) + np.sin(2 * np.pi * time / 450)
@@ -154,8 +154,8 @@ def two_means(slope, coefficient, label):
 
 
 @pytest.mark.parametrize("number", [13, 63, 74])
-def test_nothing_stays_that_chance_explains_beside_the_rest(number):
-    """A walk that a ramp follows: with a second mean beside it the ramp looks likelier, but that mean is chance."""
+def test_no_insignificant_effect_stays_beside_the_others(number):
+    """A walk like a ramp: a second term makes the ramp look likelier, but is not significant itself."""
     count, interval = 3000, 0.2
     time = interval * np.arange(count)
     warming = 24 + 4 * (1 - np.exp(-time / 120)) + 0.5 * np.sin(2 * np.pi * time / 200)
@@ -168,7 +168,7 @@ def test_nothing_stays_that_chance_explains_beside_the_rest(number):
 
 
 def test_two_means_that_nearly_cancel_are_found_together():
-    found = two_means(-6e-7, 6e-5, "cancel").description.terms
+    found = two_terms(-6e-7, 6e-5, "cancel").description.terms
     assert sorted(term.effect.name for term in found) == ["rate_ramp", "temperature"]
 
 

@@ -58,8 +58,8 @@ def test_odds_of_either_value_are_those_of_all_paths(kept):
     densities, known = filtered(values, 1, half, change, change, white, *stationary_markov(1e-9, 0.5), kept)
     assert densities.sum() == pytest.approx(np.log(weights.sum()), rel=1e-9)
     last = np.log(weights[paths[:, -1] > 0].sum() / weights[paths[:, -1] < 0].sum())
-    chances = np.exp(known[-1, :, 0])
-    assert np.log(chances[:kept].sum() / chances[kept:].sum()) == pytest.approx(last, rel=1e-6)
+    p_values = np.exp(known[-1, :, 0])
+    assert np.log(p_values[:kept].sum() / p_values[kept:].sum()) == pytest.approx(last, rel=1e-6)
     rng, count = stream(3, "draws"), 20_000
     drawn = np.mean(
         [

@@ -87,10 +87,10 @@ def test_frequencies_that_the_fit_does_not_use_are_not_tested(share):
 
 def test_the_cell_p_value_of_white_noise_is_uniform():
     for length in LENGTHS:
-        chances = cell_log_p(stream(3, "cells", length).standard_normal(400_000), length, 1.0)
+        log_ps = cell_log_p(stream(3, "cells", length).standard_normal(400_000), length, 1.0)
         for level in LEVELS:
-            low, high = binom.ppf([1e-4, 1 - 1e-4], chances.size, np.exp(level))
-            assert low <= np.count_nonzero(chances < level) <= high
+            low, high = binom.ppf([1e-4, 1 - 1e-4], log_ps.size, np.exp(level))
+            assert low <= np.count_nonzero(log_ps < level) <= high
 
 
 def test_the_false_alarm_rate_of_tone_bursts_is_at_most_nominal():

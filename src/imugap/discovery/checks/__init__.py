@@ -2,7 +2,7 @@
 
 Each effect is tested against small departures from its form (a line that drifts, a trend that bends, a spectrum of
 another slope, a variance that is not constant) by score tests, and against alternatives that are not in the catalogue
-by likelihood ratios. Where chance does not explain the departure, the name is withheld and its location is reported as
+by likelihood ratios. Where the misfit is significant, the name is withheld and its location is reported as
 unexplained. May import unnamed, search, views, fit and preparation.
 """
 

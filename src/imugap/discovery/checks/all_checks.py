@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from imugap.discovery.checks.hysteresis import HYSTERESIS, may_be_hysteresis, means_against_hysteresis
+from imugap.discovery.checks.hysteresis import HYSTERESIS, may_be_hysteresis, terms_against_hysteresis
 from imugap.discovery.checks.mean import mean_misfit
 from imugap.discovery.checks.misfit import LEVEL, Misfit
 from imugap.discovery.checks.motion import all_against_motion
@@ -32,8 +32,8 @@ MAX_POWER_SHARE = 0.5
 """Maximum share of misfitting noise in the power at the frequency of a line or filter that keeps its name."""
 MIN_JUMPS, MIN_EXTRA_VALUES = 3, 2
 """Minimum number of steps for a jump process with slow noise, and for further values of telegraph noise."""
-MIN_MEANS = 2
-"""Minimum number of means over time for the comparison with one power law."""
+MIN_TERMS = 2
+"""Minimum number of terms over time for the comparison with one power law."""
 MAX_AMBIGUOUS_EXCESS = 5.0
 """Maximum excess of outliers [standard deviations] that a change of variance can imitate."""
 BAND_MARGIN = 1.1
@@ -66,10 +66,10 @@ def misfits(search: Search, fit: AxisFit) -> dict[Candidate, Misfit]:
         return from_motion
     found = {one: misfit for one in added if (misfit := _misfit(one)) is not None} | _too_many(added)
     found |= _means_from_hysteresis(search, fit, added) | steps_as_jump_process(added) | transient_misfits(added)
-    found |= transition_misfits(added) | means_as_power_law(added)
+    found |= transition_misfits(added) | terms_as_power_law(added)
     found |= ambiguous_variance(added, found)
     found |= _dependent_on_outliers(found) | _ambiguous_slow_noise(added, found)
-    found |= ambiguous_means(added, found) | ambiguous_spectrum(added, found)
+    found |= ambiguous_terms(added, found) | ambiguous_spectrum(added, found)
     clear = _certain_off_lines(added, found)
     for role in {one.role for one in found}:
         worst = _worst(found, [one for one in found if one.role is role])
@@ -104,10 +104,10 @@ def explained_by_bands(some: Sequence[Candidate], bands: Sequence[Band]) -> dict
 
 
 def _means_from_hysteresis(search: Search, fit: AxisFit, added: Sequence[Candidate]) -> dict[Candidate, Misfit]:
-    """Return the added means if hysteresis over the temperature explains them better."""
-    misfit = means_against_hysteresis(search, fit)
-    means = [one for one in added if one.role is Role.MEAN and may_be_hysteresis(one.effect)]
-    return dict.fromkeys(means, misfit) if misfit.log_p < LEVEL else {}
+    """Return the added terms if hysteresis over the temperature explains them better."""
+    misfit = terms_against_hysteresis(search, fit)
+    terms = [one for one in added if one.role is Role.MEAN and may_be_hysteresis(one.effect)]
+    return dict.fromkeys(terms, misfit) if misfit.log_p < LEVEL else {}
 
 
 def _all_from_motion(search: Search, fit: AxisFit, added: Sequence[Candidate]) -> dict[Candidate, Misfit]:
@@ -130,11 +130,11 @@ def steps_as_jump_process(added: Sequence[Candidate]) -> dict[Candidate, Misfit]
     return dict.fromkeys([*steps, *slow, *switches], Misfit("it jumps", -np.inf)) if jumps else {}
 
 
-def means_as_power_law(added: Sequence[Candidate]) -> dict[Candidate, Misfit]:
-    """Return two or more means over time, and slow noise, if one power law is likelier than all of them."""
-    means = [one for one in added if one.effect.of_time]
-    both = [*means, *(one for one in added if one.effect.slow)]
-    more = power_law_advantage(both) if len(means) >= MIN_MEANS else 0.0
+def terms_as_power_law(added: Sequence[Candidate]) -> dict[Candidate, Misfit]:
+    """Return two or more terms over time, and slow noise, if one power law is likelier than all of them."""
+    terms = [one for one in added if one.effect.of_time]
+    both = [*terms, *(one for one in added if one.effect.slow)]
+    more = power_law_advantage(both) if len(terms) >= MIN_TERMS else 0.0
     return dict.fromkeys(both, Misfit("one power law explains all of it better", -np.inf)) if more > 0 else {}
 
 
@@ -199,19 +199,19 @@ def _ambiguous_slow_noise(added: Sequence[Candidate], found: Found) -> dict[Cand
 
     A line leaves no residual below its frequency: noise that is significant there keeps its name.
     """
-    means = [one for one in found if one.role is Role.MEAN]
-    if not means:
+    terms = [one for one in found if one.role is Role.MEAN]
+    if not terms:
         return {}
-    lowest = min(getattr(one.effect, "frequency", 0.0) for one in means)
+    lowest = min(getattr(one.effect, "frequency", 0.0) for one in terms)
     slow = [one for one in added if one.role is Role.NOISE and one.effect.slow]
     ambiguous = [one for one in slow if _gain_below(one, 0.5 * lowest) < -one.search.log_alpha]
-    return dict.fromkeys(ambiguous, Misfit("the mean beside it has no known shape", _worst(found, means).log_p))
+    return dict.fromkeys(ambiguous, Misfit("the mean beside it has no known shape", _worst(found, terms).log_p))
 
 
-def ambiguous_means(added: Sequence[Candidate], found: Found) -> dict[Candidate, Misfit]:
-    """Return the means that the unnamed cause of misfitting slow noise can imitate.
+def ambiguous_terms(added: Sequence[Candidate], found: Found) -> dict[Candidate, Misfit]:
+    """Return the terms that the unnamed cause of misfitting slow noise can imitate.
 
-    Any cause can imitate steps; hysteresis can imitate all means over temperature or time. Other means keep their names
+    Any cause can imitate steps; hysteresis can imitate all terms over temperature or time. Other terms keep their names
     if they are significant next to a power law as well.
     """
     slow = [one for one in found if coloured(one.effect)]
@@ -219,10 +219,10 @@ def ambiguous_means(added: Sequence[Candidate], found: Found) -> dict[Candidate,
         return {}
     worst = _worst(found, slow)
     made = may_be_hysteresis if worst.reason == HYSTERESIS else stepping
-    means = [one for one in added if one not in found and may_be_hysteresis(one.effect)]
+    terms = [one for one in added if one not in found and may_be_hysteresis(one.effect)]
     law = replaced_by_power_law(slow[0].search, slow[0].fit, coloured)
     return {
-        one: worst for one in means if made(one.effect) or (law is not None and not _certain_beside_power_law(one, law))
+        one: worst for one in terms if made(one.effect) or (law is not None and not _certain_beside_power_law(one, law))
     }
 
 

@@ -1,6 +1,6 @@
-"""Likelihood-ratio tests of slow noise and of means against unnamed functions of the temperature.
+"""Likelihood-ratio tests of slow noise and of terms against unnamed functions of the temperature.
 
-Hysteresis over the temperature, or a curve with a bend, can imitate slow noise and means over time.
+Hysteresis over the temperature, or a curve with a bend, can imitate slow noise and terms over time.
 """
 
 from collections.abc import Iterable
@@ -12,7 +12,7 @@ from imugap.discovery.checks.misfit import LEVEL, Misfit, log_p_against
 from imugap.discovery.checks.unnamed_mean import UNNAMED_MARGIN, likelihood_with
 from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.discovery.fit.description import Description
-from imugap.discovery.search.search import Candidate, Search, Trial, coloured, log_chance
+from imugap.discovery.search.search import Candidate, Search, Trial, coloured, log_p_of_gain
 from imugap.discovery.unnamed.hysteresis import Hysteresis
 from imugap.effects.effect import Effect, Role
 
@@ -53,8 +53,8 @@ def _against_hysteresis(candidate: Candidate, bases: tuple[AxisFit, AxisFit]) ->
     return Misfit(HYSTERESIS, log_p_against(candidate.trial.log_p, loop.log_p, search.log_alpha))
 
 
-def means_against_hysteresis(search: Search, fit: AxisFit) -> Misfit:
-    """Test the added means of a fit against hysteresis, in addition to them and in their place.
+def terms_against_hysteresis(search: Search, fit: AxisFit) -> Misfit:
+    """Test the added terms of a fit against hysteresis, in addition to them and in their place.
 
     Hysteresis contains the linear temperature term, so that only the addition is tested where that alone was added.
     """
@@ -69,7 +69,7 @@ def means_against_hysteresis(search: Search, fit: AxisFit) -> Misfit:
         return Misfit(HYSTERESIS, more)
     without = search.fitted(fit.sequence, fit.description.without(one.index for one in added))
     (instead,) = _hysteresis_trials(search, (without,))
-    named = log_chance(fit.log_likelihood - without.log_likelihood, sum(len(one.entry.free) for one in added))
+    named = log_p_of_gain(fit.log_likelihood - without.log_likelihood, sum(len(one.entry.free) for one in added))
     return Misfit(HYSTERESIS, min(more, log_p_against(named, instead.log_p, search.log_alpha)))
 
 

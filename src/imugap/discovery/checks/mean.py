@@ -9,7 +9,7 @@ from imugap.discovery.checks.motion import term_against_motion
 from imugap.discovery.checks.periodic import effect_against_periodic
 from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.discovery.search.intervals import term_intervals
-from imugap.discovery.search.search import Candidate, log_chance
+from imugap.discovery.search.search import Candidate, log_p_of_gain
 from imugap.discovery.unnamed.wandering_lines import MAX_DISTANCE
 from imugap.effects.effect import TINY
 
@@ -40,7 +40,7 @@ def mean_misfit(candidate: Candidate) -> Misfit | None:
 def shape_log_p(fit: AxisFit, index: int) -> float:
     """Score-test a term against each departure of its shape; return the smallest log-probability (Bonferroni)."""
     ways = fit.description.terms[index].effect.near_misses(fit.sequence.conditions)
-    found = [log_chance(gain, rank) for gain, rank in (fit.joint_gain(fit.whiten(way)) for way in ways) if rank]
+    found = [log_p_of_gain(gain, rank) for gain, rank in (fit.joint_gain(fit.whiten(way)) for way in ways) if rank]
     return min(found, default=0.0) + np.log(max(len(found), 1))
 
 

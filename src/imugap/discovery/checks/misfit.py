@@ -5,21 +5,21 @@ from dataclasses import dataclass
 import numpy as np
 
 LEVEL = np.log(3e-3)
-"""Maximum log-probability of chance for withholding a name."""
+"""Maximum log p-value for withholding a name."""
 
 
 @dataclass(frozen=True)
 class Misfit:
-    """Reason for withholding a name, and the log-probability that chance makes a statistic as large."""
+    """Reason for withholding a name, and the log p-value of the test."""
 
     reason: str
     log_p: float
 
 
 def log_p_against(named: float, alternative: float, log_alpha: float) -> float:
-    """Compare the log-probabilities of chance of a named effect and of an alternative.
+    """Compare the log p-values of a named effect and of an alternative.
 
-    Returns :data:`LEVEL` where both are equal, less where the alternative is less likely by chance, and 0 where the
+    Returns :data:`LEVEL` where both are equal, less where the alternative has the smaller p-value, and 0 where the
     alternative is not significant at ``log_alpha``.
     """
     return LEVEL + alternative - named if alternative < log_alpha else 0.0

@@ -14,7 +14,7 @@ from imugap.discovery.checks.unnamed_mean import UNNAMED_MARGIN, likelihood_with
 from imugap.discovery.fit.axis_fit import AxisFit, jacobian
 from imugap.discovery.fit.description import Description
 from imugap.discovery.preparation.sequence import AxisSequence
-from imugap.discovery.search.search import Candidate, Search, log_chance
+from imugap.discovery.search.search import Candidate, Search, log_p_of_gain
 from imugap.discovery.unnamed.hysteresis import play
 from imugap.effects.conditions import Conditions
 from imugap.effects.effect import TINY, Role
@@ -40,7 +40,7 @@ def term_against_motion(candidate: Candidate) -> Misfit:
         return NO_MISFIT
     base = replace(fit, description=fit.description.without([candidate.index]))
     own = base.whiten(jacobian((candidate.entry,), fit.sequence))
-    named = log_chance(*base.joint_gain(own))
+    named = log_p_of_gain(*base.joint_gain(own))
     functions = _motion_functions(fit.sequence.conditions)
     others = [_alternative_log_p(base, own, error, log_alpha) for error in functions]
     margin = np.log(max(len(others), 1)) + UNNAMED_MARGIN
@@ -56,8 +56,8 @@ def _alternative_log_p(base: AxisFit, own: np.ndarray, error: np.ndarray, log_al
     columns = base.whiten(error)
     gain, rank = base.joint_gain(columns)
     both, more = base.joint_gain(np.column_stack([columns, own]))
-    silent = rank and more > rank and log_chance(both - gain, more - rank) > log_alpha
-    return log_chance(gain, rank) if silent else 0.0
+    silent = rank and more > rank and log_p_of_gain(both - gain, more - rank) > log_alpha
+    return log_p_of_gain(gain, rank) if silent else 0.0
 
 
 def all_against_motion(search: Search, fit: AxisFit) -> Misfit:
@@ -97,7 +97,7 @@ def outliers_against_motion(fit: AxisFit, flagged: np.ndarray) -> float:
         return 0.0
     counts = [np.bincount(shares[flagged], minlength=SIZE_CLASSES) for shares in _size_classes(fit.sequence.conditions)]
     gains = (float(np.sum(xlogy(count, SIZE_CLASSES * count / count.sum()))) for count in counts)
-    return _smallest_log_p([log_chance(gain, SIZE_CLASSES - 1) for gain in gains])
+    return _smallest_log_p([log_p_of_gain(gain, SIZE_CLASSES - 1) for gain in gains])
 
 
 def variance_against_motion(candidate: Candidate) -> float:
@@ -109,10 +109,13 @@ def variance_against_motion(candidate: Candidate) -> float:
     energies = candidate.without.unrounded**2
     conditions = candidate.fit.sequence.conditions
     sizes = _smallest_log_p(
-        [log_chance(_group_variance_gain(energies, shares), SIZE_CLASSES - 1) for shares in _size_classes(conditions)]
+        [
+            log_p_of_gain(_group_variance_gain(energies, shares), SIZE_CLASSES - 1)
+            for shares in _size_classes(conditions)
+        ]
     )
     rests = _smallest_log_p(
-        [log_chance(_group_variance_gain(energies, rest.astype(int)), 1) for rest in _rest_periods(conditions)]
+        [log_p_of_gain(_group_variance_gain(energies, rest.astype(int)), 1) for rest in _rest_periods(conditions)]
     )
     return log_p_against(candidate.trial.log_p, min(sizes + UNNAMED_MARGIN, rests), candidate.search.log_alpha)
 
@@ -124,8 +127,8 @@ def _group_variance_gain(energies: np.ndarray, groups: np.ndarray) -> float:
     return float(divergence(power[number > 0], number[number > 0]).sum())
 
 
-def _smallest_log_p(chances: list[float]) -> float:
-    return min(min(chances) + float(np.log(len(chances))), 0.0) if chances else 0.0
+def _smallest_log_p(log_ps: list[float]) -> float:
+    return min(min(log_ps) + float(np.log(len(log_ps))), 0.0) if log_ps else 0.0
 
 
 def _size_classes(conditions: Conditions) -> Iterator[np.ndarray]:

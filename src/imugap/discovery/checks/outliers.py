@@ -54,5 +54,5 @@ def _core_normality_log_p(fit: AxisFit) -> float:
     place = (ndtr(core) - ndtr(-CORE_WIDTH)) / (ndtr(CORE_WIDTH) - ndtr(-CORE_WIDTH))
     counts = np.bincount((place * BINS).astype(int).clip(0, BINS - 1), minlength=BINS)
     expected = len(core) / BINS
-    chance = ncx2.sf(np.sum((counts - expected) ** 2) / expected, BINS - 3, TOLERATED_DEVIATION * len(core))
-    return float(np.log(max(chance, TINY)))
+    p_value = ncx2.sf(np.sum((counts - expected) ** 2) / expected, BINS - 3, TOLERATED_DEVIATION * len(core))
+    return float(np.log(max(p_value, TINY)))

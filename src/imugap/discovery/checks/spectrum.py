@@ -15,7 +15,7 @@ from imugap.discovery.checks.periodic import effect_against_periodic
 from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.discovery.fit.telegraph_likelihood import compare
 from imugap.discovery.fit.whittle import STEP, Noise, limits, log_likelihood
-from imugap.discovery.search.search import PARAMETER, Candidate, Search, coloured, log_chance, without
+from imugap.discovery.search.search import PARAMETER, Candidate, Search, coloured, log_p_of_gain, without
 from imugap.discovery.views.spectral import of_spectrum
 from imugap.effects.effect import TINY, Effect, Role, StochasticEffect
 from imugap.effects.power_law import PowerLaw
@@ -32,14 +32,14 @@ ONE_POWER_LAW = "one power law explains all slow noise better"
 NOISE_REASONS = (*SLOPE_REASONS, SAMPLES_DISAGREE, ONE_POWER_LAW)
 """Reasons after which slow noise is still noise, of any spectrum."""
 SLOPE_LEVEL = np.log(1e-2)
-"""Maximum log-probability of chance of a free slope for a misfit of slow noise of one parameter."""
+"""Maximum log p-value of a free slope for a misfit of slow noise of one parameter."""
 MIN_GAIN = 2.0
 """Minimum log-likelihood gain of a process of two parameters over a power law, which has two as well.
 
 The gain of a Gauss-Markov process in fractional noise between flicker noise and random walk is seldom larger.
 """
 START_SLOPES = 1.5, 2.5, 3.5
-"""Start values of the slope of a power law: the first in place of noise, all in place of means and noise."""
+"""Start values of the slope of a power law: the first in place of noise, all in place of terms and noise."""
 NEIGHBOURHOOD_RATIO = 10.0
 """Ratio to the frequencies of an effect within which the spectrum is its neighbourhood."""
 BANDS = 24
@@ -82,11 +82,11 @@ def filter_misfit(candidate: Candidate) -> Misfit:
 
 def _two_valued_misfits(candidate: Candidate) -> list[Misfit]:
     """Test whether both values are equally frequent, and, without other noise, whether samples and spectrum agree."""
-    verdict = compare(candidate.fit, (candidate.effect,))
-    uneven = Misfit("it is at one of its values more often than at the other", log_chance(verdict.uneven, 1))
+    comparison = compare(candidate.fit, (candidate.effect,))
+    uneven = Misfit("it is at one of its values more often than at the other", log_p_of_gain(comparison.uneven, 1))
     if len(candidate.search.added(candidate.fit, lambda effect: effect.role is Role.NOISE)) > 1:
         return [uneven]
-    return [uneven, Misfit(SAMPLES_DISAGREE, substitution_log_p(candidate, verdict.effect))]
+    return [uneven, Misfit(SAMPLES_DISAGREE, substitution_log_p(candidate, comparison.effect))]
 
 
 def power_share(fit: AxisFit, effect: StochasticEffect) -> np.ndarray:
@@ -116,7 +116,7 @@ def substitution_log_p(candidate: Candidate, other: StochasticEffect) -> float:
     bounds = np.transpose(limits(moved, bins, power))[free]
     here = minimize(loss, np.clip(moved.theta()[free], *bounds.T), method="L-BFGS-B", bounds=bounds)
     best = log_likelihood(noise.variance(bins), power, bins.number)
-    return log_chance(best + here.fun, len(other.parameters()))
+    return log_p_of_gain(best + here.fun, len(other.parameters()))
 
 
 def _score_log_p(fit: AxisFit, direction: np.ndarray) -> float:
@@ -127,7 +127,7 @@ def _score_log_p(fit: AxisFit, direction: np.ndarray) -> float:
     rest = direction * weighted - basis @ (basis.T @ (direction * weighted))
     excess = (bins.sums(fit.coefficients**2) / bins.number - 1) * weighted
     norm = rest @ rest
-    return log_chance(0.5 * float(rest @ excess) ** 2 / norm, 1) if norm > 1e-6 else 0.0
+    return log_p_of_gain(0.5 * float(rest @ excess) ** 2 / norm, 1) if norm > 1e-6 else 0.0
 
 
 def _sensitivities(fit: AxisFit) -> np.ndarray:
@@ -152,8 +152,8 @@ def _neighbourhood_log_p(fit: AxisFit, mine: np.ndarray) -> float:
     low, high = fit.sequence.bins.frequency[mine[[0, -1]]]
     curve = of_spectrum(fit)
     near = (curve.high > low / NEIGHBOURHOOD_RATIO) & (curve.low < high * NEIGHBOURHOOD_RATIO)
-    chance = np.log(2 * near.sum()) + log_ndtr(-np.abs(curve.statistic[near]).max(initial=0.0))
-    return min(float(chance), 0.0)
+    log_p = np.log(2 * near.sum()) + log_ndtr(-np.abs(curve.statistic[near]).max(initial=0.0))
+    return min(float(log_p), 0.0)
 
 
 def band_log_p(fit: AxisFit, mine: np.ndarray) -> float:
@@ -170,8 +170,8 @@ def band_log_p(fit: AxisFit, mine: np.ndarray) -> float:
     normal = np.sign(deviation) * np.sqrt(2 * divergence(power[used], number[used]))
     free = max(used.sum() - _effective_parameters(fit, mine[used[band]]), 1.0)
     slight = 0.5 * TOLERATED_DEVIATION**2 * float(number[used].sum())
-    chance = float(ncx2.sf(np.sum(normal**2), free, slight))
-    return float(np.log(max(chance, TINY)))
+    p_value = float(ncx2.sf(np.sum(normal**2), free, slight))
+    return float(np.log(max(p_value, TINY)))
 
 
 def replaced_by_power_law(search: Search, fit: AxisFit, which: Callable[[Effect], bool]) -> AxisFit | None:
@@ -185,7 +185,7 @@ def _is_slow(effect: Effect) -> bool:
 
 
 def power_law_advantage(some: Sequence[Candidate]) -> float:
-    """Return the advantage of one power law over several means and slow noise, in penalised log-likelihood.
+    """Return the advantage of one power law over several terms and slow noise, in penalised log-likelihood.
 
     The penalty includes the choice of each effect from the catalogue.
     """
@@ -221,11 +221,11 @@ def _against_power_law(search: Search, fit: AxisFit) -> list[Misfit]:
     more = other.log_likelihood - fit.log_likelihood
     parameters = sum(len(one.effect.parameters()) for one in slow)
     if parameters == 1:
-        chance = log_chance(more, 1)
-        return [Misfit(POWER_LAW, LEVEL - SLOPE_LEVEL + chance)]
+        log_p = log_p_of_gain(more, 1)
+        return [Misfit(POWER_LAW, LEVEL - SLOPE_LEVEL + log_p)]
     if len(slow) == 1:
         return [Misfit(POWER_LAW_AS_WELL, LEVEL - MIN_GAIN - more)]
     bare = _without_noise(slow)
-    named = log_chance(fit.log_likelihood - bare.log_likelihood, parameters)
-    unnamed = log_chance(other.log_likelihood - bare.log_likelihood, 2)
+    named = log_p_of_gain(fit.log_likelihood - bare.log_likelihood, parameters)
+    unnamed = log_p_of_gain(other.log_likelihood - bare.log_likelihood, 2)
     return [Misfit(ONE_POWER_LAW, LEVEL + unnamed - named)]

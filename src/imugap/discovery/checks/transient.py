@@ -12,7 +12,7 @@ from scipy.optimize import minimize
 from imugap.discovery.checks.misfit import LEVEL, Misfit, log_p_against
 from imugap.discovery.checks.unnamed_mean import likelihood_with
 from imugap.discovery.fit.axis_fit import AxisFit
-from imugap.discovery.search.search import Candidate, log_chance, without
+from imugap.discovery.search.search import Candidate, log_p_of_gain, without
 
 REASON = "it fades away in another way"
 MIN_STEPS = 2
@@ -50,7 +50,7 @@ def transient_misfits(added: Sequence[Candidate]) -> dict[Candidate, Misfit]:
 
 
 def _against_transient(some: Sequence[Candidate]) -> float:
-    """Return the log-probability of some means against one transient in their place, relative to the level."""
+    """Return the log-probability of some terms against one transient in their place, relative to the level."""
     fit = some[0].fit
     bare = without(fit, some)
     time = fit.sequence.conditions.time
@@ -59,8 +59,8 @@ def _against_transient(some: Sequence[Candidate]) -> float:
         key=lambda shape: _gain(bare, shape),
     )
     more = fit.description.size() - bare.description.size()
-    named = log_chance(fit.log_likelihood - bare.log_likelihood, more)
-    other = log_chance(likelihood_with(bare, best) - bare.log_likelihood, PARAMETERS)
+    named = log_p_of_gain(fit.log_likelihood - bare.log_likelihood, more)
+    other = log_p_of_gain(likelihood_with(bare, best) - bare.log_likelihood, PARAMETERS)
     return log_p_against(named, other, some[0].search.log_alpha)
 
 

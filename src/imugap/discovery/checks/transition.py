@@ -13,7 +13,7 @@ from scipy.special import ndtr
 from imugap.discovery.checks.misfit import LEVEL, Misfit, log_p_against
 from imugap.discovery.checks.unnamed_mean import UNNAMED_MARGIN, likelihood_with
 from imugap.discovery.fit.axis_fit import AxisFit
-from imugap.discovery.search.search import Candidate, coloured, log_chance, without
+from imugap.discovery.search.search import Candidate, coloured, log_p_of_gain, without
 
 REASON = "one gradual transition explains it better"
 WIDTHS, MAX_EVALUATIONS = np.geomspace(0.003, 0.2, 7), 60
@@ -42,11 +42,11 @@ def _against_transition(some: Sequence[Candidate], margin: float = 0.0) -> float
     fit = some[0].fit
     bare = without(fit, some)
     gain, more = fit.log_likelihood - bare.log_likelihood, fit.description.size() - bare.description.size()
-    named = log_chance(gain, more) + sum(np.log(one.trial.trials) for one in some)
+    named = log_p_of_gain(gain, more) + sum(np.log(one.trial.trials) for one in some)
     best = _fit_transition(bare, MIN_START_GAIN * gain)
     if best is None:
         return 0.0
-    other = log_chance(likelihood_with(bare, best) - bare.log_likelihood, PARAMETERS) + np.log(TRIALS)
+    other = log_p_of_gain(likelihood_with(bare, best) - bare.log_likelihood, PARAMETERS) + np.log(TRIALS)
     return log_p_against(named, other + margin, some[0].search.log_alpha)
 
 

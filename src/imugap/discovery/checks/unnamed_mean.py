@@ -12,7 +12,7 @@ UNNAMED_MARGIN = 10.0
 def likelihood_with(base: AxisFit, columns: np.ndarray) -> float:
     """Return the log-likelihood of a fit with further columns of the error, shape (n, m), and the noise refitted.
 
-    The mean gain of m columns by chance, m/2, is subtracted.
+    The expected gain of m superfluous columns, m/2, is subtracted.
     """
     _, rest = base.beside(base.whiten(columns))
     bins, noise = base.sequence.bins, base.noise

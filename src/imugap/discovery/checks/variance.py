@@ -5,7 +5,7 @@ from scipy.fft import rfft
 
 from imugap.discovery.checks.misfit import LEVEL, Misfit, divergence
 from imugap.discovery.checks.motion import variance_against_motion
-from imugap.discovery.search.search import Candidate, log_chance
+from imugap.discovery.search.search import Candidate, log_p_of_gain
 from imugap.effects.effect import Effect
 
 MAX_BLOCKS = 12
@@ -38,7 +38,7 @@ def _against_rounding(candidate: Candidate) -> float:
     if without.cells is None:
         return 0.0
     gain = _change_gain(without.unrounded**2, candidate.effect, without.sequence.conditions.time)
-    ahead = log_chance(gain, own.parameters) + float(np.log(own.trials))
+    ahead = log_p_of_gain(gain, own.parameters) + float(np.log(own.trials))
     return min(LEVEL + candidate.search.log_alpha - ahead, 0.0)
 
 
@@ -56,4 +56,4 @@ def _homogeneity_log_p(energies: np.ndarray, each: int) -> float:
     blocks = np.array_split(energies, count)
     number = each * np.array([len(block) for block in blocks])
     power = np.array([block.mean() for block in blocks]) / energies.mean() * number
-    return log_chance(float(divergence(power, number).sum()), count - 1)
+    return log_p_of_gain(float(divergence(power, number).sum()), count - 1)

@@ -22,8 +22,8 @@ class Withheld:
 
 def withheld(candidate: Candidate, misfit: Misfit) -> Withheld:
     """Return name, reason and location of an effect of a fit that has a misfit."""
-    chance = float(np.exp(np.clip(candidate.trial.log_p, MIN_LOG_P, 0.0)))
-    return Withheld(candidate.effect.name, misfit.reason, Discrepancy(*_location(candidate), chance))
+    p_value = float(np.exp(np.clip(candidate.trial.log_p, MIN_LOG_P, 0.0)))
+    return Withheld(candidate.effect.name, misfit.reason, Discrepancy(*_location(candidate), p_value))
 
 
 def _location(candidate: Candidate) -> tuple[str, str, float, float, str]:

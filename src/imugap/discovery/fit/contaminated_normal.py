@@ -62,14 +62,14 @@ class Tails:
 
     @property
     def clustered(self) -> float:
-        """Return the log-probability of as many neighbouring pairs of outliers if they came independently."""
+        """Return the log p-value of the number of neighbouring pairs of outliers (test of independence)."""
         flagged = self.flagged
         pairs = int(np.sum(flagged[1:] & flagged[:-1]))
         return float(poisson.logsf(pairs - 1, flagged.mean() * flagged.sum()))
 
     @property
     def uneven(self) -> float:
-        """Return the log-probability that as many in some parts of the log as there are come there by chance."""
+        """Return the log p-value of the numbers of outliers in equal parts of the log (chi-square test)."""
         count = int(self.flagged.sum()) // EACH
         if count < 2:
             return 0.0
@@ -78,7 +78,7 @@ class Tails:
 
     @property
     def beating(self) -> float:
-        """Return the log-probability that outliers keep as well to any period by chance (Rayleigh's test)."""
+        """Return the log p-value of a periodicity of the outliers at any period (Rayleigh's test)."""
         flagged = self.flagged
         even, share = next_fast_len(len(flagged), real=True), flagged.mean()
         power = np.abs(rfft(flagged - share, even)[1:]) ** 2 / (flagged.sum() * (1 - share))

@@ -165,7 +165,7 @@ def swing(whitened: np.ndarray, time: np.ndarray) -> tuple[float, float, float, 
     It starts at the highest line of the mean squares of blocks; the log-variance is c + depth cos(2 pi f t + phase).
     """
     width = max(len(whitened) // MEANS, 1)
-    squares, middle = (means(values, width) for values in (whitened**2, time))
+    squares, middle = (block_means(values, width) for values in (whitened**2, time))
     frequency, gains, _ = lines((squares - squares.mean()) / max(squares.std(), 1e-300), middle[1] - middle[0])
     slow = frequency < FASTEST / (middle[1] - middle[0])
     coarse = float(frequency[slow][np.argmax(gains[slow])])
@@ -190,7 +190,7 @@ def swing(whitened: np.ndarray, time: np.ndarray) -> tuple[float, float, float, 
     return float(max(found, 0.0)), float(np.hypot(*best.x[1:3])), float(phase), float(gain)
 
 
-def means(values: np.ndarray, width: int) -> np.ndarray:
+def block_means(values: np.ndarray, width: int) -> np.ndarray:
     """Return the means of blocks of ``width`` values, without the incomplete one at the end."""
     return values[: len(values) // width * width].reshape(-1, width).mean(axis=1)
 

@@ -91,7 +91,7 @@ class Blocks:
         times = [one.correlation_time for one in lorentzian if isinstance(one, GaussMarkov)]
         time = min(times, default=interval * count / LONG)
         width = max(min(max(int(time / fine / interval), _settling(fit)), count // FINE), count // MOST, 1)
-        means = scans.means(fit.residual * fit.scale, width)
+        means = scans.block_means(fit.residual * fit.scale, width)
         profile = _profile(fit.sequence, fit.description.changes, width)
         rest = [one for one in fit.description.noise.effects if one not in slow]
         step = width * interval
@@ -116,11 +116,11 @@ def _settling(fit: AxisFit) -> int:
 
 def _profile(sequence: AxisSequence, changes: tuple[VarianceEffect, ...], width: int) -> np.ndarray:
     factor = np.broadcast_to(scale(sequence, changes), len(sequence.values))
-    return np.sqrt(scans.means(factor**2, width))
+    return np.sqrt(scans.block_means(factor**2, width))
 
 
 @dataclass(frozen=True, eq=False)
-class Verdict:
+class TelegraphComparison:
     """Two values and a continuum on the same block means.
 
     Attributes
@@ -173,14 +173,14 @@ class Verdict:
         return uneven(partial(_telegraph_densities, self.blocks), self.two)
 
 
-def compare(fit: AxisFit, slow: tuple[StochasticEffect, ...]) -> Verdict:
+def compare(fit: AxisFit, slow: tuple[StochasticEffect, ...]) -> TelegraphComparison:
     """Weigh telegraph noise against Gauss-Markov noise in the place of the slow processes of a fit.
 
     The noise besides is white on the scale of the blocks, or wanders from one to the next.
     """
     blocks = Blocks.of(fit, slow)
     starts = [np.r_[np.log([blocks.std, blocks.time * factor]), calm] for factor in TIMES for calm in _beside(blocks)]
-    return Verdict(blocks, maximise(partial(_markov_densities, blocks), starts), likeliest(blocks))
+    return TelegraphComparison(blocks, maximise(partial(_markov_densities, blocks), starts), likeliest(blocks))
 
 
 def likeliest(blocks: Blocks) -> Maximum:
@@ -272,13 +272,13 @@ def filtered(values, width, half, rise, fall, white, decay, driven, begin, sprea
     for k in range(len(values)):
         noise, high, low = white[k] ** 2, values[k] - half, values[k] + half
         for one in range(2 * kept):
-            chance, mean, variance = state[one, 0], decay * state[one, 1], decay**2 * state[one, 2] + driven
+            log_p, mean, variance = state[one, 0], decay * state[one, 1], decay**2 * state[one, 2] + driven
             if one < kept:
-                _way(ups, one, chance + stays_up, high, mean, variance, noise)
-                _way(downs, one, chance + falls, values[k] + between, mean, variance, noise + scatter)
+                _way(ups, one, log_p + stays_up, high, mean, variance, noise)
+                _way(downs, one, log_p + falls, values[k] + between, mean, variance, noise + scatter)
             else:
-                _way(ups, one, chance + rises, values[k] - between, mean, variance, noise + scatter)
-                _way(downs, one, chance + stays_down, low, mean, variance, noise)
+                _way(ups, one, log_p + rises, values[k] - between, mean, variance, noise + scatter)
+                _way(downs, one, log_p + stays_down, low, mean, variance, noise)
         _merge(ups, kept)
         _merge(downs, kept)
         total = _together(ups, downs, kept)
@@ -294,10 +294,10 @@ def filtered(values, width, half, rise, fall, white, decay, driven, begin, sprea
 
 
 @njit(cache=True, error_model="numpy")
-def _way(ways, one, chance, value, mean, variance, noise):
+def _way(ways, one, log_p, value, mean, variance, noise):
     """Fill in the log-probability of a value of a normal process in white noise, its mean and variance given that."""
     total, apart = variance + noise, value - mean
-    ways[one, 0] = chance - 0.5 * (np.log(total) + apart**2 / total)
+    ways[one, 0] = log_p - 0.5 * (np.log(total) + apart**2 / total)
     ways[one, 1], ways[one, 2] = mean + variance / total * apart, variance * noise / total
 
 

@@ -213,7 +213,7 @@ def _unusable(log: pd.DataFrame) -> tuple[Discrepancy, ...]:
 def _samples_to_a_knot(values: np.ndarray) -> float:
     """Return the number of samples per true sample of an axis that was interpolated; one if it was not.
 
-    On a coarse lattice neighbours are often as far apart by chance.
+    On a coarse lattice equal differences are frequent without any interpolation; such an axis is not tested.
     """
     slope = np.diff(values)
     if len(slope) < 2 or len(np.unique(values)) < DISTINCT * len(values):

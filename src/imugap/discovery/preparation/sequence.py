@@ -111,8 +111,8 @@ class AxisSequence:
             near, far = np.where(side > 0, low, high), np.where(side > 0, high, low)
             more, less = (log_ndtr(side * (level - bound) / spread) for bound in (near, far))
             share = 1 - rng.random(len(at))
-            chance = np.logaddexp(more + np.log(share), less + np.log1p(-share))
-            values[at] = level - side * spread * ndtri_exp(chance)
+            log_tail = np.logaddexp(more + np.log(share), less + np.log1p(-share))
+            values[at] = level - side * spread * ndtri_exp(log_tail)
         flawed[at] = False
         return replace(self, values=values, flawed=flawed)
 

@@ -1,7 +1,7 @@
 """Stepwise search for the missing effects of one axis: add, exchange and remove until none improves the fit.
 
 Every kind of the catalogue proposes itself (:meth:`imugap.effects.effect.Effect.starts`). Each proposal is fitted
-together with all effects of the description, and the one of the lowest probability of chance is added. After each
+together with all effects of the description, and the one of the smallest p-value is added. After each
 addition every added effect is removed and exchanged for every other, so that an effect which only stands in for another
 does not stay.
 """
@@ -19,7 +19,7 @@ from imugap.discovery.fit.contaminated_normal import Tails
 from imugap.discovery.fit.description import Description, Entry
 from imugap.discovery.fit.whittle import fit as fit_noise
 from imugap.discovery.preparation.sequence import AxisSequence
-from imugap.discovery.search.pairs import Means, Pair
+from imugap.discovery.search.pairs import Pair, SmoothTerms
 from imugap.effects import CATALOGUE
 from imugap.effects.effect import Effect, Role, Start, StochasticEffect
 from imugap.stream import stream
@@ -43,7 +43,7 @@ CLOSE = 20.0
 PARAMETER = 2.5
 """Cost of a parameter in log-likelihood, where two effects are compared.
 
-A superfluous parameter gains as much by chance in 2.5 % of cases (Wilks 1938).
+A superfluous parameter gains as much in 2.5 % of cases (Wilks 1938).
 """
 HOPE, HOPES = -4.0, 2
 """Log-probability below which an uncertain effect is added on trial, and the number of such effects.
@@ -59,7 +59,7 @@ LITTLE = 0.03
 ALIKE = 0.6
 """Minimum expected gain of a pair, over that of the single effect, for the pair to be fitted."""
 COUPLES = 4
-"""Number of pairs that are fitted: of two smooth means, and of a mean and a step."""
+"""Number of pairs that are fitted: of two smooth terms, and of a term and a step."""
 CUTOFFS = (1.0, 0.3, 0.1, 0.03)
 """Cutoffs at which a filter is tried, over the proposed one."""
 RESHAPED = 30.0
@@ -101,8 +101,8 @@ class Trial:
 
     @property
     def log_p(self) -> float:
-        """Log-probability of such a gain by chance (likelihood ratio, Bonferroni over the trials)."""
-        return min(log_chance(self.gain, self.parameters) + float(np.log(self.trials)), 0.0)
+        """Log p-value of the gain (likelihood ratio, Bonferroni over the trials)."""
+        return min(log_p_of_gain(self.gain, self.parameters) + float(np.log(self.trials)), 0.0)
 
     @property
     def cost(self) -> float:
@@ -130,7 +130,7 @@ class Search:
     catalogue
         Kinds of effects that may be missing.
     log_alpha
-        Logarithm of the probability that a proposal is accepted by chance.
+        Logarithm of the false-alarm probability of one proposal.
     """
 
     start: Description
@@ -237,10 +237,10 @@ class Search:
             if trials and many and nameless(before) > LIMIT * most:
                 break
             if trials and trials[0].log_p < self.log_alpha:
-                couple = self.pair(before, trials[0])
-                first = not self.added(before) and couple is None
+                pair = self.pair(before, trials[0])
+                first = not self.added(before) and pair is None
                 before = self.refit_outliers_and_changes(
-                    trials[0].fit if first else self.refined((couple or trials[0]).fit)
+                    trials[0].fit if first else self.refined((pair or trials[0]).fit)
                 )
                 continue
             hopes = (self.refined(trial.fit, type(trial.effect)) for trial in trials[:HOPES])
@@ -296,20 +296,20 @@ class Search:
                         yield self.trial_of(start, before, given_up)
 
     def pair(self, before: AxisFit, single: Trial) -> Trial | None:
-        """Return two means that together are worth more than one slow effect, or None; one of them may be a step.
+        """Return two terms that together are worth more than one slow effect, or None; one of them may be a step.
 
-        Two means that nearly cancel gain little each, but much together, and a slow effect that stands for both hides
+        Two terms that nearly cancel gain little each, but much together, and a slow effect that stands for both hides
         them.
         """
         if not masking(single.effect):
             return None
-        means = Means.proposed(before, self.catalogue)
-        both = means.smooth(), means.stepped() if single.effect.slow else []
+        terms = SmoothTerms.proposed(before, self.catalogue)
+        both = terms.smooth(), terms.stepped() if single.effect.slow else []
         count = sum(map(len, both))
-        for couples in both:
-            likely = sorted(couples, key=lambda couple: -couple.gain)[:COUPLES]
-            chosen = [couple for couple in likely if couple.gain > ALIKE * single.gain]
-            fitted = (self._pair_trial(couple, before, count) for couple in chosen)
+        for pairs in both:
+            likely = sorted(pairs, key=lambda pair: -pair.gain)[:COUPLES]
+            chosen = [pair for pair in likely if pair.gain > ALIKE * single.gain]
+            fitted = (self._pair_trial(pair, before, count) for pair in chosen)
             best = max(fitted, key=lambda trial: trial.worth, default=None)
             if best is not None and best.worth > single.worth + MARGIN and self._needs_both(best.fit, before):
                 return best
@@ -320,9 +320,9 @@ class Search:
         indices = range(len(before.description.terms), len(after.description.terms))
         return all(Candidate(self, after, index).significant for index in indices)
 
-    def _pair_trial(self, couple: Pair, before: AxisFit, count: int) -> Trial:
+    def _pair_trial(self, pair: Pair, before: AxisFit, count: int) -> Trial:
         """Fit two proposals together, one pair among ``count``, and compare with the fit without them."""
-        one, other = couple.starts
+        one, other = pair.starts
         after = self.fitted(before.sequence, before.description.adding(entry_of(one), entry_of(other)))
         parameters, trials = len(one.free) + len(other.free), count * one.trials * other.trials
         return Trial(other.effect, after, after.log_likelihood - before.log_likelihood, parameters, trials)
@@ -348,7 +348,7 @@ class Search:
         if before.sequence.coarse and before.cells is None:
             return None
         found = before.tails
-        if log_chance(found.gain, 2) + np.log(TAILS) > self.log_alpha or not found.flagged.any():
+        if log_p_of_gain(found.gain, 2) + np.log(TAILS) > self.log_alpha or not found.flagged.any():
             return None
         kind = next(one for one in (*self.catalogue, *CATALOGUE.values()) if one.role is Role.OUTLIERS)
         outliers = kind(found.probability, found.excess * before.unit)
@@ -399,8 +399,8 @@ class Search:
         best = max(others, key=lambda trial: trial.worth, default=None)
         if best is not None and best.worth > own.worth + MARGIN:
             return best.fit
-        couple = self.pair(without, own)
-        return couple.fit if couple is not None else None
+        pair = self.pair(without, own)
+        return pair.fit if pair is not None else None
 
     def added(self, found: AxisFit, which: Callable[[Effect], bool] = lambda _: True) -> list["Candidate"]:
         """Return the added effects of a fit for which ``which`` holds."""
@@ -497,7 +497,7 @@ def coloured(effect: Effect) -> bool:
 
 
 def masking(effect: Effect) -> bool:
-    """Return whether an effect may stand for two smooth means: slow noise, and means that follow from no motion."""
+    """Return whether an effect may stand for two smooth terms: slow noise, and terms that follow from no motion."""
     return effect.slow or (effect.role is Role.MEAN and not effect.of_motion)
 
 
@@ -538,7 +538,7 @@ def noise_shows_filter(filtered: Trial, log_alpha: float) -> bool:
     fit, bins = filtered.fit, filtered.fit.sequence.bins
     unfiltered = fit_noise(replace(fit.noise.noise, output_filter=None), bins, fit.power)
     gain = fit.noise.log_likelihood - unfiltered.log_likelihood
-    return log_chance(gain, filtered.parameters) + np.log(filtered.trials) < log_alpha
+    return log_p_of_gain(gain, filtered.parameters) + np.log(filtered.trials) < log_alpha
 
 
 def _another(one: Effect, other: Effect) -> bool:
@@ -555,7 +555,7 @@ def _moves(effect: Effect, before: AxisFit) -> bool:
 
 def may_reach(start: Start, bar: float) -> bool:
     """Return whether the log-probability of a proposal may come below ``bar``."""
-    return log_chance(SLACK * start.gain + SLACK, len(start.free)) + np.log(start.trials) < bar
+    return log_p_of_gain(SLACK * start.gain + SLACK, len(start.free)) + np.log(start.trials) < bar
 
 
 def expected(*kinds: type[Effect]) -> float:
@@ -563,10 +563,10 @@ def expected(*kinds: type[Effect]) -> float:
     return EXPECTED if any(kind.slow for kind in kinds) else 0.0
 
 
-def log_chance(gain: float, more: int) -> float:
-    """Return the log-probability of a gain of log-likelihood by ``more`` parameters by chance (Wilks 1938)."""
+def log_p_of_gain(gain: float, parameters: int) -> float:
+    """Return the log p-value of a gain of log-likelihood by further ``parameters`` (likelihood ratio, Wilks 1938)."""
     if not 0 < gain < np.inf:
         return 0.0 if gain <= 0 else -np.inf
     if gain < FAR:
-        return float(chi2.logsf(2 * gain, more))
-    return float(-gain + (more / 2 - 1) * np.log(gain) - gammaln(more / 2))
+        return float(chi2.logsf(2 * gain, parameters))
+    return float(-gain + (parameters / 2 - 1) * np.log(gain) - gammaln(parameters / 2))

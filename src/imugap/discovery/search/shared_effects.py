@@ -17,12 +17,12 @@ from scipy.stats import chi2
 
 from imugap.discovery.fit.axis_fit import AxisFit, fit
 from imugap.discovery.fit.description import Entry
-from imugap.discovery.search.search import Search, entry_of, log_chance
+from imugap.discovery.search.search import Search, entry_of, log_p_of_gain
 from imugap.effects.effect import Effect, SystematicEffect
 from imugap.log import ACCEL, GYRO
 
 LEVEL = 0.001
-"""Probability below which axes disagree: at 0.01 one device in sixteen would lose one of its six axes by chance."""
+"""Probability below which axes disagree: at 0.01 one device in sixteen would lose one of its six axes."""
 
 
 Label = tuple[type[Effect], str]
@@ -115,9 +115,9 @@ class Joint:
     pool: Pool
 
     def certain(self, axes: Collection[str], log_alpha: float) -> bool:
-        """Return whether chance does not explain it on some of the axes alone."""
+        """Return whether the effect is significant on some of the axes alone."""
         shares = [one for one in self.shares if one.axis in axes]
-        return bool(shares) and log_chance(pooled(shares).gain, len(self.free)) < log_alpha
+        return bool(shares) and log_p_of_gain(pooled(shares).gain, len(self.free)) < log_alpha
 
 
 @dataclass(frozen=True, eq=False)
@@ -197,7 +197,7 @@ def _marginal(information: np.ndarray, mine: Sequence[bool]) -> np.ndarray:
 def _joints(kinds: tuple[type[Effect], ...], device: Device, level: float) -> tuple[Joint, ...]:
     """Return the effects of some kinds that axes of the device have together, if two of them or more do.
 
-    All are estimated together, as each may stand for the others. One that chance explains beside them is none.
+    All are estimated together, as each may stand for the others. One that is not significant beside them is left out.
     """
     if not kinds:
         return ()
@@ -208,9 +208,9 @@ def _joints(kinds: tuple[type[Effect], ...], device: Device, level: float) -> tu
         return _joints(several, device, level)
     shares = [one.about([kind for kind in kinds if one.axis in members[kind]]) for one in estimates]
     pool = pooled([one for one in shares if one.terms])
-    chances = {kind: log_chance(pool.about(kind).gain, len(pool.about(kind).value)) for kind in kinds}
-    weakest = max(kinds, key=lambda kind: chances[kind])
-    if chances[weakest] > next(iter(device.searches.values())).log_alpha:
+    log_ps = {kind: log_p_of_gain(pool.about(kind).gain, len(pool.about(kind).value)) for kind in kinds}
+    weakest = max(kinds, key=lambda kind: log_ps[kind])
+    if log_ps[weakest] > next(iter(device.searches.values())).log_alpha:
         return _joints(tuple(kind for kind in kinds if kind is not weakest), device, level)
     return tuple(_joint(kind, members[kind], estimates, pool.about(kind)) for kind in kinds)
 
@@ -237,12 +237,12 @@ def _members(kind: type[Effect], estimates: Sequence[Estimate], device: Device, 
 
 
 def _together(kind: type[Effect], estimates: Sequence[Estimate], device: Device, level: float) -> bool:
-    """Return whether axes none of which shows an effect agree on one that chance does not explain."""
+    """Return whether axes agree on a significant effect that none of them shows alone."""
     silent = _about(kind, estimates)
     if len(silent) < 2:
         return False
     pool, log_alpha = pooled(silent), device.searches[silent[0].axis].log_alpha
-    return pool.agreement >= level and log_chance(pool.gain, len(pool.value)) < log_alpha
+    return pool.agreement >= level and log_p_of_gain(pool.gain, len(pool.value)) < log_alpha
 
 
 def _about(kind: type[Effect], estimates: Sequence[Estimate]) -> list[Estimate]:

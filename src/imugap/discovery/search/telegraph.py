@@ -6,7 +6,7 @@ import numpy as np
 
 from imugap.discovery.fit.axis_fit import AxisFit, fit
 from imugap.discovery.fit.telegraph_likelihood import Blocks, compare, likeliest
-from imugap.discovery.search.search import Search, changing, coloured, little, log_chance, stepping, without
+from imugap.discovery.search.search import Search, changing, coloured, little, log_p_of_gain, stepping, without
 from imugap.discovery.search.telegraph_in_noise import Switching, switching
 from imugap.effects import RandomTelegraph
 from imugap.effects.effect import Effect, StochasticEffect
@@ -23,14 +23,14 @@ def told_apart(search: Search, found: AxisFit) -> AxisFit:
     slow = _slow_part(search, found)
     if not slow or found.has(RandomTelegraph):
         return found
-    verdict = compare(found, slow)
-    if verdict.gain < -search.log_alpha / 2:
+    comparison = compare(found, slow)
+    if comparison.gain < -search.log_alpha / 2:
         return found
     kept = found.description.keeping(lambda entry: entry.known or entry.effect not in slow)
     for index, entry in enumerate(kept.entries):
         if entry.effect in slow:
             kept = kept.with_effect(index, little(entry.effect))
-    exchanged = _without_switches(search, fit(found.sequence, kept.adding(verdict.effect)))
+    exchanged = _without_switches(search, fit(found.sequence, kept.adding(comparison.effect)))
     beside = _stepless(search).explore(exchanged)
     return _one_telegraph(search, beside) if beside.has(RandomTelegraph) else exchanged
 
@@ -45,7 +45,7 @@ def steady(search: Search, found: AxisFit) -> AxisFit:
     for change in changes:
         others = found.description.without([change.index]).changes
         gain = likelihood - likeliest(blocks.changed(found.sequence, others)).log_likelihood
-        if log_chance(gain, 1) > search.log_alpha:
+        if log_p_of_gain(gain, 1) > search.log_alpha:
             return steady(search, without(found, [change]))
     return found
 

@@ -15,7 +15,7 @@ from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.discovery.fit.telegraph_likelihood import FEW, Blocks, compare, errors, filtered, uneven
 from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.search.intervals import NORMAL
-from imugap.discovery.search.search import log_chance
+from imugap.discovery.search.search import log_p_of_gain
 from imugap.effects import RandomTelegraph
 from imugap.effects.effect import StochasticEffect
 from imugap.numerics.bhhh import maximise
@@ -50,8 +50,8 @@ class Switching:
 
     @property
     def log_p(self) -> float:
-        """Return the log-probability that a continuum looks as much like two values by chance."""
-        return log_chance(self.gain, len(self.intervals))
+        """Return the log p-value of the gain over a continuum."""
+        return log_p_of_gain(self.gain, len(self.intervals))
 
     def without(self, sequence: AxisSequence) -> AxisSequence:
         """Return the sequence without it."""
@@ -64,18 +64,21 @@ def switching(found: AxisFit, slow: tuple[StochasticEffect, ...], log_alpha: flo
     Or if a change of the variance is, which a search by spectra takes for one of the switches too. None where the
     samples do not show two values, or are at one of them more often than at the other.
     """
-    verdict = compare(found, slow)
-    blocks = verdict.blocks
-    if log_chance(verdict.gain, 2) > log_alpha:
+    comparison = compare(found, slow)
+    blocks = comparison.blocks
+    if log_p_of_gain(comparison.gain, 2) > log_alpha:
         return None
-    first = np.log([verdict.effect.step, verdict.effect.rate, blocks.white, 0.5 * blocks.std])
+    first = np.log([comparison.effect.step, comparison.effect.rate, blocks.white, 0.5 * blocks.std])
     starts = [np.r_[first, np.log(blocks.time * factor), 0.0] for factor in TIMES]
     best = maximise(lambda theta: _densities(blocks, _even(theta)), starts)
-    if log_chance(best.log_likelihood - verdict.two.log_likelihood, 2) > log_alpha and not found.description.changes:
+    if (
+        log_p_of_gain(best.log_likelihood - comparison.two.log_likelihood, 2) > log_alpha
+        and not found.description.changes
+    ):
         return None
-    if log_chance(uneven(lambda theta: _densities(blocks, theta), best), 1) < log_alpha:
+    if log_p_of_gain(uneven(lambda theta: _densities(blocks, theta), best), 1) < log_alpha:
         return None
-    return _told(found, Blocks.of(found, slow, np.inf), best.theta, blocks.width, verdict.gain)
+    return _told(found, Blocks.of(found, slow, np.inf), best.theta, blocks.width, comparison.gain)
 
 
 def _told(found: AxisFit, blocks: Blocks, near: np.ndarray, width: int, gain: float) -> Switching:
@@ -155,8 +158,8 @@ def drawn_values(known, correlation, decay, std, uniform, normal):
             if k < count - 1:
                 total = decay**2 * known[k, one, 2] + driven
                 stays = (one < few // 2) == up[k + 1]
-                chance = np.log((1 + correlation) / 2 if stays else (1 - correlation) / 2)
-                weights[one] += chance - 0.5 * (np.log(total) + (level - decay * known[k, one, 1]) ** 2 / total)
+                log_p = np.log((1 + correlation) / 2 if stays else (1 - correlation) / 2)
+                weights[one] += log_p - 0.5 * (np.log(total) + (level - decay * known[k, one, 1]) ** 2 / total)
         shares = np.cumsum(np.exp(weights - weights.max()))
         one = np.searchsorted(shares, uniform[k] * shares[-1])
         up[k] = one < few // 2

@@ -6,7 +6,7 @@ from imugap.numerics.stack_slide import highest_track
 
 
 def find_chirps(found: AxisFit, log_alpha: float) -> tuple[Band, ...]:
-    """Return the band [Hz] of the chirp of highest power in the whitened residual of a fit, or none by chance."""
+    """Return the band [Hz] of the strongest chirp in the whitened residual of a fit, none if not significant."""
     track = highest_track(found.whitened)
     if track is None or track.log_p > log_alpha:
         return ()

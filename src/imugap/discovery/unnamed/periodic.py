@@ -8,7 +8,7 @@ import numpy as np
 from scipy.fft import next_fast_len, rfft
 
 from imugap.discovery.fit.axis_fit import AxisFit
-from imugap.discovery.fit.matched_filters import means
+from imugap.discovery.fit.matched_filters import block_means
 
 MIN_PERIODS, MAX_PERIODS = 3, 100
 """Minimum and maximum number of periods in a log; of more, the search finds each harmonic as a line."""
@@ -26,7 +26,7 @@ TRIALS = HARMONICS * (MAX_PERIODS - MIN_PERIODS)
 def gain(fit: AxisFit) -> float:
     """Return the log-likelihood gain of the best periodic term."""
     width = max(len(fit.whitened) // (MEANS_PER_PERIOD * HARMONICS * MAX_PERIODS), 1)
-    coarse = means(fit.whitened, width)
+    coarse = block_means(fit.whitened, width)
     length = next_fast_len(OVERSAMPLING * len(coarse), real=True)
     power = np.abs(rfft(coarse, length)) ** 2
     bins = np.arange(MIN_PERIODS * OVERSAMPLING, MAX_PERIODS * OVERSAMPLING)

@@ -27,7 +27,7 @@ MAX_STEADY_POWER = 1.8
 LEVELS = np.log([1e-2, 1e-3, 1e-4])
 """Levels of log-probability below which cells are counted."""
 LEVEL = -30.0
-"""Maximum log-probability of chance for a detection; well-described steps reach -15."""
+"""Maximum log p-value for a detection; well-described steps reach -15."""
 ISOLATION_MARGIN = 3.0
 """Margin in log-probability below one expected cell for the cells of the band."""
 
@@ -87,7 +87,7 @@ def _ratio_log_p(power: np.ndarray) -> np.ndarray:
 
 
 def loudest_band(log_p: np.ndarray, duration: float) -> Band:
-    """Return the band [Hz] of the strongest cells of segments of a duration [s], and its log-probability of chance."""
+    """Return the band [Hz] of the strongest cells of segments of a duration [s], and its log p-value."""
     count = log_p.size
     many = [binom.logsf(np.count_nonzero(log_p < level) - 1, count, np.exp(level)) for level in LEVELS]
     least = min(float(log_p.min() + np.log(count)), *map(float, many))

@@ -33,7 +33,7 @@ CHI2_MEDIAN = 0.4549
 
 @dataclass(frozen=True)
 class Band:
-    """Band of frequencies [Hz] of an unnamed line, and the log-probability of chance of its power."""
+    """Band of frequencies [Hz] of an unnamed line, and the log p-value of its power."""
 
     name: ClassVar[str] = "sinusoid"
     """Nearest name of the catalogue."""

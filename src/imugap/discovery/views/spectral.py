@@ -83,11 +83,18 @@ def of_line(fit: AxisFit) -> Curve:
     frequency, gains, _ = fit.lines
     first = block_starts(len(gains), CELLS, 16)
     peaks, at = block_maxima(gains, first)
-    chance = np.log(np.diff(np.r_[first, len(gains)]))
+    log_number = np.log(np.diff(np.r_[first, len(gains)]))
     half = 0.5 / (len(fit.sequence.values) * fit.sequence.conditions.interval)
     where = frequency[at]
     return Curve(
-        "line", fit.sequence.conditions.axis, where - half, where + half, "Hz", peaks - chance, signed=False, point=True
+        "line",
+        fit.sequence.conditions.axis,
+        where - half,
+        where + half,
+        "Hz",
+        peaks - log_number,
+        signed=False,
+        point=True,
     )
 
 
