@@ -56,9 +56,9 @@ def numbers(clocks, spread):
         "evidence": bool((clocks["verdict"] != "no evidence").any()),
         "different": [int(run) for run in clocks.loc[clocks["verdict"] == "different clock", "run"]],
         "extreme_ratio": tables.number(extreme),
-        "density_percent": tables.number(abs(np.sqrt(extreme) - 1) * 100, 2),
-        "walk_percent": tables.number(abs(1 / np.sqrt(extreme) - 1) * 100, 2),
-        "position_percent": tables.number(abs(extreme**2 - 1) * 100, 2),
+        "density_percent": tables.number((np.sqrt(extreme) - 1) * 100, 2),
+        "walk_percent": tables.number((1 / np.sqrt(extreme) - 1) * 100, 2),
+        "position_percent": tables.number((extreme**2 - 1) * 100, 2),
         "scatter_nominal_percent": [tables.number(100 * value, 2) for value in spread["nominal"]],
         "scatter_corrected_percent": [tables.number(100 * value, 2) for value in spread["corrected"]],
     }

@@ -14,6 +14,7 @@ from imugap.workflow.job_log import job
 from imugap.workflow.products import save
 
 SPREADLESS = ("bias_only", "white")
+"""Models that do not vary from run to run."""
 DRAWS = 2000
 UNITS = {"east": ("m", 1.0), "north": ("m", 1.0), "heading": ("°", 180 / np.pi)}
 
@@ -104,7 +105,7 @@ def listed(firsts, score, titles):
 
 
 def spreadless(firsts):
-    """Return for each score how often a model without any slow process is first, with the interval over the runs."""
+    """Return for each score how often a model that never varies from run to run is first, with its interval."""
     some = firsts[firsts["contender"].isin(SPREADLESS)]
     return {score: "{} [{}, {}]".format(*interval(of)) for score, of in some.groupby("score", sort=False)}
 
@@ -120,12 +121,14 @@ def numbers(scores, at_table, probabilities, firsts, titles, params):
     """Collect what the text of the paper quotes."""
     inside = at_table.groupby(["start", "contender"], sort=False)["inside_90"].mean()
     at = probabilities[(probabilities["start"] == "raw") & (probabilities["horizon"] == params.table_horizon_s)]
-    over = probabilities[probabilities["start"] == "raw"]
     return {
         "table_horizon_s": params.table_horizon_s,
         "trials": params.published_trials,
         "restoration_first_percent": {row.quantity: f"{100 * row.restoration:.0f}" for row in at.itertuples()},
-        "restoration_first_range_percent": [f"{100 * f(over['restoration']):.0f}" for f in (min, max)],
+        "restoration_first_range_percent": {
+            start: [f"{100 * end:.0f}" for end in (share.min(), share.max())]
+            for start, share in probabilities.groupby("start", sort=False)["restoration"]
+        },
         "cases": scores["horizon"].nunique() * scores["quantity"].nunique(),
         "spreadless": spreadless(firsts),
         "restoration_over_turn_on": crps_ratio(scores, "restoration", "white_turn_on"),

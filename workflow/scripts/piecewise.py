@@ -68,4 +68,6 @@ with job(snakemake) as (_, params, output):
     for name in ("rmse", "plain_rmse"):
         loss = times[name] / times["bound"]
         quoted[name] = [f"{loss.min():.1f}", f"{loss.max():.1f}"]
+    coverage = 100 * data.loc[data["parameter"] == "std", "coverage"]
+    quoted["std_coverage_percent"] = [f"{share:.0f}" for share in coverage]
     save(output, table=(data, page(data)), numbers=quoted)

@@ -105,6 +105,7 @@ def numbers(alignment, scores, differences, estimates):
     tilt = np.sqrt(tilt.groupby(["model", "scheme", "trial"])["square"].sum())
     nees = scores.groupby(["model", "scheme", "trial"])["nees"].first()
     heading = scores[scores["angle"] == "down"].groupby("model")["rms"]
+    rest, margin = (tilt[model] for model in MODELS)
     for model in MODELS:
         alone = differences[differences["model"] == model]
         said["models"][model] = {
@@ -113,6 +114,7 @@ def numbers(alignment, scores, differences, estimates):
             "nees": [tables.number(end(nees[model]), 2) for end in (min, max)],
             "cases": len(alone), "better": int((alone["high"] < 0).sum()), "worse": int((alone["low"] > 0).sum()),
             "mute": int(np.isinf(alone["high"]).sum()),
+            "tilt_smaller": int((margin < rest).sum()), "tilt_cases": len(rest),
         }  # fmt: skip
     times = estimates[(estimates["parameter"] == "correlation_time")]
     said["identified_times"] = f"{times['identified'].sum()} of {times['fits'].sum()}"

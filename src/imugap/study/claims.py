@@ -1,5 +1,7 @@
 """Published claims of He et al. (2023) against the results of the study, each with the rule of its verdict."""
 
+from collections.abc import Mapping
+
 import pandas as pd
 
 from imugap.interchange.from_indices import SOURCE
@@ -54,9 +56,18 @@ def printed_gain(static: pd.DataFrame) -> pd.Series:
 
 
 def of_device(
-    device: str, five: pd.DataFrame, ranking: pd.DataFrame, scores: pd.DataFrame, static: pd.DataFrame, horizon: float
+    device: str,
+    five: pd.DataFrame,
+    ranking: pd.DataFrame,
+    scores: pd.DataFrame,
+    static: pd.DataFrame,
+    horizon: float,
+    titles: Mapping[str, str],
 ) -> list[dict[str, str]]:
-    """Judge the claims that the static comparison of one device can judge, at one navigation length, raw start."""
+    """Judge the claims that the static comparison of one device can judge, at one navigation length, raw start.
+
+    ``titles`` names the models for the reader.
+    """
     at = ranking[(ranking["start"] == "raw") & (ranking["horizon"] == horizon)].set_index("quantity")["restoration"]
     raw = scores[(scores["start"] == "raw") & (scores["horizon"] == horizon)]
     gains, wins = gain(five), smallest(five)
@@ -101,7 +112,7 @@ def of_device(
             "published": "—",
             "device": device,
             "here": "; ".join(
-                ", ".join(dict.fromkeys(found[list(QUANTITIES)])).replace("_", " ") for found in (leaders, proper)
+                " / ".join(titles[name] for name in found[list(QUANTITIES)]) for found in (leaders, proper)
             ),
             "rule": "holds: both scores have the same best model in all three",
             "verdict": "holds" if (leaders == proper).all() else "does not hold",

@@ -69,10 +69,15 @@ def fixed(value: float, decimals: int) -> str:
 
 
 def interval(value: float, low: float, high: float) -> str:
-    """Return ``value [low, high]``, all to two significant digits of the interval's half width."""
+    """Return ``value [low, high]``, all to two significant digits of the interval's half width.
+
+    A positive lower end has one significant digit at least, where up to two digits more are enough for it.
+    """
     if not (isfinite(low) and isfinite(high)) or high <= low:
         return number(value)
     decimals = 1 - floor(log10((high - low) / 2))
+    if low > 0 and -floor(log10(low)) <= min(decimals + 2, 8):
+        decimals = max(decimals, -floor(log10(low)))
     if decimals > 8:
         return f"{value:.2e} [{low:.2e}, {high:.2e}]"
     return f"{fixed(value, decimals)} [{fixed(low, decimals)}, {fixed(high, decimals)}]"
