@@ -8,7 +8,7 @@ import pandas as pd
 from tqdm import tqdm
 
 from imugap.atomic import write_together
-from imugap.commands.arguments import add_effects, count, probability
+from imugap.commands.arguments import add_effects, add_gravity, count, probability
 from imugap.discovery.device import Settings
 from imugap.discovery.inputs import FileDiscovery, Files, discover_files
 from imugap.discovery.report import candidate_table, describe_range, discrepancy_table, verdict
@@ -41,6 +41,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--alpha", type=probability, default=0.01,
         help="probability of any name where nothing is missing (default 0.01)",
     )  # fmt: skip
+    add_gravity(parser)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--workers", type=count, default=2, help="processes (default %(default)s)")
     parser.add_argument("--out", required=True, help="folder for report, model, tables and figures")
@@ -50,7 +51,7 @@ def run(options: argparse.Namespace) -> None:
     """Discover on the logs, write the folder ``--out``, and print the verdict."""
     reference, model = (None if path is None else Path(path) for path in (options.reference, options.model))
     files = Files(tuple(map(Path, options.log)), tuple(map(Path, options.test)), reference, model, options.effects)
-    settings = Settings(alpha=options.alpha, seed=options.seed, workers=options.workers)
+    settings = Settings(alpha=options.alpha, seed=options.seed, workers=options.workers, gravity=options.gravity)
     with tqdm(bar_format="{l_bar}{bar}| {n_fmt}/{total_fmt} [{elapsed}]", leave=False) as bar:
 
         def progress(step: str, done: int, steps: int) -> None:

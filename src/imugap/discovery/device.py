@@ -21,6 +21,7 @@ from imugap.discovery.evaluation.held_out import HELD_IN, compare_held_out, comp
 from imugap.discovery.finding import MIN_LOG_P, Discrepancy, Finding
 from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.discovery.fit.start_model import described, noisy
+from imugap.discovery.gravity import Gravity
 from imugap.discovery.pooling import agree_on_noise, name_pooled, pooled_finding, search_each
 from imugap.discovery.preparation.prepare import PreparedLog, prepare
 from imugap.discovery.preparation.sequence import AxisSequence
@@ -33,6 +34,7 @@ from imugap.effects import CATALOGUE
 from imugap.effects.effect import Effect, Stage
 from imugap.log import axes
 from imugap.model import ErrorModel
+from imugap.units import STANDARD_GRAVITY
 
 OTHER_STEPS = 4
 """StepCounter besides the two of each axis."""
@@ -67,6 +69,8 @@ class Discovery:
         Every view of the log against replicates of the start model (held-in part) and of the final one (whole log).
     record, results
         The first log, prepared, and the result of each axis of it.
+    gravity
+        Gravity in the level of the first log; None for a device in motion, or without accelerometers that sense it.
     """
 
     start: ErrorModel
@@ -83,6 +87,7 @@ class Discovery:
     after: tuple[ViewTest, ...]
     record: PreparedLog
     results: Mapping[str, AxisResult]
+    gravity: Gravity | None
 
 
 @dataclass(frozen=True)
@@ -103,6 +108,8 @@ class Settings:
         Of the bootstrap of the views, and of the distances.
     workers
         Processes that work at a time.
+    gravity
+        Gravity of the site of a device at rest [m/s^2].
     """
 
     start: ErrorModel | None = None
@@ -112,6 +119,7 @@ class Settings:
     replicates: int = REPLICATES
     simulations: int = 60
     workers: int = 1
+    gravity: float = STANDARD_GRAVITY
 
     def log_alpha(self, axes: int) -> float:
         """Return the logarithm of the false-alarm probability of one proposal on one axis."""
@@ -349,9 +357,12 @@ def _conclude(stage: _Measured) -> Discovery:
     stage.steps.begin("done")
     results, alpha = stage.results, stage.settings.alpha
     kept = keep_undetermined(stage.known, stage.record, stage.whole)
+    start, final = (with_effects(model, kept) for model in (stage.start, stage.model(stage.whole)))
+    at_rest = all(fit.sequence.conditions.ideal is None for fit in stage.whole.values())
+    gravity = Gravity.of(final, stage.known, stage.settings.gravity) if at_rest else None
     return Discovery(
-        start=with_effects(stage.start, kept),
-        final=with_effects(stage.model(stage.whole), kept),
+        start=start if gravity is None else gravity.taken_from(start),
+        final=final if gravity is None else gravity.taken_from(final),
         discrepancies=(
             *stage.record.discrepancies,
             *stage.discrepancies,
@@ -372,6 +383,7 @@ def _conclude(stage: _Measured) -> Discovery:
         after=stage.views_after,
         record=stage.record,
         results=results,
+        gravity=gravity,
     )
 
 

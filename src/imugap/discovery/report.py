@@ -106,6 +106,8 @@ def verdict(found: Discovery) -> str:
     if found.undetermined:
         kept = ", ".join(f"{name} of {axis}" for axis, name in found.undetermined)
         lines.append(f"The log cannot tell {kept}; kept as the start model has it.")
+    if found.gravity is not None:
+        lines.append(found.gravity.sentence())
     if found.unexplained:
         places = "; ".join(dict.fromkeys(describe_location(place) for place in found.unexplained))
         lines.append(f"Still unexplained: {places}.")
