@@ -91,6 +91,8 @@ def files(tmp_path_factory):
     folder = tmp_path_factory.mktemp("discover")
     for seed, name in ((1, "run1.csv"), (2, "run2.parquet")):
         log.write(measured(LINE, seed=seed), folder / name)
+    run = measured(LINE, seed=3)
+    log.write(run.set_axis(1.044 * run.index), folder / "clock.csv")
     for name, table in faulty().items():
         table.to_csv(folder / f"{name}.csv")
     for name, text in TEXTS.items():
@@ -109,6 +111,14 @@ def read_report(folder):
 
 
 @pytest.mark.slow
+def test_a_run_of_another_clock_is_compared_at_its_own_rate(here):
+    found = compose(Files((Path("run1.csv"),), (Path("clock.csv"),)), Settings(**QUICK), "found")
+    (test,) = found.report()["test"]
+    assert test["rate_hz"] == pytest.approx(1 / (1.044 * INTERVAL), rel=1e-6)
+    distance = found.found.distances["distribution"]
+    assert distance.after.value < distance.before.value
+
+
 def test_the_folder_is_whole_and_tells_the_line(here, capsys):
     assert discovered("run1.csv") == 0
     out, _ = capsys.readouterr()

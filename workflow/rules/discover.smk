@@ -40,13 +40,15 @@ rule story_heater:
 rule story_real:
     """Cut the gyroscopes of two real runs short, as means at a lower rate."""
     input:
-        expand("results/adis16405/{run}/log.parquet", run=RUNS["adis16405"][:2]),
+        logs=expand("results/adis16405/{run}/log.parquet", run=RUNS["adis16405"][:2]),
+        clock="paper/tables/clock_adis16405.csv",
     output:
         "results/story/real_log.parquet",
         "results/story/real_test.parquet",
     log:
         "logs/story_real.log",
     params:
+        runs=RUNS["adis16405"][:2],
         duration_s=1800,
         rate_hz=config["estimation"]["rate_hz"],
         columns=["gyro_x", "gyro_y", "gyro_z"],
@@ -62,13 +64,15 @@ for device in MISSING_OF:
         name:
             f"means_{device}"
         input:
-            per_run(device, "log.parquet"),
+            logs=per_run(device, "log.parquet"),
+            clock=f"paper/tables/clock_{device}.csv",
         output:
             per_run(device, "means.parquet"),
         log:
             f"logs/means/{device}.log",
         priority: 1
         params:
+            runs=RUNS[device],
             duration_s=config["discovery"]["duration_s"],
             rate_hz=config["estimation"]["rate_hz"],
             columns=None,

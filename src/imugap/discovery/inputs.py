@@ -22,8 +22,8 @@ from imugap.model import ErrorModel
 
 MIN_SAMPLES = 320
 """Minimum number of samples of an axis, for the views of the held-in and the held-out part."""
-MAX_TEST_RATE_DIFFERENCE, MAX_RUN_RATE_DIFFERENCE = 0.02, 0.2
-"""Maximum relative difference of the rates of a test and the log, and of the runs whose clocks are compared."""
+MAX_RATE_DIFFERENCE = 0.2
+"""Maximum relative difference of the rates of a further run and the first: no clock of a device is farther off."""
 MIN_REGULAR_SHARE, MIN_REGULAR_COUNT = 0.9, 40
 """Minimum share and number of values at one spacing in rows for this spacing to be the rate of the axis."""
 MIN_COVERAGE = 0.9
@@ -94,9 +94,7 @@ def discover_files(
     for path, table in zip((*files.logs[1:], *files.tests), (*logs[1:], *tests), strict=True):
         _require_columns(table, path, list(logs[0].columns))
         _require_values(table, path, logs[0])
-        _require_rate(
-            table, path, logs[0], MAX_TEST_RATE_DIFFERENCE if path in files.tests else MAX_RUN_RATE_DIFFERENCE
-        )
+        _require_rate(table, path, logs[0])
     if start is not None:
         _require_describable(start, files.model, logs[0])
     reference = None if files.reference is None else _reference(files.reference, logs[0])
@@ -184,10 +182,10 @@ def _require_describable(model: ErrorModel, path: Path, measured: pd.DataFrame) 
                 raise ValueError(f"{path}: {axis}: resolution: expected {expected}; found {step:.4g}")
 
 
-def _require_rate(table: pd.DataFrame, path: Path, first: pd.DataFrame, most: float) -> None:
-    """Raise a LogError unless a further log has the rate of the first, on which spectra and filters depend."""
+def _require_rate(table: pd.DataFrame, path: Path, first: pd.DataFrame) -> None:
+    """Raise a LogError unless a further log has nearly the rate of the first, on which its views depend."""
     found, expected = (1 / _clock(path, one).interval for one in (table, first))
-    if abs(found / expected - 1) > most:
+    if abs(found / expected - 1) > MAX_RATE_DIFFERENCE:
         raise LogError(path, "time", f"the rate of the first log, {expected:.4g} Hz", f"{found:.4g} Hz")
 
 
