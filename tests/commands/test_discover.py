@@ -119,6 +119,7 @@ def test_a_run_of_another_clock_is_compared_at_its_own_rate(here):
     assert distance.after.value < distance.before.value
 
 
+@pytest.mark.slow
 def test_the_folder_is_whole_and_tells_the_line(here, capsys):
     assert discovered("run1.csv") == 0
     out, _ = capsys.readouterr()
