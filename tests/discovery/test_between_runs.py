@@ -132,10 +132,10 @@ def test_the_level_error_is_infinite_with_noise_of_free_slope():
 
 def test_turn_on_bias_of_several_runs():
     fits = [
-        {"gyro_x": simulated.plain(simulated.sequence(TurnOnBias(1e-3), count=4000, label=f"run{run}"))}
+        {"gyro_x": simulated.fitted(simulated.sequence(TurnOnBias(1e-3), count=4000, label=f"run{run}"))}
         for run in range(8)
     ]
     (finding,) = turn_on_findings(fits, simulated.LOG_ALPHA)
     assert finding.parameters["std"].low < 1e-3 < finding.parameters["std"].high
-    same = [{"gyro_x": simulated.plain(simulated.sequence(count=4000, label=f"run{run}"))} for run in range(8)]
+    same = [{"gyro_x": simulated.fitted(simulated.sequence(count=4000, label=f"run{run}"))} for run in range(8)]
     assert turn_on_findings(same, simulated.LOG_ALPHA) == ()

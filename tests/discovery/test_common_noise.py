@@ -3,11 +3,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.signal import lfilter
-from tests.discovery.simulated import COUNT, INTERVAL, LOG_ALPHA, WHITE, plain, sequence
+from tests.discovery.simulated import COUNT, INTERVAL, LOG_ALPHA, WHITE, fitted, moved, sequence
 
 from imugap.discovery.common_noise import find_common_noise, loading_errors
-from imugap.discovery.fit.axis_fit import fit
-from imugap.discovery.fit.description import Description
 from imugap.effects import CommonMode, GaussMarkov, OutputFilter
 from imugap.stream import stream
 
@@ -18,7 +16,7 @@ def correlated(run, colour, size, own=()):
     for axis in ("gyro_x", "gyro_y"):
         data = sequence(*own, axis=axis, label=f"own {run}")
         values = data.values + size * WHITE.density / np.sqrt(INTERVAL) * common / common.std()
-        fits[axis] = fit(replace(data, values=values), Description.known(WHITE).adding(*own))
+        fits[axis] = fitted(replace(data, values=values), *own)
     return fits
 
 
@@ -40,7 +38,7 @@ def test_a_short_common_event_is_not_named():
     shock = 3 * WHITE.density / np.sqrt(INTERVAL) * stream(1, "shock").standard_normal(COUNT)
     shock[np.abs(np.arange(COUNT) - 0.6 * COUNT) > COUNT / 200] = 0.0
     data = {axis: sequence(axis=axis) for axis in ("gyro_x", "gyro_y")}
-    shaken = {axis: plain(replace(one, values=one.values + shock)) for axis, one in data.items()}
+    shaken = {axis: fitted(moved(one, shock)) for axis, one in data.items()}
     assert find_common_noise(shaken, LOG_ALPHA) == ()
 
 
@@ -52,7 +50,7 @@ def test_loading_errors_match_the_scatter_over_many_logs(loading, count):
     for number in range(100):
         own = CommonMode(1e-3, loading)
         data = {axis: sequence(own, count=2000, axis=axis, label=f"shared {number}") for axis in axes}
-        (found,) = find_common_noise({axis: plain(one) for axis, one in data.items()}, LOG_ALPHA)
+        (found,) = find_common_noise({axis: fitted(one) for axis, one in data.items()}, LOG_ALPHA)
         whole.append(found.densities[0])
         errors.append(found.errors[0])
     assert np.mean(whole) == pytest.approx(1e-3 * loading, abs=4 * np.std(whole) / 10)
@@ -70,8 +68,8 @@ def test_common_noise_has_its_sign_and_density_where_one_axis_is_filtered():
     common, smooth = CommonMode(1e-3, 1.0), OutputFilter(3.0, 2)
     data = {axis: sequence(common, axis=axis) for axis in ("gyro_x", "gyro_y")}
     output = smooth.apply(data["gyro_x"].values, data["gyro_x"].conditions, stream(1))
-    filtered = fit(replace(data["gyro_x"], values=output), Description.known(WHITE).adding(smooth))
-    (found,) = find_common_noise({"gyro_x": filtered, "gyro_y": plain(data["gyro_y"])}, LOG_ALPHA)
+    filtered = fitted(replace(data["gyro_x"], values=output), smooth)
+    (found,) = find_common_noise({"gyro_x": filtered, "gyro_y": fitted(data["gyro_y"])}, LOG_ALPHA)
     np.testing.assert_array_less(np.abs(found.densities - 1e-3), 4 * found.errors)
 
 
@@ -79,9 +77,9 @@ def test_loadings_and_density_of_common_noise():
     sharing = ("gyro_x", "gyro_y", "accel_z")
     effects = {axis: [CommonMode(5e-4, loading)] for axis, loading in zip(sharing, (1.0, -0.8, 0.6), strict=True)}
     fits = {
-        axis: plain(sequence(*effects.get(axis, []), axis=axis)) for axis in ("gyro_x", "gyro_y", "gyro_z", "accel_z")
+        axis: fitted(sequence(*effects.get(axis, []), axis=axis)) for axis in ("gyro_x", "gyro_y", "gyro_z", "accel_z")
     }
     (found,) = find_common_noise(fits, LOG_ALPHA)
     assert found.axes == sharing
     np.testing.assert_array_less(np.abs(found.densities - [5e-4, -4e-4, 3e-4]), 4 * found.errors)
-    assert find_common_noise({axis: plain(sequence(axis=axis, label="alone")) for axis in sharing}, LOG_ALPHA) == ()
+    assert find_common_noise({axis: fitted(sequence(axis=axis, label="alone")) for axis in sharing}, LOG_ALPHA) == ()

@@ -1,14 +1,29 @@
 """Misfits of named effects, by goodness of fit and against unnamed alternatives."""
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
 from scipy.ndimage import uniform_filter1d
 from scipy.special import ndtr
 from scipy.stats import binom
+from tests.chance import as_often_as
+from tests.discovery import simulated
+from tests.discovery.simulated import (
+    COUNT,
+    INTERVAL,
+    KNOWN,
+    LOG_ALPHA,
+    added_to,
+    explored,
+    fitted,
+    names,
+    result_of,
+    searched,
+)
 
-from imugap.discovery.axis import conclude, power_law_finding, search_axis, without_unnamed
+from imugap.discovery.axis import conclude, power_law_finding, without_unnamed
 from imugap.discovery.checks import LEVEL, MIN_SHARE, misfits
 from imugap.discovery.checks import gaussianity as samples
 from imugap.discovery.checks.all_checks import ambiguous_variance, steps_as_jump_process, terms_as_power_law
@@ -20,14 +35,11 @@ from imugap.discovery.checks.outliers import outliers_misfit
 from imugap.discovery.checks.spectrum import POWER_LAW, band_log_p, power_share, substitution_log_p
 from imugap.discovery.checks.transient import DURATION, transient_misfits
 from imugap.discovery.checks.transition import transition_misfits
-from imugap.discovery.fit.axis_fit import fit
 from imugap.discovery.fit.contaminated_normal import tails
-from imugap.discovery.fit.description import Description, Entry
-from imugap.discovery.preparation.sequence import AxisSequence
+from imugap.discovery.fit.description import Entry
 from imugap.discovery.search.search import Search, without
 from imugap.discovery.unnamed.chirps import find_chirps
 from imugap.effects import (
-    CATALOGUE,
     BiasInstability,
     BiasStep,
     GaussMarkov,
@@ -40,38 +52,11 @@ from imugap.effects import (
     Sinusoid,
     VarianceChange,
     WarmUp,
-    WhiteNoise,
 )
-from imugap.effects.conditions import Conditions
-from imugap.effects.effect import AxisModel
 from imugap.effects.power_law import STEEPEST
 from imugap.stream import stream
 
-COUNT, INTERVAL = 24_000, 0.04
-WHITE = WhiteNoise(1e-3)
-LOG_ALPHA = np.log(0.01 / 6 / 28)
-
-
-def sequence(*effects, added=None, count=COUNT, label="doubts", temperature=None):
-    """Simulate white noise, effects, and ``added(time, rng)``."""
-    conditions = Conditions(INTERVAL * np.arange(count), INTERVAL, temperature, axis="gyro_x")
-    values = AxisModel((WHITE, *effects)).simulate(np.zeros(count), conditions, 1, label)
-    more = 0.0 if added is None else added(conditions.time, stream(1, label, "added"))
-    return AxisSequence(values + more, conditions)
-
-
-def result_of(data):
-    return conclude(search_axis(data, (), tuple(CATALOGUE.values()), LOG_ALPHA, int(0.8 * len(data.values))))
-
-
-def names(result):
-    return sorted(finding.name for finding in result.findings)
-
-
-def explored(data, *kinds):
-    """Return a search among some kinds, and the fit that it ends with."""
-    search = Search(Description.known(WHITE), kinds, LOG_ALPHA)
-    return search, search.explore(fit(data, search.start))
+sequence = partial(simulated.sequence, label="doubts")
 
 
 def reasons(data, *kinds):
@@ -85,12 +70,11 @@ def test_the_stationarity_p_value_of_stationary_noise_is_uniform(effect, monkeyp
     monkeypatch.setattr(samples, "TOLERATED_DIVERGENCE", 0.0)
     log_ps = []
     for label in range(60):
-        found = fit(sequence(effect, count=8000, label=label), Description.known(WHITE).adding(effect))
+        found = fitted(sequence(effect, count=8000, label=label), effect)
         _, fading = sample_misfits(found, power_share(found, found.description.noise.effects[1]))
         log_ps.append(np.exp(fading.log_p))
     for level in (0.05, 0.2):
-        low, high = binom.ppf([1e-3, 1 - 1e-3], len(log_ps), level)
-        assert low <= np.sum(np.array(log_ps) < level) <= high
+        assert as_often_as(np.array(log_ps) < level, level, 2e-3)
 
 
 def test_the_band_p_value_of_few_coefficients_is_uniform():
@@ -98,13 +82,12 @@ def test_the_band_p_value_of_few_coefficients_is_uniform():
     log_ps = []
     for label in range(200):
         effect = RandomWalk(2e-4)
-        found = fit(sequence(effect, label=label), Description.known(WHITE).adding(effect))
+        found = fitted(sequence(effect, label=label), effect)
         mine = np.flatnonzero(power_share(found, found.description.noise.effects[1]) > MIN_SHARE)
         assert 60 < len(mine) < 130
         log_ps.append(band_log_p(found, mine))
     for level in (0.01, 0.05, 0.2):
-        low, high = binom.ppf([1e-3, 1 - 1e-3], len(log_ps), level)
-        assert low <= np.sum(np.exp(log_ps) < level) <= high
+        assert as_often_as(np.exp(log_ps) < level, level, 2e-3)
 
 
 def rising(time, rng):
@@ -150,22 +133,17 @@ def test_steps_with_the_sign_of_the_temperature_rate_are_not_named_noise():
 )
 def test_noise_keeps_its_name_under_any_temperature_profile(effect, course):
     warm = course(INTERVAL * np.arange(COUNT))
-    withheld = [
-        reasons(
-            sequence(effect, label=label, temperature=warm), BiasInstability, GaussMarkov, RandomTelegraph, RandomWalk
-        )
-        for label in range(5)
-    ]
-    assert not any("temperature" in reason for found in withheld for reason in found)
+    for label in range(5):
+        data = sequence(effect, label=label, temperature=warm)
+        found = reasons(data, BiasInstability, GaussMarkov, RandomTelegraph, RandomWalk)
+        assert not any("temperature" in reason for reason in found)
 
 
 def steep(time, rng):
     """Return noise of a spectrum of slope -2.7."""
     frequency = np.fft.rfftfreq(8 * len(time), INTERVAL)[1:]
-    spectrum = np.r_[0.0, frequency**-1.35] * (
-        rng.standard_normal(len(frequency) + 1) + 1j * rng.standard_normal(len(frequency) + 1)
-    )
-    values = np.fft.irfft(spectrum)[: len(time)]
+    real, imaginary = rng.standard_normal((2, len(frequency) + 1))
+    values = np.fft.irfft(np.r_[0.0, frequency**-1.35] * (real + 1j * imaginary))[: len(time)]
     return 2e-3 * (values - values.mean()) / values.std()
 
 
@@ -206,47 +184,47 @@ def test_noise_of_an_unnamed_slope_enters_the_model_as_a_power_law(exponent):
     assert found.same_names
 
 
+def carried_on(found, reason=POWER_LAW):
+    """Return a fit without what it has beside white noise, all of which has a misfit."""
+    misfitting = dict.fromkeys(added_to(found), Misfit(reason, -20.0))
+    return without_unnamed(Search(KNOWN, (), LOG_ALPHA), found, misfitting)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("reason", [POWER_LAW, BURSTS])
 def test_only_noise_of_another_slope_is_replaced_by_a_power_law(reason):
-    search = Search(Description.known(WHITE), (), LOG_ALPHA)
-    found = fit(sequence(PowerLaw(4e-3, 1.5)), Description.known(WHITE).adding(RandomWalk(1e-3)))
-    carried = without_unnamed(search, found, dict.fromkeys(search.added(found), Misfit(reason, -20.0)))
+    carried = carried_on(fitted(sequence(PowerLaw(4e-3, 1.5)), RandomWalk(1e-3)), reason)
     assert carried.has(PowerLaw) == (reason == POWER_LAW)
     assert not carried.has(RandomWalk)
 
 
 def test_a_trend_is_not_replaced_by_a_power_law():
     """Steep noise is, although its interval of the slope reaches that of a trend."""
-    search = Search(Description.known(WHITE), (), LOG_ALPHA)
     trend = sequence(added=lambda time, rng: 2e-2 * np.sin(2 * np.pi * (time / time[-1]) ** 2))
     for data, noise in ((trend, False), (sequence(PowerLaw(1e-4, 2.6), label="s1"), True)):
-        found = fit(data, Description.known(WHITE).adding(RandomWalk(1e-4)))
-        carried = without_unnamed(search, found, dict.fromkeys(search.added(found), Misfit(POWER_LAW, -20.0)))
+        carried = carried_on(fitted(data, RandomWalk(1e-4)))
         assert carried.has(PowerLaw) == noise
-    ends = power_law_finding(search, carried).parameters["exponent"]
+    ends = power_law_finding(Search(KNOWN, (), LOG_ALPHA), carried).parameters["exponent"]
     assert ends.low < 2.6 < STEEPEST < ends.high
 
 
 @pytest.mark.slow
 def test_misfitting_slow_noise_is_not_detected_as_a_chirp(monkeypatch):
     data = sequence(RandomWalk(3e-5), count=300_000, label="w0")
-    searched = search_axis(data, (), (RandomWalk,), LOG_ALPHA, 240_000)
-    walk = searched.whole_search.added(searched.whole_fit)
-    assert find_chirps(without(searched.whole_fit, walk), LOG_ALPHA) != ()
+    search = searched(data, RandomWalk)
+    walk = search.whole_search.added(search.whole_fit)
+    assert find_chirps(without(search.whole_fit, walk), LOG_ALPHA) != ()
     withheld = dict.fromkeys(walk, Misfit(POWER_LAW, -20.0))
     monkeypatch.setattr("imugap.discovery.axis.misfits", lambda search, found: withheld)
-    result = conclude(searched)
+    result = conclude(search)
     assert [one.name for one in result.withheld] == ["random_walk"]
     assert result.bands == ()
 
 
 def test_a_misfitting_step_with_slow_noise_is_not_replaced_by_a_power_law():
-    search = Search(Description.known(WHITE), (), LOG_ALPHA)
-    described = Description.known(WHITE).adding(Entry(BiasStep(400.0, 0.1), ("step",)), RandomWalk(1e-3))
-    found = fit(sequence(PowerLaw(4e-3, 1.5), BiasStep(400.0, 0.1)), described)
-    misfitting = dict.fromkeys(search.added(found), Misfit(POWER_LAW, -20.0))
-    assert [one.name for one in without_unnamed(search, found, misfitting).description.effects()] == ["white_noise"]
+    step = BiasStep(400.0, 0.1)
+    found = fitted(sequence(PowerLaw(4e-3, 1.5), step), Entry(step, ("step",)), RandomWalk(1e-3))
+    assert [one.name for one in carried_on(found).description.effects()] == ["white_noise"]
 
 
 @pytest.mark.slow
@@ -256,12 +234,10 @@ def test_relaxations_after_steps_are_not_named_telegraph_noise():
 
 @pytest.mark.parametrize(("noise", "most"), [(GaussMarkov(2e-3, 5.0), 2), (RandomTelegraph(4e-3, 0.1), 1)])
 def test_many_steps_with_slow_noise_are_a_jump_process(noise, most):
-    search = Search(Description.known(WHITE), (), LOG_ALPHA)
     for count in (most, most + 1):
         steps = tuple(Entry(BiasStep(200.0 * (k + 1), 0.05), ("step",)) for k in range(count))
         effects = (noise, *(step.effect for step in steps))
-        found = fit(sequence(*effects), Description.known(WHITE).adding(*steps, noise))
-        added = search.added(found)
+        added = added_to(fitted(sequence(*effects), *steps, noise))
         assert set(steps_as_jump_process(added)) == (set(added) if count > most else set())
 
 
@@ -273,9 +249,7 @@ def test_several_steps_within_a_warm_up_reject_its_shape(second, misfitting):
         Entry(WarmUp(0.05, 40.0), ("amplitude", "time_constant")),
         *(Entry(BiasStep(time, 0.02), ("step",)) for time in (0.25 * over, second * over)),
     )
-    search = Search(Description.known(WHITE), (), LOG_ALPHA)
-    found = fit(sequence(*(term.effect for term in terms)), Description.known(WHITE).adding(*terms))
-    added = search.added(found)
+    added = added_to(fitted(sequence(*(term.effect for term in terms)), *terms))
     assert len(added) == 3
     assert set(transient_misfits(added)) == (set(added) if misfitting else set())
 
@@ -313,37 +287,33 @@ def test_a_step_with_exponential_onset_or_settling_has_a_misfit(later):
         late = np.maximum(time - 480 if later else 480 - time, 0.0)
         return 4e-3 * np.where(late > 0, np.exp(-late / 9.6), 0.0) * (-1 if later else 1) + 4e-3 * (time >= 480)
 
-    found = fit(sequence(added=crept), Description.known(WHITE).adding(Entry(BiasStep(480.0, 4e-3), ("step",))))
+    found = fitted(sequence(added=crept), Entry(BiasStep(480.0, 4e-3), ("step",)))
     assert shape_log_p(found, 0) < LEVEL - 10
 
 
 @pytest.mark.parametrize(("factor", "odd"), [(1.0, False), (4.0, True)])
 def test_samples_and_spectrum_agree_where_a_random_walk_replaces_telegraph_noise(factor, odd):
     true = RandomTelegraph(4e-3, 0.05)
-    found = fit(sequence(true), Description.known(WHITE).adding(RandomWalk(4e-4)))
+    found = fitted(sequence(true), RandomWalk(4e-4))
     hidden = replace(true, step=1e-9)
-    beside = replace(found, description=found.description.adding(hidden))
-    *_, candidate = Search(Description.known(WHITE), (), LOG_ALPHA).added(beside)
+    *_, candidate = added_to(replace(found, description=found.description.adding(hidden)))
     log_p = substitution_log_p(candidate, replace(true, step=factor * true.step))
     assert (log_p < LEVEL) == odd
 
 
-def relaxing(kind):
-    """Return a relaxation by its kind, or a warm-up with a ramp."""
-    time = INTERVAL * np.arange(COUNT)
-    return {
-        "logarithm": lambda: 3e-3 * np.log1p(time / 5),
-        "power": lambda: 1e-3 * time**0.4,
-        "stretched": lambda: 1.5e-2 * np.exp(-np.sqrt(time / 50)),
-        "warm-up and ramp": lambda: 3e-3 * np.exp(-time / 60) + 2e-6 * time,
-    }[kind]()
+RELAXING = {
+    "logarithm": lambda time, rng: 3e-3 * np.log1p(time / 5),
+    "power": lambda time, rng: 1e-3 * time**0.4,
+    "stretched": lambda time, rng: 1.5e-2 * np.exp(-np.sqrt(time / 50)),
+    "warm-up and ramp": lambda time, rng: 3e-3 * np.exp(-time / 60) + 2e-6 * time,
+}
+"""Relaxations by their kind, and a warm-up with a ramp."""
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", ["logarithm", "power", "stretched", "warm-up and ramp"])
+@pytest.mark.parametrize("kind", RELAXING)
 def test_a_transient_of_another_shape_is_not_named_warm_up_and_ramp(kind):
-    data = sequence(added=lambda time, rng: relaxing(kind), label=kind)
-    search, found = explored(data, WarmUp, RateRamp, BiasStep)
+    search, found = explored(sequence(added=RELAXING[kind], label=kind), WarmUp, RateRamp, BiasStep)
     added = search.added(found)
     assert len(added) >= 2
     misfitting = misfits(search, found)
@@ -352,10 +322,8 @@ def test_a_transient_of_another_shape_is_not_named_warm_up_and_ramp(kind):
 
 def test_bursts_make_a_change_of_variance_ambiguous():
     change = VarianceChange(200.0, 300.0, 4.0)
-    search = Search(Description.known(WHITE), (), LOG_ALPHA)
     noise = GaussMarkov(2e-3, 5.0)
-    found = fit(sequence(noise, change), Description.known(WHITE).adding(noise, change))
-    slow, changes = search.added(found)
+    slow, changes = added_to(fitted(sequence(noise, change), noise, change))
     bursts, slope = Misfit(BURSTS, -20.0), Misfit("its spectrum has another slope", -20.0)
     assert ambiguous_variance([slow, changes], {slow: bursts}) == {changes: bursts}
     assert ambiguous_variance([slow, changes], {slow: slope}) == {}
@@ -423,7 +391,7 @@ def test_periodic_decaying_or_skewed_samples_are_not_named_outliers(added, reaso
     search, found = explored(sequence(added=added), Outliers)
     assert found.has(Outliers)
     assert outliers_misfit(search, found).reason == reason
-    assert reasons(sequence(added=added), Outliers) == {reason}
+    assert {misfit.reason for misfit in misfits(search, found).values()} == {reason}
 
 
 @pytest.mark.slow
@@ -441,9 +409,8 @@ def test_outliers_of_any_distribution_keep_their_name(law):
 
 @pytest.mark.slow
 def test_heavy_tails_of_all_samples_are_not_named_outliers():
-    assert reasons(sequence(added=lambda time, rng: 5e-3 * rng.laplace(size=len(time))), Outliers) == {
-        "they are not rare"
-    }
+    data = sequence(added=lambda time, rng: 5e-3 * rng.laplace(size=len(time)))
+    assert reasons(data, Outliers) == {"they are not rare"}
 
 
 @pytest.mark.slow

@@ -7,9 +7,11 @@ import numpy as np
 import pytest
 from scipy.signal import butter, lfilter
 from scipy.stats import binom
+from tests.discovery import simulated
+from tests.discovery.simulated import LOG_ALPHA, WHITE, moved
 
 from imugap import log
-from imugap.discovery.axis import conclude, search_axis
+from imugap.discovery.axis import conclude
 from imugap.discovery.checks.motion import outliers_against_motion
 from imugap.discovery.fit.axis_fit import fit
 from imugap.discovery.fit.description import Description, Entry
@@ -17,7 +19,6 @@ from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.search.search import Trial, noise_shows_filter
 from imugap.discovery.unnamed.hysteresis import play
 from imugap.effects import (
-    CATALOGUE,
     GaussMarkov,
     GSensitivity,
     Misalignment,
@@ -34,7 +35,6 @@ from imugap.effects.effect import AxisModel, Role
 from imugap.stream import stream
 
 COUNT, INTERVAL = 20_000, 0.02
-LOG_ALPHA = np.log(0.01 / 6 / 28)
 
 
 def turning(coupled=0.9):
@@ -48,12 +48,15 @@ def conditions_of(axis, ideal):
     return Conditions(ideal.index.to_numpy(), INTERVAL, None, axis, ideal)
 
 
-def searched(axis, ideal, *effects, added=0.0):
+def sequence(axis, ideal, effects, seed, label):
+    """Return the error sequence of effects under a motion."""
     conditions = conditions_of(axis, ideal)
     own = conditions.error_free
-    error = AxisModel((WhiteNoise(1e-3), *effects)).simulate(own, conditions, 1, "motion") - own
-    sequence = AxisSequence(error + added, conditions)
-    return search_axis(sequence, (), tuple(CATALOGUE.values()), LOG_ALPHA, int(0.8 * COUNT))
+    return AxisSequence(AxisModel(effects).simulate(own, conditions, seed, label) - own, conditions)
+
+
+def searched(axis, ideal, *effects, added=0.0):
+    return simulated.searched(moved(sequence(axis, ideal, (WHITE, *effects), 1, "motion"), added))
 
 
 def result(axis, ideal, *effects, added=0.0):
@@ -101,13 +104,10 @@ def test_a_periodic_nonlinearity_is_not_named_noise(waves):
 def test_the_cutoff_of_a_filter_in_motion_scatters_by_its_standard_error():
     """The motion that the filter removes determines its cutoff, jointly with a scale factor."""
     ideal, log_cutoff, seen = turning().iloc[:3000], np.log(5.0), []
-    own = conditions_of("gyro_z", ideal).error_free
     scatter = []
     for number in range(60):
-        conditions = conditions_of("gyro_z", ideal)
-        model = AxisModel((WhiteNoise(0.02), ScaleFactor(0.01), OutputFilter(5.0, 2)))
-        error = model.simulate(own, conditions, number, "cutoff") - own
-        data = AxisSequence(error, conditions)
+        effects = (WhiteNoise(0.02), ScaleFactor(0.01), OutputFilter(5.0, 2))
+        data = sequence("gyro_z", ideal, effects, number, "cutoff")
         terms = (Entry(ScaleFactor(0.0), ("error",)),)
         found = fit(data, Description.known(WhiteNoise(0.02)).adding(*terms, OutputFilter(4.0, 2)))
         seen.append(np.log(found.description.noise.output_filter.cutoff) - log_cutoff)
@@ -122,10 +122,7 @@ def test_the_cutoff_of_a_filter_in_motion_scatters_by_its_standard_error():
 @pytest.mark.parametrize(("effect", "shown"), [(TimeOffset(5e-5), False), (OutputFilter(15.0, 1), True)])
 def test_a_delay_is_not_named_filter_without_evidence_in_the_noise(effect, shown):
     """A filter with a cutoff near half the rate is equivalent to a small delay of the motion."""
-    conditions = conditions_of("gyro_z", turning())
-    own = conditions.error_free
-    error = AxisModel((WhiteNoise(1e-4), effect)).simulate(own, conditions, 1, "delay") - own
-    data = AxisSequence(error, conditions)
+    data = sequence("gyro_z", turning(), (WhiteNoise(1e-4), effect), 1, "delay")
     plain = fit(data, Description.known(WhiteNoise(1e-4)))
     near = OutputFilter(15.0 if shown else 24.9, 1)
     filtered = fit(data, Description.known(WhiteNoise(1e-4)).adding(near))

@@ -2,10 +2,25 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.discovery.simulated import LOG_ALPHA, WHITE, beside_white, names, plain, sequence, simulated
+from tests.discovery.simulated import (
+    INTERVAL,
+    KINDS,
+    KNOWN,
+    LOG_ALPHA,
+    TIME,
+    WHITE,
+    added_to,
+    beside_white,
+    explored,
+    fitted,
+    moved,
+    names,
+    result_of,
+    sequence,
+    simulated,
+)
 
 from imugap.benchmark.sealing.noise import fractional
-from imugap.discovery.axis import conclude, search_axis
 from imugap.discovery.checks import Misfit, misfits
 from imugap.discovery.checks.all_checks import ambiguous_spectrum, ambiguous_terms
 from imugap.discovery.checks.hysteresis import HYSTERESIS, terms_against_hysteresis
@@ -17,7 +32,6 @@ from imugap.discovery.search.search import Search
 from imugap.discovery.unnamed.hysteresis import Hysteresis
 from imugap.discovery.views.discrepancies import find_discrepancies
 from imugap.effects import (
-    CATALOGUE,
     BiasInstability,
     BiasStep,
     GaussMarkov,
@@ -30,8 +44,10 @@ from imugap.effects import (
 from imugap.effects.conditions import Conditions
 from imugap.stream import stream
 
-KNOWN = Description.known(WHITE)
-"""Start model with white noise alone."""
+
+def found_again(data, *kinds):
+    """A search beside white noise as it is fitted, and the fit that it ends with."""
+    return explored(data, *kinds, start=fitted(data).description)
 
 
 @pytest.mark.slow
@@ -39,13 +55,10 @@ def test_a_drifting_line_is_unexplained_and_not_named():
     data = sequence(count=12_000)
     time = data.conditions.time
     chirp = 2.5e-3 * np.cos(2 * np.pi * (0.5 * time + 2.0 * time**2 / (2 * time[-1])))
-    moving = AxisSequence(data.values + chirp, data.conditions, data.flawed)
-    result = conclude(search_axis(moving, (), tuple(CATALOGUE.values()), LOG_ALPHA, 9600))
+    result = result_of(moved(data, chirp))
     assert names(result) == []
-    places = [
-        place for place in find_discrepancies({"gyro_x": result.whole_fit}, 0.01, 0, 39) if place.view == "spectrum"
-    ]
-    assert any(place.low < 2.5 and place.high > 0.5 for place in places)
+    places = find_discrepancies({"gyro_x": result.whole_fit}, 0.01, 0, 39)
+    assert any(place.view == "spectrum" and place.low < 2.5 and place.high > 0.5 for place in places)
 
 
 @pytest.mark.slow
@@ -58,9 +71,7 @@ def test_bursts_with_the_spectrum_of_noise_are_not_named_noise():
     process = GaussMarkov(float(bursts.std()), 6.0).sample(data.conditions, rng)
     reasons = []
     for added in (bursts, process):
-        moved = AxisSequence(data.values + added, data.conditions, data.flawed)
-        search = Search(plain(moved).description, (GaussMarkov,), LOG_ALPHA)
-        found = search.explore(plain(moved))
+        search, found = found_again(moved(data, added), GaussMarkov)
         assert found.has(GaussMarkov)
         reasons.append([misfit.reason for misfit in misfits(search, found).values()])
     assert reasons == [["it is stronger at some times than at others"], []]
@@ -76,15 +87,10 @@ def test_bursts_with_the_spectrum_of_noise_are_not_named_noise():
     ],
 )
 def test_means_that_misfitting_slow_noise_can_imitate_are_withheld(misfitting, reason, warm, withheld):
-    described = KNOWN.adding(
-        Entry(BiasStep(200.0, 2e-2), ("step",)),
-        Entry(Sinusoid(0.8, 5e-4, 0.3), ("amplitude",)),
-        Entry(WarmUp(warm, 20.0), ("amplitude",)),
-        GaussMarkov(1e-3, 6.0),
-    )
-    data = sequence(BiasStep(200.0, 2e-2), WarmUp(warm, 20.0), GaussMarkov(1e-3, 6.0), count=12_000)
-    search = Search(KNOWN, tuple(CATALOGUE.values()), LOG_ALPHA)
-    added = search.added(fit(data, described))
+    step, warming, noise = BiasStep(200.0, 2e-2), WarmUp(warm, 20.0), GaussMarkov(1e-3, 6.0)
+    line = Entry(Sinusoid(0.8, 5e-4, 0.3), ("amplitude",))
+    terms = Entry(step, ("step",)), line, Entry(warming, ("amplitude",))
+    added = added_to(fitted(sequence(step, warming, noise, count=12_000), *terms, noise))
     misfit = {added[3 if misfitting == "noise" else 1]: Misfit(reason, -20.0)}
     of_it = ambiguous_terms(added, misfit)
     assert [type(one.effect) for one in of_it] == withheld
@@ -93,23 +99,24 @@ def test_means_that_misfitting_slow_noise_can_imitate_are_withheld(misfitting, r
 
 def test_lines_and_filters_dominated_by_misfitting_noise_are_withheld():
     """A peak of an unknown spectrum is not necessarily a line."""
-    lines, search = [Entry(Sinusoid(f, 5e-4, 0.3), ("amplitude",)) for f in (0.1, 9.0)], Search(KNOWN, (), LOG_ALPHA)
+    lines = [Entry(Sinusoid(f, 5e-4, 0.3), ("amplitude",)) for f in (0.1, 9.0)]
     for cutoff, both in ((0.1, True), (9.0, False)):
         described = KNOWN.adding(*lines, GaussMarkov(1e-2, 1.0), OutputFilter(cutoff, 1))
         found = fit(sequence(GaussMarkov(1e-2, 1.0), count=12_000), described)
-        line, other, noise, passes = search.added(replace(found, description=described))
+        line, other, noise, passes = added_to(replace(found, description=described))
         misfit = {noise: Misfit("bursts", -20.0)}
         nameless = ambiguous_spectrum([line, other, noise, passes], misfit)
         assert list(nameless) == ([line, passes] if both else [line])
 
 
+def chirp(begin, end):
+    """Return a chirp from one frequency to another [Hz]."""
+    return 1.0e-3 * np.sin(2 * np.pi * (begin * TIME + 0.5 * (end - begin) * TIME**2 / TIME[-1]))
+
+
 @pytest.mark.slow
 def test_the_power_of_a_chirp_is_not_named_noise():
-    data = sequence()
-    time = data.conditions.time
-    turns = 0.5 * time + 0.5 * (2.1 - 0.5) * time**2 / time[-1]
-    moved = replace(data, values=data.values + 1.0e-3 * np.sin(2 * np.pi * turns))
-    result = conclude(search_axis(moved, (), (GaussMarkov, Sinusoid), LOG_ALPHA, 19_200))
+    result = result_of(moved(sequence(), chirp(0.5, 2.1)), GaussMarkov, Sinusoid)
     assert names(result) == []
     assert [one.reason for one in result.withheld] == ["a line that sweeps or wanders explains it"]
     (band,) = result.bands
@@ -119,10 +126,7 @@ def test_the_power_of_a_chirp_is_not_named_noise():
 @pytest.mark.slow
 def test_noise_outside_the_band_of_a_chirp_keeps_its_name():
     data = sequence(GaussMarkov(2e-3, 10.0))
-    time = data.conditions.time
-    turns = 2.0 * time + 0.5 * (4.0 - 2.0) * time**2 / time[-1]
-    moved = replace(data, values=data.values + 1.0e-3 * np.sin(2 * np.pi * turns))
-    result = conclude(search_axis(moved, (), (GaussMarkov, Sinusoid), LOG_ALPHA, 19_200))
+    result = result_of(moved(data, chirp(2.0, 4.0)), GaussMarkov, Sinusoid)
     assert names(result) == ["gauss_markov"]
     assert len(result.bands) == 1
 
@@ -131,9 +135,7 @@ def test_noise_outside_the_band_of_a_chirp_keeps_its_name():
 def test_fractionally_differenced_flicker_keeps_its_name():
     """Fractionally differenced noise lies above 1/f towards half the rate; its slope is that of flicker."""
     data, rng = sequence(count=120_000), stream(1, "fractional")
-    moved = replace(data, values=data.values + 6e-3 * fractional(120_000, 1.0, rng))
-    search = Search(plain(moved).description, (BiasInstability,), LOG_ALPHA)
-    found = search.explore(plain(moved))
+    search, found = found_again(moved(data, 6e-3 * fractional(120_000, 1.0, rng)), BiasInstability)
     assert found.has(BiasInstability)
     assert misfits(search, found) == {}
 
@@ -141,19 +143,16 @@ def test_fractionally_differenced_flicker_keeps_its_name():
 @pytest.mark.slow
 def test_hysteresis_is_not_named_random_walk():
     """The bias follows the temperature with play; a random walk of the same size keeps its name."""
-    time = np.arange(16_000) * 0.04
+    time = TIME[:16_000]
     warming = 25 + 4 * np.sin(2 * np.pi * time / 260) + 1.5 * np.sin(2 * np.pi * time / 97 + 1)
-    conditions = Conditions(time, 0.04, warming, "gyro_x")
+    conditions = Conditions(time, INTERVAL, warming, "gyro_x")
     dragged = [warming[0]]
     for value in warming[1:]:
         dragged.append(min(max(dragged[-1], value - 0.8), value + 0.8))
     white = WHITE.sample(conditions, stream(4, "white"))
     walk = RandomWalk(1e-4).sample(conditions, stream(4, "walk"))
-    found = []
-    for added in (2e-3 * (warming - np.array(dragged)), walk):
-        data = AxisSequence(white + added, conditions)
-        found.append(conclude(search_axis(data, (), tuple(CATALOGUE.values()), LOG_ALPHA, 12_800)))
-    loop, wandering = found
+    dragging = 2e-3 * (warming - np.array(dragged))
+    loop, wandering = (result_of(AxisSequence(white + added, conditions)) for added in (dragging, walk))
     assert names(loop) == []
     assert loop.changed
     assert names(wandering) == ["random_walk"]
@@ -163,18 +162,15 @@ def test_hysteresis_is_not_named_random_walk():
 @pytest.mark.parametrize(("constant", "period", "size"), [(200, 700, 9e-3), (100, 500, 6e-3), (120, 900, 9e-3)])
 def test_hysteresis_during_warming_is_named_neither_temperature_nor_warm_up(constant, period, size):
     """A temperature effect and an independent warm-up keep their names."""
-    time = np.arange(24_000) * 0.04
-    warming = 25 + 5.5 * (1 - np.exp(-time / constant)) + np.sin(2 * np.pi * time / period)
-    conditions = Conditions(time, 0.04, warming, "gyro_x")
+    warming = 25 + 5.5 * (1 - np.exp(-TIME / constant)) + np.sin(2 * np.pi * TIME / period)
+    conditions = Conditions(TIME, INTERVAL, warming, "gyro_x")
     loop = Hysteresis(size, -size, 0.1).sample(conditions, None)
     both = Temperature(1e-3, 25.0).sample(conditions, None) + WarmUp(5e-3, 60.0).sample(conditions, None)
-    white, found = WHITE.sample(conditions, stream(4, "white2")), []
-    for added in (loop, both):
-        data = AxisSequence(white + added, conditions)
-        found.append(conclude(search_axis(data, (), tuple(CATALOGUE.values()), LOG_ALPHA, 19_200)))
-    assert names(found[0]) == []
-    assert found[0].changed
-    assert names(found[1]) == ["temperature", "warm_up"]
+    white = WHITE.sample(conditions, stream(4, "white2"))
+    of_loop, of_both = (result_of(AxisSequence(white + added, conditions)) for added in (loop, both))
+    assert names(of_loop) == []
+    assert of_loop.changed
+    assert names(of_both) == ["temperature", "warm_up"]
 
 
 @pytest.mark.slow
@@ -182,10 +178,8 @@ def test_noise_between_flicker_and_random_walk_is_seldom_named_gauss_markov():
     """A process of the same number of parameters has to be likelier than a power law to have its name."""
     white, named = sequence(count=60_000), []
     for run in range(16):
-        values = white.values + 1.2e-4 * fractional(60_000, 1.5, stream(run, "gml", "f"))
-        moved = replace(white, values=values)
-        search = Search(plain(moved).description, (GaussMarkov,), LOG_ALPHA)
-        found = search.explore(plain(moved))
+        noise = 1.2e-4 * fractional(60_000, 1.5, stream(run, "gml", "f"))
+        search, found = found_again(moved(white, noise), GaussMarkov)
         assert found.has(GaussMarkov)
         named.append(not misfits(search, found))
     assert sum(named) <= 4
@@ -195,8 +189,7 @@ def test_noise_between_flicker_and_random_walk_is_seldom_named_gauss_markov():
 @pytest.mark.parametrize("run", range(3))
 def test_a_gauss_markov_process_keeps_its_name(run):
     data = sequence(GaussMarkov(1e-3, 5.0), count=60_000, label=f"markov {run}")
-    search = Search(plain(data).description, (GaussMarkov,), LOG_ALPHA)
-    found = search.explore(plain(data))
+    search, found = found_again(data, GaussMarkov)
     assert found.has(GaussMarkov)
     assert misfits(search, found) == {}
 
@@ -238,7 +231,7 @@ def between_walk_and_flicker(time, rng):
     ],
 )
 def test_signals_close_to_an_effect_are_located_and_not_named(added, view, low, high):
-    result = conclude(search_axis(beside_white(added), (), tuple(CATALOGUE.values()), LOG_ALPHA, 16_000))
+    result = result_of(beside_white(added))
     assert names(result) == []
     places = [one.location for one in result.withheld if one.location.view == view]
     assert all(place.axis == "gyro_x" and place.p_value < 0.01 for place in places)
@@ -252,18 +245,17 @@ def test_a_jump_of_a_periodic_term_is_not_named_step(shape, reasons):
     data = sequence(known, label="jump")
     time = data.conditions.time
     added = {"teeth": 2e-3 * (time / 96.3 % 1), "step": -2e-3 * (time > 4 * 96.3)}[shape]
-    moved = replace(data, values=data.values + added)
-    before = fit(moved, Description.known(WHITE, known))
+    jumping = moved(data, added)
+    before = fit(jumping, Description.known(WHITE, known))
     step = Entry(BiasStep(4 * 96.3, -2e-3), ("step",))
-    found = fit(moved, before.description.adding(step))
+    found = fit(jumping, before.description.adding(step))
     misfitting = misfits(Search(before.description, (BiasStep,), LOG_ALPHA), found)
     assert [misfit.reason for misfit in misfitting.values()] == reasons
 
 
 def test_a_steady_line_has_no_misfit():
     data = sequence(Sinusoid(0.8, 5e-4, 0.3), count=12_000)
-    search = Search(plain(data).description, tuple(CATALOGUE.values()), LOG_ALPHA)
-    found = search.explore(plain(data))
+    search, found = found_again(data, *KINDS)
     assert [effect.name for effect in found.description.effects()] == ["sinusoid", "white_noise"]
     assert misfits(search, found) == {}
 

@@ -1,19 +1,15 @@
-from dataclasses import replace
-
 import numpy as np
 import pytest
-from tests.discovery.simulated import COUNT, INTERVAL, WHITE, sequence
+from tests.discovery.simulated import COUNT, INTERVAL, behind, fitted, sequence
 
-from imugap.discovery.fit.axis_fit import fit, jacobian
-from imugap.discovery.fit.description import Description, Entry
-from imugap.discovery.preparation.cosine_bins import usable_share
+from imugap.discovery.fit.axis_fit import jacobian
+from imugap.discovery.fit.description import Entry
 from imugap.effects import BiasStep, OutputFilter, Quantization, RateRamp, Sinusoid, WarmUp
-from imugap.stream import stream
 
 
 def test_ramp_in_white_noise_is_that_of_least_squares():
     data = sequence(RateRamp(1e-6))
-    found = fit(data, Description.known(WHITE).adding(Entry(RateRamp(0.0), ("slope",))))
+    found = fitted(data, Entry(RateRamp(0.0), ("slope",)))
     slope = np.polynomial.polynomial.polyfit(data.conditions.time, data.values, 1)[1]
     assert found.description.terms[0].effect.slope == pytest.approx(slope, rel=1e-6)
     error = np.sqrt(12 * found.variance[0] / COUNT) / (COUNT * INTERVAL)
@@ -43,9 +39,7 @@ def test_slopes_are_difference_quotients(effect):
 def test_what_a_steep_filter_leaves_is_not_taken_for_noise(cutoff, order, count):
     """Towards half the rate the cosine transform shows what leaks from the ends of the log, and nothing else."""
     data, smooth = sequence(count=count), OutputFilter(cutoff, order)
-    output = smooth.apply(data.values, data.conditions, stream(1))
-    moved = replace(data, values=output, share=usable_share(output))
-    plainly = fit(moved, Description.known(WHITE).adding(smooth))
-    grainy = fit(moved, Description.known(WHITE).adding(Quantization(1e-7), smooth))
+    output = behind(data, smooth)
+    plainly, grainy = fitted(output, smooth), fitted(output, Quantization(1e-7), smooth)
     assert grainy.log_likelihood - plainly.log_likelihood < 3
     assert plainly.description.noise.output_filter.cutoff == pytest.approx(cutoff, rel=0.03)

@@ -2,18 +2,17 @@ import numpy as np
 import pytest
 from scipy.signal import butter, lfilter
 from scipy.stats import binom, chi2
-from tests.discovery.simulated import COUNT, INTERVAL, WHITE, sequence
+from tests.discovery.simulated import COUNT, INTERVAL, WHITE, fitted, sequence
 
 from imugap.discovery.fit import matched_filters as scans
-from imugap.discovery.fit.axis_fit import fit
-from imugap.discovery.fit.description import Description, Entry
+from imugap.discovery.fit.description import Entry
 from imugap.discovery.fit.whittle import Noise
 from imugap.effects import BiasInstability, OutputFilter, RandomWalk, RateRamp, Sinusoid
 from imugap.stream import stream
 
 
 def test_gain_of_every_step_is_that_of_its_column():
-    found = fit(sequence(BiasInstability(3e-4), count=4000), Description.known(WHITE).adding(BiasInstability(3e-4)))
+    found = fitted(sequence(BiasInstability(3e-4), count=4000), BiasInstability(3e-4))
     gains = found.steps.gains
     for place in (80, 777, 2000, 3500):
         column = (np.arange(4000) >= place).astype(float)
@@ -25,7 +24,7 @@ def test_gain_of_every_step_is_that_beside_terms_which_move(output_filter):
     """Behind a filter what leaks over the ends of the log is left out of it."""
     terms = Entry(RateRamp(0.0), ("slope",)), Entry(Sinusoid(0.013, 1e-4, 0.4), ("frequency", "amplitude", "phase"))
     filters = () if output_filter is None else (output_filter,)
-    found = fit(sequence(*filters, count=4000), Description.known(WHITE).adding(*terms, *filters))
+    found = fitted(sequence(*filters, count=4000), *terms, *filters)
     for place in (77, 700, 2000, 3200):
         column = found.whiten((np.arange(4000) >= place).astype(float)[:, None])
         gain, rank = found.joint_gain(column)

@@ -1,10 +1,12 @@
 """Noise on a coarse lattice, whose law has to be told from cells."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 from scipy.stats import binom, kstest
+from tests.discovery.simulated import result_of
 
-from imugap.discovery.axis import conclude, search_axis
 from imugap.discovery.fit.axis_fit import fit
 from imugap.discovery.fit.description import Description
 from imugap.discovery.fit.rounded_samples import Cells, ahead
@@ -16,32 +18,40 @@ from imugap.effects.conditions import Conditions
 from imugap.stream import stream
 
 COUNT, INTERVAL = 40_000, 0.01
+CONDITIONS = Conditions(INTERVAL * np.arange(COUNT), INTERVAL, axis="gyro_x")
 LOG_ALPHA = np.log(0.01 / 6 / len(CATALOGUE))
+result = partial(result_of, log_alpha=LOG_ALPHA)
+WHITE = WhiteNoise(float(np.sqrt(INTERVAL)))
+"""White noise of unit deviation."""
 STEPS = (1.0, 2.0, 2.5, 3.0)
 """Steps of lattices, in standard deviations of the noise."""
 
 
 def rounded(step, label, *effects, walk=0.0):
     """White noise of unit deviation and effects about a mean somewhere between two levels, on a lattice."""
-    conditions = Conditions(INTERVAL * np.arange(COUNT), INTERVAL, axis="gyro_x")
     rng = stream(label, "cells")
     values = rng.standard_normal(COUNT) + rng.uniform(-step, step) + walk * np.cumsum(rng.standard_normal(COUNT))
     for effect in effects:
-        values = effect.apply(values, conditions, rng)
-    return AxisSequence(Resolution(step).apply(values, conditions, rng), conditions, step=step)
+        values = effect.apply(values, CONDITIONS, rng)
+    return AxisSequence(Resolution(step).apply(values, CONDITIONS, rng), CONDITIONS, step=step)
 
 
 def fitted(sequence, *effects):
-    white = WhiteNoise(float(np.sqrt(INTERVAL)))
-    return fit(sequence, Description.known(white, *effects))
+    return fit(sequence, Description.known(WHITE, *effects))
 
 
 def cells_of(found):
     return Cells.of(found.sequence, found.description.noise, found.residual, found.scale)
 
 
-def result(sequence):
-    return conclude(search_axis(sequence, (), tuple(CATALOGUE.values()), LOG_ALPHA, int(0.8 * COUNT)))
+def passed(smooth, seed):
+    """White noise of unit deviation behind a filter."""
+    return smooth.passed(stream(seed, "filtered").standard_normal(COUNT), INTERVAL)
+
+
+def lattice(values, step):
+    """A sequence of values that are rounded to a lattice."""
+    return AxisSequence(step * np.rint(values / step), CONDITIONS, step=step)
 
 
 @pytest.mark.parametrize("step", STEPS)
@@ -119,8 +129,7 @@ def test_cells_are_narrower_where_the_noise_is_louder():
 
 def test_nothing_is_asked_where_the_noise_is_not_told_from_the_rest():
     data = rounded(2.0, 1)
-    filtered = Description.known(WhiteNoise(float(np.sqrt(INTERVAL))), OutputFilter(10.0, 1.0))
-    assert cells_of(fit(data, filtered)) is None
+    assert cells_of(fitted(data, OutputFilter(10.0, 1.0))) is None
     assert cells_of(fitted(rounded(5.0, 1))) is None
     assert fitted(rounded(0.5, 1)).cells is None
 
@@ -145,10 +154,8 @@ def test_a_walk_through_a_coarse_lattice_is_a_walk_alone(label):
 def test_a_filter_ahead_of_a_lattice_has_its_cutoff(cutoff, order, step):
     """Rounding comes behind the filter, and its white noise with it; the step is in deviations of the output."""
     smooth = OutputFilter(cutoff, order)
-    output = smooth.passed(stream(7, "filtered").standard_normal(COUNT), INTERVAL)
-    step = step * output.std()
-    conditions = Conditions(INTERVAL * np.arange(COUNT), INTERVAL, axis="gyro_x")
-    found = result(AxisSequence(step * np.rint(output / step), conditions, step=step))
+    output = passed(smooth, 7)
+    found = result(lattice(output, step * output.std()))
     (finding,) = found.findings
     assert finding.effects["gyro_x"].order == order
     assert finding.parameters["cutoff"].low < cutoff < finding.parameters["cutoff"].high
@@ -157,10 +164,8 @@ def test_a_filter_ahead_of_a_lattice_has_its_cutoff(cutoff, order, step):
 
 def test_white_noise_behind_a_filter_is_fitted_beside_what_rounding_adds():
     smooth, step = OutputFilter(10.0, 2), 0.5
-    output = smooth.passed(stream(8, "filtered").standard_normal(COUNT), INTERVAL)
-    conditions = Conditions(INTERVAL * np.arange(COUNT), INTERVAL, axis="gyro_x")
-    data = AxisSequence(step * np.rint(output / step), conditions, step=step)
-    found = fit(data, Description.known(WhiteNoise(float(np.sqrt(INTERVAL)))).adding(smooth))
+    data = lattice(passed(smooth, 8), step)
+    found = fitted(data, smooth)
     effects = unrounded(found.description.effects(), (Resolution(step),), data)
     white = next(one for one in effects if isinstance(one, WhiteNoise))
     assert white.density == pytest.approx(np.sqrt(INTERVAL), rel=0.02)

@@ -140,5 +140,5 @@ def test_what_never_switches_is_weighed_all_the_same(exponent, seed):
 
 def test_two_values_are_told_from_a_continuum():
     for effect, sign in ((RandomTelegraph(2e-3, 0.05), 1), (GaussMarkov(1e-3, 10.0), -1)):
-        found = fit(simulated.sequence(effect), Description.known(simulated.WHITE).adding(GaussMarkov(1e-3, 10.0)))
+        found = simulated.fitted(simulated.sequence(effect), GaussMarkov(1e-3, 10.0))
         assert sign * compare(found, found.description.noise.effects[1:]).gain > 6

@@ -4,18 +4,15 @@ from collections import Counter
 
 import numpy as np
 import pytest
-from tests.discovery.simulated import simulated
+from tests.discovery import simulated
+from tests.discovery.simulated import WHITE
 
-from imugap.discovery.fit.axis_fit import fit
-from imugap.discovery.fit.description import Description
 from imugap.discovery.search.noise_agreement import BEFOREHAND, NoiseChoice, agreed, choice_of
-from imugap.discovery.search.search import Search
-from imugap.effects import BiasInstability, BiasStep, GaussMarkov, RandomWalk, RateRamp, WarmUp, WhiteNoise
+from imugap.effects import BiasInstability, BiasStep, GaussMarkov, RandomWalk, RateRamp, WarmUp
 from imugap.effects.conditions import Conditions
 from imugap.log import ACCEL, GYRO
 
 COUNT, INTERVAL = 12_000, 0.05
-WHITE = WhiteNoise(1e-3)
 OF_TIME = (BiasStep, RateRamp, WarmUp)
 KINDS = (BiasInstability, GaussMarkov, RandomWalk, *OF_TIME)
 
@@ -25,17 +22,14 @@ def explored(effects, label=0):
     searches, fits = {}, {}
     for axis, some in effects.items():
         conditions = Conditions(INTERVAL * np.arange(COUNT), INTERVAL, axis=axis)
-        data = simulated((WHITE, *some), conditions, label, "agreement")
-        searches[axis] = Search(Description.known(WHITE), KINDS, np.log(0.01 / 6 / 28))
-        fits[axis] = searches[axis].explore(fit(data, searches[axis].start))
+        data = simulated.simulated((WHITE, *some), conditions, label, "agreement")
+        searches[axis], fits[axis] = simulated.explored(data, *KINDS)
     return fits, searches
 
 
 def kinds(fits):
-    return {
-        axis: [type(one) for one in found.description.effects()[:] if one.name != "white_noise"]
-        for axis, found in fits.items()
-    }
+    effects = {axis: found.description.effects() for axis, found in fits.items()}
+    return {axis: [type(one) for one in some if one.name != "white_noise"] for axis, some in effects.items()}
 
 
 def test_an_axis_that_has_no_room_for_the_kind_of_the_others_keeps_its_own():

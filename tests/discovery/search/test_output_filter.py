@@ -1,16 +1,22 @@
-from dataclasses import replace
-
 import numpy as np
 import pytest
-from tests.discovery.simulated import COUNT, INTERVAL, LOG_ALPHA, WHITE, filtered, names, sequence
+from tests.discovery.simulated import (
+    COUNT,
+    INTERVAL,
+    KINDS,
+    LOG_ALPHA,
+    WHITE,
+    behind,
+    filtered,
+    names,
+    result_of,
+    sequence,
+)
 
-from imugap.discovery.axis import conclude, search_axis
 from imugap.discovery.fit.axis_fit import fit
 from imugap.discovery.fit.description import Description
-from imugap.discovery.preparation.cosine_bins import usable_share
 from imugap.discovery.search.search import RESHAPED, Search, behind_filter, may_reach
-from imugap.effects import CATALOGUE, BiasInstability, GaussMarkov, OutputFilter, RandomWalk
-from imugap.stream import stream
+from imugap.effects import BiasInstability, GaussMarkov, OutputFilter, RandomWalk
 
 
 @pytest.mark.slow
@@ -41,9 +47,7 @@ def test_a_filter_that_settles_is_a_filter_and_no_more(order, cutoff, before):
 def test_a_filter_is_found_behind_noise_that_went_far_to_look_like_it(known, cutoff):
     """Without the filter the slow noise of the start model is the whole spectrum, and white noise is none of it."""
     data, hidden = sequence(known), OutputFilter(cutoff, 2)
-    output = hidden.apply(data.values, data.conditions, stream(1))
-    filtered = replace(data, values=output, share=usable_share(output))
-    result = conclude(search_axis(filtered, (WHITE, known), tuple(CATALOGUE.values()), LOG_ALPHA, 19_200))
+    result = result_of(behind(data, hidden), start=(WHITE, known))
     assert names(result) == ["output_filter"]
     (found,) = result.findings
     assert found.parameters["cutoff"].low < cutoff < found.parameters["cutoff"].high
@@ -54,11 +58,10 @@ def test_a_filter_is_found_behind_noise_that_went_far_to_look_like_it(known, cut
 def test_what_a_filter_gains_is_known_before_it_is_fitted(cutoff, slow):
     data = sequence(*slow, count=6000)
     if cutoff is not None:
-        output = OutputFilter(cutoff, 2).apply(data.values, data.conditions, stream(1))
-        data = replace(data, values=output, share=usable_share(output))
+        data = behind(data, OutputFilter(cutoff, 2))
     description = Description.known(WHITE, *slow)
     before = fit(data, description)
-    search = Search(description, tuple(CATALOGUE.values()), LOG_ALPHA)
+    search = Search(description, KINDS, LOG_ALPHA)
     for start in OutputFilter.starts(before):
         expected, beside = behind_filter(start, before)
         found = search.trial_of(expected, before, beside)

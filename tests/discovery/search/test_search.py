@@ -1,14 +1,25 @@
 import numpy as np
 import pytest
-from tests.discovery.simulated import COUNT, INTERVAL, LOG_ALPHA, WHITE, names, plain, sequence, simulated, told_of
+from tests.discovery.simulated import (
+    COUNT,
+    INTERVAL,
+    KINDS,
+    LOG_ALPHA,
+    WHITE,
+    fitted,
+    moved,
+    names,
+    result_of,
+    sequence,
+    simulated,
+    told_of,
+)
 
-from imugap.discovery.axis import conclude, search_axis
 from imugap.discovery.fit.axis_fit import fit
 from imugap.discovery.fit.description import Description
 from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.search.search import Search
 from imugap.effects import (
-    CATALOGUE,
     BiasInstability,
     BiasStep,
     GaussMarkov,
@@ -80,7 +91,7 @@ def test_nothing_hidden_is_called_nothing():
 def test_slow_noise_of_the_start_model_does_not_stand_for_what_is_missing(hidden, known):
     """It is free, and takes the place of what is hidden; beside it there is no room for the right name."""
     data = sequence(hidden, known)
-    result = conclude(search_axis(data, (WHITE, known), (GaussMarkov, BiasInstability), LOG_ALPHA, 19_200))
+    result = result_of(data, GaussMarkov, BiasInstability, start=(WHITE, known))
     assert names(result) == [hidden.name]
 
 
@@ -104,8 +115,7 @@ def switching(high, low, label):
         end = place + rng.exponential(high if up else low) / INTERVAL
         path[int(place) : int(end)] = 4e-3 * up
         place, up = end, not up
-    data = sequence()
-    return data.with_values(data.values + path)
+    return moved(sequence(), path)
 
 
 @pytest.mark.slow
@@ -114,8 +124,7 @@ def switching(high, low, label):
     [(6.0, 6.0, ["random_telegraph"]), (4.0, 9.0, ["random_telegraph"]), (0.5, 20.0, [])],
 )
 def test_two_values_are_one_telegraph_noise_if_they_are_about_as_frequent(high, low, expected):
-    data = switching(high, low, "switching")
-    result = conclude(search_axis(data, (), tuple(CATALOGUE.values()), LOG_ALPHA, int(0.8 * COUNT)))
+    result = result_of(switching(high, low, "switching"))
     assert [finding.name for finding in result.findings if finding.name == "random_telegraph"] == expected
 
 
@@ -123,10 +132,7 @@ def test_two_values_are_one_telegraph_noise_if_they_are_about_as_frequent(high, 
 @pytest.mark.parametrize("unit", [1e-4, 1e4])
 def test_nothing_depends_on_the_unit(unit):
     data = sequence(GaussMarkov(3e-3, 5.0), RandomWalk(1e-4))
-    here, there = (
-        conclude(search_axis(one, (), tuple(CATALOGUE.values()), LOG_ALPHA, int(0.8 * COUNT)))
-        for one in (data, data.with_values(unit * data.values))
-    )
+    here, there = (result_of(one) for one in (data, data.with_values(unit * data.values)))
     assert names(here) == names(there)
     for one, other in zip(here.findings, there.findings, strict=True):
         assert one.log_p == pytest.approx(other.log_p, rel=1e-3)
@@ -150,7 +156,7 @@ def two_terms(slope, coefficient, label):
     values += WhiteNoise(1e-4).sample(conditions, stream(1, label))
     log = AxisSequence(values, conditions)
     before = fit(log, Description.known(WhiteNoise(1e-4)))
-    return Search(before.description, tuple(CATALOGUE.values()), LOG_ALPHA).explore(before)
+    return Search(before.description, KINDS, LOG_ALPHA).explore(before)
 
 
 @pytest.mark.parametrize("number", [13, 63, 74])
@@ -161,8 +167,8 @@ def test_no_insignificant_effect_stays_beside_the_others(number):
     warming = 24 + 4 * (1 - np.exp(-time / 120)) + 0.5 * np.sin(2 * np.pi * time / 200)
     conditions = Conditions(time, interval, warming, "gyro_x")
     data = simulated((WHITE, RandomWalk(4e-5)), conditions, number, "couple")
-    search = Search(plain(data).description, (RateRamp, Temperature, WarmUp, BiasStep, Sinusoid), LOG_ALPHA)
-    found = search.explore(plain(data))
+    search = Search(fitted(data).description, (RateRamp, Temperature, WarmUp, BiasStep, Sinusoid), LOG_ALPHA)
+    found = search.explore(fitted(data))
     assert search.added(found)
     assert all(candidate.significant for candidate in search.added(found))
 
@@ -186,5 +192,5 @@ def test_slow_noise_beside_a_walk_of_the_start_model_is_found():
     values = sum(effect.sample(conditions, stream(2, "beside", effect.name)) for effect in effects)
     log = AxisSequence(values, conditions)
     before = fit(log, Description.known(*effects[:2]))
-    after = Search(before.description, tuple(CATALOGUE.values()), LOG_ALPHA).explore(before)
+    after = Search(before.description, KINDS, LOG_ALPHA).explore(before)
     assert [effect.name for effect in after.description.noise.effects[2:]] == ["gauss_markov"]

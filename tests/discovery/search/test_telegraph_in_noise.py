@@ -2,10 +2,9 @@
 
 import numpy as np
 import pytest
-from scipy.stats import chi2
-from tests.discovery.simulated import simulated
+from scipy.stats import chi2, multivariate_normal
+from tests.discovery.simulated import LOG_ALPHA, WHITE, fitted, names, result_of, sequence
 
-from imugap.discovery.axis import conclude, search_axis
 from imugap.discovery.fit.axis_fit import fit
 from imugap.discovery.fit.description import Description
 from imugap.discovery.fit.telegraph_likelihood import filtered
@@ -13,22 +12,13 @@ from imugap.discovery.search.search import Search
 from imugap.discovery.search.telegraph import told_apart
 from imugap.discovery.search.telegraph_in_noise import drawn_values, stationary_markov, switching
 from imugap.effects import BiasStep, GaussMarkov, RandomTelegraph, RandomWalk, VarianceChange, WhiteNoise
-from imugap.effects.conditions import Conditions
 from imugap.stream import stream
 
-COUNT, INTERVAL = 24_000, 0.04
-WHITE = WhiteNoise(1e-3)
 SWITCHES, REVERTS = RandomTelegraph(2e-2, 0.06), GaussMarkov(4e-3, 6.0)
-LOG_ALPHA = np.log(0.01 / 6 / 28)
-
-
-def sequence(*effects, label="switching", count=COUNT, white=WHITE):
-    conditions = Conditions(INTERVAL * np.arange(count), INTERVAL, axis="gyro_x")
-    return simulated((white, *effects), conditions, 1, label)
 
 
 def with_markov(data):
-    return fit(data, Description.known(WHITE).adding(GaussMarkov(6e-3, 8.0)))
+    return fitted(data, GaussMarkov(6e-3, 8.0))
 
 
 def test_without_switches_the_filter_is_that_of_a_gauss_markov_process():
@@ -37,9 +27,7 @@ def test_without_switches_the_filter_is_that_of_a_gauss_markov_process():
     decay, std, white = 0.8, 1.3, 0.4
     lag = np.abs(np.subtract.outer(np.arange(40), np.arange(40)))
     covariance = std**2 * decay**lag + white**2 * np.eye(40)
-    expected = -0.5 * (
-        40 * np.log(2 * np.pi) + np.linalg.slogdet(covariance)[1] + values @ np.linalg.solve(covariance, values)
-    )
+    expected = multivariate_normal(np.zeros(40), covariance).logpdf(values)
     found = filtered(values, 1, 0.0, 0.1, 0.1, np.full(40, white), *stationary_markov(std, decay))
     assert found[0].sum() == pytest.approx(expected, rel=1e-9)
     np.testing.assert_allclose(found[1][:, 0, 0], found[1][:, 1, 0], atol=1e-9)
@@ -61,13 +49,8 @@ def test_odds_of_either_value_are_those_of_all_paths(kept):
     p_values = np.exp(known[-1, :, 0])
     assert np.log(p_values[:kept].sum() / p_values[kept:].sum()) == pytest.approx(last, rel=1e-6)
     rng, count = stream(3, "draws"), 20_000
-    drawn = np.mean(
-        [
-            drawn_values(known, np.exp(-2 * change), 0.5, 1e-9, rng.random(8), rng.standard_normal(8))
-            for _ in range(count)
-        ],
-        axis=0,
-    )
+    draws = ((rng.random(8), rng.standard_normal(8)) for _ in range(count))
+    drawn = np.mean([drawn_values(known, np.exp(-2 * change), 0.5, 1e-9, *draw) for draw in draws], axis=0)
     expected = weights @ (paths > 0) / weights.sum()
     assert np.all(np.abs(drawn - expected) < 4.5 * np.sqrt(expected * (1 - expected) / count))
 
@@ -119,8 +102,8 @@ def test_nothing_is_taken_out_where_no_two_values_stand_beside_what_reverts(effe
 @pytest.mark.parametrize("run", range(2))
 def test_telegraph_noise_and_a_markov_process_on_one_axis_are_both_named(run):
     data = sequence(SWITCHES, REVERTS, label=f"pair {run}")
-    result = conclude(search_axis(data, (), (BiasStep, GaussMarkov, RandomWalk), LOG_ALPHA, int(0.8 * COUNT)))
-    assert sorted(finding.name for finding in result.findings) == ["gauss_markov", "random_telegraph"]
+    result = result_of(data, BiasStep, GaussMarkov, RandomWalk)
+    assert names(result) == ["gauss_markov", "random_telegraph"]
     for finding in result.findings:
         truth = (SWITCHES if finding.name == "random_telegraph" else REVERTS).parameters()
         for name, interval in finding.parameters.items():
@@ -132,8 +115,7 @@ def test_switches_in_noise_that_changes_are_named_beside_the_change():
     """The spectrum has either another noise within the change or another step: the samples tell."""
     change = VarianceChange(500.0, 700.0, 8.0)
     data = sequence(SWITCHES, change, label="changed")
-    catalogue = (BiasStep, GaussMarkov, RandomWalk, VarianceChange)
-    result = conclude(search_axis(data, (), catalogue, LOG_ALPHA, int(0.8 * COUNT)))
+    result = result_of(data, BiasStep, GaussMarkov, RandomWalk, VarianceChange)
     found = {finding.name: finding.parameters for finding in result.findings}
     assert sorted(found) == ["random_telegraph", "variance_change"]
     for name, value in SWITCHES.parameters().items():
@@ -160,9 +142,5 @@ def test_a_cluster_of_switches_is_no_change_of_the_noise(run):
     data = sequence(RandomTelegraph(1.5e-2, 0.1), label=f"cluster {run}")
     values = data.values.copy()
     values[12_000:12_005] += 1.5e-2 * (1 if values[11_990:12_000].mean() < values.mean() else -1)
-    result = conclude(
-        search_axis(
-            data.with_values(values), (), (RandomWalk, GaussMarkov, VarianceChange), LOG_ALPHA, int(0.8 * COUNT)
-        )
-    )
+    result = result_of(data.with_values(values), RandomWalk, GaussMarkov, VarianceChange)
     assert [finding.name for finding in result.findings] == ["random_telegraph"]

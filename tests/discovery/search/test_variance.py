@@ -2,14 +2,23 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.discovery.simulated import COUNT, INTERVAL, LOG_ALPHA, WHITE, names, sequence, told_of
+from tests.discovery.simulated import (
+    COUNT,
+    INTERVAL,
+    KINDS,
+    KNOWN,
+    LOG_ALPHA,
+    WHITE,
+    names,
+    result_of,
+    sequence,
+    told_of,
+)
 
-from imugap.discovery.axis import conclude, search_axis
 from imugap.discovery.fit.axis_fit import fit
 from imugap.discovery.fit.description import Description
-from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.search.search import Search
-from imugap.effects import CATALOGUE, BiasInstability, BiasStep, GaussMarkov, Outliers, RandomTelegraph, VarianceChange
+from imugap.effects import BiasInstability, BiasStep, GaussMarkov, Outliers, RandomTelegraph, VarianceChange
 from imugap.stream import stream
 
 LOUDER = VarianceChange(1000.0, 1200.0, 2.4)
@@ -20,10 +29,8 @@ LOUDER = VarianceChange(1000.0, 1200.0, 2.4)
     ("change", "label"),
     [
         *((LOUDER, f"louder {run}") for run in range(3)),
-        *(
-            (replace(LOUDER, stop=stop, ratio=ratio), f"louder {ratio}")
-            for stop, ratio in ((1100.0, 4.5), (2000.0, 10.0))
-        ),
+        (replace(LOUDER, stop=1100.0, ratio=4.5), "louder 4.5"),
+        (replace(LOUDER, stop=2000.0, ratio=10.0), "louder 10.0"),
     ],
 )
 def test_outliers_beside_a_louder_stretch_have_their_share_and_size_and_it_its_ratio(change, label):
@@ -41,7 +48,7 @@ def test_outliers_beside_a_louder_stretch_have_their_share_and_size_and_it_its_r
     "change", [VarianceChange(200.0, 290.0, 1.3), VarianceChange(0.0, 960.0, depth=0.15, frequency=0.01, phase=1.0)]
 )
 def test_a_change_of_variance_is_weighed_again_as_it_was_taken(change):
-    search = Search(Description.known(WHITE), (VarianceChange,), LOG_ALPHA)
+    search = Search(KNOWN, (VarianceChange,), LOG_ALPHA)
     before = search.fitted(sequence(change), search.start)
     taken = min(search.trials(before, LOG_ALPHA), key=lambda trial: trial.log_p)
     again = search.added(taken.fit)[0].trial
@@ -56,8 +63,7 @@ def test_one_outlier_far_beyond_the_others_is_no_change_of_the_variance(apart):
     data, rng = sequence(BiasInstability(3e-4)), stream(apart, "outliers")
     places, white = rng.choice(COUNT, 20, replace=False), WHITE.density / np.sqrt(INTERVAL)
     data.values[places] += np.r_[40.0, np.full(19, 10.0)] * white * rng.choice([-1.0, 1.0], 20)
-    result = conclude(search_axis(data, (), tuple(CATALOGUE.values()), LOG_ALPHA, int(0.8 * COUNT)))
-    assert names(result) == ["bias_instability", "outliers"]
+    assert names(result_of(data)) == ["bias_instability", "outliers"]
 
 
 @pytest.mark.slow
@@ -74,7 +80,7 @@ def test_a_change_of_variance_keeps_its_name_beside_outliers(change):
 def test_beside_more_changes_of_the_variance_than_have_a_name_nothing_else_is_looked_for(number):
     changes = tuple(VarianceChange(start, start + 50.0, 3.0) for start in 100.0 + 200.0 * np.arange(number))
     data = sequence(*changes, BiasStep(480.0, 2e-3), label="restless")
-    search = Search(Description.known(WHITE), tuple(CATALOGUE.values()), LOG_ALPHA)
+    search = Search(KNOWN, KINDS, LOG_ALPHA)
     found = search.explore(fit(data, search.start.adding(*changes)))
     assert found.has(BiasStep) == (number == VarianceChange.most)
 
@@ -96,8 +102,7 @@ def test_outliers_in_noise_that_is_not_white_have_their_size(beside, step):
     outliers = 0.06 * rng.standard_normal(400)
     data.values[rng.choice(100_000, 400, replace=False)] += outliers
     values = step * np.rint(data.values / step) if step else data.values
-    data = AxisSequence(values, data.conditions, step=step)
-    before = fit(data, Description.known(WHITE, beside))
+    before = fit(replace(data, values=values, step=step), Description.known(WHITE, beside))
     assert (before.cells is not None) == (step > 0)
     cleaned = Search(before.description, (), LOG_ALPHA).without_outliers(before)
     assert cleaned.effect.std == pytest.approx(np.sqrt(np.mean(outliers**2)), rel=0.06)

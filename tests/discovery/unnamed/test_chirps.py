@@ -2,8 +2,8 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from tests.discovery.simulated import KINDS, LOG_ALPHA, result_of
 
-from imugap.discovery.axis import conclude, search_axis
 from imugap.discovery.checks import explained_by_bands
 from imugap.discovery.fit.axis_fit import fit
 from imugap.discovery.fit.description import Description
@@ -11,12 +11,13 @@ from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.search.search import Search
 from imugap.discovery.unnamed.chirps import find_chirps
 from imugap.discovery.unnamed.wandering_lines import Band
-from imugap.effects import CATALOGUE, OutputFilter, Sinusoid, WhiteNoise
+from imugap.effects import OutputFilter, Sinusoid, WhiteNoise
 from imugap.effects.conditions import Conditions
 from imugap.stream import stream
 
 COUNT, INTERVAL = 30_000, 0.02
-LOG_ALPHA = np.log(0.01 / 6 / 28)
+CONDITIONS = Conditions(INTERVAL * np.arange(COUNT), INTERVAL, axis="accel_y")
+DENSITY = WhiteNoise(1e-2 * np.sqrt(INTERVAL))
 
 
 def white(label, run=0):
@@ -30,9 +31,9 @@ def chirp(begin, end, deviate):
     return deviate * np.sqrt(2 / COUNT) * np.cos(angle)
 
 
-def found(values):
+def found(values, log_alpha=LOG_ALPHA):
     sequence = SimpleNamespace(conditions=SimpleNamespace(interval=INTERVAL))
-    return find_chirps(SimpleNamespace(whitened=values, sequence=sequence), LOG_ALPHA)
+    return find_chirps(SimpleNamespace(whitened=values, sequence=sequence), log_alpha)
 
 
 @pytest.mark.parametrize(("begin", "end"), [(1.0, 4.0), (6.0, 2.5), (20.0, 21.0), (1.5, 20.0)])
@@ -52,18 +53,13 @@ def test_noise_and_steady_lines_are_not_detected_as_chirps():
 
 @pytest.mark.slow
 def test_the_false_alarm_rate_of_chirps_is_at_most_nominal():
-    sequence = SimpleNamespace(conditions=SimpleNamespace(interval=INTERVAL))
-    often = [
-        find_chirps(SimpleNamespace(whitened=white("chance", i), sequence=sequence), np.log(0.1)) for i in range(100)
-    ]
+    often = [found(white("chance", run), np.log(0.1)) for run in range(100)]
     assert sum(map(bool, often)) <= 17  # 0.1 of 100 and two standard deviations
 
 
 @pytest.mark.slow
 def test_a_faint_chirp_is_located_and_not_named():
-    conditions = Conditions(INTERVAL * np.arange(COUNT), INTERVAL, axis="accel_y")
-    data = AxisSequence(1e-2 * (white("result") + chirp(1.5, 5.0, 12)), conditions)
-    result = conclude(search_axis(data, (), tuple(CATALOGUE.values()), LOG_ALPHA, int(0.8 * COUNT)))
+    result = result_of(AxisSequence(1e-2 * (white("result") + chirp(1.5, 5.0, 12)), CONDITIONS))
     assert result.findings == ()
     (band,) = result.bands
     assert band.low < 2 < 4 < band.high
@@ -72,21 +68,16 @@ def test_a_faint_chirp_is_located_and_not_named():
 @pytest.mark.parametrize(("cutoff", "misfitting"), [(24.6, True), (2.0, False)])
 def test_a_filter_that_is_significant_only_within_the_band_of_a_chirp_is_withheld(cutoff, misfitting):
     """The chirp raises the power of its band, so that higher frequencies appear filtered."""
-    conditions = Conditions(INTERVAL * np.arange(COUNT), INTERVAL, axis="accel_y")
     noise, filtered = white("filter"), OutputFilter(cutoff, 1)
-    noise = noise if misfitting else filtered.apply(noise, conditions, stream(1))
-    data = AxisSequence(1e-2 * (noise + chirp(2.3, 18.1, 30)), conditions)
-    density = WhiteNoise(1e-2 * np.sqrt(INTERVAL))
-    search = Search(Description.known(density), tuple(CATALOGUE.values()), LOG_ALPHA)
-    seen = fit(data, Description.known(density).adding(filtered))
-    added = search.added(seen)
+    noise = noise if misfitting else filtered.apply(noise, CONDITIONS, stream(1))
+    data = AxisSequence(1e-2 * (noise + chirp(2.3, 18.1, 30)), CONDITIONS)
+    known = Description.known(DENSITY)
+    added = Search(known, KINDS, LOG_ALPHA).added(fit(data, known.adding(filtered)))
     misfits = explained_by_bands(added, [Band(2.3, 18.1, -500.0)])
     assert list(misfits) == (added if misfitting else [])
 
 
 def test_a_steady_line_is_not_detected_as_a_chirp():
     line = Sinusoid(3.3, 1e-2, 0.3)
-    conditions = Conditions(INTERVAL * np.arange(COUNT), INTERVAL, axis="accel_y")
-    data = AxisSequence(1e-2 * white("line") + line.sample(conditions, None), conditions)
-    density = WhiteNoise(1e-2 * np.sqrt(INTERVAL))
-    assert find_chirps(fit(data, Description.known(density)), LOG_ALPHA) == ()
+    data = AxisSequence(1e-2 * white("line") + line.sample(CONDITIONS, None), CONDITIONS)
+    assert find_chirps(fit(data, Description.known(DENSITY)), LOG_ALPHA) == ()

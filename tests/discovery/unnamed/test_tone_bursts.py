@@ -1,18 +1,19 @@
 """Detection of tones that wander, are intermittent, or decay."""
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
 from scipy.stats import binom
+from tests.chance import as_often_as
+from tests.discovery import simulated
+from tests.discovery.simulated import INTERVAL, TIME, WHITE, fitted, moved, result_of
 
-from imugap.discovery.axis import conclude, search_axis
 from imugap.discovery.fit.axis_fit import fit
 from imugap.discovery.fit.description import Description, Entry
-from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.unnamed.tone_bursts import LENGTHS, LEVELS, cell_log_p, find_tone_bursts, loudest_band
 from imugap.effects import (
-    CATALOGUE,
     BiasStep,
     GaussMarkov,
     OutputFilter,
@@ -20,22 +21,11 @@ from imugap.effects import (
     RandomWalk,
     Sinusoid,
     VarianceChange,
-    WhiteNoise,
 )
-from imugap.effects.conditions import Conditions
-from imugap.effects.effect import AxisModel
 from imugap.stream import stream
 
-COUNT, INTERVAL = 24_000, 0.04
-TIME = INTERVAL * np.arange(COUNT)
-WHITE = WhiteNoise(1e-3)
 STD = 1e-3 / np.sqrt(INTERVAL)
-
-
-def sequence(*effects, added=0.0, label="glints"):
-    conditions = Conditions(TIME, INTERVAL, axis="gyro_x")
-    values = AxisModel((WHITE, *effects)).simulate(np.zeros(COUNT), conditions, 1, label)
-    return AxisSequence(values + added, conditions)
+sequence = partial(simulated.sequence, label="glints")
 
 
 def wandering(low, high):
@@ -53,7 +43,7 @@ def ringing(frequency):
 
 @pytest.mark.parametrize("tone", [wandering(2.0, 4.0), 3 * ringing(3.0)], ids=["wandering", "ringing"])
 def test_a_wandering_or_decaying_tone_is_found_as_a_band(tone):
-    (band,) = find_tone_bursts(fit(sequence(added=STD * tone), Description.known(WHITE)))
+    (band,) = find_tone_bursts(fitted(moved(sequence(), STD * tone)))
     assert 1.0 < band.low < 3.0 < band.high < 5.0
 
 
@@ -74,23 +64,22 @@ def test_described_effects_leave_no_tone_bursts(effect):
 
 def test_a_steady_line_and_a_step_are_no_tone_bursts():
     data = sequence(Sinusoid(3.0, STD), BiasStep(400.0, 20 * STD))
-    assert find_tone_bursts(fit(data, Description.known(WHITE))) == ()
+    assert find_tone_bursts(fitted(data)) == ()
     line = Entry(Sinusoid(3.0, STD), ("amplitude",))
-    assert find_tone_bursts(fit(data, Description.known(WHITE).adding(line))) == ()
+    assert find_tone_bursts(fitted(data, line)) == ()
 
 
 @pytest.mark.parametrize("share", [0.01, 0.1, 1.0])
 def test_frequencies_that_the_fit_does_not_use_are_not_tested(share):
     data = replace(sequence(), share=share)
-    assert find_tone_bursts(fit(data, Description.known(WHITE))) == ()
+    assert find_tone_bursts(fitted(data)) == ()
 
 
 def test_the_cell_p_value_of_white_noise_is_uniform():
     for length in LENGTHS:
         log_ps = cell_log_p(stream(3, "cells", length).standard_normal(400_000), length, 1.0)
         for level in LEVELS:
-            low, high = binom.ppf([1e-4, 1 - 1e-4], log_ps.size, np.exp(level))
-            assert low <= np.count_nonzero(log_ps < level) <= high
+            assert as_often_as((log_ps < level).ravel(), np.exp(level), 2e-4)
 
 
 def test_the_false_alarm_rate_of_tone_bursts_is_at_most_nominal():
@@ -105,7 +94,6 @@ def test_the_false_alarm_rate_of_tone_bursts_is_at_most_nominal():
 
 @pytest.mark.slow
 def test_a_wandering_tone_is_named_neither_noise_nor_filter():
-    data = sequence(added=0.6 * STD * wandering(2.0, 4.0))
-    found = conclude(search_axis(data, (), tuple(CATALOGUE.values()), np.log(0.01 / 6 / 28), int(0.8 * COUNT)))
+    found = result_of(moved(sequence(), 0.6 * STD * wandering(2.0, 4.0)))
     assert not found.findings
     assert found.bands

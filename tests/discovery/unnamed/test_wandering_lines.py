@@ -1,29 +1,24 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from tests.discovery import simulated
+from tests.discovery.simulated import KINDS, LOG_ALPHA, explored, names, result_of
 
-from imugap.discovery.axis import conclude, search_axis
-from imugap.discovery.fit.axis_fit import cosine_coefficients, fit
-from imugap.discovery.fit.description import Description
-from imugap.discovery.preparation.sequence import AxisSequence
-from imugap.discovery.search.search import Search
+from imugap.discovery.fit.axis_fit import cosine_coefficients
 from imugap.discovery.unnamed import wandering_lines
 from imugap.discovery.unnamed.wandering_lines import Band
-from imugap.effects import CATALOGUE, BiasInstability, BiasStep, Sinusoid, WhiteNoise
-from imugap.effects.conditions import Conditions
-from imugap.effects.effect import AxisModel
+from imugap.effects import BiasInstability, BiasStep, Sinusoid
 from imugap.stream import stream
 
 COUNT, INTERVAL = 12_000, 0.1
-WHITE = WhiteNoise(1e-3)
 LINE_HZ = 0.56
-LOG_ALPHA = np.log(0.01 / 6 / 28)
 
 
 def sequence(*effects, line=0.0, label="unsteady"):
     """White noise and effects, and a line of given amplitude whose amplitude and phase wander within 150 s."""
-    conditions = Conditions(INTERVAL * np.arange(COUNT), INTERVAL, axis="accel_x")
-    values = AxisModel((WHITE, *effects)).simulate(np.zeros(COUNT), conditions, 1, label)
-    return AxisSequence(values + line * wandering(), conditions)
+    data = simulated.sequence(*effects, count=COUNT, interval=INTERVAL, axis="accel_x", label=label)
+    return simulated.moved(data, line * wandering())
 
 
 def wandering():
@@ -34,20 +29,17 @@ def wandering():
     return np.interp(time, knots, size) * np.cos(2 * np.pi * LINE_HZ * time + np.interp(time, knots, phase))
 
 
-def explored(data):
-    search = Search(Description.known(WHITE), tuple(CATALOGUE.values()), LOG_ALPHA)
-    return search.explore(fit(data, search.start))
-
-
 def test_a_wandering_line_is_found_as_one_band():
-    (band,) = wandering_lines.find_bands(explored(sequence(line=4e-3)))
+    _, found = explored(sequence(line=4e-3), *KINDS)
+    (band,) = wandering_lines.find_bands(found)
     assert LINE_HZ / 1.1 < band.low < LINE_HZ < band.high < 1.1 * LINE_HZ
     assert band.log_p < LOG_ALPHA
 
 
 @pytest.mark.parametrize("effects", [(), (Sinusoid(LINE_HZ, 4e-3, 0.3),), (Sinusoid(0.3, 4e-3), Sinusoid(0.7, 4e-3))])
 def test_steady_lines_are_not_found_as_wandering(effects):
-    assert wandering_lines.find_bands(explored(sequence(*effects))) == ()
+    _, found = explored(sequence(*effects), *KINDS)
+    assert wandering_lines.find_bands(found) == ()
 
 
 def test_coefficients_outside_of_a_band_are_unchanged():
@@ -65,22 +57,21 @@ def test_coefficients_outside_of_a_band_are_unchanged():
 
 def test_rounded_samples_stay_coarse_after_the_removal_of_a_band():
     data = sequence(line=4e-3)
-    rounded = AxisSequence(0.02 * np.rint(data.values / 0.02), data.conditions, data.flawed)
+    rounded = replace(data, values=0.02 * np.rint(data.values / 0.02))
     assert rounded.coarse
     assert wandering_lines.without_bands(rounded, (Band(0.53, 0.59, -100.0),)).coarse
 
 
 @pytest.mark.slow
 def test_other_effects_keep_their_names_next_to_a_wandering_line():
-    data = sequence(BiasStep(700.0, 4e-3), BiasInstability(1e-3), line=4e-3)
-    result = conclude(search_axis(data, (), tuple(CATALOGUE.values()), LOG_ALPHA, int(0.8 * COUNT)))
-    assert sorted(finding.name for finding in result.findings) == ["bias_instability", "bias_step"]
+    result = result_of(sequence(BiasStep(700.0, 4e-3), BiasInstability(1e-3), line=4e-3))
+    assert names(result) == ["bias_instability", "bias_step"]
     (band,) = result.bands
     assert band.low < LINE_HZ < band.high
 
 
 @pytest.mark.slow
 def test_a_wandering_line_is_not_named():
-    result = conclude(search_axis(sequence(line=4e-3), (), tuple(CATALOGUE.values()), LOG_ALPHA, int(0.8 * COUNT)))
+    result = result_of(sequence(line=4e-3))
     assert result.findings == ()
     assert len(result.bands) == 1
