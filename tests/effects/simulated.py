@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from scipy.stats import binom, chi2
+from scipy.stats import chi2
 
 from imugap import log
 from imugap.effects import (
@@ -44,6 +44,7 @@ from imugap.effects import (
     WarmUp,
     WhiteNoise,
 )
+from imugap.estimation import allan
 from imugap.stream import stream
 
 PUBLISHED = pd.read_csv(
@@ -122,8 +123,7 @@ def motion(count, interval=0.01):
 
 def moving(count, axis, interval=0.01):
     """Conditions of an axis under motion."""
-    ideal = motion(count, interval)
-    return Conditions(ideal.index.to_numpy(), interval, ideal["temperature"].to_numpy(), axis, ideal)
+    return under(axis, motion(count, interval), interval)
 
 
 @lru_cache(maxsize=16)
@@ -139,27 +139,36 @@ def published(quantity):
     return pytest.approx(row["value"], abs=row["half_digit"])
 
 
-def inside(variances, truth, power=0.03):
-    """Whether the mean of independent estimates agrees with the truth; the estimate has to be sharp enough to tell."""
-    error = variances.std(ddof=1) / np.sqrt(len(variances))
-    assert error < power * truth
-    return abs(variances.mean() - truth) < 4 * error
-
-
 def sharp_std(samples, std, alpha=1e-4):
     """Whether independent zero-mean Gaussian samples have this standard deviation (chi-square, two-sided)."""
     low, high = chi2.ppf([alpha / 2, 1 - alpha / 2], samples.size)
     return low < np.sum(samples**2) / std**2 < high
 
 
-def shares(hits, probability, alpha=1e-4):
-    """Whether the share of independent hits agrees with their probability, two-sided."""
-    low, high = binom.ppf([alpha / 2, 1 - alpha / 2], hits.size, probability)
-    return low <= hits.sum() <= high
+def under(axis, ideal, interval=0.01):
+    """Conditions of an axis under the motion of an error-free log."""
+    temperature = ideal["temperature"].to_numpy() if "temperature" in ideal else None
+    return Conditions(ideal.index.to_numpy(), interval, temperature, axis, ideal)
+
+
+def inputs(axis, interval=0.01, **values):
+    """Conditions of an axis under the inputs of the axes that are given."""
+    return under(axis, log.from_samples(values, interval), interval)
 
 
 def held(axis, **values):
     """Conditions of an axis under constant inputs."""
-    columns = {name: np.full(200, values.get(name, 0.0)) for name in log.AXES}
-    ideal = log.from_samples(columns, 0.01)
-    return Conditions(ideal.index.to_numpy(), 0.01, None, axis, ideal)
+    return inputs(axis, **{name: np.full(200, values.get(name, 0.0)) for name in log.AXES})
+
+
+def tapered_power(sequences, interval=0.01):
+    """Two-sided spectra of sequences, shape (runs, count), through a Hann window, and the frequencies [Hz]."""
+    count = sequences.shape[1]
+    taper = np.hanning(count)
+    power = np.abs(np.fft.rfft(sequences * taper)) ** 2 * interval / np.sum(taper**2)
+    return power, np.fft.rfftfreq(count, interval)
+
+
+def allan_variances(sequences, averaging):
+    """Allan variances of sequences, shape (runs, averaging times), the latter in samples."""
+    return np.array([allan.variance(sequence, averaging) for sequence in sequences])

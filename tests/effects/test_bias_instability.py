@@ -3,11 +3,10 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from scipy.integrate import quad
-from tests.effects.simulated import PUBLISHED, RUNS, conditions, draws
+from tests.effects.simulated import PUBLISHED, RUNS, allan_variances, conditions, draws
 
 from imugap.effects import BiasInstability
 from imugap.effects.bias_instability import FLOOR, FractionalFlicker
-from imugap.estimation import allan
 
 
 def test_flicker_floor_is_that_of_ieee_952():
@@ -58,7 +57,7 @@ def test_allan_variance_of_flicker_is_the_integral_of_its_sampled_spectrum(form,
 
 def test_samples_of_fractional_flicker_have_its_allan_variance():
     process, n = FractionalFlicker(0.4), np.array([1, 4, 16])
-    found = np.mean([allan.variance(run, n) for run in draws(process, RUNS, 1024, "fractional")], axis=0)
+    found = np.mean(allan_variances(draws(process, RUNS, 1024, "fractional"), n), axis=0)
     np.testing.assert_allclose(found, process.sampled_allan_variance(n, 0.01), rtol=0.02)
 
 

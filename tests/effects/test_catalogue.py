@@ -25,13 +25,8 @@ from imugap.stream import stream
 
 
 def test_catalogue_has_one_effect_per_file():
-    files = {path.stem for path in Path(imugap.effects.__file__).parent.glob("*.py")} - {
-        "__init__",
-        "effect",
-        "conditions",
-        "residual",
-    }
-    assert set(CATALOGUE) == files
+    files = {path.stem for path in Path(imugap.effects.__file__).parent.glob("*.py")}
+    assert set(CATALOGUE) == files - {"__init__", "effect", "conditions", "residual"}
     assert all(name == effect.name for name, effect in CATALOGUE.items())
     assert set(EXAMPLES) == set(CATALOGUE)
 
@@ -123,9 +118,8 @@ def test_slopes_are_the_limits_of_difference_quotients(effect):
 
 
 def test_systematic_effects_are_all_put_to_the_test():
-    assert {type(effect) for effect in SYSTEMATIC} == {
-        kind for kind in CATALOGUE.values() if issubclass(kind, SystematicEffect)
-    }
+    kinds = {kind for kind in CATALOGUE.values() if issubclass(kind, SystematicEffect)}
+    assert {type(effect) for effect in SYSTEMATIC} == kinds
 
 
 def test_no_effect_is_found_in_plain_noise_and_each_in_its_own():

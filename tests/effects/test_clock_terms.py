@@ -1,7 +1,8 @@
 import numpy as np
 import pytest
 from scipy.stats import binom
-from tests.effects.simulated import conditions, motion, shares, sharp_std
+from tests.chance import as_often_as
+from tests.effects.simulated import conditions, motion, sharp_std
 
 from imugap import log
 from imugap.effects import ClockScale, SampleLoss, TimestampJitter
@@ -15,10 +16,9 @@ def test_lost_samples_leave_the_others_with_their_stamps():
     kept = SampleLoss(0.02, 5.0).keep(table, stream(11, "loss"))
     assert kept.equals(table.loc[kept.index])
     steps = np.rint(np.diff(kept.index) / 0.01)
-    assert shares(steps > 1, 0.02)
+    assert as_often_as(steps > 1, 0.02)
     gaps = steps[steps > 1] - 1
-    error = np.sqrt(5.0 * 4.0 / len(gaps))
-    assert abs(gaps.mean() - 5.0) < 4 * error
+    assert gaps.mean() == pytest.approx(5.0, abs=4 * np.sqrt(5.0 * 4.0 / len(gaps)))
 
 
 def test_a_loss_that_leaves_no_log_is_refused():

@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 from scipy.linalg import toeplitz
 from scipy.optimize import minimize_scalar
+from tests.chance import mean_is
 from tests.effects.simulated import PUBLISHED, draws, published, sharp_std
 
 from imugap.effects import GaussMarkov, RandomWalk, WhiteNoise
@@ -17,9 +18,7 @@ def test_gauss_markov_starts_stationary_and_stays_so():
 @pytest.mark.parametrize("lag", [1, 5, 20, 40])
 def test_gauss_markov_correlation_decays_over_the_correlation_time(lag):
     sequences = draws(GaussMarkov(1.0, 0.2), 4000, 41, "lag")
-    products = sequences[:, 0] * sequences[:, lag]
-    error = products.std() / np.sqrt(len(products))
-    assert abs(products.mean() - np.exp(-lag * 0.01 / 0.2)) < 4 * error
+    assert mean_is(sequences[:, 0] * sequences[:, lag], np.exp(-lag * 0.01 / 0.2))
 
 
 @pytest.mark.parametrize("x", [1e-3, 0.1, 1.0, 1.89, 8.0])

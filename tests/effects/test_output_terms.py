@@ -3,11 +3,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.stats import norm
-from tests.effects.simulated import conditions, inside, shares
+from tests.chance import as_often_as, mean_is
+from tests.effects.simulated import conditions, inputs
 
-from imugap import log
 from imugap.effects import (
-    Conditions,
     Resolution,
     Saturation,
     ScaleFactor,
@@ -32,7 +31,7 @@ def test_resolution_goes_to_the_nearest_point_of_the_lattice_and_stays_there(val
 def test_resolution_adds_the_variance_of_a_uniform_law():
     values = stream(3, "resolution").uniform(-50, 50, 20_000)
     errors = Resolution(0.4).apply(values, conditions(len(values)), stream(1)) - values
-    assert inside(errors**2, 0.4**2 / 12)
+    assert mean_is(errors**2, 0.4**2 / 12, share=0.03)
 
 
 @given(st.integers(30, 400), st.floats(1e-6, 1e3), st.floats(-10, 10))
@@ -51,12 +50,12 @@ def test_restoration_of_a_constant_sequence_is_refused():
 def test_saturation_puts_the_tails_on_its_limits_and_leaves_the_rest():
     values = stream(11, "saturation").standard_normal(50_000)
     clipped = Saturation(1.5).apply(values, conditions(len(values)), stream(1))
-    assert shares(clipped == 1.5, norm.sf(1.5))
-    assert shares(clipped == -1.5, norm.sf(1.5))
+    assert as_often_as(clipped == 1.5, norm.sf(1.5))
+    assert as_often_as(clipped == -1.5, norm.sf(1.5))
     within = np.abs(values) < 1.5
     np.testing.assert_array_equal(clipped[within], values[within])
     variance = 1 - 2 * (1.5 * norm.pdf(1.5) + norm.sf(1.5)) + 2 * 1.5**2 * norm.sf(1.5)
-    assert inside(clipped**2, variance)
+    assert mean_is(clipped**2, variance, share=0.03)
 
 
 def test_stuck_samples_repeat_the_last_value_for_their_length():
@@ -65,8 +64,8 @@ def test_stuck_samples_repeat_the_last_value_for_their_length():
     repeated = np.r_[False, np.diff(stuck) == 0]
     np.testing.assert_array_equal(stuck[~repeated], values[~repeated])
     begins = repeated[1:] & ~repeated[:-1]
-    assert shares(begins[~repeated[:-1]], 0.02)
-    assert shares(~repeated[1:][repeated[:-1]], 1 / 5.0)
+    assert as_often_as(begins[~repeated[:-1]], 0.02)
+    assert as_often_as(~repeated[1:][repeated[:-1]], 1 / 5.0)
 
 
 def test_certainly_stuck_samples_repeat_every_other_value():
@@ -126,8 +125,7 @@ def test_one_sample_that_falls_short_of_a_known_motion_is_clipped_and_a_lone_out
     rough = stream(13, "rough").standard_normal(count)
     largest = int(np.argmax(np.abs(rough)))
     rough[largest] *= 1.2
-    ideal = log.from_samples({"gyro_z": rough}, 0.01)
-    place = Conditions(ideal.index.to_numpy(), 0.01, None, "gyro_z", ideal)
+    place = inputs("gyro_z", gyro_z=rough)
     values = AxisModel((WhiteNoise(1e-4), *effects)).simulate(rough, place, 1, "short")
     assert Saturation.found(values, place) is None
     clipped = np.clip(values, *(side * 0.85 * abs(values[largest]) for side in (-1, 1)))

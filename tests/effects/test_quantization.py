@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
-from tests.effects.simulated import conditions, inside
+from tests.chance import mean_is
+from tests.effects.simulated import allan_variances, conditions
 
 from imugap.effects import Quantization
-from imugap.estimation import allan
 from imugap.stream import stream
 
 
@@ -14,9 +14,9 @@ def test_quantization_is_what_rounding_of_the_angle_does_to_the_rate():
     rounded = np.rint(angle / lsb) * lsb
     errors = np.diff(rounded - angle, axis=1) / 0.01
     process = Quantization(lsb / np.sqrt(12))
-    for n in (1, 4, 50):
-        found = np.array([allan.variance(sequence, np.array([n]))[0] for sequence in errors])
-        assert inside(found, process.sampled_allan_variance(n, 0.01)), n
+    averaging = np.array([1, 4, 50])
+    found = allan_variances(errors, averaging)
+    assert mean_is(found, process.sampled_allan_variance(averaging, 0.01), share=0.03)
     assert np.abs(process.sample(conditions(1000), stream(7, "bound"))).max() <= lsb / 0.01
 
 

@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
-from tests.effects.simulated import draws, shares
+from tests.chance import as_often_as
+from tests.effects.simulated import draws
 
 from imugap.effects import Conditions, RandomTelegraph
 from imugap.stream import stream
@@ -9,7 +10,7 @@ from imugap.stream import stream
 def test_telegraph_has_two_values_and_starts_at_either():
     sequences = draws(RandomTelegraph(1.4, 2.5), 4000, 3, "values")
     assert set(np.unique(sequences)) == {-0.7, 0.7}
-    assert shares(sequences[:, 0] > 0, 0.5)
+    assert as_often_as(sequences[:, 0] > 0, 0.5)
 
 
 def test_telegraph_switches_between_uneven_stamps_as_a_poisson_process_does():
@@ -18,7 +19,7 @@ def test_telegraph_switches_between_uneven_stamps_as_a_poisson_process_does():
     process = RandomTelegraph(2.0, 2.5)
     signs = np.array([process.sample(at, stream(11, "uneven", run)) for run in range(8000)])
     for k, gap in enumerate(np.diff(time)):
-        assert shares(signs[:, k] != signs[:, k + 1], (1 - np.exp(-2 * 2.5 * gap)) / 2), gap
+        assert as_often_as(signs[:, k] != signs[:, k + 1], (1 - np.exp(-2 * 2.5 * gap)) / 2), gap
 
 
 def test_telegraph_is_no_gaussian_process_and_has_no_state_space():

@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
-from tests.effects.simulated import conditions, inside, shares, sharp_std
+from tests.chance import as_often_as, mean_is
+from tests.effects.simulated import conditions, sharp_std
 
 from imugap.effects import Bias, CommonMode, Conditions, GaussMarkov, Outliers, VarianceChange, WhiteNoise
 from imugap.stream import stream
@@ -9,10 +10,9 @@ from imugap.stream import stream
 def test_outliers_come_with_their_probability_and_deviation():
     sequence = Outliers(0.05, 2.0).sample(conditions(100_000), stream(11, "outliers"))
     hit = sequence != 0
-    assert shares(hit, 0.05)
+    assert as_often_as(hit, 0.05)
     assert sharp_std(sequence[hit], 2.0)
-    squares = np.square(sequence)
-    assert inside(squares, 0.05 * 2.0**2)
+    assert mean_is(np.square(sequence), 0.05 * 2.0**2, share=0.03)
 
 
 @pytest.mark.parametrize("probability", [0.0, 1.0])
