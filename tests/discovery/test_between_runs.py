@@ -15,6 +15,13 @@ from imugap.stream import stream
 INTERVAL = 0.02
 LOG_ALPHA = np.log(1e-4)
 FREE = ("frequency", "amplitude", "phase")
+LINES = {"gyro_x": 3.1, "accel_y": 11.7}
+"""Frequencies of the lines of two axes [Hz]."""
+WHITE = WhiteNoise(1e-4)
+
+
+def at(count, interval=INTERVAL, axis="gyro_x"):
+    return Conditions(np.arange(count) * interval, interval, axis=axis)
 
 
 def run(number, ratio, lines, count=12000, label="clock"):
@@ -22,19 +29,16 @@ def run(number, ratio, lines, count=12000, label="clock"):
     fits = {}
     for axis, frequency in lines.items():
         rng = stream(number, label, axis)
-        conditions = Conditions(np.arange(count) * INTERVAL, INTERVAL, axis=axis)
+        conditions = at(count, axis=axis)
         line = Sinusoid(frequency / ratio, 3e-4, float(rng.uniform(0, 6)))
-        noise = WhiteNoise(1e-4)
-        values = line.sample(conditions, None) + noise.sample(conditions, rng)
-        sequence = AxisSequence(values, conditions)
-        fits[axis] = fit(sequence, Description.known(noise).adding(Entry(line, FREE)))
+        values = line.sample(conditions, None) + WHITE.sample(conditions, rng)
+        fits[axis] = fit(AxisSequence(values, conditions), Description.known(WHITE).adding(Entry(line, FREE)))
     return fits
 
 
 @pytest.mark.parametrize("ratio", [1.0001, 0.9995, 1.005])
 def test_lines_of_two_axes_determine_the_clock_ratio(ratio):
-    lines = {"gyro_x": 3.1, "accel_y": 11.7}
-    (found,) = clock_findings([run(1, 1.0, lines), run(2, ratio, lines)], LOG_ALPHA)
+    (found,) = clock_findings([run(1, 1.0, LINES), run(2, ratio, LINES)], LOG_ALPHA)
     interval = found.parameters["ratio"]
     assert interval.low < ratio < interval.high
     assert interval.high - interval.low < 1e-4
@@ -44,9 +48,9 @@ def test_lines_of_two_axes_determine_the_clock_ratio(ratio):
 
 @pytest.mark.slow
 def test_the_interval_of_the_clock_ratio_has_nominal_coverage():
-    lines, ratio, inside = {"gyro_x": 3.1, "accel_y": 11.7}, 1.0001, []
+    ratio, inside = 1.0001, []
     for number in range(40):
-        pair = [run(number, 1.0, lines, label="first"), run(number, ratio, lines, label="second")]
+        pair = [run(number, 1.0, LINES, label="first"), run(number, ratio, LINES, label="second")]
         ratios = [found.parameters["ratio"] for found in clock_findings(pair, LOG_ALPHA)]
         inside += [one.low < ratio < one.high for one in ratios]
     assert len(inside) >= 37  # lines disagree by chance in one of a hundred
@@ -54,45 +58,38 @@ def test_the_interval_of_the_clock_ratio_has_nominal_coverage():
 
 
 def test_equal_clocks_and_independently_shifted_lines_give_no_finding():
-    lines = {"gyro_x": 3.1, "accel_y": 11.7}
-    same = [run(number, 1.0, lines) for number in (1, 2, 3)]
+    same = [run(number, 1.0, LINES) for number in (1, 2, 3)]
     assert clock_findings(same, LOG_ALPHA) == ()
     assert clock_findings([same[0], run(4, 1.0, {"gyro_x": 3.1, "accel_y": 11.75})], LOG_ALPHA) == ()
 
 
 def test_only_the_run_of_another_clock_is_named():
-    lines = {"gyro_x": 3.1, "accel_y": 11.7}
-    found = clock_findings([run(1, 1.0, lines), run(2, 1.0, lines), run(3, 1.0003, lines)], LOG_ALPHA)
+    found = clock_findings([run(1, 1.0, LINES), run(2, 1.0, LINES), run(3, 1.0003, LINES)], LOG_ALPHA)
     assert [one.parameters["run"].value for one in found] == [3]
 
 
 def test_correct_stamps_of_another_rate_are_no_clock_error():
     fits = []
     for number, interval in ((1, 0.01), (2, 0.0125)):
-        conditions = Conditions(np.arange(20_000) * interval, interval, axis="gyro_x")
-        lines = [Sinusoid(frequency, 2e-4) for frequency in (17.7, 23.0, 31.3)]
-        noise = WhiteNoise(1e-4)
-        values = noise.sample(conditions, stream(number, "rates"))
-        values += sum(line.sample(conditions, None) for line in lines)
-        sequence = AxisSequence(values, conditions)
-        fits.append({"gyro_x": fit(sequence, Description.known(noise).adding(*(Entry(one, FREE) for one in lines)))})
+        conditions = at(20_000, interval)
+        lines = [Entry(Sinusoid(frequency, 2e-4), FREE) for frequency in (17.7, 23.0, 31.3)]
+        values = WHITE.sample(conditions, stream(number, "rates"))
+        values += sum(line.effect.sample(conditions, None) for line in lines)
+        fits.append({"gyro_x": fit(AxisSequence(values, conditions), Description.known(WHITE).adding(*lines))})
     assert clock_findings(fits, LOG_ALPHA) == ()
 
 
 def levelled(number, levels, effects, noise, found=()):
     """Fit runs with the same ``effects`` at ``levels``; the first with the terms ``found``, as after a search."""
-    fits, white = [], WhiteNoise(1e-4)
+    fits, conditions, hidden = [], at(3000), (WHITE, *effects, *noise)
     for run, level in enumerate(levels):
-        conditions = Conditions(np.arange(3000) * INTERVAL, INTERVAL, axis="gyro_x")
-        values = level + sum(
-            one.sample(conditions, stream(number, "level", run, one.name)) for one in (white, *effects, *noise)
-        )
-        sequence = AxisSequence(values, conditions)
+        own = (one.sample(conditions, stream(number, "level", run, one.name)) for one in hidden)
+        sequence = AxisSequence(level + sum(own), conditions)
         if fits:
-            fits.append({"gyro_x": fit_like_first(sequence, (), fits[0]["gyro_x"])})
+            fits.append(fit_like_first(sequence, (), fits[0]))
         else:
-            fits.append({"gyro_x": fit(sequence, Description.known(white).adding(*noise, *found))})
-    return fits
+            fits.append(fit(sequence, Description.known(WHITE).adding(*noise, *found)))
+    return [{"gyro_x": one} for one in fits]
 
 
 REPEATED = {
@@ -131,11 +128,10 @@ def test_the_level_error_is_infinite_with_noise_of_free_slope():
 
 
 def test_turn_on_bias_of_several_runs():
-    fits = [
-        {"gyro_x": simulated.fitted(simulated.sequence(TurnOnBias(1e-3), count=4000, label=f"run{run}"))}
-        for run in range(8)
-    ]
-    (finding,) = turn_on_findings(fits, simulated.LOG_ALPHA)
+    def runs(*effects):
+        data = (simulated.sequence(*effects, count=4000, label=f"run{run}") for run in range(8))
+        return [{"gyro_x": simulated.fitted(one)} for one in data]
+
+    (finding,) = turn_on_findings(runs(TurnOnBias(1e-3)), simulated.LOG_ALPHA)
     assert finding.parameters["std"].low < 1e-3 < finding.parameters["std"].high
-    same = [{"gyro_x": simulated.fitted(simulated.sequence(count=4000, label=f"run{run}"))} for run in range(8)]
-    assert turn_on_findings(same, simulated.LOG_ALPHA) == ()
+    assert turn_on_findings(runs(), simulated.LOG_ALPHA) == ()

@@ -39,15 +39,24 @@ def model(*effects, axes=log.AXES):
     return ErrorModel({axis: AxisModel((WHITE, *effects)) for axis in axes})
 
 
+def distances(measured, split, before, after, reference=None, seed=1):
+    """Distances of the distribution of the held-out part from those of two models."""
+    return combined([HeldOutComparison(measured, split, before, after, reference).distribution(seed=seed)])
+
+
+def gyro(*effects):
+    """An error model of one gyroscope, and the log of it at rest."""
+    one = model(*effects, axes=("gyro_x",))
+    return one, one.simulate(rest(axes=("gyro_x",)), 1)
+
+
 @pytest.mark.parametrize(
     "hidden", [GaussMarkov(3e-3, 2.0), Sinusoid(3.0, 6e-3), RateRamp(3e-4), Resolution(0.02), RandomWalk(2e-3)]
 )
 def test_the_right_model_is_at_the_floor_and_the_poor_one_is_not(hidden):
     axes = ("gyro_x", "accel_z")
     measured = model(hidden, axes=axes).simulate(rest(axes=axes), 1)
-    found = combined(
-        [HeldOutComparison(measured, 50.0, model(axes=axes), model(hidden, axes=axes)).distribution(seed=1)]
-    )
+    found = distances(measured, 50.0, model(axes=axes), model(hidden, axes=axes))
     assert found.before.low > found.floor.high
     assert found.before.value > 1.5 * found.after.value
     assert found.floor.low * 0.95 < found.after.value < found.floor.high * 1.05
@@ -56,17 +65,9 @@ def test_the_right_model_is_at_the_floor_and_the_poor_one_is_not(hidden):
 
 
 def test_an_effect_that_is_not_there_does_no_good():
-    axes = ("gyro_x",)
-    measured = model(axes=axes).simulate(rest(axes=axes), 1)
-    found = combined(
-        [
-            HeldOutComparison(measured, 50.0, model(axes=axes), model(Sinusoid(3.0, 3e-3), axes=axes)).distribution(
-                seed=1
-            )
-        ]
-    )
+    true, measured = gyro()
+    found = distances(measured, 50.0, true, model(Sinusoid(3.0, 3e-3), axes=("gyro_x",)))
     assert found.after.value > max(found.before.high, found.floor.high)
-    assert found.after.value > found.floor.high
 
 
 @pytest.mark.slow
@@ -78,12 +79,9 @@ def test_navigation_sees_what_drifts():
 
 
 def test_the_level_of_a_device_at_rest_and_its_biases_do_not_matter():
-    axes = ("gyro_x",)
-    measured = model(axes=axes).simulate(rest(axes=axes), 1)
-    shifted = measured + 5.0
+    true, measured = gyro()
     biased = ErrorModel({"gyro_x": AxisModel((Bias(3.0), WHITE))})
-    one = combined([HeldOutComparison(measured, 50.0, model(axes=axes), model(axes=axes)).distribution(seed=1)])
-    other = combined([HeldOutComparison(shifted, 50.0, model(axes=axes), biased).distribution(seed=1)])
+    one, other = distances(measured, 50.0, true, true), distances(measured + 5.0, 50.0, true, biased)
     for name in ("before", "after", "floor"):
         assert getattr(other, name).value == pytest.approx(getattr(one, name).value, rel=1e-6)
 
@@ -94,18 +92,16 @@ def test_motion_is_compared_with_its_reference():
     reference = log.from_samples({"gyro_x": swing}, INTERVAL)
     hidden = model(ScaleFactor(5e-3), axes=("gyro_x",))
     measured = hidden.simulate(reference, 1)
-    compared = HeldOutComparison(measured, 50.0, model(axes=("gyro_x",)), hidden, reference)
-    found = combined([compared.distribution(seed=1)])
+    found = distances(measured, 50.0, model(axes=("gyro_x",)), hidden, reference)
     assert found.before.low > found.floor.high
     assert found.floor.low * 0.9 < found.after.value < found.floor.high * 1.1
 
 
 @pytest.mark.parametrize("split", [0.5, 79.9, 100.0])
 def test_a_split_that_leaves_nothing_is_refused(split):
-    axes = ("gyro_x",)
-    measured = model(axes=axes).simulate(rest(axes=axes), 1)
+    true, measured = gyro()
     with pytest.raises(ValueError, match=r"split: expected 64 samples on either side"):
-        HeldOutComparison(measured, split, model(axes=axes), model(axes=axes)).distribution(seed=1)
+        distances(measured, split, true, true)
 
 
 def fitted(measured, held_in, description):
@@ -116,8 +112,7 @@ def fitted(measured, held_in, description):
 
 def test_drawn_models_scatter_as_their_fit_says():
     described = Description.known(WHITE).adding(Entry(RateRamp(1e-4), ("slope",)), GaussMarkov(3e-3, 2.0))
-    axes = ("gyro_x",)
-    measured = model(GaussMarkov(3e-3, 2.0), RateRamp(1e-4), axes=axes).simulate(rest(axes=axes), 1)
+    _, measured = gyro(GaussMarkov(3e-3, 2.0), RateRamp(1e-4))
     found = fitted(measured, 4000, described)
     fixed = Resolution(1e-4)
     uncertain = UncertainModel.of(

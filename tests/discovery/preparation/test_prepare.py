@@ -109,8 +109,26 @@ def healthy(*labels):
     return table[[axis for axis in log.AXES if axis in columns]], steps
 
 
-def check_silence(cases):
-    """No name but that of a lattice that is there, no gap of the stamps."""
+def holding(found, **truth):
+    """The number of parameters whose interval holds the truth."""
+    return sum(found[name].low < value < found[name].high for name, value in truth.items())
+
+
+def stuck_rows(table, length, seed):
+    """The log with all axes stuck together, in a thousandth of the samples for a mean length."""
+    stuck = simulate_runs(len(table), 1e-3, length, stream(seed, "held"))
+    rows = np.maximum.accumulate(np.where(stuck, 0, np.arange(len(table))))
+    return table.iloc[rows].set_axis(table.index)
+
+
+def parameters_of(record, axis):
+    return next(found.effects[axis] for found in record.findings if axis in found.effects)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("cases", "least"), [(range(120), 20), (range(120, 1120), 200)], ids=["few", "a thousand"])
+def test_nothing_is_named_where_nothing_is_hidden(cases, least):
+    """No name but that of a lattice that is there, no discrepancy of the stamps."""
     named = 0
     for case in cases:
         table, steps = healthy(case)
@@ -120,21 +138,7 @@ def check_silence(cases):
             assert parameters_of(record, axis).step == pytest.approx(steps[axis], rel=1e-3), (case, axis)
             named += 1
         assert not [place for place in record.discrepancies if place.view == "stamps"], case
-    return named
-
-
-def parameters_of(record, axis):
-    return next(found.effects[axis] for found in record.findings if axis in found.effects)
-
-
-@pytest.mark.slow
-def test_nothing_is_named_where_nothing_is_hidden():
-    assert check_silence(range(120)) > 20  # lattices are there to be named
-
-
-@pytest.mark.slow
-def test_nothing_is_named_in_a_thousand_logs_where_nothing_is_hidden():
-    assert check_silence(range(120, 1120)) > 200
+    assert named > least
 
 
 CASES = 100
@@ -261,14 +265,18 @@ def test_the_output_is_kept_as_it_is_but_for_what_was_lost(reference):
     assert {"saturation", "stuck_samples", "sample_loss"} <= {name for _, name in names(record)}
 
 
+def of_steps(values, step=1e-3):
+    """A log of one axis of values in steps of its lattice."""
+    return log.from_samples({"gyro_x": step * values}, 0.01)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(("size", "louder"), [(0.2, 6.0), (0.5, 6.0), (0.8, 4.0)])
 def test_what_a_coarse_lattice_repeats_is_not_stuck_though_the_noise_is_louder_for_a_while(size, louder):
     for seed in range(30):
         noise = size * stream(seed, "louder").standard_normal(4000)
         noise[1000:1500] *= louder
-        record = prepare(log.from_samples({"gyro_x": 1e-4 * np.rint(noise)}, 0.01))
-        assert names(record) == {("gyro_x", "resolution")}
+        assert names(prepare(of_steps(np.rint(noise), 1e-4))) == {("gyro_x", "resolution")}
 
 
 @pytest.mark.slow
@@ -278,14 +286,13 @@ def test_what_a_converter_without_some_codes_repeats_is_not_stuck(deviation):
         rng = stream(seed, "codes")
         codes = np.rint(deviation * rng.standard_normal(30_000))
         codes += np.isin(codes, rng.choice(np.unique(codes), len(np.unique(codes)) // 4, replace=False))
-        record = prepare(log.from_samples({"gyro_x": 1e-4 * codes}, 0.01))
-        assert names(record) == {("gyro_x", "resolution")}
+        assert names(prepare(of_steps(codes, 1e-4))) == {("gyro_x", "resolution")}
 
 
 @pytest.mark.parametrize(("cutoff", "order", "size"), [(0.08, 2, 6.0), (0.14, 4, 6.0), (0.04, 2, 10.0), (0.3, 4, 3.3)])
 def test_what_a_smooth_signal_repeats_where_it_turns_is_not_stuck(cutoff, order, size):
     smooth = lfilter(*butter(order, cutoff), stream(1, "smooth").standard_normal(100_000))
-    record = prepare(log.from_samples({"gyro_x": 1e-4 * np.rint(size * smooth / smooth.std())}, 0.01))
+    record = prepare(of_steps(np.rint(size * smooth / smooth.std()), 1e-4))
     assert names(record) == {("gyro_x", "resolution")}
 
 
@@ -295,10 +302,6 @@ def hand(seed, deviation=0.8, axis="gyro_x", period=60, count=30_000):
     turns = np.sin(2 * np.pi * rng.uniform(0.1, 2.0, (6, 1)) * time + rng.uniform(0, 6, (6, 1))).sum(axis=0)
     ideal = 100 * turns * np.where(np.sin(2 * np.pi * time / period) > 0.3, 0.02, 1.0)
     return ideal, np.rint(ideal + deviation * rng.standard_normal(count))
-
-
-def of_steps(values):
-    return log.from_samples({"gyro_x": 1e-3 * values}, 0.01)
 
 
 def test_what_a_coarse_lattice_repeats_while_a_motion_is_slow_is_not_stuck():
@@ -321,13 +324,10 @@ def test_what_sticks_on_all_axes_is_found_in_motion():
     for seed in range(8):
         pairs = {axis: hand(seed, 1.7, axis) for axis in axes}
         ideal, values = (log.from_samples({axis: 1e-3 * pair[k] for axis, pair in pairs.items()}, 0.01) for k in (0, 1))
-        stuck = simulate_runs(len(values), 1e-3, 4.0, stream(seed, "held"))
-        rows = np.maximum.accumulate(np.where(stuck, 0, np.arange(len(values))))
-        record = prepare(values.iloc[rows].set_axis(values.index), ideal)
+        record = prepare(stuck_rows(values, 4.0, seed), ideal)
         found = parameters(record, "stuck_samples")
         assert {axis for axis, name in names(record) if name == "stuck_samples"} == set(axes)
-        held += found["probability"].low < 1e-3 < found["probability"].high
-        held += found["length"].low < 4.0 < found["length"].high
+        held += holding(found, probability=1e-3, length=4.0)
     assert held >= binom.ppf(1e-3, 16, 0.95)
 
 
@@ -338,13 +338,10 @@ def test_what_sticks_on_all_axes_is_found_where_some_lattices_are_too_coarse_to_
         noise = {axis: size * stream(seed, axis).standard_normal(60_000) for axis, size in deviations.items()}
         values = log.from_samples({axis: 1e-3 * np.rint(one) for axis, one in noise.items()}, 0.01)
         assert {name for _, name in names(prepare(values))} == {"resolution"}
-        stuck = simulate_runs(len(values), 1e-3, 6.0, stream(seed, "held"))
-        rows = np.maximum.accumulate(np.where(stuck, 0, np.arange(len(values))))
-        record = prepare(values.iloc[rows].set_axis(values.index))
+        record = prepare(stuck_rows(values, 6.0, seed))
         found = parameters(record, "stuck_samples")
         assert {axis for axis, name in names(record) if name == "stuck_samples"} == set(deviations)
-        held += found["probability"].low < 1e-3 < found["probability"].high
-        held += found["length"].low < 6.0 < found["length"].high
+        held += holding(found, probability=1e-3, length=6.0)
     assert held >= binom.ppf(1e-3, 16, 0.95)
 
 
@@ -354,8 +351,7 @@ def test_what_sticks_while_a_motion_is_fast_is_found_on_a_coarse_lattice():
         ideal, values = hand(seed)
         stuck = StuckSamples(2e-3, 5.0).apply(values, Conditions(np.arange(len(values)), 1.0), stream(seed, "held"))
         found = parameters(prepare(of_steps(stuck), of_steps(ideal)), "stuck_samples")
-        held += found["probability"].low < 2e-3 < found["probability"].high
-        held += found["length"].low < 5.0 < found["length"].high
+        held += holding(found, probability=2e-3, length=5.0)
     assert held >= binom.ppf(1e-3, 20, 0.95)
 
 
@@ -375,7 +371,7 @@ def test_repeats_of_all_axes_at_once_are_one_finding():
     record = prepare(table.iloc[rows].set_axis(table.index))
     found = parameters(record, "stuck_samples")
     assert {axis for axis, name in names(record) if name == "stuck_samples"} == set(axes)
-    assert found["probability"].low < 0.01 < found["probability"].high
+    assert holding(found, probability=0.01)
 
 
 def test_lattices_of_two_steps_are_two_findings_with_a_step_each():

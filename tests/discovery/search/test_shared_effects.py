@@ -2,7 +2,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.stats import binom, chi2
+from scipy.stats import chi2
+from tests.chance import as_often_as
 
 from imugap import log
 from imugap.discovery.fit.axis_fit import fit
@@ -35,11 +36,15 @@ def scene():
 IDEAL = scene()
 
 
+def under(axis, ideal):
+    return Conditions(ideal.index.to_numpy(), INTERVAL, None, axis, ideal)
+
+
 def device(hidden, run, ideal=IDEAL):
     """Fits and searches of the axes of a device with white noise; ``hidden``: effect of each axis."""
     fits, searches = {}, {}
     for axis in log.AXES:
-        conditions = Conditions(ideal.index.to_numpy(), INTERVAL, None, axis, ideal)
+        conditions = under(axis, ideal)
         values = STD * stream(31, "device", axis, run).standard_normal(COUNT)
         if axis in hidden:
             values += hidden[axis].sample(conditions, None)
@@ -62,7 +67,7 @@ def test_what_the_start_model_has_is_no_news_and_hides_nothing():
     arm, scale = LeverArm(0.1, -0.2, 0.05), ScaleFactor(0.05)
     fits, searches = {}, {}
     for axis in log.ACCEL:
-        conditions = Conditions(IDEAL.index.to_numpy(), INTERVAL, None, axis, IDEAL)
+        conditions = under(axis, IDEAL)
         values = STD * stream(32, "known", axis).standard_normal(COUNT) + arm.sample(conditions, None)
         values += scale.sample(conditions, None) if axis == "accel_x" else 0.0
         sequence = AxisSequence(values, conditions)
@@ -76,10 +81,8 @@ def test_what_the_start_model_has_is_no_news_and_hides_nothing():
 
 def test_the_known_axes_of_a_triad_tell_a_misalignment():
     ideal = IDEAL[["gyro_x", "gyro_y"]]
-    conditions = Conditions(ideal.index.to_numpy(), INTERVAL, None, "gyro_x", ideal)
     values = STD * stream(33, "pair").standard_normal(COUNT) + 0.05 * ideal["gyro_y"].to_numpy()
-    sequence = AxisSequence(values, conditions)
-    before = fit(sequence, Description.known(WhiteNoise(DENSITY)))
+    before = fit(AxisSequence(values, under("gyro_x", ideal)), Description.known(WhiteNoise(DENSITY)))
     found = Search(before.description, INERTIAL, LOG_ALPHA).explore(before)
     (term,) = found.description.terms
     assert isinstance(term.effect, Misalignment)
@@ -88,11 +91,8 @@ def test_the_known_axes_of_a_triad_tell_a_misalignment():
 
 def names(found):
     """Names of the added effects of each axis that has one."""
-    added = {
-        axis: [candidate.effect.name for candidate in found.searches[axis].added(one)]
-        for axis, one in found.fits.items()
-    }
-    return {axis: found for axis, found in added.items() if found}
+    added = {axis: found.searches[axis].added(one) for axis, one in found.fits.items()}
+    return {axis: [candidate.effect.name for candidate in some] for axis, some in added.items() if some}
 
 
 def estimate(value, information, axis="gyro_x"):
@@ -145,8 +145,7 @@ def test_the_distance_of_agreeing_estimates_has_its_law():
     runs, rng = 400, stream(31, "pool")
     p_values = np.array([pooled(drawn(rng, [0.3, -1.0, 2.0], 3)).agreement for _ in range(runs)])
     for level in (0.05, 0.5):
-        low, high = binom.interval(0.999, runs, level)
-        assert low <= np.sum(p_values < level) <= high
+        assert as_often_as(p_values < level, level, 1e-3)
 
 
 def test_the_value_of_a_pool_has_its_covariance():
@@ -158,11 +157,9 @@ def test_the_value_of_a_pool_has_its_covariance():
 
 
 def test_an_axis_is_contradicted_as_often_as_the_level_says():
-    runs, rng, level = 400, stream(31, "contradiction"), 0.1
-    lists = (drawn(rng, [0.3, -1.0], 3) for _ in range(runs))
-    found = sum(contradicts(last, pooled(others), level) for *others, last in lists)
-    low, high = binom.interval(0.999, runs, level)
-    assert low <= found <= high
+    rng, level = stream(31, "contradiction"), 0.1
+    lists = (drawn(rng, [0.3, -1.0], 3) for _ in range(400))
+    assert as_often_as([contradicts(last, pooled(others), level) for *others, last in lists], level, 1e-3)
 
 
 def test_the_odd_one_out_is_left_out():
@@ -223,7 +220,7 @@ def test_the_errors_of_an_arm_and_a_delay_that_are_told_together_have_their_law(
     for run in range(40):
         fits, searches = {}, {}
         for axis in log.ACCEL:
-            conditions = Conditions(ideal.index.to_numpy(), INTERVAL, None, axis, ideal)
+            conditions = under(axis, ideal)
             values = 10 * STD * stream(34, "together", axis, run).standard_normal(COUNT)
             values += arm.sample(conditions, None) + delay.sample(conditions, None)
             sequence = AxisSequence(values, conditions)
