@@ -9,7 +9,7 @@ from scipy.fft import next_fast_len
 from threadpoolctl import threadpool_limits
 
 from imugap.discovery.checks import (
-    LEVEL,
+    MAX_LOG_P,
     MIN_EXTRA_VALUES,
     NOISE_REASONS,
     SLOPE_REASONS,
@@ -36,9 +36,9 @@ from imugap.discovery.unnamed.wandering_lines import Band
 from imugap.effects.effect import AxisModel, Effect, Role
 from imugap.model import with_offset
 
-PLACES = 12.0
+MAX_LOG_PLACES = 12.0
 """Logarithm of the maximum number of places at which an effect is tried."""
-MOST_BANDS = 4
+MAX_BANDS = 4
 """Maximum number of bands of unsteady lines; with more, the spectrum is not one of lines."""
 
 
@@ -240,7 +240,7 @@ def _odd_in_both(search: Search, begun: AxisFit, early: _SearchEnd) -> _SearchEn
         return None
     wide = None if early.found.description.outliers is None else search.without_outliers(begun)
     found = begun if wide is None else wide.fit
-    odd = search.added(found) and all_against_motion(search, found).log_p < LEVEL
+    odd = search.added(found) and all_against_motion(search, found).log_p < MAX_LOG_P
     return _SearchEnd(search, found, early.bands, odd=True) if odd else None
 
 
@@ -251,11 +251,11 @@ def _search(
 
     The search ends where an unnamed function of the motion explains more than all added effects.
     """
-    found = search.explore(before, partial(_unnamed_gain, search, len(taken) < MOST_BANDS))
-    if all_against_motion(search, found).log_p < LEVEL:
+    found = search.explore(before, partial(_unnamed_gain, search, len(taken) < MAX_BANDS))
+    if all_against_motion(search, found).log_p < MAX_LOG_P:
         return _SearchEnd(search, found, taken, switched, odd=True)
     found = steady(search, told_apart(search, found))
-    bands = wandering_lines.find_bands(found) if len(taken) < MOST_BANDS else ()
+    bands = wandering_lines.find_bands(found) if len(taken) < MAX_BANDS else ()
     again = search.for_new_samples()
     if bands:
         cleared = wandering_lines.without_bands(before.sequence, bands)
@@ -369,7 +369,7 @@ def _finding(searched: AxisSearch, candidate: Candidate) -> Finding:
     axis, without = found.sequence.conditions.axis, candidate.without
     near = found.log_likelihood + search.log_alpha / 2
     alternatives = {}
-    bar = min(log_p_of_gain(near - without.log_likelihood, 1) + PLACES, search.log_alpha)
+    bar = min(log_p_of_gain(near - without.log_likelihood, 1) + MAX_LOG_PLACES, search.log_alpha)
     for rival in candidate.alternatives(bar):
         if rival.fit.log_likelihood > near:
             gain = rival.fit.log_likelihood - found.log_likelihood

@@ -6,12 +6,12 @@ from dataclasses import replace
 import numpy as np
 from scipy.stats import chi2
 
-from imugap.discovery.checks import LEVEL, shape_log_p
+from imugap.discovery.checks import MAX_LOG_P, shape_log_p
 from imugap.discovery.finding import Finding, Interval, finding
 from imugap.discovery.fit.axis_fit import AxisFit, fit, jacobian, offset
 from imugap.discovery.fit.description import Description, Entry
 from imugap.discovery.preparation.sequence import AxisSequence
-from imugap.discovery.search.intervals import NORMAL, axis_unit, term_intervals
+from imugap.discovery.search.intervals import NORMAL_QUANTILE, axis_unit, term_intervals
 from imugap.effects import CATALOGUE
 from imugap.effects.effect import Effect, Role, StochasticEffect
 from imugap.integrity.sampling_clock import BLOCKS, SHORTEST, relative_interval, spectra
@@ -89,7 +89,7 @@ def _correlation_times(run: AxisFit) -> Iterator[float]:
     for place, (index, name) in enumerate(run.description.noise.parameters()):
         if name == "correlation_time":
             time = run.description.noise.effects[index].correlation_time
-            yield float(time * np.exp(NORMAL * np.sqrt(covariance[place, place])))
+            yield float(time * np.exp(NORMAL_QUANTILE * np.sqrt(covariance[place, place])))
 
 
 def mean_variance(effect: StochasticEffect, duration: float, interval: float) -> float:
@@ -207,13 +207,13 @@ def _line_near(without_lines: AxisFit, line: Entry, blocks: LogRatio | None) -> 
 
 
 def _is_steady(found: AxisFit, index: int) -> bool:
-    return shape_log_p(found, index) > LEVEL
+    return shape_log_p(found, index) > MAX_LOG_P
 
 
 def _frequency(found: AxisFit, index: int) -> tuple[float, float]:
     """Return the frequency of a line and its standard deviation [Hz]."""
     low, high = term_intervals(found, index)["frequency"]
-    return found.description.terms[index].effect.frequency, (high - low) / 2 / NORMAL
+    return found.description.terms[index].effect.frequency, (high - low) / 2 / NORMAL_QUANTILE
 
 
 def fit_like_first(sequence: AxisSequence, terms: Sequence[Entry], first: AxisFit) -> AxisFit:

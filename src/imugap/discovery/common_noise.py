@@ -10,7 +10,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.special import log_ndtr
 from scipy.stats import ncx2
 
-from imugap.discovery.checks import LEVEL
+from imugap.discovery.checks import MAX_LOG_P
 from imugap.discovery.finding import Finding, Interval
 from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.effects import CommonMode, WhiteNoise
@@ -179,7 +179,7 @@ def _correlation(spectra: Sequence[_Spectrum], good: np.ndarray) -> tuple[np.nda
 def _is_white(spectra: Sequence[_Spectrum], members: np.ndarray) -> bool:
     """Return whether the correlation of each pair is constant over frequency within its uncertainty."""
     log_ps = [_whiteness_log_p(spectra[i], spectra[j]) for i, j in combinations(members, 2)]
-    return min(log_ps) + np.log(len(log_ps)) > LEVEL
+    return min(log_ps) + np.log(len(log_ps)) > MAX_LOG_P
 
 
 def _is_lasting(spectra: Sequence[_Spectrum], members: np.ndarray) -> bool:

@@ -17,7 +17,7 @@ from imugap.discovery.axis import AxisResult, AxisSearch, part, white_noise_find
 from imugap.discovery.between_runs import clock_findings, fit_like_first, turn_on_findings
 from imugap.discovery.common_noise import find_common_noise
 from imugap.discovery.evaluation.distance import Distances, Drifts
-from imugap.discovery.evaluation.held_out import HELD_IN, compare_held_out, compare_test_run, distances
+from imugap.discovery.evaluation.held_out import HELD_IN_SHARE, compare_held_out, compare_test_run, distances
 from imugap.discovery.finding import MIN_LOG_P, Discrepancy, Finding
 from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.discovery.fit.start_model import described, noisy
@@ -389,7 +389,7 @@ def _conclude(stage: _Measured) -> Discovery:
 
 def _split(sequence: AxisSequence) -> int:
     """Return the number of samples of the held-in part."""
-    return int(HELD_IN * len(sequence.values))
+    return int(HELD_IN_SHARE * len(sequence.values))
 
 
 def _ordered(findings: Sequence[Finding]) -> tuple[Finding, ...]:

@@ -9,7 +9,7 @@ from threadpoolctl import threadpool_limits
 from imugap.discovery.axis import AxisResult, AxisSearch, conclude, search_axis
 from imugap.discovery.checks.motion import OTHER_FUNCTION
 from imugap.discovery.finding import Finding, Interval
-from imugap.discovery.search.intervals import NORMAL, axis_unit
+from imugap.discovery.search.intervals import NORMAL_QUANTILE, axis_unit
 from imugap.discovery.search.noise_agreement import agreed
 from imugap.discovery.search.search import log_p_of_gain
 from imugap.discovery.search.shared_effects import Joint, joined
@@ -56,7 +56,7 @@ def name_pooled(
 
 def pooled_finding(joint: Joint) -> Finding:
     """Return an effect of one value on several axes as a finding."""
-    errors = NORMAL * np.sqrt(np.diag(joint.pool.covariance))
+    errors = NORMAL_QUANTILE * np.sqrt(np.diag(joint.pool.covariance))
     units = joint.effect.units(axis_unit(joint.axes[0]))
     parameters = {
         name: Interval(value, value - error, value + error, units[name])

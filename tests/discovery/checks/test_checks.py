@@ -24,7 +24,7 @@ from tests.discovery.simulated import (
 )
 
 from imugap.discovery.axis import conclude, power_law_finding, without_unnamed
-from imugap.discovery.checks import LEVEL, MIN_SHARE, misfits
+from imugap.discovery.checks import MAX_LOG_P, MIN_SHARE, misfits
 from imugap.discovery.checks import gaussianity as samples
 from imugap.discovery.checks.all_checks import ambiguous_variance, steps_as_jump_process, terms_as_power_law
 from imugap.discovery.checks.gaussianity import BURSTS, sample_misfits
@@ -101,7 +101,7 @@ def test_an_exponential_chirp_is_not_named_noise():
     data = sequence(added=rising, count=12_000)
     _, found = explored(data, GaussMarkov)
     _, fading = sample_misfits(found, power_share(found, found.description.noise.effects[1]))
-    assert fading.log_p < LEVEL
+    assert fading.log_p < MAX_LOG_P
     assert names(result_of(data)) == []
 
 
@@ -288,7 +288,7 @@ def test_a_step_with_exponential_onset_or_settling_has_a_misfit(later):
         return 4e-3 * np.where(late > 0, np.exp(-late / 9.6), 0.0) * (-1 if later else 1) + 4e-3 * (time >= 480)
 
     found = fitted(sequence(added=crept), Entry(BiasStep(480.0, 4e-3), ("step",)))
-    assert shape_log_p(found, 0) < LEVEL - 10
+    assert shape_log_p(found, 0) < MAX_LOG_P - 10
 
 
 @pytest.mark.parametrize(("factor", "odd"), [(1.0, False), (4.0, True)])
@@ -298,7 +298,7 @@ def test_samples_and_spectrum_agree_where_a_random_walk_replaces_telegraph_noise
     hidden = replace(true, step=1e-9)
     *_, candidate = added_to(replace(found, description=found.description.adding(hidden)))
     log_p = substitution_log_p(candidate, replace(true, step=factor * true.step))
-    assert (log_p < LEVEL) == odd
+    assert (log_p < MAX_LOG_P) == odd
 
 
 RELAXING = {

@@ -24,7 +24,7 @@ from imugap.benchmark.sealing.noise import fractional
 from imugap.discovery.checks import Misfit, misfits
 from imugap.discovery.checks.all_checks import ambiguous_spectrum, ambiguous_terms
 from imugap.discovery.checks.hysteresis import HYSTERESIS, terms_against_hysteresis
-from imugap.discovery.checks.misfit import LEVEL
+from imugap.discovery.checks.misfit import MAX_LOG_P
 from imugap.discovery.fit.axis_fit import fit
 from imugap.discovery.fit.description import Description, Entry
 from imugap.discovery.preparation.sequence import AxisSequence
@@ -270,5 +270,5 @@ def test_a_temperature_effect_with_random_walk_is_seldom_taken_for_hysteresis():
     for run in range(60):
         found = fit(simulated((WHITE, RandomWalk(4e-5), straight), conditions, run, "nested"), described)
         few.append(terms_against_hysteresis(Search(KNOWN, (), LOG_ALPHA), found).log_p)
-    assert np.sum(np.array(few) < LEVEL) <= 3
+    assert np.sum(np.array(few) < MAX_LOG_P) <= 3
     assert 5 <= np.sum(np.array(few) < np.log(0.5)) <= 40

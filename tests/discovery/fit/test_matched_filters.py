@@ -81,8 +81,8 @@ def test_a_variance_that_grows_is_no_swing_without_bounds(growth):
     time = np.arange(COUNT) * INTERVAL
     whitened = np.exp(growth * time / time[-1] / 2) * stream(6, "grows").standard_normal(COUNT)
     frequency, depth, phase, gain = scans.swing(whitened, time)
-    assert frequency >= 0.999 * scans.SLOWEST / time[-1]
-    assert 0 <= depth <= np.sqrt(2) * scans.DEEPEST
+    assert frequency >= 0.999 * scans.MIN_SWING_CYCLES / time[-1]
+    assert 0 <= depth <= np.sqrt(2) * scans.MAX_SWING_DEPTH
     assert np.isfinite(phase)
     assert (gain > 100) == (growth != 0)
 

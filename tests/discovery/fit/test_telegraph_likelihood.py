@@ -10,7 +10,13 @@ from tests.discovery import simulated
 
 from imugap.discovery.fit.axis_fit import fit
 from imugap.discovery.fit.description import Description
-from imugap.discovery.fit.telegraph_likelihood import FINE, Blocks, compare, continuum_log_densities, filtered
+from imugap.discovery.fit.telegraph_likelihood import (
+    BLOCKS_PER_TIME,
+    Blocks,
+    compare,
+    continuum_log_densities,
+    filtered,
+)
 from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.effects import GaussMarkov, OutputFilter, RandomTelegraph, RandomWalk, WhiteNoise
 from imugap.effects.conditions import Conditions
@@ -105,7 +111,7 @@ def test_a_process_slower_than_the_log_has_blocks_too():
     data = AxisSequence(values, Conditions(0.04 * np.arange(5000), 0.04, axis="gyro_x"))
     found = fit(data, Description.known(WhiteNoise(0.2)).adding(GaussMarkov(1.0, 10.0)))
     slow = GaussMarkov(1.0, 1e6)
-    assert len(Blocks.of(found, (slow,)).means) >= FINE
+    assert len(Blocks.of(found, (slow,)).means) >= BLOCKS_PER_TIME
 
 
 def test_a_continuum_is_told_from_two_values():

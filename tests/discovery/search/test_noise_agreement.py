@@ -7,7 +7,7 @@ import pytest
 from tests.discovery import simulated
 from tests.discovery.simulated import WHITE
 
-from imugap.discovery.search.noise_agreement import BEFOREHAND, NoiseChoice, agreed, choice_of
+from imugap.discovery.search.noise_agreement import PRIOR_LOG_ODDS, NoiseChoice, agreed, choice_of
 from imugap.effects import BiasInstability, BiasStep, GaussMarkov, RandomWalk, RateRamp, WarmUp
 from imugap.effects.conditions import Conditions
 from imugap.log import ACCEL, GYRO
@@ -93,5 +93,5 @@ def test_a_walk_beside_far_faster_processes_is_none_of_them():
     fits, searches = explored({"gyro_x": fast, "gyro_y": walk, "gyro_z": fast}, 3)
     own = choice_of(searches["gyro_y"], fits["gyro_y"], searches["gyro_y"].added(fits["gyro_y"]))
     assert own.time > 1000
-    assert own.worth(GaussMarkov) > -BEFOREHAND
+    assert own.worth(GaussMarkov) > -PRIOR_LOG_ODDS
     assert agreed(fits, searches) == fits

@@ -15,7 +15,7 @@ from tests.discovery.simulated import (
 
 from imugap.discovery.fit.axis_fit import fit
 from imugap.discovery.fit.description import Description
-from imugap.discovery.search.search import RESHAPED, Search, behind_filter, may_reach
+from imugap.discovery.search.search import MAX_RESHAPING_GAIN, Search, behind_filter, may_reach
 from imugap.effects import BiasInstability, GaussMarkov, OutputFilter, RandomWalk
 
 
@@ -65,5 +65,5 @@ def test_what_a_filter_gains_is_known_before_it_is_fitted(cutoff, slow):
     for start in OutputFilter.starts(before):
         expected, beside = behind_filter(start, before)
         found = search.trial_of(expected, before, beside)
-        assert found.gain == pytest.approx(expected.gain - RESHAPED, abs=RESHAPED / 3)
+        assert found.gain == pytest.approx(expected.gain - MAX_RESHAPING_GAIN, abs=MAX_RESHAPING_GAIN / 3)
         assert may_reach(expected, LOG_ALPHA) or found.log_p > LOG_ALPHA

@@ -12,7 +12,7 @@ from tests.discovery.simulated import INTERVAL, TIME, WHITE, fitted, moved, resu
 
 from imugap.discovery.fit.axis_fit import fit
 from imugap.discovery.fit.description import Description, Entry
-from imugap.discovery.unnamed.tone_bursts import LENGTHS, LEVELS, cell_log_p, find_tone_bursts, loudest_band
+from imugap.discovery.unnamed.tone_bursts import CELL_LOG_PS, LENGTHS, cell_log_p, find_tone_bursts, loudest_band
 from imugap.effects import (
     BiasStep,
     GaussMarkov,
@@ -78,7 +78,7 @@ def test_frequencies_that_the_fit_does_not_use_are_not_tested(share):
 def test_the_cell_p_value_of_white_noise_is_uniform():
     for length in LENGTHS:
         log_ps = cell_log_p(stream(3, "cells", length).standard_normal(400_000), length, 1.0)
-        for level in LEVELS:
+        for level in CELL_LOG_PS:
             assert as_often_as((log_ps < level).ravel(), np.exp(level), 2e-4)
 
 
@@ -88,7 +88,7 @@ def test_the_false_alarm_rate_of_tone_bursts_is_at_most_nominal():
         for k in range(300)
     ]
     for level in (0.01, 0.1):
-        most = binom.isf(1e-3, len(log_p), level * (1 + len(LEVELS)))
+        most = binom.isf(1e-3, len(log_p), level * (1 + len(CELL_LOG_PS)))
         assert np.count_nonzero(np.exp(log_p) < level) <= most
 
 

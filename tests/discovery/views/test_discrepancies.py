@@ -13,9 +13,9 @@ from imugap import log
 from imugap.discovery.fit.axis_fit import fit
 from imugap.discovery.fit.description import Description, Entry
 from imugap.discovery.views.discrepancies import (
-    DOUBTFUL,
-    FIRST,
+    FIRST_REPLICATES,
     REPLICATES,
+    SMALL_P_VALUE,
     find_discrepancies,
     replicate_groups,
     threshold,
@@ -191,13 +191,13 @@ def test_only_axes_that_the_first_replicates_put_in_doubt_have_all(seed):
     slow = RandomWalk(3e-4)
     start = {"gyro_x": Description.known(WHITE).adding(slow)}
     found = fits({"gyro_x": (slow,), "gyro_y": (Sinusoid(7.3, 1e-3, 1.0),)}, start, seed=seed)
-    doubtful = set().union(*(one.axes for one in view_tests(found, 1, FIRST) if one.p_value < DOUBTFUL))
+    doubtful = set().union(*(one.axes for one in view_tests(found, 1, FIRST_REPLICATES) if one.p_value < SMALL_P_VALUE))
     assert "gyro_y" in doubtful
     counts = defaultdict(set)
     for one in view_tests(found, 1):
         counts[one.curve.axis].add(len(one.envelope.replicates))
     for axis in found:
-        assert counts[axis] == {REPLICATES if axis in doubtful else FIRST}
+        assert counts[axis] == {REPLICATES if axis in doubtful else FIRST_REPLICATES}
 
 
 def test_the_seed_decides():

@@ -8,7 +8,7 @@ import numpy as np
 
 from imugap.discovery.checks.hysteresis import HYSTERESIS, may_be_hysteresis, terms_against_hysteresis
 from imugap.discovery.checks.mean import mean_misfit
-from imugap.discovery.checks.misfit import LEVEL, Misfit
+from imugap.discovery.checks.misfit import MAX_LOG_P, Misfit
 from imugap.discovery.checks.motion import all_against_motion
 from imugap.discovery.checks.outliers import outliers_misfit
 from imugap.discovery.checks.spectrum import (
@@ -107,7 +107,7 @@ def _means_from_hysteresis(search: Search, fit: AxisFit, added: Sequence[Candida
     """Return the added terms if hysteresis over the temperature explains them better."""
     misfit = terms_against_hysteresis(search, fit)
     terms = [one for one in added if one.role is Role.MEAN and may_be_hysteresis(one.effect)]
-    return dict.fromkeys(terms, misfit) if misfit.log_p < LEVEL else {}
+    return dict.fromkeys(terms, misfit) if misfit.log_p < MAX_LOG_P else {}
 
 
 def _all_from_motion(search: Search, fit: AxisFit, added: Sequence[Candidate]) -> dict[Candidate, Misfit]:
@@ -115,7 +115,7 @@ def _all_from_motion(search: Search, fit: AxisFit, added: Sequence[Candidate]) -
     if not added:
         return {}
     misfit = all_against_motion(search, fit)
-    return dict.fromkeys(added, misfit) if misfit.log_p < LEVEL else {}
+    return dict.fromkeys(added, misfit) if misfit.log_p < MAX_LOG_P else {}
 
 
 def steps_as_jump_process(added: Sequence[Candidate]) -> dict[Candidate, Misfit]:
@@ -261,4 +261,4 @@ def _gain_below(candidate: Candidate, frequency: float) -> float:
 
 def _misfit(candidate: Candidate) -> Misfit | None:
     misfit = TESTS[candidate.role](candidate)
-    return misfit if misfit is not None and misfit.log_p < LEVEL else None
+    return misfit if misfit is not None and misfit.log_p < MAX_LOG_P else None

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from imugap.discovery.checks.misfit import LEVEL, Misfit, log_p_against
+from imugap.discovery.checks.misfit import MAX_LOG_P, Misfit, log_p_against
 from imugap.discovery.checks.unnamed_mean import UNNAMED_MARGIN, likelihood_with
 from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.discovery.fit.description import Description
@@ -38,7 +38,7 @@ def noise_against_temperature(candidate: Candidate) -> Misfit:
     curves = _temperature_curve(temperature), _rate_steps(np.gradient(temperature, fit.sequence.conditions.interval))
     bent = max(likelihood_with(base, curve) for base in bases for curve in curves)
     return min(
-        Misfit(CURVE, min(LEVEL + UNNAMED_MARGIN + fit.log_likelihood - bent, 0.0)),
+        Misfit(CURVE, min(MAX_LOG_P + UNNAMED_MARGIN + fit.log_likelihood - bent, 0.0)),
         _against_hysteresis(candidate, bases),
         key=lambda misfit: misfit.log_p,
     )

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-LEVEL = np.log(3e-3)
+MAX_LOG_P = np.log(3e-3)
 """Maximum log p-value for withholding a name."""
 
 
@@ -19,10 +19,10 @@ class Misfit:
 def log_p_against(named: float, alternative: float, log_alpha: float) -> float:
     """Compare the log p-values of a named effect and of an alternative.
 
-    Returns :data:`LEVEL` where both are equal, less where the alternative has the smaller p-value, and 0 where the
+    Returns :data:`MAX_LOG_P` where both are equal, less where the alternative has the smaller p-value, and 0 where the
     alternative is not significant at ``log_alpha``.
     """
-    return LEVEL + alternative - named if alternative < log_alpha else 0.0
+    return MAX_LOG_P + alternative - named if alternative < log_alpha else 0.0
 
 
 def divergence(power: np.ndarray, number: np.ndarray) -> np.ndarray:

@@ -9,7 +9,7 @@ from scipy.ndimage import maximum_filter1d, uniform_filter1d
 from scipy.special import xlogy
 
 from imugap import log
-from imugap.discovery.checks.misfit import LEVEL, Misfit, divergence, log_p_against
+from imugap.discovery.checks.misfit import MAX_LOG_P, Misfit, divergence, log_p_against
 from imugap.discovery.checks.unnamed_mean import UNNAMED_MARGIN, likelihood_with
 from imugap.discovery.fit.axis_fit import AxisFit, jacobian
 from imugap.discovery.fit.description import Description
@@ -68,7 +68,7 @@ def all_against_motion(search: Search, fit: AxisFit) -> Misfit:
     own = likelihood_with(without, jacobian(found.terms[len(search.start.terms) :], sequence))
     named = max(search.fitted(sequence, found).log_likelihood, own)
     more = motion_gain(search, fit) + search.fitted(sequence, found).log_likelihood - named
-    return Misfit(OTHER_FUNCTION, min(LEVEL + UNNAMED_MARGIN - more, 0.0))
+    return Misfit(OTHER_FUNCTION, min(MAX_LOG_P + UNNAMED_MARGIN - more, 0.0))
 
 
 def motion_gain(search: Search, fit: AxisFit) -> float:

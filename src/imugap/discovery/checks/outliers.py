@@ -4,7 +4,7 @@ import numpy as np
 from scipy.special import ndtr
 from scipy.stats import ncx2
 
-from imugap.discovery.checks.misfit import LEVEL, Misfit
+from imugap.discovery.checks.misfit import MAX_LOG_P, Misfit
 from imugap.discovery.checks.motion import outliers_against_motion
 from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.discovery.search.search import Candidate
@@ -28,7 +28,7 @@ def outliers_misfit(candidate: Candidate) -> Misfit:
     """
     fit, found = candidate.fit, candidate.search.tails[candidate.effect]
     misfits = [
-        Misfit("they are not rare", LEVEL - 1.0 if found.probability > MAX_PROBABILITY else 0.0),
+        Misfit("they are not rare", MAX_LOG_P - 1.0 if found.probability > MAX_PROBABILITY else 0.0),
         Misfit("they come in clusters", found.clustered),
         Misfit("they come with the motion", outliers_against_motion(fit, found.flagged)),
         Misfit("they come at a beat", found.beating),

@@ -10,12 +10,12 @@ from scipy.stats import ncx2
 
 from imugap.discovery.checks.gaussianity import BURSTS, MIN_SHARE, UNEVEN, sample_misfits
 from imugap.discovery.checks.hysteresis import noise_against_temperature
-from imugap.discovery.checks.misfit import LEVEL, Misfit, divergence, log_p_against
+from imugap.discovery.checks.misfit import MAX_LOG_P, Misfit, divergence, log_p_against
 from imugap.discovery.checks.periodic import effect_against_periodic
 from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.discovery.fit.telegraph_likelihood import compare
-from imugap.discovery.fit.whittle import STEP, Noise, limits, log_likelihood
-from imugap.discovery.search.search import PARAMETER, Candidate, Search, coloured, log_p_of_gain, without
+from imugap.discovery.fit.whittle import DIFFERENCE_STEP, Noise, limits, log_likelihood
+from imugap.discovery.search.search import PARAMETER_COST, Candidate, Search, coloured, log_p_of_gain, without
 from imugap.discovery.views.spectral import of_spectrum
 from imugap.effects.effect import TINY, Effect, Role, StochasticEffect
 from imugap.effects.power_law import PowerLaw
@@ -31,7 +31,7 @@ BURST_REASONS = (SAMPLES_DISAGREE, BURSTS, UNEVEN)
 ONE_POWER_LAW = "one power law explains all slow noise better"
 NOISE_REASONS = (*SLOPE_REASONS, SAMPLES_DISAGREE, ONE_POWER_LAW)
 """Reasons after which slow noise is still noise, of any spectrum."""
-SLOPE_LEVEL = np.log(1e-2)
+MAX_SLOPE_LOG_P = np.log(1e-2)
 """Maximum log p-value of a free slope for a misfit of slow noise of one parameter."""
 MIN_GAIN = 2.0
 """Minimum log-likelihood gain of a process of two parameters over a power law, which has two as well.
@@ -134,7 +134,10 @@ def _sensitivities(fit: AxisFit) -> np.ndarray:
     """Return the derivatives of the log-spectrum by the parameters, in standard errors, shape (parameters, bins)."""
     bins, noise = fit.sequence.bins, fit.description.noise
     theta, variance = noise.theta(), noise.variance(bins)
-    slopes = [(noise.at(theta + step).variance(bins) / variance - 1) / STEP for step in STEP * np.eye(len(theta))]
+    slopes = [
+        (noise.at(theta + step).variance(bins) / variance - 1) / DIFFERENCE_STEP
+        for step in DIFFERENCE_STEP * np.eye(len(theta))
+    ]
     return np.array(slopes) * np.sqrt(bins.number / 2)
 
 
@@ -193,7 +196,7 @@ def power_law_advantage(some: Sequence[Candidate]) -> float:
     bare = search.fitted(fit.sequence, without(fit, some).description)
     laws = [add_power_law(search, bare, slope).log_likelihood for slope in START_SLOPES]
     costs = sum(one.trial.cost + np.log(len(search.catalogue)) for one in some)
-    law = max(laws) - PARAMETER * len(fields(PowerLaw)) - np.log(len(search.catalogue))
+    law = max(laws) - PARAMETER_COST * len(fields(PowerLaw)) - np.log(len(search.catalogue))
     return float(law - fit.log_likelihood + costs)
 
 
@@ -222,10 +225,10 @@ def _against_power_law(search: Search, fit: AxisFit) -> list[Misfit]:
     parameters = sum(len(one.effect.parameters()) for one in slow)
     if parameters == 1:
         log_p = log_p_of_gain(more, 1)
-        return [Misfit(POWER_LAW, LEVEL - SLOPE_LEVEL + log_p)]
+        return [Misfit(POWER_LAW, MAX_LOG_P - MAX_SLOPE_LOG_P + log_p)]
     if len(slow) == 1:
-        return [Misfit(POWER_LAW_AS_WELL, LEVEL - MIN_GAIN - more)]
+        return [Misfit(POWER_LAW_AS_WELL, MAX_LOG_P - MIN_GAIN - more)]
     bare = _without_noise(slow)
     named = log_p_of_gain(fit.log_likelihood - bare.log_likelihood, parameters)
     unnamed = log_p_of_gain(other.log_likelihood - bare.log_likelihood, 2)
-    return [Misfit(ONE_POWER_LAW, LEVEL + unnamed - named)]
+    return [Misfit(ONE_POWER_LAW, MAX_LOG_P + unnamed - named)]

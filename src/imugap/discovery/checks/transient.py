@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from scipy.optimize import minimize
 
-from imugap.discovery.checks.misfit import LEVEL, Misfit, log_p_against
+from imugap.discovery.checks.misfit import MAX_LOG_P, Misfit, log_p_against
 from imugap.discovery.checks.unnamed_mean import likelihood_with
 from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.discovery.search.search import Candidate, log_p_of_gain, without
@@ -46,7 +46,7 @@ def transient_misfits(added: Sequence[Candidate]) -> dict[Candidate, Misfit]:
     temperatures = [one for one in added if one.effect.of_temperature]
     tested = {some: _against_transient(some) for some in (tuple(shaped), (*shaped, *temperatures))}
     some, log_p = min(tested.items(), key=lambda one: one[1])
-    return dict.fromkeys(some, Misfit(REASON, log_p)) if log_p < LEVEL else {}
+    return dict.fromkeys(some, Misfit(REASON, log_p)) if log_p < MAX_LOG_P else {}
 
 
 def _against_transient(some: Sequence[Candidate]) -> float:

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.optimize import minimize
 from scipy.special import ndtr
 
-from imugap.discovery.checks.misfit import LEVEL, Misfit, log_p_against
+from imugap.discovery.checks.misfit import MAX_LOG_P, Misfit, log_p_against
 from imugap.discovery.checks.unnamed_mean import UNNAMED_MARGIN, likelihood_with
 from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.discovery.search.search import Candidate, coloured, log_p_of_gain, without
@@ -34,7 +34,7 @@ def transition_misfits(added: Sequence[Candidate]) -> dict[Candidate, Misfit]:
     misfits = {tuple(way): _against_transition(way) for way in ways if len(way) > 1}
     if slow:
         misfits[*steps, *slow] = _against_transition([*steps, *slow], UNNAMED_MARGIN)
-    return {one: Misfit(REASON, log_p) for some, log_p in misfits.items() if log_p < LEVEL for one in some}
+    return {one: Misfit(REASON, log_p) for some, log_p in misfits.items() if log_p < MAX_LOG_P for one in some}
 
 
 def _against_transition(some: Sequence[Candidate], margin: float = 0.0) -> float:

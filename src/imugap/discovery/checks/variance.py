@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.fft import rfft
 
-from imugap.discovery.checks.misfit import LEVEL, Misfit, divergence
+from imugap.discovery.checks.misfit import MAX_LOG_P, Misfit, divergence
 from imugap.discovery.checks.motion import variance_against_motion
 from imugap.discovery.search.search import Candidate, log_p_of_gain
 from imugap.effects.effect import Effect
@@ -39,7 +39,7 @@ def _against_rounding(candidate: Candidate) -> float:
         return 0.0
     gain = _change_gain(without.unrounded**2, candidate.effect, without.sequence.conditions.time)
     ahead = log_p_of_gain(gain, own.parameters) + float(np.log(own.trials))
-    return min(LEVEL + candidate.search.log_alpha - ahead, 0.0)
+    return min(MAX_LOG_P + candidate.search.log_alpha - ahead, 0.0)
 
 
 def _change_gain(energies: np.ndarray, change: Effect, time: np.ndarray) -> float:

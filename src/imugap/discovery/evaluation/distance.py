@@ -29,26 +29,26 @@ from imugap.kinematics.site import Site
 from imugap.model import ErrorModel, conditions, offset_of
 from imugap.stream import stream
 
-COUNT = 60
+SIMULATIONS = 60
 """Number of simulations of each model."""
-BLOCKS, SHORTEST = 16, 16
+BLOCKS, MIN_BLOCK_SAMPLES = 16, 16
 """Blocks of the held-out part, and fewest samples of one."""
-WIDTH, PER_DECADE = 0.3, 4
+BAND_WIDTH, PER_DECADE = 0.3, 4
 """Relative width of bands of frequency; averaging times per decade."""
 SHARES = np.array([0.001, 0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99, 0.999])
 """Probabilities at whose normal quantiles the empirical distribution functions are compared."""
-COUNTED = 8
+MIN_EXPECTED = 8
 """Minimum expected number of samples beyond such a quantile."""
 EPOCHS = 16
 """Number of time steps of a drift."""
 HORIZONS = np.array([1 / 16, 1 / 8, 1 / 4, 1 / 2, 1])
 """Times of comparison of drifts, as shares of the held-out part."""
-LEAST = 0.1
+MIN_RELATIVE_SCATTER = 0.1
 """Minimum scatter of an entry, over the median scatter of its view."""
-LEVEL = 0.95
+COVERAGE = 0.95
 SIDES = ("before", "after")
 """Names of the two models."""
-ANYWHERE = Site(radians(45.0), 0.0)
+ASSUMED_SITE = Site(radians(45.0), 0.0)
 """Assumed site of the device; only its gravity matters."""
 
 Model = ErrorModel | UncertainModel
@@ -138,7 +138,7 @@ class HeldOutComparison:
     def held_in(self) -> int:
         """Return the number of samples of the held-in part; ValueError if either part has too few."""
         held_in = int(np.searchsorted(self.measured.index.to_numpy(), self.split))
-        fewest = 4 * SHORTEST
+        fewest = 4 * MIN_BLOCK_SAMPLES
         if min(held_in, len(self.measured) - held_in) < fewest:
             raise ValueError(
                 f"split: expected {fewest} samples on either side; found {held_in} before {self.split:g} s"
@@ -156,7 +156,7 @@ class HeldOutComparison:
         interval = log.interval(self.measured)
         length = (len(self.measured) - self.held_in - 1) // EPOCHS * EPOCHS
         return drift.StaticNavigation(
-            ANYWHERE, False, self.held_in * interval, length * interval, length // EPOCHS * interval
+            ASSUMED_SITE, False, self.held_in * interval, length * interval, length // EPOCHS * interval
         )
 
     def statistics(self) -> LogStatistics:
@@ -167,11 +167,11 @@ class HeldOutComparison:
         """Simulate a model, ``before`` or ``after``, once for each of ``numbers``; return the statistics."""
         return [self._summary(table) for table in self._simulations(name, seed, numbers)]
 
-    def distribution(self, seed: int, count: int = COUNT) -> SquaredDistances:
+    def distribution(self, seed: int, count: int = SIMULATIONS) -> SquaredDistances:
         """Return the distances over views of the error."""
         return distribution(self.statistics(), *(self.simulate(name, seed, range(count)) for name in SIDES))
 
-    def drifts(self, seed: int, count: int = COUNT) -> "Drifts":
+    def drifts(self, seed: int, count: int = SIMULATIONS) -> "Drifts":
         """Return the drifts of a device at rest."""
         return self.drifts_of(self.statistics(), *(self.simulate(name, seed, range(count)) for name in SIDES))
 
@@ -279,14 +279,14 @@ def _views(values: np.ndarray, level: float, scale: float) -> list[np.ndarray]:
     ``scale`` is the standard deviation of the measured values, which sets the bounds below which samples are counted:
     on a lattice these shares are binomial, while quantiles jump.
     """
-    first = block_starts(len(values), BLOCKS, SHORTEST)
+    first = block_starts(len(values), BLOCKS, MIN_BLOCK_SAMPLES)
     number = np.diff(np.r_[first, len(values)])
     means = np.add.reduceat(values - level, first) / number
     squares = np.add.reduceat((values - level - np.repeat(means, number)) ** 2, first) / number
-    edges, widths = bands(len(values) - 1, WIDTH, 1)
+    edges, widths = bands(len(values) - 1, BAND_WIDTH, 1)
     power = np.add.reduceat(dct(values - values.mean(), norm="ortho")[1:] ** 2, edges) / widths
     averaging = allan.factors(len(values), PER_DECADE)
-    told = np.minimum(SHARES, 1 - SHARES) * len(values) >= COUNTED
+    told = np.minimum(SHARES, 1 - SHARES) * len(values) >= MIN_EXPECTED
     below = np.searchsorted(np.sort(values - level), scale * ndtri(SHARES[told]))
     shares = np.arcsin(np.sqrt((below + 3 / 8) / (len(values) + 3 / 4)))
     tiny = np.finfo(float).tiny
@@ -309,12 +309,12 @@ def _squares(one: list[np.ndarray], ensemble: list[list[np.ndarray]]) -> np.ndar
     squares = []
     for part, rows in zip(one, map(np.array, zip(*ensemble, strict=True)), strict=True):
         spread = rows.std(axis=0, ddof=1)
-        spread = np.maximum(spread, LEAST * np.median(spread) + np.finfo(float).tiny)
+        spread = np.maximum(spread, MIN_RELATIVE_SCATTER * np.median(spread) + np.finfo(float).tiny)
         squares.append(np.mean(((part - rows) / spread) ** 2, axis=1) / 2)
     return np.mean(squares, axis=0)
 
 
 def _interval(values: list[float] | np.ndarray) -> Interval:
-    """Return the median and the prediction interval of probability :data:`LEVEL`."""
-    low, middle, high = np.quantile(values, [(1 - LEVEL) / 2, 0.5, (1 + LEVEL) / 2], method="weibull")
+    """Return the median and the prediction interval of probability :data:`COVERAGE`."""
+    low, middle, high = np.quantile(values, [(1 - COVERAGE) / 2, 0.5, (1 + COVERAGE) / 2], method="weibull")
     return Interval(float(middle), float(low), float(high), "1")

@@ -24,9 +24,9 @@ from imugap.effects.effect import AxisModel, Effect, Role
 from imugap.log import TEMPERATURE, from_samples
 from imugap.model import ErrorModel
 
-TOGETHER = 15
+SIMULATIONS_PER_TASK = 15
 """Simulations of one model of one log per task of one process."""
-HELD_IN = 0.8
+HELD_IN_SHARE = 0.8
 """Share of a log that is fitted, where no test log is given."""
 LEVEL_SHARE = 0.2
 """Share of a test log from which the level of a device at rest is estimated."""
@@ -41,7 +41,7 @@ def compare_held_out(
     """
     fits = {axis: result.held_in_fit if result.same_names else result.whole_fit for axis, result in results.items()}
     before = UncertainModel.of(_in_run(start), {axis: result.start_fit for axis, result in results.items()})
-    return _compared(record, HELD_IN, before, UncertainModel.of(_in_run(model(fits)), fits))
+    return _compared(record, HELD_IN_SHARE, before, UncertainModel.of(_in_run(model(fits)), fits))
 
 
 def compare_test_run(
@@ -78,7 +78,7 @@ def distances(
     Log number k uses the seed ``seed`` + k; ``count`` is the number of simulations of each model, and ``each`` a map
     function, possibly parallel.
     """
-    parts = [range(first, min(first + TOGETHER, count)) for first in range(0, count, TOGETHER)]
+    parts = [range(first, min(first + SIMULATIONS_PER_TASK, count)) for first in range(0, count, SIMULATIONS_PER_TASK)]
     tasks = [(one, name, seed + k, part) for name in SIDES for k, one in enumerate(logs) for part in parts]
     made = iter(each(_ensemble, *zip(*tasks, strict=True)))
     befores, afters = ([list(chain.from_iterable(islice(made, len(parts)))) for _ in logs] for _ in SIDES)

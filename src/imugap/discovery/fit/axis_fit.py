@@ -25,16 +25,16 @@ from imugap.effects.effect import Effect, FilterEffect, Role, StochasticEffect, 
 from imugap.stream import stream
 
 Made = TypeVar("Made")
-ROUNDS = 8
+MAX_ALTERNATIONS = 8
 """Maximum number of alternations between mean and spectrum."""
-SETTLED = 0.02
+MIN_GAIN = 0.02
 """Change of log-likelihood at which the alternation has converged."""
-HALVINGS = 6
-CUTOFF_STEP, LONGEST = 1e-4, 0.3
+MAX_SHORTENINGS = 6
+CUTOFF_STEP, MAX_CUTOFF_STEP = 1e-4, 0.3
 """Of the logarithm of a cutoff: half the step of its difference quotient, and the longest step of a fit."""
-SHAPING = (Role.MEAN, Role.FILTER, Role.VARIANCE)
+SHAPING_ROLES = (Role.MEAN, Role.FILTER, Role.VARIANCE)
 """Roles of the effects that change the cosine coefficients of the samples, apart from their likelihood."""
-SHARED = 4
+CACHED_TRANSFORMS = 4
 """Number of systematic parts whose transforms are cached: fits that differ only in the noise share them."""
 
 
@@ -301,11 +301,11 @@ def _centred(sequence: AxisSequence, description: Description) -> np.ndarray:
 
 def _seen(sequence: AxisSequence, description: Description) -> np.ndarray:
     """Return the cosine coefficients of the samples less the systematic terms; they do not depend on the noise."""
-    shaping = tuple(entry for entry in description.entries if entry.effect.role in SHAPING)
+    shaping = tuple(entry for entry in description.entries if entry.effect.role in SHAPING_ROLES)
     return _seen_of(sequence, shaping)
 
 
-@lru_cache(maxsize=SHARED)
+@lru_cache(maxsize=CACHED_TRANSFORMS)
 def _seen_of(
     sequence: AxisSequence,
     entries: tuple[Entry, ...],
@@ -423,9 +423,9 @@ def fit(sequence: AxisSequence, start: Description) -> AxisFit:
     if start.noise.output_filter is None or not sequence.in_motion:
         return _fitted(sequence, start)
     found = _surer(_fitted(sequence, start, held=True))
-    for _ in range(ROUNDS):
+    for _ in range(MAX_ALTERNATIONS):
         moved = _cut_off_anew(found)
-        if moved.log_likelihood < found.log_likelihood + SETTLED:
+        if moved.log_likelihood < found.log_likelihood + MIN_GAIN:
             break
         found = moved
     return found
@@ -445,8 +445,8 @@ def _surer(found: AxisFit) -> AxisFit:
 def _cut_off_anew(found: AxisFit) -> AxisFit:
     """Return the fit after a step of the log cutoff, shortened until it is no worse, or the same fit."""
     step, sequence = found.noise.covariance[-1, -1] * found.noise.gradient[-1], found.sequence
-    step = float(np.clip(step, -LONGEST, LONGEST))
-    for _ in range(HALVINGS):
+    step = float(np.clip(step, -MAX_CUTOFF_STEP, MAX_CUTOFF_STEP))
+    for _ in range(MAX_SHORTENINGS):
         moved = _fitted(sequence, _cut_off(found.description, step, sequence.conditions.interval), held=True)
         if moved.log_likelihood >= found.log_likelihood:
             return _surer(moved)
@@ -465,12 +465,12 @@ def _fitted(sequence: AxisSequence, start: Description, held: bool = False) -> A
     """Return the fit of mean and noise in turn; the cutoff of a filter stays where it is ``held``."""
     description, last = start, -np.inf
     fixed = not start.terms and start.noise.output_filter is None
-    for _ in range(ROUNDS):
+    for _ in range(MAX_ALTERNATIONS):
         left = Scatter.of(sequence, description).left(description)
         noise = fit_noise(description.noise, sequence.bins, sequence.bins.sums(left**2), held)
         description = description.with_noise(noise.noise)
         value = noise.log_likelihood - _jacobian_of_scale(sequence, description)
-        if value < last + SETTLED or fixed:
+        if value < last + MIN_GAIN or fixed:
             break
         last = value
         description = _mean_moved(sequence, description)
@@ -495,7 +495,7 @@ def _mean_moved(sequence: AxisSequence, description: Description) -> Description
     """Return the description after steps of Gauss and Newton of its terms under its spectrum."""
     scatter = Scatter.of(sequence, description)
     rest = scatter.left(description) / scatter.root
-    for _ in range(HALVINGS):
+    for _ in range(MAX_SHORTENINGS):
         columns = scatter.whiten(jacobian(description.terms, sequence), description)
         precision = columns.T @ columns
         norms = np.sqrt(np.diag(precision))
@@ -506,7 +506,7 @@ def _mean_moved(sequence: AxisSequence, description: Description) -> Description
         if gained <= 0:
             break
         description, rest = moved, after
-        if gained < SETTLED:
+        if gained < MIN_GAIN:
             break
     return description
 
@@ -514,7 +514,7 @@ def _mean_moved(sequence: AxisSequence, description: Description) -> Description
 def _line_search(
     scatter: Scatter, description: Description, step: np.ndarray, rest: np.ndarray
 ) -> tuple[Description, np.ndarray]:
-    for _ in range(HALVINGS):
+    for _ in range(MAX_SHORTENINGS):
         first, terms = 0, []
         for term in description.terms:
             terms.append(term.moved(step[first : first + len(term.free)]))

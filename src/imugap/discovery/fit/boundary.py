@@ -16,7 +16,7 @@ from imugap.discovery.fit.whittle import Noise
 from imugap.discovery.preparation.cosine_bins import cosine_coefficients
 from imugap.effects.effect import TINY, FilterEffect
 
-UNSURE = 0.03
+CUTOFF_LOG_STD = 0.03
 """Standard deviation of the logarithm of a cutoff, as far as what a filter lets go of may say."""
 
 
@@ -100,7 +100,7 @@ def _of_ends(count: int) -> np.ndarray:
 
 def _decay(output_filter: FilterEffect, count: int, interval: float) -> tuple[np.ndarray, np.ndarray]:
     """Return how a filter lets go of what was before the log, and how else it would do so by a lower cutoff."""
-    lower = replace(output_filter, cutoff=output_filter.cutoff * (1 - UNSURE))
+    lower = replace(output_filter, cutoff=output_filter.cutoff * (1 - CUTOFF_LOG_STD))
     decay = output_filter.decay(count, interval)
     return decay, lower.decay(count, interval) - decay
 

@@ -12,16 +12,16 @@ STARTS = ((1e-4, 20.0), (1e-3, 8.0), (1e-2, 4.0), (0.1, 2.0))
 """Shares of the wide law, and its width over that of the narrow one, from which the mixture is fitted."""
 BINS = 1000
 """Bins of the squares below the largest, and number of the largest, that are kept one by one."""
-ROUNDS = 500
-SETTLED = 1e-4
+MAX_ITERATIONS = 500
+MIN_GAIN = 1e-4
 """Gain of log-likelihood below which the mixture is fitted."""
-STEP = 1e-3
+DIFFERENCE_STEP = 1e-3
 """Step of a parameter in a difference quotient."""
-LARGEST = 100.0
+MAX_LOG_STD = 100.0
 """Largest standard deviation of a logarithm that is told from no knowledge at all."""
-FLAGGED = 0.5
+MIN_POSTERIOR = 0.5
 """Posterior probability above which a sample counts as an outlier."""
-EACH, PARTS = 5, 50
+MIN_PER_PART, MAX_PARTS = 5, 50
 """Outliers in each part of the log that are expected at least, and parts at most, of which the numbers are compared."""
 
 
@@ -58,7 +58,7 @@ class Tails:
     @property
     def flagged(self) -> np.ndarray:
         """Return which samples are outliers rather than not."""
-        return self.posterior > FLAGGED
+        return self.posterior > MIN_POSTERIOR
 
     @property
     def clustered(self) -> float:
@@ -70,10 +70,10 @@ class Tails:
     @property
     def uneven(self) -> float:
         """Return the log p-value of the numbers of outliers in equal parts of the log (chi-square test)."""
-        count = int(self.flagged.sum()) // EACH
+        count = int(self.flagged.sum()) // MIN_PER_PART
         if count < 2:
             return 0.0
-        counts = np.array([part.sum() for part in np.array_split(self.flagged, min(count, PARTS))])
+        counts = np.array([part.sum() for part in np.array_split(self.flagged, min(count, MAX_PARTS))])
         return float(chi2.logsf(np.sum((counts - counts.mean()) ** 2) / counts.mean(), len(counts) - 1))
 
     @property
@@ -122,10 +122,10 @@ def _log_densities(squares, share, narrow, wide):
 
 def _climb(squares, number, share, narrow, wide):
     last, total = -np.inf, number.sum()
-    for _ in range(ROUNDS):
+    for _ in range(MAX_ITERATIONS):
         low, high = _log_densities(squares, share, narrow, wide)
         value = float(number @ np.logaddexp(low, high))
-        if value - last < SETTLED:
+        if value - last < MIN_GAIN:
             break
         last, weight = value, number * expit(high - low)
         hit = max(weight.sum(), 1e-9)
@@ -150,10 +150,13 @@ def _intervals(squares, number, share, narrow, wide):
 
 def ends(cost: Callable[[np.ndarray], float], top: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return both ends of 95 % intervals of the parameters at the minimum of a negative log-likelihood, each (m,)."""
-    units = np.eye(len(top)) * STEP
+    units = np.eye(len(top)) * DIFFERENCE_STEP
     hessian = [
-        [(cost(top + a + b) - cost(top + a - b) - cost(top - a + b) + cost(top - a - b)) / (4 * STEP**2) for b in units]
+        [
+            (cost(top + a + b) - cost(top + a - b) - cost(top - a + b) + cost(top - a - b)) / (4 * DIFFERENCE_STEP**2)
+            for b in units
+        ]
         for a in units
     ]
-    error = 1.96 * np.sqrt(np.abs(np.diag(np.linalg.pinv(np.array(hessian), hermitian=True)))).clip(max=LARGEST)
+    error = 1.96 * np.sqrt(np.abs(np.diag(np.linalg.pinv(np.array(hessian), hermitian=True)))).clip(max=MAX_LOG_STD)
     return top - error, top + error

@@ -8,22 +8,22 @@ from scipy.fft import dct, idct, next_fast_len, rfft
 from scipy.optimize import minimize
 from scipy.special import ndtr
 
-EDGE, LONGEST_EDGE = 0.02, 64
+EDGE_SHARE, MAX_EDGE_SAMPLES = 0.02, 64
 """Share of the samples at each end at which no step is looked for, and their largest number.
 
 There a sharp filter, whose past and future the log does not hold, makes what looks like one.
 """
-LOST = 1e-6
+MIN_STEP_SHARE = 1e-6
 """Share of a step that the other terms have to leave of it for it to be told from them."""
-OPEN = 2.0
+MIN_END_GAIN = 2.0
 """Gain of log-likelihood that a change of variance has to make by ending before the samples do."""
-BAND, FINER = 256, 4
+BAND_FREQUENCIES, BAND_HALVINGS = 256, 4
 """Frequencies of a band over which the level of the power is taken; how often it is halved towards zero."""
-MEANS, FASTEST = 4096, 0.125
+SWING_BLOCKS, MAX_SWING_FREQUENCY = 4096, 0.125
 """Blocks in which a swing of the variance is looked for, and the highest frequency, over the rate of the blocks."""
-SLOWEST, DEEPEST = 0.5, 8.0
+MIN_SWING_CYCLES, MAX_SWING_DEPTH = 0.5, 8.0
 """Least cycles of such a swing in the log, and its largest depth: of less the depth is not told from the mean."""
-BLOCKS = 400
+STRETCH_BLOCKS = 400
 """Blocks of the search for stretches of another variance."""
 
 
@@ -79,8 +79,8 @@ def steps(coefficients: np.ndarray, variance: np.ndarray, basis: np.ndarray) -> 
         along = _matched(column, variance)
         norm -= along**2
         product -= along * np.r_[along[1:], 0.0]
-    edge = min(max(int(EDGE * n), 8), LONGEST_EDGE)
-    told = norm > LOST * alone
+    edge = min(max(int(EDGE_SHARE * n), 8), MAX_EDGE_SAMPLES)
+    told = norm > MIN_STEP_SHARE * alone
     told[:edge] = told[n - edge :] = False
     norm = np.where(told, norm, np.inf)
     gains, apart = 0.5 * _matched(coefficients, variance) ** 2 / norm, np.zeros(n)
@@ -123,14 +123,18 @@ def _level(power: np.ndarray) -> np.ndarray:
 
     It is taken from medians of bands, three standard deviations below them, and is 1 where that is less.
     """
-    even = len(power) // BAND
+    even = len(power) // BAND_FREQUENCIES
     if even < 2:
         return np.full(len(power), max(np.median(power) / (np.log(2) + 3 * np.sqrt(2 / len(power))), 1.0))
-    number = np.r_[BAND // 2**FINER, [BAND // 2**k for k in range(FINER, 0, -1)], np.full(even - 1, BAND)]
-    finer = np.split(power[:BAND], np.cumsum(number[:FINER]))
-    coarse = np.median(power[BAND : even * BAND].reshape(-1, BAND), axis=1)
+    number = np.r_[
+        BAND_FREQUENCIES // 2**BAND_HALVINGS,
+        [BAND_FREQUENCIES // 2**k for k in range(BAND_HALVINGS, 0, -1)],
+        np.full(even - 1, BAND_FREQUENCIES),
+    ]
+    finer = np.split(power[:BAND_FREQUENCIES], np.cumsum(number[:BAND_HALVINGS]))
+    coarse = np.median(power[BAND_FREQUENCIES : even * BAND_FREQUENCIES].reshape(-1, BAND_FREQUENCIES), axis=1)
     medians = np.r_[[np.median(band) for band in finer], coarse]
-    number[-1] += len(power) - even * BAND
+    number[-1] += len(power) - even * BAND_FREQUENCIES
     return np.repeat(np.maximum(medians / (np.log(2) + 3 * np.sqrt(2 / number)), 1.0), number)
 
 
@@ -141,7 +145,7 @@ def stretches(whitened: np.ndarray) -> tuple[float, int, int]:
     does.
     """
     n = len(whitened)
-    width = max(n // BLOCKS, 8)
+    width = max(n // STRETCH_BLOCKS, 8)
     blocks = n // width
     energy = np.r_[0.0, np.cumsum(whitened[: blocks * width].reshape(blocks, width) ** 2 @ np.ones(width))]
     first, last = np.triu_indices(blocks + 1, 1)
@@ -155,7 +159,7 @@ def stretches(whitened: np.ndarray) -> tuple[float, int, int]:
     ends = [(start, stop), *((a, b) for a, b in ((start, n), (0, stop)) if 0 < b - a < n)]
     gains = [float(_change_gain(squares[b] - squares[a], b - a, squares[-1], n)) for a, b in ends]
     lasting = int(np.argmax(gains[1:])) + 1 if len(ends) > 1 else 0
-    chosen = lasting if gains[lasting] > gains[0] - OPEN else 0
+    chosen = lasting if gains[lasting] > gains[0] - MIN_END_GAIN else 0
     return gains[chosen], *ends[chosen]
 
 
@@ -164,10 +168,10 @@ def swing(whitened: np.ndarray, time: np.ndarray) -> tuple[float, float, float, 
 
     It starts at the highest line of the mean squares of blocks; the log-variance is c + depth cos(2 pi f t + phase).
     """
-    width = max(len(whitened) // MEANS, 1)
+    width = max(len(whitened) // SWING_BLOCKS, 1)
     squares, middle = (block_means(values, width) for values in (whitened**2, time))
     frequency, gains, _ = lines((squares - squares.mean()) / max(squares.std(), 1e-300), middle[1] - middle[0])
-    slow = frequency < FASTEST / (middle[1] - middle[0])
+    slow = frequency < MAX_SWING_FREQUENCY / (middle[1] - middle[0])
     coarse = float(frequency[slow][np.argmax(gains[slow])])
     seconds, mean = middle - middle.mean(), squares.mean()
 
@@ -180,8 +184,13 @@ def swing(whitened: np.ndarray, time: np.ndarray) -> tuple[float, float, float, 
         return 0.5 * np.mean(level + relative), 0.5 * np.mean((1 - relative) * [*columns, moved], axis=1)
 
     wave = 2 * np.mean(squares * np.exp(-2j * np.pi * coarse * seconds)) / mean
-    lowest = SLOWEST / (time[-1] - time[0])
-    ends = (None, None), (-DEEPEST, DEEPEST), (-DEEPEST, DEEPEST), ((lowest - coarse) * seconds[-1], None)
+    lowest = MIN_SWING_CYCLES / (time[-1] - time[0])
+    ends = (
+        (None, None),
+        (-MAX_SWING_DEPTH, MAX_SWING_DEPTH),
+        (-MAX_SWING_DEPTH, MAX_SWING_DEPTH),
+        ((lowest - coarse) * seconds[-1], None),
+    )
     start = [np.log(mean), wave.real, -wave.imag, max(ends[3][0], 0.0)]
     best = minimize(cost, start, jac=True, method="L-BFGS-B", bounds=ends)
     gain = width * len(squares) * (0.5 * (np.log(mean) + 1) - best.fun)

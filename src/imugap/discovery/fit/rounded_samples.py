@@ -17,21 +17,21 @@ from imugap.discovery.fit.contaminated_normal import STARTS, Tails, ends
 from imugap.discovery.fit.whittle import Noise
 from imugap.discovery.preparation.sequence import AxisSequence
 
-WHITE = 0.5
+MIN_WHITE_SHARE = 0.5
 """Least share of white noise in the power, with which its samples can be told from what is slower."""
-WIDEST = 4.0
+MAX_CELL_WIDTH = 4.0
 """Largest width of a cell, in standard deviations of the noise, across which its mean is still told."""
-HARMONICS, GRID = 3, 400
+HARMONICS, CELL_POINTS = 3, 400
 """Harmonics of the mean rounding error over a cell, and points of a cell at which it is known."""
-ROUNDS = 3
+MEAN_ROUNDS = 3
 """Turns between the deviation ahead of the rounding and the mean there."""
-FINE = 0.01
+PLACE_STEP = 0.01
 """Distance of places, in standard deviations of the noise, that are taken for one in the fit of a law."""
-MOST = 0.5
+MAX_WIDE_SHARE = 0.5
 """Largest share of the wide law."""
-FAR = 37.0
+MAX_DEVIATION = 37.0
 """Standard deviations beyond which a normal law has no mass in double precision."""
-EFFORT = {"xatol": 1e-5, "fatol": 1e-5, "maxiter": 2000, "maxfev": 2000}
+SIMPLEX_OPTIONS = {"xatol": 1e-5, "fatol": 1e-5, "maxiter": 2000, "maxfev": 2000}
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,28 +75,28 @@ class Cells:
             return None
         unit = white[0].density / np.sqrt(sequence.conditions.interval)
         share = np.minimum(unit**2 / bins.spread(noise.variance(bins)), 1.0)
-        if share.mean() < WHITE:
+        if share.mean() < MIN_WHITE_SHARE:
             return None
         share[bins.last :] = 1.0
         own = scale * idct(np.r_[0.0, share] * dct(residual, norm="ortho"), norm="ortho")
         output, deviation, std = sequence.values + sequence.conditions.error_free, scale * unit, unit
         half = np.broadcast_to(step / 2 / deviation, own.shape)
-        for _ in range(ROUNDS):
+        for _ in range(MEAN_ROUNDS):
             cells = cls((output - ahead(output - own, step, std)) / deviation, half, unit / float(share.mean()))
             std = unit * float(np.exp(cells._normal[1]))
-        return cells if step < WIDEST * std else None
+        return cells if step < MAX_CELL_WIDTH * std else None
 
     @cached_property
     def _places(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return centre, half and number of the cells at each place."""
-        _, place, number = np.unique(np.rint(self.centres / FINE), return_inverse=True, return_counts=True)
+        _, place, number = np.unique(np.rint(self.centres / PLACE_STEP), return_inverse=True, return_counts=True)
         centre, half = (np.bincount(place, values) / number for values in (self.centres, self.half))
         return centre, half, number
 
     @cached_property
     def _normal(self) -> np.ndarray:
         """Return mean and logarithm of the standard deviation of the normal law that is likeliest."""
-        return minimize(self._cost, np.zeros(2), method="Nelder-Mead", options=EFFORT).x
+        return minimize(self._cost, np.zeros(2), method="Nelder-Mead", options=SIMPLEX_OPTIONS).x
 
     def drawn(self, rng: np.random.Generator) -> np.ndarray:
         """Return values ahead of the rounding, shape (n,), over their standard deviation, as if they were normal.
@@ -106,7 +106,7 @@ class Cells:
         mean, std = self._normal[0], np.exp(self._normal[1])
         centre, half = (self.centres - mean) / std, self.half / std
         side = np.where(centre > 0, -1.0, 1.0)
-        low, high = (np.maximum(side * centre + end * half, -FAR) for end in (-1, 1))
+        low, high = (np.maximum(side * centre + end * half, -MAX_DEVIATION) for end in (-1, 1))
         below, within = ndtr(low), ndtr(high) - ndtr(low)
         value = side * ndtri(below + within * rng.random(len(centre)))
         return np.where((within > 0) & np.isfinite(value), value, centre)
@@ -114,22 +114,24 @@ class Cells:
     def tails(self) -> Tails:
         """Return the mixture of two normal laws that is likeliest, in the unit of the cells."""
         mean, log_std = self._normal
-        starts = ([mean, log_std - np.log1p(rare * wide), logit(rare / MOST), np.log(wide)] for rare, wide in STARTS)
-        fits = [minimize(self._cost, start, method="Nelder-Mead", options=EFFORT) for start in starts]
+        starts = (
+            [mean, log_std - np.log1p(rare * wide), logit(rare / MAX_WIDE_SHARE), np.log(wide)] for rare, wide in STARTS
+        )
+        fits = [minimize(self._cost, start, method="Nelder-Mead", options=SIMPLEX_OPTIONS) for start in starts]
         best = min(fits, key=lambda fit: fit.fun)
         near, half, (share, narrow, wide) = self.centres - best.x[0], self.half, _laws(best.x)
         odds = logit(share) + np.log(_masses(near, half, wide) / _masses(near, half, narrow))
         (_, _, low_odds, low_excess), (_, _, high_odds, high_excess) = ends(self._cost, best.x)
-        shares = MOST * float(expit(low_odds)), MOST * float(expit(high_odds))
+        shares = MAX_WIDE_SHARE * float(expit(low_odds)), MAX_WIDE_SHARE * float(expit(high_odds))
         excess = narrow * float(np.exp(low_excess)), narrow * float(np.exp(high_excess))
         gain = self._cost(self._normal) - best.fun
         return Tails(share, narrow, wide, gain, expit(odds), (shares, excess))
 
     def _cost(self, theta: np.ndarray) -> float:
-        """Return less the log-likelihood of a law.
+        """Return the negative log-likelihood of a normal law or a mixture of two.
 
-        It is normal, by mean and log-deviation, or has a share of a wider one, by the logit of the share over MOST and
-        the logarithm of sqrt(wide^2 - narrow^2)/narrow.
+        ``theta`` has the mean and the logarithm of the standard deviation; for a mixture also the logit of the share of
+        the wide law over :data:`MAX_WIDE_SHARE` and the logarithm of sqrt(wide^2 - narrow^2)/narrow.
         """
         centre, half, number = self._places
         share, narrow, wide = _laws(theta)
@@ -143,7 +145,7 @@ def _laws(theta: np.ndarray) -> tuple[float, float, float]:
     narrow = float(np.exp(theta[1]))
     if len(theta) == 2:
         return 0.0, narrow, narrow
-    return MOST * float(expit(theta[2])), narrow, narrow * float(np.sqrt(1 + np.exp(2 * theta[3])))
+    return MAX_WIDE_SHARE * float(expit(theta[2])), narrow, narrow * float(np.sqrt(1 + np.exp(2 * theta[3])))
 
 
 def _masses(near: np.ndarray, half: np.ndarray, std: float) -> np.ndarray:
@@ -157,7 +159,7 @@ def ahead(level: np.ndarray, step: float, std: float) -> np.ndarray:
 
     The mean rounding error over a cell is a sum of sines (Widrow and Kollar 2008, Quantization noise, chapter 5).
     """
-    place = np.linspace(-0.5, 0.5, GRID + 1)
+    place = np.linspace(-0.5, 0.5, CELL_POINTS + 1)
     order = np.arange(1, HARMONICS + 1)
     size = (-1.0) ** order / order / np.pi * np.exp(-2 * (np.pi * order * std / step) ** 2)
     rounded = place + size @ np.sin(2 * np.pi * order[:, None] * place)

@@ -11,7 +11,7 @@ from imugap.effects.conditions import Conditions
 from imugap.effects.effect import Effect, Role, Stage, StochasticEffect, SystematicEffect
 from imugap.model import white_noise
 
-WIDEST = 0.98
+MAX_CUTOFF_SHARE = 0.98
 """Share of the highest cutoff that a fit can tell above which a run two percent slower does not show it."""
 
 
@@ -56,7 +56,7 @@ def _shows(effect: Effect, conditions: Conditions) -> bool:
 
 
 def _seen(effect: Effect, sequence: AxisSequence) -> Effect:
-    return replace(effect, cutoff=min(effect.cutoff, WIDEST * effect.highest(sequence.conditions.interval)))
+    return replace(effect, cutoff=min(effect.cutoff, MAX_CUTOFF_SHARE * effect.highest(sequence.conditions.interval)))
 
 
 def _white(sequence: AxisSequence) -> StochasticEffect:

@@ -21,33 +21,33 @@ from imugap.effects import GaussMarkov, RandomTelegraph
 from imugap.effects.effect import StochasticEffect, VarianceEffect
 from imugap.numerics.bhhh import Maximum, maximise
 
-FINE = 48
+BLOCKS_PER_TIME = 48
 """Blocks per correlation time, as far as the filter lets a step be over within one."""
-LEFT = 0.01
+SETTLED_SHARE = 0.01
 """Share of a step that is left to come behind a filter when it is over."""
-LONG = 20.0
+TIMES_PER_LOG = 20.0
 """Correlation times in a log, where nothing tells more."""
-QUIET, DEEP = 1e-3, 10.0
+MIN_START_NOISE, MAX_NOISE_LOG_RATIO = 1e-3, 10.0
 """White noise over the slow process: least share at the start, and logarithm of the least share at all."""
-CALM = (0.03, 0.3)
+WALK_STARTS = (0.03, 0.3)
 """Steps of the walk from block to block over the slow process, at the start."""
-MOST = 60_000
+MAX_BLOCKS = 60_000
 """Blocks at most."""
-TIMES, RATES = (0.1, 1.0, 8.0), (0.3, 1.0, 3.0)
+TIME_FACTORS, RATE_FACTORS = (0.1, 1.0, 8.0), (0.3, 1.0, 3.0)
 """Correlation times and rates at the start, over those of the spectrum."""
-LEAST = np.log(1e-12)
+MIN_LOG_WEIGHT = np.log(1e-12)
 """Least log-probability of a Gaussian that is kept."""
-NEAR, WIDE = 0.02, 0.3
+FIRST_STEP, MAX_STEP = 0.02, 0.3
 """First and longest step of a difference quotient at the top."""
-ROUNDS = 3
+SCORE_ROUNDS = 3
 """Times that the scores are taken, each over steps that those before tell."""
-FEW = 2
+GAUSSIANS = 2
 """Gaussians for each value, to measure with."""
-HUGE = 300.0
+MAX_LOGARITHM = 300.0
 """Logarithm that stands for none or no bound."""
-EVEN = 0.5 * np.log(3.0)
+MAX_RATE_LOG_RATIO = 0.5 * np.log(3.0)
 """Half the logarithm of the ratio of two rates, up and down, up to which they are one: real ones are not quite."""
-RARE, OFTEN = np.log(1e-9), np.log(1e3)
+MIN_LOG_SWITCHES, MAX_LOG_SWITCHES = np.log(1e-9), np.log(1e3)
 """Logarithm of the least and of the largest number of switches per block that is asked for."""
 
 
@@ -80,7 +80,7 @@ class Blocks:
     std: float
 
     @classmethod
-    def of(cls, fit: AxisFit, slow: tuple[StochasticEffect, ...], fine: float = FINE) -> "Blocks":
+    def of(cls, fit: AxisFit, slow: tuple[StochasticEffect, ...], fine: float = BLOCKS_PER_TIME) -> "Blocks":
         """Cut the residual of a fit in blocks, in which only its processes besides the slow ones are white noise.
 
         There are ``fine`` blocks, or as many as there are samples, to the shortest correlation time, if the log has as
@@ -89,8 +89,10 @@ class Blocks:
         interval, count = fit.sequence.conditions.interval, len(fit.sequence.values)
         lorentzian = [one.equivalent if isinstance(one, RandomTelegraph) else one for one in slow]
         times = [one.correlation_time for one in lorentzian if isinstance(one, GaussMarkov)]
-        time = min(times, default=interval * count / LONG)
-        width = max(min(max(int(time / fine / interval), _settling(fit)), count // FINE), count // MOST, 1)
+        time = min(times, default=interval * count / TIMES_PER_LOG)
+        width = max(
+            min(max(int(time / fine / interval), _settling(fit)), count // BLOCKS_PER_TIME), count // MAX_BLOCKS, 1
+        )
         means = scans.block_means(fit.residual * fit.scale, width)
         profile = _profile(fit.sequence, fit.description.changes, width)
         rest = [one for one in fit.description.noise.effects if one not in slow]
@@ -111,7 +113,7 @@ def _settling(fit: AxisFit) -> int:
     if passes is None:
         return 0
     left = passes.decay(len(fit.sequence.values), fit.sequence.conditions.interval)
-    return int(np.sum(np.abs(left) > LEFT))
+    return int(np.sum(np.abs(left) > SETTLED_SHARE))
 
 
 def _profile(sequence: AxisSequence, changes: tuple[VarianceEffect, ...], width: int) -> np.ndarray:
@@ -165,7 +167,7 @@ class TelegraphComparison:
 
     def _parted(self, theta: np.ndarray) -> np.ndarray:
         """Return the log-density of each block, within which a switch may fall."""
-        return _telegraph_densities(self.blocks, theta, self.blocks.width, FEW)
+        return _telegraph_densities(self.blocks, theta, self.blocks.width, GAUSSIANS)
 
     @cached_property
     def uneven(self) -> float:
@@ -179,36 +181,38 @@ def compare(fit: AxisFit, slow: tuple[StochasticEffect, ...]) -> TelegraphCompar
     The noise besides is white on the scale of the blocks, or wanders from one to the next.
     """
     blocks = Blocks.of(fit, slow)
-    starts = [np.r_[np.log([blocks.std, blocks.time * factor]), calm] for factor in TIMES for calm in _beside(blocks)]
+    starts = [
+        np.r_[np.log([blocks.std, blocks.time * factor]), calm] for factor in TIME_FACTORS for calm in _beside(blocks)
+    ]
     return TelegraphComparison(blocks, maximise(partial(_markov_densities, blocks), starts), likeliest(blocks))
 
 
 def likeliest(blocks: Blocks) -> Maximum:
     """Return telegraph noise in block means at its highest likelihood: logarithms of its step and rate come first."""
     size, rate = 2 * blocks.std, 0.5 / blocks.time
-    starts = [np.r_[np.log([size, rate * factor]), calm] for factor in RATES for calm in _beside(blocks)]
+    starts = [np.r_[np.log([size, rate * factor]), calm] for factor in RATE_FACTORS for calm in _beside(blocks)]
     return maximise(partial(_telegraph_densities, blocks), starts)
 
 
 def uneven(densities: Callable[[np.ndarray], np.ndarray], even: Maximum) -> float:
-    """Return the gain of log-likelihood of two rates, up and down, over two no farther apart than :data:`EVEN`.
+    """Return the gain of log-likelihood of unequal rates up and down over rates within :data:`MAX_RATE_LOG_RATIO`.
 
     ``densities`` takes half the logarithm of their ratio as a parameter more than ``even`` has.
     """
     apart = maximise(densities, [np.r_[even.theta, side] for side in (-1.0, 1.0)])
-    side = np.clip(apart.theta[-1], -EVEN, EVEN)
+    side = np.clip(apart.theta[-1], -MAX_RATE_LOG_RATIO, MAX_RATE_LOG_RATIO)
     near = maximise(lambda theta: densities(np.r_[theta, side]), [apart.theta[:-1]])
     return apart.log_likelihood - max(near.log_likelihood, even.log_likelihood)
 
 
 def _beside(blocks: Blocks) -> list[np.ndarray]:
     """Return starts of the logarithms of the noise of a block and of the step of the walk between two."""
-    return [np.log([max(blocks.white, QUIET * blocks.std), calm * blocks.std]) for calm in CALM]
+    return [np.log([max(blocks.white, MIN_START_NOISE * blocks.std), calm * blocks.std]) for calm in WALK_STARTS]
 
 
 def _noise(blocks: Blocks, theta: np.ndarray) -> tuple[np.ndarray, float]:
     """Return the noise of each block and the step of the walk."""
-    white, walk = np.exp(np.maximum(theta[2:4], np.log(blocks.std) - DEEP))
+    white, walk = np.exp(np.maximum(theta[2:4], np.log(blocks.std) - MAX_NOISE_LOG_RATIO))
     return white * blocks.profile, walk
 
 
@@ -218,7 +222,9 @@ def _telegraph_densities(blocks: Blocks, theta: np.ndarray, width: int = 1, kept
     A switch may fall among ``width`` samples of a block; ``kept`` Gaussians are kept for each value.
     """
     side = theta[4] if len(theta) > 4 else 0.0
-    switched = np.exp(np.clip(np.log(blocks.step) + theta[1] + np.array([side, -side]), RARE, OFTEN))
+    switched = np.exp(
+        np.clip(np.log(blocks.step) + theta[1] + np.array([side, -side]), MIN_LOG_SWITCHES, MAX_LOG_SWITCHES)
+    )
     white, walk = _noise(blocks, theta)
     slow = 1.0, walk**2, blocks.means.mean(), blocks.means.var()
     return filtered(blocks.means, width, np.exp(theta[0]) / 2, *switched, white, *slow, kept)[0]
@@ -231,7 +237,7 @@ def _markov_densities(blocks: Blocks, theta: np.ndarray) -> np.ndarray:
 
 
 def _positive(logarithm: float) -> float:
-    return float(np.exp(np.clip(logarithm, -HUGE, HUGE)))
+    return float(np.exp(np.clip(logarithm, -MAX_LOGARITHM, MAX_LOGARITHM)))
 
 
 def errors(densities: Callable[[np.ndarray], np.ndarray], top: np.ndarray) -> np.ndarray:
@@ -241,11 +247,11 @@ def errors(densities: Callable[[np.ndarray], np.ndarray], top: np.ndarray) -> np
     parameters: which Gaussians are merged changes from place to place, so that over much shorter ones the likelihood is
     not smooth.
     """
-    steps = np.full(len(top), NEAR)
-    for _ in range(ROUNDS):
+    steps = np.full(len(top), FIRST_STEP)
+    for _ in range(SCORE_ROUNDS):
         scores = [(densities(top + one) - densities(top - one)) / (2 * one.max()) for one in np.diag(steps)]
         information = np.array(scores) @ np.transpose(scores)
-        steps = 1 / np.sqrt(np.diag(information) + WIDE**-2)
+        steps = 1 / np.sqrt(np.diag(information) + MAX_STEP**-2)
     return np.sqrt(np.diag(np.linalg.pinv(information, hermitian=True)))
 
 
@@ -287,7 +293,7 @@ def filtered(values, width, half, rise, fall, white, decay, driven, begin, sprea
             for i in range(3):
                 state[one, i], state[kept + one, i] = ups[one, i], downs[one, i]
         for one in range(2 * kept):
-            state[one, 0] = max(state[one, 0] - total, LEAST)
+            state[one, 0] = max(state[one, 0] - total, MIN_LOG_WEIGHT)
             for i in range(3):
                 known[k, one, i] = state[one, i]
     return densities, known

@@ -14,21 +14,21 @@ from imugap.discovery.preparation.cosine_bins import Bins
 from imugap.effects.effect import TINY, FilterEffect, Role, StochasticEffect
 from imugap.numerics.damped_steps import Damping, optimise
 
-STEP = 1e-4
+DIFFERENCE_STEP = 1e-4
 """Step of a log parameter in a difference quotient."""
-ITERATIONS = 60
+MAX_ITERATIONS = 60
 DAMPING = Damping(first=1e-3, floor=1e-3, least=1e-9, most=1e9, down=5.0, up=8.0)
-LONGEST_STEP = 1.5
+MAX_LOG_STEP = 1.5
 """Largest change of a log parameter in one iteration."""
-FLAT = 1e-5
+MIN_PREDICTED_GAIN = 1e-5
 """Predicted gain of log-likelihood at which a climb ends."""
-LOUD = 20.0
+MAX_AMPLITUDE_RATIO = 20.0
 """Largest amplitude, over that which alone would make the highest power there is."""
-LOOSE = 1.0
+PRIOR_LOG_STD = 1.0
 """Standard deviation of the logarithm of a parameter that the data say nothing of."""
-NEIGHBOURS = 8
+MEDIAN_BINS = 8
 """Bins whose median is what a spectrum is at their place."""
-FAINT = 1e-7
+MIN_POWER_SHARE = 1e-7
 """Share of the power, in every bin, below which a process counts as absent."""
 
 
@@ -70,8 +70,8 @@ class Noise:
         """
         filtered = self.output_filter
         below = np.sum(bins.frequency < (np.inf if filtered is None else filtered.cutoff))
-        asked = np.arange(min(max(below, NEIGHBOURS), len(bins.frequency)))
-        groups = np.array_split(asked, max(len(asked) // NEIGHBOURS, 1))
+        asked = np.arange(min(max(below, MEDIAN_BINS), len(bins.frequency)))
+        groups = np.array_split(asked, max(len(asked) // MEDIAN_BINS, 1))
         level = power / bins.number
         effects = []
         for effect in self.effects:
@@ -130,8 +130,8 @@ class NoiseFit:
 
     @property
     def covariance(self) -> np.ndarray:
-        """Return the covariance of the log parameters, of which nothing is known beyond :data:`LOOSE` a priori."""
-        return np.linalg.inv(self.information + np.eye(len(self.information)) / LOOSE**2)
+        """Return the covariance of the log parameters, with the prior standard deviation :data:`PRIOR_LOG_STD`."""
+        return np.linalg.inv(self.information + np.eye(len(self.information)) / PRIOR_LOG_STD**2)
 
 
 def log_likelihood(variance: np.ndarray, power: np.ndarray, number: np.ndarray) -> float:
@@ -160,12 +160,12 @@ def fit(start: Noise, bins: Bins, power: np.ndarray, held: bool = False) -> Nois
     def propose(path: list[tuple], damping: float) -> tuple | None:
         theta, _, gradient, information = path[-1]
         damped = information + np.diag(damping * (np.diag(information) + 1e-9))
-        ends = np.maximum(low - theta, -LONGEST_STEP), np.minimum(high - theta, LONGEST_STEP)
+        ends = np.maximum(low - theta, -MAX_LOG_STEP), np.minimum(high - theta, MAX_LOG_STEP)
         trial = theta + _step(gradient, damped, *ends)
-        return None if abs(gradient @ (trial - theta)) < FLAT else at(trial)
+        return None if abs(gradient @ (trial - theta)) < MIN_PREDICTED_GAIN else at(trial)
 
     first = at(np.clip(start.theta(), low, high))
-    path, _ = optimise(first, propose, lambda one, other: one[1] > other[1], DAMPING, ITERATIONS)
+    path, _ = optimise(first, propose, lambda one, other: one[1] > other[1], DAMPING, MAX_ITERATIONS)
     theta, value, gradient, information = path[-1]
     return NoiseFit(start.at(theta), value, information, gradient)
 
@@ -249,11 +249,11 @@ class NoiseSpectra:
                 slopes[place] = 2 * variance
                 continue
             ends = []
-            for side in (-STEP, STEP):
+            for side in (-DIFFERENCE_STEP, DIFFERENCE_STEP):
                 moved = theta.copy()
                 moved[place] += side
                 ends.append(process.shape(moved, self.bins))
-            slopes[place] = factor * (ends[1] - ends[0]) / (2 * STEP)
+            slopes[place] = factor * (ends[1] - ends[0]) / (2 * DIFFERENCE_STEP)
 
     def _filter(self, log_cutoff: float) -> tuple[np.ndarray, np.ndarray]:
         """Return gain of the filter and the derivative of its logarithm in the log cutoff."""
@@ -261,9 +261,9 @@ class NoiseSpectra:
             replace(self.noise.output_filter, cutoff=float(np.exp(log_cutoff + side))).gain(
                 self.bins.frequency, self.bins.interval
             )
-            for side in (-STEP, 0.0, STEP)
+            for side in (-DIFFERENCE_STEP, 0.0, DIFFERENCE_STEP)
         ]
-        return gains[1], np.log(gains[2] / gains[0]) / (2 * STEP)
+        return gains[1], np.log(gains[2] / gains[0]) / (2 * DIFFERENCE_STEP)
 
 
 def limits(noise: Noise, bins: Bins, power: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -275,11 +275,13 @@ def limits(noise: Noise, bins: Bins, power: np.ndarray) -> tuple[np.ndarray, np.
         if effect.role is Role.FILTER:
             spans.append((1e-3 / bins.interval, effect.highest(bins.interval)))
         elif isfinite(most):
-            spans.append((least * (1 + 2 * STEP), most * (1 - 2 * STEP)))
+            spans.append((least * (1 + 2 * DIFFERENCE_STEP), most * (1 - 2 * DIFFERENCE_STEP)))
         elif _scales(effect, name):
             ratio = level / (effect.sampled_psd(bins.frequency, bins.interval) / bins.interval)
             value = getattr(effect, name)
-            spans.append((value * np.sqrt(FAINT * ratio.min()), value * np.sqrt(ratio.max()) * LOUD))
+            spans.append(
+                (value * np.sqrt(MIN_POWER_SHARE * ratio.min()), value * np.sqrt(ratio.max()) * MAX_AMPLITUDE_RATIO)
+            )
         elif effect.units("")[name] == "s":
             spans.append((bins.interval / 3, 30 * duration))
         else:

@@ -6,15 +6,15 @@ from functools import cached_property, lru_cache
 import numpy as np
 from scipy.fft import dct
 
-SINGLE = 64
+SINGLE_BINS = 64
 """Number of lowest and of highest coefficients with bins of their own."""
-WIDTH = 0.03
+BIN_WIDTH = 0.03
 """Relative width of the other bins, relative to the distance from zero or from half the sampling rate."""
-USED = 0.98
+MAX_USED_SHARE = 0.98
 """Maximum share of the frequencies used; at half the sampling rate filters have a zero."""
-QUIET, WINDOW = 1e-4, 1 / 200
+MIN_RELATIVE_POWER, WINDOW_SHARE = 1e-4, 1 / 200
 """Power over its median below which it may be leakage from the ends of a log; width of the running mean, as a share."""
-OVER = 100.0
+MIN_LEAKAGE_RATIO = 100.0
 """Minimum power of a used frequency, over the leaked power."""
 
 
@@ -26,12 +26,12 @@ def usable_share(values: np.ndarray) -> float:
     mean over all slopes is used.
     """
     power = dct(values - values.mean(), norm="ortho")[1:] ** 2
-    width = max(int(WINDOW * len(power)), 1)
+    width = max(int(WINDOW_SHARE * len(power)), 1)
     means = power[: len(power) // width * width].reshape(-1, width).mean(axis=1)
     place = (np.arange(len(means)) + 0.5) * width / len(values)
     leaked = 4 / len(values) * np.mean(np.diff(values) ** 2) / (2 * np.sin(np.pi / 2 * place)) ** 4
-    loud = np.flatnonzero((means > QUIET * np.median(means)) & (means > OVER * leaked))
-    return float(min(USED, (loud[-1] + 1) * width / len(power))) if len(loud) else USED
+    loud = np.flatnonzero((means > MIN_RELATIVE_POWER * np.median(means)) & (means > MIN_LEAKAGE_RATIO * leaked))
+    return float(min(MAX_USED_SHARE, (loud[-1] + 1) * width / len(power))) if len(loud) else MAX_USED_SHARE
 
 
 def cosine_coefficients(values: np.ndarray) -> np.ndarray:
@@ -55,7 +55,7 @@ class Bins:
 
     count: int
     interval: float
-    share: float = USED
+    share: float = MAX_USED_SHARE
     step: float = 0.0
 
     @property
@@ -72,7 +72,7 @@ class Bins:
     def edges(self) -> np.ndarray:
         """Return the first coefficient (0 for k = 1) of each bin."""
         last = self.last
-        if last <= 4 * SINGLE:
+        if last <= 4 * SINGLE_BINS:
             return np.arange(last)
         return np.unique(np.concatenate([_widening(last // 2), last - _widening(last - last // 2)[1:]]))
 
@@ -108,5 +108,5 @@ def _logarithms(count: int) -> np.ndarray:
 
 def _widening(count: int) -> np.ndarray:
     """Return bin edges from 0 up to ``count``: of single coefficients first, then of growing width."""
-    bins = int(np.ceil(np.log(count / SINGLE) / WIDTH))
-    return np.r_[0:SINGLE, np.rint(np.geomspace(SINGLE, count, bins + 1)).astype(int)]
+    bins = int(np.ceil(np.log(count / SINGLE_BINS) / BIN_WIDTH))
+    return np.r_[0:SINGLE_BINS, np.rint(np.geomspace(SINGLE_BINS, count, bins + 1)).astype(int)]

@@ -9,9 +9,9 @@ from scipy.linalg import cho_solve_banded, cholesky_banded, solve_banded, toepli
 
 ORDER = 32
 """Order of the autoregression."""
-SEVERAL = 100
+MIN_ROWS_PER_COEFFICIENT = 100
 """Minimum number of complete rows per coefficient; with fewer, the order is halved."""
-ENOUGH = 100_000
+MAX_ROWS = 100_000
 """Maximum number of rows of the regression, spread over the log."""
 RIDGE = 1e-12
 """Regularisation of the precision, as a share of the power of the filter."""
@@ -40,9 +40,9 @@ class Autoregression:
     def of(cls, values: np.ndarray, good: np.ndarray) -> "Autoregression":
         """Fit the good samples by least squares; ``values`` and ``good`` of shape (n,)."""
         level, order = float(values[good].mean()), ORDER
-        while len(at := _complete(good, order)) < SEVERAL * (order + 1) and order > 0:
+        while len(at := _complete(good, order)) < MIN_ROWS_PER_COEFFICIENT * (order + 1) and order > 0:
             order //= 2
-        rows = at[:: -(-len(at) // ENOUGH), None] + np.arange(order + 1)
+        rows = at[:: -(-len(at) // MAX_ROWS), None] + np.arange(order + 1)
         past = values[rows] - level
         triangle = np.linalg.qr(past, mode="r")
         weights = np.linalg.lstsq(triangle[:, :-1], triangle[:, -1])[0]

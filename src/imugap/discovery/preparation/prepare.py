@@ -23,20 +23,20 @@ from imugap.log import ACCEL, AXES, GYRO, TEMPERATURE, TIME, LogError, axes
 from imugap.model import ErrorModel
 from imugap.stream import stream
 
-CERTAIN = -1e6
+CERTAIN_LOG_P = -1e6
 """Logarithm of the smallest probability reported."""
-ALIGNED = 1e-6
+STAMP_TOLERANCE = 1e-6
 """Largest difference, in intervals, of equal stamps of reference and log."""
-TAILED = 2.1
+MAX_TICK_DEVIATION = 2.1
 """Largest displacement of a stamp, in standard deviations, by the ticks of another clock (uniform: 1.73)."""
-HOLE = 5.0
+MIN_GAP_STEPS = 5.0
 """Minimum step of the stamps of the reference, over the median step, of a gap in it."""
-INTERPOLATED, STRAIGHT = 0.3, 1e-3
+MIN_STRAIGHT_SHARE, STRAIGHT_TOLERANCE = 0.3, 1e-3
 """Minimum share of samples on the straight line between their neighbours, within this tolerance over the median
 difference of neighbours, of an axis that was interpolated."""
-DISTINCT = 0.2
+MIN_DISTINCT_SHARE = 0.2
 """Minimum fraction of distinct values for the interpolation test."""
-TOGETHER = 0.5
+MIN_COMMON_SHARE = 0.5
 """Minimum share of the repeats of an axis that all axes have in common, for a common cause."""
 
 
@@ -143,7 +143,7 @@ class _News:
 
     def place(self, view: str, axis: str, low: float, high: float, unit: str, log_p: float) -> None:
         shift = self.origin if unit == "s" else 0.0
-        p_value = float(np.exp(max(log_p, CERTAIN)))
+        p_value = float(np.exp(max(log_p, CERTAIN_LOG_P)))
         self.discrepancies.append(Discrepancy(view, axis, float(low - shift), float(high - shift), unit, p_value))
 
     def seen(self, axis: str, found: Sequence[Evidence], values: np.ndarray) -> None:
@@ -163,12 +163,12 @@ class _News:
         if len(bad):
             near = clock.time[clock.advancing]
             spots = np.interp(bad, np.flatnonzero(clock.advancing), near)
-            self.place("stamps", TIME, spots[0], spots[-1], "s", CERTAIN)
+            self.place("stamps", TIME, spots[0], spots[-1], "s", CERTAIN_LOG_P)
         scattered = clock.scatter.size >= LEAST and clock.variance > ROUNDED * clock.rounding_variance
-        tailed = scattered and np.abs(clock.scatter).max() > TAILED * np.sqrt(clock.variance)
+        tailed = scattered and np.abs(clock.scatter).max() > MAX_TICK_DEVIATION * np.sqrt(clock.variance)
         if clock.even and tailed and not displaced:
             first, last = clock.time[clock.advancing][[0, -1]]
-            self.place("stamps", TIME, first, last, "s", CERTAIN)
+            self.place("stamps", TIME, first, last, "s", CERTAIN_LOG_P)
 
     def findings(self) -> tuple[Finding, ...]:
         """Return one finding for each effect; axes with equal parameters share it."""
@@ -185,7 +185,7 @@ def _finding(found: dict[str, Evidence]) -> Finding:
     """Return the finding of one effect."""
     axis, surest = min(found.items(), key=lambda one: one[1].log_p)
     one = finding({axis: evidence.effect for axis, evidence in found.items()}, surest, _unit(axis))
-    return replace(one, log_p=max(one.log_p, CERTAIN))
+    return replace(one, log_p=max(one.log_p, CERTAIN_LOG_P))
 
 
 def _unit(axis: str) -> str:
@@ -216,11 +216,11 @@ def _samples_to_a_knot(values: np.ndarray) -> float:
     On a coarse lattice equal differences are frequent without any interpolation; such an axis is not tested.
     """
     slope = np.diff(values)
-    if len(slope) < 2 or len(np.unique(values)) < DISTINCT * len(values):
+    if len(slope) < 2 or len(np.unique(values)) < MIN_DISTINCT_SHARE * len(values):
         return 1.0
-    straight = np.abs(np.diff(slope)) < STRAIGHT * np.median(np.abs(slope))
+    straight = np.abs(np.diff(slope)) < STRAIGHT_TOLERANCE * np.median(np.abs(slope))
     share = float(np.mean(straight & (slope[1:] != 0)))
-    return 1 / (1 - share) if INTERPOLATED < share < 1 else 1.0
+    return 1 / (1 - share) if MIN_STRAIGHT_SHARE < share < 1 else 1.0
 
 
 def _rows(log: pd.DataFrame, reference: pd.DataFrame | None) -> pd.DataFrame:
@@ -265,9 +265,9 @@ def _interpolated(reference: pd.DataFrame, clock: Stamps) -> pd.DataFrame:
     Samples are taken at even times, whatever a rounded or scattered stamp says.
     """
     names, own, time = list(axes(reference)), reference.index.to_numpy(float), clock.grid
-    nearest = np.clip(np.searchsorted(own, time - ALIGNED * clock.interval), 0, len(own) - 1)
+    nearest = np.clip(np.searchsorted(own, time - STAMP_TOLERANCE * clock.interval), 0, len(own) - 1)
     values = reference[names].to_numpy(float)
-    if np.all(np.diff(nearest) == 1) and np.all(np.abs(own[nearest] - time) < ALIGNED * clock.interval):
+    if np.all(np.diff(nearest) == 1) and np.all(np.abs(own[nearest] - time) < STAMP_TOLERANCE * clock.interval):
         values = values[nearest]
     else:
         time = clock.course
@@ -281,7 +281,7 @@ def in_reference_gap(reference: pd.DataFrame, time: np.ndarray) -> np.ndarray:
     """Return which times, shape (n,), are in a gap of the reference."""
     own = reference.index.to_numpy(float)
     steps, after = np.diff(own), np.clip(np.searchsorted(own, time), 1, len(own) - 1)
-    return steps[after - 1] > HOLE * np.median(steps)
+    return steps[after - 1] > MIN_GAP_STEPS * np.median(steps)
 
 
 def _at(everywhere: Conditions, axis: str) -> Conditions:
@@ -313,7 +313,7 @@ def _transferred(kind: type[Effect], news: _News, outputs: dict, at: dict, flawe
             continue
         shared = np.count_nonzero(together.flawed)
         counts = [np.count_nonzero(alone[axis].flawed) for axis in group if alone[axis] is not None]
-        if shared >= TOGETHER * max(counts, default=0):
+        if shared >= MIN_COMMON_SHARE * max(counts, default=0):
             alone |= dict.fromkeys(group, together)
             break
     for axis, evidence in alone.items():

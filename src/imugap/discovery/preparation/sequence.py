@@ -7,17 +7,17 @@ import numpy as np
 from scipy.ndimage import uniform_filter1d
 from scipy.special import log_ndtr, ndtri_exp
 
-from imugap.discovery.preparation.cosine_bins import USED, Bins
+from imugap.discovery.preparation.cosine_bins import MAX_USED_SHARE, Bins
 from imugap.discovery.preparation.gap_filling import Autoregression
 from imugap.effects.conditions import Conditions
 
-COARSE = 1 / 3
+MIN_COARSE_SHARE = 1 / 3
 """Minimum share of one value on a coarse lattice, whose step is the standard deviation or more."""
-REACH = 8
+LEVEL_REACH = 8
 """Samples on each side from which the local level is estimated."""
-DEEP = 4.0
+MAX_BOUND_DEPTH = 4.0
 """Standard deviations beyond the bound from which the bound of a clipped sample carries no information."""
-ROUNDS = 10
+DRAW_ITERATIONS = 10
 """Iterations in which clipped samples are drawn."""
 
 
@@ -44,7 +44,7 @@ class AxisSequence:
     values: np.ndarray
     conditions: Conditions
     flawed: np.ndarray = None
-    share: float = USED
+    share: float = MAX_USED_SHARE
     was_coarse: bool | None = None
     step: float = 0.0
 
@@ -69,7 +69,7 @@ class AxisSequence:
         if self.was_coarse is not None:
             return self.was_coarse
         _, counts = np.unique(self.values, return_counts=True)
-        return bool(counts.max() > COARSE * len(self.values))
+        return bool(counts.max() > MIN_COARSE_SHARE * len(self.values))
 
     def with_values(self, values: np.ndarray) -> "AxisSequence":
         """Return the sequence with other values, which need not lie on the lattice."""
@@ -99,13 +99,13 @@ class AxisSequence:
         """
         if _spread(self.values) == 0:
             return self
-        deep = DEEP * _spread(self.values)
+        deep = MAX_BOUND_DEPTH * _spread(self.values)
         one, both = np.isfinite(low) ^ np.isfinite(high), np.isfinite(low) & np.isfinite(high)
         at = np.flatnonzero(both | (one & (low > self.values - deep) | one & (high < self.values + deep)))
         values, flawed, low, high = self.values.copy(), self.flawed.copy(), low[at], high[at]
-        for _ in range(ROUNDS):
-            around, spread = uniform_filter1d(values, 2 * REACH + 1, mode="nearest"), _spread(values)
-            moving = max(1 - spread**2 / (2 * REACH + 1) / around.var(), 0.0)
+        for _ in range(DRAW_ITERATIONS):
+            around, spread = uniform_filter1d(values, 2 * LEVEL_REACH + 1, mode="nearest"), _spread(values)
+            moving = max(1 - spread**2 / (2 * LEVEL_REACH + 1) / around.var(), 0.0)
             level = np.where(both[at], around.mean() + moving * (around[at] - around.mean()), around[at])
             side = np.where(level - low < high - level, 1.0, -1.0)
             near, far = np.where(side > 0, low, high), np.where(side > 0, high, low)

@@ -3,9 +3,9 @@
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 
-SHARE = 20
+MIN_MEANS_PER_LOG = 20
 """Minimum number of readings of the log over those of the widest mean."""
-FEWEST = 4
+MIN_READINGS = 4
 """Minimum number of readings for an estimate of their noise."""
 
 
@@ -16,9 +16,9 @@ def smoothed(readings: np.ndarray) -> np.ndarray:
     side, the one that predicts the readings between them best. Where the nearest neighbours do, the differences are no
     noise, and the readings are returned unchanged.
     """
-    if len(readings) < FEWEST:
+    if len(readings) < MIN_READINGS:
         return readings
-    halves = 2 ** np.arange(int(np.log2(max(len(readings) / (2 * SHARE), 1))) + 1)
+    halves = 2 ** np.arange(int(np.log2(max(len(readings) / (2 * MIN_MEANS_PER_LOG), 1))) + 1)
     best = int(np.argmin([_left(readings, half) for half in halves]))
     return readings if best == 0 else _mean(readings, int(halves[best]))
 

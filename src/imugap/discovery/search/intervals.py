@@ -7,15 +7,15 @@ from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.effects.effect import Effect, Role
 from imugap.log import GYRO
 
-NORMAL = 1.959963984540054
+NORMAL_QUANTILE = 1.959963984540054
 """Quantile of the normal law for 95 %, two-sided."""
-DROP = 3.676
+MAX_GAIN_DROP = 3.676
 """Drop of log-likelihood at the ends of a 95 % interval of the place of a change.
 
 On either side of the true place the likelihood is a random walk that falls; how far it climbs above its begin is
 exponential, and the higher of the two climbs is below x in the share (1 - exp(-x))^2 of cases (Hinkley 1970).
 """
-WIDEST = 20.0
+MAX_LOG_STD = 20.0
 """Standard deviation of a log parameter above which nothing is known of it."""
 
 
@@ -50,7 +50,7 @@ def term_intervals(fit: AxisFit, index: int) -> dict[str, tuple[float, float]]:
     values = {name: getattr(term.effect, name) for name in term.free}
     limits = term.effect.limits()
     return {
-        name: tuple(float(np.clip(values[name] + side * NORMAL * error, *limits[name])) for side in (-1, 1))
+        name: tuple(float(np.clip(values[name] + side * NORMAL_QUANTILE * error, *limits[name])) for side in (-1, 1))
         for name, error in zip(term.free, errors, strict=True)
     }
 
@@ -65,8 +65,8 @@ def _random(fit: AxisFit, index: int) -> dict[str, tuple[float, float]]:
         if i == index:
             value = getattr(list(noise)[i], name)
             error = np.sqrt(max(covariance[j, j], 0.0))
-            known = information[j, j] > 0 and error < WIDEST
-            factor = np.exp(NORMAL * error) if known else np.inf
+            known = information[j, j] > 0 and error < MAX_LOG_STD
+            factor = np.exp(NORMAL_QUANTILE * error) if known else np.inf
             limits = list(noise)[i].limits()[name]
             ends[name] = tuple(float(np.clip(end, *limits)) for end in (value / factor, value * factor))
     return ends
@@ -81,7 +81,7 @@ def _swing(fit: AxisFit, change: Effect) -> dict[str, tuple[float, float]]:
         "frequency": np.sqrt(48 / count) / change.depth / (2 * np.pi * count * interval),
     }
     return {
-        name: (getattr(change, name) - NORMAL * error, getattr(change, name) + NORMAL * error)
+        name: (getattr(change, name) - NORMAL_QUANTILE * error, getattr(change, name) + NORMAL_QUANTILE * error)
         for name, error in errors.items()
     }
 
@@ -99,7 +99,7 @@ def _stretch(fit: AxisFit, change: Effect) -> dict[str, tuple[float, float]]:
     first, last = np.searchsorted(time, [change.start, change.stop])
     extended = np.r_[time, time[-1] + fit.sequence.conditions.interval]
     return {
-        "ratio": (change.ratio * np.exp(-NORMAL * error), change.ratio * np.exp(NORMAL * error)),
+        "ratio": (change.ratio * np.exp(-NORMAL_QUANTILE * error), change.ratio * np.exp(NORMAL_QUANTILE * error)),
         "start": times_near_best(-climb[:last], extended[:last], extended[first]),
         "stop": times_near_best(climb[first + 1 :], extended[first + 1 :], extended[last]),
     }
@@ -111,5 +111,5 @@ def times_near_best(gain: np.ndarray, time: np.ndarray, best: float) -> tuple[fl
     A change that the sample at ``time`` is the first to show came at any time since the sample before.
     """
     index = int(np.clip(np.searchsorted(time, best), 0, len(gain) - 1))
-    near = np.flatnonzero(gain >= gain[index] - DROP)
+    near = np.flatnonzero(gain >= gain[index] - MAX_GAIN_DROP)
     return float(time[max(near[0] - 1, 0)]), float(time[near[-1]])

@@ -14,16 +14,16 @@ from imugap.discovery.search.search import Candidate, Search, Trial, expected, w
 from imugap.effects.effect import Effect
 from imugap.log import ACCEL, GYRO
 
-CLEAR = 3.0
+MIN_LEAD = 3.0
 """Log-likelihood, parameters and places paid for, by which axes together have to speak for one kind."""
-BEFOREHAND = 4.0
+PRIOR_LOG_ODDS = 4.0
 """Logarithm of how much likelier the kind of the sensor is than any other on one axis, before its samples.
 
 With no more does an axis speak against a kind: what it has may be its own.
 """
-MOST = 2
+MAX_EFFECTS = 2
 """Number of effects that it may be taken for on one axis."""
-SLOWER = 10.0
+MAX_TIME_RATIO = 10.0
 """By how much longer a correlation time may be than on the axes that have such a process of their own."""
 
 
@@ -51,7 +51,7 @@ class NoiseChoice:
 
     def worth(self, kind: type[Effect]) -> float:
         """Return what a kind is worth, over that of the own effects."""
-        return self.noise[kind].worth - self.own if kind in self.noise else -BEFOREHAND
+        return self.noise[kind].worth - self.own if kind in self.noise else -PRIOR_LOG_ODDS
 
     def time(self, kind: type[Effect]) -> float:
         """Return the correlation time [s] of the process of a kind in their place; 0 where it has none."""
@@ -67,7 +67,7 @@ class NoiseChoice:
 
         Where there is no room for that kind, the fit as it is.
         """
-        if kind not in self.noise or self.worth(kind) < -BEFOREHAND:
+        if kind not in self.noise or self.worth(kind) < -PRIOR_LOG_ODDS:
             return self.found
         other = self.noise[kind]
         return other.fit if other.log_p < log_alpha else self.without
@@ -78,7 +78,7 @@ def agreed(fits: Mapping[str, AxisFit], searches: Mapping[str, Search]) -> dict[
     found = dict(fits)
     for sensor in (GYRO, ACCEL):
         added = {axis: searches[axis].added(fits[axis], _faint) for axis in sensor if axis in fits}
-        few = {axis: some for axis, some in added.items() if len(some) <= MOST}
+        few = {axis: some for axis, some in added.items() if len(some) <= MAX_EFFECTS}
         if not _at_issue(list(map(_kinds, few.values()))):
             continue
         choices = _of_one_time({axis: choice_of(searches[axis], fits[axis], some) for axis, some in few.items()})
@@ -125,7 +125,7 @@ def _of_one_time(choices: Mapping[str, NoiseChoice]) -> dict[str, NoiseChoice]:
     """Return the choices without processes far slower than those that axes have of their own; they are not alike."""
     alone = [(choice, choice.kinds[0]) for choice in choices.values() if len(choice.kinds) == 1]
     own = [choice.time(kind) for choice, kind in alone if _timed(kind)]
-    longest = SLOWER * max(own, default=np.inf)
+    longest = MAX_TIME_RATIO * max(own, default=np.inf)
     return {axis: choice.no_slower(longest) for axis, choice in choices.items()}
 
 
@@ -134,10 +134,10 @@ def _spoken_for(choices: list[NoiseChoice], slow: list[type[Effect]]) -> type[Ef
 
     On one of them it is what was found, or all are much likelier with it than with what was found.
     """
-    totals = {kind: sum(max(choice.worth(kind), -BEFOREHAND) for choice in choices) for kind in slow}
+    totals = {kind: sum(max(choice.worth(kind), -PRIOR_LOG_ODDS) for choice in choices) for kind in slow}
     if not totals:
         return None
     *others, first = sorted(totals, key=totals.get)
-    second = totals[others[-1]] if others else -BEFOREHAND * len(choices)
-    shown = any(choice.kinds == (first,) for choice in choices) or totals[first] > CLEAR
-    return first if shown and totals[first] > second + CLEAR else None
+    second = totals[others[-1]] if others else -PRIOR_LOG_ODDS * len(choices)
+    shown = any(choice.kinds == (first,) for choice in choices) or totals[first] > MIN_LEAD
+    return first if shown and totals[first] > second + MIN_LEAD else None

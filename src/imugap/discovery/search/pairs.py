@@ -11,7 +11,7 @@ from imugap.discovery.fit.axis_fit import AxisFit, jacobian
 from imugap.discovery.fit.description import Entry
 from imugap.effects.effect import TINY, Effect, Role, Start
 
-FEW = 10.0
+MAX_SMOOTH_TRIALS = 10.0
 """Maximum number of trials of a start for which its term counts as smooth."""
 
 
@@ -46,7 +46,7 @@ class SmoothTerms:
     def proposed(fit: AxisFit, catalogue: Sequence[type[Effect]]) -> "SmoothTerms":
         """Return the smooth terms of the kinds of a catalogue."""
         kinds = [kind for kind in catalogue if kind.role is Role.MEAN]
-        starts = tuple(start for kind in kinds for start in kind.starts(fit) if start.trials <= FEW)
+        starts = tuple(start for kind in kinds for start in kind.starts(fit) if start.trials <= MAX_SMOOTH_TRIALS)
         slopes = (jacobian((Entry(start.effect, start.free),), fit.sequence) for start in starts)
         return SmoothTerms(fit, starts, tuple(map(fit.whiten, slopes)), tuple(kind for kind in kinds if kind.event))
 

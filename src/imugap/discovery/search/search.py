@@ -24,47 +24,47 @@ from imugap.effects import CATALOGUE
 from imugap.effects.effect import Effect, Role, Start, StochasticEffect
 from imugap.stream import stream
 
-TAILS = 100.0
+TAIL_SHAPES = 100.0
 """Upper bound of the number of independent shapes of a heavy-tailed distribution."""
-LIMIT = 12
+MAX_ADDITIONS = 12
 """Maximum number of additions to one axis."""
-ASKED = 4
+MIN_ADDITIONS_FOR_UNNAMED = 4
 """Number of additions from which an unnamed effect is compared with all further proposals."""
-FAR = 300.0
+MAX_EXACT_GAIN = 300.0
 """Gain of log-likelihood above which the asymptote of its probability is used."""
-MARGIN = 0.1
+MIN_EXCHANGE_GAIN = 0.1
 """Minimum gain of log-likelihood of an exchange, after the cost of parameters and places."""
-HELD = 3e6
+MAX_CACHED_SAMPLES = 3e6
 """Maximum number of samples of all fits whose derived arrays are kept in memory."""
-RETOLD = 3
+OUTLIER_ROUNDS = 3
 """Rounds in which outliers and changes of the variance are estimated in turn."""
-CLOSE = 20.0
+LOG_P_MARGIN = 20.0
 """Log-probability by which an effect of higher worth may be less certain."""
-PARAMETER = 2.5
+PARAMETER_COST = 2.5
 """Cost of a parameter in log-likelihood, where two effects are compared.
 
 A superfluous parameter gains as much in 2.5 % of cases (Wilks 1938).
 """
-HOPE, HOPES = -4.0, 2
+MAX_UNCERTAIN_LOG_P, MAX_UNCERTAIN = -4.0, 2
 """Log-probability below which an uncertain effect is added on trial, and the number of such effects.
 
 They stay if the exchange of the others makes all effects certain: an effect that stands for two others hides both.
 """
-EXPECTED = 1.5
+SLOW_NOISE_LOG_ODDS = 1.5
 """Prior log-odds of slow noise against another effect: most sensors have some."""
-TRACE = 0.01
+MIN_WHITE_SHARE = 0.01
 """Share of the power, at every frequency, below which white noise counts as absent."""
-LITTLE = 0.03
+KEPT_SIZE_SHARE = 0.03
 """Share of its size that slow noise of the start model keeps where other slow noise is tried in its place."""
-ALIKE = 0.6
+MIN_PAIR_GAIN_RATIO = 0.6
 """Minimum expected gain of a pair, over that of the single effect, for the pair to be fitted."""
-COUPLES = 4
+MAX_PAIRS = 4
 """Number of pairs that are fitted: of two smooth terms, and of a term and a step."""
-CUTOFFS = (1.0, 0.3, 0.1, 0.03)
+CUTOFF_FACTORS = (1.0, 0.3, 0.1, 0.03)
 """Cutoffs at which a filter is tried, over the proposed one."""
-RESHAPED = 30.0
+MAX_RESHAPING_GAIN = 30.0
 """Upper bound of the gain of log-likelihood by the effect of a filter on the terms."""
-SLACK = 2.0
+GAIN_SLACK = 2.0
 """Ratio of the gain after the fit to the expected gain before it, at most."""
 
 
@@ -107,7 +107,7 @@ class Trial:
     @property
     def cost(self) -> float:
         """Cost of its parameters and trials in log-likelihood."""
-        return PARAMETER * self.parameters + float(np.log(self.trials))
+        return PARAMETER_COST * self.parameters + float(np.log(self.trials))
 
     @property
     def worth(self) -> float:
@@ -116,7 +116,7 @@ class Trial:
         The prior odds of slow noise do not count where it leaves no white noise, which every sensor has.
         """
         white = self.fit.description.noise.share(0, self.fit.sequence.bins).max()
-        return self.gain - self.cost + (expected(type(self.effect)) if white > TRACE else 0.0)
+        return self.gain - self.cost + (expected(type(self.effect)) if white > MIN_WHITE_SHARE else 0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,7 +159,7 @@ class Search:
         """Return the fit from a start, computed once; derived arrays are kept for the latest fits only."""
         found = self.memory.pop(start, None)
         self.memory[start] = fit(sequence, start) if found is None else found
-        latest = max(int(HELD / len(sequence.values)), 3)
+        latest = max(int(MAX_CACHED_SAMPLES / len(sequence.values)), 3)
         if len(self.memory) > latest:
             older = list(self.memory)[-latest - 1]
             self.memory[older] = self.memory[older].without_cache()
@@ -190,7 +190,7 @@ class Search:
 
         Outliers were found first: the largest samples of a noisier stretch count among them, and lack in the change.
         """
-        for _ in range(RETOLD):
+        for _ in range(OUTLIER_ROUNDS):
             outliers = found.description.outliers
             if outliers not in self.raw or not self.added(found, changing):
                 break
@@ -223,18 +223,18 @@ class Search:
         return found
 
     def _selected(self, before: AxisFit, nameless: Callable[[AxisFit], float]) -> AxisFit:
-        for _ in range(LIMIT):
+        for _ in range(MAX_ADDITIONS):
             if self.too_many_changes(before):
                 break
-            bar = HOPE if self.added(before) else self.log_alpha
+            bar = MAX_UNCERTAIN_LOG_P if self.added(before) else self.log_alpha
             trials = sorted((one for one in self.trials(before, bar) if one.log_p < bar), key=lambda one: one.log_p)
             wide = self.without_outliers(before)
             if wide is not None and wide.log_p < min([self.log_alpha, *(one.log_p for one in trials)]):
                 before = self.refit_outliers_and_changes(self.refined(wide.fit))
                 continue
             most = max((one.fit.log_likelihood - before.log_likelihood for one in trials), default=0.0)
-            many = len(self.added(before)) >= ASKED
-            if trials and many and nameless(before) > LIMIT * most:
+            many = len(self.added(before)) >= MIN_ADDITIONS_FOR_UNNAMED
+            if trials and many and nameless(before) > MAX_ADDITIONS * most:
                 break
             if trials and trials[0].log_p < self.log_alpha:
                 pair = self.pair(before, trials[0])
@@ -243,7 +243,7 @@ class Search:
                     trials[0].fit if first else self.refined((pair or trials[0]).fit)
                 )
                 continue
-            hopes = (self.refined(trial.fit, type(trial.effect)) for trial in trials[:HOPES])
+            hopes = (self.refined(trial.fit, type(trial.effect)) for trial in trials[:MAX_UNCERTAIN])
             proven = next((after for after in hopes if self._all_certain(after, before)), None)
             if proven is None:
                 break
@@ -266,7 +266,7 @@ class Search:
     def trials(self, before: AxisFit, bar: float) -> Iterator[Trial]:
         """Yield every proposal, fitted, whose log-probability may come below ``bar``."""
         for kind in self.catalogue:
-            if sum(isinstance(one, kind) for one in before.description.effects()) > (kind.most or LIMIT):
+            if sum(isinstance(one, kind) for one in before.description.effects()) > (kind.most or MAX_ADDITIONS):
                 continue
             for start in kind.starts(before):
                 if kind.role is Role.FILTER:
@@ -307,11 +307,15 @@ class Search:
         both = terms.smooth(), terms.stepped() if single.effect.slow else []
         count = sum(map(len, both))
         for pairs in both:
-            likely = sorted(pairs, key=lambda pair: -pair.gain)[:COUPLES]
-            chosen = [pair for pair in likely if pair.gain > ALIKE * single.gain]
+            likely = sorted(pairs, key=lambda pair: -pair.gain)[:MAX_PAIRS]
+            chosen = [pair for pair in likely if pair.gain > MIN_PAIR_GAIN_RATIO * single.gain]
             fitted = (self._pair_trial(pair, before, count) for pair in chosen)
             best = max(fitted, key=lambda trial: trial.worth, default=None)
-            if best is not None and best.worth > single.worth + MARGIN and self._needs_both(best.fit, before):
+            if (
+                best is not None
+                and best.worth > single.worth + MIN_EXCHANGE_GAIN
+                and self._needs_both(best.fit, before)
+            ):
                 return best
         return None
 
@@ -336,7 +340,7 @@ class Search:
         sequence = before.sequence.with_replaced(found.flagged, stream(0, "mended", axis))
         entry = replace(Entry.of(outliers), known=self.start.outliers is not None)
         after = self.fitted(sequence, before.description.exchanging(Role.OUTLIERS, [entry]))
-        return Trial(outliers, after, found.gain, 2, TAILS)
+        return Trial(outliers, after, found.gain, 2, TAIL_SHAPES)
 
     def with_outlier_samples(self, found: AxisFit) -> AxisFit:
         """Return the fit of the other effects to the samples before the outliers were replaced."""
@@ -348,7 +352,7 @@ class Search:
         if before.sequence.coarse and before.cells is None:
             return None
         found = before.tails
-        if log_p_of_gain(found.gain, 2) + np.log(TAILS) > self.log_alpha or not found.flagged.any():
+        if log_p_of_gain(found.gain, 2) + np.log(TAIL_SHAPES) > self.log_alpha or not found.flagged.any():
             return None
         kind = next(one for one in (*self.catalogue, *CATALOGUE.values()) if one.role is Role.OUTLIERS)
         outliers = kind(found.probability, found.excess * before.unit)
@@ -373,7 +377,7 @@ class Search:
 
         Effects of the kind ``hoped`` come last: the exchange of the others may make them significant.
         """
-        for _ in range(LIMIT):
+        for _ in range(MAX_ADDITIONS):
             added = self.added(found, lambda effect: effect.role is not Role.OUTLIERS)
             if hoped is not None:
                 added.sort(key=lambda candidate: isinstance(candidate.effect, hoped))
@@ -393,11 +397,11 @@ class Search:
         own, without = candidate.trial, candidate.without
         if own.log_p > self.log_alpha:
             return without
-        bar = min(self.log_alpha, own.log_p + CLOSE)
+        bar = min(self.log_alpha, own.log_p + LOG_P_MARGIN)
         tried = self.trials(without, bar)
         others = (one for one in tried if _another(one.effect, own.effect) or one.parameters < own.parameters)
         best = max(others, key=lambda trial: trial.worth, default=None)
-        if best is not None and best.worth > own.worth + MARGIN:
+        if best is not None and best.worth > own.worth + MIN_EXCHANGE_GAIN:
             return best.fit
         pair = self.pair(without, own)
         return pair.fit if pair is not None else None
@@ -452,7 +456,7 @@ class Candidate:
     def trial(self) -> Trial:
         """The likelihood ratio of the effect."""
         if self.role is Role.OUTLIERS:
-            return Trial(self.effect, self.fit, self.search.tails[self.effect].gain, 2, TAILS)
+            return Trial(self.effect, self.fit, self.search.tails[self.effect].gain, 2, TAIL_SHAPES)
         without = self.without
         more = max(self.fit.description.size() - without.description.size(), 1)
         gain = self.fit.log_likelihood - without.log_likelihood
@@ -511,7 +515,7 @@ def _places(effect: Effect, parameters: int, without: AxisFit) -> float:
 def little(effect: StochasticEffect) -> StochasticEffect:
     """Return slow noise of a small share of its size, which is its first parameter."""
     size = fields(effect)[0].name
-    return replace(effect, **{size: LITTLE * getattr(effect, size)})
+    return replace(effect, **{size: KEPT_SIZE_SHARE * getattr(effect, size)})
 
 
 def behind_filter(start: Start, before: AxisFit) -> tuple[Start, Description]:
@@ -522,14 +526,14 @@ def behind_filter(start: Start, before: AxisFit) -> tuple[Start, Description]:
     """
     description, sequence = before.description, before.sequence
     fits = []
-    for factor in CUTOFFS:
+    for factor in CUTOFF_FACTORS:
         filtered = replace(start.effect, cutoff=factor * start.effect.cutoff)
         noise, power = replace(description.noise, output_filter=filtered), before.power_behind(filtered)
         both = noise, noise.beneath(sequence.bins, power)
         fits += [fit_noise(one, sequence.bins, power, held=sequence.in_motion) for one in both]
     best = max(fits, key=lambda one: one.log_likelihood)
     beside = description.with_noise(replace(best.noise, output_filter=None))
-    gain = np.inf if sequence.in_motion else best.log_likelihood - before.noise.log_likelihood + RESHAPED
+    gain = np.inf if sequence.in_motion else best.log_likelihood - before.noise.log_likelihood + MAX_RESHAPING_GAIN
     return replace(start, effect=best.noise.output_filter, gain=gain), beside
 
 
@@ -555,18 +559,18 @@ def _moves(effect: Effect, before: AxisFit) -> bool:
 
 def may_reach(start: Start, bar: float) -> bool:
     """Return whether the log-probability of a proposal may come below ``bar``."""
-    return log_p_of_gain(SLACK * start.gain + SLACK, len(start.free)) + np.log(start.trials) < bar
+    return log_p_of_gain(GAIN_SLACK * start.gain + GAIN_SLACK, len(start.free)) + np.log(start.trials) < bar
 
 
 def expected(*kinds: type[Effect]) -> float:
     """Return the prior log-odds of effects of some kinds."""
-    return EXPECTED if any(kind.slow for kind in kinds) else 0.0
+    return SLOW_NOISE_LOG_ODDS if any(kind.slow for kind in kinds) else 0.0
 
 
 def log_p_of_gain(gain: float, parameters: int) -> float:
     """Return the log p-value of a gain of log-likelihood by further ``parameters`` (likelihood ratio, Wilks 1938)."""
     if not 0 < gain < np.inf:
         return 0.0 if gain <= 0 else -np.inf
-    if gain < FAR:
+    if gain < MAX_EXACT_GAIN:
         return float(chi2.logsf(2 * gain, parameters))
     return float(-gain + (parameters / 2 - 1) * np.log(gain) - gammaln(parameters / 2))

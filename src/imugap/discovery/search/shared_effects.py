@@ -21,7 +21,7 @@ from imugap.discovery.search.search import Search, entry_of, log_p_of_gain
 from imugap.effects.effect import Effect, SystematicEffect
 from imugap.log import ACCEL, GYRO
 
-LEVEL = 0.001
+MIN_AGREEMENT = 0.001
 """Probability below which axes disagree: at 0.01 one device in sixteen would lose one of its six axes."""
 
 
@@ -141,7 +141,7 @@ def joined(
     fits: Mapping[str, AxisFit],
     searches: Mapping[str, Search],
     apart: Collection[type[Effect]] = (),
-    level: float = LEVEL,
+    level: float = MIN_AGREEMENT,
 ) -> Device:
     """Return the device that the fits of its axes make, effects of one value joined but for kinds left ``apart``."""
     device = Device(dict(fits), dict(searches))
@@ -172,7 +172,7 @@ def pooled(estimates: Sequence[Estimate]) -> Pool:
     return Pool(labels, value, total, float(distance), int(sum(ranks) - np.linalg.matrix_rank(total, hermitian=True)))
 
 
-def agreeing(estimates: Sequence[Estimate], level: float = LEVEL) -> list[Estimate]:
+def agreeing(estimates: Sequence[Estimate], level: float = MIN_AGREEMENT) -> list[Estimate]:
     """Return the estimates that agree, after the removal, one by one, of that without which they agree best."""
     kept = list(estimates)
     while len(kept) > 1 and pooled(kept).agreement < level:
@@ -181,7 +181,7 @@ def agreeing(estimates: Sequence[Estimate], level: float = LEVEL) -> list[Estima
     return kept
 
 
-def contradicts(one: Estimate | Pool, pool: Pool, level: float = LEVEL) -> bool:
+def contradicts(one: Estimate | Pool, pool: Pool, level: float = MIN_AGREEMENT) -> bool:
     """Return whether an estimate, or several, that are not in a pool are too far from it."""
     covariance = np.linalg.pinv(one.information, hermitian=True) + pool.covariance
     difference = one.value - pool.value

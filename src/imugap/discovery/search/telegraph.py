@@ -11,9 +11,9 @@ from imugap.discovery.search.telegraph_in_noise import Switching, switching
 from imugap.effects import RandomTelegraph
 from imugap.effects.effect import Effect, StochasticEffect
 
-SWITCHES, ALIKE = 3, 0.4
+MIN_SWITCHES, MAX_SIZE_SPREAD = 3, 0.4
 """Steps to and fro at least, and largest difference of their sizes over the largest, that are telegraph noise."""
-TWICE = 2.0
+MAX_SWITCH_RATIO = 2.0
 """Size of a step, in those of telegraph noise beside it, below which it is one of its switches."""
 
 
@@ -82,9 +82,9 @@ def _switching(search: Search, found: AxisFit) -> AxisFit:
     steps = sorted(search.added(found, stepping), key=lambda candidate: candidate.effect.time)
     jumps = np.array([candidate.effect.step for candidate in steps])
     if (
-        len(jumps) < SWITCHES
+        len(jumps) < MIN_SWITCHES
         or np.any(np.diff(np.sign(jumps)) == 0)
-        or np.ptp(np.abs(jumps)) > ALIKE * np.abs(jumps).max()
+        or np.ptp(np.abs(jumps)) > MAX_SIZE_SPREAD * np.abs(jumps).max()
     ):
         return found
     rest = without(found, steps).description
@@ -95,7 +95,9 @@ def _switching(search: Search, found: AxisFit) -> AxisFit:
 
 def _without_switches(search: Search, found: AxisFit) -> AxisFit:
     """Return the fit without the added steps that are switches of its telegraph noise, for their size."""
-    most = TWICE * max(one.step for one in found.description.noise.effects if isinstance(one, RandomTelegraph))
+    most = MAX_SWITCH_RATIO * max(
+        one.step for one in found.description.noise.effects if isinstance(one, RandomTelegraph)
+    )
     return without(found, [one for one in search.added(found, stepping) if abs(one.effect.step) < most])
 
 

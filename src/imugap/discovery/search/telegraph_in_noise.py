@@ -12,18 +12,18 @@ import numpy as np
 from numba import njit
 
 from imugap.discovery.fit.axis_fit import AxisFit
-from imugap.discovery.fit.telegraph_likelihood import FEW, Blocks, compare, errors, filtered, uneven
+from imugap.discovery.fit.telegraph_likelihood import GAUSSIANS, Blocks, compare, errors, filtered, uneven
 from imugap.discovery.preparation.sequence import AxisSequence
-from imugap.discovery.search.intervals import NORMAL
+from imugap.discovery.search.intervals import NORMAL_QUANTILE
 from imugap.discovery.search.search import log_p_of_gain
 from imugap.effects import RandomTelegraph
 from imugap.effects.effect import StochasticEffect
 from imugap.numerics.bhhh import maximise
 from imugap.stream import stream
 
-TIMES = (1.0, 5.0)
+TIME_FACTORS = (1.0, 5.0)
 """Correlation times of the process beside, over the shortest that there is, from which a fit starts."""
-FAR = 60.0
+MAX_LOGARITHM = 60.0
 """Logarithm that stands for none or no bound."""
 
 
@@ -69,7 +69,7 @@ def switching(found: AxisFit, slow: tuple[StochasticEffect, ...], log_alpha: flo
     if log_p_of_gain(comparison.gain, 2) > log_alpha:
         return None
     first = np.log([comparison.effect.step, comparison.effect.rate, blocks.white, 0.5 * blocks.std])
-    starts = [np.r_[first, np.log(blocks.time * factor), 0.0] for factor in TIMES]
+    starts = [np.r_[first, np.log(blocks.time * factor), 0.0] for factor in TIME_FACTORS]
     best = maximise(lambda theta: _densities(blocks, _even(theta)), starts)
     if (
         log_p_of_gain(best.log_likelihood - comparison.two.log_likelihood, 2) > log_alpha
@@ -88,7 +88,7 @@ def _told(found: AxisFit, blocks: Blocks, near: np.ndarray, width: int, gain: fl
     parted = partial(_parted, blocks)
     best = maximise(parted, [start]).theta
     error = errors(parted, best)
-    ends = [tuple(float(np.exp(best[i] + side * NORMAL * error[i])) for side in (-1, 1)) for i in (0, 1)]
+    ends = [tuple(float(np.exp(best[i] + side * NORMAL_QUANTILE * error[i])) for side in (-1, 1)) for i in (0, 1)]
     effect = RandomTelegraph(*np.exp(best[:2]).tolist())
     return Switching(effect, dict(zip(effect.parameters(), ends, strict=True)), gain, _path(found, blocks, best))
 
@@ -100,7 +100,7 @@ def _even(theta: np.ndarray) -> np.ndarray:
 
 def _parted(blocks: Blocks, theta: np.ndarray) -> np.ndarray:
     """Return the log-density of each block, within which a switch may fall."""
-    return _densities(blocks, _even(theta), blocks.width, FEW)
+    return _densities(blocks, _even(theta), blocks.width, GAUSSIANS)
 
 
 def _densities(blocks: Blocks, theta: np.ndarray, width: int = 1, kept: int = 1) -> np.ndarray:
@@ -111,8 +111,8 @@ def _densities(blocks: Blocks, theta: np.ndarray, width: int = 1, kept: int = 1)
     ``theta`` has the logarithms of step, rate, white noise, and of standard deviation and correlation time of the
     process beside; its mean, over the scale of the blocks; the logarithm of the switches up over those on average.
     """
-    step, rate, white, std, time = np.exp(np.clip(theta[:5], -FAR, FAR))
-    up, down = blocks.step * rate * np.exp(np.clip([theta[6], -theta[6]], -FAR, FAR))
+    step, rate, white, std, time = np.exp(np.clip(theta[:5], -MAX_LOGARITHM, MAX_LOGARITHM))
+    up, down = blocks.step * rate * np.exp(np.clip([theta[6], -theta[6]], -MAX_LOGARITHM, MAX_LOGARITHM))
     values = blocks.means - theta[5] * blocks.std
     process = stationary_markov(std, np.exp(-blocks.step / time))
     return filtered(values, width, step / 2, up, down, white * blocks.profile, *process, kept)[0]
@@ -130,12 +130,12 @@ def _path(found: AxisFit, blocks: Blocks, theta: np.ndarray) -> np.ndarray:
     would scatter less, or more where these are wrong (data augmentation: Tanner and Wong 1987, doi:10.2307/2289457).
     """
     conditions = found.sequence.conditions
-    step, rate, white, std, time = np.exp(np.clip(theta[:5], -FAR, FAR))
+    step, rate, white, std, time = np.exp(np.clip(theta[:5], -MAX_LOGARITHM, MAX_LOGARITHM))
     decay, noise = np.exp(-conditions.interval / time), white * np.sqrt(blocks.width)
     each = rate * conditions.interval
     values = found.residual * found.scale - theta[5] * blocks.std
     noise *= np.broadcast_to(found.scale, len(values))
-    known = filtered(values, 1, step / 2, each, each, noise, *stationary_markov(std, decay), FEW)[1]
+    known = filtered(values, 1, step / 2, each, each, noise, *stationary_markov(std, decay), GAUSSIANS)[1]
     rng = stream(0, "switching", conditions.axis)
     uniform, normal = rng.random(len(values)), rng.standard_normal(len(values))
     up = drawn_values(known, np.exp(-2 * each), decay, std, uniform, normal)

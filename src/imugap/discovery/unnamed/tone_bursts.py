@@ -24,9 +24,9 @@ FIRST_FREQUENCY = 43
 """Minimum frequency [periods per segment]; below it a step raises single cells."""
 MAX_STEADY_POWER = 1.8
 """Maximum median power over the segments of a frequency without a steady line."""
-LEVELS = np.log([1e-2, 1e-3, 1e-4])
+CELL_LOG_PS = np.log([1e-2, 1e-3, 1e-4])
 """Levels of log-probability below which cells are counted."""
-LEVEL = -30.0
+MAX_LOG_P = -30.0
 """Maximum log p-value for a detection; well-described steps reach -15."""
 ISOLATION_MARGIN = 3.0
 """Margin in log-probability below one expected cell for the cells of the band."""
@@ -47,8 +47,8 @@ def find_tone_bursts(found: AxisFit) -> tuple[Band, ...]:
         if len(whitened) >= MIN_SEGMENTS * n and _last_frequency(n, used) - FIRST_FREQUENCY >= NEIGHBOURS // 2
     ]
     bands = [loudest_band(cell_log_p(whitened, length, used), length * interval) for length in lengths]
-    trials = np.log(max(len(lengths), 1) * (len(LEVELS) + 1))
-    loud = [band for band in bands if band.log_p + trials < LEVEL]
+    trials = np.log(max(len(lengths), 1) * (len(CELL_LOG_PS) + 1))
+    loud = [band for band in bands if band.log_p + trials < MAX_LOG_P]
     if not loud:
         return ()
     low, high, log_p = min(band.low for band in loud), max(band.high for band in loud), min(band.log_p for band in loud)
@@ -89,7 +89,7 @@ def _ratio_log_p(power: np.ndarray) -> np.ndarray:
 def loudest_band(log_p: np.ndarray, duration: float) -> Band:
     """Return the band [Hz] of the strongest cells of segments of a duration [s], and its log p-value."""
     count = log_p.size
-    many = [binom.logsf(np.count_nonzero(log_p < level) - 1, count, np.exp(level)) for level in LEVELS]
+    many = [binom.logsf(np.count_nonzero(log_p < level) - 1, count, np.exp(level)) for level in CELL_LOG_PS]
     least = min(float(log_p.min() + np.log(count)), *map(float, many))
     loud = np.flatnonzero((log_p < -np.log(count) - ISOLATION_MARGIN).any(axis=0))
     first, last = (loud[0], loud[-1]) if len(loud) else (0, log_p.shape[1] - 1)

@@ -16,11 +16,11 @@ from imugap.discovery.views.curve import Curve, window_ranges, window_sums, wind
 
 CELLS = 24
 """Number of cells, of equal numbers of samples."""
-SMOOTH = 200
+SMOOTHING_RATIO = 200
 """Length of the log over the length of the running mean of the temperature before differentiation."""
-TOP = 10
+FULL_SCALE_CELLS = 10
 """Number of cells towards full scale, each with half the samples of the previous one."""
-OWN = {"time_shift": True, "full_scale": True, "angular_acceleration": False, "jerk": False}
+USES_OWN_AXIS = {"time_shift": True, "full_scale": True, "angular_acceleration": False, "jerk": False}
 """Whether a view uses the input of the residual's own axis, or those of the others."""
 
 
@@ -57,7 +57,7 @@ class Binning:
 
     def applies_to(self, axis: str) -> bool:
         """Return whether the view applies to the residual of ``axis``."""
-        return self.view not in OWN or OWN[self.view] == (self.source == axis)
+        return self.view not in USES_OWN_AXIS or USES_OWN_AXIS[self.view] == (self.source == axis)
 
     def curve(self, axis: str, score: np.ndarray, scale: float) -> Curve:
         """Return the sums of an axis' score in windows of cells, normalised for independent samples."""
@@ -87,7 +87,7 @@ def binnings(sequence: AxisSequence) -> tuple[Binning, ...]:
     conditions, found = sequence.conditions, []
     shares = np.linspace(0, 1, CELLS + 1)
     if conditions.temperature is not None:
-        smooth = uniform_filter1d(conditions.temperature, max(len(conditions) // SMOOTH, 1), mode="nearest")
+        smooth = uniform_filter1d(conditions.temperature, max(len(conditions) // SMOOTHING_RATIO, 1), mode="nearest")
         found.append(binned("temperature", "", "degC", conditions.temperature, shares))
         found.append(binned("temperature_rate", "", "degC/s", np.gradient(smooth, conditions.interval), shares))
     if conditions.ideal is not None:
@@ -103,7 +103,7 @@ def _inputs(axis: str, values: np.ndarray, interval: float, shares: np.ndarray) 
     view, unit = ("rate", "rad/s") if gyro else ("specific_force", "m/s^2")
     derivative, slower = ("angular_acceleration", "rad/s^2") if gyro else ("jerk", "m/s^3")
     change = binned(derivative, axis, slower, np.gradient(values, interval), shares)
-    top = np.r_[0.0, 1 - 0.5 ** np.arange(1, TOP), 1.0]
+    top = np.r_[0.0, 1 - 0.5 ** np.arange(1, FULL_SCALE_CELLS), 1.0]
     return [
         binned(view, axis, unit, values, shares),
         change,

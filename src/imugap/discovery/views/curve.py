@@ -6,7 +6,7 @@ from functools import lru_cache
 import numpy as np
 from scipy.special import ndtri_exp, stdtr
 
-SMALLEST = 1e-300
+MIN_PROBABILITY = 1e-300
 """Smallest probability that is converted to a score."""
 
 
@@ -54,8 +54,8 @@ def correlation_score(correlation: np.ndarray, number: np.ndarray) -> np.ndarray
     r sqrt((n - 1)/(1 - r^2)) has Student's law of n - 1 degrees of freedom: the score is normal for however few pairs.
     """
     free = np.maximum(number - 1.0, 1.0)
-    student = np.abs(correlation) * np.sqrt(free / np.maximum(1 - correlation**2, SMALLEST))
-    return np.sign(correlation) * -ndtri_exp(np.log(np.maximum(stdtr(free, -student), SMALLEST)))
+    student = np.abs(correlation) * np.sqrt(free / np.maximum(1 - correlation**2, MIN_PROBABILITY))
+    return np.sign(correlation) * -ndtri_exp(np.log(np.maximum(stdtr(free, -student), MIN_PROBABILITY)))
 
 
 @lru_cache(maxsize=32)

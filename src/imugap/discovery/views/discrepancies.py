@@ -19,9 +19,9 @@ from imugap.effects.effect import AxisModel, Effect
 from imugap.stream import stream
 
 REPLICATES = 99
-FIRST, DOUBTFUL = 40, 0.02
+FIRST_REPLICATES, SMALL_P_VALUE = 40, 0.02
 """Number of replicates of every axis, and the p-value of a view below which its axes get all replicates."""
-TOGETHER = 10
+REPLICATES_PER_TASK = 10
 """Replicates per task of one process; consecutive ones serve as pairs of independent axes."""
 
 
@@ -160,15 +160,19 @@ def view_tests(
     lasts = {views.shared_last(*(fits[axis] for axis in pair)) for pair in pairs}
     curves = [*_axis_curves(groups, tested), *_pair_curves(pairs, common, fits)]
     tests, statistics = [], defaultdict(list)
-    for first, last in ((0, min(FIRST, replicates)), (FIRST, replicates)):
+    for first, last in ((0, min(FIRST_REPLICATES, replicates)), (FIRST_REPLICATES, replicates)):
         some = {number: group for number, group in enumerate(groups) if doubtful & group.axes}
         together = [pair for pair in common if set(pair) <= set().union(*(group.axes for group in some.values()))]
-        parts = [range(begin, min(begin + TOGETHER, last)) for begin in range(first, last, TOGETHER)] if some else []
+        parts = (
+            [range(begin, min(begin + REPLICATES_PER_TASK, last)) for begin in range(first, last, REPLICATES_PER_TASK)]
+            if some
+            else []
+        )
         for part in each(partial(_statistics, some, together, lasts, seed), parts):
             for key, rows in part.items():
                 statistics[key] += rows
         tests = [ViewTest(curve, Envelope(np.array(statistics[key]), curve.signed)) for key, curve in curves]
-        doubtful = set().union(*(one.axes for one in tests if one.p_value < DOUBTFUL))
+        doubtful = set().union(*(one.axes for one in tests if one.p_value < SMALL_P_VALUE))
     return tests
 
 

@@ -11,11 +11,11 @@ import numpy as np
 
 from imugap.discovery.views.curve import Curve
 
-TAIL = 0.25
+TAIL_SHARE = 0.25
 """Share of the replicates in the tail."""
-LEAST = 0.2
+MIN_RELATIVE_STD = 0.2
 """Minimum standard deviation of a location, over the median one."""
-APART = 2
+MAX_SEPARATION = 2
 """Maximum number of locations between two parts of one place."""
 
 
@@ -47,7 +47,7 @@ class Envelope:
     def _limited(self, variance: np.ndarray) -> np.ndarray:
         spread = np.sqrt(np.maximum(variance, 0.0))
         usual = np.median(spread, axis=-1, keepdims=True)
-        return np.maximum(spread, LEAST * usual) if self.signed else np.broadcast_to(usual, spread.shape)
+        return np.maximum(spread, MIN_RELATIVE_STD * usual) if self.signed else np.broadcast_to(usual, spread.shape)
 
     def _evidence(self, deviation: np.ndarray, degrees: int) -> np.ndarray:
         """Transform studentised deviations to a scale with an exponential tail.
@@ -73,7 +73,7 @@ class Envelope:
     @cached_property
     def _tail(self) -> tuple[float, float, int]:
         """Return threshold and mean excess of the tail, and the number of replicates in it."""
-        number = max(round(TAIL * len(self.maxima)), 1)
+        number = max(round(TAIL_SHARE * len(self.maxima)), 1)
         threshold = self.maxima[-number - 1]
         return float(threshold), float(np.mean(self.maxima[-number:] - threshold)), number
 
@@ -123,7 +123,7 @@ class Envelope:
 
 def _runs(beyond: np.ndarray, deviation: np.ndarray, point: bool) -> list[np.ndarray]:
     """Return the locations beyond the envelope in runs of neighbours; for ``point``, the peak of each run only."""
-    runs = np.split(beyond, np.flatnonzero(np.diff(beyond) > APART + 1) + 1) if len(beyond) else []
+    runs = np.split(beyond, np.flatnonzero(np.diff(beyond) > MAX_SEPARATION + 1) + 1) if len(beyond) else []
     return [run[[np.argmax(deviation[run])]] if point else run for run in runs]
 
 
@@ -136,4 +136,4 @@ def _apart(beyond: np.ndarray, deviation: np.ndarray, curve: Curve) -> list[np.n
             taken = np.append(taken, window)
     ordered = taken[np.argsort(first[taken])]
     between = first[ordered[1:]] - last[ordered[:-1]]
-    return np.split(ordered, np.flatnonzero(between > APART) + 1) if len(ordered) else []
+    return np.split(ordered, np.flatnonzero(between > MAX_SEPARATION) + 1) if len(ordered) else []

@@ -20,13 +20,13 @@ from imugap.estimation import allan
 
 PER_DECADE = 6
 """Averaging times per decade."""
-WIDTH = 0.08
+BAND_WIDTH = 0.08
 """Relative width of the bands of power."""
-FEWEST = 24
+MIN_COEFFICIENTS = 24
 """Number of coefficients in the lowest band of coherence."""
 COHERENCE = "coherence"
 """Name of the only view that is symmetric in its two axes; other pairs are residual and input."""
-CELLS = 512
+LINE_CELLS = 512
 """Number of cells of frequency; the highest line of each is reported."""
 
 
@@ -70,7 +70,7 @@ def _range(fit: AxisFit, first: np.ndarray, number: np.ndarray) -> tuple[np.ndar
 
 def of_spectrum(fit: AxisFit) -> Curve:
     """Return the ratio of power to the model in windows of bands, over frequency [Hz]."""
-    first, number = bands(fit.sequence.bins.last, WIDTH, 1)
+    first, number = bands(fit.sequence.bins.last, BAND_WIDTH, 1)
     power = np.add.reduceat(fit.coefficients[: fit.sequence.bins.last] ** 2, first)
     low, high = window_ranges(*_range(fit, first, number))
     total, number = window_sums(power), window_sums(number)
@@ -81,7 +81,7 @@ def of_spectrum(fit: AxisFit) -> Curve:
 def of_line(fit: AxisFit) -> Curve:
     """Return the highest line of each cell of frequency [Hz]: gain of log-likelihood minus the log of their number."""
     frequency, gains, _ = fit.lines
-    first = block_starts(len(gains), CELLS, 16)
+    first = block_starts(len(gains), LINE_CELLS, 16)
     peaks, at = block_maxima(gains, first)
     log_number = np.log(np.diff(np.r_[first, len(gains)]))
     half = 0.5 / (len(fit.sequence.values) * fit.sequence.conditions.interval)
@@ -109,7 +109,7 @@ def of_coherence(one: AxisFit, other: AxisFit, last: int | None = None) -> Curve
     It uses the coefficients up to ``last``, by default those used in both axes.
     """
     last = shared_last(one, other) if last is None else last
-    first, number = bands(last, WIDTH, FEWEST)
+    first, number = bands(last, BAND_WIDTH, MIN_COEFFICIENTS)
     a, b = one.coefficients[:last], other.coefficients[:last]
     product, square, other_square = (window_sums(np.add.reduceat(part, first)) for part in (a * b, a**2, b**2))
     score = correlation_score(product / np.sqrt(square * other_square), window_sums(number))

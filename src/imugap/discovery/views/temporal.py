@@ -14,7 +14,7 @@ from imugap.discovery.views.curve import (
     windows,
 )
 
-BLOCKS, SHORTEST = 128, 16
+MAX_BLOCKS, MIN_BLOCK_SAMPLES = 128, 16
 """Maximum number of blocks of a log, and minimum number of samples of a block."""
 
 
@@ -26,7 +26,7 @@ def _range(fit: AxisFit, first: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def _sums(fit: AxisFit, values: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the first sample of each block, and over windows of blocks sum and number of the values without flaws."""
-    first = block_starts(len(values), BLOCKS, SHORTEST)
+    first = block_starts(len(values), MAX_BLOCKS, MIN_BLOCK_SAMPLES)
     kept = ~fit.sequence.flawed
     number = window_sums(np.add.reduceat(kept.astype(float), first))
     return first, window_sums(np.add.reduceat(values * kept, first)), np.maximum(number, 1.0)
@@ -52,7 +52,7 @@ def of_variance(fit: AxisFit) -> Curve:
 
 def of_extremes(fit: AxisFit) -> Curve:
     """Return the largest whitened residual of each block over time [s], as a Gumbel variable."""
-    first = block_starts(len(fit.whitened), BLOCKS, SHORTEST)
+    first = block_starts(len(fit.whitened), MAX_BLOCKS, MIN_BLOCK_SAMPLES)
     peaks, at = block_maxima(np.abs(fit.whitened) * ~fit.sequence.flawed, first)
     usual = norm.isf(0.5 / np.diff(np.r_[first, len(fit.whitened)]))
     time = fit.sequence.conditions.time[at]
@@ -62,7 +62,7 @@ def of_extremes(fit: AxisFit) -> Curve:
 
 def of_change(fit: AxisFit) -> Curve:
     """Return the gain of log-likelihood of the best step of the mean in each block, over time [s]."""
-    first = block_starts(len(fit.steps.gains), BLOCKS, SHORTEST)
+    first = block_starts(len(fit.steps.gains), MAX_BLOCKS, MIN_BLOCK_SAMPLES)
     peaks, at = block_maxima(fit.steps.gains, first)
     time = fit.sequence.conditions.time[at]
     return Curve("change", fit.sequence.conditions.axis, time, time, "s", peaks, signed=False, point=True)
