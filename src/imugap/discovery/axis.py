@@ -286,9 +286,11 @@ def conclude(searched: AxisSearch) -> AxisResult:
         in_sweep = explained_by_bands([one for one in added if one not in rejected], sweeps)
         final = without_unnamed(search, whole, rejected | in_sweep) if in_sweep else kept
         rejected |= in_sweep
+        final = two_valued(final) if rejected else final
         named = [replace(one, fit=whole) for one in added if one not in rejected]
+        settled = search.added(final, lambda effect: effect.named)
         switching, odd = _telegraph_finding(searched, rejected)
-        findings = (*(_finding(searched, one) for one in named), *switching)
+        findings = (*(_finding(searched, *pair) for pair in zip(named, settled, strict=True)), *switching)
         nameless = (*(withheld(one, misfit) for one, misfit in rejected.items()), *odd)
         after = without_unnamed(
             searched.held_in_search, searched.held_in_fit, misfits(searched.held_in_search, searched.held_in_fit)
@@ -363,9 +365,13 @@ def _telegraph_finding(
     return (Finding({axis: effect}, parameters, max(log_p, MIN_LOG_P), searched.switching.gain),), ()
 
 
-def _finding(searched: AxisSearch, candidate: Candidate) -> Finding:
-    """Return one effect with its intervals, its gain on held-out data, and the alternatives that fit as well."""
-    search, found, effect = candidate.search, candidate.fit, candidate.effect
+def _finding(searched: AxisSearch, candidate: Candidate, settled: Candidate) -> Finding:
+    """Return one effect with its intervals, its gain on held-out data, and the alternatives that fit as well.
+
+    Values and intervals are those of the final fit (``settled``), which the model of the device has; significance and
+    alternatives are those of the fit at the end of the search (``candidate``).
+    """
+    search, found, effect, final = candidate.search, candidate.fit, settled.effect, settled.fit
     axis, without = found.sequence.conditions.axis, candidate.without
     near = found.log_likelihood + search.log_alpha / 2
     alternatives = {}
@@ -376,16 +382,16 @@ def _finding(searched: AxisSearch, candidate: Candidate) -> Finding:
             alternatives[rival.name] = max(gain, alternatives.get(rival.name, -np.inf))
     if effect.two_valued:
         alternatives.pop(effect.equivalent.name, None)
-        comparison, units = compare(found, (effect,)), effect.units(axis_unit(axis))
+        comparison, units = compare(final, (effect,)), effect.units(axis_unit(axis))
         parameters = {
             name: Interval(value, *ends, units[name])
             for (name, value), ends in zip(effect.parameters().items(), comparison.intervals, strict=True)
         }
         gain = comparison.gain
     elif effect.role is Role.OUTLIERS:
-        parameters, gain = _outlier_parameters(search, found), search.tails[effect].gain
+        parameters, gain = _outlier_parameters(search, final), search.tails[effect].gain
     else:
-        parameters = intervals(found, candidate.index)
+        parameters = intervals(final, settled.index)
         gain = _gain(searched, candidate)
     return Finding(
         {axis: effect}, parameters, max(candidate.trial.log_p, MIN_LOG_P), float(gain), tuple(alternatives.items())
