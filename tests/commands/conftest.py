@@ -5,9 +5,9 @@ import shlex
 from pathlib import Path
 
 import pytest
+from matplotlib.figure import Figure
 
 from imugap import cli
-from imugap.figures import style
 
 
 def names(folder):
@@ -45,8 +45,8 @@ def refused(here, capsys):
 def fill_disk(monkeypatch):
     """From its call on every figure fails halfway."""
 
-    def fail(_, path):
+    def fail(_, path, **_options):
         Path(path).write_text("half")
         raise OSError("disk full")
 
-    return lambda: monkeypatch.setattr(style, "save", fail)
+    return lambda: monkeypatch.setattr(Figure, "savefig", fail)

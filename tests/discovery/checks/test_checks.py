@@ -390,7 +390,8 @@ def skewed(time, rng):
 def test_periodic_decaying_or_skewed_samples_are_not_named_outliers(added, reason):
     search, found = explored(sequence(added=added), Outliers)
     assert found.has(Outliers)
-    assert outliers_misfit(search, found).reason == reason
+    (outliers,) = search.added(found)
+    assert outliers_misfit(outliers).reason == reason
     assert {misfit.reason for misfit in misfits(search, found).values()} == {reason}
 
 
