@@ -115,7 +115,7 @@ class OutputFilter(FilterEffect):
         slope = np.linspace(1.0, 0.0, length - count - 2 * lead)[:, None]
         held = np.vstack([np.zeros((lead, own.shape[1])), own - own[0], np.repeat(own[-1:] - own[0], lead, axis=0)])
         padded = np.vstack([held, slope * (own[-1:] - own[0])])
-        gain = self.response(rfftfreq(length, interval), interval)[:, None]
+        gain = _response(self, length, interval)
         passed = irfft(rfft(padded, axis=0) * gain, length, axis=0)[lead : lead + count] + own[0]
         return passed.reshape(values.shape)
 
@@ -157,6 +157,14 @@ def _sections(one: OutputFilter, interval: float) -> tuple[np.ndarray, np.ndarra
         poles = 1 / np.where(np.abs(middle + root) > 1, middle + root, middle - root)
         sections = zpk2sos(np.zeros(len(poles)), poles, np.prod(1 - poles).real)
     return sections, sosfilt_zi(sections)
+
+
+@lru_cache(maxsize=4)
+def _response(one: OutputFilter, length: int, interval: float) -> np.ndarray:
+    """Return the complex gain at the frequencies of ``length`` samples, shape (length // 2 + 1, 1), read-only."""
+    gain = one.response(rfftfreq(length, interval), interval)[:, None]
+    gain.flags.writeable = False
+    return gain
 
 
 @lru_cache(maxsize=4)
