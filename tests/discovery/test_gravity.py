@@ -5,7 +5,7 @@ import pytest
 
 from imugap import log
 from imugap.discovery.device import Settings, discover
-from imugap.discovery.gravity import Gravity
+from imugap.discovery.gravity import SensedGravity
 from imugap.discovery.report import verdict
 from imugap.effects import Bias, WhiteNoise
 from imugap.effects.effect import AxisModel
@@ -35,20 +35,20 @@ def at_rest(direction, size=STANDARD_GRAVITY):
 def test_only_the_bias_along_gravity_is_in_the_model(direction):
     up = np.asarray(direction, float) / np.linalg.norm(direction)
     model = levels(*((STANDARD_GRAVITY + 0.03) * up))
-    gravity = Gravity.of(model, ErrorModel({}), STANDARD_GRAVITY)
+    gravity = SensedGravity.of(model, ErrorModel({}), STANDARD_GRAVITY)
     biases = [offset_of(gravity.taken_from(model)[axis]) for axis in log.ACCEL]
     np.testing.assert_allclose(biases, 0.03 * up, atol=1e-12)
     assert gravity.excess == pytest.approx(0.03)
 
 
 def test_biases_of_the_start_model_stay_across_gravity():
-    gravity = Gravity.of(levels(0.2, 0.0, -9.8), levels(0.2, 0.0, 0.0), STANDARD_GRAVITY)
+    gravity = SensedGravity.of(levels(0.2, 0.0, -9.8), levels(0.2, 0.0, 0.0), STANDARD_GRAVITY)
     np.testing.assert_allclose(gravity.biases, [0.2, 0.0, STANDARD_GRAVITY - 9.8], atol=1e-12)
 
 
 @pytest.mark.parametrize("values", [(0.0, 0.0, 0.02), (0.1, 0.1), (0.0, 0.0, -4.9), ()])
 def test_a_log_without_gravity_keeps_its_level(values):
-    assert Gravity.of(levels(*values), ErrorModel({}), STANDARD_GRAVITY) is None
+    assert SensedGravity.of(levels(*values), ErrorModel({}), STANDARD_GRAVITY) is None
 
 
 def test_discovery_on_its_own_simulation_finds_nothing_more():

@@ -17,7 +17,7 @@ LINE = Sinusoid(9.3, 3e-3, 1.0)
     ("hidden", "withheld"),
     [
         ((LINE, GaussMarkov(1e-3, 6.0)), False),
-        ((LINE, PowerLaw(4e-3, 1.5)), True),
+        pytest.param((LINE, PowerLaw(4e-3, 1.5)), True, marks=pytest.mark.slow),
     ],
     ids=["all named", "unnamed noise beside it"],
 )

@@ -74,6 +74,7 @@ def rolled(model, speed, sigma, still, interval=0.05, std=0.1):
     return turn.apply(after[1]) + np.cross(rate, AXLE), before, covariance
 
 
+@pytest.mark.slow
 def test_without_wheels_nothing_changes(lap, assumptions):
     """To the bit, whatever arm and correlation time are."""
     one = drive(lap, assumptions, 1, QualityControl())

@@ -45,6 +45,7 @@ def test_a_failed_run_counts_as_not_covered_and_is_left_out_of_the_error():
     assert (found["failed"], found["coverage"], found["rmse"]) == (1, 0.5, 0.0)
 
 
+@pytest.mark.slow
 def test_intervals_of_the_summary_hold_the_truth_as_often_as_they_say():
     """Unit normal errors: root mean square 1 (relative to 2: 0.5), coverage of one standard deviation 68.27 %."""
     held = np.zeros(2)

@@ -21,7 +21,7 @@ from imugap.discovery.evaluation.held_out import HELD_IN_SHARE, compare_held_out
 from imugap.discovery.finding import MIN_LOG_P, Discrepancy, Finding
 from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.discovery.fit.start_model import described, noisy
-from imugap.discovery.gravity import Gravity
+from imugap.discovery.gravity import SensedGravity
 from imugap.discovery.pooling import agree_on_noise, name_pooled, pooled_finding, search_each
 from imugap.discovery.preparation.prepare import PreparedLog, prepare
 from imugap.discovery.preparation.sequence import AxisSequence
@@ -87,7 +87,7 @@ class Discovery:
     after: tuple[ViewTest, ...]
     record: PreparedLog
     results: Mapping[str, AxisResult]
-    gravity: Gravity | None
+    gravity: SensedGravity | None
 
 
 @dataclass(frozen=True)
@@ -359,7 +359,7 @@ def _conclude(stage: _Measured) -> Discovery:
     kept = keep_undetermined(stage.known, stage.record, stage.whole)
     start, final = (with_effects(model, kept) for model in (stage.start, stage.model(stage.whole)))
     at_rest = all(fit.sequence.conditions.ideal is None for fit in stage.whole.values())
-    gravity = Gravity.of(final, stage.known, stage.settings.gravity) if at_rest else None
+    gravity = SensedGravity.of(final, stage.known, stage.settings.gravity) if at_rest else None
     return Discovery(
         start=start if gravity is None else gravity.taken_from(start),
         final=final if gravity is None else gravity.taken_from(final),

@@ -15,7 +15,7 @@ SITE_UNCERTAINTY = 0.04
 
 
 @dataclass(frozen=True)
-class Gravity:
+class SensedGravity:
     """Gravity in the level of the accelerometers of a device at rest.
 
     Attributes
@@ -37,7 +37,7 @@ class Gravity:
     excess: float
 
     @classmethod
-    def of(cls, levels: ErrorModel, known: ErrorModel, size: float) -> "Gravity | None":
+    def of(cls, levels: ErrorModel, known: ErrorModel, size: float) -> "SensedGravity | None":
         """Return the gravity in the constant terms of a model of a device at rest; None if it senses none.
 
         ``known`` is the start model, ``size`` the gravity of the site [m/s^2].
