@@ -40,7 +40,7 @@ def test_lint_finds_nothing_but_the_missing_conda_directive():
 
 def test_every_rule_has_a_docstring_and_a_log():
     for path in (ROOT / "workflow/rules").glob("*.smk"):
-        for rule in re.split(r"^ *rule", path.read_text(), flags=re.MULTILINE)[1:]:
+        for rule in re.split(r"^ *rule\b", path.read_text(), flags=re.MULTILINE)[1:]:
             name = rule.split(":")[0]
             assert re.match(r'[\w ]*:\n +"""[A-Z]', rule), name
             assert re.search(r"^ +log:\n", rule, re.MULTILINE), name
