@@ -1,7 +1,8 @@
 """Conversion of units: multiply by a factor to SI, divide by it from SI.
 
 The table has every unit of a file, a published table or a data sheet of this study. Standard gravity is the
-conventional value 9.80665 m/s^2 (BIPM, SI brochure, 9th ed.), used only to convert units, never as local gravity.
+conventional value 9.80665 m/s^2 (BIPM, SI brochure, 9th ed.), used to convert units, and as the gravity of a site
+that is not given.
 """
 
 from math import pi

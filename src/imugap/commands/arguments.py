@@ -3,6 +3,8 @@
 import argparse
 from math import inf
 
+from imugap.units import STANDARD_GRAVITY
+
 
 def positive(text: str) -> float:
     """Convert to a finite number above zero."""
@@ -32,7 +34,9 @@ def count(text: str) -> int:
 
 def add_gravity(parser: argparse.ArgumentParser) -> None:
     """Add ``--gravity``: the local gravity [m/s^2]."""
-    parser.add_argument("--gravity", type=positive, default=9.80665, help="local gravity [m/s^2] (default %(default)s)")
+    parser.add_argument(
+        "--gravity", type=positive, default=STANDARD_GRAVITY, help="local gravity [m/s^2] (default %(default)s)"
+    )
 
 
 def add_effects(parser: argparse.ArgumentParser) -> None:

@@ -1,6 +1,5 @@
 """Gravity in the log of a device at rest: a part of its level that is no error."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,8 +9,8 @@ from imugap.model import ErrorModel, offset_of, shifted
 
 MAX_DIFFERENCE = 0.1
 """Largest relative difference of the level from gravity for a device that senses gravity on the axes of its log."""
-SITE_UNCERTAINTY = 0.04
-"""Half of the range of gravity on the ground [m/s^2]: 9.764 to 9.834 (Hirt et al. 2013, doi:10.1002/grl.50838)."""
+SITE_UNCERTAINTY = 0.043
+"""Largest difference of gravity on the ground, 9.764 to 9.834 m/s^2, from the standard value [m/s^2] (Hirt et al. 2013, doi:10.1002/grl.50838)."""
 
 
 @dataclass(frozen=True)
@@ -53,18 +52,14 @@ class SensedGravity:
 
     def taken_from(self, model: ErrorModel) -> ErrorModel:
         """Return a model whose constant terms are the biases, without gravity."""
-        return ErrorModel({**model.axes, **dict(zip(self.axes, self._shifted(model.axes), strict=True))})
-
-    def _shifted(self, models: Mapping) -> list:
-        return [
-            shifted(models[axis], bias - offset_of(models[axis]))
-            for axis, bias in zip(self.axes, self.biases, strict=True)
-        ]
+        biases = dict(zip(self.axes, self.biases, strict=True))
+        cleared = {axis: shifted(model[axis], bias - offset_of(model[axis])) for axis, bias in biases.items()}
+        return ErrorModel({**model.axes, **cleared})
 
     def sentence(self) -> str:
         """Return what was assumed, and what the log does not tell, as text."""
         return (
             f"{', '.join(self.axes)}: the level holds gravity, {self.size:g} m/s^2, which is not in the model. "
             f"The bias along it is {self.excess:.3g} m/s^2, as uncertain as the gravity of the site (up to "
-            f"{SITE_UNCERTAINTY:g} m/s^2 if not given); across it a bias cannot be told from a tilt."
+            f"{SITE_UNCERTAINTY:g} m/s^2 if not given); across it a bias cannot be distinguished from a tilt."
         )
