@@ -10,7 +10,10 @@ from imugap.model import ErrorModel, offset_of, shifted
 MAX_DIFFERENCE = 0.1
 """Largest relative difference of the level from gravity for a device that senses gravity on the axes of its log."""
 SITE_UNCERTAINTY = 0.043
-"""Largest difference of gravity on the ground, 9.764 to 9.834 m/s^2, from the standard value [m/s^2] (Hirt et al. 2013, doi:10.1002/grl.50838)."""
+"""Largest difference of gravity on the ground, 9.764 to 9.834 m/s^2, from the standard value [m/s^2].
+
+Hirt et al. 2013, doi:10.1002/grl.50838.
+"""
 
 
 @dataclass(frozen=True)
