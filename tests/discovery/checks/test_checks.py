@@ -35,7 +35,6 @@ from imugap.discovery.checks.outliers import outliers_misfit
 from imugap.discovery.checks.spectrum import POWER_LAW, band_log_p, power_share, substitution_log_p
 from imugap.discovery.checks.transient import DURATION, transient_misfits
 from imugap.discovery.checks.transition import transition_misfits
-from imugap.discovery.fit.contaminated_normal import tails
 from imugap.discovery.fit.description import Entry
 from imugap.discovery.search.search import Search, without
 from imugap.discovery.unnamed.chirps import find_chirps
@@ -54,6 +53,7 @@ from imugap.effects import (
     WarmUp,
 )
 from imugap.effects.power_law import STEEPEST
+from imugap.numerics.contaminated_normal import tails
 from imugap.stream import stream
 
 sequence = partial(simulated.sequence, label="doubts")

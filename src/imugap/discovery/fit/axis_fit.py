@@ -14,7 +14,6 @@ from scipy.fft import idct, irfft, rfft, rfftfreq
 
 from imugap.discovery.fit import matched_filters as scans
 from imugap.discovery.fit.boundary import Outside, over_time
-from imugap.discovery.fit.contaminated_normal import Tails, tails
 from imugap.discovery.fit.description import Description, Entry
 from imugap.discovery.fit.rounded_samples import Cells
 from imugap.discovery.fit.whittle import Noise, NoiseFit, log_likelihood
@@ -22,6 +21,7 @@ from imugap.discovery.fit.whittle import fit as fit_noise
 from imugap.discovery.preparation.cosine_bins import cosine_coefficients
 from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.effects.effect import Effect, FilterEffect, Role, StochasticEffect, VarianceEffect
+from imugap.numerics.contaminated_normal import Tails, tails
 from imugap.stream import stream
 
 Made = TypeVar("Made")

@@ -13,9 +13,9 @@ from scipy.fft import dct, idct
 from scipy.optimize import minimize
 from scipy.special import expit, logit, ndtr, ndtri
 
-from imugap.discovery.fit.contaminated_normal import STARTS, Tails, ends
 from imugap.discovery.fit.whittle import Noise
 from imugap.discovery.preparation.sequence import AxisSequence
+from imugap.numerics.contaminated_normal import STARTS, Tails, ends
 
 MIN_WHITE_SHARE = 0.5
 """Least share of white noise in the power, with which its samples can be told from what is slower."""

@@ -14,10 +14,10 @@ from scipy.interpolate import CubicSpline
 from imugap.discovery.finding import Discrepancy, Finding, finding
 from imugap.discovery.preparation.cosine_bins import usable_share
 from imugap.discovery.preparation.sequence import AxisSequence
-from imugap.discovery.preparation.thermometer import smoothed
 from imugap.effects import CATALOGUE
 from imugap.effects.conditions import Conditions
 from imugap.effects.effect import AxisModel, Effect, Evidence, Role, Stage
+from imugap.integrity.thermometer import smoothed
 from imugap.integrity.timestamps import LEAST, ROUNDED, Stamps, stamps
 from imugap.log import ACCEL, AXES, GYRO, TEMPERATURE, TIME, LogError, axes
 from imugap.model import ErrorModel

@@ -15,13 +15,13 @@ from scipy.special import gammaln
 from scipy.stats import chi2
 
 from imugap.discovery.fit.axis_fit import AxisFit, fit
-from imugap.discovery.fit.contaminated_normal import Tails
 from imugap.discovery.fit.description import Description, Entry
 from imugap.discovery.fit.whittle import fit as fit_noise
 from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.search.pairs import Pair, SmoothTerms
 from imugap.effects import CATALOGUE
 from imugap.effects.effect import Effect, Role, Start, StochasticEffect
+from imugap.numerics.contaminated_normal import Tails
 from imugap.stream import stream
 
 TAIL_SHAPES = 100.0

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from imugap.discovery.preparation.thermometer import smoothed
+from imugap.integrity.thermometer import smoothed
 from imugap.stream import stream
 
 COUNT = 20_000

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from scipy.linalg import toeplitz
 from scipy.signal import butter, lfilter
 
-from imugap.discovery.preparation.gap_filling import Autoregression
+from imugap.numerics.gap_filling import Autoregression
 from imugap.stream import stream
 
 COUNT = 20_000

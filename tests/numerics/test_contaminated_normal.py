@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from imugap.discovery.fit.contaminated_normal import tails
+from imugap.numerics.contaminated_normal import tails
 from imugap.stream import stream
 
 
