@@ -1,7 +1,7 @@
 """Canonical log: table of one device over time, checked once, at reading.
 
 Index ``time`` [s], strictly increasing; columns from :data:`AXES` (rad/s, m/s^2, in this order, any subset) and
-optionally ``temperature`` [degC]. Readers of files are in :mod:`imugap.io.readers`.
+optionally ``temperature`` [degC]. Recordings are read by :mod:`imugap.io.recording`.
 """
 
 from pathlib import Path

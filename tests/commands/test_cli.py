@@ -12,7 +12,7 @@ from imugap import cli, log
 from imugap.estimation.indices import INDICES
 from imugap.interchange.conventions import Rule, Triad
 from imugap.interchange.export import Target, export
-from imugap.io import readers
+from imugap.io import recording
 from imugap.model import ErrorModel
 from imugap.stream import stream
 
@@ -67,7 +67,7 @@ def names(folder):
 @pytest.mark.parametrize("name", ["run.csv", "run.parquet"])
 def test_a_simulated_log_is_the_one_of_the_library(here, name):
     assert simulate(name) == 0
-    found = readers.read(name)
+    found = recording.read(name).log
     still = {axis: np.full(2000, -9.80665 * (axis == "accel_z")) for axis in ("gyro_x", "gyro_z", "accel_z")}
     expected = ErrorModel.read("model.yaml").simulate(log.from_samples(still, 0.02), 1, "simulate")
     pd.testing.assert_frame_equal(found, expected, rtol=1e-15)
@@ -227,7 +227,7 @@ def test_axes_asked_for_come_in_that_order_and_once(here, judge, validated):
 
 def test_lost_samples_are_said(here, judge, capsys):
     simulate("run.csv")
-    readers.read("run.csv").drop(index=1.0).to_csv("run.csv")
+    recording.read("run.csv").log.drop(index=1.0).to_csv("run.csv")
     assert estimate("--terms", "white_noise") == 0
     assert "expected evenly spaced samples; found 1 gaps, the first at 0.98 s" in capsys.readouterr().err
 

@@ -11,7 +11,7 @@ import scipy.io
 
 from imugap.effects import RandomWalk, WhiteNoise
 from imugap.io import gnss
-from imugap.io.recordings import CAR_LAG_S, CAR_MOUNTING, FLIGHT_BEGIN_S, Recording, read_car, read_flight
+from imugap.io.public_drives import CAR_LAG_S, CAR_MOUNTING, FLIGHT_BEGIN_S, PublicDrive, read_car, read_flight
 from imugap.log import ACCEL, AXES, GYRO, LogError
 from imugap.model import ErrorModel
 from imugap.numerics.rotation import from_euler
@@ -98,7 +98,7 @@ def recorded(lap):
     """A simulated drive as a recording: the survey is at 4 Hz, to a centimetre."""
     receiver = replace(lap.receiver, rate_hz=4, position_std=(0.01,) * 3, velocity_std=(0.05,) * 3)
     fixes = replace(lap, receiver=receiver).fixes(1, SEED)
-    return Recording(lap.record(1, SEED), fixes, None, lap.receiver.lever_m)
+    return PublicDrive(lap.record(1, SEED), fixes, None, lap.receiver.lever_m)
 
 
 def test_a_survey_is_degraded_to_what_the_receiver_is(recorded):

@@ -8,7 +8,6 @@ import pandas as pd
 from imugap import log
 from imugap.estimation import goodness_of_fit
 from imugap.estimation.model_selection import choose, title
-from imugap.io import readers
 from imugap.workflow.job_log import job
 from imugap.workflow.products import save
 
@@ -34,6 +33,6 @@ def chosen(table):
 
 
 with job(snakemake) as (source, _, output):
-    found, octaves = chosen(readers.read(source.log))
+    found, octaves = chosen(log.load(source.log))
     Path(output.choice).write_text(json.dumps(found, indent=1, default=float) + "\n")
     save(output, goodness=octaves)

@@ -7,7 +7,7 @@ import pandas as pd
 import yaml
 
 from imugap.io import datasets as catalogue
-from imugap.io import gnss, recordings
+from imugap.io import gnss, public_drives
 from imugap.simulation.gnss_faults import Faults
 from imugap.study import recorded_drive
 from imugap.workflow.job_log import job
@@ -53,7 +53,7 @@ with job(snakemake) as (source, params, output):
     dataset = catalogue.load("data", "workflow/schemas")[NAME]
     for file in dataset.files:
         catalogue.verify(file, source[file.content])
-    recording = recordings.read_car(source.log, source.clock, source.fixes, dataset)
+    recording = public_drives.read_car(source.log, source.clock, source.fixes, dataset)
     receiver = recorded_drive.StandardReceiver.read(source.recipe, "car")
     test = recorded_drive.car(recording, receiver)
     rest = recorded_drive.model_from_rest(recording.log, params.rest_s)

@@ -6,7 +6,7 @@ import pandas as pd
 from imugap.figures import recorded_drive
 from imugap.filters.consistency import nees_band
 from imugap.io import datasets as catalogue
-from imugap.io import recordings
+from imugap.io import public_drives
 from imugap.kinematics.strapdown import ATTITUDE
 from imugap.study import recorded_drive as roadtest
 from imugap.workflow import tables
@@ -46,7 +46,7 @@ def numbers(solution, errors, drift, way):
 
 with job(snakemake) as (source, params, output):
     catalogue.verify(catalogue.load("data", "workflow/schemas")[NAME].file(1), source.log)
-    recording = recordings.read_flight(source.log)
+    recording = public_drives.read_flight(source.log)
     test = roadtest.aircraft(recording, roadtest.StandardReceiver.read(source.recipe, "flight"))
     model, way = test.tune(recording.fixes, roadtest.model_from_rest(recording.log, params.rest_s))
     solution = test.navigate(recording.fixes, model)

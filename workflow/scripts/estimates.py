@@ -7,7 +7,6 @@ import pandas as pd
 from imugap import log
 from imugap.effects import GaussMarkov, RandomWalk, WhiteNoise
 from imugap.estimation.methods import METHODS
-from imugap.io import readers
 from imugap.study.monte_carlo import row
 from imugap.workflow.job_log import job
 
@@ -26,4 +25,4 @@ def estimates(table, rate):
 
 with job(snakemake) as (source, params, output):
     for path, to in zip(source.logs, output, strict=True):
-        estimates(readers.read(path), params.rate_hz).to_csv(to, index=False)
+        estimates(log.load(path), params.rate_hz).to_csv(to, index=False)

@@ -7,7 +7,7 @@ from pathlib import Path
 from imugap import log
 from imugap.integrity import report as integrity
 from imugap.io import datasets as catalogue
-from imugap.io import readers
+from imugap.io import readers, recording
 from imugap.workflow.job_log import job
 
 
@@ -18,8 +18,8 @@ def main(raw, dataset, run, log_path, report_path):
         table = readers.read_raw(raw, dataset, run)
         report = integrity.report(readers.read_raw_table(raw, dataset, run))
     else:
-        report = integrity.report(readers.read_table(raw))
-        table = readers.read(raw)
+        found = recording.read(raw)
+        report, table = integrity.report(found.table), found.log
         if log.axes(table) != log.AXES:
             raise log.LogError(raw, "columns", f"all of {', '.join(log.AXES)}", ", ".join(table.columns))
     facts = report.facts() | {"axes": [asdict(axis) for axis in report.axes]}

@@ -3,7 +3,6 @@
 import pandas as pd
 
 from imugap import log
-from imugap.io import readers
 from imugap.workflow.job_log import job
 
 
@@ -15,7 +14,7 @@ def intervals(clocks):
 with job(snakemake) as (source, params, output):
     ratios = intervals(pd.read_csv(source.clock))
     for run, path, to in zip(params.runs, source.logs, output, strict=True):
-        table = readers.read(path)
+        table = log.load(path)
         table = table.set_axis(table.index * ratios.get(run, 1.0)).loc[: params.duration_s]
         table = table if params.columns is None else table[params.columns]
         log.write(log.from_samples(*log.block_means(table, params.rate_hz)), to)

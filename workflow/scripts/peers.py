@@ -8,7 +8,6 @@ from imugap import log
 from imugap.effects import GaussMarkov, Quantization, RandomWalk, WhiteNoise
 from imugap.estimation.gmwm.estimator import GmwmOptions, Weighting, fit, point_estimate
 from imugap.figures.style import AXIS_TITLES
-from imugap.io import readers
 from imugap.workflow import tables
 from imugap.workflow.job_log import job
 from imugap.workflow.products import save
@@ -52,7 +51,7 @@ def page(data):
 
 
 with job(snakemake) as (source, _, output):
-    table = readers.read(source.log)
+    table = log.load(source.log)
     data = pd.DataFrame(compared(table, log.interval(table), pd.read_csv(source.peer)))
     ratio, faster = data["gmwm"] / data["here"], data["gmwm_s"] / data["here_s"]
     whole = data["gmwm_s"] / data["intervals_s"]

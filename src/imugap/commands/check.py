@@ -4,7 +4,7 @@ import argparse
 import json
 
 from imugap.integrity.report import report
-from imugap.io import readers
+from imugap.io import recording
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -15,6 +15,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     """Print the integrity report of each log; a log that breaks the contract is a LogError."""
     for path in options.log:
-        found = report(readers.read_table(path))
+        read = recording.read(path)
+        found = report(read.table)
         print(f"{path}\n{json.dumps(found.facts(), indent=1)}\n{found.to_frame().to_string()}")
-        readers.read(path)
+        _ = read.log

@@ -31,7 +31,7 @@ from imugap.filters.innovation_gate import (
 )
 from imugap.integrity.timestamps import filled
 from imugap.interchange.plugins import catalogue
-from imugap.io import gnss, readers
+from imugap.io import gnss, readers, recording
 from imugap.io.configuration import ConfigurationError, configure
 from imugap.log import ACCEL, AXES, GYRO, LogError, axes
 from imugap.model import ErrorModel
@@ -218,7 +218,7 @@ def navigate_drive(recorded: RecordedDrive) -> NavigatedDrive:
 def read(options: argparse.Namespace) -> RecordedDrive:
     """Read the configuration and the logs."""
     settings = DriveSettings.read(options.config, options.effects)
-    return RecordedDrive(readers.read(options.log), readers.read_fixes(options.fixes), settings)
+    return RecordedDrive(recording.read(options.log).log, readers.read_fixes(options.fixes), settings)
 
 
 def check(recorded: RecordedDrive) -> RecordedDrive:

@@ -24,7 +24,7 @@ from imugap.estimation import report
 from imugap.estimation.model_selection import TERMS
 from imugap.estimation.report import AxisEstimate, EstimatorSettings, Method
 from imugap.integrity.report import timing
-from imugap.io import readers
+from imugap.io import recording
 from imugap.model import ErrorModel
 from imugap.workflow.products import write_svg
 
@@ -76,7 +76,7 @@ def _settings(options: argparse.Namespace) -> EstimatorSettings:
 
 def _read(path: str) -> pd.DataFrame:
     """Read a log; warn where samples are lost, because the estimates take them as evenly spaced."""
-    table = readers.read(path)
+    table = recording.read(path).log
     found = timing(table.index.to_numpy())
     if found.gaps:
         gaps = f"{found.gaps} gaps, the first at {found.first_gap_s:g} s, the longest {found.largest_gap_s:g} s"

@@ -12,7 +12,7 @@ from imugap import log
 from imugap.atomic import atomic
 from imugap.commands.arguments import add_gravity, positive
 from imugap.estimation.indices import INDICES, of_run, over_runs, shortest
-from imugap.io import readers
+from imugap.io import recording
 from imugap.units import from_si
 
 
@@ -28,7 +28,7 @@ def run(options: argparse.Namespace) -> None:
     """Compute the indices over the logs, print them, and write them to ``--out``."""
     ideal = pd.Series(0.0, index=list(log.AXES))
     ideal["accel_z"] = -options.gravity
-    tables = [readers.read(path) for path in options.log]
+    tables = [recording.read(path).log for path in options.log]
     runs = {
         number: of_run(table, ideal, options.period, _computable(table, options.period))
         for number, table in enumerate(tables, start=1)

@@ -18,7 +18,7 @@ from imugap.commands.folder import require_folder, write_folder
 from imugap.filters.zero_velocity import MOVING
 from imugap.integrity.timestamps import filled
 from imugap.interchange.plugins import catalogue
-from imugap.io import readers
+from imugap.io import recording
 from imugap.log import ACCEL, AXES, GYRO, LogError, axes
 from imugap.model import ErrorModel
 from imugap.navigation import pedestrian
@@ -135,7 +135,7 @@ def read(options: argparse.Namespace) -> WalkInputs:
 
     Rows whose stamp does not exceed those before, as wireless devices send them, are left out.
     """
-    log = readers.read(options.log, repair=True)
+    log = recording.read(options.log).repaired
     if axes(log) != AXES:
         raise LogError(options.log, "columns", f"all of {', '.join(AXES)}", ", ".join(log.columns))
     model = DEFAULT_MODEL if options.model is None else ErrorModel.read(options.model, catalogue(options.effects))

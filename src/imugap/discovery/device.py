@@ -241,7 +241,7 @@ def discover(
     Parameters
     ----------
     logs
-        Runs of one device, as :func:`imugap.io.readers.read_table` gives them. Effects within a run are discovered on
+        Runs of one device, as :func:`imugap.io.recording.read` gives them. Effects within a run are discovered on
         the first; all are compared with each other.
     tests
         Further runs, on which distances are taken; without them it is the last part of the first log.

@@ -16,7 +16,7 @@ from imugap.discovery.steps import Progress
 from imugap.effects.effect import Role
 from imugap.integrity.timestamps import Stamps, stamps
 from imugap.interchange.plugins import catalogue
-from imugap.io import readers
+from imugap.io import recording
 from imugap.log import LogError
 from imugap.model import ErrorModel
 
@@ -107,7 +107,7 @@ def discover_files(
 
 def _read(paths: Sequence[Path]) -> list[pd.DataFrame]:
     """Read logs; raise a LogError unless an axis varies and each such axis has enough samples at its own rate."""
-    tables = [readers.read_table(path) for path in paths]
+    tables = [recording.read(path).table for path in paths]
     for path, table in zip(paths, tables, strict=True):
         _clock(path, table)
         axes = log.axes(table)
@@ -191,7 +191,7 @@ def _require_rate(table: pd.DataFrame, path: Path, first: pd.DataFrame) -> None:
 
 def _reference(path: Path, measured: pd.DataFrame) -> pd.DataFrame:
     """Read the reference; raise a LogError unless it is complete and covers the log."""
-    reference = log.check(readers.read_table(path), path)
+    reference = log.check(recording.read(path).table, path)
     _require_columns(reference, path, log.axes(measured))
     time = measured.index.to_numpy(float)
     covered = (time >= reference.index[0]) & (time <= reference.index[-1])

@@ -1,6 +1,6 @@
 """Integrity of a log as read: stamps, stuck and saturated samples, quantization step, shocks, gravity.
 
-The report is made on the unchecked table (:func:`imugap.io.readers.read_table`). Each flag is a test against a
+The report is made on the unchecked table (:func:`imugap.io.recording.read`). Each flag is a test against a
 distribution estimated from the log itself (frequency of equal neighbours, mass of the outermost levels, extremes of the
 samples), with :data:`IMPROBABLE` as its significance level.
 """

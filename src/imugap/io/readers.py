@@ -1,8 +1,8 @@
 """Readers of logs: read, convert to SI, check; errors give file, line and column.
 
-Use :func:`read` for a log of one's own, CSV or Parquet with a column ``time`` [s] and canonical columns in SI units,
-:func:`read_fixes` for the log of a GNSS receiver, with latitude and longitude in degrees, and :func:`read_raw` for a
-file of the catalogue in its own format and units. A file is read line by line only to locate an error.
+Use :func:`imugap.io.recording.read` for a log of one's own, :func:`read_fixes` for the log of a GNSS receiver, with
+latitude and longitude in degrees, and :func:`read_raw` for a file of the catalogue in its own format and units. A file
+is read line by line only to locate an error.
 """
 
 import csv
@@ -28,31 +28,6 @@ from imugap.units import from_si, to_si
 KNOWN = ("time", *COLUMNS)
 FASTEST_GYRO_DEG_PER_S = 4000.0
 EXCERPT = 60
-
-
-def read(path: str | Path, repair: bool = False) -> pd.DataFrame:
-    """Read a user's own log, CSV or Parquet, and check it.
-
-    Parameters
-    ----------
-    path
-        File with columns ``time`` [s] and any of :data:`imugap.log.COLUMNS` (rad/s, m/s^2, degC), in any order.
-    repair
-        Drop the rows whose stamp is missing or does not exceed all stamps before it, instead of raising.
-
-    Returns
-    -------
-    DataFrame
-        A canonical log. Anything else is a :class:`imugap.log.LogError` with file, line, column.
-    """
-    table = read_table(path)
-    if repair:
-        table = table[_advances(table.index.to_numpy())]
-    else:
-        _require_order(table, Path(path))
-    _require_numbers(table, Path(path))
-    _require_si(table, path)
-    return check(table, path)
 
 
 def read_table(path: str | Path) -> pd.DataFrame:
@@ -81,8 +56,8 @@ def read_fixes(path: str | Path) -> pd.DataFrame:
     path, known = Path(path), ("time", *gnss.COLUMNS)
     table = _decoded(path, {end: partial(decode, known=known) for end, decode in TABLES.items()}, "a log of fixes")
     table = table.set_index("time")
-    _require_order(table, path)
-    _require_numbers(table[[name for name in gnss.PLACE if name in table]], path)
+    require_order(table, path)
+    require_numbers(table[[name for name in gnss.PLACE if name in table]], path)
     for name in ("latitude", "longitude"):
         if name in table:
             table[name] = to_si(table[name], "deg")
@@ -96,7 +71,7 @@ def read_raw(path: str | Path, dataset: DataSet, run: int) -> pd.DataFrame:
     to an earlier one, stamp included, is dropped.
     """
     table = read_raw_table(path, dataset, run)
-    return check(table[_advances(table.index.to_numpy()) | ~table.reset_index().duplicated().to_numpy()], path)
+    return check(table[advances(table.index.to_numpy()) | ~table.reset_index().duplicated().to_numpy()], path)
 
 
 def read_raw_table(path: str | Path, dataset: DataSet, run: int) -> pd.DataFrame:
@@ -330,29 +305,31 @@ def _require_names(names: list[str], path: Path, place: str, known: tuple[str, .
         raise LogError(path, place, "the column time and at least one other", ", ".join(names) or "nothing")
 
 
-def _advances(time: np.ndarray) -> np.ndarray:
+def advances(time: np.ndarray) -> np.ndarray:
     """Return the mask of stamps, shape (n,), that are finite and exceed all stamps before them."""
     time = np.where(np.isfinite(time), time, np.nan)
     return time > np.fmax.accumulate(np.concatenate([[-np.inf], time[:-1]]))
 
 
-def _require_order(table: pd.DataFrame, path: Path) -> None:
+def require_order(table: pd.DataFrame, path: Path) -> None:
+    """Raise unless every stamp is finite and exceeds all before it."""
     time = table.index.to_numpy()
-    late = np.flatnonzero(~_advances(time))
+    late = np.flatnonzero(~advances(time))
     if len(late):
         row = int(late[0])
         found = f"{time[row]} after {time[row - 1]}" if row else f"{time[row]}"
         raise LogError(path, f"{_place(path, row)}, column time", "a time that increases", f"{found} ({_rows(late)})")
 
 
-def _require_numbers(table: pd.DataFrame, path: Path) -> None:
+def require_numbers(table: pd.DataFrame, path: Path) -> None:
+    """Raise unless every sample is finite."""
     rows, columns = np.nonzero(~np.isfinite(table.to_numpy()))
     if len(rows):
         place = f"{_place(path, int(rows[0]))}, column {table.columns[columns[0]]}"
         raise LogError(path, place, "a finite number", f"{table.iat[rows[0], columns[0]]} ({_rows(np.unique(rows))})")
 
 
-def _require_si(table: pd.DataFrame, path: str | Path) -> None:
+def require_si(table: pd.DataFrame, path: str | Path) -> None:
     """Raise if the median norm of the specific force is gravity in another unit, or a rate exceeds any gyroscope.
 
     In walking and driving the median norm stays near gravity; free fall and single axes are not checked.

@@ -19,7 +19,7 @@ from imugap.effects.effect import AxisModel, Effect
 from imugap.filters.innovation_gate import NO_CONTROL, SCHEMES, QualityControl
 from imugap.filters.solution_separation import EVENT_OPENED, EVENT_SEPARATED
 from imugap.io import gnss
-from imugap.io.recordings import Recording
+from imugap.io.public_drives import PublicDrive
 from imugap.kinematics.strapdown import ATTITUDE, POSITION
 from imugap.log import ACCEL, AXES, GYRO, interval
 from imugap.model import ErrorModel
@@ -76,9 +76,9 @@ class StandardReceiver:
 
 @dataclass(frozen=True, eq=False)
 class DriveTest:
-    """Recording, with the assumptions and the alignment settings of the filter."""
+    """PublicDrive, with the assumptions and the alignment settings of the filter."""
 
-    recording: Recording
+    recording: PublicDrive
     assumptions: DriveAssumptions
     alignment: AlignmentSettings
 
@@ -196,7 +196,7 @@ class DriveTest:
         return -0.5 * float(np.sum(record.statistic + record.log_det))
 
 
-def car(recording: Recording, receiver: StandardReceiver) -> DriveTest:
+def car(recording: PublicDrive, receiver: StandardReceiver) -> DriveTest:
     """Return the test of a drive with a degraded survey."""
     assumptions = DriveAssumptions(
         lever_m=recording.lever_m, scale_std=SCALE_STD, position_std=receiver.position_std,
@@ -205,7 +205,7 @@ def car(recording: Recording, receiver: StandardReceiver) -> DriveTest:
     return DriveTest(recording, assumptions, AlignmentSettings())
 
 
-def aircraft(recording: Recording, receiver: StandardReceiver) -> DriveTest:
+def aircraft(recording: PublicDrive, receiver: StandardReceiver) -> DriveTest:
     """Return the test of a flight with its own receiver; it starts while rolling, nearly along its course."""
     assumptions = DriveAssumptions(
         scale_std=SCALE_STD, position_std=receiver.position_std, velocity_std=receiver.velocity_std

@@ -82,7 +82,7 @@ def prepare(
     Parameters
     ----------
     log
-        Table as :func:`imugap.io.readers.read_table` gives it: stamps may be missing, repeated or reversed, values NaN.
+        Table as :func:`imugap.io.recording.read` gives it: stamps may be missing, repeated or reversed, values NaN.
     reference
         Error-free log, or None for a log at rest; the time outside of it is excluded, samples in its gaps are
         replaced.

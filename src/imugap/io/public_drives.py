@@ -37,7 +37,7 @@ FEWEST_SATELLITES = 4
 
 
 @dataclass(frozen=True, eq=False)
-class Recording:
+class PublicDrive:
     """Log in the axes of the vehicle, fixes, and the solution of a filter on board, if any.
 
     Attributes
@@ -57,7 +57,7 @@ class Recording:
     lever_m: tuple[float, float, float]
 
 
-def read_car(log_path: str | Path, clock_path: str | Path, fixes_path: str | Path, dataset: DataSet) -> Recording:
+def read_car(log_path: str | Path, clock_path: str | Path, fixes_path: str | Path, dataset: DataSet) -> PublicDrive:
     """Read a drive of ``rtklibexplorer_drive``: samples with a counter [ms], a time tag, and a solution of RTKLIB.
 
     The first and the last row of the samples, which may be incomplete, are dropped.
@@ -84,10 +84,10 @@ def read_car(log_path: str | Path, clock_path: str | Path, fixes_path: str | Pat
     fixes["vel_d"] *= -1
     fixes[["latitude", "longitude"]] = to_si(fixes[["latitude", "longitude"]], "deg")
     fixes.index = pd.Index(due.dt.total_seconds().to_numpy() - start, name=log.TIME)
-    return Recording(log.check(table, log_path), gnss.check(fixes, fixes_path), None, CAR_LEVER_M)
+    return PublicDrive(log.check(table, log_path), gnss.check(fixes, fixes_path), None, CAR_LEVER_M)
 
 
-def read_flight(path: str | Path) -> Recording:
+def read_flight(path: str | Path) -> PublicDrive:
     """Read the flight of ``thor_flight75``, with the biases added that were subtracted on board.
 
     A fix is new where its time of week changes. The time before :data:`FLIGHT_BEGIN_S` is dropped.
@@ -113,4 +113,4 @@ def read_flight(path: str | Path) -> Recording:
     known = pd.DataFrame(np.column_stack(aboard), index=time, columns=[*VELOCITY, *ATTITUDE])
     table = log.check(pd.DataFrame(columns, index=time), path)
     parts = (one.loc[FLIGHT_BEGIN_S:] for one in (table, gnss.check(fixes, path), known))
-    return Recording(*parts, (0.0, 0.0, 0.0))
+    return PublicDrive(*parts, (0.0, 0.0, 0.0))
