@@ -16,7 +16,7 @@ from imugap.log import check
 
 
 @dataclass(frozen=True)
-class Settings:
+class RecordingSettings:
     """What the user says of a recording; anything not given is recognised from the file.
 
     Attributes
@@ -43,7 +43,7 @@ class Settings:
     topic: str | None = None
 
 
-DEFAULTS = Settings()
+DEFAULTS = RecordingSettings()
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,7 +82,7 @@ class Recording:
         return check(table, self.source)
 
 
-def read(path: str | Path, settings: Settings = DEFAULTS) -> Recording:
+def read(path: str | Path, settings: RecordingSettings = DEFAULTS) -> Recording:
     """Read a recording of a user's device.
 
     Parameters
