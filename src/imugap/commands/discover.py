@@ -34,7 +34,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--test", nargs="+", default=[], help="further runs for the distances (default: end of the log)"
     )
-    parser.add_argument("--reference", help="error-free log of the first run, for a device in motion")
+    parser.add_argument(
+        "--reference",
+        help="error-free log of the first run, for a device in motion (samples within 30 of its ends are not used)",
+    )
     parser.add_argument("--model", help="start model (YAML; default constant bias and white noise)")
     add_effects(parser)
     parser.add_argument(

@@ -11,7 +11,7 @@ import pandas as pd
 from imugap import log
 from imugap.discovery import report
 from imugap.discovery.device import Discovery, Settings, discover
-from imugap.discovery.preparation.prepare import in_reference_gap
+from imugap.discovery.preparation.prepare import MARGIN, in_reference_gap, outside
 from imugap.discovery.steps import Progress
 from imugap.effects.effect import Role
 from imugap.integrity.timestamps import Stamps, stamps
@@ -198,6 +198,10 @@ def _reference(path: Path, measured: pd.DataFrame) -> pd.DataFrame:
     if np.mean(covered) < MIN_COVERAGE:
         expected = f"that of the log, {np.nanmin(time):g} to {np.nanmax(time):g} s"
         raise LogError(path, "time", expected, f"{reference.index[0]:g} to {reference.index[-1]:g} s")
+    inside = int(np.count_nonzero(~outside(reference, time)))
+    if inside < MIN_SAMPLES:
+        expected = f"{MARGIN} samples before and after at least {MIN_SAMPLES} samples of the log"
+        raise LogError(path, "time", expected, f"them about {inside}")
     covered &= ~in_reference_gap(reference, time)
     if np.mean(covered) < MIN_COVERAGE:
         found = f"holes, which leave {100 * np.mean(covered):.0f} %"

@@ -25,7 +25,10 @@ class Conditions:
     axis
         Canonical name of the axis, or None where it is not known.
     ideal
-        Error-free log of all axes, or None where it is not known.
+        Error-free log of all axes at the samples, or None where it is not known.
+    motion
+        Error-free log at the sampling interval, index time [s], which also covers times before the first and after the
+        last sample, as far as they are known; None where only ``ideal`` is known.
     """
 
     time: np.ndarray
@@ -33,6 +36,7 @@ class Conditions:
     temperature: np.ndarray | None = None
     axis: str | None = None
     ideal: pd.DataFrame | None = None
+    motion: pd.DataFrame | None = None
     _made: dict = field(init=False, repr=False, compare=False, default_factory=dict)
 
     def __len__(self) -> int:
@@ -45,6 +49,13 @@ class Conditions:
         if self.ideal is None or self.axis not in self.ideal:
             return 0.0
         return self.ideal[self.axis].to_numpy(float)
+
+    @property
+    def known_motion(self) -> pd.DataFrame | None:
+        """Return all that is known of the error-free log, index time [s]: at the samples, and beyond them if known."""
+        if self.motion is not None or self.ideal is None:
+            return self.motion
+        return self.ideal.set_axis(self.time)
 
     def once(self, make: Callable[["Conditions"], Made]) -> Made:
         """Return ``make(self)``, computed at the first call and cached."""

@@ -10,11 +10,13 @@ from typing import ClassVar
 
 import numpy as np
 import pandas as pd
+from scipy.interpolate import CubicHermiteSpline
 
 from imugap.effects.conditions import Conditions
 from imugap.effects.residual import Residual
 from imugap.integrity.timestamps import Stamps
 from imugap.log import TIME
+from imugap.numerics.band_limited import interpolate
 from imugap.numerics.state_space import StateSpace
 from imugap.stream import stream
 
@@ -215,12 +217,26 @@ class Effect:
     @classmethod
     def error_free(cls, conditions: Conditions, axes: Sequence[str]) -> np.ndarray:
         """Return the error-free signals of ``axes``, shape (n, len(axes)); ValueError where one is not known."""
-        if conditions.ideal is None:
+        return cls._columns(conditions.ideal, axes)
+
+    @classmethod
+    def interpolated(cls, conditions: Conditions, axes: Sequence[str]) -> CubicHermiteSpline:
+        """Return the band-limited interpolation of the error-free signals of ``axes``, of shape (n, len(axes)).
+
+        It covers the times of :attr:`Conditions.known_motion`; ValueError where a signal is not known.
+        """
+        motion = conditions.known_motion
+        values = cls._columns(motion, axes)
+        return interpolate(motion.index.to_numpy(float), values)
+
+    @classmethod
+    def _columns(cls, ideal: pd.DataFrame | None, axes: Sequence[str]) -> np.ndarray:
+        if ideal is None:
             raise ValueError(f"{cls.name}: expected conditions with an error-free log; found none")
-        missing = [axis for axis in axes if axis not in conditions.ideal]
+        missing = [axis for axis in axes if axis not in ideal]
         if missing:
             raise ValueError(f"{cls.name}: expected an error-free log with {', '.join(missing)}; found none")
-        return np.array([conditions.ideal[axis].to_numpy(float) for axis in axes]).reshape(len(axes), len(conditions)).T
+        return np.array([ideal[axis].to_numpy(float) for axis in axes]).reshape(len(axes), len(ideal)).T
 
     def apply(self, sequence: np.ndarray, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
         """Return what becomes of ``sequence``, shape (n,): the error up to this stage, or the output."""

@@ -10,7 +10,6 @@ from imugap.effects.conditions import Conditions
 from imugap.effects.effect import Start, SystematicEffect, parameter
 from imugap.effects.residual import Residual
 from imugap.log import ACCEL, GYRO
-from imugap.numerics.band_limited import interpolate
 
 
 @dataclass(frozen=True)
@@ -50,5 +49,5 @@ class LeverArm(SystematicEffect):
 def _fields(conditions: Conditions) -> np.ndarray:
     """Return the specific force that arms of one metre along x, y and z add, shape (3 arms, n, 3 components)."""
     rate = LeverArm.error_free(conditions, GYRO)
-    change = interpolate(conditions.time, rate)(conditions.time, 1)
+    change = LeverArm.interpolated(conditions, GYRO)(conditions.time, 1)
     return np.array([np.cross(rate, np.cross(rate, arm)) + np.cross(change, arm) for arm in np.eye(3)])

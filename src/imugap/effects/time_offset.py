@@ -11,7 +11,6 @@ from imugap.effects.conditions import Conditions
 from imugap.effects.effect import Start, SystematicEffect, parameter
 from imugap.effects.residual import Residual
 from imugap.log import AXES
-from imugap.numerics.band_limited import interpolate
 
 REACH = 5
 """Largest delay of the starts of a search, either way [samples]."""
@@ -27,18 +26,17 @@ class TimeOffset(SystematicEffect):
     offset: float = parameter("s", "delay of the input", low=-np.inf)
 
     def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
-        """Interpolate band-limited; the input is constant before the first and after the last sample."""
+        """Interpolate band-limited; the input is constant before the first and after the last time where it is known."""
         self.own_axis(conditions)
-        between, time = conditions.once(_course), conditions.time
-        return between(np.clip(time - self.offset, time[0], time[-1])) - conditions.error_free
+        between = conditions.once(_course)
+        return between(np.clip(conditions.time - self.offset, *between.x[[0, -1]]))[:, 0] - conditions.error_free
 
     def slopes(self, conditions: Conditions) -> dict[str, np.ndarray]:
         """Return minus the derivative of the delayed input."""
         self.own_axis(conditions)
-        time = conditions.time
-        earlier = time - self.offset
-        held = (earlier < time[0]) | (earlier > time[-1])
-        return {"offset": np.where(held, 0.0, -conditions.once(_course)(earlier, 1))}
+        between, earlier = conditions.once(_course), conditions.time - self.offset
+        held = (earlier < between.x[0]) | (earlier > between.x[-1])
+        return {"offset": np.where(held, 0.0, -between(earlier, 1)[:, 0])}
 
     @classmethod
     def starts(cls, fit: Residual) -> Iterator[Start]:
@@ -64,4 +62,4 @@ class TimeOffset(SystematicEffect):
 
 def _course(conditions: Conditions) -> CubicHermiteSpline:
     """Return the band-limited interpolation of the input of the own axis."""
-    return interpolate(conditions.time, TimeOffset.error_free(conditions, [conditions.axis])[:, 0])
+    return TimeOffset.interpolated(conditions, [conditions.axis])

@@ -125,6 +125,8 @@ class HeldOutComparison:
         Error-free log at the same times, for a device in motion; None for a device at rest.
     level
         Mean of each axis over the held-in part; default that of the measured values, which clipping would bias.
+    motion
+        Error-free log beyond both ends too, index: time since the start [s]; default the reference alone.
     """
 
     measured: pd.DataFrame
@@ -133,6 +135,7 @@ class HeldOutComparison:
     after: Model
     reference: pd.DataFrame | None = None
     level: Mapping[str, float] | None = None
+    motion: pd.DataFrame | None = None
 
     @cached_property
     def held_in(self) -> int:
@@ -225,7 +228,7 @@ class HeldOutComparison:
     def _in_motion(self) -> tuple[pd.DataFrame, Mapping[str, Conditions]]:
         """Return the reference as the error-free log, and its conditions, which all simulations share."""
         ideal = self._with_temperature(self.reference.copy())
-        return ideal, conditions(ideal)
+        return ideal, conditions(ideal, self.motion)
 
     def _with_temperature(self, table: pd.DataFrame) -> pd.DataFrame:
         """Return an error-free log with the measured temperature, at times since its start."""

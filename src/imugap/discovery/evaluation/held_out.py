@@ -67,7 +67,7 @@ def _compared(record: PreparedLog, share: float, before: UncertainModel, after: 
         reference = conditions.ideal.set_axis(measured.index)
     if conditions.temperature is not None:
         measured = measured.assign(temperature=conditions.temperature)
-    return HeldOutComparison(measured, split, before, after, reference, level)
+    return HeldOutComparison(measured, split, before, after, reference, level, conditions.motion)
 
 
 def distances(

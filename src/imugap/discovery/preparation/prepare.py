@@ -31,6 +31,9 @@ MAX_TICK_DEVIATION = 2.1
 """Largest displacement of a stamp, in standard deviations, by the ticks of another clock (uniform: 1.73)."""
 MIN_GAP_STEPS = 5.0
 """Minimum step of the stamps of the reference, over the median step, of a gap in it."""
+MARGIN = 30
+"""Number of samples at either end that the reference has to extend beyond those used: what an effect takes from just
+before or after a sample, such as the input of a delay, is then known for all of them."""
 MIN_STRAIGHT_SHARE, STRAIGHT_TOLERANCE = 0.3, 1e-3
 """Minimum share of samples on the straight line between their neighbours, within this tolerance over the median
 difference of neighbours, of an axis that was interpolated."""
@@ -84,8 +87,8 @@ def prepare(
     log
         Table as :func:`imugap.io.recording.read` gives it: stamps may be missing, repeated or reversed, values NaN.
     reference
-        Error-free log, or None for a log at rest; the time outside of it is excluded, samples in its gaps are
-        replaced.
+        Error-free log, or None for a log at rest; samples that are not :data:`MARGIN` samples within it are excluded,
+        those in its gaps are replaced.
     seed
         Seed of the replacements.
     start
@@ -224,7 +227,7 @@ def _samples_to_a_knot(values: np.ndarray) -> float:
 
 
 def _rows(log: pd.DataFrame, reference: pd.DataFrame | None) -> pd.DataFrame:
-    """Return the rows that hold a value, within the time of the reference."""
+    """Return the rows that hold a value, :data:`MARGIN` samples within the time of the reference."""
     names = list(axes(log))
     if not names:
         raise LogError("log", "columns", f"at least one of {', '.join(AXES)}", "none of them")
@@ -234,8 +237,7 @@ def _rows(log: pd.DataFrame, reference: pd.DataFrame | None) -> pd.DataFrame:
         missing = [name for name in names if name not in reference]
         if missing:
             raise LogError("reference", "columns", f"those of the log, {', '.join(names)}", f"no {missing[0]}")
-        time = log.index.to_numpy(float)
-        held = held & ~((time < reference.index[0]) | (time > reference.index[-1]))
+        held = held & ~outside(reference, log.index.to_numpy(float))
     if np.count_nonzero(held) < 2:
         raise LogError("log", "rows", "at least 2 that hold a value", str(np.count_nonzero(held)))
     return log[held]
@@ -255,26 +257,43 @@ def _conditions(rows: pd.DataFrame, clock: Stamps, reference: pd.DataFrame | Non
         temperature = _on_grid(rows[TEMPERATURE], clock)
         measured = np.isfinite(temperature)
         temperature = smoothed(np.interp(even, even[measured], temperature[measured])) if measured.any() else None
-    ideal = None if reference is None else _interpolated(reference, clock).set_axis(even)
-    return Conditions(even, clock.interval, temperature, ideal=ideal)
+    if reference is None:
+        return Conditions(even, clock.interval, temperature)
+    motion = _motion(reference, clock)
+    ideal = motion.iloc[MARGIN : len(motion) - MARGIN].set_axis(even)
+    return Conditions(even, clock.interval, temperature, ideal=ideal, motion=motion)
 
 
-def _interpolated(reference: pd.DataFrame, clock: Stamps) -> pd.DataFrame:
-    """Return the reference at the samples: unchanged where the stamps are equal, else by cubic splines.
+def _motion(reference: pd.DataFrame, clock: Stamps) -> pd.DataFrame:
+    """Return the reference at the samples and :data:`MARGIN` more at either end; index: time since the first sample [s].
 
-    Samples are taken at even times, whatever a rounded or scattered stamp says.
+    It is unchanged where the stamps are equal, else interpolated by cubic splines. Samples are taken at even times,
+    whatever a rounded or scattered stamp says.
     """
-    names, own, time = list(axes(reference)), reference.index.to_numpy(float), clock.grid
+    names, own, time = list(axes(reference)), reference.index.to_numpy(float), _extended(clock.grid, clock.interval)
     nearest = np.clip(np.searchsorted(own, time - STAMP_TOLERANCE * clock.interval), 0, len(own) - 1)
     values = reference[names].to_numpy(float)
     if np.all(np.diff(nearest) == 1) and np.all(np.abs(own[nearest] - time) < STAMP_TOLERANCE * clock.interval):
         values = values[nearest]
     else:
-        time = clock.course
+        time = _extended(clock.course, clock.interval)
         inside, blind = np.clip(time, own[0], own[-1]), in_reference_gap(reference, time)
         bridged = np.column_stack([np.interp(inside, own, column) for column in values.T])
         values = np.where(blind[:, None], bridged, CubicSpline(own, values)(inside))
-    return pd.DataFrame(values, columns=names, index=pd.Index(time, name=TIME))
+    even = clock.interval * np.arange(-MARGIN, clock.count + MARGIN)
+    return pd.DataFrame(values, columns=names, index=pd.Index(even, name=TIME))
+
+
+def _extended(time: np.ndarray, interval: float) -> np.ndarray:
+    """Return even times, shape (n,), with :data:`MARGIN` more at either end."""
+    more = interval * np.arange(1, MARGIN + 1)
+    return np.concatenate([time[0] - more[::-1], time, time[-1] + more])
+
+
+def outside(reference: pd.DataFrame, time: np.ndarray) -> np.ndarray:
+    """Return which stamps, shape (n,), are not :data:`MARGIN` samples within the time of the reference."""
+    margin = (MARGIN - STAMP_TOLERANCE) * np.nanmedian(np.diff(time))
+    return (time < reference.index[0] + margin) | (time > reference.index[-1] - margin)
 
 
 def in_reference_gap(reference: pd.DataFrame, time: np.ndarray) -> np.ndarray:
@@ -285,7 +304,7 @@ def in_reference_gap(reference: pd.DataFrame, time: np.ndarray) -> np.ndarray:
 
 
 def _at(everywhere: Conditions, axis: str) -> Conditions:
-    return Conditions(everywhere.time, everywhere.interval, everywhere.temperature, axis, everywhere.ideal)
+    return replace(everywhere, axis=axis)
 
 
 def _seen(values: np.ndarray, conditions: Conditions, catalogue: Sequence[type[Effect]]) -> list[Evidence]:
