@@ -26,7 +26,7 @@ class TimeOffset(SystematicEffect):
     offset: float = parameter("s", "delay of the input", low=-np.inf)
 
     def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
-        """Interpolate band-limited; the input is constant before the first and after the last time where it is known."""
+        """Interpolate band-limited; the input is constant before the first and after the last known time."""
         self.own_axis(conditions)
         between = conditions.once(_course)
         return between(np.clip(conditions.time - self.offset, *between.x[[0, -1]]))[:, 0] - conditions.error_free

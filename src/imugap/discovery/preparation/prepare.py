@@ -265,7 +265,7 @@ def _conditions(rows: pd.DataFrame, clock: Stamps, reference: pd.DataFrame | Non
 
 
 def _motion(reference: pd.DataFrame, clock: Stamps) -> pd.DataFrame:
-    """Return the reference at the samples and :data:`MARGIN` more at either end; index: time since the first sample [s].
+    """Return the reference at the samples and :data:`MARGIN` more at either end; index: time since the first one [s].
 
     It is unchanged where the stamps are equal, else interpolated by cubic splines. Samples are taken at even times,
     whatever a rounded or scattered stamp says.
