@@ -1,7 +1,13 @@
 """The command line: the library on logs of one's own (canonical CSV or Parquet)."""
 
 import argparse
+import os
+import re
+import signal
 import sys
+import traceback
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from importlib import import_module
 
 COMMANDS = {
@@ -15,23 +21,50 @@ COMMANDS = {
     "export": "error model as a filter or a simulator takes it",
 }
 """Name of each module of :mod:`imugap.commands`, and its line of help."""
+DEBUG = "IMUGAP_DEBUG"
+"""Environment variable that shows the traceback of an error, if it is set to anything."""
+LONGEST = 1000
+"""Largest number of characters of a message."""
+PACKAGE = __name__.partition(".")[0]
+FORM = re.compile(r"\bexpected\b.*\bfound\b", re.DOTALL)
+"""Form of a message about the input; a ValueError without it is one that nobody has foreseen."""
+
+
+class Interrupted(BaseException):
+    """A signal that asks the process to end."""
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Run one command; a fault in the input is one message and exit code 1."""
+    """Run one command; an error is one message on the standard error, and exit code 1.
+
+    A signal that ends the command gives exit code 128 plus its number, as in a shell.
+    """
     arguments = sys.argv[1:] if arguments is None else arguments
-    options = _parser(arguments[:1]).parse_args(arguments)
+    for stream in (sys.stdout, sys.stderr):
+        with suppress(AttributeError):  # a stream that cannot be configured
+            stream.reconfigure(errors="backslashreplace")  # a file name need not be text of the locale
     try:
-        options.run(options)
-    except (ValueError, OSError) as error:
-        print(f"imugap: {error}", file=sys.stderr)
-        return 1
+        with _interruptible():
+            options = _parser(arguments[:1]).parse_args(arguments)
+            options.run(options)
+            sys.stdout.flush()
+    except BrokenPipeError as error:
+        if error.filename is not None:
+            return _failed(error)
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # else the interpreter flushes it once more
+        return 128 + signal.SIGPIPE
+    except Interrupted as interrupt:
+        _say("interrupted")
+        return 128 + interrupt.args[0]
+    except Exception as error:
+        return _failed(error)
     return 0
 
 
 def _parser(chosen: list[str]) -> argparse.ArgumentParser:
     """Return the parser of all commands; only the chosen one is imported and has its arguments."""
-    parser = argparse.ArgumentParser(prog="imugap", description=__doc__)
+    closing = f"With the environment variable {DEBUG}=1 an error shows its traceback."
+    parser = argparse.ArgumentParser(prog=PACKAGE, description=__doc__, epilog=closing)
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
     for name, title in COMMANDS.items():
         command = commands.add_parser(name, help=title)
@@ -40,3 +73,65 @@ def _parser(chosen: list[str]) -> argparse.ArgumentParser:
             module.add_arguments(command)
             command.set_defaults(run=module.run)
     return parser
+
+
+@contextmanager
+def _interruptible() -> Iterator[None]:
+    """Raise :class:`Interrupted` within the block on a signal that asks the process to end.
+
+    The handlers from before are set again behind it. Outside of the main thread nothing is done.
+    """
+
+    def interrupt(number: int, _) -> None:
+        for one in former:
+            signal.signal(one, signal.SIG_IGN)  # the first is heard, and what it cleans up is not disturbed
+        raise Interrupted(number)
+
+    former = {}
+    try:
+        for one in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+            if signal.getsignal(one) != signal.SIG_IGN:  # as set by nohup
+                former[one] = signal.signal(one, interrupt)
+    except ValueError:  # not the main thread
+        former = {}
+    try:
+        yield
+    finally:
+        for one, handler in former.items():
+            signal.signal(one, handler)
+
+
+def _failed(error: Exception) -> int:
+    """Print the message of an error, and return the exit code."""
+    if DEBUG in os.environ:
+        traceback.print_exception(error)
+    _say(_message(error))
+    return 1
+
+
+def _message(error: Exception) -> str:
+    """Return what is said of an error: of the input, the system, the memory, or the package itself."""
+    match error:
+        case MemoryError():
+            return f"memory: expected enough for this input; found none left ({error})"
+        case OSError(filename=str() | bytes() as name, strerror=str() as reason):
+            return f"{os.fsdecode(name)}: expected a file or folder that can be used; found: {reason}"
+        case OSError():
+            return f"system: expected files and processes that can be used; found: {error}"
+        case ValueError() if FORM.search(str(error)):
+            return str(error)
+    last = traceback.extract_tb(error.__traceback__)[-1]
+    place = f"{os.path.basename(last.filename)}, line {last.lineno}"  # noqa: PTH119
+    return (
+        f"{place}: expected no such case; found {type(error).__name__}: {error} (an error of {PACKAGE} itself: please "
+        f"report it with the traceback, which {DEBUG}=1 shows)"
+    )
+
+
+def _say(message: str) -> None:
+    """Print a message as one line without control characters."""
+    line = " ".join(message.split())
+    line = line if len(line) <= LONGEST else f"{line[:LONGEST]} ..."
+    plain = "".join(one if one.isprintable() else ascii(one)[1:-1] for one in line)
+    with suppress(OSError):  # nobody listens
+        print(f"{PACKAGE}: {plain}", file=sys.stderr)

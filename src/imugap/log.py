@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from imugap.atomic import atomic
+from imugap.atomic import atomic, is_stream
 
 GYRO = ("gyro_x", "gyro_y", "gyro_z")
 ACCEL = ("accel_x", "accel_y", "accel_z")
@@ -18,6 +18,8 @@ TEMPERATURE = "temperature"
 TIME = "time"
 """Name of the index, and of the pseudo-axis of clock errors in an error model."""
 COLUMNS = (*AXES, TEMPERATURE)
+FORMATS = (".parquet", ".csv")
+"""Suffixes of the formats in which logs are written."""
 
 
 class LogError(ValueError):
@@ -125,12 +127,19 @@ def duration(log: pd.DataFrame) -> float:
 
 def write(log: pd.DataFrame, path: str | Path) -> None:
     """Write the log as Parquet or CSV, by the suffix of ``path``, completely or not at all."""
-    writers = {".parquet": log.to_parquet, ".csv": log.to_csv}
-    suffix = Path(path).suffix
-    if suffix not in writers:
-        raise LogError(path, "file name", f"one that ends in {' or '.join(writers)}", suffix or "no ending")
+    write_table = {".parquet": log.to_parquet, ".csv": log.to_csv}[require_format(path)]
     with atomic(path) as partial:
-        writers[suffix](partial)
+        write_table(partial)
+
+
+def require_format(path: str | Path) -> str:
+    """Return the suffix of the format in which a log is written: that of ``path``; CSV for a pipe or a device."""
+    suffix = Path(path).suffix
+    if suffix in FORMATS:
+        return suffix
+    if not suffix and is_stream(path):
+        return ".csv"
+    raise LogError(path, "file name", f"one that ends in {' or '.join(FORMATS)}", suffix or "no ending")
 
 
 def load(path: str | Path, columns: list[str] | None = None) -> pd.DataFrame:

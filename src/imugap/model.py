@@ -1,7 +1,7 @@
 """Error models of a device: an immutable sum of effects for each axis, for simulation, estimation and filters."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import MISSING, dataclass, fields, replace
 from difflib import get_close_matches
 from pathlib import Path
 from types import MappingProxyType
@@ -13,6 +13,12 @@ from imugap import log
 from imugap.effects import CATALOGUE, Bias, WhiteNoise
 from imugap.effects.conditions import Conditions
 from imugap.effects.effect import AxisModel, Effect, StochasticEffect
+from imugap.io import strict_yaml
+
+SMALLEST, LARGEST = 1e-30, 1e30
+"""Magnitudes of a parameter other than 0 [SI]: far beyond physics, and with powers that a float holds."""
+MOST_EFFECTS = 100
+"""Largest number of effects of an axis."""
 
 
 def white_noise(density: float) -> StochasticEffect:
@@ -71,6 +77,14 @@ class ErrorModel:
         """Return the models of the sensor axes, without that of the clock."""
         return {axis: model for axis, model in self.axes.items() if axis != log.TIME}
 
+    def require_axes(self, source: object) -> "ErrorModel":
+        """Return the model if it has all six axes; else a ValueError names its source and those that it lacks."""
+        missing = [axis for axis in log.AXES if axis not in self.axes]
+        if missing:
+            expected = f"a model of all of {', '.join(log.AXES)}"
+            raise ValueError(f"{source}: expected {expected}; found none of {', '.join(missing)}")
+        return self
+
     def simulate(
         self, ideal: pd.DataFrame, seed: int, *labels: object, at: Mapping[str, Conditions] | None = None
     ) -> pd.DataFrame:
@@ -101,9 +115,15 @@ class ErrorModel:
     def from_mapping(cls, mapping: Mapping, catalogue: Mapping[str, type[Effect]] = CATALOGUE) -> "ErrorModel":
         """Build from plain data; ValueError with the nearest name for an unknown axis, effect or parameter."""
         axes = {}
-        for axis, items in mapping.items():
+        for axis, items in _kind(mapping, Mapping, "model", "a mapping of axes").items():
             _known(axis, (*log.AXES, log.TIME), "axis")
-            named = [(name, values) for item in items for name, values in item.items()]
+            named = [
+                (name, values)
+                for item in _kind(items, list | tuple, axis, "a list of effects")
+                for name, values in _kind(item, Mapping, axis, "an effect, name: {parameter: value}").items()
+            ]
+            if len(named) > MOST_EFFECTS:
+                raise ValueError(f"{axis}: expected at most {MOST_EFFECTS} effects; found {len(named)}")
             axes[axis] = AxisModel(tuple(_effect(axis, name, values, catalogue) for name, values in named))
         return cls(axes)
 
@@ -113,32 +133,53 @@ class ErrorModel:
 
     @classmethod
     def read(cls, path: str | Path, catalogue: Mapping[str, type[Effect]] = CATALOGUE) -> "ErrorModel":
-        """Read from YAML; ``catalogue`` holds the kinds of effects by name."""
+        """Read from YAML; ``catalogue`` holds the kinds of effects by name.
+
+        A model without an axis, or anything else that is none, is a ValueError with the path.
+        """
+        mapping = strict_yaml.read(path)
         try:
-            return cls.from_mapping(yaml.safe_load(Path(path).read_text()), catalogue)
-        except (AttributeError, TypeError, ValueError, yaml.YAMLError) as error:
-            raise ValueError(f"{path}: {' '.join(str(error).split())}") from error
+            model = cls.from_mapping(mapping or {}, catalogue)
+        except ValueError as error:
+            raise ValueError(f"{path}: {error}") from error
+        if not model.axes:
+            raise ValueError(f"{path}: expected a model of at least one axis; found none")
+        return model
 
 
 def _effect(axis: str, name: str, values: Mapping | None, catalogue: Mapping[str, type[Effect]]) -> Effect:
     _known(name, catalogue, f"{axis}: effect")
-    for key in values or {}:
+    given = {} if values is None else _kind(values, Mapping, f"{axis}: {name}", "a mapping of parameters")
+    for key in given:
         _known(key, catalogue[name].units(""), f"{axis}: parameter of {name}")
+    missing = [one.name for one in fields(catalogue[name]) if one.name not in given and one.default is MISSING]
+    if missing:
+        raise ValueError(f"{axis}: {name}: expected the parameter {', '.join(missing)}; found none")
     try:
-        return catalogue[name](**{key: _number(value) for key, value in (values or {}).items()})
-    except (TypeError, ValueError) as error:
+        effect = catalogue[name](**{key: _number(value) for key, value in given.items()})
+    except ValueError as error:
         raise ValueError(f"{axis}: {name}: {error}") from error
+    for key, value in effect.parameters().items():
+        if value and not SMALLEST <= abs(value) <= LARGEST:
+            expected = f"0 or a magnitude in [{SMALLEST:g}, {LARGEST:g}]"
+            raise ValueError(f"{axis}: {name}: {name}.{key}: expected {expected}; found {value:g}")
+    return effect
 
 
-def _number(value):
-    """Convert a number that YAML reads as text, because it has an exponent without a point (1e-4)."""
-    try:
-        return float(value)
-    except (TypeError, ValueError):
-        return value
+def _kind(value: object, kind: type, place: str, expected: str):
+    """Return a value of a kind; raise a ValueError for another."""
+    if not isinstance(value, kind):
+        raise ValueError(f"{place}: expected {expected}; found {strict_yaml.excerpt(value)}")
+    return value
+
+
+def _number(value: object) -> object:
+    """Convert a decimal number that is given as text, as other readers take ``1e-4``; return anything else as it is."""
+    number = strict_yaml.number_in(value) if isinstance(value, str) else value
+    return value if number is None else float(number) if type(number) is int else number
 
 
 def _known(name: str, known, subject: str) -> None:
     if name not in known:
         near = get_close_matches(str(name).lower(), list(known), 1) or [", ".join(known)]
-        raise ValueError(f"{subject}: expected {near[0]}; found {name!r}")
+        raise ValueError(f"{subject}: expected {near[0]}; found {strict_yaml.excerpt(name)}")

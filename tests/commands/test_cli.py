@@ -130,17 +130,18 @@ FAULTS = {
     "indices foreign.csv": "did you mean gyro_x",
     "indices none.csv": "none.csv: file: .*no such file",
     "indices constant.csv": "found a constant sequence",
-    "simulate none.yaml --duration 1 --rate 9": "No such file.*none.yaml",
+    "simulate none.yaml --duration 1 --rate 9": "none.yaml: expected a file .*; found: No such file",
     "simulate no.yaml --duration 1 --rate 9": "",
     "simulate bad.yaml --duration 1 --rate 9": "bad.yaml: gyro_x: effect: expected white_noise; found 'white_nois'",
     "simulate clock.yaml --duration 1 --rate 9": "clock.yaml: expected a model of at least one sensor axis; found none",
     "simulate model.yaml --duration 0.1 --rate 9": "at least 2 samples",
     "simulate model.yaml --duration 1e15 --rate 1e3": r"simulate: expected a duration and rate of at most \S+ "
     r"samples; found 1e\+18",
-    "simulate model.yaml --duration 1e200 --rate 1e200": r"simulate: expected a duration and rate of at most \S+ "
-    r"samples; found inf",
+    "simulate model.yaml --duration 1e200 --rate 1e6": r"simulate: expected a duration and rate of at most \S+ "
+    r"samples; found 1e\+206",
     "export model.yaml --to kaliber --rate 100": "target: expected kalibr; found 'kaliber'",
-    "export model.yaml --to kalibr --rate 100": "model: expected all of .*; found none of gyro_y, accel_x, accel_y",
+    "export model.yaml --to kalibr --rate 100": "model: expected a model of all of .*; "
+    "found none of gyro_y, accel_x, accel_y",
     "estimate still.csv --terms white_noise": "accel_y: likelihood: expected finite samples that vary; found constant",
     "estimate holed.csv": "holed.csv: line 3, column gyro_x: expected a finite number; found nan",
     "estimate brief.csv": "gyro_x: choice: expected at least 256 samples; found 100",
@@ -241,7 +242,7 @@ def test_estimates_are_written_all_or_none(here, judge, capsys, monkeypatch):
 
     monkeypatch.setattr(pd.DataFrame, "to_csv", broken)
     assert estimate("--terms", "white_noise", "--model", "found.yaml", "--table", "out.csv") == 1
-    assert capsys.readouterr().err == "imugap: disk full\n"
+    assert capsys.readouterr().err == "imugap: out.csv: expected a file or folder that can be used; found: disk full\n"
     assert names(here) == before
 
 
@@ -278,6 +279,6 @@ def test_an_interrupted_write_leaves_the_old_file_and_no_other(here, capsys, mon
     monkeypatch.setattr(pd.DataFrame, "to_csv", lambda _, path: broken(path))
     monkeypatch.setattr(pd.DataFrame, "to_parquet", lambda _, path: broken(path))
     assert simulate(name) == 1
-    assert capsys.readouterr().err == "imugap: disk full\n"
+    assert capsys.readouterr().err == f"imugap: {name}: expected a file or folder that can be used; found: disk full\n"
     assert Path(name).read_text() == "old"
     assert names(here) == {name}

@@ -131,9 +131,10 @@ FAULTS = {
     "imu.csv none.csv": "none.csv: file: expected a log of fixes",
     "none.csv gnss.csv": "none.csv: file: expected a log",
     "imu.csv imu.csv": "imu.csv: line 1: expected columns among time, latitude",
-    "imu.csv gnss.csv --config misspelt.yaml": r"quality\.robustt: no such key; did you mean 'robust'\?",
-    "imu.csv gnss.csv --config wrong.yaml": "epoch_s: -1 is less than or equal to",
-    "imu.csv gnss.csv --config list.yaml": "list.yaml: expected keys and values; found list",
+    "imu.csv gnss.csv --config misspelt.yaml": r"quality: expected a key of the schema "
+    r"\(did you mean 'robust'\?\); found 'robustt'",
+    "imu.csv gnss.csv --config wrong.yaml": "epoch_s: expected a number > 0; found -1",
+    "imu.csv gnss.csv --config list.yaml": "list.yaml: expected keys and values; found a list of 1",
     "imu.csv gnss.csv --config broken.yaml": "broken.yaml",
     "imu.csv gnss.csv --config none.yaml": "none.yaml",
 }

@@ -164,7 +164,7 @@ def test_a_log_that_cannot_be_read_is_told_in_the_log_of_the_job(copied, tmp_pat
         (["log=README.md", "model=no/such.yaml"], "model: expected a file; found none at no/such.yaml"),
         (["log=README.md", "test=[LICENSE,no/such.csv]"], "test: expected a file; found none at no/such.csv"),
         (["reference=README.md"], "log: expected the log that reference belongs to; found none"),
-        (["log=README.md", "discovery={alpha: 2}"], "discovery.alpha: 2 is greater than or equal to the maximum of 1"),
+        (["log=README.md", "discovery={alpha: 2}"], "discovery.alpha: expected a number < 1; found 2"),
     ],
 )
 def test_a_missing_file_is_told_by_its_option(options, message):

@@ -2,14 +2,12 @@
 
 from pathlib import Path
 
-import yaml
-
 from imugap.benchmark.sealing import plan, seal, write
-from imugap.io.configuration import configure
+from imugap.io import configuration
 from imugap.workflow.job_log import job
 
 with job(snakemake) as (source, params, output):
-    recipe = configure(yaml.safe_load(Path(source.recipe).read_text()), source.schema)
+    recipe = configuration.read(source.recipe, source.schema)
     for case in plan(params.seed, params.cases, recipe["shares"], recipe):
         write(seal(case, recipe), Path(output.cases[0]).parent, Path(output.key[0]).parent)
     print(f"{params.cases} cases")

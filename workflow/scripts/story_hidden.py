@@ -2,10 +2,8 @@
 
 from pathlib import Path
 
-import yaml
-
 from imugap.benchmark.sealing import BlindCase, CaseKind, PlannedEffect, seal, write
-from imugap.io.configuration import configure
+from imugap.io import configuration
 from imugap.workflow.job_log import job
 
 with job(snakemake) as (source, params, output):
@@ -15,5 +13,5 @@ with job(snakemake) as (source, params, output):
         effects=tuple(PlannedEffect(name, size) for name, size in params.effects.items()), same_axis=False,
         base="white", motion="rest", rate_hz=params.rate_hz, duration_s=params.duration_s, runs=1, temperature=True,
     )  # fmt: skip
-    recipe = configure(yaml.safe_load(Path(source.recipe).read_text()), source.schema)
+    recipe = configuration.read(source.recipe, source.schema)
     write(seal(case, recipe), folder.parent, Path(output.key).parent)

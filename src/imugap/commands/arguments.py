@@ -5,6 +5,11 @@ from math import inf
 
 from imugap.units import STANDARD_GRAVITY
 
+SLOWEST_HZ, FASTEST_HZ = 1e-6, 1e6
+"""Range of sampling rates, wider than that of any inertial sensor [Hz]."""
+MOST = 1000
+"""Largest number of processes."""
+
 
 def positive(text: str) -> float:
     """Convert to a finite number above zero."""
@@ -14,6 +19,14 @@ def positive(text: str) -> float:
         value = 0.0
     if not 0 < value < inf:
         raise argparse.ArgumentTypeError(f"expected a finite number > 0; found {text}")
+    return value
+
+
+def rate(text: str) -> float:
+    """Convert to a sampling rate [Hz] that an inertial sensor may have."""
+    value = positive(text)
+    if not SLOWEST_HZ <= value <= FASTEST_HZ:
+        raise argparse.ArgumentTypeError(f"expected a rate of {SLOWEST_HZ:g} to {FASTEST_HZ:g} Hz; found {text}")
     return value
 
 
@@ -27,9 +40,21 @@ def probability(text: str) -> float:
 
 def count(text: str) -> int:
     """Convert to a whole number above zero."""
-    if not text.isdecimal() or int(text) == 0:
-        raise argparse.ArgumentTypeError(f"expected a whole number > 0; found {text}")
+    if not 0 < whole(text) <= MOST:
+        raise argparse.ArgumentTypeError(f"expected a whole number > 0, at most {MOST}; found {text}")
     return int(text)
+
+
+def whole(text: str) -> int:
+    """Convert to a whole number that is not negative."""
+    if not (text.isascii() and text.isdigit() and len(text) < 20):
+        raise argparse.ArgumentTypeError(f"expected a whole number >= 0 of at most 19 digits; found {text}")
+    return int(text)
+
+
+def add_seed(parser: argparse.ArgumentParser) -> None:
+    """Add ``--seed``: the seed of all random streams."""
+    parser.add_argument("--seed", type=whole, default=0, help="seed of all random numbers (default %(default)s)")
 
 
 def add_gravity(parser: argparse.ArgumentParser) -> None:
@@ -41,4 +66,8 @@ def add_gravity(parser: argparse.ArgumentParser) -> None:
 
 def add_effects(parser: argparse.ArgumentParser) -> None:
     """Add ``--effects``: a module of further effects."""
-    parser.add_argument("--effects", help="module whose effects join the catalogue")
+    parser.add_argument(
+        "--effects",
+        metavar="MODULE",
+        help="module of yours whose effects join the catalogue; its code is imported and runs",
+    )

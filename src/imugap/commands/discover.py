@@ -1,19 +1,17 @@
 """The folder that discovery leaves: report, model, tables, page and figures."""
 
 import argparse
-import json
 from pathlib import Path
 
 import pandas as pd
 from tqdm import tqdm
 
-from imugap.atomic import write_together
-from imugap.commands.arguments import add_effects, add_gravity, count, probability
+from imugap.commands.arguments import add_effects, add_gravity, add_seed, count, probability
+from imugap.commands.outputs import require_folder, write_folder
 from imugap.discovery.device import Settings
 from imugap.discovery.inputs import FileDiscovery, Files, discover_files
 from imugap.discovery.report import candidate_table, describe_range, discrepancy_table, verdict
 from imugap.discovery.steps import Progress
-from imugap.workflow.products import write_svg
 
 FILES = (
     "report.json", "model.yaml", "gaps.csv", "candidates.csv", "report.md",
@@ -45,7 +43,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="probability of any name where nothing is missing (default 0.01)",
     )  # fmt: skip
     add_gravity(parser)
-    parser.add_argument("--seed", type=int, default=0)
+    add_seed(parser)
     parser.add_argument("--workers", type=count, default=2, help="processes (default %(default)s)")
     parser.add_argument("--out", required=True, help="folder for report, model, tables and figures")
 
@@ -69,9 +67,7 @@ def compose(
     files: Files, settings: Settings, out: str | Path, progress: Progress = lambda step, done, steps: None
 ) -> FileDiscovery:
     """Discover on files and write all :data:`FILES` into the folder ``out``, or none if anything fails."""
-    out = Path(out)
-    if out.exists() and not out.is_dir():
-        raise ValueError(f"{out}: expected a folder; found a file")
+    out = require_folder(out, FILES, (*files.logs, *files.tests, files.reference, files.model))
     result = discover_files(files, settings, progress)
     write(result, out)
     return result
@@ -82,19 +78,11 @@ def write(result: FileDiscovery, out: str | Path) -> None:
     from imugap.figures import discovery  # figures take longer to import than to read and check the files
 
     found = result.found
-    text = json.dumps(result.report(), indent=1, allow_nan=False) + "\n"
     discrepancies, candidates = discrepancy_table(found.discrepancies, found.unexplained), candidate_table(found)
     views = discovery.places(found, result.alpha), discovery.surest(found, result.alpha)
     drawn = (*views, discovery.distance(found), discovery.drift(found))
-    writers = (
-        lambda path: path.write_text(text),
-        found.final.write,
-        lambda path: discrepancies.to_csv(path, index=False),
-        lambda path: candidates.to_csv(path, index=False),
-        lambda path: path.write_text(page(result)),
-        *(lambda path, figure=figure: write_svg(figure, path) for figure in drawn),
-    )
-    write_together({Path(out) / name: writer for name, writer in zip(FILES, writers, strict=True)})
+    contents = (result.report(), found.final, discrepancies, candidates, page(result), *drawn)
+    write_folder(out, dict(zip(FILES, contents, strict=True)))
 
 
 def page(result: FileDiscovery) -> str:

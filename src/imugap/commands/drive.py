@@ -13,10 +13,9 @@ from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
-import yaml
 
 from imugap.commands.arguments import add_effects
-from imugap.commands.folder import require_folder, write_folder
+from imugap.commands.outputs import require_folder, write_folder
 from imugap.filters.consistency import nees_band
 from imugap.filters.innovation_gate import (
     CLOSED,
@@ -31,8 +30,7 @@ from imugap.filters.innovation_gate import (
 )
 from imugap.integrity.timestamps import filled
 from imugap.interchange.plugins import catalogue
-from imugap.io import gnss, readers, recording
-from imugap.io.configuration import ConfigurationError, configure
+from imugap.io import configuration, gnss, readers, recording
 from imugap.log import ACCEL, AXES, GYRO, LogError, axes
 from imugap.model import ErrorModel
 from imugap.navigation import vehicle, vehicle_alignment
@@ -76,16 +74,11 @@ class DriveSettings:
     @classmethod
     def read(cls, path: str | Path | None, effects: str | None = None) -> "DriveSettings":
         """Read a configuration (YAML, described by ``drive.schema.yaml``); None gives the defaults."""
-        try:
-            given = {} if path is None else yaml.safe_load(Path(path).read_text()) or {}
-            if not isinstance(given, dict):
-                raise ConfigurationError(f"expected keys and values; found {type(given).__name__}")
-            values = configure(given, SCHEMA)
-        except (ConfigurationError, yaml.YAMLError) as error:
-            raise ConfigurationError(f"{path}: {' '.join(str(error).split())}") from error
+        values = configuration.configure({}, SCHEMA) if path is None else configuration.read(path, SCHEMA)
         if values["model"] is None:
             return cls.of(values, DEFAULT_MODEL)
-        return cls.of(values, ErrorModel.read(Path(path).parent / values["model"], catalogue(effects)))
+        model = Path(path).parent / values["model"]
+        return cls.of(values, ErrorModel.read(model, catalogue(effects)).require_axes(model))
 
     @classmethod
     def of(cls, values: dict, model: ErrorModel) -> "DriveSettings":
@@ -201,7 +194,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Navigate the drive, write the folder ``--out``, and print the summary."""
-    folder, recorded = require_folder(options.out), read(options)
+    folder = require_folder(options.out, FILES, (options.log, options.fixes, options.config))
+    recorded = read(options)
     try:
         files = report(navigate_drive(recorded))
     except ValueError as error:

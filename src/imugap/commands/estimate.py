@@ -20,6 +20,7 @@ import pandas as pd
 from imugap import log
 from imugap.atomic import write_together
 from imugap.commands.arguments import positive
+from imugap.commands.outputs import require_files
 from imugap.estimation import report
 from imugap.estimation.model_selection import TERMS
 from imugap.estimation.report import AxisEstimate, EstimatorSettings, Method
@@ -58,6 +59,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     """Estimate each axis of the log, write the files, and print the estimates."""
     settings = _settings(options)
+    require_files({f"--{name}": getattr(options, name) for name in ("out", "table", "model", "figure")}, [options.log])
     table = _read(options.log)
     interval = log.interval(table)
     estimates = [

@@ -3,7 +3,8 @@
 import argparse
 
 from imugap.atomic import atomic
-from imugap.commands.arguments import positive
+from imugap.commands.arguments import positive, rate
+from imugap.commands.outputs import require_files
 from imugap.interchange.conventions import HOUR, Rule, Triad
 from imugap.interchange.export import Target, export
 from imugap.model import ErrorModel
@@ -13,7 +14,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     parser.add_argument("model", help="error model (YAML)")
     parser.add_argument("--to", required=True, help=", ".join(Target))
-    parser.add_argument("--rate", type=positive, required=True, help="sampling rate [Hz]")
+    parser.add_argument("--rate", type=rate, required=True, help="sampling rate [Hz]")
     parser.add_argument(
         "--horizon", type=positive, default=10.0,
         help="averaging time at which the Allan variance of the slow part is kept [s] (default %(default)s)",
@@ -30,6 +31,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Export the model to ``--out``."""
+    require_files({"--out": options.out}, [options.model])
     rule = Rule(options.rate, options.horizon, options.correlation_time, Triad(options.triad))
     text = export(ErrorModel.read(options.model), Target.of(options.to), rule)
     with atomic(options.out) as partial:

@@ -11,6 +11,7 @@ import pandas as pd
 from imugap import log
 from imugap.atomic import atomic
 from imugap.commands.arguments import add_gravity, positive
+from imugap.commands.outputs import require_files
 from imugap.estimation.indices import INDICES, of_run, over_runs, shortest
 from imugap.io import recording
 from imugap.units import from_si
@@ -26,6 +27,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Compute the indices over the logs, print them, and write them to ``--out``."""
+    require_files({"--out": options.out}, options.log)
     ideal = pd.Series(0.0, index=list(log.AXES))
     ideal["accel_z"] = -options.gravity
     tables = [recording.read(path).log for path in options.log]
@@ -34,10 +36,10 @@ def run(options: argparse.Namespace) -> None:
         for number, table in enumerate(tables, start=1)
     }
     found = over_runs(pd.concat(runs, names=["run"]).reset_index("run").reset_index(drop=True))
-    print(_shown(found).to_string(index=False))
     if options.out:
         with atomic(options.out) as partial:
             found.to_csv(partial, index=False)
+    print(_shown(found).to_string(index=False))
 
 
 def _computable(table: pd.DataFrame, period: float) -> tuple[str, ...]:

@@ -10,7 +10,8 @@ import numpy as np
 import pandas as pd
 
 from imugap import log
-from imugap.commands.arguments import add_effects, add_gravity, positive
+from imugap.commands.arguments import add_effects, add_gravity, add_seed, positive, rate
+from imugap.commands.outputs import require_files
 from imugap.interchange.plugins import catalogue
 from imugap.model import ErrorModel
 
@@ -20,14 +21,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("model", help="error model (YAML)")
     add_effects(parser)
     parser.add_argument("--duration", type=positive, required=True, help="length [s]")
-    parser.add_argument("--rate", type=positive, required=True, help="sampling rate [Hz]")
+    parser.add_argument("--rate", type=rate, required=True, help="sampling rate [Hz]")
     add_gravity(parser)
-    parser.add_argument("--seed", type=int, default=0)
+    add_seed(parser)
     parser.add_argument("--out", required=True, help="Parquet or CSV file")
 
 
 def run(options: argparse.Namespace) -> None:
     """Simulate a device at rest and write its log to ``--out``."""
+    require_files({"--out": options.out}, [options.model])
+    log.require_format(options.out)
     model = _read(options.model, options.effects)
     ideal = _at_rest(model, options.duration, options.rate, options.gravity)
     log.write(model.simulate(ideal, options.seed, "simulate"), options.out)

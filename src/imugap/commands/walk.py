@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 
 from imugap.commands.arguments import add_effects, add_gravity, positive
-from imugap.commands.folder import require_folder, write_folder
+from imugap.commands.outputs import require_folder, write_folder
 from imugap.filters.zero_velocity import MOVING
 from imugap.integrity.timestamps import filled
 from imugap.interchange.plugins import catalogue
@@ -116,7 +116,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Navigate the walk, write the folder ``--out``, and print the summary."""
-    folder, inputs = require_folder(options.out), read(options)
+    folder = require_folder(options.out, FILES, (options.log, options.model))
+    inputs = read(options)
     try:
         files = report(navigate_walk(inputs))
     except ValueError as error:
@@ -138,7 +139,9 @@ def read(options: argparse.Namespace) -> WalkInputs:
     log = recording.read(options.log).repaired
     if axes(log) != AXES:
         raise LogError(options.log, "columns", f"all of {', '.join(AXES)}", ", ".join(log.columns))
-    model = DEFAULT_MODEL if options.model is None else ErrorModel.read(options.model, catalogue(options.effects))
+    model = DEFAULT_MODEL
+    if options.model is not None:
+        model = ErrorModel.read(options.model, catalogue(options.effects)).require_axes(options.model)
     ground = WalkAssumptions() if options.outdoors else INDOORS
     full_scale = to_si(options.full_scale, "g")
     return WalkInputs(log, model, replace(ground, gravity=options.gravity, full_scale=full_scale))

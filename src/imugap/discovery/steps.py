@@ -1,12 +1,24 @@
 """Steps of discovery: their count, and tasks of several axes in several processes."""
 
+import ctypes
+import multiprocessing
+import os
+import signal
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
+from threading import Thread
+from time import sleep
 
 Progress = Callable[[str, int, int], None]
 """Called with the name of a step as it begins, how many steps are done, and how many there are."""
+
+
+PR_SET_PDEATHSIG = 1
+"""Argument of prctl(2): the signal that a process gets when its parent ends."""
+WATCH_S = 0.5
+"""Time between two looks at the parent of a worker process [s]."""
 
 
 @dataclass
@@ -25,12 +37,39 @@ class StepCounter:
 
 @contextmanager
 def each_in_processes(workers: int) -> Iterator[Callable]:
-    """Yield a ``map`` that runs in some processes; the built-in one for a single process."""
+    """Yield a ``map`` that runs in some processes; the built-in one for a single process.
+
+    The processes end with the block, at once if it fails, and with their parent, however that ends.
+    """
     if workers == 1:
         yield map
         return
-    with ProcessPoolExecutor(workers) as pool:
-        yield pool.map
+    others = set(multiprocessing.active_children())
+    with ProcessPoolExecutor(workers, initializer=_depend_on, initargs=(os.getpid(),)) as pool:
+        try:
+            yield pool.map
+        except BaseException:  # else the pool waits for what its processes are at
+            pool.shutdown(wait=False, cancel_futures=True)
+            for process in set(multiprocessing.active_children()) - others:
+                process.terminate()
+            raise
+
+
+def _depend_on(parent: int) -> None:
+    """Have a worker process leave signals of the terminal to its parent, and end when the parent does."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    with suppress(AttributeError):  # Linux alone has it; at once, also within a long call of compiled code
+        ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
+    Thread(target=_end_with, args=(parent,), daemon=True).start()
+
+
+def _end_with(parent: int) -> None:
+    """End this process once ``parent`` is no more its parent."""
+    while os.getppid() == parent:
+        sleep(WATCH_S)
+    os._exit(1)
 
 
 def of_each_axis(

@@ -22,6 +22,8 @@ from imugap.stream import stream
 
 TINY = float(np.finfo(float).tiny)
 """Lower limit of parameters that have to be positive."""
+EXCERPT = 40
+"""Largest number of characters of a value in a message."""
 
 
 class Stage(IntEnum):
@@ -181,11 +183,13 @@ class Effect:
         for item in fields(self):
             value, low, high = getattr(self, item.name), item.metadata["low"], item.metadata["high"]
             whole = item.metadata["whole"]
-            inside = isinstance(value, Real) and isfinite(value) and low <= value <= high
+            number = isinstance(value, Real) and not isinstance(value, bool)
+            inside = number and isfinite(value) and low <= value <= high
             if not inside or (whole and value != int(value)):
                 span = "> 0" if low == TINY else f"in [{low:g}, {high:g}]"
                 kind = "whole" if whole else "finite"
-                raise ValueError(f"{self.name}.{item.name}: expected a {kind} number {span}; found {value!r}")
+                found = f"{value!r:.{EXCERPT}}"
+                raise ValueError(f"{self.name}.{item.name}: expected a {kind} number {span}; found {found}")
 
     @property
     def centre(self) -> float | None:

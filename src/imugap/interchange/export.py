@@ -65,10 +65,7 @@ def export(model: ErrorModel, target: Target, rule: Rule) -> str:
     """
     if target is Target.IMUGAP:
         return _own(model, rule)
-    missing = [axis for axis in log.AXES if axis not in model.axes]
-    if missing:
-        raise ValueError(f"model: expected all of {', '.join(log.AXES)}; found none of {', '.join(missing)}")
-    return WRITERS[target](model, rule)
+    return WRITERS[target](model.require_axes("model"), rule)
 
 
 def _kalibr(model: ErrorModel, rule: Rule) -> str:

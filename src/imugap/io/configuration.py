@@ -1,7 +1,7 @@
 """Validation of configurations against closed schemas: defaults are filled in, errors suggest the nearest key."""
 
-import re
-from collections.abc import Iterator
+import math
+from collections.abc import Iterator, Mapping
 from copy import deepcopy
 from difflib import get_close_matches
 from functools import lru_cache
@@ -9,36 +9,63 @@ from pathlib import Path
 
 import yaml
 
+from imugap.io import strict_yaml
 from imugap.io.json_schema import Draft202012Validator, ValidationError, validators
+from imugap.io.strict_yaml import excerpt
 
-SCALAR = re.compile(r"true|false|null|[-+]?[0-9]+([.][0-9]*)?", re.IGNORECASE)
-"""Text that YAML does not read as text."""
+KINDS = {
+    "object": "a mapping", "array": "a list", "string": "text", "number": "a number", "integer": "a whole number",
+    "boolean": "true or false", "null": "null",
+}  # fmt: skip
+"""Types of JSON Schema in words."""
+LIMITS = {
+    "minimum": "a number >= {}", "maximum": "a number <= {}", "exclusiveMinimum": "a number > {}",
+    "exclusiveMaximum": "a number < {}", "minItems": "at least {} values", "maxItems": "at most {} values",
+    "pattern": "text of the form {}", "const": "{}", "minLength": "at least {} characters",
+    "minProperties": "at least {} keys", "maxProperties": "at most {} keys", "multipleOf": "a multiple of {}",
+}  # fmt: skip
+"""Keywords of JSON Schema in words."""
+WORDS = {"true": True, "false": False, "null": None}
 
 
 class ConfigurationError(ValueError):
     """A configuration that does not fit its schema; the message has one line per fault."""
 
 
-def configure(values: dict, schema: str | Path) -> dict:
+def read(path: str | Path, schema: str | Path) -> dict:
+    """Read a configuration (YAML) and complete it (:func:`configure`); faults name the file. An empty file is valid."""
+    values = strict_yaml.read(path)
+    if not isinstance(values, dict | None):
+        raise ConfigurationError(f"{path}: expected keys and values; found {excerpt(values)}")
+    try:
+        return configure(values or {}, schema, from_text=False)
+    except ConfigurationError as error:
+        raise ConfigurationError(f"{path}: {error}") from error
+
+
+def configure(values: dict, schema: str | Path, from_text: bool = True) -> dict:
     """Return ``values`` completed with the defaults of ``schema`` (a YAML file); faults are a ConfigurationError.
 
     Numbers inside nested values of the command line come as text (``--config 'navigation={trials: 20}'``); they are
-    converted.
+    converted unless ``from_text`` is false.
     """
-    completed = _numbers(values)
+    completed = _converted(values) if from_text else deepcopy(values)
     faults = [_explain(error) for error in _validator(Path(schema).read_text()).iter_errors(completed)]
     if faults:
-        raise ConfigurationError("\n".join(["the configuration does not fit:", *faults]))
+        raise ConfigurationError("\n".join(["the configuration does not fit:", *dict.fromkeys(faults)]))
     return completed
 
 
-def _numbers(value):
-    """Return a copy of nested values in which text that is a number, true, false or null is that."""
-    if isinstance(value, dict):
-        return {key: _numbers(item) for key, item in value.items()}
+def _converted(value):
+    """Return a copy of nested values in which text that is a decimal number, true, false or null is that."""
+    if isinstance(value, Mapping):
+        return {key: _converted(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
-        return [_numbers(item) for item in value]
-    return yaml.safe_load(value) if isinstance(value, str) and SCALAR.fullmatch(value) else value
+        return [_converted(item) for item in value]
+    if not isinstance(value, str) or value.lower() in WORDS:
+        return WORDS[value.lower()] if isinstance(value, str) else value
+    number = strict_yaml.number_in(value)
+    return value if number is None or not math.isfinite(number) else number
 
 
 def _with_defaults(validator, properties: dict, instance, schema: dict) -> Iterator[ValidationError]:
@@ -59,16 +86,34 @@ def _validator(schema: str) -> Draft202012Validator:
 
 
 def _explain(error: ValidationError) -> str:
-    place = ".".join(map(str, error.absolute_path))
-    if error.validator != "additionalProperties":
-        return f"  {place}: {error.message}"
-    known = list(error.schema.get("properties", {}))
-    return "\n".join(
-        _unknown(".".join(filter(None, [place, str(key)])), key, known) for key in error.instance if key not in known
-    )
+    """Return place, expected and found of each fault, one a line."""
+    place, value, rule = ".".join(map(str, error.absolute_path)), error.instance, error.validator_value
+    match error.validator:
+        case "additionalProperties" | "unevaluatedProperties":
+            known = list(error.schema.get("properties", {}))
+            return "\n".join(_unknown(place, key, known) for key in value if key not in known)
+        case "required":
+            missing = ", ".join(name for name in rule if name not in value)
+            return _fault(place, missing, "none")
+        case "type":
+            kinds = [rule] if isinstance(rule, str) else rule
+            expected = " or ".join(KINDS[kind] for kind in kinds)
+        case "enum":
+            expected = f"one of {', '.join(map(excerpt, rule))}"
+        case "uniqueItems":
+            return _fault(place, "different values", "one of them twice")
+        case name if name in LIMITS:
+            expected = LIMITS[name].format(rule)
+        case _:
+            expected = str(error.schema.get("description", error.validator))
+    return _fault(place, expected, excerpt(value))
 
 
-def _unknown(path: str, key: str, known: list[str]) -> str:
+def _unknown(place: str, key: str, known: list[str]) -> str:
     near = get_close_matches(str(key).lower(), known, 1)
-    hint = f"did you mean {near[0]!r}?" if near else f"known keys: {', '.join(known)}"
-    return f"  {path}: no such key; {hint}"
+    expected = f"a key of the schema (did you mean {near[0]!r}?)" if near else f"a key among {', '.join(known)}"
+    return _fault(place, expected, excerpt(key))
+
+
+def _fault(place: str, expected: str, found: str) -> str:
+    return f"  {place or 'top level'}: expected {expected}; found {found}"

@@ -200,7 +200,8 @@ def _csv_table(path: Path, known: tuple[str, ...] = KNOWN) -> pd.DataFrame:
     options = pa.csv.ConvertOptions(column_types=dict.fromkeys(names, pa.float64()))
     reading = pa.csv.ReadOptions(column_names=names, skip_rows=1)
     try:
-        table = pa.csv.read_csv(path, read_options=reading, convert_options=options)
+        with path.open("rb") as file:  # the library opens no name that is not UTF-8
+            table = pa.csv.read_csv(file, read_options=reading, convert_options=options)
     except pa.ArrowInvalid as error:
         raise _diagnosis(path, names, str(error)) from error
     return table.to_pandas()

@@ -1,0 +1,101 @@
+"""Outputs of a command: checked before the work, written completely or not at all."""
+
+import json
+import os
+from collections.abc import Iterable, Mapping
+from functools import partial
+from pathlib import Path
+
+from imugap import atomic
+from imugap.workflow.products import write_svg
+
+
+def require_files(outputs: Mapping[str, str | None], inputs: Iterable[str | Path | None]) -> None:
+    """Raise a ValueError unless every output file can be written and is neither an input nor another output.
+
+    Parameters
+    ----------
+    outputs
+        Path of each option, or None where it is not given.
+    inputs
+        Paths that the command reads; None where one is not given.
+    """
+    taken: dict[str, str] = {}
+    for option, path in outputs.items():
+        if path is None:
+            continue
+        _require_no_input(path, Path(path), inputs)
+        if Path(path).is_dir():
+            raise ValueError(f"{path}: {option}: expected a file; found a folder")
+        if atomic.is_stream(path):
+            continue
+        _require_writable(path, option)
+        place = os.path.realpath(path)
+        if place in taken:
+            raise ValueError(f"{path}: {option}: expected a file of its own; found that of {taken[place]}")
+        taken[place] = option
+
+
+def require_folder(path: str | Path, names: Iterable[str], inputs: Iterable[str | Path | None]) -> Path:
+    """Return the path of a folder that can be written as a whole; raise a ValueError otherwise.
+
+    Parameters
+    ----------
+    names
+        Names of the files that are written into it; an input among them is refused.
+    inputs
+        Paths that the command reads; None where one is not given.
+    """
+    path = Path(path)
+    if path.exists() and not path.is_dir():
+        raise ValueError(f"{path}: expected a folder; found a file")
+    place = Path(os.path.realpath(path))
+    if place == Path.cwd() or place in Path.cwd().parents or place.is_mount():
+        raise ValueError(
+            f"{path}: expected a folder that can be replaced as a whole; found the working folder, one above it or a "
+            "mount point (name a folder within it)"
+        )
+    for name in names:
+        _require_no_input(path, place / name, inputs)
+    _require_writable(path, "folder")
+    return path
+
+
+def write_folder(folder: str | Path, files: Mapping[str, object]) -> None:
+    """Write files into a folder, in one step.
+
+    Parameters
+    ----------
+    files
+        Name to content; the suffix of the name selects the format: ``.parquet`` and ``.csv`` for a DataFrame, ``.json``
+        for plain data, ``.svg`` for a figure, ``.md`` for a text, ``.yaml`` for an error model.
+    """
+    writers = {
+        ".parquet": lambda table, path: table.to_parquet(path),
+        ".csv": lambda table, path: table.to_csv(path, index=False),
+        ".json": lambda data, path: path.write_text(json.dumps(data, indent=1, allow_nan=False) + "\n"),
+        ".svg": write_svg,
+        ".md": lambda text, path: path.write_text(text),
+        ".yaml": lambda model, path: model.write(path),
+    }
+    atomic.write_folder(folder, {name: partial(writers[Path(name).suffix], content) for name, content in files.items()})
+
+
+def _require_no_input(shown: str | Path, path: Path, inputs: Iterable[str | Path | None]) -> None:
+    if not path.exists() or atomic.is_stream(path):
+        return
+    for one in inputs:
+        if one is not None and Path(one).exists() and path.samefile(one):
+            raise ValueError(f"{shown}: expected an output that is no input; found the input {one}")
+
+
+def _require_writable(path: str | Path, what: str) -> None:
+    """Raise a ValueError unless a file or folder can be written, or made in the nearest folder that exists."""
+    place = Path(os.path.realpath(path))
+    if place.is_file() and not os.access(place, os.W_OK):
+        raise ValueError(f"{path}: {what}: expected one that can be written; found one that is read-only")
+    folder = next(one for one in place.parents if one.exists())
+    if not folder.is_dir():
+        raise ValueError(f"{path}: {what}: expected a folder at {folder}; found a file")
+    if not os.access(folder, os.W_OK | os.X_OK):
+        raise ValueError(f"{path}: {what}: expected a folder that can be written; found {folder} to be read-only")

@@ -1,0 +1,112 @@
+"""The command line: any exception and any signal ends in one line."""
+
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from types import SimpleNamespace
+
+import pytest
+
+from imugap import cli
+
+
+@pytest.fixture
+def failing(monkeypatch, capsys):
+    """Run a command that raises an exception; give the exit code and what is said."""
+
+    def run(error):
+        def fail(_):
+            raise error
+
+        command = SimpleNamespace(add_arguments=lambda parser: None, run=fail)
+        monkeypatch.setattr(cli, "import_module", lambda _: command)
+        code = cli.main(["check"])
+        return code, capsys.readouterr().err
+
+    return run
+
+
+BUG = r"imugap: test_cli.py, line \d+: expected no such case; found {}.*\(an error of imugap itself: please report it "
+ERRORS = [
+    (ValueError("log: expected\n  this; found that"), "imugap: log: expected this; found that$"),
+    (ValueError("operands could not be broadcast"), BUG.format("ValueError: operands could not be broadcast")),
+    (IndexError("list index out of range"), BUG.format("IndexError: list index out of range")),
+    (AssertionError(), BUG.format("AssertionError")),
+    (RecursionError("deep"), BUG.format("RecursionError: deep")),
+    (MemoryError("8 EiB"), r"imugap: memory: expected enough for this input; found none left \(8 EiB\)$"),
+    (
+        FileNotFoundError(2, "No such file", "a\x1b[31m.csv"),
+        r"imugap: a\\x1b\[31m.csv: expected .*; found: No such file$",
+    ),
+    (OSError("odd"), "imugap: system: expected .*; found: odd$"),
+    (ValueError(f"a: expected b; found {'x' * 10**6}"), r"imugap: a: expected b; found x{900,1000} \.\.\.$"),
+]
+
+
+@pytest.mark.parametrize(("error", "message"), ERRORS, ids=lambda one: type(one).__name__)
+def test_every_exception_is_one_line(failing, error, message):
+    code, said = failing(error)
+    assert code == 1
+    assert said.count("\n") == 1
+    assert re.match(message, said.rstrip("\n"))
+
+
+def test_a_traceback_is_shown_on_demand(failing, monkeypatch):
+    monkeypatch.setenv(cli.DEBUG, "1")
+    code, said = failing(IndexError("list index out of range"))
+    assert code == 1
+    assert said.startswith("Traceback")
+    assert said.splitlines()[-1].startswith("imugap: ")
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_a_signal_is_said_and_is_the_exit_code(capsys, monkeypatch, number):
+    def run(_):
+        os.kill(os.getpid(), number)
+        time.sleep(10)
+
+    before = signal.getsignal(number)
+    command = SimpleNamespace(add_arguments=lambda parser: None, run=run)
+    monkeypatch.setattr(cli, "import_module", lambda _: command)
+    assert cli.main(["check"]) == 128 + number
+    assert capsys.readouterr().err == "imugap: interrupted\n"
+    assert signal.getsignal(number) == before
+
+
+POOL = """
+import sys, time
+from imugap import cli
+from imugap.discovery.steps import each_in_processes
+
+def sleep(seconds):
+    time.sleep(seconds)
+
+class Command:
+    add_arguments = staticmethod(lambda parser: None)
+
+    @staticmethod
+    def run(_):
+        with each_in_processes(2) as each:
+            print("begun", flush=True)
+            list(each(sleep, [60, 60, 60]))
+
+cli.import_module = lambda _: Command
+sys.exit(cli.main(["check"]))
+"""
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
+def test_no_worker_outlives_its_parent(tmp_path, number):
+    script = tmp_path / "pool.py"
+    script.write_text(POOL)
+    options = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True, "start_new_session": True}
+    with subprocess.Popen([sys.executable, str(script)], **options) as process:
+        assert process.stdout.readline() == "begun\n"
+        time.sleep(0.5)
+        os.killpg(process.pid, number) if number == signal.SIGINT else process.send_signal(number)
+        said = process.communicate()[1]  # ends when no process holds the other end
+    assert process.returncode == (-number if number == signal.SIGKILL else 128 + number)
+    assert said == ("" if number == signal.SIGKILL else "imugap: interrupted\n")
