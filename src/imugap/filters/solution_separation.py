@@ -60,7 +60,8 @@ class FilterState(NamedTuple):
     """State of the main filter and its sub-filters, stacked along the first axis; or of one of them.
 
     Navigation, errors, covariance; sample in progress; time, and start of the present failures [s]; counters of
-    :data:`REJECTIONS` to :data:`FIRST_FIX`; numbers of :data:`SQUARES` to :data:`STARTED`.
+    :data:`REJECTIONS` to :data:`FIRST_FIX`; numbers of :data:`SQUARES` to :data:`STARTED`; change of the attitude
+    matrix by the last epoch of measurements, shape (3, 3).
     """
 
     navigation: np.ndarray
@@ -70,6 +71,7 @@ class FilterState(NamedTuple):
     clock: np.ndarray
     counters: np.ndarray
     offset: np.ndarray
+    turn: np.ndarray
 
     def copy(self, members: int = 1) -> "FilterState":
         """Return copies of the first member."""
@@ -81,7 +83,7 @@ def member(states, number):
     """Return the state of one filter as views."""
     return FilterState(
         states.navigation[number], states.errors[number], states.covariance[number], states.sample[number],
-        states.clock[number], states.counters[number], states.offset[number],
+        states.clock[number], states.counters[number], states.offset[number], states.turn[number],
     )  # fmt: skip
 
 
@@ -97,6 +99,7 @@ def copy_matrix(target, source):
 def copy_state(source, target):
     """Copy the state of one filter to another."""
     copy_matrix(target.covariance, source.covariance)
+    copy_matrix(target.turn, source.turn)
     for i in range(len(source.navigation)):
         target.navigation[i] = source.navigation[i]
     for s in range(len(source.errors)):

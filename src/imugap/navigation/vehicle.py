@@ -13,7 +13,8 @@ The smoother feeds back at every fix, whatever the gates: it uses all fixes at o
 
 Sources: P. D. Groves, Principles of GNSS, Inertial, and Multisensor Integrated Navigation Systems, 2nd ed., 2013,
 sections 14.1 and 14.3 (lever arm: eqs. 14.111 to 14.113); G. J. Bierman, Fixed interval smoothing with discrete
-measurements, Int. J. Control 18 (1973) 65-75.
+measurements, Int. J. Control 18 (1973) 65-75; G. P. Huang, A. I. Mourikis, S. I. Roumeliotis, Observability-based rules
+for designing consistent EKF SLAM estimators, Int. J. Robot. Res. 29 (2010) 502-528.
 """
 
 from dataclasses import dataclass, field, replace
@@ -86,6 +87,8 @@ TIME_OFFSET = "offset"
 """Delay of the fixes beyond the assumed time offset [s]."""
 FIX = len(COMPONENTS)
 """Number of measurements of a fix."""
+NOISE_SIGMA = 4.0
+"""Rates up to this number of standard deviations of the noise of a sample do not observe the lever arm."""
 
 
 @dataclass(frozen=True)
@@ -271,7 +274,8 @@ class _Measurements(NamedTuple):
 class _Frame(NamedTuple):
     """Constants: origin of the ellipsoid, lever arm, which optional states there are, initial variances, constraint.
 
-    ``known``: the use of each position is known from an earlier pass.
+    ``known``: the use of each position is known from an earlier pass. ``rate_noise``: limit of the noise of a sample of
+    each gyroscope [rad/s].
     """
 
     origin: tuple[float, float, float, float]
@@ -282,6 +286,7 @@ class _Frame(NamedTuple):
     known: bool
     variance: np.ndarray
     wheels: WheelConstraint
+    rate_noise: tuple[float, float, float]
 
 
 class _Room(NamedTuple):
@@ -320,6 +325,16 @@ class _Room(NamedTuple):
 
 
 @kernel
+def _beyond_noise(rate, limit):
+    """Return the rate with zero for components within the noise, which would seem to observe the lever arm."""
+    return (
+        rate[0] if abs(rate[0]) > limit[0] else 0.0,
+        rate[1] if abs(rate[1]) > limit[1] else 0.0,
+        rate[2] if abs(rate[2]) > limit[2] else 0.0,
+    )
+
+
+@kernel
 def _predicted(i, nav, rate, acceleration, errors, sensors, gain, frame, row):
     """Return the predicted component ``i`` of a fix, and store its derivative by the states in ``row``."""
     mat = mat_from_quat(nav[2])
@@ -344,7 +359,7 @@ def _predicted(i, nav, rate, acceleration, errors, sensors, gain, frame, row):
             if sensors.axis[s] < 3:
                 row[NAVIGATION + s] = gain[s] * shift[sensors.axis[s]]
     if frame.lever_arm_state:
-        reach = axes if i < 3 else cross(axes, rate)
+        reach = axes if i < 3 else cross(axes, _beyond_noise(rate, frame.rate_noise))
         for m in range(3):
             row[first + m] = reach[m]
     if frame.time_offset_state:
@@ -354,6 +369,28 @@ def _predicted(i, nav, rate, acceleration, errors, sensors, gain, frame, row):
         row[last + 1 + i] = 1.0
         own += errors[last + 1 + i - NAVIGATION]
     return own + u[a] + delay * moving[a]
+
+
+@kernel
+def _hold_antenna(covariance, turn, first, transposed):
+    """Move the error of the lever arm to the antenna of a corrected attitude, and so in the ``transposed`` transition.
+
+    The antenna is where it was before the correction, whatever the arm. Without this every correction of the level
+    would seem to observe an arm that the motion does not (Huang, Mourikis and Roumeliotis 2010). ``turn`` is the change
+    of the attitude matrix, ``first`` the first row of the arm; ``transposed`` may be empty.
+    """
+    for i in range(3):
+        for m in range(3):
+            for j in range(len(covariance)):
+                covariance[i, j] -= turn[i, m] * covariance[first + m, j]
+    for i in range(3):
+        for m in range(3):
+            for j in range(len(covariance)):
+                covariance[j, i] -= turn[i, m] * covariance[j, first + m]
+    for m in range(3):
+        for i in range(3):
+            for j in range(len(transposed)):
+                transposed[first + m, j] -= turn[i, m] * transposed[i, j]
 
 
 @kernel
@@ -531,8 +568,12 @@ def _filter_member(
             transposed_transition(
                 block.transposed[slot], room.work, mat, force, interval, sensors.axis, room.mean, room.hold, room.shift
             )
+        if frame.lever_arm_state:
+            dropped = block.transposed[slot] if stored else room.nothing
+            _hold_antenna(covariance, state.turn, NAVIGATION + len(sensors.axis), dropped)
         predict(covariance, room.work, mat, force, interval, sensors.axis, room.mean, room.hold, room.drive,
                 sensors.white, room.shift)  # fmt: skip
+        before = mat_from_quat(nav[2])
         for s in range(len(sensors.axis)):
             errors[s] *= room.hold[s]
         if state.offset[WALK_RATE] > 0.0:
@@ -550,6 +591,10 @@ def _filter_member(
                 frame.wheels, epochs.quiet[e], interval, nav, rate, covariance, errors, sensors, room.gain, room.row,
                 room.spread, room.weight, block, slot, FIX,
             )  # fmt: skip
+        after = mat_from_quat(nav[2])
+        for i in range(3):
+            for m in range(3):
+                state.turn[i, m] = after[i][m] - before[i][m]
         if fix >= 0:
             copy_matrix(kept[fix], covariance)
         write_epoch(history, e, nav, errors, covariance)
@@ -610,7 +655,8 @@ def navigate(inputs: DriveInputs, start: InitialState, smooth: bool = False) -> 
     if assumptions.wheels_std > 0:
         epochs = epochs._replace(quiet=quiet_epochs(measured.samples, stamp, epochs.end))
     separating = control.separation_s is not None
-    frame, state = _frame(assumptions, states, ellipsoid, separating), _initial(start, stamp, separating)
+    step_s = float(np.median(np.diff(stamp)))
+    frame, state = _frame(assumptions, states, ellipsoid, separating, step_s), _initial(start, stamp, separating)
     size, components = state.covariance.shape[1], len(COMPONENTS)
     history, kept = History.empty(len(epochs.end), size), np.empty((len(offered), size, size))
     history.begin(state.navigation[0], state.errors[0], state.covariance[0])
@@ -643,7 +689,9 @@ def _checked_stamps(log: pd.DataFrame, start: InitialState) -> np.ndarray:
     return stamp
 
 
-def _frame(assumptions: DriveAssumptions, states: SensorStates, ellipsoid: Ellipsoid, separating: bool) -> _Frame:
+def _frame(
+    assumptions: DriveAssumptions, states: SensorStates, ellipsoid: Ellipsoid, separating: bool, step_s: float
+) -> _Frame:  # fmt: skip
     """Return the constants of the compiled filter; ``separating``: with states of the position offset."""
     variance = [*states.variance, *(std**2 for _, std in assumptions.constants())]
     lever, axle = (tuple(map(float, arm)) for arm in (assumptions.lever_m, assumptions.axle_m))
@@ -651,6 +699,7 @@ def _frame(assumptions: DriveAssumptions, states: SensorStates, ellipsoid: Ellip
         ellipsoid.origin, lever, assumptions.lever_std > 0, assumptions.offset_std > 0, separating, False,
         np.append(variance, np.zeros(OFFSET_STATES * separating)),
         WheelConstraint(float(assumptions.wheels_std), float(assumptions.wheels_s), axle),  # int: another compilation
+        tuple(NOISE_SIGMA * float(std) for std in np.sqrt(states.white[:3] / step_s)),
     )  # fmt: skip
 
 
@@ -661,5 +710,5 @@ def _initial(start: InitialState, stamp: np.ndarray, separating: bool) -> Filter
     return FilterState(
         *(one.astype(float)[None] for one in (start.navigation, errors, covariance)),
         np.array([[max(int(np.searchsorted(stamp, start.time, "right")), 1)]]), np.array([[start.time, np.inf]]),
-        np.zeros((1, 4), np.int64), np.zeros((1, 4)),
+        np.zeros((1, 4), np.int64), np.zeros((1, 4)), np.zeros((1, 3, 3)),
     )  # fmt: skip

@@ -1,9 +1,13 @@
 """Initial alignment of a drive: position, velocity and course from the fixes, level from a rest or in motion.
 
 A receiver does not observe the heading of a body at rest. The filter starts at the first fix whose velocity, or whose
-displacement from earlier fixes, gives the course accurately enough; the vehicle points along it. If it rests until
-then, the mean specific force gives the level and the gyroscopes their biases, and the gyroscopes carry the level to the
-start. If not, it is levelled by the specific force around the start, less the acceleration from the fixes.
+displacement from earlier fixes, gives the course accurately enough; the vehicle points along it, unless velocity
+matching (:mod:`imugap.navigation.velocity_matching`) says that it does not. If it rests until then, the mean specific
+force gives the level and the gyroscopes their biases, and the gyroscopes carry the level to the start. If not, it is
+levelled by the specific force around the start, less the acceleration from the fixes.
+
+Position and velocity at the start are those of the antenna, less the lever arm, at the time of a fix: their errors are
+correlated with those of attitude, lever arm and time offset.
 
 Source: P. D. Groves, Principles of GNSS, Inertial, and Multisensor Integrated Navigation Systems, 2nd ed., 2013,
 sections 5.6.1 and 5.6.2.
@@ -19,14 +23,29 @@ from imugap.filters.sensor_states import SensorStates
 from imugap.io import gnss
 from imugap.kinematics import earth
 from imugap.kinematics.strapdown import Ellipsoid, Local, NavigationState, level, navigate
-from imugap.log import ACCEL, GYRO
-from imugap.navigation.vehicle import AlignmentSettings, DriveInputs, InitialState
+from imugap.log import ACCEL, AXES, GYRO
+from imugap.navigation.vehicle import LEVER_ARM, AlignmentSettings, DriveAssumptions, DriveInputs, InitialState
+from imugap.navigation.velocity_matching import MatchedAttitude, VelocityPair
 from imugap.numerics.rotation import from_euler
 
 WAY_S = 3.0
 """Longest time between two fixes that give a course [s]."""
 SPAN_S = 1.0
 """Time before and after the start over which a moving vehicle is levelled [s]."""
+RETRY_S = 1.0
+"""Time between two fixes that are tried as the start [s]."""
+LARGEST_MISFIT = 10.0
+"""Misfit of the velocity matching above which it neither confirms nor replaces the course."""
+BESIDE_SIGMA = 5.0
+"""Heading less course, in standard deviations, above which the vehicle does not point along its course."""
+FAST_QUANTILE, SLOW_SHARE = 0.9, 0.15
+"""Quantile of the speeds, and the share of it below which a fix is slow."""
+MATCHED_FACTOR = 4.0
+"""Factor on the covariance of the velocity matching, whose residuals are not white."""
+HEADING_ROUNDS = 3
+"""Iterations of the course of the device."""
+SMALLEST_BIAS = 1e-4
+"""Smallest standard deviation of a gyroscope bias in the velocity matching [rad/s]."""
 
 
 def align(inputs: DriveInputs) -> InitialState:
@@ -36,9 +55,14 @@ def align(inputs: DriveInputs) -> InitialState:
     time = fixes.index.to_numpy(dtype=float) + assumptions.offset_s
     seen = gnss.local(fixes, ellipsoid)
     std = gnss.deviations(fixes, assumptions.position_std, assumptions.velocity_std)
-    velocity, spread = _velocities(time, seen, std)
+    velocity, spread = velocities(time, seen, std)
     stamp = log.index.to_numpy(dtype=float)
-    number, heading, heading_std = _course(time, velocity, spread, stamp, settings)
+    near = np.minimum(np.searchsorted(stamp, time), len(log) - 1)
+    gyro, lever = log[list(GYRO)].to_numpy()[near], np.array(assumptions.lever_m)
+    blurred = np.hypot(spread, assumptions.lever_std * np.linalg.norm(gyro, axis=1)[:, None])
+    number, matched = _start(velocity_pair(inputs), _courses(time, velocity, blurred, stamp, settings), settings)
+    heading = _heading(gyro[number], lever, velocity[number])
+    heading_std = float(spread[number, :2].max() / np.hypot(*velocity[number, :2]))
     rest = _rest(time, velocity, spread, stamp, number, settings)
     size = NAVIGATION + len(states) + len(assumptions.constants())
     covariance = np.zeros((size, size))
@@ -46,24 +70,53 @@ def align(inputs: DriveInputs) -> InitialState:
         *states.variance, *(one**2 for _, one in assumptions.constants())
     ]  # fmt: skip
     errors, sensors = np.zeros(size - NAVIGATION), slice(NAVIGATION, NAVIGATION + len(states))
+    rows, tilt_std = np.zeros((2, len(states))), settings.moving_tilt_std
     if rest is not None:
         mean = log[(stamp > rest[0]) & (stamp <= rest[1])].mean()
         rate = mean[list(GYRO)].to_numpy() - states.fixed[:3]
         errors[: len(states)], covariance[sensors, sensors] = biases_from_rest(
             rate, rest[1] - rest[0], states, covariance[sensors, sensors]
         )
+    if matched is not None:
+        rotation = matched.rotation
+    elif rest is not None:
         rotation, rows = _levelled(log, rest, time[number], heading, mean, errors[: len(states)], states, ellipsoid)
         tilt_std = settings.tilt_std
     else:
         rotation = _in_motion(log, time, velocity, number, heading, ellipsoid)
-        rows, tilt_std = np.zeros((2, len(states))), settings.moving_tilt_std
     _fill(covariance, std[number], spread[number], rows, tilt_std, np.hypot(heading_std, settings.heading_std))
-    at = np.searchsorted(stamp, time[number])
-    turning = log[list(GYRO)].to_numpy()[min(at, len(log) - 1)] - errors_of(GYRO, errors[: len(states)], states)
-    lever = np.array(assumptions.lever_m)
+    if matched is not None:
+        covariance[ATTITUDE:NAVIGATION, ATTITUDE:NAVIGATION] = MATCHED_FACTOR * matched.covariance
+    turning = gyro[number] - errors_of(GYRO, errors[: len(states)], states)
     place = seen[number, :3] - rotation.apply(lever)
     moving = velocity[number] - rotation.apply(np.cross(turning, lever))
+    pull, by_course = _pull(time, velocity, number), matched is None
+    _correlate(covariance, rotation.as_matrix(), turning, moving, pull, assumptions, by_course)
     return InitialState(time[number], np.concatenate([place, moving, rotation.as_quat()]), errors, covariance)
+
+
+def _heading(rate: np.ndarray, lever: np.ndarray, velocity: np.ndarray) -> float:
+    """Return the course of the device [rad], without the motion of the antenna around it on a level road."""
+    heading, swing = float(np.arctan2(velocity[1], velocity[0])), np.cross(rate, lever)
+    for _ in range(HEADING_ROUNDS):
+        north, east = velocity[:2] - Rotation.from_euler("z", heading).apply(swing)[:2]
+        heading = float(np.arctan2(east, north))
+    return heading
+
+
+def velocity_pair(inputs: DriveInputs) -> VelocityPair:
+    """Return the samples, and the velocities of the fixes on the clock of the device."""
+    log, fixes, assumptions = inputs.log, inputs.fixes, inputs.assumptions
+    states = assumptions.states(inputs.model)
+    time = fixes.index.to_numpy(dtype=float) + assumptions.offset_s
+    std = gnss.deviations(fixes, assumptions.position_std, assumptions.velocity_std)
+    velocity, spread = velocities(time, gnss.local(fixes, inputs.ellipsoid), std)
+    biases = states.variance[(states.axis < len(GYRO)) & ~states.scale]
+    return VelocityPair(
+        log.index.to_numpy(dtype=float), log[list(AXES)].to_numpy(dtype=float) - states.fixed, time, velocity, spread,
+        earth.normal_gravity(inputs.ellipsoid.latitude, inputs.ellipsoid.height),
+        max(float(np.sqrt(biases.max(initial=0.0))), SMALLEST_BIAS),
+    )  # fmt: skip
 
 
 def errors_of(triad: tuple[str, ...], errors: np.ndarray, states: SensorStates) -> np.ndarray:
@@ -74,7 +127,7 @@ def errors_of(triad: tuple[str, ...], errors: np.ndarray, states: SensorStates) 
     ])  # fmt: skip
 
 
-def _velocities(time: np.ndarray, seen: np.ndarray, std: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def velocities(time: np.ndarray, seen: np.ndarray, std: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return velocities at the fixes [m/s], from the receiver or from differences, and standard deviations."""
     velocity, spread = seen[:, 3:].copy(), std[:, 3:].copy()
     for k in np.flatnonzero(np.isnan(velocity).any(axis=1)):
@@ -86,10 +139,10 @@ def _velocities(time: np.ndarray, seen: np.ndarray, std: np.ndarray) -> tuple[np
     return velocity, spread
 
 
-def _course(
+def _courses(
     time: np.ndarray, velocity: np.ndarray, spread: np.ndarray, stamp: np.ndarray, settings: AlignmentSettings
-) -> tuple[int, float, float]:
-    """Return the first fix within the log with a known course, the course [rad] and its standard deviation."""
+) -> np.ndarray:
+    """Return the numbers of the fixes within the log with a known course; a ValueError without one."""
     speed = np.hypot(velocity[:, 0], velocity[:, 1])
     with np.errstate(invalid="ignore", divide="ignore"):
         course_std = spread[:, :2].max(axis=1) / speed
@@ -102,8 +155,34 @@ def _course(
             f"start: expected a fix that tells the course within {settings.course_std:g} rad; found none among the "
             f"{inside} fixes within the log, the fastest with {fastest:.2g} m/s"
         )
-    number = int(np.argmax(able))
-    return number, float(np.arctan2(velocity[number, 1], velocity[number, 0])), float(course_std[number])
+    return np.flatnonzero(able)
+
+
+def _start(
+    pair: VelocityPair, able: np.ndarray, settings: AlignmentSettings
+) -> tuple[int, MatchedAttitude | None]:  # fmt: skip
+    """Return the fix of the start, and its attitude by velocity matching where the course is not the heading.
+
+    The changes of velocity around a fix confirm that the vehicle points along its course, or give the attitude. A fix
+    where they do neither is taken if it is not slow against the rest of the drive; a receiver that converges at rest
+    reports a slow motion. Where no fix is taken, it is the first.
+    """
+    speed = np.hypot(pair.velocity[:, 0], pair.velocity[:, 1])
+    usual, last = SLOW_SHARE * np.quantile(speed[able], FAST_QUANTILE), -np.inf
+    for number in able:
+        if pair.time[number] < last + RETRY_S:
+            continue
+        last, matched = pair.time[number], pair.match(pair.time[number])
+        if matched is None or not matched.heading_std < settings.course_std or matched.misfit > LARGEST_MISFIT:
+            if speed[number] >= usual:
+                return int(number), None
+            continue
+        course = np.arctan2(pair.velocity[number, 1], pair.velocity[number, 0])
+        apart = abs(np.remainder(matched.heading - course + np.pi, 2 * np.pi) - np.pi)
+        course_std = pair.std[number, :2].max() / speed[number]
+        limit = BESIDE_SIGMA * np.hypot(matched.heading_std, np.hypot(course_std, settings.heading_std))
+        return int(number), matched if apart > limit else None
+    return int(able[0]), None
 
 
 def _rest(
@@ -148,13 +227,52 @@ def _in_motion(
     log: pd.DataFrame, time: np.ndarray, velocity: np.ndarray, number: int, heading: float, ellipsoid: Ellipsoid
 ) -> Rotation:
     """Return the attitude at the start, from the specific force around it less the acceleration from the fixes."""
-    near = np.flatnonzero((np.abs(time - time[number]) <= 1.5 * SPAN_S) & np.isfinite(velocity).all(axis=1))
-    pull = np.zeros(3)
-    if len(near) > 1:
-        pull = np.polyfit(time[near] - time[number], velocity[near], 1)[0]
+    pull = _pull(time, velocity, number)
     part = log[(log.index > time[number] - SPAN_S) & (log.index <= time[number] + SPAN_S)]
     force = (part if len(part) else log)[list(ACCEL)].mean().to_numpy()
     return from_euler(np.array([*level(force - Rotation.from_euler("z", heading).inv().apply(pull)), heading]))
+
+
+def _pull(time: np.ndarray, velocity: np.ndarray, number: int) -> np.ndarray:
+    """Return the acceleration around a fix from the velocities [m/s^2], zero where they are too few."""
+    near = np.flatnonzero((np.abs(time - time[number]) <= 1.5 * SPAN_S) & np.isfinite(velocity).all(axis=1))
+    return np.polyfit(time[near] - time[number], velocity[near], 1)[0] if len(near) > 1 else np.zeros(3)
+
+
+def _correlate(
+    covariance: np.ndarray, mat_nb: np.ndarray, rate: np.ndarray, velocity: np.ndarray, pull: np.ndarray,
+    assumptions: DriveAssumptions, by_course: bool,
+) -> None:  # fmt: skip
+    """Add to the covariance what position and velocity inherit from the attitude, the lever arm and the time offset.
+
+    The start takes them from the antenna at the time of a fix, so that their errors are those of the fix, less the
+    errors of the lever arm (turned by that of the attitude), and less the motion over that of the time offset. A
+    heading ``by_course`` inherits the velocity of the antenna around the device.
+    """
+    size, lever = len(covariance), np.array(assumptions.lever_m)
+    inherited, states = np.eye(size), [name for name, _ in assumptions.constants()]
+    first = size - len(states)
+    for block, arm, reach in (
+        (slice(0, VELOCITY), lever, np.eye(3)),
+        (slice(VELOCITY, ATTITUDE), np.cross(rate, lever), cross_matrix(rate)),
+    ):
+        inherited[block, ATTITUDE:NAVIGATION] = cross_matrix(mat_nb @ arm)
+        if assumptions.lever_std > 0:
+            inherited[block, first : first + len(LEVER_ARM)] = -mat_nb @ reach
+    if assumptions.offset_std > 0:
+        inherited[:VELOCITY, -1], inherited[VELOCITY:ATTITUDE, -1] = -velocity, -pull
+    if assumptions.lever_std > 0 and by_course:
+        turned = np.eye(size)
+        swing = np.array([-velocity[1], velocity[0], 0.0]) / np.hypot(velocity[0], velocity[1]) ** 2
+        turned[NAVIGATION - 1, first : first + len(LEVER_ARM)] = -swing @ mat_nb @ cross_matrix(rate)
+        inherited = inherited @ turned
+    covariance[:] = inherited @ covariance @ inherited.T
+
+
+def cross_matrix(vector: np.ndarray) -> np.ndarray:
+    """Return the matrix of the cross product by a vector from the left, shape (3, 3)."""
+    x, y, z = vector
+    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
 
 
 def _fill(
