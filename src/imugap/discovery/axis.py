@@ -1,6 +1,6 @@
 """What happens on one axis: from the start model through the search to names, doubts and intervals."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import partial
 
@@ -38,6 +38,8 @@ from imugap.model import with_offset
 
 MAX_LOG_PLACES = 12.0
 """Logarithm of the maximum number of places at which an effect is tried."""
+FARTHER = "the model with it is farther from data that no fit has seen"
+"""Reason for withholding an effect that was withdrawn."""
 MAX_BANDS = 4
 """Maximum number of bands of unsteady lines; with more, the spectrum is not one of lines."""
 
@@ -275,12 +277,16 @@ def _unnamed_gain(search: Search, remove_lines: bool, fit: AxisFit) -> float:
     return np.inf if remove_lines and wandering_lines.find_bands(fit) else motion_gain(search, fit)
 
 
-def conclude(searched: AxisSearch) -> AxisResult:
-    """Check the names that a search found, and return them with intervals, and the withheld ones with reasons."""
+def conclude(searched: AxisSearch, withdrawn: Collection[type[Effect]] = ()) -> AxisResult:
+    """Check the names that a search found, and return them with intervals, and the withheld ones with reasons.
+
+    Kinds of effects that are ``withdrawn``, because the model with them is farther from held-out data than the start
+    model, are among the withheld.
+    """
     with threadpool_limits(1):
         search, whole = searched.whole_search, two_valued(searched.whole_fit)
         added = search.added(searched.whole_fit)
-        rejected = misfits(search, searched.whole_fit)
+        rejected = _rejected(search, searched.whole_fit, withdrawn)
         kept = without_unnamed(search, whole, rejected)
         sweeps = (*find_chirps(kept, search.log_alpha), *find_tone_bursts(whole))
         in_sweep = explained_by_bands([one for one in added if one not in rejected], sweeps)
@@ -292,15 +298,21 @@ def conclude(searched: AxisSearch) -> AxisResult:
         switching, odd = _telegraph_finding(searched, rejected)
         findings = (*(_finding(searched, *pair) for pair in zip(named, settled, strict=True)), *switching)
         nameless = (*(withheld(one, misfit) for one, misfit in rejected.items()), *odd)
-        after = without_unnamed(
-            searched.held_in_search, searched.held_in_fit, misfits(searched.held_in_search, searched.held_in_fit)
-        )
+        early = searched.held_in_search, searched.held_in_fit
+        after = without_unnamed(*early, _rejected(*early, withdrawn))
         bands = (*searched.bands, *sweeps)
         switches = searched.switching.effect if switching else None
         slope = power_law_finding(search, final)
         return AxisResult(
             searched.start_fit, after.without_cache(), final.without_cache(), findings, nameless, bands, switches, slope
         )
+
+
+def _rejected(search: Search, found: AxisFit, withdrawn: Collection[type[Effect]]) -> dict[Candidate, Misfit]:
+    """Return the added effects whose names the checks reject or that are withdrawn, with the reason."""
+    rejected = misfits(search, found)
+    farther = {one: Misfit(FARTHER, 0.0) for one in search.added(found) if type(one.effect) in withdrawn}
+    return farther | rejected
 
 
 def without_unnamed(search: Search, found: AxisFit, rejected: Mapping[Candidate, Misfit]) -> AxisFit:

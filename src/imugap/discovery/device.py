@@ -1,8 +1,10 @@
 """Discovery on the logs of a device.
 
-The stages, in order, each a function of the one before: :func:`_prepare`, :func:`_search_axes`, :func:`_name_effects`,
-:func:`_locate_discrepancies`, :func:`_compare_runs`, :func:`_assemble`, :func:`_test_final_model`,
-:func:`_measure_distances`, :func:`_conclude`.
+The stages, in order, each a function of the one before: :func:`_prepare`, :func:`_search_axes`,
+:func:`_locate_discrepancies`, :func:`_name_effects`, :func:`_compare_runs`, :func:`_assemble`,
+:func:`_measure_distances`, :func:`_test_final_model`, :func:`_conclude`. Where the final model turns out farther from
+held-out data than the start model, the effects to blame are withdrawn, and the stages from :func:`_name_effects` to
+:func:`_measure_distances` are repeated.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -16,8 +18,8 @@ from imugap.discovery.assembly import axis_effects, device_model, keep_undetermi
 from imugap.discovery.axis import AxisResult, AxisSearch, part, white_noise_finding
 from imugap.discovery.between_runs import clock_findings, fit_like_first, turn_on_findings
 from imugap.discovery.common_noise import find_common_noise
-from imugap.discovery.evaluation.distance import Distances, Drifts
-from imugap.discovery.evaluation.held_out import HELD_IN_SHARE, compare_held_out, compare_test_run, distances
+from imugap.discovery.evaluation.distance import Distances, Drifts, Evaluation
+from imugap.discovery.evaluation.held_out import HELD_IN_SHARE, compare_held_out, compare_test_run, evaluate
 from imugap.discovery.finding import MIN_LOG_P, Discrepancy, Finding
 from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.discovery.fit.start_model import described, noisy
@@ -37,7 +39,7 @@ from imugap.model import ErrorModel
 from imugap.units import STANDARD_GRAVITY
 
 OTHER_STEPS = 4
-"""StepCounter besides the two of each axis."""
+"""Steps besides the two of each axis."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,32 +161,19 @@ class _Searched(_Prepared):
 
     searches: Mapping[str, AxisSearch]
 
-
-@dataclass(frozen=True, eq=False)
-class _Named(_Searched):
-    """With the result of each axis, and the effects that axes share by one value."""
-
-    results: Mapping[str, AxisResult]
-    joints: tuple[Joint, ...]
-
     @property
     def before(self) -> dict[str, AxisFit]:
         """Fit of the start model to the held-in part of each axis."""
-        return {axis: result.start_fit for axis, result in self.results.items()}
-
-    @property
-    def whole(self) -> dict[str, AxisFit]:
-        """Fit of the named effects to the whole log of each axis."""
-        return {axis: result.whole_fit for axis, result in self.results.items()}
+        return {axis: one.start_fit for axis, one in self.searches.items()}
 
     @property
     def outputs(self) -> dict[str, tuple[Effect, ...]]:
         """Effects of the start model on the output of each axis."""
-        return {axis: output_effects(self.known, axis) for axis in self.results}
+        return {axis: output_effects(self.known, axis) for axis in self.searches}
 
 
 @dataclass(frozen=True, eq=False)
-class _Located(_Named):
+class _Located(_Searched):
     """With every view of the start model, and the discrepancies."""
 
     views: Sequence[ViewTest]
@@ -192,7 +181,20 @@ class _Located(_Named):
 
 
 @dataclass(frozen=True, eq=False)
-class _Compared(_Located):
+class _Named(_Located):
+    """With the result of each axis, and the effects that axes share by one value."""
+
+    results: Mapping[str, AxisResult]
+    joints: tuple[Joint, ...]
+
+    @property
+    def whole(self) -> dict[str, AxisFit]:
+        """Fit of the named effects to the whole log of each axis."""
+        return {axis: result.whole_fit for axis, result in self.results.items()}
+
+
+@dataclass(frozen=True, eq=False)
+class _Compared(_Named):
     """With the noise that axes share, and what differs between the runs."""
 
     common: tuple[Finding, ...]
@@ -214,19 +216,22 @@ class _Assembled(_Compared):
 
 
 @dataclass(frozen=True, eq=False)
-class _Tested(_Assembled):
+class _Measured(_Assembled):
+    """With the distances of both models from held-out data."""
+
+    evaluation: Evaluation
+
+
+@dataclass(frozen=True, eq=False)
+class _Tested(_Measured):
     """With every view of the final model, and the remaining discrepancies."""
 
     views_after: tuple[ViewTest, ...]
     discrepancies_after: tuple[Discrepancy, ...]
 
 
-@dataclass(frozen=True, eq=False)
-class _Measured(_Tested):
-    """With the distances of both models from held-out data."""
-
-    apart: Mapping[str, Distances]
-    drifts: tuple[Drifts, ...]
+Withdrawn = Mapping[str, frozenset[type[Effect]]]
+"""Kinds of effects that are not named on an axis, because the model with them is farther from held-out data."""
 
 
 def discover(
@@ -251,14 +256,30 @@ def discover(
         Called as each step begins.
     """
     prepared = _prepare(logs, settings, tests, reference, progress)
-    searched = _search_axes(prepared)
-    named = _name_effects(searched)
-    located = _locate_discrepancies(named)
-    compared = _compare_runs(located)
-    assembled = _assemble(compared)
-    final = _test_final_model(assembled)
-    measured = _measure_distances(final)
-    return _conclude(measured)
+    located = _locate_discrepancies(_search_axes(prepared))
+    withdrawn: Withdrawn = {}
+    measured = _modelled(located, withdrawn)
+    while (more := _to_withdraw(measured, withdrawn)) != withdrawn:
+        withdrawn = more
+        prepared.steps.count += len(located.searches) + 1
+        measured = _modelled(located, withdrawn)
+    return _conclude(_test_final_model(measured))
+
+
+def _modelled(stage: _Located, withdrawn: Withdrawn) -> _Measured:
+    """Name effects but the withdrawn ones, assemble the final model, and measure its distance from held-out data."""
+    return _measure_distances(_assemble(_compare_runs(_name_effects(stage, withdrawn))))
+
+
+def _to_withdraw(stage: _Measured, withdrawn: Withdrawn) -> Withdrawn:
+    """Return the withdrawn effects, and on each axis that is farther than before the one of least held-out gain."""
+    more = dict(withdrawn)
+    for axis, apart in stage.evaluation.axes.items():
+        found = stage.results[axis].findings
+        if apart.farther and found:
+            worst = min(found, key=lambda finding: finding.log_score_gain)
+            more[axis] = more.get(axis, frozenset()) | {type(worst.effects[axis])}
+    return more
 
 
 def _prepare(
@@ -288,23 +309,22 @@ def _search_axes(stage: _Prepared) -> _Searched:
     return _Searched(**vars(stage), searches=agree_on_noise(searches))
 
 
-def _name_effects(stage: _Searched) -> _Named:
-    """Pool effects that axes share by one value, check every name, and give intervals."""
-    results, joints = name_pooled(stage.searches, stage.settings.workers, stage.log_alpha, stage.steps)
-    return _Named(**vars(stage), results=results, joints=joints)
-
-
-def _locate_discrepancies(stage: _Named) -> _Located:
+def _locate_discrepancies(stage: _Searched) -> _Located:
     """Test every view of the held-in part against replicates of the start model."""
     settings = stage.settings
     stage.steps.begin("discrepancies")
     with each_in_processes(settings.workers) as each:
         views = view_tests(stage.before, settings.seed, settings.replicates, stage.outputs, each=each)
-    discrepancies = (*significant_discrepancies(views, settings.alpha), *_line_discrepancies(stage.results))
-    return _Located(**vars(stage), views=views, discrepancies=discrepancies)
+    return _Located(**vars(stage), views=views, discrepancies=significant_discrepancies(views, settings.alpha))
 
 
-def _compare_runs(stage: _Located) -> _Compared:
+def _name_effects(stage: _Located, withdrawn: Withdrawn) -> _Named:
+    """Pool effects that axes share by one value, check every name, and give intervals."""
+    results, joints = name_pooled(stage.searches, stage.settings.workers, stage.log_alpha, stage.steps, withdrawn)
+    return _Named(**vars(stage), results=results, joints=joints)
+
+
+def _compare_runs(stage: _Named) -> _Compared:
     """Find the noise that axes share, and the differences between runs, as far as the start model has neither."""
     common = (
         one.finding(f"{axis_unit(one.axes[0])}/sqrt(Hz)") for one in find_common_noise(stage.whole, stage.log_alpha)
@@ -322,7 +342,19 @@ def _assemble(stage: _Compared) -> _Assembled:
     return _Assembled(**vars(stage), findings=findings, start=start, model=model)
 
 
-def _test_final_model(stage: _Assembled) -> _Tested:
+def _measure_distances(stage: _Assembled) -> _Measured:
+    """Measure the distance of both models from the test runs, or from the held-out part where there are none."""
+    settings = stage.settings
+    stage.steps.begin("distances")
+    final = stage.model(stage.whole)
+    compared = [compare_test_run(test, stage.results, stage.start, final, settings.seed) for test in stage.tests]
+    with each_in_processes(settings.workers) as each:
+        runs = compared or [compare_held_out(stage.record, stage.results, stage.start, stage.model)]
+        evaluation = evaluate(runs, settings.seed, settings.simulations, each)
+    return _Measured(**vars(stage), evaluation=evaluation)
+
+
+def _test_final_model(stage: _Measured) -> _Tested:
     """Test every view of the whole log against replicates of the final model.
 
     Axes on which nothing was found are as they were; axes that share noise are not tested against each other.
@@ -340,22 +372,11 @@ def _test_final_model(stage: _Assembled) -> _Tested:
     return _Tested(**vars(stage), views_after=views, discrepancies_after=(*_line_discrepancies(results), *left))
 
 
-def _measure_distances(stage: _Tested) -> _Measured:
-    """Measure the distance of both models from the test runs, or from the held-out part where there are none."""
-    settings = stage.settings
-    stage.steps.begin("distances")
-    final = stage.model(stage.whole)
-    compared = [compare_test_run(test, stage.results, stage.start, final, settings.seed) for test in stage.tests]
-    with each_in_processes(settings.workers) as each:
-        runs = compared or [compare_held_out(stage.record, stage.results, stage.start, stage.model)]
-        apart, drifts = distances(runs, settings.seed, settings.simulations, each)
-    return _Measured(**vars(stage), apart=apart, drifts=drifts)
-
-
-def _conclude(stage: _Measured) -> Discovery:
+def _conclude(stage: _Tested) -> Discovery:
     """Put together the result."""
     stage.steps.begin("done")
     results, alpha = stage.results, stage.settings.alpha
+    located = (*stage.discrepancies, *_line_discrepancies(results))
     kept = keep_undetermined(stage.known, stage.record, stage.whole)
     start, final = (with_effects(model, kept) for model in (stage.start, stage.model(stage.whole)))
     at_rest = all(fit.sequence.conditions.ideal is None for fit in stage.whole.values())
@@ -365,8 +386,8 @@ def _conclude(stage: _Measured) -> Discovery:
         final=final if gravity is None else gravity.taken_from(final),
         discrepancies=(
             *stage.record.discrepancies,
-            *stage.discrepancies,
-            *nameless_places(results, stage.discrepancies, alpha),
+            *located,
+            *nameless_places(results, located, alpha),
         ),
         findings=stage.findings,
         unexplained=(
@@ -377,8 +398,8 @@ def _conclude(stage: _Measured) -> Discovery:
         withheld=tuple((axis, *one) for axis, result in results.items() for one in result.unnamed()),
         described=tuple(one.power_law for one in results.values() if one.power_law is not None),
         undetermined=tuple((axis, one.name) for axis, some in kept.items() for one in some if axis in results),
-        distances=stage.apart,
-        drifts=stage.drifts,
+        distances=stage.evaluation.distances,
+        drifts=stage.evaluation.drifts,
         before=tuple(stage.views),
         after=stage.views_after,
         record=stage.record,
@@ -405,7 +426,7 @@ def _with_found_outputs(stage: _Compared, axis: str) -> tuple[Effect, ...]:
     return (*stage.outputs[axis], *found)
 
 
-def _between_runs(stage: _Located) -> tuple[Finding, ...]:
+def _between_runs(stage: _Named) -> tuple[Finding, ...]:
     """Return what differs between the runs."""
     settings, first = stage.settings, stage.whole
     if len(stage.logs) < 2:

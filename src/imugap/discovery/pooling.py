@@ -1,6 +1,6 @@
 """Stages that pool the axes of a device: one kind of slow noise for a sensor, and effects of one value."""
 
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -37,21 +37,24 @@ def name_pooled(
     workers: int,
     log_alpha: float,
     steps: StepCounter,
+    withdrawn: Mapping[str, Collection[type[Effect]]],
     apart: tuple[type[Effect], ...] = (),
 ) -> tuple[dict[str, AxisResult], tuple[Joint, ...]]:
-    """Pool effects shared by several axes, and name those of each axis; kinds ``apart`` are not pooled.
+    """Pool effects shared by several axes, and name those of each axis.
 
-    Not pooled is what is certain only together with axes on which another function of the motion explains more.
+    Kinds ``apart`` are not pooled, kinds ``withdrawn`` on an axis are not named. Not pooled is what is certain only
+    together with axes on which another function of the motion explains more.
     """
     pooled, joints = _pool(searches, apart)
-    results = of_each_axis(conclude, [(one,) for one in pooled.values()], pooled, workers, steps, "names")
+    arguments = [(one, withdrawn.get(axis, ())) for axis, one in pooled.items()]
+    results = of_each_axis(conclude, arguments, pooled, workers, steps, "names")
     moved = {axis for axis, result in results.items() if any(one.reason == OTHER_FUNCTION for one in result.withheld)}
     touched = [joint for joint in joints if moved & set(joint.axes)]
     uncertain = [type(joint.effect) for joint in touched if not joint.certain(set(joint.axes) - moved, log_alpha)]
     if not uncertain:
         return results, joints
     steps.count += len(searches)
-    return name_pooled(searches, workers, log_alpha, steps, (*apart, *uncertain))
+    return name_pooled(searches, workers, log_alpha, steps, withdrawn, (*apart, *uncertain))
 
 
 def pooled_finding(joint: Joint) -> Finding:

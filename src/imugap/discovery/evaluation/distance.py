@@ -67,6 +67,30 @@ class Distances:
     after: Interval
     floor: Interval
 
+    @property
+    def farther(self) -> bool:
+        """Return whether the final model is farther than the start model, and not within the floor."""
+        return self.after.value > max(self.before.high, self.floor.high)
+
+
+@dataclass(frozen=True, eq=False)
+class Evaluation:
+    """Distances of both models from held-out data.
+
+    Attributes
+    ----------
+    distances
+        By name of the distance: ``distribution`` over all axes, ``navigation`` where the logs can be navigated.
+    axes
+        Distance in distribution of each axis.
+    drifts
+        Drifts of each log that can be navigated.
+    """
+
+    distances: Mapping[str, Distances]
+    axes: Mapping[str, Distances]
+    drifts: tuple["Drifts", ...]
+
 
 @dataclass(frozen=True, eq=False)
 class SquaredDistances:
@@ -100,12 +124,12 @@ class LogStatistics:
     Attributes
     ----------
     views
-        For each axis: logarithms of Allan variance, spectrum and block variances; block means; transformed shares.
+        Of each axis: logarithms of Allan variance, spectrum and block variances; block means; transformed shares.
     path
         Drift through the held-out part, position north, east, down [m], shape (epochs, 3); None if not navigated.
     """
 
-    views: list[np.ndarray]
+    views: Mapping[str, list[np.ndarray]]
     path: np.ndarray | None
 
 
@@ -188,7 +212,7 @@ class HeldOutComparison:
     def _summary(self, table: pd.DataFrame) -> LogStatistics:
         """Return the statistics of the log or of a simulation of it."""
         first, errors, scale = self.held_in, self._errors(table), self._scale
-        views = [view for axis, x in errors.items() for view in _views(x[first:], x[:first].mean(), scale[axis])]
+        views = {axis: _views(x[first:], x[:first].mean(), scale[axis]) for axis, x in errors.items()}
         return LogStatistics(views, None if self.course is None else self._path(table))
 
     def _path(self, table: pd.DataFrame) -> np.ndarray:
@@ -270,10 +294,12 @@ class Drifts:
 
 
 def distribution(
-    own: LogStatistics, before: Sequence[LogStatistics], after: Sequence[LogStatistics]
+    own: LogStatistics, before: Sequence[LogStatistics], after: Sequence[LogStatistics], axes: Iterable[str] = ()
 ) -> SquaredDistances:
-    """Return the distances over views, from the statistics of the measured log and of both ensembles."""
-    return _apart(own.views, *([one.views for one in ensemble] for ensemble in (before, after)))
+    """Return the distances over the views of some axes, by default all, from the statistics of log and ensembles."""
+    names = tuple(axes) or tuple(own.views)
+    flat = [[view for axis in names for view in one.views[axis]] for one in (own, *before, *after)]
+    return _apart(flat[0], flat[1 : 1 + len(before)], flat[1 + len(before) :])
 
 
 def _views(values: np.ndarray, level: float, scale: float) -> list[np.ndarray]:

@@ -9,8 +9,7 @@ from threadpoolctl import threadpool_limits
 from imugap.discovery.axis import AxisResult
 from imugap.discovery.evaluation.distance import (
     SIDES,
-    Distances,
-    Drifts,
+    Evaluation,
     HeldOutComparison,
     LogStatistics,
     combined,
@@ -70,10 +69,8 @@ def _compared(record: PreparedLog, share: float, before: UncertainModel, after: 
     return HeldOutComparison(measured, split, before, after, reference, level, conditions.motion)
 
 
-def distances(
-    logs: Sequence[HeldOutComparison], seed: int, count: int, each: Callable = map
-) -> tuple[dict[str, Distances], tuple[Drifts, ...]]:
-    """Return the distances over logs, and the drifts of those that can be navigated.
+def evaluate(logs: Sequence[HeldOutComparison], seed: int, count: int, each: Callable = map) -> Evaluation:
+    """Return the distances over logs, together and of each axis, and the drifts of those that can be navigated.
 
     Log number k uses the seed ``seed`` + k; ``count`` is the number of simulations of each model, and ``each`` a map
     function, possibly parallel.
@@ -84,10 +81,12 @@ def distances(
     befores, afters = ([list(chain.from_iterable(islice(made, len(parts)))) for _ in logs] for _ in SIDES)
     seen = [(one, one.statistics(), *pair) for one, *pair in zip(logs, befores, afters, strict=True)]
     apart = {"distribution": combined([distribution(*summaries) for _, *summaries in seen])}
+    shared = [axis for axis in seen[0][1].views if all(axis in own.views for _, own, *_ in seen)]
+    axes = {axis: combined([distribution(*summaries, [axis]) for _, *summaries in seen]) for axis in shared}
     paths = tuple(one.drifts_of(*summaries) for one, *summaries in seen if one.course is not None)
     if paths:
         apart["navigation"] = combined([path.distances() for path in paths])
-    return apart, paths
+    return Evaluation(apart, axes, paths)
 
 
 def _ensemble(compared: HeldOutComparison, name: str, seed: int, numbers: range) -> list[LogStatistics]:
