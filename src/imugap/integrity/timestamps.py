@@ -5,27 +5,24 @@ tracked over blocks of rows, so that the count is right also for a slightly wron
 """
 
 from bisect import bisect_left
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 import pandas as pd
 from scipy.ndimage import uniform_filter1d
-from scipy.optimize import isotonic_regression
 
+from imugap.integrity.clock_reset import Continued, continued, row_number
+from imugap.integrity.lattice_clock import lattice_interval, lattice_slots
+from imugap.integrity.packet_clock import packet_slots
 from imugap.integrity.precision import grain
+from imugap.integrity.row_clock import every_row_is_a_sample, in_order, rate_change, single_losses
+from imugap.integrity.row_clock import slots as slots_of_rows
 from imugap.log import TIME, LogError, check, interval
 
-BLOCK = 128
-"""Rows over which the phase of the clock is averaged."""
-BLOCKS = 40
-"""Number of blocks from which the interval is estimated."""
-DETUNED = 5e-4 * np.arange(-40, 41)
-"""Trial values of the relative error of the interval."""
 BLURRED = 0.8
 """Rounding of the stamps [intervals], if it does not divide the interval, above which the clock is not observable."""
-DOUBTFUL = 0.2
-"""Distance from a sample [intervals] above which the first or last stamp may belong to its neighbour."""
 COARSE = 1 / 3
 """Rounding of the stamps [intervals] above which single steps of one interval are not identifiable."""
 WINDOW = 64
@@ -34,8 +31,13 @@ STRAIGHT = 3.0
 """Mean square of the means over windows, in variances of such a mean, above which the clock wanders."""
 SPARSE = 50
 """Samples per row above which the stamps are not of one log."""
-ANEW = 0.1
-"""Ratio of backward steps to stamps out of order below which the clock was reset, rather than rows swapped."""
+FEW = 0.1
+"""Share of lost samples up to which the interval is that of most steps, and of stamps out of order up to which those
+in order show the clock."""
+SAME = 0.1
+"""Relative difference up to which two intervals are one."""
+ASTRAY = 0.25
+"""Share of stamps out of order above which none shows the clock."""
 ROUNDED = 2.0
 """Variance of the stamps, in variances of their rounding, below which there is no other cause."""
 LEAST = 4 * WINDOW
@@ -60,6 +62,8 @@ class Stamps:
         Rounding of each stamp, shape (n,) [s]; zero where there is no stamp.
     even
         Whether the clock is observable in the stamps; if not, each row is a sample.
+    remarks
+        A sentence for each kind of reset of the clock that was undone.
     """
 
     time: np.ndarray
@@ -68,6 +72,7 @@ class Stamps:
     advancing: np.ndarray
     rounding: np.ndarray
     even: bool
+    remarks: tuple[str, ...] = ()
 
     @property
     def kept(self) -> np.ndarray:
@@ -87,8 +92,15 @@ class Stamps:
         return lost
 
     @cached_property
+    def ordered(self) -> np.ndarray:
+        """Return the stamps, shape (n,) [s], missing ones interpolated and none before the one of the row before."""
+        return in_order(self.time)
+
+    @cached_property
     def grid(self) -> np.ndarray:
-        """Return the time of each sample by the stamps around it, shape (count,) [s]."""
+        """Return the time of each sample by the stamps around it, shape (count,) [s]; evenly if the clock is unseen."""
+        if not self.even:
+            return self.line
         rows = self.kept & self.advancing
         return np.interp(np.arange(self.count), self.slots[rows], self.time[rows])
 
@@ -142,38 +154,65 @@ class Stamps:
         return float(np.mean(self.rounding[self.advancing] ** 2) / 12)
 
 
-def stamps(time: np.ndarray) -> Stamps:
-    """Assign stamps ``time`` [s], shape (n,), to an even clock; LogError where time does not advance."""
-    time = np.where(np.isfinite(time), time, np.nan)
-    advancing = _advancing(time)
+def stamps(time: np.ndarray, place: Callable[[int], str] = row_number) -> Stamps:
+    """Assign stamps ``time`` [s], shape (n,), to an even clock.
+
+    Raises a LogError where time does not advance, another run begins, the rate changes or there is no even clock;
+    ``place`` returns the location of a row in its file.
+    """
+    whole = continued(np.where(np.isfinite(time), time, np.nan), place)
+    time, advancing = whole.time, _advancing(whole.time)
     good = time[advancing]
     if len(good) < 2:
         raise LogError("log", "index", "a time that advances", f"{len(good)} stamps in order")
     rounding = np.zeros(len(time))
     rounding[advancing] = grain(good)
-    if np.count_nonzero(~advancing) > len(time) / 4:
-        _require_one_run(time, np.count_nonzero(~advancing))
-        interval = (good[-1] - good[0]) / (len(time) - 1)
-        return Stamps(time, float(interval), np.arange(len(time)), advancing, rounding, even=False)
-    nominal = _nominal(good, float(rounding.max()))
-    ratio = nominal / rounding.max()
-    if ratio < 1 / BLURRED and abs(ratio - np.rint(ratio)) > 1e-3:
-        return Stamps(time, nominal, np.arange(len(time)), advancing, rounding, even=False)
+    coarse = float(rounding.max())
+    ordered = in_order(time)
+    change = rate_change(ordered, coarse)
+    if change is not None and not change.to_multiple:
+        change.refuse(place)
+    if single_losses(ordered):
+        return _of_lattice(whole, advancing, rounding, _required(lattice_interval(good, coarse), good))
+    packets = packet_slots(ordered)
+    if packets is not None:
+        return Stamps(time, packets[1], packets[0], advancing, rounding, False, whole.remarks)
+    astray = np.count_nonzero(~advancing) / len(time)
+    by_rows = every_row_is_a_sample(ordered, coarse)
+    nominal = _nominal(good, coarse)
+    ratio = nominal / coarse
+    blurred = ratio < 1 / BLURRED and abs(ratio - np.rint(ratio)) > 1e-3
+    if blurred or astray > ASTRAY or (by_rows and astray > FEW):
+        slots, interval = slots_of_rows(ordered)
+        return Stamps(time, interval, slots, advancing, rounding, False, whole.remarks)
+    found = _of_lattice(whole, advancing, rounding, nominal)
+    if found.lost.mean() <= FEW:
+        return found
+    lattice = lattice_interval(good, coarse)
+    slots, interval = slots_of_rows(ordered)
+    if by_rows and (lattice is None or abs(lattice / interval - 1) > SAME):
+        return Stamps(time, interval, slots, advancing, rounding, False, whole.remarks)
+    return _of_lattice(whole, advancing, rounding, _required(lattice, good))
+
+
+def _of_lattice(whole: Continued, advancing: np.ndarray, rounding: np.ndarray, nominal: float) -> Stamps:
+    """Assign stamps near the samples of an even clock of nearly the interval ``nominal`` [s]."""
+    good = whole.time[advancing]
     _require_dense(good, nominal)
-    slots = np.full(len(time), -1)
-    slots[advancing] = _slots(good, _tuned(good, nominal))
+    slots = np.full(len(whole.time), -1)
+    slots[advancing] = lattice_slots(good, nominal)
     mean = float(np.polyfit(slots[advancing], good - good[0], 1)[0])
     interval = nominal if abs(mean - nominal) * slots.max() < nominal / 2 else mean
-    return Stamps(time, interval, _filled(slots, advancing), advancing, rounding, even=True)
+    return Stamps(whole.time, interval, _filled(slots, advancing), advancing, rounding, True, whole.remarks)
 
 
-def _require_one_run(time: np.ndarray, astray: int) -> None:
-    """Raise a LogError if few backward steps cause many stamps out of order: the clock was reset."""
-    backward = np.flatnonzero(np.diff(time) < 0)
-    if 0 < len(backward) < ANEW * astray:
-        row = int(backward[0]) + 1
-        found = f"{time[row]:g} s after {time[row - 1]:g} s (runs come in files of their own)"
-        raise LogError("log", f"row {row}", "a time that advances", found)
+def _required(interval: float | None, time: np.ndarray) -> float:
+    """Return the interval [s]; raise a LogError if increasing stamps, shape (n,) [s], have none."""
+    if interval is None:
+        low, high = np.quantile(np.diff(time), [0.05, 0.95])
+        found = f"steps of {low:.3g} to {high:.3g} s in no order, from which no rate follows"
+        raise LogError("log", "column time", "stamps of an even clock", found)
+    return interval
 
 
 def _require_dense(time: np.ndarray, interval: float) -> None:
@@ -192,8 +231,8 @@ def filled(log: pd.DataFrame) -> pd.DataFrame:
     A sample is the mean over the interval that it ends; without filling, the one after a gap would represent all of it.
     """
     found = stamps(log.index.to_numpy())
-    if not found.even or found.count == len(log):
-        return log
+    if found.count == len(log):
+        return log if found.even else log.set_axis(pd.Index(found.grid, name=TIME))
     slots, time = found.slots[found.kept], found.grid
     columns = {name: np.interp(np.arange(found.count), slots, log[name].to_numpy()[found.kept]) for name in log}
     return check(pd.DataFrame(columns, index=pd.Index(time, name=TIME)))
@@ -207,18 +246,6 @@ def _nominal(time: np.ndarray, rounding: float) -> float:
     spans = time[WINDOW:] - time[:-WINDOW]
     low, middle, high = np.quantile(spans, [0.05, 0.5, 0.95])
     return float(middle / WINDOW) if high - low < 2.5 * rounding else mean
-
-
-def _tuned(time: np.ndarray, interval: float) -> float:
-    """Return the interval [s] near the given one that maximises the phase coherence of the stamps within blocks."""
-    blocks = len(time) // BLOCK
-    if not blocks:
-        return interval
-    chosen = np.unique(np.linspace(0, blocks - 1, min(blocks, BLOCKS)).astype(int))
-    parts = time[: blocks * BLOCK].reshape(blocks, BLOCK)[chosen]
-    parts = (parts - parts[:, :1]) / interval
-    agreement = [np.abs(np.exp(2j * np.pi * parts / (1 + change)).mean(axis=1)).mean() for change in DETUNED]
-    return interval * (1 + float(DETUNED[np.argmax(agreement)]))
 
 
 def _advancing(time: np.ndarray) -> np.ndarray:
@@ -240,22 +267,6 @@ def _advancing(time: np.ndarray) -> np.ndarray:
             advancing[rows[i]] = True
             rank, above = rank - 1, time[rows[i]]
     return advancing
-
-
-def _slots(time: np.ndarray, interval: float) -> np.ndarray:
-    """Return the index of the sample at each increasing stamp, shape (n,), from 0."""
-    cycles = (time - time[0]) / interval
-    edges = np.arange(0, max(len(time) - BLOCK // 2, 1), BLOCK)
-    turns = np.add.reduceat(np.exp(2j * np.pi * cycles), edges)
-    sizes = np.diff(np.r_[edges, len(time)])
-    phase = np.unwrap(np.angle(turns) / (2 * np.pi), period=1.0)
-    cycles -= np.interp(np.arange(len(time)), edges + (sizes - 1) / 2, phase)
-    late = np.rint(cycles) - np.arange(len(time))
-    for end, inner in ((0, late[:5]), (-1, late[-5:])):
-        if abs(late[end] - np.median(inner)) == 1 and abs(cycles[end] - np.rint(cycles[end])) > DOUBTFUL:
-            late[end] = np.median(inner)
-    order = np.rint(isotonic_regression(late).x) + np.arange(len(time))
-    return (order - order[0]).astype(int)
 
 
 def _filled(slots: np.ndarray, advancing: np.ndarray) -> np.ndarray:

@@ -1,0 +1,308 @@
+"""One door for stamps and samples: from the table of a file to the true samples of each axis, with gaps as gaps.
+
+:func:`regular` undoes what is certain (rows written twice, counters that wrap, packets, repeated samples), marks what
+is lost as NaN, states all of it in sentences, and raises a LogError where no number could be right.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+from scipy.special import bdtrc
+
+from imugap.integrity.clock_reset import row_number
+from imugap.integrity.refresh import Refresh, held, interpolated
+from imugap.integrity.row_clock import rate_change
+from imugap.integrity.timestamps import Stamps, stamps
+from imugap.log import ACCEL, GYRO, TIME, LogError, axes
+
+IMPROBABLE = 1e-6
+"""Probability of equal rows by chance below which they are written twice."""
+OWN = 0.2
+"""Share of the rows of an axis that another lacks, from which both are streams of their own."""
+CLIPPED = 0.5
+"""Share of samples at one end of the range from which an axis is of no use."""
+OTHER_NOISE = 0.17
+"""Log ratio of the noise of two parts, half of that which half the rate makes in white noise, from which it differs."""
+HEAVY = 3.0
+"""Norm of the specific force [m/s^2] above which gravity is in it."""
+BRIEF = 10
+"""Fewest successive rows in which all axes are zero that are no coincidence."""
+
+
+@dataclass(frozen=True, eq=False)
+class Samples:
+    """True samples of one axis: ``values``, shape (n,), NaN where lost, every ``interval`` [s] from ``begin`` [s]."""
+
+    values: np.ndarray
+    interval: float
+    begin: float
+
+    @property
+    def lost(self) -> np.ndarray:
+        """Return the mask of lost samples, shape (n,)."""
+        return np.isnan(self.values)
+
+
+@dataclass(frozen=True, eq=False)
+class Regular:
+    """Log on an even clock.
+
+    Attributes
+    ----------
+    log
+        All columns at every sample of the clock of the rows, NaN where lost; the table as read where nothing is.
+    interval
+        Interval of that clock [s].
+    samples
+        True samples of each axis that has any; their interval is longer than that of the rows where values repeat.
+    unusable
+        Axes without use, each with a sentence.
+    remarks
+        A sentence for each fault of stamps and samples, in the order of the stages.
+    """
+
+    log: pd.DataFrame
+    interval: float
+    samples: dict[str, Samples]
+    unusable: dict[str, str]
+    remarks: tuple[str, ...]
+
+    @property
+    def lost(self) -> np.ndarray:
+        """Return the mask of the samples of the clock that no axis has, shape (n,)."""
+        return self.log[list(axes(self.log))].isna().all(axis=1).to_numpy()
+
+    def complete(self, longest_s: float) -> pd.DataFrame:
+        """Return the log with gaps of at most ``longest_s`` filled by linear interpolation; LogError for a longer one.
+
+        A sample is the mean over the interval that it ends; without filling, the one after a gap would represent all of
+        it.
+        """
+        if self.unusable:
+            raise LogError("log", "columns", "values on every axis", "; ".join(self.unusable.values()))
+        filled = self.log.interpolate(limit_direction="both")
+        lost = self.log[list(axes(self.log))].isna().any(axis=1).to_numpy()
+        edges = np.flatnonzero(np.diff(np.r_[False, lost, False].astype(int)))
+        first, stop = edges[::2], edges[1::2]
+        lengths = (stop - first + 1) * self.interval
+        if len(lengths) and lengths.max() > longest_s:
+            at = int(np.argmax(lengths))
+            found = f"{lengths[at]:.3g} s after {self.log.index[max(first[at] - 1, 0)]:.10g} s"
+            raise LogError("log", "column time", f"gaps of at most {longest_s:g} s", found)
+        return filled
+
+
+def regular(table: pd.DataFrame, source: str = "log", place: Callable[[int], str] = row_number) -> Regular:
+    """Return the log on an even clock.
+
+    Parameters
+    ----------
+    table
+        Index ``time`` [s], columns of a log (SI); stamps may be missing, repeated or reversed, values not finite.
+    source, place
+        Name of the file for errors, and the location of a row in it.
+    """
+    names = list(axes(table))
+    if not names:
+        raise LogError(source, "columns", "at least one inertial axis", ", ".join(map(str, table.columns)) or "none")
+    once, twice = _once(table, place)
+    finite, holes = _finite(once, place)
+    unusable = _unusable(finite)
+    streams = _streams(finite.drop(columns=list(unusable)) if unusable else finite)
+    try:
+        clocks = [_clock(stream, place) for stream in streams]
+    except LogError as error:
+        raise LogError(source, error.place, error.expected, error.found) from error
+    whole = [_on_clock(*pair) for pair in zip(streams, clocks, strict=True)]
+    log, clock = max(zip(whole, clocks, strict=True), key=lambda pair: pair[0].shape[1])
+    samples, slower = {}, []
+    for one, of in zip(whole, clocks, strict=True):
+        found, remarks = _true_samples(one, of.interval)
+        samples |= found
+        slower += remarks
+    apart = [f"{', '.join(axes(one))}: {1 / of.interval:.4g} Hz on stamps of their own" for one, of in zip(whole, clocks, strict=True)]  # fmt: skip
+    remarks = (
+        *twice, *holes, *unusable.values(), *(apart if len(whole) > 1 else ()),
+        *dict.fromkeys(remark for of in clocks for remark in (*of.remarks, *_uneven(of))), *slower,
+    )  # fmt: skip
+    ordered = {name: samples[name] for name in names if name in samples}
+    return Regular(log, clock.interval, ordered, unusable, remarks)
+
+
+def _once(table: pd.DataFrame, place: Callable[[int], str]) -> tuple[pd.DataFrame, list[str]]:
+    """Return the table without rows written twice, stamp and all values equal, and a sentence if there are any.
+
+    Neighbours of one stamp are new samples if they are equal no more often than neighbours of different stamps.
+    """
+    time = table.index.to_numpy(float)
+    if np.all(np.diff(time) > 0):
+        return table, []
+    again = table.reset_index().duplicated().to_numpy()
+    if not again.any():
+        return table, []
+    values = table.to_numpy(float)
+    same = np.all((values[1:] == values[:-1]) | (np.isnan(values[1:]) & np.isnan(values[:-1])), axis=1)
+    stamped = np.diff(time) == 0
+    chance = (np.count_nonzero(same & ~stamped) + 1) / (np.count_nonzero(~stamped) + 2)
+    trials = max(np.count_nonzero(stamped), np.count_nonzero(again))
+    if bdtrc(np.count_nonzero(again) - 1, trials, chance) > IMPROBABLE:
+        return table, []
+    count, first = np.count_nonzero(again), int(np.argmax(again))
+    return table[~again], [f"{_counted(count, 'row')} written twice, first at {place(first)}: left out"]
+
+
+def _finite(table: pd.DataFrame, place: Callable[[int], str]) -> tuple[pd.DataFrame, list[str]]:
+    """Return the table with NaN for infinite values and for rows without power, and a sentence for each kind."""
+    values, remarks = table.to_numpy(float), []
+    infinite = np.isinf(values)
+    if infinite.any():
+        row, column = np.argwhere(infinite)[0]
+        where = f"{table.columns[column]} at {place(int(row))}"
+        remarks.append(f"{_counted(int(infinite.sum()), 'value')} not finite, first {where}: lost")
+    off = _without_power(table)
+    if off.any():
+        first = int(np.argmax(off))
+        remarks.append(f"{_counted(int(off.sum()), 'row')} zero on all axes, first at {place(first)}: lost")
+    if not remarks:
+        return table, []
+    flawed = infinite | (off[:, None] & np.isin(table.columns, axes(table)))
+    return table.mask(flawed), remarks
+
+
+def _without_power(table: pd.DataFrame) -> np.ndarray:
+    """Return the mask of rows, shape (n,), in which all axes are exactly zero.
+
+    A specific force of zero is no reading at rest. Without gravity in the log many successive rows count, on axes that are
+    rarely zero.
+    """
+    names = list(axes(table))
+    off = np.all(table[names].to_numpy(float) == 0, axis=1)
+    if set(ACCEL) <= set(names) and np.nanmedian(np.linalg.norm(table[list(ACCEL)], axis=1)) > HEAVY:
+        return off
+    edges = np.flatnonzero(np.diff(np.r_[False, off, False].astype(int)))
+    runs = edges[1::2] - edges[::2]
+    long = np.repeat(runs >= BRIEF, runs)
+    if off.mean() > CLIPPED or np.count_nonzero(~long) > 0:
+        return np.zeros(len(off), bool)
+    return off
+
+
+def _unusable(table: pd.DataFrame) -> dict[str, str]:
+    """Return the axes without use, each with a sentence."""
+    found = {}
+    for name in axes(table):
+        values = table[name].to_numpy(float)
+        values = values[~np.isnan(values)]
+        if not len(values):
+            found[name] = f"{name}: no values"
+        elif values.min() == values.max():
+            found[name] = f"{name}: {values[0]:.6g} throughout, no noise can be seen"
+        else:
+            ends = [float(end) for end in (values.min(), values.max()) if np.mean(values == end) > CLIPPED]
+            beyond = [end for end in ends if len(np.unique(values)) > 2 and abs(end) >= np.abs(values).max()]
+            if beyond and name in GYRO and abs(np.median(values)) == abs(beyond[0]):
+                found[name] = f"{name}: at its end of range, {beyond[0]:.6g}, for most of the time"
+    return found
+
+
+def _streams(table: pd.DataFrame) -> list[pd.DataFrame]:
+    """Return the table in parts with stamps of their own: axes that have their values in the same rows.
+
+    Rows of a part without any value are left out; a temperature goes with the first part.
+    """
+    names = list(axes(table))
+    groups: list[list[str]] = []
+    known = {name: table[name].notna().to_numpy() for name in names}
+    for name in names:
+        for group in groups:
+            first = known[group[0]]
+            if np.count_nonzero(first != known[name]) < OWN * max(np.count_nonzero(first | known[name]), 1):
+                group.append(name)
+                break
+        else:
+            groups.append([name])
+    others = [name for name in table if name not in names]
+    if len(groups) <= 1:
+        return [table]
+    parts = [table[[*group, *(others if group is groups[0] else [])]] for group in groups]
+    return [part[part[group].notna().any(axis=1)] for part, group in zip(parts, groups, strict=True)]
+
+
+def _clock(table: pd.DataFrame, place: Callable[[int], str]) -> Stamps:
+    """Return the clock of a table; LogError where its rate changes to a multiple and its noise does, too.
+
+    At the same noise, samples are lost; a device that is set to another rate has other noise.
+    """
+    time = table.index.to_numpy(float)
+    clock = stamps(time, place)
+    change = rate_change(clock.ordered, clock.interval)
+    if change is None or not clock.lost.any():
+        return clock
+    ratios = []
+    for name in axes(table):
+        values = table[name].to_numpy(float)
+        before, after = (np.nanmedian(np.abs(np.diff(part))) for part in (values[: change.row], values[change.row :]))
+        ratios.append(after / before if before > 0 else 1.0)
+    if abs(np.log(np.median(ratios))) > OTHER_NOISE:
+        change.refuse(place)
+    return clock
+
+
+def _on_clock(table: pd.DataFrame, clock: Stamps) -> pd.DataFrame:
+    """Return a table at every sample of its clock, NaN where lost; itself where its rows are the samples."""
+    if clock.even and clock.count == len(table):
+        return table
+    values = np.full((clock.count, table.shape[1]), np.nan)
+    values[clock.slots[clock.kept]] = table.to_numpy(float)[clock.kept]
+    return pd.DataFrame(values, columns=table.columns, index=pd.Index(clock.grid, name=TIME))
+
+
+def _uneven(clock: Stamps) -> list[str]:
+    """Return a sentence for lost samples and for stamps that do not show the clock."""
+    remarks, rate = [], f"{1 / clock.interval:.6g} Hz"
+    if not clock.even:
+        remarks.append(f"stamps uneven or repeated, every row a sample: {rate} by their mean")
+    lost = int(np.count_nonzero(clock.lost))
+    if lost:
+        edges = np.flatnonzero(np.diff(np.r_[False, clock.lost, False].astype(int)))
+        lengths = edges[1::2] - edges[::2]
+        at = int(np.argmax(lengths))
+        where = f"the longest gap {lengths[at] * clock.interval:.3g} s after {clock.grid[max(edges[2 * at] - 1, 0)]:.10g} s"
+        remarks.append(f"{lost} of {clock.count} samples lost at {rate} ({100 * lost / clock.count:.2g} %), {where}")
+    double = len(clock.slots) - int(np.count_nonzero(clock.kept))
+    if double:
+        remarks.append(f"{_counted(double, 'row')} between two samples of the clock: left out")
+    return remarks
+
+
+def _true_samples(log: pd.DataFrame, interval: float) -> tuple[dict[str, Samples], list[str]]:
+    """Return the true samples of each axis of a log on an even clock, and a sentence for each slower sensor."""
+    begin, found, remarks = float(log.index[0]), {}, []
+    for triad in (GYRO, ACCEL):
+        names = [name for name in triad if name in log]
+        if not names:
+            continue
+        columns = log[names].to_numpy(float)
+        known = columns[~np.isnan(columns).any(axis=1)]
+        slow = held(known)
+        if slow is not None:
+            remarks.append(_slower(names, slow, interval, "repeat"))
+        for name, values in zip(names, columns.T, strict=True):
+            refresh = slow or interpolated(values)
+            if refresh is not None and slow is None:
+                remarks.append(_slower([name], refresh, interval, "are interpolated"))
+            one = (values, interval) if refresh is None else refresh.samples(values, interval)
+            found[name] = Samples(*one, begin)
+    return found, remarks
+
+
+def _slower(names: list[str], refresh: Refresh, interval: float, how: str) -> str:
+    rate = f"{1 / (refresh.rows * interval):.4g} Hz"
+    used = "means over longer times are used" if refresh.interpolated else "one of each is used"
+    return f"{', '.join(names)}: values {how} between samples at {rate}, {used}"
+
+
+def _counted(number: int, noun: str) -> str:
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
