@@ -263,5 +263,5 @@ def test_gaps_are_filled_up_to_a_length():
     filled = found.complete(0.1)
     assert len(filled) == COUNT
     assert np.isfinite(filled.to_numpy()).all()
-    with pytest.raises(LogError, match="gaps of at most 0.01 s"):
+    with pytest.raises(LogError, match=r"gaps of at most 0\.01 s"):
         found.complete(0.01)

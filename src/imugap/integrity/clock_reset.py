@@ -99,7 +99,9 @@ def _without_corrections(time: np.ndarray, rows: np.ndarray, place: Callable[[in
         if shift > -max(SHIFTED * usual, SCATTERED * max(map(np.std, levels))):
             continue
         if shift < -min(SET_BACK_S, SET_BACK_SHARE * np.ptp(finite)):
-            found = f"{time[rows[at]]:.10g} s after {time[rows[at - 1]]:.10g} s: another run begins there; split the file"
+            found = (
+                f"{time[rows[at]]:.10g} s after {time[rows[at - 1]]:.10g} s: another run begins there; split the file"
+            )
             raise LogError("log", f"{place(int(rows[at]))}, column time", "a time that increases", found)
         finite[at:] += finite[at - 1] + usual - finite[at]
         set_back.append((int(rows[at]), -float(shift)))

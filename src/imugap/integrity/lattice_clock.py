@@ -65,7 +65,7 @@ def lattice_interval(time: np.ndarray, rounding: float) -> float | None:
 
 
 def lattice_slots(time: np.ndarray, interval: float) -> np.ndarray:
-    """Return the index of the sample at each increasing stamp, shape (n,), from 0; ``interval`` [s] may be slightly off."""
+    """Return the index of the sample at each increasing stamp, shape (n,), from 0, for a nearly right interval [s]."""
     interval = _tuned(time, interval)
     cycles = (time - time[0]) / interval
     edges = np.arange(0, max(len(time) - BLOCK // 2, 1), BLOCK)
@@ -89,7 +89,7 @@ def _tuned(time: np.ndarray, interval: float) -> float:
 
 
 def _block_coherence(time: np.ndarray, trials: np.ndarray) -> np.ndarray:
-    """Return the mean length of the mean vector of the phases of stamps, shape (n,), in a block, for trial intervals."""
+    """Return the mean length of the mean vector of the phases of stamps, shape (n,), in a block, by interval."""
     blocks = max(len(time) // BLOCK, 1)
     chosen = np.unique(np.linspace(0, blocks - 1, min(blocks, BLOCKS)).astype(int))
     parts = time[: blocks * BLOCK].reshape(blocks, -1)[chosen]

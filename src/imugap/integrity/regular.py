@@ -122,7 +122,10 @@ def regular(table: pd.DataFrame, source: str = "log", place: Callable[[int], str
         found, remarks = _true_samples(one, of.interval)
         samples |= found
         slower += remarks
-    apart = [f"{', '.join(axes(one))}: {1 / of.interval:.4g} Hz on stamps of their own" for one, of in zip(whole, clocks, strict=True)]  # fmt: skip
+    apart = [
+        f"{', '.join(axes(one))}: {1 / of.interval:.4g} Hz on stamps of their own"
+        for one, of in zip(whole, clocks, strict=True)
+    ]
     remarks = (
         *twice, *holes, *unusable.values(), *(apart if len(whole) > 1 else ()),
         *dict.fromkeys(remark for of in clocks for remark in (*of.remarks, *_uneven(of))), *slower,
@@ -174,8 +177,8 @@ def _finite(table: pd.DataFrame, place: Callable[[int], str]) -> tuple[pd.DataFr
 def _without_power(table: pd.DataFrame) -> np.ndarray:
     """Return the mask of rows, shape (n,), in which all axes are exactly zero.
 
-    A specific force of zero is no reading at rest. Without gravity in the log many successive rows count, on axes that are
-    rarely zero.
+    A specific force of zero is no reading at rest. Without gravity in the log many successive rows count, on axes that
+    are zero nowhere else.
     """
     names = list(axes(table))
     off = np.all(table[names].to_numpy(float) == 0, axis=1)
@@ -269,7 +272,9 @@ def _uneven(clock: Stamps) -> list[str]:
         edges = np.flatnonzero(np.diff(np.r_[False, clock.lost, False].astype(int)))
         lengths = edges[1::2] - edges[::2]
         at = int(np.argmax(lengths))
-        where = f"the longest gap {lengths[at] * clock.interval:.3g} s after {clock.grid[max(edges[2 * at] - 1, 0)]:.10g} s"
+        where = (
+            f"the longest gap {lengths[at] * clock.interval:.3g} s after {clock.grid[max(edges[2 * at] - 1, 0)]:.10g} s"
+        )
         remarks.append(f"{lost} of {clock.count} samples lost at {rate} ({100 * lost / clock.count:.2g} %), {where}")
     double = len(clock.slots) - int(np.count_nonzero(clock.kept))
     if double:

@@ -61,7 +61,7 @@ def read_fixes(path: str | Path) -> pd.DataFrame:
     for name in ("latitude", "longitude"):
         if name in table:
             table[name] = to_si(table[name], "deg")
-    return gnss.check(table, path, partial(_place, path))
+    return gnss.check(table, path, partial(place_of, path))
 
 
 def read_raw(path: str | Path, dataset: DataSet, run: int) -> pd.DataFrame:
@@ -319,14 +319,14 @@ def require_order(table: pd.DataFrame, path: Path) -> None:
     if len(late):
         row = int(late[0])
         found = f"{time[row]} after {time[row - 1]}" if row else f"{time[row]}"
-        raise LogError(path, f"{_place(path, row)}, column time", "a time that increases", f"{found} ({_rows(late)})")
+        raise LogError(path, f"{place_of(path, row)}, column time", "a time that increases", f"{found} ({_rows(late)})")
 
 
 def require_numbers(table: pd.DataFrame, path: Path) -> None:
     """Raise unless every sample is finite."""
     rows, columns = np.nonzero(~np.isfinite(table.to_numpy()))
     if len(rows):
-        place = f"{_place(path, int(rows[0]))}, column {table.columns[columns[0]]}"
+        place = f"{place_of(path, int(rows[0]))}, column {table.columns[columns[0]]}"
         raise LogError(path, place, "a finite number", f"{table.iat[rows[0], columns[0]]} ({_rows(np.unique(rows))})")
 
 
@@ -352,7 +352,7 @@ def _rows(rows: np.ndarray) -> str:
     return f"{len(rows)} such row{'s' if len(rows) > 1 else ''}"
 
 
-def _place(path: Path, row: int) -> str:
+def place_of(path: Path, row: int) -> str:
     """Return the location of data row ``row``: the line of a text file, header and empty lines included."""
     if path.suffix.lower() != ".csv":
         return f"row {row}"

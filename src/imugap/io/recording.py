@@ -6,11 +6,12 @@ anything that cannot be recognised is a :class:`imugap.log.LogError` with the pl
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 
 import pandas as pd
 
+from imugap.integrity.regular import Regular, regular
 from imugap.io import readers
 from imugap.log import check
 
@@ -70,6 +71,12 @@ class Recording:
         """Return the canonical log; LogError where a stamp does not increase or a sample is no number."""
         readers.require_order(self.table, self.source)
         return self._checked(self.table)
+
+    @cached_property
+    def regular(self) -> Regular:
+        """Return the true samples on an even clock, with gaps as gaps; LogError where no rate or no value is right."""
+        readers.require_si(self.table, self.source)
+        return regular(self.table, str(self.source), partial(readers.place_of, self.source))
 
     @cached_property
     def repaired(self) -> pd.DataFrame:
