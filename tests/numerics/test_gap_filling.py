@@ -102,3 +102,12 @@ def test_equal_samples_stay_equal():
     flawed = gaps()
     filled = Autoregression.of(np.full(COUNT, 2.0), ~flawed).fill(np.full(COUNT, 2.0), flawed, stream(5, "equal"))
     np.testing.assert_allclose(filled, 2.0)
+
+
+def test_innovations_are_the_noise_that_drives_an_autoregression():
+    noise = stream(9, "driving").standard_normal(COUNT)
+    model = Autoregression(3.0, np.array([0.5, -0.8, 1.0]), 1.0)
+    values = 3.0 + lfilter([1.0], model.whitening[::-1], noise)
+    innovations = model.innovations(values)
+    np.testing.assert_allclose(innovations[2:], noise[2:], atol=1e-9)
+    assert np.abs(innovations[:2]).max() < 5

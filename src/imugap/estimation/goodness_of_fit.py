@@ -16,6 +16,7 @@ from imugap.estimation.likelihood import Composition, Grid, parameters
 from imugap.numerics.daubechies import depth
 
 FITS = "fits"
+MISFIT = "misfit"
 DIFFERENCE = 1e-4
 """Change of a log parameter in a difference quotient."""
 SATURATED = 1e-3
@@ -62,6 +63,8 @@ def of(
     level: float = 0.95,
     width: int = 2,
     fitted: bool = True,
+    highest: float = np.inf,
+    share: float = 1.0,
 ) -> Goodness:
     """Test a model of an error sequence.
 
@@ -77,6 +80,10 @@ def of(
         Whether the parameters were estimated from this sequence. The residuals of an efficient estimate have the
         covariance C - J V J', C of the wavelet variances, J their slopes, V the Cramer-Rao bound of the parameters; a
         ramp counts as known.
+    highest
+        Highest frequency [Hz] of the model: octaves above are not judged.
+    share
+        Share of the samples that were measured; the others are drawn given these.
     """
     sequence = np.asarray(sequence, float)
     levels = depth(len(sequence), width)
@@ -86,6 +93,7 @@ def of(
     )
     variance = np.diag(wavelet_variance.covariance(model, interval, len(sequence), levels, width))
     removed = _removed(model, interval, len(sequence), levels, width) if fitted else np.zeros(levels)
+    scatter = np.maximum(variance - removed, SATURATED * variance)
     index = pd.RangeIndex(1, levels + 1, name="level")
     columns = {
         "tau": 2.0 ** (index - 1) * interval,
@@ -95,11 +103,12 @@ def of(
         "implied": implied,
         "ratio": observed / implied,
         "deviation": (observed - implied) / np.sqrt(variance),
-        "p": _probability(observed / implied, 2 * implied**2 / np.maximum(variance - removed, SATURATED * variance)),
+        "p": _probability(observed / implied, share * 2 * implied**2 / scatter),
     }
     table = pd.DataFrame(columns, index=index)
-    joint = float(-np.expm1(levels * np.log1p(-table["p"].min())))
-    off = table[table["p"] < 1 - level ** (1 / levels)]
+    judged = table[table["high_hz"] <= max(highest, table["high_hz"].min())]
+    joint = float(-np.expm1(len(judged) * np.log1p(-judged["p"].min())))
+    off = judged[judged["p"] < 1 - level ** (1 / len(judged))]
     return Goodness(table, joint, _verdict(off, joint) if len(off) else FITS)
 
 
@@ -135,7 +144,7 @@ def _verdict(off: pd.DataFrame, p_value: float) -> str:
     rest = len(ranges) - NAMED
     named = [*map(_range, ranges[:NAMED]), *([f"{rest} more"] if rest > 0 else [])]
     shown = f"p = {p_value:.2g}" if p_value > SMALLEST else f"p < {SMALLEST:g}"
-    return f"misfit at {'; '.join(named)} ({shown})"
+    return f"{MISFIT} at {'; '.join(named)} ({shown})"
 
 
 def _range(run: pd.DataFrame) -> str:

@@ -108,7 +108,8 @@ class Cosines:
     """Sufficient statistics of a sequence: sums over bins of z_k^2 and a_k z_k, z its cosine coefficients.
 
     With ``ramp`` a ramp is unknown besides the mean; its least-squares estimate, of ``slope`` [unit/s], is subtracted
-    first, because its coefficients alternate within a bin (the likelihood does not depend on it).
+    first, because its coefficients alternate within a bin (the likelihood does not depend on it). ``share`` is that
+    of the samples that were measured: the others are drawn given these, and add no information.
     """
 
     grid: Grid
@@ -116,9 +117,17 @@ class Cosines:
     cross: np.ndarray
     ramp: bool
     slope: float = 0.0
+    share: float = 1.0
 
     @classmethod
-    def of(cls, sequence: np.ndarray, interval: float, highest: float = np.inf, ramp: bool = False) -> "Cosines":
+    def of(
+        cls,
+        sequence: np.ndarray,
+        interval: float,
+        highest: float = np.inf,
+        ramp: bool = False,
+        share: float = 1.0,
+    ) -> "Cosines":
         """Transform ``sequence``, shape (n,), sampled every ``interval`` [s]; use frequencies to ``highest`` [Hz]."""
         sequence = np.asarray(sequence, float)
         if not np.ptp(sequence) > 0:
@@ -137,7 +146,7 @@ class Cosines:
         for first, edges in zip((2, 1), grid.edges, strict=True):
             power.append(np.add.reduceat(coefficients[first : last + 1 : 2] ** 2, edges))
             cross.append(np.add.reduceat(weighted[first : last + 1 : 2], edges))
-        return cls(grid, np.concatenate(power), np.concatenate(cross), ramp, slope)
+        return cls(grid, np.concatenate(power), np.concatenate(cross), ramp, slope, share)
 
     def less(self, slope: float) -> "Cosines":
         """Return the statistics of the sequence less a ramp of known ``slope`` [unit/s], from those with ``ramp``.
@@ -147,7 +156,7 @@ class Cosines:
         ramp = (self.slope - slope) * ramp_column(self.grid.square, self.grid.interval)
         ramp[: self.grid.odd] = 0.0
         cross = self.cross + ramp * self.grid.leverage
-        return Cosines(self.grid, self.power + ramp * (self.cross + cross), cross, False)
+        return Cosines(self.grid, self.power + ramp * (self.cross + cross), cross, False, share=self.share)
 
 
 @dataclass(frozen=True, eq=False)

@@ -47,6 +47,7 @@ def fit(
     ramp: bool = False,
     highest: float = np.inf,
     level: float = 0.95,
+    share: float = 1.0,
 ) -> Fit:
     """Fit a sum of processes to an error sequence of unknown mean.
 
@@ -63,8 +64,10 @@ def fit(
         Highest frequency [Hz] that is used (e.g. below the cutoff of the filter of the device).
     level
         Confidence level of the intervals.
+    share
+        Share of the samples that were measured; the others are drawn given these.
     """
-    problem = LikelihoodProblem(Composition.of(*kinds), Cosines.of(sequence, interval, highest, ramp))
+    problem = LikelihoodProblem(Composition.of(*kinds), Cosines.of(sequence, interval, highest, ramp, share))
     return problem.estimate(problem.maximise(starts=[*problem.starts_without_one_density()])[0], level)
 
 
@@ -80,12 +83,14 @@ class HigherMaximumError(Exception):
 class LikelihoodProblem:
     """Likelihood of a log under one composition, to be maximised and profiled.
 
-    The log may be in independent parts of equal length, each with a mean (and a ramp) of its own.
+    The log may be in independent parts of equal length, each with a mean (and a ramp) of its own. Information counts
+    with the share of the samples that were measured.
     """
 
     def __init__(self, composition: Composition, *parts: Cosines) -> None:
         """Prepare the likelihood of the composition for the statistics of the parts of the log."""
         self.composition, self.parts, self.grid = composition, parts, parts[0].grid
+        self.share = parts[0].share
         self.power = sum(part.power for part in parts)
         self.number = len(parts) * self.grid.number
         self.shapes = composition.shapes(self.grid)
@@ -113,7 +118,7 @@ class LikelihoodProblem:
         best, value, converged = self.local_maximum(start)
         best = self._ordered(best)
         try:
-            ends = self.profiles(best, value, chdtri(1, 1 - level))
+            ends = self.profiles(best, value, chdtri(1, 1 - level) / self.share)
         except HigherMaximumError as found:
             return self.estimate(found.theta, level)
         return self.result(best, value, converged, ends, level)
@@ -222,7 +227,8 @@ class LikelihoodProblem:
     ) -> Fit:
         """Return the fit; a process without which the likelihood is no lower gets density zero."""
         ramp = self.parts[0].ramp
-        covariance = np.linalg.inv(fisher(best, self.shapes, self.grid, ramp) + 1e-12 * np.eye(len(best)))
+        information = self.share * fisher(best, self.shapes, self.grid, ramp)
+        covariance = np.linalg.inv(information + 1e-12 * np.eye(len(best)))
         absent = np.array([self._absent(best, value, index) for index in range(len(best))])
         estimates = []
         for quantity, (low, high) in zip(self.composition.quantities(), ends, strict=True):
@@ -252,11 +258,16 @@ class LikelihoodProblem:
         mixtures = [self._slopes(best, index, np.sqrt(covariance[index, index])) for index in sizes]
         low = min(quantile((1 - level) / 2, *mixture) for mixture in mixtures)
         high = max(quantile((1 + level) / 2, *mixture) for mixture in mixtures)
-        value, variance = slope(best, self.shapes, self.parts[0])
+        value, variance = self._slope(best)
         known = Identifiability.IDENTIFIED if low * high > 0 else Identifiability.UPPER_BOUND
         return ParameterEstimate(
             RateRamp.name, 1, "slope", value, low, high, float(np.sqrt(variance) / abs(value)), known
         )
+
+    def _slope(self, theta: np.ndarray) -> tuple[float, float]:
+        """Return the slope of the ramp and its variance under the model."""
+        value, variance = slope(theta, self.shapes, self.parts[0])
+        return value, variance / self.share
 
     def _slopes(self, best: np.ndarray, index: int, error: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return weights, means and deviations of the slope along the profile of the density (or std) ``index``.
@@ -265,12 +276,11 @@ class LikelihoodProblem:
         the slope: for a random walk, in its density (Gelman 2006, Bayesian Analysis 1, 515-533). ``error`` is that of
         the log density.
         """
-        (log,) = self.parts
         below, above = (self._profile_points(best, index, side * min(SPACING, error / 1.5)) for side in (-1, 1))
         points = [*reversed(below), best, *above]
-        heights = np.array([self(point)[0] for point in points])
-        means, variances = np.array([slope(point, self.shapes, log) for point in points]).T
-        without = slope(self._without(best, index), self.shapes, log)[1]
+        heights = self.share * np.array([self(point)[0] for point in points])
+        means, variances = np.array([self._slope(point) for point in points]).T
+        without = self._slope(self._without(best, index))[1]
         added, deviations = np.sqrt(np.maximum(variances - without, 0.0)), np.sqrt(variances)
         prior = np.abs(np.gradient(added)) + 1e-9 * deviations  # not zero for a process that adds nothing
         weights = prior * np.exp(heights - heights.max())

@@ -103,7 +103,14 @@ def penalty(level: float) -> float:
     return float(chdtri(1, 2 * p)) / 2
 
 
-def choose(sequence: np.ndarray, interval: float, highest: float = np.inf, level: float = 0.95) -> Choice:
+def choose(
+    sequence: np.ndarray,
+    interval: float,
+    highest: float = np.inf,
+    level: float = 0.95,
+    share: float = 1.0,
+    terms: Kinds = TERMS,
+) -> Choice:
     """Select the effects of an error sequence of unknown mean.
 
     Parameters
@@ -114,10 +121,14 @@ def choose(sequence: np.ndarray, interval: float, highest: float = np.inf, level
         Highest frequency [Hz] that is used (e.g. below the cutoff of the filter of the device).
     level
         Confidence level of every decision and of the intervals.
+    share
+        Share of the samples that were measured; the others are drawn given these.
+    terms
+        Kinds of effects to select from, of :data:`TERMS`.
     """
     if len(sequence) < SHORTEST:
         raise ValueError(f"choice: expected at least {SHORTEST} samples; found {len(sequence)}")
-    search = _Search(np.asarray(sequence, float), interval, highest, level)
+    search = _Search(np.asarray(sequence, float), interval, highest, level, share, terms)
     search.search()
     return search.select()
 
@@ -136,11 +147,15 @@ class _Fitted:
 class _Search:
     """Fitted compositions of one log."""
 
-    def __init__(self, sequence: np.ndarray, interval: float, highest: float, level: float) -> None:
-        self.level, self.penalty = level, penalty(level)
-        self.whole = [Cosines.of(sequence, interval, highest, ramp) for ramp in (False, True)]
+    def __init__(
+        self, sequence: np.ndarray, interval: float, highest: float, level: float, share: float, terms: Kinds
+    ) -> None:
+        self.terms, self.level, self.share, self.penalty = terms, level, share, penalty(level) / share
+        self.whole = [Cosines.of(sequence, interval, highest, ramp, share) for ramp in (False, True)]
         blocks = sequence[: len(sequence) // FOLDS * FOLDS].reshape(FOLDS, -1)
-        self.blocks = [[Cosines.of(block, interval, highest, ramp) for block in blocks] for ramp in (False, True)]
+        self.blocks = [
+            [Cosines.of(block, interval, highest, ramp, share) for block in blocks] for ramp in (False, True)
+        ]
         self.fits: dict[Kinds, _Fitted] = {}
 
     def search(self) -> None:
@@ -148,7 +163,7 @@ class _Search:
         queue: list[Kinds] = [(WhiteNoise,)]
         self._fit(queue[0])
         for here in queue:
-            for there in _neighbours(here):
+            for there in _neighbours(here, self.terms):
                 self._fit_from(there, here)
                 if self.fits[there].criterion > self.fits[here].criterion and there not in queue:
                     queue.append(there)
@@ -191,7 +206,7 @@ class _Search:
         scores = np.array([self._scores(fitted) for fitted in fits])
         number = np.array([parameters(fitted.kinds) for fitted in fits])
         total = scores.sum(axis=1)
-        worse_than = total - total[:, None] > -np.log(1 - self.level)
+        worse_than = total - total[:, None] > -np.log(1 - self.level) / self.share
         rejected = (worse_than & (number <= number[:, None])).any(axis=1)
         best = int(np.flatnonzero(~rejected)[0])
         chosen = fits[best]
@@ -214,7 +229,7 @@ class _Search:
 
     def _is_local_best(self, fitted: _Fitted) -> bool:
         """Return whether no move raises the criterion of a composition."""
-        near = (self.fits.get(kinds) for kinds in _neighbours(fitted.kinds))
+        near = (self.fits.get(kinds) for kinds in _neighbours(fitted.kinds, self.terms))
         return all(other is not None and other.criterion <= fitted.criterion for other in near)
 
     def _is_alternative(self, fitted: _Fitted, chosen: _Fitted) -> bool:
@@ -236,12 +251,12 @@ def _stochastic(kinds: Kinds) -> Kinds:
     return tuple(kind for kind in kinds if kind is not RateRamp)
 
 
-def _neighbours(kinds: Kinds) -> Iterator[Kinds]:
-    """Yield the compositions that one move reaches, with at least one random process each."""
+def _neighbours(kinds: Kinds, terms: Kinds = TERMS) -> Iterator[Kinds]:
+    """Yield the compositions of ``terms`` that one move reaches, with at least one random process each."""
     here = Counter(kinds)
     for gain, loss in MOVES:
         there = here + gain - loss
-        if loss <= here and there <= MOST and there.keys() - {RateRamp}:
+        if loss <= here and there <= MOST and there.keys() - {RateRamp} and there.keys() <= {*terms}:
             yield tuple(sorted(there.elements(), key=TERMS.index))
 
 

@@ -2,9 +2,10 @@
 
 import json
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from difflib import get_close_matches
 from enum import StrEnum
+from functools import partial
 from math import isfinite
 
 import numpy as np
@@ -13,12 +14,29 @@ from scipy.special import chdtri
 
 from imugap.effects import CATALOGUE, GaussMarkov, Quantization, RateRamp, WhiteNoise
 from imugap.estimation import allan, allan_slopes, goodness_of_fit, maximum_likelihood
+from imugap.estimation.gap_draws import with_gaps_drawn
 from imugap.estimation.gmwm import estimator
 from imugap.estimation.gmwm.estimator import GmwmOptions
 from imugap.estimation.model_selection import TERMS, Choice, Kinds, choose, title
 from imugap.estimation.result import Fit, Identifiability, ParameterEstimate
+from imugap.estimation.screening import LEVEL_STEP, OUTLIER, LeftOut, screen
+from imugap.estimation.temperature_term import TemperatureTerm, temperature_term
 from imugap.estimation.wavelet_variance import EFFICIENCY
 from imugap.log import GYRO
+from imugap.stream import stream
+
+SEED = 0
+"""Seed of the samples that are drawn where the log has none that is undisturbed."""
+RESOLVED = 1.0
+"""Least correlation time of a process, in samples: a faster one is white noise through an output filter."""
+FLAT = 0.95
+"""Spectrum of filtered white noise, over that at frequency zero, down to which it counts as white."""
+SEPARATING = 8
+"""Width of the wavelet filter that keeps octaves above the highest frequency apart from those below."""
+NARROWINGS = 3
+"""Most selections below lower and lower frequencies."""
+SHOWN = 3
+"""Number of stretches that a sentence lists."""
 
 
 class Method(StrEnum):
@@ -78,13 +96,22 @@ class EstimatorSettings:
             expected = f"at most one {GaussMarkov.name} for the method {Method.ALLAN}"
             raise ValueError(f"terms: expected {expected}; found {title(kinds)}")
 
-    def estimate(self, sequence: np.ndarray, interval: float, kinds: Kinds) -> Fit:
-        """Estimate effects of the given kinds from samples, shape (n,), evenly spaced by ``interval`` [s]."""
+    def supported(self, kinds: Kinds) -> Kinds:
+        """Return the kinds of a selection that the method can estimate: that of slopes has one Gauss-Markov process."""
+        return tuple(dict.fromkeys(kinds)) if self.method == Method.ALLAN else kinds
+
+    def estimate(
+        self, sequence: np.ndarray, interval: float, kinds: Kinds, highest: float = np.inf, share: float = 1.0
+    ) -> Fit:
+        """Estimate effects of the given kinds from samples, shape (n,), evenly spaced by ``interval`` [s].
+
+        Likelihood alone uses the highest frequency [Hz], and the share of the samples that were measured.
+        """
         self.check(kinds)
         random, ramp = tuple(kind for kind in kinds if kind is not RateRamp), RateRamp in kinds
         match self.method:
             case Method.LIKELIHOOD:
-                return maximum_likelihood.fit(sequence, interval, random, ramp, self.highest, self.level)
+                return maximum_likelihood.fit(sequence, interval, random, ramp, highest, self.level, share)
             case Method.WAVELET:
                 efficiency = EFFICIENCY if self.robust else 1.0
                 options = GmwmOptions(ramp, efficiency=efficiency, level=self.level)
@@ -95,13 +122,31 @@ class EstimatorSettings:
 
 @dataclass(frozen=True)
 class AxisEstimate:
-    """Estimate of one axis: the fit, its goodness of fit in words, and compositions that fit as well."""
+    """Estimate of one axis.
+
+    Attributes
+    ----------
+    axis, method, fit
+        Name of the axis, method, and fitted effects.
+    goodness
+        Goodness of fit in words.
+    alternatives
+        Compositions that fit as well.
+    remarks
+        Sentences on what was left out of the log, and on what explains it.
+    """
 
     axis: str
     method: Method
     fit: Fit
     goodness: str
     alternatives: tuple[Kinds, ...] = ()
+    remarks: tuple[str, ...] = ()
+
+    @property
+    def fits(self) -> bool:
+        """Return whether nothing in the log speaks against the model."""
+        return not self.goodness.startswith(goodness_of_fit.MISFIT)
 
     @property
     def unit(self) -> str:
@@ -120,6 +165,7 @@ class AxisEstimate:
         kinds = set(map(type, self.fit.model))
         if GaussMarkov in kinds and not kinds & {WhiteNoise, Quantization}:
             parts.append(f"Without white noise {GaussMarkov.name} 1 may be an output filter")
+        parts.extend(self.remarks)
         return ". ".join(parts) + "."
 
     def parameters(self) -> list[tuple[ParameterEstimate, str]]:
@@ -142,20 +188,144 @@ class AxisEstimate:
         }
 
 
-def estimate_axis(axis: str, sequence: np.ndarray, interval: float, settings: EstimatorSettings) -> AxisEstimate:
-    """Estimate the effects of one axis from its samples, shape (n,), evenly spaced by ``interval`` [s]."""
-    choice: Choice | None = None
+def estimate_axis(
+    axis: str,
+    sequence: np.ndarray,
+    interval: float,
+    settings: EstimatorSettings,
+    temperature: np.ndarray | None = None,
+    start: float = 0.0,
+) -> AxisEstimate:
+    """Estimate the effects of one axis; disturbed samples are left out.
+
+    Parameters
+    ----------
+    axis
+        Name of the axis.
+    sequence
+        Samples, shape (n,), evenly spaced by ``interval`` [s]; NaN where lost.
+    settings
+        What is estimated, and how.
+    temperature
+        Readings [degC], shape (n,), which may explain a part of the bias.
+    start
+        Time of the first sample [s].
+    """
     try:
-        if settings.kinds is None:
-            choice = choose(sequence, interval, settings.highest, settings.level)
-        if choice and settings.method == Method.LIKELIHOOD:
-            fit = choice.fit
-        else:
-            fit = settings.estimate(sequence, interval, choice.kinds if choice else settings.kinds)
-        checked = goodness_of_fit.of(fit.model, sequence, interval)
+        screened = screen(sequence, stream(SEED, "estimate", axis))
+        values, share = with_gaps_drawn(screened, interval, stream(SEED, "gaps", axis)), screened.share
+        found = selected(values, interval, settings, share) if settings.kinds is None else None
+        term = _temperature_term(values, temperature, interval, found, settings, share)
+        if term is not None:
+            values, found = values - term.values, replace(found, choice=term.choice)
+        fit, highest = _fitted(values, interval, settings, found, share)
+        width = SEPARATING if highest < 0.5 / interval else 2
+        checked = goodness_of_fit.of(fit.model, values, interval, width=width, highest=highest, share=share)
     except ValueError as error:
         raise ValueError(f"{axis}: {error}") from error
-    return AxisEstimate(axis, settings.method, fit, checked.verdict, choice.alternatives if choice else ())
+    remarks = [*map(partial(_left_out, interval=interval, start=start, count=len(values)), screened.disturbances)]
+    if found and isfinite(found.highest) and found.highest != settings.highest:
+        remarks.append(f"Above {found.highest:.3g} Hz the noise is coloured, as by an output filter: estimated below")
+    if term is not None:
+        fit = replace(fit, model=fit.model + term.effect, estimates=(*fit.estimates, *term.estimates))
+        remarks.append("The temperature of the log explains a part of the bias, which is not a random process")
+    alternatives = found.choice.alternatives if found else ()
+    return AxisEstimate(axis, settings.method, fit, checked.verdict, alternatives, tuple(remarks))
+
+
+def _fitted(
+    values: np.ndarray, interval: float, settings: EstimatorSettings, found: "Selected | None", share: float
+) -> tuple[Fit, float]:
+    """Return the fit of the effects asked for or selected, and the highest frequency of the model [Hz]."""
+    if found is None:
+        return settings.estimate(values, interval, settings.kinds, settings.highest, share), settings.highest
+    if settings.method == Method.LIKELIHOOD:
+        return found.choice.fit, found.highest
+    return settings.estimate(values, interval, settings.supported(found.choice.kinds)), found.highest
+
+
+@dataclass(frozen=True)
+class Selected:
+    """Selection of effects, the highest frequency [Hz] that it uses, and the effects among which it was made."""
+
+    choice: Choice
+    highest: float
+    terms: Kinds
+
+
+def selected(values: np.ndarray, interval: float, settings: EstimatorSettings, share: float = 1.0) -> Selected:
+    """Select the effects of samples; below the frequencies at which an output filter colours their white noise.
+
+    Noise that is correlated over less than :data:`RESOLVED` samples is white noise through a filter: its density is
+    that at frequencies where the filter is flat.
+    """
+    highest, terms = settings.highest, TERMS
+    for _ in range(NARROWINGS):
+        choice = choose(values, interval, highest, settings.level, share, terms)
+        fast = [
+            one.correlation_time / interval
+            for one in choice.fit.model
+            if isinstance(one, GaussMarkov) and one.std > 0 and one.correlation_time < RESOLVED * interval
+        ]
+        if not fast:
+            break
+        highest = min(highest, _flat_band(max(fast)) / interval)
+        terms = tuple(kind for kind in TERMS if kind is not Quantization)  # shows at the highest frequencies alone
+    else:
+        kinds = _whitened(choice.kinds, len(fast))
+        fit = settings.estimate(values, interval, kinds, highest, share)
+        choice = replace(choice, kinds=kinds, fit=fit)
+    return Selected(choice, highest, terms)
+
+
+def _flat_band(samples: float) -> float:
+    """Return the frequency [cycles per sample] up to which a Gauss-Markov process is nearly white."""
+    decay = np.exp(-1 / samples)
+    return float(np.arccos(max(1 - (1 - decay) ** 2 * (1 / FLAT - 1) / (2 * decay), -1.0)) / (2 * np.pi))
+
+
+def _whitened(kinds: Kinds, fast: int) -> Kinds:
+    """Return the kinds with the fastest Gauss-Markov processes replaced by white noise."""
+    slow = max(kinds.count(GaussMarkov) - fast, 0)
+    others = {kind for kind in kinds if kind is not GaussMarkov} | {WhiteNoise}
+    return tuple(sorted((*others, *[GaussMarkov] * slow), key=TERMS.index))
+
+
+def _temperature_term(
+    values: np.ndarray,
+    temperature: np.ndarray | None,
+    interval: float,
+    found: Selected | None,
+    settings: EstimatorSettings,
+    share: float,
+) -> TemperatureTerm | None:
+    if temperature is None or found is None:
+        return None
+
+    def select(rest: np.ndarray) -> Choice:
+        return choose(rest, interval, found.highest, settings.level, share, found.terms)
+
+    return temperature_term(values, temperature, interval, found.choice, select, settings.level)
+
+
+def _left_out(found: LeftOut, interval: float, start: float, count: int) -> str:
+    """Return in words what was left out, e.g. "Left out: 2 knocks, 200 samples (0.1 %), at 12-12.6 s, 30-31.4 s"."""
+    times = [(start + first * interval, start + (end - 1) * interval) for first, end in found.stretches[:SHOWN]]
+    places = [f"{first:.6g} s" if first == last else f"{first:.6g}-{last:.6g} s" for first, last in times]
+    rest = len(found.stretches) - SHOWN
+    place = ", ".join(places) + (f" and {rest} more" if rest > 0 else "")
+    if found.kind == LEVEL_STEP:
+        return f"Taken out: {_counted(len(found.stretches), found.kind)} at {place}"
+    share = f"{100 * found.samples / count:.2g} %"
+    if found.kind == OUTLIER:
+        return f"Left out: {_counted(found.samples, found.kind)} ({share}) at {place}"
+    number = _counted(len(found.stretches), found.kind)
+    return f"Left out: {number}, {_counted(found.samples, 'sample')} ({share}), at {place}"
+
+
+def _counted(number: int, noun: str) -> str:
+    plural = {"stuck stretch": "stuck stretches"}.get(noun, f"{noun}s")
+    return f"{number} {noun if number == 1 else plural}"
 
 
 def kinds_of(names: Sequence[str]) -> Kinds:

@@ -71,6 +71,13 @@ class Autoregression:
         known[at] = noise - cho_solve_banded((factor, False), pull[at])
         return np.where(flawed, self.level + known, values)
 
+    def innovations(self, values: np.ndarray) -> np.ndarray:
+        """Return each sample less its prediction, shape (n,): by those before it, at the start by those after it."""
+        reach = len(self.whitening) - 1
+        forward = np.correlate(values - self.level, self.whitening, "valid")
+        backward = np.correlate(values[: 2 * reach] - self.level, self.whitening[::-1], "valid")[:reach]
+        return np.r_[backward, forward[len(backward) - reach :]] if reach else forward
+
     def _core(self) -> np.ndarray:
         """Return the precision of ``order`` consecutive samples, over that of the white noise, shape (order, order).
 
