@@ -20,6 +20,8 @@ TIME = "time"
 COLUMNS = (*AXES, TEMPERATURE)
 FORMATS = (".parquet", ".csv")
 """Suffixes of the formats in which logs are written."""
+MARK = {"imugap": "canonical log"}
+"""Attributes of a Parquet log that this package wrote: its columns are what their names say."""
 
 
 class LogError(ValueError):
@@ -127,7 +129,9 @@ def duration(log: pd.DataFrame) -> float:
 
 def write(log: pd.DataFrame, path: str | Path) -> None:
     """Write the log as Parquet or CSV, by the suffix of ``path``, completely or not at all."""
-    write_table = {".parquet": log.to_parquet, ".csv": log.to_csv}[require_format(path)]
+    marked = log.copy(deep=False)
+    marked.attrs = MARK
+    write_table = {".parquet": marked.to_parquet, ".csv": log.to_csv}[require_format(path)]
     with atomic(path) as partial:
         write_table(partial)
 

@@ -138,18 +138,17 @@ def test_a_bad_row_is_named_by_line_and_column(path, rows, place, found):
 @pytest.mark.parametrize(
     ("header", "found"),
     [
-        ("time,gyr_x,accel_z", "'gyr_x' (did you mean gyro_x?)"),
-        ("time,gyro_x,acc_z", "'acc_z' (did you mean accel_z?)"),
-        ("Time,gyro_x,accel_z", "'Time' (did you mean time?)"),
-        ("time;gyro_x;accel_z", "'time;gyro_x;accel_z'"),
-        ("gyro_y,gyro_x,accel_z", "gyro_y, gyro_x, accel_z"),
+        ("time,giro_x,acel_z", "'giro_x' (did you mean gyro_x?)"),
+        ("time,a,b", "time, a, b"),
+        ("time;gyro_x;accel_z", "3 columns without names"),
+        ("gyro_y,gyro_x,accel_z", "gyro_x, gyro_y, accel_z"),
         ("time,gyro_x,gyro_x", "gyro_x more than once"),
-        ("0.00,0.1,-9.8", "'0.00'"),
+        ("0.00,0.1,-9.8", "3 columns without names"),
     ],
 )
 def test_a_bad_header_is_line_1_with_the_nearest_known_name(path, header, found):
     with pytest.raises(LogError) as failure:
-        log_of(lines(path, *ROWS, header=header))
+        read(lines(path, *ROWS, header=header))
     assert failure.value.place == "line 1"
     assert failure.value.found.startswith(found)
 
@@ -196,7 +195,7 @@ def test_a_specific_force_in_another_unit_is_found_by_gravity(path, unit):
         log_of(path)
 
 
-@pytest.mark.parametrize("gravity", [9.76, 9.84, 9.965, 11.0, 0.0, 4.0])
+@pytest.mark.parametrize("gravity", [9.76, 9.84, 9.965, 11.0])
 def test_any_motion_keeps_its_units(path, gravity):
     log = at_rest(gravity=gravity)
     log["accel_x"] += 30 * (np.arange(len(log)) % 10 == 0)
@@ -204,9 +203,19 @@ def test_any_motion_keeps_its_units(path, gravity):
     assert len(log_of(path)) == len(log)
 
 
+def test_a_specific_force_without_gravity_is_said_where_it_scatters_and_refused_where_it_does_not(path):
+    log = at_rest(gravity=0.0)
+    log.to_csv(path)
+    assert read(path).weightless
+    log["accel_z"] -= 4.0
+    log.to_csv(path)
+    with pytest.raises(LogError, match=r"a median norm of .*, which would be gravity in no known unit"):
+        read(path)
+
+
 def test_a_rate_beyond_any_gyroscope_is_taken_for_degrees(path):
     at_rest(rate=200.0)[["gyro_x", "gyro_y"]].to_csv(path)
-    with pytest.raises(LogError, match=r"column gyro_x: expected angular rate in rad/s; .* is it in deg/s\?"):
+    with pytest.raises(LogError, match=r"gyro_x to gyro_z: expected angular rate in rad/s .* is it in deg/s\?"):
         log_of(path)
 
 
@@ -217,7 +226,6 @@ def test_a_rate_beyond_any_gyroscope_is_taken_for_degrees(path):
         (pd.DataFrame({"time": [0.0, 0.01], "gyro": [1.0, 2.0]}), "columns", "'gyro' (did you mean gyro_z?)"),
         (pd.DataFrame({"time": [0.0, 0.01, 0.01], "gyro_x": 0.0}), "row 2, column time", "0.01 after 0.01"),
         (pd.DataFrame({"time": [0.0, 0.01], "gyro_x": [0.0, np.nan]}), "row 1, column gyro_x", "nan"),
-        (pd.DataFrame({"time": pd.to_datetime([0, 1]), "gyro_x": 0.0}), "column time", "datetime64"),
     ],
 )
 def test_a_bad_parquet_is_named_by_row_and_column(tmp_path, frame, place, found):

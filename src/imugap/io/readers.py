@@ -18,25 +18,15 @@ import pyarrow as pa
 import pyarrow.csv
 from scipy.spatial.transform import Rotation
 
-from imugap.integrity.report import gravity_unit
 from imugap.io import gnss, reference
 from imugap.io.datasets import EVENTS, LOG, POSITIONS, DataSet, RawFiles
+from imugap.io.rows import advances, require_numbers, require_order
 from imugap.kinematics.strapdown import POSITION
-from imugap.log import ACCEL, COLUMNS, GYRO, LogError, check
-from imugap.units import from_si, to_si
+from imugap.log import COLUMNS, LogError, check
+from imugap.units import to_si
 
 KNOWN = ("time", *COLUMNS)
-FASTEST_GYRO_DEG_PER_S = 4000.0
 EXCERPT = 60
-
-
-def read_table(path: str | Path) -> pd.DataFrame:
-    """Read the table of a user's log unchecked: stamps may repeat or go back, samples may be NaN.
-
-    Input of :func:`imugap.integrity.report.report`. Columns are canonical and numeric, in canonical order.
-    """
-    table = _decoded(Path(path), TABLES, "a log")
-    return table.set_index("time")[[name for name in COLUMNS if name in table.columns]]
 
 
 def read_fixes(path: str | Path) -> pd.DataFrame:
@@ -56,12 +46,13 @@ def read_fixes(path: str | Path) -> pd.DataFrame:
     path, known = Path(path), ("time", *gnss.COLUMNS)
     table = _decoded(path, {end: partial(decode, known=known) for end, decode in TABLES.items()}, "a log of fixes")
     table = table.set_index("time")
-    require_order(table, path)
-    require_numbers(table[[name for name in gnss.PLACE if name in table]], path)
+    place = partial(_place, path)
+    require_order(table, path, place)
+    require_numbers(table[[name for name in gnss.PLACE if name in table]], path, place)
     for name in ("latitude", "longitude"):
         if name in table:
             table[name] = to_si(table[name], "deg")
-    return gnss.check(table, path, partial(place_of, path))
+    return gnss.check(table, path, place)
 
 
 def read_raw(path: str | Path, dataset: DataSet, run: int) -> pd.DataFrame:
@@ -306,53 +297,7 @@ def _require_names(names: list[str], path: Path, place: str, known: tuple[str, .
         raise LogError(path, place, "the column time and at least one other", ", ".join(names) or "nothing")
 
 
-def advances(time: np.ndarray) -> np.ndarray:
-    """Return the mask of stamps, shape (n,), that are finite and exceed all stamps before them."""
-    time = np.where(np.isfinite(time), time, np.nan)
-    return time > np.fmax.accumulate(np.concatenate([[-np.inf], time[:-1]]))
-
-
-def require_order(table: pd.DataFrame, path: Path) -> None:
-    """Raise unless every stamp is finite and exceeds all before it."""
-    time = table.index.to_numpy()
-    late = np.flatnonzero(~advances(time))
-    if len(late):
-        row = int(late[0])
-        found = f"{time[row]} after {time[row - 1]}" if row else f"{time[row]}"
-        raise LogError(path, f"{place_of(path, row)}, column time", "a time that increases", f"{found} ({_rows(late)})")
-
-
-def require_numbers(table: pd.DataFrame, path: Path) -> None:
-    """Raise unless every sample is finite."""
-    rows, columns = np.nonzero(~np.isfinite(table.to_numpy()))
-    if len(rows):
-        place = f"{place_of(path, int(rows[0]))}, column {table.columns[columns[0]]}"
-        raise LogError(path, place, "a finite number", f"{table.iat[rows[0], columns[0]]} ({_rows(np.unique(rows))})")
-
-
-def require_si(table: pd.DataFrame, path: str | Path) -> None:
-    """Raise if the median norm of the specific force is gravity in another unit, or a rate exceeds any gyroscope.
-
-    In walking and driving the median norm stays near gravity; free fall and single axes are not checked.
-    """
-    if set(ACCEL) <= set(table.columns) and len(table):
-        norm = float(np.median(np.linalg.norm(table[list(ACCEL)], axis=1)))
-        unit = gravity_unit(norm)
-        if unit not in ("m/s^2", None):
-            found = f"a median norm of {norm:.4g}, which would be gravity in {unit}"
-            raise LogError(path, "columns accel_x to accel_z", "specific force in m/s^2", found)
-    for name in (name for name in GYRO if name in table.columns):
-        fastest = table[name].abs().quantile(0.99)
-        if fastest > to_si(FASTEST_GYRO_DEG_PER_S, "deg/s"):
-            found = f"{fastest:.4g}, or {from_si(fastest, 'deg/s'):.0f} deg/s; is it in deg/s?"
-            raise LogError(path, f"column {name}", "angular rate in rad/s", found)
-
-
-def _rows(rows: np.ndarray) -> str:
-    return f"{len(rows)} such row{'s' if len(rows) > 1 else ''}"
-
-
-def place_of(path: Path, row: int) -> str:
+def _place(path: Path, row: int) -> str:
     """Return the location of data row ``row``: the line of a text file, header and empty lines included."""
     if path.suffix.lower() != ".csv":
         return f"row {row}"

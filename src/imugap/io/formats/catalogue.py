@@ -1,0 +1,27 @@
+"""The formats that are read, in the order in which they are tried; text is the last, for it is nearly anything."""
+
+from pathlib import Path
+
+from imugap.io.formats import parquet, text
+from imugap.io.formats.source import Source, whole_file
+from imugap.log import LogError
+
+FORMATS = (parquet, text)
+HEAD_BYTES = 512
+
+
+def open_source(path: Path, settings) -> Source:
+    """Return the columns of a file of a known format, recognised by its content; LogError where there is none."""
+    if not path.exists():
+        raise LogError(path, "file", "a recording", "no such file")
+    head = b"" if path.is_dir() else _head(path)
+    for one in FORMATS:
+        if one.recognises(path, head):
+            with whole_file(path):
+                return one.open_source(path, settings)
+    raise LogError(path, "file", "a recording in a known format", f"bytes that begin with {head[:16]!r}")
+
+
+def _head(path: Path) -> bytes:
+    with path.open("rb") as handle:
+        return handle.read(HEAD_BYTES)

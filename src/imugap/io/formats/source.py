@@ -1,0 +1,82 @@
+"""Columns of a file before they have a meaning: names, and batches of numbers."""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from imugap.log import LogError
+
+CAUSE = 240
+"""Longest cause of a damage that is shown."""
+
+
+@dataclass(frozen=True, eq=False)
+class Source:
+    """Columns of a file of a known format.
+
+    Attributes
+    ----------
+    path
+        The file.
+    names
+        Name of each column, from left to right; empty texts where the file has none.
+    rows
+        Number of rows, or a larger one.
+    batches
+        From the positions of columns, an iterator over the rows: one array of each column per batch, shape (n,).
+    place
+        From the number of a row, where it is in the file.
+    units
+        Units that the format itself defines, by quantity.
+    canonical
+        Whether the package wrote the file, so that the columns are what their names say.
+    notes
+        Sentences on what was chosen in the file.
+    heading
+        Where the names are in the file.
+    """
+
+    path: Path
+    names: tuple[str, ...]
+    rows: int
+    batches: Callable[[Sequence[int]], Iterator[list[np.ndarray]]]
+    place: Callable[[int], str] = "row {}".format
+    units: Mapping[str, str] = field(default_factory=dict)
+    canonical: bool = False
+    notes: tuple[str, ...] = ()
+    heading: str = "columns"
+
+    def load(self, columns: Sequence[int], stamp: int | None) -> tuple[np.ndarray, np.ndarray | None]:
+        """Return whole columns, shape (columns, n), and the stamps, shape (n,), in one pass and one block of memory."""
+        with whole_file(self.path):
+            block = np.empty((len(columns), self.rows))
+            stamps: list[np.ndarray] = []
+            end = 0
+            for batch in self.batches([*columns, *([] if stamp is None else [stamp])]):
+                begin, end = end, end + len(batch[0])
+                for k in range(len(columns)):
+                    block[k, begin:end] = batch[k]
+                stamps += [] if stamp is None else [batch[-1]]
+            return block[:, :end], np.concatenate(stamps) if stamps else None
+
+    def head(self, columns: Sequence[int], rows: int) -> list[np.ndarray]:
+        """Return the first rows of columns."""
+        with whole_file(self.path):
+            first = next(self.batches(columns), [np.empty(0)] * len(columns))
+        return [values[:rows] for values in first]
+
+
+@contextmanager
+def whole_file(path: Path) -> Iterator[None]:
+    """Turn any exception within into a LogError: decoders raise all kinds of them on a damaged file."""
+    try:
+        yield
+    except LogError:
+        raise
+    except Exception as error:
+        cause = f"{type(error).__name__}: {error}".splitlines()[0][:CAUSE]
+        found = f"{path.stat().st_size} bytes that cannot be read ({cause})"
+        raise LogError(path, "file", "a whole file of its format", found) from error

@@ -1,0 +1,302 @@
+"""Tables as text: any separator, decimal comma, comments, lines before the header, units below it, byte order mark.
+
+The dialect is recognised on the first lines; the rows are read by Arrow. A file is read line by line only to locate an
+error.
+"""
+
+import codecs
+import csv
+import io
+import re
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import islice
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.csv
+
+from imugap.io.formats.source import Source
+from imugap.io.recognition.unit_text import unit_of
+from imugap.log import LogError
+
+HEAD_BYTES = 1 << 16
+BLOCK_BYTES = 1 << 20
+SAMPLE_ROWS = 200
+SEPARATORS = (",", ";", "\t", "|", " ")
+COMMENT = ("#", "%", "//", ";;", "!")
+NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?|[-+]?(nan|inf|infinity)", re.IGNORECASE)
+COMMA_NUMBER = re.compile(r"[-+]?\d*,\d+([eE][-+]?\d+)?")
+INTEGER = re.compile(r"[-+]?\d{1,18}")
+STAMP = re.compile(r"\d{4}-\d\d-\d\d[ T]\d\d:\d\d:\d\d")
+ENCODINGS = {codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16", codecs.BOM_UTF8: "utf-8-sig"}
+MISSING = ["", "nan", "NaN", "NAN", "NA", "N/A", "null", "NULL", "None", "#N/A", "-nan"]
+EXCERPT = 60
+LONG = 9
+"""Digits of a whole number above which a column of such is read as integers."""
+
+
+@dataclass(frozen=True)
+class Dialect:
+    """How a text holds its table.
+
+    Attributes
+    ----------
+    encoding
+        Name of the encoding.
+    separator
+        Character between values; a blank stands for any number of blanks and tabs.
+    decimal
+        Decimal point or comma.
+    names
+        Names of the columns; empty texts where there is no header.
+    first
+        Number of lines before the first row.
+    sample
+        Cells of the first rows.
+    width
+        Number of values in a row.
+    """
+
+    encoding: str
+    separator: str
+    decimal: str
+    names: tuple[str, ...]
+    first: int
+    sample: tuple[tuple[str, ...], ...]
+    width: int
+
+
+def recognises(path: Path, head: bytes) -> bool:
+    """Return whether a file is text: no zero bytes, unless in UTF-16."""
+    return _encoding(head) == "utf-16" or b"\x00" not in head
+
+
+def open_source(path: Path, settings) -> Source:
+    """Return the columns of a text; LogError where it has no rows of numbers."""
+    dialect = sniff(path)
+    return Source(
+        path,
+        dialect.names,
+        _lines(path),
+        lambda columns: _batches(path, dialect, columns),
+        lambda row: place(path, dialect, row),
+        heading=f"line {max(dialect.first, 1)}",
+    )
+
+
+def _lines(path: Path) -> int:
+    """Return the number of lines, or a larger one."""
+    for end in (b"\n", b"\r"):
+        with path.open("rb") as handle:
+            ends = sum(block.count(end) for block in iter(lambda: handle.read(BLOCK_BYTES), b""))
+        if ends:
+            return ends + 1
+    return 1
+
+
+def sniff(path: Path) -> Dialect:
+    """Recognise the dialect on the first lines; LogError with the first line where there are no rows of numbers."""
+    with path.open("rb") as handle:
+        head = handle.read(HEAD_BYTES)
+    if not head.strip():
+        raise LogError(path, "line 1", "a header and rows of numbers", "an empty file")
+    encoding = _encoding(head)
+    text = head.decode(encoding, errors="replace")
+    lines = text.splitlines()
+    whole = lines if len(head) < HEAD_BYTES else lines[:-1]
+    best = max((_table(whole, separator) for separator in SEPARATORS), key=lambda one: one[0])
+    _, separator, first, rows = best
+    if not rows:
+        if any(len(_cells(line, mark)) > 1 for line in whole for mark in SEPARATORS):
+            raise LogError(path, "rows", "at least 2 samples", "0")
+        raise LogError(path, "line 1", "a header and rows of numbers", repr(whole[0][:EXCERPT]))
+    width = Counter(map(len, rows)).most_common(1)[0][0]
+    names = _header(whole[:first], separator, width)
+    decimal = "," if any(COMMA_NUMBER.fullmatch(cell.strip()) for row in rows for cell in row) else "."
+    return Dialect(encoding, separator, decimal, names, first, tuple(rows), width)
+
+
+def place(path: Path, dialect: Dialect, row: int) -> str:
+    """Return the line of a row, counted from 1 with all lines."""
+    with path.open(encoding=dialect.encoding, errors="replace", newline=None) as handle:
+        rows = (number for number, line in enumerate(handle, 1) if number > dialect.first and line.strip())
+        return f"line {next(islice(rows, row, None), dialect.first + row + 1)}"
+
+
+def _encoding(head: bytes) -> str:
+    for mark, encoding in ENCODINGS.items():
+        if head.startswith(mark):
+            return encoding
+    try:
+        head[: head.rfind(b"\n") + 1].decode("utf-8")
+    except UnicodeDecodeError:
+        return "latin-1"
+    return "utf-8"
+
+
+def _cells(line: str, separator: str) -> list[str]:
+    if separator == " ":
+        return line.split()
+    return [cell.strip() for cell in next(csv.reader([line], delimiter=separator, skipinitialspace=True), [])]
+
+
+def _is_number(cell: str, separator: str = ";") -> bool:
+    return bool(NUMBER.fullmatch(cell) or (separator != "," and COMMA_NUMBER.fullmatch(cell)))
+
+
+def _is_row(cells: list[str], separator: str) -> bool:
+    """Return whether cells are a row: two numbers or more, and a third of the cells that are not empty."""
+    numbers = sum(_is_number(cell, separator) for cell in cells)
+    filled = sum(bool(cell) for cell in cells)
+    return numbers >= min(2, max(filled, 1)) and 3 * numbers >= filled
+
+
+def _table(lines: list[str], separator: str) -> tuple[float, str, int, list[tuple[str, ...]]]:
+    """Return how much of the lines is a table with this separator, and the first rows of it."""
+    cells = [(number, _cells(line, separator)) for number, line in enumerate(lines) if line.strip()]
+    first = next(
+        (number for number, row in cells if _is_row(row, separator) and not lines[number].lstrip().startswith(COMMENT)),
+        len(lines),
+    )
+    rows = [tuple(row) for number, row in cells if number >= first][:SAMPLE_ROWS]
+    numbers = sum(_is_number(cell, separator) for row in rows for cell in row)
+    texts = sum(bool(cell) and not _is_number(cell, separator) for row in rows for cell in row)
+    return (numbers - texts) / max(len(rows), 1), separator, first, rows
+
+
+def _header(lines: list[str], separator: str, width: int) -> tuple[str, ...]:
+    """Return the names of the columns from the lines before the first row, with a line of units where there is one."""
+    rows = [cells for line in lines if (cells := _names(line.lstrip("\ufeff").strip(), separator, width)) is not None]
+    if not rows:
+        return ("",) * width
+    names = rows[-1]
+    if len(rows) > 1 and _are_units(names):
+        names = [f"{name} [{unit}]" if unit else name for name, unit in zip(rows[-2], names, strict=False)]
+    return tuple(names)
+
+
+def _names(line: str, separator: str, width: int) -> list[str] | None:
+    """Return the names in a line, one for each column, or None where their number is another."""
+    splits = [_cells(line, separator)]
+    if separator == " ":
+        splits += [re.split(r"\s{2,}|\t|:\s*", line.rstrip(": ")), re.sub(r"\s+(?=[\[(])", "", line).split()]
+        splits += [cells[1:] for cells in splits if cells and cells[0] in COMMENT]
+    for cells in splits:
+        named = sum(bool(cell) for cell in cells)
+        if width - 1 <= len(cells) <= width + 1 and named >= min(2, width):
+            return [*cells, *[""] * (width - len(cells))]
+    return None
+
+
+def _are_units(cells: list[str]) -> bool:
+    """Return whether cells are units, such as stand in the line below the names."""
+    units = [unit_of(cell.strip("[]()")) for cell in cells if cell]
+    return 2 * sum(unit is not None for unit in units) > len(units)
+
+
+def _batches(path: Path, dialect: Dialect, columns: Sequence[int]) -> Iterator[list[np.ndarray]]:
+    """Yield the numbers of columns, shape (n,); a time of day is nanoseconds of 1970."""
+    _require_end(path, dialect)
+    names = [str(k) for k in range(max(len(dialect.names), dialect.width))]
+    kinds = {str(k): _kind(dialect, k) for k in columns}
+    converting = pa.csv.ConvertOptions(
+        column_types=kinds, include_columns=list(kinds), null_values=MISSING, decimal_point=dialect.decimal
+    )
+    reading = pa.csv.ReadOptions(
+        column_names=names, skip_rows=dialect.first, block_size=BLOCK_BYTES, encoding=dialect.encoding
+    )
+    parsing = pa.csv.ParseOptions(delimiter=dialect.separator, invalid_row_handler=_skip_comment)
+    try:
+        with _stream(path, dialect) as stream, pa.csv.open_csv(stream, reading, parsing, converting) as reader:
+            for batch in reader:
+                yield [_numbers(batch.column(str(k))) for k in columns]
+    except pa.ArrowInvalid as error:
+        raise _diagnosis(path, dialect, columns, str(error)) from error
+
+
+def _skip_comment(row) -> str:
+    return "skip" if (row.text or "").lstrip().startswith(COMMENT) else "error"
+
+
+def _kind(dialect: Dialect, column: int) -> pa.DataType:
+    """Return the type of a column: integers where doubles would lose digits, times of day, else doubles."""
+    cells = [row[column] for row in dialect.sample if column < len(row) and row[column]]
+    if cells and all(INTEGER.fullmatch(cell) for cell in cells) and max(map(len, cells)) > LONG:
+        return pa.int64()
+    if cells and all(STAMP.match(cell) for cell in cells):
+        return pa.timestamp("ns")
+    return pa.float64()
+
+
+def _numbers(values: pa.Array) -> np.ndarray:
+    if pa.types.is_timestamp(values.type):
+        values = values.cast(pa.int64())
+    return values.to_numpy(zero_copy_only=False)
+
+
+def _stream(path: Path, dialect: Dialect):
+    """Return a stream of a text in which one character separates the values."""
+    if dialect.separator != " ":
+        return path.open("rb")  # the library opens no name that is not UTF-8
+    return pa.PythonFile(OneBlank(path), mode="r")
+
+
+class OneBlank(io.RawIOBase):
+    """Stream of a text with blanks and tabs between values as one blank, and none at the ends of lines."""
+
+    def __init__(self, path: Path) -> None:
+        """Open the text."""
+        self._source, self._rest = path.open("rb"), b""
+
+    def readable(self) -> bool:
+        """Return True."""
+        return True
+
+    def read(self, size: int = -1) -> bytes:
+        """Return at most ``size`` bytes of whole lines as far as they go."""
+        if not self._rest:
+            lines = self._source.readlines(BLOCK_BYTES if size < 0 else size)
+            self._rest = b"".join(b" ".join(line.split()) + b"\n" for line in lines)
+        given, self._rest = (self._rest, b"") if size < 0 else (self._rest[:size], self._rest[size:])
+        return given
+
+    def close(self) -> None:
+        """Close the text."""
+        self._source.close()
+        super().close()
+
+
+def _require_end(path: Path, dialect: Dialect) -> None:
+    """Raise a LogError where the last line has no end: it may be cut off."""
+    with path.open("rb") as handle:
+        handle.seek(-1, io.SEEK_END)
+        if handle.read() in (b"\n", b"\r", b"\x00"):
+            return
+        handle.seek(0)
+        number = sum(block.count(b"\n") for block in iter(lambda: handle.read(BLOCK_BYTES), b"")) + 1
+        handle.seek(max(0, handle.tell() - EXCERPT))
+        last = handle.read().splitlines()[-1].decode(dialect.encoding, errors="replace")
+    expected = "a line end after the last row (add it if the row is whole, remove the row if it is cut off)"
+    raise LogError(path, f"line {number}", expected, f"the end of the file after {last!r}")
+
+
+def _diagnosis(path: Path, dialect: Dialect, columns: Sequence[int], cause: str) -> LogError:
+    """Return the first error in a text, line by line, after the fast reader failed with ``cause``."""
+    width = max(len(dialect.names), dialect.width)
+    names = [name or f"{k + 1}" for k, name in enumerate([*dialect.names, *[""] * (width - len(dialect.names))])]
+    with path.open(encoding=dialect.encoding, errors="replace") as handle:
+        for number, line in enumerate(handle, 1):
+            if number <= dialect.first or not line.strip() or line.lstrip().startswith(COMMENT):
+                continue
+            cells = _cells(line.strip("\r\n"), dialect.separator)
+            if len(cells) != width:
+                expected = f"{width} values ({', '.join(filter(None, dialect.names))})"
+                return LogError(path, f"line {number}", expected, f"{len(cells)}: {line.strip()[:EXCERPT]!r}")
+            for column in columns:
+                if cells[column] not in MISSING and not _is_number(cells[column], dialect.separator):
+                    where = f"line {number}, column {names[column]}"
+                    return LogError(path, where, "a number", repr(cells[column][:EXCERPT]))
+    return LogError(path, "text", "rows of numbers", cause.splitlines()[0][: 4 * EXCERPT])

@@ -1,0 +1,308 @@
+"""Meaning of the names of columns: quantity, axis and unit, in the words of the common loggers.
+
+A name is split into words (``w_RS_S_x [rad s^-1]`` is w, rs, s, x and a unit). Words say the quantity, one of them the
+axis; a unit in brackets or in the last words decides where the words do not. Of several triads of one quantity the one
+with the plainest name is taken.
+"""
+
+import difflib
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from imugap.io.recognition.unit_text import INCREMENTS, QUANTITIES, quantity_of, unit_of
+from imugap.log import ACCEL, COLUMNS, GYRO, TEMPERATURE, TIME
+
+SKIP = "-"
+"""Stands for a column that is not read."""
+TRIADS = {"gyro": GYRO, "accel": ACCEL}
+WORDS = {
+    "gyro": "gyro gyros gyr gyroscope gyroscopes omega rotation turn angrate gy",
+    "accel": "accel accels acc accelerometer accelerometers acceleration accelerations specific ac gf xl alpha",
+    TEMPERATURE: "temp temperature tmp temperatures",
+    TIME: "time timestamp timestamps stamp ts elapsed epoch timeus times seconds",
+    "counter": "counter count packet number seq index samples sample row iteration",
+}
+QUANTITY = {word: quantity for quantity, words in WORDS.items() for word in words.split()}
+SYMBOLS = {"w": "gyro", "g": "gyro", "a": "accel", "f": "accel", "t": TIME}
+"""Letters that say the quantity where they are the first word."""
+OTHER_SYMBOLS = (["m"], ["h"], ["b"], ["v"], ["p"])
+"""Letters of magnetometers, velocities, positions, where they are the first word."""
+OTHER = frozenset([
+    "mag", "magn", "magnetometer", "magnetometers", "magnetic", "compass", "quat", "quaternion", "q", "covariance",
+    "cov", "bias", "offset", "std", "sd", "sigma", "var", "variance", "error", "est", "estimated", "estimate",
+    "predicted", "euler", "roll", "pitch", "yaw", "heading", "angle", "orientation", "gravity", "absolute", "abs",
+    "norm", "magnitude", "position", "pos", "dt", "integral", "relative", "clipping", "clip", "status", "instance",
+    "device", "id", "date", "integrated", "mean", "pressure", "pwm",
+])  # fmt: skip
+"""Words of columns that are no samples of an inertial sensor."""
+DERIVED = frozenset([
+    "rotated", "filtered", "filt", "smoothed", "smooth", "lpf", "linear", "earth", "world", "global", "nav", "ned",
+    "enu", "ambient", "baro", "cpu",
+])  # fmt: skip
+"""Words of samples that something else than the sensor had a part in."""
+FREE = frozenset(["free", "user"])
+"""Words of accelerations without gravity."""
+OF_SENSOR, OF_HOST = (
+    frozenset(["header", "sample", "fine", "sensor", "device"]),
+    frozenset(["update", "log", "logging", "received", "receive", "recv", "host", "system", "arrival", "gps", "file"]),
+)
+"""Words of stamps that the sensor gave, and of those that something later gave."""
+DELTA = frozenset(["delta", "d", "inc", "increment", "dtheta", "dv", "dvel", "da", "coning", "sculling"])
+"""Words of increments over the sampling interval."""
+DELTAS = {
+    "angle": "gyro",
+    "theta": "gyro",
+    "dtheta": "gyro",
+    "velocity": "accel",
+    "vel": "accel",
+    "dv": "accel",
+    "dvel": "accel",
+}
+INCREMENT = {"gyro": "rad", "accel": "m/s"}
+"""Units of increments that the names do not give."""
+COMPACT = re.compile(r"(gyroscope|gyros|gyro|gyr|acceleration|accel|accs|acc|omega|ac|gy|gf|w|a|g|f)([xyz])")
+BRACKET = re.compile(r"[\[(]\s*([^\[\]]*?)\s*[\])]\s*$")
+AXES = {"x": 0, "y": 1, "z": 2, "0": 0, "1": 1, "2": 2}
+EXCERPT = 60
+
+
+@dataclass(frozen=True)
+class Meaning:
+    """Meaning of the name of one column.
+
+    Attributes
+    ----------
+    quantity
+        ``gyro``, ``accel``, ``temperature``, ``time`` or ``counter``.
+    axis
+        0, 1 or 2 for x, y or z; None where the quantity has none.
+    unit
+        Unit in the name, or None.
+    stem
+        Words other than the axis and the unit: columns of one triad share them.
+    free
+        Whether gravity was removed.
+    """
+
+    quantity: str
+    axis: int | None
+    unit: str | None
+    stem: tuple[str, ...]
+    free: bool = False
+
+    @property
+    def rank(self) -> tuple[int, int]:
+        """Return the distance from a plain name: derived or increments, then words that are not known."""
+        derived = sum(word in DERIVED or word in DELTA for word in self.stem) + self.free
+        if self.quantity == TIME:
+            derived += sum((word in OF_HOST) - (word in OF_SENSOR) for word in self.stem)
+        return derived, sum(word not in QUANTITY and word not in ("raw", "angular", "rate") for word in self.stem)
+
+
+@dataclass(frozen=True)
+class Assignment:
+    """Columns of a file that are read.
+
+    Attributes
+    ----------
+    columns
+        Canonical name to the name in the file, canonical order.
+    units
+        Quantity (or ``time``) to the unit in the header; none where it has none.
+    times
+        Names in the file that may be the time, the plainest first.
+    free
+        Whether the accelerations are without gravity.
+    counters
+        Names in the file of counters of samples.
+    contract
+        Whether every name is the canonical one, which promises SI.
+    """
+
+    columns: dict[str, str]
+    units: dict[str, str]
+    times: tuple[str, ...]
+    free: bool = False
+    counters: tuple[str, ...] = ()
+    contract: bool = False
+
+
+def meaning(name: str) -> Meaning | None:
+    """Return what a column holds by its name; None if neither inertial sensor, temperature, time nor counter."""
+    base, unit = _unbracketed(name.strip().lstrip("#%").strip())
+    words = _words(base)
+    axis = next((word for word in reversed(words) if word in AXES), None)
+    if axis is not None:
+        place = len(words) - 1 - words[::-1].index(axis)
+        words = words[:place] + words[place + 1 :]
+    words = [word for word in words if word != "axis"]
+    quantity = _quantity(words) or _by_unit(words, axis, unit)
+    if quantity is None:
+        return None
+    if unit is None:
+        words, unit = _unit_of_words(words, quantity)
+    if unit is None and DELTA & set(words):
+        unit = INCREMENT.get(quantity)
+    if unit is not None and unit not in QUANTITIES.get(quantity, ()):
+        return None if quantity in TRIADS else Meaning(quantity, None, None, tuple(words))
+    inertial = quantity in TRIADS
+    if inertial and axis is None:
+        return None
+    return Meaning(quantity, AXES[axis] if inertial else None, unit, tuple(words), bool(FREE & set(words)))
+
+
+def assign(names: Sequence[str]) -> Assignment:
+    """Return which of the columns of a file are read; ValueError where two triads are equally plain."""
+    known = {name: found for name in names if name and (found := meaning(name)) is not None}
+    columns: dict[str, str] = {}
+    units: dict[str, str] = {}
+    free = False
+    for quantity, axes in TRIADS.items():
+        triad = _plainest({name: found for name, found in known.items() if found.quantity == quantity}, quantity)
+        columns |= {axes[found.axis]: name for name, found in triad.items()}
+        stated = {found.unit for found in triad.values() if found.unit}
+        if len(stated) > 1:
+            raise ValueError(f"one unit for {', '.join(triad)}; found {', '.join(sorted(stated))}")
+        units |= dict.fromkeys([quantity] if stated else [], next(iter(stated), ""))
+        free |= any(found.free for found in triad.values())
+    thermometers = _least([name for name, found in known.items() if found.quantity == TEMPERATURE], known)
+    if len(thermometers) == 1:
+        columns[TEMPERATURE] = thermometers[0]
+    times = sorted((name for name, found in known.items() if found.quantity == TIME), key=lambda name: known[name].rank)
+    counters = tuple(name for name, found in known.items() if found.quantity == "counter")
+    ordered = {name: columns[name] for name in COLUMNS if name in columns}
+    contract = all(name == of for name, of in ordered.items()) and (not times or TIME in times)
+    return Assignment(ordered, units, tuple(times), free, counters, contract)
+
+
+def stated_unit(name: str) -> str | None:
+    """Return the unit in the name of a column, or None."""
+    found = meaning(name)
+    return None if found is None else found.unit
+
+
+def chosen(names: Sequence[str], columns: Sequence[str]) -> tuple[str, ...]:
+    """Return the names of the columns of a file as the user gives them.
+
+    Parameters
+    ----------
+    names
+        Names in the file, or empty texts where it has no header.
+    columns
+        Either a name for each column of the file from left to right, ``-`` for one that is not read; or
+        ``canonical=name in the file`` for some; or names in the file (or canonical ones) of those that are read.
+    """
+    if any("=" in one for one in columns):
+        pairs = dict(one.split("=", 1)[::-1] for one in columns)
+        _require_known(pairs, names)
+        return tuple(pairs.get(name, SKIP) for name in names)
+    if len(columns) == len(names) and not set(columns) <= set(names):
+        return tuple(columns)
+    if not any(names):
+        raise ValueError(f"--columns: expected {len(names)} names, one for each column; found {len(columns)}")
+    canonical = {of: name for name, of in assign(names).columns.items()}
+    return_names = {canonical.get(name, name): name for name in names} | {name: name for name in names}
+    _require_known(columns, list(return_names))
+    kept = {return_names[one] for one in columns}
+    return tuple(name if name in kept else SKIP for name in names)
+
+
+def nearest(names: Iterable[str]) -> str:
+    """Return names that are not known, the first with the nearest canonical name."""
+    names = list(names)
+    for name in names:
+        near = difflib.get_close_matches(name.lower(), (TIME, *COLUMNS), n=1, cutoff=0.6)
+        if near and near[0] != name:
+            return f"{name[:EXCERPT]!r} (did you mean {near[0]}?)"
+    return ", ".join(names)[: 2 * EXCERPT] or "nothing"
+
+
+def _require_known(asked: Iterable[str], names: Sequence[str]) -> None:
+    for one in asked:
+        if one not in names:
+            near = difflib.get_close_matches(one, names, n=1, cutoff=0.4)
+            hint = f" (did you mean {near[0]}?)" if near else ""
+            raise ValueError(f"--columns: expected names in the file; found {one!r}{hint}")
+
+
+def _unbracketed(name: str) -> tuple[str, str | None]:
+    """Return a name without the brackets at its end, and the unit in them."""
+    found = BRACKET.search(name)
+    if found is None or found[1].isdigit():
+        return name, None
+    return name[: found.start()], unit_of(found[1])
+
+
+def _words(base: str) -> list[str]:
+    whole = COMPACT.fullmatch(base.strip().lower())
+    if whole:
+        return list(whole.groups())
+    parts = [part.lower() for part in re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+", base)]
+    words = []
+    for part in parts:
+        compact = COMPACT.fullmatch(part)
+        words += compact.groups() if compact else [part]
+    return words
+
+
+def _quantity(words: list[str]) -> str | None:
+    found = set(words)
+    if found & DELTA and not (found - set(DELTAS)) & OTHER:
+        return next((DELTAS[word] for word in words if word in DELTAS), None)
+    if found & OTHER:
+        return None
+    if TEMPERATURE in map(QUANTITY.get, words):
+        return TEMPERATURE
+    if "angular" in found or "ang" in found:
+        return "gyro" if found & {"rate", "velocity", "speed", "vel"} else None
+    quantities = [QUANTITY[word] for word in words if word in QUANTITY]
+    for quantity in (TIME, "gyro", "accel", "counter"):
+        if quantity in quantities:
+            return quantity
+    return SYMBOLS.get(words[0]) if words else None
+
+
+def _by_unit(words: list[str], axis: str | None, unit: str | None) -> str | None:
+    """Return the quantity of a column by its unit alone, where no word speaks against it."""
+    if unit is None or OTHER & set(words) or words[:1] in OTHER_SYMBOLS:
+        return None
+    quantity = quantity_of(unit)
+    return quantity if axis is not None or quantity == TIME else None
+
+
+def _unit_of_words(words: list[str], quantity: str) -> tuple[list[str], str | None]:
+    """Return the words without those of the unit at their end, and the unit; for a time, a word anywhere."""
+    for count in range(min(4, len(words) - 1), 0, -1):
+        unit = unit_of(" ".join(words[-count:]))
+        if unit in QUANTITIES.get(quantity, ()):
+            rate = f"{unit}/s" if quantity == "gyro" and unit in INCREMENTS and not DELTA & set(words) else unit
+            return words[:-count], rate
+    anywhere = [unit for word in words if quantity == TIME and len(word) > 1 and (unit := unit_of(word))]
+    return words, anywhere[0] if anywhere else None
+
+
+def _plainest(known: dict[str, Meaning], quantity: str) -> dict[str, Meaning]:
+    """Return the columns of the triad with the plainest name; ValueError where there are several."""
+    stems: dict[tuple[str, ...], dict[str, Meaning]] = {}
+    for name, found in known.items():
+        stems.setdefault(found.stem, {})[name] = found
+    order = sorted(stems.values(), key=_rank_of)
+    if not order:
+        return {}
+    best, *others = order
+    rivals = [one for one in others if _rank_of(one) == _rank_of(best)]
+    if rivals or len({found.axis for found in best.values()}) < len(best):
+        shown = " or ".join(", ".join(one) for one in (best, *rivals))
+        raise ValueError(f"one set of columns for {quantity} (--columns decides); found {shown}")
+    return best
+
+
+def _rank_of(triad: dict[str, Meaning]) -> tuple:
+    return -len(triad) if len(triad) < 3 else -3, next(iter(triad.values())).rank
+
+
+def _least(names: list[str], known: dict[str, Meaning]) -> list[str]:
+    """Return the names of lowest rank."""
+    lowest = min((known[name].rank for name in names), default=None)
+    return [name for name in names if known[name].rank == lowest]

@@ -1,0 +1,75 @@
+"""Where the axes of a device point, and the rotation to the canonical axes: forward, right, down."""
+
+import re
+
+import numpy as np
+
+AS_IS = "as-is"
+LETTERS = {
+    "F": (0, 1), "N": (0, 1), "B": (0, -1), "S": (0, -1),
+    "R": (1, 1), "E": (1, 1), "L": (1, -1), "W": (1, -1),
+    "D": (2, 1), "U": (2, -1),
+}  # fmt: skip
+"""Canonical axis and sign of each direction."""
+ALIGNED = 0.9
+"""Cosine of the largest angle between gravity and an axis for this axis to be vertical."""
+STEADY = 0.9
+"""Length of the mean direction of the specific force, 1 for a device that lies one way, below which none is."""
+UPWARD = {
+    (0, 1): [[0, 0, 1], [0, 1, 0], [-1, 0, 0]], (0, -1): [[0, 0, -1], [0, 1, 0], [1, 0, 0]],
+    (1, 1): [[1, 0, 0], [0, 0, 1], [0, -1, 0]], (1, -1): [[1, 0, 0], [0, 0, -1], [0, 1, 0]],
+    (2, 1): [[1, 0, 0], [0, -1, 0], [0, 0, -1]],
+}  # fmt: skip
+"""Rotation to canonical axes by the axis, and its sign, along which the specific force points."""
+
+
+def rotation_of(frame: str) -> np.ndarray:
+    """Return the rotation from the axes of a device to the canonical ones, shape (3, 3).
+
+    Parameters
+    ----------
+    frame
+        Directions of x, y and z (``FLU``, ``FRD``, ``RFU``, ``ENU``, ``NED`` ...), or roll, pitch and heading in
+        degrees by which the canonical axes become those of the device.
+    """
+    letters = frame.strip().upper()
+    if re.fullmatch("[FBLRUDNSEW]{3}", letters):
+        matrix = np.zeros((3, 3))
+        for column, letter in enumerate(letters):
+            row, sign = LETTERS[letter]
+            matrix[row, column] = sign
+        if np.linalg.det(matrix) > 0.5:
+            return matrix
+        raise ValueError(f"--frame: expected three right-handed directions; found {frame}")
+    angles = re.split(r"[,\s]+", frame.strip())
+    try:
+        roll, pitch, heading = map(float, angles)
+    except ValueError:
+        expected = "three directions such as FLU, NED or RFU, or roll,pitch,heading in degrees, or as-is"
+        raise ValueError(f"--frame: expected {expected}; found {frame!r}") from None
+    from imugap.numerics.rotation import from_euler  # takes as long to import as the rest
+
+    return from_euler(np.radians([roll, pitch, heading])).as_matrix()
+
+
+def upright(direction: np.ndarray) -> tuple[np.ndarray, str] | None:
+    """Return the rotation that makes the vertical axis point down, and in words; None where none is vertical or z is.
+
+    Parameters
+    ----------
+    direction
+        Mean direction of the specific force, shape (3,), shorter than 1 for a device that turns.
+    """
+    length = float(np.linalg.norm(direction))
+    axis = int(np.argmax(np.abs(direction)))
+    sign = 1 if direction[axis] > 0 else -1
+    if length < STEADY or abs(direction[axis]) < ALIGNED * length or (axis, sign) not in UPWARD:
+        return None
+    matrix = np.array(UPWARD[axis, sign], float)
+    return matrix, f"{'xyz'[axis]} {'up' if sign > 0 else 'down'} -> turned, z down ({_in_words(matrix)})"
+
+
+def _in_words(matrix: np.ndarray) -> str:
+    """Return which axes of the device the canonical ones are."""
+    signs = [("-" if row[np.argmax(np.abs(row))] < 0 else "") + "xyz"[int(np.argmax(np.abs(row)))] for row in matrix]
+    return "x, y, z are " + ", ".join(signs)

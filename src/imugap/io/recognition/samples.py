@@ -1,0 +1,227 @@
+"""Units of samples by physics: gravity, how gravity turns with the device, noise at rest.
+
+All on plain arrays, shape (n, 3), in the unit of the file.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from imugap.units import STANDARD_GRAVITY, factor
+
+WINDOW = 16
+"""Rows of a window."""
+QUIET = 0.2
+"""Share of the windows that are taken as quiet."""
+GRAVITY_TOLERANCE = 1.25
+"""Ratio within which a norm is that of gravity: walking, scale factors and other places stay well within it."""
+NARROW = 1.06
+"""The same for readings that are far from any usual one."""
+READINGS = ("m/s^2", "g", "mg", "ug", "ft/s^2")
+STEADY = 0.9
+"""Length of the mean direction of the specific force below which it is noise or motion."""
+NONE_LEFT = 0.15
+"""Norm [g] at rest below which gravity was removed."""
+COUNTS = 2.0 ** np.arange(8, 21)
+"""Counts per g of usual converters."""
+FASTEST_RAD_PER_S = np.radians(4000.0)
+LOUD, SOFT = 2.6e-3, 6e-4
+"""Noise densities [rad/s/sqrt(Hz)]: no gyroscope of a log is above the first, nearly none in deg/s below the second."""
+SHAKEN = 0.05
+"""Noise density of the specific force [m/s^2/sqrt(Hz)] above which a device shakes."""
+FEWEST_BLOCKS = 4
+EARTH_RAD_PER_S = 7.292115e-5
+EARTH_TOLERANCE = 1.1
+LAG_S = 0.15
+"""Time over which the change of the specific force is compared with its turn by the gyroscopes."""
+FEWEST_WINDOWS = 40
+CORRELATED, WELL_CORRELATED = 0.3, 0.5
+"""Correlations of these from which the unit follows, and from which it outweighs a header."""
+NEAR = 6.0
+"""Ratio of the regression to 1 within which a unit is right."""
+STRETCH, STRETCHES = 16384, 12
+"""Rows of a stretch, and number of stretches, on which units are recognised."""
+
+
+@dataclass(frozen=True)
+class Force:
+    """Norm of the specific force in the unit of the file.
+
+    Attributes
+    ----------
+    median
+        Median of the norm of all samples.
+    quiet
+        Median norm of the means over the quietest windows.
+    direction
+        Mean of their unit vectors, shape (3,): its length is 1 for a device that lies one way.
+    """
+
+    median: float
+    quiet: float
+    direction: np.ndarray
+
+
+def excerpt(columns: Sequence[np.ndarray]) -> np.ndarray:
+    """Return stretches spread evenly over columns, each of shape (n,), as one array, shape (rows, columns)."""
+    count = len(columns[0])
+    if count <= STRETCH * STRETCHES:
+        return np.column_stack(columns)
+    starts = np.linspace(0, count - STRETCH, STRETCHES).astype(int)
+    rows = (starts[:, None] + np.arange(STRETCH)).ravel()
+    return np.column_stack([column[rows] for column in columns])
+
+
+def force_of(accel: np.ndarray) -> Force | None:
+    """Return the norm of the specific force, shape (n, 3); None where there are too few samples."""
+    finite = accel[np.isfinite(accel).all(axis=1)]
+    means, spread = _windows(finite)
+    if not len(means):
+        return None
+    calm = means[spread <= np.quantile(spread, QUIET)]
+    norms = np.linalg.norm(calm, axis=1)
+    unit = calm / np.where(norms > 0, norms, 1.0)[:, None]
+    quiet = float(np.median(norms))
+    return Force(float(np.median(np.linalg.norm(finite, axis=1))), quiet, unit.mean(axis=0))
+
+
+def gravity_units(force: Force) -> tuple[str, ...]:
+    """Return the units in which the norm of all or of the quiet samples is gravity."""
+    return tuple(
+        unit
+        for unit in READINGS
+        if any(
+            1 / GRAVITY_TOLERANCE <= norm * factor(unit) / STANDARD_GRAVITY <= GRAVITY_TOLERANCE
+            for norm in (force.quiet, force.median)
+        )
+    )
+
+
+def other_reading(force: Force, rate_hz: float) -> str:
+    """Return what a specific force may be whose norm is gravity in no unit."""
+    norm = force.quiet
+    near = COUNTS[np.argmin(np.abs(np.log(norm / COUNTS)))] if norm > 0 else np.inf
+    if 1 / NARROW < norm / near < NARROW:
+        return f"counts of a converter of {near:.0f} counts per g"
+    for unit, sense in ((1.0, "m/s"), (STANDARD_GRAVITY, "g s")):
+        if 1 / NARROW < norm * rate_hz * unit / STANDARD_GRAVITY < NARROW:
+            return f"velocity increments [{sense}] over the interval (--units accel=m/s gyro=rad)"
+    if norm < NONE_LEFT * STANDARD_GRAVITY:
+        return "linear acceleration: gravity was removed, which no command can undo (log the accelerometer itself)"
+    return "gravity in no known unit"
+
+
+@dataclass(frozen=True)
+class RateEvidence:
+    """Unit of angular rates by physics, the reason, and whether it outweighs the word of a header."""
+
+    unit: str
+    reason: str
+    strong: bool = True
+
+
+def gyro_unit(gyro: np.ndarray, accel: np.ndarray | None, rate_hz: float) -> RateEvidence | None:
+    """Return whether angular rates are in rad/s or deg/s, or None where nothing shows it.
+
+    Evidence, in this order: a rate that no gyroscope reaches in rad/s; the turns of gravity; noise and Earth rate at
+    rest.
+
+    Parameters
+    ----------
+    gyro
+        Angular rate in the unit of the file, shape (n, axes).
+    accel
+        Specific force [m/s^2], shape (n, 3), or None.
+    rate_hz
+        Sampling rate.
+    """
+    finite = np.isfinite(gyro).all(axis=1) & (True if accel is None else np.isfinite(accel).all(axis=1))
+    gyro, accel = gyro[finite], None if accel is None else accel[finite]
+    if len(gyro) < 4 * WINDOW:
+        return None
+    fastest = np.quantile(np.abs(gyro), 0.99)
+    if fastest > FASTEST_RAD_PER_S:
+        return RateEvidence("deg/s", f"rates of {fastest:.4g}")
+    turned = None if accel is None or gyro.shape[1] < 3 else _by_gravity(gyro, accel, rate_hz)
+    return turned or _at_rest(gyro, accel, rate_hz)
+
+
+def _by_gravity(gyro: np.ndarray, accel: np.ndarray, rate_hz: float) -> RateEvidence | None:
+    """Compare the change of the specific force with its turns by the gyroscopes, ``df/dt = -omega x f`` (regression).
+
+    Motion adds to the change, but a factor of 57 shows through. A correlation is needed, for a device that turns about
+    the vertical only shows nothing.
+    """
+    width = max(int(LAG_S * rate_hz), 1)
+    windows = len(accel) // width
+    if windows < FEWEST_WINDOWS:
+        return None
+    force, rate = (one[: windows * width].reshape(windows, width, 3).mean(axis=1) for one in (accel, gyro))
+    change = np.diff(force, axis=0) * rate_hz / width
+    turn = -np.cross((rate[1:] + rate[:-1]) / 2, (force[1:] + force[:-1]) / 2)
+    common, size = np.sum(change * turn), np.sum(turn**2)
+    if not size > 0:
+        return None
+    correlation = abs(common) / np.sqrt(size * np.sum(change**2))
+    slope = abs(common) / size
+    for unit in ("rad/s", "deg/s"):
+        if correlation > CORRELATED and 1 / NEAR < slope / factor(unit) < NEAR:
+            return RateEvidence(unit, "the turns of gravity", strong=correlation > WELL_CORRELATED)
+    return None
+
+
+def _at_rest(gyro: np.ndarray, accel: np.ndarray | None, rate_hz: float) -> RateEvidence | None:
+    """Decide by noise and Earth rate on the longest rest of the device."""
+    block = max(WINDOW, int(rate_hz))
+    begin, end = _longest_rest(gyro, block)
+    if end - begin < FEWEST_BLOCKS:
+        return None
+    rest = slice(begin * block, end * block)
+    density = _density(gyro[rest], block, rate_hz)
+    calm = accel is None or _density(accel[rest], block, rate_hz) < SHAKEN
+    if density > LOUD and calm:
+        return RateEvidence("deg/s", f"noise at rest of {density:.2g} per sqrt(Hz)", strong=accel is not None)
+    mean = float(np.linalg.norm(gyro[rest].mean(axis=0)))
+    earth = [
+        unit
+        for unit in ("rad/s", "deg/s")
+        if 1 / EARTH_TOLERANCE < mean * factor(unit) / EARTH_RAD_PER_S < EARTH_TOLERANCE
+    ]
+    if earth == ["rad/s"]:
+        return RateEvidence("rad/s", "Earth rate", strong=False)
+    if density < SOFT and not earth:
+        return RateEvidence("rad/s", f"noise at rest of {density:.2g} per sqrt(Hz)", strong=False)
+    return None
+
+
+def _density(values: np.ndarray, block: int, rate_hz: float) -> float:
+    """Return the root density of white noise by the Allan variance of means over blocks, the median of the axes."""
+    means = values.reshape(-1, block, values.shape[1]).mean(axis=1)
+    allan = np.mean(np.diff(means, axis=0) ** 2, axis=0) / 2
+    return float(np.sqrt(np.median(allan) * block / rate_hz))
+
+
+def _longest_rest(gyro: np.ndarray, block: int) -> tuple[int, int]:
+    """Return begin and end of the longest row of blocks with the same mean and scatter as the quietest ones."""
+    blocks = len(gyro) // block
+    if not blocks:
+        return 0, 0
+    parts = gyro[: blocks * block].reshape(blocks, block, -1)
+    means, scatter = parts.mean(axis=1), parts.std(axis=1)
+    floor = np.quantile(scatter, QUIET / 2, axis=0)
+    quiet = (scatter <= 2 * floor).all(axis=1)
+    steps = np.zeros(blocks, bool)
+    steps[1:] = (np.abs(np.diff(means, axis=0)) > 2 * np.maximum(floor, 1e-300)).any(axis=1)
+    edges = np.flatnonzero(np.r_[True, ~quiet[1:] | ~quiet[:-1] | steps[1:], True])
+    longest = int(np.argmax(np.diff(edges)))
+    return int(edges[longest]), int(edges[longest + 1])
+
+
+def _windows(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the means over windows, shape (windows, 3), and the spread within them."""
+    width = min(WINDOW, len(values))
+    if not width:
+        return np.empty((0, 3)), np.empty(0)
+    parts = values[: len(values) // width * width].reshape(-1, width, 3)
+    return parts.mean(axis=1), parts.var(axis=1).sum(axis=1)

@@ -1,0 +1,80 @@
+"""Unit of the stamps of a recording: from the header, the option, the year, or the rates of inertial sensors.
+
+Stamps in another unit than the true one would be off by 1000 or more; the admitted rates are wide enough for any
+inertial sensor and leave one unit for most.
+"""
+
+import numpy as np
+
+from imugap.io.recognition.unit_text import QUANTITIES
+from imugap.units import factor
+
+LAG = 16
+"""Rows over which the mean interval is taken: stamps may come in bursts."""
+ROWS = 200_000
+"""Rows on which the step is taken."""
+FEWEST = 32
+"""Fewest rows from which a unit is inferred."""
+SLOWEST_HZ, FASTEST_HZ = 1.5, 2e4
+"""Rates of inertial sensors."""
+SLOWEST_CONTRACT_HZ = 0.5
+"""Lowest rate at which stamps named ``time`` are in seconds without any doubt."""
+YEARS = (9.5e8, 4.1e9)
+"""Seconds since 1970 of the years 2000 to 2099."""
+FINE_TICK_S = 1e-4
+"""Tick of the counter SampleTimeFine of some devices [s]; of others it is a microsecond."""
+MOST = 0.3
+"""Share of the stamps that advance, in a column of stamps: they may repeat in bursts."""
+
+
+def step_of(time: np.ndarray) -> float:
+    """Return the median step of stamps, shape (n,), of means over :data:`LAG` rows; NaN where none increases."""
+    first = time[:ROWS]
+    finite = first[np.isfinite(first)] if time.dtype.kind == "f" else first
+    lag = min(LAG, max(len(finite) - 1, 1))
+    steps = (finite[lag:] - finite[:-lag]) / lag
+    steps = steps[steps > 0]
+    return float(np.median(steps)) if len(steps) else np.nan
+
+
+def seconds(time: np.ndarray, unit_s: float) -> np.ndarray:
+    """Return stamps, shape (n,), in seconds; whole numbers keep the digits that a double can hold."""
+    if time.dtype.kind != "i":
+        return time * unit_s if unit_s != 1 else time
+    per_second = round(1 / unit_s)
+    whole, rest = np.divmod(time, per_second)
+    return whole + rest / per_second
+
+
+def unit_of_stamps(time: np.ndarray, contract: bool) -> tuple[str, str]:
+    """Return the unit of stamps that name none, and why; ValueError with the readings where there are several.
+
+    Parameters
+    ----------
+    time
+        Stamps, shape (n,).
+    contract
+        Whether the name of the column promises seconds; then only a rate that no inertial sensor has speaks against it.
+    """
+    step = step_of(time)
+    if len(time) < FEWEST or not np.isfinite(step):
+        return "s", "too few stamps"
+    first = float(time[0] if time.dtype.kind == "i" else time[np.isfinite(time)][0])
+    by_year = [unit for unit in QUANTITIES["time"] if YEARS[0] < first * factor(unit) < YEARS[1]]
+    if by_year:
+        return by_year[0], "the year"
+    rates = {unit: 1 / (step * factor(unit)) for unit in QUANTITIES["time"]}
+    slowest = SLOWEST_CONTRACT_HZ if contract else SLOWEST_HZ
+    if slowest <= rates["s"] <= FASTEST_HZ:
+        return "s", "the rate"
+    admitted = [unit for unit, rate in rates.items() if SLOWEST_HZ < rate < FASTEST_HZ]
+    if len(admitted) == 1:
+        return admitted[0], "the rate"
+    readings = " or ".join(f"{rates[unit]:.4g} Hz in {unit}" for unit in admitted or rates)
+    raise ValueError(f"the unit of the stamps (--time-unit decides); found a step of {step:.6g}: {readings}")
+
+
+def advances(time: np.ndarray) -> bool:
+    """Return whether most of the stamps, shape (n,), exceed the one before."""
+    steps = np.diff(time[np.isfinite(time.astype(float))])
+    return bool(len(steps) and np.mean(steps > 0) > MOST)

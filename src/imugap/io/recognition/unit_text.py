@@ -1,0 +1,69 @@
+"""Units as headers write them (``rad s^-1``, ``deg/sec``, ``m/s²``, ``dps``), as units of :mod:`imugap.units`."""
+
+import re
+from collections import Counter
+
+SPELLINGS = {
+    "s": "s sec secs second seconds",
+    "ms": "ms msec msecs millis millisecond milliseconds",
+    "us": "us usec usecs micros microsecond microseconds",
+    "ns": "ns nsec nsecs nanos nanosec nanosecond nanoseconds",
+    "h": "h hr hour hours",
+    "rad": "rad rads radian radians",
+    "mrad": "mrad",
+    "deg": "deg degs degree degrees",
+    "mdeg": "mdeg",
+    "m": "m meter meters metre metres",
+    "ft": "ft foot feet",
+    "g": "g gs gn gee",
+    "mg": "mg milligs",
+    "ug": "ug",
+    "degC": "c degc celsius degcelsius",
+}
+BASES = {spelling: base for base, spellings in SPELLINGS.items() for spelling in spellings.split()}
+SHORT = {"dps": "deg/s", "mdps": "mdeg/s"}
+"""Abbreviations of whole units."""
+SIGNS = str.maketrans({"²": "^2", "³": "^3", "µ": "u", "μ": "u", "°": "deg", "⁻": "-", "¹": "1", "·": " ", "*": " "})
+TIMES = ("s", "h")
+QUANTITIES = {
+    "time": ("s", "ms", "us", "ns"),
+    "gyro": ("rad/s", "deg/s", "mrad/s", "mdeg/s", "deg/h", "rad", "deg"),
+    "accel": ("m/s^2", "g", "mg", "ug", "ft/s^2", "m/s"),
+    "temperature": ("degC",),
+}
+"""Units of each quantity; those without the last time in them are of increments over the sampling interval."""
+INCREMENTS = ("rad", "deg", "m/s")
+
+
+def unit_of(text: str) -> str | None:
+    """Return the unit that a text is, or None; ``m s2`` and ``rad_s``, as names of columns have them, are quotients."""
+    plain = text.strip().translate(SIGNS).lower()
+    if plain in SHORT:
+        return SHORT[plain]
+    exponents: Counter[str] = Counter()
+    sign, last = 1, None
+    for token in re.findall(r"[a-z]+|\^?-?\d+|/", plain):
+        if token in ("/", "per"):
+            sign, last = -1, None
+        elif token in BASES:
+            last = BASES[token]
+            exponents[last] += -1 if sign < 0 or (last in TIMES and len(exponents)) else 1
+        elif last is not None and re.fullmatch(r"\^?-?[123]", token):
+            size = int(token.lstrip("^-"))
+            exponents[last] = size if exponents[last] > 0 and "-" not in token else -size
+        else:
+            return None
+    return _written(exponents)
+
+
+def quantity_of(unit: str) -> str | None:
+    """Return the quantity of a unit: gyro, accel, temperature or time; None if it is of no log."""
+    return next((quantity for quantity, units in QUANTITIES.items() if unit in units), None)
+
+
+def _written(exponents: Counter[str]) -> str | None:
+    """Return exponents of base units as a known unit, or None."""
+    above = [base for base, exponent in exponents.items() if exponent == 1]
+    below = [base if exponent == -1 else f"{base}^{-exponent}" for base, exponent in exponents.items() if exponent < 0]
+    unit = "/".join([*above, *below])
+    return unit if len(above) == 1 and quantity_of(unit) else None

@@ -1,0 +1,130 @@
+"""Units of the samples of a recording: by option, header, contract of the package, or physics, in this order.
+
+A header or the contract that physics contradicts is refused; so is what nothing decides.
+"""
+
+import re
+from dataclasses import dataclass
+
+import numpy as np
+
+from imugap.io.recognition import samples
+from imugap.io.recognition.unit_text import INCREMENTS, QUANTITIES, quantity_of, unit_of
+from imugap.log import ACCEL, GYRO, LogError
+from imugap.units import STANDARD_GRAVITY, factor
+
+SI = {"gyro": "rad/s", "accel": "m/s^2", "temperature": "degC"}
+PLACES = {"gyro": "columns gyro_x to gyro_z", "accel": "columns accel_x to accel_z"}
+TRIADS = {"gyro": GYRO, "accel": ACCEL}
+
+
+@dataclass(frozen=True)
+class Unit:
+    """Unit of a quantity in a file.
+
+    Attributes
+    ----------
+    name
+        Unit, ``g/16384`` for counts of which 16384 are 1 g.
+    evidence
+        What shows it; None where the contract of the package does.
+    """
+
+    name: str
+    evidence: str | None = None
+
+    def to_si(self, rate_hz: float) -> float:
+        """Return the factor to SI; increments over the sampling interval become means over it."""
+        base, _, counts = self.name.partition("//")
+        size = factor(base) / (float(counts) if counts else 1.0)
+        return size * rate_hz if base in INCREMENTS else size
+
+    def sentence(self, quantity: str) -> str:
+        """Return what is done, in words."""
+        change = (
+            self.name.replace("//", "/")
+            if self.name == SI[quantity]
+            else f"{self.name.replace('//', '/')} -> {SI[quantity]}"
+        )
+        return f"{quantity} {change} from {self.evidence}"
+
+
+def given_units(texts) -> dict[str, str]:
+    """Return units by quantity from ``gyro=deg/s`` or plain ``deg/s``; ``accel=g/16384`` is counts per g."""
+    units = {}
+    for text in texts:
+        quantity, _, unit = text.rpartition("=")
+        counts = re.fullmatch(r"(.*[a-z^)\]²°].*)/(\d+\.?\d*)", unit)
+        known = unit_of(counts[1] if counts else unit)
+        found = None if known is None else quantity_of(known)
+        if found not in SI or (quantity and quantity != found):
+            expected = "; ".join(f"{name}: {', '.join(QUANTITIES[name])}" for name in SI)
+            raise ValueError(f"--units: expected units such as gyro=deg/s accel=g ({expected}); found {text!r}")
+        units[found] = f"{known}//{counts[2]}" if counts else known
+    return units
+
+
+def accel_unit(accel: np.ndarray, rate_hz: float, given: str | None, stated: str | None, contract: bool) -> Unit:
+    """Return the unit of specific force, shape (n, axes); LogError where nothing decides or gravity contradicts."""
+    if given:
+        return Unit(given, "the option")
+    named = Unit(stated, "the header") if stated else Unit(SI["accel"]) if contract else None
+    force = samples.force_of(accel) if accel.shape[1] == 3 else None
+    if force is None:
+        if named is None:
+            raise _undecided("accel", "fewer than three axes, which show no gravity")
+        return named
+    if named is not None and _is_gravity(force, named.to_si(rate_hz)) in (True, None):
+        return named
+    units = samples.gravity_units(force)
+    if named is None and len(units) == 1:
+        return Unit(units[0], "gravity")
+    reading = f"gravity in {' or in '.join(units)}" if units else samples.other_reading(force, rate_hz)
+    name = named.name if named else "a unit"
+    raise LogError(
+        "log", PLACES["accel"], f"specific force in {name} (--units accel=... decides)",
+        f"a median norm of {force.median:.4g}, which would be {reading}",
+    )  # fmt: skip
+
+
+def _is_gravity(force: samples.Force, size: float) -> bool | None:
+    """Return whether the norm is gravity with this factor to SI; None where gravity was removed."""
+    ratios = [norm * size / STANDARD_GRAVITY for norm in (force.quiet, force.median)]
+    if any(1 / samples.GRAVITY_TOLERANCE <= ratio <= samples.GRAVITY_TOLERANCE for ratio in ratios):
+        return True
+    return None if without_gravity(force, size) else False
+
+
+def without_gravity(force: samples.Force, size: float) -> bool:
+    """Return whether a norm with this factor to SI is too small for gravity, and scatters as noise or motion do."""
+    return (
+        force.quiet * size < samples.NONE_LEFT * STANDARD_GRAVITY and np.linalg.norm(force.direction) < samples.STEADY
+    )
+
+
+def gyro_unit(
+    gyro: np.ndarray, accel: np.ndarray | None, rate_hz: float, given: str | None, stated: str | None, contract: bool
+) -> Unit:
+    """Return the unit of angular rates, shape (n, axes); LogError where nothing decides or physics contradicts.
+
+    ``accel`` is the specific force [m/s^2], shape (n, 3), or None.
+    """
+    if given:
+        return Unit(given, "the option")
+    named = Unit(stated, "the header") if stated else Unit(SI["gyro"]) if contract else None
+    if named is not None and named.name not in ("rad/s", "deg/s"):
+        return named
+    found = samples.gyro_unit(gyro, accel, rate_hz)
+    if named is None and found is None:
+        raise _undecided("gyro", "rates that may be in rad/s or in deg/s")
+    if named is None:
+        return Unit(found.unit, found.reason)
+    if found is not None and found.strong and found.unit != named.name:
+        expected = f"angular rate in {named.name} (--units gyro=rad/s or gyro=deg/s decides)"
+        raise LogError("log", PLACES["gyro"], expected, f"{found.reason}; is it in {found.unit}?")
+    return named
+
+
+def _undecided(quantity: str, found: str) -> LogError:
+    units = " or ".join(f"{quantity}={unit}" for unit in QUANTITIES[quantity][:2])
+    return LogError("log", PLACES[quantity], f"a unit in the header (--units {units} decides)", found)
