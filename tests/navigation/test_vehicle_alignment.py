@@ -9,7 +9,7 @@ from imugap.filters.consistency import nees_band
 from imugap.filters.innovation_gate import NO_CONTROL
 from imugap.navigation.vehicle import LEVER_ARM, DriveInputs, navigate
 from imugap.navigation.vehicle_alignment import align
-from imugap.simulation.drive import Drive, DriveLeg
+from imugap.simulation.drive import DriveLeg
 
 SEED = 58
 LEVER = (1.5, -0.6, -1.2)

@@ -8,6 +8,7 @@ from tqdm import tqdm
 
 from imugap.commands.arguments import add_effects, add_gravity, add_seed, count, probability
 from imugap.commands.outputs import require_folder, write_folder
+from imugap.commands.reading import LOG_HELP, add_reading, say, settings_of
 from imugap.discovery.device import Settings
 from imugap.discovery.inputs import FileDiscovery, Files, discover_files
 from imugap.discovery.report import candidate_table, describe_range, discrepancy_table, verdict
@@ -28,7 +29,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "Find where logs of a device and simulations of its error model disagree, name the effects that are missing, "
         "add them, and show that the discrepancy shrinks on data that no fit has seen."
     )
-    parser.add_argument("log", nargs="+", help="canonical CSV or Parquet log, one per run of the device")
+    parser.add_argument("log", nargs="+", help=f"{LOG_HELP}; one per run of the device")
     parser.add_argument(
         "--test", nargs="+", default=[], help="further runs for the distances (default: end of the log)"
     )
@@ -46,12 +47,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_seed(parser)
     parser.add_argument("--workers", type=count, default=2, help="processes (default %(default)s)")
     parser.add_argument("--out", required=True, help="folder for report, model, tables and figures")
+    add_reading(parser)
 
 
 def run(options: argparse.Namespace) -> None:
     """Discover on the logs, write the folder ``--out``, and print the verdict."""
     reference, model = (None if path is None else Path(path) for path in (options.reference, options.model))
-    files = Files(tuple(map(Path, options.log)), tuple(map(Path, options.test)), reference, model, options.effects)
+    files = Files(
+        tuple(map(Path, options.log)),
+        tuple(map(Path, options.test)),
+        reference,
+        model,
+        options.effects,
+        settings_of(options),
+    )
     settings = Settings(alpha=options.alpha, seed=options.seed, workers=options.workers, gravity=options.gravity)
     with tqdm(bar_format="{l_bar}{bar}| {n_fmt}/{total_fmt} [{elapsed}]", leave=False) as bar:
 
@@ -60,6 +69,8 @@ def run(options: argparse.Namespace) -> None:
             bar.set_description(step)
 
         result = compose(files, settings, options.out, progress)
+    for path, sentences in result.recognised.items():
+        say(path, sentences)
     print(verdict(result.found))
 
 
@@ -90,6 +101,7 @@ def page(result: FileDiscovery) -> str:
     found = result.found
     logs = [f"- {role}: `{one['path']}`, {one['duration_s']:.6g} s at {one['rate_hz']:.6g} Hz; its first stamp, "
             f"{one['begin_s']:.10g} s, is time zero here"
+            + "".join(f"; {sentence}" for sentence in result.recognised.get(one["path"], ()))
             for role, some in (("log", result.logs), ("test", result.tests)) for one in some]  # fmt: skip
     held_out = "the test logs" if result.tests else "the last part of the log"
     parts = [

@@ -6,6 +6,7 @@ events, summary and figures; write the folder.
 """
 
 import argparse
+import dataclasses
 import json
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -16,6 +17,8 @@ import pandas as pd
 
 from imugap.commands.arguments import add_effects
 from imugap.commands.outputs import require_folder, write_folder
+from imugap.commands.reading import LOG_HELP, add_reading, settings_of
+from imugap.commands.reading import read as read_log
 from imugap.filters.consistency import nees_band
 from imugap.filters.innovation_gate import (
     CLOSED,
@@ -30,7 +33,8 @@ from imugap.filters.innovation_gate import (
 )
 from imugap.integrity.timestamps import filled
 from imugap.interchange.plugins import catalogue
-from imugap.io import configuration, gnss, readers, recording
+from imugap.io import configuration, gnss, readers
+from imugap.io.recognition import frame
 from imugap.log import ACCEL, AXES, GYRO, LogError, axes
 from imugap.model import ErrorModel
 from imugap.navigation import vehicle, vehicle_alignment
@@ -185,11 +189,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "latitude and longitude in degrees, the height in metres above the ellipsoid and, if known, vel_n vel_e vel_d "
         "[m/s] and standard deviations sd_n sd_e sd_d [m], sd_vel_n sd_vel_e sd_vel_d [m/s]."
     )
-    parser.add_argument("log", help="canonical CSV or Parquet log of six axes")
+    parser.add_argument("log", help=f"{LOG_HELP}; six axes")
     parser.add_argument("fixes", help="CSV or Parquet log of a GNSS receiver, on the clock of the device")
     parser.add_argument("--config", help="device, mounting, lever arm, quality control (YAML)")
     add_effects(parser)
     parser.add_argument("--out", required=True, help="folder for solution, events, summary and figures")
+    add_reading(parser)
 
 
 def run(options: argparse.Namespace) -> None:
@@ -212,7 +217,14 @@ def navigate_drive(recorded: RecordedDrive) -> NavigatedDrive:
 def read(options: argparse.Namespace) -> RecordedDrive:
     """Read the configuration and the logs."""
     settings = DriveSettings.read(options.config, options.effects)
-    return RecordedDrive(recording.read(options.log).log, readers.read_fixes(options.fixes), settings)
+    reading = settings_of(options)
+    if any(settings.mounting) and reading.frame is None:
+        reading = dataclasses.replace(reading, frame=frame.AS_IS)  # the mounting turns the device itself
+    found = read_log(options.log, reading).require_gravity()
+    if reading.frame is None and found.frame not in (frame.AS_IS, frame.CANONICAL, "FLU"):
+        expected = "where x points (--frame, or the mounting in --config)"
+        raise LogError(options.log, "frame", expected, f"{frame.vertical(found.frame)}, which leaves the heading open")
+    return RecordedDrive(found.log, readers.read_fixes(options.fixes), settings)
 
 
 def check(recorded: RecordedDrive) -> RecordedDrive:

@@ -21,11 +21,12 @@ from imugap import log
 from imugap.atomic import write_together
 from imugap.commands.arguments import positive
 from imugap.commands.outputs import require_files
+from imugap.commands.reading import LOG_HELP, add_reading, read, settings_of
 from imugap.estimation import report
 from imugap.estimation.model_selection import TERMS
 from imugap.estimation.report import AxisEstimate, EstimatorSettings, Method
 from imugap.integrity.report import timing
-from imugap.io import recording
+from imugap.io.recording import RecordingSettings
 from imugap.model import ErrorModel
 from imugap.workflow.products import write_svg
 
@@ -40,7 +41,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "in SI units; a limit that the log does not set is null."
     )
     names = ", ".join(kind.name for kind in TERMS)
-    parser.add_argument("log", help="canonical CSV or Parquet log")
+    parser.add_argument("log", help=LOG_HELP)
     parser.add_argument("--axis", nargs="+", help="axes (default all that the log has)")
     parser.add_argument(
         "--terms", default=AUTO,
@@ -54,13 +55,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--figure", help="SVG file: Allan deviation of log and model")
     parser.add_argument("--model", help="YAML file for the error model")
     parser.add_argument("--out", required=True, help="JSON file for the estimates")
+    add_reading(parser)
 
 
 def run(options: argparse.Namespace) -> None:
     """Estimate each axis of the log, write the files, and print the estimates."""
     settings = _settings(options)
     require_files({f"--{name}": getattr(options, name) for name in ("out", "table", "model", "figure")}, [options.log])
-    table = _read(options.log)
+    table = _read(options.log, settings_of(options))
     interval = log.interval(table)
     estimates = [
         report.estimate_axis(axis, table[axis].to_numpy(), interval, settings) for axis in _axes(table, options.axis)
@@ -76,9 +78,9 @@ def _settings(options: argparse.Namespace) -> EstimatorSettings:
     return EstimatorSettings(kinds, Method(options.method), options.highest, options.robust)
 
 
-def _read(path: str) -> pd.DataFrame:
+def _read(path: str, settings: RecordingSettings) -> pd.DataFrame:
     """Read a log; warn where samples are lost, because the estimates take them as evenly spaced."""
-    table = recording.read(path).log
+    table = read(path, settings).log
     found = timing(table.index.to_numpy())
     if found.gaps:
         gaps = f"{found.gaps} gaps, the first at {found.first_gap_s:g} s, the longest {found.largest_gap_s:g} s"

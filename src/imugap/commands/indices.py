@@ -12,16 +12,17 @@ from imugap import log
 from imugap.atomic import atomic
 from imugap.commands.arguments import add_gravity, positive
 from imugap.commands.outputs import require_files
+from imugap.commands.reading import LOG_HELP, add_reading, read, settings_of
 from imugap.estimation.indices import INDICES, of_run, over_runs, shortest
-from imugap.io import recording
 from imugap.units import from_si
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    parser.add_argument("log", nargs="+", help="canonical CSV or Parquet log, one per run")
+    parser.add_argument("log", nargs="+", help=f"{LOG_HELP}; one per run")
     parser.add_argument("--period", type=positive, default=1.0, help="averaging period of the bias stability [s]")
     add_gravity(parser)
+    add_reading(parser)
     parser.add_argument("--out", help="CSV file for the indices in SI units")
 
 
@@ -30,7 +31,8 @@ def run(options: argparse.Namespace) -> None:
     require_files({"--out": options.out}, options.log)
     ideal = pd.Series(0.0, index=list(log.AXES))
     ideal["accel_z"] = -options.gravity
-    tables = [recording.read(path).log for path in options.log]
+    settings = settings_of(options)
+    tables = [read(path, settings).require_gravity().log for path in options.log]
     runs = {
         number: of_run(table, ideal, options.period, _computable(table, options.period))
         for number, table in enumerate(tables, start=1)

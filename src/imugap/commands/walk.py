@@ -15,10 +15,11 @@ import pandas as pd
 
 from imugap.commands.arguments import add_effects, add_gravity, positive
 from imugap.commands.outputs import require_folder, write_folder
+from imugap.commands.reading import LOG_HELP, add_reading, settings_of
+from imugap.commands.reading import read as read_log
 from imugap.filters.zero_velocity import MOVING
 from imugap.integrity.timestamps import filled
 from imugap.interchange.plugins import catalogue
-from imugap.io import recording
 from imugap.log import ACCEL, AXES, GYRO, LogError, axes
 from imugap.model import ErrorModel
 from imugap.navigation import pedestrian
@@ -102,7 +103,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "Navigate a walk with the device on a foot. The log begins with a stand of half a second or more. Rows whose "
         "stamp does not exceed those before are left out, and lost samples filled."
     )
-    parser.add_argument("log", help="canonical CSV or Parquet log of six axes")
+    parser.add_argument("log", help=f"{LOG_HELP}; six axes")
     parser.add_argument("--model", help="error model of the device (YAML; default that of a cheap one)")
     add_effects(parser)
     add_gravity(parser)
@@ -112,6 +113,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     parser.add_argument("--outdoors", action="store_true", help="do not take floors for level but for stairs and ramps")
     parser.add_argument("--out", required=True, help="folder for solution, summary and figures")
+    add_reading(parser)
 
 
 def run(options: argparse.Namespace) -> None:
@@ -136,7 +138,7 @@ def read(options: argparse.Namespace) -> WalkInputs:
 
     Rows whose stamp does not exceed those before, as wireless devices send them, are left out.
     """
-    log = recording.read(options.log).repaired
+    log = read_log(options.log, settings_of(options)).require_gravity().repaired
     if axes(log) != AXES:
         raise LogError(options.log, "columns", f"all of {', '.join(AXES)}", ", ".join(log.columns))
     model = DEFAULT_MODEL

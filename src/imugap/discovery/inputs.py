@@ -1,7 +1,7 @@
 """Discovery on files: read and check logs, reference and start model of a user, then discover."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from hashlib import file_digest
 from pathlib import Path
 
@@ -17,6 +17,7 @@ from imugap.effects.effect import Role
 from imugap.integrity.timestamps import Stamps, stamps
 from imugap.interchange.plugins import catalogue
 from imugap.io import recording
+from imugap.io.recording import DEFAULTS, Recording, RecordingSettings
 from imugap.log import LogError
 from imugap.model import ErrorModel
 
@@ -41,6 +42,8 @@ class Files:
         of the first run, for a device in motion; start model (YAML).
     effects
         Name of a module whose effects join the catalogue.
+    reading
+        How the logs are read.
     """
 
     logs: tuple[Path, ...]
@@ -48,6 +51,7 @@ class Files:
     reference: Path | None = None
     model: Path | None = None
     effects: str | None = None
+    reading: RecordingSettings = DEFAULTS
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,12 +67,15 @@ class FileDiscovery:
         Level of the tests.
     found
         The discovery.
+    recognised
+        Sentences on what was recognised in each log, by its path; only of logs that are not canonical.
     """
 
     logs: tuple[dict, ...]
     tests: tuple[dict, ...]
     alpha: float
     found: Discovery
+    recognised: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
     def report(self) -> dict:
         """Return the report as plain data, schema ``imugap/discovery/1``."""
@@ -90,37 +97,37 @@ def discover_files(
         raise ValueError("test: expected runs at rest; found a reference, which implies a device in motion")
     if len(files.logs) > 1 and files.reference:
         raise ValueError(f"reference: expected one log, which it is the error-free one of; found {len(files.logs)}")
-    logs, tests = _read(files.logs), _read(files.tests)
+    recordings = [recording.read(path, files.reading) for path in (*files.logs, *files.tests)]
+    tables = [_usable(one) for one in recordings]
+    logs, tests = tables[: len(files.logs)], tables[len(files.logs) :]
     for path, table in zip((*files.logs[1:], *files.tests), (*logs[1:], *tests), strict=True):
         _require_columns(table, path, list(logs[0].columns))
         _require_values(table, path, logs[0])
         _require_rate(table, path, logs[0])
     if start is not None:
         _require_describable(start, files.model, logs[0])
-    reference = None if files.reference is None else _reference(files.reference, logs[0])
+    reading = replace(files.reading, frame=recordings[0].frame)
+    reference = None if files.reference is None else _reference(files.reference, logs[0], reading)
     found = discover(logs, settings, tests, reference, progress)
     first, *others = map(_log_properties, files.logs, logs)
     return FileDiscovery(
-        (first | _used_part(found), *others), tuple(map(_log_properties, files.tests, tests)), settings.alpha, found
-    )
+        (first | _used_part(found), *others), tuple(map(_log_properties, files.tests, tests)), settings.alpha, found,
+        {str(one.source): one.recognised for one in recordings if one.recognised},
+    )  # fmt: skip
 
 
-def _read(paths: Sequence[Path]) -> list[pd.DataFrame]:
-    """Read logs; raise a LogError unless an axis varies and each such axis has enough samples at its own rate."""
-    tables = [recording.read(path).table for path in paths]
-    for path, table in zip(paths, tables, strict=True):
-        _clock(path, table)
-        axes = log.axes(table)
-        if not axes:
-            raise LogError(path, "columns", f"at least one of {', '.join(log.AXES)}", "none of them")
-        varying = _varying(table)
-        if not varying:
-            raise LogError(path, "columns", "values that vary on one axis at least", "one value everywhere")
-        for axis, values in varying.items():
-            if len(values) < MIN_SAMPLES:
-                raise LogError(path, f"column {axis}", f"at least {MIN_SAMPLES} samples", str(len(values)))
-            _require_own_rate(table, path, axis)
-    return tables
+def _usable(found: Recording) -> pd.DataFrame:
+    """Return the table; raise a LogError unless an axis varies, and each such has enough samples at its own rate."""
+    path, table = found.source, found.table
+    _clock(path, table)
+    varying = _varying(table)
+    if not varying:
+        raise LogError(path, "columns", "values that vary on one axis at least", "one value everywhere")
+    for axis, values in varying.items():
+        if len(values) < MIN_SAMPLES:
+            raise LogError(path, f"column {axis}", f"at least {MIN_SAMPLES} samples", str(len(values)))
+        _require_own_rate(table, path, axis)
+    return table
 
 
 def _varying(table: pd.DataFrame) -> dict[str, pd.Series]:
@@ -189,9 +196,9 @@ def _require_rate(table: pd.DataFrame, path: Path, first: pd.DataFrame) -> None:
         raise LogError(path, "time", f"the rate of the first log, {expected:.4g} Hz", f"{found:.4g} Hz")
 
 
-def _reference(path: Path, measured: pd.DataFrame) -> pd.DataFrame:
+def _reference(path: Path, measured: pd.DataFrame, reading: RecordingSettings) -> pd.DataFrame:
     """Read the reference; raise a LogError unless it is complete and covers the log."""
-    reference = log.check(recording.read(path).table, path)
+    reference = log.check(recording.read(path, reading).table, path)
     _require_columns(reference, path, log.axes(measured))
     time = measured.index.to_numpy(float)
     covered = (time >= reference.index[0]) & (time <= reference.index[-1])

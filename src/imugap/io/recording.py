@@ -84,6 +84,8 @@ class Recording:
         Sentences on what was recognised; empty for a file that keeps to the contract of the package.
     weightless
         Whether gravity was removed from the specific force.
+    frame
+        Where the axes of the file point (:mod:`imugap.io.recognition.frame`).
     place
         From the number of a row, where it is in the file.
     """
@@ -92,6 +94,7 @@ class Recording:
     table: pd.DataFrame
     recognised: tuple[str, ...] = ()
     weightless: bool = False
+    frame: str = frame.AS_IS
     place: Callable[[int], str] = "row {}".format
 
     @cached_property
@@ -99,6 +102,14 @@ class Recording:
         """Return the canonical log; LogError where a stamp does not increase or a sample is no number."""
         require_order(self.table, self.source, self.place)
         return self._checked(self.table)
+
+    def require_gravity(self) -> "Recording":
+        """Return the recording; LogError where gravity was removed from its specific force."""
+        if self.weightless:
+            expected = "specific force, 9.8 m/s^2 at rest"
+            found = "linear acceleration: gravity was removed, and cannot be restored (log the accelerometer itself)"
+            raise LogError(self.source, "columns accel_x to accel_z", expected, found)
+        return self
 
     @cached_property
     def regular(self) -> Regular:
@@ -154,11 +165,12 @@ def _recognised(source: Source, settings: RecordingSettings) -> Recording:
     rate = 1 / stamps.step_of(time)
     say, weightless = _to_si(values, rate, assignment, settings, contract)
     said += say
-    said += _turned(values, settings)
+    axes, say = _turned(values, settings)
+    said += say
     said += _left_out(names, assignment, stamp)
     if said or not contract or source.notes:
         said = (f"{rate:.6g} Hz", f"{len(time):,} samples".replace(",", " "), *source.notes, *said)
-    return Recording(source.path, table.set_index(pd.Index(time, name=TIME)), said, weightless, source.place)
+    return Recording(source.path, table.set_index(pd.Index(time, name=TIME)), said, weightless, axes, source.place)
 
 
 def _names(source: Source, settings: RecordingSettings) -> list[str]:
@@ -250,24 +262,25 @@ def _convert(values: dict, axes: tuple[str, ...], quantity: str, unit: units.Uni
     return [] if unit.evidence is None else [unit.sentence(quantity)]
 
 
-def _turned(values: dict[str, np.ndarray], settings: RecordingSettings) -> tuple[str, ...]:
-    """Turn the samples to the canonical axes in place; return what was recognised."""
-    if settings.frame == frame.AS_IS:
-        return ()
-    if settings.frame:
-        matrix, words = _asked(frame.rotation_of, "frame", settings.frame), f"{settings.frame} -> turned, z down"
-    else:
-        force = samples.force_of(_triad(values, ACCEL)) if set(ACCEL) <= set(values) else None
-        found = None if force is None else frame.upright(force.direction)
-        if found is None:
-            return ()
-        matrix, words = found
-    for axes in (GYRO, ACCEL):
-        if set(axes) <= set(values):
-            turned = [_combined(row, [values[name] for name in axes]) for row in matrix]
-            for name, samples_ in zip(axes, turned, strict=True):
-                values[name][:] = samples_
-    return () if np.array_equal(matrix, np.eye(3)) else (words,)
+def _turned(values: dict[str, np.ndarray], settings: RecordingSettings) -> tuple[str, tuple[str, ...]]:
+    """Turn the samples to the canonical axes in place; return the frame of the file, and what was recognised."""
+    axes = settings.frame or _vertical_frame(values) or frame.AS_IS
+    if axes in (frame.AS_IS, frame.CANONICAL):
+        return axes, ()
+    matrix = _asked(frame.rotation_of, "frame", axes)
+    for triad in (GYRO, ACCEL):
+        if set(triad) <= set(values):
+            turned = [_combined(row, [values[name] for name in triad]) for row in matrix]
+            for name, column in zip(triad, turned, strict=True):
+                values[name][:] = column
+    why = f"{axes} from the option" if settings.frame else f"{frame.vertical(axes)} ({axes})"
+    return axes, (f"{why} -> turned, z down",)
+
+
+def _vertical_frame(values: dict[str, np.ndarray]) -> str | None:
+    """Return the frame of a device with one axis along gravity, or None."""
+    force = samples.force_of(_triad(values, ACCEL)) if set(ACCEL) <= set(values) else None
+    return None if force is None else frame.upright(force.direction)
 
 
 def _combined(row: np.ndarray, columns: list[np.ndarray]) -> np.ndarray:

@@ -15,12 +15,9 @@ ALIGNED = 0.9
 """Cosine of the largest angle between gravity and an axis for this axis to be vertical."""
 STEADY = 0.9
 """Length of the mean direction of the specific force, 1 for a device that lies one way, below which none is."""
-UPWARD = {
-    (0, 1): [[0, 0, 1], [0, 1, 0], [-1, 0, 0]], (0, -1): [[0, 0, -1], [0, 1, 0], [1, 0, 0]],
-    (1, 1): [[1, 0, 0], [0, 0, 1], [0, -1, 0]], (1, -1): [[1, 0, 0], [0, 0, -1], [0, 1, 0]],
-    (2, 1): [[1, 0, 0], [0, -1, 0], [0, 0, -1]],
-}  # fmt: skip
-"""Rotation to canonical axes by the axis, and its sign, along which the specific force points."""
+CANONICAL = "FRD"
+UPWARD = {(0, 1): "URF", (0, -1): "DRB", (1, 1): "FUR", (1, -1): "FDL", (2, 1): "FLU", (2, -1): CANONICAL}
+"""Frame of a device by the axis, and its sign, along which the specific force points: a turn about one axis."""
 
 
 def rotation_of(frame: str) -> np.ndarray:
@@ -52,8 +49,8 @@ def rotation_of(frame: str) -> np.ndarray:
     return from_euler(np.radians([roll, pitch, heading])).as_matrix()
 
 
-def upright(direction: np.ndarray) -> tuple[np.ndarray, str] | None:
-    """Return the rotation that makes the vertical axis point down, and in words; None where none is vertical or z is.
+def upright(direction: np.ndarray) -> str | None:
+    """Return the frame of a device with a vertical axis, or None.
 
     Parameters
     ----------
@@ -62,14 +59,12 @@ def upright(direction: np.ndarray) -> tuple[np.ndarray, str] | None:
     """
     length = float(np.linalg.norm(direction))
     axis = int(np.argmax(np.abs(direction)))
-    sign = 1 if direction[axis] > 0 else -1
-    if length < STEADY or abs(direction[axis]) < ALIGNED * length or (axis, sign) not in UPWARD:
+    if length < STEADY or abs(direction[axis]) < ALIGNED * length:
         return None
-    matrix = np.array(UPWARD[axis, sign], float)
-    return matrix, f"{'xyz'[axis]} {'up' if sign > 0 else 'down'} -> turned, z down ({_in_words(matrix)})"
+    return UPWARD[axis, 1 if direction[axis] > 0 else -1]
 
 
-def _in_words(matrix: np.ndarray) -> str:
-    """Return which axes of the device the canonical ones are."""
-    signs = [("-" if row[np.argmax(np.abs(row))] < 0 else "") + "xyz"[int(np.argmax(np.abs(row)))] for row in matrix]
-    return "x, y, z are " + ", ".join(signs)
+def vertical(frame: str) -> str:
+    """Return which axis of a frame of :data:`UPWARD` is vertical, in words."""
+    axis, sign = next(place for place, name in UPWARD.items() if name == frame)
+    return f"{'xyz'[axis]} {'up' if sign > 0 else 'down'}"

@@ -19,8 +19,8 @@ GRAVITY_TOLERANCE = 1.25
 NARROW = 1.06
 """The same for readings that are far from any usual one."""
 READINGS = ("m/s^2", "g", "mg", "ug", "ft/s^2")
-STEADY = 0.9
-"""Length of the mean direction of the specific force below which it is noise or motion."""
+CONSTANT = 0.1
+"""Scatter of the norm of a specific force below which it is gravity."""
 NONE_LEFT = 0.15
 """Norm [g] at rest below which gravity was removed."""
 COUNTS = 2.0 ** np.arange(8, 21)
@@ -54,12 +54,15 @@ class Force:
         Median of the norm of all samples.
     quiet
         Median norm of the means over the quietest windows.
+    scatter
+        Standard deviation of these norms over their median: that of noise is 0.4, of gravity next to nothing.
     direction
         Mean of their unit vectors, shape (3,): its length is 1 for a device that lies one way.
     """
 
     median: float
     quiet: float
+    scatter: float
     direction: np.ndarray
 
 
@@ -83,7 +86,8 @@ def force_of(accel: np.ndarray) -> Force | None:
     norms = np.linalg.norm(calm, axis=1)
     unit = calm / np.where(norms > 0, norms, 1.0)[:, None]
     quiet = float(np.median(norms))
-    return Force(float(np.median(np.linalg.norm(finite, axis=1))), quiet, unit.mean(axis=0))
+    scatter = float(norms.std() / quiet) if quiet > 0 else np.inf
+    return Force(float(np.median(np.linalg.norm(finite, axis=1))), quiet, scatter, unit.mean(axis=0))
 
 
 def gravity_units(force: Force) -> tuple[str, ...]:
@@ -98,17 +102,19 @@ def gravity_units(force: Force) -> tuple[str, ...]:
     )
 
 
+def are_increments(force: Force, rate_hz: float) -> bool:
+    """Return whether a specific force is gravity times the sampling interval."""
+    return force.scatter < CONSTANT and 1 / NARROW < force.quiet * rate_hz / STANDARD_GRAVITY < NARROW
+
+
 def other_reading(force: Force, rate_hz: float) -> str:
     """Return what a specific force may be whose norm is gravity in no unit."""
     norm = force.quiet
     near = COUNTS[np.argmin(np.abs(np.log(norm / COUNTS)))] if norm > 0 else np.inf
     if 1 / NARROW < norm / near < NARROW:
-        return f"counts of a converter of {near:.0f} counts per g"
-    for unit, sense in ((1.0, "m/s"), (STANDARD_GRAVITY, "g s")):
-        if 1 / NARROW < norm * rate_hz * unit / STANDARD_GRAVITY < NARROW:
-            return f"velocity increments [{sense}] over the interval (--units accel=m/s gyro=rad)"
-    if norm < NONE_LEFT * STANDARD_GRAVITY:
-        return "linear acceleration: gravity was removed, which no command can undo (log the accelerometer itself)"
+        return f"counts of a converter of {near:.0f} counts per g (--units accel=g/{near:.0f})"
+    if are_increments(force, rate_hz):
+        return "velocity increments [m/s] over the interval (--units accel=m/s,gyro=rad)"
     return "gravity in no known unit"
 
 

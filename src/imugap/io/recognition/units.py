@@ -74,7 +74,7 @@ def accel_unit(accel: np.ndarray, rate_hz: float, given: str | None, stated: str
         if named is None:
             raise _undecided("accel", "fewer than three axes, which show no gravity")
         return named
-    if named is not None and _is_gravity(force, named.to_si(rate_hz)) in (True, None):
+    if named is not None and _is_gravity(force, named.to_si(rate_hz), rate_hz) in (True, None):
         return named
     units = samples.gravity_units(force)
     if named is None and len(units) == 1:
@@ -82,24 +82,22 @@ def accel_unit(accel: np.ndarray, rate_hz: float, given: str | None, stated: str
     reading = f"gravity in {' or in '.join(units)}" if units else samples.other_reading(force, rate_hz)
     name = named.name if named else "a unit"
     raise LogError(
-        "log", PLACES["accel"], f"specific force in {name} (--units accel=... decides)",
+        "log", PLACES["accel"], f"specific force in {name} (--units accel=g, or another unit, decides)",
         f"a median norm of {force.median:.4g}, which would be {reading}",
     )  # fmt: skip
 
 
-def _is_gravity(force: samples.Force, size: float) -> bool | None:
+def _is_gravity(force: samples.Force, size: float, rate_hz: float) -> bool | None:
     """Return whether the norm is gravity with this factor to SI; None where gravity was removed."""
     ratios = [norm * size / STANDARD_GRAVITY for norm in (force.quiet, force.median)]
     if any(1 / samples.GRAVITY_TOLERANCE <= ratio <= samples.GRAVITY_TOLERANCE for ratio in ratios):
         return True
-    return None if without_gravity(force, size) else False
+    return None if without_gravity(force, size) and not samples.are_increments(force, rate_hz) else False
 
 
 def without_gravity(force: samples.Force, size: float) -> bool:
-    """Return whether a norm with this factor to SI is too small for gravity, and scatters as noise or motion do."""
-    return (
-        force.quiet * size < samples.NONE_LEFT * STANDARD_GRAVITY and np.linalg.norm(force.direction) < samples.STEADY
-    )
+    """Return whether the norm with this factor to SI is too small for gravity."""
+    return force.quiet * size < samples.NONE_LEFT * STANDARD_GRAVITY
 
 
 def gyro_unit(

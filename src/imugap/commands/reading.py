@@ -1,0 +1,78 @@
+"""Options on how recordings are read, which all commands that read them have; and what was recognised, said."""
+
+import argparse
+import sys
+from collections.abc import Iterable
+from pathlib import Path
+
+from imugap.commands.arguments import rate
+from imugap.io import configuration, recording
+from imugap.io.recognition.frame import AS_IS
+from imugap.io.recognition.unit_text import QUANTITIES
+from imugap.io.recognition.units import given_units
+from imugap.io.recording import Recording, RecordingSettings
+
+SCHEMA = Path(__file__).with_name("reading.schema.yaml")
+LOG_HELP = "recording of the device: CSV of any dialect, Parquet, or another format that is recognised by its content"
+
+
+def add_reading(parser: argparse.ArgumentParser) -> None:
+    """Add the options; each replaces what is recognised from the file."""
+    group = parser.add_argument_group(
+        "reading", "How the log is to be read, where its header and its content do not show it."
+    )
+    group.add_argument(
+        "--columns", type=_listed, metavar="NAMES",
+        help="separated by commas: a name for each column from left to right (time, gyro_x ..., - for one that is not "
+        "read), or canonical=name in the file, or the columns to read",
+    )  # fmt: skip
+    group.add_argument("--units", type=_listed, metavar="UNITS", help="such as gyro=deg/s,accel=g, or accel=g/16384")
+    group.add_argument(
+        "--frame", help=f"where x, y and z point (FLU, FRD, NED, ENU ...), roll,pitch,heading [deg], or {AS_IS}"
+    )
+    group.add_argument(
+        "--rate", dest="sampling_rate", type=rate, metavar="HZ", help="rate of a log without stamps [Hz]"
+    )
+    group.add_argument("--time-unit", choices=QUANTITIES["time"], help="unit of the stamps")
+    group.add_argument("--topic", help="topic of a bag, or message of a log, with the samples")
+    group.add_argument("--reading", metavar="YAML", help="file with these options as keys")
+
+
+def settings_of(options: argparse.Namespace) -> RecordingSettings:
+    """Return the options as settings; those of the command line replace those of the file."""
+    kept = {} if options.reading is None else configuration.read(options.reading, SCHEMA)
+    given = {
+        "columns": options.columns, "units": options.units, "frame": options.frame, "rate": options.sampling_rate,
+        "time_unit": options.time_unit, "topic": options.topic,
+    }  # fmt: skip
+    values = kept | {name: value for name, value in given.items() if value is not None}
+    return RecordingSettings(
+        tuple(values.get("columns") or ()), given_units(values.get("units") or ()), values.get("frame"),
+        values.get("rate"), values.get("time_unit"), values.get("topic"),
+    )  # fmt: skip
+
+
+def read(path: str | Path, settings: RecordingSettings) -> Recording:
+    """Read a recording, and say on the standard error what was recognised."""
+    found = recording.read(path, settings)
+    say(path, found.recognised)
+    return found
+
+
+def say(path: str | Path, sentences: Iterable[str]) -> None:
+    """Print what was recognised in a file as one line on the standard error; nothing where it is canonical."""
+    line = ", ".join(sentences)
+    if line:
+        print(f"imugap: {path}: {line}", file=sys.stderr)
+
+
+def _listed(text: str) -> list[str]:
+    """Split at commas outside of brackets."""
+    parts, depth = [""], 0
+    for one in text:
+        depth += (one in "([") - (one in ")]")
+        if one == "," and depth == 0:
+            parts.append("")
+        else:
+            parts[-1] += one
+    return [part.strip() for part in parts]

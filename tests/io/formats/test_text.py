@@ -1,0 +1,110 @@
+import numpy as np
+import pytest
+from tests.io.devices import RATE, at_rest, times, write_text
+
+from imugap.io.recording import RecordingSettings, read
+from imugap.log import AXES, LogError
+
+NAMES = ["time", *AXES]
+COUNT = 500
+
+
+def samples():
+    return np.column_stack([times(COUNT), at_rest(COUNT, up=(0, 0, -1))])
+
+
+DIALECTS = {
+    "comma": {},
+    "semicolon and decimal comma": {"separator": ";", "decimal": ","},
+    "semicolon and point": {"separator": ";"},
+    "tab": {"separator": "\t"},
+    "tab and decimal comma": {"separator": "\t", "decimal": ","},
+    "blank": {"separator": " "},
+    "blanks": {"separator": "   "},
+    "blank and decimal comma": {"separator": "  ", "decimal": ","},
+    "bar": {"separator": "|"},
+    "windows": {"end": "\r\n"},
+    "comments": {"before": ["# logger 1.2", "# 3 sensors, 100 Hz"]},
+    "lines before": {"before": ["sep=,", "DeviceTag:, 7", "", "Recorded 2024-05-01"]},
+    "exponents": {"form": "{:.9e}"},
+}
+
+
+@pytest.mark.parametrize("dialect", DIALECTS)
+def test_every_dialect_gives_the_same_log_without_a_word(tmp_path, dialect):
+    table = samples()
+    found = read(write_text(tmp_path / "run.csv", NAMES, table, **DIALECTS[dialect]))
+    assert found.recognised == ()
+    np.testing.assert_allclose(found.log.to_numpy(), table[:, 1:], rtol=1e-8)
+    np.testing.assert_allclose(found.log.index, table[:, 0], rtol=1e-8)
+
+
+@pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16", "latin-1"])
+def test_every_encoding_is_read(tmp_path, encoding):
+    header = ["Zeit t (s)", *(f"Gyro {a} (°/s)" for a in "xyz"), *(f"Accel {a} (m/s²)" for a in "xyz")]
+    path = write_text(tmp_path / "run.txt", header, samples())
+    path.write_bytes(path.read_bytes().decode().encode(encoding))
+    found = read(path)
+    np.testing.assert_allclose(found.log["gyro_x"], np.radians(samples()[:, 1]), rtol=1e-8)
+
+
+def test_a_line_of_units_below_the_names_is_read(tmp_path):
+    names = ["Stamp," + ",".join(f"{k}_{a}" for k in ("Gyro", "Accel") for a in "XYZ")]
+    table = samples() * [1e3, *[1] * 3, *[1 / 9.80665] * 3]
+    path = write_text(tmp_path / "run.csv", ["ms", *["deg/s"] * 3, *["g"] * 3], table, before=names)
+    found = read(path)
+    assert 1 / np.diff(found.log.index).mean() == pytest.approx(RATE)
+    np.testing.assert_allclose(found.log["accel_z"], samples()[:, 6], rtol=1e-6)
+
+
+def test_texts_flags_and_comments_between_the_rows_are_left_out(tmp_path):
+    path = tmp_path / "run.csv"
+    rows = [",".join([*(f"{value:.9g}" for value in row), "ok", "3"]) for row in samples()]
+    rows.insert(7, "# marker")
+    path.write_text("\n".join([",".join([*NAMES, "state", "flag"]), *rows]) + "\n")
+    found = read(path)
+    assert len(found.log) == COUNT
+    assert found.recognised[-1] == "left out state, flag"
+
+
+def test_a_trailing_separator_is_no_column(tmp_path):
+    path = tmp_path / "run.csv"
+    rows = [",".join(f"{value:.9g}" for value in row) + ", " for row in samples()]
+    path.write_text("\n".join([",".join(NAMES) + ",", *rows]) + "\n")
+    assert read(path).recognised == ()
+
+
+def test_a_file_without_a_header_needs_the_names(tmp_path):
+    table = samples()
+    path = write_text(tmp_path / "imu.txt", None, table, separator=" ")
+    with pytest.raises(LogError, match=r"line 1: expected a header, or --columns .*; found 7 columns without names"):
+        read(path)
+    found = read(path, RecordingSettings(columns=tuple(NAMES)))
+    np.testing.assert_allclose(found.log.to_numpy(), table[:, 1:], rtol=1e-8)
+
+
+def test_nanoseconds_of_1970_keep_all_digits(tmp_path):
+    stamps = 1403715273262142976 + np.arange(COUNT) * 5_000_000
+    path = tmp_path / "data.csv"
+    cells = [[f"{value:.9g}" for value in row] for row in samples()[:, 1:]]
+    names = [f"{k}_RS_S_{a} [{u}]" for k, u in (("w", "rad s^-1"), ("a", "m s^-2")) for a in "xyz"]
+    rows = [[str(stamp), *row] for stamp, row in zip(stamps, cells, strict=True)]
+    path.write_text("".join(",".join(row) + "\n" for row in [["#timestamp [ns]", *names], *rows]))
+    found = read(path)
+    assert found.recognised[:3] == ("200 Hz", "500 samples", "stamps ns -> s from the header")
+    assert np.abs(np.diff(found.log.index) - 0.005).max() < 5e-7
+
+
+@pytest.mark.parametrize(
+    ("row", "message"),
+    [
+        ("1;2;3", r"line 3: expected 7 values .*; found 3: '1;2;3'"),
+        ("0,01;1;2;3;x;5;6", r"line 3, column accel_x: expected a number; found 'x'"),
+    ],
+)
+def test_a_bad_row_of_any_dialect_is_named(tmp_path, row, message):
+    path = write_text(tmp_path / "run.csv", NAMES, samples(), separator=";", decimal=",")
+    lines = path.read_text().splitlines()
+    path.write_text("\n".join([*lines[:2], row, *lines[2:]]) + "\n")
+    with pytest.raises(LogError, match=message):
+        read(path)

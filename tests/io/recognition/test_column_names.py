@@ -1,0 +1,115 @@
+import pytest
+
+from imugap.io.recognition.column_names import assign, chosen, meaning
+from imugap.log import ACCEL, AXES, GYRO
+
+XYZ = "XYZ"
+
+
+def triad(pattern):
+    return [pattern.format(axis, axis.lower(), k) for k, axis in enumerate(XYZ)]
+
+
+HEADERS = {
+    "ASL": (["#timestamp [ns]", *triad("w_RS_S_{1} [rad s^-1]"), *triad("a_RS_S_{1} [m s^-2]")], "rad/s", "m/s^2"),
+    "Kalibr": (["timestamp", *triad("omega_{1}"), *triad("alpha_{1}")], None, None),
+    "rostopic": (
+        ["%time", "field.header.stamp", *triad("field.orientation.{1}"), *triad("field.angular_velocity.{1}"),
+         "field.angular_velocity_covariance0", *triad("field.linear_acceleration.{1}")],
+        None, None,
+    ),
+    "x-io": (
+        ["Time (s)", *triad("Gyroscope {0} (deg/s)"), *triad("Accelerometer {0} (g)"), *triad("Magnetometer {0} (uT)")],
+        "deg/s", "g",
+    ),
+    "MTi": (
+        ["PacketCounter", "SampleTimeFine", *triad("Acc_{0}"), "FreeAcc_E", "FreeAcc_N", "FreeAcc_U", *triad("Gyr_{0}"),
+         *triad("Mag_{0}"), *triad("VelInc_{0}"), "Roll", "Pitch", "Yaw"],
+        None, None,
+    ),
+    "PX4": (
+        ["timestamp", *triad("gyro_rad[{2}]"), "gyro_integral_dt", "accelerometer_timestamp_relative",
+         *triad("accelerometer_m_s2[{2}]"), "accelerometer_integral_dt"],
+        "rad/s", "m/s^2",
+    ),
+    "ArduPilot": (["TimeUS", "I", *triad("Gyr{0}"), *triad("Acc{0}"), "EG", "EA", "GH", "AH"], None, None),
+    "AndroSensor": (
+        [*triad("ACCELEROMETER {0} (m/s²)"), *triad("GRAVITY {0} (m/s²)"), *triad("LINEAR ACCELERATION {0} (m/s²)"),
+         *triad("GYROSCOPE {0} (rad/s)"), "Time since start in ms "],
+        "rad/s", "m/s^2",
+    ),
+    "Physics Toolbox": (["time", *triad("gF{1}"), *triad("w{1}")], None, None),
+    "Arduino": (["t", *triad("a{1}"), *triad("g{1}"), *triad("m{1}")], None, None),
+    "rocket": (
+        ["timestamp_seconds", *triad("raw_acceleration_{1}_gs"), *triad("raw_rotated_acceleration_{1}_gs"),
+         *triad("raw_angular_rate_{1}_deg_per_s"), "est_velocity_z_meters_per_s", "update_timestamp_ns"],
+        "deg/s", "g",
+    ),
+    "letters": (
+        [*triad("a_{1} [g]"), *triad("ar_{1} [rad/s]"), "Filtered ts [s]", *triad("m_{1} [G]")],
+        "rad/s", "g",
+    ),
+    "flight controller": (["loopIteration", "time (us)", *triad("gyroADC[{2}]"), *triad("accSmooth[{2}]")], None, None),
+    "suffixes": (["time_ms", *triad("gyro_{1}_dps"), *triad("acc_{1}_mg")], "deg/s", "mg"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", HEADERS)
+def test_the_header_of_every_common_logger_gives_six_axes_their_time_and_their_units(name):
+    names, gyro, accel = HEADERS[name]
+    found = assign(names)
+    assert tuple(found.columns) == AXES
+    assert found.units == {key: unit for key, unit in (("gyro", gyro), ("accel", accel)) if unit}
+    assert found.times
+    assert not found.contract
+    assert not found.free
+
+
+@pytest.mark.parametrize("name", HEADERS)
+def test_axes_keep_their_letters_and_their_sensor(name):
+    names, _, _ = HEADERS[name]
+    columns = assign(names).columns
+    for axes in (GYRO, ACCEL):
+        read = [meaning(columns[axis]) for axis in axes]
+        assert [one.axis for one in read] == [0, 1, 2]
+        assert len({one.stem for one in read}) == 1
+        assert {one.quantity for one in read} == {axes[0].split("_")[0]}
+
+
+def test_canonical_names_are_the_contract():
+    assert assign(["time", *AXES, "temperature"]).contract
+    assert not assign(["time", *GYRO, "acc_x", "acc_y", "acc_z"]).contract
+
+
+def test_increments_are_known_by_their_names():
+    found = assign(["timestamp", *triad("delta_angle[{2}]"), *triad("delta_velocity[{2}]"), "delta_angle_dt"])
+    assert found.units == {"gyro": "rad", "accel": "m/s"}
+    assert tuple(found.columns) == AXES
+
+
+@pytest.mark.parametrize("names", [triad("FreeAcc_{0}"), triad("userAcceleration{0}(G)")])
+def test_accelerations_without_gravity_are_known_by_their_names(names):
+    assert assign(["time", *names]).free
+
+
+def test_of_two_sensors_neither_is_taken():
+    with pytest.raises(ValueError, match=r"--columns decides.*imu0_gyro_x.* or imu1_gyro_x"):
+        assign(["time", *triad("imu0_gyro_{1}"), *triad("imu1_gyro_{1}")])
+
+
+def test_a_counter_is_no_time():
+    found = assign(["n_samples", *triad("gyr_{1}")])
+    assert not found.times
+    assert found.counters == ("n_samples",)
+
+
+def test_columns_are_named_from_left_to_right_by_pairs_or_by_choice():
+    nameless = ("", "", "", "")
+    assert chosen(nameless, ["time", "-", "gyro_x", "gyro_y"]) == ("time", "-", "gyro_x", "gyro_y")
+    names = ("time", "rate", "wx", "wy")
+    assert chosen(names, ["gyro_z=rate", "time=time"]) == ("time", "gyro_z", "-", "-")
+    assert chosen(names, ["time", "gyro_x"]) == ("time", "-", "wx", "-")
+    with pytest.raises(ValueError, match=r"found 'wz' \(did you mean w"):
+        chosen(names, ["time", "wz"])
+    with pytest.raises(ValueError, match="expected 4 names, one for each column; found 2"):
+        chosen(nameless, ["time", "gyro_x"])

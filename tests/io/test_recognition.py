@@ -1,0 +1,146 @@
+"""Units, axes and stamps of recordings by what an inertial sensor can be."""
+
+import numpy as np
+import pandas as pd
+import pytest
+from tests.io.devices import RATE, at_rest, times, turned, write_text
+
+from imugap.io.recognition.units import given_units
+from imugap.io.recording import RecordingSettings, read
+from imugap.log import ACCEL, AXES, GYRO, LogError
+from imugap.units import factor
+
+CONTRACT = ["time", *AXES]
+NAMELESS = ["t", "wx", "wy", "wz", "ax", "ay", "az"]
+"""Names that promise no unit."""
+
+
+def written(path, samples, header=CONTRACT, gyro="rad/s", accel="m/s^2"):
+    units = np.repeat([factor(gyro), factor(accel)], 3)
+    return write_text(path / "run.csv", header, np.column_stack([times(len(samples)), samples / units]))
+
+
+@pytest.mark.parametrize("gyro", ["rad/s", "deg/s"])
+@pytest.mark.parametrize("accel", ["m/s^2", "g", "mg", "ft/s^2"])
+@pytest.mark.parametrize("device", [at_rest, turned])
+def test_units_follow_from_physics_where_no_name_says_them(tmp_path, device, gyro, accel):
+    samples = device()
+    found = read(written(tmp_path, samples, NAMELESS, gyro, accel), RecordingSettings(frame="as-is"))
+    np.testing.assert_allclose(found.log.to_numpy(), samples, rtol=1e-6, atol=1e-9)
+    assert any(sentence.startswith(f"gyro {gyro}") for sentence in found.recognised)
+    assert f"accel {accel}{'' if accel == 'm/s^2' else ' -> m/s^2'} from gravity" in found.recognised
+
+
+@pytest.mark.parametrize("device", [at_rest, turned])
+def test_rates_in_degrees_under_a_name_or_a_header_in_radians_are_refused(tmp_path, device):
+    header = ["time (s)", *(f"gyro {a} (rad/s)" for a in "xyz"), *(f"accel {a} (m/s^2)" for a in "xyz")]
+    for names in (CONTRACT, header):
+        with pytest.raises(LogError, match=r"gyro=rad/s or gyro=deg/s decides.*is it in deg/s\?"):
+            read(written(tmp_path, device(), names, gyro="deg/s"))
+    found = read(tmp_path / "run.csv", RecordingSettings(units={"gyro": "deg/s"}, frame="as-is"))
+    np.testing.assert_allclose(found.log[list(GYRO)], device()[:, :3], rtol=1e-6, atol=1e-9)
+
+
+OTHER = {
+    "velocity increments": (lambda x: x / RATE, r"velocity increments \[m/s\].*accel=m/s,gyro=rad"),
+    "counts": (lambda x: np.round(x / 9.80665 * 16384), "counts of a converter of 16384 counts per g"),
+    "feet": (lambda x: x / 0.3048, r"gravity in ft/s\^2"),
+    "half of gravity": (lambda x: x / 2, "gravity in no known unit"),
+}
+
+
+@pytest.mark.parametrize("kind", OTHER)
+@pytest.mark.parametrize("device", [at_rest, turned])
+def test_what_is_no_specific_force_is_refused_with_its_reading(tmp_path, kind, device):
+    spoil, reading = OTHER[kind]
+    samples = device()
+    samples[:, 3:] = spoil(samples[:, 3:])
+    with pytest.raises(LogError, match=reading):
+        read(written(tmp_path, samples))
+
+
+def test_increments_and_counts_are_converted_by_the_option(tmp_path):
+    samples = at_rest(up=(0, 0, -1))
+    path = written(tmp_path, samples / RATE)
+    found = read(path, RecordingSettings(units=given_units(["rad", "m/s"])))
+    np.testing.assert_allclose(found.log.to_numpy(), samples, rtol=1e-6, atol=1e-9)
+    counts = np.hstack([np.degrees(samples[:, :3]) * 131, samples[:, 3:] / 9.80665 * 16384])
+    found = read(written(tmp_path, counts), RecordingSettings(units=given_units(["gyro=deg/s/131", "accel=g/16384"])))
+    np.testing.assert_allclose(found.log.to_numpy(), samples, rtol=1e-6, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("up", "words"),
+    [((0, 0, 1), "z up (FLU) -> turned, z down"), ((1, 0, 0), "x up (URF) -> turned, z down"),
+     ((0, -1, 0), "y down (FDL) -> turned, z down")],
+)  # fmt: skip
+def test_a_device_at_rest_is_turned_by_gravity_and_that_is_said(tmp_path, up, words):
+    found = read(written(tmp_path, at_rest(up=up)))
+    assert words in found.recognised
+    assert found.log["accel_z"].mean() == pytest.approx(-9.80665, abs=1e-2)
+    gyro, other = (np.sort(np.abs(one)) for one in (found.log[list(GYRO)].to_numpy(), at_rest(up=up)[:, :3]))
+    np.testing.assert_allclose(gyro, other, rtol=1e-7)
+
+
+def test_a_bias_of_z_stays_one_of_z(tmp_path):
+    samples = at_rest()
+    samples[:, 5] += 0.02
+    log = read(written(tmp_path, samples)).log
+    assert log["accel_z"].mean() == pytest.approx(-9.80665 - 0.02, abs=2e-3)
+    assert log[["accel_x", "accel_y"]].mean().abs().max() < 2e-3
+
+
+def test_the_contract_is_taken_without_a_word(tmp_path):
+    for samples in (at_rest(up=(0, 0, -1)), at_rest(up=(0.3, 0, -0.954)), -turned()):
+        samples[:, :3] *= np.sign(samples[0, 5]) * -1
+        found = read(written(tmp_path, samples))
+        assert found.recognised == ()
+        np.testing.assert_allclose(found.log.to_numpy(), samples, rtol=1e-8)
+
+
+def test_noisy_and_shaken_devices_are_taken_without_a_word(tmp_path):
+    time = times(6000)
+    samples = at_rest(6000, up=(0, 0, -1))
+    samples[:, 1] += 0.05 * np.sin(2 * np.pi * 27 * time)
+    samples[:, 3:] += 3 * np.sin(2 * np.pi * 27 * time)[:, None]
+    assert read(written(tmp_path, samples)).recognised == ()
+    samples = at_rest(6000, up=(0, 0, -1))
+    samples[:, :3] *= 5
+    assert read(written(tmp_path, samples)).recognised == ()
+
+
+def test_stamps_may_be_missing_where_the_rate_is_given(tmp_path):
+    samples = at_rest(up=(0, 0, -1))
+    path = write_text(tmp_path / "gyro.csv", [f"gyro_{a} (deg/s)" for a in "xyz"], np.degrees(samples[:, :3]))
+    with pytest.raises(LogError, match=r"line 1: expected stamps, or the rate of the samples \(--rate HZ\)"):
+        read(path)
+    log = read(path, RecordingSettings(rate_hz=RATE)).log
+    np.testing.assert_allclose(log.index, times(len(samples)))
+    np.testing.assert_allclose(log.to_numpy(), samples[:, :3], rtol=1e-8)
+
+
+def test_linear_acceleration_is_said_and_refused_where_gravity_is_needed(tmp_path):
+    found = read(written(tmp_path, at_rest(up=(0, 0, 0))))
+    assert found.weightless
+    assert "no gravity in the specific force: it was removed" in found.recognised
+    with pytest.raises(LogError, match="linear acceleration: gravity was removed"):
+        found.require_gravity()
+
+
+def test_units_of_an_option_are_known_or_refused():
+    assert given_units(["dps", "accel=G"]) == {"gyro": "deg/s", "accel": "g"}
+    for text in ("gyro=g", "furlong", "accel=deg/s"):
+        with pytest.raises(ValueError, match=f"expected units such as .*; found '{text}'"):
+            given_units([text])
+
+
+def test_a_log_that_the_package_wrote_is_taken_as_it_is(tmp_path):
+    from imugap.log import write
+
+    log = pd.DataFrame(at_rest(), index=pd.Index(times(), name="time"), columns=list(AXES))
+    write(log, tmp_path / "run.parquet")
+    found = read(tmp_path / "run.parquet")
+    assert found.recognised == ()
+    pd.testing.assert_frame_equal(found.log, log)
+    log.to_parquet(tmp_path / "own.parquet")
+    assert read(tmp_path / "own.parquet").log[list(ACCEL)].mean()["accel_z"] == pytest.approx(-9.8, abs=0.05)
