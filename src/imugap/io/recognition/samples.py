@@ -19,7 +19,7 @@ GRAVITY_TOLERANCE = 1.25
 NARROW = 1.06
 """The same for readings that are far from any usual one."""
 READINGS = ("m/s^2", "g", "mg", "ug", "ft/s^2")
-CONSTANT = 0.1
+CONSTANT = 0.25
 """Scatter of the norm of a specific force below which it is gravity."""
 NONE_LEFT = 0.15
 """Norm [g] at rest below which gravity was removed."""

@@ -92,7 +92,8 @@ def _is_gravity(force: samples.Force, size: float, rate_hz: float) -> bool | Non
     ratios = [norm * size / STANDARD_GRAVITY for norm in (force.quiet, force.median)]
     if any(1 / samples.GRAVITY_TOLERANCE <= ratio <= samples.GRAVITY_TOLERANCE for ratio in ratios):
         return True
-    return None if without_gravity(force, size) and not samples.are_increments(force, rate_hz) else False
+    otherwise = samples.are_increments(force, rate_hz) or samples.gravity_units(force)
+    return None if without_gravity(force, size) and not (otherwise and force.scatter < samples.CONSTANT) else False
 
 
 def without_gravity(force: samples.Force, size: float) -> bool:
