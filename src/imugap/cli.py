@@ -15,6 +15,7 @@ COMMANDS = {
     "indices": "performance indices of static runs of one device",
     "estimate": "stochastic effects on each axis of a static log, with intervals",
     "discover": "where a simulator and a device disagree, what the model lacks, and how far the discrepancy shrinks",
+    "reference": "error-free log of a device from its poses, the reference of discover in motion",
     "walk": "path of a foot with the device on it, corrected whenever the foot stands",
     "drive": "path of a vehicle with the device and a GNSS receiver aboard, with quality control of the fixes",
     "simulate": "static log of a device with an error model",

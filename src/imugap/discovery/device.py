@@ -8,7 +8,7 @@ held-out data than the start model, the effects to blame are withdrawn, and the 
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -27,14 +27,15 @@ from imugap.discovery.gravity import SensedGravity
 from imugap.discovery.pooling import agree_on_noise, name_pooled, pooled_finding, search_each
 from imugap.discovery.preparation.prepare import PreparedLog, prepare
 from imugap.discovery.preparation.sequence import AxisSequence
+from imugap.discovery.reference_band import ReferenceBand, reference_band
 from imugap.discovery.search.intervals import axis_unit
 from imugap.discovery.search.shared_effects import Joint
 from imugap.discovery.steps import Progress, StepCounter, each_in_processes
 from imugap.discovery.views import COHERENCE, Curve
 from imugap.discovery.views.discrepancies import REPLICATES, ViewTest, significant_discrepancies, view_tests
 from imugap.effects import CATALOGUE
-from imugap.effects.effect import Effect, Stage
-from imugap.log import axes
+from imugap.effects.effect import Effect, Role, Stage
+from imugap.log import TEMPERATURE, axes
 from imugap.model import ErrorModel
 from imugap.units import STANDARD_GRAVITY
 
@@ -73,6 +74,8 @@ class Discovery:
         The first log, prepared, and the result of each axis of it.
     gravity
         Gravity in the level of the first log; None for a device in motion, or without accelerometers that sense it.
+    band
+        Band in which the reference follows the motion; None for all frequencies, or for a device at rest.
     """
 
     start: ErrorModel
@@ -90,6 +93,7 @@ class Discovery:
     record: PreparedLog
     results: Mapping[str, AxisResult]
     gravity: SensedGravity | None
+    band: ReferenceBand | None
 
 
 @dataclass(frozen=True)
@@ -138,6 +142,8 @@ class _Prepared:
         Runs, further runs for the distances, and settings.
     record
         The first log, prepared.
+    band
+        Band in which the reference follows the motion; None for all frequencies, or for a device at rest.
     known
         Start model; empty where there is none.
     log_alpha
@@ -150,6 +156,7 @@ class _Prepared:
     tests: Sequence[pd.DataFrame]
     settings: Settings
     record: PreparedLog
+    band: ReferenceBand | None
     known: ErrorModel
     log_alpha: float
     steps: StepCounter
@@ -292,10 +299,36 @@ def _prepare(
     """Take flawed samples and stamps out of the first log."""
     steps = StepCounter(progress, OTHER_STEPS + 2 * len(axes(logs[0])))
     steps.begin("integrity")
-    record = prepare(logs[0], reference, settings.seed, settings.start, settings.catalogue)
+    record, band = _in_band(prepare(logs[0], reference, settings.seed, settings.start, settings.catalogue), settings)
     steps.count -= 2 * len(record.unusable)
     known = ErrorModel({}) if settings.start is None else settings.start
-    return _Prepared(logs, tests, settings, record, known, settings.log_alpha(len(record.sequences)), steps)
+    return _Prepared(logs, tests, settings, record, band, known, settings.log_alpha(len(record.sequences)), steps)
+
+
+def _in_band(record: PreparedLog, settings: Settings) -> tuple[PreparedLog, ReferenceBand | None]:
+    """Return the means of a log in motion if its reference does not follow it at all frequencies, and the band.
+
+    What acts on single samples and on stamps is found before, and cannot be seen in means.
+    """
+    conditions = next(iter(record.sequences.values())).conditions
+    if conditions.motion is None:
+        return record, None
+    outputs = pd.DataFrame(record.outputs, index=conditions.ideal.index)
+    band = reference_band(outputs, conditions.ideal, conditions.interval)
+    if band is None:
+        return record, None
+    if conditions.temperature is not None:
+        outputs = outputs.assign(**{TEMPERATURE: conditions.temperature})
+    kinds = [kind for kind in settings.catalogue if kind.role not in (Role.OUTPUT, Role.CLOCK)]
+    moving = band.moving_means(conditions.motion)
+    means = prepare(band.means(outputs), moving, settings.seed, settings.start, kinds)
+    return replace(
+        means,
+        findings=record.findings,
+        discrepancies=(*record.discrepancies, *means.discrepancies),
+        begin=record.begin + means.begin,
+        unusable=record.unusable,
+    ), band
 
 
 def _search_axes(stage: _Prepared) -> _Searched:
@@ -405,6 +438,7 @@ def _conclude(stage: _Tested) -> Discovery:
         record=stage.record,
         results=results,
         gravity=gravity,
+        band=stage.band,
     )
 
 

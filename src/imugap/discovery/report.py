@@ -101,7 +101,8 @@ def candidate_table(found: Discovery) -> pd.DataFrame:
 def verdict(found: Discovery) -> str:
     """Return the verdict as text."""
     known = "has a name" if found.withheld or found.unexplained else "the log can show"
-    lines = [_sentence(finding) for finding in found.findings] or [f"Nothing is missing that {known}."]
+    lines = [] if found.band is None else [found.band.sentence()]
+    lines += [_sentence(finding) for finding in found.findings] or [f"Nothing is missing that {known}."]
     lines += [f"{axis}: something like {name}, but {reason}; not named." for axis, name, reason in found.withheld]
     lines += [_slope(one) for one in found.described]
     if found.undetermined:

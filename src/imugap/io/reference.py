@@ -12,12 +12,11 @@ from scipy.optimize import minimize_scalar
 from scipy.spatial.transform import Rotation, Slerp
 from scipy.special import stdtrit
 
+from imugap.kinematics.error_free import QUATERNION
 from imugap.kinematics.strapdown import ATTITUDE
 from imugap.log import GYRO, interval
 from imugap.numerics.rotation import to_euler
 
-QUATERNION = ("quat_x", "quat_y", "quat_z", "quat_w")
-"""Unit quaternion ``quat_nb``, scalar last."""
 MOVING = "moving"
 """Column that marks the phase of motion."""
 ERROR = ("north", "east", "down")

@@ -27,8 +27,8 @@ import pandas as pd
 from numba import njit
 
 from imugap.effects.effect import AxisModel
-from imugap.io.reference import QUATERNION
 from imugap.kinematics import strapdown
+from imugap.kinematics.error_free import QUATERNION
 from imugap.kinematics.site import Site
 from imugap.log import ACCEL, AXES, GYRO, LogError, interval
 from imugap.model import ErrorModel
@@ -101,7 +101,7 @@ class AttitudeSolution:
     Attributes
     ----------
     attitude
-        Index ``time`` [s], columns :data:`imugap.io.reference.QUATERNION`.
+        Index ``time`` [s], columns :data:`imugap.kinematics.error_free.QUATERNION`.
     covariance
         Covariance of the error of the attitude about north, east, down [rad^2], shape (n, 3, 3).
     sensors, sensors_std

@@ -1,0 +1,111 @@
+"""Make the error-free log of a device from its poses, as discovery takes it as the reference.
+
+Stages: read the poses and the log; turn the poses into the axes of the device; differentiate them at the stamps of the
+log; compare both; write, and say up to which frequency the reference can be trusted.
+"""
+
+import argparse
+import sys
+
+import numpy as np
+import pandas as pd
+from scipy.spatial.transform import Rotation
+
+from imugap import log
+from imugap.commands.arguments import add_gravity
+from imugap.discovery.reference_band import reference_band
+from imugap.io import recording
+from imugap.io.poses import read_poses
+from imugap.kinematics.error_free import QUATERNION, error_free_log
+from imugap.log import ACCEL, GYRO, LogError
+
+MAX_ANGLE_DEG = 5.0
+"""Largest angle between the axes of poses and device that may be an error of the device."""
+MIN_SAMPLES = 320
+"""Minimum number of samples within the poses."""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of the command."""
+    parser.description = (
+        "Make the error-free log of a device from its poses: the angular rate and the specific force of the motion at "
+        "the stamps of the log. It is the --reference of discover."
+    )
+    parser.add_argument(
+        "poses", help="poses of the device: EuRoC/ASL or TUM, or a table with a header (time, q_w..., p_x...)"
+    )
+    parser.add_argument("--log", required=True, help="log of the device, by whose stamps the reference is made")
+    parser.add_argument(
+        "--lag", type=float, default=0.0, help="time by which the stamps of the log are late [s] (default %(default)s)"
+    )
+    parser.add_argument(
+        "--align", action="store_true", help="turn the poses into the axes of the gyroscopes of the log"
+    )
+    add_gravity(parser)
+    parser.add_argument("--out", required=True, help="CSV or Parquet file of the error-free log")
+
+
+def run(options: argparse.Namespace) -> None:
+    """Write the error-free log to ``--out``, and say how it fits the log."""
+    poses, measured = read_poses(options.poses), recording.read(options.log).repaired
+    found = _error_free(poses, measured, options)
+    if options.align or _angle_deg(_turn(found, measured)) > MAX_ANGLE_DEG:
+        turn = _turn(found, measured)
+        if not options.align:
+            expected = f"the axes of the device, within {MAX_ANGLE_DEG:g} deg (--align turns them)"
+            raise LogError(options.poses, "quaternions", expected, f"them turned by {_angle_deg(turn):.1f} deg")
+        turned = Rotation.from_quat(poses[list(QUATERNION)]) * turn
+        found = _error_free(poses.assign(**dict(zip(QUATERNION, turned.as_quat().T, strict=True))), measured, options)
+        print(f"imugap: poses: turned by {_angle_deg(turn):.2f} deg into the axes of the device", file=sys.stderr)
+    log.write(found, options.out)
+    for line in _fit(found, measured):
+        print(line)
+
+
+def _error_free(poses: pd.DataFrame, measured: pd.DataFrame, options: argparse.Namespace) -> pd.DataFrame:
+    """Return the error-free log at the stamps of the log that lie within the poses, in a world up or down."""
+    stamps = measured.index.to_numpy(float)
+    both = [error_free_log(poses, stamps - options.lag, sign * options.gravity) for sign in (-1, 1)]
+    if len(both[0]) < MIN_SAMPLES:
+        span = f"{poses.index[0]:.9g} to {poses.index[-1]:.9g} s"
+        expected = f"times of the log, {stamps[0]:.9g} to {stamps[-1]:.9g} s, of {MIN_SAMPLES} samples at least"
+        raise LogError(options.poses, "time", expected, span)
+    up, down = (one.set_axis(pd.Index(one.index + options.lag, name=log.TIME)) for one in both)
+    force = [axis for axis in ACCEL if axis in measured and axis in up]
+    return min((up, down), key=lambda one: float(np.sum((_like(measured, one)[force] - one[force].to_numpy()) ** 2)))
+
+
+def _like(measured: pd.DataFrame, ideal: pd.DataFrame) -> pd.DataFrame:
+    """Return the rows of a log at the stamps of its reference."""
+    nearest = measured.index.get_indexer(ideal.index, method="nearest")
+    return measured.iloc[nearest].set_axis(ideal.index)
+
+
+def _turn(ideal: pd.DataFrame, measured: pd.DataFrame) -> Rotation:
+    """Return the rotation from the axes of the gyroscopes to those of the poses that fits the angular rates best."""
+    names = [axis for axis in GYRO if axis in measured]
+    if len(names) < len(GYRO):
+        return Rotation.identity()
+    rates = _like(measured, ideal)[names]
+    pair = (one[names] - one[names].mean() for one in (ideal, rates))
+    return Rotation.align_vectors(*pair)[0]
+
+
+def _angle_deg(rotation: Rotation) -> float:
+    return float(np.degrees(rotation.magnitude()))
+
+
+def _fit(ideal: pd.DataFrame, measured: pd.DataFrame) -> list[str]:
+    """Return sentences on how a reference fits the log."""
+    rows, step = _like(measured, ideal), log.interval(measured)
+    names = [axis for axis in log.axes(ideal) if axis in rows]
+    band = reference_band(rows[names], ideal[names], step)
+    difference = rows[names] - ideal[names]
+    mean = ", ".join(f"{axis} {difference[axis].mean():.4g}" for axis in names)
+    spread = ", ".join(f"{axis} {difference[axis].std():.3g}" for axis in names)
+    trusted = "at all frequencies" if band is None else f"below {band.highest:.3g} Hz"
+    return [
+        f"Error-free log of {len(ideal)} samples at {1 / step:.6g} Hz; it can be trusted {trusted}.",
+        f"Log less reference, mean: {mean} (rad/s, m/s^2).",
+        f"Standard deviation: {spread}.",
+    ]
