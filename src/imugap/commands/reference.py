@@ -6,6 +6,7 @@ log; compare both; write, and say up to which frequency the reference can be tru
 
 import argparse
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -13,9 +14,11 @@ from scipy.spatial.transform import Rotation
 
 from imugap import log
 from imugap.commands.arguments import add_gravity
+from imugap.commands.outputs import require_files
+from imugap.commands.reading import LOG_HELP, add_reading, read, settings_of
 from imugap.discovery.reference_band import reference_band
-from imugap.io import recording
 from imugap.io.poses import read_poses
+from imugap.io.recognition.frame import AS_IS
 from imugap.kinematics.error_free import QUATERNION, error_free_log
 from imugap.log import ACCEL, GYRO, LogError
 
@@ -34,7 +37,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "poses", help="poses of the device: EuRoC/ASL or TUM, or a table with a header (time, q_w..., p_x...)"
     )
-    parser.add_argument("--log", required=True, help="log of the device, by whose stamps the reference is made")
+    parser.add_argument("--log", required=True, help=f"{LOG_HELP}; the reference is made at its stamps, in its axes")
     parser.add_argument(
         "--lag", type=float, default=0.0, help="time by which the stamps of the log are late [s] (default %(default)s)"
     )
@@ -43,11 +46,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     add_gravity(parser)
     parser.add_argument("--out", required=True, help="CSV or Parquet file of the error-free log")
+    add_reading(parser)
 
 
 def run(options: argparse.Namespace) -> None:
     """Write the error-free log to ``--out``, and say how it fits the log."""
-    poses, measured = read_poses(options.poses), recording.read(options.log).repaired
+    require_files({"--out": options.out}, [options.poses, options.log])
+    settings = replace(settings_of(options), frame=AS_IS)
+    poses, measured = read_poses(options.poses), read(options.log, settings).log
     found = _error_free(poses, measured, options)
     if options.align or _angle_deg(_turn(found, measured)) > MAX_ANGLE_DEG:
         turn = _turn(found, measured)

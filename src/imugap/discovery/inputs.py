@@ -106,7 +106,7 @@ def discover_files(
         _require_rate(table, path, logs[0])
     if start is not None:
         _require_describable(start, files.model, logs[0])
-    reading = replace(files.reading, frame=recordings[0].frame)
+    reading = RecordingSettings(frame=recordings[0].frame)
     reference = None if files.reference is None else _reference(files.reference, logs[0], reading)
     found = discover(logs, settings, tests, reference, progress)
     first, *others = map(_log_properties, files.logs, logs)
