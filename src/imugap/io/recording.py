@@ -169,7 +169,7 @@ def _recognised(source: Source, settings: RecordingSettings) -> Recording:
     said += say
     said += _left_out(names, assignment, stamp)
     if said or not contract or source.notes:
-        said = (f"{rate:.6g} Hz", f"{len(time):,} samples".replace(",", " "), *source.notes, *said)
+        said = (f"{rate:.5g} Hz", f"{len(time):,} samples".replace(",", " "), *source.notes, *said)
     return Recording(source.path, table.set_index(pd.Index(time, name=TIME)), said, weightless, axes, source.place)
 
 

@@ -2,11 +2,11 @@
 
 from pathlib import Path
 
-from imugap.io.formats import parquet, text
+from imugap.io.formats import arrays, dataflash, parquet, rosbag, text, ulog
 from imugap.io.formats.source import Source, whole_file
 from imugap.log import LogError
 
-FORMATS = (parquet, text)
+FORMATS = (parquet, rosbag, ulog, dataflash, arrays, text)
 HEAD_BYTES = 512
 
 

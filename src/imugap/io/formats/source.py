@@ -1,8 +1,8 @@
 """Columns of a file before they have a meaning: names, and batches of numbers."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -29,8 +29,6 @@ class Source:
         From the positions of columns, an iterator over the rows: one array of each column per batch, shape (n,).
     place
         From the number of a row, where it is in the file.
-    units
-        Units that the format itself defines, by quantity.
     canonical
         Whether the package wrote the file, so that the columns are what their names say.
     notes
@@ -44,7 +42,6 @@ class Source:
     rows: int
     batches: Callable[[Sequence[int]], Iterator[list[np.ndarray]]]
     place: Callable[[int], str] = "row {}".format
-    units: Mapping[str, str] = field(default_factory=dict)
     canonical: bool = False
     notes: tuple[str, ...] = ()
     heading: str = "columns"
@@ -67,6 +64,15 @@ class Source:
         with whole_file(self.path):
             first = next(self.batches(columns), [np.empty(0)] * len(columns))
         return [values[:rows] for values in first]
+
+
+@contextmanager
+def extra(path: Path, name: str, package: str) -> Iterator[None]:
+    """Turn a missing package, which an extra of this one installs, into a LogError that says how to get it."""
+    try:
+        yield
+    except ImportError as error:
+        raise LogError(path, "file", f"the package {package} (pip install 'imugap[{name}]')", "none") from error
 
 
 @contextmanager

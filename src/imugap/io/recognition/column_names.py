@@ -137,7 +137,7 @@ def meaning(name: str) -> Meaning | None:
         place = len(words) - 1 - words[::-1].index(axis)
         words = words[:place] + words[place + 1 :]
     words = [word for word in words if word != "axis"]
-    quantity = _quantity(words) or _by_unit(words, axis, unit)
+    quantity = _quantity(words) or _quantity(_words(base.rpartition(".")[2])) or _by_unit(words, axis, unit)
     if quantity is None:
         return None
     if unit is None:

@@ -74,7 +74,8 @@ def accel_unit(accel: np.ndarray, rate_hz: float, given: str | None, stated: str
         if named is None:
             raise _undecided("accel", "fewer than three axes, which show no gravity")
         return named
-    if named is not None and _is_gravity(force, named.to_si(rate_hz), rate_hz) in (True, None):
+    gravity = None if named is None else _is_gravity(force, named.to_si(rate_hz), rate_hz)
+    if named is not None and (gravity or (gravity is None and named.name not in INCREMENTS)):
         return named
     units = samples.gravity_units(force)
     if named is None and len(units) == 1:

@@ -1,0 +1,95 @@
+"""Arrays of NumPy (``.npy``), MATLAB (``.mat``, up to version 7.2) and R (``.rda``), with names where they have any."""
+
+import warnings
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from imugap.io.formats.source import Source
+from imugap.io.recognition.column_names import meaning
+from imugap.log import LogError
+
+NPY, MAT, HDF = b"\x93NUMPY", b"MATLAB 5.0", b"MATLAB 7.3"
+R_STARTS = (b"RDX2", b"RDX3", b"\x1f\x8b", b"BZh", b"\xfd7zXZ")
+R_ENDINGS = (".rda", ".rdata")
+LABELS = "_label"
+"""Ending of the name of an array that has the names of the columns of another."""
+MOST_COLUMNS = 64
+"""An array with fewer rows than that, and more columns, lies on its side."""
+
+
+def recognises(path: Path, head: bytes) -> bool:
+    """Return whether a file begins as one of these formats."""
+    return head.startswith((NPY, MAT, HDF)) or (head.startswith(R_STARTS) and path.suffix.lower() in R_ENDINGS)
+
+
+def open_source(path: Path, settings) -> Source:
+    """Return the columns of all arrays of one length, that of the samples; LogError where there is no table."""
+    with path.open("rb") as handle:
+        head = handle.read(len(MAT))
+    found = _decoded(path, head)
+    columns: dict[str, np.ndarray] = {}
+    for name, value in found.items():
+        columns |= _columns(name, value, found.get(f"{name}{LABELS}"))
+    tables: dict[int, dict[str, np.ndarray]] = {}
+    for name, values in columns.items():
+        tables.setdefault(len(values), {})[name] = values
+    tables.pop(1, None)
+    if not tables:
+        shapes = ", ".join(f"{name} {np.shape(value)}".strip() for name, value in found.items())
+        raise LogError(path, "arrays", "a table of samples (rows) and columns", shapes[:200] or "none")
+    rows = max(tables, key=lambda length: (sum(map(_inertial, tables[length])), len(tables[length]), length))
+    kept = tables[rows]
+    loaded = list(kept.values())
+
+    def batches(chosen):
+        yield [loaded[k] for k in chosen]
+
+    return Source(path, tuple(kept), rows, batches, heading="arrays")
+
+
+def _decoded(path: Path, head: bytes) -> Mapping[str, object]:
+    if head.startswith(NPY):
+        return {"": np.load(path, allow_pickle=False)}
+    if head.startswith(HDF):
+        raise LogError(path, "file", "MATLAB version 7.2 or older (save -v7)", "version 7.3")
+    if head.startswith(MAT):
+        from scipy.io import loadmat
+
+        found = loadmat(path, squeeze_me=True, struct_as_record=False)
+        return {name: value for name, value in found.items() if not name.startswith("__")}
+    import rdata  # takes half a second, and most logs are in other formats
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # the R class of the object has no Python constructor, and needs none
+        return rdata.read_rda(path)
+
+
+def _inertial(name: str) -> bool:
+    found = meaning(name)
+    return found is not None and found.axis is not None
+
+
+def _columns(name: str, value: object, given: object = None) -> dict[str, np.ndarray]:
+    """Return the columns of an array, a structured array, a table or a structure, by name; ``given`` has the names."""
+    if hasattr(value, "_fieldnames"):
+        parts = (_columns(field, getattr(value, field)) for field in value._fieldnames)
+        return {f"{name}.{field}": values for part in parts for field, values in part.items()}
+    if hasattr(value, "columns"):
+        return {str(column): value[column].to_numpy() for column in value if value[column].dtype.kind in "iuf"}
+    labels = [str(one) for one in value.coords[value.dims[1]].values] if getattr(value, "coords", None) else None
+    array = np.asarray(value)
+    if array.dtype.names:
+        return {field: array[field] for field in array.dtype.names if array[field].ndim == 1}
+    if array.dtype.kind not in "iuf" or array.ndim not in (1, 2):
+        return {}
+    if array.ndim == 1:
+        return {name: array}
+    table = array.T if len(array) < min(array.shape[1], MOST_COLUMNS) else array
+    count = table.shape[1]
+    if given is not None and np.size(given) == count:
+        labels = [f"{name}.{label}" for label in np.ravel(given)]
+    if labels is None or len(labels) != count:
+        labels = [f"{name}_{axis}" for axis in "xyz"] if name and count == 3 else [f"{name}[{k}]" for k in range(count)]
+    return {label: table[:, k] for k, label in enumerate(labels)}

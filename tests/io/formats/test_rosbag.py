@@ -1,0 +1,95 @@
+import sys
+
+import numpy as np
+import pytest
+from tests.io.devices import RATE, at_rest, times
+
+from imugap.io.recording import RecordingSettings, read
+from imugap.log import LogError
+
+rosbag1 = pytest.importorskip("rosbags.rosbag1")
+rosbag2 = pytest.importorskip("rosbags.rosbag2")
+from rosbags.typesys import Stores, get_typestore  # noqa: E402
+
+COUNT = 500
+START_S = 1_700_000_000
+ENDINGS = {"bag": ".bag", "db3": "", "mcap": ""}
+
+
+def write_bag(path, kind, topics, stamped=True):
+    """Write samples, shape (n, 6), of each topic as messages sensor_msgs/Imu."""
+    store = get_typestore(Stores.ROS1_NOETIC if kind == "bag" else Stores.ROS2_HUMBLE)
+    known = store.types
+    vector, header = known["geometry_msgs/msg/Vector3"], known["std_msgs/msg/Header"]
+    imu, stamp = known["sensor_msgs/msg/Imu"], known["builtin_interfaces/msg/Time"]
+    level = known["geometry_msgs/msg/Quaternion"](x=0.0, y=0.0, z=0.0, w=1.0)
+    if kind == "bag":
+        writer, serialize = rosbag1.Writer(path), store.serialize_ros1
+    else:
+        plugin = rosbag2.StoragePlugin.MCAP if kind == "mcap" else rosbag2.StoragePlugin.SQLITE3
+        writer, serialize = rosbag2.Writer(path, version=9, storage_plugin=plugin), store.serialize_cdr
+    none = np.zeros(9)
+    with writer:
+        for topic, samples in topics.items():
+            connection = writer.add_connection(topic, imu.__msgtype__, typestore=store)
+            for k, row in enumerate(samples):
+                time = START_S * 10**9 + round(k / RATE * 1e9)
+                second, rest = divmod(time if stamped else 0, 10**9)
+                extra = {"seq": k} if kind == "bag" else {}
+                rate, force = (vector(*map(float, part)) for part in (row[:3], row[3:]))
+                head = header(stamp=stamp(sec=second, nanosec=rest), frame_id="imu", **extra)
+                message = imu(head, level, none, rate, none, force, none)
+                writer.write(connection, time + 1_000_000, serialize(message, imu.__msgtype__))
+    return path
+
+
+@pytest.fixture(params=ENDINGS)
+def kind(request):
+    return request.param
+
+
+def test_a_bag_of_either_version_gives_its_samples(tmp_path, kind):
+    samples = at_rest(COUNT, up=(0, 0, -1))
+    path = write_bag(tmp_path / f"run{ENDINGS[kind]}", kind, {"/imu": samples})
+    found = read(path)
+    np.testing.assert_array_equal(found.log.to_numpy(), samples)
+    np.testing.assert_allclose(found.log.index, START_S + times(COUNT), atol=3e-7, rtol=0)
+    assert "topic /imu" in found.recognised
+    assert "stamps ns -> s from the header" in found.recognised
+    if kind != "bag":
+        (part,) = path.glob(f"*.{kind}")
+        np.testing.assert_array_equal(read(part).log.to_numpy(), samples)
+
+
+def test_of_two_topics_one_is_asked_for(tmp_path, kind):
+    slow, fast = at_rest(COUNT, seed=1), at_rest(COUNT, seed=2)
+    path = write_bag(tmp_path / f"run{ENDINGS[kind]}", kind, {"/camera/imu": slow, "/imu": fast})
+    with pytest.raises(LogError, match=r"--topic decides\); found /camera/imu, /imu$"):
+        read(path)
+    found = read(path, RecordingSettings(topic="/imu", frame="as-is"))
+    np.testing.assert_array_equal(found.log.to_numpy(), fast)
+    with pytest.raises(LogError, match="found /camera/imu, /imu, not /gyro"):
+        read(path, RecordingSettings(topic="/gyro"))
+
+
+def test_without_stamps_in_the_headers_those_of_the_recorder_are_taken(tmp_path, kind):
+    path = write_bag(tmp_path / f"run{ENDINGS[kind]}", kind, {"/imu": at_rest(COUNT)}, stamped=False)
+    assert read(path).log.index[0] == pytest.approx(START_S + 0.001, abs=3e-7)
+
+
+def test_rates_in_degrees_against_the_definition_of_the_message_are_refused(tmp_path):
+    samples = at_rest(COUNT, up=(0, 0, -1))
+    samples[:, :3] = np.degrees(samples[:, :3])
+    path = write_bag(tmp_path / "run.bag", "bag", {"/imu": samples})
+    with pytest.raises(LogError, match=r"gyro=deg/s decides.*is it in deg/s\?"):
+        read(path)
+
+
+def test_a_damaged_bag_is_an_error_and_a_missing_package_is_named(tmp_path, monkeypatch):
+    path = write_bag(tmp_path / "run.bag", "bag", {"/imu": at_rest(50)})
+    (tmp_path / "half.bag").write_bytes(path.read_bytes()[:2000])
+    with pytest.raises(LogError, match=r"half\.bag: file: expected a whole file"):
+        read(tmp_path / "half.bag")
+    monkeypatch.setitem(sys.modules, "rosbags.highlevel", None)
+    with pytest.raises(LogError, match=r"expected the package rosbags \(pip install 'imugap\[ros\]'\); found none"):
+        read(path)
