@@ -1,7 +1,7 @@
 """Report of a discovery as plain data, as tables, and as text."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from math import exp, isfinite
 
 import pandas as pd
@@ -10,6 +10,8 @@ from imugap.discovery.device import Discovery
 from imugap.discovery.evaluation.distance import Distances
 from imugap.discovery.finding import MIN_LOG_P, Discrepancy, Finding, Interval
 
+MAX_LOCATIONS = 12
+"""Largest number of groups of locations in one sentence."""
 SCHEMA = "imugap/discovery/1"
 
 
@@ -111,8 +113,7 @@ def verdict(found: Discovery) -> str:
     if found.gravity is not None:
         lines.append(found.gravity.sentence())
     if found.unexplained:
-        places = "; ".join(dict.fromkeys(describe_location(place) for place in found.unexplained))
-        lines.append(f"Still unexplained: {places}.")
+        lines.append(f"Still unexplained: {describe_locations(found.unexplained)}.")
     for name, apart in found.distances.items():
         numbers = f"{apart.before.value:.3g} before, {apart.after.value:.3g} after"
         text = f"Distance in {name}: {numbers}; floor {apart.floor.low:.3g} to {apart.floor.high:.3g}"
@@ -141,6 +142,24 @@ def _slope(finding: Finding) -> str:
     exponent = finding.parameters["exponent"]
     ends = f"{exponent.value:.2f} ({exponent.low:.2f} to {exponent.high:.2f})"
     return f"{finding.axes[0]}: in the place of slow noise without a name the model has noise of spectrum 1/f^{ends}."
+
+
+def describe_locations(places: Sequence[Discrepancy]) -> str:
+    """Return locations as text, those of one axis and view together, :data:`MAX_LOCATIONS` of them at most."""
+    groups: dict[tuple[str, str, str], list[Discrepancy]] = {}
+    for place in places:
+        groups.setdefault((place.axis, place.view, place.unit), []).append(place)
+    shown = [_describe_group(some) for some in list(groups.values())[:MAX_LOCATIONS]]
+    more = len(groups) - len(shown)
+    return "; ".join(shown) + (f"; and {more} more views, all of them in the table of places" if more else "")
+
+
+def _describe_group(places: Sequence[Discrepancy]) -> str:
+    first = places[0]
+    if len({(place.low, place.high) for place in places}) == 1:
+        return describe_location(first)
+    low, high = min(place.low for place in places), max(place.high for place in places)
+    return f"{describe_location(replace(first, low=low, high=high))} ({len(places)} places)"
 
 
 def describe_location(place: Discrepancy) -> str:

@@ -1,0 +1,23 @@
+from imugap.discovery.finding import Discrepancy
+from imugap.discovery.report import describe_locations
+
+
+def place(axis, view, low, high, unit="Hz"):
+    return Discrepancy(view, axis, low, high, unit, 1e-9)
+
+
+def test_places_of_one_axis_and_view_are_one_range_with_their_number():
+    places = [place("gyro_x", "line", 3.0, 3.1), place("gyro_y", "line", 5.0, 5.0), place("gyro_x", "line", 1.0, 1.2)]
+    assert describe_locations(places) == "gyro_x, line, 1 to 3.1 Hz (2 places); gyro_y, line, 5 Hz"
+
+
+def test_a_place_that_occurs_twice_is_one():
+    assert describe_locations([place("gyro_x", "line", 5.0, 5.0)] * 2) == "gyro_x, line, 5 Hz"
+
+
+def test_many_places_stay_one_sentence_that_names_how_many_more_there_are():
+    places = [place("gyro_x", f"view {number}", number, number) for number in range(195)]
+    text = describe_locations(places)
+    assert text.startswith("gyro_x, view 0, 0 Hz; ")
+    assert text.endswith("; and 183 more views, all of them in the table of places")
+    assert len(text) < 400
