@@ -224,7 +224,7 @@ FAULTS = {
     "run1.csv --test x.csv": "x.csv: columns: expected those of the first log, gyro_x, gyro_y; found no gyro_y",
     "every_other.csv": "every_other.csv: column gyro_y: expected a value in every row.*one of 2 rows",
     "held.csv": "held.csv: column gyro_y: expected a value in every row.*one of 3 rows",
-    "two_in_one.csv": "two_in_one.csv: row 2000: expected a time that advances; found 0 s after 39.98 s",
+    "two_in_one.csv": "two_in_one.csv: row 2000, column time: expected a time that increases; found 0 s after 39.98 s",
     "warm.csv --test without.csv": "without.csv: column temperature: expected values, as the first log has; found none",
     "x_alive.csv y_alive.csv": "y_alive.csv: columns: expected values that vary on an axis on which those "
     "of the first log do, gyro_x; found none",
