@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+import yaml
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -142,8 +143,10 @@ FAULTS = {
     "export model.yaml --to kaliber --rate 100": "target: expected kalibr; found 'kaliber'",
     "export model.yaml --to kalibr --rate 100": "model: expected a model of all of .*; "
     "found none of gyro_y, accel_x, accel_y",
-    "estimate still.csv --terms white_noise": "accel_y: likelihood: expected finite samples that vary; found constant",
-    "estimate holed.csv": "holed.csv: line 3, column gyro_x: expected a finite number; found nan",
+    "estimate still.csv --axis accel_y": "accel_y: 0.1 throughout, no noise can be seen",
+    "estimate holed.csv": "gyro_x: 0.1 throughout, no noise can be seen",
+    "estimate noisy.csv --to kaliber imu.yaml": "target: expected kalibr; found 'kaliber'",
+    "estimate noisy.csv --to kalibr imu.yaml": "expected .*all of .*; found none of gyro_y",
     "estimate brief.csv": "gyro_x: choice: expected at least 256 samples; found 100",
     "estimate noisy.csv --terms white_noise,gaus_markov": "terms: expected gauss_markov; found 'gaus_markov'",
     "estimate noisy.csv --terms ''": "terms: expected one of .*; found ''",
@@ -230,7 +233,75 @@ def test_lost_samples_are_said(here, judge, capsys):
     simulate("run.csv")
     recording.read("run.csv").log.drop(index=1.0).to_csv("run.csv")
     assert estimate("--terms", "white_noise") == 0
-    assert "expected evenly spaced samples; found 1 gaps, the first at 0.98 s" in capsys.readouterr().err
+    out, err = capsys.readouterr()
+    assert "1 of 2000 samples lost at 50 Hz" in err
+    assert "Left out: 1 gap, 1 sample (0.05 %), at 1 s" in out
+
+
+def test_an_axis_that_fails_costs_itself_alone(here, judge, capsys, validated):
+    """A constant axis, and one of which the method finds no effect."""
+    assert cli.main(["estimate", "still.csv", "--terms", "white_noise", "--out", "out.json"]) == 0
+    assert [record["axis"] for record in validated(Path("out.json").read_text())] == ["gyro_x"]
+    assert "accel_y: 0.1 throughout" in capsys.readouterr().err
+
+
+def test_verdict_comes_before_numbers_and_the_table_is_readable(here, capsys):
+    rng = stream(3, "misfit")
+    filtered = np.convolve(rng.normal(0, 1e-3, 3010), np.ones(11) / 11, "valid")
+    log.from_samples({"gyro_x": rng.normal(0, 1e-3, 3000), "gyro_y": filtered}, 0.01).to_csv("two.csv")
+    assert cli.main(["estimate", "two.csv", "--terms", "white_noise"]) == 0
+    first, second, blank, titles, *rows = capsys.readouterr().out.splitlines()
+    assert first.startswith("gyro_y: THE MODEL DOES NOT FIT THE LOG: misfit at")
+    assert second == "gyro_x: fits."
+    assert blank == ""
+    assert titles.split("  ")[0] == "axis"
+    assert len(rows) == 2
+    assert max(map(len, (titles, *rows))) <= 100
+    assert re.search(r"white_noise N +0\.0001\d+ .* rad/s/sqrt\(Hz\) +0\.3\d+ deg/sqrt\(h\)", rows[0])
+
+
+def kalibr(name, *options):
+    assert cli.main(["estimate", "rest.csv", "--to", name, "filter.yaml", *options]) == 0
+    text = Path("filter.yaml").read_text()
+    return text, yaml.safe_load(text)
+
+
+@pytest.fixture
+def rest(here):
+    """Ten minutes of six axes of white noise, with the biases of a cheap device, z down."""
+    rng, levels = stream(4, "rest"), [5e-3, -4e-3, 3e-3, 0.1, -0.05, 0.08 - 9.80665]
+    samples = {
+        axis: level + rng.normal(0, (2e-3 if axis in log.GYRO else 2e-2), 12_000)
+        for axis, level in zip(log.AXES, levels, strict=True)
+    }
+    log.from_samples(samples, 0.05).to_csv("rest.csv")
+
+
+def test_a_log_becomes_a_file_of_kalibr_in_one_step_with_an_upper_bound_of_the_walk(rest):
+    text, found = kalibr("kalibr")
+    assert found["gyroscope_noise_density"] == pytest.approx(2e-3 * np.sqrt(0.05), rel=0.02)
+    assert found["accelerometer_noise_density"] == pytest.approx(2e-2 * np.sqrt(0.05), rel=0.02)
+    hidden = 2e-3 * np.sqrt(0.05) * np.sqrt(3) / 200  # crosses the white noise at a third of the log
+    assert 0.3 * hidden < found["gyroscope_random_walk"] < 4 * hidden
+    assert 3 * hidden < found["accelerometer_random_walk"] < 40 * hidden
+    assert found["update_rate"] == 20.0
+    assert text.count("Upper bound (one-sided 95 %), no estimate: ") == 6
+    assert "10 to 20 times" in text
+
+
+def test_a_file_of_kf_gins_leaves_the_bias_open(rest):
+    _, found = kalibr("kf-gins")
+    degrees = np.rad2deg([5e-3, -4e-3, 3e-3]) * 3600
+    np.testing.assert_allclose(found["initgyrbias"], degrees, rtol=0.05)
+    assert min(found["initbgstd"]) > 0.9 * np.abs(degrees).max()
+    assert min(found["initbastd"]) > 9000  # mGal
+    assert min(found["imunoise"]["gbstd"] + found["imunoise"]["abstd"]) > 0
+
+
+@pytest.mark.parametrize("name", ["vins", "ros"])
+def test_other_filters_get_their_file_too(rest, name):
+    text, _ = kalibr(name)
+    assert "Upper bound" in text
 
 
 def test_estimates_are_written_all_or_none(here, judge, capsys, monkeypatch):

@@ -153,7 +153,7 @@ def test_curves_hold_the_log_and_where_the_model_expects_it(judge):
     of = WhiteNoise(1e-3) + RandomWalk(1e-3)
     log = from_samples({"gyro_x": simulate(of, "curve"), "accel_y": simulate(of, "other")}, INTERVAL)
     found = [estimated(log[axis].to_numpy(), WhiteNoise, RandomWalk, axis=axis) for axis in log.columns]
-    rows = curves(log, INTERVAL, found)
+    rows = curves(found)
     assert list(rows["axis"].unique()) == ["gyro_x", "accel_y"]
     for axis, one in rows.groupby("axis"):
         np.testing.assert_array_equal(one["deviation"], allan.curve(log[axis], INTERVAL)["deviation"])

@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from difflib import get_close_matches
 from enum import StrEnum
 from functools import partial
@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 from scipy.special import chdtri
 
-from imugap.effects import CATALOGUE, GaussMarkov, Quantization, RateRamp, WhiteNoise
+from imugap.effects import CATALOGUE, GaussMarkov, Quantization, RandomWalk, RateRamp, Temperature, WhiteNoise
 from imugap.estimation import allan, allan_slopes, goodness_of_fit, maximum_likelihood
 from imugap.estimation.gap_draws import with_gaps_drawn
 from imugap.estimation.gmwm import estimator
@@ -35,6 +35,8 @@ SEPARATING = 8
 """Width of the wavelet filter that keeps octaves above the highest frequency apart from those below."""
 NARROWINGS = 3
 """Most selections below lower and lower frequencies."""
+ONE_SIDED = 0.9
+"""Level of a two-sided interval whose upper end is the one-sided 95 % limit."""
 SHOWN = 3
 """Number of stretches that a sentence lists."""
 
@@ -120,6 +122,28 @@ class EstimatorSettings:
                 return allan_slopes.fit(sequence, interval, kinds, self.level)
 
 
+@dataclass(frozen=True, eq=False)
+class UsedSamples:
+    """Samples of an estimate.
+
+    Attributes
+    ----------
+    values
+        Samples without disturbances, shape (n,).
+    interval
+        Sampling interval [s].
+    highest
+        Highest frequency that was used [Hz].
+    share
+        Share of the samples that were measured.
+    """
+
+    values: np.ndarray
+    interval: float
+    highest: float
+    share: float
+
+
 @dataclass(frozen=True)
 class AxisEstimate:
     """Estimate of one axis.
@@ -134,6 +158,8 @@ class AxisEstimate:
         Compositions that fit as well.
     remarks
         Sentences on what was left out of the log, and on what explains it.
+    used
+        Samples that were used.
     """
 
     axis: str
@@ -142,6 +168,7 @@ class AxisEstimate:
     goodness: str
     alternatives: tuple[Kinds, ...] = ()
     remarks: tuple[str, ...] = ()
+    used: "UsedSamples | None" = field(default=None, repr=False, compare=False)
 
     @property
     def fits(self) -> bool:
@@ -230,7 +257,8 @@ def estimate_axis(
         fit = replace(fit, model=fit.model + term.effect, estimates=(*fit.estimates, *term.estimates))
         remarks.append("The temperature of the log explains a part of the bias, which is not a random process")
     alternatives = found.choice.alternatives if found else ()
-    return AxisEstimate(axis, settings.method, fit, checked.verdict, alternatives, tuple(remarks))
+    used = UsedSamples(values, interval, highest, share)
+    return AxisEstimate(axis, settings.method, fit, checked.verdict, alternatives, tuple(remarks), used)
 
 
 def _fitted(
@@ -328,6 +356,27 @@ def _counted(number: int, noun: str) -> str:
     return f"{number} {noun if number == 1 else plural}"
 
 
+def bounds(estimate: AxisEstimate) -> tuple[WhiteNoise | RandomWalk, ...]:
+    """Return white noise and random walk that the log of an axis may hide, where the estimate has none.
+
+    Their densities are one-sided 95 % upper limits of the profile likelihood beside the estimated effects. A slow
+    process is any with an Allan deviation that rises somewhere.
+    """
+    used, present = estimate.used, {type(one) for one in estimate.fit.model if any(one.parameters().values())}
+    random = {RateRamp, Temperature}
+    slow = present - {WhiteNoise, Quantization} - random
+    missing = [kind for kind, has in ((WhiteNoise, WhiteNoise in present), (RandomWalk, slow)) if not has]
+    kinds = tuple(type(one) for one in estimate.fit.model if type(one) in present - random)
+    found = []
+    for kind in missing:
+        fit = maximum_likelihood.fit(
+            used.values, used.interval, (*kinds, kind), RateRamp in present, used.highest, ONE_SIDED, used.share
+        )
+        (high,) = (one.high for one in fit.estimates if one.effect == kind.name)
+        found.append(kind(high))
+    return tuple(found)
+
+
 def kinds_of(names: Sequence[str]) -> Kinds:
     """Return the kinds of effects of the given names; ValueError for one that cannot be estimated."""
     known = {kind.name: kind for kind in TERMS}
@@ -358,7 +407,7 @@ def table(estimates: Sequence[AxisEstimate]) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def curves(log: pd.DataFrame, interval: float, estimates: Sequence[AxisEstimate], level: float = 0.95) -> pd.DataFrame:
+def curves(estimates: Sequence[AxisEstimate], level: float = 0.95) -> pd.DataFrame:
     """Return the Allan deviation of each axis, and that of its fitted model with limits for a log of this length.
 
     Returns
@@ -369,7 +418,8 @@ def curves(log: pd.DataFrame, interval: float, estimates: Sequence[AxisEstimate]
     """
     parts = []
     for one in estimates:
-        measured = allan.curve(log[one.axis].to_numpy(), interval)
+        interval = one.used.interval
+        measured = allan.curve(one.used.values, interval)
         factors, edf = np.rint(measured.index / interval).astype(int), measured["edf"]
         model = np.sqrt(one.fit.model.sampled_allan_variance(factors, interval))
         low, high = (model * np.sqrt(chdtri(edf, 1 - p) / edf) for p in ((1 - level) / 2, (1 + level) / 2))

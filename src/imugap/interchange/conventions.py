@@ -24,6 +24,8 @@ SLOW = (RandomWalk, GaussMarkov, BiasInstability, PowerLaw)
 """Effects that are reduced to the slow process of a tool."""
 KEPT = (WhiteNoise, Bias, TurnOnBias, *SLOW)
 HOUR = 3600.0
+FAST = 0.01
+"""Correlation time [horizons] below which a Gauss-Markov process stands for white noise where a model has none."""
 LONGEST = 100.0
 """Largest averaging time [horizons] in the search for the floor of the Allan deviation."""
 
@@ -97,12 +99,15 @@ class Reduced:
 def reduced(axis: str, model: AxisModel, rule: Rule) -> Reduced:
     """Reduce the model of an axis; ValueError without white noise, which every tool requires."""
     white = hypot(*(effect.density for effect in _of(model, WhiteNoise)))
+    fast = [one for one in _of(model, GaussMarkov) if not white and one.correlation_time < FAST * rule.horizon]
+    white = hypot(white, *(sqrt(one.psd(0.0)) for one in fast))
     if not white:
         raise ValueError(f"{axis}: expected white noise; found {', '.join(e.name for e in model) or 'no effect'}")
     for law in _of(model, PowerLaw):
         if law.exponent >= STEEPEST:
             raise ValueError(f"{axis}: {law.name}: expected an exponent below {STEEPEST:g}; found {law.exponent:g}")
-    processes = [effect for effect in _of(model, SLOW) if effect.allan_variance(rule.horizon) > 0]
+    slow_ones = [effect for effect in _of(model, SLOW) if effect not in fast]
+    processes = [effect for effect in slow_ones if effect.allan_variance(rule.horizon) > 0]
     slow = sum(float(effect.allan_variance(rule.horizon)) for effect in processes)
     alone = len(processes) == 1 and isinstance(processes[0], GaussMarkov)
     time = rule.correlation_time or (processes[0].correlation_time if alone else HOUR)

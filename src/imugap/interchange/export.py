@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from difflib import get_close_matches
 from enum import StrEnum
+from types import MappingProxyType
 
 import numpy as np
 import yaml
@@ -27,6 +28,7 @@ from imugap.interchange.conventions import (
     Parameter,
     Reduced,
     Rule,
+    Triad,
     combined,
     left_out,
     reduced,
@@ -58,14 +60,24 @@ class Target(StrEnum):
         return cls(name)
 
 
-def export(model: ErrorModel, target: Target, rule: Rule) -> str:
+def export(
+    model: ErrorModel, target: Target, rule: Rule, bounds: Mapping[str, Sequence[Effect]] = MappingProxyType({})
+) -> str:
     """Return the text of the file for ``target``.
 
     A model without an axis, white noise, or a process that the target requires is a ValueError.
+
+    Parameters
+    ----------
+    bounds
+        White noise and random walk of axes of which the log shows none, at the upper limits that it sets. They stand
+        for what the tool requires, and the file states that they are limits.
     """
     if target is Target.IMUGAP:
         return _own(model, rule)
-    return WRITERS[target](model.require_axes("model"), rule)
+    model = ErrorModel({axis: AxisModel((*one, *bounds.get(axis, ()))) for axis, one in model.axes.items()})
+    text = WRITERS[target](model.require_axes("model"), rule)
+    return _with_notes(text, _of_bounds(bounds), target)
 
 
 def _kalibr(model: ErrorModel, rule: Rule) -> str:
@@ -90,7 +102,10 @@ def _per_triad(model: ErrorModel, convention: Convention, rule: Rule, reason: st
     triads = {kind: combined((axes[axis] for axis in own), rule.triad) for kind, own in TRIADS.items()}
     for kind, one in triads.items():
         if not one.walk:
-            raise ValueError(f"{kind}: expected a slow process; found white noise alone ({reason})")
+            raise ValueError(
+                f"{kind}: expected a slow process; found white noise alone ({reason}; `imugap estimate LOG --to` "
+                "gives the largest random walk that the log allows)"
+            )
     taken = {
         axis: (WhiteNoise(triads[kind].white), RandomWalk(triads[kind].walk))
         for kind, own in TRIADS.items()
@@ -103,9 +118,10 @@ def _per_triad(model: ErrorModel, convention: Convention, rule: Rule, reason: st
     ]
     notes = [
         *_head(model, convention, rule, taken),
-        f"Each number stands for three axes ({rule.triad}):",
+        f"Each number stands for three axes: {RULES[rule.triad]}.",
         *(f"  {axis}: N = {_number(one.white)}, K = {_number(one.walk)}" for axis, one in axes.items()),
         "Bias and turn-on bias have no place here: the tool estimates the bias.",
+        *AT_REST,
     ]
     return notes, lines
 
@@ -161,6 +177,8 @@ def _kf_gins(model: ErrorModel, rule: Rule) -> str:
         *_head(model, KF_GINS, rule, _markovian(axes)),
         "Axes: forward, right, down, as those of the model. One correlation time for all biases.",
         "The model holds no scale factor errors: set gsstd and asstd from the data sheet.",
+        "KF-GINS holds a bias for good whose initial standard deviation and gbstd or abstd are zero: neither is here.",
+        *AT_REST,
     ]
     return _commented(notes, lines)
 
@@ -187,6 +205,17 @@ def _own(model: ErrorModel, rule: Rule) -> str:
     return _commented(notes, [yaml.safe_dump(body, sort_keys=False, default_flow_style=None, width=100).rstrip()])
 
 
+RULES = {
+    Triad.MEAN_SQUARE: "the root mean square, which keeps the sum of their variances (rms)",
+    Triad.WORST: "the largest, so that no axis is underestimated (worst)",
+}
+"""How three axes become one number, and why."""
+AT_REST = (
+    "Values of a device at rest. In motion vibration, scale factor and temperature add to them: filters usually take",
+    "10 to 20 times the numbers of cheap MEMS devices (ethz-asl/kalibr issue 663). Raise them until the innovations of",
+    "the filter are as large as it states.",
+)
+
 WRITERS: Mapping[Target, Callable[[ErrorModel, Rule], str]] = {
     Target.KALIBR: _kalibr,
     Target.VINS: _vins,
@@ -194,6 +223,21 @@ WRITERS: Mapping[Target, Callable[[ErrorModel, Rule], str]] = {
     Target.GAZEBO: _gazebo,
     Target.KF_GINS: _kf_gins,
 }
+
+
+def _of_bounds(bounds: Mapping[str, Sequence[Effect]]) -> list[str]:
+    """Return notes on the limits that stand for estimates."""
+    notes = [
+        f"Upper bound (one-sided 95 %), no estimate: {axis} {_described(effect)}"
+        for axis, effects in bounds.items() for effect in effects
+    ]  # fmt: skip
+    return [*notes, "The log shows no such process there; a longer log lowers the bound."] if notes else []
+
+
+def _with_notes(text: str, notes: Sequence[str], target: Target) -> str:
+    """Return the text of a file with notes at its head."""
+    comment = "<!-- {} -->" if target is Target.GAZEBO else "# {}"
+    return "".join(f"{comment.format(note)}\n" for note in notes) + text
 
 
 def _reduced(model: ErrorModel, rule: Rule) -> dict[str, Reduced]:
