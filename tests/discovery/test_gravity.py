@@ -6,6 +6,7 @@ import pytest
 from imugap import log
 from imugap.discovery.device import Settings, discover
 from imugap.discovery.gravity import SensedGravity
+from imugap.discovery.inputs import Files, discover_files
 from imugap.discovery.report import verdict
 from imugap.effects import Bias, WhiteNoise
 from imugap.effects.effect import AxisModel
@@ -69,3 +70,12 @@ def test_the_local_gravity_is_taken_where_it_is_given():
     still = truth.simulate(at_rest((0, 0, -1), 9.78), 1, "local")
     found = discover([still], Settings(replicates=20, simulations=10, catalogue=(WhiteNoise,), gravity=9.78))
     assert found.gravity.excess == pytest.approx(0.0, abs=1e-3)
+
+
+@pytest.mark.parametrize("direction", [(0, 0, 1), (1, 0, 0), (0, -1, 0)])
+def test_a_model_is_of_the_axes_of_the_file_whichever_of_them_points_up(tmp_path, direction):
+    truth = ErrorModel({axis: AxisModel((WhiteNoise(1e-4), Bias(0.01 * k))) for k, axis in enumerate(log.AXES)})
+    log.write(truth.simulate(at_rest(direction), 1, "axes").iloc[:2000], tmp_path / "log.csv")
+    found = discover_files(Files((tmp_path / "log.csv",)), QUICK).found
+    for axis in log.GYRO:
+        assert offset_of(found.final[axis]) == pytest.approx(offset_of(truth[axis]), abs=1e-3)

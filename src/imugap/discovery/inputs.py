@@ -17,6 +17,7 @@ from imugap.effects.effect import Role
 from imugap.integrity.timestamps import Stamps, stamps
 from imugap.interchange.plugins import catalogue
 from imugap.io import recording
+from imugap.io.recognition.frame import AS_IS
 from imugap.io.recording import DEFAULTS, Recording, RecordingSettings
 from imugap.log import LogError
 from imugap.model import ErrorModel
@@ -43,7 +44,8 @@ class Files:
     effects
         Name of a module whose effects join the catalogue.
     reading
-        How the logs are read.
+        How the logs are read. Unless it has a frame, the axes stay those of the files: a model is of the axes of the
+        device, and gravity is taken off in any of them.
     """
 
     logs: tuple[Path, ...]
@@ -97,7 +99,8 @@ def discover_files(
         raise ValueError("test: expected runs at rest; found a reference, which implies a device in motion")
     if len(files.logs) > 1 and files.reference:
         raise ValueError(f"reference: expected one log, which it is the error-free one of; found {len(files.logs)}")
-    recordings = [recording.read(path, files.reading) for path in (*files.logs, *files.tests)]
+    reading = replace(files.reading, frame=files.reading.frame or AS_IS)
+    recordings = [recording.read(path, reading) for path in (*files.logs, *files.tests)]
     tables = [_usable(one) for one in recordings]
     logs, tests = tables[: len(files.logs)], tables[len(files.logs) :]
     for path, table in zip((*files.logs[1:], *files.tests), (*logs[1:], *tests), strict=True):
@@ -106,8 +109,8 @@ def discover_files(
         _require_rate(table, path, logs[0])
     if start is not None:
         _require_describable(start, files.model, logs[0])
-    reading = RecordingSettings(frame=recordings[0].frame)
-    reference = None if files.reference is None else _reference(files.reference, logs[0], reading)
+    turned = RecordingSettings(frame=recordings[0].frame)
+    reference = None if files.reference is None else _reference(files.reference, logs[0], turned)
     found = discover(logs, settings, tests, reference, progress)
     first, *others = map(_log_properties, files.logs, logs)
     return FileDiscovery(
