@@ -11,7 +11,7 @@ from contextlib import contextmanager, suppress
 from importlib import import_module
 
 COMMANDS = {
-    "check": "report on stamps, gaps, stuck and saturated samples, lattice, gravity",
+    "check": "verdict on a recording: usable for which command, what was found where, the next step",
     "indices": "performance indices of static runs of one device",
     "estimate": "stochastic effects on each axis of a static log, with intervals",
     "discover": "where a simulator and a device disagree, what the model lacks, and how far the discrepancy shrinks",

@@ -224,7 +224,7 @@ def read(options: argparse.Namespace) -> RecordedDrive:
     if reading.frame is None and found.frame not in (frame.AS_IS, frame.CANONICAL, "FLU"):
         expected = "where x points (--frame, or the mounting in --config)"
         raise LogError(options.log, "frame", expected, f"{frame.vertical(found.frame)}, which leaves the heading open")
-    return RecordedDrive(found.log, readers.read_fixes(options.fixes), settings)
+    return RecordedDrive(found.regular.measured, readers.read_fixes(options.fixes), settings)
 
 
 def check(recorded: RecordedDrive) -> RecordedDrive:

@@ -100,8 +100,8 @@ class NavigatedWalk:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     parser.description = (
-        "Navigate a walk with the device on a foot. The log begins with a stand of half a second or more. Rows whose "
-        "stamp does not exceed those before are left out, and lost samples filled."
+        "Navigate a walk with the device on a foot. The log begins with a stand of half a second or more. Lost "
+        "samples are filled, up to a tenth of a second."
     )
     parser.add_argument("log", help=f"{LOG_HELP}; six axes")
     parser.add_argument("--model", help="error model of the device (YAML; default that of a cheap one)")
@@ -134,11 +134,8 @@ def navigate_walk(inputs: WalkInputs) -> NavigatedWalk:
 
 
 def read(options: argparse.Namespace) -> WalkInputs:
-    """Read the log and the error model.
-
-    Rows whose stamp does not exceed those before, as wireless devices send them, are left out.
-    """
-    log = read_log(options.log, settings_of(options)).require_gravity().repaired
+    """Read the log, its true samples on an even clock, and the error model."""
+    log = read_log(options.log, settings_of(options)).require_gravity().regular.measured
     if axes(log) != AXES:
         raise LogError(options.log, "columns", f"all of {', '.join(AXES)}", ", ".join(log.columns))
     model = DEFAULT_MODEL

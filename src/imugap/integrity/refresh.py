@@ -25,6 +25,8 @@ PHASES = 50
 """Trial places of the knots."""
 ROUNDING, HUGE = 1e-12, 1e100
 """Size of bends that are rounding, relative to the values, and of values that are no readings."""
+DISTINCT = 0.2
+"""Share of different values below which equal bends are those of a lattice."""
 EXPLAINED = 0.1
 """Variance about the lines between knots, over that of white noise, below which the values are interpolated."""
 
@@ -76,6 +78,8 @@ def interpolated(values: np.ndarray) -> Refresh | None:
     if len(finite) < FEWEST:
         return None
     bends = np.diff(finite, 2)
+    if len(np.unique(finite)) < DISTINCT * len(finite):
+        return None
     if not bends.any() or not np.sqrt(np.mean(bends**2)) > ROUNDING * np.abs(finite).max() < HUGE:
         return None
     power = np.abs(np.fft.rfft(bends**2 - np.mean(bends**2))) ** 2

@@ -6,13 +6,14 @@ is lost as NaN, states all of it in sentences, and raises a LogError where no nu
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from enum import Enum, auto
 
 import numpy as np
 import pandas as pd
 from scipy.special import bdtrc
 
 from imugap.integrity.clock_reset import row_number
-from imugap.integrity.refresh import Refresh, held, interpolated
+from imugap.integrity.refresh import KNOTS, REPEATED, Refresh, held, interpolated
 from imugap.integrity.row_clock import rate_change
 from imugap.integrity.timestamps import Stamps, stamps
 from imugap.log import ACCEL, GYRO, TIME, LogError, axes
@@ -29,6 +30,41 @@ HEAVY = 3.0
 """Norm of the specific force [m/s^2] above which gravity is in it."""
 BRIEF = 10
 """Fewest successive rows in which all axes are zero that are no coincidence."""
+
+
+class Fault(Enum):
+    """Kind of a fault of stamps or samples."""
+
+    TWICE = auto()
+    """Rows written twice."""
+    LOST_VALUES = auto()
+    """Values that are not finite, or rows without power."""
+    DEAD = auto()
+    """Axis without use."""
+    STREAMS = auto()
+    """Axes with stamps of their own."""
+    RESET = auto()
+    """Clock that wraps or is set back."""
+    UNEVEN = auto()
+    """Stamps that do not show the clock."""
+    LOST = auto()
+    """Samples without a row."""
+    HELD = auto()
+    """Values that repeat."""
+    INTERPOLATED = auto()
+    """Values between slower samples."""
+
+
+@dataclass(frozen=True)
+class Remark:
+    """Sentence on a fault: what, how many, where first, and what is done about it."""
+
+    fault: Fault
+    text: str
+
+    def __str__(self) -> str:
+        """Return the sentence."""
+        return self.text
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,6 +87,8 @@ class Regular:
 
     Attributes
     ----------
+    source
+        Name of the file.
     log
         All columns at every sample of the clock of the rows, NaN where lost; the table as read where nothing is.
     interval
@@ -60,38 +98,38 @@ class Regular:
     unusable
         Axes without use, each with a sentence.
     remarks
-        A sentence for each fault of stamps and samples, in the order of the stages.
+        Faults of stamps and samples, in the order of the stages.
     """
 
+    source: str
     log: pd.DataFrame
     interval: float
     samples: dict[str, Samples]
     unusable: dict[str, str]
-    remarks: tuple[str, ...]
+    remarks: tuple[Remark, ...]
 
     @property
     def lost(self) -> np.ndarray:
         """Return the mask of the samples of the clock that no axis has, shape (n,)."""
         return self.log[list(axes(self.log))].isna().all(axis=1).to_numpy()
 
-    def complete(self, longest_s: float) -> pd.DataFrame:
-        """Return the log with gaps of at most ``longest_s`` filled by linear interpolation; LogError for a longer one.
+    @property
+    def measured(self) -> pd.DataFrame:
+        """Return the samples that all axes have, at their times on the even clock; LogError without one of the axes.
 
-        A sample is the mean over the interval that it ends; without filling, the one after a gap would represent all of
-        it.
+        Where all axes repeat their values alike, one row of each value.
         """
         if self.unusable:
-            raise LogError("log", "columns", "values on every axis", "; ".join(self.unusable.values()))
-        filled = self.log.interpolate(limit_direction="both")
-        lost = self.log[list(axes(self.log))].isna().any(axis=1).to_numpy()
-        edges = np.flatnonzero(np.diff(np.r_[False, lost, False].astype(int)))
-        first, stop = edges[::2], edges[1::2]
-        lengths = (stop - first + 1) * self.interval
-        if len(lengths) and lengths.max() > longest_s:
-            at = int(np.argmax(lengths))
-            found = f"{lengths[at]:.3g} s after {self.log.index[max(first[at] - 1, 0)]:.10g} s"
-            raise LogError("log", "column time", f"gaps of at most {longest_s:g} s", found)
-        return filled
+            raise LogError(self.source, "columns", "values on every axis", "; ".join(self.unusable.values()))
+        names = list(axes(self.log))
+        if set(names) < set(self.samples):
+            raise LogError(self.source, "rows", "values of all axes", "axes with stamps of their own; join them first")
+        rows = self.log.dropna(subset=names)
+        slowest = min(one.interval for one in self.samples.values()) / self.interval
+        if slowest < REPEATED or slowest > KNOTS:
+            return rows
+        place = np.rint((rows.index - self.log.index[0]) / self.interval).astype(int)
+        return rows[np.r_[True, np.diff((place / slowest).astype(int)) > 0]]
 
 
 def regular(table: pd.DataFrame, source: str = "log", place: Callable[[int], str] = row_number) -> Regular:
@@ -127,14 +165,15 @@ def regular(table: pd.DataFrame, source: str = "log", place: Callable[[int], str
         for one, of in zip(whole, clocks, strict=True)
     ]
     remarks = (
-        *twice, *holes, *unusable.values(), *(apart if len(whole) > 1 else ()),
-        *dict.fromkeys(remark for of in clocks for remark in (*of.remarks, *_uneven(of))), *slower,
+        *twice, *holes, *(Remark(Fault.DEAD, text) for text in unusable.values()),
+        *(Remark(Fault.STREAMS, text) for text in apart if len(whole) > 1),
+        *dict.fromkeys(remark for of in clocks for remark in _of_clock(of)), *slower,
     )  # fmt: skip
     ordered = {name: samples[name] for name in names if name in samples}
-    return Regular(log, clock.interval, ordered, unusable, remarks)
+    return Regular(source, log, clock.interval, ordered, unusable, remarks)
 
 
-def _once(table: pd.DataFrame, place: Callable[[int], str]) -> tuple[pd.DataFrame, list[str]]:
+def _once(table: pd.DataFrame, place: Callable[[int], str]) -> tuple[pd.DataFrame, list[Remark]]:
     """Return the table without rows written twice, stamp and all values equal, and a sentence if there are any.
 
     Neighbours of one stamp are new samples if they are equal no more often than neighbours of different stamps.
@@ -153,21 +192,24 @@ def _once(table: pd.DataFrame, place: Callable[[int], str]) -> tuple[pd.DataFram
     if bdtrc(np.count_nonzero(again) - 1, trials, chance) > IMPROBABLE:
         return table, []
     count, first = np.count_nonzero(again), int(np.argmax(again))
-    return table[~again], [f"{_counted(count, 'row')} written twice, first at {place(first)}: left out"]
+    text = f"{_counted(count, 'row')} written twice, first at {place(first)}: left out"
+    return table[~again], [Remark(Fault.TWICE, text)]
 
 
-def _finite(table: pd.DataFrame, place: Callable[[int], str]) -> tuple[pd.DataFrame, list[str]]:
+def _finite(table: pd.DataFrame, place: Callable[[int], str]) -> tuple[pd.DataFrame, list[Remark]]:
     """Return the table with NaN for infinite values and for rows without power, and a sentence for each kind."""
     values, remarks = table.to_numpy(float), []
     infinite = np.isinf(values)
     if infinite.any():
         row, column = np.argwhere(infinite)[0]
         where = f"{table.columns[column]} at {place(int(row))}"
-        remarks.append(f"{_counted(int(infinite.sum()), 'value')} not finite, first {where}: lost")
+        text = f"{_counted(int(infinite.sum()), 'value')} not finite, first {where}: lost"
+        remarks.append(Remark(Fault.LOST_VALUES, text))
     off = _without_power(table)
     if off.any():
         first = int(np.argmax(off))
-        remarks.append(f"{_counted(int(off.sum()), 'row')} zero on all axes, first at {place(first)}: lost")
+        text = f"{_counted(int(off.sum()), 'row')} zero on all axes, first at {place(first)}: lost"
+        remarks.append(Remark(Fault.LOST_VALUES, text))
     if not remarks:
         return table, []
     flawed = infinite | (off[:, None] & np.isin(table.columns, axes(table)))
@@ -262,11 +304,17 @@ def _on_clock(table: pd.DataFrame, clock: Stamps) -> pd.DataFrame:
     return pd.DataFrame(values, columns=table.columns, index=pd.Index(clock.grid, name=TIME))
 
 
-def _uneven(clock: Stamps) -> list[str]:
-    """Return a sentence for lost samples and for stamps that do not show the clock."""
-    remarks, rate = [], f"{1 / clock.interval:.6g} Hz"
+def _of_clock(clock: Stamps) -> list[Remark]:
+    """Return a remark for each reset of a clock, for stamps that do not show it, and for lost samples."""
+    rate = f"{1 / clock.interval:.6g} Hz"
+    remarks = [Remark(Fault.RESET, text) for text in clock.remarks]
     if not clock.even:
-        remarks.append(f"stamps uneven or repeated, every row a sample: {rate} by their mean")
+        text = f"stamps uneven or repeated, every row a sample: {rate} by their mean"
+        remarks.append(Remark(Fault.UNEVEN, text))
+    late = int(np.count_nonzero(~clock.advancing))
+    if clock.even and late:
+        text = f"{_counted(late, 'stamp')} missing or out of order: the rows are taken in their order"
+        remarks.append(Remark(Fault.UNEVEN, text))
     lost = int(np.count_nonzero(clock.lost))
     if lost:
         edges = np.flatnonzero(np.diff(np.r_[False, clock.lost, False].astype(int)))
@@ -275,14 +323,15 @@ def _uneven(clock: Stamps) -> list[str]:
         where = (
             f"the longest gap {lengths[at] * clock.interval:.3g} s after {clock.grid[max(edges[2 * at] - 1, 0)]:.10g} s"
         )
-        remarks.append(f"{lost} of {clock.count} samples lost at {rate} ({100 * lost / clock.count:.2g} %), {where}")
+        text = f"{lost} of {clock.count} samples lost at {rate} ({100 * lost / clock.count:.2g} %), {where}"
+        remarks.append(Remark(Fault.LOST, text))
     double = len(clock.slots) - int(np.count_nonzero(clock.kept))
     if double:
-        remarks.append(f"{_counted(double, 'row')} between two samples of the clock: left out")
+        remarks.append(Remark(Fault.TWICE, f"{_counted(double, 'row')} between two samples of the clock: left out"))
     return remarks
 
 
-def _true_samples(log: pd.DataFrame, interval: float) -> tuple[dict[str, Samples], list[str]]:
+def _true_samples(log: pd.DataFrame, interval: float) -> tuple[dict[str, Samples], list[Remark]]:
     """Return the true samples of each axis of a log on an even clock, and a sentence for each slower sensor."""
     begin, found, remarks = float(log.index[0]), {}, []
     for triad in (GYRO, ACCEL):
@@ -294,19 +343,22 @@ def _true_samples(log: pd.DataFrame, interval: float) -> tuple[dict[str, Samples
         slow = held(known)
         if slow is not None:
             remarks.append(_slower(names, slow, interval, "repeat"))
+        between: dict[float, list[str]] = {}
         for name, values in zip(names, columns.T, strict=True):
             refresh = slow or interpolated(values)
             if refresh is not None and slow is None:
-                remarks.append(_slower([name], refresh, interval, "are interpolated"))
+                between.setdefault(round(refresh.rows, 3), []).append(name)
             one = (values, interval) if refresh is None else refresh.samples(values, interval)
             found[name] = Samples(*one, begin)
+        remarks += [_slower(some, Refresh(rows, True), interval, "are interpolated") for rows, some in between.items()]
     return found, remarks
 
 
-def _slower(names: list[str], refresh: Refresh, interval: float, how: str) -> str:
+def _slower(names: list[str], refresh: Refresh, interval: float, how: str) -> Remark:
     rate = f"{1 / (refresh.rows * interval):.4g} Hz"
     used = "means over longer times are used" if refresh.interpolated else "one of each is used"
-    return f"{', '.join(names)}: values {how} between samples at {rate}, {used}"
+    fault = Fault.INTERPOLATED if refresh.interpolated else Fault.HELD
+    return Remark(fault, f"{', '.join(names)}: values {how} between samples at {rate}, {used}")
 
 
 def _counted(number: int, noun: str) -> str:

@@ -8,6 +8,7 @@ from bisect import bisect_left
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NoReturn
 
 import numpy as np
 import pandas as pd
@@ -173,7 +174,7 @@ def stamps(time: np.ndarray, place: Callable[[int], str] = row_number) -> Stamps
     if change is not None and not change.to_multiple:
         change.refuse(place)
     if single_losses(ordered):
-        return _of_lattice(whole, advancing, rounding, _required(lattice_interval(good, coarse), good))
+        return _of_lattice(whole, advancing, rounding, lattice_interval(good, coarse) or _nominal(good, coarse))
     packets = packet_slots(ordered)
     if packets is not None:
         return Stamps(time, packets[1], packets[0], advancing, rounding, False, whole.remarks)
@@ -192,7 +193,9 @@ def stamps(time: np.ndarray, place: Callable[[int], str] = row_number) -> Stamps
     slots, interval = slots_of_rows(ordered)
     if by_rows and (lattice is None or abs(lattice / interval - 1) > SAME):
         return Stamps(time, interval, slots, advancing, rounding, False, whole.remarks)
-    return _of_lattice(whole, advancing, rounding, _required(lattice, good))
+    if lattice is None:
+        _refuse(time, advancing, place)
+    return _of_lattice(whole, advancing, rounding, lattice)
 
 
 def _of_lattice(whole: Continued, advancing: np.ndarray, rounding: np.ndarray, nominal: float) -> Stamps:
@@ -206,13 +209,16 @@ def _of_lattice(whole: Continued, advancing: np.ndarray, rounding: np.ndarray, n
     return Stamps(whole.time, interval, _filled(slots, advancing), advancing, rounding, True, whole.remarks)
 
 
-def _required(interval: float | None, time: np.ndarray) -> float:
-    """Return the interval [s]; raise a LogError if increasing stamps, shape (n,) [s], have none."""
-    if interval is None:
-        low, high = np.quantile(np.diff(time), [0.05, 0.95])
-        found = f"steps of {low:.3g} to {high:.3g} s in no order, from which no rate follows"
-        raise LogError("log", "column time", "stamps of an even clock", found)
-    return interval
+def _refuse(time: np.ndarray, advancing: np.ndarray, place: Callable[[int], str]) -> NoReturn:
+    """Raise a LogError with the first stamp out of order, or with the steps of stamps, shape (n,), without a clock."""
+    late = np.flatnonzero(~advancing & np.isfinite(time))
+    if len(late):
+        row = int(late[0])
+        found = f"{time[row]:.10g} after {time[max(row - 1, 0)]:.10g}"
+        raise LogError("log", f"{place(row)}, column time", "a time that increases", found)
+    low, high = np.quantile(np.diff(time[advancing]), [0.05, 0.95])
+    found = f"steps of {low:.3g} to {high:.3g} s in no order, from which no rate follows"
+    raise LogError("log", "column time", "stamps of an even clock", found)
 
 
 def _require_dense(time: np.ndarray, interval: float) -> None:
