@@ -7,13 +7,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from imugap.io import gnss
-from imugap.io.readers import read_fixes
+from imugap.io.fixes.reading import read
 from imugap.kinematics import earth
 from imugap.kinematics.strapdown import VELOCITY, Ellipsoid
 from imugap.log import LogError
 
 HEADER = "time,latitude,longitude,height"
 ROWS = ["0,48.0,11.0,500", "1,48.0001,11.0001,501", "2,48.0002,11.0002,502"]
+
+
+def fixes_of(path):
+    return read(path).fixes
 
 
 @pytest.fixture
@@ -27,7 +31,7 @@ def lines(path, *rows, header=HEADER):
 
 
 def test_degrees_become_radians_and_columns_their_order(path):
-    found = read_fixes(lines(path, "3,10,-45,90", "4,11,45,-180", header="time,height,latitude,longitude"))
+    found = fixes_of(lines(path, "3,10,-45,90", "4,11,45,-180", header="time,height,latitude,longitude"))
     assert list(found.columns) == ["latitude", "longitude", "height"]
     np.testing.assert_allclose(found["latitude"], [-np.pi / 4, np.pi / 4])
     np.testing.assert_allclose(found["longitude"], [np.pi / 2, -np.pi])
@@ -37,11 +41,11 @@ def test_degrees_become_radians_and_columns_their_order(path):
 def test_csv_and_parquet_are_one(path, tmp_path):
     table = pd.read_csv(lines(path, *ROWS)).set_index("time")
     table.to_parquet(tmp_path / "gnss.parquet")
-    pd.testing.assert_frame_equal(read_fixes(path), read_fixes(tmp_path / "gnss.parquet"), check_index_type=False)
+    pd.testing.assert_frame_equal(fixes_of(path), fixes_of(tmp_path / "gnss.parquet"), check_index_type=False)
 
 
 def test_what_is_optional_may_be_empty(path):
-    found = read_fixes(lines(path, f"{ROWS[0]},1,2,3", f"{ROWS[1]},,,", header=f"{HEADER},{','.join(VELOCITY)}"))
+    found = fixes_of(lines(path, f"{ROWS[0]},1,2,3", f"{ROWS[1]},,,", header=f"{HEADER},{','.join(VELOCITY)}"))
     assert found[list(VELOCITY)].isna().to_numpy().tolist() == [[False] * 3, [True] * 3]
     measured = gnss.local(found, gnss.origin(found))
     assert np.isnan(measured[1, 3:]).all()
@@ -67,7 +71,7 @@ def test_what_is_optional_may_be_empty(path):
 )  # fmt: skip
 def test_what_is_wrong_is_told_with_its_place(path, rows, header, message):
     with pytest.raises(LogError, match=message):
-        read_fixes(lines(path, *rows, header=header))
+        fixes_of(lines(path, *rows, header=header))
 
 
 @given(st.text(max_size=200))
@@ -75,7 +79,7 @@ def test_any_text_is_a_log_or_a_log_error(tmp_path_factory, text):
     path = tmp_path_factory.mktemp("any") / "gnss.csv"
     path.write_text(f"{HEADER}\n{text}", encoding="utf-8", errors="replace")
     try:
-        found = read_fixes(path)
+        found = fixes_of(path)
     except LogError:
         return
     gnss.check(found)
@@ -89,7 +93,7 @@ def test_what_is_written_is_read_to_the_bit_of_its_conversion(tmp_path_factory, 
     path = tmp_path_factory.mktemp("round") / "gnss.csv"
     table = pd.DataFrame(rows, columns=list(gnss.PLACE), index=pd.Index(np.arange(len(rows), dtype=float), name="time"))
     table.to_csv(path)
-    found = read_fixes(path)
+    found = fixes_of(path)
     for name in ("latitude", "longitude"):
         np.testing.assert_allclose(np.degrees(found[name]), table[name], atol=1e-12)
     np.testing.assert_array_equal(found["height"], table["height"])
@@ -117,6 +121,6 @@ def test_the_date_line_is_no_way_round_the_earth():
 
 
 def test_deviations_are_those_of_the_log_where_it_has_them(path):
-    found = read_fixes(lines(path, f"{ROWS[0]},1,2,3", f"{ROWS[1]},4,,6", header=f"{HEADER},sd_n,sd_e,sd_d"))
+    found = fixes_of(lines(path, f"{ROWS[0]},1,2,3", f"{ROWS[1]},4,,6", header=f"{HEADER},sd_n,sd_e,sd_d"))
     std = gnss.deviations(found, (9.0, 8.0, 7.0), (0.1, 0.2, 0.3))
     assert std.tolist() == [[1, 2, 3, 0.1, 0.2, 0.3], [4, 8, 6, 0.1, 0.2, 0.3]]

@@ -17,7 +17,7 @@ import pandas as pd
 
 from imugap.commands.arguments import add_effects
 from imugap.commands.outputs import require_folder, write_folder
-from imugap.commands.reading import LOG_HELP, add_reading, settings_of
+from imugap.commands.reading import LOG_HELP, add_reading, say, settings_of
 from imugap.commands.reading import read as read_log
 from imugap.filters.consistency import nees_band
 from imugap.filters.innovation_gate import (
@@ -33,7 +33,8 @@ from imugap.filters.innovation_gate import (
 )
 from imugap.integrity.timestamps import filled
 from imugap.interchange.plugins import catalogue
-from imugap.io import configuration, gnss, readers
+from imugap.io import configuration, gnss
+from imugap.io.fixes import reading as fixes
 from imugap.io.recognition import frame
 from imugap.log import ACCEL, AXES, GYRO, LogError, axes
 from imugap.model import ErrorModel
@@ -190,11 +191,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "[m/s] and standard deviations sd_n sd_e sd_d [m], sd_vel_n sd_vel_e sd_vel_d [m/s]."
     )
     parser.add_argument("log", help=f"{LOG_HELP}; six axes")
-    parser.add_argument("fixes", help="CSV or Parquet log of a GNSS receiver, on the clock of the device")
+    parser.add_argument(
+        "fixes",
+        help="fixes of a GNSS receiver on the clock of the device: table with a header, RTKLIB .pos, NMEA, GPX, text "
+        "of KF-GINS, or a bag with sensor_msgs/NavSatFix",
+    )
     parser.add_argument("--config", help="device, mounting, lever arm, quality control (YAML)")
     add_effects(parser)
     parser.add_argument("--out", required=True, help="folder for solution, events, summary and figures")
     add_reading(parser)
+    parser.add_argument("--fixes-topic", help="topic of a bag with the fixes")
 
 
 def run(options: argparse.Namespace) -> None:
@@ -224,7 +230,9 @@ def read(options: argparse.Namespace) -> RecordedDrive:
     if reading.frame is None and found.frame not in (frame.AS_IS, frame.CANONICAL, "FLU"):
         expected = "where x points (--frame, or the mounting in --config)"
         raise LogError(options.log, "frame", expected, f"{frame.vertical(found.frame)}, which leaves the heading open")
-    return RecordedDrive(found.regular.measured, readers.read_fixes(options.fixes), settings)
+    receiver = fixes.read(options.fixes, options.fixes_topic)
+    say(options.fixes, receiver.recognised)
+    return RecordedDrive(found.regular.measured, receiver.fixes, settings)
 
 
 def check(recorded: RecordedDrive) -> RecordedDrive:

@@ -2,7 +2,7 @@
 
 Index ``time`` [s], strictly increasing. Columns :data:`PLACE` (rad, rad, m above the ellipsoid), optionally
 :data:`VELOCITY` [m/s], and standard deviations :data:`PLACE_STD` [m] and :data:`VELOCITY_STD` [m/s]. Optional
-values may be NaN; a file has latitude and longitude in degrees (:mod:`imugap.io.readers`).
+values may be NaN; a file has latitude and longitude in degrees (:mod:`imugap.io.fixes`).
 """
 
 from collections.abc import Callable

@@ -1,8 +1,6 @@
-"""Readers of logs: read, convert to SI, check; errors give file, line and column.
+"""Readers of the files of the catalogue in their own formats and units: convert to SI, check.
 
-Use :func:`imugap.io.recording.read` for a log of one's own, :func:`read_fixes` for the log of a GNSS receiver, with
-latitude and longitude in degrees, and :func:`read_raw` for a file of the catalogue in its own format and units. A file
-is read line by line only to locate an error.
+Recordings of a user are read by :func:`imugap.io.recording.read`, fixes by :func:`imugap.io.fixes.reading.read`.
 """
 
 import csv
@@ -18,41 +16,15 @@ import pyarrow as pa
 import pyarrow.csv
 from scipy.spatial.transform import Rotation
 
-from imugap.io import gnss, reference
+from imugap.io import reference
 from imugap.io.datasets import EVENTS, LOG, POSITIONS, DataSet, RawFiles
-from imugap.io.rows import advances, require_numbers, require_order
+from imugap.io.rows import advances
 from imugap.kinematics.strapdown import POSITION
 from imugap.log import COLUMNS, LogError, check
 from imugap.units import to_si
 
 KNOWN = ("time", *COLUMNS)
 EXCERPT = 60
-
-
-def read_fixes(path: str | Path) -> pd.DataFrame:
-    """Read the log of a GNSS receiver, CSV or Parquet, and check it.
-
-    Parameters
-    ----------
-    path
-        File with columns ``time`` [s], ``latitude`` and ``longitude`` [deg], ``height`` [m], and any of the others of
-        :data:`imugap.io.gnss.COLUMNS`, whose cells may be empty.
-
-    Returns
-    -------
-    DataFrame
-        A log of fixes (:mod:`imugap.io.gnss`). Anything else is a :class:`imugap.log.LogError` with file, line, column.
-    """
-    path, known = Path(path), ("time", *gnss.COLUMNS)
-    table = _decoded(path, {end: partial(decode, known=known) for end, decode in TABLES.items()}, "a log of fixes")
-    table = table.set_index("time")
-    place = partial(_place, path)
-    require_order(table, path, place)
-    require_numbers(table[[name for name in gnss.PLACE if name in table]], path, place)
-    for name in ("latitude", "longitude"):
-        if name in table:
-            table[name] = to_si(table[name], "deg")
-    return gnss.check(table, path, place)
 
 
 def read_raw(path: str | Path, dataset: DataSet, run: int) -> pd.DataFrame:

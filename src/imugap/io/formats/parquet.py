@@ -24,15 +24,32 @@ def open_source(path: Path, settings) -> Source:
     """Return the columns of a Parquet file; LogError where one that is read is no number."""
     file = pa.parquet.ParquetFile(path.open("rb"))  # the library opens no name that is not UTF-8
     schema = file.schema_arrow
-    names = tuple(schema.names)
+    counted = _counted_index(schema)
+    names = (*schema.names, *counted)
 
     def batches(columns):
+        row = 0
         for group in range(file.num_row_groups):
-            table = file.read_row_group(group, columns=[names[k] for k in columns])
-            yield [_numbers(path, names[k], table.column(names[k])) for k in columns]
+            stored = [names[k] for k in columns if names[k] not in counted]
+            table = file.read_row_group(group, columns=stored)
+            rows = slice(row, row := row + file.metadata.row_group(group).num_rows)
+            yield [
+                counted[name][rows] if name in counted else _numbers(path, name, table.column(name))
+                for name in (names[k] for k in columns)
+            ]
 
     attributes = json.loads((schema.metadata or {}).get(ATTRIBUTES, b"{}"))
     return Source(path, names, file.metadata.num_rows, batches, canonical=attributes == MARK)
+
+
+def _counted_index(schema: pa.Schema) -> dict[str, np.ndarray]:
+    """Return an index of equal steps, which pandas keeps as its begin, end and step, by its name."""
+    found = (schema.pandas_metadata or {}).get("index_columns", [])
+    return {
+        one["name"]: np.arange(one["start"], one["stop"], one["step"])
+        for one in found
+        if isinstance(one, dict) and one.get("name")
+    }
 
 
 def _numbers(path: Path, name: str, values: pa.ChunkedArray) -> np.ndarray:

@@ -1,0 +1,52 @@
+"""Fixes of a receiver in any format that is known, checked and in SI (:mod:`imugap.io.gnss`)."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import pandas as pd
+
+from imugap.io import gnss
+from imugap.io.fixes import bags, gpx, nmea, rtklib, tables
+from imugap.io.formats.source import whole_file
+from imugap.io.rows import require_numbers, require_order
+from imugap.log import LogError
+from imugap.units import to_si
+
+FORMATS = (bags, rtklib, gpx, nmea, tables)
+HEAD_BYTES = 4096
+
+
+@dataclass(frozen=True, eq=False)
+class ReceiverLog:
+    """Fixes of a receiver, and sentences on what was recognised."""
+
+    fixes: pd.DataFrame
+    recognised: tuple[str, ...] = ()
+
+
+def read(path: str | Path, topic: str | None = None) -> ReceiverLog:
+    """Read the fixes of a receiver, in a format that is recognised by its content.
+
+    Parameters
+    ----------
+    path
+        File of any of :data:`FORMATS`; a table has columns ``time`` [s], latitude and longitude [deg], height [m], and
+        any of the others of :data:`imugap.io.gnss.COLUMNS`, whose cells may be empty.
+    topic
+        Topic of a bag.
+    """
+    path = Path(path)
+    if not path.exists():
+        raise LogError(path, "file", "fixes of a receiver", "no such file")
+    head = b""
+    if path.is_file():
+        with path.open("rb") as handle:
+            head = handle.read(HEAD_BYTES)
+    with whole_file(path):
+        decoded = next(one for one in FORMATS if one.recognises(path, head)).decode(path, topic)
+    table = decoded.table
+    require_order(table, path, decoded.place)
+    require_numbers(table[[name for name in gnss.PLACE if name in table]], path, decoded.place)
+    for name in ("latitude", "longitude"):
+        table[name] = to_si(table[name], "deg")
+    return ReceiverLog(gnss.check(table, path, decoded.place), decoded.notes)

@@ -1,0 +1,90 @@
+"""Tables of fixes with a header, as text of any dialect or Parquet; and those of KF-GINS, which have none."""
+
+import difflib
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from imugap.io import gnss
+from imugap.io.fixes.decoded import Decoded
+from imugap.io.formats import catalogue
+from imugap.io.formats.source import Source
+from imugap.io.recognition import column_names, stamps
+from imugap.kinematics.strapdown import VELOCITY
+from imugap.log import TIME, LogError
+from imugap.units import factor
+
+SPELLINGS = {
+    "latitude": "latitude lat", "longitude": "longitude lon lng long",
+    "height": "height alt altitude h hgt ele elevation ellipsoidalheight",
+    "vel_n": "veln vn vnorth northvelocity velocitynorth", "vel_e": "vele ve veast eastvelocity velocityeast",
+    "vel_d": "veld vd vdown downvelocity velocitydown", "vel_u": "velu vu vup upvelocity velocityup",
+    "sd_n": "sdn stdn sn", "sd_e": "sde stde se", "sd_d": "sdd stdd sdu stdu su sd",
+    "sd_vel_n": "sdveln sdvn", "sd_vel_e": "sdvele sdve", "sd_vel_d": "sdveld sdvd sdvu",
+}  # fmt: skip
+COLUMN = {spelling: column for column, spellings in SPELLINGS.items() for spelling in spellings.split()}
+KF_GINS = {
+    7: (TIME, *gnss.PLACE, *gnss.PLACE_STD),
+    13: (TIME, *gnss.PLACE, *gnss.PLACE_STD, *VELOCITY, *gnss.VELOCITY_STD),
+}
+"""Columns of files without a header, by their number."""
+
+
+def recognises(path: Path, head: bytes) -> bool:
+    """Return True: the last format that is tried."""
+    return True
+
+
+def decode(path: Path, topic: str | None) -> Decoded:
+    """Return the fixes of a table; LogError where a column is missing."""
+    source = catalogue.open_source(path, None)
+    names = source.names if any(source.names) else _nameless(source)
+    known = {name: column for name in names if (column := _column(name))}
+    time = _time(names, known)
+    missing = [column for column in (TIME, *gnss.PLACE) if column not in (*known.values(), time and TIME)]
+    if missing:
+        expected = f"all of {', '.join(gnss.PLACE)} [deg, deg, m], and time [s]"
+        raise LogError(path, source.heading, expected, _nearest(names, known))
+    block, raw = source.load([names.index(name) for name in known], names.index(time))
+    table = pd.DataFrame(dict(zip(known.values(), block, strict=True)))
+    if "vel_u" in table:
+        table["vel_d"] = -table.pop("vel_u")
+    table.index = pd.Index(stamps.seconds(raw, factor(column_names.stated_unit(time) or _unit(raw))), name=TIME)
+    others = [name for name in names if name and name not in known and name != time]
+    notes = (f"left out {', '.join(others)[:120]}",) if others else ()
+    return Decoded(table, notes, source.place)
+
+
+def _column(name: str) -> str | None:
+    plain = "".join(one for one in name.partition("(")[0].partition("[")[0].lower() if one.isalpha())
+    return COLUMN.get(plain)
+
+
+def _time(names: tuple[str, ...], known: dict[str, str]) -> str | None:
+    """Return the name of the column of stamps: ``time``, or the plainest that names a time."""
+    if TIME in names:
+        return TIME
+    return next(iter(column_names.assign([name for name in names if name not in known]).times), None)
+
+
+def _unit(raw: np.ndarray) -> str:
+    """Return the unit of stamps of fixes: seconds, unless they would lie beyond the year 2099."""
+    first = float(raw[0]) if len(raw) else 0.0
+    return next((unit for unit in ("s", "ms", "us", "ns") if first * factor(unit) < stamps.YEARS[1]), "s")
+
+
+def _nameless(source: Source) -> tuple[str, ...]:
+    names = KF_GINS.get(len(source.names))
+    if names is None:
+        expected = f"a header, or the {' or '.join(map(str, KF_GINS))} columns of KF-GINS"
+        raise LogError(source.path, source.heading, expected, f"{len(source.names)} columns without names")
+    return names
+
+
+def _nearest(names: tuple[str, ...], known: dict[str, str]) -> str:
+    for name in names:
+        near = difflib.get_close_matches(name.lower(), (TIME, *gnss.COLUMNS), n=1, cutoff=0.6)
+        if near and name not in known and name != TIME:
+            return f"{name!r} (did you mean {near[0]}?)"
+    return ", ".join(names)[:120] or "nothing"

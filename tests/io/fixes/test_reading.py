@@ -1,0 +1,141 @@
+"""One drive, written as receivers and programs write it, is the same log of fixes."""
+
+from datetime import UTC, datetime
+from functools import reduce
+from operator import xor
+
+import numpy as np
+import pytest
+
+from imugap.io.fixes.reading import read
+from imugap.log import LogError
+
+COUNT = 8
+START_S = 1_700_000_000.0
+TIME = START_S + 0.5 * np.arange(COUNT)
+LATITUDE = 48.1 + 1e-5 * np.arange(COUNT)
+LONGITUDE = -11.3 - 2e-5 * np.arange(COUNT)
+HEIGHT = 520 + 0.25 * np.arange(COUNT)
+NORTH, EAST, UP = (np.full(COUNT, value) for value in (2.2, -3.0, 0.5))
+SD = (0.5, 0.6, 1.1)
+GPS_EPOCH_S, WEEK_S = 315_964_800, 604_800
+
+
+def text(path, *lines):
+    path.write_text("".join(line + "\n" for line in lines))
+    return path
+
+
+def rtklib(path, date=True):
+    names = (
+        "latitude(deg) longitude(deg) height(m) Q ns sdn(m) sde(m) sdu(m) sdne(m) sdeu(m) sdun(m) age(s) ratio "
+        "vn(m/s) ve(m/s) vu(m/s)"
+    )
+    rows = []
+    for t, *place in zip(TIME, LATITUDE, LONGITUDE, HEIGHT, strict=True):
+        week, rest = divmod(t - GPS_EPOCH_S, WEEK_S)
+        when = (
+            datetime.fromtimestamp(t, UTC).strftime("%Y/%m/%d %H:%M:%S.%f")[:-3] if date else f"{week:.0f} {rest:.3f}"
+        )
+        rows.append(
+            f"{when} {place[0]:.9f} {place[1]:.9f} {place[2]:.4f} 1 12 {SD[0]} {SD[1]} {SD[2]} 0 0 0 0 0 2.2 -3.0 0.5"
+        )
+    return text(path, "% program   : RTKLIB", f"%  GPST          {names}", *rows)
+
+
+def sentence(body):
+    return f"${body}*{reduce(xor, map(ord, body)):02X}"
+
+
+def minutes(value, width):
+    whole, rest = divmod(abs(value), 1)
+    return f"{int(whole):0{width}d}{rest * 60:010.7f}"
+
+
+def nmea(path):
+    rows = []
+    for t, lat, lon, height in zip(TIME, LATITUDE, LONGITUDE, HEIGHT, strict=True):
+        clock = datetime.fromtimestamp(t, UTC)
+        when, day = clock.strftime("%H%M%S.%f")[:-4], clock.strftime("%d%m%y")
+        place = f"{minutes(lat, 2)},N,{minutes(lon, 3)},W"
+        speed, course = np.hypot(2.2, 3.0) * 3600 / 1852, np.degrees(np.arctan2(-3.0, 2.2)) % 360
+        rows += [
+            sentence(f"GPRMC,{when},A,{place},{speed:.6f},{course:.6f},{day},,,A"),
+            sentence(f"GPGGA,{when},{place},1,12,0.8,{height - 47.5:.3f},M,47.5,M,,"),
+            sentence(f"GPGST,{when},1.0,,,,{SD[0]},{SD[1]},{SD[2]}"),
+        ]
+    rows.append(sentence(f"GPGGA,{when},,,,,0,00,,,M,,M,,"))
+    rows.append("$GPGGA,120000.00,1234.5,N,01234.5,E,1,12,0.8,1,M,1,M,,*00")
+    return text(path, *rows)
+
+
+def gpx(path):
+    points = [
+        f'<trkpt lat="{lat:.9f}" lon="{lon:.9f}"><ele>{h}</ele>'
+        f"<time>{datetime.fromtimestamp(t, UTC).isoformat()}</time></trkpt>"
+        for t, lat, lon, h in zip(TIME, LATITUDE, LONGITUDE, HEIGHT, strict=True)
+    ]
+    head = '<?xml version="1.0"?><gpx version="1.1" xmlns="http://www.topografix.com/GPX/1/1"><trk><trkseg>'
+    return text(path, head, *points, "</trkseg></trk></gpx>")
+
+
+def kf_gins(path):
+    rows = zip(TIME, LATITUDE, LONGITUDE, HEIGHT, strict=True)
+    return text(path, *(f"{t:.3f}  {a:.9f}  {b:.9f}  {c:.3f}  {SD[0]} {SD[1]} {SD[2]} " for t, a, b, c in rows))
+
+
+def table(path, header, separator=",", up=False):
+    velocities = NORTH, EAST, UP if up else -UP
+    rows = np.column_stack([TIME, LATITUDE, LONGITUDE, HEIGHT, *velocities])
+    return text(path, header, *(separator.join(f"{value:.9f}" for value in row) for row in rows))
+
+
+UNITS = "Time (s);Latitude (deg);Longitude (deg);Altitude (m);Vn (m/s);Ve (m/s);Vu (m/s)"
+WRITERS = {
+    "RTKLIB": (rtklib, True, True),
+    "RTKLIB, week": (lambda path: rtklib(path, date=False), True, True),
+    "NMEA": (nmea, True, None),
+    "GPX": (gpx, False, False),
+    "KF-GINS": (kf_gins, True, False),
+    "canonical": (lambda path: table(path, "time,latitude,longitude,height,vel_n,vel_e,vel_d"), False, True),
+    "pyins": (lambda path: table(path, "time,lat,lon,alt,VN,VE,VD"), False, True),
+    "units": (
+        lambda path: table(path, UNITS, ";", up=True),
+        False, True,
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", WRITERS)
+def test_every_format_gives_the_same_fixes(tmp_path, name):
+    write, deviations, velocities = WRITERS[name]
+    fixes = read(write(tmp_path / "fixes.txt")).fixes
+    np.testing.assert_allclose(fixes.index, TIME, atol=2e-3, rtol=0)
+    np.testing.assert_allclose(np.degrees(fixes["latitude"]), LATITUDE, atol=1e-8, rtol=0)
+    np.testing.assert_allclose(np.degrees(fixes["longitude"]), LONGITUDE, atol=1e-8, rtol=0)
+    np.testing.assert_allclose(fixes["height"], HEIGHT, atol=1e-3)
+    assert ("sd_n" in fixes) == deviations
+    if deviations:
+        np.testing.assert_allclose(fixes[["sd_n", "sd_e", "sd_d"]], np.tile(SD, (COUNT, 1)))
+    if velocities is not False:
+        np.testing.assert_allclose(fixes[["vel_n", "vel_e"]], np.column_stack([NORTH, EAST]), atol=1e-5)
+        assert fixes["vel_d"].isna().all() if velocities is None else np.allclose(fixes["vel_d"], -UP)
+
+
+def test_sentences_without_a_fix_and_with_a_wrong_checksum_are_left_out(tmp_path):
+    found = read(nmea(tmp_path / "log.nmea"))
+    assert len(found.fixes) == COUNT
+    assert found.recognised[-1] == "left out 1 sentences with a wrong checksum"
+
+
+def test_what_is_no_log_of_fixes_is_refused_with_what_it_lacks(tmp_path):
+    with pytest.raises(LogError, match="expected a header, or the 7 or 13 columns of KF-GINS; found 3 columns"):
+        read(text(tmp_path / "a.txt", *["1 2 3"] * 4))
+    with pytest.raises(LogError, match=r"expected positions as latitude\(deg\)"):
+        read(text(tmp_path / "a.pos", "%  GPST x-ecef(m) y-ecef(m) z-ecef(m)", "2024/01/01 00:00:00.000 1 2 3"))
+    with pytest.raises(LogError, match="point 0: expected a time and a height"):
+        read(
+            text(
+                tmp_path / "a.gpx", '<gpx><trk><trkseg><trkpt lat="1" lon="2"><ele>3</ele></trkpt></trkseg></trk></gpx>'
+            )
+        )
