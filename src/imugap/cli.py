@@ -1,4 +1,4 @@
-"""The command line: the library on logs of one's own (canonical CSV or Parquet)."""
+"""The command line: the library on recordings of one's own device."""
 
 import argparse
 import os
@@ -10,8 +10,11 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from importlib import import_module
 
+from imugap import __version__
+
 COMMANDS = {
     "check": "verdict on a recording: usable for which command, what was found where, the next step",
+    "convert": "recording of any format as a canonical Parquet log",
     "indices": "performance indices of static runs of one device",
     "estimate": "stochastic effects on each axis of a static log, with intervals",
     "discover": "where a simulator and a device disagree, what the model lacks, and how far the discrepancy shrinks",
@@ -66,6 +69,7 @@ def _parser(chosen: list[str]) -> argparse.ArgumentParser:
     """Return the parser of all commands; only the chosen one is imported and has its arguments."""
     closing = f"With the environment variable {DEBUG}=1 an error shows its traceback."
     parser = argparse.ArgumentParser(prog=PACKAGE, description=__doc__, epilog=closing)
+    parser.add_argument("--version", action="version", version=f"{PACKAGE} {__version__}")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
     for name, title in COMMANDS.items():
         command = commands.add_parser(name, help=title)

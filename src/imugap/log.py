@@ -4,10 +4,15 @@ Index ``time`` [s], strictly increasing; columns from :data:`AXES` (rad/s, m/s^2
 optionally ``temperature`` [degC]. Recordings are read by :mod:`imugap.io.recording`.
 """
 
+import json
+from collections.abc import Iterable
+from contextlib import ExitStack
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
+import pyarrow as pa
+import pyarrow.parquet as pq
 
 from imugap.atomic import atomic, is_stream
 
@@ -22,6 +27,8 @@ FORMATS = (".parquet", ".csv")
 """Suffixes of the formats in which logs are written."""
 MARK = {"imugap": "canonical log"}
 """Attributes of a Parquet log that this package wrote: its columns are what their names say."""
+ATTRIBUTES = b"PANDAS_ATTRS"
+"""Key under which pandas keeps the attributes of a table in Parquet."""
 
 
 class LogError(ValueError):
@@ -134,6 +141,20 @@ def write(log: pd.DataFrame, path: str | Path) -> None:
     write_table = {".parquet": marked.to_parquet, ".csv": log.to_csv}[require_format(path)]
     with atomic(path) as partial:
         write_table(partial)
+
+
+def write_parts(parts: Iterable[pd.DataFrame], path: str | Path) -> int:
+    """Write a log that comes in parts as Parquet, in the memory of a part, and return the number of its rows."""
+    rows, writer = 0, None
+    with atomic(path) as partial, ExitStack() as stack:
+        for part in parts:
+            table = pa.Table.from_pandas(part)
+            if writer is None:
+                schema = table.schema.with_metadata(table.schema.metadata | {ATTRIBUTES: json.dumps(MARK).encode()})
+                writer = stack.enter_context(pq.ParquetWriter(partial, schema))
+            writer.write_table(table.cast(writer.schema))
+            rows += len(part)
+    return rows
 
 
 def require_format(path: str | Path) -> str:

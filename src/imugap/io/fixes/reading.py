@@ -37,7 +37,7 @@ def read(path: str | Path, topic: str | None = None) -> ReceiverLog:
     """
     path = Path(path)
     if not path.exists():
-        raise LogError(path, "file", "fixes of a receiver", "no such file")
+        raise LogError(path, "file", "a log of fixes", "no such file")
     head = b""
     if path.is_file():
         with path.open("rb") as handle:

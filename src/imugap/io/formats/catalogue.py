@@ -13,13 +13,13 @@ HEAD_BYTES = 512
 def open_source(path: Path, settings) -> Source:
     """Return the columns of a file of a known format, recognised by its content; LogError where there is none."""
     if not path.exists():
-        raise LogError(path, "file", "a recording", "no such file")
+        raise LogError(path, "file", "a log in a known format", "no such file")
     head = b"" if path.is_dir() else _head(path)
     for one in FORMATS:
         if one.recognises(path, head):
             with whole_file(path):
                 return one.open_source(path, settings)
-    raise LogError(path, "file", "a recording in a known format", f"bytes that begin with {head[:16]!r}")
+    raise LogError(path, "file", "a log in a known format", f"bytes that begin with {head[:16]!r}")
 
 
 def _head(path: Path) -> bytes:

@@ -8,11 +8,9 @@ import pyarrow as pa
 import pyarrow.parquet
 
 from imugap.io.formats.source import Source
-from imugap.log import MARK, LogError
+from imugap.log import ATTRIBUTES, MARK, LogError
 
 MAGIC = b"PAR1"
-ATTRIBUTES = b"PANDAS_ATTRS"
-"""Key under which pandas keeps the attributes of a table."""
 
 
 def recognises(path: Path, head: bytes) -> bool:

@@ -52,12 +52,16 @@ class Source:
             block = np.empty((len(columns), self.rows))
             stamps: list[np.ndarray] = []
             end = 0
-            for batch in self.batches([*columns, *([] if stamp is None else [stamp])]):
+            for batch in self.all_batches(columns, stamp):
                 begin, end = end, end + len(batch[0])
                 for k in range(len(columns)):
                     block[k, begin:end] = batch[k]
                 stamps += [] if stamp is None else [batch[-1]]
             return block[:, :end], np.concatenate(stamps) if stamps else None
+
+    def all_batches(self, columns: Sequence[int], stamp: int | None) -> Iterator[list[np.ndarray]]:
+        """Return an iterator over the rows of columns, with the stamps as the last where there are any."""
+        return self.batches([*columns, *([] if stamp is None else [stamp])])
 
     def head(self, columns: Sequence[int], rows: int) -> list[np.ndarray]:
         """Return the first rows of columns."""

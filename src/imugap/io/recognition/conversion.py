@@ -1,0 +1,154 @@
+"""Conversion of the columns of a file to the canonical log: stamps to seconds, samples to SI, axes to z down.
+
+It is recognised on an excerpt, and applied to any rows.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from imugap.io.recognition import column_names, frame, samples, stamps, units
+from imugap.io.recognition.column_names import Assignment
+from imugap.io.recognition.settings import RecordingSettings
+from imugap.log import ACCEL, GYRO, TIME, LogError
+from imugap.units import factor
+
+
+@dataclass(frozen=True, eq=False)
+class Conversion:
+    """Conversion of the columns of a file.
+
+    Attributes
+    ----------
+    rate_hz
+        Sampling rate, approximately.
+    time_unit
+        Unit of the stamps; None where there are none, and the rate is exact.
+    factors
+        Factor to SI of each column.
+    frame
+        Where the axes of the file point; ``as-is`` where they are not turned.
+    recognised
+        Sentences on what was recognised.
+    weightless
+        Whether gravity was removed from the specific force.
+    """
+
+    rate_hz: float
+    time_unit: str | None
+    factors: Mapping[str, float]
+    frame: str
+    recognised: tuple[str, ...]
+    weightless: bool
+
+    def apply(self, values: Mapping[str, np.ndarray], raw: np.ndarray | None, first: int = 0) -> np.ndarray:
+        """Convert columns in place, and return the time of their rows [s], of which the first is number ``first``."""
+        for name, column in values.items():
+            if self.factors.get(name, 1.0) != 1.0:
+                column *= self.factors[name]
+        if self.frame not in (frame.AS_IS, frame.CANONICAL):
+            _turn(values, frame.rotation_of(self.frame))
+        if self.time_unit is None:
+            return (first + np.arange(len(next(iter(values.values()))))) / self.rate_hz
+        return stamps.seconds(raw, factor(self.time_unit))
+
+
+def conversion(
+    values: Mapping[str, np.ndarray],
+    raw: np.ndarray | None,
+    stamp: str | None,
+    assignment: Assignment,
+    settings: RecordingSettings,
+) -> Conversion:
+    """Recognise the conversion of columns; LogError where nothing decides.
+
+    Parameters
+    ----------
+    values
+        Excerpt of each column, shape (n,), in the unit of the file; not changed.
+    raw, stamp
+        Stamps, shape (m,), and the name of their column; None where there are none.
+    """
+    contract = assignment.contract and not settings.columns
+    time_unit, said = _time_unit(raw, stamp, settings)
+    rate = settings.rate_hz if time_unit is None else 1 / (stamps.step_of(raw) * factor(time_unit))
+    accel, gyro = (_triad(values, axes) for axes in (ACCEL, GYRO))
+    sizes, sentences, weightless = {}, [], False
+    if accel is not None:
+        unit = units.accel_unit(accel, rate, settings.units.get("accel"), assignment.units.get("accel"), contract)
+        sizes |= dict.fromkeys(ACCEL, unit.to_si(rate))
+        sentences += [] if unit.evidence is None else [unit.sentence("accel")]
+        accel = accel * unit.to_si(rate) if accel.shape[1] == len(ACCEL) else None
+    force = None if accel is None else samples.force_of(accel)
+    if gyro is not None:
+        unit = units.gyro_unit(gyro, accel, rate, settings.units.get("gyro"), assignment.units.get("gyro"), contract)
+        sizes |= dict.fromkeys(GYRO, unit.to_si(rate))
+        sentences = [*([] if unit.evidence is None else [unit.sentence("gyro")]), *sentences]
+    if assignment.free or (force is not None and units.without_gravity(force, 1.0)):
+        weightless = True
+        sentences += ["no gravity in the specific force: it was removed"]
+    axes, words = _frame(force, settings)
+    return Conversion(rate, time_unit, sizes, axes, (*said, *sentences, *words), weightless)
+
+
+def asked(function, place: str, *arguments):
+    """Call a function of recognition; its ValueError, ``expectation; found ...``, becomes a LogError at a place."""
+    try:
+        return function(*arguments)
+    except LogError:
+        raise
+    except ValueError as error:
+        expected, _, found = str(error).partition("; found ")
+        raise LogError("log", place, expected.removeprefix("expected "), found) from error
+
+
+def _time_unit(
+    raw: np.ndarray | None, stamp: str | None, settings: RecordingSettings
+) -> tuple[str | None, tuple[str, ...]]:
+    """Return the unit of the stamps, None where there are none, and what was recognised."""
+    if stamp is None:
+        return None, (f"no stamps, {settings.rate_hz:g} Hz from the option",)
+    if settings.time_unit:
+        unit, why = settings.time_unit, "the option"
+    elif stated := column_names.stated_unit(stamp):
+        unit, why = stated, "the header"
+    else:
+        unit, why = asked(stamps.unit_of_stamps, f"column {stamp}", raw, stamp == TIME)
+    return unit, () if unit == "s" else (f"stamps {unit} -> s from {why}",)
+
+
+def _triad(values: Mapping[str, np.ndarray], axes: tuple[str, ...]) -> np.ndarray | None:
+    """Return the columns of a triad that there are, shape (n, axes); None where there is none."""
+    found = [values[name] for name in axes if name in values]
+    return np.column_stack(found) if found else None
+
+
+def _frame(force: samples.Force | None, settings: RecordingSettings) -> tuple[str, tuple[str, ...]]:
+    """Return where the axes of the file point, and what was recognised."""
+    if settings.frame:
+        if settings.frame != frame.AS_IS:
+            asked(frame.rotation_of, "frame", settings.frame)
+        axes, why = settings.frame, f"{settings.frame} from the option"
+    else:
+        axes = (None if force is None else frame.upright(force.direction)) or frame.AS_IS
+        why = "" if axes == frame.AS_IS else f"{frame.vertical(axes)} ({axes})"
+    return axes, () if axes in (frame.AS_IS, frame.CANONICAL) else (f"{why} -> turned, z down",)
+
+
+def _turn(values: Mapping[str, np.ndarray], matrix: np.ndarray) -> None:
+    """Turn the triads in place; a triad that lacks an axis stays as it is."""
+    for triad in (GYRO, ACCEL):
+        if set(triad) <= set(values):
+            turned = [_combined(row, [values[name] for name in triad]) for row in matrix]
+            for name, column in zip(triad, turned, strict=True):
+                values[name][:] = column
+
+
+def _combined(row: np.ndarray, columns: list[np.ndarray]) -> np.ndarray:
+    """Return the sum of columns with weights, without round-off for a single one of weight 1 or -1."""
+    used = [(weight, column) for weight, column in zip(row, columns, strict=True) if weight]
+    total = used[0][0] * used[0][1]
+    for weight, column in used[1:]:
+        total += weight * column
+    return total
