@@ -19,9 +19,10 @@ import numpy as np
 
 from imugap import log
 from imugap.atomic import write_together
-from imugap.commands.arguments import add_gravity, add_rule, positive, rule_of
+from imugap.commands.arguments import add_gravity, positive
 from imugap.commands.outputs import require_files
 from imugap.commands.reading import LOG_HELP, add_reading, read, settings_of
+from imugap.commands.reduction import add_rule, rule_of
 from imugap.commands.shown import habit, interval_text, number, table_text
 from imugap.effects.effect import AxisModel, Effect
 from imugap.estimation import report

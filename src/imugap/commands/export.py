@@ -3,8 +3,9 @@
 import argparse
 
 from imugap.atomic import atomic
-from imugap.commands.arguments import add_rule, positive, rule_of
+from imugap.commands.arguments import positive
 from imugap.commands.outputs import require_files
+from imugap.commands.reduction import add_rule, rule_of
 from imugap.interchange.export import Target, export
 from imugap.model import ErrorModel
 

@@ -190,7 +190,8 @@ def _level(values: np.ndarray) -> np.ndarray:
     size = len(values) // blocks
     parts = values[: blocks * size].reshape(blocks, size)
     good = np.isfinite(parts).any(axis=1)
-    medians = np.nanmedian(parts[good], axis=1)
+    median = np.nanmedian if np.isnan(values).any() else np.median
+    medians = median(parts[good], axis=1)
     middle = (np.flatnonzero(good) + 0.5) * size
     if len(middle) < 2:
         return np.full(len(values), medians[0])
