@@ -88,7 +88,8 @@ def run(options: argparse.Namespace) -> None:
     require_files(outputs | {f"--to {name}": path for name, path in options.to}, [options.log])
     found = read(options.log, settings_of(options)).regular
     if not found.samples:
-        raise ValueError("; ".join(found.unusable.values()))
+        unusable = "; ".join(found.unusable.values())
+        raise ValueError(f"{options.log}: columns: expected an axis that varies; found {unusable}")
     axes = _axes(found, options.axis)
     for remark in found.remarks:
         print(f"imugap: {remark}", file=sys.stderr)
@@ -109,7 +110,7 @@ def _axes(found: Regular, asked: list[str] | None) -> list[str]:
     """Return the axes asked for, each once; all that have samples where none are given."""
     for axis in asked or ():
         if axis in found.unusable:
-            raise ValueError(found.unusable[axis])
+            raise ValueError(f"axis: expected one that varies; found {found.unusable[axis]}")
     known = tuple(found.samples)
     return [report.known_name(axis, known, "axis") for axis in dict.fromkeys(asked or known)]
 

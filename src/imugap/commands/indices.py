@@ -1,6 +1,7 @@
 """Print the performance indices of static runs of one device in data-sheet units, and write them in SI.
 
-Stages: read the logs; compute the indices of each run; combine the runs; show and write them.
+Stages: read the logs; leave out knocks, outliers, stuck samples and gaps; compute the indices of each run; combine the
+runs; show and write them.
 """
 
 import argparse
@@ -13,8 +14,16 @@ from imugap.atomic import atomic
 from imugap.commands.arguments import add_gravity, positive
 from imugap.commands.outputs import require_files
 from imugap.commands.reading import LOG_HELP, add_reading, read, settings_of
+from imugap.commands.shown import interval_text, number, table_text
+from imugap.estimation.gap_draws import with_gaps_drawn
 from imugap.estimation.indices import INDICES, of_run, over_runs, shortest
+from imugap.estimation.screening import screen
+from imugap.integrity.regular import Regular
+from imugap.stream import stream
 from imugap.units import from_si
+
+SEED = 0
+"""Seed of the samples that are drawn where the log has none that is undisturbed."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -32,22 +41,43 @@ def run(options: argparse.Namespace) -> None:
     ideal = pd.Series(0.0, index=list(log.AXES))
     ideal["accel_z"] = -options.gravity
     settings = settings_of(options)
-    tables = [read(path, settings).require_gravity().log for path in options.log]
     runs = {
-        number: of_run(table, ideal, options.period, _computable(table, options.period))
-        for number, table in enumerate(tables, start=1)
+        number: _of_run(path, read(path, settings).require_gravity().regular, ideal, options.period)
+        for number, path in enumerate(options.log, start=1)
     }
     found = over_runs(pd.concat(runs, names=["run"]).reset_index("run").reset_index(drop=True))
     if options.out:
         with atomic(options.out) as partial:
             found.to_csv(partial, index=False)
-    print(_shown(found).to_string(index=False))
+    print(_shown(found))
 
 
-def _computable(table: pd.DataFrame, period: float) -> tuple[str, ...]:
-    """Return the indices for which a log is long enough; warn of the others."""
-    needed = {symbol: shortest(symbol, period, log.interval(table)) for symbol in INDICES if symbol != "repeatability"}
-    duration = log.duration(table)
+def _of_run(path: str, found: Regular, ideal: pd.Series, period: float) -> pd.DataFrame:
+    """Return the indices of one run, its disturbed samples left out; each is a line on stderr."""
+    if not found.samples:
+        raise ValueError(f"{path}: columns: expected an axis that varies; found {'; '.join(found.unusable.values())}")
+    for remark in (*found.remarks, *found.unusable.values()):
+        print(f"imugap: {path}: {remark}", file=sys.stderr)
+    duration = max(len(one.values) * _round(one.interval) for one in found.samples.values())
+    symbols = _computable(duration, period, found.interval)
+    parts = []
+    for axis, one in found.samples.items():
+        screened = screen(one.values, stream(SEED, "indices", axis))
+        for sentence in screened.sentences(one.interval, one.begin):
+            print(f"imugap: {path}: {axis}: {sentence}", file=sys.stderr)
+        values = with_gaps_drawn(screened, one.interval, stream(SEED, "gaps", axis))
+        parts.append(of_run(log.from_samples({axis: values}, _round(one.interval)), ideal, period, symbols))
+    return pd.concat(parts, ignore_index=True)
+
+
+def _round(interval: float) -> float:
+    """Return an interval [s] without the rounding of the stamps, which may be below the shortest log by a hair."""
+    return float(number(interval, digits=9))
+
+
+def _computable(duration: float, period: float, interval: float) -> tuple[str, ...]:
+    """Return the indices for which a log of a duration [s] is long enough; warn of the others."""
+    needed = {symbol: shortest(symbol, period, interval) for symbol in INDICES if symbol != "repeatability"}
     for symbol, least in needed.items():
         if duration < least:
             title = INDICES[symbol].title
@@ -57,9 +87,12 @@ def _computable(table: pd.DataFrame, period: float) -> tuple[str, ...]:
     return tuple(symbol for symbol, least in needed.items() if duration >= least)
 
 
-def _shown(found: pd.DataFrame) -> pd.DataFrame:
-    """Return the indices in data-sheet units, upper bounds marked."""
-    shown = found.assign(unit=[INDICES[row.symbol].unit(row.axis) for row in found.itertuples()])
-    for column in ("value", "low", "high"):
-        shown[column] = [from_si(value, unit) for value, unit in zip(found[column], shown["unit"], strict=True)]
-    return shown.assign(kind=shown["holds"].map({True: "", False: "upper bound"})).drop(columns="holds")
+def _shown(found: pd.DataFrame) -> str:
+    """Return the indices in data-sheet units as a table, upper bounds marked."""
+    rows = []
+    for row in found.itertuples():
+        unit = INDICES[row.symbol].unit(row.axis)
+        value, low, high = (from_si(one, unit) for one in (row.value, row.low, row.high))
+        kind = "" if row.holds else "upper bound"
+        rows.append([row.axis, row.symbol, number(value), interval_text(low, high), unit, str(row.runs), kind])
+    return table_text(["axis", "index", "value", "95 % interval", "unit", "runs", ""], rows)

@@ -5,7 +5,6 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field, replace
 from difflib import get_close_matches
 from enum import StrEnum
-from functools import partial
 from math import isfinite
 
 import numpy as np
@@ -19,7 +18,7 @@ from imugap.estimation.gmwm import estimator
 from imugap.estimation.gmwm.estimator import GmwmOptions
 from imugap.estimation.model_selection import TERMS, Choice, Kinds, choose, title
 from imugap.estimation.result import Fit, Identifiability, ParameterEstimate
-from imugap.estimation.screening import LEVEL_STEP, OUTLIER, LeftOut, screen
+from imugap.estimation.screening import screen
 from imugap.estimation.temperature_term import TemperatureTerm, temperature_term
 from imugap.estimation.wavelet_variance import EFFICIENCY
 from imugap.log import GYRO
@@ -37,8 +36,6 @@ NARROWINGS = 3
 """Most selections below lower and lower frequencies."""
 ONE_SIDED = 0.9
 """Level of a two-sided interval whose upper end is the one-sided 95 % limit."""
-SHOWN = 3
-"""Number of stretches that a sentence lists."""
 
 
 class Method(StrEnum):
@@ -250,7 +247,7 @@ def estimate_axis(
         checked = goodness_of_fit.of(fit.model, values, interval, width=width, highest=highest, share=share)
     except ValueError as error:
         raise ValueError(f"{axis}: {error}") from error
-    remarks = [*map(partial(_left_out, interval=interval, start=start, count=len(values)), screened.disturbances)]
+    remarks = screened.sentences(interval, start)
     if found and isfinite(found.highest) and found.highest != settings.highest:
         remarks.append(f"Above {found.highest:.3g} Hz the noise is coloured, as by an output filter: estimated below")
     if term is not None:
@@ -334,26 +331,6 @@ def _temperature_term(
         return choose(rest, interval, found.highest, settings.level, share, found.terms)
 
     return temperature_term(values, temperature, interval, found.choice, select, settings.level)
-
-
-def _left_out(found: LeftOut, interval: float, start: float, count: int) -> str:
-    """Return in words what was left out, e.g. "Left out: 2 knocks, 200 samples (0.1 %), at 12-12.6 s, 30-31.4 s"."""
-    times = [(start + first * interval, start + (end - 1) * interval) for first, end in found.stretches[:SHOWN]]
-    places = [f"{first:.6g} s" if first == last else f"{first:.6g}-{last:.6g} s" for first, last in times]
-    rest = len(found.stretches) - SHOWN
-    place = ", ".join(places) + (f" and {rest} more" if rest > 0 else "")
-    if found.kind == LEVEL_STEP:
-        return f"Taken out: {_counted(len(found.stretches), found.kind)} at {place}"
-    share = f"{100 * found.samples / count:.2g} %"
-    if found.kind == OUTLIER:
-        return f"Left out: {_counted(found.samples, found.kind)} ({share}) at {place}"
-    number = _counted(len(found.stretches), found.kind)
-    return f"Left out: {number}, {_counted(found.samples, 'sample')} ({share}), at {place}"
-
-
-def _counted(number: int, noun: str) -> str:
-    plural = {"stuck stretch": "stuck stretches"}.get(noun, f"{noun}s")
-    return f"{number} {noun if number == 1 else plural}"
 
 
 def bounds(estimate: AxisEstimate) -> tuple[WhiteNoise | RandomWalk, ...]:

@@ -52,6 +52,8 @@ AROUND = 256
 """Undisturbed samples on each side of a knock whose medians are compared."""
 STEP = 8.0
 """Least difference of the medians, in robust standard deviations of such differences elsewhere, of a level step."""
+SHOWN = 3
+"""Number of stretches that a sentence lists."""
 FEWEST = 0.2
 """Least share of undisturbed samples of a log that is estimated."""
 
@@ -97,6 +99,30 @@ class Screened:
     def share(self) -> float:
         """Return the share of samples that are measured."""
         return 1 - float(np.mean(self.replaced))
+
+    def sentences(self, interval: float, start: float = 0.0) -> list[str]:
+        """Return in words what was left out, and when, of samples every ``interval`` from ``start`` on [s]."""
+        return [_sentence(one, interval, start, len(self.values)) for one in self.disturbances]
+
+
+def _sentence(found: LeftOut, interval: float, start: float, count: int) -> str:
+    """Return in words what was left out, e.g. "Left out: 2 knocks, 200 samples (0.1 %), at 12-12.6 s, 30-31.4 s"."""
+    times = [(start + first * interval, start + (end - 1) * interval) for first, end in found.stretches[:SHOWN]]
+    places = [f"{first:.6g} s" if first == last else f"{first:.6g}-{last:.6g} s" for first, last in times]
+    rest = len(found.stretches) - SHOWN
+    place = ", ".join(places) + (f" and {rest} more" if rest > 0 else "")
+    if found.kind == LEVEL_STEP:
+        return f"Taken out: {_counted(len(found.stretches), found.kind)} at {place}"
+    share = f"{100 * found.samples / count:.2g} %"
+    if found.kind == OUTLIER:
+        return f"Left out: {_counted(found.samples, found.kind)} ({share}) at {place}"
+    number = _counted(len(found.stretches), found.kind)
+    return f"Left out: {number}, {_counted(found.samples, 'sample')} ({share}), at {place}"
+
+
+def _counted(number: int, noun: str) -> str:
+    plural = {"stuck stretch": "stuck stretches"}.get(noun, f"{noun}s")
+    return f"{number} {noun if number == 1 else plural}"
 
 
 def screen(values: np.ndarray, rng: np.random.Generator) -> Screened:
