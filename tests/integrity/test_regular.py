@@ -271,3 +271,12 @@ def test_navigation_needs_every_axis():
     whole["gyro_z"] = 0.0
     with pytest.raises(LogError, match="expected values on every axis; found gyro_z: 0 throughout"):
         _ = regular(whole).measured
+
+
+def test_a_stuck_stretch_is_not_taken_for_interpolated_values():
+    values = stream(77, "stuck stretch").standard_normal(20_000)
+    values[5000:10_000] = values[5000]
+    table = pd.DataFrame({"gyro_x": values}, index=pd.Index(0.02 * np.arange(20_000), name="time"))
+    found = regular(table)
+    assert len(found.samples["gyro_x"].values) == 20_000
+    assert found.remarks == ()

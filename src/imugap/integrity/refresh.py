@@ -75,6 +75,7 @@ def interpolated(values: np.ndarray) -> Refresh | None:
     the true rate or its alias. Knots at that rate then explain the values exactly, more values than knots.
     """
     finite = values[np.isfinite(values)]
+    finite = finite[np.r_[True, finite[1:] != finite[:-1]]]  # a stuck stretch is a straight line too
     if len(finite) < FEWEST:
         return None
     bends = np.diff(finite, 2)
