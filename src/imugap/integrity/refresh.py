@@ -9,6 +9,8 @@ from imugap.integrity.row_clock import every_row_is_a_sample
 
 REPEATED = 1.05
 """Rows per new value from which a slower refresh is possible."""
+STUCK = 20
+"""Rows of a value, over the usual ones, from which the output was stuck, whatever its refresh."""
 FEWEST = 256
 """Fewest new values."""
 SEVERAL = 1.9
@@ -58,7 +60,11 @@ def held(columns: np.ndarray) -> Refresh | None:
     refresh stay near an even clock.
     """
     fresh = np.flatnonzero(np.r_[True, np.any(columns[1:] != columns[:-1], axis=1)])
-    if len(fresh) < FEWEST or len(columns) < REPEATED * len(fresh):
+    if len(fresh) < FEWEST:
+        return None
+    steps = np.diff(fresh)
+    stuck = steps > STUCK * np.median(steps)
+    if len(columns) - steps[stuck].sum() < REPEATED * (len(fresh) - np.count_nonzero(stuck)):
         return None
     position = fresh.astype(float)
     if every_row_is_a_sample(position, 0.0):
