@@ -71,3 +71,18 @@ def add_effects(parser: argparse.ArgumentParser) -> None:
         metavar="MODULE",
         help="module of yours whose effects join the catalogue; its code is imported and runs",
     )
+
+
+class ExampleFormatter(argparse.HelpFormatter):
+    """Formatter of help that wraps text, but leaves indented lines as they are."""
+
+    def _fill_text(self, text: str, width: int, indent: str) -> str:
+        lines = text.splitlines()
+        fill = super()._fill_text
+        return "\n".join(one if one.startswith(" ") else fill(one, width, indent) for one in lines)
+
+
+def add_examples(parser: argparse.ArgumentParser, *lines: str) -> None:
+    """Show command lines below the help of a command, as they are typed."""
+    parser.formatter_class = ExampleFormatter
+    parser.epilog = "\n".join(["examples:", *(f"  {line}" for line in lines)])

@@ -12,6 +12,7 @@ from textwrap import wrap
 import numpy as np
 import pandas as pd
 
+from imugap.commands.arguments import add_examples
 from imugap.commands.reading import LOG_HELP, add_reading, read, settings_of
 from imugap.estimation.indices import INDICES, shortest
 from imugap.integrity import rest
@@ -121,6 +122,11 @@ class Checked:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
+    add_examples(
+        parser,
+        "imugap check imu.bag --topic /imu/data",
+        "imugap check log.csv --units gyro=deg/s,accel=g --frame FLU",
+    )
     parser.description = (
         "Check recordings. First a verdict: usable or not, and for which commands; then each finding with its "
         "consequences, and a table of the axes."

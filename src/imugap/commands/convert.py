@@ -6,6 +6,7 @@ Stages: recognise the conversion on stretches of the recording; read, convert an
 import argparse
 
 from imugap.atomic import is_stream
+from imugap.commands.arguments import add_examples
 from imugap.commands.outputs import require_files
 from imugap.commands.reading import LOG_HELP, add_reading, say, settings_of
 from imugap.io import recording
@@ -14,6 +15,11 @@ from imugap.log import write_parts
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
+    add_examples(
+        parser,
+        "imugap convert flight.ulg --out flight.parquet",
+        "imugap convert raw.txt --columns time,gyro_x,gyro_y,gyro_z,accel_x,accel_y,accel_z --out raw.parquet",
+    )
     parser.description = (
         "Write a recording as a canonical log: seconds, rad/s, m/s^2, z down. Stamps and samples stay as they are."
     )

@@ -6,7 +6,7 @@ from pathlib import Path
 import pandas as pd
 from tqdm import tqdm
 
-from imugap.commands.arguments import add_effects, add_gravity, add_seed, count, probability
+from imugap.commands.arguments import add_effects, add_examples, add_gravity, add_seed, count, probability
 from imugap.commands.outputs import require_folder, write_folder
 from imugap.commands.reading import LOG_HELP, add_reading, say, settings_of
 from imugap.discovery.device import Settings
@@ -25,6 +25,7 @@ LEAST = 1e-300
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
+    add_examples(parser, "imugap discover run1.csv --test run2.csv --model simulator.yaml --out found")
     parser.description = (
         "Find where logs of a device and simulations of its error model disagree, name the effects that are missing, "
         "add them, and show that the discrepancy shrinks on data that no fit has seen."

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from imugap.commands.arguments import add_effects
+from imugap.commands.arguments import add_effects, add_examples
 from imugap.commands.outputs import require_folder, write_folder
 from imugap.commands.reading import LOG_HELP, add_reading, say, settings_of
 from imugap.commands.reading import read as read_log
@@ -35,6 +35,7 @@ from imugap.integrity.timestamps import filled
 from imugap.interchange.plugins import catalogue
 from imugap.io import configuration, gnss
 from imugap.io.fixes import reading as fixes
+from imugap.io.fixes.course import fast_course_rate
 from imugap.io.recognition import frame
 from imugap.log import ACCEL, AXES, GYRO, LogError, axes
 from imugap.model import ErrorModel
@@ -56,6 +57,8 @@ STEEPEST = 0.5
 """Cosine of the largest angle between up and the mean specific force."""
 COUNTED = (FAILED, WEIGHED, REMOVED, RESET, SET_ASIDE, OPENED, SEPARATED, CLOSED)
 """Events that the summary counts."""
+FASTEST_TURN, MOST_TURNS = 3.0, 30.0
+"""Mean rate over a second that no vehicle has in a drive [rad/s], and its ratio to the rate of the course."""
 OUTAGE_INTERVALS = 2.5
 """Shortest outage, in intervals of the fixes."""
 GYRO_CLASS = {"white_noise": {"density": 2e-4}, "gauss_markov": {"std": 5e-3, "correlation_time": 3600}}
@@ -185,6 +188,7 @@ class NavigatedDrive:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
+    add_examples(parser, "imugap drive imu.csv solution.pos --config car.yaml --out drive")
     parser.description = (
         "Navigate a drive. The axes of the device are x forward, z down, or turned as --config says. The fixes have "
         "latitude and longitude in degrees, the height in metres above the ellipsoid and, if known, vel_n vel_e vel_d "
@@ -232,7 +236,21 @@ def read(options: argparse.Namespace) -> RecordedDrive:
         raise LogError(options.log, "frame", expected, f"{frame.vertical(found.frame)}, which leaves the heading open")
     receiver = fixes.read(options.fixes, options.fixes_topic)
     say(options.fixes, receiver.recognised)
-    return RecordedDrive(found.regular.measured, receiver.fixes, settings)
+    measured = found.regular.measured
+    _require_radians(measured, receiver.fixes, options.log)
+    return RecordedDrive(measured, receiver.fixes, settings)
+
+
+def _require_radians(log: pd.DataFrame, fixes: pd.DataFrame, path: str) -> None:
+    """Raise a LogError where the device turns many times faster than the course: its rates are in deg/s."""
+    course = fast_course_rate(fixes)
+    if course is None or not set(GYRO) <= set(log.columns):
+        return
+    seconds = np.floor(log.index.to_numpy() - log.index[0])
+    turn = float(np.linalg.norm(log[list(GYRO)].groupby(seconds).mean(), axis=1).max())
+    if turn > FASTEST_TURN and turn > MOST_TURNS * course:
+        found = f"turns of {turn:.3g} within a second, where the course turns by {course:.2g} rad/s; is it in deg/s?"
+        raise LogError(path, "columns gyro_x to gyro_z", "angular rate in rad/s (--units gyro=deg/s decides)", found)
 
 
 def check(recorded: RecordedDrive) -> RecordedDrive:

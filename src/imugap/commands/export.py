@@ -3,7 +3,7 @@
 import argparse
 
 from imugap.atomic import atomic
-from imugap.commands.arguments import positive
+from imugap.commands.arguments import add_examples, positive
 from imugap.commands.outputs import require_files
 from imugap.commands.reduction import add_rule, rule_of
 from imugap.interchange.export import Target, export
@@ -12,6 +12,7 @@ from imugap.model import ErrorModel
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
+    add_examples(parser, "imugap export model.yaml --to kalibr --rate 200 --out imu.yaml")
     parser.add_argument("model", help="error model (YAML)")
     parser.add_argument("--to", required=True, help=", ".join(Target))
     parser.add_argument("--rate", type=positive, required=True, help="sampling rate [Hz]")

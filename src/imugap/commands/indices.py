@@ -11,7 +11,7 @@ import pandas as pd
 
 from imugap import log
 from imugap.atomic import atomic
-from imugap.commands.arguments import add_gravity, positive
+from imugap.commands.arguments import add_examples, add_gravity, positive
 from imugap.commands.outputs import require_files
 from imugap.commands.reading import LOG_HELP, add_reading, read, settings_of
 from imugap.commands.shown import interval_text, number, table_text
@@ -28,6 +28,7 @@ SEED = 0
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
+    add_examples(parser, "imugap indices run1.csv run2.csv --out indices.csv")
     parser.add_argument("log", nargs="+", help=f"{LOG_HELP}; one per run")
     parser.add_argument("--period", type=positive, default=1.0, help="averaging period of the bias stability [s]")
     add_gravity(parser)

@@ -13,7 +13,7 @@ import pandas as pd
 from scipy.spatial.transform import Rotation
 
 from imugap import log
-from imugap.commands.arguments import add_gravity
+from imugap.commands.arguments import add_examples, add_gravity
 from imugap.commands.outputs import require_files
 from imugap.commands.reading import LOG_HELP, add_reading, read, settings_of
 from imugap.discovery.reference_band import reference_band
@@ -30,6 +30,7 @@ MIN_SAMPLES = 320
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
+    add_examples(parser, "imugap reference data.csv --log imu.csv --align --out reference.csv")
     parser.description = (
         "Make the error-free log of a device from its poses: the angular rate and the specific force of the motion at "
         "the stamps of the log. It is the --reference of discover."

@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from imugap import log
-from imugap.commands.arguments import add_effects, add_gravity, add_seed, positive, rate
+from imugap.commands.arguments import add_effects, add_examples, add_gravity, add_seed, positive, rate
 from imugap.commands.outputs import require_files
 from imugap.interchange.plugins import catalogue
 from imugap.model import ErrorModel
@@ -18,6 +18,7 @@ from imugap.model import ErrorModel
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
+    add_examples(parser, "imugap simulate model.yaml --duration 600 --rate 100 --out simulated.csv")
     parser.add_argument("model", help="error model (YAML)")
     add_effects(parser)
     parser.add_argument("--duration", type=positive, required=True, help="length [s]")

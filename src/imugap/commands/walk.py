@@ -13,7 +13,7 @@ from math import inf
 import numpy as np
 import pandas as pd
 
-from imugap.commands.arguments import add_effects, add_gravity, positive
+from imugap.commands.arguments import add_effects, add_examples, add_gravity, positive
 from imugap.commands.outputs import require_folder, write_folder
 from imugap.commands.reading import LOG_HELP, add_reading, settings_of
 from imugap.commands.reading import read as read_log
@@ -99,6 +99,7 @@ class NavigatedWalk:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
+    add_examples(parser, "imugap walk foot.csv --outdoors --out walk")
     parser.description = (
         "Navigate a walk with the device on a foot. The log begins with a stand of half a second or more. Lost "
         "samples are filled, up to a tenth of a second."
