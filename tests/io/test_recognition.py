@@ -41,6 +41,16 @@ def test_rates_in_degrees_under_a_name_or_a_header_in_radians_are_refused(tmp_pa
     np.testing.assert_allclose(found.log[list(GYRO)], device()[:, :3], rtol=1e-6, atol=1e-9)
 
 
+def test_rates_in_degrees_without_accelerometers_that_show_a_rest_are_said(tmp_path):
+    samples = np.degrees(at_rest()[:, :3])
+    path = write_text(tmp_path / "run.csv", ["time", *GYRO], np.column_stack([times(), samples]))
+    (sentence,) = read(path).recognised[2:]
+    assert sentence.startswith("gyro rad/s from its name, though noise at rest of")
+    assert sentence.endswith("is that of deg/s")
+    path = write_text(tmp_path / "run.csv", ["time", *GYRO], np.column_stack([times(), np.radians(samples)]))
+    assert read(path).recognised == ()
+
+
 OTHER = {
     "velocity increments": (lambda x: x / RATE, r"velocity increments \[m/s\].*accel=m/s,gyro=rad"),
     "counts": (lambda x: np.round(x / 9.80665 * 16384), "counts of a converter of 16384 counts per g"),

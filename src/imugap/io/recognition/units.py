@@ -119,9 +119,13 @@ def gyro_unit(
         raise _undecided("gyro", "rates that may be in rad/s or in deg/s")
     if named is None:
         return Unit(found.unit, found.reason)
-    if found is not None and found.strong and found.unit != named.name:
+    if found is None or found.unit == named.name:
+        return named
+    if found.strong:
         expected = f"angular rate in {named.name} (--units gyro=rad/s or gyro=deg/s decides)"
         raise LogError("log", PLACES["gyro"], expected, f"{found.reason}; is it in {found.unit}?")
+    if found.unit == "deg/s":
+        return Unit(named.name, f"{named.evidence or 'its name'}, though {found.reason} is that of deg/s")
     return named
 
 
