@@ -6,31 +6,27 @@ smoothed mean is subtracted it becomes a draw (Durbin and Koopman 2002, doi:10.1
 
 import numpy as np
 from numba import njit
+from scipy.ndimage import uniform_filter1d
 
 from imugap.effects import GaussMarkov, RandomWalk, WhiteNoise
 from imugap.effects.effect import AxisModel
 from imugap.estimation.likelihood import Composition, Cosines
 from imugap.estimation.maximum_likelihood import LikelihoodProblem
-from imugap.estimation.screening import Screened
-from imugap.numerics.gap_filling import ORDER
+from imugap.estimation.screening import Screened, is_scattered
 
 KINDS = (WhiteNoise, GaussMarkov, RandomWalk)
 """Processes of the model from which gaps are drawn: of any log at rest it has the spectrum nearly."""
-SCATTERED = 0.1
-"""Share of drawn samples up to which, scattered over the log, an autoregression suffices."""
-ROUNDS = 3
+ROUNDS = 6
 """Rounds of fit and draw."""
-LEAST = 0.1
-"""Least length of the stretch of which the first model is, as a share of the log."""
+AROUND = 64
+"""Measured samples of the local mean from which the rounds start."""
 DIFFUSE = 1e4
 """Variance of the unknown start of a random walk, over that of the log."""
 
 
 def with_gaps_drawn(screened: Screened, interval: float, rng: np.random.Generator) -> np.ndarray:
     """Return the samples of a screened log, shape (n,), with gaps beyond the reach of an autoregression drawn anew."""
-    edges = np.flatnonzero(np.diff(np.r_[False, screened.replaced, False]))
-    longest = int(np.max(edges[1::2] - edges[::2], initial=0))
-    if longest <= ORDER and screened.share > 1 - SCATTERED:
+    if is_scattered(screened.replaced):
         return screened.values
     return draw_gaps(screened.values, screened.replaced, interval, rng)
 
@@ -38,25 +34,30 @@ def with_gaps_drawn(screened: Screened, interval: float, rng: np.random.Generato
 def draw_gaps(values: np.ndarray, missing: np.ndarray, interval: float, rng: np.random.Generator) -> np.ndarray:
     """Draw missing samples, alternately with a fit of the model of the log to what was drawn (stochastic EM).
 
-    The first model is that of the longest stretch without a missing sample, if it is long enough.
-
     Parameters
     ----------
     values
-        Samples, shape (n,), with any replacement of those that are missing.
+        Samples, shape (n,), with anything in the place of those that are missing.
     missing
         Which are missing, shape (n,).
     interval
         Sampling interval [s].
     """
-    edges = np.flatnonzero(np.diff(np.r_[True, missing, True]))
-    longest = max(zip(edges[::2], edges[1::2], strict=True), key=lambda run: run[1] - run[0])
-    part = values[slice(*longest)]
-    model = _fitted(part if len(part) > LEAST * len(values) else values, interval)
+    values = _bridged(values, missing, rng)
     for _ in range(ROUNDS):
-        values = drawn(model, values, missing, interval, rng)
         model = _fitted(values, interval)
-    return drawn(model, values, missing, interval, rng)
+        values = drawn(model, values, missing, interval, rng)
+    return values
+
+
+def _bridged(values: np.ndarray, missing: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    """Return the samples with noise about a local mean of the measured ones in the place of the missing."""
+    present = np.flatnonzero(~missing)
+    measured = values[present]
+    level = uniform_filter1d(measured, min(AROUND, len(measured)), mode="nearest")
+    noise = np.std(np.diff(measured)) / np.sqrt(2)
+    bridge = np.interp(np.arange(len(values)), present, level) + noise * rng.standard_normal(len(values))
+    return np.where(missing, bridge, values)
 
 
 def _fitted(values: np.ndarray, interval: float) -> AxisModel:

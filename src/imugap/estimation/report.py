@@ -237,7 +237,7 @@ def estimate_axis(
     """
     try:
         screened = screen(sequence, stream(SEED, "estimate", axis))
-        values, share = with_gaps_drawn(screened, interval, stream(SEED, "gaps", axis)), screened.share
+        values, share = with_gaps_drawn(screened, interval, stream(SEED, "gaps", axis)), screened.information
         found = selected(values, interval, settings, share) if settings.kinds is None else None
         term = _temperature_term(values, temperature, interval, found, settings, share)
         if term is not None:

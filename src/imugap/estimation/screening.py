@@ -7,14 +7,14 @@ returned unchanged.
 """
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.ndimage import binary_closing, binary_dilation, binary_opening, uniform_filter1d
 from scipy.special import bdtrc, gammainc
 
 from imugap.numerics.contaminated_normal import tails
-from imugap.numerics.gap_filling import Autoregression
+from imugap.numerics.gap_filling import ORDER, Autoregression
 
 OUTLIER, LEVEL_STEP = "outlier", "level step"
 """Kinds that are counted by their samples, and that lose no samples."""
@@ -54,7 +54,9 @@ STEP = 8.0
 """Least difference of the medians, in robust standard deviations of such differences elsewhere, of a level step."""
 SHOWN = 3
 """Number of stretches that a sentence lists."""
-FEWEST = 0.2
+SCATTERED = 0.1
+"""Share of lost samples up to which, scattered over the log, an autoregression suffices."""
+FEWEST = 0.1
 """Least share of undisturbed samples of a log that is estimated."""
 
 
@@ -100,6 +102,15 @@ class Screened:
         """Return the share of samples that are measured."""
         return 1 - float(np.mean(self.replaced))
 
+    @property
+    def information(self) -> float:
+        """Return the share of the information of a whole log, for which the drawn samples are no substitute.
+
+        Of the variance of a white log with the share q measured, an estimate has the relative variance 1/q by those and
+        1 - q by the others, which are drawn once, in units of that of a whole log.
+        """
+        return 1 / (1 / self.share + 1 - self.share)
+
     def sentences(self, interval: float, start: float = 0.0) -> list[str]:
         """Return in words what was left out, and when, of samples every ``interval`` from ``start`` on [s]."""
         return [_sentence(one, interval, start, len(self.values)) for one in self.disturbances]
@@ -144,6 +155,8 @@ def screen(values: np.ndarray, rng: np.random.Generator) -> Screened:
     if not unknown.any() and not _suspicious(values):
         return Screened(values, unknown, ())
     _require_enough(unknown)
+    if not is_scattered(lost):
+        return _of_present(screen(values[~lost], rng), lost)
     probability, knocks = _disturbed(values, unknown, rng)
     replaced = unknown | knocks | (rng.random(len(values)) < probability)
     _require_enough(replaced)
@@ -156,6 +169,24 @@ def screen(values: np.ndarray, rng: np.random.Generator) -> Screened:
         filled = _drawn(filled, replaced, rng)
         found += _described({LEVEL_STEP: steps})
     return Screened(filled, replaced, found)
+
+
+def is_scattered(lost: np.ndarray) -> bool:
+    """Return whether lost samples, mask of shape (n,), are few and apart: an autoregression reaches over them."""
+    longest = max((end - first for first, end in _runs(lost)), default=0)
+    return longest <= ORDER and float(np.mean(lost)) < SCATTERED
+
+
+def _of_present(screened: Screened, lost: np.ndarray) -> Screened:
+    """Return the screened samples of a log, those that are present, at their places between lost ones (NaN)."""
+    present = np.flatnonzero(~lost)
+    values, replaced = np.full(len(lost), np.nan), lost.copy()
+    values[present], replaced[present] = screened.values, screened.replaced
+    found = [
+        replace(one, stretches=tuple((int(present[first]), int(present[end - 1]) + 1) for first, end in one.stretches))
+        for one in screened.disturbances
+    ]
+    return Screened(values, replaced, (*_described({"gap": lost}), *found))
 
 
 def _require_enough(replaced: np.ndarray) -> None:

@@ -79,7 +79,7 @@ def _wrap(time: np.ndarray, steps: np.ndarray) -> tuple[float, str] | None:
     reach = float(np.ptp(time))
     for period, name in named.items():
         over = period - back
-        if reach <= period and over.min() > NEAR[0] * usual and over.max() < NEAR[1] * long:
+        if reach <= period < 2 * back.min() and over.min() > NEAR[0] * usual and over.max() < NEAR[1] * long:
             return period, name
     return None
 
