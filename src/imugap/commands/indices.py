@@ -16,7 +16,7 @@ from imugap.commands.outputs import require_files
 from imugap.commands.reading import LOG_HELP, add_reading, read, settings_of
 from imugap.commands.shown import interval_text, number, table_text
 from imugap.estimation.gap_draws import with_gaps_drawn
-from imugap.estimation.indices import INDICES, of_run, over_runs, shortest
+from imugap.estimation.indices import INDICES, ROUND_OFF, IndexSamples, of_samples, over_runs, shortest
 from imugap.estimation.screening import screen
 from imugap.integrity.regular import Regular
 from imugap.stream import stream
@@ -57,35 +57,31 @@ def _of_run(path: str, found: Regular, ideal: pd.Series, period: float) -> pd.Da
     """Return the indices of one run, its disturbed samples left out; each is a line on stderr."""
     if not found.samples:
         raise ValueError(f"{path}: columns: expected an axis that varies; found {'; '.join(found.unusable.values())}")
-    for remark in (*found.remarks, *found.unusable.values()):
+    for remark in found.remarks:
         print(f"imugap: {path}: {remark}", file=sys.stderr)
-    duration = max(len(one.values) * _round(one.interval) for one in found.samples.values())
-    symbols = _computable(duration, period, found.interval)
+    duration = min(len(one.values) * one.interval for one in found.samples.values())
+    symbols = _computable(duration, period, max(one.interval for one in found.samples.values()))
     parts = []
     for axis, one in found.samples.items():
         screened = screen(one.values, stream(SEED, "indices", axis))
         for sentence in screened.sentences(one.interval, one.begin):
             print(f"imugap: {path}: {axis}: {sentence}", file=sys.stderr)
         values = with_gaps_drawn(screened, one.interval, stream(SEED, "gaps", axis))
-        parts.append(of_run(log.from_samples({axis: values}, _round(one.interval)), ideal, period, symbols))
+        drawn = IndexSamples(axis, values, screened.replaced, one.interval)
+        parts.append(of_samples(drawn, ideal[axis], period, symbols))
     return pd.concat(parts, ignore_index=True)
-
-
-def _round(interval: float) -> float:
-    """Return an interval [s] without the rounding of the stamps, which may be below the shortest log by a hair."""
-    return float(number(interval, digits=9))
 
 
 def _computable(duration: float, period: float, interval: float) -> tuple[str, ...]:
     """Return the indices for which a log of a duration [s] is long enough; warn of the others."""
     needed = {symbol: shortest(symbol, period, interval) for symbol in INDICES if symbol != "repeatability"}
     for symbol, least in needed.items():
-        if duration < least:
+        if duration < least * (1 - ROUND_OFF):
             title = INDICES[symbol].title
             print(f"imugap: {title}: expected at least {least:g} s; found {duration:g} s", file=sys.stderr)
-    if duration < min(needed.values()):
+    if duration < min(needed.values()) * (1 - ROUND_OFF):
         raise ValueError(f"log: expected at least {min(needed.values()):g} s; found {duration:g} s")
-    return tuple(symbol for symbol, least in needed.items() if duration >= least)
+    return tuple(symbol for symbol, least in needed.items() if duration >= least * (1 - ROUND_OFF))
 
 
 def _shown(found: pd.DataFrame) -> str:

@@ -11,6 +11,7 @@ from scipy.optimize import nnls
 from scipy.special import chdtri
 
 from imugap.effects.bias_instability import FLOOR
+from imugap.estimation.screening import information
 
 POINTS_PER_DECADE = 10
 SLOPE_TOLERANCE = 0.02
@@ -74,8 +75,11 @@ def sum_second_differences(late, middle, early):
     return total
 
 
-def curve(sequence: np.ndarray, interval: float, level: float = 0.95) -> pd.DataFrame:
+def curve(sequence: np.ndarray, interval: float, level: float = 0.95, lost: np.ndarray | None = None) -> pd.DataFrame:
     """Return the Allan deviation with chi-square intervals.
+
+    ``lost``, shape (n,), marks samples that were drawn given the others; they count as information at no averaging time
+    up to the length of their gap.
 
     The equivalent degrees of freedom are those of Greenhall and Riley (2003) for the power law of the local slope;
     where the slope is too uncertain, for the last law that was identified. Where Q or R dominates a part of the curve,
@@ -95,12 +99,14 @@ def curve(sequence: np.ndarray, interval: float, level: float = 0.95) -> pd.Data
     if not deviation.all():
         raise ValueError("Allan deviation: expected samples that vary; found a constant sequence")
     slope = local_slope(averaging, deviation)
-    error = np.sqrt(0.5 / (len(sequence) / averaging - 1))
+    share = 1.0 if lost is None or not lost.any() else _information(lost, averaging)
+    error = np.sqrt(0.5 / (len(sequence) / averaging - 1) / share)
     known = pd.Series(slope).where(_slope_error(pd.Series(error)) < SLOPE_ERROR).ffill().to_numpy()
     if np.abs(known).max() > STEEP:
         edf = _degrees_of_sum(sequence, averaging, deviation, error)
     else:
         edf = _degrees(known, averaging, len(sequence))
+    edf = share * edf
     low, high = deviation_limits(deviation, edf, level)
     columns = {
         "deviation": deviation,
@@ -111,6 +117,13 @@ def curve(sequence: np.ndarray, interval: float, level: float = 0.95) -> pd.Data
         "edf": edf,
     }
     return pd.DataFrame(columns, index=pd.Index(averaging * interval, name="tau"))
+
+
+def _information(lost: np.ndarray, averaging: np.ndarray) -> np.ndarray:
+    """Return the share of the information that is left at averaging factors, shape (m,), without lost samples (n,)."""
+    edges = np.flatnonzero(np.diff(np.r_[False, lost, False]))
+    gaps = edges[1::2] - edges[::2]
+    return np.array([information(1 - gaps[gaps >= n].sum() / len(lost)) for n in averaging])
 
 
 def deviation_limits(deviation: np.ndarray, freedom: np.ndarray, level: float = 0.95) -> tuple:

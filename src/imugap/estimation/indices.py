@@ -12,9 +12,12 @@ from scipy.special import stdtrit
 
 from imugap import log
 from imugap.estimation import allan
+from imugap.estimation.screening import information
 from imugap.numerics.bias_stability import bias_stability, period_means
 
 LEVEL = 0.95
+ROUND_OFF = 1e-9
+"""Relative round-off of a duration."""
 BATCHES = 10
 """Number of batches of a run, whose scatter gives the intervals of its bias and bias stability."""
 
@@ -61,22 +64,58 @@ def of_run(table: pd.DataFrame, ideal: pd.Series, period: float, symbols: tuple[
     symbols
         Indices to compute; the repeatability needs several runs (:func:`over_runs`).
     """
-    _long_enough(table, period, symbols)
     interval = log.interval(table)
+    parts = [
+        of_samples(
+            IndexSamples(axis, table[axis].to_numpy(), np.zeros(len(table), bool), interval),
+            ideal[axis],
+            period,
+            symbols,
+        )
+        for axis in log.axes(table)
+    ]
+    return pd.concat(parts, ignore_index=True)
+
+
+@dataclass(frozen=True, eq=False)
+class IndexSamples:
+    """Samples of one axis of a run.
+
+    Attributes
+    ----------
+    axis
+        Name of the axis.
+    values
+        Evenly spaced samples, shape (n,).
+    drawn
+        Which of them were not measured but drawn given the others, shape (n,).
+    interval
+        Sampling interval [s].
+    """
+
+    axis: str
+    values: np.ndarray
+    drawn: np.ndarray
+    interval: float
+
+
+def of_samples(one: IndexSamples, ideal: float, period: float, symbols: tuple[str, ...]) -> pd.DataFrame:
+    """Return the indices of one axis of a static run as :func:`of_run` does; drawn samples have no part in the bias."""
+    interval = one.interval
+    _long_enough(len(one.values) * interval, interval, period, symbols)
+    error = one.values - ideal
     rows = []
-    for axis in log.axes(table):
-        error = table[axis].to_numpy() - ideal[axis]
-        found = {"bias": _bias, "stability": _stability}
-        rows += [
-            {"axis": axis, "symbol": symbol, "holds": True} | estimate(error, interval, period)
-            for symbol, estimate in found.items()
-            if symbol in symbols
-        ]
-        laws = [law for law in allan.LAWS.values() if law.symbol in symbols]
-        if laws:
-            asd = allan.curve(error, interval, LEVEL)
-            rows += [{"axis": axis, "symbol": law.symbol} | vars(allan.tangent(asd, law, LEVEL)) for law in laws]
-    return pd.DataFrame(rows, columns=["axis", "symbol", "value", "low", "high", "holds", "tau_low", "tau_high"])
+    if "bias" in symbols:
+        rows.append({"symbol": "bias", "holds": True} | _bias(error[~one.drawn]))
+    if "stability" in symbols:
+        share = information(1 - float(np.mean(one.drawn)))
+        rows.append({"symbol": "stability", "holds": True} | _stability(error, interval, period, share))
+    laws = [law for law in allan.LAWS.values() if law.symbol in symbols]
+    if laws:
+        asd = allan.curve(error, interval, LEVEL, one.drawn)
+        rows += [{"symbol": law.symbol} | vars(allan.tangent(asd, law, LEVEL)) for law in laws]
+    columns = ["axis", "symbol", "value", "low", "high", "holds", "tau_low", "tau_high"]
+    return pd.DataFrame([{"axis": one.axis} | row for row in rows], columns=columns)
 
 
 def over_runs(runs: pd.DataFrame) -> pd.DataFrame:
@@ -119,7 +158,7 @@ def _row(axis: str, symbol: str, value: float, low: float, high: float, holds: b
     return {"axis": axis, "symbol": symbol, "value": value, "low": low, "high": high, "holds": holds, "runs": runs}
 
 
-def _bias(error: np.ndarray, interval: float, period: float) -> dict[str, float]:
+def _bias(error: np.ndarray) -> dict[str, float]:
     """Return the mean (eq. 5) with its interval from batch means."""
     means = np.array([batch.mean() for batch in np.array_split(error, BATCHES)])
     half = _student(BATCHES) * means.std(ddof=1) / np.sqrt(BATCHES)
@@ -127,11 +166,14 @@ def _bias(error: np.ndarray, interval: float, period: float) -> dict[str, float]
     return {"value": value, "low": value - half, "high": value + half}
 
 
-def _stability(error: np.ndarray, interval: float, period: float) -> dict[str, float]:
-    """Return the bias stability (eq. 7) with its interval from the mean squares of batches."""
+def _stability(error: np.ndarray, interval: float, period: float, share: float) -> dict[str, float]:
+    """Return the bias stability (eq. 7) with its interval from the mean squares of batches.
+
+    ``share`` is the share of the information that is left where samples were drawn.
+    """
     squares = (period_means(error, interval, period) - error.mean()) ** 2
     batches = np.array([batch.mean() for batch in np.array_split(squares, BATCHES)])
-    half = _student(BATCHES) * batches.std(ddof=1) / np.sqrt(BATCHES)
+    half = _student(BATCHES) * batches.std(ddof=1) / np.sqrt(BATCHES * share)
     low, high = np.sqrt(np.maximum([batches.mean() - half, batches.mean() + half], 0))
     return {"value": bias_stability(error, interval, period), "low": low, "high": high}
 
@@ -146,9 +188,9 @@ def shortest(symbol: str, period: float, interval: float) -> float:
     return max(INDICES[symbol].minimum_s, needed.get(symbol, 0.0))
 
 
-def _long_enough(table: pd.DataFrame, period: float, symbols: tuple[str, ...]) -> None:
+def _long_enough(duration: float, interval: float, period: float, symbols: tuple[str, ...]) -> None:
     for symbol in symbols:
-        needed = shortest(symbol, period, log.interval(table))
-        if log.duration(table) < needed:
+        needed = shortest(symbol, period, interval)
+        if duration < needed * (1 - ROUND_OFF):
             expected = f"at least {needed:g} s for the {INDICES[symbol].title}"
-            raise log.LogError("log", "duration", expected, f"{log.duration(table):g} s")
+            raise log.LogError("log", "duration", expected, f"{duration:g} s")

@@ -104,12 +104,17 @@ class Screened:
 
     @property
     def information(self) -> float:
-        """Return the share of the information of a whole log, for which the drawn samples are no substitute.
+        """Return the share of the information of a whole log that is left."""
+        return information(self.share)
 
-        Of the variance of a white log with the share q measured, an estimate has the relative variance 1/q by those and
-        1 - q by the others, which are drawn once, in units of that of a whole log.
-        """
-        return 1 / (1 / self.share + 1 - self.share)
+
+def information(share: float) -> float:
+    """Return the share of the information of a whole log that is left where only a share of the samples is measured.
+
+    The estimate of the variance of white noise has, relative to that of a whole log, the variance 1/share by the
+    measured samples and 1 - share by the others, which are drawn once.
+    """
+    return 1 / (1 / share + 1 - share)
 
     def sentences(self, interval: float, start: float = 0.0) -> list[str]:
         """Return in words what was left out, and when, of samples every ``interval`` from ``start`` on [s]."""
