@@ -107,6 +107,10 @@ class Screened:
         """Return the share of the information of a whole log that is left."""
         return information(self.share)
 
+    def sentences(self, interval: float, start: float = 0.0) -> list[str]:
+        """Return in words what was left out, and when, of samples every ``interval`` from ``start`` on [s]."""
+        return [_sentence(one, interval, start, len(self.values)) for one in self.disturbances]
+
 
 def information(share: float) -> float:
     """Return the share of the information of a whole log that is left where only a share of the samples is measured.
@@ -115,10 +119,6 @@ def information(share: float) -> float:
     measured samples and 1 - share by the others, which are drawn once.
     """
     return 1 / (1 / share + 1 - share)
-
-    def sentences(self, interval: float, start: float = 0.0) -> list[str]:
-        """Return in words what was left out, and when, of samples every ``interval`` from ``start`` on [s]."""
-        return [_sentence(one, interval, start, len(self.values)) for one in self.disturbances]
 
 
 def _sentence(found: LeftOut, interval: float, start: float, count: int) -> str:
