@@ -39,9 +39,9 @@ ERRORS = [
     (MemoryError("8 EiB"), r"imugap: memory: expected enough for this input; found none left \(8 EiB\)$"),
     (
         FileNotFoundError(2, "No such file", "a\x1b[31m.csv"),
-        r"imugap: a\\x1b\[31m.csv: expected .*; found: No such file$",
+        r"imugap: a\\x1b\[31m.csv: expected .*; found 'No such file'$",
     ),
-    (OSError("odd"), "imugap: system: expected .*; found: odd$"),
+    (OSError("odd"), "imugap: system: expected .*; found 'odd'$"),
     (ValueError(f"a: expected b; found {'x' * 10**6}"), r"imugap: a: expected b; found x{900,1000} \.\.\.$"),
 ]
 

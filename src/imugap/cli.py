@@ -120,9 +120,9 @@ def _message(error: Exception) -> str:
         case MemoryError():
             return f"memory: expected enough for this input; found none left ({error})"
         case OSError(filename=str() | bytes() as name, strerror=str() as reason):
-            return f"{os.fsdecode(name)}: expected a file or folder that can be used; found: {reason}"
+            return f"{os.fsdecode(name)}: expected a file or folder that can be used; found {reason!r}"
         case OSError():
-            return f"system: expected files and processes that can be used; found: {error}"
+            return f"system: expected files and processes that can be used; found {str(error)!r}"
         case ValueError() if FORM.search(str(error)):
             return str(error)
     last = traceback.extract_tb(error.__traceback__)[-1]

@@ -128,7 +128,7 @@ FAULTS = {
     "indices foreign.csv": "did you mean gyro_x",
     "indices none.csv": "none.csv: file: .*no such file",
     "indices constant.csv": "constant.csv: columns: expected an axis that varies; found gyro_x: 0 throughout",
-    "simulate none.yaml --duration 1 --rate 9": "none.yaml: expected a file .*; found: No such file",
+    "simulate none.yaml --duration 1 --rate 9": "none.yaml: expected a file .*; found 'No such file",
     "simulate no.yaml --duration 1 --rate 9": "",
     "simulate bad.yaml --duration 1 --rate 9": "bad.yaml: gyro_x: effect: expected white_noise; found 'white_nois'",
     "simulate clock.yaml --duration 1 --rate 9": "clock.yaml: expected a model of at least one sensor axis; found none",
@@ -310,7 +310,7 @@ def test_estimates_are_written_all_or_none(here, judge, capsys, monkeypatch):
 
     monkeypatch.setattr(pd.DataFrame, "to_csv", broken)
     assert estimate("--terms", "white_noise", "--model", "found.yaml", "--table", "out.csv") == 1
-    assert capsys.readouterr().err == "imugap: out.csv: expected a file or folder that can be used; found: disk full\n"
+    assert capsys.readouterr().err == "imugap: out.csv: expected a file or folder that can be used; found 'disk full'\n"
     assert names(here) == before
 
 
@@ -367,6 +367,6 @@ def test_an_interrupted_write_leaves_the_old_file_and_no_other(here, capsys, mon
     monkeypatch.setattr(pd.DataFrame, "to_csv", lambda _, path: broken(path))
     monkeypatch.setattr(pd.DataFrame, "to_parquet", lambda _, path: broken(path))
     assert simulate(name) == 1
-    assert capsys.readouterr().err == f"imugap: {name}: expected a file or folder that can be used; found: disk full\n"
+    assert capsys.readouterr().err == f"imugap: {name}: expected a file or folder that can be used; found 'disk full'\n"
     assert Path(name).read_text() == "old"
     assert names(here) == {name}

@@ -228,14 +228,14 @@ FAULTS = {
     "warm.csv --test without.csv": "without.csv: column temperature: expected values, as the first log has; found none",
     "x_alive.csv y_alive.csv": "y_alive.csv: columns: expected values that vary on an axis on which those "
     "of the first log do, gyro_x; found none",
-    "run1.csv --model none.yaml": "none.yaml: .*; found: No such file",
+    "run1.csv --model none.yaml": "none.yaml: .*; found 'No such file",
     "run1.csv --model misspelt.yaml": "misspelt.yaml: gyro_x: effect: expected white_noise; found 'white_nois'",
     "run1.csv --model two_filters.yaml": "two_filters.yaml: gyro_x: expected one output_filter at most; found 2",
     "run1.csv --model in_degrees.yaml": "in_degrees.yaml: gyro_x: resolution: expected a step below the range "
     "of the values of the log.*found 10",
-    "run1.csv --effects not_a_module": "effects: expected a module.*not_a_module",
+    "run1.csv --effects not_a_module": "effects: not_a_module: expected a module that can be imported; found",
     "run1.csv --effects broken_effects": "nothing_that_is_there",
-    "run1.csv --effects empty_effects": "empty_effects has none",
+    "run1.csv --effects empty_effects": "found none in empty_effects",
 }
 
 
@@ -382,7 +382,7 @@ def test_a_write_that_fails_leaves_the_old_folder(here, capsys, fill_disk):
     before = {name: (here / "found" / name).read_bytes() for name in FILES}
     fill_disk()
     assert discovered("run2.parquet") == 1
-    assert "imugap: found: expected a file or folder that can be used; found: disk full" in capsys.readouterr().err
+    assert "imugap: found: expected a file or folder that can be used; found 'disk full'" in capsys.readouterr().err
     assert {path.name: path.read_bytes() for path in Path("found").iterdir()} == before
 
 

@@ -103,7 +103,7 @@ def test_a_reader_that_leaves_early_is_no_error(here):
 def test_a_full_disk_is_one_message_and_leaves_nothing(here):
     found = process(f"{SIMULATE} out.csv", preexec_fn=lambda: limit("RLIMIT_FSIZE", 1000))
     assert found.returncode == 1
-    assert found.stderr == "imugap: out.csv: expected a file or folder that can be used; found: File too large\n"
+    assert found.stderr == "imugap: out.csv: expected a file or folder that can be used; found 'File too large'\n"
     assert not Path("out.csv").exists()
     assert not list(here.glob(".*"))
 

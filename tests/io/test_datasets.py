@@ -89,19 +89,33 @@ def test_a_run_that_no_file_holds_is_named(sets):
 @pytest.mark.parametrize(
     ("table", "old", "new", "message"),
     [
-        ("datasets.csv", "static,100,", "static,fast,", "line 2, column rate_hz: 'fast' is not of type 'number'"),
+        ("datasets.csv", "static,100,", "static,fast,", "line 2, column rate_hz: expected a number; found 'fast'"),
         ("datasets.csv", "static,100,", "static,-1,", "line 2, column rate_hz"),
         ("datasets.csv", "static,100,", "moving,100,", "line 2, column kind"),
         ("datasets.csv", "gyro_x gyro_y gyro_z accel_x", "gyro_x gyro_y gyr_z accel_x", "line 2, column columns"),
-        ("datasets.csv", "_z,,,,,,,deg/s,g,", "_z,,,,,,,deg/s,,", "line 2: 'accel_unit' is a required property"),
+        ("datasets.csv", "_z,,,,,,,deg/s,g,", "_z,,,,,,,deg/s,,", "line 2: expected accel_unit; found none"),
         ("datasets.csv", "memsense_turnon,", "adis16405,", "line 3, column dataset"),
-        ("datasets.csv", ",remarks\n", ",remark\n", "line 2: Additional properties"),
+        ("datasets.csv", ",remarks\n", ",remark\n", "line 2: expected a key of the schema"),
         ("files.csv", "adis_16405_imu2.rda,2,", "adis_16405_imu2.rda,1,", "line 3, column run: .* found '1'"),
         ("files.csv", "1-11", "11-1", "line 8, column run"),
         ("files.csv", ",3200168,", ",many,", "line 2, column bytes"),
         ("files.csv", "1eb09074", "XYZ", "line 2, column sha256"),
         ("files.csv", "memsense_turnon,", "memsense,", "line 8, column dataset: expected one of adis16405, memsense_t"),
         ("files.csv", "adis_16405_imu1.rda,1,", "../imu1.rda,1,", "line 2, column file"),
+        (
+            "files.csv",
+            "adis_16405_imu1.rda,1,",
+            '"imu1.rda\n",1,',
+            "line 3, column file: expected plain text of one line",
+        ),
+        (
+            "files.csv",
+            "adis16405,adis_16405_imu1",
+            '"adis16405\n",adis_16405_imu1',
+            "line 3, column dataset: expected plain",
+        ),
+        ("files.csv", "https://", "http://", "line 2, column url: expected text of the form"),
+        ("files.csv", "https://", "file:///", "line 2, column url: expected text of the form"),
     ],
 )
 def test_a_bad_row_is_named_by_table_line_and_column(tables, table, old, new, message):
@@ -188,6 +202,32 @@ def test_a_spoilt_partial_file_is_removed_and_the_next_call_succeeds(raw):
         with pytest.raises(FetchError, match="gave another file"):
             fetch(a_file(url), raw)
         assert fetch(a_file(url), raw).read_bytes() == CONTENT
+
+
+def test_a_file_that_is_longer_than_catalogued_is_cut_off_and_removed(raw):
+    with server(content=CONTENT + b"more") as (url, _), pytest.raises(FetchError, match="bytes; found more; what had"):
+        fetch(a_file(url), raw)
+    assert not list((raw / "bench").iterdir())
+
+
+def test_a_redirect_to_another_host_is_not_followed(raw):
+    with server() as (there, asked):
+
+        class Handler(BaseHTTPRequestHandler):
+            def do_GET(self):
+                self.send_response(302)
+                self.send_header("Location", there)
+                self.end_headers()
+
+            def log_message(self, *_):
+                pass
+
+        with ThreadingHTTPServer(("127.0.0.1", 0), Handler) as httpd:
+            threading.Thread(target=httpd.serve_forever, daemon=True).start()
+            with pytest.raises(FetchError, match=f"found a redirect to {there}"):
+                fetch(a_file(f"http://127.0.0.1:{httpd.server_port}/bench/log.bin"), raw)
+            httpd.shutdown()
+    assert not asked
 
 
 def test_an_error_page_does_not_touch_the_partial_file(raw):

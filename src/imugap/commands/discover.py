@@ -63,7 +63,7 @@ def run(options: argparse.Namespace) -> None:
         settings_of(options),
     )
     settings = Settings(alpha=options.alpha, seed=options.seed, workers=options.workers, gravity=options.gravity)
-    with tqdm(bar_format="{l_bar}{bar}| {n_fmt}/{total_fmt} [{elapsed}]", leave=False) as bar:
+    with tqdm(bar_format="{l_bar}{bar}| {n_fmt}/{total_fmt} [{elapsed}]", leave=False, disable=None) as bar:
 
         def progress(step: str, done: int, steps: int) -> None:
             bar.total, bar.n = steps, done

@@ -11,7 +11,7 @@ import pandas as pd
 from imugap import log
 from imugap.discovery import report
 from imugap.discovery.device import Discovery, Settings, discover
-from imugap.discovery.preparation.prepare import MARGIN, in_reference_gap, outside
+from imugap.discovery.preparation.prepare import MARGIN, in_reference_gap, outside, without_noise
 from imugap.discovery.steps import Progress
 from imugap.effects.effect import Role
 from imugap.integrity.timestamps import Stamps, stamps
@@ -125,7 +125,9 @@ def _usable(found: Recording) -> pd.DataFrame:
     _clock(path, table)
     varying = _varying(table)
     if not varying:
-        raise LogError(path, "columns", "values that vary on one axis at least", "one value everywhere")
+        same = all(table[axis].dropna().nunique() < 2 for axis in log.axes(table))
+        found = "one value everywhere" if same else "nearly one value, or samples that follow exactly from those before"
+        raise LogError(path, "columns", "values that vary on one axis at least, as noise does", found)
     for axis, values in varying.items():
         if len(values) < MIN_SAMPLES:
             raise LogError(path, f"column {axis}", f"at least {MIN_SAMPLES} samples", str(len(values)))
@@ -134,9 +136,9 @@ def _usable(found: Recording) -> pd.DataFrame:
 
 
 def _varying(table: pd.DataFrame) -> dict[str, pd.Series]:
-    """Return the finite values of the axes that have more than one distinct value."""
+    """Return the finite values of the axes that have noise."""
     finite = {axis: table[axis][np.isfinite(table[axis])] for axis in log.axes(table)}
-    return {axis: values for axis, values in finite.items() if values.nunique() > 1}
+    return {axis: values for axis, values in finite.items() if not without_noise(values.to_numpy(float))}
 
 
 def _require_own_rate(table: pd.DataFrame, path: Path, axis: str) -> None:

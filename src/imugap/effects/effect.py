@@ -374,7 +374,7 @@ class StochasticEffect(AllanEffect):
 
     def state_space(self) -> StateSpace:
         """Return the process as a linear model driven by white noise; ValueError if none is of finite order."""
-        raise ValueError(f"{self.name}: expected a process with a state space of finite order; it has none")
+        raise ValueError(f"{self.name}: expected a process with a state space of finite order; found none")
 
 
 @dataclass(frozen=True)

@@ -61,7 +61,8 @@ def counted(psd: PSD, count: int, levels: int, width: int, halvings: int) -> tup
     lags = _lags(count, levels, halvings, width)
     cross = lags.covariances(_smooth(psd, lags.cycles, halvings, width))
     seen = np.where(lags.lag < 0, -1, 1) * cross[:, lags.lag]  # between the harmonics a period turns the sign
-    squares = np.einsum("kl,kl,kl->k", lags.pairs, seen, seen) / np.einsum("kl,kl->k", cross, cross)
+    power = np.maximum(np.einsum("kl,kl->k", cross, cross), np.finfo(float).tiny)  # 0 without noise, as the sum is
+    squares = np.einsum("kl,kl,kl->k", lags.pairs, seen, seen) / power
     means = 2**halvings * np.einsum("kl,kl->k", lags.pairs, seen)
     return _symmetric(squares), _symmetric(means / lags.number)
 

@@ -236,7 +236,8 @@ def outlier_scores(values: np.ndarray, interval_s: float | None, step: float | N
     high = filled - uniform_filter1d(filled, width, mode="nearest")
     high -= np.median(high)
     scale = max(MAD_TO_SD * np.median(np.abs(high)), (step or 0.0) / np.sqrt(12))
-    return high / scale if scale > 0 else np.zeros_like(high)
+    rounding = np.finfo(float).eps * np.abs(filled).max()
+    return high / scale if scale > rounding else np.zeros_like(high)
 
 
 def outlier_limit(scores: np.ndarray) -> float:

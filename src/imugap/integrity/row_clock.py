@@ -97,6 +97,8 @@ def slots(time: np.ndarray) -> tuple[np.ndarray, float]:
     count = len(time)
     span = min(SHORT * NEIGHBOURS, count - 1)
     interval = float(np.median(without[span:] - without[:-span])) / span
+    if not interval > 0:
+        raise LogError("log", "column time", "a time that increases", "most stamps equal to those before them")
     result = np.arange(count)
     for _ in range(ROUNDS):
         steps = np.diff(without)

@@ -22,10 +22,12 @@ def catalogue(module: str | None) -> dict[str, type[Effect]]:
         return dict(CATALOGUE)
     kinds = {kind.name: kind for _, kind in getmembers(_imported(module), isclass) if _own(kind, module)}
     if not kinds:
-        raise ValueError(f"effects: expected a module that defines an Effect with a name and a role; {module} has none")
+        raise ValueError(
+            f"effects: expected a module that defines an Effect with a name and a role; found none in {module}"
+        )
     taken = sorted(set(kinds) & set(CATALOGUE))
     if taken:
-        raise ValueError(f"effects: expected names that are not in the catalogue; {module} has {', '.join(taken)}")
+        raise ValueError(f"effects: expected names that are not in the catalogue; found {', '.join(taken)} in {module}")
     return CATALOGUE | kinds
 
 
@@ -43,4 +45,4 @@ def _imported(module: str):
         return import_module(module)
     except Exception as error:  # a user's module may raise any kind of exception
         cause = f"{type(error).__name__}: {error}".splitlines()[0]
-        raise ValueError(f"effects: expected a module that can be imported; {module}: {cause}") from error
+        raise ValueError(f"effects: {module}: expected a module that can be imported; found {cause}") from error

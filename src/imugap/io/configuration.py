@@ -50,7 +50,11 @@ def configure(values: dict, schema: str | Path, from_text: bool = True) -> dict:
     converted unless ``from_text`` is false.
     """
     completed = _converted(values) if from_text else deepcopy(values)
-    faults = [_explain(error) for error in _validator(Path(schema).read_text()).iter_errors(completed)]
+    faults = [
+        f"  {place or 'top level'}: expected {expected}; found {found}"
+        for error in _validator(Path(schema).read_text()).iter_errors(completed)
+        for place, expected, found in explain(error)
+    ]
     if faults:
         raise ConfigurationError("\n".join(["the configuration does not fit:", *dict.fromkeys(faults)]))
     return completed
@@ -85,35 +89,28 @@ def _validator(schema: str) -> Draft202012Validator:
     return _Completing(yaml.safe_load(schema))
 
 
-def _explain(error: ValidationError) -> str:
-    """Return place, expected and found of each fault, one a line."""
+def explain(error: ValidationError) -> list[tuple[str, str, str]]:
+    """Return place, what was expected and what was found of each fault of a validator."""
     place, value, rule = ".".join(map(str, error.absolute_path)), error.instance, error.validator_value
     match error.validator:
         case "additionalProperties" | "unevaluatedProperties":
             known = list(error.schema.get("properties", {}))
-            return "\n".join(_unknown(place, key, known) for key in value if key not in known)
+            return [(place, _nearest(key, known), excerpt(key)) for key in value if key not in known]
         case "required":
-            missing = ", ".join(name for name in rule if name not in value)
-            return _fault(place, missing, "none")
+            return [(place, ", ".join(name for name in rule if name not in value), "none")]
         case "type":
-            kinds = [rule] if isinstance(rule, str) else rule
-            expected = " or ".join(KINDS[kind] for kind in kinds)
+            expected = " or ".join(KINDS[kind] for kind in ([rule] if isinstance(rule, str) else rule))
         case "enum":
             expected = f"one of {', '.join(map(excerpt, rule))}"
         case "uniqueItems":
-            return _fault(place, "different values", "one of them twice")
+            return [(place, "different values", "one of them twice")]
         case name if name in LIMITS:
             expected = LIMITS[name].format(rule)
         case _:
             expected = str(error.schema.get("description", error.validator))
-    return _fault(place, expected, excerpt(value))
+    return [(place, expected, excerpt(value))]
 
 
-def _unknown(place: str, key: str, known: list[str]) -> str:
+def _nearest(key: str, known: list[str]) -> str:
     near = get_close_matches(str(key).lower(), known, 1)
-    expected = f"a key of the schema (did you mean {near[0]!r}?)" if near else f"a key among {', '.join(known)}"
-    return _fault(place, expected, excerpt(key))
-
-
-def _fault(place: str, expected: str, found: str) -> str:
-    return f"  {place or 'top level'}: expected {expected}; found {found}"
+    return f"a key of the schema (did you mean {near[0]!r}?)" if near else f"a key among {', '.join(known)}"

@@ -12,9 +12,12 @@ from dataclasses import dataclass, replace
 from hashlib import file_digest
 from math import inf
 from pathlib import Path
+from typing import BinaryIO
+from urllib.parse import urljoin, urlsplit
 
 import yaml
 
+from imugap.io.strict_yaml import excerpt
 from imugap.log import ACCEL, GYRO, TEMPERATURE
 from imugap.units import to_si
 
@@ -27,6 +30,10 @@ class CatalogueError(ValueError):
 
 class FetchError(RuntimeError):
     """Raw file that is not available or has a wrong checksum; the message says how to place it by hand."""
+
+
+class OverlongError(Exception):
+    """Download that is longer than the catalogue says."""
 
 
 LOG, POSITIONS, EVENTS, FIXES, CLOCK = "log", "positions", "events", "fixes", "clock"
@@ -190,7 +197,11 @@ def fetch(file: RawFile, folder: str | Path, mirror: str | Path | None = None) -
         if source is not None:
             shutil.copyfile(source, partial)
         elif not partial.exists() or partial.stat().st_size < file.size_bytes:
-            _download(file.url, partial)
+            _download(file.url, partial, file.size_bytes)
+    except OverlongError as error:
+        partial.unlink()
+        found = "more; what had come was removed"
+        raise FetchError(_by_hand(file, folder, f"expected {file.size_bytes} bytes; found {found}")) from error
     except OSError as error:  # requests' errors are OSErrors too
         raise FetchError(_by_hand(file, folder, f"{type(error).__name__}: {error}")) from error
     if (fault := _fault(partial, file)) is not None:
@@ -210,22 +221,48 @@ def _found(file: RawFile, folder: str | Path, mirror: str | Path | None) -> Path
     return next((place for place in places if place.is_file()), None)
 
 
-def _download(url: str, partial: Path) -> None:
-    """Append the missing rest of ``url`` to ``partial``, or start again if the server sends the whole file."""
+class _Capped:
+    """File that takes no more bytes than the catalogue names."""
+
+    def __init__(self, file: BinaryIO, most: int) -> None:
+        self.file, self.most, self.flush = file, most, file.flush
+
+    def write(self, content: bytes) -> int:
+        """Write, or raise an OverlongError."""
+        if self.file.tell() + len(content) > self.most:
+            raise OverlongError
+        return self.file.write(content)
+
+
+def _download(url: str, partial: Path, size_bytes: int) -> None:
+    """Append the missing rest of ``url`` to ``partial``, or start again if the server sends the whole file.
+
+    More bytes than expected are an OverlongError, a redirect to another host an OSError.
+    """
     import pooch
 
     with partial.open("ab") as output:
 
-        def start_afresh(response, **_) -> None:
+        def check(response, **_) -> None:
+            if response.is_redirect and _origin(urljoin(response.url, response.headers["location"])) != _origin(url):
+                raise OSError(
+                    f"expected an answer of {_origin(url)}; found a redirect to {response.headers['location']}"
+                )
             if response.status_code == 200:  # 206 would be the range asked for
                 output.truncate(0)
 
         # identity: a range of a compressed stream is no range of the file
         headers = {"Range": f"bytes={output.tell()}-", "Accept-Encoding": "identity"}
         download = pooch.HTTPDownloader(
-            progressbar=True, chunk_size=CHUNK_BYTES, headers=headers, hooks={"response": start_afresh}
+            progressbar=True, chunk_size=CHUNK_BYTES, headers=headers, hooks={"response": check}
         )
-        download(url, output, None)
+        download(url, _Capped(output, size_bytes), None)
+
+
+def _origin(url: str) -> str:
+    """Return scheme, host and port of an address."""
+    parts = urlsplit(url)
+    return f"{parts.scheme}://{parts.netloc}"
 
 
 def _fault(path: Path, file: RawFile) -> str | None:
@@ -246,19 +283,38 @@ def _by_hand(file: RawFile, folder: str | Path, reason: str) -> str:
 
 def _rows(table: Path, schema_path: Path) -> Iterator[tuple[str, dict]]:
     """Yield (table and line, row) for each row, validated against its schema; empty cells are omitted."""
-    from imugap.io.json_schema import Draft202012Validator  # most that import this module load no table
+    # most that import this module load no table
+    from imugap.io.configuration import explain
+    from imugap.io.json_schema import Draft202012Validator
 
     schema = yaml.safe_load(schema_path.read_text(encoding="utf-8"))
     validator = Draft202012Validator(schema)
-    with table.open(newline="", encoding="utf-8") as handle:
-        reader = csv.DictReader(handle)
-        for cells in reader:
-            place = f"{table}: line {reader.line_num}"
-            row = {name: _typed(text, schema["properties"].get(name, {})) for name, text in cells.items() if text}
-            for error in validator.iter_errors(row):
-                column = f", column {error.path[0]}" if error.path else ""
-                raise CatalogueError(f"{place}{column}: {error.message}")
-            yield place, row
+    with table.open(newline="", encoding="utf-8", errors="replace") as handle:
+        reader = csv.DictReader(handle, restkey="", restval="")
+        try:
+            for cells in reader:
+                place = f"{table}: line {reader.line_num}"
+                _require_text(cells, place)
+                row = {name: _typed(text, schema["properties"].get(name, {})) for name, text in cells.items() if text}
+                for error in validator.iter_errors(row):
+                    for column, expected, found in explain(error):
+                        raise CatalogueError(
+                            f"{place}{f', column {column}' if column else ''}: expected {expected}; found {found}"
+                        )
+                yield place, row
+        except csv.Error as error:
+            raise CatalogueError(
+                f"{table}: line {reader.line_num}: expected a table; found a fault: {error}"
+            ) from error
+
+
+def _require_text(cells: dict, place: str) -> None:
+    """Raise a CatalogueError for a cell too many, or one that is no plain text of one line."""
+    for name, text in cells.items():
+        if isinstance(text, list):
+            raise CatalogueError(f"{place}: expected {len(cells) - 1} cells; found {len(text)} more")
+        if not text.isprintable() or "\ufffd" in text:  # of what is no UTF-8
+            raise CatalogueError(f"{place}, column {name}: expected plain text of one line; found {excerpt(text)}")
 
 
 def _typed(text: str, schema: dict) -> str | int | float:

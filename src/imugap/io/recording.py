@@ -28,7 +28,7 @@ from imugap.io.recognition import column_names, frame, samples, stamps
 from imugap.io.recognition.column_names import SKIP, Assignment
 from imugap.io.recognition.conversion import Conversion, asked, conversion
 from imugap.io.recognition.settings import DEFAULTS, RecordingSettings
-from imugap.io.rows import advances, require_numbers, require_order
+from imugap.io.rows import advances, require_numbers, require_order, require_range
 from imugap.log import AXES, TIME, LogError, check
 
 SAMPLE_ROWS = 2000
@@ -155,6 +155,7 @@ def _recognised(source: Source, settings: RecordingSettings) -> Recording:
     selection = _selected(source, settings)
     block, raw = source.load(selection.places, selection.stamp)
     columns = list(selection.assignment.columns)
+    _require_sound(source, dict(zip(columns, block, strict=True)), raw)
     table = pd.DataFrame(block.T, columns=columns, copy=False)
     if source.canonical:
         return Recording(source.path, table.set_index(pd.Index(raw, name=TIME)), place=source.place)
@@ -166,6 +167,16 @@ def _recognised(source: Source, settings: RecordingSettings) -> Recording:
         said = (f"{found.rate_hz:.5g} Hz", f"{len(time):,} samples".replace(",", " "), *source.notes, *said)
     table = table.set_index(pd.Index(time, name=TIME))
     return Recording(source.path, table, said, found.weightless, found.frame, source.place)
+
+
+def _require_sound(source: Source, columns: dict[str, np.ndarray], raw: np.ndarray | None) -> None:
+    """Raise a LogError unless there are two rows, their numbers are in range, and some stamps increase."""
+    count = min(map(len, columns.values()))
+    if count < 2:
+        raise LogError(source.path, "rows", "at least 2 samples", str(count))
+    require_range(({} if raw is None else {TIME: raw}) | columns, source.path, source.place)
+    if raw is not None and not stamps.step_of(raw) > 0:
+        raise LogError(source.path, "stamps", "a time that increases", "no stamp above the one before")
 
 
 def _selected(source: Source, settings: RecordingSettings) -> Selection:

@@ -1,12 +1,15 @@
 """Rows of a table as read: in order of time, and numbers."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
-from imugap.log import LogError
+from imugap.log import TIME, LogError
+
+LARGEST_SAMPLE, LARGEST_STAMP = 1e12, 1e20
+"""Largest magnitude of a sample and of a stamp, in any unit: beyond any word of a device, and with powers in range."""
 
 
 def advances(time: np.ndarray) -> np.ndarray:
@@ -31,6 +34,17 @@ def require_numbers(table: pd.DataFrame, path: Path, place: Callable[[int], str]
     if len(rows):
         found = f"{table.iat[rows[0], columns[0]]} ({_counted(np.unique(rows))})"
         raise LogError(path, f"{place(int(rows[0]))}, column {table.columns[columns[0]]}", "a finite number", found)
+
+
+def require_range(columns: Mapping[str, np.ndarray], path: Path, place: Callable[[int], str]) -> None:
+    """Raise a LogError unless every finite sample and stamp is within the range of any device, in any unit."""
+    for name, values in columns.items():
+        largest = LARGEST_STAMP if name == TIME else LARGEST_SAMPLE
+        beyond = np.flatnonzero(np.isfinite(values) & (np.abs(values) > largest))
+        if len(beyond):
+            found = f"{values[beyond[0]]:g} ({_counted(beyond)})"
+            expected = f"a number of at most {largest:g} either way"
+            raise LogError(path, f"{place(int(beyond[0]))}, column {name}", expected, found)
 
 
 def _counted(rows: np.ndarray) -> str:

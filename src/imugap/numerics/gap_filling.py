@@ -75,8 +75,10 @@ class Autoregression:
         """Return each sample less its prediction, shape (n,): by those before it, at the start by those after it."""
         reach = len(self.whitening) - 1
         forward = np.correlate(values - self.level, self.whitening, "valid")
+        if not reach:
+            return forward
         backward = np.correlate(values[: 2 * reach] - self.level, self.whitening[::-1], "valid")[:reach]
-        return np.r_[backward, forward[len(backward) - reach :]] if reach else forward
+        return np.r_[backward, forward[len(backward) - reach :]]
 
     def _core(self) -> np.ndarray:
         """Return the precision of ``order`` consecutive samples, over that of the white noise, shape (order, order).

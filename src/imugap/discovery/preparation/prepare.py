@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pandas as pd
+from numpy.lib.stride_tricks import sliding_window_view
 from scipy.interpolate import CubicSpline
 
 from imugap.discovery.finding import Discrepancy, Finding, finding
@@ -37,6 +38,10 @@ before or after a sample, such as the input of a delay, is then known for all of
 MIN_STRAIGHT_SHARE, STRAIGHT_TOLERANCE = 0.3, 1e-3
 """Minimum share of samples on the straight line between their neighbours, within this tolerance over the median
 difference of neighbours, of an axis that was interpolated."""
+MIN_CHANGES = 20
+"""Minimum number of samples that differ from the most frequent value; with fewer, an axis is stuck."""
+RECURRENCE, PREDICTED = 4, 1e-9
+"""Order of the linear recurrence, and error of its prediction over the range below which an axis has no noise."""
 MIN_DISTINCT_SHARE = 0.2
 """Minimum fraction of distinct values for the interpolation test."""
 MIN_COMMON_SHARE = 0.5
@@ -198,19 +203,37 @@ def _unit(axis: str) -> str:
 def _unusable(log: pd.DataFrame) -> tuple[Discrepancy, ...]:
     """Return the unusable axes, each as a place, if there are others.
 
-    Those without two different values, and those of samples between which the others were interpolated.
+    Those without noise (:func:`without_noise`), at their first value, and those of samples between which the others
+    were interpolated.
     """
     values = {axis: log[axis].replace([np.inf, -np.inf], np.nan).dropna() for axis in axes(log)}
     unusable = {}
     for axis, found in values.items():
         unique = found.unique()
-        if len(unique) < 2:
+        if without_noise(found.to_numpy(float)):
             level = float(unique[0]) if len(unique) else np.nan
             unusable[axis] = Discrepancy("values", axis, level, level, _unit(axis), 0.0)
         elif (every := _samples_to_a_knot(found.to_numpy(float))) > 1:
             period = every * float(np.median(np.diff(found.index)))
             unusable[axis] = Discrepancy("values", axis, period, period, "s", 0.0)
     return () if len(unusable) == len(values) else tuple(unusable.values())
+
+
+def without_noise(values: np.ndarray) -> bool:
+    """Return whether finite samples, shape (n,), are nearly all one value, or follow exactly from those before.
+
+    A linear recurrence gives each sample of a ramp, of alternating values or of tones from those before.
+    """
+    if len(values) < 2 or len(values) - np.unique(values, return_counts=True)[1].max() < MIN_CHANGES:
+        return True
+    scaled = (values - values[0]) / np.ptp(values)
+    if len(scaled) < 4 * RECURRENCE:
+        return False
+    before = sliding_window_view(scaled[:-1], RECURRENCE)
+    terms = np.column_stack([before, np.ones(len(before))])
+    step = scaled[RECURRENCE:] - scaled[RECURRENCE - 1 : -1]
+    left = step - terms @ np.linalg.lstsq(terms, step, rcond=None)[0]
+    return bool(np.abs(left).max() < PREDICTED)
 
 
 def _samples_to_a_knot(values: np.ndarray) -> float:

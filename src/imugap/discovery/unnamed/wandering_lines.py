@@ -106,5 +106,6 @@ def _level(power: np.ndarray, first: int, last: int, at: np.ndarray) -> np.ndarr
     """Return the level of the power at some coefficients, a power law between the flanks of a band."""
     low, high = int(first / MAX_BAND_RATIO), min(int(last * MAX_BAND_RATIO), len(power) - STRIDE)
     sides = (slice(max(int(low / FLANK_RATIO), 1), low), slice(high, max(int(high * FLANK_RATIO), high + STRIDE)))
-    level = [np.median(power[side]) / CHI2_MEDIAN for side in sides]
+    least = np.finfo(float).eps * power.max()  # what rounding leaves where there is no noise
+    level = [max(np.median(power[side]) / CHI2_MEDIAN, least) for side in sides]
     return np.exp(np.interp(np.log(at), np.log([max(low, 1), high]), np.log(level)))

@@ -8,8 +8,8 @@ import pandas as pd
 from imugap.io import gnss
 from imugap.io.fixes import bags, gpx, nmea, rtklib, tables
 from imugap.io.formats.source import whole_file
-from imugap.io.rows import require_numbers, require_order
-from imugap.log import LogError
+from imugap.io.rows import require_numbers, require_order, require_range
+from imugap.log import TIME, LogError
 from imugap.units import to_si
 
 FORMATS = (bags, rtklib, gpx, nmea, tables)
@@ -45,6 +45,7 @@ def read(path: str | Path, topic: str | None = None) -> ReceiverLog:
     with whole_file(path):
         decoded = next(one for one in FORMATS if one.recognises(path, head)).decode(path, topic)
     table = decoded.table
+    require_range({TIME: table.index.to_numpy()}, path, decoded.place)
     require_order(table, path, decoded.place)
     require_numbers(table[[name for name in gnss.PLACE if name in table]], path, decoded.place)
     for name in ("latitude", "longitude"):

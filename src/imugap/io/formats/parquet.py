@@ -20,24 +20,26 @@ def recognises(path: Path, head: bytes) -> bool:
 
 def open_source(path: Path, settings) -> Source:
     """Return the columns of a Parquet file; LogError where one that is read is no number."""
-    file = pa.parquet.ParquetFile(path.open("rb"))  # the library opens no name that is not UTF-8
-    schema = file.schema_arrow
+    with path.open("rb") as handle:  # the library opens no name that is not UTF-8
+        file = pa.parquet.ParquetFile(handle)
+        schema, rows = file.schema_arrow, file.metadata.num_rows
     counted = _counted_index(schema)
     names = (*schema.names, *counted)
 
     def batches(columns):
-        row = 0
-        for group in range(file.num_row_groups):
-            stored = [names[k] for k in columns if names[k] not in counted]
-            table = file.read_row_group(group, columns=stored)
-            rows = slice(row, row := row + file.metadata.row_group(group).num_rows)
-            yield [
-                counted[name][rows] if name in counted else _numbers(path, name, table.column(name))
-                for name in (names[k] for k in columns)
-            ]
+        with path.open("rb") as handle:
+            file, row = pa.parquet.ParquetFile(handle), 0
+            for group in range(file.num_row_groups):
+                stored = [names[k] for k in columns if names[k] not in counted]
+                table = file.read_row_group(group, columns=stored)
+                inside = slice(row, row := row + file.metadata.row_group(group).num_rows)
+                yield [
+                    counted[name][inside] if name in counted else _numbers(path, name, table.column(name))
+                    for name in (names[k] for k in columns)
+                ]
 
     attributes = json.loads((schema.metadata or {}).get(ATTRIBUTES, b"{}"))
-    return Source(path, names, file.metadata.num_rows, batches, canonical=attributes == MARK)
+    return Source(path, names, rows, batches, canonical=attributes == MARK)
 
 
 def _counted_index(schema: pa.Schema) -> dict[str, np.ndarray]:

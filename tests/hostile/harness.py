@@ -1,0 +1,263 @@
+"""Run one command line on one hostile input in this process, and say what is wrong with how it ends."""
+
+import io
+import os
+import re
+import shutil
+import signal
+import warnings
+from collections.abc import Callable
+from contextlib import contextmanager, redirect_stderr, redirect_stdout
+from dataclasses import dataclass, replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import yaml
+from tests.hostile import mutations
+
+from imugap import cli, log
+from imugap.commands import drive
+from imugap.effects import Bias, WhiteNoise
+from imugap.interchange.export import Target
+from imugap.io import datasets
+from imugap.model import ErrorModel
+from imugap.simulation.drive import Drive
+from imugap.simulation.walk import Walk, WalkCourse
+from imugap.stream import stream
+
+ROOT = Path(__file__).parents[2]
+LONGEST_S = 60
+FORM = re.compile(r"imugap: \S.*: .*expected .+; found .+")
+"""Form of every message: place, expected, found."""
+NOTE = re.compile(r"imugap: .+")
+"""Form of a line that a command says besides."""
+BUG = "an error of imugap itself"
+
+
+class HungError(BaseException):
+    """A case that takes more processor time than the limit."""
+
+
+@dataclass(frozen=True)
+class Case:
+    """Command line, and the files that it reads."""
+
+    command: str
+    arguments: tuple[str, ...]
+    contents: dict[str, bytes]
+
+
+@cache
+def static() -> pd.DataFrame:
+    """Return a short static log of three axes."""
+    model = ErrorModel({
+        "gyro_x": WhiteNoise(1e-4) + Bias(1e-3), "gyro_z": WhiteNoise(1e-4) + Bias(1e-3),
+        "accel_z": WhiteNoise(1e-3) + Bias(0.0),
+    })  # fmt: skip
+    ideal = log.from_samples({axis: np.full(400, -9.80665 * (axis == "accel_z")) for axis in model.axes}, 0.04)
+    return model.simulate(ideal, 1, "hostile")
+
+
+@cache
+def walk() -> pd.DataFrame:
+    """Return a walk of four strides."""
+    recipe = replace(Walk.read(ROOT / "data" / "walk.yaml"), course=WalkCourse.out_and_back(2, stand_s=1.0))
+    return recipe.record(1, 1)
+
+
+@cache
+def driven() -> tuple[pd.DataFrame, pd.DataFrame]:
+    """Return the first part of a drive at 20 Hz, and its fixes in degrees."""
+    recipe = replace(Drive.read(ROOT / "data" / "drive.yaml"), laps=1)
+    fixes = recipe.fixes(1, 1).loc[:45.0]
+    fixes = fixes.assign(**{name: np.degrees(fixes[name]) for name in ("latitude", "longitude")})
+    record = recipe.record(1, 1)
+    return record.iloc[:: max(round(0.05 / log.interval(record)), 1)].loc[:45.0], fixes
+
+
+def _csv(table: pd.DataFrame, index: bool = True) -> bytes:
+    return table.to_csv(index=index).encode()
+
+
+def _log(table: pd.DataFrame, rng: np.random.Generator) -> tuple[str, bytes]:
+    """Return the name and the bytes of a mutated log."""
+    if rng.uniform() < 0.25:
+        return "log.csv", mutations.text_bytes(_csv(table), rng)
+    changed = mutations.table_values(table, rng)
+    if rng.uniform() < 0.25 and changed.columns.is_unique:
+        return "log.parquet", mutations.parquet_bytes(changed, rng)
+    return "log.csv", _csv(changed, index=False)
+
+
+def _model(rng: np.random.Generator) -> dict[str, bytes]:
+    return {"model.yaml": mutations.model_text(rng).encode("utf-8", errors="surrogateescape")}
+
+
+def check(rng):
+    """Draw a case of ``check``."""
+    name, content = _log(static(), rng)
+    return Case("check", (name,), {name: content})
+
+
+def indices(rng):
+    """Draw a case of ``indices``."""
+    name, content = _log(static(), rng)
+    return Case("indices", (name, "--out", "out.csv"), {name: content})
+
+
+def estimate(rng):
+    """Draw a case of ``estimate``, of one given effect or two in most."""
+    name, content = _log(static()[["gyro_x"]], rng)
+    method = str(rng.choice(["likelihood", "allan", "wavelet"]))
+    terms = str(rng.choice(["white_noise", "white_noise,random_walk", "white_noise,gauss_markov"]))
+    extra = ("--table", "out.csv", "--model", "out.yaml") if rng.uniform() < 0.2 else ()
+    return Case("estimate", (name, "--method", method, "--terms", terms, "--out", "out.json", *extra), {name: content})
+
+
+def discover(rng):
+    """Draw a case of ``discover`` on one axis."""
+    name, content = _log(static()[["gyro_x"]], rng)
+    model = _model(rng) if rng.uniform() < 0.3 else {}
+    arguments = (name, *(("--model", "model.yaml") if model else ()), "--workers", "1", "--out", "out")
+    return Case("discover", arguments, {name: content} | model)
+
+
+def walked(rng):
+    """Draw a case of ``walk``."""
+    if rng.uniform() < 0.3:
+        return Case(
+            "walk", ("log.csv", "--model", "model.yaml", "--out", "out"), {"log.csv": _csv(walk())} | _model(rng)
+        )
+    name, content = _log(walk(), rng)
+    return Case("walk", (name, "--out", "out"), {name: content})
+
+
+def drove(rng):
+    """Draw a case of ``drive``: the log, the fixes, the configuration or the model is mutated."""
+    record, fixes = driven()
+    name, content, kind = "log.csv", _csv(record), rng.uniform()
+    others = {"fixes.csv": _csv(fixes)}
+    options: tuple[str, ...] = ()
+    if kind < 0.3:
+        name, content = _log(record, rng)
+    elif kind < 0.6:
+        fixes_name, changed = _log(fixes, rng)
+        others = {fixes_name.replace("log", "fixes"): changed}
+    else:
+        schema = yaml.safe_load(drive.SCHEMA.read_text())
+        text = "model: model.yaml\n" if kind < 0.75 else mutations.configuration_text(schema, rng)
+        others |= {"own.yaml": text.encode()} | _model(rng)
+        options = ("--config", "own.yaml")
+    fixes_file = next(one for one in others if one.startswith("fixes"))
+    return Case("drive", (name, fixes_file, *options, "--out", "out"), {name: content} | others)
+
+
+def simulate(rng):
+    """Draw a case of ``simulate``."""
+    rate = f"{10 ** rng.uniform(-7, 8):g}" if rng.uniform() < 0.2 else "25"
+    duration = f"{10 ** rng.uniform(-9, 20):g}" if rng.uniform() < 0.2 else "20"
+    if 1e5 < float(rate) * float(duration) < 1e10:  # sound, but not in the time of a test
+        duration = "1"
+    out = str(rng.choice(["out.csv", "out.parquet", "out.csv", "out.txt"]))
+    return Case("simulate", ("model.yaml", "--duration", duration, "--rate", rate, "--out", out), _model(rng))
+
+
+def export(rng):
+    """Draw a case of ``export`` to any target."""
+    rate = f"{10 ** rng.uniform(-7, 8):g}" if rng.uniform() < 0.3 else "100"
+    horizon = ("--horizon", f"{10 ** rng.uniform(-12, 12):g}") if rng.uniform() < 0.3 else ()
+    target = str(rng.choice(list(Target)))
+    return Case("export", ("model.yaml", "--to", target, "--rate", rate, *horizon, "--out", "out.yaml"), _model(rng))
+
+
+CASES: dict[str, Callable[[np.random.Generator], Case]] = {
+    "check": check, "indices": indices, "estimate": estimate, "discover": discover, "walk": walked, "drive": drove,
+    "simulate": simulate, "export": export,
+}  # fmt: skip
+
+
+@contextmanager
+def limited():
+    """Raise an error in the block after the longest processor time that a case may take."""
+
+    def stop(*_):
+        raise HungError
+
+    former = signal.signal(signal.SIGPROF, stop)
+    signal.setitimer(signal.ITIMER_PROF, LONGEST_S)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_PROF, 0)
+        signal.signal(signal.SIGPROF, former)
+
+
+def faults(case: Case, folder: Path) -> list[str]:
+    """Return what is wrong with how a case ends, in words; work in ``folder``, which is emptied."""
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir()
+    for name, content in case.contents.items():
+        (folder / name).write_bytes(content)
+    out, err, here = io.StringIO(), io.StringIO(), Path.cwd()
+    os.chdir(folder)
+    try:
+        with limited(), redirect_stdout(out), redirect_stderr(err), warnings.catch_warnings(record=True) as warned:
+            warnings.simplefilter("always")
+            code = cli.main([case.command, *case.arguments])
+    except HungError:
+        return [f"longer than {LONGEST_S} s"]
+    except SystemExit as end:
+        code = end.code
+    except BaseException as error:
+        return [f"{type(error).__name__} left main: {error}"]
+    finally:
+        os.chdir(here)
+    return [*_of_text(code, err.getvalue()), *_of_files(code, case, folder), *_of_warnings(warned)]
+
+
+def _of_text(code: int, text: str) -> list[str]:
+    lines = [line for line in re.split(r"[\r\n]+", text) if line.strip() and "[00:" not in line and "0:0" not in line]
+    if code == 2:
+        return [] if lines and "expected" in lines[-1] else [f"usage: {lines[-1:]}"]
+    found = [f"says {line!r}" for line in lines if not NOTE.match(line) or BUG in line]
+    if code == 1 and not (lines and FORM.match(lines[-1])):
+        found.append(f"no place, expected and found: {lines[-1:]}")
+    if code not in (0, 1):
+        found.append(f"exit code {code}")
+    return list(dict.fromkeys(found))
+
+
+def _of_files(code: int, case: Case, folder: Path) -> list[str]:
+    left = {path.name for path in folder.iterdir()} - set(case.contents)
+    hidden = [f"leaves {name}" for name in left if name.startswith(".")]
+    if code:
+        return [f"leaves {name} though it failed" for name in left]
+    changed = [name for name, content in case.contents.items() if (folder / name).read_bytes() != content]
+    return hidden + [f"changes {name}" for name in changed] + ([] if left or case.command == "check" else ["no output"])
+
+
+def _of_warnings(warned: list) -> list[str]:
+    return [f"warns {one.category.__name__}: {one.message} ({Path(one.filename).name}:{one.lineno})" for one in warned]
+
+
+TABLES = {name: (ROOT / "data" / name).read_bytes() for name in ("datasets.csv", "files.csv")}
+
+
+def catalogue_faults(number: int, folder: Path) -> list[str]:
+    """Return what is wrong with how reading a mutated catalogue ends."""
+    rng = stream(7, "catalogue", number)
+    name = str(rng.choice(list(TABLES)))
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir()
+    for one, content in TABLES.items():
+        (folder / one).write_bytes(mutations.text_bytes(content, rng) if one == name else content)
+    try:
+        sets = datasets.load(folder, ROOT / "workflow" / "schemas")
+    except datasets.CatalogueError as error:
+        return [] if re.match(r"\S.*: .*expected .+; found .+", str(error), re.DOTALL) else [f"form of {error}"]
+    except Exception as error:
+        return [f"{type(error).__name__}: {error}"]
+    places = [file.place(folder).resolve() for one in sets.values() for file in one.files]
+    return [f"escapes to {place}" for place in places if place.parents[1] != folder.resolve()]
