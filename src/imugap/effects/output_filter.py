@@ -6,6 +6,7 @@ from functools import lru_cache
 from typing import ClassVar
 
 import numpy as np
+from numba import njit
 from scipy.fft import irfft, next_fast_len, rfft, rfftfreq
 
 from imugap.effects.effect import TINY, FilterEffect, Start, parameter
@@ -24,8 +25,8 @@ OPEN = 20.0
 """Angle pi cutoff interval above which the gain is 1 to rounding."""
 SETTLED = 20.0
 """Settling time of an analogue filter [radians of the cutoff, for each order]."""
-FOLDS = np.arange(-8, 9)
-"""Multiples of the rate from which noise is aliased."""
+FOLDS = 8
+"""Largest multiple of the rate from which noise is aliased, either way."""
 
 
 @dataclass(frozen=True)
@@ -73,16 +74,16 @@ class OutputFilter(FilterEffect):
         """Return the power gain at ``frequency`` [Hz], shape of it."""
         self.check_rate(interval)
         if self.form == SAMPLED:
-            return self._folded(np.asarray(frequency, float), interval) / self._folded(np.zeros(1), interval)
+            own = np.atleast_1d(np.asarray(frequency, float))
+            folded = _folded(own, 1 / interval, self.cutoff, int(self.order))
+            return (folded / _folded(np.zeros(1), 1 / interval, self.cutoff, int(self.order))).reshape(
+                np.shape(frequency)
+            )
         return self._plain(np.asarray(frequency, float), interval)
 
     def _plain(self, frequency: np.ndarray, interval: float) -> np.ndarray:
         """Return the power gain without folding."""
         return 1 / (1 + np.abs(self._ratio(frequency, interval)) ** (2 * self.order))
-
-    def _folded(self, frequency: np.ndarray, interval: float) -> np.ndarray:
-        """Return the sum of the power gains at all aliases of each frequency."""
-        return sum(self._plain(frequency + fold / interval, interval) for fold in FOLDS)
 
     def _ratio(self, frequency: np.ndarray, interval: float) -> np.ndarray:
         """Return w(f)/c."""
@@ -136,6 +137,17 @@ class OutputFilter(FilterEffect):
             raise ValueError(
                 f"{self.name}.cutoff: expected less than half the rate, {0.5 / interval:g} Hz; found {self.cutoff:g} Hz"
             )
+
+
+@njit(cache=True)
+def _folded(frequency, rate, cutoff, order):
+    """Return the sum of the power gains of an analogue filter at all aliases of each frequency [Hz], shape (n,)."""
+    total = np.zeros(len(frequency))
+    for k in range(len(frequency)):
+        for fold in range(-FOLDS, FOLDS + 1):
+            ratio = (frequency[k] + fold * rate) / cutoff
+            total[k] += 1 / (1 + (ratio * ratio) ** order)
+    return total
 
 
 @lru_cache(maxsize=64)
