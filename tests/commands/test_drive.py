@@ -130,7 +130,7 @@ FAULTS = {
     "turned.parquet gnss.csv": "expected a mean specific force that points up, accel_z near -9.8",
     "imu.csv none.csv": "none.csv: file: expected a log of fixes",
     "none.csv gnss.csv": "none.csv: file: expected a log",
-    "imu.csv imu.csv": "imu.csv: line 1: expected columns among time, latitude",
+    "imu.csv imu.csv": "imu.csv: line 1: expected all of latitude, longitude, height",
     "imu.csv gnss.csv --config misspelt.yaml": r"quality: expected a key of the schema "
     r"\(did you mean 'robust'\?\); found 'robustt'",
     "imu.csv gnss.csv --config wrong.yaml": "epoch_s: expected a number > 0; found -1",
