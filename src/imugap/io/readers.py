@@ -3,11 +3,8 @@
 Recordings of a user are read by :func:`imugap.io.recording.read`, fixes by :func:`imugap.io.fixes.reading.read`.
 """
 
-import csv
-import difflib
 import warnings
 from functools import partial
-from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -23,7 +20,6 @@ from imugap.kinematics.strapdown import POSITION
 from imugap.log import COLUMNS, LogError, check
 from imugap.units import to_si
 
-KNOWN = ("time", *COLUMNS)
 EXCERPT = 60
 
 
@@ -149,38 +145,6 @@ def _decoded(path: Path, decoders: dict, whole: str) -> pd.DataFrame | np.ndarra
         raise LogError(path, "file", f"{whole} in {path.suffix} format", found) from error
 
 
-def _csv_table(path: Path, known: tuple[str, ...] = KNOWN) -> pd.DataFrame:
-    if path.stat().st_size == 0:
-        raise LogError(path, "line 1", f"a header of time and {', '.join(known[1:])}", "an empty file")
-    with path.open("rb") as handle:
-        header = handle.readline().decode("utf-8-sig", errors="replace")
-        handle.seek(-1, 2)
-        ended = handle.read() in (b"\n", b"\r")
-    if not ended:
-        raise _cut_off(path)
-    names = [name.strip() for name in next(csv.reader([header], skipinitialspace=True), [])]
-    _require_names(names, path, "line 1", known)
-    options = pa.csv.ConvertOptions(column_types=dict.fromkeys(names, pa.float64()))
-    reading = pa.csv.ReadOptions(column_names=names, skip_rows=1)
-    try:
-        with path.open("rb") as file:  # the library opens no name that is not UTF-8
-            table = pa.csv.read_csv(file, read_options=reading, convert_options=options)
-    except pa.ArrowInvalid as error:
-        raise _diagnosis(path, names, str(error)) from error
-    return table.to_pandas()
-
-
-def _parquet_table(path: Path, known: tuple[str, ...] = KNOWN) -> pd.DataFrame:
-    table = pd.read_parquet(path)
-    if table.index.name == "time":
-        table = table.reset_index()
-    _require_names([str(name) for name in table.columns], path, "columns", known)
-    for name in table.columns:
-        if table[name].dtype.kind not in "iuf":
-            raise LogError(path, f"column {name}", "numbers", str(table[name].dtype))
-    return pd.DataFrame({name: table[name].to_numpy(float, na_value=np.nan) for name in table.columns})
-
-
 def _rda(path: Path) -> np.ndarray:
     import rdata  # takes half a second, and most logs are in other formats
 
@@ -244,7 +208,6 @@ def _parquet_samples(path: Path) -> np.ndarray:
     return pd.read_parquet(path).to_numpy(float)
 
 
-TABLES = {".csv": _csv_table, ".parquet": _parquet_table}
 RECORDINGS = {
     ".rda": _rda,
     ".npy": _npy,
@@ -253,59 +216,3 @@ RECORDINGS = {
     ".txt": _txt,
     ".parquet": _parquet_samples,
 }
-
-
-def _require_names(names: list[str], path: Path, place: str, known: tuple[str, ...]) -> None:
-    """Raise unless ``names`` are ``time``, at least one known column, and nothing else, each once."""
-    for name in names:
-        if name not in known:
-            near = difflib.get_close_matches(name.lower(), known, n=1, cutoff=0.4)
-            hint = f" (did you mean {near[0]}?)" if near else ""
-            raise LogError(path, place, f"columns among {', '.join(known)}", f"{name[:EXCERPT]!r}{hint}")
-    repeated = {name for name in names if names.count(name) > 1}
-    if repeated:
-        raise LogError(path, place, "every column once", f"{', '.join(sorted(repeated))} more than once")
-    if "time" not in names or len(names) < 2:
-        raise LogError(path, place, "the column time and at least one other", ", ".join(names) or "nothing")
-
-
-def _place(path: Path, row: int) -> str:
-    """Return the location of data row ``row``: the line of a text file, header and empty lines included."""
-    if path.suffix.lower() != ".csv":
-        return f"row {row}"
-    with path.open("rb") as handle:
-        filled = (number for number, line in enumerate(handle, start=1) if line.strip(b"\r\n"))
-        return f"line {next(islice(filled, row + 1, None), row + 2)}"
-
-
-def _cut_off(path: Path) -> LogError:
-    with path.open("rb") as handle:
-        for number, line in enumerate(handle, start=1):
-            last = number, line
-    text = last[1].decode("utf-8", errors="replace")[-EXCERPT:]
-    expected = "a line end after the last row (add it if the row is whole, remove the row if it is cut off)"
-    return LogError(path, f"line {last[0]}", expected, f"the end of the file after {text!r}")
-
-
-def _diagnosis(path: Path, names: list[str], cause: str) -> LogError:
-    """Return the first error in a text file, line by line, after the fast reader failed with ``cause``."""
-    with path.open(newline="", encoding="utf-8", errors="replace") as handle:
-        rows = csv.reader(handle)
-        next(rows)
-        for row in filter(None, rows):
-            place = f"line {rows.line_num}"
-            if len(row) != len(names):
-                found = f"{len(row)}: {','.join(row)[:EXCERPT]!r}"
-                return LogError(path, place, f"{len(names)} values ({', '.join(names)})", found)
-            for name, text in zip(names, row, strict=True):
-                if text and not _is_number(text):
-                    return LogError(path, f"{place}, column {name}", "a number", repr(text[:EXCERPT]))
-    return LogError(path, "text", "rows of numbers", cause.splitlines()[0][: 4 * EXCERPT])
-
-
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return "_" not in text
