@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from imugap.io.recognition.stamps import seconds, unit_of_stamps
+from imugap.io.recognition.stamps import seconds, unit_of_fine, unit_of_stamps
 from imugap.units import factor
 
 UNITS = ["s", "ms", "us", "ns"]
@@ -38,3 +38,9 @@ def test_nanoseconds_keep_a_regular_step():
     time = EPOCH_S * 10**9 + 5_000_000 * np.arange(1000)
     steps = np.diff(seconds(time, 1e-9))
     assert np.abs(steps - 0.005).max() < 3e-7
+
+
+@pytest.mark.parametrize(("tick", "rate"), [("us", 60), ("us", 120), ("100us", 100), ("100us", 400)])
+def test_the_tick_of_a_fine_counter_follows_from_the_rate(tick, rate):
+    time = np.round(np.arange(1000) / (rate * factor(tick))).astype(np.int64)
+    assert unit_of_fine(time)[0] == tick

@@ -113,6 +113,8 @@ def _time_unit(
         unit, why = settings.time_unit, "the option"
     elif stated := column_names.stated_unit(stamp):
         unit, why = stated, "the header"
+    elif stamps.FINE in stamp.lower():
+        unit, why = stamps.unit_of_fine(raw)
     else:
         unit, why = asked(stamps.unit_of_stamps, f"column {stamp}", raw, stamp == TIME)
     return unit, () if unit == "s" else (f"stamps {unit} -> s from {why}",)

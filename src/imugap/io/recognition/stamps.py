@@ -21,8 +21,8 @@ SLOWEST_CONTRACT_HZ = 0.5
 """Lowest rate at which stamps named ``time`` are in seconds without any doubt."""
 YEARS = (9.5e8, 4.1e9)
 """Seconds since 1970 of the years 2000 to 2099."""
-FINE_TICK_S = 1e-4
-"""Tick of the counter SampleTimeFine of some devices [s]; of others it is a microsecond."""
+FINE, FINE_TICKS, FINE_FASTEST_HZ = "sampletimefine", ("us", "100us"), 3e3
+"""Counter of some devices, its ticks by their kind, and the highest rate of these."""
 MOST = 0.3
 """Share of the stamps that advance, in a column of stamps: they may repeat in bursts."""
 
@@ -72,6 +72,12 @@ def unit_of_stamps(time: np.ndarray, contract: bool) -> tuple[str, str]:
         return admitted[0], "the rate"
     readings = " or ".join(f"{rates[unit]:.4g} Hz in {unit}" for unit in admitted or rates)
     raise ValueError(f"the unit of the stamps (--time-unit decides); found a step of {step:.6g}: {readings}")
+
+
+def unit_of_fine(time: np.ndarray) -> tuple[str, str]:
+    """Return the tick of the counter :data:`FINE`, and why."""
+    rates = {unit: 1 / (step_of(time) * factor(unit)) for unit in FINE_TICKS}
+    return next((unit for unit, rate in rates.items() if SLOWEST_HZ < rate < FINE_FASTEST_HZ), "100us"), "the rate"
 
 
 def advances(time: np.ndarray) -> bool:
