@@ -117,7 +117,7 @@ def test_lost_samples_are_filled(recipe):
 
 
 FAULTS = {
-    "late.parquet": "late.parquet: walk: expected a stand of 0.5 s or more at the start; found",
+    "late.parquet": "late.parquet: walk: expected a stand of 0.2 s or more at the start; found",
     "gap.csv": "gap.csv: walk: expected gaps of at most 0.1 s; found 0.505 s after 7",
     "none.csv": "none.csv",
     "walk.csv --model none.yaml": "none.yaml",

@@ -110,7 +110,7 @@ def test_a_foot_that_never_gets_quite_still_has_its_stances_by_the_lowest_of_its
 
 def test_a_log_that_does_not_begin_with_a_stand_is_refused():
     gyro, accel, edges = walk()
-    with pytest.raises(ValueError, match=r"walk: expected a stand of 0.5 s or more at the start; found 0 s"):
+    with pytest.raises(ValueError, match=r"walk: expected a stand of 0.2 s or more at the start; found 0 s"):
         Detector().stand(gyro[edges[0] :], accel[edges[0] :], 0.005)
     still = Detector().stand(gyro[: edges[0]], accel[: edges[0]], 0.005)
     assert isinstance(still, Stand)

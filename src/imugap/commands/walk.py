@@ -23,10 +23,11 @@ from imugap.interchange.plugins import catalogue
 from imugap.log import ACCEL, AXES, GYRO, LogError, axes
 from imugap.model import ErrorModel
 from imugap.navigation import pedestrian
-from imugap.navigation.pedestrian import AlignedWalk, WalkAssumptions, WalkSolution
+from imugap.navigation.pedestrian import DOWN, AlignedWalk, WalkAssumptions, WalkSolution
+from imugap.navigation.walk_physics import check_walk
 from imugap.units import to_si
 
-FILES = ("solution.parquet", "summary.json", "plan.svg", "height.svg")
+FILES = ("solution.parquet", "strides.csv", "summary.json", "plan.svg", "height.svg")
 """Files of the folder."""
 STD = "_std"
 """Suffix of the name of a standard deviation."""
@@ -82,6 +83,33 @@ class NavigatedWalk:
         values = {name: value if name == "strides" else float(value) for name, (value, _) in found.items()}
         return values | {name + STD: float(value) for name, (_, value) in found.items()}
 
+    def strides(self) -> pd.DataFrame:
+        """Return the strides, with standard deviations.
+
+        Columns ``start``, ``end``, ``duration`` [s] between the middles of stances, ``length``, ``rise``, ``clearance``
+        [m], the largest height of the device over the line between both ends, and ``heading`` of the stride [deg].
+        """
+        found, one = self.smoothed.strides(), self.smoothed
+        time, down = one.trajectory.index.to_numpy(), one.trajectory["down"].to_numpy()
+        place = one.trajectory[["north", "east"]].to_numpy()
+        first, last = (np.searchsorted(time, found[name]) for name in ("start", "end"))
+        steps, gained = place[last] - place[first], self.filtered.horizontal[last] - self.filtered.horizontal[first]
+        along = steps / found["length"].to_numpy()[:, None]
+        across = along @ np.array([[0.0, 1.0], [-1.0, 0.0]])
+        spread = [np.sqrt(np.maximum(np.einsum("ni,nij,nj->n", one, gained, one), 0)) for one in (along, across)]
+        vertical = self.filtered.history.variances[:, DOWN]
+        sunk = np.sqrt(np.maximum(vertical[last] - vertical[first], 0))
+        turned = self.smoothed.trajectory_std["heading"].to_numpy()[first]
+        clearance = [
+            np.max(np.interp(time[i : j + 1], time[[i, j]], down[[i, j]]) - down[i : j + 1])
+            for i, j in zip(first, last, strict=True)
+        ]
+        return found.assign(
+            duration=found["end"] - found["start"], clearance=clearance,
+            heading=np.degrees(np.arctan2(steps[:, 1], steps[:, 0])), length_std=spread[0], rise_std=sunk,
+            clearance_std=sunk, heading_std=np.degrees(np.hypot(spread[1] / found["length"].to_numpy(), turned)),
+        )  # fmt: skip
+
     def _distance_std(self) -> float:
         at = self.filtered.stances()
         steps = np.diff(self.smoothed.trajectory[["north", "east"]].to_numpy()[at], axis=0)
@@ -101,8 +129,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     add_examples(parser, "imugap walk foot.csv --outdoors --out walk")
     parser.description = (
-        "Navigate a walk with the device on a foot. The log begins with a stand of half a second or more. Lost "
-        "samples are filled, up to a tenth of a second."
+        "Navigate a walk with the device on a foot. The log begins with a stand of 0.2 s or more. Lost samples are "
+        "filled, up to a tenth of a second."
     )
     parser.add_argument("log", help=f"{LOG_HELP}; six axes")
     parser.add_argument("--model", help="error model of the device (YAML; default that of a cheap one)")
@@ -148,12 +176,14 @@ def read(options: argparse.Namespace) -> WalkInputs:
 
 
 def check(inputs: WalkInputs) -> WalkInputs:
-    """Check the gaps of the log, and fill lost samples."""
+    """Check the gaps of the log, fill lost samples, and check the physics."""
     steps = np.diff(inputs.log.index.to_numpy())
     if steps.max() > LONGEST_GAP_S:
         found = f"{steps.max():.3g} s after {inputs.log.index[int(steps.argmax())]:g} s"
         raise ValueError(f"walk: expected gaps of at most {LONGEST_GAP_S:g} s; found {found}")
-    return replace(inputs, log=filled(inputs.log))
+    inputs = replace(inputs, log=filled(inputs.log))
+    check_walk(inputs.log, inputs.model, inputs.assumptions)
+    return inputs
 
 
 def align(inputs: WalkInputs) -> AlignedWalk:
@@ -170,5 +200,5 @@ def report(found: NavigatedWalk) -> dict[str, object]:
     """Return the content of each of the :data:`FILES`."""
     from imugap.figures import walk  # figures take longer to import than to read and check the log
 
-    contents = found.table(), found.summary(), walk.plan(found.smoothed), walk.height(found.smoothed)
+    contents = found.table(), found.strides(), found.summary(), walk.plan(found.smoothed), walk.height(found.smoothed)
     return dict(zip(FILES, contents, strict=True))

@@ -79,8 +79,8 @@ class Detector:
     still_s, still_accel_std, still_gyro_std
         The body stands where the GLRT with these standard deviations, over this window, is below 1 [s], [m/s^2],
         [rad/s].
-    stand_s
-        Window for the stand at the start, and its shortest length [s].
+    stand_s, shortest_s
+        Window for the stand at the start [s]; and its shortest length, which is tried where there is none so long [s].
     """
 
     statistic: Statistic = Statistic.GLRT
@@ -95,19 +95,17 @@ class Detector:
     still_accel_std: float = 0.3
     still_gyro_std: float = 0.04
     stand_s: float = 0.5
+    shortest_s: float = 0.2
 
     def stand(self, gyro: np.ndarray, accel: np.ndarray, interval: float) -> Stand:
         """Return the statistics of the stand at the start of samples, shape (n, 3) each; a ValueError without one."""
-        first = max(2, round(self.stand_s / interval))
-        bias, force = gyro[:first].mean(axis=0), accel[:first].mean(axis=0)
-        reach, count = 0, 0
-        while count == reach < len(gyro):
-            reach = min(max(4 * reach, 40 * first), len(gyro))
-            still = self._still(gyro[:reach] - bias, accel[:reach], first, float(np.linalg.norm(force)))
-            count = int(np.argmin(still)) if not still.all() else reach
+        count = 0
+        for length in (self.stand_s, self.shortest_s):
+            first = max(2, round(length / interval))
+            count = count if count >= first else self._standing(gyro, accel, first)
         if count < first:
             raise ValueError(
-                f"walk: expected a stand of {self.stand_s:g} s or more at the start; found {count * interval:.2g} s"
+                f"walk: expected a stand of {self.shortest_s:g} s or more at the start; found {count * interval:.2g} s"
             )
         rest = slice(0, count)
         return Stand(
@@ -117,6 +115,16 @@ class Detector:
             accel_std=float(np.sqrt(accel[rest].var(axis=0).mean())),
             gyro_std=float(np.sqrt(gyro[rest].var(axis=0).mean())),
         )
+
+    def _standing(self, gyro: np.ndarray, accel: np.ndarray, first: int) -> int:
+        """Return the number of samples of a stand at the start, by a window of ``first`` samples."""
+        bias, force = gyro[:first].mean(axis=0), accel[:first].mean(axis=0)
+        reach, count = 0, 0
+        while count == reach < len(gyro):
+            reach = min(max(4 * reach, 40 * first), len(gyro))
+            still = self._still(gyro[:reach] - bias, accel[:reach], first, float(np.linalg.norm(force)))
+            count = int(np.argmin(still)) if not still.all() else reach
+        return count
 
     def phases(self, gyro: np.ndarray, accel: np.ndarray, interval: float, stand: Stand) -> np.ndarray:
         """Return :data:`MOVING`, :data:`STANCE` or :data:`STILL` for each sample, shape (n,).

@@ -28,7 +28,7 @@ I. Skog, J.-O. Nilsson, P. Handel, Pedestrian tracking using an IMU array, Proc.
 Fixed interval smoothing with discrete measurements, Int. J. Control 18 (1973) 65-75.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -100,7 +100,8 @@ class WalkAssumptions:
     full_scale
         Full scale of the accelerometers [m/s^2]; inf if unknown.
     tilt_std
-        Standard deviation of roll and pitch after levelling, without the accelerometer errors [rad].
+        Standard deviation of roll and pitch after levelling on a stand of :attr:`imugap.filters.zero_velocity.Detector`
+        or longer, without the accelerometer errors [rad]; larger in proportion on a shorter one.
     floor_std
         Standard deviation of the height difference of two stances on a level floor [m]; 0 for no floor assumption.
     scale_std
@@ -442,7 +443,10 @@ class AlignedWalk:
     def initial(self) -> tuple[History, _State]:
         """Return the history with its first row, and the initial state."""
         samples = self.arguments[0]
-        state = _initial_state(samples[: self.stand.count, 3:], self.states, self.assumptions)
+        length = self.stand.count * float(np.median(np.diff(self.time.to_numpy())))
+        shorter = max(self.assumptions.detector.stand_s / length, 1.0)
+        own = replace(self.assumptions, tilt_std=self.assumptions.tilt_std * shorter)
+        state = _initial_state(samples[: self.stand.count, 3:], self.states, own)
         if self.aiding is not None:
             state.covariance[range(3), range(3)] = self.aiding.origin_std**2
             state.covariance[ATTITUDE + 2, ATTITUDE + 2] = self.aiding.heading_std**2
