@@ -50,7 +50,7 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         with _interruptible():
             options = _parser(arguments[:1]).parse_args(arguments)
-            options.run(options)
+            code = options.run(options) or 0
             sys.stdout.flush()
     except BrokenPipeError as error:
         if error.filename is not None:
@@ -62,7 +62,7 @@ def main(arguments: list[str] | None = None) -> int:
         return 128 + interrupt.args[0]
     except Exception as error:
         return _failed(error)
-    return 0
+    return code
 
 
 def _parser(chosen: list[str]) -> argparse.ArgumentParser:

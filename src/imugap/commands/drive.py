@@ -1,14 +1,16 @@
 """Command ``drive``: navigate a drive by device and receiver, and write a folder.
 
 Stages, each a function of the value that the one before returns: read the logs and the configuration; check columns,
-gaps and times; prepare (fill lost samples, rotate to the axes of the vehicle); align; filter; smooth; report solutions,
-events, summary and figures; write the folder.
+gaps and times; screen the fixes; prepare (fill lost samples, rotate to the axes of the vehicle); mend what device and
+fixes contradict each other in; align; filter; smooth; judge; report verdict, solutions, events, summary and figures;
+write the folder.
 """
 
 import argparse
 import dataclasses
 import json
-from dataclasses import dataclass, field
+import sys
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -33,14 +35,33 @@ from imugap.filters.innovation_gate import (
 )
 from imugap.integrity.timestamps import filled
 from imugap.interchange.plugins import catalogue
-from imugap.io import configuration, gnss
+from imugap.io import configuration
 from imugap.io.fixes import reading as fixes
 from imugap.io.fixes.course import fast_course_rate
+from imugap.io.gnss import COMPONENTS, PLACE_STD
 from imugap.io.recognition import frame
 from imugap.log import ACCEL, AXES, GYRO, LogError, axes
 from imugap.model import ErrorModel
-from imugap.navigation import vehicle, vehicle_alignment
-from imugap.navigation.vehicle import AlignmentSettings, DriveAssumptions, DriveInputs, DriveSolution, InitialState
+from imugap.navigation import (
+    drive_physics,
+    drive_suspects,
+    drive_verdict,
+    fix_screening,
+    vehicle,
+    vehicle_alignment,
+)
+from imugap.navigation.drive_suspects import deviations
+from imugap.navigation.drive_verdict import DriveVerdict
+from imugap.navigation.mend import Mend
+from imugap.navigation.vehicle import (
+    LEVER_ARM,
+    TIME_OFFSET,
+    AlignmentSettings,
+    DriveAssumptions,
+    DriveInputs,
+    DriveSolution,
+    InitialState,
+)
 from imugap.numerics.rotation import from_euler
 
 FILES = (
@@ -59,6 +80,8 @@ COUNTED = (FAILED, WEIGHED, REMOVED, RESET, SET_ASIDE, OPENED, SEPARATED, CLOSED
 """Events that the summary counts."""
 FASTEST_TURN, MOST_TURNS = 3.0, 30.0
 """Mean rate over a second that no vehicle has in a drive [rad/s], and its ratio to the rate of the course."""
+DISAGREES = 3
+"""Exit code of ``--strict`` where device and fixes do not agree."""
 OUTAGE_INTERVALS = 2.5
 """Shortest outage, in intervals of the fixes."""
 GYRO_CLASS = {"white_noise": {"density": 2e-4}, "gauss_markov": {"std": 5e-3, "correlation_time": 3600}}
@@ -78,6 +101,13 @@ class DriveSettings:
     assumptions: DriveAssumptions = field(default_factory=DriveAssumptions)
     quality: QualityControl = field(default_factory=QualityControl)
     alignment: AlignmentSettings = field(default_factory=AlignmentSettings)
+
+    @property
+    def states_receiver(self) -> bool:
+        """Whether the noise of the receiver is stated, and not that by default."""
+        plain = DriveAssumptions()
+        own = self.assumptions
+        return (own.position_std, own.velocity_std) != (plain.position_std, plain.velocity_std)
 
     @classmethod
     def read(cls, path: str | Path | None, effects: str | None = None) -> "DriveSettings":
@@ -122,30 +152,44 @@ class DriveSettings:
 
 @dataclass(frozen=True, eq=False)
 class RecordedDrive:
-    """Logs of a drive, and its configuration."""
+    """Logs of a drive, and its configuration; ``as_given``: without mends; ``mends``: of the fixes."""
 
     log: pd.DataFrame
     fixes: pd.DataFrame
     settings: DriveSettings = field(default_factory=DriveSettings)
+    as_given: bool = False
+    mends: tuple[Mend, ...] = ()
+
+
+class PreparedDrive(NamedTuple):
+    """Inputs of the filter, what was mended in them, and whether the noise of the receiver is stated."""
+
+    inputs: DriveInputs
+    mends: tuple[Mend, ...]
+    stated: bool
+    as_given: bool
 
 
 class AlignedDrive(NamedTuple):
-    """Inputs of the filter, and the initial state."""
+    """Inputs of the filter, what was mended in them, and the initial state."""
 
     inputs: DriveInputs
+    mends: tuple[Mend, ...]
     start: InitialState
 
 
 @dataclass(frozen=True, eq=False)
 class NavigatedDrive:
-    """Solutions of the filter and of the smoother for a drive, and its fixes."""
+    """Solutions of the filter and of the smoother for a drive, its fixes, the verdict, and the settings in use."""
 
     filtered: DriveSolution
     smoothed: DriveSolution
     fixes: pd.DataFrame
+    verdict: DriveVerdict
+    inputs: DriveInputs
 
     def summary(self) -> dict:
-        """Return the extent of the drive, the number of events of the quality control, and the mean NIS.
+        """Return the verdict, the extent of the drive, the events of the quality control, and the mean NIS.
 
         ``nis`` is the mean normalised innovation squared over its degrees of freedom, 1 for a consistent filter;
         ``nis_low`` and ``nis_high`` are its 95 % band. ``sensors`` are the filter's estimates at the end, with standard
@@ -159,7 +203,7 @@ class NavigatedDrive:
         long = gaps[gaps > OUTAGE_INTERVALS * usual]
         freedom = int(record.freedom.sum())
         low, high = nees_band(freedom, 1)
-        end, std = one.trajectory_std.iloc[-1], one.sensors_std.iloc[-1]
+        end, std, factor = one.trajectory_std.iloc[-1], one.sensors_std.iloc[-1], self.verdict.factor
         found = {
             "start_s": one.time[0],
             "duration_s": one.time[-1] - one.time[0],
@@ -171,19 +215,41 @@ class NavigatedDrive:
             "nis": record.statistic.sum() / freedom,
             "nis_low": low / freedom,
             "nis_high": high / freedom,
-            "end_horizontal_std_m": np.hypot(end["north"], end["east"]),
-            "end_heading_std_deg": np.degrees(end["heading"]),
+            "end_horizontal_std_m": factor * np.hypot(end["north"], end["east"]),
+            "end_heading_std_deg": factor * np.degrees(end["heading"]),
         }
         sensors = {name: {"value": value, "std": std[name]} for name, value in one.sensors.iloc[-1].items()}
         plain = {name: value if isinstance(value, int) else float(value) for name, value in found.items()}
-        return plain | {"sensors": {name: {key: float(v) for key, v in pair.items()} for name, pair in sensors.items()}}
+        sensors = {name: {key: float(v) for key, v in pair.items()} for name, pair in sensors.items()}
+        return self._words() | plain | {"sensors": sensors}
 
-    @staticmethod
-    def table(one: DriveSolution) -> pd.DataFrame:
+    def _words(self) -> dict:
+        """Return the verdict, what was mended, the tests behind it, and the settings in use."""
+        verdict, used = self.verdict, self.inputs.assumptions
+        last, std = self.filtered.sensors.iloc[-1], self.filtered.sensors_std.iloc[-1]
+        offset, arm = last.get(TIME_OFFSET, 0.0), [last.get(name, 0.0) for name in LEVER_ARM]
+        noise = np.median(deviations(self.inputs), axis=0)
+        return {
+            "verdict": str(verdict),
+            "agrees": verdict.agrees,
+            "mends": [{"suspect": one.suspect, "found": one.found, "setting": one.setting} for one in verdict.mends],
+            "outage_test": None if np.isnan(verdict.outage) else verdict.outage,
+            "smoother_test": None if np.isnan(verdict.smoother) else verdict.smoother,
+            "std_factor": verdict.factor,
+            "time_offset_s": {"value": float(used.offset_s + offset), "std": float(std.get(TIME_OFFSET, 0.0))},
+            "lever_arm_m": {
+                axis: {"value": float(given + error), "std": float(std.get(name, 0.0))}
+                for axis, name, given, error in zip("xyz", LEVER_ARM, used.lever_m, arm, strict=True)
+            },
+            "receiver_std": dict(zip(COMPONENTS, map(float, noise), strict=True)),
+        }
+
+    def table(self, one: DriveSolution) -> pd.DataFrame:
         """Return Trajectory, geodetic position (degrees), sensor errors, and standard deviations."""
+        factor = self.verdict.factor
         place = one.geodetic.assign(**{name: np.degrees(one.geodetic[name]) for name in ("latitude", "longitude")})
-        parts = [one.trajectory, place, one.trajectory_std.add_suffix(STD)]
-        return pd.concat([*parts, one.sensors, one.sensors_std.add_suffix(STD)], axis=1)
+        parts = [one.trajectory, place, factor * one.trajectory_std.add_suffix(STD)]
+        return pd.concat([*parts, one.sensors, factor * one.sensors_std.add_suffix(STD)], axis=1)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -192,7 +258,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.description = (
         "Navigate a drive. The axes of the device are x forward, z down, or turned as --config says. The fixes have "
         "latitude and longitude in degrees, the height in metres above the ellipsoid and, if known, vel_n vel_e vel_d "
-        "[m/s] and standard deviations sd_n sd_e sd_d [m], sd_vel_n sd_vel_e sd_vel_d [m/s]."
+        "[m/s] and standard deviations sd_n sd_e sd_d [m], sd_vel_n sd_vel_e sd_vel_d [m/s]. What device and fixes "
+        "contradict each other in (a time offset, a lever arm, held fixes, the noise of the receiver ...) is named on "
+        "the standard error, with the setting that mends it, and mended."
     )
     parser.add_argument("log", help=f"{LOG_HELP}; six axes")
     parser.add_argument(
@@ -202,26 +270,32 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--config", help="device, mounting, lever arm, quality control (YAML)")
     add_effects(parser)
+    parser.add_argument("--as-given", action="store_true", help="use settings and fixes as they are, and only judge")
+    parser.add_argument("--strict", action="store_true", help=f"exit with code {DISAGREES} where they do not agree")
     parser.add_argument("--out", required=True, help="folder for solution, events, summary and figures")
     add_reading(parser)
     parser.add_argument("--fixes-topic", help="topic of a bag with the fixes")
 
 
-def run(options: argparse.Namespace) -> None:
-    """Navigate the drive, write the folder ``--out``, and print the summary."""
+def run(options: argparse.Namespace) -> int:
+    """Navigate the drive, write the folder ``--out``, print verdict and summary; return the exit code."""
     folder = require_folder(options.out, FILES, (options.log, options.fixes, options.config))
     recorded = read(options)
     try:
-        files = report(navigate_drive(recorded))
+        found = navigate_drive(recorded)
+        files = report(found)
     except ValueError as error:
         raise ValueError(f"{options.log}, {options.fixes}: {error}") from error
     write_folder(folder, files)
+    if not found.verdict.agrees:
+        print(f"imugap: {options.log}, {options.fixes}: {found.verdict}", file=sys.stderr)
     print(json.dumps(files["summary.json"], indent=1))
+    return DISAGREES if options.strict and not found.verdict.agrees else 0
 
 
 def navigate_drive(recorded: RecordedDrive) -> NavigatedDrive:
-    """Check, prepare, align, filter and smooth a drive."""
-    return smooth(align(prepare(check(recorded))))
+    """Screen, check, prepare, mend, align, filter, smooth and judge a drive."""
+    return smooth(align(mend(prepare(check(screen(recorded))))))
 
 
 def read(options: argparse.Namespace) -> RecordedDrive:
@@ -238,7 +312,7 @@ def read(options: argparse.Namespace) -> RecordedDrive:
     say(options.fixes, receiver.recognised)
     measured = found.regular.measured
     _require_radians(measured, receiver.fixes, options.log)
-    return RecordedDrive(measured, receiver.fixes, settings)
+    return RecordedDrive(measured, receiver.fixes, settings, options.as_given)
 
 
 def _require_radians(log: pd.DataFrame, fixes: pd.DataFrame, path: str) -> None:
@@ -268,24 +342,46 @@ def check(recorded: RecordedDrive) -> RecordedDrive:
     return recorded
 
 
-def prepare(recorded: RecordedDrive) -> DriveInputs:
+def screen(recorded: RecordedDrive) -> RecordedDrive:
+    """Leave out fixes that no filter can use."""
+    if recorded.as_given:
+        return recorded
+    fixes, mends = fix_screening.screen(recorded.fixes, recorded.settings.assumptions.position_std)
+    return replace(recorded, fixes=fixes, mends=mends)
+
+
+def prepare(recorded: RecordedDrive) -> PreparedDrive:
     """Fill lost samples, and rotate the log to the axes of the vehicle."""
     settings, fixes = recorded.settings, recorded.fixes
-    return DriveInputs(
-        mounted(filled(recorded.log), settings.mounting), fixes, settings.model, gnss.origin(fixes),
+    inputs = DriveInputs(
+        mounted(filled(recorded.log), settings.mounting), fixes, settings.model, fix_screening.first_place(fixes),
         settings.assumptions, settings.quality, settings.alignment,
     )  # fmt: skip
+    stated = PLACE_STD[0] in fixes or settings.states_receiver
+    return PreparedDrive(inputs, recorded.mends, stated, recorded.as_given)
 
 
-def align(inputs: DriveInputs) -> AlignedDrive:
+def mend(prepared: PreparedDrive) -> PreparedDrive:
+    """Check the physics, and mend what the innovations show."""
+    if prepared.as_given:
+        return prepared
+    inputs, gross = drive_physics.check_physics(prepared.inputs)
+    inputs, turned = drive_physics.with_mounting(inputs)
+    inputs, fine = drive_suspects.mend(inputs, prepared.stated)
+    return prepared._replace(inputs=inputs, mends=(*prepared.mends, *gross, *turned, *fine))
+
+
+def align(prepared: PreparedDrive) -> AlignedDrive:
     """Align at the first fixes."""
-    return AlignedDrive(inputs, vehicle_alignment.align(inputs))
+    return AlignedDrive(prepared.inputs, prepared.mends, vehicle_alignment.align(prepared.inputs))
 
 
 def smooth(aligned: AlignedDrive) -> NavigatedDrive:
-    """Filter and smooth."""
-    filtered, smoothed = (vehicle.navigate(*aligned, smooth=one) for one in (False, True))
-    return NavigatedDrive(filtered, smoothed, aligned.inputs.fixes)
+    """Filter, smooth and judge."""
+    inputs, mends, start = aligned
+    filtered, smoothed = (vehicle.navigate(inputs, start, smooth=one) for one in (False, True))
+    verdict = drive_verdict.judge(inputs, mends, filtered, smoothed)
+    return NavigatedDrive(filtered, smoothed, inputs.fixes, verdict, inputs)
 
 
 def report(found: NavigatedDrive) -> dict[str, object]:

@@ -29,7 +29,9 @@ from imugap.navigation.velocity_matching import MatchedAttitude, VelocityPair
 from imugap.numerics.rotation import from_euler
 
 WAY_S = 3.0
-"""Longest time between two fixes that give a course [s]."""
+"""Longest time between the fixes before and after one whose displacement gives its velocity [s]."""
+UNEVEN_M_PER_S = 0.2
+"""Standard deviation of such a velocity besides the noise of the fixes, since the motion is not even [m/s]."""
 SPAN_S = 1.0
 """Time before and after the start over which a moving vehicle is levelled [s]."""
 RETRY_S = 1.0
@@ -60,7 +62,7 @@ def align(inputs: DriveInputs) -> InitialState:
     near = np.minimum(np.searchsorted(stamp, time), len(log) - 1)
     gyro, lever = log[list(GYRO)].to_numpy()[near], np.array(assumptions.lever_m)
     blurred = np.hypot(spread, assumptions.lever_std * np.linalg.norm(gyro, axis=1)[:, None])
-    number, matched = _start(velocity_pair(inputs), _courses(time, velocity, blurred, stamp, settings), settings)
+    number, matched = _start(velocity_pair(inputs), time, _courses(time, velocity, blurred, stamp, settings), settings)
     heading = _heading(gyro[number], lever, velocity[number])
     heading_std = float(spread[number, :2].max() / np.hypot(*velocity[number, :2]))
     rest = _rest(time, velocity, spread, stamp, number, settings)
@@ -110,7 +112,8 @@ def velocity_pair(inputs: DriveInputs) -> VelocityPair:
     states = assumptions.states(inputs.model)
     time = fixes.index.to_numpy(dtype=float) + assumptions.offset_s
     std = gnss.deviations(fixes, assumptions.position_std, assumptions.velocity_std)
-    velocity, spread = velocities(time, gnss.local(fixes, inputs.ellipsoid), std)
+    seen = gnss.local(fixes, inputs.ellipsoid)
+    velocity, spread = velocities(time, seen, std)
     biases = states.variance[(states.axis < len(GYRO)) & ~states.scale]
     return VelocityPair(
         log.index.to_numpy(dtype=float), log[list(AXES)].to_numpy(dtype=float) - states.fixed, time, velocity, spread,
@@ -130,12 +133,14 @@ def errors_of(triad: tuple[str, ...], errors: np.ndarray, states: SensorStates) 
 def velocities(time: np.ndarray, seen: np.ndarray, std: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return velocities at the fixes [m/s], from the receiver or from differences, and standard deviations."""
     velocity, spread = seen[:, 3:].copy(), std[:, 3:].copy()
+    first, last = np.searchsorted(time, time - WAY_S / 2), np.searchsorted(time, time + WAY_S / 2, "right") - 1
     for k in np.flatnonzero(np.isnan(velocity).any(axis=1)):
-        before = max(int(np.searchsorted(time, time[k] - WAY_S)), 0)
+        before, after = first[k], last[k]
         spread[k] = np.inf
-        if before < k:
-            velocity[k] = (seen[k, :3] - seen[before, :3]) / (time[k] - time[before])
-            spread[k] = np.hypot(std[k, :3], std[before, :3]) / (time[k] - time[before])
+        if before < k < after:
+            velocity[k] = (seen[after, :3] - seen[before, :3]) / (time[after] - time[before])
+            spread[k] = np.hypot(std[after, :3], std[before, :3]) / (time[after] - time[before])
+            spread[k] = np.hypot(spread[k], UNEVEN_M_PER_S)
     return velocity, spread
 
 
@@ -159,7 +164,7 @@ def _courses(
 
 
 def _start(
-    pair: VelocityPair, able: np.ndarray, settings: AlignmentSettings
+    pair: VelocityPair, time: np.ndarray, able: np.ndarray, settings: AlignmentSettings
 ) -> tuple[int, MatchedAttitude | None]:  # fmt: skip
     """Return the fix of the start, and its attitude by velocity matching where the course is not the heading.
 
@@ -181,7 +186,7 @@ def _start(
         apart = abs(np.remainder(matched.heading - course + np.pi, 2 * np.pi) - np.pi)
         course_std = pair.std[number, :2].max() / speed[number]
         limit = BESIDE_SIGMA * np.hypot(matched.heading_std, np.hypot(course_std, settings.heading_std))
-        return int(number), matched if apart > limit else None
+        return int(number), pair.match(time[number]) if apart > limit else None
     return int(able[0]), None
 
 

@@ -94,8 +94,7 @@ class VelocityPair:
     def match(self, at: float, span: float = SPAN_S) -> MatchedAttitude | None:
         """Return the attitude at a time by the changes of velocity around it; None where these are too few."""
         low, high = np.searchsorted(self.stamp, [at - BEFORE_S, at + AFTER_S])
-        stamp, samples = self.stamp[low:high], self.samples[low:high]
-        chosen = self._spaced(stamp, span) if len(stamp) > 2 else ()
+        stamp, samples, chosen = self.stamp[low:high], self.samples[low:high], self.chosen(at, span)
         if len(chosen) <= FEWEST:
             return None
         time, velocity, std = self.time[chosen], self.velocity[chosen], self.std[chosen]
@@ -119,12 +118,12 @@ class VelocityPair:
         covariance = np.linalg.inv(normal)[:3, :3] * (noise * max(misfit, 1.0)) ** 2
         return MatchedAttitude(rotation, covariance, misfit, residual, float(np.sum(change**2)))
 
-    def _spaced(self, stamp: np.ndarray, span: float) -> list[int]:
-        """Return the numbers of the fixes within the stamps that have a velocity and are at least ``span`` apart."""
-        known = (self.time >= stamp[0]) & (self.time <= stamp[-1]) & np.isfinite(self.velocity).all(axis=1)
+    def chosen(self, at: float, span: float = SPAN_S) -> list[int]:
+        """Return the numbers of the fixes around a time that have a velocity and are at least ``span`` apart."""
+        low, high = max(self.stamp[0], at - BEFORE_S), min(self.stamp[-1], at + AFTER_S)
         chosen, last = [], -np.inf
-        for k in np.flatnonzero(known):
-            if self.time[k] - last >= span - 1e-6:
+        for k in range(*np.searchsorted(self.time, [low, high])):
+            if self.time[k] - last >= span - 1e-6 and np.isfinite(self.velocity[k]).all():
                 chosen.append(int(k))
                 last = self.time[k]
         return chosen

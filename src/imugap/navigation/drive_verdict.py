@@ -1,0 +1,144 @@
+"""Verdict on a navigated drive: whether innovations, smoother and outage test agree with what the filter states.
+
+Innovations
+    As large as expected, but for a small share that fails the global test.
+Smoother
+    Smoother less filter has the covariance of the filter less that of the smoother.
+Outage test
+    The fixes of some stretches are withheld; the prediction at their end errs by as much as it states.
+
+What is stated too small is multiplied by what the tests find: a solution does not state less than it is wrong by.
+
+Source: Y. Bar-Shalom, X. R. Li, T. Kirubarajan, Estimation with Applications to Tracking and Navigation, 2001, section
+5.4.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+from scipy.special import chdtri
+
+from imugap.io import gnss
+from imugap.navigation.drive_suspects import FAILING, LARGEST_NIS, InnovationFit, deviations, solve
+from imugap.navigation.mend import Mend
+from imugap.navigation.vehicle import DriveInputs, DriveSolution
+
+OUTAGE_S, OUTAGES, SETTLING_S = 15.0, 4, 45.0
+"""Length of a withheld stretch, largest number of them, and time before the first and between them [s]."""
+FALSE_ALARM = 1e-6
+"""Probability that the outage test of a consistent filter fails."""
+LARGEST_SMOOTHER = 6.0
+"""Mean square of smoother less filter over the expected one above which they disagree."""
+SMALLEST_SHARE = 0.05
+"""Share of the filter's variance that smoothing has to take for a comparison."""
+
+
+@dataclass(frozen=True)
+class DriveVerdict:
+    """Verdict on a drive.
+
+    Attributes
+    ----------
+    mends
+        What was wrong with the inputs, and what was done.
+    fit
+        Fit of the innovations.
+    smoother, outage
+        Mean normalised squares of smoother less filter, and of predictions over withheld stretches, each over its
+        degrees of freedom; NaN where there are none.
+    outage_limit
+        Limit of the outage test.
+    """
+
+    mends: tuple[Mend, ...]
+    fit: InnovationFit
+    smoother: float
+    outage: float
+    outage_limit: float
+
+    @property
+    def reasons(self) -> list[str]:
+        """What does not agree, in words."""
+        found = []
+        if self.fit.failing >= FAILING:
+            found.append(f"{self.fit.failing:.0%} of the fixes fail the test of the innovations")
+        if self.fit.nis >= LARGEST_NIS:
+            found.append(f"innovations are {np.sqrt(self.fit.nis):.2g} times as large as stated")
+        if self.smoother > LARGEST_SMOOTHER:
+            found.append(f"smoother and filter differ by {np.sqrt(self.smoother):.2g} times what is stated")
+        if self.outage > self.outage_limit:
+            found.append(f"without fixes the path errs by {np.sqrt(self.outage):.2g} times what is stated")
+        return found
+
+    @property
+    def agrees(self) -> bool:
+        """Whether everything agrees as it was given."""
+        return not self.mends and not self.reasons
+
+    @property
+    def factor(self) -> float:
+        """Factor on the stated standard deviations, at least 1."""
+        if not self.reasons:
+            return 1.0
+        return float(np.sqrt(np.nanmax([1.0, self.fit.nis, self.smoother, self.outage])))
+
+    def __str__(self) -> str:
+        """Return the verdict in words."""
+        parts = [str(one) for one in self.mends]
+        if self.reasons:
+            parts.append(f"device and fixes do not agree: {'; '.join(self.reasons)}; nothing that was tried mends it, "
+                         f"and the stated deviations are multiplied by {self.factor:.2g}")  # fmt: skip
+        else:
+            parts.append("device and fixes agree" + (" then" if self.mends else ""))
+        return ". ".join(one[0].upper() + one[1:] for one in parts) + "."
+
+
+def judge(
+    inputs: DriveInputs, mends: tuple[Mend, ...], filtered: DriveSolution, smoothed: DriveSolution
+) -> DriveVerdict:
+    """Judge the solutions of a drive."""
+    outage, limit = outage_test(inputs)
+    return DriveVerdict(mends, InnovationFit.of(filtered), smoother_test(filtered, smoothed), outage, limit)
+
+
+def smoother_test(filtered: DriveSolution, smoothed: DriveSolution) -> float:
+    """Return the median normalised square of smoother less filter at the fixes, as a mean square over its freedom."""
+    rows = filtered.fix_row
+    apart = (smoothed.history.navigation[rows, :2] - filtered.history.navigation[rows, :2]) ** 2
+    filter_variance = filtered.history.variances[rows, :2]
+    gain = filter_variance - smoothed.history.variances[rows, :2]
+    known = gain > SMALLEST_SHARE * filter_variance
+    return float(np.median(apart[known] / gain[known]) / 0.455) if known.sum() > 10 else float("nan")
+
+
+def outage_test(inputs: DriveInputs) -> tuple[float, float]:
+    """Return the mean normalised square of the prediction at the end of withheld stretches, and its limit."""
+    time = inputs.fixes.index.to_numpy(dtype=float)
+    begin = solve(inputs).time[0] - inputs.assumptions.offset_s + SETTLING_S
+    last = min(time[-1], inputs.log.index[-1] - inputs.assumptions.offset_s)
+    count = int(min((last - begin) // (SETTLING_S + OUTAGE_S), OUTAGES))
+    if count < 1:
+        return float("nan"), float("inf")
+    starts = begin + np.arange(count) * (last - begin) / count
+    withheld = np.zeros(len(time), bool)
+    for start in starts:
+        withheld |= (time > start) & (time <= start + OUTAGE_S)
+    one = solve(replace(inputs, fixes=inputs.fixes[~withheld]))
+    seen, std = gnss.local(inputs.fixes, inputs.ellipsoid)[:, :2], deviations(inputs)[:, :2]
+    lever, squares = np.array(inputs.assumptions.lever_m), []
+    for start in starts:
+        number = int(np.searchsorted(time, start + OUTAGE_S, "right")) - 1
+        if not (withheld[number] and time[number] > start + OUTAGE_S / 2):
+            continue
+        row = int(np.clip(np.searchsorted(one.time, time[number] + inputs.assumptions.offset_s), 0, len(one.time) - 1))
+        navigation = one.history.navigation[row]
+        ahead = time[number] + inputs.assumptions.offset_s - one.time[row]
+        antenna = navigation[:2] + ahead * navigation[3:5] + Rotation.from_quat(navigation[6:]).apply(lever)[:2]
+        arm = inputs.assumptions.lever_std**2 + (inputs.assumptions.offset_std**2) * np.sum(navigation[3:5] ** 2)
+        spread = one.horizontal[row] + np.diag(std[number] ** 2) + arm * np.eye(2)
+        off = antenna - seen[number]
+        squares.append(off @ np.linalg.solve(spread, off) / 2)
+    if not squares:
+        return float("nan"), float("inf")
+    return float(np.mean(squares)), float(chdtri(2 * len(squares), FALSE_ALARM) / (2 * len(squares)))

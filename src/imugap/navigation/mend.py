@@ -1,0 +1,26 @@
+"""Mend of a drive: what was wrong with device or receiver, in words, and what was done about it."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Mend:
+    """Mend of the inputs of a drive.
+
+    Attributes
+    ----------
+    suspect
+        Short name of the error.
+    found
+        What was found, in words.
+    setting
+        What was done: the setting of the configuration that does the same, or what was left out.
+    """
+
+    suspect: str
+    found: str
+    setting: str
+
+    def __str__(self) -> str:
+        """Return both in one line."""
+        return f"{self.found} ({self.setting})"
