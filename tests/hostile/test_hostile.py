@@ -11,7 +11,7 @@ from imugap.stream import stream
 
 SEED = 7
 USUAL = {
-    "check": 60, "indices": 60, "simulate": 60, "export": 100, "estimate": 25, "discover": 8, "walk": 8, "drive": 8,
+    "check": 60, "indices": 60, "simulate": 60, "export": 100, "estimate": 25, "discover": 8, "walk": 2, "drive": 5,
 }  # fmt: skip
 """Number of cases of each command in the usual tests; those that reach a long computation are few."""
 ALL = {
