@@ -68,8 +68,8 @@ WIDTH = 100
 
 
 @dataclass(frozen=True)
-class Finding:
-    """Finding: name in a verdict; what, how large and where; consequence for each of :data:`COMMANDS`; next step."""
+class CheckedFault:
+    """What is wrong with a recording: its name in a verdict, text, consequence for each of :data:`COMMANDS`, next step."""
 
     name: str
     text: str
@@ -96,7 +96,7 @@ class Checked:
     """
 
     source: str
-    findings: tuple[Finding, ...]
+    findings: tuple[CheckedFault, ...]
     summary: str
     commands: tuple[str, ...]
     facts: dict
@@ -196,7 +196,7 @@ def shown(found: Checked) -> str:
     return "\n".join([*lines, "", table.to_string(index=False, float_format=lambda value: f"{value:.4g}", na_rep="-")])
 
 
-def _of_remark(remark: Remark, regular: Regular) -> Finding:
+def _of_remark(remark: Remark, regular: Regular) -> CheckedFault:
     consequences, step = CONSEQUENCES[remark.fault], NEXT.get(remark.fault, "")
     if remark.fault is Fault.LOST:
         gap = _longest_gap(regular)
@@ -204,7 +204,7 @@ def _of_remark(remark: Remark, regular: Regular) -> Finding:
             NEVER if gap > LONGEST_GAP_S.get(name, np.inf) else one
             for name, one in zip(COMMANDS, consequences, strict=True)
         )
-    return Finding(LABELS[remark.fault], str(remark), consequences, step)
+    return CheckedFault(LABELS[remark.fault], str(remark), consequences, step)
 
 
 def _longest_gap(regular: Regular) -> float:
@@ -212,7 +212,7 @@ def _longest_gap(regular: Regular) -> float:
     return float(np.max(edges[1::2] - edges[::2], initial=0) * regular.interval)
 
 
-def _of_motion(motion: rest.Motion) -> Iterable[Finding]:
+def _of_motion(motion: rest.Motion) -> Iterable[CheckedFault]:
     """Yield that a device at rest was moved."""
     if motion.at_rest or motion.mostly:
         return
@@ -223,25 +223,26 @@ def _of_motion(motion: rest.Motion) -> Iterable[Finding]:
     )
     low, high = motion.longest_rest
     step = f"cut the log to its rest from {low:.6g} to {high:.6g} s"
-    yield Finding("motion", f"at rest, but moved {where}", (NEVER, NEVER, NEVER, FINE, FINE), step)
+    yield CheckedFault("motion", f"at rest, but moved {where}", (NEVER, NEVER, NEVER, FINE, FINE), step)
 
 
-def _of_gravity(regular: Regular, motion: rest.Motion) -> Iterable[Finding]:
+def _of_gravity(regular: Regular, motion: rest.Motion) -> Iterable[CheckedFault]:
     """Yield that the specific force of a device at rest is not gravity."""
     if not set(ACCEL) <= set(regular.samples):
         return
     norm = float(np.linalg.norm([np.nanmedian(regular.samples[name].values) for name in ACCEL]))
     if norm < GRAVITY_LEAST * STANDARD_GRAVITY:
         text = f"the specific force, {norm:.3g} m/s^2, is without gravity: removed by the driver?"
-        yield Finding("no gravity", text, (FINE, FINE, FINE, NEVER, NEVER), "record the specific force with gravity")
+        step = "record the specific force with gravity"
+        yield CheckedFault("no gravity", text, (FINE, FINE, FINE, NEVER, NEVER), step)
     elif motion.at_rest and abs(norm / STANDARD_GRAVITY - 1) > GRAVITY_TOLERANCE:
         text = (
             f"the specific force at rest is {norm:.4g} m/s^2, {100 * (norm / STANDARD_GRAVITY - 1):+.2g} % off gravity"
         )
-        yield Finding("another gravity", text)
+        yield CheckedFault("another gravity", text)
 
 
-def _of_samples(regular: Regular, raw: Report, motion: rest.Motion) -> Iterable[Finding]:
+def _of_samples(regular: Regular, raw: Report, motion: rest.Motion) -> Iterable[CheckedFault]:
     """Yield shocks of a device at rest, stuck and clipped axes, and noise below the resolution."""
     held = {name for name, one in regular.samples.items() if one.interval > regular.interval}
     coarse = {axis.axis for axis in raw.axes if axis.axis in regular.samples and _is_coarse(axis, regular)}
@@ -249,17 +250,17 @@ def _of_samples(regular: Regular, raw: Report, motion: rest.Motion) -> Iterable[
     for event in sorted(shocks, key=lambda one: -one.size)[:LISTED]:
         more = f" ({len(shocks)} in all)" if len(shocks) > LISTED else ""
         text = f"shock at {event.start_s:.6g} s, {event.size:.3g} standard deviations on {event.axis}{more}"
-        yield Finding("shocks", text, ("kept", NOTED, NOTED, FINE, FINE))
+        yield CheckedFault("shocks", text, ("kept", NOTED, NOTED, FINE, FINE))
     for axis in (axis for axis in raw.axes if axis.axis in regular.samples and axis.axis not in held):
         if axis.stuck:
             text = f"{axis.axis}: {axis.longest_repeat} equal values in a row at {axis.repeat_s:.6g} s"
-            yield Finding("stuck values", text, ("kept", NOTED, NOTED, FINE, FINE))
+            yield CheckedFault("stuck values", text, ("kept", NOTED, NOTED, FINE, FINE))
         if axis.saturated and axis.axis not in coarse:
             text = f"{axis.axis}: clipped at {axis.minimum:.6g} or {axis.maximum:.6g}"
-            yield Finding("clipped values", text, ("kept", "kept", NOTED, FINE, FINE))
+            yield CheckedFault("clipped values", text, ("kept", "kept", NOTED, FINE, FINE))
         if axis.axis in coarse and not motion.mostly:
             text = f"{axis.axis}: noise below one count, {axis.lattice:.4g}; N is that of the rounded values"
-            yield Finding("coarse values", text)
+            yield CheckedFault("coarse values", text)
 
 
 def _is_coarse(axis: Axis, regular: Regular) -> bool:

@@ -68,7 +68,7 @@ class Remark:
 
 
 @dataclass(frozen=True, eq=False)
-class Samples:
+class AxisSamples:
     """True samples of one axis: ``values``, shape (n,), NaN where lost, every ``interval`` [s] from ``begin`` [s]."""
 
     values: np.ndarray
@@ -104,7 +104,7 @@ class Regular:
     source: str
     log: pd.DataFrame
     interval: float
-    samples: dict[str, Samples]
+    samples: dict[str, AxisSamples]
     unusable: dict[str, str]
     remarks: tuple[Remark, ...]
 
@@ -331,7 +331,7 @@ def _of_clock(clock: Stamps) -> list[Remark]:
     return remarks
 
 
-def _true_samples(log: pd.DataFrame, interval: float) -> tuple[dict[str, Samples], list[Remark]]:
+def _true_samples(log: pd.DataFrame, interval: float) -> tuple[dict[str, AxisSamples], list[Remark]]:
     """Return the true samples of each axis of a log on an even clock, and a sentence for each slower sensor."""
     begin, found, remarks = float(log.index[0]), {}, []
     for triad in (GYRO, ACCEL):
@@ -349,7 +349,7 @@ def _true_samples(log: pd.DataFrame, interval: float) -> tuple[dict[str, Samples
             if refresh is not None and slow is None:
                 between.setdefault(round(refresh.rows, 3), []).append(name)
             one = (values, interval) if refresh is None else refresh.samples(values, interval)
-            found[name] = Samples(*one, begin)
+            found[name] = AxisSamples(*one, begin)
         remarks += [_slower(some, Refresh(rows, True), interval, "are interpolated") for rows, some in between.items()]
     return found, remarks
 
