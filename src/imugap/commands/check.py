@@ -69,7 +69,7 @@ WIDTH = 100
 
 @dataclass(frozen=True)
 class CheckedFault:
-    """What is wrong with a recording: its name in a verdict, text, consequence for each of :data:`COMMANDS`, next step."""
+    """What is wrong with a recording: name in a verdict, text, consequence for each of :data:`COMMANDS`, next step."""
 
     name: str
     text: str
