@@ -62,8 +62,18 @@ def test_a_traceback_is_shown_on_demand(failing, monkeypatch):
     assert said.splitlines()[-1].startswith("imugap: ")
 
 
+@pytest.fixture
+def heard():
+    """No signal is ignored, as it is in what a shell runs in the background."""
+    standard = {signal.SIGINT: signal.default_int_handler, signal.SIGHUP: signal.SIG_DFL}
+    former = {number: signal.signal(number, handler) for number, handler in standard.items()}
+    yield
+    for number, handler in former.items():
+        signal.signal(number, handler)
+
+
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
-def test_a_signal_is_said_and_is_the_exit_code(capsys, monkeypatch, number):
+def test_a_signal_is_said_and_is_the_exit_code(heard, capsys, monkeypatch, number):
     def run(_):
         os.kill(os.getpid(), number)
         time.sleep(10)
@@ -99,7 +109,7 @@ sys.exit(cli.main(["check"]))
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
-def test_no_worker_outlives_its_parent(tmp_path, number):
+def test_no_worker_outlives_its_parent(heard, tmp_path, number):
     script = tmp_path / "pool.py"
     script.write_text(POOL)
     options = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True, "start_new_session": True}

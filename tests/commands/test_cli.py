@@ -45,7 +45,7 @@ def files(tmp_path_factory):
     tables = {
         "unsorted": log.from_samples({"gyro_x": np.arange(5.0) / 100}, 0.1).iloc[[0, 1, 3, 2, 4]],
         "constant": log.from_samples({"gyro_x": np.zeros(3000)}, 0.01),
-        "still": log.from_samples({"gyro_x": np.sin(np.arange(3000.0)), "accel_y": np.full(3000, 0.1)}, 0.01),
+        "still": log.from_samples({"gyro_x": 1e-3 * np.sin(np.arange(3000.0)), "accel_y": np.full(3000, 0.1)}, 0.01),
         "noisy": noisy,
         "brief": noisy[:100],
     }

@@ -134,19 +134,27 @@ def test_stuck_stretch_is_left_out(name, level):
     assert one.stretches[0] == (9001, 18_000)
 
 
-def test_gaps_are_drawn():
+def test_single_losses_are_drawn():
+    values = simulate("white", "gap")
+    values[[100, 5000]] = np.nan
+    result = screened(values)
+    assert np.isfinite(result.values).all()
+    assert result.disturbances[0].stretches == ((100, 101), (5000, 5001))
+
+
+def test_long_gaps_are_counted_and_left_to_the_model_of_the_log():
     values = simulate("white", "gap")
     values[100:200] = values[5000] = np.nan
     result = screened(values)
-    assert np.isfinite(result.values).all()
+    assert np.array_equal(np.isnan(result.values), np.isnan(values))
     assert result.disturbances[0].stretches == ((100, 200), (5000, 5001))
     assert result.share == pytest.approx(1 - 101 / COUNT)
 
 
 def test_log_without_an_undisturbed_part_is_refused():
     values = simulate("white", "lost")
-    values[: int(0.9 * COUNT)] = np.nan
-    with pytest.raises(ValueError, match="samples: expected at least 20% that are undisturbed; found 10"):
+    values[: int(0.9 * COUNT) + 1] = np.nan
+    with pytest.raises(ValueError, match="samples: expected at least 10% that are undisturbed; found 10.0%"):
         screened(values)
 
 

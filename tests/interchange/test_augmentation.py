@@ -43,7 +43,7 @@ def test_integrals_of_white_noise_and_of_a_walk_have_their_closed_forms(density,
     white = [density**2 * interval ** (2 * n - 1) / ((2 * n - 1) * f**2) for n, f in ((1, 1), (2, 1), (3, 2))]
     walked = [walk**2 * interval ** (2 * n - 1) / ((2 * n - 1) * f**2) for n, f in ((2, 1), (3, 2), (4, 6))]
     variance = np.diag(chain.noise)
-    rounding = 1e-15 * variance.max()
+    rounding = 1e-14 * variance.max()  # of a matrix exponential: some tens of eps of its largest entry
     np.testing.assert_allclose(variance[[4, 2, 0]], white, rtol=1e-9, atol=rounding)
     np.testing.assert_allclose(variance[[5, 3, 1]], walked, rtol=1e-9, atol=rounding)
     assert variance[6] == pytest.approx(walk**2 * interval, rel=1e-9)

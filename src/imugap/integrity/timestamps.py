@@ -210,11 +210,12 @@ def _of_lattice(whole: Continued, advancing: np.ndarray, rounding: np.ndarray, n
 
 
 def _refuse(time: np.ndarray, advancing: np.ndarray, place: Callable[[int], str]) -> NoReturn:
-    """Raise a LogError with the first stamp out of order, or with the steps of stamps, shape (n,), without a clock."""
-    late = np.flatnonzero(~advancing & np.isfinite(time))
+    """Raise a LogError with the first stamp that goes back, or with the steps of stamps, shape (n,), without a clock."""
+    rows = np.flatnonzero(np.isfinite(time))
+    late = rows[1:][np.diff(time[rows]) <= 0]
     if len(late):
         row = int(late[0])
-        found = f"{time[row]:.10g} after {time[max(row - 1, 0)]:.10g}"
+        found = f"{time[row]:.10g} after {time[rows[rows < row][-1]]:.10g}"
         raise LogError("log", f"{place(row)}, column time", "a time that increases", found)
     low, high = np.quantile(np.diff(time[advancing]), [0.05, 0.95])
     found = f"steps of {low:.3g} to {high:.3g} s in no order, from which no rate follows"
