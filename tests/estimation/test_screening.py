@@ -154,7 +154,7 @@ def test_long_gaps_are_counted_and_left_to_the_model_of_the_log():
 def test_log_without_an_undisturbed_part_is_refused():
     values = simulate("white", "lost")
     values[: int(0.9 * COUNT) + 1] = np.nan
-    with pytest.raises(ValueError, match="samples: expected at least 10% that are undisturbed; found 10.0%"):
+    with pytest.raises(ValueError, match=r"samples: expected at least 10% that are undisturbed; found 10\.0%"):
         screened(values)
 
 

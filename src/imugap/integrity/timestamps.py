@@ -210,7 +210,7 @@ def _of_lattice(whole: Continued, advancing: np.ndarray, rounding: np.ndarray, n
 
 
 def _refuse(time: np.ndarray, advancing: np.ndarray, place: Callable[[int], str]) -> NoReturn:
-    """Raise a LogError with the first stamp that goes back, or with the steps of stamps, shape (n,), without a clock."""
+    """Raise a LogError with the first stamp that goes back, or the steps of stamps, shape (n,), without a clock."""
     rows = np.flatnonzero(np.isfinite(time))
     late = rows[1:][np.diff(time[rows]) <= 0]
     if len(late):
