@@ -15,10 +15,10 @@ USUAL = {
 }  # fmt: skip
 """Number of cases of each command in the usual tests; those that reach a long computation are few."""
 ALL = {
-    "check": 2000, "indices": 2000, "simulate": 1500, "export": 2000, "estimate": 900, "discover": 200, "walk": 200,
-    "drive": 200,
+    "check": 400, "indices": 400, "simulate": 400, "export": 600, "estimate": 100, "discover": 14, "walk": 5,
+    "drive": 9,
 }  # fmt: skip
-"""The same in the slow tests: 10 000 with those of the catalogue."""
+"""The same in the slow tests."""
 
 
 def failed(command, numbers, folder):
