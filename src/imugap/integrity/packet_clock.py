@@ -13,6 +13,8 @@ WITHIN, BETWEEN = 0.2, 0.02
 """Smallest shares of the steps within packets, and between them."""
 WHOLE = 0.8
 """Smallest share of packets of the usual size; others are incomplete."""
+FEWEST = 4
+"""Smallest number of packets, and of rows."""
 TINY = 1e-3
 """Step that is neglected, in mean steps."""
 
@@ -22,6 +24,8 @@ def packet_slots(time: np.ndarray) -> tuple[np.ndarray, float] | None:
 
     ``time``, shape (n,) [s], does not decrease. The samples missing in an incomplete packet are taken as its last.
     """
+    if len(time) < FEWEST:
+        return None
     steps = np.diff(time)
     begins = _between(steps + TINY * steps.mean())
     if begins is None:
@@ -29,7 +33,7 @@ def packet_slots(time: np.ndarray) -> tuple[np.ndarray, float] | None:
     first = np.flatnonzero(np.r_[True, begins])
     sizes = np.diff(np.r_[first, len(time)])
     size = int(np.bincount(sizes).argmax())
-    if size < 2 or np.mean(sizes[1:-1] == size) < WHOLE or sizes.max() > size:
+    if len(sizes) < FEWEST or size < 2 or np.mean(sizes[1:-1] == size) < WHOLE or sizes.max() > size:
         return None
     period = lattice_interval(time[first], 0.0)
     if period is None:
@@ -48,5 +52,5 @@ def _between(steps: np.ndarray) -> np.ndarray | None:
     low, high = ordered[:-1], ordered[1:]
     ratio = np.where(low < steps.mean(), high / low, 0.0)[: int((1 - BETWEEN) * len(steps))]
     ratio[: int(WITHIN * len(steps))] = 0.0
-    at = int(np.argmax(ratio))
-    return steps > ordered[at] if ratio[at] > APART else None
+    at = int(np.argmax(np.r_[ratio, 0.0]))
+    return steps > ordered[at] if at < len(ratio) and ratio[at] > APART else None
