@@ -67,7 +67,7 @@ def test_one_axis_alone_does_not_end_the_band():
 
 def test_means_of_log_and_reference_are_of_the_same_samples():
     band = ReferenceBand(12.0, 1 / RATE)
-    means, moving = band.means(IDEAL), band.moving_means(IDEAL)
+    means, moving = band.means(IDEAL.rename_axis(None)), band.moving_means(IDEAL)
     assert band.factor == 5
     np.testing.assert_allclose(means.iloc[7], IDEAL.iloc[35:40].mean())
     pd.testing.assert_frame_equal(moving.iloc[::5].set_axis(means.index), means)

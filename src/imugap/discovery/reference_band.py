@@ -15,7 +15,7 @@ from scipy.fft import rfft
 from scipy.stats import f as f_distribution
 from scipy.stats import spearmanr
 
-from imugap.log import ACCEL, GYRO, axes
+from imugap.log import ACCEL, GYRO, TIME, axes
 
 BLOCK_S = 1.0
 """Length of the blocks, whose motion is compared [s]."""
@@ -70,13 +70,13 @@ class ReferenceBand:
 
     def means(self, table: pd.DataFrame) -> pd.DataFrame:
         """Return the means of an evenly sampled log over blocks of samples, at the mean of their times."""
-        whole = table.iloc[: len(table) // self.factor * self.factor].reset_index()
-        return whole.groupby(whole.index // self.factor).mean().set_index(table.index.name)
+        return self.moving_means(table).iloc[:: self.factor]
 
-    def moving_means(self, reference: pd.DataFrame) -> pd.DataFrame:
-        """Return the moving means of a reference over the same number of samples, at the mean of their times."""
-        moving = reference.reset_index().rolling(self.factor).mean()
-        return moving.iloc[self.factor - 1 :].set_index(reference.index.name)
+    def moving_means(self, table: pd.DataFrame) -> pd.DataFrame:
+        """Return the moving means of an evenly sampled log over the same number of samples, at the mean times."""
+        time = pd.Series(table.index, index=table.index).rolling(self.factor).mean()
+        moving = table.rolling(self.factor).mean().set_axis(pd.Index(time.to_numpy(), name=TIME))
+        return moving.iloc[self.factor - 1 :]
 
 
 def reference_band(measured: pd.DataFrame, ideal: pd.DataFrame, interval: float) -> ReferenceBand | None:
