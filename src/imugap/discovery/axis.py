@@ -1,8 +1,9 @@
 """What happens on one axis: from the start model through the search to names, doubts and intervals."""
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import partial
+from types import MappingProxyType
 
 import numpy as np
 from scipy.fft import next_fast_len
@@ -38,8 +39,6 @@ from imugap.model import with_offset
 
 MAX_LOG_PLACES = 12.0
 """Logarithm of the maximum number of places at which an effect is tried."""
-FARTHER = "the model with it is farther from data that no fit has seen"
-"""Reason for withholding an effect that was withdrawn."""
 MAX_BANDS = 4
 """Maximum number of bands of unsteady lines; with more, the spectrum is not one of lines."""
 
@@ -277,11 +276,10 @@ def _unnamed_gain(search: Search, remove_lines: bool, fit: AxisFit) -> float:
     return np.inf if remove_lines and wandering_lines.find_bands(fit) else motion_gain(search, fit)
 
 
-def conclude(searched: AxisSearch, withdrawn: Collection[type[Effect]] = ()) -> AxisResult:
+def conclude(searched: AxisSearch, withdrawn: Mapping[type[Effect], str] = MappingProxyType({})) -> AxisResult:
     """Check the names that a search found, and return them with intervals, and the withheld ones with reasons.
 
-    Kinds of effects that are ``withdrawn``, because the model with them is farther from held-out data than the start
-    model, are among the withheld.
+    Kinds of effects that are ``withdrawn``, each with the reason, are among the withheld.
     """
     with threadpool_limits(1):
         search, whole = searched.whole_search, two_valued(searched.whole_fit)
@@ -308,11 +306,10 @@ def conclude(searched: AxisSearch, withdrawn: Collection[type[Effect]] = ()) -> 
         )
 
 
-def _rejected(search: Search, found: AxisFit, withdrawn: Collection[type[Effect]]) -> dict[Candidate, Misfit]:
+def _rejected(search: Search, found: AxisFit, withdrawn: Mapping[type[Effect], str]) -> dict[Candidate, Misfit]:
     """Return the added effects whose names the checks reject or that are withdrawn, with the reason."""
-    rejected = misfits(search, found)
-    farther = {one: Misfit(FARTHER, 0.0) for one in search.added(found) if type(one.effect) in withdrawn}
-    return farther | rejected
+    added = (one for one in search.added(found) if type(one.effect) in withdrawn)
+    return {one: Misfit(withdrawn[type(one.effect)], 0.0) for one in added} | misfits(search, found)
 
 
 def without_unnamed(search: Search, found: AxisFit, rejected: Mapping[Candidate, Misfit]) -> AxisFit:

@@ -39,6 +39,11 @@ from imugap.log import TEMPERATURE, axes
 from imugap.model import ErrorModel
 from imugap.units import STANDARD_GRAVITY
 
+FARTHER = "the model with it is farther from data that no fit has seen"
+OF_EITHER = "it may be of the reference"
+"""Reasons for withdrawing an effect."""
+ROLES_OF_EITHER = (Role.MEAN, Role.NOISE, Role.FILTER, Role.VARIANCE, Role.OUTLIERS)
+"""Roles of effects that a reference with errors of its own shows as well as the device."""
 OTHER_STEPS = 4
 """Steps besides the two of each axis."""
 
@@ -237,8 +242,8 @@ class _Tested(_Measured):
     discrepancies_after: tuple[Discrepancy, ...]
 
 
-Withdrawn = Mapping[str, frozenset[type[Effect]]]
-"""Kinds of effects that are not named on an axis, because the model with them is farther from held-out data."""
+Withdrawn = Mapping[str, Mapping[type[Effect], str]]
+"""Kinds of effects that are not named on an axis, with the reason."""
 
 
 def discover(
@@ -264,7 +269,7 @@ def discover(
     """
     prepared = _prepare(logs, settings, tests, reference, progress)
     located = _locate_discrepancies(_search_axes(prepared))
-    withdrawn: Withdrawn = {}
+    withdrawn = _of_either(prepared)
     measured = _modelled(located, withdrawn)
     while (more := _to_withdraw(measured, withdrawn)) != withdrawn:
         withdrawn = more
@@ -278,6 +283,15 @@ def _modelled(stage: _Located, withdrawn: Withdrawn) -> _Measured:
     return _measure_distances(_assemble(_compare_runs(_name_effects(stage, withdrawn))))
 
 
+def _of_either(stage: _Prepared) -> Withdrawn:
+    """Return the kinds that may be of a reference with errors of its own: all but answers to motion and temperature."""
+    if stage.band is None:
+        return {}
+    own = [kind for kind in stage.settings.catalogue if not (kind.of_motion or kind.of_temperature)]
+    kinds = {kind: OF_EITHER for kind in own if kind.role in ROLES_OF_EITHER}
+    return dict.fromkeys(stage.record.sequences, kinds)
+
+
 def _to_withdraw(stage: _Measured, withdrawn: Withdrawn) -> Withdrawn:
     """Return the withdrawn effects, and on each axis that is farther than before the one of least held-out gain."""
     more = dict(withdrawn)
@@ -285,7 +299,7 @@ def _to_withdraw(stage: _Measured, withdrawn: Withdrawn) -> Withdrawn:
         found = stage.results[axis].findings
         if apart.farther and found:
             worst = min(found, key=lambda finding: finding.log_score_gain)
-            more[axis] = more.get(axis, frozenset()) | {type(worst.effects[axis])}
+            more[axis] = {**more.get(axis, {}), type(worst.effects[axis]): FARTHER}
     return more
 
 

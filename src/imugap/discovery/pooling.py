@@ -37,16 +37,16 @@ def name_pooled(
     workers: int,
     log_alpha: float,
     steps: StepCounter,
-    withdrawn: Mapping[str, Collection[type[Effect]]],
+    withdrawn: Mapping[str, Mapping[type[Effect], str]],
     apart: tuple[type[Effect], ...] = (),
 ) -> tuple[dict[str, AxisResult], tuple[Joint, ...]]:
     """Pool effects shared by several axes, and name those of each axis.
 
-    Kinds ``apart`` are not pooled, kinds ``withdrawn`` on an axis are not named. Not pooled is what is certain only
-    together with axes on which another function of the motion explains more.
+    Kinds ``apart`` are not pooled, kinds ``withdrawn`` on an axis are not named, each for its reason. Not pooled is
+    what is certain only together with axes on which another function of the motion explains more.
     """
     pooled, joints = _pool(searches, apart)
-    arguments = [(one, withdrawn.get(axis, ())) for axis, one in pooled.items()]
+    arguments = [(one, withdrawn.get(axis, {})) for axis, one in pooled.items()]
     results = of_each_axis(conclude, arguments, pooled, workers, steps, "names")
     moved = {axis for axis, result in results.items() if any(one.reason == OTHER_FUNCTION for one in result.withheld)}
     touched = [joint for joint in joints if moved & set(joint.axes)]
