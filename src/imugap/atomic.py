@@ -1,8 +1,8 @@
 """Atomic writing of files and folders: completely or not at all, also if the process is killed.
 
-A file is written under a temporary name in its folder, and renamed when it is complete; a folder is written beside its
-place, and takes it in one step. A symbolic link stays, and its target is written; an existing file keeps its mode. A
-pipe or a device gets the bytes when they are complete.
+A file is written under a temporary name in its folder, and renamed when it is complete. A folder is written under a
+temporary name next to it, and both are exchanged in one step. A symbolic link stays, and its target is written. An
+existing file keeps its mode. A pipe or a device gets the bytes when they are complete.
 """
 
 import ctypes
@@ -63,14 +63,14 @@ def write_folder(folder: str | Path, writers: Mapping[str, Callable[[Path], obje
     """
     place = Path(os.path.realpath(folder))
     with _named(Path(folder)), _made(place.parent):
-        beside = _temporary(place)
-        beside.mkdir()
+        staged = _temporary(place)
+        staged.mkdir()
         try:
             for name, write in writers.items():
-                write(beside / name)
-            _put(beside, place, writers)
+                write(staged / name)
+            _put(staged, place, writers)
         finally:
-            shutil.rmtree(beside, ignore_errors=True)
+            shutil.rmtree(staged, ignore_errors=True)
 
 
 def _temporary(place: Path) -> Path:
@@ -140,17 +140,17 @@ def _made(folder: Path) -> Iterator[None]:
         raise
 
 
-def _put(beside: Path, place: Path, names: Iterable[str]) -> None:
+def _put(staged: Path, place: Path, names: Iterable[str]) -> None:
     """Put a complete folder in its place; of a folder that is there, all but ``names`` stay."""
     if not place.exists():
-        beside.rename(place)
+        staged.rename(place)
         return
 
     def replaced(folder: str, found: list[str]) -> set[str]:
         return set(names) & set(found) if Path(folder) == place else set()
 
-    shutil.copytree(place, beside, symlinks=True, ignore=replaced, copy_function=_linked, dirs_exist_ok=True)
-    _exchange(beside, place)
+    shutil.copytree(place, staged, symlinks=True, ignore=replaced, copy_function=_linked, dirs_exist_ok=True)
+    _exchange(staged, place)
 
 
 def _linked(source: str, target: str) -> None:

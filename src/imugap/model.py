@@ -42,7 +42,7 @@ def offset_of(model: AxisModel) -> float:
 
 
 def conditions(ideal: pd.DataFrame, motion: pd.DataFrame | None = None) -> dict[str, Conditions]:
-    """Return the conditions of each axis of an error-free log, ``motion`` of which covers more time."""
+    """Return the conditions of each axis of an error-free log; ``motion`` is the same over more time."""
     temperature = ideal[log.TEMPERATURE].to_numpy() if log.TEMPERATURE in ideal else None
     everywhere = Conditions(ideal.index.to_numpy(), log.interval(ideal), temperature, ideal=ideal, motion=motion)
     return {axis: replace(everywhere, axis=axis) for axis in log.axes(ideal)}

@@ -41,7 +41,7 @@ def write_tum(path, table):
 
 
 def write_log(path, ideal, turn=None):
-    """The log of a device along the poses, of which the axes are turned."""
+    """The log of a device along the poses, whose axes are turned."""
     values = ideal.to_numpy(copy=True)
     if turn is not None:
         values = np.hstack([turn.inv().apply(values[:, :3]), turn.inv().apply(values[:, 3:])])

@@ -1,4 +1,4 @@
-"""Lost samples are gaps: estimates stay unbiased and intervals hold, whatever share is lost, also over a pause."""
+"""Lost samples are gaps: estimates stay unbiased and intervals hold, for any share of lost samples and over a pause."""
 
 import numpy as np
 import pandas as pd

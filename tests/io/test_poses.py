@@ -58,19 +58,19 @@ def test_rows_without_a_number_are_left_out(tmp_path):
     path = tmp_path / "poses.csv"
     lines = FILES["header, scalar first"].splitlines()
     lines[5] = "1400000000.02;nan;nan;nan;nan;nan;nan;nan"
-    path.write_text("\n".join(lines))
+    path.write_text("\n".join(lines) + "\n")
     assert len(read_poses(path)) == COUNT - 1
 
 
 @pytest.mark.parametrize(
     ("text", "found"),
     [
-        ("", "no rows of numbers"),
+        ("", "line 1: expected a header and rows of numbers; found an empty file"),
         (rows(TIME, PLACE), "4 columns"),
         (rows(TIME, PLACE, 2 * XYZW, separator=" "), "norm 2"),
         (rows(TIME[::-1], PLACE, XYZW, separator=" "), "1400000000.0"),
-        (rows(TIME, PLACE, XYZW, separator=" ") + "1 2 3\n", "3 numbers in row 20"),
-        ("time,px,py,pz,a,b,c,d\n" + rows(TIME, PLACE, XYZW), "header: expected names of a time and a quaternion"),
+        (rows(TIME, PLACE, XYZW, separator=" ") + "1 2 3\n", "line 21: expected 8 values .*; found 3"),
+        ("time,px,py,pz,a,b,c,d\n" + rows(TIME, PLACE, XYZW), "line 1: expected names of a time and a quaternion"),
     ],
 )
 def test_what_is_no_table_of_poses_is_refused_in_one_line(tmp_path, text, found):

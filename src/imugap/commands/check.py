@@ -20,6 +20,7 @@ from imugap.integrity.regular import Fault, Regular, Remark
 from imugap.integrity.report import Axis, Report, report
 from imugap.io.recording import Recording
 from imugap.log import ACCEL, LogError
+from imugap.numerics.runs import runs_of
 from imugap.units import STANDARD_GRAVITY
 
 COMMANDS = ("indices", "estimate", "discover", "walk", "drive")
@@ -40,12 +41,6 @@ CONSEQUENCES: dict[Fault, tuple[str, ...]] = {
 }
 LONGEST_GAP_S = {"walk": 0.1, "drive": 0.5}
 """Longest gap that a command fills [s]."""
-LABELS = {
-    Fault.TWICE: "rows written twice", Fault.LOST_VALUES: "lost values", Fault.DEAD: "axes without use",
-    Fault.STREAMS: "streams of their own", Fault.RESET: "a clock that was reset", Fault.UNEVEN: "uneven stamps",
-    Fault.LOST: "lost samples", Fault.HELD: "repeated values", Fault.INTERPOLATED: "interpolated values",
-}  # fmt: skip
-"""Name of each kind of fault in a verdict."""
 NEXT = {
     Fault.DEAD: "record all axes for navigation",
     Fault.STREAMS: "for the others join the streams on one clock",
@@ -204,12 +199,11 @@ def _of_remark(remark: Remark, regular: Regular) -> CheckedFault:
             NEVER if gap > LONGEST_GAP_S.get(name, np.inf) else one
             for name, one in zip(COMMANDS, consequences, strict=True)
         )
-    return CheckedFault(LABELS[remark.fault], str(remark), consequences, step)
+    return CheckedFault(remark.fault.value, str(remark), consequences, step)
 
 
 def _longest_gap(regular: Regular) -> float:
-    edges = np.flatnonzero(np.diff(np.r_[False, regular.lost, False].astype(int)))
-    return float(np.max(edges[1::2] - edges[::2], initial=0) * regular.interval)
+    return float(np.max(np.diff(runs_of(regular.lost)), initial=0) * regular.interval)
 
 
 def _of_motion(motion: rest.Motion) -> Iterable[CheckedFault]:

@@ -16,6 +16,7 @@ from imugap import log
 from imugap.commands.arguments import add_examples, add_gravity
 from imugap.commands.outputs import require_files
 from imugap.commands.reading import LOG_HELP, add_reading, read, settings_of
+from imugap.discovery.inputs import MIN_SAMPLES
 from imugap.discovery.reference_band import reference_band
 from imugap.io.poses import read_poses
 from imugap.io.recognition.frame import AS_IS
@@ -24,8 +25,6 @@ from imugap.log import ACCEL, GYRO, LogError
 
 MAX_ANGLE_DEG = 5.0
 """Largest angle between the axes of poses and device that may be an error of the device."""
-MIN_SAMPLES = 320
-"""Minimum number of samples within the poses."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -53,33 +52,42 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     """Write the error-free log to ``--out``, and say how it fits the log."""
     require_files({"--out": options.out}, [options.poses, options.log])
-    settings = replace(settings_of(options), frame=AS_IS)
-    poses, measured = read_poses(options.poses), read(options.log, settings).log
+    measured = read(options.log, replace(settings_of(options), frame=AS_IS)).log
+    poses = _in_axes(read_poses(options.poses), measured, options)
     found = _error_free(poses, measured, options)
-    if options.align or _angle_deg(_turn(found, measured)) > MAX_ANGLE_DEG:
-        turn = _turn(found, measured)
-        if not options.align:
-            expected = f"the axes of the device, within {MAX_ANGLE_DEG:g} deg (--align turns them)"
-            raise LogError(options.poses, "quaternions", expected, f"them turned by {_angle_deg(turn):.1f} deg")
-        turned = Rotation.from_quat(poses[list(QUATERNION)]) * turn
-        found = _error_free(poses.assign(**dict(zip(QUATERNION, turned.as_quat().T, strict=True))), measured, options)
-        print(f"imugap: poses: turned by {_angle_deg(turn):.2f} deg into the axes of the device", file=sys.stderr)
     log.write(found, options.out)
     for line in _fit(found, measured):
         print(line)
 
 
+def _in_axes(poses: pd.DataFrame, measured: pd.DataFrame, options: argparse.Namespace) -> pd.DataFrame:
+    """Return the poses in the axes of the device: as they are, or turned with ``--align``; else a LogError."""
+    turn = _turn(_error_free(poses, measured, options), measured)
+    angle = float(np.degrees(turn.magnitude()))
+    if not options.align:
+        if angle > MAX_ANGLE_DEG:
+            expected = f"the axes of the device, within {MAX_ANGLE_DEG:g} deg (--align turns them)"
+            raise LogError(options.poses, "quaternions", expected, f"them turned by {angle:.1f} deg")
+        return poses
+    print(f"imugap: poses: turned by {angle:.2f} deg into the axes of the device", file=sys.stderr)
+    turned = Rotation.from_quat(poses[list(QUATERNION)]) * turn
+    return poses.assign(**dict(zip(QUATERNION, turned.as_quat().T, strict=True)))
+
+
 def _error_free(poses: pd.DataFrame, measured: pd.DataFrame, options: argparse.Namespace) -> pd.DataFrame:
-    """Return the error-free log at the stamps of the log that lie within the poses, in a world up or down."""
+    """Return the error-free log [rad/s, m/s^2] at the stamps of the log that lie within the poses.
+
+    The third axis of the world points up or down, as the specific force of the log says.
+    """
     stamps = measured.index.to_numpy(float)
-    both = [error_free_log(poses, stamps - options.lag, sign * options.gravity) for sign in (-1, 1)]
-    if len(both[0]) < MIN_SAMPLES:
+    up, down = (error_free_log(poses, stamps - options.lag, sign * options.gravity) for sign in (-1, 1))
+    if len(up) < MIN_SAMPLES:
         span = f"{poses.index[0]:.9g} to {poses.index[-1]:.9g} s"
         expected = f"times of the log, {stamps[0]:.9g} to {stamps[-1]:.9g} s, of {MIN_SAMPLES} samples at least"
         raise LogError(options.poses, "time", expected, span)
-    up, down = (one.set_axis(pd.Index(one.index + options.lag, name=log.TIME)) for one in both)
+    both = [one.set_axis(pd.Index(one.index + options.lag, name=log.TIME)) for one in (up, down)]
     force = [axis for axis in ACCEL if axis in measured and axis in up]
-    return min((up, down), key=lambda one: float(np.sum((_like(measured, one)[force] - one[force].to_numpy()) ** 2)))
+    return min(both, key=lambda one: float(np.sum((_like(measured, one)[force] - one[force].to_numpy()) ** 2)))
 
 
 def _like(measured: pd.DataFrame, ideal: pd.DataFrame) -> pd.DataFrame:
@@ -89,17 +97,15 @@ def _like(measured: pd.DataFrame, ideal: pd.DataFrame) -> pd.DataFrame:
 
 
 def _turn(ideal: pd.DataFrame, measured: pd.DataFrame) -> Rotation:
-    """Return the rotation from the axes of the gyroscopes to those of the poses that fits the angular rates best."""
+    """Return the rotation from the axes of the gyroscopes to those of the poses that fits the angular rates best.
+
+    Least squares of Wahba's problem; no rotation for a log without all three gyroscopes.
+    """
     names = [axis for axis in GYRO if axis in measured]
     if len(names) < len(GYRO):
         return Rotation.identity()
     rates = _like(measured, ideal)[names]
-    pair = (one[names] - one[names].mean() for one in (ideal, rates))
-    return Rotation.align_vectors(*pair)[0]
-
-
-def _angle_deg(rotation: Rotation) -> float:
-    return float(np.degrees(rotation.magnitude()))
+    return Rotation.align_vectors(*(one[names] - one[names].mean() for one in (ideal, rates)))[0]
 
 
 def _fit(ideal: pd.DataFrame, measured: pd.DataFrame) -> list[str]:

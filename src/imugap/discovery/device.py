@@ -42,8 +42,6 @@ from imugap.units import STANDARD_GRAVITY
 FARTHER = "the model with it is farther from data that no fit has seen"
 OF_EITHER = "it may be of the reference"
 """Reasons for withdrawing an effect."""
-ROLES_OF_EITHER = (Role.MEAN, Role.NOISE, Role.FILTER, Role.VARIANCE, Role.OUTLIERS)
-"""Roles of effects that a reference with errors of its own shows as well as the device."""
 OTHER_STEPS = 4
 """Steps besides the two of each axis."""
 
@@ -287,9 +285,8 @@ def _of_either(stage: _Prepared) -> Withdrawn:
     """Return the kinds that may be of a reference with errors of its own: all but answers to motion and temperature."""
     if stage.band is None:
         return {}
-    own = [kind for kind in stage.settings.catalogue if not (kind.of_motion or kind.of_temperature)]
-    kinds = {kind: OF_EITHER for kind in own if kind.role in ROLES_OF_EITHER}
-    return dict.fromkeys(stage.record.sequences, kinds)
+    kinds = [kind for kind in stage.settings.catalogue if not (kind.of_motion or kind.of_temperature)]
+    return dict.fromkeys(stage.record.sequences, dict.fromkeys(kinds, OF_EITHER))
 
 
 def _to_withdraw(stage: _Measured, withdrawn: Withdrawn) -> Withdrawn:

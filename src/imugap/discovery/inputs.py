@@ -126,8 +126,8 @@ def _usable(found: Recording) -> pd.DataFrame:
     varying = _varying(table)
     if not varying:
         same = all(table[axis].dropna().nunique() < 2 for axis in log.axes(table))
-        found = "one value everywhere" if same else "nearly one value, or samples that follow exactly from those before"
-        raise LogError(path, "columns", "values that vary on one axis at least, as noise does", found)
+        what = "one value everywhere" if same else "nearly one value, or samples that follow exactly from those before"
+        raise LogError(path, "columns", "values that vary on one axis at least, as noise does", what)
     for axis, values in varying.items():
         if len(values) < MIN_SAMPLES:
             raise LogError(path, f"column {axis}", f"at least {MIN_SAMPLES} samples", str(len(values)))

@@ -12,6 +12,7 @@ from imugap.effects.effect import ClockEffect, Evidence, parameter
 from imugap.integrity.report import IMPROBABLE
 from imugap.integrity.timestamps import Stamps
 from imugap.numerics.random_runs import estimate_from_runs, simulate_runs
+from imugap.numerics.runs import runs_of
 
 
 @dataclass(frozen=True)
@@ -52,8 +53,7 @@ class SampleLoss(ClockEffect):
     @classmethod
     def missing(cls, lost: np.ndarray, log_p: float = -np.inf) -> Evidence:
         """Estimate the effect from the mask of lost samples, shape (n,), and the log-probability that a gap is none."""
-        edges = np.flatnonzero(np.diff(np.r_[False, lost, False].astype(int)))
-        runs = edges[1::2] - edges[::2]
+        runs = np.diff(runs_of(lost))[:, 0]
         estimate = estimate_from_runs(runs, max(int(np.count_nonzero(~lost)) - 1, len(runs)))
         intervals = {"probability": estimate.probability[1:], "length": estimate.length[1:]}
         return Evidence(cls(estimate.probability[0], estimate.length[0]), intervals, len(runs) * log_p, lost)

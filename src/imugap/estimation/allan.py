@@ -12,6 +12,7 @@ from scipy.special import chdtri
 
 from imugap.effects.bias_instability import FLOOR
 from imugap.estimation.screening import information
+from imugap.numerics.runs import runs_of
 
 POINTS_PER_DECADE = 10
 SLOPE_TOLERANCE = 0.02
@@ -121,8 +122,7 @@ def curve(sequence: np.ndarray, interval: float, level: float = 0.95, lost: np.n
 
 def _information(lost: np.ndarray, averaging: np.ndarray) -> np.ndarray:
     """Return the share of the information that is left at averaging factors, shape (m,), without lost samples (n,)."""
-    edges = np.flatnonzero(np.diff(np.r_[False, lost, False]))
-    gaps = edges[1::2] - edges[::2]
+    gaps = np.diff(runs_of(lost))[:, 0]
     return np.array([information(1 - gaps[gaps >= n].sum() / len(lost)) for n in averaging])
 
 
@@ -319,8 +319,7 @@ def _slope_error(error: pd.Series) -> pd.Series:
 
 def _longest(tau: np.ndarray, holds: np.ndarray) -> slice | None:
     """Return the longest run of true points, or None if it is shorter than :data:`REGION_DECADES`."""
-    edges = np.flatnonzero(np.diff(np.r_[False, holds, False]))
-    runs = [slice(a, b) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+    runs = [slice(first, end) for first, end in runs_of(holds)]
     span = {run.start: np.log10(tau[run.stop - 1] / tau[run.start]) for run in runs}
     best = max(runs, key=lambda run: span[run.start], default=None)
     return best if best and span[best.start] >= REGION_DECADES else None

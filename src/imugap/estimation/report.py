@@ -336,7 +336,7 @@ def _temperature_term(
 def bounds(estimate: AxisEstimate) -> tuple[WhiteNoise | RandomWalk, ...]:
     """Return white noise and random walk that the log of an axis may hide, where the estimate has none.
 
-    Their densities are one-sided 95 % upper limits of the profile likelihood beside the estimated effects. A slow
+    Their densities are one-sided 95 % upper limits of the profile likelihood, the estimated effects included. A slow
     process is any with an Allan deviation that rises somewhere.
     """
     used, present = estimate.used, {type(one) for one in estimate.fit.model if any(one.parameters().values())}

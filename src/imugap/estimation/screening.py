@@ -13,13 +13,15 @@ import numpy as np
 from scipy.ndimage import binary_closing, binary_dilation, binary_opening, uniform_filter1d
 from scipy.special import bdtrc, gammainc
 
+from imugap.integrity.regular import counted
 from imugap.numerics.contaminated_normal import tails
 from imugap.numerics.gap_filling import ORDER, Autoregression
+from imugap.numerics.runs import runs_of
 
 OUTLIER, LEVEL_STEP = "outlier", "level step"
 """Kinds that are counted by their samples, and that lose no samples."""
 BLOCK = 128
-"""Samples of a block, of which the median is the local level; a burst is shorter than half of it."""
+"""Samples of a block, whose median is the local level; a burst is shorter than half of it."""
 GAUSSIAN = 5.5
 """Size of a sample [robust standard deviations] that normal noise exceeds once in 26 million samples."""
 COARSE = 8.0
@@ -128,17 +130,12 @@ def _sentence(found: LeftOut, interval: float, start: float, count: int) -> str:
     rest = len(found.stretches) - SHOWN
     place = ", ".join(places) + (f" and {rest} more" if rest > 0 else "")
     if found.kind == LEVEL_STEP:
-        return f"Taken out: {_counted(len(found.stretches), found.kind)} at {place}"
+        return f"Taken out: {counted(len(found.stretches), found.kind)} at {place}"
     share = f"{100 * found.samples / count:.2g} %"
     if found.kind == OUTLIER:
-        return f"Left out: {_counted(found.samples, found.kind)} ({share}) at {place}"
-    number = _counted(len(found.stretches), found.kind)
-    return f"Left out: {number}, {_counted(found.samples, 'sample')} ({share}), at {place}"
-
-
-def _counted(number: int, noun: str) -> str:
-    plural = {"stuck stretch": "stuck stretches"}.get(noun, f"{noun}s")
-    return f"{number} {noun if number == 1 else plural}"
+        return f"Left out: {counted(found.samples, found.kind)} ({share}) at {place}"
+    number = counted(len(found.stretches), found.kind)
+    return f"Left out: {number}, {counted(found.samples, 'sample')} ({share}), at {place}"
 
 
 def screen(values: np.ndarray, rng: np.random.Generator) -> Screened:
@@ -169,7 +166,7 @@ def screen(values: np.ndarray, rng: np.random.Generator) -> Screened:
         return Screened(values, replaced, ())
     filled, outliers = _drawn(values, replaced, rng), probability > 1 / 2
     found = _described({"gap": lost, "stuck stretch": stuck, OUTLIER: outliers, "knock": knocks})
-    filled, steps = _without_steps(filled, replaced, (*_runs(knocks), *_runs(stuck)))
+    filled, steps = _without_steps(filled, replaced, np.vstack([runs_of(knocks), runs_of(stuck)]))
     if steps.any():
         filled = _drawn(filled, replaced, rng)
         found += _described({LEVEL_STEP: steps})
@@ -178,7 +175,7 @@ def screen(values: np.ndarray, rng: np.random.Generator) -> Screened:
 
 def is_scattered(lost: np.ndarray) -> bool:
     """Return whether lost samples, mask of shape (n,), are few and apart: an autoregression reaches over them."""
-    longest = max((end - first for first, end in _runs(lost)), default=0)
+    longest = int(np.max(np.diff(runs_of(lost)), initial=0))
     return longest <= ORDER and float(np.mean(lost)) < SCATTERED
 
 
@@ -206,13 +203,11 @@ def _varies(values: np.ndarray) -> bool:
 
 
 def _described(masks: dict[str, np.ndarray]) -> tuple[LeftOut, ...]:
-    return tuple(LeftOut(kind, int(np.count_nonzero(mask)), _runs(mask)) for kind, mask in masks.items() if mask.any())
-
-
-def _runs(mask: np.ndarray) -> tuple[tuple[int, int], ...]:
-    """Return first and end of each run of true values."""
-    edges = np.flatnonzero(np.diff(np.r_[False, mask, False]))
-    return tuple(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
+    return tuple(
+        LeftOut(kind, int(np.count_nonzero(mask)), tuple(map(tuple, runs_of(mask).tolist())))
+        for kind, mask in masks.items()
+        if mask.any()
+    )
 
 
 def _stuck(values: np.ndarray) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""Bias that follows the measured temperature of a device at rest: a term of the mean beside the random processes.
+"""Bias that follows the measured temperature of a device at rest: a term of the mean, added to the random processes.
 
 The coefficients are those of generalised least squares with the spectrum of the random processes, in the cosine basis.
 Term and processes are estimated in turn. The term is kept if the criterion of model selection is higher with it, so
@@ -22,7 +22,7 @@ from imugap.integrity.thermometer import smoothed
 SPAN = 0.1
 """Least change of the temperature over a log that is considered [degC]."""
 WORTH = 3.0
-"""Gain of log-likelihood, beside the processes selected without temperature, from which the term is tried."""
+"""Gain of log-likelihood over the processes selected without temperature, from which the term is tried."""
 MARGIN = 4.0
 """Gain of the criterion from which the term is kept: temperature and bias both drift, and may agree by chance."""
 NORMAL = 1.959964

@@ -1,4 +1,4 @@
-"""Even clock of which samples are lost: the steps of the stamps are multiples of its interval.
+"""Even clock with lost samples: the steps of its stamps are multiples of its interval.
 
 The phase of the clock is tracked over blocks of rows, so that the count is right also for a slightly wrong interval or
 a wandering clock.
@@ -38,7 +38,7 @@ FEWEST = 32
 
 
 def lattice_interval(time: np.ndarray, rounding: float) -> float | None:
-    """Return the largest interval [s] of which the steps of increasing stamps, shape (n,), are multiples.
+    """Return the largest interval [s] that divides all steps of increasing stamps, shape (n,).
 
     The phases of the steps, 2 pi step/interval, are then near zero. None if those of no interval are, or if two rows
     lie in one interval. ``rounding`` [s] is that of the stamps.

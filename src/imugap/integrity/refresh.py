@@ -10,7 +10,7 @@ from imugap.integrity.row_clock import every_row_is_a_sample
 REPEATED = 1.05
 """Rows per new value from which a slower refresh is possible."""
 STUCK = 20
-"""Rows of a value, over the usual ones, from which the output was stuck, whatever its refresh."""
+"""Rows of one value, over the usual number, from which the output was stuck and not refreshed slowly."""
 FEWEST = 256
 """Fewest new values."""
 SEVERAL = 1.9
@@ -19,7 +19,7 @@ KNOTS = 20
 """True samples over which interpolated values are averaged: fewer would see the interpolation."""
 LINE = 30.0
 """Height of a spectral line of the squared bends over the mean power from which interpolation is tested."""
-TONE, BESIDE = 0.02, 3
+TONE, NEIGHBOURS = 0.02, 3
 """Share of the power of the bends in a tone that has a line in their squares, and its half width in ordinates."""
 WINDOW, WINDOWS = 200, 3
 """Values of a window in which knots are fitted, and number of windows."""
@@ -102,7 +102,7 @@ def _has_tone(bends: np.ndarray, at: float) -> bool:
     """Return whether a vibration of ``at`` periods, or of its alias, has a share of the power of bends, shape (n,)."""
     power = np.abs(np.fft.rfft(bends)) ** 2
     places = (round(at), round(len(bends) / 2 - at))
-    near = [power[max(place - BESIDE, 0) : place + BESIDE + 1].sum() for place in places]
+    near = [power[max(place - NEIGHBOURS, 0) : place + NEIGHBOURS + 1].sum() for place in places]
     return max(near) > TONE * power.sum()
 
 

@@ -6,7 +6,7 @@ is lost as NaN, states all of it in sentences, and raises a LogError where no nu
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from enum import Enum, auto
+from enum import Enum
 
 import numpy as np
 import pandas as pd
@@ -17,6 +17,7 @@ from imugap.integrity.refresh import KNOTS, REPEATED, Refresh, held, interpolate
 from imugap.integrity.row_clock import rate_change
 from imugap.integrity.timestamps import Stamps, stamps
 from imugap.log import ACCEL, GYRO, TIME, LogError, axes
+from imugap.numerics.runs import runs_of
 
 IMPROBABLE = 1e-6
 """Probability of equal rows by chance below which they are written twice."""
@@ -33,25 +34,21 @@ BRIEF = 10
 
 
 class Fault(Enum):
-    """Kind of a fault of stamps or samples."""
+    """Kind of a fault of stamps or samples; the value is its name in a sentence."""
 
-    TWICE = auto()
-    """Rows written twice."""
-    LOST_VALUES = auto()
+    TWICE = "rows written twice"
+    LOST_VALUES = "lost values"
     """Values that are not finite, or rows without power."""
-    DEAD = auto()
-    """Axis without use."""
-    STREAMS = auto()
-    """Axes with stamps of their own."""
-    RESET = auto()
+    DEAD = "axes without use"
+    STREAMS = "axes with stamps of their own"
+    RESET = "a clock that was reset"
     """Clock that wraps or is set back."""
-    UNEVEN = auto()
+    UNEVEN = "uneven stamps"
     """Stamps that do not show the clock."""
-    LOST = auto()
+    LOST = "lost samples"
     """Samples without a row."""
-    HELD = auto()
-    """Values that repeat."""
-    INTERPOLATED = auto()
+    HELD = "repeated values"
+    INTERPOLATED = "interpolated values"
     """Values between slower samples."""
 
 
@@ -192,7 +189,7 @@ def _once(table: pd.DataFrame, place: Callable[[int], str]) -> tuple[pd.DataFram
     if bdtrc(np.count_nonzero(again) - 1, trials, chance) > IMPROBABLE:
         return table, []
     count, first = np.count_nonzero(again), int(np.argmax(again))
-    text = f"{_counted(count, 'row')} written twice, first at {place(first)}: left out"
+    text = f"{counted(count, 'row')} written twice, first at {place(first)}: left out"
     return table[~again], [Remark(Fault.TWICE, text)]
 
 
@@ -203,12 +200,12 @@ def _finite(table: pd.DataFrame, place: Callable[[int], str]) -> tuple[pd.DataFr
     if infinite.any():
         row, column = np.argwhere(infinite)[0]
         where = f"{table.columns[column]} at {place(int(row))}"
-        text = f"{_counted(int(infinite.sum()), 'value')} not finite, first {where}: lost"
+        text = f"{counted(int(infinite.sum()), 'value')} not finite, first {where}: lost"
         remarks.append(Remark(Fault.LOST_VALUES, text))
     off = _without_power(table)
     if off.any():
         first = int(np.argmax(off))
-        text = f"{_counted(int(off.sum()), 'row')} zero on all axes, first at {place(first)}: lost"
+        text = f"{counted(int(off.sum()), 'row')} zero on all axes, first at {place(first)}: lost"
         remarks.append(Remark(Fault.LOST_VALUES, text))
     if not remarks:
         return table, []
@@ -226,10 +223,8 @@ def _without_power(table: pd.DataFrame) -> np.ndarray:
     off = np.all(table[names].to_numpy(float) == 0, axis=1)
     if set(ACCEL) <= set(names) and np.nanmedian(np.linalg.norm(table[list(ACCEL)], axis=1)) > HEAVY:
         return off
-    edges = np.flatnonzero(np.diff(np.r_[False, off, False].astype(int)))
-    runs = edges[1::2] - edges[::2]
-    long = np.repeat(runs >= BRIEF, runs)
-    if off.mean() > CLIPPED or np.count_nonzero(~long) > 0:
+    brief = np.diff(runs_of(off)) < BRIEF
+    if off.mean() > CLIPPED or brief.any():
         return np.zeros(len(off), bool)
     return off
 
@@ -313,21 +308,18 @@ def _of_clock(clock: Stamps) -> list[Remark]:
         remarks.append(Remark(Fault.UNEVEN, text))
     late = int(np.count_nonzero(~clock.advancing))
     if clock.even and late:
-        text = f"{_counted(late, 'stamp')} missing or out of order: the rows are taken in their order"
+        text = f"{counted(late, 'stamp')} missing or out of order: the rows are taken in their order"
         remarks.append(Remark(Fault.UNEVEN, text))
     lost = int(np.count_nonzero(clock.lost))
     if lost:
-        edges = np.flatnonzero(np.diff(np.r_[False, clock.lost, False].astype(int)))
-        lengths = edges[1::2] - edges[::2]
-        at = int(np.argmax(lengths))
-        where = (
-            f"the longest gap {lengths[at] * clock.interval:.3g} s after {clock.grid[max(edges[2 * at] - 1, 0)]:.10g} s"
-        )
+        first, end = max(runs_of(clock.lost), key=lambda run: run[1] - run[0])
+        gap, before = (end - first) * clock.interval, clock.grid[max(first - 1, 0)]
+        where = f"the longest gap {gap:.3g} s after {before:.10g} s"
         text = f"{lost} of {clock.count} samples lost at {rate} ({100 * lost / clock.count:.2g} %), {where}"
         remarks.append(Remark(Fault.LOST, text))
     double = len(clock.slots) - int(np.count_nonzero(clock.kept))
     if double:
-        remarks.append(Remark(Fault.TWICE, f"{_counted(double, 'row')} between two samples of the clock: left out"))
+        remarks.append(Remark(Fault.TWICE, f"{counted(double, 'row')} between two samples of the clock: left out"))
     return remarks
 
 
@@ -361,5 +353,7 @@ def _slower(names: list[str], refresh: Refresh, interval: float, how: str) -> Re
     return Remark(fault, f"{', '.join(names)}: values {how} between samples at {rate}, {used}")
 
 
-def _counted(number: int, noun: str) -> str:
-    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
+def counted(number: int, noun: str) -> str:
+    """Return a number with its noun, in the plural unless it is one."""
+    ending = "" if number == 1 else "es" if noun.endswith("ch") else "s"
+    return f"{number} {noun}{ending}"

@@ -9,6 +9,7 @@ import pandas as pd
 from scipy.ndimage import median_filter
 
 from imugap.log import ACCEL, GYRO
+from imugap.numerics.runs import runs_of
 
 WINDOW_S = 1.0
 """Length of a window [s]."""
@@ -117,8 +118,7 @@ def _without_brief(moving: np.ndarray) -> np.ndarray:
     for first, last in pairwise(rows):
         if (last - first) * WINDOW_S <= NEXT_S:
             result[first:last] = True
-    edges = np.flatnonzero(np.diff(np.r_[False, result, False].astype(int)))
-    for first, stop in zip(edges[::2], edges[1::2], strict=True):
+    for first, stop in runs_of(result):
         if (stop - first) * WINDOW_S <= BRIEF_S:
             result[first:stop] = False
     return result
@@ -126,5 +126,4 @@ def _without_brief(moving: np.ndarray) -> np.ndarray:
 
 def _stretches(mask: np.ndarray, begin: np.ndarray) -> list[tuple[float, float]]:
     step = float(begin[1] - begin[0]) if len(begin) > 1 else WINDOW_S
-    edges = np.flatnonzero(np.diff(np.r_[False, mask, False].astype(int)))
-    return [(float(begin[a]), float(begin[b - 1]) + step) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+    return [(float(begin[first]), float(begin[end - 1]) + step) for first, end in runs_of(mask)]

@@ -15,7 +15,7 @@ from imugap.log import LogError
 SHORT, LONGEST = 16, 512
 """Rows of a short span, and most rows of a long one."""
 NEIGHBOURS = 5
-"""Number of spans of neighbouring lengths, of which the widest scatter counts."""
+"""Number of spans of neighbouring lengths; the widest scatter among them counts."""
 PARTS, DISTINCT = 8, 4
 """Fewest long spans in a log, and fewest short spans in a long one."""
 GROWTH = 0.25

@@ -70,7 +70,7 @@ def export(
     Parameters
     ----------
     bounds
-        White noise and random walk of axes of which the log shows none, at the upper limits that it sets. They stand
+        White noise and random walk where the log of an axis shows none, at the upper limits that it sets. They stand
         for what the tool requires, and the file states that they are limits.
     """
     if target is Target.IMUGAP:

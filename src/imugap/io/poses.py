@@ -5,11 +5,13 @@ trajectories (seconds, position, quaternion with the scalar last), and tables wi
 """
 
 import re
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
+from imugap.io.formats import text
 from imugap.kinematics.error_free import POSITION, QUATERNION, VELOCITY
 from imugap.log import TIME, LogError
 
@@ -54,7 +56,7 @@ def read_poses(path: str | Path) -> pd.DataFrame:
     if missing:
         raise LogError(path, "columns", "a time and the four components of a quaternion", f"no {missing[0]}")
     names = [*QUATERNION, *(one for group in (POSITION, VELOCITY) if set(group) <= set(table) for one in group)]
-    table = table[[TIME, *names]].apply(pd.to_numeric, errors="coerce").dropna()
+    table = table[[TIME, *names]].dropna()
     if len(table) < 2:
         raise LogError(path, "rows", "at least 2 poses", str(len(table)))
     time = table[TIME].to_numpy(float)
@@ -70,40 +72,24 @@ def read_poses(path: str | Path) -> pd.DataFrame:
 
 
 def _table(path: Path) -> pd.DataFrame:
-    """Return the columns of a file that are recognised, by their canonical names."""
-    lines = path.read_text(encoding="utf-8-sig", errors="replace").splitlines()
-    heads = [line for line in lines if line.strip() and not _numeric(line)]
-    rows = [_split(line) for line in lines if _numeric(line)]
-    width = len(rows[0]) if rows else 0
-    uneven = next((number for number, row in enumerate(rows) if len(row) != width), None)
-    if not rows or uneven is not None:
-        found = "no rows of numbers" if not rows else f"{len(rows[uneven])} numbers in row {uneven}"
-        raise LogError(path, "rows", f"rows of {width or 8} numbers", found)
-    values = np.array(rows, float)
-    header = next((names for line in reversed(heads) if len(names := _split(line.lstrip("#% "))) == width), None)
-    named = {} if header is None else _named(header)
-    if set(QUATERNION) <= set(named):
-        return pd.DataFrame({name: values[:, index] for name, index in named.items()})
-    if header is not None:
-        expected = "names of a time and a quaternion, such as time, qw, qx, qy, qz"
-        raise LogError(path, "header", expected, ", ".join(header)[:EXCERPT])
-    nano = values[0, 0] > LARGEST_S
-    if not nano and width != len(TUM):
-        raise LogError(path, "columns", "a header, stamps in ns (ASL), or 8 columns (TUM)", f"{width} columns")
-    return pd.DataFrame(dict(zip(ASL if nano else TUM, values.T, strict=False)))
+    """Return the columns of a text that are recognised, by their canonical names."""
+    source = text.open_source(path, None)
+    columns = range(len(source.names))
+    values = dict(enumerate(source.load(columns, None)[0]))
+    if any(source.names):
+        named = _named(source.names)
+        if not set(QUATERNION) <= set(named):
+            expected = "names of a time and a quaternion, such as time, qw, qx, qy, qz"
+            raise LogError(path, source.heading, expected, ", ".join(source.names)[:EXCERPT])
+        return pd.DataFrame({name: values[index] for name, index in named.items()})
+    nano = values[0][0] > LARGEST_S
+    if not nano and len(columns) != len(TUM):
+        raise LogError(path, "columns", "a header, stamps in ns (ASL), or 8 columns (TUM)", f"{len(columns)} columns")
+    return pd.DataFrame({name: values[index] for index, name in enumerate(ASL if nano else TUM) if index in values})
 
 
-def _named(header: list[str]) -> dict[str, int]:
+def _named(header: Sequence[str]) -> dict[str, int]:
     """Return the index of each canonical column in a header."""
-    plain = [re.sub(r"\s*[\[(].*[\])]\s*$|\s", "", name).lower() for name in header]
+    plain = [re.sub(r"\s*[\[(].*[\])]\s*$|[\s#]", "", name).lower() for name in header]
     matches = {name: [k for k, one in enumerate(plain) if re.fullmatch(form, one)] for name, form in NAMES.items()}
     return {name: found[0] for name, found in matches.items() if found}
-
-
-def _split(line: str) -> list[str]:
-    return [one.strip() for one in re.split(r"[,;\t]|\s+", line.strip()) if one.strip()]
-
-
-def _numeric(line: str) -> bool:
-    """Return whether a line begins with a number."""
-    return re.match(r"\s*[-+.\d]", line) is not None

@@ -2,7 +2,7 @@
 
 Over windows with much motion the velocities of the fixes are matched with the samples
 (:mod:`imugap.navigation.velocity_matching`). What the samples leave unexplained of the changes of velocity is small
-where both belong together, whatever the vehicle. If it is not, each suspect is tried: units and signs of the samples,
+where both belong together, for any vehicle. If it is not, each suspect is tried: units and signs of the samples,
 an order of the columns of the fixes, and a time offset between the clocks. The suspect that explains the changes is
 named: a unit, a sign or an order is refused, a time offset is compensated. Where the device points to the same side of
 the course in all windows, so does its mounting.

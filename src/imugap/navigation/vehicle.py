@@ -375,7 +375,7 @@ def _predicted(i, nav, rate, acceleration, errors, sensors, gain, frame, row):
 def _hold_antenna(covariance, turn, first, transposed):
     """Move the error of the lever arm to the antenna of a corrected attitude, and so in the ``transposed`` transition.
 
-    The antenna is where it was before the correction, whatever the arm. Without this every correction of the level
+    The antenna is where it was before the correction, for any arm. Without this every correction of the level
     would seem to observe an arm that the motion does not (Huang, Mourikis and Roumeliotis 2010). ``turn`` is the change
     of the attitude matrix, ``first`` the first row of the arm; ``transposed`` may be empty.
     """

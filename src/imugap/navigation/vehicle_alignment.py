@@ -38,7 +38,7 @@ RETRY_S = 1.0
 """Time between two fixes that are tried as the start [s]."""
 LARGEST_MISFIT = 10.0
 """Misfit of the velocity matching above which it neither confirms nor replaces the course."""
-BESIDE_SIGMA = 5.0
+COURSE_SIGMA = 5.0
 """Heading less course, in standard deviations, above which the vehicle does not point along its course."""
 FAST_QUANTILE, SLOW_SHARE = 0.9, 0.15
 """Quantile of the speeds, and the share of it below which a fix is slow."""
@@ -185,7 +185,7 @@ def _start(
         course = np.arctan2(pair.velocity[number, 1], pair.velocity[number, 0])
         apart = abs(np.remainder(matched.heading - course + np.pi, 2 * np.pi) - np.pi)
         course_std = pair.std[number, :2].max() / speed[number]
-        limit = BESIDE_SIGMA * np.hypot(matched.heading_std, np.hypot(course_std, settings.heading_std))
+        limit = COURSE_SIGMA * np.hypot(matched.heading_std, np.hypot(course_std, settings.heading_std))
         return int(number), pair.match(time[number]) if apart > limit else None
     return int(able[0]), None
 

@@ -1,7 +1,7 @@
 """Physics of a walk, before it is navigated: dead axes, gravity at the stand, rates and stamps that fit the motion.
 
 At the begin of every stance the velocity that a filter predicts for the foot is off by decimetres per second at most,
-whatever the gait. With wrong stamps, rates or forces it is off by metres per second. Where it is, the log is tried
+for any gait. With wrong stamps, rates or forces it is off by metres per second. Where it is, the log is tried
 again with stamps of half and of twice the interval and with rates in degrees, and what mends it is named.
 """
 

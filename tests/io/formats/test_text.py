@@ -108,3 +108,9 @@ def test_a_bad_row_of_any_dialect_is_named(tmp_path, row, message):
     path.write_text("\n".join([*lines[:2], row, *lines[2:]]) + "\n")
     with pytest.raises(LogError, match=message):
         read(path)
+
+
+def test_a_header_in_a_comment_between_blanks_has_no_name_more(tmp_path):
+    table = samples()
+    found = read(write_text(tmp_path / "run.txt", ["# time", *AXES], table, separator=" "))
+    np.testing.assert_allclose(found.log.to_numpy(), table[:, 1:], rtol=1e-8)

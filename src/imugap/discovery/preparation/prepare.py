@@ -291,7 +291,7 @@ def _motion(reference: pd.DataFrame, clock: Stamps) -> pd.DataFrame:
     """Return the reference at the samples and :data:`MARGIN` more at either end; index: time since the first one [s].
 
     It is unchanged where the stamps are equal, else interpolated by cubic splines. Samples are taken at even times,
-    whatever a rounded or scattered stamp says.
+    also where a stamp is rounded or scattered.
     """
     names, own, time = list(axes(reference)), reference.index.to_numpy(float), _extended(clock.grid, clock.interval)
     nearest = np.clip(np.searchsorted(own, time - STAMP_TOLERANCE * clock.interval), 0, len(own) - 1)

@@ -179,12 +179,12 @@ def _header(lines: list[str], separator: str, width: int) -> tuple[str, ...]:
 
 
 def _names(line: str, separator: str, width: int) -> list[str] | None:
-    """Return the names in a line, one for each column, or None where their number is another."""
+    """Return the names in a line, one for each column if any way to split it gives that; None where none is near."""
     splits = [_cells(line, separator)]
     if separator == " ":
         splits += [re.split(r"\s{2,}|\t|:\s*", line.rstrip(": ")), re.sub(r"\s+(?=[\[(])", "", line).split()]
         splits += [cells[1:] for cells in splits if cells and cells[0] in COMMENT]
-    for cells in splits:
+    for cells in sorted(splits, key=lambda cells: len(cells) != width):
         named = sum(bool(cell) for cell in cells)
         if width - 1 <= len(cells) <= width + 1 and named >= min(2, width):
             return [*cells, *[""] * (width - len(cells))]

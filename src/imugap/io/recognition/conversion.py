@@ -43,7 +43,7 @@ class Conversion:
     weightless: bool
 
     def apply(self, values: Mapping[str, np.ndarray], raw: np.ndarray | None, first: int = 0) -> np.ndarray:
-        """Convert columns in place, and return the time of their rows [s], of which the first is number ``first``."""
+        """Convert columns in place, and return the time of their rows [s]; the first is row ``first``."""
         for name, column in values.items():
             if self.factors.get(name, 1.0) != 1.0:
                 column *= self.factors[name]

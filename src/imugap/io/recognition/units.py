@@ -25,7 +25,7 @@ class Unit:
     Attributes
     ----------
     name
-        Unit, ``g/16384`` for counts of which 16384 are 1 g.
+        Unit; ``g/16384`` for counts, 16384 to 1 g.
     evidence
         What shows it; None where the contract of the package does.
     """
