@@ -2,8 +2,9 @@
 
 import numpy as np
 import pandas as pd
+import pytest
 
-from imugap.integrity.timestamps import filled
+from imugap.integrity.timestamps import filled, stamps
 from imugap.log import from_samples, interval
 from imugap.stream import stream
 
@@ -36,3 +37,29 @@ def test_stamps_of_a_jittering_clock_stay_and_the_grid_follows_them():
 def test_a_whole_log_comes_back_as_it_is():
     whole = line()
     assert filled(whole) is whole
+
+
+@pytest.mark.parametrize("rate", [260.0, 520.0, 666.7, 749.9, 800.0, 833.3, 952.0, 970.0, 1149.3, 1942.0, 2960.3])
+@pytest.mark.parametrize("begin", [0.0, 1.7e9 + 0.4])
+@pytest.mark.parametrize("count", [300, 4000])
+def test_steps_of_a_clock_rounded_to_milliseconds_are_no_lost_samples(rate, begin, count):
+    found = stamps(np.round(begin + np.arange(count) / rate, 3))
+    assert found.interval == pytest.approx(1 / rate, abs=2e-3 / count)
+    assert found.kept.all()
+    assert not found.lost.any()
+
+
+@pytest.mark.parametrize("share", [0.03, 0.1, 0.2, 0.3])
+def test_steps_of_one_and_two_intervals_at_random_are_lost_samples(share):
+    number = np.arange(4000)
+    single = (stream(3, "single", share).random(4000) < share) & (number % 2 == 1)
+    found = stamps(number[~single] / 1000)
+    assert found.interval == pytest.approx(1e-3, rel=1e-9)
+    assert found.lost.sum() == single[: number[~single][-1]].sum()
+
+
+def test_losses_of_several_samples_are_found_between_coarse_stamps():
+    number = np.setdiff1d(np.arange(4000), np.r_[500:504, 1800:1803, 3000:3020])
+    found = stamps(np.round(number / 800, 3))
+    assert found.interval == pytest.approx(1 / 800, rel=1e-6)
+    np.testing.assert_array_equal(np.flatnonzero(~found.lost), number)

@@ -8,7 +8,7 @@ import numpy as np
 from imugap.integrity.report import lattice
 from imugap.units import factor
 
-DIGITS = 13
+DIGITS = 14
 """Decimal digits of a double after a conversion of units."""
 SAMPLE = 200
 """Numbers on which a format is tested before all."""
@@ -72,7 +72,7 @@ def _decimal(values: np.ndarray) -> np.ndarray:
     if not values.any():
         return np.zeros(len(values))
     top = int(np.floor(np.log10(values.max()))) + 1
-    shifts = range(DIGITS)
+    shifts = range(DIGITS + 1)
     common = next((k for k in shifts if _fits(some, top - k) and _fits(values, top - k)), None)
     own = None
     if any(

@@ -34,6 +34,12 @@ ROUNDS = 3
 """Iterations of interval and lost samples."""
 DIFFERENT = 0.02
 """Relative difference of two rates."""
+COARSEST = 1.1e-3
+"""Coarsest unit [s] of stamps: that of a file in milliseconds. Steps of coarser units are intervals of a clock."""
+UNEVEN = 1.5
+"""Deviation from the mean [rows] of the spacing of one kind of step, of a rounded clock."""
+FEW_UNITS = 3
+"""Most units of the stamps in an interval of a coarsely rounded clock."""
 REGULAR = 0.9
 """Share of steps that follow a pattern, of a regular clock."""
 MULTIPLE = 0.01
@@ -78,6 +84,27 @@ def _scatter(time: np.ndarray, span: int) -> float:
     return float(max(widths))
 
 
+def longest_rounded_step(time: np.ndarray, rounding: float) -> float | None:
+    """Return an upper limit of the steps [s] of an even clock whose stamps in order, shape (n,) [s], are coarse.
+
+    Its steps are two neighbouring numbers of few units ``rounding`` [s], the rarer of them evenly spaced. Losses at
+    random are not evenly spaced. None if the stamps are of no such clock.
+    """
+    units = np.rint(np.diff(time) / rounding)
+    low = np.floor(np.mean(units))
+    larger = units == low + 1
+    if rounding > COARSEST or low > FEW_UNITS or np.mean(larger | (units == low)) < REGULAR:
+        return None
+    rarer = larger if larger.mean() <= 0.5 else ~larger
+    rows = np.flatnonzero(rarer)
+    if len(rows) < 2:
+        return None
+    spacings = np.diff(rows)
+    everywhere = max(rows[0], len(rarer) - rows[-1]) < spacings.mean() + UNEVEN
+    even = np.mean(np.abs(spacings - spacings.mean()) < UNEVEN) > REGULAR
+    return float(low + 1.5) * rounding if everywhere and even else None
+
+
 def single_losses(time: np.ndarray) -> bool:
     """Return whether the steps of stamps in order, shape (n,), are of one interval and of two, in no other way."""
     steps = np.diff(time)
@@ -88,10 +115,11 @@ def single_losses(time: np.ndarray) -> bool:
     return bool(np.mean(near < ALONE) > REGULAR)
 
 
-def slots(time: np.ndarray) -> tuple[np.ndarray, float]:
+def slots(time: np.ndarray, longest: float | None = None) -> tuple[np.ndarray, float]:
     """Return the sample of each row, shape (n,), and the interval [s], of stamps in order whose rows are samples.
 
-    Samples are lost where the level of the stamps relative to an even clock changes for good.
+    Samples are lost where the level of the stamps relative to an even clock changes for good, at a step longer than
+    ``longest`` [s], by default half longer than nearly all.
     """
     without, pauses = closed(time)
     count = len(time)
@@ -102,7 +130,8 @@ def slots(time: np.ndarray) -> tuple[np.ndarray, float]:
     result = np.arange(count)
     for _ in range(ROUNDS):
         steps = np.diff(without)
-        long = np.flatnonzero((steps > LONG * np.quantile(steps, 0.99)) | (pauses > 0)) + 1
+        limit = LONG * np.quantile(steps, 0.99) if longest is None else longest
+        long = np.flatnonzero((steps > limit) | (pauses > 0)) + 1
         level = time - interval * np.arange(count)
         lost = np.zeros(count, int)
         for at in long:

@@ -18,7 +18,7 @@ from imugap.integrity.clock_reset import Continued, continued, row_number
 from imugap.integrity.lattice_clock import lattice_interval, lattice_slots
 from imugap.integrity.packet_clock import packet_slots
 from imugap.integrity.precision import grain
-from imugap.integrity.row_clock import every_row_is_a_sample, in_order, rate_change, single_losses
+from imugap.integrity.row_clock import every_row_is_a_sample, in_order, longest_rounded_step, rate_change, single_losses
 from imugap.integrity.row_clock import slots as slots_of_rows
 from imugap.log import TIME, LogError, check, interval
 
@@ -173,6 +173,9 @@ def stamps(time: np.ndarray, place: Callable[[int], str] = row_number) -> Stamps
     change = rate_change(ordered, coarse)
     if change is not None and not change.to_multiple:
         change.refuse(place)
+    longest = longest_rounded_step(ordered, coarse)
+    if longest is not None:
+        return _of_rows(whole, advancing, rounding, longest)
     if single_losses(ordered):
         return _of_lattice(whole, advancing, rounding, lattice_interval(good, coarse) or _nominal(good, coarse))
     packets = packet_slots(ordered)
@@ -184,18 +187,22 @@ def stamps(time: np.ndarray, place: Callable[[int], str] = row_number) -> Stamps
     ratio = nominal / coarse
     blurred = ratio < 1 / BLURRED and abs(ratio - np.rint(ratio)) > 1e-3
     if blurred or astray > ASTRAY or (by_rows and astray > FEW):
-        slots, interval = slots_of_rows(ordered)
-        return Stamps(time, interval, slots, advancing, rounding, False, whole.remarks)
+        return _of_rows(whole, advancing, rounding)
     found = _of_lattice(whole, advancing, rounding, nominal)
     if found.lost.mean() <= FEW:
         return found
-    lattice = lattice_interval(good, coarse)
-    slots, interval = slots_of_rows(ordered)
-    if by_rows and (lattice is None or abs(lattice / interval - 1) > SAME):
-        return Stamps(time, interval, slots, advancing, rounding, False, whole.remarks)
+    lattice, rows = lattice_interval(good, coarse), _of_rows(whole, advancing, rounding)
+    if by_rows and (lattice is None or abs(lattice / rows.interval - 1) > SAME):
+        return rows
     if lattice is None:
         _refuse(time, advancing, place)
     return _of_lattice(whole, advancing, rounding, lattice)
+
+
+def _of_rows(whole: Continued, advancing: np.ndarray, rounding: np.ndarray, longest: float | None = None) -> Stamps:
+    """Assign every row to a sample of its own, and the time between its neighbours to samples lost."""
+    slots, interval = slots_of_rows(in_order(whole.time), longest)
+    return Stamps(whole.time, interval, slots, advancing, rounding, False, whole.remarks)
 
 
 def _of_lattice(whole: Continued, advancing: np.ndarray, rounding: np.ndarray, nominal: float) -> Stamps:
