@@ -44,6 +44,8 @@ REFUSED = {
     "discover run.csv --model found/model.yaml --out found": "found: expected an output that is no input",
     "walk run.csv --out run.csv": "run.csv: expected a folder; found a file",
     "drive run.csv run.csv --out model.yaml/deep": "expected a folder at .*model.yaml; found a file",
+    "estimate bag --out bag/part.db3": "part.db3: expected an output that is no input; found the input bag",
+    "indices time.csv --out gyro-0.csv": "expected an output that is no input; found a file that is read with time.csv",
 }
 
 
@@ -52,6 +54,10 @@ def test_an_output_that_would_harm_is_refused_before_the_work(here, refused, lin
     Path("link.yaml").symlink_to("model.yaml")
     Path("found").mkdir()
     Path("found/model.yaml").write_text(MODEL)
+    Path("bag").mkdir()
+    Path("bag/part.db3").touch()
+    Path("time.csv").write_text("time (sec)\n0\n")
+    Path("gyro-0.csv").write_text("gyro_x (deg/s)\n0\n")
     before = {path: path.read_bytes() for path in here.rglob("*") if path.is_file()}
     refused(line, message, among="imugap:")
     assert {path: path.read_bytes() for path in here.rglob("*") if path.is_file()} == before

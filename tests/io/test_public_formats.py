@@ -12,8 +12,9 @@ from imugap.log import ACCEL, AXES, GYRO
 FILES = {
     "xio_fusion_sensor_data.csv": ({}, 99.2, AXES),
     "ximu_straightLine_CalInertialAndMag.csv": ({"rate_hz": 256.0}, 256, AXES),
-    "gnss_ins_sim_gyro-0.csv": ({"rate_hz": 100.0}, 100, GYRO),
-    "gnss_ins_sim_accel-0.csv": ({"rate_hz": 100.0}, 100, ACCEL),
+    "gnss_ins_sim_time.csv": ({}, 100, AXES),
+    "gnss_ins_sim_gyro-0.csv": ({}, 100, AXES),
+    "gnss_ins_sim_accel-0.csv": ({"rate_hz": 100.0}, 100, AXES),
     "airbrakes_nosecone.csv": ({}, 91, (*AXES, "temperature")),
     "imucal_ferraris_session.csv": ({"rate_hz": 204.8}, 204.8, AXES),
     "sample_log_small.ulg": ({}, 204.6, AXES),

@@ -159,11 +159,22 @@ def test_an_empty_file_is_said_to_be_empty(path):
         log_of(path)
 
 
-def test_a_last_line_without_end_may_be_cut_off_and_is_refused(path):
+@pytest.mark.parametrize("cut", [1, 2, 9, 12])
+@pytest.mark.parametrize("separator", [",", " "])
+def test_a_last_line_without_end_may_be_cut_off_and_is_left_out(path, cut, separator):
     lines(path, *ROWS)
-    path.write_bytes(path.read_bytes()[:-2])
-    with pytest.raises(LogError, match=r"line 5: expected a line end .* after '0.03,0.4,-9.'"):
-        log_of(path)
+    path.write_bytes(path.read_bytes()[:-cut].replace(b",", separator.encode()))
+    found = read(path)
+    assert found.recognised[-1] == "left out the last line, which has no end"
+    assert found.log["accel_z"].tolist() == [-9.8, -9.7, -9.9]
+
+
+def test_blanks_and_an_end_of_file_mark_behind_the_last_line_are_fine(path):
+    path = lines(path, *ROWS)
+    path.write_bytes(path.read_bytes() + b"  \x1a")
+    found = read(path)
+    assert len(found.log) == len(ROWS)
+    assert found.recognised == ()
 
 
 def test_windows_line_ends_quotes_spaces_and_a_byte_order_mark_are_fine(path):

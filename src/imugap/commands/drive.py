@@ -266,7 +266,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "fixes",
         help="fixes of a GNSS receiver on the clock of the device: table with a header, RTKLIB .pos, NMEA, GPX, text "
-        "of KF-GINS, or a bag with sensor_msgs/NavSatFix",
+        "of KF-GINS, a bag with sensor_msgs/NavSatFix, a PX4 log, or output of gnss-ins-sim",
     )
     parser.add_argument("--config", help="device, mounting, lever arm, quality control (YAML)")
     add_effects(parser)
@@ -274,7 +274,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--strict", action="store_true", help=f"exit with code {DISAGREES} where they do not agree")
     parser.add_argument("--out", required=True, help="folder for solution, events, summary and figures")
     add_reading(parser)
-    parser.add_argument("--fixes-topic", help="topic of a bag with the fixes")
+    parser.add_argument("--fixes-topic", help="topic of a bag, or message of a log, with the fixes")
 
 
 def run(options: argparse.Namespace) -> int:

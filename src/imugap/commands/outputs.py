@@ -7,6 +7,7 @@ from functools import partial
 from pathlib import Path
 
 from imugap import atomic
+from imugap.io.formats.gnss_ins_sim import files as files_of
 from imugap.workflow.products import write_svg
 
 
@@ -85,8 +86,12 @@ def _require_no_input(shown: str | Path, path: Path, inputs: Iterable[str | Path
     if not path.exists() or atomic.is_stream(path):
         return
     for one in inputs:
-        if one is not None and Path(one).exists() and path.samefile(one):
+        if one is None or not Path(one).exists():
+            continue
+        if path.samefile(one) or Path(os.path.realpath(path)).is_relative_to(os.path.realpath(one)):
             raise ValueError(f"{shown}: expected an output that is no input; found the input {one}")
+        if any(path.samefile(file) for file in files_of(Path(one))):
+            raise ValueError(f"{shown}: expected an output that is no input; found a file that is read with {one}")
 
 
 def _require_writable(path: str | Path, what: str) -> None:

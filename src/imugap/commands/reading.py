@@ -34,7 +34,9 @@ def add_reading(parser: argparse.ArgumentParser) -> None:
         "--rate", dest="sampling_rate", type=rate, metavar="HZ", help="rate of a log without stamps [Hz]"
     )
     group.add_argument("--time-unit", choices=QUANTITIES["time"], help="unit of the stamps")
-    group.add_argument("--topic", help="topic of a bag, or message of a log, with the samples")
+    group.add_argument(
+        "--topic", help="topic of a bag, message of a log, group of columns, or number of a run, with the samples"
+    )
     group.add_argument("--reading", metavar="YAML", help="file with these options as keys")
 
 

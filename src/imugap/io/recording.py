@@ -14,7 +14,7 @@ What was recognised is in the sentences of the recording; what cannot be recogni
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
@@ -110,7 +110,7 @@ def read(path: str | Path, settings: RecordingSettings = DEFAULTS) -> Recording:
         Its table is canonical. What cannot be recognised is a :class:`imugap.log.LogError`.
     """
     path = Path(path)
-    source = open_source(path, settings)
+    source = _opened(path, settings)
     try:
         return _recognised(source, settings)
     except LogError as error:
@@ -122,22 +122,24 @@ def stream(path: str | Path, settings: RecordingSettings = DEFAULTS) -> tuple[Co
 
     The file is read twice: the conversion is recognised on stretches spread over all of it.
     """
-    source = open_source(Path(path), settings)
+    source = _opened(Path(path), settings)
     try:
         selection = _selected(source, settings)
         found = _conversion(selection, *_stretches(source, selection), settings)
     except LogError as error:
         raise LogError(path, error.place, error.expected, error.found) from error
-    return found, _parts(source, selection, found)
+    said = replace(found, recognised=(*source.notes, *found.recognised, *_left_out(selection)))
+    return said, _parts(source, selection, found)
 
 
 @dataclass(frozen=True)
 class Selection:
-    """Columns of a file that are read: their names and positions, and the position of the stamps."""
+    """Columns of a file that are read: names, positions, that of the stamps, or the rate and what states it."""
 
     names: tuple[str, ...]
     assignment: Assignment
     stamp: int | None
+    rate: tuple[float, str] | None
 
     @property
     def places(self) -> list[int]:
@@ -148,6 +150,12 @@ class Selection:
     def stamp_name(self) -> str | None:
         """Return the name of the column of stamps, None where there is none."""
         return None if self.stamp is None else self.names[self.stamp]
+
+
+def _opened(path: Path, settings: RecordingSettings) -> Source:
+    """Return the columns of a file, those of a group where one is asked for."""
+    source = open_source(path, settings)
+    return source if settings.topic is None or source.topic is not None else source.group(settings.topic)
 
 
 def _recognised(source: Source, settings: RecordingSettings) -> Recording:
@@ -182,11 +190,13 @@ def _require_sound(source: Source, columns: dict[str, np.ndarray], raw: np.ndarr
 def _selected(source: Source, settings: RecordingSettings) -> Selection:
     names = _names(source, settings)
     assignment = _assigned(names, source)
-    return Selection(tuple(names), assignment, _time_column(source, names, assignment, settings))
+    stamp = _time_column(source, names, assignment, settings)
+    given = (settings.rate_hz, "the option") if settings.rate_hz else source.rate
+    return Selection(tuple(names), assignment, stamp, given if stamp is None else None)
 
 
 def _conversion(selection: Selection, excerpt: dict, raw: np.ndarray | None, settings: RecordingSettings) -> Conversion:
-    return conversion(excerpt, raw, selection.stamp_name, selection.assignment, settings)
+    return conversion(excerpt, raw, selection.stamp_name or selection.rate, selection.assignment, settings)
 
 
 def _stretches(source: Source, selection: Selection) -> tuple[dict[str, np.ndarray], np.ndarray | None]:
@@ -239,12 +249,14 @@ def _assigned(names: list[str], source: Source) -> Assignment:
 
 
 def _time_column(source: Source, names: list[str], assignment: Assignment, settings: RecordingSettings) -> int | None:
-    """Return the position of the column of stamps, None where ``--rate`` stands for it."""
+    """Return the position of the column of stamps, None where ``--rate`` or a rate in the file stands for it."""
     if settings.rate_hz:
         return None
     places = [names.index(name) for name in assignment.times]
     if TIME in names:
         return names.index(TIME)
+    if not places and source.rate:
+        return None
     if not places:
         counter = f"; {assignment.counters[0]!r} counts samples and is no clock" if assignment.counters else ""
         found = f"{', '.join(assignment.columns.values())[:120]}{counter}"

@@ -6,6 +6,7 @@ from operator import xor
 
 import numpy as np
 import pytest
+from tests.io.devices import write_ulog
 
 from imugap.io.fixes.reading import read
 from imugap.log import LogError
@@ -90,6 +91,41 @@ def table(path, header, separator=",", up=False):
     return text(path, header, *(separator.join(f"{value:.9f}" for value in row) for row in rows))
 
 
+def px4(path, fields):
+    """A PX4 log with the fields of the position of either generation, as values and their types."""
+    types = {"timestamp": "<u8", "fix_type": "<u1", "eph": "<f4", "epv": "<f4", "s_variance_m_s": "<f4",
+             **{f"vel_{axis}_m_s": "<f4" for axis in "ned"}, "vel_ned_valid": "?"}  # fmt: skip
+    rows = np.zeros(COUNT + 1, [*types.items(), *((name, kind) for name, (_, kind) in fields.items())])
+    rows["timestamp"][:COUNT] = np.round(TIME * 1e6)
+    rows["timestamp"][COUNT] = rows["timestamp"][COUNT - 1] + 500_000
+    rows["fix_type"][:COUNT] = 3
+    values = {"eph": 0.5, "epv": 1.1, "s_variance_m_s": 0.2, "vel_n_m_s": 2.2, "vel_e_m_s": -3.0, "vel_d_m_s": -0.5,
+              "vel_ned_valid": True} | {name: one for name, (one, _) in fields.items()}  # fmt: skip
+    for name, value in values.items():
+        rows[name][:COUNT] = value
+    return write_ulog(path, {"vehicle_gps_position": rows})
+
+
+DEGREES = {
+    "latitude_deg": (LATITUDE, "<f8"), "longitude_deg": (LONGITUDE, "<f8"),
+    "altitude_msl_m": (HEIGHT - 47.5, "<f8"), "altitude_ellipsoid_m": (HEIGHT, "<f8"),
+}  # fmt: skip
+INTEGERS = {
+    "lat": (np.round(LATITUDE * 1e7), "<i4"), "lon": (np.round(LONGITUDE * 1e7), "<i4"),
+    "alt": (HEIGHT * 1e3 - 47_500, "<i4"), "alt_ellipsoid": (HEIGHT * 1e3, "<i4"),
+}  # fmt: skip
+
+
+def simulated(path):
+    """The folder of gnss-ins-sim with the fixes of a run."""
+    path.mkdir()
+    text(path / "gps_time.csv", "gps_time (sec)", *map(repr, TIME.tolist()))
+    names = "gps_lat (deg),gps_lon (deg),gps_alt (m),gps_vN (m/s),gps_vE (m/s),gps_vD (m/s)"
+    rows = np.column_stack([LATITUDE, LONGITUDE, HEIGHT, NORTH, EAST, -UP])
+    text(path / "gps-0.csv", names, *(",".join(f"{value:.18e}" for value in row) for row in rows))
+    return path
+
+
 UNITS = "Time (s);Latitude (deg);Longitude (deg);Altitude (m);Vn (m/s);Ve (m/s);Vu (m/s)"
 WRITERS = {
     "RTKLIB": (rtklib, True, True),
@@ -97,6 +133,7 @@ WRITERS = {
     "NMEA": (nmea, True, None),
     "GPX": (gpx, False, False),
     "KF-GINS": (kf_gins, True, False),
+    "gnss-ins-sim": (simulated, False, True),
     "canonical": (lambda path: table(path, "time,latitude,longitude,height,vel_n,vel_e,vel_d"), False, True),
     "pyins": (lambda path: table(path, "time,lat,lon,alt,VN,VE,VD"), False, True),
     "units": (
@@ -120,6 +157,36 @@ def test_every_format_gives_the_same_fixes(tmp_path, name):
     if velocities is not False:
         np.testing.assert_allclose(fixes[["vel_n", "vel_e"]], np.column_stack([NORTH, EAST]), atol=1e-5)
         assert fixes["vel_d"].isna().all() if velocities is None else np.allclose(fixes["vel_d"], -UP)
+
+
+@pytest.mark.parametrize("fields", [DEGREES, INTEGERS], ids=["degrees", "integers"])
+def test_messages_of_a_receiver_in_a_px4_log_are_fixes_on_its_clock(tmp_path, fields):
+    pytest.importorskip("pyulog")
+    found = read(px4(tmp_path / "flight.ulg", fields))
+    np.testing.assert_allclose(found.fixes.index, TIME, atol=1e-6, rtol=0)
+    np.testing.assert_allclose(np.degrees(found.fixes["latitude"]), LATITUDE, atol=1e-7, rtol=0)
+    np.testing.assert_allclose(np.degrees(found.fixes["longitude"]), LONGITUDE, atol=1e-7, rtol=0)
+    np.testing.assert_allclose(found.fixes["height"], HEIGHT, atol=1e-3)
+    np.testing.assert_allclose(found.fixes[["vel_n", "vel_e", "vel_d"]], np.column_stack([NORTH, EAST, -UP]), rtol=1e-6)
+    np.testing.assert_allclose(
+        found.fixes[["sd_n", "sd_d", "sd_vel_e"]], np.tile([0.5, 1.1, 0.2], (COUNT, 1)), rtol=1e-6
+    )
+    assert "message vehicle_gps_position:0, time since boot" in found.recognised
+    assert "left out 1 without a fix in three dimensions" in found.recognised
+
+
+def test_heights_above_the_sea_of_a_px4_log_are_said_to_be_that(tmp_path):
+    pytest.importorskip("pyulog")
+    found = read(px4(tmp_path / "flight.ulg", DEGREES | {"altitude_ellipsoid_m": (0 * HEIGHT, "<f8")}))
+    np.testing.assert_allclose(found.fixes["height"], HEIGHT - 47.5)
+    assert found.recognised[-1] == "heights above sea level"
+
+
+def test_a_px4_log_without_a_receiver_is_refused_with_its_messages(tmp_path):
+    pytest.importorskip("pyulog")
+    path = write_ulog(tmp_path / "flight.ulg", {"sensor_baro": np.ones(3, [("timestamp", "<u8"), ("pressure", "<f4")])})
+    with pytest.raises(LogError, match=r"the message vehicle_gps_position or sensor_gps .*; found sensor_baro:0"):
+        read(path)
 
 
 def test_sentences_without_a_fix_and_with_a_wrong_checksum_are_left_out(tmp_path):

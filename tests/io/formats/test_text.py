@@ -114,3 +114,14 @@ def test_a_header_in_a_comment_between_blanks_has_no_name_more(tmp_path):
     table = samples()
     found = read(write_text(tmp_path / "run.txt", ["# time", *AXES], table, separator=" "))
     np.testing.assert_allclose(found.log.to_numpy(), table[:, 1:], rtol=1e-8)
+
+
+def test_names_that_repeat_are_told_by_those_of_groups_above_them(tmp_path):
+    table = np.column_stack([np.arange(COUNT), np.repeat(samples()[:, 1:], 2, axis=1)])
+    groups = ",".join(["sensor", *["left", "right"] * len(AXES)])
+    path = write_text(tmp_path / "feet.csv", ["axis", *np.repeat(AXES, 2)], table, before=[groups])
+    with pytest.raises(LogError, match="--topic what stands before the dot"):
+        read(path, RecordingSettings(rate_hz=RATE))
+    found = read(path, RecordingSettings(rate_hz=RATE, topic="left"))
+    np.testing.assert_allclose(found.log.to_numpy(), samples()[:, 1:], rtol=1e-8)
+    assert "columns of left" in found.recognised

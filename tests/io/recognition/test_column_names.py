@@ -113,3 +113,12 @@ def test_columns_are_named_from_left_to_right_by_pairs_or_by_choice():
         chosen(names, ["time", "wz"])
     with pytest.raises(ValueError, match="expected 4 names, one for each column; found 2"):
         chosen(nameless, ["time", "gyro_x"])
+
+
+def test_p_q_and_r_are_body_rates_where_there_are_all_three():
+    found = assign(["flight.time", "flight.p", "flight.q", "flight.r", "flight.ax", "flight.ay", "flight.az"]).columns
+    assert [found[axis] for axis in GYRO] == ["flight.p", "flight.q", "flight.r"]
+    assert not set(GYRO) & set(assign(["time", "p", "q", "ax", "ay", "az"]).columns)
+    assert assign(["time", "p", "q", "r", "wx", "wy", "wz"]).columns["gyro_x"] == "wx"
+    assert assign(["t", "p (deg/s)", "q (deg/s)", "r (deg/s)"]).units == {"gyro": "deg/s"}
+    assert not assign(["t", "p (Pa)", "q (deg/s)", "r (deg/s)"]).columns

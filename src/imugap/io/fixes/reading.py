@@ -6,13 +6,13 @@ from pathlib import Path
 import pandas as pd
 
 from imugap.io import gnss
-from imugap.io.fixes import bags, gpx, nmea, rtklib, tables
+from imugap.io.fixes import bags, gnss_ins_sim, gpx, nmea, px4, rtklib, tables
 from imugap.io.formats.source import whole_file
 from imugap.io.rows import require_numbers, require_order, require_range
 from imugap.log import TIME, LogError
 from imugap.units import to_si
 
-FORMATS = (bags, rtklib, gpx, nmea, tables)
+FORMATS = (bags, px4, gnss_ins_sim, rtklib, gpx, nmea, tables)
 HEAD_BYTES = 4096
 
 
@@ -50,4 +50,5 @@ def read(path: str | Path, topic: str | None = None) -> ReceiverLog:
     require_numbers(table[[name for name in gnss.PLACE if name in table]], path, decoded.place)
     for name in ("latitude", "longitude"):
         table[name] = to_si(table[name], "deg")
-    return ReceiverLog(gnss.check(table, path, decoded.place), decoded.notes)
+    fixes = gnss.check(table, path, decoded.place)
+    return ReceiverLog(fixes, (f"{len(fixes)} fixes", *decoded.notes) if decoded.notes else ())

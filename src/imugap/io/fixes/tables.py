@@ -11,6 +11,7 @@ from imugap.io.fixes.decoded import Decoded
 from imugap.io.formats import catalogue
 from imugap.io.formats.source import Source
 from imugap.io.recognition import column_names, stamps
+from imugap.io.recognition.settings import RecordingSettings
 from imugap.kinematics.strapdown import VELOCITY
 from imugap.log import TIME, LogError
 from imugap.units import factor
@@ -38,7 +39,7 @@ def recognises(path: Path, head: bytes) -> bool:
 
 def decode(path: Path, topic: str | None) -> Decoded:
     """Return the fixes of a table; LogError where a column is missing."""
-    source = catalogue.open_source(path, None)
+    source = catalogue.open_source(path, RecordingSettings(topic=topic))
     names = source.names if any(source.names) else _nameless(source)
     known = {name: column for name in names if (column := _column(name))}
     time = _time(names, known)

@@ -13,8 +13,12 @@ from imugap.log import LogError
 NPY, MAT, HDF = b"\x93NUMPY", b"MATLAB 5.0", b"MATLAB 7.3"
 R_STARTS = (b"RDX2", b"RDX3", b"\x1f\x8b", b"BZh", b"\xfd7zXZ")
 R_ENDINGS = (".rda", ".rdata")
+RATES = ("sampling_rate", "sample_rate", "samplingrate", "samplerate", "sampling_frequency", "fs", "rate_hz")
+"""Names of a number that is the sampling rate, in small letters."""
 LABELS = "_label"
 """Ending of the name of an array that has the names of the columns of another."""
+RUNS_NDIM = 3
+"""Number of axes of an array of several runs."""
 MOST_COLUMNS = 64
 """An array with fewer rows than that, and more columns, lies on its side."""
 
@@ -25,10 +29,14 @@ def recognises(path: Path, head: bytes) -> bool:
 
 
 def open_source(path: Path, settings) -> Source:
-    """Return the columns of all arrays of one length, that of the samples; LogError where there is no table."""
+    """Return the columns of all arrays of one length, that of the samples; LogError where there is no table.
+
+    Of an array of several runs (the first axis), the topic is the number of the run.
+    """
     with path.open("rb") as handle:
         head = handle.read(len(MAT))
     found = _decoded(path, head)
+    run, found = _of_run(found, settings)
     columns: dict[str, np.ndarray] = {}
     for name, value in found.items():
         columns |= _columns(name, value, found.get(f"{name}{LABELS}"))
@@ -38,7 +46,9 @@ def open_source(path: Path, settings) -> Source:
     tables.pop(1, None)
     if not tables:
         shapes = ", ".join(f"{name} {np.shape(value)}".strip() for name, value in found.items())
-        raise LogError(path, "arrays", "a table of samples (rows) and columns", shapes[:200] or "none")
+        runs = max((len(value) for value in found.values() if np.ndim(value) == RUNS_NDIM), default=0)
+        several = f" (--topic 0 to {runs - 1} takes one of {runs} runs)" if runs else ""
+        raise LogError(path, "arrays", f"a table of samples (rows) and columns{several}", shapes[:200] or "none")
     rows = max(tables, key=lambda length: (sum(map(_inertial, tables[length])), len(tables[length]), length))
     kept = tables[rows]
     loaded = list(kept.values())
@@ -46,7 +56,23 @@ def open_source(path: Path, settings) -> Source:
     def batches(chosen):
         yield [loaded[k] for k in chosen]
 
-    return Source(path, tuple(kept), rows, batches, heading="arrays")
+    rates = {name: float(value) for name, value in found.items() if name.lower() in RATES and np.size(value) == 1}
+    rate = next(((hertz, name) for name, hertz in rates.items() if 0 < hertz < np.inf), None)
+    notes = () if run is None else (f"run {run}",)
+    return Source(path, tuple(kept), rows, batches, notes=notes, heading="arrays", topic=run, rate=rate)
+
+
+def _of_run(found: Mapping[str, object], settings) -> tuple[str | None, Mapping[str, object]]:
+    """Return the number of the run that is asked for, and the arrays with it alone; None and all where none is."""
+    topic = settings.topic if (settings.topic or "").isdecimal() else None
+    if topic is None:
+        return None, found
+    chosen = {
+        name: value[int(topic)]
+        for name, value in found.items()
+        if np.ndim(value) == RUNS_NDIM and int(topic) < len(value)
+    }
+    return (topic, {**found, **chosen}) if chosen else (None, found)
 
 
 def _decoded(path: Path, head: bytes) -> Mapping[str, object]:

@@ -41,7 +41,9 @@ def open_source(path: Path, settings) -> Source:
             while rows := list(islice(rest, BATCH)):
                 yield [_numbers([row[k] for row in rows], k) for k in columns]
 
-    return Source(path, NAMES, count, batches, "message {}".format, notes=(f"topic {topic}",), heading="messages")
+    return Source(
+        path, NAMES, count, batches, "message {}".format, notes=(f"topic {topic}",), heading="messages", topic=topic
+    )
 
 
 def reader_of(path: Path):

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -35,6 +35,10 @@ class Source:
         Sentences on what was chosen in the file.
     heading
         Where the names are in the file.
+    topic
+        Message, run or group of columns that was asked for and is all that there is here.
+    rate
+        Sampling rate that the file states [Hz], and the name of the value; None where there is none.
     """
 
     path: Path
@@ -45,6 +49,26 @@ class Source:
     canonical: bool = False
     notes: tuple[str, ...] = ()
     heading: str = "columns"
+    topic: str | None = None
+    rate: tuple[float, str] | None = None
+
+    def group(self, topic: str) -> "Source":
+        """Return the columns with names ``topic.name``, without the topic; LogError where there are none."""
+        parts = [name.rpartition(".")[::2] for name in self.names]
+        kept = [k for k, (group, _) in enumerate(parts) if group == topic]
+        if not kept:
+            known = ", ".join(dict.fromkeys(group for group, _ in parts if group))
+            expected = f"a group of columns that there is (--topic): {known or 'none here'}"
+            raise LogError(self.path, self.heading, expected, topic)
+        names = tuple(parts[k][1] for k in kept)
+        notes = (*self.notes, f"columns of {topic}")
+        return replace(
+            self,
+            names=names,
+            batches=lambda columns: self.batches([kept[k] for k in columns]),
+            notes=notes,
+            topic=topic,
+        )
 
     def load(self, columns: Sequence[int], stamp: int | None) -> tuple[np.ndarray, np.ndarray | None]:
         """Return whole columns, shape (columns, n), and the stamps, shape (n,), in one pass and one block of memory."""

@@ -34,6 +34,7 @@ STAMP = re.compile(r"\d{4}-\d\d-\d\d[ T]\d\d:\d\d:\d\d")
 ENCODINGS = {codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16", codecs.BOM_UTF8: "utf-8-sig"}
 MISSING = ["", "nan", "NaN", "NAN", "NA", "N/A", "null", "NULL", "None", "#N/A", "-nan"]
 EXCERPT = 60
+UNENDED = "left out the last line, which has no end"
 LONG = 9
 """Digits of a whole number above which a column of such is read as integers."""
 
@@ -58,6 +59,8 @@ class Dialect:
         Cells of the first rows.
     width
         Number of values in a row.
+    end
+        Number of bytes up to the end of the last line that has one.
     """
 
     encoding: str
@@ -67,6 +70,7 @@ class Dialect:
     first: int
     sample: tuple[tuple[str, ...], ...]
     width: int
+    end: int
 
 
 def recognises(path: Path, head: bytes) -> bool:
@@ -75,7 +79,10 @@ def recognises(path: Path, head: bytes) -> bool:
 
 
 def open_source(path: Path, settings) -> Source:
-    """Return the columns of a text; LogError where it has no rows of numbers."""
+    """Return the columns of a text; LogError where it has no rows of numbers.
+
+    A last line without an end may be cut off within a number, and is left out.
+    """
     dialect = sniff(path)
     return Source(
         path,
@@ -83,6 +90,7 @@ def open_source(path: Path, settings) -> Source:
         _lines(path),
         lambda columns: _batches(path, dialect, columns),
         lambda row: place(path, dialect, row),
+        notes=(UNENDED,) if _rest(path, dialect.end) else (),
         heading=f"line {max(dialect.first, 1)}",
     )
 
@@ -116,7 +124,7 @@ def sniff(path: Path) -> Dialect:
     width = Counter(map(len, rows)).most_common(1)[0][0]
     names = _header(whole[:first], separator, width)
     decimal = "," if any(COMMA_NUMBER.fullmatch(cell.strip()) for row in rows for cell in row) else "."
-    return Dialect(encoding, separator, decimal, names, first, tuple(rows), width)
+    return Dialect(encoding, separator, decimal, names, first, tuple(rows), width, _end(path, encoding))
 
 
 def place(path: Path, dialect: Dialect, row: int) -> str:
@@ -168,13 +176,18 @@ def _table(lines: list[str], separator: str) -> tuple[float, str, int, list[tupl
 
 
 def _header(lines: list[str], separator: str, width: int) -> tuple[str, ...]:
-    """Return the names of the columns from the lines before the first row, with a line of units where there is one."""
+    """Return the names of the columns from the lines before the first row.
+
+    A line of units below the names is joined to them; names that repeat are joined to those of groups above them.
+    """
     rows = [cells for line in lines if (cells := _names(line.lstrip("\ufeff").strip(), separator, width)) is not None]
     if not rows:
         return ("",) * width
     names = rows[-1]
     if len(rows) > 1 and _are_units(names):
         names = [f"{name} [{unit}]" if unit else name for name, unit in zip(rows[-2], names, strict=False)]
+    elif len(rows) > 1 and len(set(names)) < width == len(set(zip(rows[-2], names, strict=True))):
+        names = [f"{group}.{name}" for group, name in zip(rows[-2], names, strict=True)]
     return tuple(names)
 
 
@@ -199,7 +212,6 @@ def _are_units(cells: list[str]) -> bool:
 
 def _batches(path: Path, dialect: Dialect, columns: Sequence[int]) -> Iterator[list[np.ndarray]]:
     """Yield the numbers of columns, shape (n,); a time of day is nanoseconds of 1970."""
-    _require_end(path, dialect)
     names = [str(k) for k in range(max(len(dialect.names), dialect.width))]
     kinds = {str(k): _kind(dialect, k) for k in columns}
     converting = pa.csv.ConvertOptions(
@@ -237,50 +249,72 @@ def _numbers(values: pa.Array) -> np.ndarray:
     return values.to_numpy(zero_copy_only=False)
 
 
+def _end(path: Path, encoding: str) -> int:
+    """Return the number of bytes up to the end of the last line that has one."""
+    with path.open("rb") as handle:
+        rest = handle.seek(0, io.SEEK_END)
+        while rest:
+            begin = max(0, rest - BLOCK_BYTES)
+            handle.seek(begin)
+            block = handle.read(rest - begin)
+            found = max(block.rfind(b"\n"), block.rfind(b"\r"))
+            if found >= 0:
+                handle.seek(begin + found + 1)
+                wide = encoding == "utf-16" and handle.read(1) == b"\x00"
+                return begin + found + 1 + wide
+            rest = begin
+    return 0
+
+
+def _rest(path: Path, end: int) -> bytes:
+    """Return the begin of what stands behind the last line that has an end."""
+    with path.open("rb") as handle:
+        handle.seek(end)
+        return handle.read(EXCERPT).strip(b" \t\x00\x1a")
+
+
 def _stream(path: Path, dialect: Dialect):
-    """Return a stream of a text in which one character separates the values."""
-    if dialect.separator != " ":
-        return path.open("rb")  # the library opens no name that is not UTF-8
-    return pa.PythonFile(OneBlank(path), mode="r")
+    """Return a stream of the whole lines of a text in which one character separates the values."""
+    source = WholeLines(path, dialect.end, blanks=dialect.separator == " ")
+    return pa.PythonFile(source, mode="r")
 
 
-class OneBlank(io.RawIOBase):
-    """Stream of a text with blanks and tabs between values as one blank, and none at the ends of lines."""
+class WholeLines(io.RawIOBase):
+    """Stream of the lines of a text up to an end; blanks and tabs are one blank, and none at the ends of lines."""
 
-    def __init__(self, path: Path) -> None:
-        """Open the text."""
-        self._source, self._rest = path.open("rb"), b""
+    def __init__(self, path: Path, end: int, blanks: bool) -> None:
+        """Open the text; ``blanks``: whether blanks separate the values."""
+        self._source, self._left, self._blanks, self._rest = path.open("rb"), end, blanks, b""
 
     def readable(self) -> bool:
         """Return True."""
         return True
 
     def read(self, size: int = -1) -> bytes:
-        """Return at most ``size`` bytes of whole lines as far as they go."""
+        """Return at most ``size`` bytes."""
+        if not self._blanks:
+            return self._read(size)
         if not self._rest:
-            lines = self._source.readlines(BLOCK_BYTES if size < 0 else size)
-            self._rest = b"".join(b" ".join(line.split()) + b"\n" for line in lines)
+            block = self._read(BLOCK_BYTES if size < 0 else size)
+            block += self._until_line_end() if block else b""
+            self._rest = b"".join(b" ".join(line.split()) + b"\n" for line in block.splitlines())
         given, self._rest = (self._rest, b"") if size < 0 else (self._rest[:size], self._rest[size:])
         return given
+
+    def _read(self, size: int) -> bytes:
+        block = self._source.read(self._left if size < 0 else min(size, self._left))
+        self._left -= len(block)
+        return block
+
+    def _until_line_end(self) -> bytes:
+        line = self._source.readline(self._left)
+        self._left -= len(line)
+        return line
 
     def close(self) -> None:
         """Close the text."""
         self._source.close()
         super().close()
-
-
-def _require_end(path: Path, dialect: Dialect) -> None:
-    """Raise a LogError where the last line has no end: it may be cut off."""
-    with path.open("rb") as handle:
-        handle.seek(-1, io.SEEK_END)
-        if handle.read() in (b"\n", b"\r", b"\x00"):
-            return
-        handle.seek(0)
-        number = sum(block.count(b"\n") for block in iter(lambda: handle.read(BLOCK_BYTES), b"")) + 1
-        handle.seek(max(0, handle.tell() - EXCERPT))
-        last = handle.read().splitlines()[-1].decode(dialect.encoding, errors="replace")
-    expected = "a line end after the last row (add it if the row is whole, remove the row if it is cut off)"
-    raise LogError(path, f"line {number}", expected, f"the end of the file after {last!r}")
 
 
 def _diagnosis(path: Path, dialect: Dialect, columns: Sequence[int], cause: str) -> LogError:
@@ -291,6 +325,8 @@ def _diagnosis(path: Path, dialect: Dialect, columns: Sequence[int], cause: str)
         for number, line in enumerate(handle, 1):
             if number <= dialect.first or not line.strip() or line.lstrip().startswith(COMMENT):
                 continue
+            if not line.endswith("\n"):
+                break
             cells = _cells(line.strip("\r\n"), dialect.separator)
             if len(cells) != width:
                 expected = f"{width} values ({', '.join(filter(None, dialect.names))})"

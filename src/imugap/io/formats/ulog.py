@@ -1,6 +1,9 @@
 """PX4 logs (``.ulg``): one message with the samples, ``sensor_combined`` unless another is asked for."""
 
+from collections.abc import Sequence
 from pathlib import Path
+
+import numpy as np
 
 from imugap.io.formats.source import Source, extra
 from imugap.log import LogError
@@ -20,23 +23,34 @@ def recognises(path: Path, head: bytes) -> bool:
 
 def open_source(path: Path, settings) -> Source:
     """Return the columns of one message, ``name`` or ``name:instance``; LogError where there is none of it."""
-    with extra(path, "px4", "pyulog"):
-        from pyulog import ULog
-    found = {f"{one.name}:{one.multi_id}": one.data for one in ULog(str(path)).data_list}
-    asked = [settings.topic] if settings.topic else PREFERRED
-    name = next((name for one in asked for name in (one, f"{one}:0") if name in found), None)
-    if name is None:
-        known = [one for one in found if one.startswith(("sensor_gyro", "sensor_accel", *PREFERRED))]
-        expected = f"the message {' or '.join(asked)} (--topic decides)"
-        raise LogError(path, "messages", expected, ", ".join(known or found)[:200] or "none")
-    data = {field: values for field, values in found[name].items() if values.dtype.kind in "iuf"}
+    name, found = message_of(path, PREFERRED, settings.topic, "--topic", ("sensor_gyro", "sensor_accel"))
+    data = {field: values for field, values in found.items() if values.dtype.kind in "iuf"}
     names = tuple(_name(name.partition(":")[0], field) for field in data)
     columns = list(data.values())
 
     def batches(chosen):
         yield [columns[k] for k in chosen]
 
-    return Source(path, names, len(columns[0]), batches, notes=(f"message {name}",), heading=name)
+    return Source(path, names, len(columns[0]), batches, notes=(f"message {name}",), heading=name, topic=name)
+
+
+def message_of(
+    path: Path, preferred: Sequence[str], asked: str | None, option: str, others: Sequence[str] = ()
+) -> tuple[str, dict[str, np.ndarray]]:
+    """Return name and fields of a message: the one that is asked for, or the first of the preferred ones.
+
+    LogError where there is none, with those of the preferred and other names that there are.
+    """
+    with extra(path, "px4", "pyulog"):
+        from pyulog import ULog
+    found = {f"{one.name}:{one.multi_id}": one.data for one in ULog(str(path)).data_list}
+    wanted = [asked] if asked else preferred
+    name = next((name for one in wanted for name in (one, f"{one}:0") if name in found), None)
+    if name is None:
+        known = [one for one in found if one.startswith((*others, *preferred))]
+        expected = f"the message {' or '.join(wanted)} ({option} decides)"
+        raise LogError(path, "messages", expected, ", ".join(known or found)[:200] or "none")
+    return name, found[name]
 
 
 def _name(message: str, field: str) -> str:

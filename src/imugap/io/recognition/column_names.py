@@ -61,6 +61,8 @@ DELTAS = {
 }
 INCREMENT = {"gyro": "rad", "accel": "m/s"}
 """Units of increments that the names do not give."""
+BODY_RATES = ("p", "q", "r")
+"""Rates of roll, pitch and yaw, as flight dynamics names them."""
 COMPACT = re.compile(r"(gyroscope|gyros|gyro|gyr|acceleration|accel|accs|acc|omega|ac|gy|gf|w|a|g|f)([xyz])")
 BRACKET = re.compile(r"[\[(]\s*([^\[\]]*?)\s*[\])]\s*$")
 AXES = {"x": 0, "y": 1, "z": 2, "0": 0, "1": 1, "2": 2}
@@ -155,6 +157,8 @@ def meaning(name: str) -> Meaning | None:
 def assign(names: Sequence[str]) -> Assignment:
     """Return which of the columns of a file are read; ValueError where two triads are equally plain."""
     known = {name: found for name in names if name and (found := meaning(name)) is not None}
+    if not any(found.quantity == "gyro" for found in known.values()):
+        known |= _body_rates(names)
     columns: dict[str, str] = {}
     units: dict[str, str] = {}
     free = False
@@ -174,6 +178,18 @@ def assign(names: Sequence[str]) -> Assignment:
     ordered = {name: columns[name] for name in COLUMNS if name in columns}
     contract = all(name == of for name, of in ordered.items()) and (not times or TIME in times)
     return Assignment(ordered, units, tuple(times), free, counters, contract)
+
+
+def _body_rates(names: Sequence[str]) -> dict[str, Meaning]:
+    """Return the meaning of the names p, q and r, with a unit or a group before them, where there are all three."""
+    groups: dict[str, dict[str, Meaning]] = {}
+    for name in names:
+        base, unit = _unbracketed(name.strip())
+        group, _, letter = base.strip().rpartition(".")
+        if letter.lower() in BODY_RATES and (base == name.strip() or unit in QUANTITIES["gyro"]):
+            axis = BODY_RATES.index(letter.lower())
+            groups.setdefault(group, {})[name] = Meaning("gyro", axis, unit, tuple(_words(group)))
+    return {name: one for found in groups.values() if len(found) == len(BODY_RATES) for name, one in found.items()}
 
 
 def stated_unit(name: str) -> str | None:
@@ -294,7 +310,10 @@ def _plainest(known: dict[str, Meaning], quantity: str) -> dict[str, Meaning]:
     rivals = [one for one in others if _rank_of(one) == _rank_of(best)]
     if rivals or len({found.axis for found in best.values()}) < len(best):
         shown = " or ".join(", ".join(one) for one in (best, *rivals))
-        raise ValueError(f"one set of columns for {quantity} (--columns decides); found {shown}")
+        raise ValueError(
+            f"one set of columns for {quantity} (--columns decides, or --topic what stands before the dot); "
+            f"found {shown}"
+        )
     return best
 
 

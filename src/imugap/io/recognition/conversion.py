@@ -57,7 +57,7 @@ class Conversion:
 def conversion(
     values: Mapping[str, np.ndarray],
     raw: np.ndarray | None,
-    stamp: str | None,
+    clock: str | tuple[float, str],
     assignment: Assignment,
     settings: RecordingSettings,
 ) -> Conversion:
@@ -67,12 +67,14 @@ def conversion(
     ----------
     values
         Excerpt of each column, shape (n,), in the unit of the file; not changed.
-    raw, stamp
-        Stamps, shape (m,), and the name of their column; None where there are none.
+    raw
+        Stamps, shape (m,); None where there are none.
+    clock
+        Name of the column of stamps; where there is none, the rate [Hz] and what states it.
     """
     contract = assignment.contract and not settings.columns
-    time_unit, said = _time_unit(raw, stamp, settings)
-    rate = settings.rate_hz if time_unit is None else 1 / (stamps.step_of(raw) * factor(time_unit))
+    time_unit, said = _time_unit(raw, clock, settings)
+    rate = clock[0] if time_unit is None else 1 / (stamps.step_of(raw) * factor(time_unit))
     accel, gyro = (_triad(values, axes) for axes in (ACCEL, GYRO))
     sizes, sentences, weightless = {}, [], False
     if accel is not None:
@@ -104,19 +106,20 @@ def asked(function, place: str, *arguments):
 
 
 def _time_unit(
-    raw: np.ndarray | None, stamp: str | None, settings: RecordingSettings
+    raw: np.ndarray | None, clock: str | tuple[float, str], settings: RecordingSettings
 ) -> tuple[str | None, tuple[str, ...]]:
     """Return the unit of the stamps, None where there are none, and what was recognised."""
-    if stamp is None:
-        return None, (f"no stamps, {settings.rate_hz:g} Hz from the option",)
+    if raw is None:
+        rate, source = clock
+        return None, (f"no stamps, {rate:g} Hz from {source}",)
     if settings.time_unit:
         unit, why = settings.time_unit, "the option"
-    elif stated := column_names.stated_unit(stamp):
+    elif stated := column_names.stated_unit(clock):
         unit, why = stated, "the header"
-    elif stamps.FINE in stamp.lower():
+    elif stamps.FINE in clock.lower():
         unit, why = stamps.unit_of_fine(raw)
     else:
-        unit, why = asked(stamps.unit_of_stamps, f"column {stamp}", raw, stamp == TIME)
+        unit, why = asked(stamps.unit_of_stamps, f"column {clock}", raw, clock == TIME)
     return unit, () if unit == "s" else (f"stamps {unit} -> s from {why}",)
 
 
