@@ -353,6 +353,18 @@ def test_an_export_is_that_of_the_library(here):
     assert names(here) == {"filter.yaml"}
 
 
+def test_a_program_holds_the_effects_of_a_plug_in_and_says_what_it_leaves_out(here, capsys, monkeypatch):
+    monkeypatch.syspath_prepend(str(Path(__file__).parents[2]))
+    effects = "{white_noise: {density: 1}}, {stability_restoration: {stability: 1, period: 1}}, {dead_zone: {width: 2}}"
+    Path("mine.yaml").write_text(f"gyro_x: [{effects}]")
+    options = ["mine.yaml", "--effects", "tests.plugins.dead_zone", "--rate", "100"]
+    for target in ("python", "cpp", "gazebo-plugin"):
+        assert cli.main(["export", *options, "--to", target, "--out", f"imu.{target}"]) == 0
+        assert "struct DeadZone" in (text := Path(f"imu.{target}").read_text()) or "class DeadZone" in text
+        err = capsys.readouterr().err
+        assert "imugap: left out: gyro_x stability_restoration (stability 1, period 1), which has no form" in err
+
+
 def test_an_ending_that_is_not_read_is_not_written(here):
     assert simulate("run.txt") == 1
 

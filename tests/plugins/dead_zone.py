@@ -6,6 +6,7 @@ from typing import ClassVar
 import numpy as np
 from scipy.special import bdtr
 
+from imugap.effects.block import Block
 from imugap.effects.conditions import Conditions
 from imugap.effects.effect import TINY, Effect, Evidence, Role, Stage, parameter
 from imugap.integrity.precision import grain, spacing
@@ -31,6 +32,10 @@ class DeadZone(Effect):
     def apply(self, sequence: np.ndarray, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
         """Put zero in place of the samples within the zone."""
         return np.where(np.abs(sequence) < self.width / 2, 0.0, sequence)
+
+    def block(self, interval: float, axis: str) -> Block:
+        """Return the effect as a step from sample to sample."""
+        return Block(_step, {"half": self.width / 2})
 
     @classmethod
     def found(cls, values: np.ndarray, conditions: Conditions) -> Evidence | None:
@@ -74,3 +79,7 @@ class DeadZone(Effect):
 def _mass(slope: float, length: float) -> float:
     """Return the integral of exp(slope x) over x from 0 to ``length``."""
     return float(np.expm1(slope * length) / slope) if abs(slope * length) > 1e-9 else length
+
+
+def _step(own, x, now):
+    return 0.0 if -own.half < x and x < own.half else x

@@ -29,7 +29,7 @@ from imugap.estimation import report
 from imugap.estimation.model_selection import TERMS
 from imugap.estimation.report import AxisEstimate, EstimatorSettings, Method
 from imugap.integrity.regular import Regular
-from imugap.interchange.export import Target, export
+from imugap.interchange.export import PROGRAMS, Target, export
 from imugap.interchange.start_bias import start_bias
 from imugap.model import ErrorModel
 from imugap.workflow.products import write_svg
@@ -148,7 +148,7 @@ def _exported(estimates: list[AxisEstimate], found: Regular, target: Target, opt
     for axis, (bias, spread) in start_bias(levels, options.gravity).items():
         axes[axis] = AxisModel((*axes[axis], bias, *((spread,) if target is Target.KF_GINS else ())))
     bounds: dict[str, tuple[Effect, ...]] = {}
-    if target is not Target.IMUGAP:
+    if target is not Target.IMUGAP and target not in PROGRAMS:
         bounds = {one.axis: limits for one in estimates if (limits := report.bounds(one))}
     return export(ErrorModel(axes), target, rule, bounds)
 

@@ -1,20 +1,31 @@
-"""Write an error model in the form that a filter or a simulator reads."""
+"""Write an error model in the form that a filter or a simulator reads, or as a program that applies it."""
 
 import argparse
+import sys
 
 from imugap.atomic import atomic
-from imugap.commands.arguments import add_examples, positive
+from imugap.commands.arguments import add_effects, add_examples, positive
 from imugap.commands.outputs import require_files
 from imugap.commands.reduction import add_rule, rule_of
-from imugap.interchange.export import Target, export
+from imugap.interchange.code.program import left_out
+from imugap.interchange.export import PROGRAMS, Target, export
+from imugap.interchange.plugins import catalogue
 from imugap.model import ErrorModel
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    add_examples(parser, "imugap export model.yaml --to kalibr --rate 200 --out imu.yaml")
+    add_examples(
+        parser,
+        "imugap export model.yaml --to kalibr --rate 200 --out imu.yaml",
+        "imugap export model.yaml --to cpp --rate 200 --out imu.hpp",
+    )
     parser.add_argument("model", help="error model (YAML)")
-    parser.add_argument("--to", required=True, help=", ".join(Target))
+    add_effects(parser)
+    parser.add_argument(
+        "--to", required=True,
+        help=f"{', '.join(Target)}; the last three are source code with all effects, seeded, one sample at a time",
+    )  # fmt: skip
     parser.add_argument("--rate", type=positive, required=True, help="sampling rate [Hz]")
     add_rule(parser)
     parser.add_argument("--out", required=True, help="file to write")
@@ -23,6 +34,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     """Export the model to ``--out``."""
     require_files({"--out": options.out}, [options.model])
-    text = export(ErrorModel.read(options.model), Target.of(options.to), rule_of(options, options.rate))
+    model, target = ErrorModel.read(options.model, catalogue(options.effects)), Target.of(options.to)
+    text = export(model, target, rule_of(options, options.rate))
+    for effect in left_out(model, 1 / options.rate) if target in PROGRAMS else ():
+        print(f"imugap: left out: {effect}, which has no form sample by sample", file=sys.stderr)
     with atomic(options.out) as partial:
         partial.write_text(text)

@@ -5,6 +5,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from imugap.effects.block import Block
 from imugap.effects.conditions import Conditions
 from imugap.effects.effect import AdditiveEffect, Role, parameter
 
@@ -20,3 +21,11 @@ class Bias(AdditiveEffect):
     def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
         """Return the offset at every sample."""
         return np.full(len(conditions), self.value)
+
+    def block(self, interval: float, axis: str) -> Block:
+        """Return the effect as a step from sample to sample."""
+        return Block(_step, {"value": self.value})
+
+
+def _step(own, x, now):
+    return x + own.value

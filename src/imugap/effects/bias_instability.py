@@ -10,10 +10,15 @@ from numpy.polynomial.legendre import leggauss
 from scipy.fft import irfft, next_fast_len, rfftfreq
 from scipy.integrate import quad
 
+from imugap.effects.block import Block
+from imugap.effects.coloured_block import coloured_block
 from imugap.effects.conditions import Conditions
 from imugap.effects.effect import Start, StochasticEffect, parameter
 from imugap.effects.residual import Residual
+from imugap.numerics.fractional_bank import frequencies, least_phase
 
+TAPER = 4096
+"""Frequencies from which the filter of 1/f up to half the rate is made."""
 FLOOR = np.sqrt(2 * np.log(2) / np.pi)
 """Allan deviation of flicker noise over B: 0.664 (IEEE 952)."""
 
@@ -51,6 +56,14 @@ class BiasInstability(StochasticEffect):
         spectrum.real[1:] = scale * rng.standard_normal(len(scale))
         spectrum.imag[1:] = scale * rng.standard_normal(len(scale))
         return irfft(spectrum, length)[:count]
+
+    def block(self, interval: float, axis: str) -> Block:
+        """Return the effect as a step: the sampled form with the spectrum of 1/f, or the fractional one.
+
+        Power below 1e-7 of the rate is left out.
+        """
+        weights = (1.0,) if self.fractional else least_phase(np.sinc(frequencies(TAPER)))
+        return coloured_block(self.density_b, 0.5, weights)
 
     def psd(self, frequency: np.ndarray) -> np.ndarray:
         """Return B^2/(2 pi |f|) (Farrell et al. 2022, eq. 18)."""

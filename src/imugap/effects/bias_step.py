@@ -6,6 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from imugap.effects.block import Block
 from imugap.effects.conditions import Conditions
 from imugap.effects.effect import Start, SystematicEffect, parameter
 from imugap.effects.residual import Residual, StepGains
@@ -28,6 +29,10 @@ class BiasStep(SystematicEffect):
     def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
         """Return zero before the step and the step from its time on."""
         return np.where(conditions.time >= self.time, self.step, 0.0)
+
+    def block(self, interval: float, axis: str) -> Block:
+        """Return the effect as a step from sample to sample."""
+        return Block(_step, {"time": self.time, "size": self.step})
 
     def slopes(self, conditions: Conditions) -> dict[str, np.ndarray]:
         """Return the derivative in the step."""
@@ -53,3 +58,7 @@ class BiasStep(SystematicEffect):
         place = int(np.argmax(steps.gains))
         time, gain = float(conditions.time[place]), float(steps.gains[place])
         return Start(cls(time, 0.0), ("step",), trials=steps.places(gain), gain=gain)
+
+
+def _step(own, x, now):
+    return x + own.size if now.time(0) >= own.time else x

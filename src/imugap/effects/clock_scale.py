@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 from scipy.stats import chi2
 
+from imugap.effects.block import Block
 from imugap.effects.effect import TINY, ClockEffect, Evidence, parameter
 
 NORMAL = 1.959963984540054
@@ -24,9 +25,17 @@ class ClockScale(ClockEffect):
         """Return the log with scaled stamps."""
         return log.set_axis(log.index * self.ratio)
 
+    def block(self, interval: float, axis: str) -> Block:
+        """Return the effect as a step from sample to sample."""
+        return Block(_step, {"ratio": self.ratio})
+
     @classmethod
     def between(cls, log_interval: float, std: float) -> Evidence:
         """Return the estimate from two runs: logarithm of the true over the stamped interval, and its deviation."""
         ratio, *ends = (float(np.exp(-log_interval + side * NORMAL * std)) for side in (0, -1, 1))
         log_p = float(chi2.logsf((log_interval / std) ** 2, 1))
         return Evidence(cls(ratio), {"ratio": tuple(ends)}, log_p, np.zeros(0, bool))
+
+
+def _step(own, x, now):
+    return x * own.ratio

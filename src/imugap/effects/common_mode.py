@@ -5,6 +5,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from imugap.effects.block import Block
 from imugap.effects.conditions import Conditions
 from imugap.effects.effect import EquivalentEffect, parameter
 from imugap.effects.white_noise import WhiteNoise
@@ -32,6 +33,14 @@ class CommonMode(EquivalentEffect):
         """Draw the common noise and multiply it by the loading of the axis."""
         return self.loading * WhiteNoise(self.density).sample(conditions, rng)
 
+    def block(self, interval: float, axis: str) -> Block:
+        """Return the effect as a step; the stream of the axes is one."""
+        return Block(_step, {"std": self.density / np.sqrt(interval), "loading": self.loading})
+
     def state_space(self) -> StateSpace:
         """Return a model of one axis without states; the coherence of the axes is not in it."""
         return self.equivalent.state_space()
+
+
+def _step(own, x, now):
+    return x + own.loading * own.std * own.draw.normal()

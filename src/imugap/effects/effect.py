@@ -12,6 +12,7 @@ import numpy as np
 import pandas as pd
 from scipy.interpolate import CubicHermiteSpline
 
+from imugap.effects.block import Block
 from imugap.effects.conditions import Conditions
 from imugap.effects.residual import Residual
 from imugap.integrity.timestamps import Stamps
@@ -245,6 +246,10 @@ class Effect:
     def apply(self, sequence: np.ndarray, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
         """Return what becomes of ``sequence``, shape (n,): the error up to this stage, or the output."""
         raise NotImplementedError
+
+    def block(self, interval: float, axis: str) -> Block | None:
+        """Return the effect as a step from sample to sample at an interval [s]; None where it has no such form."""
+        return None
 
     def parameters(self) -> dict[str, float]:
         """Return the parameters by name, in SI units."""

@@ -6,6 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from imugap.effects.block import CHANNELS, Block
 from imugap.effects.conditions import Conditions
 from imugap.effects.effect import Start, SystematicEffect, parameter
 from imugap.effects.residual import Residual
@@ -32,6 +33,10 @@ class GSensitivity(SystematicEffect):
         self.own_axis(conditions)
         return self.error_free(conditions, ACCEL) @ np.array([self.x, self.y, self.z])
 
+    def block(self, interval: float, axis: str) -> Block:
+        """Return the effect as a step from sample to sample."""
+        return Block(_step, {"channel": CHANNELS[ACCEL[0]], "x": self.x, "y": self.y, "z": self.z})
+
     def slopes(self, conditions: Conditions) -> dict[str, np.ndarray]:
         """Return the components of the specific force."""
         self.own_axis(conditions)
@@ -46,3 +51,8 @@ class GSensitivity(SystematicEffect):
         free = tuple(name for name, slope in start.slopes(conditions).items() if np.ptp(slope) > 0)
         if free:
             yield from start.proposed(fit, free)
+
+
+def _step(own, x, now):
+    drift = own.x * now.at(own.channel, 0) + own.y * now.at(own.channel + 1, 0) + own.z * now.at(own.channel + 2, 0)
+    return x + drift

@@ -9,6 +9,7 @@ from numba import njit
 from numpy.polynomial.polynomial import polyval
 from scipy.special import factorial
 
+from imugap.effects.block import Block
 from imugap.effects.conditions import Conditions
 from imugap.effects.effect import TINY, Start, StochasticEffect, parameter
 from imugap.effects.residual import Residual
@@ -50,6 +51,12 @@ class GaussMarkov(StochasticEffect):
         noise = self.std * rng.standard_normal(len(conditions))
         noise[1:] *= np.sqrt(-np.expm1(-2 * conditions.interval / self.correlation_time))
         return _recurse(decay, noise)
+
+    def block(self, interval: float, axis: str) -> Block:
+        """Return the effect as a step from sample to sample."""
+        x = interval / self.correlation_time
+        drive = self.std * np.sqrt(-np.expm1(-2 * x))
+        return Block(_step, {"std": self.std, "decay": np.exp(-x), "drive": drive, "level": 0.0}, _start)
 
     @classmethod
     def starts(cls, fit: Residual) -> Iterator[Start]:
@@ -115,3 +122,13 @@ def _discretisation(x: float) -> float:
     if x < 0.5:
         return float(2 * np.exp(-x) * polyval(x, SINH))
     return float((-np.expm1(-2 * x) - 2 * x * np.exp(-x)) / x**2)
+
+
+def _start(own, x, now):
+    own.level = own.std * own.draw.normal()
+
+
+def _step(own, x, now):
+    y = x + own.level
+    own.level = own.decay * own.level + own.drive * own.draw.normal()
+    return y

@@ -6,10 +6,12 @@ from typing import ClassVar
 
 import numpy as np
 
+from imugap.effects.block import CHANNELS, Block
 from imugap.effects.conditions import Conditions
 from imugap.effects.effect import Start, SystematicEffect, parameter
 from imugap.effects.residual import Residual
 from imugap.log import ACCEL, GYRO
+from imugap.numerics.band_limited import weights
 
 
 @dataclass(frozen=True)
@@ -33,6 +35,18 @@ class LeverArm(SystematicEffect):
         slopes = self.slopes(conditions)
         return self.x * slopes["x"] + self.y * slopes["y"] + self.z * slopes["z"]
 
+    def block(self, interval: float, axis: str) -> Block:
+        """Return the effect as a step; the slope of the angular rate needs the input ahead."""
+        first, shares = weights(0.0, slope=True)
+        own, second, third = (np.arange(3) + ACCEL.index(axis)) % 3
+        arm = np.array([self.x, self.y, self.z])
+        values = {
+            "own": CHANNELS[GYRO[own]], "second": CHANNELS[GYRO[second]], "third": CHANNELS[GYRO[third]],
+            "along": arm[own], "across": arm[second], "beyond": arm[third],
+            "first": first, "slopes": np.array(shares) / interval,
+        }  # fmt: skip
+        return Block(_step, values, past=-first, ahead=first + len(shares) - 1)
+
     def slopes(self, conditions: Conditions) -> dict[str, np.ndarray]:
         """Return the derivatives in the components of the arm."""
         component = ACCEL.index(self.own_axis(conditions))
@@ -51,3 +65,16 @@ def _fields(conditions: Conditions) -> np.ndarray:
     rate = LeverArm.error_free(conditions, GYRO)
     change = LeverArm.interpolated(conditions, GYRO)(conditions.time, 1)
     return np.array([np.cross(rate, np.cross(rate, arm)) + np.cross(change, arm) for arm in np.eye(3)])
+
+
+def _step(own, x, now):
+    u = now.at(own.own, 0)
+    v = now.at(own.second, 0)
+    w = now.at(own.third, 0)
+    turning = v * (u * own.across - v * own.along) - w * (w * own.along - u * own.beyond)
+    second = 0.0
+    third = 0.0
+    for k in range(len(own.slopes)):
+        second = second + own.slopes[k] * now.at(own.second, own.first + k)
+        third = third + own.slopes[k] * now.at(own.third, own.first + k)
+    return x + (turning + (second * own.beyond - third * own.across))

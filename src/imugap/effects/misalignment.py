@@ -6,6 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from imugap.effects.block import CHANNELS, Block
 from imugap.effects.conditions import Conditions
 from imugap.effects.effect import Start, SystematicEffect, parameter
 from imugap.effects.residual import Residual
@@ -38,6 +39,10 @@ class Misalignment(SystematicEffect):
         leaning = {axis: angle for axis, angle in angles.items() if angle}
         return self.error_free(conditions, list(leaning)) @ np.array(list(leaning.values()))
 
+    def block(self, interval: float, axis: str) -> Block:
+        """Return the effect as a step from sample to sample."""
+        return Block(_step, {"channel": CHANNELS[triad(axis)[0]], "x": self.x, "y": self.y, "z": self.z})
+
     def slopes(self, conditions: Conditions) -> dict[str, np.ndarray]:
         """Return the known inputs of the other axes of the triad."""
         own = self.own_axis(conditions)
@@ -56,3 +61,8 @@ class Misalignment(SystematicEffect):
         free = tuple(name for name, slope in cls().slopes(conditions).items() if np.ptp(slope) > 0)
         if free:
             yield from cls().proposed(fit, free)
+
+
+def _step(own, x, now):
+    across = own.x * now.at(own.channel, 0) + own.y * now.at(own.channel + 1, 0) + own.z * now.at(own.channel + 2, 0)
+    return x + across

@@ -5,6 +5,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from imugap.effects.block import Block
 from imugap.effects.conditions import Conditions
 from imugap.effects.effect import AdditiveEffect, Role, parameter
 
@@ -26,3 +27,14 @@ class Outliers(AdditiveEffect):
         """Draw the additional error; samples without one have zero."""
         hit = rng.random(len(conditions)) < self.probability
         return np.where(hit, self.std * rng.standard_normal(len(conditions)), 0.0)
+
+    def block(self, interval: float, axis: str) -> Block:
+        """Return the effect as a step from sample to sample."""
+        return Block(_step, {"probability": self.probability, "std": self.std})
+
+
+def _step(own, x, now):
+    y = x
+    if own.draw.uniform() < own.probability:
+        y = x + own.std * own.draw.normal()
+    return y

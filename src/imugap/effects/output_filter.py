@@ -9,8 +9,10 @@ import numpy as np
 from numba import njit
 from scipy.fft import irfft, next_fast_len, rfft, rfftfreq
 
+from imugap.effects.block import CHANNELS, Block, require_short
 from imugap.effects.effect import TINY, FilterEffect, Start, parameter
 from imugap.effects.residual import Residual
+from imugap.numerics.fractional_bank import frequencies, least_phase
 
 DEFICIT = -2.5
 """Deficit of the power near half the rate [standard deviations] below which a search tries a filter."""
@@ -25,6 +27,8 @@ OPEN = 20.0
 """Angle pi cutoff interval above which the gain is 1 to rounding."""
 SETTLED = 20.0
 """Settling time of an analogue filter [radians of the cutoff, for each order]."""
+TAPS, FINE = 48, 4096
+"""Samples over which the impulse response fades at either end, and fewest frequencies of a filter of least phase."""
 FOLDS = 8
 """Largest multiple of the rate from which noise is aliased, either way."""
 
@@ -120,6 +124,38 @@ class OutputFilter(FilterEffect):
         passed = irfft(rfft(padded, axis=0) * gain, length, axis=0)[lead : lead + count] + own[0]
         return passed.reshape(values.shape)
 
+    def block(self, interval: float, axis: str) -> Block:
+        """Return the effect as a step.
+
+        The digital forms are recursions. Those ahead of the sampling are not causal as filters of samples: the input,
+        which is known ahead, passes the band-limited impulse response (:data:`TAPS`), and the errors a causal filter of
+        the same power gain, of least phase.
+        """
+        self.check_rate(interval)
+        if self.form not in AHEAD:
+            sections, steady = _sections(self, interval)
+            b0, b1, b2, _, a1, a2 = sections.T
+            values = {"b0": b0, "b1": b1, "b2": b2, "a1": a1, "a2": a2, "held": steady[:, 0], "last": steady[:, 1]}
+            return Block(_recursion, values, _steady)
+        settling = SETTLED * self.order / (2 * np.pi * self.cutoff * interval)
+        require_short(self.name, settling)
+        impulse = self._impulse(int(np.ceil(settling)), interval)
+        causal = least_phase(self.gain(frequencies(max(4 * int(settling), FINE)) / interval, interval))
+        values = {
+            "channel": CHANNELS[axis], "first": TAPS + 1 - len(impulse), "impulse": impulse[::-1],
+            "causal": causal / causal.sum(), "errors": np.zeros(len(causal)),
+        }  # fmt: skip
+        return Block(_convolution, values, _held, past=len(impulse), ahead=TAPS)
+
+    def _impulse(self, settling: int, interval: float) -> np.ndarray:
+        """Return the band-limited impulse response from :data:`TAPS` samples ahead on, with tapered ends, of sum 1."""
+        length = next_fast_len(8 * (settling + TAPS), real=True)
+        weights = np.roll(irfft(_response(self, length, interval)[:, 0], length), TAPS)[: 2 * TAPS + settling]
+        fade = 0.5 - 0.5 * np.cos(np.pi * (np.arange(TAPS) + 0.5) / TAPS)
+        weights[:TAPS] *= fade
+        weights[-TAPS:] *= fade[::-1]
+        return weights / weights.sum()
+
     @classmethod
     def starts(cls, fit: Residual) -> Iterator[Start]:
         """Yield filters of a few orders, where there is none yet."""
@@ -185,3 +221,35 @@ def _decay(one: OutputFilter, count: int, interval: float) -> np.ndarray:
     left = 1 - one.passed(np.r_[0.0, np.ones(count)], interval)[1:]
     left.flags.writeable = False
     return left
+
+
+def _steady(own, x, now):
+    for k in range(len(own.held)):
+        own.held[k] = own.held[k] * x
+        own.last[k] = own.last[k] * x
+
+
+def _recursion(own, x, now):
+    for k in range(len(own.held)):
+        y = own.b0[k] * x + own.held[k]
+        own.held[k] = own.b1[k] * x - own.a1[k] * y + own.last[k]
+        own.last[k] = own.b2[k] * x - own.a2[k] * y
+        x = y
+    return x
+
+
+def _held(own, x, now):
+    for k in range(len(own.errors)):
+        own.errors[k] = x - now.at(own.channel, 0)
+
+
+def _convolution(own, x, now):
+    for k in range(len(own.errors) - 1, 0, -1):
+        own.errors[k] = own.errors[k - 1]
+    own.errors[0] = x - now.at(own.channel, 0)
+    y = 0.0
+    for k in range(len(own.impulse)):
+        y = y + own.impulse[k] * now.at(own.channel, own.first + k)
+    for k in range(len(own.causal)):
+        y = y + own.causal[k] * own.errors[k]
+    return y

@@ -9,6 +9,8 @@ import numpy as np
 from scipy.fft import irfft, next_fast_len, rfft
 from scipy.special import gamma
 
+from imugap.effects.block import Block
+from imugap.effects.coloured_block import coloured_block
 from imugap.effects.conditions import Conditions
 from imugap.effects.effect import Start, StochasticEffect, parameter
 from imugap.effects.residual import Residual
@@ -65,6 +67,11 @@ class PowerLaw(StochasticEffect):
         for _ in range(sums):
             values = np.cumsum(np.r_[0.0, values[1:]])
         return values
+
+    def block(self, interval: float, axis: str) -> Block:
+        """Return the effect as a step. Power below 1e-7 of the rate is left out."""
+        std = self.density * interval ** ((self.exponent - 1) / 2)
+        return coloured_block(std, self.exponent / 2 - self.integrations, sums=self.integrations)
 
     def psd(self, frequency: np.ndarray) -> np.ndarray:
         """Return density^2 |2 pi f|^-exponent."""

@@ -5,6 +5,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from imugap.effects.block import Block
 from imugap.effects.conditions import Conditions
 from imugap.effects.effect import StochasticEffect, parameter
 
@@ -30,6 +31,10 @@ class Quantization(StochasticEffect):
         half = np.sqrt(3) * self.q
         return np.diff(rng.uniform(-half, half, len(conditions) + 1)) / conditions.interval
 
+    def block(self, interval: float, axis: str) -> Block:
+        """Return the effect as a step from sample to sample."""
+        return Block(_step, {"span": 2 * np.sqrt(3) * self.q / interval, "last": 0.0}, _start)
+
     def psd(self, frequency: np.ndarray) -> np.ndarray:
         """Raise NotImplementedError: the density, (2 pi f)^2 interval Q^2, depends on the sampling interval."""
         raise NotImplementedError("quantization: expected a sampling interval (sampled_psd); found none (psd)")
@@ -45,3 +50,14 @@ class Quantization(StochasticEffect):
     def sampled_allan_variance(self, averaging: np.ndarray, interval: float) -> np.ndarray:
         """Return 3 Q^2/(n interval)^2: exact, as a second difference of the angle holds e - 2 e + e."""
         return self.allan_variance(np.asarray(averaging) * interval)
+
+
+def _start(own, x, now):
+    own.last = own.span * (own.draw.uniform() - 0.5)
+
+
+def _step(own, x, now):
+    error = own.span * (own.draw.uniform() - 0.5)
+    y = x + (error - own.last)
+    own.last = error
+    return y

@@ -5,6 +5,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from imugap.effects.block import Block
 from imugap.effects.conditions import Conditions
 from imugap.effects.effect import TINY, EquivalentEffect, parameter
 from imugap.effects.gauss_markov import GaussMarkov
@@ -33,3 +34,20 @@ class RandomTelegraph(EquivalentEffect):
         switches = np.cumsum(rng.poisson(self.rate * np.diff(conditions.time)) % 2)
         sign = rng.choice([-1.0, 1.0]) * np.where(np.r_[0, switches] % 2, -1.0, 1.0)
         return self.step / 2 * sign
+
+    def block(self, interval: float, axis: str) -> Block:
+        """Return the effect as a step from sample to sample."""
+        odd = -0.5 * np.expm1(-2 * self.rate * interval)
+        return Block(_step, {"level": self.step / 2, "odd": odd}, _start)
+
+
+def _start(own, x, now):
+    if own.draw.uniform() < 0.5:
+        own.level = -own.level
+
+
+def _step(own, x, now):
+    y = x + own.level
+    if own.draw.uniform() < own.odd:
+        own.level = -own.level
+    return y

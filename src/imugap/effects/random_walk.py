@@ -5,6 +5,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from imugap.effects.block import Block
 from imugap.effects.conditions import Conditions
 from imugap.effects.effect import StochasticEffect, parameter
 from imugap.numerics.state_space import StateSpace
@@ -24,6 +25,10 @@ class RandomWalk(StochasticEffect):
         increments = self.density_k * np.sqrt(conditions.interval) * rng.standard_normal(len(conditions))
         increments[0] = 0.0
         return np.cumsum(increments)
+
+    def block(self, interval: float, axis: str) -> Block:
+        """Return the effect as a step from sample to sample."""
+        return Block(_step, {"std": self.density_k * np.sqrt(interval), "level": 0.0})
 
     def psd(self, frequency: np.ndarray) -> np.ndarray:
         """Return K^2/(2 pi f)^2 (Farrell et al. 2022, eq. 19)."""
@@ -45,3 +50,9 @@ class RandomWalk(StochasticEffect):
     def state_space(self) -> StateSpace:
         """Return one integrating state."""
         return StateSpace.first_order(decay=0.0, driving_psd=self.density_k**2, variance=0.0)
+
+
+def _step(own, x, now):
+    y = x + own.level
+    own.level = own.level + own.std * own.draw.normal()
+    return y

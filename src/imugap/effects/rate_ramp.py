@@ -6,6 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from imugap.effects.block import Block
 from imugap.effects.conditions import Conditions
 from imugap.effects.effect import AllanEffect, Start, SystematicEffect, parameter
 from imugap.effects.residual import Residual
@@ -22,6 +23,10 @@ class RateRamp(SystematicEffect, AllanEffect):
     def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
         """Return R t."""
         return self.slope * conditions.time
+
+    def block(self, interval: float, axis: str) -> Block:
+        """Return the effect as a step from sample to sample."""
+        return Block(_step, {"slope": self.slope})
 
     def slopes(self, conditions: Conditions) -> dict[str, np.ndarray]:
         """Return the time, for the slope."""
@@ -46,3 +51,7 @@ class RateRamp(SystematicEffect, AllanEffect):
     def sampled_allan_variance(self, averaging: np.ndarray, interval: float) -> np.ndarray:
         """Return R^2 (n interval)^2/2: means over neighbouring n samples are n intervals apart."""
         return self.allan_variance(np.asarray(averaging) * interval)
+
+
+def _step(own, x, now):
+    return x + own.slope * now.time(0)

@@ -7,6 +7,7 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.special import ndtr
 
+from imugap.effects.block import Block, rint
 from imugap.effects.conditions import Conditions
 from imugap.effects.effect import TINY, Effect, Evidence, Role, Stage, parameter
 from imugap.integrity.precision import decimal, spacing
@@ -41,6 +42,10 @@ class Resolution(Effect):
     def apply(self, sequence: np.ndarray, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
         """Round to the nearest multiple of the step."""
         return np.rint(sequence / self.step) * self.step
+
+    def block(self, interval: float, axis: str) -> Block:
+        """Return the effect as a step from sample to sample."""
+        return Block(_step, {"size": self.step})
 
     def moments(self, mean: float, std: float) -> tuple[float, float]:
         """Return mean and variance of independent normal values after rounding."""
@@ -98,3 +103,7 @@ def noise(values: np.ndarray, conditions: Conditions) -> float:
     values = values[np.isfinite(values)]
     blocks = max(len(values) // BLOCK, 1)
     return float(np.median([block.std() for block in np.array_split(values, blocks)]))
+
+
+def _step(own, x, now):
+    return rint(x / own.size) * own.size

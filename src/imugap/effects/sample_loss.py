@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 from scipy.special import log_ndtr
 
+from imugap.effects.block import Block, nan
 from imugap.effects.conditions import Conditions
 from imugap.effects.effect import ClockEffect, Evidence, parameter
 from imugap.integrity.report import IMPROBABLE
@@ -38,6 +39,10 @@ class SampleLoss(ClockEffect):
         """Replace lost samples by NaN."""
         return np.where(simulate_runs(len(sequence), self.probability, self.length, rng), np.nan, sequence)
 
+    def block(self, interval: float, axis: str) -> Block:
+        """Return the effect as a step from sample to sample."""
+        return Block(_step, {"begin": self.probability, "end": 1 / self.length, "inside": 0.0})
+
     def check_axis(self, axis: str) -> None:
         """Accept every axis, and the pseudo-axis."""
 
@@ -57,3 +62,10 @@ class SampleLoss(ClockEffect):
         estimate = estimate_from_runs(runs, max(int(np.count_nonzero(~lost)) - 1, len(runs)))
         intervals = {"probability": estimate.probability[1:], "length": estimate.length[1:]}
         return Evidence(cls(estimate.probability[0], estimate.length[0]), intervals, len(runs) * log_p, lost)
+
+
+def _step(own, x, now):
+    y = nan if own.inside > 0.0 else x
+    if own.draw.uniform() < (own.end if own.inside > 0.0 else own.begin):
+        own.inside = 1.0 - own.inside
+    return y

@@ -6,6 +6,7 @@ from typing import ClassVar
 import numpy as np
 from scipy.special import bdtrc
 
+from imugap.effects.block import Block
 from imugap.effects.conditions import Conditions
 from imugap.effects.effect import TINY, Effect, Evidence, Role, Stage, parameter
 from imugap.integrity.precision import grain, spacing
@@ -41,6 +42,10 @@ class Saturation(Effect):
     def apply(self, sequence: np.ndarray, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
         """Clip to +-limit."""
         return np.clip(sequence, -self.limit, self.limit)
+
+    def block(self, interval: float, axis: str) -> Block:
+        """Return the effect as a step from sample to sample."""
+        return Block(_step, {"limit": self.limit})
 
     @classmethod
     def found(cls, values: np.ndarray, conditions: Conditions) -> Evidence | None:
@@ -137,3 +142,7 @@ def _log_shortfall(values: np.ndarray, ideal: np.ndarray) -> float:
 def _geometric(rate: float, count: int) -> float:
     """Return the sum of exp(rate k) over k = 1..count."""
     return float(count) if rate < 1e-9 else float(np.exp(rate) * np.expm1(rate * count) / np.expm1(rate))
+
+
+def _step(own, x, now):
+    return own.limit if x > own.limit else (-own.limit if x < -own.limit else x)

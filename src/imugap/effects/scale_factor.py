@@ -6,6 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from imugap.effects.block import CHANNELS, Block, fabs
 from imugap.effects.conditions import Conditions
 from imugap.effects.effect import Start, SystematicEffect, parameter
 from imugap.effects.residual import Residual
@@ -29,6 +30,11 @@ class ScaleFactor(SystematicEffect):
         u = self.error_free(conditions, [self.own_axis(conditions)])[:, 0]
         return self.error * u + self.asymmetry * np.abs(u) + self.nonlinearity * u**2
 
+    def block(self, interval: float, axis: str) -> Block:
+        """Return the effect as a step from sample to sample."""
+        laws = {"error": self.error, "asymmetry": self.asymmetry, "nonlinearity": self.nonlinearity}
+        return Block(_step, {"channel": CHANNELS[axis], **laws})
+
     def slopes(self, conditions: Conditions) -> dict[str, np.ndarray]:
         """Return u, abs(u) and u^2."""
         u = self.error_free(conditions, [self.own_axis(conditions)])[:, 0]
@@ -41,3 +47,8 @@ class ScaleFactor(SystematicEffect):
         if conditions.knows([conditions.axis]) and not fit.has(cls):
             for free in LAWS:
                 yield from cls(0.0).proposed(fit, free, trials=len(LAWS))
+
+
+def _step(own, x, now):
+    u = now.at(own.channel, 0)
+    return x + (own.error * u + own.asymmetry * fabs(u) + own.nonlinearity * (u * u))

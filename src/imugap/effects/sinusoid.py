@@ -7,6 +7,7 @@ from typing import ClassVar
 import numpy as np
 from scipy.special import diric
 
+from imugap.effects.block import Block, cos
 from imugap.effects.conditions import Conditions
 from imugap.effects.effect import TINY, AllanEffect, Start, SystematicEffect, parameter
 from imugap.effects.residual import Residual
@@ -40,6 +41,11 @@ class Sinusoid(SystematicEffect, AllanEffect):
     def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
         """Return the sinusoid at the sample times."""
         return self.amplitude * np.cos(2 * np.pi * self.frequency * conditions.time + self.phase)
+
+    def block(self, interval: float, axis: str) -> Block:
+        """Return the effect as a step from sample to sample."""
+        omega = 2 * np.pi * self.frequency
+        return Block(_step, {"amplitude": self.amplitude, "omega": omega, "phase": self.phase})
 
     def slopes(self, conditions: Conditions) -> dict[str, np.ndarray]:
         """Return the derivatives in frequency, amplitude and phase."""
@@ -81,3 +87,7 @@ class Sinusoid(SystematicEffect, AllanEffect):
         """Return amplitude^2 sin^4(n u)/(n sin u)^2, u = pi f interval: means of n samples in place of integrals."""
         n, u = np.asarray(averaging), np.pi * self.frequency * interval
         return (self.amplitude * np.sin(n * u) * diric(2 * u, n)) ** 2
+
+
+def _step(own, x, now):
+    return x + own.amplitude * cos(own.omega * now.time(0) + own.phase)

@@ -6,6 +6,7 @@ from typing import ClassVar
 import numpy as np
 from scipy.special import bdtrc, pdtrc
 
+from imugap.effects.block import Block
 from imugap.effects.conditions import Conditions
 from imugap.effects.effect import TINY, Effect, Evidence, Role, Stage, parameter
 from imugap.integrity.precision import grain, spacing
@@ -52,6 +53,11 @@ class StuckSamples(Effect):
         """Replace the samples of a run by the last value before it."""
         stuck = simulate_runs(len(sequence), self.probability, self.length, rng)
         return sequence[np.maximum.accumulate(np.where(stuck, 0, np.arange(len(sequence))))]
+
+    def block(self, interval: float, axis: str) -> Block:
+        """Return the effect as a step from sample to sample."""
+        runs = {"begin": self.probability, "end": 1 / self.length, "inside": 0.0}
+        return Block(_step, {**runs, "last": 0.0})
 
     @classmethod
     def found(cls, values: np.ndarray, conditions: Conditions) -> Evidence | None:
@@ -237,3 +243,11 @@ def _uncertainty(one: np.ndarray | int, two: np.ndarray | int) -> np.ndarray | f
 def _expected(one: np.ndarray | int, two: np.ndarray | int) -> np.ndarray | float:
     """Return the expected number of random repeats from the numbers of one-step and two-step differences."""
     return one / 2 * np.maximum(one / two, 1.0) ** (1 / 3)
+
+
+def _step(own, x, now):
+    y = own.last if own.inside > 0.0 else x
+    own.last = y
+    if own.draw.uniform() < (own.end if own.inside > 0.0 else own.begin):
+        own.inside = 1.0 - own.inside
+    return y

@@ -7,9 +7,11 @@ from typing import ClassVar
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 
+from imugap.effects.block import CHANNELS, Block
 from imugap.effects.conditions import Conditions
 from imugap.effects.effect import Start, SystematicEffect, parameter
 from imugap.effects.residual import Residual
+from imugap.log import TEMPERATURE
 
 LAWS = (("coefficient",), ("coefficient", "quadratic"), ("coefficient", "rate"))
 """Sets of parameters of the starts of a search."""
@@ -39,6 +41,12 @@ class Temperature(SystematicEffect):
             return static
         return static + self.rate * np.gradient(conditions.temperature, conditions.time)
 
+    def block(self, interval: float, axis: str) -> Block:
+        """Return the effect as a step from sample to sample."""
+        rate = {"rate": self.rate, "channel": CHANNELS[TEMPERATURE]}
+        laws = {"coefficient": self.coefficient, "quadratic": self.quadratic, "reference": self.reference}
+        return Block(_step, {**laws, **rate}, past=1, ahead=int(self.rate != 0))
+
     def slopes(self, conditions: Conditions) -> dict[str, np.ndarray]:
         """Return d, d^2 and dT/dt."""
         distance = self._distance(conditions)
@@ -67,3 +75,12 @@ class Temperature(SystematicEffect):
         start = cls(0.0, float(np.mean(temperature)))
         for free in LAWS:
             yield Start(start, free, trials=len(LAWS))
+
+
+def _step(own, x, now):
+    distance = now.at(own.channel, 0) - own.reference
+    y = x + (own.coefficient * distance + own.quadratic * (distance * distance))
+    if own.rate != 0.0:
+        change = now.at(own.channel, 1) - now.at(own.channel, -1)
+        y = y + own.rate * (change / (now.time(1) - now.time(-1)))
+    return y

@@ -7,10 +7,12 @@ from typing import ClassVar
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
+from imugap.effects.block import CHANNELS, Block, require_short
 from imugap.effects.conditions import Conditions
 from imugap.effects.effect import Start, SystematicEffect, parameter
 from imugap.effects.residual import Residual
 from imugap.log import AXES
+from imugap.numerics.band_limited import weights
 
 REACH = 5
 """Largest delay of the starts of a search, either way [samples]."""
@@ -30,6 +32,13 @@ class TimeOffset(SystematicEffect):
         self.own_axis(conditions)
         between = conditions.once(_course)
         return between(np.clip(conditions.time - self.offset, *between.x[[0, -1]]))[:, 0] - conditions.error_free
+
+    def block(self, interval: float, axis: str) -> Block:
+        """Return the effect as a step; it needs the input ahead unless the delay is by whole samples."""
+        require_short(self.name, abs(self.offset) / interval)
+        first, shares = weights(self.offset / interval)
+        values = {"channel": CHANNELS[axis], "first": first, "weights": shares}
+        return Block(_step, values, past=max(-first, 0), ahead=max(first + len(shares) - 1, 0))
 
     def slopes(self, conditions: Conditions) -> dict[str, np.ndarray]:
         """Return minus the derivative of the delayed input."""
@@ -63,3 +72,10 @@ class TimeOffset(SystematicEffect):
 def _course(conditions: Conditions) -> CubicHermiteSpline:
     """Return the band-limited interpolation of the input of the own axis."""
     return TimeOffset.interpolated(conditions, [conditions.axis])
+
+
+def _step(own, x, now):
+    late = 0.0
+    for k in range(len(own.weights)):
+        late = late + own.weights[k] * now.at(own.channel, own.first + k)
+    return x + (late - now.at(own.channel, 0))

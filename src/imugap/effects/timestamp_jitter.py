@@ -7,11 +7,14 @@ import numpy as np
 import pandas as pd
 from scipy.special import chdtrc, chdtri
 
+from imugap.effects.block import Block, inf, isnan, nextafter, require_short
 from imugap.effects.effect import TINY, ClockEffect, Evidence, parameter
 from imugap.integrity.timestamps import LEAST, ROUNDED, Stamps
 
 COLOURED = 0.15
 """Correlation of neighbouring displacements above which the clock wanders."""
+DISORDER = 10.0
+"""Distance [standard deviations] beyond which no two stamps of a log change places."""
 BOUNDED = 2.3
 """Kurtosis below which displacements are by rounding (uniform: 1.8, normal: 3)."""
 
@@ -33,6 +36,13 @@ class TimestampJitter(ClockEffect):
         for row in np.flatnonzero(np.diff(stamps) <= 0) + 1:
             stamps[row] = np.nextafter(stamps[row - 1], np.inf)
         return log.set_axis(pd.Index(stamps, name=log.index.name))
+
+    def block(self, interval: float, axis: str) -> Block:
+        """Return the effect as a step: the lowest of the displaced stamps that may be out of order comes first."""
+        require_short(self.name, DISORDER * self.std / interval)
+        ahead = max(int(np.ceil(DISORDER * self.std / interval)) - 1, 0)
+        waiting = {"waiting": np.full(ahead + 1, np.inf), "ahead": ahead, "free": ahead, "last": -np.inf}
+        return Block(_step, {"std": self.std, **waiting}, _start, ahead=ahead)
 
     @classmethod
     def found(cls, stamps: Stamps) -> Evidence | None:
@@ -70,3 +80,25 @@ def _kurtosis(values: np.ndarray) -> float:
     """Return the fourth central moment of values over their squared variance: 3 for normal ones."""
     squares = (values - values.mean()) ** 2
     return float(np.mean(squares**2) / np.mean(squares) ** 2)
+
+
+def _start(own, x, now):
+    for k in range(own.ahead):
+        if now.known(k):
+            own.waiting[k] = now.time(k) + own.std * own.draw.normal()
+
+
+def _step(own, x, now):
+    if now.known(own.ahead):
+        own.waiting[own.free] = now.time(own.ahead) + own.std * own.draw.normal()
+    own.free = 0
+    for k in range(1, len(own.waiting)):
+        if own.waiting[k] < own.waiting[own.free]:
+            own.free = k
+    y = x + (own.waiting[own.free] - now.time(0))
+    own.waiting[own.free] = inf
+    if y <= own.last:
+        y = nextafter(own.last, inf)
+    if not isnan(y):
+        own.last = y
+    return y

@@ -6,6 +6,7 @@ from typing import ClassVar
 import numpy as np
 from scipy.stats import chi2
 
+from imugap.effects.block import Block
 from imugap.effects.conditions import Conditions
 from imugap.effects.effect import AdditiveEffect, Evidence, Role, parameter
 
@@ -25,6 +26,10 @@ class TurnOnBias(AdditiveEffect):
         """Draw one offset for the whole run."""
         return np.full(len(conditions), self.std * rng.standard_normal())
 
+    def block(self, interval: float, axis: str) -> Block:
+        """Return the effect as a step from sample to sample."""
+        return Block(_step, {"std": self.std, "offset": 0.0}, _start)
+
     @classmethod
     def between(cls, levels: np.ndarray, errors: np.ndarray) -> Evidence:
         """Estimate the effect from the means of several runs, shape (runs,), of standard deviations ``errors``.
@@ -37,3 +42,11 @@ class TurnOnBias(AdditiveEffect):
         low, high = (float(np.sqrt(max(squares / chi2.ppf(share, free) - noise, 0.0))) for share in (0.975, 0.025))
         std = float(np.sqrt(max(squares / free - noise, LEAST)))
         return Evidence(cls(std), {"std": (low, high)}, float(chi2.logsf(scatter, free)), np.zeros(0, bool))
+
+
+def _start(own, x, now):
+    own.offset = own.std * own.draw.normal()
+
+
+def _step(own, x, now):
+    return x + own.offset

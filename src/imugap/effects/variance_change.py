@@ -6,6 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from imugap.effects.block import Block, cos, exp, sqrt
 from imugap.effects.effect import TINY, Start, VarianceEffect, parameter
 from imugap.effects.residual import Residual
 
@@ -55,6 +56,12 @@ class VarianceChange(VarianceEffect):
         swing = self.depth * np.cos(2 * np.pi * self.frequency * time + self.phase) if self.depth else 0.0
         return np.where(self.within(time), self.ratio * np.exp(swing), 1.0)
 
+    def block(self, interval: float, axis: str) -> Block:
+        """Return the effect as a step from sample to sample."""
+        omega = 2 * np.pi * self.frequency
+        swing = {"ratio": self.ratio, "depth": self.depth, "omega": omega, "phase": self.phase}
+        return Block(_step, {"begin": self.start, "end": self.stop, **swing})
+
     def free(self) -> tuple[str, ...]:
         """Return the parameters of a search besides the interval: those of a periodic change, if any."""
         return SWING if self.depth else STRETCH
@@ -75,3 +82,10 @@ class VarianceChange(VarianceEffect):
         frequency, depth, phase, gain = fit.swing
         effect = cls(float(time[0]), end, depth=depth, frequency=frequency, phase=phase)
         yield Start(effect, SWING, SWINGS, gain)
+
+
+def _step(own, x, now):
+    y = x
+    if own.begin <= now.time(0) and now.time(0) < own.end:
+        y = sqrt(own.ratio * exp(own.depth * cos(own.omega * now.time(0) + own.phase))) * x
+    return y

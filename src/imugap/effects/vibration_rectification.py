@@ -7,6 +7,7 @@ from typing import ClassVar
 import numpy as np
 import pandas as pd
 
+from imugap.effects.block import CHANNELS, Block, require_short
 from imugap.effects.conditions import Conditions
 from imugap.effects.effect import TINY, Start, SystematicEffect, parameter
 from imugap.effects.residual import Residual
@@ -40,6 +41,19 @@ class VibrationRectification(SystematicEffect):
     def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
         """Return the coefficient times the power; the window is truncated at the ends."""
         return self.coefficient * self.slopes(conditions)["coefficient"]
+
+    def block(self, interval: float, axis: str) -> Block:
+        """Return the effect as a step; its windows are centred, so that it needs the input ahead."""
+        require_short(self.name, (self.window + STEADY) / interval)
+        half, smooth = (round(length / 2 / interval) for length in (self.window, STEADY))
+        smooth = smooth if self.window < STEADY else 0
+        one = {"channel": CHANNELS[axis], "end": CHANNELS[axis] + 1}
+        all_three = {"channel": CHANNELS[ACCEL[0]], "end": CHANNELS[ACCEL[-1]] + 1}
+        values = {
+            "coefficient": self.coefficient, **(one if self.own else all_three), "half": half, "smooth": smooth,
+            "powers": np.full(2 * smooth + 1, -1.0), "slot": 0, "next": 0,
+        }  # fmt: skip
+        return Block(_step, values, past=half, ahead=half + smooth)
 
     def slopes(self, conditions: Conditions) -> dict[str, np.ndarray]:
         """Return the power."""
@@ -78,3 +92,33 @@ class _Power:
 def _length(window: float, conditions: Conditions) -> int:
     """Return the odd number of samples of a window [s]."""
     return 2 * round(window / 2 / conditions.interval) + 1
+
+
+def _step(own, x, now):
+    for k in range(own.next, own.smooth + 1):
+        power = -1.0
+        if now.known(k):
+            power = 0.0
+            for channel in range(own.channel, own.end):
+                count = 0.0
+                mean = 0.0
+                for j in range(k - own.half, k + own.half + 1):
+                    if now.known(j):
+                        count = count + 1.0
+                        mean = mean + now.at(channel, j)
+                mean = mean / count
+                for j in range(k - own.half, k + own.half + 1):
+                    if now.known(j):
+                        power = power + (now.at(channel, j) - mean) * (now.at(channel, j) - mean) / count
+        own.powers[own.slot] = power
+        own.slot = own.slot + 1
+        if own.slot == len(own.powers):
+            own.slot = 0
+    own.next = own.smooth
+    total = 0.0
+    known = 0.0
+    for k in range(len(own.powers)):
+        if own.powers[k] >= 0.0:
+            total = total + own.powers[k]
+            known = known + 1.0
+    return x + own.coefficient * (total / known)

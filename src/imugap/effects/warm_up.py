@@ -6,6 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from imugap.effects.block import Block, exp
 from imugap.effects.conditions import Conditions
 from imugap.effects.effect import TINY, Start, SystematicEffect, parameter
 from imugap.effects.residual import Residual
@@ -27,6 +28,10 @@ class WarmUp(SystematicEffect):
     def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
         """Return amplitude exp(-t/T)."""
         return self.amplitude * np.exp(-conditions.time / self.time_constant)
+
+    def block(self, interval: float, axis: str) -> Block:
+        """Return the effect as a step from sample to sample."""
+        return Block(_step, {"amplitude": self.amplitude, "time_constant": self.time_constant})
 
     def slopes(self, conditions: Conditions) -> dict[str, np.ndarray]:
         """Return the derivatives in amplitude and time constant."""
@@ -50,3 +55,7 @@ class WarmUp(SystematicEffect):
         gains = np.array([fit.gains(fit.whiten(decay))[0] for decay in decays])
         start = cls(0.0, float(grid[np.argmax(gains)]))
         yield Start(start, ("amplitude", "time_constant"), trials=CONSTANTS / 2, gain=float(gains.max()))
+
+
+def _step(own, x, now):
+    return x + own.amplitude * exp(-now.time(0) / own.time_constant)

@@ -5,6 +5,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from imugap.effects.block import Block
 from imugap.effects.conditions import Conditions
 from imugap.effects.effect import Stage, StochasticEffect, parameter
 from imugap.numerics.state_space import StateSpace
@@ -22,6 +23,10 @@ class WhiteNoise(StochasticEffect):
     def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
         """Draw interval means: independent, standard deviation N/sqrt(interval)."""
         return self.density / np.sqrt(conditions.interval) * rng.standard_normal(len(conditions))
+
+    def block(self, interval: float, axis: str) -> Block:
+        """Return the effect as a step from sample to sample."""
+        return Block(_step, {"std": self.density / np.sqrt(interval)})
 
     def psd(self, frequency: np.ndarray) -> np.ndarray:
         """Return N^2 (Farrell et al. 2022, eq. 17)."""
@@ -42,3 +47,7 @@ class WhiteNoise(StochasticEffect):
     def state_space(self) -> StateSpace:
         """Return a model without states."""
         return StateSpace.white(self.density**2)
+
+
+def _step(own, x, now):
+    return x + own.std * own.draw.normal()

@@ -1,7 +1,7 @@
-"""Export of an error model to common filters and simulators, and as a state space for one's own filter.
+"""Export of an error model to common filters and simulators, as a state space for one's own filter, and as a program.
 
 The conventions are those of :mod:`imugap.interchange.conventions`. Each file begins with the effects that were kept,
-approximated (and how well), and omitted.
+approximated (and how well), and omitted. A program (:mod:`imugap.interchange.code`) omits next to nothing.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -17,6 +17,7 @@ from imugap import log
 from imugap.effects import GaussMarkov, RandomWalk, WhiteNoise
 from imugap.effects.effect import AxisModel, Effect
 from imugap.interchange.augmentation import augmentation
+from imugap.interchange.code.program import Language, program
 from imugap.interchange.conventions import (
     GAZEBO,
     HOUR,
@@ -50,6 +51,9 @@ class Target(StrEnum):
     KF_GINS = "kf-gins"
     IMUGAP = "imugap"
     """The model with its discrete state space per axis."""
+    PYTHON = "python"
+    CPP = "cpp"
+    GAZEBO_PLUGIN = "gazebo-plugin"
 
     @classmethod
     def of(cls, name: str) -> "Target":
@@ -73,6 +77,8 @@ def export(
         White noise and random walk where the log of an axis shows none, at the upper limits that it sets. They stand
         for what the tool requires, and the file states that they are limits.
     """
+    if target in PROGRAMS:
+        return program(model, PROGRAMS[target], rule.rate)
     if target is Target.IMUGAP:
         return _own(model, rule)
     model = ErrorModel({axis: AxisModel((*one, *bounds.get(axis, ()))) for axis, one in model.axes.items()})
@@ -216,6 +222,12 @@ AT_REST = (
     "the filter are as large as it states.",
 )
 
+PROGRAMS: Mapping[Target, Language] = {
+    Target.PYTHON: Language.PYTHON,
+    Target.CPP: Language.CPP,
+    Target.GAZEBO_PLUGIN: Language.GAZEBO_PLUGIN,
+}
+"""Targets that are source code."""
 WRITERS: Mapping[Target, Callable[[ErrorModel, Rule], str]] = {
     Target.KALIBR: _kalibr,
     Target.VINS: _vins,

@@ -6,12 +6,18 @@ slow to evaluate, it is evaluated at the samples and half way, values and slopes
 error is 0.1 % of a sinusoid at a quarter of the rate.
 """
 
+from functools import lru_cache
+
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline, CubicSpline, make_interp_spline
 
 DEGREE = 11
 END = 30
 """Samples at either end with cubic interpolation, and number of mirrored samples beyond the ends."""
+REACH = 100
+"""Samples on either side beyond which no weight of an interpolation is above :data:`NEGLIGIBLE`."""
+NEGLIGIBLE = 1e-12
+"""Largest weight that is left out."""
 
 
 def interpolate(time: np.ndarray, values: np.ndarray) -> CubicHermiteSpline:
@@ -24,6 +30,29 @@ def interpolate(time: np.ndarray, values: np.ndarray) -> CubicHermiteSpline:
     heights, slopes = outer(nodes), outer(nodes, 1)
     heights[inside], slopes[inside] = values[0] + inner(nodes[inside]), inner(nodes[inside], 1)
     return CubicHermiteSpline(nodes, heights, slopes)
+
+
+@lru_cache(maxsize=64)
+def weights(lag: float, slope: bool = False) -> tuple[int, tuple[float, ...]]:
+    """Return the first sample and the weights of samples that interpolate far from the ends.
+
+    The sum of w_j x_(k + first + j) is the value of :func:`interpolate`, or its slope per interval, at k - lag.
+
+    Parameters
+    ----------
+    lag
+        Lag [samples].
+    slope
+        Whether the slope is asked for.
+    """
+    whole = int(np.floor(lag))
+    reach = REACH + END
+    grid = np.arange(-reach, reach + 1.0)
+    found = interpolate(grid, np.eye(len(grid)))(whole - lag, int(slope))
+    kept = np.flatnonzero(np.abs(found) > NEGLIGIBLE)
+    if not len(kept):
+        return 0, (0.0,)
+    return int(kept[0]) - reach - whole, tuple(found[kept[0] : kept[-1] + 1].tolist())
 
 
 def _mirrored(values: np.ndarray, count: int) -> np.ndarray:
