@@ -73,6 +73,8 @@ def files(tmp_path_factory, lap):
 def test_the_folder_is_whole_and_says_where_the_vehicle_was(here, lap, capsys, samples, fixes, config, limit):
     assert cli.main(["drive", samples, fixes, *config, "--out", "found"]) == 0
     assert {path.name for path in Path("found").iterdir()} == set(FILES)
+    given = [(one["role"], one["path"]) for one in strict_json.load("found/inputs.json")]
+    assert given == [("log", samples), ("fixes", fixes)]
     found = strict_json.load("found/summary.json")
     assert json.loads(capsys.readouterr().out) == found
     assert found["outages"] == 1

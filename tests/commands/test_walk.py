@@ -13,6 +13,7 @@ from imugap import cli, log
 from imugap.commands.walk import FILES, INDOORS, STD, WalkInputs, navigate_walk
 from imugap.figures.walk import ellipse
 from imugap.kinematics.strapdown import COLUMNS
+from imugap.log import GYRO
 from imugap.navigation.pedestrian import WalkAssumptions
 from imugap.simulation.walk import Walk, WalkCourse
 from imugap.stream import stream
@@ -44,6 +45,7 @@ def files(tmp_path_factory, recipe):
 def test_the_folder_is_whole_and_says_how_far_the_walk_went_and_where_it_ended(here, recipe, capsys, model):
     assert cli.main(["walk", "walk.csv", *model, "--gravity", str(recipe.site.gravity), "--out", "found"]) == 0
     assert {path.name for path in Path("found").iterdir()} == set(FILES)
+    assert strict_json.load("found/inputs.json") == [{"role": "log", "path": "walk.csv", "recognised": []}]
     found = strict_json.load("found/summary.json")
     assert json.loads(capsys.readouterr().out) == found
     assert found["strides"] == STRIDES
@@ -143,3 +145,13 @@ def test_the_ellipse_holds_as_much_as_it_says():
     np.testing.assert_allclose(limit, limit[0])
     inside = np.einsum("ni,ij,nj->n", points, np.linalg.inv(covariance), points) < limit[0]
     assert abs(inside.mean() - 0.9) < 4 * np.sqrt(0.09 / 20_000)
+
+
+def test_the_folder_says_what_was_recognised_in_the_log(here, recipe, capsys):
+    record = recipe.record(1, SEED)
+    other = record.assign(**{axis: np.degrees(record[axis]) for axis in GYRO})
+    other.rename(columns={axis: f"{axis} (deg/s)" for axis in GYRO}).to_csv("other.csv")
+    assert cli.main(["walk", "other.csv", "--gravity", str(recipe.site.gravity), "--out", "found"]) == 0
+    (file,) = strict_json.load("found/inputs.json")
+    assert "gyro deg/s -> rad/s from the header" in file["recognised"]
+    assert f"other.csv: {', '.join(file['recognised'])}" in capsys.readouterr().err

@@ -10,6 +10,7 @@ import argparse
 import dataclasses
 import json
 import sys
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import NamedTuple
@@ -19,7 +20,7 @@ import pandas as pd
 
 from imugap.commands.arguments import add_effects, add_examples
 from imugap.commands.outputs import require_folder, write_folder
-from imugap.commands.reading import LOG_HELP, add_reading, say, settings_of
+from imugap.commands.reading import LOG_HELP, InputFile, add_reading, say, settings_of
 from imugap.commands.reading import read as read_log
 from imugap.filters.consistency import nees_band
 from imugap.filters.innovation_gate import (
@@ -65,8 +66,8 @@ from imugap.navigation.vehicle import (
 from imugap.numerics.rotation import from_euler
 
 FILES = (
-    "solution.parquet", "smoothed.parquet", "events.csv", "summary.json", "track.svg", "motion.svg", "sensors.svg",
-    "quality.svg",
+    "solution.parquet", "smoothed.parquet", "events.csv", "summary.json", "inputs.json", "track.svg", "motion.svg",
+    "sensors.svg", "quality.svg",
 )  # fmt: skip
 """Files of the folder."""
 STD = "_std"
@@ -152,13 +153,14 @@ class DriveSettings:
 
 @dataclass(frozen=True, eq=False)
 class RecordedDrive:
-    """Logs of a drive, and its configuration; ``as_given``: without mends; ``mends``: of the fixes."""
+    """Logs of a drive, its configuration, and the files; ``as_given``: without mends; ``mends``: of the fixes."""
 
     log: pd.DataFrame
     fixes: pd.DataFrame
     settings: DriveSettings = field(default_factory=DriveSettings)
     as_given: bool = False
     mends: tuple[Mend, ...] = ()
+    files: tuple[InputFile, ...] = ()
 
 
 class PreparedDrive(NamedTuple):
@@ -283,7 +285,7 @@ def run(options: argparse.Namespace) -> int:
     recorded = read(options)
     try:
         found = navigate_drive(recorded)
-        files = report(found)
+        files = report(found, recorded.files)
     except ValueError as error:
         raise ValueError(f"{options.log}, {options.fixes}: {error}") from error
     write_folder(folder, files)
@@ -312,7 +314,11 @@ def read(options: argparse.Namespace) -> RecordedDrive:
     say(options.fixes, receiver.recognised)
     measured = found.regular.measured
     _require_radians(measured, receiver.fixes, options.log)
-    return RecordedDrive(measured, receiver.fixes, settings, options.as_given)
+    files = (
+        InputFile("log", options.log, found.recognised),
+        InputFile("fixes", options.fixes, receiver.recognised),
+    )
+    return RecordedDrive(measured, receiver.fixes, settings, options.as_given, files=files)
 
 
 def _require_radians(log: pd.DataFrame, fixes: pd.DataFrame, path: str) -> None:
@@ -384,14 +390,15 @@ def smooth(aligned: AlignedDrive) -> NavigatedDrive:
     return NavigatedDrive(filtered, smoothed, inputs.fixes, verdict, inputs)
 
 
-def report(found: NavigatedDrive) -> dict[str, object]:
+def report(found: NavigatedDrive, inputs: Iterable[InputFile] = ()) -> dict[str, object]:
     """Return the content of each of the :data:`FILES`."""
     from imugap.figures import drive  # figures take longer to import than to read and check the logs
 
     filtered, smoothed = found.filtered, found.smoothed
     tables = found.table(filtered), found.table(smoothed), filtered.events
     drawn = drive.track(filtered, smoothed, found.fixes), drive.motion(filtered, smoothed)
-    contents = *tables, found.summary(), *drawn, drive.sensors(filtered, smoothed), drive.quality(filtered)
+    said, checks = (found.summary(), [*map(dataclasses.asdict, inputs)]), drive.quality(filtered)
+    contents = *tables, *said, *drawn, drive.sensors(filtered, smoothed), checks
     return dict(zip(FILES, contents, strict=True))
 
 

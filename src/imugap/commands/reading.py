@@ -3,6 +3,7 @@
 import argparse
 import sys
 from collections.abc import Iterable
+from dataclasses import dataclass
 from pathlib import Path
 
 from imugap.commands.arguments import rate
@@ -14,6 +15,15 @@ from imugap.io.recording import Recording, RecordingSettings
 
 SCHEMA = Path(__file__).with_name("reading.schema.yaml")
 LOG_HELP = "recording of the device: CSV of any dialect, Parquet, or another format that is recognised by its content"
+
+
+@dataclass(frozen=True)
+class InputFile:
+    """Input of a command: its role, its path as given, and sentences on what was recognised in it."""
+
+    role: str
+    path: str
+    recognised: tuple[str, ...]
 
 
 def add_reading(parser: argparse.ArgumentParser) -> None:

@@ -7,7 +7,8 @@ the folder.
 
 import argparse
 import json
-from dataclasses import dataclass, replace
+from collections.abc import Iterable
+from dataclasses import asdict, dataclass, replace
 from math import inf
 
 import numpy as np
@@ -15,7 +16,7 @@ import pandas as pd
 
 from imugap.commands.arguments import add_effects, add_examples, add_gravity, positive
 from imugap.commands.outputs import require_folder, write_folder
-from imugap.commands.reading import LOG_HELP, add_reading, settings_of
+from imugap.commands.reading import LOG_HELP, InputFile, add_reading, settings_of
 from imugap.commands.reading import read as read_log
 from imugap.filters.zero_velocity import MOVING
 from imugap.integrity.timestamps import filled
@@ -27,7 +28,7 @@ from imugap.navigation.pedestrian import DOWN, AlignedWalk, WalkAssumptions, Wal
 from imugap.navigation.walk_physics import check_walk
 from imugap.units import to_si
 
-FILES = ("solution.parquet", "strides.csv", "summary.json", "plan.svg", "height.svg")
+FILES = ("solution.parquet", "strides.csv", "summary.json", "inputs.json", "plan.svg", "height.svg")
 """Files of the folder."""
 STD = "_std"
 """Suffix of the name of a standard deviation."""
@@ -45,11 +46,12 @@ INDOORS = WalkAssumptions(floor_std=0.01)
 
 @dataclass(frozen=True, eq=False)
 class WalkInputs:
-    """Log, error model and assumptions of a walk."""
+    """Log, error model and assumptions of a walk, and the files that they were read from."""
 
     log: pd.DataFrame
     model: ErrorModel = DEFAULT_MODEL
     assumptions: WalkAssumptions = INDOORS
+    files: tuple[InputFile, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -150,7 +152,7 @@ def run(options: argparse.Namespace) -> None:
     folder = require_folder(options.out, FILES, (options.log, options.model))
     inputs = read(options)
     try:
-        files = report(navigate_walk(inputs))
+        files = report(navigate_walk(inputs), inputs.files)
     except ValueError as error:
         raise ValueError(f"{options.log}: {error}") from error
     write_folder(folder, files)
@@ -164,7 +166,8 @@ def navigate_walk(inputs: WalkInputs) -> NavigatedWalk:
 
 def read(options: argparse.Namespace) -> WalkInputs:
     """Read the log, its true samples on an even clock, and the error model."""
-    log = read_log(options.log, settings_of(options)).require_gravity().regular.measured
+    found = read_log(options.log, settings_of(options)).require_gravity()
+    log = found.regular.measured
     if axes(log) != AXES:
         raise LogError(options.log, "columns", f"all of {', '.join(AXES)}", ", ".join(log.columns))
     model = DEFAULT_MODEL
@@ -172,7 +175,8 @@ def read(options: argparse.Namespace) -> WalkInputs:
         model = ErrorModel.read(options.model, catalogue(options.effects)).require_axes(options.model)
     ground = WalkAssumptions() if options.outdoors else INDOORS
     full_scale = to_si(options.full_scale, "g")
-    return WalkInputs(log, model, replace(ground, gravity=options.gravity, full_scale=full_scale))
+    file = InputFile("log", options.log, found.recognised)
+    return WalkInputs(log, model, replace(ground, gravity=options.gravity, full_scale=full_scale), (file,))
 
 
 def check(inputs: WalkInputs) -> WalkInputs:
@@ -196,9 +200,9 @@ def smooth(aligned: AlignedWalk) -> NavigatedWalk:
     return NavigatedWalk(pedestrian.solve(aligned), pedestrian.solve(aligned, smooth=True))
 
 
-def report(found: NavigatedWalk) -> dict[str, object]:
+def report(found: NavigatedWalk, inputs: Iterable[InputFile] = ()) -> dict[str, object]:
     """Return the content of each of the :data:`FILES`."""
     from imugap.figures import walk  # figures take longer to import than to read and check the log
 
-    contents = found.table(), found.strides(), found.summary(), walk.plan(found.smoothed), walk.height(found.smoothed)
-    return dict(zip(FILES, contents, strict=True))
+    tables, drawn = (found.table(), found.strides()), (walk.plan(found.smoothed), walk.height(found.smoothed))
+    return dict(zip(FILES, (*tables, found.summary(), [*map(asdict, inputs)], *drawn), strict=True))
