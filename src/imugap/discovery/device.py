@@ -24,11 +24,12 @@ from imugap.discovery.finding import MIN_LOG_P, Discrepancy, Finding
 from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.discovery.fit.start_model import described, noisy
 from imugap.discovery.gravity import SensedGravity
+from imugap.discovery.over_runs import fit_over_runs, not_recurring
 from imugap.discovery.pooling import agree_on_noise, name_pooled, pooled_finding, search_each
 from imugap.discovery.preparation.prepare import PreparedLog, prepare
 from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.reference_band import ReferenceBand, reference_band
-from imugap.discovery.search.intervals import axis_unit
+from imugap.discovery.search.intervals import axis_unit, intervals
 from imugap.discovery.search.shared_effects import Joint
 from imugap.discovery.steps import Progress, StepCounter, each_in_processes
 from imugap.discovery.views import COHERENCE, Curve
@@ -41,6 +42,7 @@ from imugap.units import STANDARD_GRAVITY
 
 FARTHER = "the model with it is farther from data that no fit has seen"
 OF_EITHER = "it may be of the reference"
+NOT_RECURRING = "further runs are less likely with it"
 """Reasons for withdrawing an effect."""
 OTHER_STEPS = 4
 """Steps besides the two of each axis."""
@@ -205,10 +207,22 @@ class _Named(_Located):
 
 @dataclass(frozen=True, eq=False)
 class _Compared(_Named):
-    """With the noise that axes share, and what differs between the runs."""
+    """With the noise that axes share, what differs between the runs, and what all of them say together.
+
+    Attributes
+    ----------
+    common, between
+        Noise that axes share, and differences between runs.
+    others
+        Fits of the further runs of each axis, with the terms and the processes of the first run.
+    device
+        Fit of the named effects of each axis, its noise that of all runs.
+    """
 
     common: tuple[Finding, ...]
     between: tuple[Finding, ...]
+    others: Mapping[str, tuple[AxisFit, ...]]
+    device: Mapping[str, AxisFit]
 
     @property
     def beyond_axes(self) -> tuple[Finding, ...]:
@@ -290,11 +304,18 @@ def _of_either(stage: _Prepared) -> Withdrawn:
 
 
 def _to_withdraw(stage: _Measured, withdrawn: Withdrawn) -> Withdrawn:
-    """Return the withdrawn effects, and on each axis that is farther than before the one of least held-out gain."""
+    """Return the withdrawn effects, and further ones.
+
+    On each axis the one that further runs do not have; where there is none, and the axis is farther than before, the
+    one of least held-out gain.
+    """
     more = dict(withdrawn)
     for axis, apart in stage.evaluation.axes.items():
         found = stage.results[axis].findings
-        if apart.farther and found:
+        alone = type(not_recurring(stage.whole[axis], stage.others[axis]))
+        if any(type(finding.effects[axis]) is alone for finding in found):
+            more[axis] = {**more.get(axis, {}), alone: NOT_RECURRING}
+        elif apart.farther and found:
             worst = min(found, key=lambda finding: finding.log_score_gain)
             more[axis] = {**more.get(axis, {}), type(worst.effects[axis]): FARTHER}
     return more
@@ -373,12 +394,23 @@ def _compare_runs(stage: _Named) -> _Compared:
     common = (
         one.finding(f"{axis_unit(one.axes[0])}/sqrt(Hz)") for one in find_common_noise(stage.whole, stage.log_alpha)
     )
-    return _Compared(**vars(stage), common=_news(common, stage.known), between=_news(_between_runs(stage), stage.known))
+    others = _further_runs(stage)
+    between = _between_runs(stage, others)
+    by_axis = {axis: tuple(run[axis] for run in others if axis in run) for axis in stage.whole}
+    device = {axis: fit_over_runs((one, *by_axis[axis])) if by_axis[axis] else one for axis, one in stage.whole.items()}
+    return _Compared(
+        **vars(stage),
+        common=_news(common, stage.known),
+        between=_news(between, stage.known),
+        others=by_axis,
+        device=device,
+    )
 
 
 def _assemble(stage: _Compared) -> _Assembled:
     """Order all findings, and assemble the models of the device before and after."""
-    alone = (*(one for result in stage.results.values() for one in result.findings), *map(pooled_finding, stage.joints))
+    own = (_of_device(one, stage) for result in stage.results.values() for one in result.findings)
+    alone = (*own, *map(pooled_finding, stage.joints))
     findings = _ordered((*alone, *_noise_findings(stage.whole, stage.settings.start), *stage.beyond_axes))
     switching = {axis: (one.switching,) for axis, one in stage.results.items() if one.switching is not None}
     model = partial(device_model, known=stage.known, findings=stage.beyond_axes, beside=switching)
@@ -390,8 +422,8 @@ def _measure_distances(stage: _Assembled) -> _Measured:
     """Measure the distance of both models from the test runs, or from the held-out part where there are none."""
     settings = stage.settings
     stage.steps.begin("distances")
-    final = stage.model(stage.whole)
-    compared = [compare_test_run(test, stage.results, stage.start, final, settings.seed) for test in stage.tests]
+    models = stage.start, stage.model(stage.device)
+    compared = [compare_test_run(test, stage.before, stage.device, *models, settings.seed) for test in stage.tests]
     with each_in_processes(settings.workers) as each:
         runs = compared or [compare_held_out(stage.record, stage.results, stage.start, stage.model)]
         evaluation = evaluate(runs, settings.seed, settings.simulations, each)
@@ -422,7 +454,7 @@ def _conclude(stage: _Tested) -> Discovery:
     results, alpha = stage.results, stage.settings.alpha
     located = (*stage.discrepancies, *_line_discrepancies(results))
     kept = keep_undetermined(stage.known, stage.record, stage.whole)
-    start, final = (with_effects(model, kept) for model in (stage.start, stage.model(stage.whole)))
+    start, final = (with_effects(model, kept) for model in (stage.start, stage.model(stage.device)))
     at_rest = all(fit.sequence.conditions.ideal is None for fit in stage.whole.values())
     gravity = SensedGravity.of(final, stage.known, stage.settings.gravity) if at_rest else None
     return Discovery(
@@ -471,21 +503,38 @@ def _with_found_outputs(stage: _Compared, axis: str) -> tuple[Effect, ...]:
     return (*stage.outputs[axis], *found)
 
 
-def _between_runs(stage: _Named) -> tuple[Finding, ...]:
-    """Return what differs between the runs."""
-    settings, first = stage.settings, stage.whole
-    if len(stage.logs) < 2:
-        return ()
-    fits = [first]
+def _further_runs(stage: _Named) -> list[dict[str, AxisFit]]:
+    """Return the fits of the runs after the first, with the terms and the processes found in the first."""
+    settings, first, runs = stage.settings, stage.whole, []
     for log in stage.logs[1:]:
         sequences = prepare(log, None, settings.seed, settings.start, settings.catalogue).sequences
         whole = {axis: part(sequences[axis], 0, len(sequences[axis].values)) for axis in first if axis in sequences}
         starts = {axis: described(axis_effects(stage.known, axis), one) for axis, one in whole.items()}
-        fits.append({axis: fit_like_first(one, starts[axis].terms, first[axis]) for axis, one in whole.items()})
+        runs.append({axis: fit_like_first(one, starts[axis].terms, first[axis]) for axis, one in whole.items()})
+    return runs
+
+
+def _between_runs(stage: _Named, others: Sequence[Mapping[str, AxisFit]]) -> tuple[Finding, ...]:
+    """Return what differs between the runs."""
+    if not others:
+        return ()
+    fits, settings = [stage.whole, *others], stage.settings
     return (
         *turn_on_findings(fits, stage.log_alpha, settings.catalogue),
         *clock_findings(fits, stage.log_alpha, settings.catalogue),
     )
+
+
+def _of_device(finding: Finding, stage: _Compared) -> Finding:
+    """Return the finding of a random process with its values and intervals of all runs; any other as it is."""
+    (axis,) = finding.effects
+    entries = stage.whole[axis].description.entries
+    index = next((i for i, entry in enumerate(entries) if entry.effect == finding.effects[axis]), None)
+    if not stage.others[axis] or index is None or entries[index].effect.role not in (Role.NOISE, Role.FILTER):
+        return finding
+    device = stage.device[axis]
+    effect = device.description.entries[index].effect
+    return replace(finding, effects={axis: effect}, parameters=intervals(device, index))
 
 
 def _between_sharing(one: Discrepancy | Curve, sharing: set[frozenset[str]]) -> bool:

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from imugap import log
-from imugap.discovery.axis import AxisResult
 from imugap.discovery.evaluation import held_out as comparison
 from imugap.discovery.fit.axis_fit import fit
 from imugap.discovery.fit.description import Description, Entry
@@ -41,8 +40,8 @@ def modelled(description):
 def test_what_happened_in_one_run_is_in_the_model_of_another_in_which_it_happens_again(again):
     first = run(STEP, CHANGE, label="first")
     bare, whole = found(first), found(first, STEP, CHANGE)
-    results = {"gyro_x": AxisResult(bare, whole, whole, (), ())}
+    fits = {"gyro_x": bare}, {"gyro_x": whole}
     start, final = modelled(bare.description), modelled(whole.description)
-    after = comparison.compare_test_run(run(*again, label="other"), results, start, final, 0).after.model["gyro_x"]
+    after = comparison.compare_test_run(run(*again, label="other"), *fits, start, final, 0).after.model["gyro_x"]
     kept = {one.name for one in after if isinstance(one, (BiasStep, VarianceChange))}
     assert kept == {one.name for one in again}

@@ -44,13 +44,18 @@ def compare_held_out(
 
 
 def compare_test_run(
-    test: pd.DataFrame, results: Mapping[str, AxisResult], start: ErrorModel, final: ErrorModel, seed: int
+    test: pd.DataFrame,
+    befores: Mapping[str, AxisFit],
+    afters: Mapping[str, AxisFit],
+    start: ErrorModel,
+    final: ErrorModel,
+    seed: int,
 ) -> HeldOutComparison:
-    """Compare a further run with the models of the first one, without events of the first run alone."""
-    record = prepare(test[[name for name in test if name in results or name == TEMPERATURE]], seed=seed)
-    befores, afters = (
-        {axis: getattr(result, name) for axis, result in results.items()} for name in ("start_fit", "whole_fit")
-    )
+    """Compare a further run with the start and the final model of a device, without events of the first run alone.
+
+    ``befores`` and ``afters`` are the fits of the models, by axis.
+    """
+    record = prepare(test[[name for name in test if name in afters or name == TEMPERATURE]], seed=seed)
     before = UncertainModel.of(_in_another(start, befores, record.sequences), befores)
     after = UncertainModel.of(_in_another(final, afters, record.sequences), afters)
     return _compared(record, LEVEL_SHARE, before, after)

@@ -5,6 +5,7 @@ S(f_k)/interval, f_k = k/(2 n interval); for other processes this is Whittle's a
 a sequence without jumps at its ends (:mod:`imugap.estimation.likelihood`).
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import isfinite
 
@@ -121,17 +122,21 @@ class NoiseFit:
         Expected information of the log parameters, in the order of :meth:`Noise.parameters`.
     gradient
         That of the log-density in the same: zero but for what was held, or is at a limit.
+    between
+        Covariance of the log parameters from run to run of the device; zero for the fit of one run.
     """
 
     noise: Noise
     log_likelihood: float
     information: np.ndarray
     gradient: np.ndarray
+    between: np.ndarray | float = 0.0
 
     @property
     def covariance(self) -> np.ndarray:
-        """Return the covariance of the log parameters, with the prior standard deviation :data:`PRIOR_LOG_STD`."""
-        return np.linalg.inv(self.information + np.eye(len(self.information)) / PRIOR_LOG_STD**2)
+        """Return the covariance of the log parameters of a run, with the prior deviation :data:`PRIOR_LOG_STD`."""
+        own = np.linalg.inv(self.information + np.eye(len(self.information)) / PRIOR_LOG_STD**2)
+        return own + self.between
 
 
 def log_likelihood(variance: np.ndarray, power: np.ndarray, number: np.ndarray) -> float:
@@ -139,7 +144,13 @@ def log_likelihood(variance: np.ndarray, power: np.ndarray, number: np.ndarray) 
     return float(-0.5 * np.sum(number * np.log(2 * np.pi * variance) + power / variance))
 
 
-def fit(start: Noise, bins: Bins, power: np.ndarray, held: bool = False) -> NoiseFit:
+def fit(
+    start: Noise,
+    bins: Bins,
+    power: np.ndarray,
+    held: bool = False,
+    others: Sequence[tuple[Bins, np.ndarray]] = (),
+) -> NoiseFit:
     """Climb Whittle's likelihood from ``start`` by damped Fisher scoring.
 
     Parameters
@@ -148,14 +159,17 @@ def fit(start: Noise, bins: Bins, power: np.ndarray, held: bool = False) -> Nois
         Sums of the squared cosine coefficients over the bins, shape (bins,).
     held
         Whether the cutoff of the filter stays as it is.
+    others
+        Bins and power of further sequences of the same noise; the likelihood is that of all together.
     """
-    spectra = NoiseSpectra(start, bins)
+    sequences = [(NoiseSpectra(start, of), sums) for of, sums in ((bins, power), *others)]
     low, high = limits(start, bins, power)
     if held:
         low[-1] = high[-1] = start.theta()[-1]
 
     def at(theta: np.ndarray) -> tuple:
-        return theta, *spectra.expand(theta, power)
+        parts = zip(*(spectra.expand(theta, sums) for spectra, sums in sequences), strict=True)
+        return theta, *map(sum, parts)
 
     def propose(path: list[tuple], damping: float) -> tuple | None:
         theta, _, gradient, information = path[-1]

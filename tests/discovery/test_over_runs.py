@@ -1,0 +1,79 @@
+"""Several runs of a device: the parameters of all together, their scatter between runs, and what does not recur."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.stats import binom, chi2
+from tests.discovery import simulated
+
+from imugap.discovery.fit.axis_fit import fit
+from imugap.discovery.fit.description import Description
+from imugap.discovery.over_runs import fit_over_runs, not_recurring
+from imugap.discovery.search.intervals import intervals
+from imugap.effects import GaussMarkov, RandomWalk, WhiteNoise
+from imugap.stream import stream
+
+WALK = RandomWalk(5e-4)
+PROCESS = GaussMarkov(2e-3, 4.0)
+RUNS, COUNT, CASES = 5, 3000, 60
+
+
+def run(label, *effects, white=simulated.WHITE):
+    return simulated.sequence(*effects, white=white, count=COUNT, label=label)
+
+
+def fits(case, scatter):
+    """The runs of a device whose white noise and random walk scatter from run to run by a factor exp(``scatter``)."""
+    found, rng = [], stream(3, "over runs", case, scatter)
+    for number in range(RUNS):
+        white, walk = np.exp(scatter * rng.standard_normal(2))
+        sizes = WhiteNoise(simulated.WHITE.density * white), RandomWalk(WALK.density_k * walk)
+        found.append(simulated.fitted(run(f"{case} {scatter} {number}", sizes[1], white=sizes[0]), WALK))
+    return found
+
+
+def test_equal_runs_give_the_interval_of_their_whole_length():
+    runs = fits(0, 0.0)
+    together = fit_over_runs(runs)
+    for index in range(2):
+        (own,), (of_all,) = (intervals(one, index).values() for one in (runs[0], together))
+        ratio = np.log(of_all.high / of_all.low) / np.log(own.high / own.low)
+        assert 0.9 / np.sqrt(RUNS) < ratio < 1.6 / np.sqrt(RUNS)
+    assert together.description.noise.effects != runs[0].description.noise.effects
+    assert together.description.terms == runs[0].description.terms
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("scatter", [0.0, 0.3])
+def test_intervals_hold_the_mean_of_the_device_and_the_covariance_the_parameters_of_a_run(scatter):
+    truth = np.log([simulated.WHITE.density, WALK.density_k])
+    held, squares = 0, []
+    for case in range(CASES):
+        together = fit_over_runs(fits(case, scatter))
+        ends = [next(iter(intervals(together, index).values())) for index in range(2)]
+        held += sum(end.low < np.exp(one) < end.high for end, one in zip(ends, truth, strict=True))
+        another = truth + scatter * stream(4, "another", case, scatter).standard_normal(2)
+        off = together.noise.noise.theta() - another
+        squares.append(off @ np.linalg.solve(together.noise.covariance, off))
+    # with five runs an interval by the normal law holds its value in 86 to 95 % of cases (Student, 4 degrees)
+    assert binom.ppf(1e-3, 2 * CASES, 0.86) <= held
+    within = np.count_nonzero(np.array(squares) < chi2.ppf(0.95, 2))
+    assert within >= binom.ppf(1e-3, CASES, 0.8)
+    if scatter:
+        assert within <= binom.ppf(0.999, CASES, 0.95)
+
+
+@pytest.mark.parametrize(("recurs", "told"), [(True, None), (False, "gauss_markov")])
+def test_a_process_that_only_the_first_run_has_does_not_recur(recurs, told):
+    first = simulated.fitted(run("first", WALK, PROCESS), WALK, PROCESS)
+    of_others = (WALK, PROCESS) if recurs else (WALK,)
+    others = [simulated.fitted(run(f"other {number}", *of_others), WALK, PROCESS) for number in range(3)]
+    effect = not_recurring(first, others)
+    assert (None if effect is None else effect.name) == told
+
+
+def test_an_effect_of_the_start_model_is_not_asked():
+    start = Description.known(simulated.WHITE, PROCESS)
+    first = fit(run("known", PROCESS), start)
+    assert not_recurring(first, [replace(first, sequence=run("other"))]) is None
