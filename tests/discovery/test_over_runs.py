@@ -7,11 +7,16 @@ import pytest
 from scipy.stats import binom, chi2
 from tests.discovery import simulated
 
+from imugap import log
+from imugap.discovery.device import Settings, discover, leave_one_out
 from imugap.discovery.fit.axis_fit import fit
 from imugap.discovery.fit.description import Description
 from imugap.discovery.over_runs import fit_over_runs, not_recurring
+from imugap.discovery.report import verdict
 from imugap.discovery.search.intervals import intervals
 from imugap.effects import GaussMarkov, RandomWalk, WhiteNoise
+from imugap.effects.effect import AxisModel
+from imugap.model import ErrorModel
 from imugap.stream import stream
 
 WALK = RandomWalk(5e-4)
@@ -77,3 +82,46 @@ def test_an_effect_of_the_start_model_is_not_asked():
     start = Description.known(simulated.WHITE, PROCESS)
     first = fit(run("known", PROCESS), start)
     assert not_recurring(first, [replace(first, sequence=run("other"))]) is None
+
+
+INTERVAL, LENGTH = 0.1, 6000
+DEVICE = (WhiteNoise(1e-3), RandomWalk(3e-4))
+KINDS = (WhiteNoise, RandomWalk, GaussMarkov)
+
+
+def logs(count, *of_first):
+    """Runs of a device, the first with further processes."""
+    still = log.from_samples({"gyro_x": np.zeros(LENGTH)}, INTERVAL)
+    models = (ErrorModel({"gyro_x": AxisModel((*DEVICE, *(() if run else of_first)))}) for run in range(count))
+    return [model.simulate(still, 5, "device", run) for run, model in enumerate(models)]
+
+
+@pytest.fixture(scope="module")
+def found():
+    """What is found on five runs of a device, of which the first has a further process."""
+    return discover(logs(5, GaussMarkov(2e-3, 2.0)), Settings(catalogue=KINDS))
+
+
+def test_a_process_of_the_first_run_alone_is_not_in_the_model_of_the_device(found):
+    assert ("gyro_x", "gauss_markov", "further runs are less likely with it") in found.withheld
+    assert not any(isinstance(effect, GaussMarkov) for effect in found.final["gyro_x"])
+    assert "Random processes have the values and intervals of all 5 runs together." in verdict(found)
+
+
+def test_the_finding_is_the_effect_of_the_model_and_its_interval_that_of_all_runs(found):
+    (finding,) = (one for one in found.findings if one.name == "random_walk")
+    (effect,) = (effect for effect in found.final["gyro_x"] if isinstance(effect, RandomWalk))
+    ends = finding.parameters["density_k"]
+    assert finding.effects["gyro_x"] == effect
+    assert ends.value == effect.density_k
+    assert ends.low < 3e-4 < ends.high
+    assert ends.high / ends.low < 4.0  # the walk of the first run stands for its further process, too
+
+
+def test_each_run_is_compared_with_what_the_others_say():
+    runs = logs(3)
+    compared = list(leave_one_out(runs, Settings(catalogue=KINDS), [None] * 3))
+    for out, one in enumerate(compared):
+        np.testing.assert_array_equal(one.measured["gyro_x"], runs[out]["gyro_x"].iloc[: len(one.measured)])
+    walks = {one.after.model["gyro_x"].stochastic() for one in compared}
+    assert len(walks) == len(runs)

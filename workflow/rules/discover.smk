@@ -170,6 +170,33 @@ rule dossier:
         "../scripts/dossier.py"
 
 
+rule unseen_runs:
+    """Score every contender and the discovered models on each run of a device, fitted to the other runs alone."""
+    input:
+        logs=of_runs("means.parquet"),
+        starts=of_runs("nbk.yaml"),
+        indices=of_runs("indices.csv"),
+        allan=of_runs("allan.csv"),
+    output:
+        scores="results/{device}/unseen.csv",
+    log:
+        "logs/unseen_runs/{device}.log",
+    priority: 1
+    threads: 2
+    resources:
+        mem_mb=3000,
+        runtime=120,
+    params:
+        runs=lambda wildcards: RUNS[wildcards.device],
+        names=STARTS,
+        settings=DISCOVERY_SETTINGS,
+        seed=config["seed"],
+        period_s=config["bias_stability_period_s"],
+        code=library("unseen_runs"),
+    script:
+        "../scripts/unseen_runs.py"
+
+
 rule missing_page:
     """Tabulate what is missing from the models of a device, where, and how far the discrepancy shrinks on other runs."""
     input:

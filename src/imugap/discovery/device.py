@@ -7,7 +7,7 @@ held-out data than the start model, the effects to blame are withdrawn, and the 
 :func:`_measure_distances` are repeated.
 """
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -18,7 +18,7 @@ from imugap.discovery.assembly import axis_effects, device_model, keep_undetermi
 from imugap.discovery.axis import AxisResult, AxisSearch, part, white_noise_finding
 from imugap.discovery.between_runs import clock_findings, fit_like_first, turn_on_findings
 from imugap.discovery.common_noise import find_common_noise
-from imugap.discovery.evaluation.distance import Distances, Drifts, Evaluation
+from imugap.discovery.evaluation.distance import Distances, Drifts, Evaluation, HeldOutComparison
 from imugap.discovery.evaluation.held_out import HELD_IN_SHARE, compare_held_out, compare_test_run, evaluate
 from imugap.discovery.finding import MIN_LOG_P, Discrepancy, Finding
 from imugap.discovery.fit.axis_fit import AxisFit
@@ -81,6 +81,8 @@ class Discovery:
         Gravity in the level of the first log; None for a device in motion, or without accelerometers that sense it.
     band
         Band in which the reference follows the motion; None for all frequencies, or for a device at rest.
+    runs
+        Number of logs, to all of which the random processes are fitted.
     """
 
     start: ErrorModel
@@ -99,6 +101,7 @@ class Discovery:
     results: Mapping[str, AxisResult]
     gravity: SensedGravity | None
     band: ReferenceBand | None
+    runs: int
 
 
 @dataclass(frozen=True)
@@ -241,8 +244,9 @@ class _Assembled(_Compared):
 
 @dataclass(frozen=True, eq=False)
 class _Measured(_Assembled):
-    """With the distances of both models from held-out data."""
+    """With the held-out data, compared with both models, and the distances."""
 
+    compared: Sequence[HeldOutComparison]
     evaluation: Evaluation
 
 
@@ -279,15 +283,39 @@ def discover(
     progress
         Called as each step begins.
     """
-    prepared = _prepare(logs, settings, tests, reference, progress)
-    located = _locate_discrepancies(_search_axes(prepared))
-    withdrawn = _of_either(prepared)
+    located = _locate_discrepancies(_search_axes(_prepare(logs, settings, tests, reference, progress)))
+    return _conclude(_test_final_model(_measured(located)))
+
+
+def leave_one_out(
+    logs: Sequence[pd.DataFrame], settings: Settings, starts: Sequence[ErrorModel | None]
+) -> Iterator[HeldOutComparison]:
+    """Yield, for each run of a device, its comparison with the models that discovery on the other runs has.
+
+    Effects within a run are discovered on the first of the others, once for all folds that begin with it, from its
+    model in ``starts``, which has one for each run.
+    """
+    located = {}
+    for out, test in enumerate(logs):
+        others = [log for number, log in enumerate(logs) if number != out]
+        first = int(out == 0)
+        if first not in located:
+            own = replace(settings, start=starts[first])
+            prepared = _prepare([logs[first]], own, (), None, lambda step, done, steps: None)
+            located[first] = _locate_discrepancies(_search_axes(prepared))
+        (compared,) = _measured(replace(located[first], logs=others, tests=[test])).compared
+        yield compared
+
+
+def _measured(located: _Located) -> _Measured:
+    """Name effects, and measure distances, until none is to be withdrawn."""
+    withdrawn = _of_either(located)
     measured = _modelled(located, withdrawn)
     while (more := _to_withdraw(measured, withdrawn)) != withdrawn:
         withdrawn = more
-        prepared.steps.count += len(located.searches) + 1
+        located.steps.count += len(located.searches) + 1
         measured = _modelled(located, withdrawn)
-    return _conclude(_test_final_model(measured))
+    return measured
 
 
 def _modelled(stage: _Located, withdrawn: Withdrawn) -> _Measured:
@@ -427,7 +455,7 @@ def _measure_distances(stage: _Assembled) -> _Measured:
     with each_in_processes(settings.workers) as each:
         runs = compared or [compare_held_out(stage.record, stage.results, stage.start, stage.model)]
         evaluation = evaluate(runs, settings.seed, settings.simulations, each)
-    return _Measured(**vars(stage), evaluation=evaluation)
+    return _Measured(**vars(stage), compared=runs, evaluation=evaluation)
 
 
 def _test_final_model(stage: _Measured) -> _Tested:
@@ -482,6 +510,7 @@ def _conclude(stage: _Tested) -> Discovery:
         results=results,
         gravity=gravity,
         band=stage.band,
+        runs=len(stage.logs),
     )
 
 

@@ -110,6 +110,8 @@ def verdict(found: Discovery) -> str:
     if found.undetermined:
         kept = ", ".join(f"{name} of {axis}" for axis, name in found.undetermined)
         lines.append(f"The log cannot tell {kept}; kept as the start model has it.")
+    if found.runs > 1:
+        lines.append(f"Random processes have the values and intervals of all {found.runs} runs together.")
     if found.gravity is not None:
         lines.append(found.gravity.sentence())
     if found.unexplained:
