@@ -78,6 +78,8 @@ DISCOVERY_REPORTS = [f"results/{discovery}/report.json" for discovery in DISCOVE
 STARTS = ["white", "nbk"]
 # Devices for discovery: on the first run, from two start models, tested on the other runs.
 MISSING_OF = [name for name in config["discovery"]["devices"] if len(RUNS[name]) > 1 and "discovery" in CHAPTERS]
+# Devices whose runs are left out in turn: real ones.
+UNSEEN_OF = [name for name in MISSING_OF if name != "bench"]
 for name in MISSING_OF:
     first, *others = (f"results/{name}/{run}" for run in RUNS[name])
     runs = {

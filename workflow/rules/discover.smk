@@ -197,6 +197,22 @@ rule unseen_runs:
         "../scripts/unseen_runs.py"
 
 
+rule unseen_page:
+    """Tabulate and draw the scores of all contenders on unseen runs, paired with the discovered model."""
+    input:
+        scores="results/{device}/unseen.csv",
+    output:
+        table=table("unseen_{device}", "Discovery", "scores on unseen runs (table), {device}", caption="unseen"),
+        figure=figure("unseen_{device}", "Discovery", "scores on unseen runs (figure), {device}", caption="unseen"),
+        numbers="paper/numbers/unseen_{device}.json",
+    log:
+        "logs/unseen_page/{device}.log",
+    params:
+        code=library("unseen_page"),
+    script:
+        "../scripts/unseen_page.py"
+
+
 rule missing_page:
     """Tabulate what is missing from the models of a device, where, and how far the discrepancy shrinks on other runs."""
     input:
@@ -271,5 +287,6 @@ rule missing_score:
 
 
 PAPER["discovery"] += expand(rules.missing_page.output, device=MISSING_OF)
+PAPER["discovery"] += expand(rules.unseen_page.output, device=UNSEEN_OF)
 PAPER["discovery"] += rules.motion_page.output if SIGHTED else []
 PAPER["discovery"] += rules.missing_score.output if "bench" in MISSING_OF else []

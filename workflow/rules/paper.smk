@@ -12,6 +12,7 @@ rule study_numbers:
         power_cycles=POWER_CYCLES,
         walks=WALKS,
         missing_of=MISSING_OF,
+        unseen_of=UNSEEN_OF,
         sighted=SIGHTED,
         omitted=OMITTED,
         config=config,

@@ -26,6 +26,7 @@ with job(snakemake) as (_, params, output):
         "devices": list(params.runs),
         "runs": {device: len(runs) for device, runs in params.runs.items()},
         "missing_of": params.missing_of,
+        "unseen_of": params.unseen_of,
         "sighted": params.sighted,
         "power_cycles": len(params.power_cycles),
         "walks": params.walks,

@@ -1,0 +1,93 @@
+"""Tabulate and draw the scores of all contenders on runs that none has seen, paired with the discovered model."""
+
+import numpy as np
+import pandas as pd
+from scipy.stats import t
+
+from imugap.figures.unseen_runs import TITLES, unseen_runs
+from imugap.log import ACCEL, GYRO
+from imugap.workflow import tables
+from imugap.workflow.job_log import job
+from imugap.workflow.products import save
+
+REFERENCE = "discovered_white"
+"""Contender with which the others are compared, run by run."""
+PER = 1000
+"""Samples for which differences of the log score are shown."""
+SENSORS = {"gyroscopes": GYRO, "accelerometers": ACCEL}
+
+
+def paired(values):
+    """Return mean and 95 % Student interval of differences, shape (runs,)."""
+    half = t.ppf(0.975, len(values) - 1) * values.std(ddof=1) / np.sqrt(len(values))
+    return values.mean(), values.mean() - half, values.mean() + half
+
+
+def verdict(low, high):
+    """Say how a contender compares: worse where the interval of its loss lies above zero, better where below."""
+    return "worse" if low > 0 else "better" if high < 0 else "level"
+
+
+def losses(data):
+    """Yield the loss of each contender over the discovered model, in each score."""
+    wide = data.pivot_table(index=["run", "quantity", "axis"], columns="contender", values="value", sort=False)
+    by_axis = wide.xs("log_score", level="quantity")
+    scores = {
+        f"log score, {sensor}": -PER * by_axis.loc[(slice(None), list(axes)), :].groupby("run").mean()
+        for sensor, axes in SENSORS.items()
+    }
+    drift = next(name for name in data["quantity"].unique() if name.startswith("drift_"))
+    horizon = drift.removeprefix("drift_").replace("_", " ")
+    scores[f"log drift score, {horizon}"] = np.log(wide.xs(drift, level="quantity").groupby("run").mean())
+    for score, one in scores.items():
+        for contender in one:
+            if contender != REFERENCE:
+                value, low, high = paired((one[contender] - one[REFERENCE]).to_numpy())
+                yield {
+                    "contender": contender, "score": score, "loss": value, "low": low, "high": high,
+                    "verdict": verdict(low, high),
+                }  # fmt: skip
+
+
+def bands(data):
+    """Return distance, upper end of its floor and width of the band of each contender, root mean squares over runs."""
+    of_run = data[data["quantity"].isin(["distance", "floor", "width"])]
+    squares = of_run.assign(value=of_run["value"] ** 2).groupby(["contender", "quantity"], sort=False)["value"].mean()
+    return np.sqrt(squares).unstack("quantity")
+
+
+def page(found, band):
+    """Lay the table out, a row for each contender."""
+    rows = []
+    for contender, title in TITLES.items():
+        own = found[found["contender"] == contender]
+        cells = {
+            one.score: f"{tables.interval(one.loss, one.low, one.high)}, {one.verdict}"
+            for one in own.itertuples(index=False)
+        }
+        ends = {name: tables.number(band.loc[contender, name]) for name in ("distance", "floor", "width")}
+        rows.append({"model": title} | {score: cells.get(score, "—") for score in found["score"].unique()} | ends)
+    return pd.DataFrame(rows).rename(columns={"floor": "floor to", "width": "width of the band"})
+
+
+def numbers(found, band, runs):
+    """Return what the text says."""
+    counts = {
+        score: {said: [TITLES[name] for name in part.loc[part["verdict"] == said, "contender"]]
+                for said in ("worse", "level", "better")}
+        for score, part in found.groupby("score", sort=False)
+    }  # fmt: skip
+    apart = {name: {key: tables.number(value) for key, value in row.items()} for name, row in band.iterrows()}
+    within = {name: bool(row["distance"] <= row["floor"]) for name, row in band.iterrows()}
+    return {"runs": runs, "verdicts": counts, "bands": apart, "within": within}
+
+
+with job(snakemake) as (source, _, output):
+    data = pd.read_csv(source.scores, keep_default_na=False)
+    found, band = pd.DataFrame(losses(data)), bands(data)
+    save(
+        output,
+        table=(found.merge(band.reset_index(), on="contender"), page(found, band)),
+        figure=unseen_runs(found, band),
+        numbers=numbers(found, band, int(data["run"].nunique())),
+    )
