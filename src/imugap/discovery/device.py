@@ -31,7 +31,7 @@ from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.reference_band import ReferenceBand, reference_band
 from imugap.discovery.search.intervals import axis_unit, intervals
 from imugap.discovery.search.shared_effects import Joint
-from imugap.discovery.steps import Progress, StepCounter, each_in_processes
+from imugap.discovery.steps import Progress, StepCounter, each_in_processes, without_words
 from imugap.discovery.views import COHERENCE, Curve
 from imugap.discovery.views.discrepancies import REPLICATES, ViewTest, significant_discrepancies, view_tests
 from imugap.effects import CATALOGUE
@@ -142,14 +142,16 @@ class Settings:
 
 @dataclass(frozen=True, eq=False)
 class _Prepared:
-    """The logs of a device, the first one prepared.
+    """The prepared logs of a device.
 
     Attributes
     ----------
-    logs, tests, settings
-        Runs, further runs for the distances, and settings.
+    settings
+        Settings.
     record
-        The first log, prepared.
+        The first run, prepared.
+    others, tests
+        Further runs of the device, and runs for the distances, prepared.
     band
         Band in which the reference follows the motion; None for all frequencies, or for a device at rest.
     known
@@ -160,10 +162,10 @@ class _Prepared:
         Counter of the steps.
     """
 
-    logs: Sequence[pd.DataFrame]
-    tests: Sequence[pd.DataFrame]
     settings: Settings
     record: PreparedLog
+    others: Sequence[PreparedLog]
+    tests: Sequence[PreparedLog]
     band: ReferenceBand | None
     known: ErrorModel
     log_alpha: float
@@ -216,7 +218,7 @@ class _Compared(_Named):
     ----------
     common, between
         Noise that axes share, and differences between runs.
-    others
+    further
         Fits of the further runs of each axis, with the terms and the processes of the first run.
     device
         Fit of the named effects of each axis, its noise that of all runs.
@@ -224,7 +226,7 @@ class _Compared(_Named):
 
     common: tuple[Finding, ...]
     between: tuple[Finding, ...]
-    others: Mapping[str, tuple[AxisFit, ...]]
+    further: Mapping[str, tuple[AxisFit, ...]]
     device: Mapping[str, AxisFit]
 
     @property
@@ -267,7 +269,7 @@ def discover(
     settings: Settings,
     tests: Sequence[pd.DataFrame] = (),
     reference: pd.DataFrame | None = None,
-    progress: Progress = lambda step, done, steps: None,
+    progress: Progress = without_words,
 ) -> Discovery:
     """Find where a simulator and a device disagree, name what is missing and show that the discrepancy shrinks.
 
@@ -295,15 +297,15 @@ def leave_one_out(
     Effects within a run are discovered on the first of the others, once for all folds that begin with it, from its
     model in ``starts``, which has one for each run.
     """
+    prepared = [prepare(log, None, settings.seed, None, settings.catalogue) for log in logs]
     located = {}
-    for out, test in enumerate(logs):
-        others = [log for number, log in enumerate(logs) if number != out]
-        first = int(out == 0)
+    for out, test in enumerate(prepared):
+        first, *others = (number for number in range(len(logs)) if number != out)
         if first not in located:
-            own = replace(settings, start=starts[first])
-            prepared = _prepare([logs[first]], own, (), None, lambda step, done, steps: None)
-            located[first] = _locate_discrepancies(_search_axes(prepared))
-        (compared,) = _measured(replace(located[first], logs=others, tests=[test])).compared
+            own = _prepare([logs[first]], replace(settings, start=starts[first]), (), None, without_words)
+            located[first] = _locate_discrepancies(_search_axes(own))
+        runs = [prepared[number] for number in others]
+        (compared,) = _measured(replace(located[first], others=runs, tests=[test])).compared
         yield compared
 
 
@@ -340,7 +342,7 @@ def _to_withdraw(stage: _Measured, withdrawn: Withdrawn) -> Withdrawn:
     more = dict(withdrawn)
     for axis, apart in stage.evaluation.axes.items():
         found = stage.results[axis].findings
-        alone = type(not_recurring(stage.whole[axis], stage.others[axis]))
+        alone = type(not_recurring(stage.whole[axis], stage.further[axis]))
         if any(type(finding.effects[axis]) is alone for finding in found):
             more[axis] = {**more.get(axis, {}), alone: NOT_RECURRING}
         elif apart.farther and found:
@@ -356,13 +358,21 @@ def _prepare(
     reference: pd.DataFrame | None,
     progress: Progress,
 ) -> _Prepared:
-    """Take flawed samples and stamps out of the first log."""
+    """Take flawed samples and stamps out of the logs."""
     steps = StepCounter(progress, OTHER_STEPS + 2 * len(axes(logs[0])))
     steps.begin("integrity")
     record, band = _in_band(prepare(logs[0], reference, settings.seed, settings.start, settings.catalogue), settings)
     steps.count -= 2 * len(record.unusable)
     known = ErrorModel({}) if settings.start is None else settings.start
-    return _Prepared(logs, tests, settings, record, band, known, settings.log_alpha(len(record.sequences)), steps)
+    others = [prepare(log, None, settings.seed, settings.start, settings.catalogue) for log in logs[1:]]
+    compared = [_prepare_test(test, record, settings.seed) for test in tests]
+    log_alpha = settings.log_alpha(len(record.sequences))
+    return _Prepared(settings, record, others, compared, band, known, log_alpha, steps)
+
+
+def _prepare_test(test: pd.DataFrame, record: PreparedLog, seed: int) -> PreparedLog:
+    """Prepare the axes of a run for the distances that the first log has."""
+    return prepare(test[[name for name in test if name in record.sequences or name == TEMPERATURE]], seed=seed)
 
 
 def _in_band(record: PreparedLog, settings: Settings) -> tuple[PreparedLog, ReferenceBand | None]:
@@ -430,7 +440,7 @@ def _compare_runs(stage: _Named) -> _Compared:
         **vars(stage),
         common=_news(common, stage.known),
         between=_news(between, stage.known),
-        others=by_axis,
+        further=by_axis,
         device=device,
     )
 
@@ -451,7 +461,7 @@ def _measure_distances(stage: _Assembled) -> _Measured:
     settings = stage.settings
     stage.steps.begin("distances")
     models = stage.start, stage.model(stage.device)
-    compared = [compare_test_run(test, stage.before, stage.device, *models, settings.seed) for test in stage.tests]
+    compared = [compare_test_run(test, stage.before, stage.device, *models) for test in stage.tests]
     with each_in_processes(settings.workers) as each:
         runs = compared or [compare_held_out(stage.record, stage.results, stage.start, stage.model)]
         evaluation = evaluate(runs, settings.seed, settings.simulations, each)
@@ -510,7 +520,7 @@ def _conclude(stage: _Tested) -> Discovery:
         results=results,
         gravity=gravity,
         band=stage.band,
-        runs=len(stage.logs),
+        runs=1 + len(stage.others),
     )
 
 
@@ -534,9 +544,8 @@ def _with_found_outputs(stage: _Compared, axis: str) -> tuple[Effect, ...]:
 
 def _further_runs(stage: _Named) -> list[dict[str, AxisFit]]:
     """Return the fits of the runs after the first, with the terms and the processes found in the first."""
-    settings, first, runs = stage.settings, stage.whole, []
-    for log in stage.logs[1:]:
-        sequences = prepare(log, None, settings.seed, settings.start, settings.catalogue).sequences
+    first, runs = stage.whole, []
+    for sequences in (one.sequences for one in stage.others):
         whole = {axis: part(sequences[axis], 0, len(sequences[axis].values)) for axis in first if axis in sequences}
         starts = {axis: described(axis_effects(stage.known, axis), one) for axis, one in whole.items()}
         runs.append({axis: fit_like_first(one, starts[axis].terms, first[axis]) for axis, one in whole.items()})
@@ -559,7 +568,7 @@ def _of_device(finding: Finding, stage: _Compared) -> Finding:
     (axis,) = finding.effects
     entries = stage.whole[axis].description.entries
     index = next((i for i, entry in enumerate(entries) if entry.effect == finding.effects[axis]), None)
-    if not stage.others[axis] or index is None or entries[index].effect.role not in (Role.NOISE, Role.FILTER):
+    if not stage.further[axis] or index is None or entries[index].effect.role not in (Role.NOISE, Role.FILTER):
         return finding
     device = stage.device[axis]
     effect = device.description.entries[index].effect

@@ -15,6 +15,10 @@ Progress = Callable[[str, int, int], None]
 """Called with the name of a step as it begins, how many steps are done, and how many there are."""
 
 
+def without_words(step: str, done: int, steps: int) -> None:
+    """Say nothing of a step that begins."""
+
+
 PR_SET_PDEATHSIG = 1
 """Argument of prctl(2): the signal that a process gets when its parent ends."""
 WATCH_S = 0.5

@@ -7,6 +7,7 @@ from imugap import log
 from imugap.discovery.evaluation import held_out as comparison
 from imugap.discovery.fit.axis_fit import fit
 from imugap.discovery.fit.description import Description, Entry
+from imugap.discovery.preparation.prepare import prepare
 from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.effects import Bias, BiasStep, VarianceChange, WhiteNoise
 from imugap.effects.conditions import Conditions
@@ -42,6 +43,6 @@ def test_what_happened_in_one_run_is_in_the_model_of_another_in_which_it_happens
     bare, whole = found(first), found(first, STEP, CHANGE)
     fits = {"gyro_x": bare}, {"gyro_x": whole}
     start, final = modelled(bare.description), modelled(whole.description)
-    after = comparison.compare_test_run(run(*again, label="other"), *fits, start, final, 0).after.model["gyro_x"]
+    after = comparison.compare_test_run(prepare(run(*again, label="other")), *fits, start, final).after.model["gyro_x"]
     kept = {one.name for one in after if isinstance(one, (BiasStep, VarianceChange))}
     assert kept == {one.name for one in again}

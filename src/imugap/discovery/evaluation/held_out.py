@@ -3,7 +3,6 @@
 from collections.abc import Callable, Mapping, Sequence
 from itertools import chain, islice
 
-import pandas as pd
 from threadpoolctl import threadpool_limits
 
 from imugap.discovery.axis import AxisResult
@@ -17,10 +16,10 @@ from imugap.discovery.evaluation.distance import (
 )
 from imugap.discovery.evaluation.parameter_ensemble import UncertainModel
 from imugap.discovery.fit.axis_fit import AxisFit, log_score
-from imugap.discovery.preparation.prepare import PreparedLog, prepare
+from imugap.discovery.preparation.prepare import PreparedLog
 from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.effects.effect import AxisModel, Effect, Role
-from imugap.log import TEMPERATURE, from_samples
+from imugap.log import from_samples
 from imugap.model import ErrorModel
 
 SIMULATIONS_PER_TASK = 15
@@ -44,18 +43,16 @@ def compare_held_out(
 
 
 def compare_test_run(
-    test: pd.DataFrame,
+    record: PreparedLog,
     befores: Mapping[str, AxisFit],
     afters: Mapping[str, AxisFit],
     start: ErrorModel,
     final: ErrorModel,
-    seed: int,
 ) -> HeldOutComparison:
     """Compare a further run with the start and the final model of a device, without events of the first run alone.
 
     ``befores`` and ``afters`` are the fits of the models, by axis.
     """
-    record = prepare(test[[name for name in test if name in afters or name == TEMPERATURE]], seed=seed)
     before = UncertainModel.of(_in_another(start, befores, record.sequences), befores)
     after = UncertainModel.of(_in_another(final, afters, record.sequences), afters)
     return _compared(record, LEVEL_SHARE, before, after)
