@@ -202,7 +202,7 @@ def _finite(table: pd.DataFrame, place: Callable[[int], str]) -> tuple[pd.DataFr
         where = f"{table.columns[column]} at {place(int(row))}"
         text = f"{counted(int(infinite.sum()), 'value')} not finite, first {where}: lost"
         remarks.append(Remark(Fault.LOST_VALUES, text))
-    off = _without_power(table)
+    off = without_power(table)
     if off.any():
         first = int(np.argmax(off))
         text = f"{counted(int(off.sum()), 'row')} zero on all axes, first at {place(first)}: lost"
@@ -213,7 +213,7 @@ def _finite(table: pd.DataFrame, place: Callable[[int], str]) -> tuple[pd.DataFr
     return table.mask(flawed), remarks
 
 
-def _without_power(table: pd.DataFrame) -> np.ndarray:
+def without_power(table: pd.DataFrame) -> np.ndarray:
     """Return the mask of rows, shape (n,), in which all axes are exactly zero.
 
     A specific force of zero is no reading at rest. Without gravity in the log many successive rows count, on axes that

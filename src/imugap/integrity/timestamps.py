@@ -200,9 +200,13 @@ def stamps(time: np.ndarray, place: Callable[[int], str] = row_number) -> Stamps
 
 
 def _of_rows(whole: Continued, advancing: np.ndarray, rounding: np.ndarray, longest: float | None = None) -> Stamps:
-    """Assign every row to a sample of its own, and the time between its neighbours to samples lost."""
+    """Assign every row to a sample of its own, and long steps to samples lost.
+
+    With an upper limit ``longest`` [s] of their steps, the stamps are those of an even clock, but for rounding.
+    """
     slots, interval = slots_of_rows(in_order(whole.time), longest)
-    return Stamps(whole.time, interval, slots, advancing, rounding, False, whole.remarks)
+    even = longest is not None and rounding.max() < BLURRED * interval
+    return Stamps(whole.time, interval, slots, advancing, rounding, even, whole.remarks)
 
 
 def _of_lattice(whole: Continued, advancing: np.ndarray, rounding: np.ndarray, nominal: float) -> Stamps:

@@ -492,3 +492,14 @@ def test_a_log_of_nothing_but_interpolated_values_is_taken_as_it_is():
     record = prepare(log)
     assert not record.unusable
     assert list(record.sequences) == ["gyro_x"]
+
+
+def test_rows_of_zeros_before_the_device_is_up_are_no_samples():
+    level = dict.fromkeys(log.GYRO, 0.0) | {"accel_x": 0.0, "accel_y": 0.0, "accel_z": -9.81}
+    ideal = log.from_samples({axis: np.full(3000, value) for axis, value in level.items()}, 0.01)
+    table = device(axes=log.AXES).simulate(ideal, 1, "zeros")
+    table.iloc[:3] = 0.0
+    record = prepare(table)
+    assert record.begin == pytest.approx(0.03)
+    assert names(record) == set()
+    assert all(np.ptp(one.values) < 10 * SD for one in record.sequences.values())

@@ -18,6 +18,7 @@ from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.effects import CATALOGUE
 from imugap.effects.conditions import Conditions
 from imugap.effects.effect import AxisModel, Effect, Evidence, Role, Stage
+from imugap.integrity.regular import without_power
 from imugap.integrity.thermometer import smoothed
 from imugap.integrity.timestamps import LEAST, ROUNDED, Stamps, stamps
 from imugap.log import ACCEL, AXES, GYRO, TEMPERATURE, TIME, LogError, axes
@@ -250,11 +251,15 @@ def _samples_to_a_knot(values: np.ndarray) -> float:
 
 
 def _rows(log: pd.DataFrame, reference: pd.DataFrame | None) -> pd.DataFrame:
-    """Return the rows that hold a value, :data:`MARGIN` samples within the time of the reference."""
+    """Return the rows that hold a value, :data:`MARGIN` samples within the time of the reference.
+
+    Rows that are zero on all axes, as a device without power has them, hold none.
+    """
     names = list(axes(log))
     if not names:
         raise LogError("log", "columns", f"at least one of {', '.join(AXES)}", "none of them")
     log = log.replace([np.inf, -np.inf], np.nan)
+    log.loc[without_power(log), names] = np.nan
     held = log[names].notna().any(axis=1).to_numpy()
     if reference is not None:
         missing = [name for name in names if name not in reference]
