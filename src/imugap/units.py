@@ -29,6 +29,7 @@ FACTORS: dict[str, float] = {
     "rad/s^2/sqrt(Hz)": 1.0,
     "m/s^2/sqrt(Hz)": 1.0,
     "m/s^3/sqrt(Hz)": 1.0,
+    "mg/sqrt(Hz)": 1e-3 * STANDARD_GRAVITY,
     "rad/s^2": 1.0,
     "m/s^3": 1.0,
     "1/s": 1.0,

@@ -8,7 +8,7 @@ from tqdm import tqdm
 
 from imugap.commands.arguments import add_effects, add_examples, add_gravity, add_seed, count, probability
 from imugap.commands.outputs import require_folder, write_folder
-from imugap.commands.reading import LOG_HELP, add_reading, say, settings_of
+from imugap.commands.reading import LOG_HELP, MODEL_HELP, add_reading, say, settings_of
 from imugap.discovery.device import Settings
 from imugap.discovery.inputs import FileDiscovery, Files, discover_files
 from imugap.discovery.report import candidate_table, describe_range, discrepancy_table, verdict
@@ -38,7 +38,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--reference",
         help="error-free log of the first run, for a device in motion (samples within 30 of its ends are not used)",
     )
-    parser.add_argument("--model", help="start model (YAML; default constant bias and white noise)")
+    parser.add_argument("--model", help=f"start {MODEL_HELP} (default constant bias and white noise)")
     add_effects(parser)
     parser.add_argument(
         "--alpha", type=probability, default=0.01,

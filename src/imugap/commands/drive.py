@@ -20,7 +20,7 @@ import pandas as pd
 
 from imugap.commands.arguments import add_effects, add_examples
 from imugap.commands.outputs import require_folder, write_folder
-from imugap.commands.reading import LOG_HELP, InputFile, add_reading, say, settings_of
+from imugap.commands.reading import LOG_HELP, InputFile, add_reading, model_at, open_model, say, settings_of
 from imugap.commands.reading import read as read_log
 from imugap.filters.consistency import nees_band
 from imugap.filters.innovation_gate import (
@@ -35,7 +35,6 @@ from imugap.filters.innovation_gate import (
     QualityControl,
 )
 from imugap.integrity.timestamps import filled
-from imugap.interchange.plugins import catalogue
 from imugap.io import configuration
 from imugap.io.fixes import reading as fixes
 from imugap.io.fixes.course import fast_course_rate
@@ -117,7 +116,7 @@ class DriveSettings:
         if values["model"] is None:
             return cls.of(values, DEFAULT_MODEL)
         model = Path(path).parent / values["model"]
-        return cls.of(values, ErrorModel.read(model, catalogue(effects)).require_axes(model))
+        return cls.of(values, model_at(open_model(model, effects), None).require_axes(model))
 
     @classmethod
     def of(cls, values: dict, model: ErrorModel) -> "DriveSettings":

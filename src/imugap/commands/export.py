@@ -6,11 +6,10 @@ import sys
 from imugap.atomic import atomic
 from imugap.commands.arguments import add_effects, add_examples, positive
 from imugap.commands.outputs import require_files
+from imugap.commands.reading import MODEL_HELP, model_at, open_model
 from imugap.commands.reduction import add_rule, rule_of
 from imugap.interchange.code.program import left_out
 from imugap.interchange.export import PROGRAMS, Target, export
-from imugap.interchange.plugins import catalogue
-from imugap.model import ErrorModel
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -20,7 +19,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "imugap export model.yaml --to kalibr --rate 200 --out imu.yaml",
         "imugap export model.yaml --to cpp --rate 200 --out imu.hpp",
     )
-    parser.add_argument("model", help="error model (YAML)")
+    parser.add_argument("model", help=MODEL_HELP)
     add_effects(parser)
     parser.add_argument(
         "--to", required=True,
@@ -34,7 +33,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     """Export the model to ``--out``."""
     require_files({"--out": options.out}, [options.model])
-    model, target = ErrorModel.read(options.model, catalogue(options.effects)), Target.of(options.to)
+    model, target = model_at(open_model(options.model, options.effects), options.rate), Target.of(options.to)
     text = export(model, target, rule_of(options, options.rate))
     for effect in left_out(model, 1 / options.rate) if target in PROGRAMS else ():
         print(f"imugap: left out: {effect}, which has no form sample by sample", file=sys.stderr)

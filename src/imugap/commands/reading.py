@@ -7,13 +7,20 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from imugap.commands.arguments import rate
+from imugap.interchange.plugins import catalogue
+from imugap.interchange.start_models.catalogue import ModelFile
 from imugap.io import configuration, recording
 from imugap.io.recognition.frame import AS_IS
 from imugap.io.recognition.unit_text import QUANTITIES
 from imugap.io.recognition.units import given_units
 from imugap.io.recording import Recording, RecordingSettings
+from imugap.model import ErrorModel
 
 SCHEMA = Path(__file__).with_name("reading.schema.yaml")
+MODEL_HELP = (
+    "error model: YAML, or a file of Gazebo (SDF), Kalibr, OpenVINS, VINS, KF-GINS, AirSim, gnss-ins-sim, Pegasus or "
+    "MATLAB (JSON of imuSensor), recognised by its content"
+)
 LOG_HELP = "recording of the device: CSV of any dialect, Parquet, or another format that is recognised by its content"
 
 
@@ -76,6 +83,18 @@ def say(path: str | Path, sentences: Iterable[str]) -> None:
     line = ", ".join(sentences)
     if line:
         print(f"imugap: {path}: {line}", file=sys.stderr)
+
+
+def open_model(path: str | Path, effects: str | None) -> ModelFile:
+    """Open an error model, of this library or of a simulator; ``effects`` names a module of further effects."""
+    return ModelFile.open(path, catalogue(effects))
+
+
+def model_at(opened: ModelFile, rate: float | None) -> ErrorModel:
+    """Return the model of a file at a sampling rate [Hz], and say on the standard error what was recognised."""
+    found = opened.at(rate)
+    say(opened.path, found.remarks)
+    return found.model
 
 
 def _listed(text: str) -> list[str]:

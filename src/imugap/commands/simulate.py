@@ -12,14 +12,14 @@ import pandas as pd
 from imugap import log
 from imugap.commands.arguments import add_effects, add_examples, add_gravity, add_seed, positive, rate
 from imugap.commands.outputs import require_files
-from imugap.interchange.plugins import catalogue
+from imugap.commands.reading import MODEL_HELP, model_at, open_model
 from imugap.model import ErrorModel
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     add_examples(parser, "imugap simulate model.yaml --duration 600 --rate 100 --out simulated.csv")
-    parser.add_argument("model", help="error model (YAML)")
+    parser.add_argument("model", help=MODEL_HELP)
     add_effects(parser)
     parser.add_argument("--duration", type=positive, required=True, help="length [s]")
     parser.add_argument("--rate", type=rate, required=True, help="sampling rate [Hz]")
@@ -32,13 +32,13 @@ def run(options: argparse.Namespace) -> None:
     """Simulate a device at rest and write its log to ``--out``."""
     require_files({"--out": options.out}, [options.model])
     log.require_format(options.out)
-    model = _read(options.model, options.effects)
+    model = _read(options.model, options.effects, options.rate)
     ideal = _at_rest(model, options.duration, options.rate, options.gravity)
     log.write(model.simulate(ideal, options.seed, "simulate"), options.out)
 
 
-def _read(path: str, effects: str | None) -> ErrorModel:
-    model = ErrorModel.read(path, catalogue(effects))
+def _read(path: str, effects: str | None, rate: float) -> ErrorModel:
+    model = model_at(open_model(path, effects), rate)
     if not model.sensors:
         raise ValueError(f"{path}: expected a model of at least one sensor axis; found none")
     return model

@@ -16,12 +16,11 @@ import pandas as pd
 
 from imugap.commands.arguments import add_effects, add_examples, add_gravity, positive
 from imugap.commands.outputs import require_folder, write_folder
-from imugap.commands.reading import LOG_HELP, InputFile, add_reading, settings_of
+from imugap.commands.reading import LOG_HELP, MODEL_HELP, InputFile, add_reading, model_at, open_model, settings_of
 from imugap.commands.reading import read as read_log
 from imugap.filters.zero_velocity import MOVING
 from imugap.integrity.timestamps import filled
-from imugap.interchange.plugins import catalogue
-from imugap.log import ACCEL, AXES, GYRO, LogError, axes
+from imugap.log import ACCEL, AXES, GYRO, LogError, axes, rate
 from imugap.model import ErrorModel
 from imugap.navigation import pedestrian
 from imugap.navigation.pedestrian import DOWN, AlignedWalk, WalkAssumptions, WalkSolution
@@ -135,7 +134,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "filled, up to a tenth of a second."
     )
     parser.add_argument("log", help=f"{LOG_HELP}; six axes")
-    parser.add_argument("--model", help="error model of the device (YAML; default that of a cheap one)")
+    parser.add_argument("--model", help=f"{MODEL_HELP} (default that of a cheap device)")
     add_effects(parser)
     add_gravity(parser)
     parser.add_argument(
@@ -172,7 +171,7 @@ def read(options: argparse.Namespace) -> WalkInputs:
         raise LogError(options.log, "columns", f"all of {', '.join(AXES)}", ", ".join(log.columns))
     model = DEFAULT_MODEL
     if options.model is not None:
-        model = ErrorModel.read(options.model, catalogue(options.effects)).require_axes(options.model)
+        model = model_at(open_model(options.model, options.effects), rate(log)).require_axes(options.model)
     ground = WalkAssumptions() if options.outdoors else INDOORS
     full_scale = to_si(options.full_scale, "g")
     file = InputFile("log", options.log, found.recognised)

@@ -16,6 +16,7 @@ from imugap.discovery.steps import Progress
 from imugap.effects.effect import Role
 from imugap.integrity.timestamps import Stamps, stamps
 from imugap.interchange.plugins import catalogue
+from imugap.interchange.start_models.catalogue import ModelFile
 from imugap.io import recording
 from imugap.io.recognition.frame import AS_IS
 from imugap.io.recording import DEFAULTS, Recording, RecordingSettings
@@ -40,7 +41,7 @@ class Files:
     ----------
     logs, tests, reference, model
         Canonical CSV or Parquet logs of one device; further runs of it, on which distances are taken; error-free log
-        of the first run, for a device in motion; start model (YAML).
+        of the first run, for a device in motion; start model (YAML, or a file of a simulator).
     effects
         Name of a module whose effects join the catalogue.
     reading
@@ -70,7 +71,8 @@ class FileDiscovery:
     found
         The discovery.
     recognised
-        Sentences on what was recognised in each log, by its path; only of logs that are not canonical.
+        Sentences on what was recognised in each log and in the start model, by its path; only of logs that are not
+        canonical and models of other tools.
     """
 
     logs: tuple[dict, ...]
@@ -93,8 +95,7 @@ def discover_files(
     ValueError or OSError that names the file, the location in it, and the expected and found value.
     """
     kinds = catalogue(files.effects)
-    start = None if files.model is None else ErrorModel.read(files.model, kinds)
-    settings = replace(settings, start=start, catalogue=tuple(kinds.values()))
+    opened = None if files.model is None else ModelFile.open(files.model, kinds)
     if files.tests and files.reference:
         raise ValueError("test: expected runs at rest; found a reference, which implies a device in motion")
     if len(files.logs) > 1 and files.reference:
@@ -107,15 +108,18 @@ def discover_files(
         _require_columns(table, path, list(logs[0].columns))
         _require_values(table, path, logs[0])
         _require_rate(table, path, logs[0])
+    start = None if opened is None else opened.at(1 / _clock(files.logs[0], logs[0]).interval)
     if start is not None:
-        _require_describable(start, files.model, logs[0])
+        _require_describable(start.model, files.model, logs[0])
+    settings = replace(settings, start=start and start.model, catalogue=tuple(kinds.values()))
     turned = RecordingSettings(frame=recordings[0].frame)
     reference = None if files.reference is None else _reference(files.reference, logs[0], turned)
     found = discover(logs, settings, tests, reference, progress)
     first, *others = map(_log_properties, files.logs, logs)
     return FileDiscovery(
         (first | _used_part(found), *others), tuple(map(_log_properties, files.tests, tests)), settings.alpha, found,
-        {str(one.source): one.recognised for one in recordings if one.recognised},
+        {str(one.source): one.recognised for one in recordings if one.recognised}
+        | ({str(files.model): start.remarks} if start is not None and start.remarks else {}),
     )  # fmt: skip
 
 

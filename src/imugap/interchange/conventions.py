@@ -173,6 +173,10 @@ class Convention:
         """Return all parameters, gyroscopes first."""
         return self.gyro + self.accel
 
+    def unit(self, name: str) -> str:
+        """Return the unit of a parameter, by its name in the tool."""
+        return next(one.unit for one in self.parameters() if one.name == name)
+
 
 def _white(of: Reduced, rule: Rule) -> float:
     return of.white
@@ -352,4 +356,93 @@ KF_GINS = Convention(
     ),
 )
 
+AIRSIM_TAU = {"Gyro": 500.0, "Accel": 800.0}
+"""Time constants of AirSim [s]: with the stability they give the density of the random walk of the bias."""
+
+
+def _airsim(white: str, sensor: str, units: tuple[str, str]) -> tuple[Parameter, ...]:
+    """Return the parameters of AirSim for one triad; its bias is a random walk of K = stability/sqrt(tau)."""
+    tau = AIRSIM_TAU[sensor]
+    return (
+        Parameter(white, "white noise, density", units[0], "N", _white),
+        Parameter(
+            f"{sensor}BiasStability", "random walk of the bias, K over the root of tau", units[1], "K √τ",
+            lambda of, rule: of.walk * sqrt(tau),
+        ),
+        Parameter(f"{sensor}BiasStabilityTau", "tau", "s", "τ", lambda of, rule: tau),
+    )  # fmt: skip
+
+
+AIRSIM = Convention(
+    "AirSim",
+    "microsoft/AirSim: AirLib/include/sensors/imu/ImuSimpleParams.hpp (keys, units), ImuSimple.hpp (arw/sqrt(dt), "
+    "stability/sqrt(tau) sqrt(dt) per step), docs/sensors.md (SensorType 2)",
+    _airsim("AngularRandomWalk", "Gyro", ("deg/sqrt(h)", "deg/h")),
+    _airsim("VelocityRandomWalk", "Accel", ("mg/sqrt(Hz)", "ug")),
+)
+
+
+def _gnss_ins_sim(sensor: str, white: str, units: tuple[str, str]) -> tuple[Parameter, ...]:
+    return (
+        Parameter(f"{sensor}_{white}", "white noise, density", units[0], "N", _white),
+        Parameter(f"{sensor}_b", "bias", units[1], "bias", lambda of, rule: of.bias),
+        Parameter(f"{sensor}_b_stability", "bias, Gauss-Markov: standard deviation", units[1], "σ", _markov),
+        Parameter(f"{sensor}_b_corr", "correlation time of the bias", "s", "T", lambda of, rule: of.correlation_time),
+    )
+
+
+GNSS_INS_SIM = Convention(
+    "gnss-ins-sim",
+    "Aceinna/gnss-ins-sim: gnss_ins_sim/sim/imu_model.py (keys, units), gnss_ins_sim/pathgen/pathgen.py (bias_drift: "
+    "starts at zero; of infinite correlation time it is white, of standard deviation b_stability per sample)",
+    _gnss_ins_sim("gyro", "arw", ("deg/sqrt(h)", "deg/h")),
+    _gnss_ins_sim("accel", "vrw", ("m/s/sqrt(h)", "m/s^2")),
+)
+
+
+def _pegasus(sensor: str, units: tuple[str, str, str]) -> tuple[Parameter, ...]:
+    return (
+        Parameter(f"{sensor} noise_density", "white noise, density", units[0], "N", _white),
+        Parameter(
+            f"{sensor} random_walk", "density of the noise that drives the bias", units[1], "σ √(2/T)",
+            lambda of, rule: of.markov * sqrt(2 / of.correlation_time),
+        ),
+        Parameter(
+            f"{sensor} bias_correlation_time", "correlation time of the bias", "s", "T",
+            lambda of, rule: of.correlation_time,
+        ),
+        Parameter(f"{sensor} turn_on_bias_sigma", "stated, not applied", units[2], "σ₀", lambda of, rule: of.turn_on),
+    )  # fmt: skip
+
+
+PEGASUS = Convention(
+    "Pegasus Simulator (Isaac Sim)",
+    "PegasusSimulator/PegasusSimulator: extensions/pegasus.simulator/pegasus/simulator/logic/sensors/imu.py (the "
+    "gyroscopes take the correlation time of the accelerometers; the bias of these is driven by uniform numbers and "
+    "not added; turn_on_bias_sigma is not used)",
+    _pegasus("gyroscope", ("rad/s/sqrt(Hz)", "rad/s^2/sqrt(Hz)", "rad/s")),
+    _pegasus("accelerometer", ("m/s^2/sqrt(Hz)", "m/s^3/sqrt(Hz)", "m/s^2")),
+)
+
+
+def _matlab(sensor: str, units: tuple[str, str, str]) -> tuple[Parameter, ...]:
+    return (
+        Parameter(f"{sensor} NoiseDensity", "white noise, density", units[0], "N", _white),
+        Parameter(f"{sensor} RandomWalk", "random walk of the bias, density", units[1], "K", _walk),
+        Parameter(f"{sensor} ConstantBias", "bias", units[2], "bias", lambda of, rule: of.bias),
+    )
+
+
+MATLAB = Convention(
+    "MATLAB imuSensor",
+    "mathworks.com/help/nav/ref: imusensor.loadparams, gyroparams, accelparams (names, units, misalignment); "
+    "+fusion/+internal/IMUSensorParameters.m (defaults: NoiseType double-sided); IMUSensorSimulator.m and "
+    "fractalcoef.m of R2026a as a published check of its Allan deviations quotes them (step of the random walk "
+    "K/sqrt(bandwidth); bias instability through 1/(1 - 0.5/z))",
+    _matlab("Gyroscope", ("rad/s/sqrt(Hz)", "rad/s^2/sqrt(Hz)", "rad/s")),
+    _matlab("Accelerometer", ("m/s^2/sqrt(Hz)", "m/s^3/sqrt(Hz)", "m/s^2")),
+)
+
+SIMULATORS = (AIRSIM, GNSS_INS_SIM, PEGASUS, MATLAB)
+"""Conventions of simulators whose files are start models, beside those of the exports."""
 CONVENTIONS = (KALIBR, ORB_SLAM3, VINS, IMU_UTILS, ROS, GAZEBO, HECTOR, KF_GINS)

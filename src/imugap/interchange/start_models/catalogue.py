@@ -1,0 +1,71 @@
+"""Readers of start models: one line per tool; a file that none recognises is a model of this library."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from xml.etree.ElementTree import Element
+
+from imugap.effects.effect import Effect
+from imugap.interchange.start_models import (
+    airsim,
+    document,
+    gazebo,
+    gnss_ins_sim,
+    kalibr,
+    kf_gins,
+    matlab,
+    pegasus,
+    vins,
+)
+from imugap.interchange.start_models.reading import Reader, Reading
+from imugap.model import ErrorModel
+
+READERS: tuple[Reader, ...] = (
+    gazebo.READER, kalibr.READER, vins.READER, kf_gins.READER, airsim.READER, gnss_ins_sim.READER, pegasus.READER,
+    matlab.READER,
+)  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class ModelFile:
+    """File with an error model, opened and recognised.
+
+    Attributes
+    ----------
+    path
+        The file.
+    model
+        Its model, where it is a file of this library.
+    reader, content
+        Reader of the tool that the file is of, and its content, for another one.
+    """
+
+    path: Path
+    model: ErrorModel | None = None
+    reader: Reader | None = None
+    content: document.Document | None = None
+
+    @classmethod
+    def open(cls, path: str | Path, catalogue: Mapping[str, type[Effect]]) -> "ModelFile":
+        """Open and recognise a file; ValueError with its path for one that is no model."""
+        content = document.read(path)
+        reader = next((one for one in READERS if content is not None and one.recognises(content)), None)
+        if reader is not None:
+            return cls(Path(path), reader=reader, content=content)
+        if isinstance(content, Element | tuple):
+            tools = ", ".join(one.tool for one in READERS)
+            raise ValueError(f"{path}: expected a model, or a file of {tools}; found none of them")
+        return cls(Path(path), ErrorModel.read(path, catalogue))
+
+    def at(self, rate: float | None) -> Reading:
+        """Return the model at a sampling rate [Hz], and what was recognised; ValueError with the path for a fault."""
+        if self.reader is None:
+            return Reading(self.model)
+        try:
+            found = self.reader.read(self.content, rate)
+        except ValueError as error:
+            raise ValueError(f"{self.path}: {error}") from error
+        effects = sum(len(tuple(one)) for one in found.model.axes.values())
+        if not effects:
+            raise ValueError(f"{self.path}: expected errors of an IMU in the file of {self.reader.tool}; found none")
+        return Reading(found.model, (f"recognised as a file of {self.reader.tool}", *found.remarks))
