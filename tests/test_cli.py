@@ -62,6 +62,48 @@ def test_a_traceback_is_shown_on_demand(failing, monkeypatch):
     assert said.splitlines()[-1].startswith("imugap: ")
 
 
+USAGE = {
+    "estimat run.csv": "argument COMMAND: .*did you mean estimate",
+    "walk run.csv --outdors --out found": r"walk: option: .*did you mean --outdoors\?\); found '--outdors'",
+    "drive a.csv b.csv --fixes_topic=a --out found": "drive: option: .*did you mean --fixes-topic",
+    "check run.csv --time-unit sec": "check: argument --time-unit: .*did you mean s",
+    "walk run.csv --out found --format jpg": "walk: argument --format: expected .*; found 'jpg'",
+    "check run.csv --qqq": "check: option: expected one of .*--topic",
+    "walk run.csv": "walk: the following arguments are required: --out",
+}
+
+
+@pytest.mark.parametrize(("line", "message"), USAGE.items(), ids=USAGE)
+def test_a_wrong_command_line_is_one_line_with_what_was_meant(capsys, line, message):
+    with pytest.raises(SystemExit, match="2"):
+        cli.main(line.split())
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1
+    assert re.match(f"imugap: {message}", said)
+
+
+@pytest.mark.parametrize("command", cli.COMMANDS)
+def test_every_help_has_examples(capsys, command):
+    with pytest.raises(SystemExit, match="0"):
+        cli.main([command, "--help"])
+    assert f"\n  imugap {command}" in capsys.readouterr().out.partition("examples:")[2]
+
+
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        ("imugap esti", ["estimate "]), ("imugap walk --outd", ["--outdoors "]),
+        ("imugap check --time-unit n", ["ns "]),
+        ("imugap effects gauss", ["gauss_markov "]), ("imugap export m.yaml --to kal", ["kalibr "]),
+    ],
+)  # fmt: skip
+def test_the_shell_completes_commands_options_and_values(line, words):
+    script = "import os, sys; os.dup2(1, 8); from imugap.cli import main; main([])"
+    ask = {"_ARGCOMPLETE": "1", "COMP_LINE": line, "COMP_POINT": str(len(line)), "_ARGCOMPLETE_IFS": "|"}
+    found = subprocess.run([sys.executable, "-c", script], env=os.environ | ask, capture_output=True, check=False)
+    assert found.stdout.decode().split("|") == words
+
+
 @pytest.fixture
 def heard():
     """No signal is ignored, as it is in what a shell runs in the background."""

@@ -51,8 +51,10 @@ def write_together(writers: Mapping[str | Path, Callable[[Path], object]]) -> No
             write(stack.enter_context(atomic(path)))
 
 
-def write_folder(folder: str | Path, writers: Mapping[str, Callable[[Path], object]]) -> None:
-    """Write the files of a folder, which appear in one step; other files in it stay.
+def write_folder(
+    folder: str | Path, writers: Mapping[str, Callable[[Path], object]], outdated: Iterable[str] = ()
+) -> None:
+    """Write the files of a folder, which appear in one step; other files in it stay, but those that are outdated.
 
     Parameters
     ----------
@@ -60,6 +62,8 @@ def write_folder(folder: str | Path, writers: Mapping[str, Callable[[Path], obje
         Folder that may exist. It must not be a mount point or hold the working folder, because it is replaced.
     writers
         Name of each file to the function that writes it to a given path.
+    outdated
+        Names of files of an earlier output that are gone in the new one.
     """
     place = Path(os.path.realpath(folder))
     with _named(Path(folder)), _made(place.parent):
@@ -68,7 +72,7 @@ def write_folder(folder: str | Path, writers: Mapping[str, Callable[[Path], obje
         try:
             for name, write in writers.items():
                 write(staged / name)
-            _put(staged, place, writers)
+            _put(staged, place, (*writers, *outdated))
         finally:
             shutil.rmtree(staged, ignore_errors=True)
 

@@ -9,8 +9,9 @@ import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from importlib import import_module
+from typing import NoReturn
 
-from imugap import __version__
+from imugap import __version__, spelling
 
 COMMANDS = {
     "check": "verdict on a recording: usable for which command, what was found where, the next step",
@@ -23,15 +24,49 @@ COMMANDS = {
     "drive": "path of a vehicle with the device and a GNSS receiver aboard, with quality control of the fixes",
     "simulate": "static log of a device with an error model",
     "export": "error model as a filter or a simulator takes it",
+    "effects": "what an effect of an error model is: formula, source, parameters with their units, a picture",
 }
 """Name of each module of :mod:`imugap.commands`, and its line of help."""
 DEBUG = "IMUGAP_DEBUG"
 """Environment variable that shows the traceback of an error, if it is set to anything."""
+CLOSING = f"""examples:
+  imugap check run.csv
+  imugap estimate run.csv --to kalibr imu.yaml
+  imugap estimate --help
+
+Completion in bash: eval "$(register-python-argcomplete imugap)"
+With the environment variable {DEBUG}=1 an error shows its traceback."""
 LONGEST = 1000
 """Largest number of characters of a message."""
 PACKAGE = __name__.partition(".")[0]
+COMPLETION = "_ARGCOMPLETE"
+"""Environment variable that the shell sets where it asks how a word goes on."""
+CHOICE = re.compile(r"(argument .+): invalid choice: '(.*)' \(choose from (.+)\)", re.DOTALL)
+"""Message of argparse on a value that is none of the choices."""
+OPTION = re.compile(r"--[A-Za-z][\w-]*")
 FORM = re.compile(r"\bexpected\b.*\bfound\b", re.DOTALL)
 """Form of a message about the input; a ValueError without it is one that nobody has foreseen."""
+
+
+class CommandParser(argparse.ArgumentParser):
+    """Parser whose errors are one line, with the name that was probably meant."""
+
+    def error(self, message: str) -> NoReturn:
+        """End with exit code 2 and the message."""
+        if choice := CHOICE.fullmatch(message):
+            subject, found, choices = choice.groups()
+            known = [one.strip("' ") for one in choices.split(",")]
+            message = f"{subject}: expected {spelling.expected(found, known)}; found {found!r}"
+        _say(f"{self.prog.removeprefix(PACKAGE).strip()}: {message} ({self.prog} --help shows all)".removeprefix(": "))
+        self.exit(2)
+
+    def require_known(self, arguments: list[str]) -> None:
+        """End with exit code 2 unless every option is one of the parser or the begin of one."""
+        known = OPTION.findall(self.format_usage())
+        for one in arguments[: arguments.index("--") if "--" in arguments else None]:
+            name = one.partition("=")[0]
+            if OPTION.fullmatch(name) and not any(option.startswith(name) for option in (*known, "--help")):
+                self.error(f"option: expected {spelling.expected(name, known)}; found {name!r}")
 
 
 class Interrupted(BaseException):
@@ -49,7 +84,7 @@ def main(arguments: list[str] | None = None) -> int:
             stream.reconfigure(errors="backslashreplace")  # a file name need not be text of the locale
     try:
         with _interruptible():
-            options = _parser(arguments[:1]).parse_args(arguments)
+            options = _options(arguments)
             code = options.run(options) or 0
             sys.stdout.flush()
     except BrokenPipeError as error:
@@ -65,10 +100,23 @@ def main(arguments: list[str] | None = None) -> int:
     return code
 
 
-def _parser(chosen: list[str]) -> argparse.ArgumentParser:
-    """Return the parser of all commands; only the chosen one is imported and has its arguments."""
-    closing = f"With the environment variable {DEBUG}=1 an error shows its traceback."
-    parser = argparse.ArgumentParser(prog=PACKAGE, description=__doc__, epilog=closing)
+def _options(arguments: list[str]) -> argparse.Namespace:
+    """Parse the arguments; where the shell asks for it, print how a word goes on instead."""
+    if COMPLETION in os.environ:
+        import argcomplete
+
+        argcomplete.autocomplete(_parser(os.environ["COMP_LINE"].split())[0])
+    parser, chosen = _parser(arguments[:1])
+    if chosen is not None:
+        chosen.require_known(arguments[1:])
+    return parser.parse_args(arguments)
+
+
+def _parser(chosen: list[str]) -> tuple[CommandParser, CommandParser | None]:
+    """Return the parser of all commands, and that of the chosen one, which alone is imported and has its arguments."""
+    parser = CommandParser(prog=PACKAGE, description=__doc__, epilog=CLOSING)
+    parser.formatter_class = argparse.RawDescriptionHelpFormatter
+    used = None
     parser.add_argument("--version", action="version", version=f"{PACKAGE} {__version__}")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
     for name, title in COMMANDS.items():
@@ -77,7 +125,8 @@ def _parser(chosen: list[str]) -> argparse.ArgumentParser:
             module = import_module(f"imugap.commands.{name}")
             module.add_arguments(command)
             command.set_defaults(run=module.run)
-    return parser
+            used = command
+    return parser, used
 
 
 @contextmanager

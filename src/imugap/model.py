@@ -2,14 +2,13 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import MISSING, dataclass, fields, replace
-from difflib import get_close_matches
 from pathlib import Path
 from types import MappingProxyType
 
 import pandas as pd
 import yaml
 
-from imugap import log
+from imugap import log, spelling
 from imugap.effects import CATALOGUE, Bias, WhiteNoise
 from imugap.effects.conditions import Conditions
 from imugap.effects.effect import AxisModel, Effect, StochasticEffect
@@ -181,5 +180,6 @@ def _number(value: object) -> object:
 
 def _known(name: str, known, subject: str) -> None:
     if name not in known:
-        near = get_close_matches(str(name).lower(), list(known), 1) or [", ".join(known)]
-        raise ValueError(f"{subject}: expected {near[0]}; found {strict_yaml.excerpt(name)}")
+        raise ValueError(
+            f"{subject}: expected {spelling.expected(str(name), known)}; found {strict_yaml.excerpt(name)}"
+        )

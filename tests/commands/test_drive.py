@@ -134,7 +134,7 @@ FAULTS = {
     "none.csv gnss.csv": "none.csv: file: expected a log",
     "imu.csv imu.csv": "imu.csv: line 1: expected all of latitude, longitude, height",
     "imu.csv gnss.csv --config misspelt.yaml": r"quality: expected a key of the schema "
-    r"\(did you mean 'robust'\?\); found 'robustt'",
+    r"\(did you mean robust\?\); found 'robustt'",
     "imu.csv gnss.csv --config wrong.yaml": "epoch_s: expected a number > 0; found -1",
     "imu.csv gnss.csv --config list.yaml": "list.yaml: expected keys and values; found a list of 1",
     "imu.csv gnss.csv --config broken.yaml": "broken.yaml",

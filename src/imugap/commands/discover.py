@@ -1,13 +1,14 @@
 """The folder that discovery leaves: report, model, tables, page and figures."""
 
 import argparse
+from collections.abc import Sequence
 from pathlib import Path
 
 import pandas as pd
 from tqdm import tqdm
 
 from imugap.commands.arguments import add_effects, add_examples, add_gravity, add_seed, count, probability
-from imugap.commands.outputs import require_folder, write_folder
+from imugap.commands.outputs import add_format, require_folder, write_folder
 from imugap.commands.reading import LOG_HELP, MODEL_HELP, add_reading, say, settings_of
 from imugap.discovery.device import Settings
 from imugap.discovery.inputs import FileDiscovery, Files, discover_files
@@ -48,6 +49,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_seed(parser)
     parser.add_argument("--workers", type=count, default=2, help="processes (default %(default)s)")
     parser.add_argument("--out", required=True, help="folder for report, model, tables and figures")
+    add_format(parser)
     add_reading(parser)
 
 
@@ -69,36 +71,40 @@ def run(options: argparse.Namespace) -> None:
             bar.total, bar.n = steps, done
             bar.set_description(step)
 
-        result = compose(files, settings, options.out, progress)
+        result = compose(files, settings, options.out, progress, options.format)
     for path, sentences in result.recognised.items():
         say(path, sentences)
     print(verdict(result.found))
 
 
 def compose(
-    files: Files, settings: Settings, out: str | Path, progress: Progress = lambda step, done, steps: None
+    files: Files,
+    settings: Settings,
+    out: str | Path,
+    progress: Progress = lambda step, done, steps: None,
+    formats: Sequence[str] = ("svg",),
 ) -> FileDiscovery:
     """Discover on files and write all :data:`FILES` into the folder ``out``, or none if anything fails."""
     out = require_folder(out, FILES, (*files.logs, *files.tests, files.reference, files.model))
     result = discover_files(files, settings, progress)
-    write(result, out)
+    write(result, out, formats)
     return result
 
 
-def write(result: FileDiscovery, out: str | Path) -> None:
-    """Write all :data:`FILES` into the folder ``out``, or none if one of them fails."""
+def write(result: FileDiscovery, out: str | Path, formats: Sequence[str] = ("svg",)) -> None:
+    """Write all :data:`FILES` into the folder ``out``, the figures in each format, or none if one of them fails."""
     from imugap.figures import discovery  # figures take longer to import than to read and check the files
 
     found = result.found
     discrepancies, candidates = discrepancy_table(found.discrepancies, found.unexplained), candidate_table(found)
     views = discovery.places(found, result.alpha), discovery.surest(found, result.alpha)
     drawn = (*views, discovery.distance(found), discovery.drift(found))
-    contents = (result.report(), found.final, discrepancies, candidates, page(result), *drawn)
-    write_folder(out, dict(zip(FILES, contents, strict=True)))
+    contents = (result.report(), found.final, discrepancies, candidates, page(result, formats[0]), *drawn)
+    write_folder(out, dict(zip(FILES, contents, strict=True)), formats)
 
 
-def page(result: FileDiscovery) -> str:
-    """Return the report to read, in Markdown; it shows the figures that lie beside it."""
+def page(result: FileDiscovery, kind: str = "svg") -> str:
+    """Return the report to read, in Markdown; it shows the figures of a format that lie beside it."""
     found = result.found
     logs = [f"- {role}: `{one['path']}`, {one['duration_s']:.6g} s at {one['rate_hz']:.6g} Hz; its first stamp, "
             f"{one['begin_s']:.10g} s, is time zero here"
@@ -117,15 +123,15 @@ def page(result: FileDiscovery) -> str:
         _table(_places(found.discrepancies)),
         "Where it leaves the final model:",
         _table(_places(found.unexplained)),
-        "![The surest place of each view before and after](surest.svg)",
-        "![Each place before and after](places.svg)\n\nViews with a place, before (start model, held-in part) and "
+        f"![The surest place of each view before and after](surest.{kind})",
+        f"![Each place before and after](places.{kind})\n\nViews with a place, before (start model, held-in part) and "
         f"after (final model, whole log). Line: the log. Band: where {1 - result.alpha:.0%} of simulated logs stay "
         "everywhere. Bars: the places. Probabilities much below one in a hundred are extrapolated from simulations.",
         "## Distance",
         f"On {held_out}. The floor is how far simulations of the final model are from each other.",
         _table(_distances(result)),
-        "![Distance before and after](distance.svg)",
-        "![Navigation drift before and after](drift.svg)",
+        f"![Distance before and after](distance.{kind})",
+        f"![Navigation drift before and after](drift.{kind})",
     ]  # fmt: skip
     return "\n\n".join(parts) + "\n"
 

@@ -19,7 +19,7 @@ import numpy as np
 import pandas as pd
 
 from imugap.commands.arguments import add_effects, add_examples
-from imugap.commands.outputs import require_folder, write_folder
+from imugap.commands.outputs import add_format, require_folder, write_folder
 from imugap.commands.reading import LOG_HELP, InputFile, add_reading, model_at, open_model, say, settings_of
 from imugap.commands.reading import read as read_log
 from imugap.filters.consistency import nees_band
@@ -274,6 +274,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--as-given", action="store_true", help="use settings and fixes as they are, and only judge")
     parser.add_argument("--strict", action="store_true", help=f"exit with code {DISAGREES} where they do not agree")
     parser.add_argument("--out", required=True, help="folder for solution, events, summary and figures")
+    add_format(parser)
     add_reading(parser)
     parser.add_argument("--fixes-topic", help="topic of a bag, or message of a log, with the fixes")
 
@@ -287,7 +288,7 @@ def run(options: argparse.Namespace) -> int:
         files = report(found, recorded.files)
     except ValueError as error:
         raise ValueError(f"{options.log}, {options.fixes}: {error}") from error
-    write_folder(folder, files)
+    write_folder(folder, files, options.format)
     if not found.verdict.agrees:
         print(f"imugap: {options.log}, {options.fixes}: {found.verdict}", file=sys.stderr)
     print(json.dumps(files["summary.json"], indent=1))

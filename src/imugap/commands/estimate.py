@@ -13,14 +13,13 @@ Stages::
 import argparse
 import sys
 from math import inf
-from pathlib import Path
 
 import numpy as np
 
 from imugap import log
 from imugap.atomic import write_together
-from imugap.commands.arguments import add_gravity, positive
-from imugap.commands.outputs import require_files
+from imugap.commands.arguments import add_examples, add_gravity, positive
+from imugap.commands.outputs import format_of, require_files
 from imugap.commands.reading import LOG_HELP, add_reading, read, settings_of
 from imugap.commands.reduction import add_rule, rule_of
 from imugap.commands.shown import habit, interval_text, number, table_text
@@ -32,7 +31,7 @@ from imugap.integrity.regular import Regular
 from imugap.interchange.export import PROGRAMS, Target, export
 from imugap.interchange.start_bias import start_bias
 from imugap.model import ErrorModel
-from imugap.workflow.products import write_svg
+from imugap.workflow.products import write_figure
 
 AUTO = "auto"
 """The value of ``--terms`` that has the effects selected from the log."""
@@ -45,21 +44,21 @@ OUTPUTS = ("out", "table", "model", "figure")
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    parser.formatter_class = argparse.RawDescriptionHelpFormatter
-    parser.description = (
-        "Estimate the stochastic effects on each axis of a static log. Knocks, outliers, stuck samples and gaps are\n"
-        "left out and listed. The JSON file is a list of one object per axis, in SI units; a limit that the log does\n"
-        "not set is null."
+    add_examples(
+        parser,
+        "imugap estimate run.csv",
+        "imugap estimate run.csv --to kalibr imu.yaml",
+        "imugap estimate run.csv --axis gyro_x --terms white_noise,random_walk --out run.json --figure run.png",
     )
-    parser.epilog = (
-        "examples:\n"
-        "  imugap estimate run.csv\n"
-        "  imugap estimate run.csv --to kalibr imu.yaml\n"
-        "  imugap estimate run.csv --axis gyro_x --terms white_noise,random_walk --out run.json --figure run.svg"
+    parser.description = (
+        "Estimate the stochastic effects on each axis of a static log. Knocks, outliers, stuck samples and gaps are "
+        "left out and listed. The JSON file is a list of one object per axis, in SI units; a limit that the log does "
+        "not set is null."
     )
     names = ", ".join(kind.name for kind in TERMS)
     parser.add_argument("log", help=LOG_HELP)
-    parser.add_argument("--axis", nargs="+", help="axes (default all that the log has)")
+    axis = parser.add_argument("--axis", nargs="+", help="axes (default all that the log has)")
+    axis.completer = lambda **_: list(log.AXES)
     parser.add_argument(
         "--terms", default=AUTO,
         help=f"effects, separated by commas, among {names} (gauss_markov may be repeated), or {AUTO}: those that the "
@@ -69,7 +68,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--highest", type=positive, default=inf, help="leave the log out of account above [Hz]")
     parser.add_argument("--robust", action="store_true", help="bound the effect of outliers (method wavelet)")
     parser.add_argument("--table", help="CSV file for the estimates")
-    parser.add_argument("--figure", help="SVG file: Allan deviation of log and model")
+    parser.add_argument("--figure", help="file for the Allan deviation of log and model (.svg, .png, .pdf)")
     parser.add_argument("--model", help="YAML file for the error model")
     parser.add_argument("--out", help="JSON file for the estimates")
     parser.add_argument(
@@ -100,8 +99,8 @@ def run(options: argparse.Namespace) -> None:
 
 
 def _settings(options: argparse.Namespace) -> EstimatorSettings:
-    if options.figure and Path(options.figure).suffix != ".svg":
-        raise ValueError(f"{options.figure}: file name: expected one that ends in .svg; found another")
+    if options.figure:
+        format_of(options.figure)
     kinds = None if options.terms == AUTO else report.kinds_of([name.strip() for name in options.terms.split(",")])
     return EstimatorSettings(kinds, Method(options.method), options.highest, options.robust)
 
@@ -171,7 +170,7 @@ def _write(estimates: list[AxisEstimate], texts: dict[str, str], options: argpar
         from imugap.figures import estimation  # a figure takes longer to import than the rest
 
         figure = estimation.fitted(report.curves(estimates))
-        writers[options.figure] = lambda path: write_svg(figure, path)
+        writers[options.figure] = lambda path: write_figure(figure, path, format_of(options.figure))
     write_together(writers)
 
 

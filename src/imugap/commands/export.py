@@ -21,10 +21,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("model", help=MODEL_HELP)
     add_effects(parser)
-    parser.add_argument(
+    target = parser.add_argument(
         "--to", required=True,
         help=f"{', '.join(Target)}; the last three are source code with all effects, seeded, one sample at a time",
     )  # fmt: skip
+    target.completer = lambda **_: list(Target)
     parser.add_argument("--rate", type=positive, required=True, help="sampling rate [Hz]")
     add_rule(parser)
     parser.add_argument("--out", required=True, help="file to write")

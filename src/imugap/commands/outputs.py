@@ -1,14 +1,42 @@
 """Outputs of a command: checked before the work, written completely or not at all."""
 
+import argparse
 import json
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 
-from imugap import atomic
+from imugap import atomic, spelling
 from imugap.io.formats.gnss_ins_sim import files as files_of
-from imugap.workflow.products import write_svg
+from imugap.workflow.products import METADATA, write_figure
+
+FIGURE = ".svg"
+"""Ending of the name of a figure, whatever its format."""
+
+
+def add_format(parser: argparse.ArgumentParser) -> None:
+    """Add ``--format``: the formats of the figures."""
+    parser.add_argument(
+        "--format", type=_formats, default=("svg",), metavar="FORMATS",
+        help=f"formats of the figures, separated by commas, among {', '.join(METADATA)} (default svg)",
+    )  # fmt: skip
+
+
+def format_of(path: str | Path) -> str:
+    """Return the format of a figure by the ending of its name; ValueError where there is none such."""
+    kind = Path(path).suffix.removeprefix(".").lower()
+    if kind not in METADATA:
+        raise ValueError(f"{path}: file name: expected one that ends in .{', .'.join(METADATA)}; found another")
+    return kind
+
+
+def _formats(text: str) -> tuple[str, ...]:
+    given = tuple(dict.fromkeys(text.lower().split(",")))
+    for one in given:
+        if one not in METADATA:
+            raise argparse.ArgumentTypeError(f"expected {spelling.expected(one, METADATA)}; found {one!r}")
+    return given
 
 
 def require_files(outputs: Mapping[str, str | None], inputs: Iterable[str | Path | None]) -> None:
@@ -62,7 +90,7 @@ def require_folder(path: str | Path, names: Iterable[str], inputs: Iterable[str 
     return path
 
 
-def write_folder(folder: str | Path, files: Mapping[str, object]) -> None:
+def write_folder(folder: str | Path, files: Mapping[str, object], formats: Sequence[str] = ("svg",)) -> None:
     """Write files into a folder, in one step.
 
     Parameters
@@ -70,16 +98,27 @@ def write_folder(folder: str | Path, files: Mapping[str, object]) -> None:
     files
         Name to content; the suffix of the name selects the format: ``.parquet`` and ``.csv`` for a DataFrame, ``.json``
         for plain data, ``.svg`` for a figure, ``.md`` for a text, ``.yaml`` for an error model.
+    formats
+        Formats in which each figure is written; those of an earlier output in others are gone.
     """
     writers = {
         ".parquet": lambda table, path: table.to_parquet(path),
         ".csv": lambda table, path: table.to_csv(path, index=False),
         ".json": lambda data, path: path.write_text(json.dumps(data, indent=1, allow_nan=False) + "\n"),
-        ".svg": write_svg,
         ".md": lambda text, path: path.write_text(text),
         ".yaml": lambda model, path: model.write(path),
     }
-    atomic.write_folder(folder, {name: partial(writers[Path(name).suffix], content) for name, content in files.items()})
+    figures = {Path(name).stem: content for name, content in files.items() if name.endswith(FIGURE)}
+    drawn = {
+        f"{name}.{kind}": partial(write_figure, one, kind=kind) for name, one in figures.items() for kind in formats
+    }
+    others = {
+        name: partial(writers[Path(name).suffix], content)
+        for name, content in files.items()
+        if not name.endswith(FIGURE)
+    }
+    outdated = {f"{name}.{kind}" for name in figures for kind in METADATA} - set(drawn)
+    atomic.write_folder(folder, others | drawn, outdated)
 
 
 def _require_no_input(shown: str | Path, path: Path, inputs: Iterable[str | Path | None]) -> None:

@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 
 from imugap.commands.arguments import add_effects, add_examples, add_gravity, positive
-from imugap.commands.outputs import require_folder, write_folder
+from imugap.commands.outputs import add_format, require_folder, write_folder
 from imugap.commands.reading import LOG_HELP, MODEL_HELP, InputFile, add_reading, model_at, open_model, settings_of
 from imugap.commands.reading import read as read_log
 from imugap.filters.zero_velocity import MOVING
@@ -143,6 +143,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     parser.add_argument("--outdoors", action="store_true", help="do not take floors for level but for stairs and ramps")
     parser.add_argument("--out", required=True, help="folder for solution, summary and figures")
+    add_format(parser)
     add_reading(parser)
 
 
@@ -154,7 +155,7 @@ def run(options: argparse.Namespace) -> None:
         files = report(navigate_walk(inputs), inputs.files)
     except ValueError as error:
         raise ValueError(f"{options.log}: {error}") from error
-    write_folder(folder, files)
+    write_folder(folder, files, options.format)
     print(json.dumps(files["summary.json"], indent=1))
 
 

@@ -3,7 +3,6 @@
 import json
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field, replace
-from difflib import get_close_matches
 from enum import StrEnum
 from math import isfinite
 
@@ -11,6 +10,7 @@ import numpy as np
 import pandas as pd
 from scipy.special import chdtri
 
+from imugap import spelling
 from imugap.effects import CATALOGUE, GaussMarkov, Quantization, RandomWalk, RateRamp, Temperature, WhiteNoise
 from imugap.estimation import allan, allan_slopes, goodness_of_fit, maximum_likelihood
 from imugap.estimation.gap_draws import with_gaps_drawn
@@ -363,9 +363,7 @@ def kinds_of(names: Sequence[str]) -> Kinds:
 def known_name(name: str, known: Sequence[str], subject: str) -> str:
     """Return ``name`` if it is known; else raise a ValueError with the nearest known one."""
     if name not in known:
-        near = get_close_matches(name.lower(), known, 1)
-        expected = near[0] if near else f"one of {', '.join(known)}"
-        raise ValueError(f"{subject}: expected {expected}; found {name!r}")
+        raise ValueError(f"{subject}: expected {spelling.expected(name, known)}; found {name!r}")
     return name
 
 

@@ -6,14 +6,13 @@ approximated (and how well), and omitted. A program (:mod:`imugap.interchange.co
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
-from difflib import get_close_matches
 from enum import StrEnum
 from types import MappingProxyType
 
 import numpy as np
 import yaml
 
-from imugap import log
+from imugap import log, spelling
 from imugap.effects import GaussMarkov, RandomWalk, WhiteNoise
 from imugap.effects.effect import AxisModel, Effect
 from imugap.interchange.augmentation import augmentation
@@ -59,8 +58,7 @@ class Target(StrEnum):
     def of(cls, name: str) -> "Target":
         """Return the target of the given name; ValueError with the nearest one if unknown."""
         if name not in list(cls):
-            near = get_close_matches(name.lower(), list(cls), 1) or [", ".join(cls)]
-            raise ValueError(f"target: expected {near[0]}; found {name!r}")
+            raise ValueError(f"target: expected {spelling.expected(name, cls)}; found {name!r}")
         return cls(name)
 
 

@@ -3,12 +3,12 @@
 import math
 from collections.abc import Iterator, Mapping
 from copy import deepcopy
-from difflib import get_close_matches
 from functools import lru_cache
 from pathlib import Path
 
 import yaml
 
+from imugap import spelling
 from imugap.io import strict_yaml
 from imugap.io.json_schema import Draft202012Validator, ValidationError, validators
 from imugap.io.strict_yaml import excerpt
@@ -101,7 +101,9 @@ def explain(error: ValidationError) -> list[tuple[str, str, str]]:
         case "type":
             expected = " or ".join(KINDS[kind] for kind in ([rule] if isinstance(rule, str) else rule))
         case "enum":
-            expected = f"one of {', '.join(map(excerpt, rule))}"
+            expected = (
+                f"one of {', '.join(map(excerpt, rule))}{spelling.hint(value, rule) if isinstance(value, str) else ''}"
+            )
         case "uniqueItems":
             return [(place, "different values", "one of them twice")]
         case name if name in LIMITS:
@@ -112,5 +114,5 @@ def explain(error: ValidationError) -> list[tuple[str, str, str]]:
 
 
 def _nearest(key: str, known: list[str]) -> str:
-    near = get_close_matches(str(key).lower(), known, 1)
-    return f"a key of the schema (did you mean {near[0]!r}?)" if near else f"a key among {', '.join(known)}"
+    question = spelling.hint(str(key), known)
+    return f"a key of the schema{question}" if question else f"a key among {', '.join(known)}"

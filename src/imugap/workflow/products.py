@@ -8,10 +8,14 @@ import pandas as pd
 
 from imugap.workflow import tables
 
+METADATA = {"svg": {"Date": None}, "png": {"Software": None}, "pdf": {"CreationDate": None, "Producer": None}}
+"""Formats of figures, and what is left out of each: times and versions, which would change the bytes."""
+PNG_DPI = 200
 
-def write_svg(figure, path: str | Path) -> None:
-    """Write a matplotlib figure as SVG, the same bytes for the same figure."""
-    figure.savefig(path, format="svg", metadata={"Date": None})
+
+def write_figure(figure, path: str | Path, kind: str = "svg") -> None:
+    """Write a matplotlib figure in one of the formats of :data:`METADATA`, the same bytes for the same figure."""
+    figure.savefig(path, format=kind, metadata=METADATA[kind], dpi=PNG_DPI if kind == "png" else "figure")
 
 
 def read_json(path: str | Path) -> dict:
@@ -41,4 +45,4 @@ def save(output: Mapping[str, object], **products: object) -> None:
             case dict():
                 Path(output[name]).write_text(json.dumps(product, indent=1) + "\n")
             case _:
-                write_svg(product, output[name])
+                write_figure(product, output[name])

@@ -1,11 +1,11 @@
 """Tables of fixes with a header, as text of any dialect or Parquet; and those of KF-GINS, which have none."""
 
-import difflib
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
+from imugap import spelling
 from imugap.io import gnss
 from imugap.io.fixes.decoded import Decoded
 from imugap.io.formats import catalogue
@@ -85,7 +85,7 @@ def _nameless(source: Source) -> tuple[str, ...]:
 
 def _nearest(names: tuple[str, ...], known: dict[str, str]) -> str:
     for name in names:
-        near = difflib.get_close_matches(name.lower(), (TIME, *gnss.COLUMNS), n=1, cutoff=0.6)
-        if near and name not in known and name != TIME:
-            return f"{name!r} (did you mean {near[0]}?)"
+        question = spelling.hint(name, (TIME, *gnss.COLUMNS))
+        if question and name not in known and name != TIME:
+            return f"{name!r}{question}"
     return ", ".join(names)[:120] or "nothing"

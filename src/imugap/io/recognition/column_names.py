@@ -5,11 +5,11 @@ axis; a unit in brackets or in the last words decides where the words do not. Of
 with the plainest name is taken.
 """
 
-import difflib
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
+from imugap import spelling
 from imugap.io.recognition.unit_text import INCREMENTS, QUANTITIES, quantity_of, unit_of
 from imugap.log import ACCEL, COLUMNS, GYRO, TEMPERATURE, TIME
 
@@ -228,18 +228,16 @@ def nearest(names: Iterable[str]) -> str:
     """Return names that are not known, the first with the nearest canonical name."""
     names = list(names)
     for name in names:
-        near = difflib.get_close_matches(name.lower(), (TIME, *COLUMNS), n=1, cutoff=0.6)
-        if near and near[0] != name:
-            return f"{name[:EXCERPT]!r} (did you mean {near[0]}?)"
+        near = spelling.nearest(name, (TIME, *COLUMNS))
+        if near not in (None, name):
+            return f"{name[:EXCERPT]!r} (did you mean {near}?)"
     return ", ".join(names)[: 2 * EXCERPT] or "nothing"
 
 
 def _require_known(asked: Iterable[str], names: Sequence[str]) -> None:
     for one in asked:
         if one not in names:
-            near = difflib.get_close_matches(one, names, n=1, cutoff=0.4)
-            hint = f" (did you mean {near[0]}?)" if near else ""
-            raise ValueError(f"--columns: expected names in the file; found {one!r}{hint}")
+            raise ValueError(f"--columns: expected names in the file; found {one!r}{spelling.hint(one, names)}")
 
 
 def _unbracketed(name: str) -> tuple[str, str | None]:
