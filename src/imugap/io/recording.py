@@ -134,12 +134,16 @@ def stream(path: str | Path, settings: RecordingSettings = DEFAULTS) -> tuple[Co
 
 @dataclass(frozen=True)
 class Selection:
-    """Columns of a file that are read: names, positions, that of the stamps, or the rate and what states it."""
+    """Columns of a file that are read: names, positions, that of the stamps, or the rate and what states it.
+
+    ``whole``: whether the stamps are written as whole numbers.
+    """
 
     names: tuple[str, ...]
     assignment: Assignment
     stamp: int | None
     rate: tuple[float, str] | None
+    whole: bool
 
     @property
     def places(self) -> list[int]:
@@ -192,10 +196,13 @@ def _selected(source: Source, settings: RecordingSettings) -> Selection:
     assignment = _assigned(names, source)
     stamp = _time_column(source, names, assignment, settings)
     given = (settings.rate_hz, "the option") if settings.rate_hz else source.rate
-    return Selection(tuple(names), assignment, stamp, given if stamp is None else None)
+    whole = stamp is not None and source.names[stamp] in source.whole
+    return Selection(tuple(names), assignment, stamp, given if stamp is None else None, whole)
 
 
 def _conversion(selection: Selection, excerpt: dict, raw: np.ndarray | None, settings: RecordingSettings) -> Conversion:
+    if selection.whole and (raw == np.rint(raw)).all():
+        raw = raw.astype(np.int64)
     return conversion(excerpt, raw, selection.stamp_name or selection.rate, selection.assignment, settings)
 
 

@@ -37,6 +37,8 @@ class Source:
         Where the names are in the file.
     topic
         Message, run or group of columns that was asked for and is all that there is here.
+    whole
+        Names of the columns that are written as whole numbers.
     rate
         Sampling rate that the file states [Hz], and the name of the value; None where there is none.
     """
@@ -50,6 +52,7 @@ class Source:
     notes: tuple[str, ...] = ()
     heading: str = "columns"
     topic: str | None = None
+    whole: frozenset[str] = frozenset()
     rate: tuple[float, str] | None = None
 
     def group(self, topic: str) -> "Source":
@@ -68,6 +71,7 @@ class Source:
             batches=lambda columns: self.batches([kept[k] for k in columns]),
             notes=notes,
             topic=topic,
+            whole=frozenset(parts[k][1] for k in kept if self.names[k] in self.whole),
         )
 
     def load(self, columns: Sequence[int], stamp: int | None) -> tuple[np.ndarray, np.ndarray | None]:

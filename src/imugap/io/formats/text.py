@@ -92,6 +92,7 @@ def open_source(path: Path, settings) -> Source:
         lambda row: place(path, dialect, row),
         notes=(UNENDED,) if _rest(path, dialect.end) else (),
         heading=f"line {max(dialect.first, 1)}",
+        whole=frozenset(name for k, name in enumerate(dialect.names) if _is_whole(dialect, k)),
     )
 
 
@@ -231,6 +232,11 @@ def _batches(path: Path, dialect: Dialect, columns: Sequence[int]) -> Iterator[l
 
 def _skip_comment(row) -> str:
     return "skip" if (row.text or "").lstrip().startswith(COMMENT) else "error"
+
+
+def _is_whole(dialect: Dialect, column: int) -> bool:
+    """Return whether the first rows of a column are whole numbers, without a decimal point."""
+    return all(INTEGER.fullmatch(row[column]) for row in dialect.sample if column < len(row) and row[column])
 
 
 def _kind(dialect: Dialect, column: int) -> pa.DataType:

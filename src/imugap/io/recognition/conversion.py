@@ -73,7 +73,7 @@ def conversion(
         Name of the column of stamps; where there is none, the rate [Hz] and what states it.
     """
     contract = assignment.contract and not settings.columns
-    time_unit, said = _time_unit(raw, clock, settings)
+    time_unit, said = _time_unit(values, raw, clock, assignment, settings)
     rate = clock[0] if time_unit is None else 1 / (stamps.step_of(raw) * factor(time_unit))
     accel, gyro = (_triad(values, axes) for axes in (ACCEL, GYRO))
     sizes, sentences, weightless = {}, [], False
@@ -106,7 +106,11 @@ def asked(function, place: str, *arguments):
 
 
 def _time_unit(
-    raw: np.ndarray | None, clock: str | tuple[float, str], settings: RecordingSettings
+    values: Mapping[str, np.ndarray],
+    raw: np.ndarray | None,
+    clock: str | tuple[float, str],
+    assignment: Assignment,
+    settings: RecordingSettings,
 ) -> tuple[str | None, tuple[str, ...]]:
     """Return the unit of the stamps, None where there are none, and what was recognised."""
     if raw is None:
@@ -120,7 +124,29 @@ def _time_unit(
         unit, why = stamps.unit_of_fine(raw)
     else:
         unit, why = asked(stamps.unit_of_stamps, f"column {clock}", raw, clock == TIME)
+        if (unit, why) == ("s", "the rate") and _may_be_counted(raw):
+            unit, why = _counted_unit(values, raw, clock, assignment, settings)
     return unit, () if unit == "s" else (f"stamps {unit} -> s from {why}",)
+
+
+def _may_be_counted(raw: np.ndarray) -> bool:
+    """Return whether stamps are whole numbers at a rate that few sensors have in seconds, but many in milliseconds."""
+    return raw.dtype.kind == "i" and len(raw) >= stamps.FEWEST and 1 / stamps.step_of(raw) < stamps.SLOWEST_HZ
+
+
+def _counted_unit(
+    values: Mapping[str, np.ndarray], raw: np.ndarray, stamp: str, assignment: Assignment, settings: RecordingSettings
+) -> tuple[str, str]:
+    """Return whether whole stamps are seconds or milliseconds, and what shows it; LogError where nothing does."""
+    step = stamps.step_of(raw)
+    rates = {"s": 1 / step, "ms": 1e3 / step}
+    unit = settings.units.get("gyro") or assignment.units.get("gyro") or units.SI["gyro"]
+    found = samples.time_unit(_triad(values, GYRO), _triad(values, ACCEL), unit, rates, len(raw))
+    if found is None:
+        readings = " or ".join(f"{rate:.4g} Hz in {name}" for name, rate in rates.items())
+        expected = "the unit of stamps that are whole numbers (--time-unit decides)"
+        raise LogError("log", f"column {stamp}", expected, f"a step of {step:.6g}: {readings}")
+    return found.unit, found.reason
 
 
 def _triad(values: Mapping[str, np.ndarray], axes: tuple[str, ...]) -> np.ndarray | None:

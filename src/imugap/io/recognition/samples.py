@@ -3,7 +3,7 @@
 All on plain arrays, shape (n, 3), in the unit of the file.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -28,6 +28,10 @@ COUNTS = 2.0 ** np.arange(8, 21)
 FASTEST_RAD_PER_S = np.radians(4000.0)
 LOUD, SOFT = 2.6e-3, 6e-4
 """Noise densities [rad/s/sqrt(Hz)]: no gyroscope of a log is above the first, nearly none in deg/s below the second."""
+SOFTEST = 3e-8
+"""Noise density below that of any gyroscope [rad/s/sqrt(Hz)]: the best ring lasers have 1e-7."""
+SHORTEST_S, LONGEST_S, DAY_S = 1.0, 10 * 86400.0, 86400.0
+"""Lengths below and above which nobody keeps a log without another stamp [s]."""
 SHAKEN = 0.05
 """Noise density of the specific force [m/s^2/sqrt(Hz)] above which a device shakes."""
 FEWEST_BLOCKS = 4
@@ -151,6 +155,47 @@ def gyro_unit(gyro: np.ndarray, accel: np.ndarray | None, rate_hz: float) -> Rat
         return RateEvidence("deg/s", f"rates of {fastest:.4g}")
     turned = None if accel is None or gyro.shape[1] < 3 else _by_gravity(gyro, accel, rate_hz)
     return turned or _at_rest(gyro, accel, rate_hz)
+
+
+def time_unit(
+    gyro: np.ndarray | None, accel: np.ndarray | None, unit: str, rates: Mapping[str, float], rows: int
+) -> RateEvidence | None:
+    """Return which of two units of the stamps is right, or None where nothing shows it.
+
+    Evidence, in this order: a length that no log has; the turns of gravity; the noise at rest.
+
+    Parameters
+    ----------
+    gyro, accel
+        Angular rates and specific force in the units of the file, shape (n, axes); None where there are none.
+    unit
+        Unit of the angular rates.
+    rates
+        Sampling rate by each unit of the stamps [Hz], the lower one first.
+    rows
+        Number of rows.
+    """
+    (slow, low), (fast, high) = rates.items()
+    if rows / high < SHORTEST_S:
+        return RateEvidence(slow, f"a length of {rows / high:.2g} s in {fast}")
+    if rows / low > LONGEST_S:
+        return RateEvidence(fast, f"a length of {rows / low / DAY_S:.3g} days in {slow}")
+    if gyro is None or unit not in ("rad/s", "deg/s"):
+        return None
+    if accel is not None and gyro.shape[1] == accel.shape[1] == 3:
+        turned = {name: _by_gravity(gyro, accel, rate) for name, rate in rates.items()}
+        right = [name for name, found in turned.items() if found is not None and found.unit == unit]
+        if len(right) == 1:
+            return RateEvidence(right[0], "the turns of gravity")
+    begin, end = _longest_rest(gyro, WINDOW)
+    if end - begin < FEWEST_BLOCKS:
+        return None
+    per_root_hz = _density(gyro[begin * WINDOW : end * WINDOW], WINDOW, 1.0) * factor(unit)
+    if per_root_hz / np.sqrt(low) > LOUD:
+        return RateEvidence(fast, f"noise at rest of {per_root_hz / np.sqrt(low):.2g} rad/s/sqrt(Hz) in {slow}")
+    if per_root_hz / np.sqrt(high) < SOFTEST:
+        return RateEvidence(slow, f"noise at rest of {per_root_hz / np.sqrt(high):.2g} rad/s/sqrt(Hz) in {fast}")
+    return None
 
 
 def _by_gravity(gyro: np.ndarray, accel: np.ndarray, rate_hz: float) -> RateEvidence | None:
