@@ -435,7 +435,7 @@ def _compare_runs(stage: _Named) -> _Compared:
     others = _further_runs(stage)
     between = _between_runs(stage, others)
     by_axis = {axis: tuple(run[axis] for run in others if axis in run) for axis in stage.whole}
-    device = {axis: fit_over_runs((one, *by_axis[axis])) if by_axis[axis] else one for axis, one in stage.whole.items()}
+    device = {axis: fit_over_runs((one, *by_axis[axis])) for axis, one in stage.whole.items()}
     return _Compared(
         **vars(stage),
         common=_news(common, stage.known),

@@ -38,6 +38,8 @@ def fit_over_runs(runs: Sequence[AxisFit]) -> AxisFit:
     The runs have the same random processes. The information is that of the mean over the runs.
     """
     first = runs[0]
+    if len(runs) == 1:
+        return first
     spectra = [(one.sequence.bins, one.power) for one in runs]
     together = fit_noise(first.description.noise, *spectra[0], others=spectra[1:])
     description = first.description.with_noise(together.noise)
