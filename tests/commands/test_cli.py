@@ -159,7 +159,7 @@ FAULTS = {
     "effects white_noise dens=1": "white_noise: parameter: .*did you mean density.*; found 'dens'",
     "effects white_noise density=much": "density: expected a number; found 'much'",
     "effects white_noise density=-1": "white_noise.density: expected a finite number",
-    "effects stance_motion": "expected an effect that acts on a log",
+    "effects stance_motion": "out.csv: file name: expected one that ends in",
 }
 TITLES = "|".join(re.escape(index.title) for index in INDICES.values())
 NO_NOTE = rf"(?!imugap: ({TITLES}): expected at least \S+ s; found \S+ s$)"
