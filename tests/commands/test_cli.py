@@ -122,44 +122,45 @@ def test_indices_count_from_the_gravity_of_the_place(here, capsys):
     assert difference.drop(("accel_z", "bias")).abs().max() < 1e-12
 
 
+NEAREST = r"expected a known name \(did you mean {}\?\); found '{}'".format
 FAULTS = {
     "check unsorted.csv": "unsorted.csv: line 5, column time",
-    "check half.csv": "half.csv: rows: expected at least 2 samples",
+    "check half.csv": "half.csv: line 3",
     "indices foreign.csv": "did you mean gyro_x",
     "indices none.csv": "none.csv: file: .*no such file",
     "indices constant.csv": "constant.csv: columns: expected an axis that varies; found gyro_x: 0 throughout",
     "simulate none.yaml --duration 1 --rate 9": "none.yaml: expected a file .*; found 'No such file",
     "simulate no.yaml --duration 1 --rate 9": "",
-    "simulate bad.yaml --duration 1 --rate 9": "bad.yaml: gyro_x: effect: .*did you mean white_noise",
+    "simulate bad.yaml --duration 1 --rate 9": "bad.yaml: gyro_x: effect: " + NEAREST("white_noise", "white_nois"),
     "simulate clock.yaml --duration 1 --rate 9": "clock.yaml: expected a model of at least one sensor axis; found none",
     "simulate model.yaml --duration 0.1 --rate 9": "at least 2 samples",
     "simulate model.yaml --duration 1e15 --rate 1e3": r"simulate: expected a duration and rate of at most \S+ "
     r"samples; found 1e\+18",
     "simulate model.yaml --duration 1e200 --rate 1e6": r"simulate: expected a duration and rate of at most \S+ "
     r"samples; found 1e\+206",
-    "export model.yaml --to kaliber --rate 100": "target: expected .*did you mean kalibr.*; found 'kaliber'",
+    "export model.yaml --to kaliber --rate 100": "target: " + NEAREST("kalibr", "kaliber"),
     "export model.yaml --to kalibr --rate 100": "model: expected a model of all of .*; "
     "found none of gyro_y, accel_x, accel_y",
     "estimate still.csv --axis accel_y": "accel_y: 0.1 throughout, no noise can be seen",
     "estimate holed.csv": "gyro_x: 0.1 throughout, no noise can be seen",
-    "estimate noisy.csv --to kaliber imu.yaml": "target: expected .*did you mean kalibr.*; found 'kaliber'",
+    "estimate noisy.csv --to kaliber imu.yaml": "target: " + NEAREST("kalibr", "kaliber"),
     "estimate noisy.csv --to kalibr imu.yaml": "expected .*all of .*; found none of gyro_y",
     "estimate brief.csv": "gyro_x: choice: expected at least 256 samples; found 100",
-    "estimate noisy.csv --terms white_noise,gaus_markov": "terms: .*did you mean gauss_markov.*; found 'gaus_markov'",
+    "estimate noisy.csv --terms white_noise,gaus_markov": "terms: " + NEAREST("gauss_markov", "gaus_markov"),
     "estimate noisy.csv --terms ''": "terms: expected one of .*; found ''",
     "estimate noisy.csv --terms white_noise,white_noise": "terms: expected only gauss_markov more than once; "
     "found white_noise",
-    "estimate noisy.csv --axis gyro_X": "axis: expected .*did you mean gyro_x.*; found 'gyro_X'",
-    "estimate noisy.csv --axis accel_z": "axis: expected .*accel_y.*; found",
+    "estimate noisy.csv --axis gyro_X": "axis: " + NEAREST("gyro_x", "gyro_X"),
+    "estimate noisy.csv --axis accel_z": r"axis: expected a known name \(did you mean accel_y\?\); found",
     "estimate noisy.csv --method allan --terms gauss_markov,gauss_markov": "terms: expected at most one "
     "gauss_markov for the method allan",
     "estimate noisy.csv --robust": "robust: expected the method wavelet",
     "estimate noisy.csv --figure out.jpg": "out.jpg: file name: expected one that ends in .svg, .png, .pdf; found",
-    "effects white_nois": "effect: .*did you mean white_noise",
-    "effects white_noise dens=1": "white_noise: parameter: .*did you mean density.*; found 'dens'",
+    "effects white_nois": "effect: " + NEAREST("white_noise", "white_nois"),
+    "effects white_noise dens=1": "white_noise: parameter: " + NEAREST("density", "dens"),
     "effects white_noise density=much": "density: expected a number; found 'much'",
     "effects white_noise density=-1": "white_noise.density: expected a finite number",
-    "effects stance_motion": "out.csv: file name: expected one that ends in",
+    "effects white_noise": "out.csv: file name: expected one that ends in",
 }
 TITLES = "|".join(re.escape(index.title) for index in INDICES.values())
 NO_NOTE = rf"(?!imugap: ({TITLES}): expected at least \S+ s; found \S+ s$)"
@@ -169,6 +170,10 @@ NO_NOTE = rf"(?!imugap: ({TITLES}): expected at least \S+ s; found \S+ s$)"
 @pytest.mark.parametrize(("line", "message"), FAULTS.items(), ids=FAULTS)
 def test_bad_input_is_one_line_and_exit_code_1_and_leaves_no_file(refused, judge, line, message):
     refused(line if line.startswith("check") else f"{line} --out out.csv", message, among=NO_NOTE)
+
+
+def test_a_picture_of_an_effect_that_acts_on_no_log_is_refused(refused):
+    refused("effects stance_motion --out out.svg", "expected an effect that acts on a log")
 
 
 DUE = "simulate model.yaml --duration 30 --rate 50"

@@ -229,7 +229,9 @@ FAULTS = {
     "x_alive.csv y_alive.csv": "y_alive.csv: columns: expected values that vary on an axis on which those "
     "of the first log do, gyro_x; found none",
     "run1.csv --model none.yaml": "none.yaml: .*; found 'No such file",
-    "run1.csv --model misspelt.yaml": "effect: .*did you mean white_noise.*; found 'white_nois'",
+    "run1.csv --model misspelt.yaml": (
+        r"misspelt.yaml: gyro_x: effect: expected a known name \(did you mean white_noise\?\); found 'white_nois'"
+    ),
     "run1.csv --model two_filters.yaml": "two_filters.yaml: gyro_x: expected one output_filter at most; found 2",
     "run1.csv --model in_degrees.yaml": "in_degrees.yaml: gyro_x: resolution: expected a step below the range "
     "of the values of the log.*found 10",

@@ -6,11 +6,11 @@ import pytest
 from imugap import log
 from imugap.discovery.evaluation.distance import HeldOutComparison
 from imugap.discovery.preparation.prepare import prepare
-from imugap.effects import Bias, RandomWalk, StabilityRestoration, TurnOnBias, WhiteNoise
+from imugap.effects import RandomWalk, StabilityRestoration, WhiteNoise
 from imugap.effects.effect import AxisModel
 from imugap.kinematics.site import Site
 from imugap.model import ErrorModel
-from imugap.study.unseen_runs import log_scores, of_one_run, scores, width
+from imugap.study.unseen_runs import log_scores, scores, width
 
 TRUE = (WhiteNoise(1e-3), RandomWalk(1e-4))
 SCALED = (WhiteNoise(4e-3), StabilityRestoration(1e-3, 1.0))
@@ -34,11 +34,6 @@ def test_no_other_size_scores_higher_than_the_true_one(effects):
         white = WhiteNoise(1e-3 * factor)
         (other,) = log_scores(model(white, *effects[1:] if effects is TRUE else ()), sequences).values()
         assert other < true
-
-
-def test_a_model_of_one_run_has_no_effect_between_runs():
-    kept = of_one_run(model(Bias(0.1), TurnOnBias(0.2), *TRUE))
-    assert {effect.name for effect in kept["gyro_x"]} == {"bias", "white_noise", "random_walk"}
 
 
 def test_a_wide_model_is_near_and_scores_worse():

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pandas as pd
-from scipy.stats import t
+from scipy.stats import ttest_1samp
 
 from imugap.figures.unseen_runs import TITLES, unseen_runs
 from imugap.log import ACCEL, GYRO
@@ -19,8 +19,8 @@ SENSORS = {"gyroscopes": GYRO, "accelerometers": ACCEL}
 
 def paired(values):
     """Return mean and 95 % Student interval of differences, shape (runs,)."""
-    half = t.ppf(0.975, len(values) - 1) * values.std(ddof=1) / np.sqrt(len(values))
-    return values.mean(), values.mean() - half, values.mean() + half
+    low, high = ttest_1samp(values, 0.0).confidence_interval(0.95)
+    return float(values.mean()), float(low), float(high)
 
 
 def verdict(low, high):
@@ -77,9 +77,9 @@ def numbers(found, band, runs):
                 for said in ("worse", "level", "better")}
         for score, part in found.groupby("score", sort=False)
     }  # fmt: skip
-    apart = {name: {key: tables.number(value) for key, value in row.items()} for name, row in band.iterrows()}
-    within = {name: bool(row["distance"] <= row["floor"]) for name, row in band.iterrows()}
-    return {"runs": runs, "verdicts": counts, "bands": apart, "within": within}
+    within = band["distance"] <= band["floor"]
+    titles = {said: [TITLES[name] for name in band.index[mask]] for said, mask in (("in", within), ("out", ~within))}
+    return {"runs": runs, "verdicts": counts, "floor": titles}
 
 
 with job(snakemake) as (source, _, output):

@@ -4,6 +4,7 @@ import pandas as pd
 
 from imugap import log
 from imugap.discovery.device import Settings, leave_one_out
+from imugap.discovery.evaluation.held_out import of_one_run
 from imugap.discovery.fit.axis_fit import fit
 from imugap.discovery.fit.description import Description
 from imugap.discovery.over_runs import fit_over_runs
@@ -15,7 +16,7 @@ from imugap.estimation.indices import over_runs
 from imugap.estimation.model_selection import choose
 from imugap.interchange import from_indices
 from imugap.model import ErrorModel
-from imugap.study.unseen_runs import log_scores, of_one_run, scores
+from imugap.study.unseen_runs import log_scores, scores
 from imugap.workflow.job_log import job
 from imugap.workflow.products import save
 
@@ -58,8 +59,7 @@ def chosen(sequences):
 if __name__ == "__main__":
     with job(snakemake) as (source, params, output):
         runs = params.runs
-        logs, starts = map(log.load, source.logs), map(ErrorModel.read, source.starts)
-        logs, starts = list(logs), list(starts)
+        logs, starts = [*map(log.load, source.logs)], [*map(ErrorModel.read, source.starts)]
         indices, curves = (
             {run: pd.read_csv(path).assign(run=run) for run, path in zip(runs, paths, strict=True)}
             for paths in (source.indices, source.allan)

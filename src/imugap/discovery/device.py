@@ -31,7 +31,7 @@ from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.reference_band import ReferenceBand, reference_band
 from imugap.discovery.search.intervals import axis_unit, intervals
 from imugap.discovery.search.shared_effects import Joint
-from imugap.discovery.steps import Progress, StepCounter, each_in_processes, without_words
+from imugap.discovery.steps import Progress, StepCounter, each_in_processes, no_progress
 from imugap.discovery.views import COHERENCE, Curve
 from imugap.discovery.views.discrepancies import REPLICATES, ViewTest, significant_discrepancies, view_tests
 from imugap.effects import CATALOGUE
@@ -269,7 +269,7 @@ def discover(
     settings: Settings,
     tests: Sequence[pd.DataFrame] = (),
     reference: pd.DataFrame | None = None,
-    progress: Progress = without_words,
+    progress: Progress = no_progress,
 ) -> Discovery:
     """Find where a simulator and a device disagree, name what is missing and show that the discrepancy shrinks.
 
@@ -302,7 +302,7 @@ def leave_one_out(
     for out, test in enumerate(prepared):
         first, *others = (number for number in range(len(logs)) if number != out)
         if first not in located:
-            own = _prepare([logs[first]], replace(settings, start=starts[first]), (), None, without_words)
+            own = _prepare([logs[first]], replace(settings, start=starts[first]), (), None, no_progress)
             located[first] = _locate_discrepancies(_search_axes(own))
         runs = [prepared[number] for number in others]
         (compared,) = _measured(replace(located[first], others=runs, tests=[test])).compared

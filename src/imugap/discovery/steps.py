@@ -15,8 +15,8 @@ Progress = Callable[[str, int, int], None]
 """Called with the name of a step as it begins, how many steps are done, and how many there are."""
 
 
-def without_words(step: str, done: int, steps: int) -> None:
-    """Say nothing of a step that begins."""
+def no_progress(step: str, done: int, steps: int) -> None:
+    """Report no progress."""
 
 
 PR_SET_PDEATHSIG = 1

@@ -30,13 +30,6 @@ from imugap.study.proper_scores import energy_score
 Model = ErrorModel | UncertainModel
 
 
-def of_one_run(model: ErrorModel) -> ErrorModel:
-    """Return a model of the axes without what differs between runs and without the clock."""
-    roles = (Role.RUN, Role.CLOCK)
-    axes = {axis: [one for one in effects if one.role not in roles] for axis, effects in model.sensors.items()}
-    return ErrorModel({axis: AxisModel(tuple(effects)) for axis, effects in axes.items()})
-
-
 def log_scores(model: ErrorModel, sequences: Mapping[str, AxisSequence]) -> dict[str, float]:
     """Return the mean log-density of a sample of each axis [nat] by the spectrum of a model; more is better."""
     return {

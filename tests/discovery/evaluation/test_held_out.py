@@ -9,7 +9,7 @@ from imugap.discovery.fit.axis_fit import fit
 from imugap.discovery.fit.description import Description, Entry
 from imugap.discovery.preparation.prepare import prepare
 from imugap.discovery.preparation.sequence import AxisSequence
-from imugap.effects import Bias, BiasStep, VarianceChange, WhiteNoise
+from imugap.effects import Bias, BiasStep, ClockScale, TurnOnBias, VarianceChange, WhiteNoise
 from imugap.effects.conditions import Conditions
 from imugap.effects.effect import AxisModel
 from imugap.model import ErrorModel
@@ -46,3 +46,10 @@ def test_what_happened_in_one_run_is_in_the_model_of_another_in_which_it_happens
     after = comparison.compare_test_run(prepare(run(*again, label="other")), *fits, start, final).after.model["gyro_x"]
     kept = {one.name for one in after if isinstance(one, (BiasStep, VarianceChange))}
     assert kept == {one.name for one in again}
+
+
+def test_a_model_of_one_run_has_neither_what_differs_between_runs_nor_a_clock():
+    sensor, clock = AxisModel((Bias(0.1), TurnOnBias(0.2), WHITE)), AxisModel((ClockScale(0.01),))
+    kept = comparison.of_one_run(ErrorModel({"gyro_x": sensor, "time": clock}))
+    assert list(kept.axes) == ["gyro_x"]
+    assert {effect.name for effect in kept["gyro_x"]} == {"bias", "white_noise"}

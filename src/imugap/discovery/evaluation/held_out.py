@@ -38,8 +38,8 @@ def compare_held_out(
     Where an effect is found in the last part only, the parameters of its axis come from the whole log.
     """
     fits = {axis: result.held_in_fit if result.same_names else result.whole_fit for axis, result in results.items()}
-    before = UncertainModel.of(_in_run(start), {axis: result.start_fit for axis, result in results.items()})
-    return _compared(record, HELD_IN_SHARE, before, UncertainModel.of(_in_run(model(fits)), fits))
+    before = UncertainModel.of(of_one_run(start), {axis: result.start_fit for axis, result in results.items()})
+    return _compared(record, HELD_IN_SHARE, before, UncertainModel.of(of_one_run(model(fits)), fits))
 
 
 def compare_test_run(
@@ -97,8 +97,8 @@ def _ensemble(compared: HeldOutComparison, name: str, seed: int, numbers: range)
         return compared.simulate(name, seed, numbers)
 
 
-def _in_run(model: ErrorModel) -> ErrorModel:
-    """Return the model of one evenly sampled run: without effects of the clock and without run-to-run effects."""
+def of_one_run(model: ErrorModel) -> ErrorModel:
+    """Return a model of one evenly sampled run: without effects of the clock and of those that differ between runs."""
     return _without(model, lambda _, effect: effect.role in (Role.CLOCK, Role.RUN))
 
 
@@ -108,7 +108,7 @@ def _in_another(model: ErrorModel, fits: Mapping[str, AxisFit], sequences: Mappi
         axis: [one for one in model[axis] if one.once and not _recurs(one, fits[axis], run)]
         for axis, run in sequences.items()
     }
-    return _without(_in_run(model), lambda axis, effect: effect in once.get(axis, []))
+    return _without(of_one_run(model), lambda axis, effect: effect in once.get(axis, []))
 
 
 def _recurs(event: Effect, fit: AxisFit, run: AxisSequence) -> bool:

@@ -81,16 +81,23 @@ def recognises(path: Path, head: bytes) -> bool:
 def open_source(path: Path, settings) -> Source:
     """Return the columns of a text; LogError where it has no rows of numbers.
 
-    A last line without an end may be cut off within a number, and is left out.
+    A last line without an end may be cut off within a number, and is left out; LogError where it is one of two rows.
     """
     dialect = sniff(path)
+    rest = _rest(path, dialect.end)
+    if rest and len(dialect.sample) <= 2:
+        expected = "a line end after the last row (add it if the row is whole, remove the row if it is cut off)"
+        last = rest.decode(dialect.encoding, errors="replace")
+        raise LogError(
+            path, place(path, dialect, len(dialect.sample) - 1), expected, f"the end of the file after {last!r}"
+        )
     return Source(
         path,
         dialect.names,
         _lines(path),
         lambda columns: _batches(path, dialect, columns),
         lambda row: place(path, dialect, row),
-        notes=(UNENDED,) if _rest(path, dialect.end) else (),
+        notes=(UNENDED,) if rest else (),
         heading=f"line {max(dialect.first, 1)}",
         whole=frozenset(name for k, name in enumerate(dialect.names) if _is_whole(dialect, k)),
     )
