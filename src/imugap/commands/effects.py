@@ -19,7 +19,7 @@ from imugap.effects import CATALOGUE
 from imugap.effects.effect import TINY, Effect, Stage, StochasticEffect
 from imugap.interchange.plugins import catalogue
 from imugap.io.strict_yaml import number_in
-from imugap.log import ACCEL, AXES, GYRO
+from imugap.log import ACCEL, AXES, GYRO, TIME
 from imugap.workflow.products import write_figure
 
 UNITS = {GYRO: "rad/s", ACCEL: "m/s^2"}
@@ -79,13 +79,7 @@ def example(kind: type[Effect], values: Sequence[str] = ()) -> Effect:
 
 def axis_of(effect: Effect) -> str:
     """Return the first axis on which an effect has a place, or the pseudo-axis of the clock."""
-    for axis in AXES:
-        try:
-            effect.check_axis(axis)
-        except ValueError:
-            continue
-        return axis
-    return "time"
+    return next((axis for axis in AXES if _has_place(effect, axis)), TIME)
 
 
 def describe(effect: Effect) -> str:
