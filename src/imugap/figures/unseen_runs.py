@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
-from matplotlib.ticker import SymmetricalLogLocator
+from matplotlib.ticker import LogLocator, NullFormatter
 
 from imugap.figures import static
 from imugap.figures.style import legend_below, panels_of
@@ -19,8 +19,6 @@ TITLES = {name: static.TITLES[name] for name in ("white", "method_a", "method_b"
 COLOURS = {"worse": "#D55E00", "level": "black", "better": "#009E73"}
 LINEAR = {"log score": 1.0, "log drift score": 0.1}
 """Loss up to which the axis of a score is linear."""
-TICKS = 4
-"""Greatest number of decades with a number on the axis of a score."""
 
 
 def unseen_runs(found: pd.DataFrame, bands: pd.DataFrame) -> Figure:
@@ -45,16 +43,20 @@ def unseen_runs(found: pd.DataFrame, bands: pd.DataFrame) -> Figure:
                 panel.plot([one["low"], one["high"]], [row, row], color=COLOURS[one["verdict"]])
                 panel.plot(one["loss"], row, "o", ms=4, color=COLOURS[one["verdict"]])
         panel.axvline(0.0, color="black", lw=0.6)
-        linear = LINEAR[score.split(",")[0]]
-        panel.set_xscale("symlog", linthresh=linear)
-        locator = SymmetricalLogLocator(base=10, linthresh=linear)
-        locator.set_params(numticks=TICKS)
-        panel.xaxis.set_major_locator(locator)
+        panel.set_xscale("symlog", linthresh=LINEAR[score.split(",")[0]])
+        low, high = panel.get_xlim()
+        decade = 10.0 ** np.floor(np.log10(max(-low, high)))
+        panel.set_xticks([tick for tick in (-decade, 0.0, decade) if low <= tick <= high])
+        panel.xaxis.set_major_formatter("{x:g}")
+        panel.xaxis.set_minor_formatter(NullFormatter())
         panel.set(title=score.replace(", ", ",\n"), xlabel="loss over discovered")
     last = grid[0, -1]
     last.plot(bands.loc[names, "distance"], rows, "o", ms=4, color="black", label="distance")
     last.plot(bands.loc[names, "floor"], rows, "|", ms=9, color="#0072B2", label="upper end of its floor")
     last.set(title="distance in\ndistribution", xscale="log")
+    last.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5), numticks=8))
+    last.xaxis.set_major_formatter("{x:g}")
+    last.xaxis.set_minor_formatter(NullFormatter())
     grid[0, 0].set_yticks(rows, [TITLES[name] for name in names])
     legend_below(figure, 2)
     return figure
