@@ -107,3 +107,16 @@ def test_a_cutoff_beyond_half_the_rate_is_refused(cutoff):
         OutputFilter(cutoff).apply(np.zeros(9), conditions(9), stream(1))
     with pytest.raises(ValueError, match=message):
         OutputFilter(cutoff).gain(1.0, 0.01)
+
+
+@pytest.mark.parametrize(("order", "form"), list(product((1, 2, 8), (0, 1))))
+def test_the_lowest_cutoff_still_passes_a_constant_and_a_lower_one_is_refused(order, form):
+    flat = np.full(500, 9.8)
+    passed = OutputFilter(1.1e-4, order, form).apply(flat, conditions(500, 0.01), stream(1))
+    np.testing.assert_allclose(passed, flat, rtol=1e-3)
+    with pytest.raises(
+        ValueError, match=r"output_filter\.cutoff: expected at least 0\.0001 Hz at 100 Hz, .*; found 1e-08"
+    ):
+        OutputFilter(1e-8, order, form).apply(flat, conditions(500, 0.01), stream(1))
+    with pytest.raises(ValueError, match=r"output_filter\.cutoff: expected at least"):
+        OutputFilter(1e-8, order, form).block(0.01, "gyro_x")

@@ -23,6 +23,9 @@ AHEAD = (ANALOGUE, SAMPLED)
 """Forms of a filter before the sampling."""
 SHAPES = ((1, 0), (2, 0), (3, 0), (4, 0), (1, 1), (2, 1), (1, 2), (2, 2), (3, 2), (4, 2), (2, 3), (3, 3), (4, 3))
 """Order and form of the filters of a search."""
+LOWEST = 1e-6
+"""Product of cutoff and interval of a digital filter below which rounding moves its poles: 1 + a1 + a2 of a section is
+(2 pi cutoff interval)^2, and a1 and a2 are rounded to 2e-16."""
 OPEN = 20.0
 """Angle pi cutoff interval above which the gain is 1 to rounding."""
 SETTLED = 20.0
@@ -196,6 +199,9 @@ def _sections(one: OutputFilter, interval: float) -> tuple[np.ndarray, np.ndarra
     from scipy.signal import butter, sosfilt_zi, zpk2sos
 
     one.check_rate(interval)
+    if one.cutoff * interval < LOWEST:
+        expected = f"expected at least {LOWEST / interval:g} Hz at {1 / interval:g} Hz, as rounding limits the filter"
+        raise ValueError(f"{one.name}.cutoff: {expected}; found {one.cutoff:g} Hz")
     if one.form == BILINEAR:
         sections = butter(int(one.order), one.cutoff, fs=1 / interval, output="sos")
     else:
