@@ -1,6 +1,35 @@
 """Find disagreements of simulated and measured inertial sensors, identify missing effects, add them, measure the gain.
 
-This page is the contract of every module of the package.
+    import imugap as ig
+
+    log = ig.read("imu.bag")                        # any format; says what it recognised: log.recognised
+    print(ig.check(log))                            # usable or not, for what, and the next step
+    fit = ig.estimate(log)                          # effects of each axis with intervals; fit.table, fit.plot()
+    fit.export("kalibr", "imu.yaml")                # or vins, ros, gazebo, kf-gins, imugap
+    found = ig.discover(log, model="simulator.yaml")  # what the model lacks; found.model has it
+    found.report("found")                           # found/report.html, tables, figures
+
+Every result prints as its verdict, shows itself in a notebook, and has ``plot()`` and ``report(folder)``:
+
+>>> import imugap as ig
+>>> log = ig.simulate({"gyro_x": [{"white_noise": {"density": 1e-4}}]}, duration=600, rate=20)
+>>> ig.check(log).usable
+True
+>>> fit = ig.estimate(log)
+>>> fit.fits
+True
+>>> fit.table[["axis", "effect", "parameter", "unit"]].to_numpy().tolist()
+[['gyro_x', 'white_noise', 'density', 'rad/s/sqrt(Hz)']]
+>>> round(float(fit.table["value"].iloc[0]), 6)  # rad/s/sqrt(Hz)
+0.0001
+
+Public are the names below (``dir(imugap)``) and the attributes of what they return: :func:`read`, :func:`simulate`
+(:mod:`imugap.api.logs`), :func:`check` (:mod:`imugap.api.checks`), :func:`estimate`, :func:`export`
+(:mod:`imugap.api.estimates`), :func:`discover` (:mod:`imugap.api.discoveries`), :func:`walk`
+(:mod:`imugap.api.walks`), :func:`drive` (:mod:`imugap.api.drives`). A public name that is to go warns with a
+DeprecationWarning, which names its successor, for at least one minor version before it goes.
+
+What follows is the contract of every module of the package.
 
 Tables
 ------
@@ -50,3 +79,40 @@ effect or a model changes no other stream.
 """
 
 __version__ = "0.1.0"
+
+_PUBLIC = {
+    "Checked": "imugap.api.checks",
+    "DeviceLog": "imugap.api.logs",
+    "Discovered": "imugap.api.discoveries",
+    "Driven": "imugap.api.drives",
+    "ErrorModel": "imugap.model",
+    "Estimated": "imugap.api.estimates",
+    "LogError": "imugap.log",
+    "Walked": "imugap.api.walks",
+    "check": "imugap.api.checks",
+    "discover": "imugap.api.discoveries",
+    "drive": "imugap.api.drives",
+    "estimate": "imugap.api.estimates",
+    "export": "imugap.api.estimates",
+    "read": "imugap.api.logs",
+    "simulate": "imugap.api.logs",
+    "walk": "imugap.api.walks",
+}
+"""Module of each public name; it is imported when the name is used, for most uses need few of them."""
+__all__ = ["__version__", *_PUBLIC]
+
+
+def __getattr__(name: str) -> object:
+    """Return a public name from its module."""
+    if name not in _PUBLIC:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from importlib import import_module
+
+    found = getattr(import_module(_PUBLIC[name]), name)
+    globals()[name] = found
+    return found
+
+
+def __dir__() -> list[str]:
+    """Return the public names."""
+    return sorted(__all__)

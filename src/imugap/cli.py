@@ -3,6 +3,7 @@
 import argparse
 import os
 import re
+import shlex
 import signal
 import sys
 import traceback
@@ -85,6 +86,7 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         with _interruptible():
             options = _options(arguments)
+            options.command_line = shlex.join([PACKAGE, *arguments])
             code = options.run(options) or 0
             sys.stdout.flush()
     except BrokenPipeError as error:

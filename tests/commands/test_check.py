@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 from imugap import cli
-from imugap.commands.check import COMMANDS, check
+from imugap.analysis.check import COMMANDS, check
 from imugap.io.recording import Recording
 from imugap.log import AXES, TIME
 from imugap.stream import stream

@@ -11,7 +11,8 @@ from scipy.signal import butter, lfilter
 from tests import strict_json
 
 from imugap import cli, log
-from imugap.commands.discover import FILES, compose
+from imugap.api.discoveries import Discovered
+from imugap.commands.discover import FILES
 from imugap.discovery.device import Settings, discover
 from imugap.discovery.inputs import Files
 from imugap.discovery.report import verdict
@@ -39,6 +40,13 @@ SCHEMA = yaml.safe_load((Path(__file__).parents[2] / "workflow/schemas/discovery
 INTERVAL, COUNT = 0.02, 4000
 LINE = Sinusoid(7.3, 6e-4)
 QUICK = {"replicates": 30, "simulations": 20}
+
+
+def written(files, out):
+    """Discover, quickly, and write the folder."""
+    found = Discovered.of(files, Settings(**QUICK))
+    found.report(out)
+    return found.found
 
 
 def device(*hidden, axes=("gyro_x", "gyro_y")):
@@ -112,7 +120,7 @@ def read_report(folder):
 
 @pytest.mark.slow
 def test_a_run_of_another_clock_is_compared_at_its_own_rate(here):
-    found = compose(Files((Path("run1.csv"),), (Path("clock.csv"),)), Settings(**QUICK), "found")
+    found = written(Files((Path("run1.csv"),), (Path("clock.csv"),)), "found")
     (test,) = found.report()["test"]
     assert test["rate_hz"] == pytest.approx(1 / (1.044 * INTERVAL), rel=1e-6)
     distance = found.found.distances["distribution"]
@@ -149,13 +157,13 @@ def test_the_folder_is_whole_and_tells_the_line(here, capsys):
 @pytest.mark.slow
 def test_two_runs_of_the_command_write_the_same_bytes(here):
     for out in ("one", "two"):
-        compose(Files((Path("run1.csv"),)), Settings(**QUICK), out)
+        written(Files((Path("run1.csv"),)), out)
     for name in FILES:
         assert (here / "one" / name).read_bytes() == (here / "two" / name).read_bytes()
 
 
 def test_the_discrepancy_shrinks_on_a_run_that_no_fit_has_seen(here):
-    found = compose(Files((Path("run1.csv"),), (Path("run2.parquet"),)), Settings(**QUICK), "found").found
+    found = written(Files((Path("run1.csv"),), (Path("run2.parquet"),)), "found").found
     report = read_report("found")
     assert [one["path"] for one in report["test"]] == ["run2.parquet"]
     apart = found.distances["distribution"]
@@ -166,7 +174,7 @@ def test_the_discrepancy_shrinks_on_a_run_that_no_fit_has_seen(here):
 @pytest.mark.slow
 def test_a_test_run_of_another_device_stays_far(here):
     log.write(measured(Sinusoid(11.0, 6e-4), seed=3), "other.csv")
-    found = compose(Files((Path("run1.csv"),), (Path("other.csv"),)), Settings(**QUICK), "found").found
+    found = written(Files((Path("run1.csv"),), (Path("other.csv"),)), "found").found
     apart = found.distances["distribution"]
     assert apart.after.low > apart.floor.high
 
@@ -380,7 +388,7 @@ def test_values_without_a_unit_are_written_in_full():
 
 @pytest.mark.slow
 def test_a_write_that_fails_leaves_the_old_folder(here, capsys, fill_disk):
-    compose(Files((Path("run1.csv"),)), Settings(**QUICK), "found")
+    written(Files((Path("run1.csv"),)), "found")
     before = {name: (here / "found" / name).read_bytes() for name in FILES}
     fill_disk()
     assert discovered("run2.parquet") == 1

@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 from tests import strict_json
 
 from imugap import cli, log
-from imugap.commands.drive import FILES, SCHEMA, STD, DriveSettings, RecordedDrive, mounted, navigate_drive
+from imugap.analysis.drive import SCHEMA, STD, DriveSettings, RecordedDrive, mounted, navigate_drive
+from imugap.commands.drive import FILES
 from imugap.io.configuration import configure
 from imugap.io.json_schema import Draft202012Validator
 from imugap.kinematics.strapdown import COLUMNS, GEODETIC
@@ -74,7 +75,7 @@ def test_the_folder_is_whole_and_says_where_the_vehicle_was(here, lap, capsys, s
     assert cli.main(["drive", samples, fixes, *config, "--out", "found"]) == 0
     assert {path.name for path in Path("found").iterdir()} == set(FILES)
     given = [(one["role"], one["path"]) for one in strict_json.load("found/inputs.json")]
-    assert given == [("log", samples), ("fixes", fixes)]
+    assert given == [("log", samples), ("fixes", fixes), *([("configuration", config[1])] if config else [])]
     found = strict_json.load("found/summary.json")
     assert json.loads(capsys.readouterr().out) == found
     assert found["outages"] == 1

@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from hashlib import sha256
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +11,8 @@ import pytest
 from tests import strict_json
 
 from imugap import cli, log
-from imugap.commands.walk import FILES, INDOORS, STD, WalkInputs, navigate_walk
+from imugap.analysis.walk import INDOORS, STD, WalkInputs, navigate_walk
+from imugap.commands.walk import FILES
 from imugap.figures.walk import ellipse
 from imugap.kinematics.strapdown import COLUMNS
 from imugap.log import GYRO
@@ -45,7 +47,12 @@ def files(tmp_path_factory, recipe):
 def test_the_folder_is_whole_and_says_how_far_the_walk_went_and_where_it_ended(here, recipe, capsys, model):
     assert cli.main(["walk", "walk.csv", *model, "--gravity", str(recipe.site.gravity), "--out", "found"]) == 0
     assert {path.name for path in Path("found").iterdir()} == set(FILES)
-    assert strict_json.load("found/inputs.json") == [{"role": "log", "path": "walk.csv", "recognised": []}]
+    given = strict_json.load("found/inputs.json")
+    assert [(one["role"], one["path"]) for one in given] == [
+        ("log", "walk.csv"),
+        *([("model", model[1])] if model else []),
+    ]
+    assert [one["sha256"] for one in given] == [sha256(Path(one["path"]).read_bytes()).hexdigest() for one in given]
     found = strict_json.load("found/summary.json")
     assert json.loads(capsys.readouterr().out) == found
     assert found["strides"] == STRIDES

@@ -18,7 +18,7 @@ import yaml
 from tests.hostile import mutations
 
 from imugap import cli, log
-from imugap.commands import drive
+from imugap.analysis import drive
 from imugap.effects import Bias, WhiteNoise
 from imugap.interchange.export import Target
 from imugap.io import datasets

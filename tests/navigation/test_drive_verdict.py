@@ -8,7 +8,8 @@ import pytest
 from tests.navigation.test_vehicle_alignment import LEVEL, LEVER
 
 from imugap import cli, log
-from imugap.commands.drive import DISAGREES, DriveSettings, RecordedDrive, navigate_drive
+from imugap.analysis.drive import DriveSettings, RecordedDrive, navigate_drive
+from imugap.commands.drive import DISAGREES
 from imugap.log import GYRO
 from imugap.numerics.rotation import from_euler
 

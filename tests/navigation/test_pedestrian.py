@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from scipy.special import bdtr, bdtrc
 
-from imugap.commands.walk import DEFAULT_MODEL, INDOORS
+from imugap.analysis.walk import DEFAULT_MODEL, INDOORS
 from imugap.effects import Bias
 from imugap.effects.effect import AxisModel
 from imugap.filters.consistency import nees_band

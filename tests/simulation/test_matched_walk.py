@@ -4,7 +4,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from imugap.commands.walk import DEFAULT_MODEL
+from imugap.analysis.walk import DEFAULT_MODEL
 from imugap.effects import ScaleFactor, TimeOffset
 from imugap.kinematics.strapdown import POSITION, VELOCITY
 from imugap.log import ACCEL, GYRO

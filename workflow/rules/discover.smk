@@ -137,8 +137,9 @@ rule dossier:
         "results/{discovery}/model.yaml",
         "results/{discovery}/gaps.csv",
         "results/{discovery}/candidates.csv",
+        "results/{discovery}/report.md",
         report(
-            "results/{discovery}/report.md",
+            "results/{discovery}/report.html",
             caption="../report/dossier.rst",
             category="Discovery",
             labels={"result": "{discovery}"},

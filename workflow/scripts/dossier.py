@@ -2,10 +2,9 @@
 
 from pathlib import Path
 
-from imugap.commands.discover import compose
+from imugap.api.discoveries import Discovered
 from imugap.discovery.device import Settings
 from imugap.discovery.inputs import Files
-from imugap.discovery.report import verdict
 from imugap.workflow.job_log import job
 
 # started processes import this module again
@@ -15,4 +14,6 @@ if __name__ == "__main__":
         files = Files(tuple(map(Path, source.log)), tuple(map(Path, source.test)), **single, effects=params.effects)
         settings = Settings(**params.settings, seed=params.seed, workers=snakemake.threads)
         out = Path(output[0]).parent
-        print(verdict(compose(files, settings, out, lambda step, done, steps: print(f"{done}/{steps} {step}")).found))
+        found = Discovered.of(files, settings, lambda step, done, steps: print(f"{done}/{steps} {step}"))
+        found.report(out)
+        print(found)

@@ -5,7 +5,7 @@ from itertools import product
 
 import pandas as pd
 
-from imugap.commands.walk import DEFAULT_MODEL
+from imugap.analysis.walk import DEFAULT_MODEL
 from imugap.kinematics.strapdown import POSITION
 from imugap.model import ErrorModel
 from imugap.navigation.pedestrian import WalkAssumptions, navigate

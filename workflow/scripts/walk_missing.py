@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from imugap.commands.walk import DEFAULT_MODEL
+from imugap.analysis.walk import DEFAULT_MODEL
 from imugap.effects import CATALOGUE
 from imugap.integrity.timestamps import filled
 from imugap.io import datasets as catalogue

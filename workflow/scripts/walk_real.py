@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 from scipy.stats import spearmanr
 
-from imugap.commands.walk import DEFAULT_MODEL, INDOORS, WalkInputs, navigate_walk
+from imugap.analysis.walk import DEFAULT_MODEL, INDOORS, WalkInputs, navigate_walk
 from imugap.integrity import report as integrity
 from imugap.integrity.timestamps import filled
 from imugap.io import datasets as catalogue

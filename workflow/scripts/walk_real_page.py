@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 
-from imugap.commands.walk import STD
+from imugap.analysis.walk import STD
 from imugap.figures import pedestrian, style
 from imugap.figures.pedestrian import SETS
 from imugap.workflow import tables

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 
-from imugap.commands.walk import DEFAULT_MODEL
+from imugap.analysis.walk import DEFAULT_MODEL
 from imugap.effects import WhiteNoise
 from imugap.effects.effect import AxisModel
 from imugap.filters.zero_velocity import Statistic

@@ -1,256 +1,25 @@
-"""Command ``drive``: navigate a drive by device and receiver, and write a folder.
-
-Stages, each a function of the value that the one before returns: read the logs and the configuration; check columns,
-gaps and times; screen the fixes; prepare (fill lost samples, rotate to the axes of the vehicle); mend what device and
-fixes contradict each other in; align; filter; smooth; judge; report verdict, solutions, events, summary and figures;
-write the folder.
-"""
+"""Command ``drive``: navigate a drive by device and receiver, write a folder, and print the summary."""
 
 import argparse
-import dataclasses
 import json
 import sys
-from collections.abc import Iterable
-from dataclasses import dataclass, field, replace
-from pathlib import Path
-from typing import NamedTuple
+from dataclasses import replace
 
-import numpy as np
-import pandas as pd
-
+from imugap.analysis.drive import DriveSettings
+from imugap.api.drives import drive
 from imugap.commands.arguments import add_effects, add_examples
-from imugap.commands.outputs import add_format, require_folder, write_folder
-from imugap.commands.reading import LOG_HELP, InputFile, add_reading, model_at, open_model, say, settings_of
-from imugap.commands.reading import read as read_log
-from imugap.filters.consistency import nees_band
-from imugap.filters.innovation_gate import (
-    CLOSED,
-    FAILED,
-    OPENED,
-    REMOVED,
-    RESET,
-    SEPARATED,
-    SET_ASIDE,
-    WEIGHED,
-    QualityControl,
-)
-from imugap.integrity.timestamps import filled
-from imugap.io import configuration
+from imugap.commands.outputs import FOLDER_HELP, add_format, require_folder
+from imugap.commands.reading import LOG_HELP, add_reading, read, say, settings_of
 from imugap.io.fixes import reading as fixes
-from imugap.io.fixes.course import fast_course_rate
-from imugap.io.gnss import COMPONENTS, PLACE_STD
-from imugap.io.recognition import frame
-from imugap.log import ACCEL, AXES, GYRO, LogError, axes
-from imugap.model import ErrorModel
-from imugap.navigation import (
-    drive_physics,
-    drive_suspects,
-    drive_verdict,
-    fix_screening,
-    vehicle,
-    vehicle_alignment,
-)
-from imugap.navigation.drive_suspects import deviations
-from imugap.navigation.drive_verdict import DriveVerdict
-from imugap.navigation.mend import Mend
-from imugap.navigation.vehicle import (
-    LEVER_ARM,
-    TIME_OFFSET,
-    AlignmentSettings,
-    DriveAssumptions,
-    DriveInputs,
-    DriveSolution,
-    InitialState,
-)
-from imugap.numerics.rotation import from_euler
+from imugap.io.recognition.frame import AS_IS
 
 FILES = (
-    "solution.parquet", "smoothed.parquet", "events.csv", "summary.json", "inputs.json", "track.svg", "motion.svg",
-    "sensors.svg", "quality.svg",
+    "report.html", "solution.parquet", "smoothed.parquet", "events.csv", "summary.json", "inputs.json", "path.geojson",
+    "path.kml", "track.svg", "motion.svg", "sensors.svg", "quality.svg",
 )  # fmt: skip
 """Files of the folder."""
-STD = "_std"
-"""Suffix of the name of a standard deviation."""
-SCHEMA = Path(__file__).with_name("drive.schema.yaml")
-LONGEST_GAP_S = 0.5
-"""Longest gap that is filled [s]."""
-STEEPEST = 0.5
-"""Cosine of the largest angle between up and the mean specific force."""
-COUNTED = (FAILED, WEIGHED, REMOVED, RESET, SET_ASIDE, OPENED, SEPARATED, CLOSED)
-"""Events that the summary counts."""
-FASTEST_TURN, MOST_TURNS = 3.0, 30.0
-"""Mean rate over a second that no vehicle has in a drive [rad/s], and its ratio to the rate of the course."""
 DISAGREES = 3
 """Exit code of ``--strict`` where device and fixes do not agree."""
-OUTAGE_INTERVALS = 2.5
-"""Shortest outage, in intervals of the fixes."""
-GYRO_CLASS = {"white_noise": {"density": 2e-4}, "gauss_markov": {"std": 5e-3, "correlation_time": 3600}}
-ACCEL_CLASS = {"white_noise": {"density": 2e-3}, "gauss_markov": {"std": 0.1, "correlation_time": 3600}}
-DEFAULT_MODEL = ErrorModel.from_mapping(
-    {axis: [GYRO_CLASS] for axis in GYRO} | {axis: [ACCEL_CLASS] for axis in ACCEL}
-)  # fmt: skip
-"""Error model of an unknown device in a car: that of a cheap device under vibration."""
-
-
-@dataclass(frozen=True)
-class DriveSettings:
-    """Configuration of a drive: error model, mounting (Euler angles [rad]), and settings of the filter."""
-
-    model: ErrorModel = DEFAULT_MODEL
-    mounting: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    assumptions: DriveAssumptions = field(default_factory=DriveAssumptions)
-    quality: QualityControl = field(default_factory=QualityControl)
-    alignment: AlignmentSettings = field(default_factory=AlignmentSettings)
-
-    @property
-    def states_receiver(self) -> bool:
-        """Whether the noise of the receiver is stated, and not that by default."""
-        plain = DriveAssumptions()
-        own = self.assumptions
-        return (own.position_std, own.velocity_std) != (plain.position_std, plain.velocity_std)
-
-    @classmethod
-    def read(cls, path: str | Path | None, effects: str | None = None) -> "DriveSettings":
-        """Read a configuration (YAML, described by ``drive.schema.yaml``); None gives the defaults."""
-        values = configuration.configure({}, SCHEMA) if path is None else configuration.read(path, SCHEMA)
-        if values["model"] is None:
-            return cls.of(values, DEFAULT_MODEL)
-        model = Path(path).parent / values["model"]
-        return cls.of(values, model_at(open_model(model, effects), None).require_axes(model))
-
-    @classmethod
-    def of(cls, values: dict, model: ErrorModel) -> "DriveSettings":
-        """Convert a complete configuration."""
-        arm, offset, scale = values["lever_arm"], values["time_offset"], values["scale_factor"]
-        fix, quality, start, wheels = (values[name] for name in ("receiver", "quality", "start", "wheels"))
-        assumptions = DriveAssumptions(
-            lever_m=(arm["x_m"], arm["y_m"], arm["z_m"]),
-            lever_std=arm["std_m"],
-            offset_s=offset["offset_s"],
-            offset_std=offset["std_s"],
-            scale_std=(scale["gyro_std"], scale["accel_std"]),
-            scale_s=np.inf if scale["correlation_s"] is None else scale["correlation_s"],
-            position_std=(fix["horizontal_m"], fix["horizontal_m"], fix["vertical_m"]),
-            velocity_std=(fix["horizontal_m_per_s"], fix["horizontal_m_per_s"], fix["vertical_m_per_s"]),
-            epoch_s=values["epoch_s"],
-            wheels_std=wheels["std_m_per_s"],
-            wheels_s=wheels["correlation_s"],
-            axle_m=(wheels["x_m"], wheels["y_m"], wheels["z_m"]),
-        )
-        control = QualityControl(
-            component=quality["component_sigma"],
-            separation_s=quality["hindsight_s"],
-            **{name: quality[name] for name in ("robust", "steepness", "false_alarm", "gated", "reset_s")},
-        )
-        course, heading, tilt = (np.radians(start[f"{name}_std_deg"]) for name in ("course", "heading", "tilt"))
-        alignment = AlignmentSettings(
-            speed=start["speed_m_per_s"], rest_s=start["rest_s"], course_std=course, heading_std=heading, tilt_std=tilt
-        )
-        mounting = tuple(np.radians([values["mounting"][f"{name}_deg"] for name in ("roll", "pitch", "heading")]))
-        return cls(model, mounting, assumptions, control, alignment)
-
-
-@dataclass(frozen=True, eq=False)
-class RecordedDrive:
-    """Logs of a drive, its configuration, and the files; ``as_given``: without mends; ``mends``: of the fixes."""
-
-    log: pd.DataFrame
-    fixes: pd.DataFrame
-    settings: DriveSettings = field(default_factory=DriveSettings)
-    as_given: bool = False
-    mends: tuple[Mend, ...] = ()
-    files: tuple[InputFile, ...] = ()
-
-
-class PreparedDrive(NamedTuple):
-    """Inputs of the filter, what was mended in them, and whether the noise of the receiver is stated."""
-
-    inputs: DriveInputs
-    mends: tuple[Mend, ...]
-    stated: bool
-    as_given: bool
-
-
-class AlignedDrive(NamedTuple):
-    """Inputs of the filter, what was mended in them, and the initial state."""
-
-    inputs: DriveInputs
-    mends: tuple[Mend, ...]
-    start: InitialState
-
-
-@dataclass(frozen=True, eq=False)
-class NavigatedDrive:
-    """Solutions of the filter and of the smoother for a drive, its fixes, the verdict, and the settings in use."""
-
-    filtered: DriveSolution
-    smoothed: DriveSolution
-    fixes: pd.DataFrame
-    verdict: DriveVerdict
-    inputs: DriveInputs
-
-    def summary(self) -> dict:
-        """Return the verdict, the extent of the drive, the events of the quality control, and the mean NIS.
-
-        ``nis`` is the mean normalised innovation squared over its degrees of freedom, 1 for a consistent filter;
-        ``nis_low`` and ``nis_high`` are its 95 % band. ``sensors`` are the filter's estimates at the end, with standard
-        deviations.
-        """
-        one, record = self.filtered, self.filtered.record
-        table, events = self.smoothed.trajectory, one.events["event"]
-        time = one.fix_time
-        gaps = np.diff(np.append(time, one.time[-1]))
-        usual = float(np.median(np.diff(self.fixes.index)))
-        long = gaps[gaps > OUTAGE_INTERVALS * usual]
-        freedom = int(record.freedom.sum())
-        low, high = nees_band(freedom, 1)
-        end, std, factor = one.trajectory_std.iloc[-1], one.sensors_std.iloc[-1], self.verdict.factor
-        found = {
-            "start_s": one.time[0],
-            "duration_s": one.time[-1] - one.time[0],
-            "distance_m": np.hypot(*np.diff(table[["north", "east"]].to_numpy(), axis=0).T).sum(),
-            "fixes": len(time),
-            "outages": len(long),
-            "longest_outage_s": long.max(initial=0.0),
-            **{name.replace(" ", "_"): int((events == name).sum()) for name in COUNTED},
-            "nis": record.statistic.sum() / freedom,
-            "nis_low": low / freedom,
-            "nis_high": high / freedom,
-            "end_horizontal_std_m": factor * np.hypot(end["north"], end["east"]),
-            "end_heading_std_deg": factor * np.degrees(end["heading"]),
-        }
-        sensors = {name: {"value": value, "std": std[name]} for name, value in one.sensors.iloc[-1].items()}
-        plain = {name: value if isinstance(value, int) else float(value) for name, value in found.items()}
-        sensors = {name: {key: float(v) for key, v in pair.items()} for name, pair in sensors.items()}
-        return self._words() | plain | {"sensors": sensors}
-
-    def _words(self) -> dict:
-        """Return the verdict, what was mended, the tests behind it, and the settings in use."""
-        verdict, used = self.verdict, self.inputs.assumptions
-        last, std = self.filtered.sensors.iloc[-1], self.filtered.sensors_std.iloc[-1]
-        offset, arm = last.get(TIME_OFFSET, 0.0), [last.get(name, 0.0) for name in LEVER_ARM]
-        noise = np.median(deviations(self.inputs), axis=0)
-        return {
-            "verdict": str(verdict),
-            "agrees": verdict.agrees,
-            "mends": [{"suspect": one.suspect, "found": one.found, "setting": one.setting} for one in verdict.mends],
-            "outage_test": None if np.isnan(verdict.outage) else verdict.outage,
-            "smoother_test": None if np.isnan(verdict.smoother) else verdict.smoother,
-            "std_factor": verdict.factor,
-            "time_offset_s": {"value": float(used.offset_s + offset), "std": float(std.get(TIME_OFFSET, 0.0))},
-            "lever_arm_m": {
-                axis: {"value": float(given + error), "std": float(std.get(name, 0.0))}
-                for axis, name, given, error in zip("xyz", LEVER_ARM, used.lever_m, arm, strict=True)
-            },
-            "receiver_std": dict(zip(COMPONENTS, map(float, noise), strict=True)),
-        }
-
-    def table(self, one: DriveSolution) -> pd.DataFrame:
-        """Return Trajectory, geodetic position (degrees), sensor errors, and standard deviations."""
-        factor = self.verdict.factor
-        place = one.geodetic.assign(**{name: np.degrees(one.geodetic[name]) for name in ("latitude", "longitude")})
-        parts = [one.trajectory, place, factor * one.trajectory_std.add_suffix(STD)]
-        return pd.concat([*parts, one.sensors, factor * one.sensors_std.add_suffix(STD)], axis=1)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -273,7 +42,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_effects(parser)
     parser.add_argument("--as-given", action="store_true", help="use settings and fixes as they are, and only judge")
     parser.add_argument("--strict", action="store_true", help=f"exit with code {DISAGREES} where they do not agree")
-    parser.add_argument("--out", required=True, help="folder for solution, events, summary and figures")
+    contents = "solution, events, summary, figures, and the path for maps"
+    parser.add_argument("--out", required=True, help=FOLDER_HELP.format(contents))
     add_format(parser)
     add_reading(parser)
     parser.add_argument("--fixes-topic", help="topic of a bag, or message of a log, with the fixes")
@@ -282,139 +52,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Navigate the drive, write the folder ``--out``, print verdict and summary; return the exit code."""
     folder = require_folder(options.out, FILES, (options.log, options.fixes, options.config))
-    recorded = read(options)
-    try:
-        found = navigate_drive(recorded)
-        files = report(found, recorded.files)
-    except ValueError as error:
-        raise ValueError(f"{options.log}, {options.fixes}: {error}") from error
-    write_folder(folder, files, options.format)
-    if not found.verdict.agrees:
-        print(f"imugap: {options.log}, {options.fixes}: {found.verdict}", file=sys.stderr)
-    print(json.dumps(files["summary.json"], indent=1))
-    return DISAGREES if options.strict and not found.verdict.agrees else 0
-
-
-def navigate_drive(recorded: RecordedDrive) -> NavigatedDrive:
-    """Screen, check, prepare, mend, align, filter, smooth and judge a drive."""
-    return smooth(align(mend(prepare(check(screen(recorded))))))
-
-
-def read(options: argparse.Namespace) -> RecordedDrive:
-    """Read the configuration and the logs."""
-    settings = DriveSettings.read(options.config, options.effects)
-    reading = settings_of(options)
+    settings, reading = DriveSettings.read(options.config, options.effects), settings_of(options)
     if any(settings.mounting) and reading.frame is None:
-        reading = dataclasses.replace(reading, frame=frame.AS_IS)  # the mounting turns the device itself
-    found = read_log(options.log, reading).require_gravity()
-    if reading.frame is None and found.frame not in (frame.AS_IS, frame.CANONICAL, "FLU"):
-        expected = "where x points (--frame, or the mounting in --config)"
-        raise LogError(options.log, "frame", expected, f"{frame.vertical(found.frame)}, which leaves the heading open")
+        reading = replace(reading, frame=AS_IS)  # the mounting turns the device itself
+    say(options.config, settings.recognised)
+    log = read(options.log, reading)
     receiver = fixes.read(options.fixes, options.fixes_topic)
     say(options.fixes, receiver.recognised)
-    measured = found.regular.measured
-    _require_radians(measured, receiver.fixes, options.log)
-    files = (
-        InputFile("log", options.log, found.recognised),
-        InputFile("fixes", options.fixes, receiver.recognised),
-    )
-    return RecordedDrive(measured, receiver.fixes, settings, options.as_given, files=files)
-
-
-def _require_radians(log: pd.DataFrame, fixes: pd.DataFrame, path: str) -> None:
-    """Raise a LogError where the device turns many times faster than the course: its rates are in deg/s."""
-    course = fast_course_rate(fixes)
-    if course is None or not set(GYRO) <= set(log.columns):
-        return
-    seconds = np.floor(log.index.to_numpy() - log.index[0])
-    turn = float(np.linalg.norm(log[list(GYRO)].groupby(seconds).mean(), axis=1).max())
-    if turn > FASTEST_TURN and turn > MOST_TURNS * course:
-        found = f"turns of {turn:.3g} within a second, where the course turns by {course:.2g} rad/s; is it in deg/s?"
-        raise LogError(path, "columns gyro_x to gyro_z", "angular rate in rad/s (--units gyro=deg/s decides)", found)
-
-
-def check(recorded: RecordedDrive) -> RecordedDrive:
-    """Check the columns and gaps of the log, and that the fixes lie within its time."""
-    log, due = recorded.log, recorded.fixes.index.to_numpy() + recorded.settings.assumptions.offset_s
-    if axes(log) != AXES:
-        raise LogError("drive", "columns", f"all of {', '.join(AXES)}", ", ".join(log.columns))
-    steps = np.diff(log.index.to_numpy())
-    if steps.max() > LONGEST_GAP_S:
-        found = f"{steps.max():.3g} s after {log.index[int(steps.argmax())]:g} s"
-        raise ValueError(f"drive: expected gaps of at most {LONGEST_GAP_S:g} s; found {found}")
-    if due[0] >= log.index[-1] or due[-1] <= log.index[0]:
-        spans = f"{log.index[0]:g} s to {log.index[-1]:g} s; found fixes from {due[0]:g} s to {due[-1]:g} s"
-        raise ValueError(f"drive: expected fixes within the time of the log, {spans}")
-    return recorded
-
-
-def screen(recorded: RecordedDrive) -> RecordedDrive:
-    """Leave out fixes that no filter can use."""
-    if recorded.as_given:
-        return recorded
-    fixes, mends = fix_screening.screen(recorded.fixes, recorded.settings.assumptions.position_std)
-    return replace(recorded, fixes=fixes, mends=mends)
-
-
-def prepare(recorded: RecordedDrive) -> PreparedDrive:
-    """Fill lost samples, and rotate the log to the axes of the vehicle."""
-    settings, fixes = recorded.settings, recorded.fixes
-    inputs = DriveInputs(
-        mounted(filled(recorded.log), settings.mounting), fixes, settings.model, fix_screening.first_place(fixes),
-        settings.assumptions, settings.quality, settings.alignment,
-    )  # fmt: skip
-    stated = PLACE_STD[0] in fixes or settings.states_receiver
-    return PreparedDrive(inputs, recorded.mends, stated, recorded.as_given)
-
-
-def mend(prepared: PreparedDrive) -> PreparedDrive:
-    """Check the physics, and mend what the innovations show."""
-    if prepared.as_given:
-        return prepared
-    inputs, gross = drive_physics.check_physics(prepared.inputs)
-    inputs, turned = drive_physics.with_mounting(inputs)
-    inputs, fine = drive_suspects.mend(inputs, prepared.stated)
-    return prepared._replace(inputs=inputs, mends=(*prepared.mends, *gross, *turned, *fine))
-
-
-def align(prepared: PreparedDrive) -> AlignedDrive:
-    """Align at the first fixes."""
-    return AlignedDrive(prepared.inputs, prepared.mends, vehicle_alignment.align(prepared.inputs))
-
-
-def smooth(aligned: AlignedDrive) -> NavigatedDrive:
-    """Filter, smooth and judge."""
-    inputs, mends, start = aligned
-    filtered, smoothed = (vehicle.navigate(inputs, start, smooth=one) for one in (False, True))
-    verdict = drive_verdict.judge(inputs, mends, filtered, smoothed)
-    return NavigatedDrive(filtered, smoothed, inputs.fixes, verdict, inputs)
-
-
-def report(found: NavigatedDrive, inputs: Iterable[InputFile] = ()) -> dict[str, object]:
-    """Return the content of each of the :data:`FILES`."""
-    from imugap.figures import drive  # figures take longer to import than to read and check the logs
-
-    filtered, smoothed = found.filtered, found.smoothed
-    tables = found.table(filtered), found.table(smoothed), filtered.events
-    drawn = drive.track(filtered, smoothed, found.fixes), drive.motion(filtered, smoothed)
-    said, checks = (found.summary(), [*map(dataclasses.asdict, inputs)]), drive.quality(filtered)
-    contents = *tables, *said, *drawn, drive.sensors(filtered, smoothed), checks
-    return dict(zip(FILES, contents, strict=True))
-
-
-def mounted(log: pd.DataFrame, mounting: tuple[float, float, float]) -> pd.DataFrame:
-    """Return a log in the axes of the vehicle; a ValueError where its mean specific force does not point up there."""
-    turn = from_euler(np.array(mounting))
-    columns = {}
-    for triad in (GYRO, ACCEL):
-        turned = turn.apply(log[list(triad)].to_numpy(copy=True))
-        columns |= dict(zip(triad, turned.T, strict=True))
-    turned = pd.DataFrame(columns, index=log.index)
-    force = turned[list(ACCEL)].mean().to_numpy()
-    if not -force[2] > STEEPEST * np.linalg.norm(force):
-        shown = ", ".join(f"{value:.2f}" for value in force)
-        raise ValueError(
-            f"drive: expected a mean specific force that points up, accel_z near -9.8 m/s^2; found {shown} m/s^2 "
-            "(give the mounting of the device)"
-        )
-    return turned
+    found = drive(log, receiver, config=options.config, effects=options.effects, as_given=options.as_given)
+    found.made_by(options.command_line).report(folder, options.format)
+    if not found.agrees:
+        print(f"imugap: {options.log}, {options.fixes}: {found.verdict}", file=sys.stderr)
+    print(json.dumps(found.summary, indent=1))
+    return DISAGREES if options.strict and not found.agrees else 0

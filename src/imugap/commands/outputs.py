@@ -1,18 +1,16 @@
-"""Outputs of a command: checked before the work, written completely or not at all."""
+"""Outputs of a command, checked before the work."""
 
 import argparse
-import json
 import os
-from collections.abc import Iterable, Mapping, Sequence
-from functools import partial
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from imugap import atomic, spelling
 from imugap.io.formats.gnss_ins_sim import files as files_of
-from imugap.workflow.products import METADATA, write_figure
+from imugap.workflow.products import METADATA
 
-FIGURE = ".svg"
-"""Ending of the name of a figure, whatever its format."""
+FOLDER_HELP = "folder for the page report.html, {}"
+"""Help of an option for a folder."""
 
 
 def add_format(parser: argparse.ArgumentParser) -> None:
@@ -76,6 +74,7 @@ def require_folder(path: str | Path, names: Iterable[str], inputs: Iterable[str 
         Paths that the command reads; None where one is not given.
     """
     path = Path(path)
+    _require_no_input(path, path, inputs)
     if path.exists() and not path.is_dir():
         raise ValueError(f"{path}: expected a folder; found a file")
     place = Path(os.path.realpath(path))
@@ -88,37 +87,6 @@ def require_folder(path: str | Path, names: Iterable[str], inputs: Iterable[str 
         _require_no_input(path, place / name, inputs)
     _require_writable(path, "folder")
     return path
-
-
-def write_folder(folder: str | Path, files: Mapping[str, object], formats: Sequence[str] = ("svg",)) -> None:
-    """Write files into a folder, in one step.
-
-    Parameters
-    ----------
-    files
-        Name to content; the suffix of the name selects the format: ``.parquet`` and ``.csv`` for a DataFrame, ``.json``
-        for plain data, ``.svg`` for a figure, ``.md`` for a text, ``.yaml`` for an error model.
-    formats
-        Formats in which each figure is written; those of an earlier output in others are gone.
-    """
-    writers = {
-        ".parquet": lambda table, path: table.to_parquet(path),
-        ".csv": lambda table, path: table.to_csv(path, index=False),
-        ".json": lambda data, path: path.write_text(json.dumps(data, indent=1, allow_nan=False) + "\n"),
-        ".md": lambda text, path: path.write_text(text),
-        ".yaml": lambda model, path: model.write(path),
-    }
-    figures = {Path(name).stem: content for name, content in files.items() if name.endswith(FIGURE)}
-    drawn = {
-        f"{name}.{kind}": partial(write_figure, one, kind=kind) for name, one in figures.items() for kind in formats
-    }
-    others = {
-        name: partial(writers[Path(name).suffix], content)
-        for name, content in files.items()
-        if not name.endswith(FIGURE)
-    }
-    outdated = {f"{name}.{kind}" for name in figures for kind in METADATA} - set(drawn)
-    atomic.write_folder(folder, others | drawn, outdated)
 
 
 def _require_no_input(shown: str | Path, path: Path, inputs: Iterable[str | Path | None]) -> None:

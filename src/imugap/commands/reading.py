@@ -3,17 +3,18 @@
 import argparse
 import sys
 from collections.abc import Iterable
-from dataclasses import dataclass
 from pathlib import Path
 
+from imugap.api import logs
+from imugap.api.logs import DeviceLog
 from imugap.commands.arguments import rate
 from imugap.interchange.plugins import catalogue
 from imugap.interchange.start_models.catalogue import ModelFile
-from imugap.io import configuration, recording
+from imugap.io import configuration
 from imugap.io.recognition.frame import AS_IS
 from imugap.io.recognition.unit_text import QUANTITIES
 from imugap.io.recognition.units import given_units
-from imugap.io.recording import Recording, RecordingSettings
+from imugap.io.recording import RecordingSettings
 from imugap.model import ErrorModel
 
 SCHEMA = Path(__file__).with_name("reading.schema.yaml")
@@ -22,15 +23,6 @@ MODEL_HELP = (
     "MATLAB (JSON of imuSensor), recognised by its content"
 )
 LOG_HELP = "recording of the device: CSV of any dialect, Parquet, or another format that is recognised by its content"
-
-
-@dataclass(frozen=True)
-class InputFile:
-    """Input of a command: its role, its path as given, and sentences on what was recognised in it."""
-
-    role: str
-    path: str
-    recognised: tuple[str, ...]
 
 
 def add_reading(parser: argparse.ArgumentParser) -> None:
@@ -71,9 +63,9 @@ def settings_of(options: argparse.Namespace) -> RecordingSettings:
     )  # fmt: skip
 
 
-def read(path: str | Path, settings: RecordingSettings) -> Recording:
-    """Read a recording, and say on the standard error what was recognised."""
-    found = recording.read(path, settings)
+def read(path: str | Path, settings: RecordingSettings) -> DeviceLog:
+    """Read a log, and say on the standard error what was recognised."""
+    found = logs.read(path, settings)
     say(path, found.recognised)
     return found
 

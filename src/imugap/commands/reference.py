@@ -52,7 +52,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     """Write the error-free log to ``--out``, and say how it fits the log."""
     require_files({"--out": options.out}, [options.poses, options.log])
-    measured = read(options.log, replace(settings_of(options), frame=AS_IS)).log
+    measured = read(options.log, replace(settings_of(options), frame=AS_IS)).recording.log
     poses = _in_axes(read_poses(options.poses), measured, options)
     found = _error_free(poses, measured, options)
     log.write(found, options.out)

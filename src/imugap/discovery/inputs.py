@@ -1,8 +1,7 @@
 """Discovery on files: read and check logs, reference and start model of a user, then discover."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from hashlib import file_digest
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -70,57 +69,106 @@ class FileDiscovery:
         Level of the tests.
     found
         The discovery.
-    recognised
-        Sentences on what was recognised in each log and in the start model, by its path; only of logs that are not
-        canonical and models of other tools.
+    inputs
+        The recordings and the start model.
+    remarks
+        Sentences on what was recognised in the start model, where it is a file of another tool.
     """
 
     logs: tuple[dict, ...]
     tests: tuple[dict, ...]
     alpha: float
     found: Discovery
-    recognised: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    inputs: "DiscoveryInputs"
+    remarks: tuple[str, ...] = ()
+
+    @property
+    def recognised(self) -> dict[str, tuple[str, ...]]:
+        """Return sentences on what was recognised in each log and in the start model, by its path.
+
+        Only of logs that are not canonical and models of other tools.
+        """
+        recordings = (*self.inputs.logs, *self.inputs.tests)
+        said = {str(one.source): one.recognised for one in recordings if one.recognised}
+        return said | ({str(self.inputs.model.path): self.remarks} if self.inputs.model and self.remarks else {})
 
     def report(self) -> dict:
         """Return the report as plain data, schema ``imugap/discovery/1``."""
         return report.to_mapping(self.found, self.logs, self.tests)
 
 
+@dataclass(frozen=True, eq=False)
+class DiscoveryInputs:
+    """Recordings of a discovery.
+
+    Attributes
+    ----------
+    logs, tests, reference
+        Runs of one device, as :class:`Files` has them, in the axes of the device.
+    model
+        Start model; None for a constant bias and white noise fitted to the log.
+    """
+
+    logs: tuple[Recording, ...]
+    tests: tuple[Recording, ...] = ()
+    reference: Recording | None = None
+    model: ModelFile | None = None
+
+    def __post_init__(self) -> None:
+        """Check that a reference is that of one log, and that there are no tests then; ValueError otherwise."""
+        _require_one_run(self.logs, self.tests, self.reference)
+
+
 def discover_files(
     files: Files, settings: Settings, progress: Progress = lambda step, done, steps: None
 ) -> FileDiscovery:
-    """Read and check the files, then discover.
+    """Read the files, then discover on them (:func:`discover_recordings`).
 
-    The start model and the catalogue of ``settings`` are replaced by those of the files. An invalid file raises a
-    ValueError or OSError that names the file, the location in it, and the expected and found value.
+    The start model and the catalogue of ``settings`` are replaced by those of the files.
     """
     kinds = catalogue(files.effects)
     opened = None if files.model is None else ModelFile.open(files.model, kinds)
-    if files.tests and files.reference:
-        raise ValueError("test: expected runs at rest; found a reference, which implies a device in motion")
-    if len(files.logs) > 1 and files.reference:
-        raise ValueError(f"reference: expected one log, which it is the error-free one of; found {len(files.logs)}")
+    settings = replace(settings, catalogue=tuple(kinds.values()))
+    _require_one_run(files.logs, files.tests, files.reference)
     reading = replace(files.reading, frame=files.reading.frame or AS_IS)
-    recordings = [recording.read(path, reading) for path in (*files.logs, *files.tests)]
-    tables = [_usable(one) for one in recordings]
-    logs, tests = tables[: len(files.logs)], tables[len(files.logs) :]
-    for path, table in zip((*files.logs[1:], *files.tests), (*logs[1:], *tests), strict=True):
-        _require_columns(table, path, list(logs[0].columns))
-        _require_values(table, path, logs[0])
-        _require_rate(table, path, logs[0])
-    start = None if opened is None else opened.at(1 / _clock(files.logs[0], logs[0]).interval)
+    logs, tests = (tuple(recording.read(path, reading) for path in some) for some in (files.logs, files.tests))
+    turned = RecordingSettings(frame=logs[0].frame)
+    reference = None if files.reference is None else recording.read(files.reference, turned)
+    return discover_recordings(DiscoveryInputs(logs, tests, reference, opened), settings, progress)
+
+
+def discover_recordings(
+    inputs: DiscoveryInputs, settings: Settings, progress: Progress = lambda step, done, steps: None
+) -> FileDiscovery:
+    """Check the recordings, then discover; the start model of ``settings`` is replaced by that of the inputs.
+
+    An invalid recording raises a ValueError or OSError that names the file, the location in it, and the expected and
+    found value.
+    """
+    logs, tests = (tuple(map(_usable, some)) for some in (inputs.logs, inputs.tests))
+    first = logs[0]
+    for one, table in zip((*inputs.logs[1:], *inputs.tests), (*logs[1:], *tests), strict=True):
+        _require_columns(table, one.source, list(first.columns))
+        _require_values(table, one.source, first)
+        _require_rate(table, one.source, first)
+    start = None if inputs.model is None else inputs.model.at(1 / _clock(inputs.logs[0].source, first).interval)
     if start is not None:
-        _require_describable(start.model, files.model, logs[0])
-    settings = replace(settings, start=start and start.model, catalogue=tuple(kinds.values()))
-    turned = RecordingSettings(frame=recordings[0].frame)
-    reference = None if files.reference is None else _reference(files.reference, logs[0], turned)
+        _require_describable(start.model, inputs.model.path, first)
+    settings = replace(settings, start=start and start.model)
+    reference = None if inputs.reference is None else _reference(inputs.reference, first)
     found = discover(logs, settings, tests, reference, progress)
-    first, *others = map(_log_properties, files.logs, logs)
-    return FileDiscovery(
-        (first | _used_part(found), *others), tuple(map(_log_properties, files.tests, tests)), settings.alpha, found,
-        {str(one.source): one.recognised for one in recordings if one.recognised}
-        | ({str(files.model): start.remarks} if start is not None and start.remarks else {}),
-    )  # fmt: skip
+    properties, *others = map(_log_properties, inputs.logs, logs)
+    used = (properties | _used_part(found), *others)
+    others = tuple(map(_log_properties, inputs.tests, tests))
+    return FileDiscovery(used, others, settings.alpha, found, inputs, start.remarks if start is not None else ())
+
+
+def _require_one_run(logs: Sequence, tests: Sequence, reference: object | None) -> None:
+    """Raise a ValueError if there is a reference, and several logs or tests."""
+    if tests and reference is not None:
+        raise ValueError("test: expected runs at rest; found a reference, which implies a device in motion")
+    if len(logs) > 1 and reference is not None:
+        raise ValueError(f"reference: expected one log, which it is the error-free one of; found {len(logs)}")
 
 
 def _usable(found: Recording) -> pd.DataFrame:
@@ -205,9 +253,9 @@ def _require_rate(table: pd.DataFrame, path: Path, first: pd.DataFrame) -> None:
         raise LogError(path, "time", f"the rate of the first log, {expected:.4g} Hz", f"{found:.4g} Hz")
 
 
-def _reference(path: Path, measured: pd.DataFrame, reading: RecordingSettings) -> pd.DataFrame:
-    """Read the reference; raise a LogError unless it is complete and covers the log."""
-    reference = log.check(recording.read(path, reading).table, path)
+def _reference(found: Recording, measured: pd.DataFrame) -> pd.DataFrame:
+    """Return the reference; raise a LogError unless it is complete and covers the log."""
+    path, reference = found.source, log.check(found.table, found.source)
     _require_columns(reference, path, log.axes(measured))
     time = measured.index.to_numpy(float)
     covered = (time >= reference.index[0]) & (time <= reference.index[-1])
@@ -231,13 +279,11 @@ def _used_part(found: Discovery) -> dict:
     return {"begin_s": found.record.begin, "duration_s": conditions.interval * len(conditions)}
 
 
-def _log_properties(path: Path, table: pd.DataFrame) -> dict:
-    with Path(path).open("rb") as file:
-        digest = file_digest(file, "sha256").hexdigest()
-    clock = _clock(path, table)
+def _log_properties(found: Recording, table: pd.DataFrame) -> dict:
+    clock = _clock(found.source, table)
     return {
-        "path": str(path),
-        "sha256": digest,
+        "path": str(found.source),
+        "sha256": found.sha256,
         "rate_hz": 1 / clock.interval,
         "begin_s": float(clock.grid[0]),
         "duration_s": clock.interval * clock.count,

@@ -10,11 +10,11 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from imugap.discovery.device import Discovery
-from imugap.discovery.evaluation.distance import Drifts
+from imugap.discovery.evaluation.distance import Distances, Drifts
 from imugap.discovery.finding import Discrepancy
 from imugap.discovery.views import Curve
 from imugap.discovery.views.discrepancies import ViewTest
-from imugap.figures.style import AXIS_TITLES, legend_below, panels_of, text_figure
+from imugap.figures.style import AXIS_TITLES, card, legend_below, panels_of, text_figure
 from imugap.workflow.tables import unit
 
 MOST, FEW = 20, 6
@@ -153,23 +153,77 @@ def _scaled(row: Sequence[Axes], curve: Curve) -> None:
         panel.minorticks_off()
 
 
+def drawn_places(found: Discovery) -> list[tuple[str, str]]:
+    """Return view and axis of every place of which there is a curve, of each view the surest axis first."""
+    shown = _shown(found)
+    first = dict(reversed(shown))
+    return sorted(shown, key=lambda key: key not in first.items())
+
+
+def place(found: Discovery, alpha: float, key: tuple[str, str]) -> Figure:
+    """Draw one view of one axis, with the start model above and with the final model below, as wide as a phone."""
+    before, after = ({(one.curve.view, one.curve.axis): one for one in some} for some in (found.before, found.after))
+    figure, panels = card(3.6, rows=2, sharex=True, sharey=True)
+    sides = zip(panels, STATES.values(), (before, after), (found.discrepancies, found.unexplained), strict=True)
+    for panel, (title, colour), tests, places in sides:
+        panel.set_title(f"with the {title}")
+        if key in tests:
+            _view(panel, tests[key], alpha, colour, f"{1 - alpha:.0%} of simulations, {title}")
+            _marked(panel, [one for one in places if (one.view, one.axis) == key])
+        else:
+            panel.text(0.5, 0.5, "explained by what the axes share", ha="center", transform=panel.transAxes)
+    _scaled(panels, before[key].curve)
+    panels[0].set_xlabel("")
+    panels[1].set_ylabel(panels[0].get_ylabel())
+    legend_below(figure, 2)
+    return figure
+
+
+def distance_of(found: Discovery, name: str) -> Figure:
+    """Draw one distance of the held-out data to both models beside the floor, as wide as a phone."""
+    figure, (panel,) = card(2.2)
+    _distance(panel, found.distances[name])
+    panel.set_ylabel("distance")
+    legend_below(figure, 3)
+    return figure
+
+
+def drift_of(path: Drifts, direction: str) -> Figure:
+    """Draw the free-inertial drift of held-out data in one direction in the ensembles of both models."""
+    column = DIRECTIONS.index(direction)
+    figure, panels = card(3.2, rows=2, sharex=True, sharey=True)
+    for panel, (state, (title, colour)) in zip(panels, STATES.items(), strict=True):
+        label = f"{LEVEL:.0%} of simulations, {title}"
+        _drift(panel, path, getattr(path, state)[..., column], path.measured[:, column], colour, label)
+        panel.set(title=f"with the {title}", ylabel="drift [m]", ylim=(-_reach(path, column), _reach(path, column)))
+    panels[-1].set_xlabel("time [s]")
+    legend_below(figure, 2)
+    return figure
+
+
 def distance(found: Discovery) -> Figure:
     """Draw the distances of the held-out data to both models beside the floor, the band."""
     figure, grid = panels_of(1, len(found.distances), 2.4)
     for (name, apart), panel in zip(found.distances.items(), grid[0], strict=True):
-        panel.axhspan(apart.floor.low, apart.floor.high, color="#cccccc", lw=0, label="floor (95 %)")
-        panel.axhline(apart.floor.value, color="#888888", lw=0.6)
-        for place, (state, (title, colour)) in enumerate(STATES.items()):
-            one = getattr(apart, state)
-            ends = [[one.value - one.low], [one.high - one.value]]
-            panel.errorbar([place], [one.value], ends, fmt="o", ms=5, color=colour, capsize=4, label=title)
-        panel.set(title=NAMES[name], xticks=[0, 1], xticklabels=list(STATES), xlim=(-0.6, 1.6), yscale="log")
-        panel.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-        panel.yaxis.set_major_formatter(PLAIN)
-        panel.yaxis.set_minor_formatter(NullFormatter())
+        _distance(panel, apart)
+        panel.set_title(NAMES[name])
     grid[0, 0].set_ylabel("distance")
     legend_below(figure, 3)
     return figure
+
+
+def _distance(panel: Axes, apart: Distances) -> None:
+    """Draw one distance to both models beside the floor, the band."""
+    panel.axhspan(apart.floor.low, apart.floor.high, color="#cccccc", lw=0, label="floor (95 %)")
+    panel.axhline(apart.floor.value, color="#888888", lw=0.6)
+    for place, (state, (title, colour)) in enumerate(STATES.items()):
+        one = getattr(apart, state)
+        ends = [[one.value - one.low], [one.high - one.value]]
+        panel.errorbar([place], [one.value], ends, fmt="o", ms=5, color=colour, capsize=4, label=title)
+    panel.set(xticks=[0, 1], xticklabels=list(STATES), xlim=(-0.6, 1.6), yscale="log")
+    panel.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    panel.yaxis.set_major_formatter(PLAIN)
+    panel.yaxis.set_minor_formatter(NullFormatter())
 
 
 def drift(found: Discovery) -> Figure:

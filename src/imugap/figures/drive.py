@@ -1,10 +1,13 @@
 """Figures of a drive: each function draws one figure from solutions or tables and returns it."""
 
+from collections.abc import Sequence
+
 import numpy as np
 import pandas as pd
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from imugap.figures.style import WIDTH, decades, legend_below, panels_of
+from imugap.figures.style import WIDTH, card, decades, legend_below, panels_of
 from imugap.filters.innovation_gate import ACCEPTED, InnovationRecord
 from imugap.io import gnss
 from imugap.log import AXES
@@ -16,12 +19,18 @@ LINEAR = 5.0
 """Innovations, in their standard deviations, up to which an axis is linear."""
 POINTS = 4000
 """Points of a curve: more than a page shows."""
+OVER_TIME = {
+    "speed": ("speed [m/s]", "σ of velocity [m/s]"),
+    "height": ("height [m]", "σ of position [m]"),
+    "heading": ("heading [°]", "σ of heading [°]"),
+}
+"""What is drawn over time, its title, and that of the standard deviation beside it."""
 UNITS = {"gyro": ("°/h", np.degrees(3600.0)), "accel": ("mg", 1e3 / 9.80665), "scale": ("10⁻³", 1e3)}
 
 
-def track(filtered: DriveSolution, smoothed: DriveSolution, fixes: pd.DataFrame) -> Figure:
-    """Draw the drive from above, like a map: fixes, those that did not fit, filter and smoother."""
-    figure = Figure(figsize=(WIDTH, 0.75 * WIDTH), layout="constrained")
+def track(filtered: DriveSolution, smoothed: DriveSolution, fixes: pd.DataFrame, width: float = WIDTH) -> Figure:
+    """Draw the drive from above, like a map ``width`` [inch] wide: fixes, those that did not fit, filter, smoother."""
+    figure = Figure(figsize=(width, 0.85 * width), layout="constrained")
     panel = figure.subplots()
     seen, record = gnss.local(fixes, filtered.ellipsoid), filtered.record
     panel.plot(seen[:, 1], seen[:, 0], ".", color=FIX, ms=2.5, label="fixes", zorder=1)
@@ -38,64 +47,93 @@ def track(filtered: DriveSolution, smoothed: DriveSolution, fixes: pd.DataFrame)
     begin = filtered.history.navigation[0]
     panel.plot(begin[1], begin[0], "o", color="black", ms=4, label="begin", zorder=4)
     panel.set(xlabel="east [m]", ylabel="north [m]", aspect="equal")
-    panel.legend(loc="best")
+    panel.set_adjustable("datalim")
+    legend_below(figure, 3 if width < WIDTH else 6)
     return figure
 
 
 def motion(filtered: DriveSolution, smoothed: DriveSolution) -> Figure:
     """Draw speed, height and heading over time, and the standard deviations of filter and smoother."""
     figure, grid = panels_of(3, 2, 5.4, sharex=True)
-    for one, colour, label in ((filtered, FILTER, "filter"), (smoothed, SMOOTHER, "smoother")):
-        every = _every(one)
-        table, std = one.trajectory[::every], one.trajectory_std[::every]
-        time = table.index.to_numpy()
-        speed = np.linalg.norm(table[["vel_n", "vel_e", "vel_d"]], axis=1)
-        rows = (
-            (speed, np.linalg.norm(std[["vel_n", "vel_e"]], axis=1)),
-            (one.geodetic["height"].to_numpy()[::every], np.linalg.norm(std[["north", "east"]], axis=1)),
-            (np.degrees(np.unwrap(table["heading"])), np.degrees(std["heading"])),
-        )
-        for panels, (values, spread) in zip(grid, rows, strict=True):
-            panels[0].plot(time, values, color=colour, lw=0.8, label=label)
-            panels[1].plot(time, spread, color=colour, lw=0.8, label=label)
-    titles = (
-        ("speed [m/s]", "σ of velocity [m/s]"),
-        ("height [m]", "σ of position [m]"),
-        ("heading [°]", "σ of heading [°]"),
-    )
-    for panels, pair in zip(grid, titles, strict=True):
-        for panel, title in zip(panels, pair, strict=True):
+    for panels, (name, titles) in zip(grid, OVER_TIME.items(), strict=True):
+        for panel, title in zip(panels, titles, strict=True):
             panel.set_title(title)
-        decades(panels[1])
+        _over_time(panels, filtered, smoothed, name)
     for panel in grid[-1]:
         panel.set_xlabel("time [s]")
     legend_below(figure, 2)
     return figure
+
+
+def over_time(filtered: DriveSolution, smoothed: DriveSolution, name: str) -> Figure:
+    """Draw one of :data:`OVER_TIME` and the standard deviation beside it over time, as wide as a phone."""
+    figure, panels = card(3.0, rows=2, sharex=True)
+    _over_time(panels, filtered, smoothed, name)
+    for panel, title in zip(panels, OVER_TIME[name], strict=True):
+        panel.set_ylabel(title)
+    panels[-1].set_xlabel("time [s]")
+    legend_below(figure, 2)
+    return figure
+
+
+def _over_time(panels: Sequence[Axes], filtered: DriveSolution, smoothed: DriveSolution, name: str) -> None:
+    """Draw values in the first panel, and standard deviations in the second, of filter and smoother."""
+    for one, colour, label in ((filtered, FILTER, "filter"), (smoothed, SMOOTHER, "smoother")):
+        every = _every(one)
+        table, std = one.trajectory[::every], one.trajectory_std[::every]
+        drawn = {
+            "speed": (
+                np.linalg.norm(table[["vel_n", "vel_e", "vel_d"]], axis=1),
+                np.linalg.norm(std[["vel_n", "vel_e"]], axis=1),
+            ),
+            "height": (one.geodetic["height"].to_numpy()[::every], np.linalg.norm(std[["north", "east"]], axis=1)),
+            "heading": (np.degrees(np.unwrap(table["heading"])), np.degrees(std["heading"])),
+        }
+        for panel, values in zip(panels, drawn[name], strict=True):
+            panel.plot(table.index.to_numpy(), values, color=colour, lw=0.8, label=label)
+    decades(panels[1])
 
 
 def sensors(filtered: DriveSolution, smoothed: DriveSolution) -> Figure:
     """Draw the estimated errors of the six axes over time, with their standard deviations."""
     figure, grid = panels_of(2, 3, 3.8, sharex=True)
     for axis, panel in zip(AXES, grid.flat, strict=True):
-        unit, factor = UNITS[axis.split("_")[0]]
-        panel.set_title(f"{axis.replace('_', ' ')} [{unit}]")
-        if axis not in filtered.names:
-            continue
-        for one, colour, label in ((filtered, FILTER, "filter"), (smoothed, SMOOTHER, "smoother")):
-            every = _every(one)
-            time = one.time.to_numpy()[::every]
-            values, spread = (factor * table[axis].to_numpy()[::every] for table in (one.sensors, one.sensors_std))
-            panel.fill_between(time, values - spread, values + spread, color=colour, lw=0, alpha=0.25)
-            panel.plot(time, values, color=colour, lw=0.8, label=label)
+        panel.set_title(_error_title(axis))
+        _sensor(panel, filtered, smoothed, axis)
     for panel in grid[-1]:
         panel.set_xlabel("time [s]")
     legend_below(figure, 2)
     return figure
 
 
+def sensor(filtered: DriveSolution, smoothed: DriveSolution, axis: str) -> Figure:
+    """Draw the estimated error of one axis over time, with its standard deviation, as wide as a phone."""
+    figure, (panel,) = card(2.0)
+    _sensor(panel, filtered, smoothed, axis)
+    panel.set(ylabel=_error_title(axis), xlabel="time [s]")
+    legend_below(figure, 2)
+    return figure
+
+
+def _error_title(axis: str) -> str:
+    return f"{axis.replace('_', ' ')} [{UNITS[axis.split('_')[0]][0]}]"
+
+
+def _sensor(panel: Axes, filtered: DriveSolution, smoothed: DriveSolution, axis: str) -> None:
+    if axis not in filtered.names:
+        return
+    _, factor = UNITS[axis.split("_")[0]]
+    for one, colour, label in ((filtered, FILTER, "filter"), (smoothed, SMOOTHER, "smoother")):
+        every = _every(one)
+        time = one.time.to_numpy()[::every]
+        values, spread = (factor * table[axis].to_numpy()[::every] for table in (one.sensors, one.sensors_std))
+        panel.fill_between(time, values - spread, values + spread, color=colour, lw=0, alpha=0.25)
+        panel.plot(time, values, color=colour, lw=0.8, label=label)
+
+
 def quality(solution: DriveSolution) -> Figure:
     """Draw the innovations of the components over their standard deviations, and the global test, over time."""
-    record, limits = solution.record, solution.quality.limits(len(gnss.COMPONENTS))
+    record = solution.record
     shown = np.flatnonzero(np.isfinite(record.innovation).any(axis=0))
     figure, grid = panels_of(len(shown) + 1, 1, 0.85 * len(shown) + 1.6, sharex=True)
     for panel, i in zip(grid[:, 0], shown, strict=False):
@@ -103,7 +141,22 @@ def quality(solution: DriveSolution) -> Figure:
         if solution.quality.component is not None:
             for sign in (-1, 1):
                 panel.axhline(sign * solution.quality.component, color="black", lw=0.6, ls=":")
-    panel = grid[-1, 0]
+    _global_test(grid[-1, 0], solution)
+    legend_below(figure, 5)
+    return figure
+
+
+def global_test(solution: DriveSolution) -> Figure:
+    """Draw the global test of the innovations over time, as wide as a phone."""
+    figure, (panel,) = card(2.4)
+    _global_test(panel, solution)
+    panel.set_ylabel("squared innovations / variance")
+    legend_below(figure, 2)
+    return figure
+
+
+def _global_test(panel: Axes, solution: DriveSolution) -> None:
+    record, limits = solution.record, solution.quality.limits(len(gnss.COMPONENTS))
     panel.plot(solution.fix_time, record.statistic, ".", color=FILTER, ms=2.5, label="taken as it is")
     panel.plot(solution.fix_time, limits[record.freedom], color="black", lw=0.6, ls=":")
     panel.plot(
@@ -114,8 +167,6 @@ def quality(solution: DriveSolution) -> Figure:
         solution.fix_time[doubted], record.statistic[doubted], ".", color=OFFSET, ms=4, label="place not trusted"
     )
     panel.set(ylabel="global", yscale="log", xlabel="time [s]")
-    legend_below(figure, 5)
-    return figure
 
 
 def _component(panel, time: np.ndarray, record: InnovationRecord, number: int) -> None:

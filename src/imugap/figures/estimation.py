@@ -4,9 +4,10 @@ from math import ceil
 
 import numpy as np
 import pandas as pd
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from imugap.figures.style import AXIS_TITLES, allan_label, allan_unit, legend_below, panels_of
+from imugap.figures.style import AXIS_TITLES, allan_label, allan_unit, card, legend_below, panels_of
 from imugap.units import from_si
 
 TITLES = {
@@ -195,17 +196,27 @@ def fitted(curves: pd.DataFrame) -> Figure:
     rows = ceil(len(axes) / columns)
     figure, grid = panels_of(rows, columns, 2.2 * rows + 0.4, sharex=True)
     for axis, panel in zip(axes, grid.flat, strict=False):
-        unit = allan_unit(axis)
-        one = curves[curves["axis"] == axis]
-        tau = one["tau"].to_numpy()
-        deviation, model, low, high = (from_si(one[c].to_numpy(), unit) for c in ("deviation", "model", "low", "high"))
-        panel.fill_between(tau, low, high, color="#0072B2", alpha=0.2, lw=0, label="95 % of logs under it")
-        panel.plot(tau, model, color="#0072B2", label="fitted model")
-        panel.plot(tau, deviation, color="black", marker=".", ms=2.5, lw=0.6, label="log")
-        panel.set(title=AXIS_TITLES[axis], xscale="log", yscale="log")
-        panel.set(xlabel="averaging time τ [s]", ylabel=allan_label(axis))
+        _fitted(panel, axis, curves[curves["axis"] == axis])
+        panel.set_title(AXIS_TITLES[axis])
         panel.tick_params(labelbottom=True)
     for panel in grid.flat[len(axes) :]:
         panel.remove()
     legend_below(figure, 3)
     return figure
+
+
+def fitted_axis(axis: str, curve: pd.DataFrame) -> Figure:
+    """Draw what :func:`fitted` draws of one axis, as wide as a phone."""
+    figure, (panel,) = card(2.6)
+    _fitted(panel, axis, curve)
+    legend_below(figure, 3)
+    return figure
+
+
+def _fitted(panel: Axes, axis: str, curve: pd.DataFrame) -> None:
+    unit, tau = allan_unit(axis), curve["tau"].to_numpy()
+    deviation, model, low, high = (from_si(curve[c].to_numpy(), unit) for c in ("deviation", "model", "low", "high"))
+    panel.fill_between(tau, low, high, color="#0072B2", alpha=0.2, lw=0, label="95 % of logs under it")
+    panel.plot(tau, model, color="#0072B2", label="fitted model")
+    panel.plot(tau, deviation, color="black", marker=".", ms=2.5, lw=0.6, label="log")
+    panel.set(xscale="log", yscale="log", xlabel="averaging time τ [s]", ylabel=allan_label(axis))

@@ -26,6 +26,8 @@ STYLE = {
 }
 WIDTH = 7.2
 """Width of a full-width figure [inch]."""
+CARD = 3.6
+"""Width of a figure that a phone shows as it is [inch]."""
 
 mpl.rcParams.update(STYLE)
 
@@ -34,6 +36,12 @@ def panels_of(rows: int, columns: int, height: float, **kwargs) -> tuple[Figure,
     """Return a full-width figure of ``height`` [inch] and its panels, shape (rows, columns)."""
     figure = Figure(figsize=(WIDTH, height), layout="constrained")
     return figure, figure.subplots(rows, columns, squeeze=False, **kwargs)
+
+
+def card(height: float = 2.4, rows: int = 1, **kwargs) -> tuple[Figure, np.ndarray]:
+    """Return a figure as wide as a phone, of ``height`` [inch], and its panels, shape (rows,)."""
+    figure = Figure(figsize=(CARD, height), layout="constrained")
+    return figure, figure.subplots(rows, 1, squeeze=False, **kwargs)[:, 0]
 
 
 def legend_below(figure: Figure, columns: int) -> None:

@@ -1,9 +1,10 @@
 """Figures of a walk: each function draws one figure from a solution and returns it."""
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from imugap.figures.style import WIDTH, panels_of
+from imugap.figures.style import WIDTH, card, legend_below, panels_of
 from imugap.filters.zero_velocity import MOVING
 from imugap.navigation.pedestrian import WalkSolution
 
@@ -13,11 +14,13 @@ LEVEL = 0.99
 """Probability that the ellipse of the end holds."""
 POINTS = 4000
 """Points of a curve: more than a page shows."""
+OVER_TIME = {"height": "height [m]", "heading": "heading [°]", "speed": "speed [m/s]"}
+"""What is drawn over time, and its label."""
 
 
-def plan(solution: WalkSolution) -> Figure:
-    """Draw the walk from above: path, stances, begin, and the end with its ellipse."""
-    figure = Figure(figsize=(WIDTH, 0.7 * WIDTH), layout="constrained")
+def plan(solution: WalkSolution, width: float = WIDTH) -> Figure:
+    """Draw the walk from above, ``width`` [inch] wide: path, stances, begin, and the end with its ellipse."""
+    figure = Figure(figsize=(width, 0.8 * width), layout="constrained")
     panel = figure.subplots()
     path = solution.trajectory[["east", "north"]].to_numpy()
     panel.plot(*path[:: _every(solution)].T, color=COLOUR, lw=0.7, label="path")
@@ -26,7 +29,8 @@ def plan(solution: WalkSolution) -> Figure:
     panel.plot(*ellipse(path[-1], solution.horizontal[-1][::-1, ::-1]).T, color="black", lw=0.8,
                label=f"end, {LEVEL:.0%}")  # fmt: skip
     panel.set(xlabel="east [m]", ylabel="north [m]", aspect="equal")
-    panel.legend()
+    panel.set_adjustable("datalim")
+    legend_below(figure, 4)
     return figure
 
 
@@ -44,25 +48,39 @@ def ellipse(middle: np.ndarray, covariance: np.ndarray, level: float = LEVEL) ->
 def height(solution: WalkSolution) -> Figure:
     """Draw height and heading over time, with their standard deviations, and the speed with the stances."""
     figure, grid = panels_of(3, 1, 5.0, sharex=True)
+    for panel, name in zip(grid[:, 0], OVER_TIME, strict=True):
+        _over_time(panel, solution, name)
+    grid[2, 0].set_xlabel("time [s]")
+    legend_below(figure, 2)
+    return figure
+
+
+def over_time(solution: WalkSolution, name: str) -> Figure:
+    """Draw one of :data:`OVER_TIME` over time, as wide as a phone."""
+    figure, (panel,) = card(2.0)
+    _over_time(panel, solution, name)
+    panel.set_xlabel("time [s]")
+    if name == "speed":
+        legend_below(figure, 2)
+    return figure
+
+
+def _over_time(panel: Axes, solution: WalkSolution, name: str) -> None:
+    """Draw height or heading with its standard deviation, or the speed with the stances."""
     every = _every(solution)
     table, std = solution.trajectory[::every], solution.trajectory_std[::every]
     time = table.index.to_numpy()
-    heading = np.degrees(np.unwrap(table["heading"]))
-    for panel, title, values, spread in (
-        (grid[0, 0], "height [m]", -table["down"], std["down"]),
-        (grid[1, 0], "heading [°]", heading, np.degrees(std["heading"])),
-    ):
+    if name == "speed":
+        values = np.linalg.norm(table[["vel_n", "vel_e", "vel_d"]], axis=1)
+        panel.plot(time, values, color=COLOUR, lw=0.6, label="speed")
+        stands = np.where(solution.phase[::every] > MOVING, values, np.nan)
+        panel.plot(time, stands, color=STANCE, lw=1.2, label="stance")
+    else:
+        heading = np.degrees(np.unwrap(table["heading"])), np.degrees(std["heading"])
+        values, spread = (-table["down"], std["down"]) if name == "height" else heading
         panel.fill_between(time, values - spread, values + spread, color=COLOUR, lw=0, alpha=0.25)
         panel.plot(time, values, color=COLOUR, lw=0.7)
-        panel.set_ylabel(title)
-    speed = np.linalg.norm(table[["vel_n", "vel_e", "vel_d"]], axis=1)
-    grid[2, 0].plot(time, speed, color=COLOUR, lw=0.6)
-    grid[2, 0].plot(
-        time, np.where(solution.phase[::every] > MOVING, speed, np.nan), color=STANCE, lw=1.2, label="stance"
-    )
-    grid[2, 0].set(xlabel="time [s]", ylabel="speed [m/s]", xlim=(time[0], time[-1]))
-    grid[2, 0].legend()
-    return figure
+    panel.set(ylabel=OVER_TIME[name], xlim=(time[0], time[-1]))
 
 
 def _every(solution: WalkSolution) -> int:

@@ -16,6 +16,7 @@ What was recognised is in the sentences of the recording; what cannot be recogni
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
+from hashlib import sha256
 from pathlib import Path
 
 import numpy as np
@@ -23,7 +24,8 @@ import pandas as pd
 
 from imugap.integrity.regular import Regular, regular
 from imugap.io.formats.catalogue import open_source
-from imugap.io.formats.source import Source
+from imugap.io.formats.memory import table_source
+from imugap.io.formats.source import Source, sha256_of
 from imugap.io.recognition import column_names, frame, samples, stamps
 from imugap.io.recognition.column_names import SKIP, Assignment
 from imugap.io.recognition.conversion import Conversion, asked, conversion
@@ -80,6 +82,14 @@ class Recording:
         return self
 
     @cached_property
+    def sha256(self) -> str:
+        """Return the SHA-256 of the file, of all files of a folder, or of the samples where there is neither."""
+        if not self.source.exists():
+            samples = self.table.reset_index().to_numpy(float)
+            return sha256(np.ascontiguousarray(samples).tobytes()).hexdigest()
+        return sha256_of(self.source)
+
+    @cached_property
     def regular(self) -> Regular:
         """Return the true samples on an even clock, with gaps as gaps; LogError where no rate or no value is right."""
         return regular(self.table, str(self.source), self.place)
@@ -115,6 +125,11 @@ def read(path: str | Path, settings: RecordingSettings = DEFAULTS) -> Recording:
         return _recognised(source, settings)
     except LogError as error:
         raise LogError(path, error.place, error.expected, error.found) from error
+
+
+def of_table(table: pd.DataFrame, settings: RecordingSettings = DEFAULTS) -> Recording:
+    """Take a table as the recording of a device, recognised as a file with these columns is."""
+    return _recognised(table_source(table), settings)
 
 
 def stream(path: str | Path, settings: RecordingSettings = DEFAULTS) -> tuple[Conversion, Iterator[pd.DataFrame]]:

@@ -1,13 +1,17 @@
 """Fixes of a receiver in any format that is known, checked and in SI (:mod:`imugap.io.gnss`)."""
 
 from dataclasses import dataclass
+from functools import cached_property
+from hashlib import sha256
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 
 from imugap.io import gnss
 from imugap.io.fixes import bags, gnss_ins_sim, gpx, nmea, px4, rtklib, tables
-from imugap.io.formats.source import whole_file
+from imugap.io.fixes.decoded import Decoded
+from imugap.io.formats.source import sha256_of, whole_file
 from imugap.io.rows import require_numbers, require_order, require_range
 from imugap.log import TIME, LogError
 from imugap.units import to_si
@@ -18,10 +22,18 @@ HEAD_BYTES = 4096
 
 @dataclass(frozen=True, eq=False)
 class ReceiverLog:
-    """Fixes of a receiver, and sentences on what was recognised."""
+    """Fixes of a receiver, checked and in SI, sentences on what was recognised, and the file."""
 
     fixes: pd.DataFrame
     recognised: tuple[str, ...] = ()
+    source: Path = Path("fixes")
+
+    @cached_property
+    def sha256(self) -> str:
+        """Return the SHA-256 of the file, or of the table where there is none."""
+        if self.source.exists():
+            return sha256_of(self.source)
+        return sha256(np.ascontiguousarray(self.fixes.reset_index().to_numpy(float)).tobytes()).hexdigest()
 
 
 def read(path: str | Path, topic: str | None = None) -> ReceiverLog:
@@ -44,6 +56,15 @@ def read(path: str | Path, topic: str | None = None) -> ReceiverLog:
             head = handle.read(HEAD_BYTES)
     with whole_file(path):
         decoded = next(one for one in FORMATS if one.recognises(path, head)).decode(path, topic)
+    return _checked(decoded, path)
+
+
+def of_table(table: pd.DataFrame) -> ReceiverLog:
+    """Take a table as the fixes of a receiver: index ``time`` [s], columns as those of a file (:func:`read`)."""
+    return _checked(Decoded(table.copy()), ReceiverLog.source)
+
+
+def _checked(decoded: Decoded, path: Path) -> ReceiverLog:
     table = decoded.table
     require_range({TIME: table.index.to_numpy()}, path, decoded.place)
     require_order(table, path, decoded.place)
@@ -51,4 +72,4 @@ def read(path: str | Path, topic: str | None = None) -> ReceiverLog:
     for name in ("latitude", "longitude"):
         table[name] = to_si(table[name], "deg")
     fixes = gnss.check(table, path, decoded.place)
-    return ReceiverLog(fixes, (f"{len(fixes)} fixes", *decoded.notes) if decoded.notes else ())
+    return ReceiverLog(fixes, (f"{len(fixes)} fixes", *decoded.notes) if decoded.notes else (), path)

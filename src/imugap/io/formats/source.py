@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from hashlib import file_digest, sha256
 from pathlib import Path
 
 import numpy as np
@@ -96,6 +97,17 @@ class Source:
         with whole_file(self.path):
             first = next(self.batches(columns), [np.empty(0)] * len(columns))
         return [values[:rows] for values in first]
+
+
+def sha256_of(path: Path) -> str:
+    """Return the SHA-256 of a file, or of the names and contents of all files of a folder."""
+    if not path.is_dir():
+        with path.open("rb") as file:
+            return file_digest(file, "sha256").hexdigest()
+    whole = sha256()
+    for one in sorted(one for one in path.rglob("*") if one.is_file()):
+        whole.update(f"{one.relative_to(path).as_posix()} {sha256_of(one)}\n".encode())
+    return whole.hexdigest()
 
 
 @contextmanager

@@ -1,0 +1,111 @@
+"""Estimate the stochastic effects on each axis of a recording at rest.
+
+Stages::
+
+    read        Recording -> Regular             true samples of each axis, gaps as gaps
+    estimate    axis -> AxisEstimate             imugap.estimation.report.estimate_axis; an axis may fail alone
+    export      estimates -> text of a filter    with upper bounds for what the log does not show
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from imugap.effects.effect import AxisModel, Effect
+from imugap.estimation import report
+from imugap.estimation.report import AxisEstimate, EstimatorSettings
+from imugap.integrity.regular import Regular
+from imugap.interchange.conventions import Rule
+from imugap.interchange.export import PROGRAMS, Target, export
+from imugap.interchange.start_bias import start_bias
+from imugap.io.recording import Recording
+from imugap.log import TEMPERATURE
+from imugap.model import ErrorModel
+
+
+@dataclass(frozen=True, eq=False)
+class LogEstimate:
+    """Estimates of the axes of a log.
+
+    Attributes
+    ----------
+    regular
+        The log on an even clock.
+    axes
+        Estimates, in the order of the axes.
+    failed
+        Sentences on the axes without an estimate.
+    """
+
+    regular: Regular
+    axes: tuple[AxisEstimate, ...]
+    failed: tuple[str, ...]
+
+    @property
+    def model(self) -> ErrorModel:
+        """Return the estimated effects as an error model."""
+        return ErrorModel({one.axis: one.fit.model for one in self.axes})
+
+    @property
+    def rate_hz(self) -> float:
+        """Return the sampling rate to nine digits, without the round-off of the stamps [Hz]."""
+        return float(f"{1 / self.regular.interval:.9g}")
+
+    def export(self, target: Target, rule: Rule, gravity: float) -> str:
+        """Return the text of a file for a filter: estimates, bounds for what the log hides, and its bias at rest.
+
+        Parameters
+        ----------
+        gravity
+            Gravity of the site [m/s^2].
+        """
+        axes = {one.axis: _present(one.fit.model) for one in self.axes}
+        levels = {one.axis: float(one.used.values.mean()) for one in self.axes}
+        for axis, (bias, spread) in start_bias(levels, gravity).items():
+            axes[axis] = AxisModel((*axes[axis], bias, *((spread,) if target is Target.KF_GINS else ())))
+        bounds: dict[str, tuple[Effect, ...]] = {}
+        if target is not Target.IMUGAP and target not in PROGRAMS:
+            bounds = {one.axis: limits for one in self.axes if (limits := report.bounds(one))}
+        return export(ErrorModel(axes), target, rule, bounds)
+
+
+def require_axes(recording: Recording, asked: Sequence[str] = ()) -> list[str]:
+    """Return the axes asked for, each once; all that have samples where none are; ValueError for one without."""
+    found = recording.regular
+    if not found.samples:
+        unusable = "; ".join(found.unusable.values())
+        raise ValueError(f"{recording.source}: columns: expected an axis that varies; found {unusable}")
+    for axis in asked:
+        if axis in found.unusable:
+            raise ValueError(f"axis: expected one that varies; found {found.unusable[axis]}")
+    known = tuple(found.samples)
+    return [report.known_name(axis, known, "axis") for axis in dict.fromkeys(asked or known)]
+
+
+def estimate(recording: Recording, axes: Sequence[str], settings: EstimatorSettings) -> LogEstimate:
+    """Estimate each of the axes (:func:`require_axes`); ValueError where none has an estimate."""
+    regular, estimates, errors = recording.regular, [], []
+    for axis in axes:
+        one = regular.samples[axis]
+        temperature = _temperature(regular, len(one.values))
+        try:
+            estimates.append(report.estimate_axis(axis, one.values, one.interval, settings, temperature, one.begin))
+        except ValueError as error:
+            errors.append(error)
+    if not estimates:
+        raise errors[0]
+    return LogEstimate(regular, tuple(estimates), tuple(f"{error} (no estimate of this axis)" for error in errors))
+
+
+def _temperature(found: Regular, count: int) -> np.ndarray | None:
+    """Return the readings of the temperature at ``count`` samples, or None where there are none at the same times."""
+    if TEMPERATURE not in found.log or len(found.log) != count:
+        return None
+    readings = found.log[TEMPERATURE].interpolate(limit_direction="both").to_numpy()
+    return readings if np.isfinite(readings).all() else None
+
+
+def _present(model: AxisModel) -> AxisModel:
+    """Return a model without the processes of density zero."""
+    return AxisModel(tuple(one for one in model if any(one.parameters().values())))

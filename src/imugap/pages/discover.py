@@ -1,0 +1,254 @@
+"""Page of a discovery: what the error model lacks, where that shows, what it changes, and how to add it."""
+
+from collections.abc import Iterable, Mapping, Sequence
+
+import numpy as np
+
+from imugap.discovery.evaluation.distance import Distances
+from imugap.discovery.finding import Discrepancy, Finding, Interval
+from imugap.discovery.inputs import FileDiscovery
+from imugap.discovery.report import describe_locations, describe_range
+from imugap.effects.effect import AxisModel, Effect, Role
+from imugap.figures import discovery as figures
+from imugap.figures.log import quantities
+from imugap.figures.style import AXIS_TITLES
+from imugap.interchange.conventions import Rule
+from imugap.interchange.export import export
+from imugap.model import ErrorModel
+from imugap.pages.estimate import HORIZON
+from imugap.pages.model import filter_part, simulator_part, text
+from imugap.pages.page import Block, DataTable, Fold, Gallery, Page, Part, Picture, Points, Snippet, Text
+from imugap.workflow.tables import number, unit
+
+SHOWN = 6
+"""Pictures of places that are shown; the others are in a fold."""
+FEW = 3
+"""Places of one view and axis that are listed; of more, the span."""
+VIEWS: Mapping[str, str] = {
+    "allan": "Allan variance: how the scatter of means changes with the averaging time.",
+    "spectrum": "Spectrum: how the power of the error is spread over frequency.",
+    "line": "Lines: power at single frequencies, as of vibration or of electronics.",
+    "mean": "Mean over time: drifts and slow changes of the bias.",
+    "variance": "Variance over time: stretches with more or with less noise.",
+    "marginal": "Distribution: how often each value occurs, over that of the model.",
+    "extremes": "Extremes: single values that are too large.",
+    "change": "Steps: sudden changes of the mean.",
+    "coherence": "Coherence: noise that two axes share.",
+    "temperature": "Mean over temperature: a bias that follows the thermometer.",
+    "temperature_rate": "Mean over the rate of temperature: a bias that follows warming and cooling.",
+    "rate": "Mean over the angular rate: errors of scale and alignment.",
+    "specific_force": "Mean over specific force: errors of scale and alignment, or a gyroscope that senses force.",
+    "time_shift": "Mean over the derivative of the input: a delay, or a filter.",
+    "full_scale": "Mean towards full scale: values that are clipped.",
+    "angular_acceleration": "Mean over angular acceleration: a lever arm.",
+    "jerk": "Mean over jerk: an answer to changing force.",
+    "rate_product": "Mean over products of rates: a lever arm.",
+    "force_product": "Mean over products of forces: vibration that is rectified.",
+}
+"""What each view shows."""
+FILTER_SIDE: Mapping[Role, str] = {
+    Role.MEAN: "Correct it before the filter, or give the filter a state for its size; it is no noise.",
+    Role.NOISE: "It is process noise: white noise enters the density of the filter, slow noise a state of its own.",
+    Role.FILTER: "Set the noise of the filter by the density below the cutoff, and take its delay off the stamps.",
+    Role.OUTLIERS: "Let the filter reject or weigh down single samples.",
+    Role.VARIANCE: "Let the noise of the filter follow it, or take the larger level.",
+    Role.OFFSET: "Give the filter a bias state.",
+    Role.RUN: "It is the initial standard deviation of the bias state.",
+    Role.OUTPUT: "Take the samples that it spoils out before the filter: repeated, clipped or rounded values.",
+    Role.CLOCK: "Correct the stamps before the filter.",
+}
+"""What an effect of each role means to a filter."""
+DISTANCE = (
+    "A distance compares the held-out data with simulations of a model, in units of the scatter of these simulations: "
+    "1 is as like as two runs of the same model. The grey floor is where two runs of the final model lie; the final "
+    "model is good where its distance is within the floor."
+)
+NAMES = {"distribution": "Distribution of the values, Allan variance and spectrum", "navigation": "Navigation drift"}
+
+
+def page(result: FileDiscovery) -> Page:
+    """Compose the page of a discovery."""
+    found = result.found
+    rule = Rule(float(f"{result.logs[0]['rate_hz']:.9g}"), HORIZON)
+    return Page(
+        "What does the error model lack?",
+        tuple(_verdict(result)),
+        not (found.findings or found.withheld or found.unexplained),
+        (
+            Part("What is missing, and what to do", tuple(_missing(found.findings))),
+            Part("What else the log shows", (Points(tuple(_remarks(result))),) if list(_remarks(result)) else ()),
+            Part("Where log and simulator disagree", tuple(_places(result))),
+            Part("How far the model is from data that it has not seen", tuple(_distances(result))),
+            simulator_part(found.final, rule),
+            filter_part(lambda target: export(found.final, target, rule)),
+            Part("The log", tuple(_log(result))),
+        ),
+    )
+
+
+def _verdict(result: FileDiscovery) -> Iterable[str]:
+    """Yield how much is missing, what is left, and the gain."""
+    found = result.found
+    if found.findings:
+        names = "; ".join(f"{_title(one)} on {', '.join(one.axes)}" for one in found.findings)
+        count = len(found.findings)
+        yield f"{count} effect{'s are' if count > 1 else ' is'} missing from the error model: {names}."
+    elif found.withheld or found.unexplained:
+        yield "The log disagrees with the model, but nothing that is missing has a name."
+    else:
+        yield "Nothing is missing that the log can show."
+    if found.unexplained:
+        yield f"Still unexplained: {describe_locations(found.unexplained)}."
+    for name, apart in found.distances.items():
+        yield f"{NAMES[name]}: {_gain(apart)}"
+
+
+def _gain(apart: Distances) -> str:
+    """Return in words what a distance was, is, and could be."""
+    before, after = (f"{one.value:.3g}" for one in (apart.before, apart.after))
+    floor = f"{apart.floor.low:.3g} to {apart.floor.high:.3g}"
+    if apart.after.value > apart.floor.high:
+        what = "the model does not yet describe the device"
+    elif apart.before.value <= apart.floor.high:
+        what = "nothing to gain"
+    else:
+        what = "as like as two runs of the same model"
+    return f"distance {before} before, {after} now; two runs of one model are {floor} apart ({what})."
+
+
+def _missing(findings: Sequence[Finding]) -> Iterable[Block]:
+    for one in findings:
+        effect = next(iter(one.effects.values()))
+        yield Text(f"{_title(one).capitalize()} on {', '.join(one.axes)}. {_meaning(effect)}")
+        yield DataTable(
+            "Parameters with 95 % intervals, SI.",
+            ("parameter", "value", "95 % interval", "unit"),
+            tuple(_parameter(name, interval) for name, interval in one.parameters.items()),
+        )
+        if one.alternatives:
+            names = ", ".join(name.replace("_", " ") for name, _ in one.alternatives)
+            yield Text(f"The log cannot tell it from: {names}.")
+        yield Text(f"In the simulator, add to the model:{'' if effect.named else ' (a description, not a name)'}")
+        yield Snippet(text(ErrorModel({axis: AxisModel((own,)) for axis, own in one.effects.items()})))
+        if effect.role in FILTER_SIDE:
+            yield Text(f"In the filter: {FILTER_SIDE[effect.role]}")
+
+
+def _title(one: Finding) -> str:
+    return one.name.replace("_", " ")
+
+
+def _meaning(effect: Effect) -> str:
+    """Return the first sentence of the documentation of an effect."""
+    first = (type(effect).__doc__ or "").strip().split("\n\n")[0]
+    return " ".join(first.split())
+
+
+def _parameter(name: str, one: Interval) -> tuple[str, ...]:
+    span = f"{number(one.low)} to {number(one.high)}"
+    return name.replace("_", " "), number(one.value), span, "" if one.unit == "1" else unit(one.unit)
+
+
+def _remarks(result: FileDiscovery) -> Iterable[str]:
+    """Yield what was seen but not named, and what the log does not show."""
+    found = result.found
+    if found.band is not None:
+        yield found.band.sentence()
+    for axis, name, reason in found.withheld:
+        yield f"{axis}: something like {name.replace('_', ' ')}, but {reason}; not named."
+    for one in found.described:
+        exponent = one.parameters["exponent"]
+        yield f"{one.axes[0]}: slow noise without a name; in its place noise of spectrum 1/f^{exponent.value:.2f}."
+    for axis, name in found.undetermined:
+        yield f"{axis}: the log does not show {name.replace('_', ' ')}; kept as the start model has it."
+    if found.gravity is not None:
+        yield found.gravity.sentence()
+
+
+def _places(result: FileDiscovery) -> Iterable[Block]:
+    """Yield the places by view, in a table and as pictures."""
+    found = result.found
+    if not (found.discrepancies or found.unexplained):
+        yield Text("No view of the log leaves the start model.")
+        return
+    yield Text(
+        f"Each picture compares the log (black) with simulations (band: where {1 - result.alpha:.0%} of them stay "
+        "everywhere), with the model before and after. Bars at the top mark the places where the log leaves the band."
+    )
+    drawn = figures.drawn_places(found)
+    pictures = [
+        Picture(
+            figures.place(found, result.alpha, key),
+            f"{_axes(key[1])}. {VIEWS.get(key[0], key[0])}",
+            f"View {key[0]} of {key[1]} with the start model and with the final model",
+        )
+        for key in drawn
+    ]
+    if pictures:
+        yield Gallery(tuple(pictures[:SHOWN]))
+    if pictures[SHOWN:]:
+        yield Fold(f"{len(pictures) - SHOWN} more pictures", (Gallery(tuple(pictures[SHOWN:])),))
+    yield DataTable("Places by view.", ("view", "axis", "before", "after"), tuple(_grouped(result)))
+
+
+def _grouped(result: FileDiscovery) -> Iterable[tuple[str, ...]]:
+    """Yield view and axis with their places under the start and the final model."""
+    found = result.found
+    keys = dict.fromkeys((one.view, one.axis) for one in (*found.discrepancies, *found.unexplained))
+    for view, axis in sorted(keys, key=lambda key: list(VIEWS).index(key[0]) if key[0] in VIEWS else len(VIEWS)):
+        before, after = (
+            [one for one in some if (one.view, one.axis) == (view, axis)]
+            for some in (found.discrepancies, found.unexplained)
+        )
+        yield figures.TITLES.get(view, view), axis, _ranges(before), _ranges(after)
+
+
+def _ranges(places: Sequence[Discrepancy]) -> str:
+    if not places:
+        return "–"
+    spans = list(dict.fromkeys(describe_range(one) for one in places))
+    if len(spans) <= FEW:
+        return "; ".join(spans)
+    low, high = min(one.low for one in places), max(one.high for one in places)
+    return f"{len(spans)} places, {low:.4g} to {high:.4g} {places[0].unit}".removesuffix(" 1")
+
+
+def _axes(names: str) -> str:
+    return " and ".join(AXIS_TITLES.get(one, one) for one in names.split(","))
+
+
+def _distances(result: FileDiscovery) -> Iterable[Block]:
+    found = result.found
+    if not found.distances:
+        return
+    yield Text(DISTANCE)
+    yield Text(f"Held-out data: {'the test logs' if result.tests else 'the last part of the log'}.")
+    pictures = [
+        Picture(figures.distance_of(found, name), f"{NAMES[name]}.", f"{NAMES[name]}: {_gain(apart)}")
+        for name, apart in found.distances.items()
+    ]
+    drifts = [
+        Picture(
+            figures.drift_of(path, direction),
+            f"Drift {direction} of free-inertial navigation of the held-out data (black), and of simulations.",
+            f"Drift {direction} over time, with the start model and with the final model",
+        )
+        for path in found.drifts for direction in figures.DIRECTIONS
+    ]  # fmt: skip
+    yield Gallery(tuple(pictures + drifts[: len(figures.DIRECTIONS)]))
+
+
+def _log(result: FileDiscovery) -> Iterable[Block]:
+    table = result.inputs.logs[0].table
+    table = table[np.isfinite(table.index.to_numpy(float))]
+    pictures = tuple(
+        Picture(figure, f"{name.capitalize()} over time.", f"Curves of the {name} of each axis over time")
+        for name, figure in quantities(table)
+    )
+    yield Gallery(pictures)
+    rows = tuple(
+        (role, one["path"], f"{one['duration_s']:.6g}", f"{one['rate_hz']:.6g}", f"{one['begin_s']:.10g}")
+        for role, some in (("log", result.logs), ("test", result.tests)) for one in some
+    )  # fmt: skip
+    titles = ("", "path", "duration [s]", "rate [Hz]", "first stamp [s]")
+    yield DataTable("Logs. Times on this page count from the first stamp.", titles, rows)

@@ -1,0 +1,106 @@
+"""Page of a drive: whether device and fixes agree, the path from above, sensor errors, and quality of the fixes."""
+
+from imugap.analysis.drive import COUNTED, NavigatedDrive
+from imugap.figures import drive
+from imugap.figures.style import CARD
+from imugap.log import AXES
+from imugap.pages.page import DataTable, Gallery, Page, Part, Picture, Points, Text
+
+OVER_TIME = {
+    "speed": "Speed of the vehicle, and the standard deviation of the horizontal velocity.",
+    "height": "Height above the ellipsoid, and the standard deviation of the horizontal position.",
+    "heading": "Heading, and its standard deviation.",
+}
+EXTENT = {
+    "duration_s": "duration [s]", "distance_m": "distance [m]", "fixes": "fixes", "outages": "outages",
+    "longest_outage_s": "longest outage [s]", "end_horizontal_std_m": "σ of the position at the end [m]",
+    "end_heading_std_deg": "σ of the heading at the end [°]",
+}  # fmt: skip
+CONSISTENCY = (
+    "The normalised innovation squared (NIS) is the mean square of what the fixes say beyond the prediction, over what "
+    "the filter states: 1 if the filter knows its errors."
+)
+
+
+def page(found: NavigatedDrive) -> Page:
+    """Compose the page of a drive."""
+    summary, verdict = found.summary(), found.verdict
+    mended = tuple(f"{one.found}: {one.setting}." for one in verdict.mends)
+    band = f"{summary['nis_low']:.3g} to {summary['nis_high']:.3g}"
+    nis = f"NIS {summary['nis']:.3g}; 95 % of consistent filters lie in {band}."
+    extent = tuple((title, f"{summary[key]:.5g}") for key, title in EXTENT.items())
+    events = tuple((name, str(summary[name.replace(" ", "_")])) for name in COUNTED)
+    return Page(
+        "Where did the vehicle go, and do device and receiver agree?",
+        (str(verdict), f"The drive is {summary['distance_m']:.5g} m and {summary['duration_s']:.4g} s long."),
+        verdict.agrees,
+        (
+            Part("What to write into the configuration", (Text(MENDS), Points(mended)) if mended else ()),
+            Part("Path", (Gallery((_track(found),)), Text(MAPS), DataTable("Extent.", ("", "value"), extent))),
+            Part("Over time", (_over_time(found),)),
+            Part("Errors of the sensors", (Text(ERRORS), _sensors(found), _settings(summary))),
+            Part(
+                "Quality of the fixes",
+                (Text(CONSISTENCY), Points((nis,)), _quality(found), DataTable("Events.", ("event", "fixes"), events)),
+            ),
+        ),
+    )
+
+
+MENDS = "Each contradiction of device and fixes was mended; with the setting beside it, it does not arise."
+MAPS = (
+    "path.geojson (WGS-84, heights above the ellipsoid) and path.kml (on the ground) beside this page open in maps and "
+    "geographic information systems."
+)
+ERRORS = (
+    "What the filter takes off the sensors, with one standard deviation. An error that stays within its band around "
+    "zero is one that the drive does not show."
+)
+
+
+def _track(found: NavigatedDrive) -> Picture:
+    figure = drive.track(found.filtered, found.smoothed, found.fixes, CARD)
+    sentence = (
+        "The drive from above. The filter knows the past only, the smoother all fixes; crosses are fixes that did not "
+        "fit."
+    )
+    return Picture(figure, sentence, "Path of the vehicle from above, east over north, with the fixes")
+
+
+def _over_time(found: NavigatedDrive) -> Gallery:
+    return Gallery(
+        tuple(
+            Picture(drive.over_time(found.filtered, found.smoothed, name), sentence, f"Curves of the {name} over time")
+            for name, sentence in OVER_TIME.items()
+        )
+    )
+
+
+def _sensors(found: NavigatedDrive) -> Gallery:
+    return Gallery(
+        tuple(
+            Picture(
+                drive.sensor(found.filtered, found.smoothed, axis),
+                f"Error of {axis}.",
+                f"Curves of the error of {axis} over time, by filter and smoother",
+            )
+            for axis in AXES
+            if axis in found.filtered.names
+        )
+    )
+
+
+def _settings(summary: dict) -> DataTable:
+    """Return the settings in use that the drive itself shows."""
+    offset, arm = summary["time_offset_s"], summary["lever_arm_m"]
+    rows = [("time of the fixes after that of the log [s]", f"{offset['value']:.3g}", f"{offset['std']:.2g}")]
+    rows += [(f"lever arm {axis} [m]", f"{one['value']:.3g}", f"{one['std']:.2g}") for axis, one in arm.items()]
+    return DataTable("Settings of the device in the vehicle, as estimated at the end.", ("", "value", "σ"), tuple(rows))
+
+
+def _quality(found: NavigatedDrive) -> Gallery:
+    sentence = (
+        "Global test of each fix. Above the dotted line, one in "
+        "many fixes of a good receiver is expected; the fix is then weighed down, removed or set aside."
+    )
+    return Gallery((Picture(drive.global_test(found.filtered), sentence, "Statistic of the global test over time"),))

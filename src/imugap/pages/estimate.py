@@ -1,0 +1,67 @@
+"""Page of an estimation: verdict, Allan deviations, parameters, and what a filter takes."""
+
+from imugap.analysis.estimate import LogEstimate
+from imugap.estimation import report
+from imugap.figures.estimation import fitted_axis
+from imugap.figures.style import AXIS_TITLES
+from imugap.interchange.conventions import Rule
+from imugap.pages.check import log_gallery
+from imugap.pages.model import filter_part, simulator_part
+from imugap.pages.page import DataTable, Gallery, Page, Part, Picture, Points, Text
+from imugap.workflow.tables import number, unit
+
+HORIZON = 10.0
+"""Averaging time at which the Allan variance of the slow part is kept [s]."""
+
+
+def page(found: LogEstimate, gravity: float) -> Page:
+    """Compose the page of an estimation."""
+    bad = [one for one in found.axes if not one.fits]
+    names = ", ".join(one.axis for one in bad)
+    verdict = f"The model does not fit the log of {names}." if bad else "The model fits the log of every axis."
+    remarks = (*map(str, found.regular.remarks), *found.failed)
+    rule = Rule(found.rate_hz, HORIZON)
+    return Page(
+        "Which random errors has the device?",
+        (verdict, *(f"{one.axis}: {one.verdict()}" for one in (*bad, *(a for a in found.axes if a.fits)))),
+        not bad and not found.failed,
+        (
+            Part("Allan deviations", (Text(ALLAN), _curves(found))),
+            Part("Parameters", (_parameters(found),)),
+            simulator_part(found.model, rule),
+            filter_part(lambda target: found.export(target, rule, gravity)),
+            Part("What was undone or left out", (Points(remarks),) if remarks else ()),
+            Part("The log", (log_gallery(found.regular),)),
+        ),
+    )
+
+
+ALLAN = (
+    "The Allan deviation is the scatter of means over an averaging time from one to the next. White noise falls with "
+    "slope -1/2, flicker noise is level, a random walk rises with slope +1/2. Where the black curve stays in the blue "
+    "band, a log as long as this one shows no difference from the model."
+)
+
+
+def _curves(found: LogEstimate) -> Gallery:
+    pictures = [
+        Picture(
+            fitted_axis(axis, curve),
+            f"{AXIS_TITLES[axis]}: the log, the fitted model, and where 95 % of logs of this model lie.",
+            f"Allan deviation of {axis} over the averaging time, with the curve and band of its model",
+        )
+        for axis, curve in report.curves(found.axes).groupby("axis", sort=False)
+    ]
+    return Gallery(tuple(pictures))
+
+
+def _parameters(found: LogEstimate) -> DataTable:
+    rows = tuple(
+        (
+            one.axis, estimate.effect.replace("_", " "), estimate.parameter.replace("_", " "), number(estimate.value),
+            f"{number(estimate.low)} to {number(estimate.high)}", unit(name), str(estimate.verdict),
+        )
+        for one in found.axes for estimate, name in one.parameters()
+    )  # fmt: skip
+    titles = ("axis", "effect", "parameter", "value", "95 % interval", "unit", "the log")
+    return DataTable("Estimates with 95 % intervals, SI.", titles, rows)

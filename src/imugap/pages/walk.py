@@ -1,0 +1,57 @@
+"""Page of a walk: where it went and ended, strides, and the path from above."""
+
+from imugap.analysis.walk import STD, NavigatedWalk
+from imugap.figures import walk
+from imugap.figures.style import CARD
+from imugap.pages.page import DataTable, Fold, Gallery, Page, Part, Picture, Text
+
+TITLES = {
+    "distance_m": "distance [m]",
+    "duration_s": "duration [s]",
+    "strides": "strides",
+    "end_horizontal_m": "end from begin, horizontal [m]",
+    "end_vertical_m": "end above begin [m]",
+    "end_heading_deg": "change of heading [°]",
+}
+SENTENCES = {
+    "height": "Height above the begin; the band is one standard deviation.",
+    "heading": "Heading relative to the begin; the band is one standard deviation.",
+    "speed": "Speed of the foot; orange where the filter takes it to stand.",
+}
+COLUMNS = {
+    "start": "begin [s]", "duration": "duration [s]", "length": "length [m]", "rise": "rise [m]",
+    "clearance": "clearance [m]", "heading": "heading [°]",
+}  # fmt: skip
+ACCURACY = (
+    "Positions are relative to the begin, north is the heading of the device there. Deviations are standard deviations "
+    "that the filter states; after each stance the position is held by the velocity of zero, and the heading drifts "
+    "freely."
+)
+
+
+def page(found: NavigatedWalk) -> Page:
+    """Compose the page of a walk."""
+    summary, strides = found.summary(), found.strides()
+    extent = tuple((title, f"{summary[key]:.5g}", f"{summary[key + STD]:.2g}") for key, title in TITLES.items())
+    numbers = ([f"{row[name]:.4g}" for name in COLUMNS] for row in strides.to_dict("records"))
+    rows = tuple((str(ordinal), *row) for ordinal, row in enumerate(numbers, start=1))
+    begin_end = Picture(
+        walk.plan(found.smoothed, CARD),
+        f"The walk from above, with the places of the stances; the ellipse holds the end with {walk.LEVEL:.0%}.",
+        f"Path from above: {found.verdict()}",
+    )
+    over_time = [
+        Picture(walk.over_time(found.smoothed, name), sentence, f"Curve of the {name} over time")
+        for name, sentence in SENTENCES.items()
+    ]
+    table = DataTable("Strides between the middles of stances.", ("stride", *COLUMNS.values()), rows)
+    return Page(
+        "Where did the walk go, and where did it end?",
+        tuple(found.verdict().splitlines()),
+        True,
+        (
+            Part("Path", (Gallery((begin_end,)), DataTable("Extent.", ("", "value", "σ"), extent), Text(ACCURACY))),
+            Part("Over time", (Gallery(tuple(over_time)),)),
+            Part("Strides", (Fold(f"All {len(rows)} strides", (table,)),) if rows else ()),
+        ),
+    )
