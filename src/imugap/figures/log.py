@@ -1,18 +1,19 @@
 """Figures of a log: its samples over time."""
 
 from collections.abc import Sequence
+from itertools import islice
 
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from imugap.figures.style import card, legend_below, panels_of
-from imugap.log import ACCEL, GYRO, TEMPERATURE
+from imugap.figures.style import card, panels_of
+from imugap.log import ACCEL, AXES, GYRO, TEMPERATURE
 
 STRETCHES = 600
 """Stretches of a long log, of each of which the extremes are drawn."""
-COLOURS = ("#0072B2", "#D55E00", "#009E73")
+COLOUR = "#0072B2"
 QUANTITIES = (
     (GYRO, "angular rate [°/s]", float(np.degrees(1.0))),
     (ACCEL, "specific force [m/s²]", 1.0),
@@ -22,25 +23,24 @@ QUANTITIES = (
 
 
 def samples(log: pd.DataFrame) -> Figure:
-    """Draw all columns over time, a panel for each quantity."""
+    """Draw all columns over time, a panel for each."""
     shown = _quantities(log)
-    figure, grid = panels_of(len(shown), 1, 1.7 * len(shown) + 0.4, sharex=True)
-    for panel, one in zip(grid[:, 0], shown, strict=True):
-        _quantity(panel, log, *one)
+    count = sum(len(names) for names, *_ in shown)
+    figure, grid = panels_of(count, 1, 0.9 * count + 0.5, sharex=True)
+    panels = iter(grid[:, 0])
+    for one in shown:
+        _quantity(list(islice(panels, len(one[0]))), log, *one)
     grid[-1, 0].set_xlabel("time [s]")
-    legend_below(figure, 4)
     return figure
 
 
 def quantities(log: pd.DataFrame) -> list[tuple[str, Figure]]:
-    """Return each quantity with a figure of its columns over time."""
+    """Return each quantity with a figure of its columns over time, as wide as a phone."""
     found = []
     for names, label, factor in _quantities(log):
-        figure, (panel,) = card()
-        _quantity(panel, log, names, label, factor)
-        panel.set_xlabel("time [s]")
-        if len(names) > 1:
-            legend_below(figure, 3)
+        figure, panels = card(0.8 * len(names) + 0.6, rows=len(names), sharex=True)
+        _quantity(panels, log, names, label, factor)
+        panels[-1].set_xlabel("time [s]")
         found.append((label.partition(" [")[0], figure))
     return found
 
@@ -51,11 +51,11 @@ def _quantities(log: pd.DataFrame) -> list[tuple[Sequence[str], str, float]]:
     return [(names, label, factor) for names, label, factor in some if names]
 
 
-def _quantity(panel: Axes, log: pd.DataFrame, names: Sequence[str], label: str, factor: float) -> None:
-    for name, colour in zip(names, COLOURS, strict=False):
-        time, values = _extremes(log.index.to_numpy(float), factor * log[name].to_numpy(float))
-        panel.plot(time, values, color=colour, lw=0.6, label=name[-1] if len(names) > 1 else name)
-    panel.set(ylabel=label, xlim=(log.index[0], log.index[-1]))
+def _quantity(panels: Sequence[Axes], log: pd.DataFrame, names: Sequence[str], label: str, factor: float) -> None:
+    for panel, name in zip(panels, names, strict=True):
+        panel.plot(*_extremes(log.index.to_numpy(float), factor * log[name].to_numpy(float)), color=COLOUR, lw=0.5)
+        panel.set(ylabel=name[-1] if name in AXES else "", xlim=(log.index[0], log.index[-1]))
+    panels[0].set_title(label, loc="left")
 
 
 def _extremes(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

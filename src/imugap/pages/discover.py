@@ -1,5 +1,6 @@
 """Page of a discovery: what the error model lacks, where that shows, what it changes, and how to add it."""
 
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
@@ -17,7 +18,7 @@ from imugap.interchange.export import export
 from imugap.model import ErrorModel
 from imugap.pages.estimate import HORIZON
 from imugap.pages.model import filter_part, simulator_part, text
-from imugap.pages.page import Block, DataTable, Fold, Gallery, Page, Part, Picture, Points, Snippet, Text
+from imugap.pages.page import Block, DataTable, Fold, Gallery, Page, Part, Picture, Points, Snippet, Text, Topic
 from imugap.workflow.tables import number, unit
 
 SHOWN = 6
@@ -47,15 +48,15 @@ VIEWS: Mapping[str, str] = {
 }
 """What each view shows."""
 FILTER_SIDE: Mapping[Role, str] = {
-    Role.MEAN: "Correct it before the filter, or give the filter a state for its size; it is no noise.",
-    Role.NOISE: "It is process noise: white noise enters the density of the filter, slow noise a state of its own.",
-    Role.FILTER: "Set the noise of the filter by the density below the cutoff, and take its delay off the stamps.",
-    Role.OUTLIERS: "Let the filter reject or weigh down single samples.",
-    Role.VARIANCE: "Let the noise of the filter follow it, or take the larger level.",
-    Role.OFFSET: "Give the filter a bias state.",
-    Role.RUN: "It is the initial standard deviation of the bias state.",
-    Role.OUTPUT: "Take the samples that it spoils out before the filter: repeated, clipped or rounded values.",
-    Role.CLOCK: "Correct the stamps before the filter.",
+    Role.MEAN: "correct it before the filter, or give the filter a state for its size; it is no noise.",
+    Role.NOISE: "it is process noise; white noise enters the density of the filter, slow noise a state of its own.",
+    Role.FILTER: "set the noise of the filter by the density below the cutoff, and take its delay off the stamps.",
+    Role.OUTLIERS: "reject or weigh down single samples.",
+    Role.VARIANCE: "let the noise of the filter follow it, or take the larger level.",
+    Role.OFFSET: "give the filter a bias state.",
+    Role.RUN: "it is the initial standard deviation of the bias state.",
+    Role.OUTPUT: "leave out the samples that it spoils; rounding is noise of the variance step squared / 12.",
+    Role.CLOCK: "correct the stamps before the filter.",
 }
 """What an effect of each role means to a filter."""
 DISTANCE = (
@@ -79,7 +80,7 @@ def page(result: FileDiscovery) -> Page:
             Part("What else the log shows", (Points(tuple(_remarks(result))),) if list(_remarks(result)) else ()),
             Part("Where log and simulator disagree", tuple(_places(result))),
             Part("How far the model is from data that it has not seen", tuple(_distances(result))),
-            simulator_part(found.final, rule),
+            simulator_part(found.final, rule, (_compared(found.start, found.final),)),
             filter_part(lambda target: export(found.final, target, rule)),
             Part("The log", tuple(_log(result))),
         ),
@@ -118,20 +119,22 @@ def _gain(apart: Distances) -> str:
 
 def _missing(findings: Sequence[Finding]) -> Iterable[Block]:
     for one in findings:
-        effect = next(iter(one.effects.values()))
-        yield Text(f"{_title(one).capitalize()} on {', '.join(one.axes)}. {_meaning(effect)}")
-        yield DataTable(
-            "Parameters with 95 % intervals, SI.",
-            ("parameter", "value", "95 % interval", "unit"),
-            tuple(_parameter(name, interval) for name, interval in one.parameters.items()),
-        )
-        if one.alternatives:
-            names = ", ".join(name.replace("_", " ") for name, _ in one.alternatives)
-            yield Text(f"The log cannot tell it from: {names}.")
-        yield Text(f"In the simulator, add to the model:{'' if effect.named else ' (a description, not a name)'}")
-        yield Snippet(text(ErrorModel({axis: AxisModel((own,)) for axis, own in one.effects.items()})))
-        if effect.role in FILTER_SIDE:
-            yield Text(f"In the filter: {FILTER_SIDE[effect.role]}")
+        yield Topic(f"{_title(one).capitalize()} on {', '.join(one.axes)}", tuple(_finding(one)))
+
+
+def _finding(one: Finding) -> Iterable[Block]:
+    """Yield what an effect is, its parameters, and what simulator and filter do with it."""
+    effect = next(iter(one.effects.values()))
+    yield Text(_meaning(effect))
+    rows = tuple(_parameter(name, interval) for name, interval in one.parameters.items())
+    yield DataTable("Parameters with 95 % intervals, SI.", ("parameter", "value", "95 % interval", "unit"), rows)
+    if one.alternatives:
+        names = ", ".join(name.replace("_", " ") for name, _ in one.alternatives)
+        yield Text(f"The log cannot tell it from: {names}.")
+    yield Text("In the simulator: add to the model")
+    yield Snippet(text(ErrorModel({axis: AxisModel((own,)) for axis, own in one.effects.items()})))
+    if effect.role in FILTER_SIDE:
+        yield Text(f"In the filter: {FILTER_SIDE[effect.role]}")
 
 
 def _title(one: Finding) -> str:
@@ -163,6 +166,29 @@ def _remarks(result: FileDiscovery) -> Iterable[str]:
         yield f"{axis}: the log does not show {name.replace('_', ' ')}; kept as the start model has it."
     if found.gravity is not None:
         yield found.gravity.sentence()
+
+
+def _compared(start: ErrorModel, final: ErrorModel) -> DataTable:
+    """Return the parameters of both models side by side; an effect that one of them has several times is numbered."""
+    before, after = (_parameters(model) for model in (start, final))
+    rows = tuple(
+        (*key, *(number(some[key]) if key in some else "–" for some in (before, after)))
+        for key in dict.fromkeys((*before, *after))
+    )
+    titles = ("axis", "effect", "parameter", "before", "now")
+    return DataTable("Parameters of the model before and now, SI.", titles, rows)
+
+
+def _parameters(model: ErrorModel) -> dict[tuple[str, str, str], float]:
+    """Return the parameters of a model by axis, effect and name."""
+    found = {}
+    for axis, effects in model.axes.items():
+        seen: Counter[str] = Counter()
+        for effect in effects:
+            seen[effect.name] += 1
+            title = effect.name.replace("_", " ") + (f" {seen[effect.name]}" if seen[effect.name] > 1 else "")
+            found |= {(axis, title, name.replace("_", " ")): value for name, value in effect.parameters().items()}
+    return found
 
 
 def _places(result: FileDiscovery) -> Iterable[Block]:

@@ -13,13 +13,24 @@ FILTERS = (Target.KALIBR, Target.ROS, Target.KF_GINS)
 SIMULATORS = (Target.GAZEBO,)
 
 
-def simulator_part(model: ErrorModel, rule: Rule) -> Part:
-    """Return the whole model, the command that simulates it, and what a simulator of others takes of it."""
+def simulator_part(model: ErrorModel, rule: Rule, comparison: tuple[Block, ...] = ()) -> Part:
+    """Return the whole model, the commands that simulate it, and what a simulator of others takes of it.
+
+    ``comparison`` is shown in a fold.
+    """
     blocks: list[Block] = [
-        Text("The model, as the file model.yaml has it. This command simulates a device with it:"),
-        Snippet(f"imugap simulate model.yaml --duration 600 --rate {rule.rate:g} --out simulated.csv"),
-        Fold("model.yaml", (Snippet(text(model)),)),
+        Text(
+            "The file model.yaml beside this page has the whole model. These commands simulate a device with it, and "
+            "write it as a program for a simulator of your own (also python, gazebo-plugin):"
+        ),
+        Snippet(
+            f"imugap simulate model.yaml --duration 600 --rate {rule.rate:g} --out simulated.csv\n"
+            f"imugap export model.yaml --to cpp --rate {rule.rate:g} --out imu.hpp"
+        ),
+        Fold("The model", (Snippet(text(model)),)),
     ]
+    if comparison:
+        blocks.append(Fold("Its parameters before and now", comparison))
     for target in SIMULATORS:
         blocks += _exported(target, lambda one: export(model, one, rule))
     return Part("What to put into the simulator", tuple(blocks))
@@ -39,8 +50,13 @@ def filter_part(exported: Callable[[Target], str]) -> Part:
 
 
 def text(model: ErrorModel) -> str:
-    """Return a model as YAML."""
-    return yaml.safe_dump(model.to_mapping(), sort_keys=False, default_flow_style=None, width=70)
+    """Return a model as YAML, numbers with six digits."""
+    plain = {axis: [_shortened(one) for one in effects] for axis, effects in model.to_mapping().items()}
+    return yaml.safe_dump(plain, sort_keys=False, default_flow_style=None, width=70)
+
+
+def _shortened(effect: dict[str, dict[str, float]]) -> dict[str, dict[str, float]]:
+    return {name: {key: float(f"{value:.6g}") for key, value in one.items()} for name, one in effect.items()}
 
 
 def _exported(target: Target, exported: Callable[[Target], str]) -> list[Block]:

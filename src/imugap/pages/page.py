@@ -72,7 +72,16 @@ class Fold:
     kind: str = field(default="fold", init=False)
 
 
-Block = Text | Points | Snippet | DataTable | Gallery | Fold
+@dataclass(frozen=True, eq=False)
+class Topic:
+    """Blocks under a heading of their own within a part."""
+
+    title: str
+    blocks: tuple["Block", ...]
+    kind: str = field(default="topic", init=False)
+
+
+Block = Topic | Text | Points | Snippet | DataTable | Gallery | Fold
 
 
 @dataclass(frozen=True, eq=False)

@@ -41,9 +41,20 @@ def fragment(page: Page) -> str:
 def _template() -> Template:
     loader = PackageLoader("imugap.pages", "templates")
     environment = Environment(
-        loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+        loader=loader,
+        autoescape=True,
+        finalize=_unbroken,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
     )
     return environment.get_template(TEMPLATE)
+
+
+def _unbroken(value: object) -> object:
+    """Keep a number and its percent sign in one line."""
+    plain = isinstance(value, str) and not isinstance(value, Markup)
+    return value.replace(" %", "\N{NO-BREAK SPACE}%") if plain else value
 
 
 def _numbered():
