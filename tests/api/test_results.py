@@ -80,7 +80,7 @@ def test_an_estimate_exports_what_its_model_has(tmp_path, fit):
     assert white == pytest.approx(1e-4, rel=0.1)
     text = fit.export("imugap", tmp_path / "own.yaml")
     assert (tmp_path / "own.yaml").read_text() == text
-    with pytest.raises(ValueError, match="target: expected kalibr"):
+    with pytest.raises(ValueError, match="did you mean kalibr"):
         fit.export("kaliber")
     assert "gyroscope_noise_density" in ig.export(ig.ErrorModel.from_mapping(MODEL), "kalibr", 20)
 

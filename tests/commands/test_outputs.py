@@ -10,8 +10,6 @@ from pathlib import Path
 import pytest
 
 from imugap import cli
-from imugap.commands.outputs import write_folder
-from imugap.figures.style import text_figure
 
 MODEL = "gyro_x: [{white_noise: {density: 1e-4}}]\n"
 SIMULATE = "simulate model.yaml --duration 40 --rate 25 --out"
@@ -132,14 +130,3 @@ def test_a_file_or_folder_that_is_read_only_is_refused(here, refused):
     refused(f"{SIMULATE} only.csv", "only.csv: --out: expected one that can be written; found one that is read-only")
     refused(f"{SIMULATE} closed/a.csv", "closed/a.csv: --out: expected a folder that can be written")
     assert Path("only.csv").read_text() == "old"
-
-
-def test_figures_have_the_formats_that_are_asked_for_and_none_of_an_earlier_output(tmp_path):
-    figure = text_figure("a figure")
-    write_folder(tmp_path / "found", {"a.svg": figure, "a.json": 1})
-    write_folder(tmp_path / "found", {"a.svg": figure, "a.json": 2}, ("png", "pdf"))
-    begins = {path.name: path.read_bytes()[:4] for path in (tmp_path / "found").iterdir()}
-    assert begins == {"a.png": b"\x89PNG", "a.pdf": b"%PDF", "a.json": b"2\n"}
-    before = {path.name: path.read_bytes() for path in (tmp_path / "found").iterdir()}
-    write_folder(tmp_path / "found", {"a.svg": figure, "a.json": 2}, ("png", "pdf"))
-    assert {path.name: path.read_bytes() for path in (tmp_path / "found").iterdir()} == before

@@ -1,17 +1,14 @@
 """What all results have in common: a verdict, a figure, a page, and a folder."""
 
-import json
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
-from functools import partial
 from os import PathLike, fspath
 from pathlib import Path
 from typing import TYPE_CHECKING, Self
 
-from imugap import atomic
+from imugap.api.folder import write_folder
 from imugap.pages.provenance import InputFile, Provenance
-from imugap.workflow.products import METADATA, write_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -22,8 +19,6 @@ PAGE = "report.html"
 """Name of the page in the folder of a result."""
 INPUTS = "inputs.json"
 """Name of the file with the inputs of a result: role, path, SHA-256, and what was recognised."""
-FIGURE = ".svg"
-"""Ending of the name of a figure, whatever its format."""
 SourcePath = str | PathLike[str]
 
 
@@ -84,16 +79,8 @@ class Result(ABC):
         formats
             Formats of the figures, among ``svg``, ``png`` and ``pdf``; those of an earlier output in others are gone.
         """
-        files = {**self.files(formats[0]), INPUTS: [asdict(one) for one in self.inputs]}
-        figures = {Path(name).stem: one for name, one in files.items() if name.endswith(FIGURE)}
-        writers: dict[str, Callable[[Path], object]] = {
-            name: partial(WRITERS[Path(name).suffix], one) for name, one in files.items() if not name.endswith(FIGURE)
-        }
-        for name, figure in figures.items():
-            writers |= {f"{name}.{kind}": partial(write_figure, figure, kind=kind) for kind in formats}
-        outdated = {f"{name}.{kind}" for name in figures for kind in METADATA} - set(writers)
-        writers[PAGE] = lambda path: path.write_text(self.html(), encoding="utf-8")
-        atomic.write_folder(fspath(folder), writers, outdated)
+        inputs = [asdict(one) for one in self.inputs]
+        write_folder(folder, {**self.files(formats[0]), INPUTS: inputs, PAGE: self.html}, formats)
         return Path(folder) / PAGE
 
     def recognised(self, role: str) -> tuple[str, ...]:
@@ -125,15 +112,3 @@ def _shown(value: object) -> str:
     if isinstance(value, PathLike):
         return repr(fspath(value))
     return repr(value) if isinstance(value, str | int | float | tuple | list) else f"<{type(value).__name__}>"
-
-
-WRITERS: Mapping[str, Callable[..., object]] = {
-    ".parquet": lambda table, path: table.to_parquet(path),
-    ".csv": lambda table, path: table.to_csv(path, index=False),
-    ".json": lambda data, path: path.write_text(json.dumps(data, indent=1, allow_nan=False) + "\n"),
-    ".geojson": lambda data, path: path.write_text(json.dumps(data, indent=1, allow_nan=False) + "\n"),
-    ".kml": lambda text, path: path.write_text(text, encoding="utf-8"),
-    ".md": lambda text, path: path.write_text(text),
-    ".yaml": lambda model, path: model.write(path),
-}
-"""Writer of each ending of the name of a file."""

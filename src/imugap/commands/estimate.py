@@ -80,7 +80,7 @@ def run(options: argparse.Namespace) -> None:
     """Estimate each axis of the log, write the files, and print the estimates."""
     if options.figure:
         format_of(options.figure)
-    whole = options.out is not None and Path(options.out).suffix != RECORDS and not is_stream(options.out)
+    whole = options.out is not None and not _is_file(options.out)
     single = {f"--{name}": getattr(options, name) for name in (*(() if whole else ("out",)), *OUTPUTS)}
     require_files(single | {f"--to {Target.of(name)}": path for name, path in options.to}, [options.log])
     folder = require_folder(options.out, FILES, [options.log]) if whole else None
@@ -97,6 +97,11 @@ def run(options: argparse.Namespace) -> None:
     if folder is not None:
         found.made_by(options.command_line).report(folder, options.format)
     print(_shown(found))
+
+
+def _is_file(path: str) -> bool:
+    """Return whether ``--out`` names a file for the estimates alone."""
+    return Path(path).suffix == RECORDS or Path(path).is_file() or is_stream(path)
 
 
 def _writers(

@@ -74,7 +74,6 @@ def require_folder(path: str | Path, names: Iterable[str], inputs: Iterable[str 
         Paths that the command reads; None where one is not given.
     """
     path = Path(path)
-    _require_no_input(path, path, inputs)
     if path.exists() and not path.is_dir():
         raise ValueError(f"{path}: expected a folder; found a file")
     place = Path(os.path.realpath(path))
