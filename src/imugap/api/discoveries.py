@@ -168,8 +168,8 @@ def discover(
     """
     kinds = catalogue(effects)
     opened = None if model is None else open_model(model, effects)
-    single = isinstance(log, DeviceLog | pd.DataFrame | str | PathLike)
-    logs, tests = (tuple(read(one).in_own_axes() for one in some) for some in ([log] if single else log, test))
+    runs = [log] if isinstance(log, DeviceLog | pd.DataFrame | str | PathLike) else list(log)
+    logs, tests = (tuple(read(one).in_own_axes() for one in some) for some in (runs, test))
     ideal = None if reference is None else _turned_like(logs[0], reference)
     path = Path(model) if isinstance(model, str | Path) else None
     inputs = DiscoveryInputs(
@@ -179,7 +179,7 @@ def discover(
     settings = Settings(alpha=alpha, seed=seed, catalogue=tuple(kinds.values()), workers=workers, gravity=gravity)
     found = discover_recordings(inputs, settings, progress)
     given = {"test": [one.source for one in tests], "reference": ideal and ideal.source, "model": path or model}
-    sources = [logs[0].source if single else [one.source for one in logs]]
+    sources = [logs[0].source if len(logs) == 1 else [one.source for one in logs]]
     files = [*(one.as_input("log") for one in logs), *(one.as_input("test log") for one in tests)]
     files += [] if ideal is None else [ideal.as_input("reference")]
     files += [] if path is None else [InputFile.of("model", path, found.remarks)]

@@ -115,7 +115,7 @@ def drive(
     fixes_topic
         Topic of a bag with the fixes.
     """
-    settings = DriveSettings.read(config, effects)
+    settings = DriveSettings.read(None if config is None else Path(config), effects)
     found, turned = read(log), any(settings.mounting)
     if turned:
         found = found.in_own_axes()  # the mounting turns the device itself

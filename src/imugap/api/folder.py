@@ -13,7 +13,7 @@ FIGURE = ".svg"
 """Ending of the name of a figure, whatever its format."""
 
 
-def _write_json(data, path: Path) -> None:
+def _write_json(data: object, path: Path) -> None:
     path.write_text(json.dumps(data, indent=1, allow_nan=False) + "\n")
 
 
@@ -45,10 +45,10 @@ def write_folder(folder: str | PathLike[str], files: Mapping[str, object], forma
         Formats in which each figure is written; those of an earlier output in others are gone.
     """
     figures = {Path(name).stem: one for name, one in files.items() if name.endswith(FIGURE)}
-    drawn = {
+    drawn: dict[str, Callable[[Path], object]] = {
         f"{name}.{kind}": partial(write_figure, one, kind=kind) for name, one in figures.items() for kind in formats
     }
-    others = {
+    others: dict[str, Callable[[Path], object]] = {
         name: partial(WRITERS[Path(name).suffix], one) for name, one in files.items() if not name.endswith(FIGURE)
     }
     outdated = {f"{name}.{kind}" for name in figures for kind in METADATA} - set(drawn)

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 import pandas as pd
 
@@ -108,9 +108,9 @@ class DeviceLog:
         return fragment(pages.page([check(self.recording)], [self.recording.regular]))
 
 
-LogSource = DeviceLog | pd.DataFrame | SourcePath
+LogSource: TypeAlias = DeviceLog | pd.DataFrame | SourcePath
 """A log, a table, or the path of a recording."""
-ModelSource = ErrorModel | Mapping | SourcePath
+ModelSource: TypeAlias = ErrorModel | Mapping | SourcePath
 """An error model, one as plain data, or the path of one (YAML, or a file of a simulator or filter)."""
 
 

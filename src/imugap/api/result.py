@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from os import PathLike, fspath
 from pathlib import Path
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, Self, TypeAlias
 
 from imugap.api.folder import write_folder
 from imugap.pages.provenance import InputFile, Provenance
@@ -19,7 +19,7 @@ PAGE = "report.html"
 """Name of the page in the folder of a result."""
 INPUTS = "inputs.json"
 """Name of the file with the inputs of a result: role, path, SHA-256, and what was recognised."""
-SourcePath = str | PathLike[str]
+SourcePath: TypeAlias = str | PathLike[str]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
