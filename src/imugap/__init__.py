@@ -4,6 +4,7 @@
 
     log = ig.read("imu.bag")                        # any format; says what it recognised: log.recognised
     print(ig.check(log))                            # usable or not, for what, and the next step
+    print(ig.indices(log).table)                    # bias, stability, N, B, K as a data sheet has them, with intervals
     fit = ig.estimate(log)                          # effects of each axis with intervals; fit.table, fit.plot()
     fit.export("kalibr", "imu.yaml")                # or vins, ros, gazebo, kf-gins, imugap
     found = ig.discover(log, model="simulator.yaml")  # what the model lacks; found.model has it
@@ -24,10 +25,10 @@ True
 0.0001
 
 Public are the names below (``dir(imugap)``) and the attributes of what they return: :func:`read`, :func:`simulate`
-(:mod:`imugap.api.logs`), :func:`check` (:mod:`imugap.api.checks`), :func:`estimate`, :func:`export`
-(:mod:`imugap.api.estimates`), :func:`discover` (:mod:`imugap.api.discoveries`), :func:`walk`
-(:mod:`imugap.api.walks`), :func:`drive` (:mod:`imugap.api.drives`). A public name that is to go warns with a
-DeprecationWarning, which names its successor, for at least one minor version before it goes.
+(:mod:`imugap.api.logs`), :func:`check` (:mod:`imugap.api.checks`), :func:`indices` (:mod:`imugap.api.indices`),
+:func:`estimate`, :func:`export` (:mod:`imugap.api.estimates`), :func:`discover` (:mod:`imugap.api.discoveries`),
+:func:`walk` (:mod:`imugap.api.walks`), :func:`drive` (:mod:`imugap.api.drives`). A public name that is to go warns
+with a DeprecationWarning, which names its successor, for at least one minor version before it goes.
 
 What follows is the contract of every module of the package.
 
@@ -81,6 +82,7 @@ effect or a model changes no other stream.
 __version__ = "0.1.0"
 
 _PUBLIC = {
+    "Characterised": "imugap.api.indices",
     "Checked": "imugap.api.checks",
     "DeviceLog": "imugap.api.logs",
     "Discovered": "imugap.api.discoveries",
@@ -94,6 +96,7 @@ _PUBLIC = {
     "drive": "imugap.api.drives",
     "estimate": "imugap.api.estimates",
     "export": "imugap.api.estimates",
+    "indices": "imugap.api.indices",
     "read": "imugap.api.logs",
     "simulate": "imugap.api.logs",
     "walk": "imugap.api.walks",

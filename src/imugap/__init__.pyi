@@ -7,6 +7,8 @@ from imugap.api.drives import drive as drive
 from imugap.api.estimates import Estimated as Estimated
 from imugap.api.estimates import estimate as estimate
 from imugap.api.estimates import export as export
+from imugap.api.indices import Characterised as Characterised
+from imugap.api.indices import indices as indices
 from imugap.api.logs import DeviceLog as DeviceLog
 from imugap.api.logs import read as read
 from imugap.api.logs import simulate as simulate

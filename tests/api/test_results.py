@@ -105,6 +105,20 @@ def test_two_reports_have_the_same_bytes_and_say_where_they_come_from(tmp_path, 
     assert {path.name for path in page.parent.iterdir()} == {*fit.files(), "report.html", "inputs.json"}
 
 
+def test_indices_say_what_is_a_reading_and_what_a_bound(tmp_path, log):
+    found = ig.indices(log, ig.simulate(MODEL, duration=200, rate=20, seed=4))
+    table = found.table.set_index(["axis", "symbol"])
+    white = table.loc[("gyro_x", "N")]
+    assert white["low"] < 1e-4 < white["high"]
+    assert table.loc[("gyro_x", "repeatability"), "runs"] == 2
+    assert "from 2 runs" in found.verdict
+    page = found.report(tmp_path / "found").read_text()
+    assert {path.name for path in (tmp_path / "found").iterdir()} == {*found.files(), "report.html", "inputs.json"}
+    assert "imugap.indices(" in page
+    with pytest.raises(ValueError, match="expected at least one log"):
+        ig.indices()
+
+
 def test_a_report_stays_beside_files_of_others(tmp_path, fit):
     (tmp_path / "own").mkdir()
     (tmp_path / "own" / "mine.txt").write_text("kept")
