@@ -9,9 +9,9 @@ from tests.discovery import simulated
 
 from imugap import log
 from imugap.discovery.device import Settings, discover, leave_one_out
-from imugap.discovery.fit.axis_fit import fit
+from imugap.discovery.fit.axis_fit import fit, log_score
 from imugap.discovery.fit.description import Description
-from imugap.discovery.over_runs import fit_over_runs, not_recurring
+from imugap.discovery.over_runs import fit_over_runs, not_needed, not_recurring, search_over_runs
 from imugap.discovery.report import verdict
 from imugap.discovery.search.intervals import intervals
 from imugap.effects import GaussMarkov, RandomWalk, WhiteNoise
@@ -76,6 +76,43 @@ def test_a_process_that_only_the_first_run_has_does_not_recur(recurs, told):
     others = [simulated.fitted(run(f"other {number}", *of_others), WALK, PROCESS) for number in range(3)]
     effect = not_recurring(first, others)
     assert (None if effect is None else effect.name) == told
+
+
+FAINT = GaussMarkov(5e-4, 4.0)
+
+
+def over_runs(*runs, beside=()):
+    """What all runs together show beyond white noise and the processes ``beside``."""
+    return search_over_runs([simulated.fitted(one, *beside) for one in runs], simulated.KINDS, simulated.LOG_ALPHA)
+
+
+def test_a_process_too_faint_for_each_run_is_found_in_all_of_them():
+    runs = [run(f"faint {number}", FAINT) for number in range(10)]
+    assert not over_runs(*runs[:2]).added
+    found = over_runs(*runs)
+    assert [trial.effect.slow for trial in found.added] == [True]
+    (finding,) = found.findings()
+    assert finding.effects["gyro_x"] == found.fit.description.noise.effects[-1]
+    plain, others = fit_over_runs([simulated.fitted(one) for one in runs]), [run(f"new {i}", FAINT) for i in range(5)]
+    gains = [log_score(one, found.fit.description) - log_score(one, plain.description) for one in others]
+    assert sum(gains) > 0.0
+
+
+def test_a_process_of_one_run_alone_is_not_one_of_the_device():
+    runs = [run("one", PROCESS), *(run(f"rest {number}") for number in range(4))]
+    assert not over_runs(*runs).added
+
+
+@pytest.mark.slow
+def test_runs_without_a_further_process_seldom_show_one():
+    some = (over_runs(*(run(f"null {case} {number}") for number in range(3))).added for case in range(200))
+    assert sum(map(bool, some)) <= binom.ppf(0.999, 200, len(simulated.KINDS) * np.exp(simulated.LOG_ALPHA))
+
+
+def test_a_process_of_the_first_run_is_not_needed_beside_what_all_runs_show():
+    runs = [run(f"stands in {number}", PROCESS) for number in range(RUNS)]
+    assert not_needed(over_runs(*runs, beside=(WALK,)), simulated.LOG_ALPHA).name == "random_walk"
+    assert not_needed(over_runs(*runs, beside=(PROCESS,)), simulated.LOG_ALPHA) is None
 
 
 def test_an_effect_of_the_start_model_is_not_asked():

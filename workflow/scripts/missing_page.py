@@ -118,7 +118,8 @@ def withheld(reports):
     """Return what was seen but not named, and the exponent of the noise that the final model has on its axis."""
     rows = []
     for start, report in reports.items():
-        exponents = {one["axis"]: one["parameters"]["exponent"] for one in report["described"]}
+        laws = (one for one in report["described"] if one["name"] == "power_law")
+        exponents = {one["axis"]: one["parameters"]["exponent"] for one in laws}
         for one in report["withheld"]:
             ends = exponents.get(one["axis"], {}) if one["name"] in SLOW_NOISE else {}
             rows.append({"start": start} | one | {f"exponent_{end}": ends.get(end, nan) for end in ENDS})
@@ -178,7 +179,7 @@ def numbers(reports, data):
             "effects": len(report["effects"]),
             "names": ", ".join(dict.fromkeys(one["name"].replace("_", " ") for one in report["effects"])),
             "withheld": len(report["withheld"]),
-            "described_axes": axes_of(one["axis"] for one in report["described"]),
+            "described_axes": axes_of(dict.fromkeys(one["axis"] for one in report["described"])),
         } | {
             key: {
                 "within": bool(rows.loc[name, "before_value"] <= rows.loc[name, "floor_high"]),

@@ -24,7 +24,7 @@ from imugap.discovery.finding import MIN_LOG_P, Discrepancy, Finding
 from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.discovery.fit.start_model import described, noisy
 from imugap.discovery.gravity import SensedGravity
-from imugap.discovery.over_runs import fit_over_runs, not_recurring
+from imugap.discovery.over_runs import OverRuns, not_needed, not_recurring, search_over_runs
 from imugap.discovery.pooling import agree_on_noise, name_pooled, pooled_finding, search_each
 from imugap.discovery.preparation.prepare import PreparedLog, prepare
 from imugap.discovery.preparation.sequence import AxisSequence
@@ -43,6 +43,7 @@ from imugap.units import STANDARD_GRAVITY
 FARTHER = "the model with it is farther from data that no fit has seen"
 OF_EITHER = "it may be of the reference"
 NOT_RECURRING = "further runs are less likely with it"
+BY_ALL_RUNS = "noise that only all runs together show explains it"
 """Reasons for withdrawing an effect."""
 OTHER_STEPS = 4
 """Steps besides the two of each axis."""
@@ -65,7 +66,7 @@ class Discovery:
     withheld
         (axis, name, reason) of what was seen but not named.
     described
-        Noise that fits no name; the final model has it as a power law.
+        Noise that fits no name, as the final model has it: a power law, or what only all runs together show.
     undetermined
         (axis, name) of the effects of the start model that the log does not determine; they stay as they were.
     distances
@@ -220,14 +221,19 @@ class _Compared(_Named):
         Noise that axes share, and differences between runs.
     further
         Fits of the further runs of each axis, with the terms and the processes of the first run.
-    device
-        Fit of the named effects of each axis, its noise that of all runs.
+    over_runs
+        Noise of each axis over all runs.
     """
 
     common: tuple[Finding, ...]
     between: tuple[Finding, ...]
     further: Mapping[str, tuple[AxisFit, ...]]
-    device: Mapping[str, AxisFit]
+    over_runs: Mapping[str, OverRuns]
+
+    @property
+    def device(self) -> dict[str, AxisFit]:
+        """Fit of the named effects of each axis, its noise that of all runs."""
+        return {axis: one.fit for axis, one in self.over_runs.items()}
 
     @property
     def beyond_axes(self) -> tuple[Finding, ...]:
@@ -336,15 +342,19 @@ def _of_either(stage: _Prepared) -> Withdrawn:
 def _to_withdraw(stage: _Measured, withdrawn: Withdrawn) -> Withdrawn:
     """Return the withdrawn effects, and further ones.
 
-    On each axis the one that further runs do not have; where there is none, and the axis is farther than before, the
-    one of least held-out gain.
+    On each axis the one that further runs do not have, or that noise of all runs explains; where there is none, and the
+    axis is farther than before, the one of least held-out gain.
     """
     more = dict(withdrawn)
     for axis, apart in stage.evaluation.axes.items():
         found = stage.results[axis].findings
+        kinds = {type(finding.effects[axis]) for finding in found}
         alone = type(not_recurring(stage.whole[axis], stage.further[axis]))
-        if any(type(finding.effects[axis]) is alone for finding in found):
+        replaced = type(not_needed(stage.over_runs[axis], stage.log_alpha))
+        if alone in kinds:
             more[axis] = {**more.get(axis, {}), alone: NOT_RECURRING}
+        elif replaced in kinds:
+            more[axis] = {**more.get(axis, {}), replaced: BY_ALL_RUNS}
         elif apart.farther and found:
             worst = min(found, key=lambda finding: finding.log_score_gain)
             more[axis] = {**more.get(axis, {}), type(worst.effects[axis]): FARTHER}
@@ -435,13 +445,13 @@ def _compare_runs(stage: _Named) -> _Compared:
     others = _further_runs(stage)
     between = _between_runs(stage, others)
     by_axis = {axis: tuple(run[axis] for run in others if axis in run) for axis in stage.whole}
-    device = {axis: fit_over_runs((one, *by_axis[axis])) for axis, one in stage.whole.items()}
+    search = partial(search_over_runs, catalogue=stage.settings.catalogue, log_alpha=stage.log_alpha)
     return _Compared(
         **vars(stage),
         common=_news(common, stage.known),
         between=_news(between, stage.known),
         further=by_axis,
-        device=device,
+        over_runs={axis: search((one, *by_axis[axis])) for axis, one in stage.whole.items()},
     )
 
 
@@ -510,7 +520,10 @@ def _conclude(stage: _Tested) -> Discovery:
             *nameless_places(results, stage.discrepancies_after, alpha),
         ),
         withheld=tuple((axis, *one) for axis, result in results.items() for one in result.unnamed()),
-        described=tuple(one.power_law for one in results.values() if one.power_law is not None),
+        described=(
+            *(_of_device(one.power_law, stage) for one in results.values() if one.power_law is not None),
+            *(one for of_axis in stage.over_runs.values() for one in of_axis.findings()),
+        ),
         undetermined=tuple((axis, one.name) for axis, some in kept.items() for one in some if axis in results),
         distances=stage.evaluation.distances,
         drifts=stage.evaluation.drifts,
@@ -565,14 +578,14 @@ def _between_runs(stage: _Named, others: Sequence[Mapping[str, AxisFit]]) -> tup
 
 def _of_device(finding: Finding, stage: _Compared) -> Finding:
     """Return the finding of a random process with its values and intervals of all runs; any other as it is."""
-    (axis,) = finding.effects
-    entries = stage.whole[axis].description.entries
-    index = next((i for i, entry in enumerate(entries) if entry.effect == finding.effects[axis]), None)
-    if not stage.further[axis] or index is None or entries[index].effect.role not in (Role.NOISE, Role.FILTER):
+    ((axis, effect),) = finding.effects.items()
+    role, device = effect.role, stage.device[axis]
+    alike = [entry.effect for entry in stage.whole[axis].description.of(role)]
+    if not stage.further[axis] or effect not in alike or role not in (Role.NOISE, Role.FILTER):
         return finding
-    device = stage.device[axis]
-    effect = device.description.entries[index].effect
-    return replace(finding, effects={axis: effect}, parameters=intervals(device, index))
+    entry = device.description.of(role)[alike.index(effect)]
+    parameters = intervals(device, device.description.entries.index(entry))
+    return replace(finding, effects={axis: entry.effect}, parameters=parameters)
 
 
 def _between_sharing(one: Discrepancy | Curve, sharing: set[frozenset[str]]) -> bool:

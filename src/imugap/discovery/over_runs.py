@@ -1,19 +1,26 @@
-"""Noise of a device over several of its runs: its parameters, their scatter from run to run, and what does not recur.
+"""Noise of a device over several of its runs: its processes, their scatter from run to run, and what does not recur.
 
 The likelihood of all runs together has its maximum at the parameters of the device. The scores of the runs there
 scatter more than their information where the parameters differ from run to run (the sandwich of Huber 1967, with each
 run as one independent unit); what exceeds the information is the scatter of the parameters.
+
+Processes too faint for one run are searched for in all runs together. One counts where it is significant without the
+run that gains most by it: a process of the device recurs. It describes the noise, and is not named: the checks of names
+need a run that shows it.
 """
 
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from imugap.discovery.finding import MIN_LOG_P, Finding
 from imugap.discovery.fit.axis_fit import AxisFit, fit, log_score
 from imugap.discovery.fit.description import Description
-from imugap.discovery.fit.whittle import PRIOR_LOG_STD, NoiseFit, NoiseSpectra
+from imugap.discovery.fit.whittle import PRIOR_LOG_STD, NoiseFit, NoiseSpectra, log_likelihood
 from imugap.discovery.fit.whittle import fit as fit_noise
+from imugap.discovery.search.intervals import intervals
+from imugap.discovery.search.search import Trial, log_p_of_gain
 from imugap.effects.effect import Effect, Role
 
 RECURRING = (Role.MEAN, Role.NOISE, Role.FILTER)
@@ -23,6 +30,106 @@ MIN_ODDS = 20.0
 
 Runs of a device that has it reach them with a probability of at most 1/20 (Markov's inequality).
 """
+MAX_ADDITIONS = 4
+"""Maximum number of processes of an axis that only all runs together show."""
+
+
+@dataclass(frozen=True, eq=False)
+class OverRuns:
+    """Noise of one axis over all runs of a device.
+
+    Attributes
+    ----------
+    runs
+        Fit of each run, with the processes of all runs.
+    fit
+        Fit of the first run with the noise of all runs.
+    added
+        The processes that only all runs together show; they are the last of the noise.
+    """
+
+    runs: tuple[AxisFit, ...]
+    fit: AxisFit
+    added: tuple[Trial, ...] = ()
+
+    def indices(self, fit: AxisFit) -> list[int]:
+        """Return the indices of the added processes among the entries of the description of a run."""
+        noise = [index for index, entry in enumerate(fit.description.entries) if entry.effect.role is Role.NOISE]
+        return noise[len(noise) - len(self.added) :]
+
+    def findings(self) -> list[Finding]:
+        """Return the added processes, with their values and intervals of all runs."""
+        axis, entries = self.fit.sequence.conditions.axis, self.fit.description.entries
+        return [
+            Finding({axis: entries[i].effect}, intervals(self.fit, i), max(trial.log_p, MIN_LOG_P), trial.gain)
+            for i, trial in zip(self.indices(self.fit), self.added, strict=True)
+        ]
+
+
+def search_over_runs(runs: Sequence[AxisFit], catalogue: Sequence[type[Effect]], log_alpha: float) -> OverRuns:
+    """Add random processes to those of the first run until all runs together show no further one.
+
+    Parameters
+    ----------
+    runs
+        Fits of the runs, with the processes found in the first.
+    catalogue
+        Kinds of effects that may be missing.
+    log_alpha
+        Logarithm of the false-alarm probability of one proposal.
+    """
+    found = OverRuns(tuple(runs), fit_over_runs(runs))
+    while len(runs) > 1 and len(found.added) < MAX_ADDITIONS:
+        significant = (one for one in _trials(found, catalogue) if one.added[-1].log_p < log_alpha)
+        best = max(significant, key=lambda one: one.added[-1].worth, default=None)
+        if best is None:
+            break
+        found = best
+    return found
+
+
+def _trials(before: OverRuns, catalogue: Sequence[type[Effect]]) -> Iterator[OverRuns]:
+    """Yield each kind of random process, added where a run has most room for it."""
+    runs = _sharing_noise(before.runs, before.fit)
+    scores = _noise_scores(runs)
+    for kind in (kind for kind in catalogue if kind.role is Role.NOISE):
+        start = max((start for one in runs for start in kind.starts(one)), key=lambda start: start.gain, default=None)
+        if start is None:
+            continue
+        wider = tuple(replace(one, description=one.description.adding(start.effect)) for one in runs)
+        fit = fit_over_runs(wider)
+        gains = _noise_scores(_sharing_noise(wider, fit)) - scores
+        trial = Trial(start.effect, fit, float(gains.sum() - gains.max()), len(start.free), start.trials)
+        yield OverRuns(wider, fit, (*before.added, trial))
+
+
+def _sharing_noise(runs: Sequence[AxisFit], shared: AxisFit) -> list[AxisFit]:
+    """Return the fits of the runs with the noise of one fit in place of their own."""
+    noise = shared.description.noise
+    return [replace(one, description=one.description.with_noise(noise)) for one in runs]
+
+
+def _noise_scores(runs: Sequence[AxisFit]) -> np.ndarray:
+    """Return the log-density of the coefficients of each run under the noise of its description, shape (runs,)."""
+    noises = ((one.description.noise, one.sequence.bins, one.power) for one in runs)
+    return np.array([log_likelihood(noise.variance(bins), power, bins.number) for noise, bins, power in noises])
+
+
+def not_needed(found: OverRuns, log_alpha: float) -> Effect | None:
+    """Return the process of the first run that is not significant beside those of all runs together, or None."""
+    if not found.added:
+        return None
+    description = found.fit.description
+    first = (i for i, entry in enumerate(description.entries) if entry.effect.role is Role.NOISE and not entry.known)
+    for index in first:
+        effect = description.entries[index].effect
+        if index in found.indices(found.fit):
+            continue
+        less = [replace(one, description=one.description.without([index])) for one in found.runs]
+        gain = found.fit.noise.log_likelihood - fit_over_runs(less).noise.log_likelihood
+        if log_p_of_gain(gain, len(effect.free())) > log_alpha:
+            return effect
+    return None
 
 
 def recurring(description: Description) -> Description:

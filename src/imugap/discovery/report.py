@@ -106,7 +106,7 @@ def verdict(found: Discovery) -> str:
     lines = [] if found.band is None else [found.band.sentence()]
     lines += [_sentence(finding) for finding in found.findings] or [f"Nothing is missing that {known}."]
     lines += [f"{axis}: something like {name}, but {reason}; not named." for axis, name, reason in found.withheld]
-    lines += [_slope(one) for one in found.described]
+    lines += [described_sentence(one) for one in found.described]
     if found.undetermined:
         kept = ", ".join(f"{name} of {axis}" for axis, name in found.undetermined)
         lines.append(f"The log cannot tell {kept}; kept as the start model has it.")
@@ -140,10 +140,14 @@ def _sentence(finding: Finding) -> str:
     return text + "."
 
 
-def _slope(finding: Finding) -> str:
-    exponent = finding.parameters["exponent"]
-    ends = f"{exponent.value:.2f} ({exponent.low:.2f} to {exponent.high:.2f})"
-    return f"{finding.axes[0]}: in the place of slow noise without a name the model has noise of spectrum 1/f^{ends}."
+def described_sentence(finding: Finding) -> str:
+    """Return how the final model describes noise without a name, as text."""
+    values = (
+        f"{name} {one.value:.3g} ({one.low:.3g} to {one.high:.3g}) {one.unit}".removesuffix(" 1")
+        for name, one in finding.parameters.items()
+    )
+    shape = finding.name.replace("_", " ")
+    return f"{finding.axes[0]}: the model describes noise without a name by a {shape} process ({', '.join(values)})."
 
 
 def describe_locations(places: Sequence[Discrepancy]) -> str:
