@@ -16,6 +16,7 @@ from imugap import log
 from imugap.commands.discover import FILES
 from imugap.effects import Bias, Sinusoid, WhiteNoise
 from imugap.effects.effect import AxisModel
+from imugap.io import recording
 from imugap.model import ErrorModel
 
 ROOT = Path(__file__).parents[2]
@@ -148,6 +149,35 @@ def test_a_log_of_ones_own_gets_its_folder_of_what_is_missing(two_runs, copied):
     assert "Nothing to be done" in again.stdout + again.stderr
 
 
+HARD = ["br{run}.csv", 'blank \'s "Ω" #1.csv', "[1, 2]: {device}.csv"]
+"""Names of files that snakemake, YAML or a shell may take for something else."""
+
+
+def test_a_log_of_ones_own_has_any_name(two_runs, copied):
+    for name in HARD:
+        (two_runs / name).write_bytes((two_runs / "line1.csv").read_bytes())
+        found = snakemake("discover", "--dry-run", "--config", f"log={json.dumps([f'../{name}'])}", folder=copied)
+        assert found.returncode == 0, found.stderr
+        assert re.search(r"input: results/discover/[\w.-]+/report.md\n", found.stdout), name
+
+
+def test_runs_of_ones_own_have_any_name_and_a_change_of_one_reruns_what_reads_it(copied, tmp_path):
+    model = ErrorModel(dict.fromkeys(log.AXES, AxisModel((WhiteNoise(1e-4),))))
+    still = log.from_samples(dict.fromkeys(log.AXES, np.zeros(400)), 0.02)
+    for run, name in enumerate(HARD):
+        log.write(model.simulate(still, run, "workflow"), tmp_path / name)
+    paths = [f"../{name}" for name in HARD]
+    options = ("--cores", "1", "--config", f"own_logs={json.dumps(paths)}", "devices={bench: [], adis16405: []}")
+    found = snakemake("ingest_own", *options, folder=copied)
+    assert found.returncode == 0, found.stderr
+    for run, name in enumerate(HARD, 1):
+        read = log.load(copied / f"results/own/{run}/log.parquet")
+        pd.testing.assert_frame_equal(read, recording.read(tmp_path / name).log)
+    os.utime(tmp_path / HARD[0])
+    found = snakemake("ingest_own", "--dry-run", *options, folder=copied)
+    assert "rule ingest_own:" in found.stdout
+
+
 def test_a_log_that_cannot_be_read_is_told_in_the_log_of_the_job(copied, tmp_path):
     (tmp_path / "bad.csv").write_text("time,giro_x\n0.0,0.1\n0.1,0.1\n")
     found = snakemake("discover", "--cores", "1", "--config", f"log={tmp_path / 'bad.csv'}", folder=copied)
@@ -164,6 +194,8 @@ def test_a_log_that_cannot_be_read_is_told_in_the_log_of_the_job(copied, tmp_pat
         (["log=README.md", "model=no/such.yaml"], "model: expected a file; found none at no/such.yaml"),
         (["log=README.md", "test=[LICENSE,no/such.csv]"], "test: expected a file; found none at no/such.csv"),
         (["reference=README.md"], "log: expected the log that reference belongs to; found none"),
+        (["own_logs=[no{1}.csv]"], "own_logs: expected a file; found none at [no{1}.csv] (in a list, put a name with"),
+        (["log=README.md", "mirror=a/{b}"], "mirror: expected a folder without braces in its name; found a/{b}"),
         (["log=README.md", "discovery={alpha: 2}"], "discovery.alpha: expected a number < 1; found 2"),
     ],
 )

@@ -1,5 +1,7 @@
 import os
+import re
 from collections import defaultdict
+from itertools import chain
 from pathlib import Path
 
 import yaml
@@ -17,11 +19,27 @@ if config["navigation"]["table_horizon_s"] not in config["navigation"]["horizons
 CATALOGUE = load("data", "workflow/schemas")
 RAW = "data/raw"
 MIRROR = os.environ.get("IMUGAP_MIRROR") or config["mirror"]
+if MIRROR and set("{}") & set(MIRROR):
+    raise ConfigurationError(f"mirror: expected a folder without braces in its name; found {MIRROR}")
+# Files of the user, by the key of the configuration. They are parameters of the rules with their state, and no inputs:
+# braces in the name of an input are a wildcard.
+OWN_FILES = {
+    option: [value] if isinstance(value, str) else value or []
+    for option, value in config.items()
+    if option in ("own_logs", "log", "test", "reference", "model")
+}
+
+for option, paths in OWN_FILES.items():
+    for path in paths:
+        if not Path(path).is_file():
+            hint = " (in a list, put a name with braces, brackets or commas in quotes)" if path[:1] == "[" else ""
+            raise ConfigurationError(f"{option}: expected a file; found none at {path}{hint}")
+
 PRESENT = [name for name in CATALOGUE if available(CATALOGUE[name], RAW, MIRROR)]
 RUNS = {
     "bench": config["devices"]["bench"],
     "adis16405": config["devices"]["adis16405"] if "adis16405" in PRESENT else [],
-    "own": list(range(1, len(config["own_logs"]) + 1)),
+    "own": list(range(1, len(OWN_FILES["own_logs"]) + 1)),
 }
 DEVICES = [device for device, runs in RUNS.items() if runs]
 POWER_CYCLES = config["power_cycles"] if "memsense_turnon" in PRESENT else []
@@ -43,16 +61,9 @@ NOTEBOOKS = [name for name, chapter in NOTEBOOK_OF.items() if chapter in CHAPTER
 # The products that the chapters of the paper show, "study" those that it always has: the rules add theirs.
 PAPER = defaultdict(list)
 # What the target discover works on.
-OPTIONS = {
-    option: [value] if isinstance(value, str) else value or []
-    for option, value in config.items()
-    if option in ("log", "test", "reference", "model")
-}
+OPTIONS = {option: paths for option, paths in OWN_FILES.items() if option != "own_logs"}
 
 for option, paths in OPTIONS.items():
-    for path in paths:
-        if not Path(path).is_file():
-            raise ConfigurationError(f"{option}: expected a file; found none at {path}")
     if paths and not OPTIONS["log"]:
         raise ConfigurationError(f"log: expected the log that {option} belongs to; found none")
 
@@ -95,9 +106,12 @@ DISCOVERIES |= {
     }
     for run in SIGHTED
 }
+# The folder of one's own discovery has the name of the log, with _ for what a wildcard cannot hold.
+OWN_DISCOVERY = None
 if OPTIONS["log"]:
+    OWN_DISCOVERY = "discover/" + re.sub(r"[^\w.-]+", "_", Path(OPTIONS["log"][0]).stem)
     own = {"effects": config["effects"]} if config["effects"] else {}
-    DISCOVERIES[f"discover/{Path(OPTIONS['log'][0]).stem}"] = OPTIONS | own
+    DISCOVERIES[OWN_DISCOVERY] = OPTIONS | own
 
 
 # Jobs of minutes, and those that they wait for, have priority 1: else one of them runs last, beside an idle core.
@@ -162,7 +176,7 @@ def raw_logs(device):
     if device == "bench":
         return expand(f"{RAW}/bench/run{{run}}.parquet", run=RUNS["bench"])
     if device == "own":
-        return config["own_logs"]
+        return OWN_FILES["own_logs"]
     files = (CATALOGUE[device].file(run) for run in LOGS[device])
     return [str(locate(file, RAW, MIRROR)) for file in files]
 
@@ -193,9 +207,25 @@ def assumptions(site, motion):
     }
 
 
-def discovery_input(option):
-    """Return the function that names the input files of a discovery for an option."""
-    return lambda wildcards: DISCOVERIES[wildcards.discovery].get(option, [])
+def states(paths):
+    """Give the size and the time of change of files of the user, which rerun the rules that read them."""
+    return [(status.st_size, status.st_mtime_ns) for status in map(os.stat, paths)]
+
+
+def discovery_files(wildcards):
+    """Name the files of a discovery by their options."""
+    given = DISCOVERIES[wildcards.discovery]
+    return {option: given.get(option, []) for option in OPTIONS}
+
+
+def discovery_inputs(wildcards):
+    """Name the files of a discovery that the workflow makes."""
+    return [] if wildcards.discovery == OWN_DISCOVERY else list(chain(*discovery_files(wildcards).values()))
+
+
+def discovery_states(wildcards):
+    """Give the states of the files of a discovery that the user gives."""
+    return states(chain(*OPTIONS.values())) if wildcards.discovery == OWN_DISCOVERY else []
 
 
 def own_effects(wildcards):
@@ -217,6 +247,6 @@ def blind_scores(wildcards):
 
 def dossier_of_log(wildcards):
     """Name the page of what is found on the log of the configuration."""
-    if not OPTIONS["log"]:
+    if not OWN_DISCOVERY:
         raise ConfigurationError("log: expected --config log=PATH; found none")
-    return f"results/discover/{Path(OPTIONS['log'][0]).stem}/report.md"
+    return f"results/{OWN_DISCOVERY}/report.md"

@@ -51,7 +51,7 @@ for device, runs in LOGS.items():
         name:
             f"ingest_{device}"
         input:
-            raw=raw_logs(device),
+            raw=[] if device == "own" else raw_logs(device),
             tables=["data/datasets.csv", "data/files.csv"],
         output:
             logs=per_run(device, "log.parquet"),
@@ -62,6 +62,8 @@ for device, runs in LOGS.items():
         params:
             device=device,
             runs=runs,
+            raw=lambda wildcards, paths=raw_logs(device): paths,
+            states=states(OWN_FILES["own_logs"]) if device == "own" else [],
             code=library("ingest"),
         script:
             "../scripts/ingest.py"

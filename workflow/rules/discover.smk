@@ -127,10 +127,7 @@ if SIGHTED:
 rule dossier:
     """Find where a log and a simulator disagree, and name, add and show what is missing from the error model."""
     input:
-        log=discovery_input("log"),
-        test=discovery_input("test"),
-        reference=discovery_input("reference"),
-        model=discovery_input("model"),
+        files=discovery_inputs,
         effects=own_effects,
     output:
         "results/{discovery}/report.json",
@@ -163,6 +160,8 @@ rule dossier:
         mem_mb=3000,
         runtime=lambda wildcards: 120 if wildcards.discovery.startswith("missing/") else 30,
     params:
+        files=discovery_files,
+        states=discovery_states,
         settings=DISCOVERY_SETTINGS,
         seed=config["seed"],
         effects=lambda wildcards: DISCOVERIES[wildcards.discovery].get("effects"),

@@ -9,9 +9,10 @@ from imugap.workflow.job_log import job
 
 # started processes import this module again
 if __name__ == "__main__":
-    with job(snakemake) as (source, params, output):
-        single = {name: Path(*source[name]) for name in ("reference", "model") if source[name]}
-        files = Files(tuple(map(Path, source.log)), tuple(map(Path, source.test)), **single, effects=params.effects)
+    with job(snakemake) as (_, params, output):
+        given = {option: tuple(map(Path, paths)) for option, paths in params.files.items()}
+        single = {name: Path(*given[name]) for name in ("reference", "model") if given[name]}
+        files = Files(given["log"], given["test"], **single, effects=params.effects)
         settings = Settings(**params.settings, seed=params.seed, workers=snakemake.threads)
         out = Path(output[0]).parent
         found = Discovered.of(files, settings, lambda step, done, steps: print(f"{done}/{steps} {step}"))

@@ -27,7 +27,7 @@ def main(raw, dataset, run, log_path, report_path):
     log.write(table, log_path)
 
 
-with job(snakemake) as (source, params, output):
+with job(snakemake) as (_, params, output):
     dataset = catalogue.load("data", "workflow/schemas").get(params.device)
-    for run, raw, *paths in zip(params.runs, source.raw, output.logs, output.integrity, strict=True):
+    for run, raw, *paths in zip(params.runs, params.raw, output.logs, output.integrity, strict=True):
         main(raw, dataset, run, *paths)
