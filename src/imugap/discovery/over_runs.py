@@ -52,18 +52,37 @@ class OverRuns:
     fit: AxisFit
     added: tuple[Trial, ...] = ()
 
-    def indices(self, fit: AxisFit) -> list[int]:
-        """Return the indices of the added processes among the entries of the description of a run."""
-        noise = [index for index, entry in enumerate(fit.description.entries) if entry.effect.role is Role.NOISE]
-        return noise[len(noise) - len(self.added) :]
-
     def findings(self) -> list[Finding]:
         """Return the added processes, with their values and intervals of all runs."""
-        axis, entries = self.fit.sequence.conditions.axis, self.fit.description.entries
+        axis, description = self.fit.sequence.conditions.axis, self.fit.description
+        indices = _processes(description)[-len(self.added) :] if self.added else []
         return [
-            Finding({axis: entries[i].effect}, intervals(self.fit, i), max(trial.log_p, MIN_LOG_P), trial.gain)
-            for i, trial in zip(self.indices(self.fit), self.added, strict=True)
+            Finding(
+                {axis: description.entries[i].effect}, intervals(self.fit, i), max(trial.log_p, MIN_LOG_P), trial.gain
+            )
+            for i, trial in zip(indices, self.added, strict=True)
         ]
+
+    def without(self, number: int) -> "OverRuns":
+        """Return the noise without its process of a number, from 0 on."""
+        runs = tuple(
+            replace(one, description=one.description.without([_processes(one.description)[number]]))
+            for one in self.runs
+        )
+        first = len(_processes(self.fit.description)) - len(self.added)
+        added = tuple(trial for place, trial in enumerate(self.added) if first + place != number)
+        return OverRuns(runs, fit_over_runs(runs), added)
+
+    def cost(self, number: int) -> float:
+        """Return the log p-value of what the likelihood loses without the process of a number."""
+        loss = self.fit.noise.log_likelihood - self.without(number).fit.noise.log_likelihood
+        effect = self.fit.description.entries[_processes(self.fit.description)[number]].effect
+        return log_p_of_gain(loss, len(effect.free()))
+
+
+def _processes(description: Description) -> list[int]:
+    """Return the indices of the random processes among the entries of a description."""
+    return [index for index, entry in enumerate(description.entries) if entry.effect.role is Role.NOISE]
 
 
 def search_over_runs(runs: Sequence[AxisFit], catalogue: Sequence[type[Effect]], log_alpha: float) -> OverRuns:
@@ -79,13 +98,21 @@ def search_over_runs(runs: Sequence[AxisFit], catalogue: Sequence[type[Effect]],
         Logarithm of the false-alarm probability of one proposal.
     """
     found = OverRuns(tuple(runs), fit_over_runs(runs))
-    while len(runs) > 1 and len(found.added) < MAX_ADDITIONS:
+    for _ in range(MAX_ADDITIONS if len(runs) > 1 else 0):
         significant = (one for one in _trials(found, catalogue) if one.added[-1].log_p < log_alpha)
         best = max(significant, key=lambda one: one.added[-1].worth, default=None)
         if best is None:
             break
-        found = best
+        found = _pruned(best, log_alpha)
     return found
+
+
+def _pruned(found: OverRuns, log_alpha: float) -> OverRuns:
+    """Return the noise without the added processes that later ones explain."""
+    count = len(_processes(found.fit.description))
+    earlier = range(count - len(found.added), count - 1)
+    number = next((one for one in earlier if found.cost(one) > log_alpha), None)
+    return found if number is None else _pruned(found.without(number), log_alpha)
 
 
 def _trials(before: OverRuns, catalogue: Sequence[type[Effect]]) -> Iterator[OverRuns]:
@@ -117,19 +144,10 @@ def _noise_scores(runs: Sequence[AxisFit]) -> np.ndarray:
 
 def not_needed(found: OverRuns, log_alpha: float) -> Effect | None:
     """Return the process of the first run that is not significant beside those of all runs together, or None."""
-    if not found.added:
-        return None
-    description = found.fit.description
-    first = (i for i, entry in enumerate(description.entries) if entry.effect.role is Role.NOISE and not entry.known)
-    for index in first:
-        effect = description.entries[index].effect
-        if index in found.indices(found.fit):
-            continue
-        less = [replace(one, description=one.description.without([index])) for one in found.runs]
-        gain = found.fit.noise.log_likelihood - fit_over_runs(less).noise.log_likelihood
-        if log_p_of_gain(gain, len(effect.free())) > log_alpha:
-            return effect
-    return None
+    entries = [found.fit.description.entries[index] for index in _processes(found.fit.description)]
+    first = entries[: len(entries) - len(found.added)] if found.added else []
+    numbers = (i for i, entry in enumerate(first) if not entry.known and found.cost(i) > log_alpha)
+    return next((first[number].effect for number in numbers), None)
 
 
 def recurring(description: Description) -> Description:

@@ -106,7 +106,7 @@ def verdict(found: Discovery) -> str:
     lines = [] if found.band is None else [found.band.sentence()]
     lines += [_sentence(finding) for finding in found.findings] or [f"Nothing is missing that {known}."]
     lines += [f"{axis}: something like {name}, but {reason}; not named." for axis, name, reason in found.withheld]
-    lines += [described_sentence(one) for one in found.described]
+    lines += described_sentences(found)
     if found.undetermined:
         kept = ", ".join(f"{name} of {axis}" for axis, name in found.undetermined)
         lines.append(f"The log cannot tell {kept}; kept as the start model has it.")
@@ -140,14 +140,21 @@ def _sentence(finding: Finding) -> str:
     return text + "."
 
 
-def described_sentence(finding: Finding) -> str:
-    """Return how the final model describes noise without a name, as text."""
-    values = (
-        f"{name} {one.value:.3g} ({one.low:.3g} to {one.high:.3g}) {one.unit}".removesuffix(" 1")
-        for name, one in finding.parameters.items()
-    )
-    shape = finding.name.replace("_", " ")
-    return f"{finding.axes[0]}: the model describes noise without a name by a {shape} process ({', '.join(values)})."
+def described_sentences(found: Discovery) -> list[str]:
+    """Return how the final model describes noise without a name, a sentence for each axis."""
+    axes = dict.fromkeys(one.axes[0] for one in found.described)
+    return [_described(axis, [one for one in found.described if one.axes[0] == axis]) for axis in axes]
+
+
+def _described(axis: str, processes: Sequence[Finding]) -> str:
+    parts = []
+    for one in processes:
+        values = (
+            f"{name} {of.value:.3g} ({of.low:.3g} to {of.high:.3g}) {of.unit}".removesuffix(" 1")
+            for name, of in one.parameters.items()
+        )
+        parts.append(f"{one.name} ({', '.join(values)})")
+    return f"{axis}: noise without a name is in the model as {' and '.join(parts)}."
 
 
 def describe_locations(places: Sequence[Discrepancy]) -> str:

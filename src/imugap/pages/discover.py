@@ -8,7 +8,7 @@ import numpy as np
 from imugap.discovery.evaluation.distance import Distances
 from imugap.discovery.finding import Discrepancy, Finding, Interval
 from imugap.discovery.inputs import FileDiscovery
-from imugap.discovery.report import describe_locations, describe_range, described_sentence
+from imugap.discovery.report import describe_locations, describe_range, described_sentences
 from imugap.effects.effect import AxisModel, Effect, Role
 from imugap.figures import discovery as figures
 from imugap.figures.log import quantities
@@ -159,8 +159,7 @@ def _remarks(result: FileDiscovery) -> Iterable[str]:
         yield found.band.sentence()
     for axis, name, reason in found.withheld:
         yield f"{axis}: something like {name.replace('_', ' ')}, but {reason}; not named."
-    for one in found.described:
-        yield described_sentence(one)
+    yield from described_sentences(found)
     for axis, name in found.undetermined:
         yield f"{axis}: the log does not show {name.replace('_', ' ')}; kept as the start model has it."
     if found.gravity is not None:
