@@ -9,6 +9,7 @@ import pandas as pd
 from imugap.discovery.device import Discovery
 from imugap.discovery.evaluation.distance import Distances
 from imugap.discovery.finding import MIN_LOG_P, Discrepancy, Finding, Interval
+from imugap.integrity.regular import counted
 
 MAX_LOCATIONS = 12
 """Largest number of groups of locations in one sentence."""
@@ -104,6 +105,10 @@ def verdict(found: Discovery) -> str:
     """Return the verdict as text."""
     known = "has a name" if found.withheld or found.unexplained else "the log can show"
     lines = [] if found.band is None else [found.band.sentence()]
+    if found.record.shocks:
+        times = ", ".join(f"{begin:.4g} to {end:.4g} s" for begin, end in found.record.shocks[:MAX_LOCATIONS])
+        number = counted(len(found.record.shocks), "shock")
+        lines.append(f"Left out: {number} of the device, on several axes at once, {times}; no error of a sensor.")
     lines += [_sentence(finding) for finding in found.findings] or [f"Nothing is missing that {known}."]
     lines += [f"{axis}: something like {name}, but {reason}; not named." for axis, name, reason in found.withheld]
     lines += described_sentences(found)

@@ -173,6 +173,15 @@ def screen(values: np.ndarray, rng: np.random.Generator) -> Screened:
     return Screened(filled, replaced, found)
 
 
+def knocked(values: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    """Return the samples of knocks and bursts of a log at rest, shape (n,); arguments as those of :func:`screen`."""
+    unknown = ~np.isfinite(values)
+    unknown |= _stuck(values)
+    if np.mean(unknown) > 1 - FEWEST or not _varies(values[~unknown]) or not _suspicious(values[~unknown]):
+        return np.zeros(len(values), bool)
+    return _disturbed(values, unknown, rng)[1]
+
+
 def is_scattered(lost: np.ndarray) -> bool:
     """Return whether lost samples, mask of shape (n,), are few and apart: an autoregression reaches over them."""
     longest = int(np.max(np.diff(runs_of(lost)), initial=0))

@@ -15,6 +15,7 @@ from scipy.interpolate import CubicSpline
 from imugap.discovery.finding import Discrepancy, Finding, finding
 from imugap.discovery.preparation.cosine_bins import usable_share
 from imugap.discovery.preparation.sequence import AxisSequence
+from imugap.discovery.preparation.shocks import common_shocks
 from imugap.effects import CATALOGUE
 from imugap.effects.conditions import Conditions
 from imugap.effects.effect import AxisModel, Effect, Evidence, Role, Stage
@@ -23,6 +24,7 @@ from imugap.integrity.thermometer import smoothed
 from imugap.integrity.timestamps import LEAST, ROUNDED, Stamps, stamps
 from imugap.log import ACCEL, AXES, GYRO, TEMPERATURE, TIME, LogError, axes
 from imugap.model import ErrorModel
+from imugap.numerics.runs import runs_of
 from imugap.stream import stream
 
 CERTAIN_LOG_P = -1e6
@@ -69,6 +71,8 @@ class PreparedLog:
     unusable
         Excluded axes, as places of the view ``values``: at the value of a constant axis, or at the time between the
         true samples of an interpolated axis.
+    shocks
+        Begin and end of each shock of a device at rest [s]; its samples are replaced as lost ones are.
     """
 
     sequences: dict[str, AxisSequence]
@@ -77,6 +81,7 @@ class PreparedLog:
     discrepancies: tuple[Discrepancy, ...]
     begin: float = 0.0
     unusable: tuple[Discrepancy, ...] = ()
+    shocks: tuple[tuple[float, float], ...] = ()
 
 
 def prepare(
@@ -123,7 +128,8 @@ def prepare(
         if elsewhere.any() and not np.isnan(values).all():
             news.missing(axis, elsewhere, at[axis].time, kinds)
         news.seen(axis, seen[axis], values)
-    blind = np.zeros(clock.count, bool) if reference is None else in_reference_gap(reference, clock.course)
+    shocks = common_shocks(outputs, clock.interval) if reference is None else np.zeros(clock.count, bool)
+    blind = shocks if reference is None else in_reference_gap(reference, clock.course)
     flawed = {axis: np.isnan(values) | _flawed(seen[axis], len(values)) | blind for axis, values in outputs.items()}
     for kind in (kind for kind in catalogue if kind.stage is Stage.TRANSFER):
         _transferred(kind, news, outputs, at, flawed)
@@ -133,7 +139,9 @@ def prepare(
         for axis, values in outputs.items()
     }
     whole = {axis: _filled_output(np.where(blind, np.nan, one), sequences[axis]) for axis, one in outputs.items()}
-    return PreparedLog(sequences, whole, news.findings(), (*unusable, *news.discrepancies), float(time[0]), unusable)
+    struck = tuple((float(first), float(end)) for first, end in runs_of(shocks) * clock.interval)
+    places = (*unusable, *news.discrepancies)
+    return PreparedLog(sequences, whole, news.findings(), places, float(time[0]), unusable, struck)
 
 
 class _News:
