@@ -173,13 +173,14 @@ def screen(values: np.ndarray, rng: np.random.Generator) -> Screened:
     return Screened(filled, replaced, found)
 
 
-def knocked(values: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-    """Return the samples of knocks and bursts of a log at rest, shape (n,); arguments as those of :func:`screen`."""
+def disturbed(values: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    """Return which samples of a log at rest are outliers or knocks, shape (n,); arguments as of :func:`screen`."""
     unknown = ~np.isfinite(values)
     unknown |= _stuck(values)
     if np.mean(unknown) > 1 - FEWEST or not _varies(values[~unknown]) or not _suspicious(values[~unknown]):
         return np.zeros(len(values), bool)
-    return _disturbed(values, unknown, rng)[1]
+    probability, knocks = _disturbed(values, unknown, rng)
+    return knocks | (probability > 1 / 2)
 
 
 def is_scattered(lost: np.ndarray) -> bool:

@@ -33,6 +33,22 @@ def test_a_burst_of_one_sensor_or_of_few_axes_is_none(axes):
     assert not common_shocks(samples(*axes), INTERVAL).any()
 
 
+def test_one_row_far_off_on_all_axes_is_a_shock():
+    outputs = samples()
+    for values in outputs.values():
+        values[7000] += 100.0
+    assert np.flatnonzero(common_shocks(outputs, INTERVAL)).tolist() == [7000]
+
+
+@pytest.mark.parametrize("share", [0.001, 0.02])
+def test_outliers_of_single_axes_that_coincide_by_chance_are_none(share):
+    outputs = samples()
+    for axis, values in outputs.items():
+        flawed = stream(2, "shock", axis, share).random(COUNT) < share
+        values[flawed] += 30.0
+    assert not common_shocks(outputs, INTERVAL).any()
+
+
 def test_a_long_stretch_of_more_noise_on_all_axes_is_none():
     outputs = samples()
     for values in outputs.values():
