@@ -5,8 +5,9 @@ from pathlib import Path
 import pytest
 
 from imugap import cli
-from imugap.commands.effects import axis_of, describe, example
+from imugap.commands.effects import describe, example
 from imugap.effects import CATALOGUE, GaussMarkov
+from imugap.effects.description import axis_of
 from imugap.effects.effect import Stage
 from imugap.figures.effects import picture
 from imugap.io import strict_yaml

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache
 
 import numpy as np
 import pandas as pd
@@ -12,6 +11,7 @@ from scipy.special import chdtri
 
 from imugap.effects.bias_instability import FLOOR
 from imugap.estimation.screening import information
+from imugap.numerics.allan_freedom import degrees_of_freedom
 from imugap.numerics.runs import runs_of
 
 POINTS_PER_DECADE = 10
@@ -142,14 +142,7 @@ def local_slope(tau: np.ndarray, deviation: np.ndarray) -> np.ndarray:
 def _degrees(slope: np.ndarray, averaging: np.ndarray, count: int) -> np.ndarray:
     """Return the degrees of freedom of N, B or K, by the nearest slope, shape (m,)."""
     exponent = np.clip(np.rint(-1 - 2 * slope), -2, 0).astype(int)
-    return np.array([_edf(a, n, count) for a, n in zip(exponent, averaging, strict=True)])
-
-
-@cache
-def _edf(exponent: int, averaging: int, count: int) -> float:
-    from allantools import ci  # takes longer to import than all else here
-
-    return float(ci.edf_greenhall(alpha=exponent, d=2, m=int(averaging), N=count + 1, overlapping=True))
+    return np.array([degrees_of_freedom(int(a), int(n), count) for a, n in zip(exponent, averaging, strict=True)])
 
 
 def _degrees_of_sum(

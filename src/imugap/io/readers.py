@@ -15,6 +15,7 @@ from scipy.spatial.transform import Rotation
 
 from imugap.io import reference
 from imugap.io.datasets import EVENTS, LOG, POSITIONS, DataSet, RawFiles
+from imugap.io.formats.source import extra
 from imugap.io.rows import advances
 from imugap.kinematics.strapdown import POSITION
 from imugap.log import COLUMNS, LogError, check
@@ -146,8 +147,8 @@ def _decoded(path: Path, decoders: dict, whole: str) -> pd.DataFrame | np.ndarra
 
 
 def _rda(path: Path) -> np.ndarray:
-    import rdata  # takes half a second, and most logs are in other formats
-
+    with extra(path, "r", "rdata"):
+        import rdata  # takes half a second, and most logs are in other formats
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # the R class of the object has no Python constructor, and needs none
         objects = rdata.read_rda(path)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from imugap.io.formats.source import Source
+from imugap.io.formats.source import Source, extra
 from imugap.io.recognition.column_names import meaning
 from imugap.log import LogError
 
@@ -85,8 +85,8 @@ def _decoded(path: Path, head: bytes) -> Mapping[str, object]:
 
         found = loadmat(path, squeeze_me=True, struct_as_record=False)
         return {name: value for name, value in found.items() if not name.startswith("__")}
-    import rdata  # takes half a second, and most logs are in other formats
-
+    with extra(path, "r", "rdata"):
+        import rdata  # takes half a second, and most logs are in other formats
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # the R class of the object has no Python constructor, and needs none
         return rdata.read_rda(path)
