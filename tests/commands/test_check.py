@@ -81,6 +81,12 @@ def test_a_sound_log_of_any_device_is_without_a_finding(rate, densities, step):
     assert found.verdict.startswith("usable: at rest")
 
 
+def test_a_row_without_power_is_lost_and_no_shock():
+    table = at_rest()
+    table.iloc[0] = 0.0
+    assert {one.name for one in checked(table).findings} == {"lost values"}
+
+
 def test_a_log_that_is_shaken_for_15_s_is_not_called_static():
     log = at_rest()
     time = log.index.to_numpy()

@@ -7,7 +7,7 @@ import numpy as np
 
 from imugap.estimation.indices import INDICES, shortest
 from imugap.integrity import rest
-from imugap.integrity.regular import Fault, Regular, Remark
+from imugap.integrity.regular import Fault, Regular, Remark, powered, without_power
 from imugap.integrity.report import Axis, Report, report
 from imugap.io.recording import Recording
 from imugap.log import ACCEL
@@ -104,7 +104,7 @@ class RecordingCheck:
 
 def check(recording: Recording) -> RecordingCheck:
     """Check a recording; a LogError where no rate or no value is right."""
-    regular, raw = recording.regular, report(recording.table)
+    regular, raw = recording.regular, report(powered(recording.table, without_power(recording.table)))
     motion = rest.motion(regular.log, regular.interval)
     found = (
         *(_of_remark(remark, regular) for remark in regular.remarks),

@@ -209,8 +209,12 @@ def _finite(table: pd.DataFrame, place: Callable[[int], str]) -> tuple[pd.DataFr
         remarks.append(Remark(Fault.LOST_VALUES, text))
     if not remarks:
         return table, []
-    flawed = infinite | (off[:, None] & np.isin(table.columns, axes(table)))
-    return table.mask(flawed), remarks
+    return powered(table.mask(infinite), off), remarks
+
+
+def powered(table: pd.DataFrame, off: np.ndarray) -> pd.DataFrame:
+    """Return the table with NaN on the axes of the rows ``off``, shape (n,), which hold no samples."""
+    return table.mask(off[:, None] & np.isin(table.columns, axes(table))) if off.any() else table
 
 
 def without_power(table: pd.DataFrame) -> np.ndarray:

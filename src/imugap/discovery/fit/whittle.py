@@ -281,7 +281,10 @@ class NoiseSpectra:
 
 
 def limits(noise: Noise, bins: Bins, power: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the limits of the log parameters: powers by the power there is, times by the log, cutoffs by the rate."""
+    """Return the limits of the log parameters: powers by the power there is, times by the log, cutoffs by the rate.
+
+    What correlates over less than a sampling interval is white noise to the samples, or the work of a filter.
+    """
     effects, spans = list(noise), []
     level, duration = power / bins.number, bins.count * bins.interval
     for i, name in noise.parameters():
@@ -297,7 +300,7 @@ def limits(noise: Noise, bins: Bins, power: np.ndarray) -> tuple[np.ndarray, np.
                 (value * np.sqrt(MIN_POWER_SHARE * ratio.min()), value * np.sqrt(ratio.max()) * MAX_AMPLITUDE_RATIO)
             )
         elif effect.units("")[name] == "s":
-            spans.append((bins.interval / 3, 30 * duration))
+            spans.append((bins.interval, 30 * duration))
         else:
             spans.append((0.1 / duration, 1 / bins.interval))
     low, high = np.log(np.maximum(spans, TINY)).T
