@@ -27,7 +27,7 @@ rule paper:
         [path for chapter in CHAPTERS for path in PAPER[chapter]],
         rules.study_numbers.output,
         main="paper/main.typ",
-        chapters=sorted(map(str, Path("paper/chapters").glob("*.typ"))),
+        chapters=sorted(map(str, Path("paper").glob("*/*.typ"))),
         style="paper/style.typ",
         bibliography="paper/references.bib",
     output:
