@@ -15,6 +15,8 @@ from imugap.discovery.evaluation.distance import Distances
 from imugap.discovery.finding import Discrepancy, Finding
 from imugap.discovery.inputs import DiscoveryInputs, FileDiscovery, Files, discover_files, discover_recordings
 from imugap.discovery.report import candidate_table, discrepancy_table, verdict
+from imugap.discovery.start_comparison.wording import sentences
+from imugap.discovery.start_comparison.wording import table as comparison_table
 from imugap.discovery.steps import Progress
 from imugap.interchange.plugins import catalogue
 from imugap.io.recognition.settings import RecordingSettings
@@ -93,8 +95,18 @@ class Discovered(Result):
 
     @property
     def verdict(self) -> str:
-        """What is missing, what is left, and how far the model is from held-out data."""
-        return verdict(self.found.found)
+        """What is missing, which start parameters differ, what is left, and how far the model is from held-out data."""
+        return "\n".join((verdict(self.found.found), *sentences(self.found.against)))
+
+    @property
+    def against_start(self) -> pd.DataFrame:
+        """Each parameter of the start model and axis, in the words and units of its file, beside that of the log.
+
+        Columns: axis, effect, parameter, unit, start, log, low, high (the intervals of all rows hold together with
+        probability 1 - alpha), within, p_value, verdict (agrees, differs, missing, not determined), remark. No rows
+        without a start model.
+        """
+        return comparison_table(self.found.against)
 
     def plot(self) -> "Figure":
         """Draw the surest place of each view, before and after."""
@@ -113,6 +125,7 @@ class Discovered(Result):
             "model.yaml": self.model,
             "gaps.csv": discrepancy_table(found.discrepancies, found.unexplained),
             "candidates.csv": self.table,
+            "against_start.csv": self.against_start,
             "report.md": text(self.found, kind),
             "places.svg": discovery.places(found, alpha),
             "surest.svg": discovery.surest(found, alpha),

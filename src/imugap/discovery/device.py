@@ -78,6 +78,8 @@ class Discovery:
         Every view of the log against replicates of the start model (held-in part) and of the final one (whole log).
     record, results
         The first log, prepared, and the result of each axis of it.
+    further
+        Fits of the further runs of each axis, with the terms and the processes of the first.
     gravity
         Gravity in the level of the first log; None for a device in motion, or without accelerometers that sense it.
     band
@@ -100,6 +102,7 @@ class Discovery:
     after: tuple[ViewTest, ...]
     record: PreparedLog
     results: Mapping[str, AxisResult]
+    further: Mapping[str, tuple[AxisFit, ...]]
     gravity: SensedGravity | None
     band: ReferenceBand | None
     runs: int
@@ -408,6 +411,7 @@ def _in_band(record: PreparedLog, settings: Settings) -> tuple[PreparedLog, Refe
         discrepancies=(*record.discrepancies, *means.discrepancies),
         begin=record.begin + means.begin,
         unusable=record.unusable,
+        confirmed=record.confirmed,
     ), band
 
 
@@ -531,6 +535,7 @@ def _conclude(stage: _Tested) -> Discovery:
         after=stage.views_after,
         record=stage.record,
         results=results,
+        further={axis: tuple(one.without_cache() for one in some) for axis, some in stage.further.items()},
         gravity=gravity,
         band=stage.band,
         runs=1 + len(stage.others),

@@ -11,6 +11,7 @@ from imugap import log
 from imugap.discovery import report
 from imugap.discovery.device import Discovery, Settings, discover
 from imugap.discovery.preparation.prepare import MARGIN, in_reference_gap, outside, without_noise
+from imugap.discovery.start_comparison.parameters import StartParameter, against_start
 from imugap.discovery.steps import Progress
 from imugap.effects.effect import Role
 from imugap.integrity.timestamps import Stamps, stamps
@@ -73,6 +74,8 @@ class FileDiscovery:
         The recordings and the start model.
     remarks
         Sentences on what was recognised in the start model, where it is a file of another tool.
+    against
+        Parameters of the start model beside those of the log; none without a start model.
     """
 
     logs: tuple[dict, ...]
@@ -81,6 +84,7 @@ class FileDiscovery:
     found: Discovery
     inputs: "DiscoveryInputs"
     remarks: tuple[str, ...] = ()
+    against: tuple[StartParameter, ...] = ()
 
     @property
     def recognised(self) -> dict[str, tuple[str, ...]]:
@@ -160,7 +164,10 @@ def discover_recordings(
     properties, *others = map(_log_properties, inputs.logs, logs)
     used = (properties | _used_part(found), *others)
     others = tuple(map(_log_properties, inputs.tests, tests))
-    return FileDiscovery(used, others, settings.alpha, found, inputs, start.remarks if start is not None else ())
+    if start is None:
+        return FileDiscovery(used, others, settings.alpha, found, inputs)
+    against = against_start(found, start.model, start.keys, settings.alpha)
+    return FileDiscovery(used, others, settings.alpha, found, inputs, start.remarks, against)
 
 
 def _require_one_run(logs: Sequence, tests: Sequence, reference: object | None) -> None:

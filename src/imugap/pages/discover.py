@@ -9,6 +9,8 @@ from imugap.discovery.evaluation.distance import Distances
 from imugap.discovery.finding import Discrepancy, Finding, Interval
 from imugap.discovery.inputs import FileDiscovery
 from imugap.discovery.report import describe_locations, describe_range, described_sentences
+from imugap.discovery.start_comparison.parameters import StartParameter
+from imugap.discovery.start_comparison.wording import sentences
 from imugap.effects.effect import AxisModel, Effect, Role
 from imugap.figures import discovery as figures
 from imugap.figures.log import quantities
@@ -77,6 +79,7 @@ def page(result: FileDiscovery) -> Page:
         not (found.findings or found.withheld or found.unexplained),
         (
             Part("What is missing, and what to do", tuple(_missing(found.findings))),
+            Part("Your start model, parameter by parameter", tuple(_against(result.against))),
             Part("What else the log shows", (Points(tuple(_remarks(result))),) if list(_remarks(result)) else ()),
             Part("Where log and simulator disagree", tuple(_places(result))),
             Part("How far the model is from data that it has not seen", tuple(_distances(result))),
@@ -135,6 +138,29 @@ def _finding(one: Finding) -> Iterable[Block]:
     yield Snippet(text(ErrorModel({axis: AxisModel((own,)) for axis, own in one.effects.items()})))
     if effect.role in FILTER_SIDE:
         yield Text(f"In the filter: {FILTER_SIDE[effect.role]}")
+
+
+def _against(rows: Sequence[StartParameter]) -> Iterable[Block]:
+    """Yield which parameters of the start model differ, and all of them in a fold."""
+    if not rows:
+        return
+    yield Points(sentences(rows))
+    titles = ("axis", "parameter", "start", "log", "interval", "unit", "verdict")
+    cells = tuple(
+        (one.axis, one.name, _or_dash(one.start), *_of_log(one.log), "" if one.unit == "1" else one.unit,
+         f"{one.agreement}: {one.remark}" if one.remark else str(one.agreement))
+        for one in rows
+    )  # fmt: skip
+    caption = "All intervals hold together with the probability one minus the level of the tests."
+    yield Fold("Each parameter on each axis", (DataTable(caption, titles, cells),))
+
+
+def _or_dash(value: float | None) -> str:
+    return "–" if value is None else number(value)
+
+
+def _of_log(one: Interval | None) -> tuple[str, str]:
+    return ("–", "–") if one is None else (number(one.value), f"{number(one.low)} to {number(one.high)}")
 
 
 def _title(one: Finding) -> str:

@@ -4,6 +4,7 @@ import pandas as pd
 
 from imugap.discovery.inputs import FileDiscovery
 from imugap.discovery.report import describe_range, verdict
+from imugap.discovery.start_comparison.wording import sentences
 
 LEAST = 1e-300
 """Probability below which no number is given."""
@@ -21,7 +22,7 @@ def text(result: FileDiscovery, kind: str = "svg") -> str:
         "# Where simulation and measurement disagree, and what is missing",
         "\n".join(logs),
         "## Verdict",
-        "\n".join(f"- {line}" for line in verdict(found).splitlines()),
+        "\n".join(f"- {line}" for line in (*verdict(found).splitlines(), *sentences(result.against))),
         "## Effects",
         _table(_effects(result)),
         "## Places",

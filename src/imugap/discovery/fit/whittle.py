@@ -77,7 +77,7 @@ class Noise:
         effects = []
         for effect in self.effects:
             ratio = level / Noise((effect,), filtered).passed(bins)
-            size = next(name for name in effect.parameters() if _scales(effect, name))
+            size = next(name for name in effect.parameters() if scales(effect, name))
             factor = np.sqrt(min(np.median(ratio[group]) for group in groups))
             effects.append(replace(effect, **{size: float(getattr(effect, size) * factor)}))
         return replace(self, effects=tuple(effects))
@@ -233,7 +233,7 @@ class NoiseSpectra:
         for i, effect in enumerate(noise.effects):
             mine = [(name, j) for j, (index, name) in enumerate(noise.parameters()) if index == i]
             names, places = zip(*mine, strict=True)
-            size = next(name for name in names if _scales(effect, name))
+            size = next(name for name in names if scales(effect, name))
             process = _Process(effect, names, places, size, None)
             if len(names) == 1:
                 process = replace(process, unit=process.shape(np.zeros(places[0] + 1), bins))
@@ -293,7 +293,7 @@ def limits(noise: Noise, bins: Bins, power: np.ndarray) -> tuple[np.ndarray, np.
             spans.append((1e-3 / bins.interval, effect.highest(bins.interval)))
         elif isfinite(most):
             spans.append((least * (1 + 2 * DIFFERENCE_STEP), most * (1 - 2 * DIFFERENCE_STEP)))
-        elif _scales(effect, name):
+        elif scales(effect, name):
             ratio = level / (effect.sampled_psd(bins.frequency, bins.interval) / bins.interval)
             value = getattr(effect, name)
             spans.append(
@@ -307,7 +307,7 @@ def limits(noise: Noise, bins: Bins, power: np.ndarray) -> tuple[np.ndarray, np.
     return low, high
 
 
-def _scales(effect: StochasticEffect, name: str) -> bool:
+def scales(effect: StochasticEffect, name: str) -> bool:
     """Return whether the spectrum goes with the square of this parameter."""
     f, interval = np.array([0.01, 0.1]), 1.0
     doubled = replace(effect, **{name: 2 * getattr(effect, name)})

@@ -4,8 +4,8 @@ These flaws are effects and are named here, since they would disturb all later s
 sequence for each axis.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pandas as pd
@@ -73,6 +73,8 @@ class PreparedLog:
         true samples of an interpolated axis.
     shocks
         Begin and end of each shock of a device at rest [s]; its samples are replaced as lost ones are.
+    confirmed
+        Evidence of the effects of the start model on the output of each axis, and on the stamps.
     """
 
     sequences: dict[str, AxisSequence]
@@ -82,6 +84,7 @@ class PreparedLog:
     begin: float = 0.0
     unusable: tuple[Discrepancy, ...] = ()
     shocks: tuple[tuple[float, float], ...] = ()
+    confirmed: Mapping[str, tuple[Evidence, ...]] = field(default_factory=dict)
 
 
 def prepare(
@@ -141,7 +144,7 @@ def prepare(
     whole = {axis: _filled_output(np.where(blind, np.nan, one), sequences[axis]) for axis, one in outputs.items()}
     struck = tuple((float(first), float(end)) for first, end in runs_of(shocks) * clock.interval)
     places = (*unusable, *news.discrepancies)
-    return PreparedLog(sequences, whole, news.findings(), places, float(time[0]), unusable, struck)
+    return PreparedLog(sequences, whole, news.findings(), places, float(time[0]), unusable, struck, news.confirmed)
 
 
 class _News:
@@ -150,10 +153,12 @@ class _News:
     def __init__(self, known: ErrorModel, origin: float) -> None:
         self.known, self.origin, self.discrepancies = known, origin, []
         self.evidence: dict[type[Effect], dict[str, Evidence]] = {}
+        self.confirmed: dict[str, tuple[Evidence, ...]] = {}
 
     def add(self, axis: str, evidence: Evidence, view: str, low: float, high: float, unit: str = "s") -> None:
         kind = type(evidence.effect)
         if any(isinstance(effect, kind) for effect in self.known.axes.get(axis, AxisModel())):
+            self.confirmed[axis] = (*self.confirmed.get(axis, ()), evidence)
             return
         self.evidence.setdefault(kind, {})[axis] = evidence
         self.place(view, axis, low, high, unit, evidence.log_p)

@@ -1,7 +1,7 @@
 """Readers of start models: one line per tool; a file that none recognises is a model of this library."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from xml.etree.ElementTree import Element
 
@@ -68,4 +68,4 @@ class ModelFile:
         effects = sum(len(tuple(one)) for one in found.model.axes.values())
         if not effects:
             raise ValueError(f"{self.path}: expected errors of an IMU in the file of {self.reader.tool}; found none")
-        return Reading(found.model, (f"recognised as a file of {self.reader.tool}", *found.remarks))
+        return replace(found, remarks=(f"recognised as a file of {self.reader.tool}", *found.remarks))

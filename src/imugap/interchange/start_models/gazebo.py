@@ -8,7 +8,19 @@ from imugap.effects import Bias, GaussMarkov, Resolution, TurnOnBias, WhiteNoise
 from imugap.effects.effect import Effect
 from imugap.interchange.conventions import GAZEBO
 from imugap.interchange.start_models.document import Document
-from imugap.interchange.start_models.reading import TRIADS, Reader, Reading, model_of, number, require_rate
+from imugap.interchange.start_models.reading import (
+    TRIADS,
+    Key,
+    Reader,
+    Reading,
+    correlation_time,
+    driving_density,
+    model_of,
+    number,
+    per_sample,
+    require_rate,
+    std,
+)
 
 ELEMENTS = {"gyro": "angular_velocity", "accel": "linear_acceleration"}
 TYPES = ("none", "gaussian", "gaussian_quantized")
@@ -50,7 +62,7 @@ def _read(document: Document, rate: float | None) -> Reading:
         remarks.append(f"not in the model: precision below {FINEST:g}, which Gazebo does not apply")
     if any(one.get("dynamic_bias_stddev") for one in values.values()):
         remarks.append("the dynamic bias of Gazebo starts at the bias, and forgets it within its correlation time")
-    return Reading(model_of(axes), tuple(remarks))
+    return Reading(model_of(axes), tuple(remarks), {kind: _keys(element, rate) for kind, element in ELEMENTS.items()})
 
 
 def _noise(imu: Element) -> dict[tuple[str, str], dict[str, float]]:
@@ -88,6 +100,21 @@ def _effects(values: dict[str, float], rate: float | None) -> Iterator[Effect]:
     yield TurnOnBias(sqrt(max(of["bias_stddev"] ** 2 - std**2, 0.0)))
     if of["precision"] >= FINEST:
         yield Resolution(of["precision"])
+
+
+def _keys(element: str, rate: float | None) -> tuple[Key, ...]:
+    """Return the keys of an element, in the words of the file."""
+    white = () if rate is None else (("stddev", WhiteNoise, per_sample(rate)),)
+    every = (
+        *white,
+        ("dynamic_bias_stddev", GaussMarkov, driving_density),
+        ("dynamic_bias_correlation_time", GaussMarkov, correlation_time),
+        ("bias_mean", Bias, lambda bias: abs(bias.value)),
+        ("bias_stddev", TurnOnBias, std),
+    )
+    known = (Key.of(GAZEBO, f"{element} {name}", kind, si, f"<{name}> of <{element}>") for name, kind, si in every)
+    unit = GAZEBO.unit(f"{element} stddev")
+    return (*known, Key(f"<precision> of <{element}>", unit, Resolution, lambda rounded: rounded.step))
 
 
 READER = Reader("Gazebo", GAZEBO, lambda document: bool(_imus(document)), _read)

@@ -9,13 +9,18 @@ from imugap.interchange.conventions import GNSS_INS_SIM
 from imugap.interchange.start_models.document import Document
 from imugap.interchange.start_models.reading import (
     TRIADS,
+    Key,
     Reader,
     Reading,
+    correlation_time,
     in_si,
     model_of,
     numbers,
     require_rate,
 )
+from imugap.interchange.start_models.reading import density as of_density
+from imugap.interchange.start_models.reading import level as level_of
+from imugap.interchange.start_models.reading import std as of_std
 
 WHITE = {"gyro": "gyro_arw", "accel": "accel_vrw"}
 KEYS = ("gyro_b", "gyro_arw", "gyro_b_stability", "accel_b", "accel_vrw", "accel_b_stability")
@@ -32,8 +37,14 @@ def _read(document: Document, rate: float | None) -> Reading:
     found = _errors(document)
     if len(found) > 1:
         raise ValueError(f"gyro_arw: expected one dictionary of IMU errors; found {len(found)}")
-    own, axes, remarks = found[0], {}, []
+    own, axes, remarks, keys = found[0], {}, [], {}
     for kind, white in WHITE.items():
+        keys[kind] = (
+            Key.of(GNSS_INS_SIM, white, WhiteNoise, of_density),
+            Key.of(GNSS_INS_SIM, f"{kind}_b", Bias, level_of),
+            Key.of(GNSS_INS_SIM, f"{kind}_b_stability", GaussMarkov, of_std),
+            Key.of(GNSS_INS_SIM, f"{kind}_b_corr", GaussMarkov, correlation_time),
+        )
         density = in_si(GNSS_INS_SIM, white, numbers(own, white, 3))
         level = in_si(GNSS_INS_SIM, f"{kind}_b", numbers(own, f"{kind}_b", 3))
         std = in_si(GNSS_INS_SIM, f"{kind}_b_stability", numbers(own, f"{kind}_b_stability", 3))
@@ -46,7 +57,7 @@ def _read(document: Document, rate: float | None) -> Reading:
             )
     left = [name for name in own if name.startswith("mag_")]
     remarks += [f"not in the model: {', '.join(left)}"] if left else []
-    return Reading(model_of(axes), tuple(remarks))
+    return Reading(model_of(axes), tuple(remarks), keys)
 
 
 def _drift(kind: str, std: float, time: float, rate: float | None) -> Effect:

@@ -5,7 +5,17 @@ from collections.abc import Mapping
 from imugap.effects import RandomWalk, WhiteNoise
 from imugap.interchange.conventions import KALIBR
 from imugap.interchange.start_models.document import Document
-from imugap.interchange.start_models.reading import TRIADS, Reader, Reading, in_si, model_of, number
+from imugap.interchange.start_models.reading import (
+    TRIADS,
+    Key,
+    Reader,
+    Reading,
+    density,
+    in_si,
+    model_of,
+    number,
+    walk_density,
+)
 
 NAMES = {"gyro": "gyroscope", "accel": "accelerometer"}
 SILENT = {"rostopic", "update_rate", "model", "T_i_b", "T_cam_imu"}
@@ -23,7 +33,7 @@ def _own(document: Document) -> Mapping | None:
 
 def _read(document: Document, rate: float | None) -> Reading:
     own = _own(document)
-    axes = {}
+    axes, keys = {}, {}
     for kind, name in NAMES.items():
         white, walk = f"{name}_noise_density", f"{name}_random_walk"
         effects = (
@@ -31,9 +41,12 @@ def _read(document: Document, rate: float | None) -> Reading:
             RandomWalk(in_si(KALIBR, walk, number(own, walk))),
         )
         axes |= dict.fromkeys(TRIADS[kind], effects)
+        keys[kind] = (
+            Key.of(KALIBR, white, WhiteNoise, density), Key.of(KALIBR, walk, RandomWalk, walk_density),
+        )  # fmt: skip
     known = {f"{name}_{what}" for name in NAMES.values() for what in ("noise_density", "random_walk")} | SILENT
     left = sorted(set(own) - known)
-    return Reading(model_of(axes), (f"not in the model: {', '.join(left)}",) if left else ())
+    return Reading(model_of(axes), (f"not in the model: {', '.join(left)}",) if left else (), keys)
 
 
 READER = Reader("Kalibr or OpenVINS", KALIBR, lambda document: _own(document) is not None, _read)

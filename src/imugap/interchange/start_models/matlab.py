@@ -20,7 +20,18 @@ from imugap.effects import (
 from imugap.effects.effect import Effect
 from imugap.interchange.conventions import MATLAB
 from imugap.interchange.start_models.document import Document
-from imugap.interchange.start_models.reading import TRIADS, Reader, Reading, model_of, numbers, require_rate
+from imugap.interchange.start_models.reading import (
+    TRIADS,
+    Key,
+    Reader,
+    Reading,
+    density,
+    level,
+    model_of,
+    numbers,
+    require_rate,
+    walk_density,
+)
 
 SENSORS = {"gyro": "Gyroscope", "accel": "Accelerometer"}
 HELD = {
@@ -54,17 +65,18 @@ def _read(document: Document, rate: float | None) -> Reading:
     if len(distinct) > 1:
         raise ValueError(f"parts: expected one part, or several alike; found {', '.join(parts)}")
     (part,) = distinct.values()
-    axes, remarks = {}, []
+    axes, remarks, keys = {}, [], {}
     for kind, name in SENSORS.items():
         if not isinstance(part.get(name), Mapping):
             continue
         sensor = {key: value for key, value in part[name].items() if value is not None}  # null: infinite
         for k, axis in enumerate(TRIADS[kind]):
             axes[axis] = tuple(_effects(sensor, k, rate))
+        keys[kind] = _keys(name, SIDES[sensor.get("NoiseType", "double-sided")])
         left = [key for key in sensor if key not in HELD and np.any(sensor[key])]
         left += ["BiasInstability"] if COEFFICIENTS in left and "BiasInstability" in sensor else []
         remarks += [f"not in the model: {name} {', '.join(left)}"] if left else []
-    return Reading(model_of(axes), tuple(remarks))
+    return Reading(model_of(axes), tuple(remarks), keys)
 
 
 def _effects(sensor: Mapping[str, Any], k: int, rate: float | None) -> Iterator[Effect]:
@@ -89,6 +101,23 @@ def _effects(sensor: Mapping[str, Any], k: int, rate: float | None) -> Iterator[
         yield Saturation(full_scale)
     if step:
         yield Resolution(step)
+
+
+def _keys(sensor: str, sides: float) -> tuple[Key, ...]:
+    """Return the keys of a sensor; the sampling rate is ``sides`` times the bandwidth of its noise."""
+    root, unit = sqrt(sides), MATLAB.unit(f"{sensor} ConstantBias")
+    own = (
+        ("MeasurementRange", Saturation, lambda one: one.limit),
+        ("Resolution", Resolution, lambda one: one.step),
+        ("BiasInstability", GaussMarkov, lambda one: one.std * sqrt(1 - POLE**2)),
+    )
+    return (
+        Key.of(MATLAB, f"{sensor} NoiseDensity", WhiteNoise, lambda one: density(one) * root),
+        Key.of(MATLAB, f"{sensor} RandomWalk", RandomWalk, lambda one: walk_density(one) / root),
+        Key.of(MATLAB, f"{sensor} ConstantBias", Bias, level),
+        *(Key(f"{sensor} {name}", unit, kind, si) for name, kind, si in own),
+        Key(f"{sensor} AxesMisalignment, diagonal", "%", ScaleFactor, lambda one: 1 + one.error),
+    )
 
 
 def _misalignment(value: Any) -> np.ndarray:

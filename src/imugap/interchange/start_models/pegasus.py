@@ -6,7 +6,18 @@ from math import sqrt
 from imugap.effects import GaussMarkov, WhiteNoise
 from imugap.interchange.conventions import PEGASUS
 from imugap.interchange.start_models.document import Document
-from imugap.interchange.start_models.reading import TRIADS, Reader, Reading, in_si, model_of, number
+from imugap.interchange.start_models.reading import (
+    TRIADS,
+    Key,
+    Reader,
+    Reading,
+    correlation_time,
+    density,
+    driving_density,
+    in_si,
+    model_of,
+    number,
+)
 
 DEFAULTS = {
     "gyroscope": {"noise_density": 0.0003393695767766752, "random_walk": 3.878509448876288e-05,
@@ -33,7 +44,7 @@ def _configures(one: Mapping) -> bool:
 
 
 def _read(document: Document, rate: float | None) -> Reading:
-    own, axes = _own(document), {}
+    own, axes, keys = _own(document), {}, {}
     for kind, name in SENSORS.items():
         sensor = own.get(name) or {}
         white, walk, time = (
@@ -42,7 +53,12 @@ def _read(document: Document, rate: float | None) -> Reading:
         if time <= 0:
             raise ValueError(f"{name}: bias_correlation_time: expected a number > 0; found {time:g}")
         axes |= dict.fromkeys(TRIADS[kind], (WhiteNoise(white), GaussMarkov(walk * sqrt(time / 2), time)))
-    return Reading(model_of(axes), (OF_THE_CODE,))
+        keys[kind] = (
+            Key.of(PEGASUS, f"{name} noise_density", WhiteNoise, density),
+            Key.of(PEGASUS, f"{name} random_walk", GaussMarkov, driving_density),
+            Key.of(PEGASUS, f"{name} bias_correlation_time", GaussMarkov, correlation_time),
+        )
+    return Reading(model_of(axes), (OF_THE_CODE,), keys)
 
 
 READER = Reader("Pegasus Simulator", PEGASUS, lambda document: _own(document) is not None, _read)

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import MISSING, dataclass, fields
-from math import isfinite
+from math import isfinite, sqrt
 from numbers import Real
 from typing import Any
 
@@ -13,17 +13,54 @@ from imugap.effects.effect import AxisModel, Effect
 from imugap.interchange.conventions import Convention
 from imugap.interchange.start_models.document import Document
 from imugap.model import ErrorModel
-from imugap.units import to_si
+from imugap.units import from_si, to_si
 
 TRIADS = {"gyro": log.GYRO, "accel": log.ACCEL}
 
 
 @dataclass(frozen=True)
+class Key:
+    """Number of a file as a function of an effect of an axis.
+
+    Attributes
+    ----------
+    name, unit
+        As the file has them; the unit is one of :mod:`imugap.units`.
+    kind
+        Kind of the effect.
+    si
+        Function of the effect that returns the number in SI units.
+    """
+
+    name: str
+    unit: str
+    kind: type[Effect]
+    si: Callable[[Effect], float]
+
+    @classmethod
+    def of(cls, convention: Convention, parameter: str, kind: type[Effect], si: Callable, name: str = "") -> "Key":
+        """Return the key of a parameter of a convention, with its unit; ``name`` where the file has it otherwise."""
+        return cls(name or parameter, convention.unit(parameter), kind, si)
+
+    def value(self, effect: Effect) -> float:
+        """Return the number in the unit of the file."""
+        return from_si(self.si(effect), self.unit)
+
+
+Keys = Mapping[str, tuple[Key, ...]]
+"""Keys of a file for ``gyro`` and ``accel``."""
+
+
+@dataclass(frozen=True)
 class Reading:
-    """Model of a file, and sentences on what the file holds that the model does not."""
+    """Model of a file, sentences on what the file holds that the model does not, and its keys.
+
+    ``keys`` is None for a file of this library, which has the parameters of the effects themselves.
+    """
 
     model: ErrorModel
     remarks: tuple[str, ...] = ()
+    keys: Keys | None = None
 
 
 @dataclass(frozen=True)
@@ -91,3 +128,38 @@ def require_rate(rate: float | None, what: str) -> float:
     if rate is None:
         raise ValueError(f"{what}: expected a sampling rate, at which it is the noise of a sample; found none")
     return rate
+
+
+def density(effect: Effect) -> float:
+    """Return the density of white noise."""
+    return effect.density
+
+
+def walk_density(walk: Effect) -> float:
+    """Return the density of the noise that drives a random walk."""
+    return walk.density_k
+
+
+def per_sample(rate: float) -> Callable[[Effect], float]:
+    """Return the standard deviation of a sample at a rate [Hz], as a function of white noise."""
+    return lambda white: density(white) * sqrt(rate)
+
+
+def driving_density(markov: Effect) -> float:
+    """Return the density of the noise that drives a Gauss-Markov process."""
+    return sqrt(markov.driving_psd)
+
+
+def std(effect: Effect) -> float:
+    """Return the standard deviation of a Gauss-Markov process or a turn-on bias."""
+    return effect.std
+
+
+def correlation_time(markov: Effect) -> float:
+    """Return the correlation time [s] of a Gauss-Markov process."""
+    return markov.correlation_time
+
+
+def level(bias: Effect) -> float:
+    """Return the value of a bias."""
+    return bias.value
