@@ -75,6 +75,8 @@ def test_the_catalogue_of_the_study_is_valid(sets):
     assert sets["pyshoe_vicon"].runs == tuple(range(1, 11))
     with pytest.raises(CatalogueError, match="among none: no file holds positions"):
         sets["pyshoe_vicon"].file(1, "positions")
+    assert sets["xsens_dot"].columns == ()
+    assert sets["euroc_v1_02"].file(1, "poses").name == "V1_02_medium.csv"
     assert sets["adis16405"].file(4).name == "adis_16405_imu4.rda"
     assert all(file.name.endswith(file.url.rpartition("/")[2]) for dataset in sets.values() for file in dataset.files)
     with pytest.raises(FrozenInstanceError):
@@ -94,6 +96,18 @@ def test_a_run_that_no_file_holds_is_named(sets):
         ("datasets.csv", "static,100,", "moving,100,", "line 2, column kind"),
         ("datasets.csv", "gyro_x gyro_y gyro_z accel_x", "gyro_x gyro_y gyr_z accel_x", "line 2, column columns"),
         ("datasets.csv", "_z,,,,,,,deg/s,g,", "_z,,,,,,,deg/s,,", "line 2: expected accel_unit; found none"),
+        (
+            "datasets.csv",
+            "static,100,gyro_x gyro_y gyro_z accel_x accel_y accel_z,",
+            "static,100,,",
+            "line 2: expected columns",
+        ),
+        (
+            "datasets.csv",
+            "recording,200,,",
+            "recording,200,gyro_x,",
+            "line 14, column columns: expected no columns of a recording",
+        ),
         ("datasets.csv", "memsense_turnon,", "adis16405,", "line 3, column dataset"),
         ("datasets.csv", ",remarks\n", ",remark\n", "line 2: expected a key of the schema"),
         ("files.csv", "adis_16405_imu2.rda,2,", "adis_16405_imu2.rda,1,", "line 3, column run: .* found '1'"),

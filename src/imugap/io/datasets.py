@@ -36,7 +36,7 @@ class OverlongError(Exception):
     """Download that is longer than the catalogue says."""
 
 
-LOG, POSITIONS, EVENTS, FIXES, CLOCK = "log", "positions", "events", "fixes", "clock"
+LOG, POSITIONS, POSES, EVENTS, FIXES, CLOCK = "log", "positions", "poses", "events", "fixes", "clock"
 """Content of a raw file: the log, possibly with the others, or one of the others alone."""
 
 
@@ -59,7 +59,11 @@ class RawFile:
 
 @dataclass(frozen=True)
 class DataSet:
-    """Set of raw logs of the same rate, columns, units, frame and licence; one row of ``datasets.csv``."""
+    """Set of raw logs of the same rate, columns, units, frame and licence; one row of ``datasets.csv``.
+
+    A set of the kind ``recording`` has no ``columns``: its files are read as those of a user
+    (:func:`imugap.io.recording.read`).
+    """
 
     name: str
     title: str
@@ -336,7 +340,7 @@ def _data_set(row: dict) -> DataSet:
         title=row["title"],
         kind=row["kind"],
         rate_hz=row["rate_hz"],
-        columns=tuple(row["columns"].split()),
+        columns=tuple(row.get("columns", "").split()),
         arrays=tuple(row.get("arrays", "").split()),
         reference=tuple(row.get("reference", "").split()),
         gyro_unit=row.get("gyro_unit"),
