@@ -26,6 +26,7 @@ include: "workflow/rules/blind.smk"
 include: "workflow/rules/export.smk"
 include: "workflow/rules/speed.smk"
 include: "workflow/rules/paper.smk"
+include: "workflow/rules/site.smk"
 
 
 rule all:

@@ -1,0 +1,4 @@
+"""Pages of the documentation that are made from the library itself, as Markdown (MyST).
+
+One module per page; the others are files in ``docs``. May import api, figures, benchmark and what lies below.
+"""
