@@ -136,22 +136,35 @@ def duration(log: pd.DataFrame) -> float:
 
 def write(log: pd.DataFrame, path: str | Path) -> None:
     """Write the log as Parquet or CSV, by the suffix of ``path``, completely or not at all."""
-    marked = log.copy(deep=False)
-    marked.attrs = MARK
-    write_table = {".parquet": marked.to_parquet, ".csv": log.to_csv}[require_format(path)]
-    with atomic(path) as partial:
-        write_table(partial)
+    write_parts([log], path)
 
 
 def write_parts(parts: Iterable[pd.DataFrame], path: str | Path) -> int:
-    """Write a log that comes in parts as Parquet, in the memory of a part, and return the number of its rows."""
-    rows, writer = 0, None
-    with atomic(path) as partial, ExitStack() as stack:
+    """Write a log that comes in parts as :func:`write` does, in the memory of a part; return the number of its rows."""
+    write_table = {".parquet": _write_parquet, ".csv": _write_csv}[require_format(path)]
+    with atomic(path) as partial:
+        return write_table(parts, partial)
+
+
+def _write_csv(parts: Iterable[pd.DataFrame], path: Path) -> int:
+    rows = 0
+    with path.open("w", newline="", encoding="utf-8") as file:
         for part in parts:
-            table = pa.Table.from_pandas(part)
+            part.to_csv(file, header=not rows)
+            rows += len(part)
+    return rows
+
+
+def _write_parquet(parts: Iterable[pd.DataFrame], path: Path) -> int:
+    rows, writer = 0, None
+    with ExitStack() as stack:
+        for part in parts:
+            marked = part.copy(deep=False)
+            marked.attrs = MARK
+            table = pa.Table.from_pandas(marked)
             if writer is None:
                 schema = table.schema.with_metadata(table.schema.metadata | {ATTRIBUTES: json.dumps(MARK).encode()})
-                writer = stack.enter_context(pq.ParquetWriter(partial, schema))
+                writer = stack.enter_context(pq.ParquetWriter(path, schema))
             writer.write_table(table.cast(writer.schema))
             rows += len(part)
     return rows

@@ -1,6 +1,6 @@
 """Error models of a device: an immutable sum of effects for each axis, for simulation, estimation and filters."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import MISSING, dataclass, fields, replace
 from pathlib import Path
 from types import MappingProxyType
@@ -10,7 +10,7 @@ import yaml
 
 from imugap import log, spelling
 from imugap.effects import CATALOGUE, Bias, WhiteNoise
-from imugap.effects.conditions import Conditions
+from imugap.effects.conditions import Conditions, Run
 from imugap.effects.effect import AxisModel, Effect, StochasticEffect
 from imugap.io import strict_yaml
 
@@ -102,6 +102,41 @@ class ErrorModel:
         for effect, rng in self.axes.get(log.TIME, AxisModel()).streams(seed, *labels, axis=log.TIME):
             kept = effect.keep(kept, rng)
         return kept
+
+    def simulate_parts(
+        self, ideal: Callable[[], Iterator[pd.DataFrame]], count: int, interval: float, seed: int, *labels: object
+    ) -> Iterator[pd.DataFrame] | None:
+        """Return :meth:`simulate` of a device at rest part by part, in the memory of a part.
+
+        The samples are those of :meth:`simulate` to rounding; flicker noise and noise of any slope come from other
+        draws. None where an effect needs the whole run.
+
+        Parameters
+        ----------
+        ideal
+            Function that iterates over the parts of the error-free log, which is constant, as often as it is called.
+        count, interval
+            Number of its rows, and sampling interval [s].
+        """
+
+        def at(axis: str, part: pd.DataFrame) -> Conditions:
+            return Conditions(part.index.to_numpy(), interval, axis=axis, ideal=part)
+
+        axes = {}
+        for axis, model in self.sensors.items():
+            run = Run(count, interval, lambda axis=axis: (at(axis, part) for part in ideal()))
+            axes[axis] = model.in_parts(run, axis, seed, *labels)
+        if None in axes.values():
+            return None
+        parts = (
+            part.assign(**{axis: step(part[axis].to_numpy(), at(axis, part)) for axis, step in axes.items()})
+            for part in ideal()
+        )
+        for effect, rng in self.axes.get(log.TIME, AxisModel()).streams(seed, *labels, axis=log.TIME):
+            parts = effect.keep_parts(parts, count, rng)
+            if parts is None:
+                return None
+        return parts
 
     def to_mapping(self) -> dict[str, list[dict[str, dict[str, float]]]]:
         """Return plain data: axis -> list of {effect name: {parameter: value}}."""

@@ -2,8 +2,10 @@
 
 import argparse
 import os
+import shutil
 from collections.abc import Iterable, Mapping
 from pathlib import Path
+from tempfile import gettempdir
 
 from imugap import atomic, spelling
 from imugap.io.formats.gnss_ins_sim import files as files_of
@@ -61,6 +63,12 @@ def require_files(outputs: Mapping[str, str | None], inputs: Iterable[str | Path
         if place in taken:
             raise ValueError(f"{path}: {option}: expected a file of its own; found that of {taken[place]}")
         taken[place] = option
+
+
+def room(path: str | Path) -> int:
+    """Return the bytes that are free where a file is written; those of a stream are complete before they are sent."""
+    place = Path(gettempdir()) if atomic.is_stream(path) else Path(os.path.realpath(path))
+    return shutil.disk_usage(next(one for one in (place, *place.parents) if one.is_dir())).free
 
 
 def require_folder(path: str | Path, names: Iterable[str], inputs: Iterable[str | Path | None]) -> Path:

@@ -16,6 +16,7 @@ class Bias(AdditiveEffect):
 
     name: ClassVar[str] = "bias"
     role: ClassVar[Role] = Role.OFFSET
+    memoryless: ClassVar[bool] = True
     value: float = parameter("{u}", "offset of the output", low=-np.inf)
 
     def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:

@@ -11,9 +11,9 @@ from scipy.fft import irfft, next_fast_len, rfftfreq
 from scipy.integrate import quad
 
 from imugap.effects.block import Block
-from imugap.effects.coloured_block import coloured_block
-from imugap.effects.conditions import Conditions
-from imugap.effects.effect import Start, StochasticEffect, parameter
+from imugap.effects.coloured_block import coloured_block, coloured_parts
+from imugap.effects.conditions import Conditions, Run
+from imugap.effects.effect import Start, StochasticEffect, Transform, parameter
 from imugap.effects.residual import Residual
 from imugap.numerics.fractional_bank import frequencies, least_phase
 
@@ -62,8 +62,18 @@ class BiasInstability(StochasticEffect):
 
         Power below 1e-7 of the rate is left out.
         """
-        weights = (1.0,) if self.fractional else least_phase(np.sinc(frequencies(TAPER)))
-        return coloured_block(self.density_b, 0.5, weights)
+        return coloured_block(self.density_b, 0.5, self._weights())
+
+    def in_parts(self, run: Run, rng: np.random.Generator) -> Transform:
+        """Return a function that adds such noise to one part of a run after the other, from other draws.
+
+        Its power at low frequencies does not end at once, but within a factor of two about 1/(4 duration).
+        """
+        return coloured_parts(run, rng, self.density_b, 0.5, self._weights())
+
+    def _weights(self) -> np.ndarray | tuple[float, ...]:
+        """Return the filter that makes the spectrum of 1/f from that of fractional noise."""
+        return (1.0,) if self.fractional else least_phase(np.sinc(frequencies(TAPER)))
 
     def psd(self, frequency: np.ndarray) -> np.ndarray:
         """Return B^2/(2 pi |f|) (Farrell et al. 2022, eq. 18)."""

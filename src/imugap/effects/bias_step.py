@@ -23,6 +23,7 @@ class BiasStep(SystematicEffect):
     most: ClassVar[int] = 3
     of_time: ClassVar[bool] = True
     event: ClassVar[bool] = True
+    memoryless: ClassVar[bool] = True
     time: float = parameter("s", "time of the step since power-on")
     step: float = parameter("{u}", "change of the bias", low=-np.inf)
 

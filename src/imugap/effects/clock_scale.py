@@ -19,6 +19,7 @@ class ClockScale(ClockEffect):
     """Clock that runs at ``ratio`` times the right rate: stamps are multiplied by it."""
 
     name: ClassVar[str] = "clock_scale"
+    memoryless: ClassVar[bool] = True
     ratio: float = parameter("1", "stamped over true time", low=TINY)
 
     def keep(self, log: pd.DataFrame, rng: np.random.Generator) -> pd.DataFrame:

@@ -1,11 +1,14 @@
-"""Coloured noise as a block: a sum of first-order processes, through a short filter, summed from zero."""
+"""Coloured noise as a block, and in parts: a sum of first-order processes, through a short filter, summed from zero."""
 
 from collections.abc import Sequence
 
 import numpy as np
 
 from imugap.effects.block import Block
-from imugap.numerics.fractional_bank import fractional_bank
+from imugap.effects.conditions import Conditions, Run
+from imugap.effects.effect import Transform
+from imugap.numerics.first_order import recurse
+from imugap.numerics.fractional_bank import LOWEST, fractional_bank
 
 
 def coloured_block(std: float, order: float, weights: Sequence[float] = (1.0,), sums: int = 0) -> Block:
@@ -25,9 +28,7 @@ def coloured_block(std: float, order: float, weights: Sequence[float] = (1.0,), 
     sums
         Number of summations, from zero at the first sample.
     """
-    if order < 0:
-        weights = np.convolve(weights, (1.0, -1.0))
-    decays, stds = map(np.array, fractional_bank(order % 1.0) if order else ((0.0,), (1.0,)))
+    weights, decays, stds = _bank(order, weights, LOWEST)
     values = {
         "decays": decays,
         "stds": std * stds,
@@ -39,6 +40,49 @@ def coloured_block(std: float, order: float, weights: Sequence[float] = (1.0,), 
         "first": 1.0,
     }
     return Block(_step, values, _start)
+
+
+def coloured_parts(
+    run: Run, rng: np.random.Generator, std: float, order: float, weights: Sequence[float] = (1.0,), sums: int = 0
+) -> Transform:
+    """Return a function that adds the noise of :func:`coloured_block` to one part of a run after the other.
+
+    It has the spectrum down to a fourth of the lowest frequency of the run.
+    """
+    weights, decays, stds = _bank(order, weights, min(LOWEST, 1 / (4 * run.count)))
+    drives = stds * np.sqrt(1 - decays**2)
+    levels = stds * rng.standard_normal(len(stds))
+    totals = np.zeros(sums)
+    passed = np.zeros(0)
+
+    def more(size: int) -> np.ndarray:
+        values = np.zeros(size)
+        for k in range(len(decays)):
+            process = recurse(decays[k], drives[k] * rng.standard_normal(size), levels[k])
+            levels[k] = process[-1]
+            values += process
+        return std * values
+
+    def transform(sequence: np.ndarray, conditions: Conditions) -> np.ndarray:
+        nonlocal passed
+        first = not len(passed)
+        passed = np.r_[more(len(weights)) if first else passed[-len(weights) :], more(len(sequence))]
+        values = np.convolve(passed[1:], weights, "valid")
+        for k in range(sums):
+            values[0] = 0.0 if first else values[0] + totals[k]
+            values = np.cumsum(values)
+            totals[k] = values[-1]
+        return sequence + values
+
+    return transform
+
+
+def _bank(order: float, weights: Sequence[float], lowest: float) -> tuple[Sequence[float], np.ndarray, np.ndarray]:
+    """Return the filter, and decays and standard deviations of the processes of unit white noise that it passes."""
+    if order < 0:
+        weights = np.convolve(weights, (1.0, -1.0))
+    decays, stds = map(np.array, fractional_bank(order % 1.0, lowest) if order else ((0.0,), (1.0,)))
+    return weights, decays, stds
 
 
 def _start(own, x, now):

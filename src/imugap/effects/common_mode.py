@@ -21,6 +21,7 @@ class CommonMode(EquivalentEffect):
 
     name: ClassVar[str] = "common_mode"
     shared: ClassVar[bool] = True
+    memoryless: ClassVar[bool] = True
     density: float = parameter("{u}/sqrt(Hz)", "square root of the two-sided PSD at a loading of 1")
     loading: float = parameter("1", "signed share of the common noise that the axis takes", -np.inf, default=1.0)
 

@@ -1,6 +1,6 @@
 """Conditions of an axis, on which its error depends: time, temperature, and the error-free motion."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import TypeVar
 
@@ -66,3 +66,22 @@ class Conditions:
     def knows(self, axes: Sequence[str]) -> bool:
         """Return whether the own axis and the error-free signals of ``axes`` are known."""
         return self.axis is not None and self.ideal is not None and set(axes) <= set(self.ideal)
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """Run of a device at rest that is simulated in parts, in the memory of a part.
+
+    Attributes
+    ----------
+    count
+        Number of samples.
+    interval
+        Sampling interval [s].
+    parts
+        Function that iterates over the conditions of the parts, as often as it is called.
+    """
+
+    count: int
+    interval: float
+    parts: Callable[[], Iterator[Conditions]]

@@ -1,9 +1,10 @@
 """What every effect is: a frozen value with described parameters that acts on a sequence at its stage of the chain."""
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import Field, dataclass, field, fields
 from enum import IntEnum
+from functools import partial
 from math import isfinite
 from numbers import Real
 from typing import ClassVar
@@ -13,7 +14,7 @@ import pandas as pd
 from scipy.interpolate import CubicHermiteSpline
 
 from imugap.effects.block import Block
-from imugap.effects.conditions import Conditions
+from imugap.effects.conditions import Conditions, Run
 from imugap.effects.residual import Residual
 from imugap.integrity.timestamps import Stamps
 from imugap.log import TIME
@@ -25,6 +26,10 @@ TINY = float(np.finfo(float).tiny)
 """Lower limit of parameters that have to be positive."""
 EXCERPT = 40
 """Largest number of characters of a value in a message."""
+
+
+Transform = Callable[[np.ndarray, Conditions], np.ndarray]
+"""Function (sequence, conditions) of :meth:`Effect.apply` whose random stream is bound."""
 
 
 class Stage(IntEnum):
@@ -174,6 +179,9 @@ class Effect:
     """Whether it is a line of the spectrum, of one ``frequency``."""
     replaced: ClassVar[bool] = False
     """Whether discovery replaces the samples that it spoils."""
+    memoryless: ClassVar[bool] = False
+    """Whether, on a device at rest, a sample behind it depends on the same sample and its conditions alone, and what it
+    draws for one sample comes after what it draws for the one before."""
     shared: ClassVar[bool] = False
     """Whether all axes with the effect draw from one random stream."""
     common: ClassVar[tuple[str, ...]] = ()
@@ -246,6 +254,10 @@ class Effect:
     def apply(self, sequence: np.ndarray, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
         """Return what becomes of ``sequence``, shape (n,): the error up to this stage, or the output."""
         raise NotImplementedError
+
+    def in_parts(self, run: Run, rng: np.random.Generator) -> Transform | None:
+        """Return :meth:`apply` as a function of one part of a run after the other, or None where there is none such."""
+        return partial(self.apply, rng=rng) if self.memoryless else None
 
     def block(self, interval: float, axis: str) -> Block | None:
         """Return the effect as a step from sample to sample at an interval [s]; None where it has no such form."""
@@ -478,6 +490,12 @@ class ClockEffect(Effect):
         """Return the log that is kept of ``log``."""
         raise NotImplementedError
 
+    def keep_parts(
+        self, parts: Iterator[pd.DataFrame], count: int, rng: np.random.Generator
+    ) -> Iterator[pd.DataFrame] | None:
+        """Return :meth:`keep` of a log of at most ``count`` rows that comes in parts, or None where there is none."""
+        return (self.keep(part, rng) for part in parts) if self.memoryless else None
+
     @classmethod
     def found(cls, stamps: Stamps) -> Evidence | None:
         """Return what the stamps of a log show of it, or None."""
@@ -538,12 +556,25 @@ class AxisModel:
 
     def simulate(self, ideal: np.ndarray, conditions: Conditions, seed: int, *labels: object) -> np.ndarray:
         """Return the output, shape (n,), for the error-free input ``ideal``; each effect draws from its own stream."""
+        streams = self.streams(seed, *labels, axis=conditions.axis)
+        return self._chained([partial(effect.apply, rng=rng) for effect, rng in streams], ideal, conditions)
+
+    def in_parts(self, run: Run, axis: str, seed: int, *labels: object) -> Transform | None:
+        """Return :meth:`simulate` as a function of one part of a run after the other, or None where an effect has none.
+
+        Parts have the values of the whole run, to rounding; effects that have another form in parts say so.
+        """
+        steps = [effect.in_parts(run, rng) for effect, rng in self.streams(seed, *labels, axis=axis)]
+        return None if None in steps else partial(self._chained, steps)
+
+    def _chained(self, steps: Sequence[Transform], ideal: np.ndarray, conditions: Conditions) -> np.ndarray:
+        """Return the output of the steps of all effects: those ahead of the filter act on the error alone."""
         error, output = np.zeros(len(conditions)), None
-        for effect, rng in self.streams(seed, *labels, axis=conditions.axis):
+        for effect, step in zip(self.effects, steps, strict=True):
             if effect.stage < Stage.FILTER:
-                error = effect.apply(error, conditions, rng)
+                error = step(error, conditions)
             else:
-                output = effect.apply(ideal + error if output is None else output, conditions, rng)
+                output = step(ideal + error if output is None else output, conditions)
         return ideal + error if output is None else output
 
     def stochastic(self) -> tuple[StochasticEffect, ...]:

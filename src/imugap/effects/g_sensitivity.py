@@ -19,6 +19,7 @@ class GSensitivity(SystematicEffect):
 
     name: ClassVar[str] = "g_sensitivity"
     of_motion: ClassVar[bool] = True
+    memoryless: ClassVar[bool] = True
     x: float = parameter("rad/s/(m/s^2)", "error per specific force along x", low=-np.inf)
     y: float = parameter("rad/s/(m/s^2)", "error per specific force along y", low=-np.inf)
     z: float = parameter("rad/s/(m/s^2)", "error per specific force along z", low=-np.inf)

@@ -5,14 +5,14 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from numba import njit
 from numpy.polynomial.polynomial import polyval
 from scipy.special import factorial
 
 from imugap.effects.block import Block
-from imugap.effects.conditions import Conditions
-from imugap.effects.effect import TINY, Start, StochasticEffect, parameter
+from imugap.effects.conditions import Conditions, Run
+from imugap.effects.effect import TINY, Start, StochasticEffect, Transform, parameter
 from imugap.effects.residual import Residual
+from imugap.numerics.first_order import recurse
 from imugap.numerics.state_space import StateSpace
 
 FLAT_TOP = 1.89
@@ -47,10 +47,30 @@ class GaussMarkov(StochasticEffect):
 
     def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
         """Draw the exactly discretised process from its stationary distribution."""
-        decay = np.exp(-conditions.interval / self.correlation_time)
+        decay, share = self._discretised(conditions.interval)
         noise = self.std * rng.standard_normal(len(conditions))
-        noise[1:] *= np.sqrt(-np.expm1(-2 * conditions.interval / self.correlation_time))
-        return _recurse(decay, noise)
+        noise[1:] *= share
+        return recurse(decay, noise)
+
+    def in_parts(self, run: Run, rng: np.random.Generator) -> Transform:
+        """Return a function that adds the process to one part after the other."""
+        decay, share = self._discretised(run.interval)
+        last = None
+
+        def transform(sequence: np.ndarray, conditions: Conditions) -> np.ndarray:
+            nonlocal last
+            noise = self.std * rng.standard_normal(len(sequence))
+            noise[0 if last is not None else 1 :] *= share
+            values = recurse(decay, noise, last or 0.0)
+            last = values[-1]
+            return sequence + values
+
+        return transform
+
+    def _discretised(self, interval: float) -> tuple[float, float]:
+        """Return the decay over an interval [s], and the share of the standard deviation that is drawn anew."""
+        x = interval / self.correlation_time
+        return np.exp(-x), np.sqrt(-np.expm1(-2 * x))
 
     def block(self, interval: float, axis: str) -> Block:
         """Return the effect as a step from sample to sample."""
@@ -99,15 +119,6 @@ class GaussMarkov(StochasticEffect):
     def state_space(self) -> StateSpace:
         """Return one decaying state that starts stationary."""
         return StateSpace.first_order(1 / self.correlation_time, self.driving_psd, self.std**2)
-
-
-@njit(cache=True)
-def _recurse(decay, noise):
-    """Return z_k = decay z_(k-1) + noise_k, z_0 = noise_0."""
-    result = noise.copy()
-    for k in range(1, len(noise)):
-        result[k] += decay * result[k - 1]
-    return result
 
 
 def _bracket(x: np.ndarray) -> np.ndarray:

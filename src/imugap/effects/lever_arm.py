@@ -20,6 +20,7 @@ class LeverArm(SystematicEffect):
 
     name: ClassVar[str] = "lever_arm"
     of_motion: ClassVar[bool] = True
+    memoryless: ClassVar[bool] = True
     common: ClassVar[tuple[str, ...]] = ACCEL
     x: float = parameter("m", "r along x", low=-np.inf)
     y: float = parameter("m", "r along y", low=-np.inf)

@@ -22,6 +22,7 @@ class Misalignment(SystematicEffect):
 
     name: ClassVar[str] = "misalignment"
     of_motion: ClassVar[bool] = True
+    memoryless: ClassVar[bool] = True
     x: float = parameter("rad", "share of the input of the x axis", low=-np.inf, default=0.0)
     y: float = parameter("rad", "share of the input of the y axis", low=-np.inf, default=0.0)
     z: float = parameter("rad", "share of the input of the z axis", low=-np.inf, default=0.0)

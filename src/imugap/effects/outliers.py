@@ -6,8 +6,9 @@ from typing import ClassVar
 import numpy as np
 
 from imugap.effects.block import Block
-from imugap.effects.conditions import Conditions
-from imugap.effects.effect import AdditiveEffect, Role, parameter
+from imugap.effects.conditions import Conditions, Run
+from imugap.effects.effect import AdditiveEffect, Role, Transform, parameter
+from imugap.numerics.skipped_draws import skipped
 
 
 @dataclass(frozen=True)
@@ -25,8 +26,17 @@ class Outliers(AdditiveEffect):
 
     def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
         """Draw the additional error; samples without one have zero."""
-        hit = rng.random(len(conditions)) < self.probability
-        return np.where(hit, self.std * rng.standard_normal(len(conditions)), 0.0)
+        return self._drawn(len(conditions), rng, rng)
+
+    def in_parts(self, run: Run, rng: np.random.Generator) -> Transform:
+        """Return a function that adds the errors to one part after the other."""
+        sizes = skipped(rng, np.random.Generator.random, run.count)
+        return lambda sequence, conditions: sequence + self._drawn(len(sequence), rng, sizes)
+
+    def _drawn(self, count: int, places: np.random.Generator, sizes: np.random.Generator) -> np.ndarray:
+        """Return the errors of ``count`` samples, from a stream for their places, and one for their sizes."""
+        hit = places.random(count) < self.probability
+        return np.where(hit, self.std * sizes.standard_normal(count), 0.0)
 
     def block(self, interval: float, axis: str) -> Block:
         """Return the effect as a step from sample to sample."""

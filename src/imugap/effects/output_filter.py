@@ -10,7 +10,8 @@ from numba import njit
 from scipy.fft import irfft, next_fast_len, rfft, rfftfreq
 
 from imugap.effects.block import CHANNELS, Block, require_short
-from imugap.effects.effect import TINY, FilterEffect, Start, parameter
+from imugap.effects.conditions import Conditions, Run
+from imugap.effects.effect import TINY, FilterEffect, Start, Transform, parameter
 from imugap.effects.residual import Residual
 from imugap.numerics.fractional_bank import frequencies, least_phase
 
@@ -126,6 +127,22 @@ class OutputFilter(FilterEffect):
         gain = _response(self, length, interval)
         passed = irfft(rfft(padded, axis=0) * gain, length, axis=0)[lead : lead + count] + own[0]
         return passed.reshape(values.shape)
+
+    def in_parts(self, run: Run, rng: np.random.Generator) -> Transform | None:
+        """Return a digital filter of one part after the other; None for the forms that need the samples to come."""
+        if self.form in AHEAD:
+            return None
+        from scipy.signal import sosfilt
+
+        sections, steady = _sections(self, run.interval)
+        state = None
+
+        def transform(sequence: np.ndarray, conditions: Conditions) -> np.ndarray:
+            nonlocal state
+            passed, state = sosfilt(sections, sequence, zi=steady * sequence[0] if state is None else state)
+            return passed
+
+        return transform
 
     def block(self, interval: float, axis: str) -> Block:
         """Return the effect as a step.

@@ -10,9 +10,9 @@ from scipy.fft import irfft, next_fast_len, rfft
 from scipy.special import gamma
 
 from imugap.effects.block import Block
-from imugap.effects.coloured_block import coloured_block
-from imugap.effects.conditions import Conditions
-from imugap.effects.effect import Start, StochasticEffect, parameter
+from imugap.effects.coloured_block import coloured_block, coloured_parts
+from imugap.effects.conditions import Conditions, Run
+from imugap.effects.effect import Start, StochasticEffect, Transform, parameter
 from imugap.effects.residual import Residual
 from imugap.numerics import allan_from_psd as spectrum
 
@@ -70,8 +70,16 @@ class PowerLaw(StochasticEffect):
 
     def block(self, interval: float, axis: str) -> Block:
         """Return the effect as a step. Power below 1e-7 of the rate is left out."""
-        std = self.density * interval ** ((self.exponent - 1) / 2)
-        return coloured_block(std, self.exponent / 2 - self.integrations, sums=self.integrations)
+        return coloured_block(self._std(interval), self.exponent / 2 - self.integrations, sums=self.integrations)
+
+    def in_parts(self, run: Run, rng: np.random.Generator) -> Transform:
+        """Return a function that adds such noise to one part of a run after the other, from other draws."""
+        order = self.exponent / 2 - self.integrations
+        return coloured_parts(run, rng, self._std(run.interval), order, sums=self.integrations)
+
+    def _std(self, interval: float) -> float:
+        """Return the standard deviation of the white noise that is integrated."""
+        return self.density * interval ** ((self.exponent - 1) / 2)
 
     def psd(self, frequency: np.ndarray) -> np.ndarray:
         """Return density^2 |2 pi f|^-exponent."""

@@ -6,8 +6,8 @@ from typing import ClassVar
 import numpy as np
 
 from imugap.effects.block import Block
-from imugap.effects.conditions import Conditions
-from imugap.effects.effect import StochasticEffect, parameter
+from imugap.effects.conditions import Conditions, Run
+from imugap.effects.effect import StochasticEffect, Transform, parameter
 
 
 @dataclass(frozen=True)
@@ -30,6 +30,19 @@ class Quantization(StochasticEffect):
         """Difference independent errors, uniform within half a least significant bit."""
         half = np.sqrt(3) * self.q
         return np.diff(rng.uniform(-half, half, len(conditions) + 1)) / conditions.interval
+
+    def in_parts(self, run: Run, rng: np.random.Generator) -> Transform:
+        """Return a function that adds the differences to one part after the other."""
+        half = np.sqrt(3) * self.q
+        last = rng.uniform(-half, half)
+
+        def transform(sequence: np.ndarray, conditions: Conditions) -> np.ndarray:
+            nonlocal last
+            errors = np.r_[last, rng.uniform(-half, half, len(sequence))]
+            last = errors[-1]
+            return sequence + np.diff(errors) / run.interval
+
+        return transform
 
     def block(self, interval: float, axis: str) -> Block:
         """Return the effect as a step from sample to sample."""

@@ -1,13 +1,14 @@
 """Random telegraph noise."""
 
+from copy import deepcopy
 from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
 from imugap.effects.block import Block
-from imugap.effects.conditions import Conditions
-from imugap.effects.effect import TINY, EquivalentEffect, parameter
+from imugap.effects.conditions import Conditions, Run
+from imugap.effects.effect import TINY, EquivalentEffect, Transform, parameter
 from imugap.effects.gauss_markov import GaussMarkov
 
 
@@ -31,9 +32,35 @@ class RandomTelegraph(EquivalentEffect):
 
     def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
         """Draw the first level, then the number of switches between stamps: exact for a Poisson process."""
-        switches = np.cumsum(rng.poisson(self.rate * np.diff(conditions.time)) % 2)
-        sign = rng.choice([-1.0, 1.0]) * np.where(np.r_[0, switches] % 2, -1.0, 1.0)
+        switches = self._switched(conditions.time, None, rng)
+        sign = rng.choice([-1.0, 1.0]) * np.where(switches % 2, -1.0, 1.0)
         return self.step / 2 * sign
+
+    def in_parts(self, run: Run, rng: np.random.Generator) -> Transform:
+        """Return a function that adds the process to one part after the other.
+
+        The first level is drawn behind the switches of the whole run, which are drawn twice.
+        """
+        again = deepcopy(rng)
+        before = None
+        for conditions in run.parts():
+            self._switched(conditions.time, before, rng)
+            before = conditions.time[-1]
+        level, before = rng.choice([-1.0, 1.0]), None
+
+        def transform(sequence: np.ndarray, conditions: Conditions) -> np.ndarray:
+            nonlocal level, before
+            sign = level * np.where(self._switched(conditions.time, before, again) % 2, -1.0, 1.0)
+            level, before = sign[-1], conditions.time[-1]
+            return sequence + self.step / 2 * sign
+
+        return transform
+
+    def _switched(self, time: np.ndarray, before: float | None, rng: np.random.Generator) -> np.ndarray:
+        """Return the number of switches, modulo 2 each, up to each time [s], since the sample before the first one."""
+        if before is None:
+            return np.r_[0, np.cumsum(rng.poisson(self.rate * np.diff(time)) % 2)]
+        return np.cumsum(rng.poisson(self.rate * np.diff(time, prepend=before)) % 2)
 
     def block(self, interval: float, axis: str) -> Block:
         """Return the effect as a step from sample to sample."""

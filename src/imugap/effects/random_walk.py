@@ -6,8 +6,8 @@ from typing import ClassVar
 import numpy as np
 
 from imugap.effects.block import Block
-from imugap.effects.conditions import Conditions
-from imugap.effects.effect import StochasticEffect, parameter
+from imugap.effects.conditions import Conditions, Run
+from imugap.effects.effect import StochasticEffect, Transform, parameter
 from imugap.numerics.state_space import StateSpace
 
 
@@ -25,6 +25,20 @@ class RandomWalk(StochasticEffect):
         increments = self.density_k * np.sqrt(conditions.interval) * rng.standard_normal(len(conditions))
         increments[0] = 0.0
         return np.cumsum(increments)
+
+    def in_parts(self, run: Run, rng: np.random.Generator) -> Transform:
+        """Return a function that adds the process to one part after the other."""
+        std, last = self.density_k * np.sqrt(run.interval), None
+
+        def transform(sequence: np.ndarray, conditions: Conditions) -> np.ndarray:
+            nonlocal last
+            increments = std * rng.standard_normal(len(sequence))
+            increments[0] = 0.0 if last is None else last + increments[0]
+            values = np.cumsum(increments)
+            last = values[-1]
+            return sequence + values
+
+        return transform
 
     def block(self, interval: float, axis: str) -> Block:
         """Return the effect as a step from sample to sample."""

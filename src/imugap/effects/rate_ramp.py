@@ -18,6 +18,7 @@ class RateRamp(SystematicEffect, AllanEffect):
 
     name: ClassVar[str] = "rate_ramp"
     of_time: ClassVar[bool] = True
+    memoryless: ClassVar[bool] = True
     slope: float = parameter("{u}/s", "R, change of the bias per second", low=-np.inf)
 
     def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:

@@ -32,6 +32,7 @@ class Resolution(Effect):
     name: ClassVar[str] = "resolution"
     stage: ClassVar[Stage] = Stage.WORD
     role: ClassVar[Role] = Role.OUTPUT
+    memoryless: ClassVar[bool] = True
     step: float = parameter("{u}", "distance of neighbouring output values", low=TINY)
 
     @property

@@ -1,5 +1,6 @@
 """Lost samples."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -8,11 +9,11 @@ import pandas as pd
 from scipy.special import log_ndtr
 
 from imugap.effects.block import Block, nan
-from imugap.effects.conditions import Conditions
-from imugap.effects.effect import ClockEffect, Evidence, parameter
+from imugap.effects.conditions import Conditions, Run
+from imugap.effects.effect import ClockEffect, Evidence, Transform, parameter
 from imugap.integrity.report import IMPROBABLE
 from imugap.integrity.timestamps import Stamps
-from imugap.numerics.random_runs import estimate_from_runs, simulate_runs
+from imugap.numerics.random_runs import estimate_from_runs, runs_in_parts, simulate_runs
 from imugap.numerics.runs import runs_of
 
 
@@ -31,17 +32,34 @@ class SampleLoss(ClockEffect):
     def keep(self, log: pd.DataFrame, rng: np.random.Generator) -> pd.DataFrame:
         """Return the rows that are not lost; ValueError if fewer than 2 are left."""
         kept = log[~simulate_runs(len(log), self.probability, self.length, rng)]
-        if len(kept) < 2:
-            raise ValueError(f"{self.name}: expected at least 2 samples that are left; found {len(kept)}")
+        self._require_rows(len(kept))
         return kept
 
     def apply(self, sequence: np.ndarray, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
         """Replace lost samples by NaN."""
         return np.where(simulate_runs(len(sequence), self.probability, self.length, rng), np.nan, sequence)
 
+    def in_parts(self, run: Run, rng: np.random.Generator) -> Transform:
+        """Return a function that does so to one part after the other."""
+        following = runs_in_parts(run.count, self.probability, self.length, rng)
+        return lambda sequence, conditions: np.where(following(len(sequence)), np.nan, sequence)
+
+    def keep_parts(self, parts: Iterator[pd.DataFrame], count: int, rng: np.random.Generator) -> Iterator[pd.DataFrame]:
+        """Yield the rows of each part that are not lost; ValueError if fewer than 2 are left of all."""
+        following, left = runs_in_parts(count, self.probability, self.length, rng), 0
+        for part in parts:
+            kept = part[~following(len(part))]
+            left += len(kept)
+            yield kept
+        self._require_rows(left)
+
     def block(self, interval: float, axis: str) -> Block:
         """Return the effect as a step from sample to sample."""
         return Block(_step, {"begin": self.probability, "end": 1 / self.length, "inside": 0.0})
+
+    def _require_rows(self, left: int) -> None:
+        if left < 2:
+            raise ValueError(f"{self.name}: expected at least 2 samples that are left; found {left}")
 
     def check_axis(self, axis: str) -> None:
         """Accept every axis, and the pseudo-axis."""

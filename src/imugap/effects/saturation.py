@@ -37,6 +37,7 @@ class Saturation(Effect):
     stage: ClassVar[Stage] = Stage.RANGE
     role: ClassVar[Role] = Role.OUTPUT
     replaced: ClassVar[bool] = True
+    memoryless: ClassVar[bool] = True
     limit: float = parameter("{u}", "full scale, on both sides", low=TINY)
 
     def apply(self, sequence: np.ndarray, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:

@@ -21,6 +21,7 @@ class ScaleFactor(SystematicEffect):
 
     name: ClassVar[str] = "scale_factor"
     of_motion: ClassVar[bool] = True
+    memoryless: ClassVar[bool] = True
     error: float = parameter("1", "relative error of the scale factor", low=-np.inf)
     asymmetry: float = parameter("1", "half the scale factor of u > 0 less that of u < 0", low=-np.inf, default=0.0)
     nonlinearity: float = parameter("1/({u})", "error per square of the input", low=-np.inf, default=0.0)

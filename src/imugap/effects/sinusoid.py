@@ -29,6 +29,7 @@ class Sinusoid(SystematicEffect, AllanEffect):
     name: ClassVar[str] = "sinusoid"
     most: ClassVar[int] = 5
     line: ClassVar[bool] = True
+    memoryless: ClassVar[bool] = True
     frequency: float = parameter("Hz", "f", low=TINY)
     amplitude: float = parameter("{u}", "amplitude")
     phase: float = parameter("rad", "phase at power-on", low=-np.inf, default=0.0)

@@ -18,6 +18,7 @@ class StanceMotion(Effect):
 
     name: ClassVar[str] = "stance_motion"
     stage: ClassVar[Stage] = Stage.STANCE
+    memoryless: ClassVar[bool] = True
     std: float = parameter("m/s", "standard deviation of the velocity at stance")
     bias: float = parameter("m/s", "mean velocity at stance", low=-np.inf)
 

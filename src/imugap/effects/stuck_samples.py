@@ -7,11 +7,17 @@ import numpy as np
 from scipy.special import bdtrc, pdtrc
 
 from imugap.effects.block import Block
-from imugap.effects.conditions import Conditions
-from imugap.effects.effect import TINY, Effect, Evidence, Role, Stage, parameter
+from imugap.effects.conditions import Conditions, Run
+from imugap.effects.effect import TINY, Effect, Evidence, Role, Stage, Transform, parameter
 from imugap.integrity.precision import grain, spacing
 from imugap.integrity.report import IMPROBABLE
-from imugap.numerics.random_runs import RunEstimate, estimate_from_repeats, estimate_from_runs, simulate_runs
+from imugap.numerics.random_runs import (
+    RunEstimate,
+    estimate_from_repeats,
+    estimate_from_runs,
+    runs_in_parts,
+    simulate_runs,
+)
 
 STEEP = 1.27
 """Log ratio of differences of one and of two steps above which the lattice is too coarse for the noise."""
@@ -53,6 +59,19 @@ class StuckSamples(Effect):
         """Replace the samples of a run by the last value before it."""
         stuck = simulate_runs(len(sequence), self.probability, self.length, rng)
         return sequence[np.maximum.accumulate(np.where(stuck, 0, np.arange(len(sequence))))]
+
+    def in_parts(self, run: Run, rng: np.random.Generator) -> Transform:
+        """Return a function that does so to one part after the other."""
+        following, last = runs_in_parts(run.count, self.probability, self.length, rng), np.nan
+
+        def transform(sequence: np.ndarray, conditions: Conditions) -> np.ndarray:
+            nonlocal last
+            rows = np.where(following(len(sequence)), 0, np.arange(1, len(sequence) + 1))
+            values = np.r_[last, sequence][np.maximum.accumulate(rows)]
+            last = values[-1]
+            return values
+
+        return transform
 
     def block(self, interval: float, axis: str) -> Block:
         """Return the effect as a step from sample to sample."""

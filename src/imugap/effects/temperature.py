@@ -28,6 +28,7 @@ class Temperature(SystematicEffect):
 
     name: ClassVar[str] = "temperature"
     of_temperature: ClassVar[bool] = True
+    memoryless: ClassVar[bool] = True
     coefficient: float = parameter("{u}/degC", "change of the bias per degree", low=-np.inf)
     reference: float = parameter("degC", "temperature at which the static effect is zero", low=-273.15, default=25.0)
     quadratic: float = parameter("{u}/degC^2", "curvature of the bias over temperature", low=-np.inf, default=0.0)

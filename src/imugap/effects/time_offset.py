@@ -24,6 +24,7 @@ class TimeOffset(SystematicEffect):
 
     name: ClassVar[str] = "time_offset"
     of_motion: ClassVar[bool] = True
+    memoryless: ClassVar[bool] = True
     common: ClassVar[tuple[str, ...]] = AXES
     offset: float = parameter("s", "delay of the input", low=-np.inf)
 

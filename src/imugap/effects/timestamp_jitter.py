@@ -1,5 +1,6 @@
 """Jitter of the time stamps."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -32,10 +33,24 @@ class TimestampJitter(ClockEffect):
 
     def keep(self, log: pd.DataFrame, rng: np.random.Generator) -> pd.DataFrame:
         """Return the log with displaced, strictly increasing stamps."""
-        stamps = np.sort(log.index.to_numpy() + self.std * rng.standard_normal(len(log)))
-        for row in np.flatnonzero(np.diff(stamps) <= 0) + 1:
-            stamps[row] = np.nextafter(stamps[row - 1], np.inf)
-        return log.set_axis(pd.Index(stamps, name=log.index.name))
+        return next(self.keep_parts(iter([log]), len(log), rng))
+
+    def keep_parts(self, parts: Iterator[pd.DataFrame], count: int, rng: np.random.Generator) -> Iterator[pd.DataFrame]:
+        """Yield the rows whose stamp no later one can precede (:data:`DISORDER`), with their stamps."""
+        parts = (part for part in parts if len(part))
+        rows, stamps, last, following = None, np.zeros(0), -np.inf, next(parts, None)
+        while following is not None:
+            rows = following if rows is None else pd.concat([rows, following])
+            drawn = following.index.to_numpy() + self.std * rng.standard_normal(len(following))
+            stamps = np.sort(np.r_[stamps, drawn])
+            following = next(parts, None)
+            sure = len(stamps)
+            if following is not None:
+                sure = int(np.searchsorted(stamps, rows.index[-1] - DISORDER * self.std))
+            if sure:
+                ready = _increasing(np.r_[last, stamps[:sure]])[1:]
+                yield rows.iloc[:sure].set_axis(pd.Index(ready, name=rows.index.name))
+                rows, stamps, last = rows.iloc[sure:], stamps[sure:], ready[-1]
 
     def block(self, interval: float, axis: str) -> Block:
         """Return the effect as a step: the lowest of the displaced stamps that may be out of order comes first."""
@@ -62,6 +77,13 @@ class TimestampJitter(ClockEffect):
         p_value = chdtrc(stamps.freedom, stamps.variance * stamps.freedom / stamps.rounding_variance)
         log_p = float(np.log(max(p_value, TINY)))
         return Evidence(cls(float(np.sqrt(excess))), {"std": (low, high)}, log_p, np.zeros(len(stamps.time), bool))
+
+
+def _increasing(stamps: np.ndarray) -> np.ndarray:
+    """Return sorted stamps of which equal ones are moved up, to the next number."""
+    for row in np.flatnonzero(np.diff(stamps) <= 0) + 1:
+        stamps[row] = np.nextafter(stamps[row - 1], np.inf)
+    return stamps
 
 
 def independent(scatter: np.ndarray) -> bool:

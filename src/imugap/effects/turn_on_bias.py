@@ -7,8 +7,8 @@ import numpy as np
 from scipy.stats import chi2
 
 from imugap.effects.block import Block
-from imugap.effects.conditions import Conditions
-from imugap.effects.effect import AdditiveEffect, Evidence, Role, parameter
+from imugap.effects.conditions import Conditions, Run
+from imugap.effects.effect import AdditiveEffect, Evidence, Role, Transform, parameter
 
 LEAST = 1e-300
 """Lower limit of a variance over runs."""
@@ -25,6 +25,11 @@ class TurnOnBias(AdditiveEffect):
     def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
         """Draw one offset for the whole run."""
         return np.full(len(conditions), self.std * rng.standard_normal())
+
+    def in_parts(self, run: Run, rng: np.random.Generator) -> Transform:
+        """Return a function that adds the offset of the run to any part."""
+        offset = self.std * rng.standard_normal()
+        return lambda sequence, conditions: sequence + offset
 
     def block(self, interval: float, axis: str) -> Block:
         """Return the effect as a step from sample to sample."""

@@ -29,6 +29,7 @@ class VarianceChange(VarianceEffect):
 
     name: ClassVar[str] = "variance_change"
     most: ClassVar[int] = 3
+    memoryless: ClassVar[bool] = True
     start: float = parameter("s", "begin of the change since power-on")
     stop: float = parameter("s", "end of the change since power-on")
     ratio: float = parameter("1", "variance during the change over that outside", low=TINY, default=1.0)

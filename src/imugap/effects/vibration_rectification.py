@@ -32,6 +32,7 @@ class VibrationRectification(SystematicEffect):
 
     name: ClassVar[str] = "vibration_rectification"
     of_motion: ClassVar[bool] = True
+    memoryless: ClassVar[bool] = True
     coefficient: float = parameter("{u}/(m/s^2)^2", "shift per variance of the specific force", low=-np.inf)
     window: float = parameter("s", "length of the window of the variance", low=TINY, default=1.0)
     own: float = parameter(

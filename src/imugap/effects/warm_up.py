@@ -22,6 +22,7 @@ class WarmUp(SystematicEffect):
     name: ClassVar[str] = "warm_up"
     of_time: ClassVar[bool] = True
     transient: ClassVar[bool] = True
+    memoryless: ClassVar[bool] = True
     amplitude: float = parameter("{u}", "excess of the bias at power-on", low=-np.inf)
     time_constant: float = parameter("s", "T", low=TINY)
 

@@ -18,6 +18,7 @@ class WhiteNoise(StochasticEffect):
     name: ClassVar[str] = "white_noise"
     stage: ClassVar[Stage] = Stage.NOISE
     white: ClassVar[bool] = True
+    memoryless: ClassVar[bool] = True
     density: float = parameter("{u}/sqrt(Hz)", "N, square root of the two-sided PSD")
 
     def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:

@@ -22,7 +22,7 @@ NEGLIGIBLE = 1e-7
 
 
 @lru_cache(maxsize=16)
-def fractional_bank(order: float) -> tuple[tuple[float, ...], tuple[float, ...]]:
+def fractional_bank(order: float, lowest: float = LOWEST) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """Return decays per sample, exp(-1/correlation time), and standard deviations of the processes of a sum.
 
     Its PSD is |2 sin(pi f)|^(-2 d).
@@ -31,10 +31,12 @@ def fractional_bank(order: float) -> tuple[tuple[float, ...], tuple[float, ...]]
     ----------
     order
         d, between 0 and 1, both excluded.
+    lowest
+        Frequency down to which it has this spectrum [cycles per sample].
     """
-    decades = np.log10(0.5 / LOWEST)
-    frequency = np.geomspace(LOWEST, 0.5, int(FIT * decades))
-    decays = np.exp(-2 * np.pi * np.geomspace(LOWEST / 2, 1.5, int(PER_DECADE * decades) + 2))
+    decades = np.log10(0.5 / lowest)
+    frequency = np.geomspace(lowest, 0.5, int(FIT * decades))
+    decays = np.exp(-2 * np.pi * np.geomspace(lowest / 2, 1.5, int(PER_DECADE * decades) + 2))
     squared = 4 * np.sin(np.pi * frequency) ** 2
     spectra = (1 - decays**2) / ((1 - decays) ** 2 + decays * squared[:, None])
     columns = np.column_stack([spectra, np.ones(len(frequency))]) * squared[:, None] ** order

@@ -1,10 +1,13 @@
 """Random runs of samples (gaps, repeats): simulation as a two-state Markov chain, and estimation of its parameters."""
 
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import minimize
 from scipy.special import betaincinv, expit, logit, logsumexp
+
+from imugap.numerics.skipped_draws import MOST, skipped
 
 NODES, WEIGHTS = np.polynomial.hermite_e.hermegauss(9)
 """Gauss-Hermite nodes [standard deviations] and weights of normal noise."""
@@ -34,19 +37,51 @@ def simulate_runs(count: int, probability: float, length: float, rng: np.random.
     rng
         Random generator.
     """
-    inside = np.zeros(count, bool)
-    if probability == 0:
+    return runs_in_parts(count, probability, length, rng)(count)
+
+
+def runs_in_parts(
+    count: int, probability: float, length: float, rng: np.random.Generator
+) -> Callable[[int], np.ndarray]:
+    """Return a function that gives :func:`simulate_runs` for so many samples more, in bounded memory."""
+    ends = _ends(count, probability, length, rng)
+    waiting, first, within = np.zeros(0, int), 0, False
+
+    def following(size: int) -> np.ndarray:
+        nonlocal waiting, first, within
+        while not len(waiting) or waiting[-1] < first + size:
+            more = next(ends, None)
+            if more is None:
+                break
+            waiting = np.r_[waiting, more]
+        here = waiting[: np.searchsorted(waiting, first + size)]
+        flips = np.zeros(size, bool)
+        flips[here - first] = True
+        inside = within ^ np.logical_xor.accumulate(flips)
+        waiting, first, within = waiting[len(here) :], first + size, within ^ bool(len(here) % 2)
         return inside
+
+    return following
+
+
+def _ends(count: int, probability: float, length: float, rng: np.random.Generator) -> Iterator[np.ndarray]:
+    """Yield where stretches outside and inside of runs end in turn, increasing, until past ``count``."""
+    if probability == 0:
+        return
     cycles = int(np.ceil(2 * count / (1 / probability + length))) + 8
     start = 0
     while start < count:
-        free = np.minimum(rng.geometric(probability, cycles), count)
-        held = np.minimum(rng.geometric(1 / length, cycles), count)
-        edges = start + np.cumsum(np.column_stack([free, held]).ravel())
-        flips = edges[edges < count]
-        inside[flips] = True
-        start = int(edges[-1])
-    return np.logical_xor.accumulate(inside)
+        later = skipped(rng, lambda rng, size: rng.geometric(probability, size), cycles)
+        for done in range(0, cycles, MOST):
+            size = min(MOST, cycles - done)
+            free = np.minimum(rng.geometric(probability, size), count)
+            held = np.minimum(later.geometric(1 / length, size), count)
+            ends = start + np.cumsum(np.column_stack([free, held]).ravel())
+            start = int(ends[-1])
+            yield ends
+            if start >= count:
+                return
+        rng = later
 
 
 @dataclass(frozen=True)
