@@ -18,6 +18,24 @@ rule story_hidden:
         "../scripts/story_hidden.py"
 
 
+rule story_page:
+    """Compare what was found in the log of the notebook with what was hidden in it, and show the distances."""
+    input:
+        report="results/story/hidden/report.json",
+        figure="results/story/hidden/surest.svg",
+        key="results/story/keys/hidden.json",
+    output:
+        table=table("story", "Discovery", "an example (table)", caption="story"),
+        figure=figure("story", "Discovery", "an example (figure)", caption="story"),
+        numbers="paper/numbers/story.json",
+    log:
+        "logs/story_page.log",
+    params:
+        code=library("story_page"),
+    script:
+        "../scripts/story_page.py"
+
+
 rule story_heater:
     """Simulate the log of a device with an effect that the catalogue does not have."""
     input:
@@ -286,6 +304,7 @@ rule missing_score:
         "../scripts/missing_score.py"
 
 
+PAPER["discovery"] += rules.story_page.output
 PAPER["discovery"] += expand(rules.missing_page.output, device=MISSING_OF)
 PAPER["discovery"] += expand(rules.unseen_page.output, device=UNSEEN_OF)
 PAPER["discovery"] += rules.motion_page.output if SIGHTED else []
