@@ -17,7 +17,7 @@ from imugap.discovery.views.discrepancies import ViewTest
 from imugap.figures.style import AXIS_TITLES, card, legend_below, panels_of, text_figure
 from imugap.workflow.tables import unit
 
-MOST, FEW = 20, 6
+MOST, FEW = 20, 4
 """Views that a figure shows, the surest first; those of a figure that has to fit a page."""
 TALL, LOW, MANY = 1.6, 0.85, 6
 """Height of a row of drifts [inch], and where there are more than so many rows."""
