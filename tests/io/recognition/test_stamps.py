@@ -9,7 +9,7 @@ EPOCH_S = 1_700_000_000
 
 
 @pytest.mark.parametrize("unit", UNITS)
-@pytest.mark.parametrize(("rate", "contract"), [(20, True), (200, True), (20, False), (200, False), (1000, False)])
+@pytest.mark.parametrize(("rate", "contract"), [(20, True), (200, True), (20, False), (200, False), (400, False)])
 def test_the_rate_of_an_inertial_sensor_leaves_one_unit(unit, rate, contract):
     assert unit_of_stamps(np.arange(1000) / (rate * factor(unit)), contract)[0] == unit
 
@@ -32,6 +32,11 @@ def test_a_slow_log_in_seconds_is_in_seconds_by_contract():
 def test_two_readings_are_refused_with_both():
     with pytest.raises(ValueError, match=r"--time-unit decides.*4 Hz in ms or 4000 Hz in us"):
         unit_of_stamps(np.arange(1000) * 250, contract=False)
+
+
+def test_steps_of_one_are_those_of_a_second_or_of_a_millisecond():
+    with pytest.raises(ValueError, match=r"--time-unit decides.*1 Hz in s or 1000 Hz in ms"):
+        unit_of_stamps(np.arange(1000), contract=False)
 
 
 def test_nanoseconds_keep_a_regular_step():

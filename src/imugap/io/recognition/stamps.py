@@ -68,6 +68,8 @@ def unit_of_stamps(time: np.ndarray, contract: bool) -> tuple[str, str]:
     if slowest <= rates["s"] <= FASTEST_HZ:
         return "s", "the rate"
     admitted = [unit for unit, rate in rates.items() if SLOWEST_HZ < rate < FASTEST_HZ]
+    if SLOWEST_CONTRACT_HZ <= rates["s"] < SLOWEST_HZ:
+        admitted = ["s", *admitted]
     if len(admitted) == 1:
         return admitted[0], "the rate"
     readings = " or ".join(f"{rates[unit]:.4g} Hz in {unit}" for unit in admitted or rates)
