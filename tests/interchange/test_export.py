@@ -1,3 +1,5 @@
+import json
+import re
 import xml.etree.ElementTree as ET
 from dataclasses import replace
 
@@ -12,21 +14,31 @@ from imugap.effects import (
     Bias,
     BiasInstability,
     GaussMarkov,
+    Misalignment,
     Quantization,
     RandomWalk,
     Resolution,
     SampleLoss,
+    Saturation,
+    ScaleFactor,
+    Sinusoid,
+    Temperature,
     TurnOnBias,
     WhiteNoise,
 )
 from imugap.effects.effect import AxisModel
 from imugap.interchange.conventions import Rule, Triad
-from imugap.interchange.export import PROGRAMS, Target, export
+from imugap.interchange.export import HELD, PROGRAMS, Target, export, notes, omitted
 from imugap.model import ErrorModel
 from imugap.units import to_si
 
 RULE = Rule(rate=100.0)
 FOREIGN = [target for target in Target if target is not Target.IMUGAP and target not in PROGRAMS]
+YAML = [Target.KALIBR, Target.VINS, Target.ROS, Target.KF_GINS]
+WALKING = [Target.KALIBR, Target.VINS, Target.AIRSIM, Target.GENESIS, Target.MATLAB]
+"""Targets whose slow process is a random walk."""
+STILL = [Target.ROS, Target.ISAAC_LAB]
+"""Targets without a slow process."""
 densities = st.floats(1e-7, 1e1)
 
 
@@ -40,6 +52,11 @@ FITTED = ErrorModel(
 )
 
 
+def written(model, target, rule=RULE):
+    """The file for a target, and the notes beside it where it has no comments."""
+    return "\n".join([export(model, target, rule), *notes(model, target, rule)])
+
+
 def numbers(text):
     """The numbers of a file: all but the topic."""
     return {name: value for name, value in yaml.safe_load(text).items() if name != "rostopic"}
@@ -51,10 +68,10 @@ def test_every_file_is_plain_ascii_and_names_its_conventions(target):
     assert text.isascii()
     assert text.endswith("\n")
     if target in FOREIGN:
-        assert "Conventions: " in text
+        assert "Conventions: " in written(FITTED, target)
 
 
-@pytest.mark.parametrize("target", [*(t for t in FOREIGN if t is not Target.GAZEBO), Target.IMUGAP])
+@pytest.mark.parametrize("target", [*YAML, Target.IMUGAP])
 def test_every_yaml_holds_numbers_not_text(target):
     def leaves(value):
         if isinstance(value, dict):
@@ -151,9 +168,47 @@ def test_own_file_of_white_noise_alone_has_no_states():
 
 @pytest.mark.parametrize("target", FOREIGN)
 def test_what_is_left_out_is_said(target):
-    text = export(device(WhiteNoise(1e-3), RandomWalk(1e-5), Quantization(2e-6), Resolution(1e-4)), target, RULE)
-    assert "Left out: gyro_x quantization (q 2.000000e-06)" in text
-    assert "Left out: accel_z resolution (step 1.000000e-04)" in text
+    model = device(WhiteNoise(1e-3), RandomWalk(1e-5), Quantization(2e-6), Resolution(1e-4))
+    text, said = written(model, target), "\n".join(omitted(model, target, RULE))
+    for one in (text, said):
+        assert "gyro_x quantization (q 2.000000e-06): no Allan deviation at rest changes by more than 1%" in one
+        assert ("accel_z resolution (step 1.000000e-04)" in one) == (target not in HELD)
+    assert text.count("Left out: ") == len(said.splitlines())
+
+
+def test_what_an_omission_costs_is_the_ratio_of_allan_deviations():
+    white, quantized, line = WhiteNoise(1e-4), Quantization(1e-5), Sinusoid(5.0, 5e-3)
+    costs = {}
+    for more in (quantized, line):
+        said = omitted(device(white, RandomWalk(1e-6), more, ScaleFactor(0.01)), Target.KALIBR, RULE)
+        found = re.findall(r"gyro_x (\w+) .*: without it the Allan deviation is (\S+) times", "\n".join(said))
+        costs |= {name: float(ratio) for name, ratio in found}
+        assert any("gyro_x scale_factor" in one and "with motion" in one for one in said)
+    assert costs["sinusoid"] < 0.3
+    of_white, of_steps = (one.allan_variance(0.01) for one in (white, quantized))
+    assert costs["quantization"] == pytest.approx(np.sqrt(of_white / (of_white + of_steps)), rel=0.05)
+
+
+def test_matlab_and_gazebo_hold_more_than_noise():
+    extra = Resolution(1e-3), Saturation(20.0), Temperature(1e-3), ScaleFactor(0.01), Misalignment(y=0.002)
+    own = {axis: AxisModel((WhiteNoise(1e-3), *extra[: None if axis == "gyro_x" else -1])) for axis in log.AXES}
+    model = ErrorModel(own)
+    part = json.loads(export(model, Target.MATLAB, RULE))["imugap"]["Gyroscope"]
+    assert part["Resolution"] == 1e-3
+    assert part["MeasurementRange"] == 20.0
+    assert part["TemperatureBias"] == [1e-3, 1e-3, 1e-3]
+    assert part["AxesMisalignment"] == [[101.0, 0.2, 0.0], [0.0, 101.0, 0.0], [0.0, 0.0, 101.0]]
+    assert not omitted(model, Target.MATLAB, RULE)
+    sdf = export(model, Target.GAZEBO, RULE)
+    assert '<noise type="gaussian_quantized">' in sdf
+    assert "<precision>1.000000e-03</precision>" in sdf
+
+
+@pytest.mark.parametrize("target", [Target.AIRSIM, Target.MATLAB])
+def test_a_format_without_comments_has_its_notes_beside_it(target):
+    assert json.loads(export(FITTED, target, RULE))
+    assert any("Conventions: " in note for note in notes(FITTED, target, RULE))
+    assert not notes(FITTED, Target.KALIBR, RULE)
 
 
 def ratios(text, axis):
@@ -162,10 +217,10 @@ def ratios(text, axis):
     return float(low), float(high)
 
 
-@pytest.mark.parametrize("target", [t for t in FOREIGN if t is not Target.ROS])
+@pytest.mark.parametrize("target", [t for t in FOREIGN if t not in STILL])
 def test_a_model_that_the_target_holds_is_told_exactly(target):
-    slow = RandomWalk(1e-5) if target in (Target.KALIBR, Target.VINS) else GaussMarkov(1e-4, 600.0)
-    text = export(device(WhiteNoise(1e-3), slow), target, replace(RULE, correlation_time=600.0))
+    slow = RandomWalk(1e-5) if target in WALKING else GaussMarkov(1e-4, 600.0)
+    text = written(device(WhiteNoise(1e-3), slow), target, replace(RULE, correlation_time=600.0))
     assert ratios(text, "gyro_y") == (1.0, 1.0)
 
 
@@ -201,7 +256,10 @@ def test_flicker_has_no_filter_of_its_own_but_goes_to_a_tool():
     [
         ("kalibre", r"a known name \(did you mean kalibr\?\)"),
         ("KF_GINS", r"a known name \(did you mean kf-gins\?\)"),
-        ("zzz", "one of kalibr, vins, ros, gazebo, kf-gins, imugap, python, cpp, gazebo-plugin"),
+        (
+            "zzz",
+            "one of kalibr, vins, ros, gazebo, kf-gins, airsim, genesis, gnss-ins-sim, isaac-lab, matlab, pegasus, .*",
+        ),
     ],
 )
 def test_an_unknown_target_meets_the_nearest(name, expected):

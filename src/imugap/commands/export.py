@@ -8,8 +8,10 @@ from imugap.commands.arguments import add_effects, add_examples, positive
 from imugap.commands.outputs import require_files
 from imugap.commands.reading import MODEL_HELP, model_at, open_model
 from imugap.commands.reduction import add_rule, rule_of
-from imugap.interchange.code.program import left_out
-from imugap.interchange.export import PROGRAMS, Target, export
+from imugap.interchange.export import Target, export, notes, omitted
+
+NOTES = ".notes.txt"
+"""End of the name of the file beside one whose format has no comments."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -23,7 +25,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_effects(parser)
     target = parser.add_argument(
         "--to", required=True,
-        help=f"{', '.join(Target)}; the last three are source code with all effects, seeded, one sample at a time",
+        help=f"{', '.join(Target)}; the last three are source code with all effects, seeded, one sample at a time. "
+        "What a target cannot hold is named on the standard error, with its size and what it costs, and in the file; "
+        f"of JSON, which has no comments, in a file beside it, *{NOTES}",
     )  # fmt: skip
     target.completer = lambda **_: list(Target)
     parser.add_argument("--rate", type=positive, required=True, help="sampling rate [Hz]")
@@ -35,8 +39,12 @@ def run(options: argparse.Namespace) -> None:
     """Export the model to ``--out``."""
     require_files({"--out": options.out}, [options.model])
     model, target = model_at(open_model(options.model, options.effects), options.rate), Target.of(options.to)
-    text = export(model, target, rule_of(options, options.rate))
-    for effect in left_out(model, 1 / options.rate) if target in PROGRAMS else ():
-        print(f"imugap: left out: {effect}, which has no form sample by sample", file=sys.stderr)
+    rule = rule_of(options, options.rate)
+    text, beside = export(model, target, rule), notes(model, target, rule)
+    for one in omitted(model, target, rule):
+        print(f"imugap: left out: {one}", file=sys.stderr)
     with atomic(options.out) as partial:
         partial.write_text(text)
+    if beside:
+        with atomic(f"{options.out}{NOTES}") as partial:
+            partial.write_text("\n".join(beside) + "\n")

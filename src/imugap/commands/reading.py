@@ -19,8 +19,8 @@ from imugap.model import ErrorModel
 
 SCHEMA = Path(__file__).with_name("reading.schema.yaml")
 MODEL_HELP = (
-    "error model: YAML, or a file of Gazebo (SDF), Kalibr, OpenVINS, VINS, KF-GINS, AirSim, gnss-ins-sim, Pegasus or "
-    "MATLAB (JSON of imuSensor), recognised by its content"
+    "error model: YAML, or a file of Gazebo (SDF), Kalibr, OpenVINS, VINS, KF-GINS, AirSim, gnss-ins-sim, Pegasus, "
+    "Genesis or MATLAB (JSON of imuSensor), recognised by its content"
 )
 LOG_HELP = "recording of the device: CSV of any dialect, Parquet, or another format that is recognised by its content"
 

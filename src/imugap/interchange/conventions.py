@@ -132,9 +132,9 @@ def combined(axes: Iterable[Reduced], triad: Triad) -> Reduced:
     return Reduced(bias=bias, **{name: join(values) for name, values in spread.items()})
 
 
-def left_out(model: AxisModel) -> list[Effect]:
-    """Return the effects that no tool here represents."""
-    return [effect for effect in model if not isinstance(effect, KEPT)]
+def left_out(model: AxisModel, held: tuple[type[Effect], ...] = ()) -> list[Effect]:
+    """Return the effects that a tool does not represent, where it holds some kinds beside those of all tools."""
+    return [effect for effect in model if not isinstance(effect, (*KEPT, *held))]
 
 
 def _of(model: AxisModel, kind: type | tuple[type, ...]) -> list:
@@ -443,6 +443,43 @@ MATLAB = Convention(
     _matlab("Accelerometer", ("m/s^2/sqrt(Hz)", "m/s^3/sqrt(Hz)", "m/s^2")),
 )
 
-SIMULATORS = (AIRSIM, GNSS_INS_SIM, PEGASUS, MATLAB)
-"""Conventions of simulators whose files are start models, beside those of the exports."""
+
+def _genesis(prefix: str, unit: str) -> tuple[Parameter, ...]:
+    return (
+        Parameter(f"{prefix}_noise", "white noise, of a sample", unit, "N/√Δt", _sample),
+        Parameter(
+            f"{prefix}_random_walk", "random walk of the bias, of a step", unit, "K √Δt",
+            lambda of, rule: of.walk / sqrt(rule.rate),
+        ),
+        Parameter(f"{prefix}_bias", "bias", unit, "bias", lambda of, rule: of.bias),
+    )  # fmt: skip
+
+
+GENESIS = Convention(
+    "Genesis",
+    "Genesis-Embodied-AI/Genesis: genesis/options/sensors (IMU: keys), genesis/engine/sensors/imu.py, base_sensor.py "
+    "(_add_noise_drift_bias: both deviations are those of one step, whatever it is; then _quantize_to_resolution)",
+    _genesis("gyro", "rad/s"),
+    _genesis("acc", "m/s^2"),
+)
+
+
+def _isaac_lab(prefix: str, unit: str) -> tuple[Parameter, ...]:
+    return (
+        Parameter(f"{prefix} noise_cfg std", "white noise, of a sample", unit, "N/√Δt", _sample),
+        Parameter(f"{prefix} bias_noise_cfg mean", "bias", unit, "bias", lambda of, rule: of.bias),
+        Parameter(f"{prefix} bias_noise_cfg std", "bias: its spread over resets", unit, "√(σ₀² + σ²)", _start),
+    )
+
+
+ISAAC_LAB = Convention(
+    "Isaac Lab",
+    "isaac-sim/IsaacLab: source/isaaclab/isaaclab/utils/noise/noise_cfg.py (keys), noise_model.py (noise of each step; "
+    "the bias is drawn at a reset, then constant)",
+    _isaac_lab("angular_velocity", "rad/s"),
+    _isaac_lab("linear_acceleration", "m/s^2"),
+)
+
+SIMULATORS = (AIRSIM, GNSS_INS_SIM, PEGASUS, MATLAB, GENESIS, ISAAC_LAB)
+"""Conventions of further simulators, which the table of the paper does not list."""
 CONVENTIONS = (KALIBR, ORB_SLAM3, VINS, IMU_UTILS, ROS, GAZEBO, HECTOR, KF_GINS)

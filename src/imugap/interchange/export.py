@@ -13,15 +13,32 @@ import numpy as np
 import yaml
 
 from imugap import log, spelling
-from imugap.effects import GaussMarkov, RandomWalk, WhiteNoise
+from imugap.effects import (
+    GaussMarkov,
+    Misalignment,
+    RandomWalk,
+    Resolution,
+    Saturation,
+    ScaleFactor,
+    Temperature,
+    WhiteNoise,
+)
 from imugap.effects.effect import AxisModel, Effect
+from imugap.interchange import simulator_files
 from imugap.interchange.augmentation import augmentation
 from imugap.interchange.code.program import Language, program
+from imugap.interchange.code.program import left_out as without_form
 from imugap.interchange.conventions import (
+    AIRSIM,
     GAZEBO,
+    GENESIS,
+    GNSS_INS_SIM,
     HOUR,
+    ISAAC_LAB,
     KALIBR,
     KF_GINS,
+    MATLAB,
+    PEGASUS,
     ROS,
     VINS,
     Convention,
@@ -33,10 +50,14 @@ from imugap.interchange.conventions import (
     left_out,
     reduced,
 )
+from imugap.interchange.omissions import Omission, costs
+from imugap.interchange.simulator_files import Written
 from imugap.model import ErrorModel
 from imugap.units import from_si
 
 TRIADS = {"gyro": log.GYRO, "accel": log.ACCEL}
+FINEST = 1e-6
+"""Precision below which Gazebo does not round."""
 
 
 class Target(StrEnum):
@@ -48,6 +69,13 @@ class Target(StrEnum):
     ROS = "ros"
     GAZEBO = "gazebo"
     KF_GINS = "kf-gins"
+    AIRSIM = "airsim"
+    GENESIS = "genesis"
+    GNSS_INS_SIM = "gnss-ins-sim"
+    ISAAC_LAB = "isaac-lab"
+    MATLAB = "matlab"
+    """JSON of MATLAB's imuSensor."""
+    PEGASUS = "pegasus"
     IMUGAP = "imugap"
     """The model with its discrete state space per axis."""
     PYTHON = "python"
@@ -79,25 +107,58 @@ def export(
         return program(model, PROGRAMS[target], rule.rate)
     if target is Target.IMUGAP:
         return _own(model, rule)
+    notes, lines = _written(model, target, rule, bounds)
+    comment = COMMENTS.get(target, "# {}")
+    shown = [] if comment is None else [comment.format(note.replace("--", "-")) for note in notes]
+    return "\n".join([*shown, *lines]) + "\n"
+
+
+def notes(
+    model: ErrorModel, target: Target, rule: Rule, bounds: Mapping[str, Sequence[Effect]] = MappingProxyType({})
+) -> list[str]:
+    """Return the notes of a file whose format has no comments; none for any other, which begins with them."""
+    if COMMENTS.get(target, "") is not None:
+        return []
+    return _written(model, target, rule, bounds)[0]
+
+
+def omitted(model: ErrorModel, target: Target, rule: Rule) -> list[str]:
+    """Return what the file for a target leaves out, with the size of each effect and what it costs."""
+    if target in PROGRAMS:
+        return [f"{effect}, which has no form sample by sample" for effect in without_form(model, 1 / rule.rate)]
+    return [] if target is Target.IMUGAP else [one.sentence() for one in _left_out(model, HELD.get(target, ()), rule)]
+
+
+def _written(
+    model: ErrorModel, target: Target, rule: Rule, bounds: Mapping[str, Sequence[Effect]]
+) -> tuple[list[str], list[str]]:
+    """Return notes and lines of the file for a target."""
     model = ErrorModel({axis: AxisModel((*one, *bounds.get(axis, ()))) for axis, one in model.axes.items()})
-    text = WRITERS[target](model.require_axes("model"), rule)
-    return _with_notes(text, _of_bounds(bounds), target)
+    model = model.require_axes("model")
+    if target in WRITERS:
+        notes, lines = WRITERS[target](model, rule)
+    else:
+        convention, write, taken = SIMULATORS[target]
+        axes = _reduced(model, rule)
+        own, lines = write(model, axes, rule)
+        notes = [*_head(model, convention, rule, taken(axes, rule), HELD.get(target, ())), *own]
+    return [*_of_bounds(bounds), *notes], lines
 
 
-def _kalibr(model: ErrorModel, rule: Rule) -> str:
+def _kalibr(model: ErrorModel, rule: Rule) -> Written:
     notes, lines = _per_triad(model, KALIBR, rule, "Kalibr refuses a random walk of 0")
     lines += ["rostopic: /imu0  # set to yours", f"update_rate: {float(rule.rate)}  # Hz"]
-    return _commented(notes, lines)
+    return notes, lines
 
 
-def _vins(model: ErrorModel, rule: Rule) -> str:
+def _vins(model: ErrorModel, rule: Rule) -> Written:
     notes, lines = _per_triad(model, VINS, rule, "with a random walk of 0 the covariance of VINS has no inverse")
     notes += [
         f"Valid at {rule.rate:g} Hz only: VINS takes the numbers per sample.",
         "acc_n and gyr_n hold a factor sqrt(2): VINS takes the two samples of its midpoint rule for independent of",
         "those of the next step, and would else propagate half the variance.",
     ]
-    return _commented(notes, lines)
+    return notes, lines
 
 
 def _per_triad(model: ErrorModel, convention: Convention, rule: Rule, reason: str) -> tuple[list[str], list[str]]:
@@ -130,7 +191,7 @@ def _per_triad(model: ErrorModel, convention: Convention, rule: Rule, reason: st
     return notes, lines
 
 
-def _ros(model: ErrorModel, rule: Rule) -> str:
+def _ros(model: ErrorModel, rule: Rule) -> Written:
     axes = _reduced(model, rule)
     lines = [f"orientation_covariance: [-1.0, {', '.join(8 * ['0.0'])}]  # no estimate of the orientation"]
     for kind, (parameter,) in _by_kind(ROS).items():
@@ -141,10 +202,10 @@ def _ros(model: ErrorModel, rule: Rule) -> str:
         f"Valid at {rule.rate:g} Hz only: the message holds the variance of a sample.",
         "Biases and slow processes are no part of the variance of a sample: the filter has to estimate them.",
     ]
-    return _commented(notes, lines)
+    return notes, lines
 
 
-def _gazebo(model: ErrorModel, rule: Rule) -> str:
+def _gazebo(model: ErrorModel, rule: Rule) -> Written:
     axes = _reduced(model, rule)
     lines = ["<imu>"]
     for kind, parameters in _by_kind(GAZEBO).items():
@@ -152,19 +213,26 @@ def _gazebo(model: ErrorModel, rule: Rule) -> str:
         lines.append(f"  <{element}>")
         for axis in TRIADS[kind]:
             values = ((one.name.split()[1], _number(one.value(axes[axis], rule))) for one in parameters)
-            noise = "".join(f"<{name}>{value}</{name}>" for name, value in values)
-            lines.append(f'    <{axis[-1]}><noise type="gaussian">{noise}</noise></{axis[-1]}>')
+            noise = "".join(f"<{name}>{value}</{name}>" for name, value in (*values, *_precision(model[axis])))
+            kind = "gaussian_quantized" if "precision" in noise else "gaussian"
+            lines.append(f'    <{axis[-1]}><noise type="{kind}">{noise}</noise></{axis[-1]}>')
         lines.append(f"  </{element}>")
     notes = [
-        *_head(model, GAZEBO, rule, _markovian(axes)),
+        *_head(model, GAZEBO, rule, _markovian(axes), HELD[Target.GAZEBO]),
         f"Valid at {rule.rate:g} Hz only: stddev is that of a sample.",
         "dynamic_bias_stddev is the density of the driving noise, not the standard deviation of the bias.",
         "Gazebo draws the sign of the bias, and lets it decay with the correlation time.",
     ]
-    return "\n".join([*(f"<!-- {note.replace('--', '-')} -->" for note in notes), *lines, "</imu>"]) + "\n"
+    return notes, [*lines, "</imu>"]
 
 
-def _kf_gins(model: ErrorModel, rule: Rule) -> str:
+def _precision(model: AxisModel) -> list[tuple[str, str]]:
+    """Return the precision of an axis with a resolution that Gazebo applies."""
+    steps = [one.step for one in model if isinstance(one, Resolution) and one.step >= FINEST]
+    return [("precision", _number(max(steps)))] if steps else []
+
+
+def _kf_gins(model: ErrorModel, rule: Rule) -> Written:
     rule = replace(rule, correlation_time=rule.correlation_time or HOUR)
     axes = _reduced(model, rule)
     rows = {}
@@ -184,7 +252,7 @@ def _kf_gins(model: ErrorModel, rule: Rule) -> str:
         "KF-GINS holds a bias for good whose initial standard deviation and gbstd or abstd are zero: neither is here.",
         *AT_REST,
     ]
-    return _commented(notes, lines)
+    return notes, lines
 
 
 def _own(model: ErrorModel, rule: Rule) -> str:
@@ -226,7 +294,24 @@ PROGRAMS: Mapping[Target, Language] = {
     Target.GAZEBO_PLUGIN: Language.GAZEBO_PLUGIN,
 }
 """Targets that are source code."""
-WRITERS: Mapping[Target, Callable[[ErrorModel, Rule], str]] = {
+HELD: Mapping[Target, tuple[type[Effect], ...]] = {
+    Target.GAZEBO: (Resolution,),
+    Target.GENESIS: (Resolution,),
+    Target.MATLAB: (Resolution, Saturation, Temperature, ScaleFactor, Misalignment),
+}
+"""Effects that a target holds beside those that all do."""
+COMMENTS: Mapping[Target, str | None] = {Target.GAZEBO: "<!-- {} -->", Target.AIRSIM: None, Target.MATLAB: None}
+"""Form of a comment; None for a format without comments."""
+SIMULATORS: Mapping[Target, tuple[Convention, Callable, Callable]] = {
+    Target.AIRSIM: (AIRSIM, simulator_files.airsim, simulator_files.walking),
+    Target.GENESIS: (GENESIS, simulator_files.genesis, simulator_files.each_walking),
+    Target.GNSS_INS_SIM: (GNSS_INS_SIM, simulator_files.gnss_ins_sim, lambda axes, rule: _markovian(axes)),
+    Target.ISAAC_LAB: (ISAAC_LAB, simulator_files.isaac_lab, simulator_files.each_white),
+    Target.MATLAB: (MATLAB, simulator_files.matlab, simulator_files.each_walking),
+    Target.PEGASUS: (PEGASUS, simulator_files.pegasus, simulator_files.drifting),
+}
+"""Convention of a simulator, what writes its file, and the processes that stand for those of the model."""
+WRITERS: Mapping[Target, Callable[[ErrorModel, Rule], Written]] = {
     Target.KALIBR: _kalibr,
     Target.VINS: _vins,
     Target.ROS: _ros,
@@ -244,12 +329,6 @@ def _of_bounds(bounds: Mapping[str, Sequence[Effect]]) -> list[str]:
     return [*notes, "The log shows no such process there; a longer log lowers the bound."] if notes else []
 
 
-def _with_notes(text: str, notes: Sequence[str], target: Target) -> str:
-    """Return the text of a file with notes at its head."""
-    comment = "<!-- {} -->" if target is Target.GAZEBO else "# {}"
-    return "".join(f"{comment.format(note)}\n" for note in notes) + text
-
-
 def _reduced(model: ErrorModel, rule: Rule) -> dict[str, Reduced]:
     return {axis: reduced(axis, model[axis], rule) for axis in log.AXES}
 
@@ -263,7 +342,18 @@ def _markovian(axes: Mapping[str, Reduced]) -> dict[str, Sequence[Effect]]:
     return {axis: (WhiteNoise(one.white), GaussMarkov(one.markov, one.correlation_time)) for axis, one in axes.items()}
 
 
-def _head(model: ErrorModel, convention: Convention, rule: Rule, taken: Mapping[str, Sequence[Effect]]) -> list[str]:
+def _left_out(model: ErrorModel, held: tuple[type[Effect], ...], rule: Rule) -> list[Omission]:
+    """Return what a tool leaves out, with its cost, of each axis."""
+    return [
+        one for axis in log.AXES if axis in model.axes
+        for one in costs(axis, model[axis], left_out(model[axis], held), 1 / rule.rate, 10 * rule.horizon)
+    ]  # fmt: skip
+
+
+def _head(
+    model: ErrorModel, convention: Convention, rule: Rule, taken: Mapping[str, Sequence[Effect]],
+    held: tuple[type[Effect], ...] = (),
+) -> list[str]:  # fmt: skip
     """Return the head of a file: target, sources, Allan deviation of the exported effects over the model, omissions."""
     tau = np.geomspace(1 / rule.rate, 10 * rule.horizon, 200)
     ratios = {
@@ -276,7 +366,7 @@ def _head(model: ErrorModel, convention: Convention, rule: Rule, taken: Mapping[
         f"A slow process here has the Allan variance of all slow processes of the model at {rule.horizon:g} s.",
         f"Allan deviation here over that of the model, {tau[0]:g} to {tau[-1]:g} s:",
         *(f"  {axis}: {ratio.min():.2f} to {ratio.max():.2f}" for axis, ratio in ratios.items()),
-        *(f"Left out: {axis} {_described(effect)}" for axis in log.AXES for effect in left_out(model[axis])),
+        *(f"Left out: {one.sentence()}" for one in _left_out(model, held, rule)),
     ]
 
 

@@ -1,6 +1,7 @@
 """Every file is recognised by its content, its numbers are those of the tool, and what is left out is said."""
 
 import json
+import re
 from dataclasses import replace
 from math import log as ln
 from math import pi, sqrt
@@ -97,12 +98,17 @@ MATLAB = json.dumps(
                       "AxesMisalignment": [[101, 1, 0], [0, 100, 0], [0, 0, 100]], "AccelerationBias": 0.1}}}
 )  # fmt: skip
 
+GENESIS = """imu = scene.add_sensor(gs.sensors.IMU(entity_idx=robot.idx, acc_noise=(0.1, 0.2, 0.3), gyro_noise=0.01,
+    acc_bias=(0.1, 0.0, 0.0), acc_random_walk=1e-3, gyro_resolution=0.002, delay=0.01))
+"""
+
 FILES = {
     "robot.sdf": GAZEBO, "imu.yaml": KALIBR, "kalibr_imu_chain.yaml": OPENVINS, "vins.yaml": VINS,
     "kf-gins.yaml": KF_GINS, "settings.json": AIRSIM, "demo.py": GNSS_INS_SIM, "pegasus.py": PEGASUS,
-    "generic.json": MATLAB,
+    "generic.json": MATLAB, "genesis.py": GENESIS,
 }  # fmt: skip
-TOOLS = ("Gazebo", "Kalibr", "Kalibr", "VINS", "KF-GINS", "AirSim", "gnss-ins-sim", "Pegasus", "MATLAB")
+TOOLS = ("Gazebo", "Kalibr", "Kalibr", "VINS", "KF-GINS", "AirSim", "gnss-ins-sim", "Pegasus", "MATLAB",
+         "Genesis")  # fmt: skip
 
 
 @pytest.fixture
@@ -209,6 +215,15 @@ def test_pegasus_with_its_defaults(read):
     assert "does not use turn_on_bias_sigma" in said
 
 
+def test_genesis_takes_numbers_per_step(read):
+    model, said = read("genesis.py")
+    assert listed(model, "accel_y") == approx(WhiteNoise(0.2 / sqrt(RATE)), RandomWalk(1e-3 * sqrt(RATE)))
+    assert approx(Bias(0.1))[0] in listed(model, "accel_x")
+    assert listed(model, "gyro_z") == approx(WhiteNoise(0.01 / sqrt(RATE)), Resolution(0.002))
+    assert "per step at 200 Hz" in said
+    assert "not in the model: delay" in said
+
+
 def test_matlab_holds_more_than_noise(read):
     model, said = read("generic.json")
     accel = [
@@ -226,21 +241,44 @@ def device(*effects):
     return ErrorModel(dict.fromkeys(log.AXES, AxisModel(effects)))
 
 
-@pytest.mark.parametrize(
-    ("target", "model"),
-    [
-        (Target.GAZEBO, device(Bias(0.01), TurnOnBias(2e-3), WhiteNoise(1e-3), GaussMarkov(5e-4, 60.0))),
-        (Target.KALIBR, device(WhiteNoise(1e-3), RandomWalk(2e-5))),
-        (Target.VINS, device(WhiteNoise(1e-3), RandomWalk(2e-5))),
-        (Target.KF_GINS, device(Bias(0.01), TurnOnBias(2e-3), WhiteNoise(1e-3), GaussMarkov(5e-4, 7200.0))),
-    ],
-)
-def test_a_model_that_the_target_holds_comes_back(read, target, model):
-    rule = replace(Rule(RATE), correlation_time=7200.0 if target is Target.KF_GINS else None)
-    found, _ = read("exported", export(model, target, rule))
+MARKOV = device(Bias(0.01), TurnOnBias(2e-3), WhiteNoise(1e-3), GaussMarkov(5e-4, 7200.0))
+HOLDS = {
+    Target.GAZEBO: device(Bias(0.01), TurnOnBias(2e-3), WhiteNoise(1e-3), GaussMarkov(5e-4, 60.0), Resolution(1e-3)),
+    Target.KALIBR: device(WhiteNoise(1e-3), RandomWalk(2e-5)),
+    Target.VINS: device(WhiteNoise(1e-3), RandomWalk(2e-5)),
+    Target.KF_GINS: MARKOV,
+    Target.AIRSIM: device(WhiteNoise(1e-3), RandomWalk(2e-5)),
+    Target.GENESIS: device(Bias(0.01), WhiteNoise(1e-3), RandomWalk(2e-5), Resolution(1e-3)),
+    Target.GNSS_INS_SIM: device(Bias(0.01), WhiteNoise(1e-3), GaussMarkov(5e-4, 60.0)),
+    Target.MATLAB: device(Bias(0.01), WhiteNoise(1e-3), RandomWalk(2e-5), Saturation(20.0), Resolution(1e-3)),
+    Target.PEGASUS: device(WhiteNoise(1e-3), GaussMarkov(5e-4, 60.0)),
+}
+"""What each target holds whole."""
+
+
+@pytest.mark.parametrize("target", HOLDS)
+def test_a_model_that_the_target_holds_comes_back(read, target):
+    model, rule = HOLDS[target], replace(Rule(RATE), correlation_time=7200.0 if target is Target.KF_GINS else None)
+    name = "exported.py" if target in (Target.GENESIS, Target.GNSS_INS_SIM, Target.PEGASUS) else "exported"
+    found, _ = read(name, export(model, target, rule))
     for axis in log.AXES:
         expected = {one.name: pytest.approx(one.parameters(), rel=3e-6) for one in model[axis]}
         assert {one.name: one.parameters() for one in found[axis]} == expected
+
+
+@pytest.mark.parametrize(("name", "text"), list(FILES.items()))
+def test_the_keys_of_a_file_give_its_numbers(tmp_path, name, text):
+    path = tmp_path / name
+    path.write_text(text)
+    found = ModelFile.open(path, CATALOGUE).at(RATE)
+    values = [
+        abs(key.value(effect))
+        for axis, effects in found.model.axes.items()
+        for key in found.keys["gyro" if axis in log.GYRO else "accel"]
+        for effect in effects if isinstance(effect, key.kind)
+    ]  # fmt: skip
+    numbers = [abs(float(one)) for one in re.findall(r"\d+\.?\d*(?:[eE][-+]?\d+)?", text)]
+    assert sum(any(one == pytest.approx(number, rel=1e-6) for number in numbers) for one in values) > 2
 
 
 def test_every_reader_names_its_source():

@@ -10,6 +10,7 @@ from imugap.interchange.start_models import (
     airsim,
     document,
     gazebo,
+    genesis,
     gnss_ins_sim,
     kalibr,
     kf_gins,
@@ -22,7 +23,7 @@ from imugap.model import ErrorModel
 
 READERS: tuple[Reader, ...] = (
     gazebo.READER, kalibr.READER, vins.READER, kf_gins.READER, airsim.READER, gnss_ins_sim.READER, pegasus.READER,
-    matlab.READER,
+    genesis.READER, matlab.READER,
 )  # fmt: skip
 
 

@@ -62,13 +62,22 @@ def _json(content: bytes, path: str | Path) -> Document:
 
 
 def _python(content: bytes, path: str | Path) -> tuple[dict[str, Any], ...]:
-    """Return all dictionaries with text keys; values that are no numbers, texts, lists or arithmetic are left out."""
+    """Return all dictionaries with text keys, and the named arguments of all calls.
+
+    Values that are no numbers, texts, lists or arithmetic are None.
+    """
     try:
         tree = ast.parse(content)
     except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
         line = getattr(error, "lineno", None) or 1
         raise ValueError(f"{path}: line {line}: expected Python; found a fault: {error}") from None
-    return tuple(_dictionary(node, DEEPEST) for node in ast.walk(tree) if isinstance(node, ast.Dict))
+    nodes = [node for node in ast.walk(tree) if isinstance(node, ast.Dict | ast.Call)]
+    every = (_dictionary(node, DEEPEST) if isinstance(node, ast.Dict) else _arguments(node) for node in nodes)
+    return tuple(one for one in every if one)
+
+
+def _arguments(node: ast.Call) -> dict[str, Any]:
+    return {one.arg: _value(one.value, DEEPEST - 1) for one in node.keywords if one.arg is not None}
 
 
 def _dictionary(node: ast.Dict, depth: int) -> dict[str, Any]:
