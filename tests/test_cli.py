@@ -1,16 +1,21 @@
 """The command line: any exception and any signal ends in one line."""
 
+import errno
 import os
 import re
+import resource
 import signal
 import subprocess
 import sys
 import time
+from concurrent.futures.process import BrokenProcessPool
+from pathlib import Path
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
-from imugap import cli
+from imugap import cli, log
 
 
 @pytest.fixture
@@ -37,6 +42,9 @@ ERRORS = [
     (AssertionError(), BUG.format("AssertionError")),
     (RecursionError("deep"), BUG.format("RecursionError: deep")),
     (MemoryError("8 EiB"), r"imugap: memory: expected enough for this input; found none left \(8 EiB\)$"),
+    (OSError(errno.ENOMEM, "Cannot allocate memory"), "imugap: memory: expected enough .*Cannot allocate memory"),
+    (BrokenProcessPool("abruptly"), "imugap: processes: expected workers that end by themselves; found one that"),
+    (ImportError("no such module"), BUG.format("ImportError: no such module")),
     (
         FileNotFoundError(2, "No such file", "a\x1b[31m.csv"),
         r"imugap: a\\x1b\[31m.csv: expected .*; found 'No such file'$",
@@ -162,3 +170,47 @@ def test_no_worker_outlives_its_parent(heard, tmp_path, number):
         said = process.communicate()[1]  # ends when no process holds the other end
     assert process.returncode == (-number if number == signal.SIGKILL else 128 + number)
     assert said == ("" if number == signal.SIGKILL else "imugap: interrupted\n")
+
+
+def limited(kilobytes, *arguments):
+    """Run a command line in a process of so much address space."""
+    code = "import sys; from imugap.cli import main; sys.exit(main())"
+    size = kilobytes * 1024
+    return subprocess.run(
+        [sys.executable, "-c", code, *map(str, arguments)], capture_output=True, text=True,
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (size, size)),
+    )  # fmt: skip
+
+
+MODEL = "".join(f"{axis}: [{{white_noise: {{density: 1e-3}}}}]\n" for axis in log.AXES)
+LINES = [
+    "check log.csv", "convert log.csv --out log.parquet", "indices log.csv --out i.csv",
+    "estimate log.csv --out e.json", "discover log.csv --workers 2 --out found",
+    "reference log.csv --log log.csv --out r.parquet",
+    "walk log.csv --out walk", "drive log.csv log.csv --out drive", "effects gauss_markov --out e.svg",
+    "simulate model.yaml --duration 4000 --rate 200 --out s.csv", "export model.yaml --to cpp --rate 9 --out e.hpp",
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("kilobytes", "lines"),
+    [
+        (150_000, LINES[:1]),
+        *(pytest.param(size, LINES, marks=pytest.mark.slow) for size in (250_000, 500_000, 900_000)),
+    ],
+)
+def test_a_limit_of_memory_is_one_line(tmp_path, monkeypatch, kilobytes, lines):
+    monkeypatch.chdir(tmp_path)
+    Path("model.yaml").write_text(MODEL)
+    noise = np.random.default_rng(1).normal(0, 1e-3, (4000, 6))
+    log.write(log.from_samples(dict(zip(log.AXES, noise.T, strict=True)), 0.02), "log.csv")
+    before = set(tmp_path.iterdir())
+    for line in lines:
+        found = limited(kilobytes, *line.split())
+        assert "Traceback" not in found.stderr, line
+        if found.returncode:
+            assert found.returncode == 1, (line, found.stderr)
+            assert re.search(r"expected .+; found .+\n$", found.stderr), (line, found.stderr)
+            assert cli.DEBUG not in found.stderr, (line, found.stderr)
+            assert set(tmp_path.iterdir()) == before, line
+        before = set(tmp_path.iterdir())

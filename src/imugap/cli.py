@@ -1,6 +1,7 @@
 """The command line: the library on recordings of one's own device."""
 
 import argparse
+import errno
 import os
 import re
 import shlex
@@ -8,6 +9,7 @@ import signal
 import sys
 import traceback
 from collections.abc import Iterator
+from concurrent.futures import BrokenExecutor
 from contextlib import contextmanager, suppress
 from importlib import import_module
 from typing import NoReturn
@@ -168,10 +170,12 @@ def _failed(error: Exception) -> int:
 def _message(error: Exception) -> str:
     """Return what is said of an error: of the input, the system, the memory, or the package itself."""
     match error:
-        case MemoryError():
+        case _ if _lacks_memory(error):
             return f"memory: expected enough for this input; found none left ({error})"
         case OSError(filename=str() | bytes() as name, strerror=str() as reason):
             return f"{os.fsdecode(name)}: expected a file or folder that can be used; found {reason!r}"
+        case BrokenExecutor():
+            return "processes: expected workers that end by themselves; found one that the system ended (memory?)"
         case OSError():
             return f"system: expected files and processes that can be used; found {str(error)!r}"
         case ValueError() if FORM.search(str(error)):
@@ -182,6 +186,23 @@ def _message(error: Exception) -> str:
         f"{place}: expected no such case; found {type(error).__name__}: {error} (an error of {PACKAGE} itself: please "
         f"report it with the traceback, which {DEBUG}=1 shows)"
     )
+
+
+def _lacks_memory(error: Exception) -> bool:
+    """Return whether an error is of memory; that of a library or thread is one where the memory is limited."""
+    if isinstance(error, MemoryError) or getattr(error, "errno", None) == errno.ENOMEM:
+        return True
+    unnamed = isinstance(error, OSError) and error.errno is None  # as of a library that ctypes loads
+    return (isinstance(error, ImportError) or unnamed or "start new thread" in str(error)) and _limited()
+
+
+def _limited() -> bool:
+    """Return whether the memory of the process is limited (``ulimit -v``)."""
+    try:
+        import resource
+    except ImportError:  # no such limits on this system
+        return False
+    return resource.getrlimit(resource.RLIMIT_AS)[0] != resource.RLIM_INFINITY
 
 
 def _say(message: str) -> None:
