@@ -105,6 +105,7 @@ rule walk_real_page:
         walks=figure("walks", "Walks", "real walks (figure)"),
         errors=figure("walk_errors", "Walks", "errors against cameras (figure)"),
         table=table("walks", "Walks", "real walks (table)", caption="walks_table"),
+        sets=table("walks_sets"),
         peers=table("walks_peers", "Walks", "what peers make of the walks (table)"),
         numbers="paper/numbers/walks.json",
     log:

@@ -58,6 +58,28 @@ def page(walks):
         yield row
 
 
+def sets_page(walks):
+    """Lay the short table out: a row per set, median and largest of each error over its walks."""
+    for dataset, group in [*walks.groupby("dataset", sort=False), ("all", walks)]:
+        seen = group[group["cameras"]]
+        distances = [tables.fixed(end(group["distance_m"]), 0) for end in (min, max)]
+        yield {
+            "walks": SETS.get(dataset, dataset),
+            "number": len(group),
+            "distance [m]": " to ".join(dict.fromkeys(distances)),
+            "end [% of distance]": ends_of(group["share"], 2),
+            "height at the end [m]": ends_of(group["height"].abs(), 2),
+            "without a floor [m]": ends_of(group["height_alone"].abs(), 2),
+            "path against cameras [m]": ends_of(seen["rmse"], 3) if len(seen) else "—",
+            "stride [m]": ends_of(seen["stride_rmse"], 3) if len(seen) else "—",
+        }
+
+
+def ends_of(errors, decimals):
+    """Return median and largest of errors, as the short table shows them."""
+    return " / ".join(tables.fixed(end(errors), decimals) for end in (np.median, max))
+
+
 def numbers(walks, peers):
     """Collect what the text quotes."""
     of = walks.set_index(["dataset", "run"])
@@ -119,9 +141,16 @@ with job(snakemake) as (source, _, output):
     walks = pd.concat(map(pd.read_csv, source.walks), ignore_index=True)
     walks["share"] = 100 * walks["end"] / walks["distance_m"]
     tracks, peers = pd.concat(map(pd.read_parquet, source.tracks)), pd.read_csv(source.peers)
-    titles = {(one.dataset, one.run): name(one.dataset, one.run) for one in walks.itertuples()}
+    titles = {(one.dataset, one.run): name(one.dataset, one.run).removesuffix(" foot") for one in walks.itertuples()}
     known = {one: SETS[one] for one in walks.loc[walks["cameras"], "dataset"].unique()}
     drawn = pedestrian.against_cameras(tracks, known) if known else style.text_figure("no walk with cameras is here")
     here = peers[peers["dataset"].isin(walks["dataset"])]
-    save(output, walks=pedestrian.walks(tracks, titles), errors=drawn, table=(walks, page(walks)),
-         peers=(here, peers_page(walks, here)), numbers=numbers(walks, peers))  # fmt: skip
+    save(
+        output,
+        walks=pedestrian.walks(tracks, titles),
+        errors=drawn,
+        table=(walks, page(walks)),
+        sets=(walks, sets_page(walks)),
+        peers=(here, peers_page(walks, here)),
+        numbers=numbers(walks, peers),
+    )

@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator, NullLocator, StrMethodFormatter
+from mpl_toolkits.axes_grid1.anchored_artists import AnchoredSizeBar
 
 from imugap.figures import static
 from imugap.figures.style import legend_below, panels_of
@@ -33,7 +34,7 @@ def tracks(table: pd.DataFrame, truth: pd.DataFrame, shown: Mapping[str, str]) -
         Contender to title of its panel.
     """
     columns = 3
-    figure, grid = panels_of(-(-len(shown) // columns), columns, 1.75 * (-(-len(shown) // columns)) + 0.4, sharex=True)
+    figure, grid = panels_of(-(-len(shown) // columns), columns, 1.4 * (-(-len(shown) // columns)) + 0.4, sharex=True)
     for panel, (name, title) in zip(grid.flat, shown.items(), strict=False):
         one = table[table["contender"] == name]
         panel.plot(truth["north"], truth["east"], color="#bbbbbb", lw=2.5, label="true path")
@@ -95,7 +96,7 @@ FOUND, SEEN = "#0072B2", "black"
 
 
 def walks(tracks: pd.DataFrame, titles: Mapping[tuple[str, int], str]) -> Figure:
-    """Draw every real walk from above, with its camera track.
+    """Draw every real walk from above, each to the scale of its bar, with its camera track.
 
     Parameters
     ----------
@@ -104,21 +105,32 @@ def walks(tracks: pd.DataFrame, titles: Mapping[tuple[str, int], str]) -> Figure
     titles
         Walk to its title.
     """
-    columns = 5
+    columns = 7
     rows = -(-len(titles) // columns)
-    figure, grid = panels_of(rows, columns, 1.45 * rows + 0.3)
+    figure, grid = panels_of(rows, columns, 1.25 * rows + 0.3)
     for panel, ((name, run), title) in zip(grid.flat, titles.items(), strict=False):
         one = tracks[(tracks["dataset"] == name) & (tracks["run"] == run)]
         panel.plot(one["east"], one["north"], color=FOUND, lw=0.9, label="navigated")
         panel.plot(one["east_seen"], one["north_seen"], color=SEEN, lw=0.5, label="seen by cameras")
         panel.plot(*one[["east", "north"]].iloc[0], "o", color="black", ms=3, label="begin")
         panel.plot(*one[["east", "north"]].iloc[-1], "x", color=PRINTED, ms=5, mew=1.2, label="end", zorder=5)
-        panel.set_title(title, fontsize=7)
+        panel.set_title(title)
         panel.set_aspect("equal", "datalim")
-        panel.tick_params(labelsize=6)
-    _outer_labels(grid, len(titles), "[m]", "[m]")
+        panel.add_artist(_scale_bar(panel, np.ptp(one[["east", "north"]].to_numpy(), axis=0).max()))
+    for panel in grid.flat:
+        panel.set_axis_off()
     legend_below(figure, 4)
     return figure
+
+
+def _scale_bar(panel, extent: float) -> AnchoredSizeBar:
+    """Return a bar below a plan of an ``extent`` [m]: the longest of 1, 2, 5 times a power of ten up to half of it."""
+    decade = 10 ** np.floor(np.log10(extent / 2))
+    length = decade * max(step for step in (1, 2, 5) if step * decade <= extent / 2)
+    return AnchoredSizeBar(
+        panel.transData, length, f"{length:g} m", "upper center", pad=0, sep=2, frameon=False,
+        bbox_to_anchor=(0.5, 0), bbox_transform=panel.transAxes,
+    )  # fmt: skip
 
 
 def against_cameras(tracks: pd.DataFrame, titles: Mapping[str, str]) -> Figure:
