@@ -88,6 +88,7 @@ def test_an_estimate_exports_what_its_model_has(tmp_path, fit):
 def test_a_result_draws_itself_and_shows_itself_in_a_notebook(fit, log):
     for one in (fit, ig.check(log)):
         assert isinstance(one.plot(), Figure)
+        assert one.plot()._repr_png_().startswith(b"\x89PNG")
         shown = one._repr_html_()
         assert shown.lstrip().startswith("<style>")
         assert "<html" not in shown

@@ -67,25 +67,12 @@ for option, paths in OPTIONS.items():
     if paths and not OPTIONS["log"]:
         raise ConfigurationError(f"log: expected the log that {option} belongs to; found none")
 
-# Inputs of each discovery, by the folder of its products below results: a log of one's own, and the logs of the notebook.
-DISCOVERIES = {
-    "story/hidden": {"log": ["results/story/cases/hidden/log.parquet"]},
-    "story/heater": {"log": ["results/story/heater.parquet"]},
-    "story/heater_named": {
-        "log": ["results/story/heater.parquet"],
-        "effects": "notebooks.heater",
-    },
-}
-if len(RUNS["adis16405"]) > 1:
-    DISCOVERIES["story/real"] = {
-        "log": ["results/story/real_log.parquet"],
-        "test": ["results/story/real_test.parquet"],
-    }
+# Inputs of each discovery, by the folder of its products below results.
+DISCOVERIES = {"story/hidden": {"log": ["results/story/cases/hidden/log.parquet"]}}
 # Trials in motion for discovery, with the error-free log of the cameras.
 SIGHTED = [run for run in TRIALS if run in config["discovery"]["trials"] and "discovery" in CHAPTERS]
 # Settings of every discovery.
 DISCOVERY_SETTINGS = {key: config["discovery"][key] for key in ("alpha", "replicates", "simulations")}
-DISCOVERY_REPORTS = [f"results/{discovery}/report.json" for discovery in DISCOVERIES]
 STARTS = ["white", "nbk"]
 # Devices for discovery: on the first run, from two start models, tested on the other runs.
 MISSING_OF = [name for name in config["discovery"]["devices"] if len(RUNS[name]) > 1 and "discovery" in CHAPTERS]

@@ -1,5 +1,5 @@
 rule story_hidden:
-    """Seal the log of the notebook on discovery, in which two effects are hidden."""
+    """Seal a log in which two effects are hidden, the example of the chapter on discovery."""
     input:
         recipe="data/blind.yaml",
         schema="workflow/schemas/blind.schema.yaml",
@@ -19,7 +19,7 @@ rule story_hidden:
 
 
 rule story_page:
-    """Compare what was found in the log of the notebook with what was hidden in it, and show the distances."""
+    """Compare what was found in the log of the example with what was hidden in it, and show the distances."""
     input:
         report="results/story/hidden/report.json",
         figure="results/story/hidden/surest.svg",
@@ -34,45 +34,6 @@ rule story_page:
         code=library("story_page"),
     script:
         "../scripts/story_page.py"
-
-
-rule story_heater:
-    """Simulate the log of a device with an effect that the catalogue does not have."""
-    input:
-        model="notebooks/heater.yaml",
-        effects="notebooks/heater.py",
-    output:
-        "results/story/heater.parquet",
-    log:
-        "logs/story_heater.log",
-    params:
-        effects="notebooks.heater",
-        seed=config["seed"],
-        duration_s=600,
-        rate_hz=25.0,
-        code=library("story_heater"),
-    script:
-        "../scripts/story_heater.py"
-
-
-rule story_real:
-    """Cut the gyroscopes of two real runs short, as means at a lower rate."""
-    input:
-        logs=expand("results/adis16405/{run}/log.parquet", run=RUNS["adis16405"][:2]),
-        clock="paper/tables/clock_adis16405.csv",
-    output:
-        "results/story/real_log.parquet",
-        "results/story/real_test.parquet",
-    log:
-        "logs/story_real.log",
-    params:
-        runs=RUNS["adis16405"][:2],
-        duration_s=1800,
-        rate_hz=config["estimation"]["rate_hz"],
-        columns=["gyro_x", "gyro_y", "gyro_z"],
-        code=library("means"),
-    script:
-        "../scripts/means.py"
 
 
 for device in MISSING_OF:
@@ -93,7 +54,6 @@ for device in MISSING_OF:
             runs=RUNS[device],
             duration_s=config["discovery"]["duration_s"],
             rate_hz=config["estimation"]["rate_hz"],
-            columns=None,
             code=library("means"),
         script:
             "../scripts/means.py"

@@ -42,7 +42,6 @@ rule notebook:
     """Execute a notebook, which reads results and explains them."""
     input:
         "paper/paper.pdf",
-        lambda wildcards: DISCOVERY_REPORTS if wildcards.name == "discovery" else [],
         notebook="notebooks/{name}.ipynb",
     output:
         report(

@@ -16,5 +16,4 @@ with job(snakemake) as (source, params, output):
     for run, path, to in zip(params.runs, source.logs, output, strict=True):
         table = log.load(path)
         table = table.set_axis(table.index * ratios.get(run, 1.0)).loc[: params.duration_s]
-        table = table if params.columns is None else table[params.columns]
         log.write(log.from_samples(*log.block_means(table, params.rate_hz)), to)

@@ -7,7 +7,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from imugap.figures.style import WIDTH, card, decades, legend_below, panels_of
+from imugap.figures.style import WIDTH, NotebookFigure, card, decades, legend_below, panels_of
 from imugap.filters.innovation_gate import ACCEPTED, InnovationRecord
 from imugap.io import gnss
 from imugap.log import AXES
@@ -30,7 +30,7 @@ UNITS = {"gyro": ("°/h", np.degrees(3600.0)), "accel": ("mg", 1e3 / 9.80665), "
 
 def track(filtered: DriveSolution, smoothed: DriveSolution, fixes: pd.DataFrame, width: float = WIDTH) -> Figure:
     """Draw the drive from above, like a map ``width`` [inch] wide: fixes, those that did not fit, filter, smoother."""
-    figure = Figure(figsize=(width, 0.85 * width), layout="constrained")
+    figure = NotebookFigure(figsize=(width, 0.85 * width), layout="constrained")
     panel = figure.subplots()
     seen, record = gnss.local(fixes, filtered.ellipsoid), filtered.record
     panel.plot(seen[:, 1], seen[:, 0], ".", color=FIX, ms=2.5, label="fixes", zorder=1)

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from imugap.figures.style import WIDTH, decades, legend_below, panels_of
+from imugap.figures.style import WIDTH, NotebookFigure, decades, legend_below, panels_of
 from imugap.io import gnss
 from imugap.simulation.gnss_faults import OUTAGE, OUTLIER, RAMP, STRETCH, FaultEvent, event_kinds
 from imugap.study.fault_ablation import CLEAN, CONTAMINATED, ORACLE, SMOOTHED, WHEELS, WHOLE, Ablation, AblationRun
@@ -30,7 +30,7 @@ SHOWN = {"gyro_x": ("gyro x [°/h]", "deg/h"), "gyro_z": ("gyro z [°/h]", "deg/
 
 def drive(study: Ablation, one: AblationRun, errors: Mapping[str, pd.DataFrame]) -> Figure:
     """Draw a drive from above, with its bad fixes, and the horizontal error of every scheme over time."""
-    figure = Figure(figsize=(WIDTH, 3.6), layout="constrained")
+    figure = NotebookFigure(figsize=(WIDTH, 3.6), layout="constrained")
     left, right = figure.subplots(1, 2, width_ratios=[1, 2.1])
     truth = study.drive.path[0]
     every = round(study.drive.rate_hz)
@@ -71,7 +71,7 @@ def sensors(runs: Mapping[str, AblationRun]) -> Figure:
 
 def schemes(scores: pd.DataFrame) -> Figure:
     """Draw the 95th percentile of the horizontal error of all runs, and the effect of the gate on bias estimates."""
-    figure = Figure(figsize=(WIDTH, 3.2), layout="constrained")
+    figure = NotebookFigure(figsize=(WIDTH, 3.2), layout="constrained")
     left, *others = figure.subplots(1, 3, width_ratios=[1.6, 1, 1])
     spread = np.linspace(-0.12, 0.12, scores["run"].nunique())
     for k, name in enumerate(TITLES):

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from imugap.figures.style import WIDTH, decades, legend_below, panels_of
+from imugap.figures.style import WIDTH, NotebookFigure, decades, legend_below, panels_of
 from imugap.navigation.planar import SCOPES, PlanarDrive
 from imugap.units import from_si
 
@@ -62,7 +62,7 @@ def consistency(table: pd.DataFrame, drive: PlanarDrive) -> Figure:
     table
         Columns ``case``, ``filter``, ``scope``, ``states``, ``time``, ``nees``, ``low``, ``high``.
     """
-    figure = Figure(figsize=(WIDTH, 4.6), layout="constrained")
+    figure = NotebookFigure(figsize=(WIDTH, 4.6), layout="constrained")
     titles = [[f"{scope}, {case}" for case in CASES.values()] for scope in SCOPES]
     panels = figure.subplot_mosaic([["drive", *row] for row in titles], width_ratios=[0.9, *[1] * len(CASES)])
     _draw_drive(panels["drive"], drive)

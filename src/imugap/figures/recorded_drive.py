@@ -5,7 +5,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from imugap.figures.fault_ablation import COLOURS, TITLES
-from imugap.figures.style import WIDTH, decades, legend_below, panels_of
+from imugap.figures.style import WIDTH, NotebookFigure, decades, legend_below, panels_of
 from imugap.kinematics.strapdown import ATTITUDE
 from imugap.navigation.vehicle import DriveSolution
 
@@ -52,7 +52,7 @@ def track(table: pd.DataFrame) -> Figure:
     table
         Columns ``time``, ``north``, ``east``, ``scheme``: positions of ``fixes`` and ``truth``, errors of the others.
     """
-    figure = Figure(figsize=(WIDTH, 3.4), layout="constrained")
+    figure = NotebookFigure(figsize=(WIDTH, 3.4), layout="constrained")
     left, right = figure.subplots(1, 2, width_ratios=[1, 1.5])
     of = dict(list(table.groupby("scheme")))
     left.plot(

@@ -1,5 +1,7 @@
 """Style of the figures, and panels and legends that all chapters share."""
 
+from io import BytesIO
+
 import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
@@ -32,15 +34,24 @@ CARD = 3.6
 mpl.rcParams.update(STYLE)
 
 
+class NotebookFigure(Figure):
+    """Figure that shows itself in a notebook, also where pyplot is not in use."""
+
+    def _repr_png_(self) -> bytes:
+        sink = BytesIO()
+        self.savefig(sink, format="png", metadata={"Software": None})
+        return sink.getvalue()
+
+
 def panels_of(rows: int, columns: int, height: float, **kwargs) -> tuple[Figure, np.ndarray]:
     """Return a full-width figure of ``height`` [inch] and its panels, shape (rows, columns)."""
-    figure = Figure(figsize=(WIDTH, height), layout="constrained")
+    figure = NotebookFigure(figsize=(WIDTH, height), layout="constrained")
     return figure, figure.subplots(rows, columns, squeeze=False, **kwargs)
 
 
 def card(height: float = 2.4, rows: int = 1, **kwargs) -> tuple[Figure, np.ndarray]:
     """Return a figure as wide as a phone, of ``height`` [inch], and its panels, shape (rows,)."""
-    figure = Figure(figsize=(CARD, height), layout="constrained")
+    figure = NotebookFigure(figsize=(CARD, height), layout="constrained")
     return figure, figure.subplots(rows, 1, squeeze=False, **kwargs)[:, 0]
 
 

@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from imugap.figures.style import WIDTH, card, legend_below, panels_of
+from imugap.figures.style import WIDTH, NotebookFigure, card, legend_below, panels_of
 from imugap.filters.zero_velocity import MOVING
 from imugap.navigation.pedestrian import WalkSolution
 
@@ -20,7 +20,7 @@ OVER_TIME = {"height": "height [m]", "heading": "heading [°]", "speed": "speed 
 
 def plan(solution: WalkSolution, width: float = WIDTH) -> Figure:
     """Draw the walk from above, ``width`` [inch] wide: path, stances, begin, and the end with its ellipse."""
-    figure = Figure(figsize=(width, 0.8 * width), layout="constrained")
+    figure = NotebookFigure(figsize=(width, 0.8 * width), layout="constrained")
     panel = figure.subplots()
     path = solution.trajectory[["east", "north"]].to_numpy()
     panel.plot(*path[:: _every(solution)].T, color=COLOUR, lw=0.7, label="path")
