@@ -17,6 +17,7 @@ import pandas as pd
 from imugap.discovery.assembly import axis_effects, device_model, keep_undetermined, output_effects, with_effects
 from imugap.discovery.axis import AxisResult, AxisSearch, part, white_noise_finding
 from imugap.discovery.between_runs import clock_findings, fit_like_first, turn_on_findings
+from imugap.discovery.checks.distribution import NoiseShape, noise_shape
 from imugap.discovery.common_noise import find_common_noise
 from imugap.discovery.evaluation.distance import Distances, Drifts, Evaluation, HeldOutComparison
 from imugap.discovery.evaluation.held_out import HELD_IN_SHARE, compare_held_out, compare_test_run, evaluate
@@ -80,6 +81,8 @@ class Discovery:
         The first log, prepared, and the result of each axis of it.
     further
         Fits of the further runs of each axis, with the terms and the processes of the first.
+    shapes
+        Distributions of the noise of single samples that are not normal.
     gravity
         Gravity in the level of the first log; None for a device in motion, or without accelerometers that sense it.
     band
@@ -103,6 +106,7 @@ class Discovery:
     record: PreparedLog
     results: Mapping[str, AxisResult]
     further: Mapping[str, tuple[AxisFit, ...]]
+    shapes: tuple[NoiseShape, ...]
     gravity: SensedGravity | None
     band: ReferenceBand | None
     runs: int
@@ -536,6 +540,7 @@ def _conclude(stage: _Tested) -> Discovery:
         record=stage.record,
         results=results,
         further={axis: tuple(one.without_cache() for one in some) for axis, some in stage.further.items()},
+        shapes=tuple(filter(None, (noise_shape(one, stage.log_alpha) for one in stage.whole.values()))),
         gravity=gravity,
         band=stage.band,
         runs=1 + len(stage.others),

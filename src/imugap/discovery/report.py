@@ -103,7 +103,7 @@ def candidate_table(found: Discovery) -> pd.DataFrame:
 
 def verdict(found: Discovery) -> str:
     """Return the verdict as text."""
-    known = "has a name" if found.withheld or found.unexplained else "the log can show"
+    known = "has a name" if found.withheld or found.unexplained or found.shapes else "the log can show"
     lines = [] if found.band is None else [found.band.sentence()]
     if found.record.shocks:
         times = ", ".join(f"{begin:.4g} to {end:.4g} s" for begin, end in found.record.shocks[:MAX_LOCATIONS])
@@ -112,6 +112,7 @@ def verdict(found: Discovery) -> str:
     lines += [_sentence(finding) for finding in found.findings] or [f"Nothing is missing that {known}."]
     lines += [f"{axis}: something like {name}, but {reason}; not named." for axis, name, reason in found.withheld]
     lines += described_sentences(found)
+    lines += [one.sentence() for one in found.shapes]
     if found.undetermined:
         kept = ", ".join(f"{name} of {axis}" for axis, name in found.undetermined)
         lines.append(f"The log cannot tell {kept}; kept as the start model has it.")

@@ -76,7 +76,7 @@ def page(result: FileDiscovery) -> Page:
     return Page(
         "What does the error model lack?",
         tuple(_verdict(result)),
-        not (found.findings or found.withheld or found.unexplained),
+        not (found.findings or found.withheld or found.unexplained or found.shapes),
         (
             Part("What is missing, and what to do", tuple(_missing(found.findings))),
             Part("Your start model, parameter by parameter", tuple(_against(result.against))),
@@ -97,7 +97,7 @@ def _verdict(result: FileDiscovery) -> Iterable[str]:
         names = "; ".join(f"{_title(one)} on {', '.join(one.axes)}" for one in found.findings)
         count = len(found.findings)
         yield f"{count} effect{'s are' if count > 1 else ' is'} missing from the error model: {names}."
-    elif found.withheld or found.unexplained:
+    elif found.withheld or found.unexplained or found.shapes:
         yield "The log disagrees with the model, but nothing that is missing has a name."
     else:
         yield "Nothing is missing that the log can show."
@@ -188,6 +188,8 @@ def _remarks(result: FileDiscovery) -> Iterable[str]:
     yield from described_sentences(found)
     for axis, name in found.undetermined:
         yield f"{axis}: the log does not show {name.replace('_', ' ')}; kept as the start model has it."
+    for one in found.shapes:
+        yield one.sentence()
     if found.gravity is not None:
         yield found.gravity.sentence()
 

@@ -8,6 +8,7 @@ which the information at the maximum says little.
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from warnings import catch_warnings, simplefilter
 
 import numpy as np
 from scipy.optimize import minimize
@@ -193,10 +194,12 @@ class NoiseProfile:
             return best - sum(one[0] for one in parts), -sum(one[1] for one in parts)
 
         first = np.clip(self.noise.theta(), low, high)
-        found = minimize(
-            loss, first, jac=True, method="SLSQP", bounds=list(zip(low, high, strict=True)),
-            constraints=conditions, options={"maxiter": ITERATIONS, "ftol": TOLERANCE},
-        )  # fmt: skip
+        with catch_warnings(), np.errstate(all="ignore"):
+            simplefilter("ignore", RuntimeWarning)  # steps out of the limits, which are clipped
+            found = minimize(
+                loss, first, jac=True, method="SLSQP", bounds=list(zip(low, high, strict=True)),
+                constraints=conditions, options={"maxiter": ITERATIONS, "ftol": TOLERANCE},
+            )  # fmt: skip
         return _Climb(self.noise.at(found.x), best - float(found.fun))
 
     @staticmethod
