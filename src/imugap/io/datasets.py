@@ -6,6 +6,7 @@ verified by their SHA-256 checksum, and get their name only when complete.
 """
 
 import csv
+import errno
 import shutil
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
@@ -22,6 +23,8 @@ from imugap.log import ACCEL, GYRO, TEMPERATURE
 from imugap.units import to_si
 
 CHUNK_BYTES = 65536
+FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+"""Errors of a disk that takes no more: what has come of a download is in the way, and is not kept."""
 
 
 class CatalogueError(ValueError):
@@ -207,6 +210,8 @@ def fetch(file: RawFile, folder: str | Path, mirror: str | Path | None = None) -
         found = "more; what had come was removed"
         raise FetchError(_by_hand(file, folder, f"expected {file.size_bytes} bytes; found {found}")) from error
     except OSError as error:  # requests' errors are OSErrors too
+        if source is not None or error.errno in FULL:
+            partial.unlink(missing_ok=True)
         raise FetchError(_by_hand(file, folder, f"{type(error).__name__}: {error}")) from error
     if (fault := _fault(partial, file)) is not None:
         partial.unlink()

@@ -11,9 +11,9 @@ import pandas as pd
 from imugap.io import gnss
 from imugap.io.fixes import bags, gnss_ins_sim, gpx, nmea, px4, rtklib, tables
 from imugap.io.fixes.decoded import Decoded
-from imugap.io.formats.source import sha256_of, whole_file
+from imugap.io.formats.source import require_file, sha256_of, whole_file
 from imugap.io.rows import require_numbers, require_order, require_range
-from imugap.log import TIME, LogError
+from imugap.log import TIME
 from imugap.units import to_si
 
 FORMATS = (bags, px4, gnss_ins_sim, rtklib, gpx, nmea, tables)
@@ -48,8 +48,7 @@ def read(path: str | Path, topic: str | None = None) -> ReceiverLog:
         Topic of a bag.
     """
     path = Path(path)
-    if not path.exists():
-        raise LogError(path, "file", "a log of fixes", "no such file")
+    require_file(path, "a log of fixes")
     head = b""
     if path.is_file():
         with path.open("rb") as handle:

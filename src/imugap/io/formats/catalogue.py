@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from imugap.io.formats import arrays, dataflash, gnss_ins_sim, parquet, rosbag, text, ulog
-from imugap.io.formats.source import Source, whole_file
+from imugap.io.formats.source import Source, require_file, whole_file
 from imugap.log import LogError
 
 FORMATS = (parquet, rosbag, ulog, dataflash, arrays, gnss_ins_sim, text)
@@ -12,8 +12,7 @@ HEAD_BYTES = 512
 
 def open_source(path: Path, settings) -> Source:
     """Return the columns of a file of a known format, recognised by its content; LogError where there is none."""
-    if not path.exists():
-        raise LogError(path, "file", "a log in a known format", "no such file")
+    require_file(path, "a log in a known format")
     head = b"" if path.is_dir() else _head(path)
     for one in FORMATS:
         if one.recognises(path, head):

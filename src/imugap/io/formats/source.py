@@ -119,12 +119,20 @@ def extra(path: Path, name: str, package: str) -> Iterator[None]:
         raise LogError(path, "file", f"the package {package} (pip install 'imugap[{name}]')", "none") from error
 
 
+def require_file(path: Path, expected: str) -> None:
+    """Raise a LogError unless a path is a file or a folder, which can be read more than once."""
+    if not path.exists():
+        raise LogError(path, "file", expected, "no such file")
+    if not (path.is_file() or path.is_dir()):
+        raise LogError(path, "file", f"{expected} (a file, which is read more than once)", "a pipe or a device")
+
+
 @contextmanager
 def whole_file(path: Path) -> Iterator[None]:
     """Turn any exception within into a LogError: decoders raise all kinds of them on a damaged file."""
     try:
         yield
-    except LogError:
+    except (LogError, MemoryError):
         raise
     except Exception as error:
         cause = f"{type(error).__name__}: {error}".splitlines()[0][:CAUSE]
