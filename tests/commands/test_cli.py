@@ -363,6 +363,16 @@ def test_an_export_is_that_of_the_library(here):
     assert names(here) == {"filter.yaml"}
 
 
+def test_an_export_without_comments_has_notes_beside_it_and_says_what_it_leaves_out(here, capsys):
+    effects = "[{white_noise: {density: 1.0e-3}}, {sinusoid: {frequency: 5.0, amplitude: 0.01}}]"
+    Path("line.yaml").write_text("\n".join(f"{axis}: {effects}" for axis in log.AXES))
+    assert cli.main(["export", "line.yaml", "--to", "matlab", "--rate", "100", "--out", "imu.json"]) == 0
+    assert names(here) == {"line.yaml", "imu.json", "imu.json.notes.txt"}
+    assert "Left out: gyro_x sinusoid" in Path("imu.json.notes.txt").read_text()
+    err = capsys.readouterr().err
+    assert re.search(r"imugap: left out: gyro_x sinusoid .*: without it the Allan deviation is 0\.\d+ times", err)
+
+
 def test_a_program_holds_the_effects_of_a_plug_in_and_says_what_it_leaves_out(here, capsys, monkeypatch):
     monkeypatch.syspath_prepend(str(Path(__file__).parents[2]))
     effects = "{white_noise: {density: 1}}, {stability_restoration: {stability: 1, period: 1}}, {dead_zone: {width: 2}}"
