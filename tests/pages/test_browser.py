@@ -1,21 +1,12 @@
 """Pages in a real browser: nothing is fetched or fails, nothing is wider than a phone, all can be read."""
 
 import re
-import shutil
 
 import pytest
 
 import imugap as ig
 from imugap.log import AXES
 
-selenium = pytest.importorskip("selenium", reason="selenium is not installed")
-from selenium import webdriver  # noqa: E402
-from selenium.webdriver.chrome.service import Service  # noqa: E402
-
-OPTIONS = (
-    "headless", "no-sandbox", "disable-gpu", "disable-quic", "no-first-run", "disable-background-networking",
-    "disable-component-update", "disable-sync",
-)  # fmt: skip
 WIDTHS = (390, 1280)
 CONTRAST = """
 const channel = v => (v /= 255) <= 0.03928 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4;
@@ -44,21 +35,6 @@ def pages(tmp_path_factory):
     dead = ig.read(log.table.assign(gyro_z=0.0))
     estimated = ig.estimate(log, axes=["gyro_x", "accel_z"], terms=["white_noise", "random_walk"])
     return [ig.check(dead).report(folder / "check"), estimated.report(folder / "estimate")]
-
-
-@pytest.fixture(scope="module")
-def browser(tmp_path_factory):
-    binary, driver = shutil.which("chromium"), shutil.which("chromedriver")
-    if not (binary and driver):
-        pytest.skip("no browser: chromium and chromedriver (Debian: chromium, chromium-driver) are not installed")
-    options = webdriver.ChromeOptions()
-    options.binary_location = binary
-    for one in (*OPTIONS, f"user-data-dir={tmp_path_factory.mktemp('profile')}"):
-        options.add_argument(f"--{one}")
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-    found = webdriver.Chrome(options=options, service=Service(driver))
-    yield found
-    found.quit()
 
 
 @pytest.mark.parametrize("width", WIDTHS)
