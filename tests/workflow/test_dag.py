@@ -4,6 +4,7 @@ import re
 import shutil
 import subprocess
 import sys
+import time
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -18,6 +19,7 @@ from imugap.effects import Bias, Sinusoid, WhiteNoise
 from imugap.effects.effect import AxisModel
 from imugap.io import recording
 from imugap.model import ErrorModel
+from imugap.stream import stream
 
 ROOT = Path(__file__).parents[2]
 QUICK = "workflow/config/quick.yaml"
@@ -176,6 +178,39 @@ def test_runs_of_ones_own_have_any_name_and_a_change_of_one_reruns_what_reads_it
     os.utime(tmp_path / HARD[0])
     found = snakemake("ingest_own", "--dry-run", *options, folder=copied)
     assert "rule ingest_own:" in found.stdout
+
+
+@pytest.mark.parametrize("kills", [20])
+def test_a_killed_run_is_taken_up_by_the_same_command_with_the_same_bytes(tmp_path, kills):
+    """The main process is killed alone, as by a lack of memory: its jobs end by themselves."""
+    model = ErrorModel(dict.fromkeys(log.AXES, AxisModel((WhiteNoise(1e-4), Bias(1e-3)))))
+    still = log.from_samples(dict.fromkeys(log.AXES, np.zeros(40_000)), 0.02)
+    paths = [str(tmp_path / f"run{run}.csv") for run in (1, 2)]
+    for run, path in enumerate(paths):
+        log.write(model.simulate(still, run, "workflow"), path)
+    config = [f"own_logs={json.dumps(paths)}", "devices={bench: [], adis16405: []}", "chapters=[]"]
+    table = "paper/tables/indices_own.csv"
+    command = (table, "--cores", "2", "--configfile", QUICK, "--config", *config)
+    whole, killed = sources(tmp_path / "whole"), sources(tmp_path / "killed")
+    for folder in (whole, killed):
+        (folder / "profiles").symlink_to(ROOT / "profiles")
+    began = time.monotonic()
+    assert snakemake(*command, folder=whole).returncode == 0
+    longest, rng = time.monotonic() - began, stream(1, "kills")
+    for _ in range(kills):
+        options = {"cwd": killed, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+        with subprocess.Popen([sys.executable, "-m", "snakemake", *command], **options) as run:
+            time.sleep(rng.uniform(0.2, 1.0) * longest)
+            run.kill()
+    found = snakemake(*command, folder=killed)
+    assert found.returncode == 0, found.stdout + found.stderr
+    assert products(killed) == products(whole)
+
+
+def products(folder):
+    """Bytes of all results and tables of a project."""
+    paths = [*folder.glob("results/**/*"), *folder.glob("paper/tables/*")]
+    return {path.relative_to(folder): path.read_bytes() for path in paths if path.is_file()}
 
 
 def test_a_log_that_cannot_be_read_is_told_in_the_log_of_the_job(copied, tmp_path):

@@ -9,7 +9,11 @@ from imugap.io.datasets import available, load, locate
 from imugap.io.configuration import ConfigurationError, configure
 from imugap.interchange.from_indices import CONTENDERS
 from imugap.interchange.datasheet import TRUTHS
+from imugap.workflow import restart
 from imugap.workflow.dependencies import digest, modules_of
+
+# Held as long as this process runs.
+RUNNING = restart.begin() if workflow.is_main_process else None
 
 config.update(configure(config, "workflow/schemas/study.schema.yaml"))
 

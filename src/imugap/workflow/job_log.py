@@ -6,6 +6,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from pathlib import Path
 
+from imugap.workflow.restart import end_with_main
+
 
 @contextmanager
 def journal(path: str | Path) -> Iterator[None]:
@@ -24,5 +26,6 @@ def journal(path: str | Path) -> Iterator[None]:
 @contextmanager
 def job(rule) -> Iterator[tuple]:
     """Run the block as the job of a rule (``snakemake`` of its script), with its log; give input, params, output."""
+    end_with_main()
     with journal(rule.log[0]):
         yield rule.input, rule.params, rule.output
