@@ -6,7 +6,7 @@ import pytest
 from tests.site.blocks import ROOT, blocks, lay_out, run
 
 PAGES = sorted((ROOT / "docs").rglob("*.md"))
-QUICK = {"api", "exports", "formats", "model"}
+QUICK = {"exports", "model"}
 """Pages whose blocks take a few seconds."""
 INSTALL = "sh"
 """Language of the commands that set up an environment, which the gate does."""
