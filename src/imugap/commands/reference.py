@@ -20,8 +20,8 @@ from imugap.discovery.inputs import MIN_SAMPLES
 from imugap.discovery.reference_band import reference_band
 from imugap.io.poses import read_poses
 from imugap.io.recognition.frame import AS_IS
-from imugap.kinematics.error_free import QUATERNION, error_free_log
-from imugap.log import ACCEL, GYRO, LogError
+from imugap.kinematics.error_free import QUATERNION, error_free_log_of, rows_like
+from imugap.log import GYRO, LogError
 
 MAX_ANGLE_DEG = 5.0
 """Largest angle between the axes of poses and device that may be an error of the device."""
@@ -75,25 +75,14 @@ def _in_axes(poses: pd.DataFrame, measured: pd.DataFrame, options: argparse.Name
 
 
 def _error_free(poses: pd.DataFrame, measured: pd.DataFrame, options: argparse.Namespace) -> pd.DataFrame:
-    """Return the error-free log [rad/s, m/s^2] at the stamps of the log that lie within the poses.
-
-    The third axis of the world points up or down, as the specific force of the log says.
-    """
-    stamps = measured.index.to_numpy(float)
-    up, down = (error_free_log(poses, stamps - options.lag, sign * options.gravity) for sign in (-1, 1))
-    if len(up) < MIN_SAMPLES:
+    """Return the error-free log [rad/s, m/s^2]; a LogError where the poses cover too little of the log."""
+    found = error_free_log_of(measured, poses, options.gravity, options.lag)
+    if len(found) < MIN_SAMPLES:
         span = f"{poses.index[0]:.9g} to {poses.index[-1]:.9g} s"
-        expected = f"times of the log, {stamps[0]:.9g} to {stamps[-1]:.9g} s, of {MIN_SAMPLES} samples at least"
+        stamps = f"{measured.index[0]:.9g} to {measured.index[-1]:.9g} s"
+        expected = f"times of the log, {stamps}, of {MIN_SAMPLES} samples at least"
         raise LogError(options.poses, "time", expected, span)
-    both = [one.set_axis(pd.Index(one.index + options.lag, name=log.TIME)) for one in (up, down)]
-    force = [axis for axis in ACCEL if axis in measured and axis in up]
-    return min(both, key=lambda one: float(np.sum((_like(measured, one)[force] - one[force].to_numpy()) ** 2)))
-
-
-def _like(measured: pd.DataFrame, ideal: pd.DataFrame) -> pd.DataFrame:
-    """Return the rows of a log at the stamps of its reference."""
-    nearest = measured.index.get_indexer(ideal.index, method="nearest")
-    return measured.iloc[nearest].set_axis(ideal.index)
+    return found
 
 
 def _turn(ideal: pd.DataFrame, measured: pd.DataFrame) -> Rotation:
@@ -104,13 +93,13 @@ def _turn(ideal: pd.DataFrame, measured: pd.DataFrame) -> Rotation:
     names = [axis for axis in GYRO if axis in measured]
     if len(names) < len(GYRO):
         return Rotation.identity()
-    rates = _like(measured, ideal)[names]
+    rates = rows_like(measured, ideal)[names]
     return Rotation.align_vectors(*(one[names] - one[names].mean() for one in (ideal, rates)))[0]
 
 
 def _fit(ideal: pd.DataFrame, measured: pd.DataFrame) -> list[str]:
     """Return sentences on how a reference fits the log."""
-    rows, step = _like(measured, ideal), log.interval(measured)
+    rows, step = rows_like(measured, ideal), log.interval(measured)
     names = [axis for axis in log.axes(ideal) if axis in rows]
     band = reference_band(rows[names], ideal[names], step)
     difference = rows[names] - ideal[names]

@@ -78,6 +78,36 @@ def error_free_log(poses: pd.DataFrame, at: np.ndarray, gravity: float) -> pd.Da
     return pd.DataFrame(columns, index=pd.Index(at, name=TIME))
 
 
+def error_free_log_of(measured: pd.DataFrame, poses: pd.DataFrame, gravity: float, lag: float = 0.0) -> pd.DataFrame:
+    """Return the error-free log of a measured one, at those of its stamps at which the poses are known.
+
+    The third axis of the world points up or down, as the specific force of the log says.
+
+    Parameters
+    ----------
+    measured
+        Log in the axes of the poses.
+    poses
+        As for :func:`error_free_log`.
+    gravity
+        Gravity of the site, positive [m/s^2].
+    lag
+        Time by which the stamps of the log are late [s].
+    """
+    at = measured.index.to_numpy(float) - lag
+    both = [error_free_log(poses, at, sign * gravity) for sign in (-1, 1)]
+    up, down = (one.set_axis(pd.Index(one.index + lag, name=TIME)) for one in both)
+    force = [axis for axis in ACCEL if axis in measured and axis in up]
+    rows = rows_like(measured, up)[force]
+    return min((up, down), key=lambda one: float(np.sum((rows - one[force]).to_numpy() ** 2)))
+
+
+def rows_like(measured: pd.DataFrame, ideal: pd.DataFrame) -> pd.DataFrame:
+    """Return the rows of a log nearest to the stamps of its error-free log, at these stamps."""
+    nearest = measured.index.get_indexer(ideal.index, method="nearest")
+    return measured.iloc[nearest].set_axis(ideal.index)
+
+
 def _velocity(poses: pd.DataFrame, time: np.ndarray) -> np.ndarray | None:
     """Return the velocity of poses [m/s], shape (n, 3), from their positions if need be; None where they have none."""
     if set(VELOCITY) <= set(poses):
