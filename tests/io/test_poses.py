@@ -2,9 +2,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from imugap.io.poses import read_poses
+from imugap.io.poses import read_biases, read_poses
 from imugap.kinematics.error_free import POSITION, QUATERNION, VELOCITY
-from imugap.log import LogError
+from imugap.log import AXES, LogError
 from imugap.stream import stream
 
 COUNT = 20
@@ -46,6 +46,18 @@ def test_poses_are_recognised_by_their_content(tmp_path, name):
     np.testing.assert_allclose(found[list(POSITION)], PLACE, atol=1e-8)
     if name.startswith("asl"):
         np.testing.assert_allclose(found[list(VELOCITY)], SPEED, atol=1e-8)
+
+
+def test_the_biases_of_the_publisher_follow_the_velocities(tmp_path):
+    path = tmp_path / "poses.csv"
+    biases = stream(3, "biases").normal(size=(COUNT, 6))
+    path.write_text(nanoseconds(PLACE, WXYZ, SPEED, biases))
+    found = read_biases(path)
+    assert list(found) == list(AXES)
+    np.testing.assert_allclose(found, biases, atol=1e-8)
+    path.write_text(nanoseconds(PLACE, WXYZ, SPEED))
+    with pytest.raises(LogError, match="expected the 17 columns of an ASL table with biases; found 11"):
+        read_biases(path)
 
 
 def test_attitudes_alone_are_poses(tmp_path):

@@ -142,6 +142,18 @@ def test_a_narrow_interval_keeps_its_digits():
     assert tables.interval(3e-9, 2e-9, 4e-9) != "0.00000000 [0.00000000, 0.00000000]"
 
 
+@pytest.mark.parametrize(
+    ("ends", "shown"),
+    [
+        ((1.5, 1.4, 1.6, "s"), "1.50 [1.40, 1.60] s"),
+        ((1.5, None, 1.6, "1"), "1.50 [—]"),
+        ((0.05, 0.05, 0.05, "rad/s/sqrt(Hz)"), "0.0500 rad/s/√Hz"),
+    ],
+)
+def test_a_parameter_has_its_interval_and_its_unit(ends, shown):
+    assert tables.parameter(*ends) == shown
+
+
 def test_a_dot_in_the_stem_stays(tmp_path):
     data = pd.DataFrame({"x": [1]})
     tables.write(tmp_path / "index_0.5s", data, data)

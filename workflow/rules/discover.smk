@@ -131,9 +131,9 @@ rule dossier:
     log:
         "logs/dossier/{discovery}.log",
     wildcard_constraints:
-        discovery="(discover|story|missing|motion)/[^/]+",
+        discovery="(discover|story|missing|motion|recordings)/[^/]+",
     priority: 1
-    threads: lambda wildcards: 1 if wildcards.discovery.startswith(("story/", "motion/")) else 2
+    threads: lambda wildcards: 1 if wildcards.discovery.startswith(("story/", "motion/", "recordings/")) else 2
     resources:
         mem_mb=3000,
         runtime=lambda wildcards: 120 if wildcards.discovery.startswith("missing/") else 30,

@@ -14,6 +14,7 @@ rule study_numbers:
         missing_of=MISSING_OF,
         unseen_of=UNSEEN_OF,
         sighted=SIGHTED,
+        recordings=RECORDINGS,
         omitted=OMITTED,
         config=config,
         code=library("study_numbers"),

@@ -48,15 +48,6 @@ def effects(reports):
     ])  # fmt: skip
 
 
-def ends_of(one):
-    """Show a parameter with its interval, or that it has none; one that is known to its last digit alone."""
-    ends = [float("nan") if one[end] is None else one[end] for end in ENDS]
-    alike = len({tables.number(end) for end in ends}) == 1
-    shown = tables.number(ends[0]) if alike else tables.interval(*ends)
-    open_ended = "" if all(map(isfinite, ends)) else " [—]"
-    return f"{shown}{open_ended} {tables.unit(one['unit'])}".removesuffix(" 1")
-
-
 def effects_page(reports):
     """Lay out the effects with their parameters, the surest of one name and the same axes."""
     rows = []
@@ -67,7 +58,9 @@ def effects_page(reports):
         for (axes, name), group in kin.items():
             cells = [TITLES[start], axes_of(axes), name.replace("_", " ")]
             for one in group[:FEW]:
-                shown = "; ".join(f"{key.replace('_', ' ')} {ends_of(ends)}" for key, ends in one["parameters"].items())
+                shown = "; ".join(
+                    f"{key.replace('_', ' ')} {tables.parameter(**ends)}" for key, ends in one["parameters"].items()
+                )
                 rivals = ", ".join(other["name"].replace("_", " ") for other in one["alternatives"])
                 rows.append([*cells, shown, rivals or "—"])
             if len(group) > FEW:

@@ -28,6 +28,7 @@ with job(snakemake) as (_, params, output):
         "missing_of": params.missing_of,
         "unseen_of": params.unseen_of,
         "sighted": params.sighted,
+        "recordings": params.recordings,
         "power_cycles": len(params.power_cycles),
         "walks": params.walks,
         "omitted": [omission(sets[name]) for name in params.omitted],

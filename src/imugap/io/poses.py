@@ -13,10 +13,12 @@ import pandas as pd
 
 from imugap.io.formats import text
 from imugap.kinematics.error_free import POSITION, QUATERNION, VELOCITY
-from imugap.log import TIME, LogError
+from imugap.log import ACCEL, GYRO, TIME, LogError
 
 ASL = (TIME, *POSITION, "quat_w", "quat_x", "quat_y", "quat_z", *VELOCITY)
 """Columns of an ASL table without a header; more may follow."""
+ASL_BIASES = (*GYRO, *ACCEL)
+"""Columns of an ASL table after :data:`ASL`: the biases of the publisher's estimate."""
 TUM = (TIME, *POSITION, *QUATERNION)
 """Columns of a TUM trajectory."""
 LARGEST_S = 1e11
@@ -69,6 +71,22 @@ def read_poses(path: str | Path) -> pd.DataFrame:
     if len(odd):
         raise LogError(path, f"pose {odd[0]}", "a quaternion of norm 1", f"norm {norm[odd[0]]:.4g}")
     return table.set_index(pd.Index(time * step, name=TIME))[names]
+
+
+def read_biases(path: str | Path) -> pd.DataFrame:
+    """Read the biases that the publisher of an ASL table estimated.
+
+    Returns
+    -------
+    DataFrame
+        A row for each pose, columns :data:`imugap.log.GYRO` [rad/s] and :data:`imugap.log.ACCEL` [m/s^2].
+    """
+    source = text.open_source(Path(path), None)
+    names = (*ASL, *ASL_BIASES)
+    if len(source.names) != len(names):
+        raise LogError(path, "columns", f"the {len(names)} columns of an ASL table with biases", str(len(source.names)))
+    values = source.load(range(len(ASL), len(names)), None)[0]
+    return pd.DataFrame(dict(zip(ASL_BIASES, values, strict=True)))
 
 
 def _table(path: Path) -> pd.DataFrame:

@@ -3,7 +3,7 @@
 import json
 import re
 from collections.abc import Sequence
-from math import floor, isfinite, log10
+from math import floor, isfinite, log10, nan
 from pathlib import Path
 
 import pandas as pd
@@ -81,6 +81,19 @@ def interval(value: float, low: float, high: float) -> str:
     if decimals > 8:
         return f"{value:.2e} [{low:.2e}, {high:.2e}]"
     return f"{fixed(value, decimals)} [{fixed(low, decimals)}, {fixed(high, decimals)}]"
+
+
+def parameter(value: float, low: float | None, high: float | None, unit: str = "1") -> str:
+    """Return a parameter with its interval and unit; [—] where an end is not known.
+
+    A value that is known to its last digit stands alone.
+    """
+    ends = [nan if end is None else end for end in (value, low, high)]
+    alike = len({number(end) for end in ends}) == 1
+    shown = number(value) if alike else interval(*ends)
+    shown_unit = SHOWN.sub(lambda found: UNITS[found.group()], unit)
+    open_ended = "" if all(map(isfinite, ends)) else " [—]"
+    return f"{shown}{open_ended} {shown_unit}".removesuffix(" 1")
 
 
 def _tabular(heads: Sequence[str], cells: Sequence[Sequence[str]]) -> str:

@@ -1,0 +1,86 @@
+from imugap.io import configuration
+
+# Recordings of devices that took no part in building the method, searched like any other log.
+RECIPES = configuration.read("data/recordings.yaml", "workflow/schemas/recordings.schema.yaml")
+RECORDINGS = [
+    name
+    for name in config["discovery"]["recordings"]
+    if RECIPES[name]["dataset"] in PRESENT and "discovery" in CHAPTERS
+]
+REFERENCED = [name for name in RECORDINGS if "reference" in RECIPES[name]]
+
+for name in RECORDINGS:
+    DISCOVERIES[f"recordings/{name}"] = {"log": [f"results/recordings/{name}/log.parquet"]}
+    if name in REFERENCED:
+        DISCOVERIES[f"recordings/{name}"]["reference"] = [f"results/recordings/{name}/reference.parquet"]
+
+
+def recording_file(content):
+    """Name the raw file with ``content`` of the recording."""
+
+    def path(wildcards):
+        recipe = RECIPES[wildcards.recording]
+        return str(locate(CATALOGUE[recipe["dataset"]].file(recipe["run"], content), RAW, MIRROR))
+
+    return path
+
+
+rule recording_log:
+    """Read a recording as the file of a user, cut it to its stretch, and say what is wrong with it."""
+    input:
+        raw=recording_file("log"),
+        tables=["data/datasets.csv", "data/files.csv"],
+    output:
+        log="results/recordings/{recording}/log.parquet",
+        properties="results/recordings/{recording}/properties.json",
+    log:
+        "logs/recording_log/{recording}.log",
+    priority: 1
+    params:
+        recipe=lambda wildcards: RECIPES[wildcards.recording],
+        code=library("recording_log"),
+    script:
+        "../scripts/recording_log.py"
+
+
+rule recording_reference:
+    """Build the error-free log of a recording from its poses, and read the biases that their publisher estimated."""
+    input:
+        log="results/recordings/{recording}/log.parquet",
+        poses=recording_file("poses"),
+    output:
+        reference="results/recordings/{recording}/reference.parquet",
+        biases="results/recordings/{recording}/biases.csv",
+    log:
+        "logs/recording_reference/{recording}.log",
+    priority: 1
+    params:
+        recipe=lambda wildcards: RECIPES[wildcards.recording],
+        code=library("recording_reference"),
+    script:
+        "../scripts/recording_reference.py"
+
+
+rule recordings_page:
+    """Tabulate what was found on each recording, what was seen but not named, what was left out, and the distances."""
+    input:
+        properties=expand("results/recordings/{recording}/properties.json", recording=RECORDINGS),
+        reports=expand("results/recordings/{recording}/report.json", recording=RECORDINGS),
+        biases=expand("results/recordings/{recording}/biases.csv", recording=REFERENCED),
+    output:
+        overview=table("recordings", "Discovery", "recordings of other devices (tables)", caption="recordings"),
+        effects=table("recordings_effects", "Discovery", "recordings of other devices (tables)", caption="recordings"),
+        withheld=table("recordings_withheld", "Discovery", "recordings of other devices (tables)", caption="recordings"),
+        biases=table("recordings_biases", "Discovery", "recordings of other devices (tables)", caption="recordings"),
+        numbers="paper/numbers/recordings.json",
+    log:
+        "logs/recordings_page.log",
+    params:
+        titles={name: RECIPES[name]["title"] for name in RECORDINGS},
+        referenced=REFERENCED,
+        code=library("recordings_page"),
+    script:
+        "../scripts/recordings_page.py"
+
+
+PAPER["discovery"] += rules.recordings_page.output if RECORDINGS else []
