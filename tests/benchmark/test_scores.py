@@ -94,7 +94,7 @@ def test_one_report_does_not_answer_two_effects():
 
 
 def test_unknown_effects_are_right_without_a_name():
-    unknown = key("a", "unknown", [hidden("chirp")])
+    unknown = key("a", "unknown", [hidden("sweep")])
     assert answer(unknown, report(unexplained=[PLACE]))["top1"]
     assert not answer(unknown, report(found("sinusoid"), unexplained=[PLACE]))["top1"]
     assert not answer(unknown, report())["top1"]
@@ -150,7 +150,7 @@ def test_confusion_counts_every_case_once_and_ends_with_none_and_unknown():
         (key("a", effects=[hidden("sinusoid")]), report(found("gauss_markov"))),
         (key("b", effects=[hidden("sinusoid")]), report()),
         (key("c", "nothing"), report()),
-        (key("d", "unknown", [hidden("chirp")]), report(unexplained=[PLACE])),
+        (key("d", "unknown", [hidden("sweep")]), report(unexplained=[PLACE])),
         (key("e", effects=[hidden("rate_ramp", size=1)]), report()),
     ]
     table = blind.confusion(scored(*cases).effects, smallest=3)
@@ -165,8 +165,8 @@ def test_naming_wants_both_names_of_a_pair_and_no_name_of_an_unknown():
     cases = [
         (key("a", "pair", pair), report(found("rate_ramp"), found("outliers", ["gyro_y"]))),
         (key("b", "pair", pair), report(found("rate_ramp"))),
-        (key("c", "unknown", [hidden("chirp")]), report(found("sinusoid"))),
-        (key("d", "unknown", [hidden("chirp")]), report()),
+        (key("c", "unknown", [hidden("sweep")]), report(found("sinusoid"))),
+        (key("d", "unknown", [hidden("sweep")]), report()),
         (key("e", effects=[hidden("lever_arm", ["accel_x"])], motion=True), report(found("lever_arm", ["accel_y"]))),
         (key("f", effects=[hidden("sinusoid", size=1)]), report(found("sinusoid"))),
     ]
@@ -199,7 +199,7 @@ def test_wrong_answers_are_those_of_clear_effects_and_of_nothing():
         (key("b", effects=[hidden("sinusoid")]), report(found("rate_ramp"))),
         (key("c", effects=[hidden("sinusoid", size=1)]), report()),
         (key("d", "pair", [hidden("rate_ramp"), hidden("outliers", ["gyro_y"])]), report(found("rate_ramp"))),
-        (key("e", "unknown", [hidden("chirp")]), report(found("sinusoid"))),
+        (key("e", "unknown", [hidden("sweep")]), report(found("sinusoid"))),
         (key("f", "nothing"), report(unexplained=[PLACE])),
         (key("g", "nothing"), report()),
         (key("h", effects=[hidden("sinusoid")]), report(found("sinusoid"), found("outliers", ["gyro_z"]))),
@@ -262,7 +262,7 @@ MIXED = [
     (key("b", effects=[hidden("rate_ramp")]), report(found("sinusoid"))),
     (key("c", effects=[hidden("rate_ramp", size=1)]), report()),
     (key("d", "nothing"), report()),
-    (key("e", "unknown", [hidden("chirp")]), report(unexplained=[PLACE])),
+    (key("e", "unknown", [hidden("sweep")]), report(unexplained=[PLACE])),
 ]
 QUIET = [(key("a", "nothing"), report())]
 

@@ -6,8 +6,10 @@ May import integrity, log, numerics, units and stream.
 from imugap.effects.bias import Bias
 from imugap.effects.bias_instability import BiasInstability
 from imugap.effects.bias_step import BiasStep
+from imugap.effects.chirp import Chirp
 from imugap.effects.clock_scale import ClockScale
 from imugap.effects.common_mode import CommonMode
+from imugap.effects.dead_zone import DeadZone
 from imugap.effects.effect import AdditiveEffect, AllanEffect, ClockEffect, Conditions, Effect, Stage, StochasticEffect
 from imugap.effects.g_sensitivity import GSensitivity
 from imugap.effects.gauss_markov import GaussMarkov

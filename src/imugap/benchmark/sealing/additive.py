@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 from scipy.fft import irfft, next_fast_len, rfft
@@ -11,6 +12,7 @@ from imugap.benchmark.sealing.hidden_effect import (
     AxisRun,
     HiddenSignal,
     KnownWaveform,
+    ParameterSource,
     StationaryNoise,
     drawn,
     scaled,
@@ -103,6 +105,28 @@ class HiddenGaussMarkov(StationaryNoise):
         lag = np.minimum(np.arange(length), length - np.arange(length)) * run.interval
         power = np.maximum(rfft(np.exp(-lag / self.correlation_time)).real, 0)
         return self.std * irfft(np.sqrt(power) * rfft(rng.standard_normal(length)), length)[: run.count]
+
+
+@dataclass(frozen=True)
+class HiddenChirp(KnownWaveform):
+    """Line whose frequency [Hz] changes by ``chirp_rate`` [Hz/s]."""
+
+    frequency: float = 1.0
+    chirp_rate: float = 0.0
+    amplitude: float = scaled()
+    phase: float = 0.0
+
+    @classmethod
+    def draw(cls, source: ParameterSource) -> Self:
+        """Draw the first frequency as a share of the rate, the factor to the last one, and the phase."""
+        begin = source.log_uniform("frequency_share") / source.run.interval
+        rate = begin * (source.log_uniform("factor") - 1) / source.run.duration
+        return cls(begin, rate, phase=source.rng.uniform(0, 2 * np.pi))
+
+    def shape(self, run: AxisRun) -> np.ndarray:
+        """Return the line."""
+        cycles = (self.frequency + self.chirp_rate * run.time / 2) * run.time
+        return self.amplitude * np.cos(2 * np.pi * cycles + self.phase)
 
 
 @dataclass(frozen=True)

@@ -133,6 +133,35 @@ class HiddenSaturation(OutputEffect):
 
 
 @dataclass(frozen=True)
+class HiddenDeadZone(OutputEffect):
+    """Output that is zero where its input is within +-``width``/2.
+
+    Limit: the width within which :data:`.detection_limits.GAIN` samples are expected, the log-likelihood ratio of an
+    empty zone.
+    """
+
+    rank = 1
+    needs_motion = True
+    width: float = 1.0
+
+    def of_size(self, size: float, axis_runs: Sequence[AxisRun]) -> Self:
+        """Return the zone within which ``size`` times as many samples are expected as at the limit."""
+        (run,) = axis_runs
+        level = run.ideal[run.axis].to_numpy() + run.bias
+
+        def expected(width: float) -> float:
+            below, above = (norm.cdf((side * width / 2 - level) / run.std) for side in (-1, 1))
+            return float(np.sum(above - below))
+
+        widest = 2 * float(np.abs(level).max()) + 20 * run.std
+        return replace(self, width=limits.solve(expected, 1e-9 * run.std, widest, size * limits.GAIN))
+
+    def act(self, values: np.ndarray, run: AxisRun, rng: np.random.Generator) -> np.ndarray:
+        """Put zero in the place of what lies within the zone."""
+        return np.where(np.abs(values) < self.width / 2, 0.0, values)
+
+
+@dataclass(frozen=True)
 class HiddenResolution(OutputEffect):
     """Output rounded to multiples of ``step``.
 

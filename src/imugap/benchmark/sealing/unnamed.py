@@ -19,8 +19,8 @@ from imugap.benchmark.sealing.noise import fractional
 
 
 @dataclass(frozen=True)
-class HiddenChirp(KnownWaveform):
-    """Line whose frequency goes from ``begin`` to ``end`` [Hz] over the log."""
+class HiddenSweep(KnownWaveform):
+    """Line whose frequency goes from ``begin`` to ``end`` [Hz] over the log, by the same factor in equal times."""
 
     begin: float = 1.0
     end: float = 2.0
@@ -34,8 +34,9 @@ class HiddenChirp(KnownWaveform):
 
     def shape(self, run: AxisRun) -> np.ndarray:
         """Return the line, of phase zero at the first sample."""
-        sweep = (self.end - self.begin) / run.duration
-        return self.amplitude * np.sin(2 * np.pi * (self.begin + sweep * run.time / 2) * run.time)
+        octaves = np.log(self.end / self.begin)
+        cycles = self.begin * run.duration / octaves * np.expm1(octaves * run.time / run.duration)
+        return self.amplitude * np.sin(2 * np.pi * cycles)
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,7 @@ NAMED: dict[str, type[HiddenEffect]] = {
         additive.HiddenRateRamp,
         additive.HiddenGaussMarkov,
         additive.HiddenSinusoid,
+        additive.HiddenChirp,
         additive.HiddenRandomTelegraph,
         additive.HiddenOutliers,
         additive.HiddenBiasStep,
@@ -28,6 +29,7 @@ NAMED: dict[str, type[HiddenEffect]] = {
         additive.HiddenTurnOnBias,
         output.HiddenClockScale,
         output.HiddenSaturation,
+        output.HiddenDeadZone,
         inertial.HiddenScaleFactor,
         inertial.HiddenMisalignment,
         inertial.HiddenGSensitivity,
@@ -39,7 +41,7 @@ NAMED: dict[str, type[HiddenEffect]] = {
 UNNAMED: dict[str, type[HiddenEffect]] = {
     kind.name: kind
     for kind in (
-        unnamed.HiddenChirp,
+        unnamed.HiddenSweep,
         unnamed.HiddenHysteresis,
         unnamed.HiddenVanDerPol,
         unnamed.HiddenFractionalNoise,

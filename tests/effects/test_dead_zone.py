@@ -1,35 +1,19 @@
-"""A dead zone in one file outside of the library: simulated, found, placed, named, and told from other flaws."""
-
-from pathlib import Path
+"""A dead zone: simulated, found, placed, named, and told from other flaws."""
 
 import numpy as np
 import pytest
 
 from imugap.discovery.device import Settings, discover
 from imugap.discovery.preparation.prepare import prepare
-from imugap.effects import Bias, OutputFilter, Resolution, Saturation, StuckSamples, WhiteNoise
+from imugap.effects import Bias, DeadZone, OutputFilter, Resolution, Saturation, StuckSamples, WhiteNoise
 from imugap.effects.conditions import Conditions
 from imugap.effects.effect import AxisModel
-from imugap.interchange.plugins import catalogue
 from imugap.log import from_samples
 from imugap.model import ErrorModel
 from imugap.stream import stream
 
 INTERVAL, COUNT = 0.01, 10_000
 AT = Conditions(INTERVAL * np.arange(COUNT), INTERVAL, axis="gyro_y")
-
-
-@pytest.fixture(scope="module")
-def kinds():
-    """The catalogue with the dead zone of its file."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.chdir(Path(__file__).parents[2])
-        return catalogue("tests.plugins.dead_zone")
-
-
-@pytest.fixture(scope="module")
-def zone(kinds):
-    return kinds["dead_zone"]
 
 
 def noise(rng):
@@ -97,31 +81,31 @@ def recorded(seed, *effects):
     return model.simulate(from_samples({axis: np.zeros(COUNT) for axis in model.axes}, INTERVAL), seed, "plug-in")
 
 
-def test_the_output_is_zero_within_the_zone_and_the_input_outside(zone):
+def test_the_output_is_zero_within_the_zone_and_the_input_outside():
     values = np.array([-1.1, -1.0, -0.9, 0.0, 0.5, 1.0, 3.0])
-    np.testing.assert_array_equal(zone(2.0).apply(values, AT, None), [-1.1, -1.0, 0, 0, 0, 1.0, 3.0])
-    shares = zone(2.0).apply(stream(1, "share").standard_normal(100_000), AT, None) == 0
+    np.testing.assert_array_equal(DeadZone(2.0).apply(values, AT, None), [-1.1, -1.0, 0, 0, 0, 1.0, 3.0])
+    shares = DeadZone(2.0).apply(stream(1, "share").standard_normal(100_000), AT, None) == 0
     assert shares.mean() == pytest.approx(0.6827, abs=0.006)
 
 
-def test_no_other_flaw_is_taken_for_it(zone):
+def test_no_other_flaw_is_taken_for_it():
     """252 logs without a dead zone, of which one in a million may be named falsely."""
     for run in range(6):
         for make in INPUTS:
             for change in OTHERS:
                 rng = stream(7, "without", make.__name__, change.__name__, run)
-                assert zone.found(change(make(rng), rng), AT) is None, (make, change, run)
+                assert DeadZone.found(change(make(rng), rng), AT) is None, (make, change, run)
 
 
 @pytest.mark.parametrize("lattice", [0.0, 0.02])
-def test_it_is_found_and_its_interval_holds_its_width(zone, lattice):
+def test_it_is_found_and_its_interval_holds_its_width(lattice):
     """Where the input is dense at the edges; the interval is of 95 %, on a lattice of one step and more."""
     runs, inside = 0, 0
     for make, width in ((noise, 0.3), (noise, 2.0), (biased, 1.0), (tailed, 0.3), (moving, 3.0)):
         for run in range(20):
             rng = stream(9, "with", make.__name__, width, run)
-            values = zone(width).apply(make(rng), AT, rng)
-            evidence = zone.found(Resolution(lattice).apply(values, AT, rng) if lattice else values, AT)
+            values = DeadZone(width).apply(make(rng), AT, rng)
+            evidence = DeadZone.found(Resolution(lattice).apply(values, AT, rng) if lattice else values, AT)
             low, high = evidence.intervals["width"]
             runs, inside = runs + 1, inside + (low <= width <= high)
             np.testing.assert_array_equal(evidence.flawed, values == 0)
@@ -129,16 +113,16 @@ def test_it_is_found_and_its_interval_holds_its_width(zone, lattice):
     assert lattice or inside < 100
 
 
-def test_an_input_far_from_zero_says_nothing_of_it(zone):
+def test_an_input_far_from_zero_says_nothing_of_it():
     rng = stream(3, "far")
-    assert zone.found(zone(0.3).apply(far(rng), AT, rng), AT) is None
+    assert DeadZone.found(DeadZone(0.3).apply(far(rng), AT, rng), AT) is None
 
 
 @pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.slow), pytest.param(3, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("width", [1e-3, pytest.param(2e-3, marks=pytest.mark.slow)])
-def test_a_dead_zone_is_found_placed_and_named(kinds, zone, seed, width):
-    settings = Settings(catalogue=tuple(kinds.values()), replicates=20, simulations=10)
-    discovery = discover([recorded(seed, zone(width))], settings)
+def test_a_dead_zone_is_found_placed_and_named(seed, width):
+    settings = Settings(replicates=20, simulations=10)
+    discovery = discover([recorded(seed, DeadZone(width))], settings)
     (one,) = discovery.findings
     assert (one.name, one.axes) == ("dead_zone", ("gyro_y",))
     interval = one.parameters["width"]
@@ -147,7 +131,7 @@ def test_a_dead_zone_is_found_placed_and_named(kinds, zone, seed, width):
     assert (place.axis, place.unit) == ("gyro_y", "rad/s")
     assert (place.low, place.high) == pytest.approx((-width / 2, width / 2), rel=1e-2)
     assert discovery.unexplained == ()
-    assert any(isinstance(effect, zone) for effect in discovery.final["gyro_y"])
+    assert any(isinstance(effect, DeadZone) for effect in discovery.final["gyro_y"])
     (density,) = (effect.density for effect in discovery.final["gyro_y"] if isinstance(effect, WhiteNoise))
     assert density == pytest.approx(1e-4, rel=0.05)  # of all samples, not of those outside of the zone
     assert discovery.distances["distribution"].after.value < discovery.distances["distribution"].before.value
@@ -156,13 +140,13 @@ def test_a_dead_zone_is_found_placed_and_named(kinds, zone, seed, width):
 @pytest.mark.parametrize(
     "flaw", [Resolution(2e-4), Saturation(2e-3), StuckSamples(0.01, 5.0)], ids=lambda effect: effect.name
 )
-def test_other_flaws_are_found_beside_it_and_without_it(kinds, zone, flaw):
-    for effects in ([flaw], [flaw, zone(1e-3)]):
-        record = prepare(recorded(4, *effects), catalogue=tuple(kinds.values()))
+def test_other_flaws_are_found_beside_it_and_without_it(flaw):
+    for effects in ([flaw], [flaw, DeadZone(1e-3)]):
+        record = prepare(recorded(4, *effects))
         assert {(one.name, one.axes) for one in record.findings} == {(one.name, ("gyro_y",)) for one in effects}
 
 
-def test_a_dead_zone_of_the_start_model_is_no_news(kinds, zone):
-    start = ErrorModel({"gyro_y": AxisModel((WhiteNoise(1e-4), zone(1e-3)))})
-    record = prepare(recorded(5, zone(1e-3)), start=start, catalogue=tuple(kinds.values()))
+def test_a_dead_zone_of_the_start_model_is_no_news():
+    start = ErrorModel({"gyro_y": AxisModel((WhiteNoise(1e-4), DeadZone(1e-3)))})
+    record = prepare(recorded(5, DeadZone(1e-3)), start=start)
     assert record.findings == ()
