@@ -107,23 +107,37 @@ def _slow(whitened: np.ndarray) -> tuple[float, float]:
     """Return first frequency and drift over the log [cycles per log] of the highest chirp of little drift."""
     count = len(whitened)
     length = next_fast_len(count)
-    time = (np.arange(count) - (count - 1) / 2) / count
+    curve = np.pi * ((np.arange(count) - (count - 1) / 2) / count) ** 2
     best = (0.0, 0.0, 0.0)
     for drift in np.arange(0.0, SLOWEST + SLOW_STEP, SLOW_STEP):
-        turned = whitened * np.exp(-1j * np.pi * drift * time**2)
-        power = np.abs(fft(turned.astype(np.complex64), length)) ** 2 / np.float32(count)
+        turned = np.zeros(length, np.complex64)
+        turned.real[:count], turned.imag[:count] = whitened * np.cos(drift * curve), whitened * np.sin(-drift * curve)
+        lines = fft(turned, overwrite_x=True)
+        power = (lines.real**2 + lines.imag**2) / np.float32(count)
         up, down = power[2 : length // 2], power[: length - length // 2 : -1]
         for side, power in ((1, up), (-1, down[1 : len(up) + 1])):
-            power = power / _level(power)
-            at = int(np.argmax(power))
-            best = max(best, (float(power[at]), (at + 2) * count / length - side * drift / 2, side * drift))
+            at, gain = _highest_line(power)
+            best = max(best, (gain, (at + 2) * count / length - side * drift / 2, side * drift))
     return best[1:]
 
 
-def _level(power: np.ndarray) -> np.ndarray:
-    """Return the level of exponentially distributed power around each frequency, at least 1, shape (n,)."""
-    bands = np.array_split(power, max(len(power) // BAND, 1))
-    return np.concatenate([np.full(len(band), max(np.median(band) / EVEN, 1.0)) for band in bands])
+def _highest_line(power: np.ndarray) -> tuple[int, float]:
+    """Return place and gain of the highest of exponentially distributed powers, shape (n,), over their level.
+
+    The level is that of a band about each, at least 1; the last band has the remaining powers.
+    """
+    bands = max(len(power) // BAND, 1)
+    parts = np.ascontiguousarray(power[: bands * BAND]).reshape(bands, -1)
+    middle = np.partition(parts, parts.shape[1] // 2, axis=1)[:, parts.shape[1] // 2]
+    level = np.maximum(middle / np.float32(EVEN), np.float32(1.0))
+    highest = parts.argmax(axis=1)
+    gains = parts[np.arange(bands), highest] / level
+    band = int(np.argmax(gains))
+    found = band * parts.shape[1] + int(highest[band]), float(gains[band])
+    rest = power[parts.size :]
+    if rest.size and rest.max() / level[-1] > found[1]:
+        return parts.size + int(np.argmax(rest)), float(rest.max() / level[-1])
+    return found
 
 
 def _near(whitened: np.ndarray, begin: float, drift: float, width: int) -> tuple[float, float, float, float]:
