@@ -2,11 +2,13 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from math import cos
 from typing import ClassVar
 
 import numpy as np
 from scipy.fft import fft, next_fast_len
 
+from imugap.effects.block import Block
 from imugap.effects.conditions import Conditions
 from imugap.effects.effect import TINY, Start, SystematicEffect, parameter
 from imugap.effects.residual import Residual
@@ -37,6 +39,7 @@ class Chirp(SystematicEffect):
 
     name: ClassVar[str] = "chirp"
     most: ClassVar[int] = 3
+    memoryless: ClassVar[bool] = True
     frequency: float = parameter("Hz", "f, frequency at power-on", low=TINY)
     chirp_rate: float = parameter("Hz/s", "c, change of the frequency per time", low=-np.inf)
     amplitude: float = parameter("{u}", "amplitude")
@@ -49,6 +52,11 @@ class Chirp(SystematicEffect):
     def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
         """Return the chirp at the sample times."""
         return self.amplitude * np.cos(self.angle(conditions.time))
+
+    def block(self, interval: float, axis: str) -> Block:
+        """Return the effect as a step from sample to sample."""
+        turns = {"omega": 2 * np.pi * self.frequency, "bend": np.pi * self.chirp_rate}
+        return Block(_step, {"amplitude": self.amplitude, "phase": self.phase, **turns})
 
     def slopes(self, conditions: Conditions) -> dict[str, np.ndarray]:
         """Return the derivatives in all parameters."""
@@ -161,3 +169,7 @@ def _near(whitened: np.ndarray, begin: float, drift: float, width: int) -> tuple
     shift = shifts[column] * count / (FINER * blocks * block)
     gain = float(power[row, shifts[column]]) / level
     return gain, level, float(begin + shift - drifts[row] / 2), float(drift + drifts[row])
+
+
+def _step(own, x, now):
+    return x + own.amplitude * cos((own.omega + own.bend * now.time(0)) * now.time(0) + own.phase)

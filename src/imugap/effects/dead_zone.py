@@ -27,6 +27,7 @@ class DeadZone(Effect):
     stage: ClassVar[Stage] = Stage.RANGE
     role: ClassVar[Role] = Role.OUTPUT
     replaced: ClassVar[bool] = True
+    memoryless: ClassVar[bool] = True
     width: float = parameter("{u}", "width of the zone of the input, symmetric about zero", low=TINY)
 
     def apply(self, sequence: np.ndarray, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:

@@ -13,8 +13,10 @@ from imugap.effects import (
     Bias,
     BiasInstability,
     BiasStep,
+    Chirp,
     ClockScale,
     CommonMode,
+    DeadZone,
     GaussMarkov,
     GSensitivity,
     LeverArm,
@@ -76,9 +78,10 @@ EVERY = ErrorModel(
                 ScaleFactor(0.01, 2e-3, 3e-3), Misalignment(0.01, 0.0, -0.02), OutputFilter(20.0, 2, 2),
             )
         ),
-        "gyro_z": AxisModel((CommonMode(1e-3, -0.5), Saturation(0.5), SampleLoss(0.01, 2.0))),
+        "gyro_z": AxisModel((CommonMode(1e-3, -0.5), DeadZone(2e-3), Saturation(0.5), SampleLoss(0.01, 2.0))),
         "accel_x": AxisModel((LeverArm(0.1, -0.2, 0.3), Temperature(0.01, 25.0, 1e-3, 0.1))),
-        "accel_y": AxisModel((WarmUp(0.1, 2.0), Sinusoid(7.0, 0.1, 1.0), RateRamp(0.01), BiasStep(2.0, 0.3))),
+        "accel_y": AxisModel((WarmUp(0.1, 2.0), Sinusoid(7.0, 0.1, 1.0), RateRamp(0.01), BiasStep(2.0, 0.3),
+                              Chirp(3.0, 0.2, 0.1, 0.4))),
         "accel_z": AxisModel((VibrationRectification(0.3, 0.1), OutputFilter(30.0, 3, 1), OutputFilter(35.0, 1, 3))),
         log.TIME: AxisModel((ClockScale(1.0001), SampleLoss(0.01, 2.0), TimestampJitter(0.004))),
     }
