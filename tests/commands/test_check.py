@@ -87,6 +87,14 @@ def test_a_row_without_power_is_lost_and_no_shock():
     assert {one.name for one in checked(table).findings} == {"lost values"}
 
 
+@pytest.mark.parametrize(("axes", "said"), [(AXES, "left out"), (AXES[:1], "an effect")])
+def test_discovery_leaves_out_shocks_of_several_axes_alone(axes, said):
+    table = at_rest()
+    table.loc[table.index[9000:9004], list(axes)] += 100 * table[list(axes)].std()
+    (fault,) = checked(table).findings
+    assert (fault.name, fault.consequences[COMMANDS.index("discover")]) == ("shocks", said)
+
+
 def test_a_log_that_is_shaken_for_15_s_is_not_called_static():
     log = at_rest()
     time = log.index.to_numpy()
