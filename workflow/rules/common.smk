@@ -100,7 +100,8 @@ DISCOVERIES |= {
 # The folder of one's own discovery has the name of the log, with _ for what a wildcard cannot hold.
 OWN_DISCOVERY = None
 if OPTIONS["log"]:
-    OWN_DISCOVERY = "discover/" + re.sub(r"[^\w.-]+", "_", Path(OPTIONS["log"][0]).stem)
+    stem = re.sub(r"[^\w.-]+", "_", Path(OPTIONS["log"][0]).stem)
+    OWN_DISCOVERY = f"discover/{stem}"
     own = {"effects": config["effects"]} if config["effects"] else {}
     DISCOVERIES[OWN_DISCOVERY] = OPTIONS | own
 
