@@ -222,6 +222,6 @@ def fit_like_first(sequence: AxisSequence, terms: Sequence[Entry], first: AxisFi
     Lines and steps are left out: their phase and time differ from run to run.
     """
     added = first.description.terms[len(terms) :]
-    repeated = (term for term in added if not (term.effect.event or term.effect.line))
+    repeated = (term for term in added if not (term.effect.event or term.effect.tonal))
     random = (entry for role in (Role.NOISE, Role.FILTER) for entry in first.description.of(role))
     return fit(sequence, Description((*terms, *repeated, *random)))

@@ -153,7 +153,7 @@ def not_needed(found: OverRuns, log_alpha: float) -> Effect | None:
 def recurring(description: Description) -> Description:
     """Return the part of a description that another run has, too: without events, lines and changes of the variance."""
     return description.keeping(
-        lambda entry: entry.effect.role in RECURRING and not (entry.effect.event or entry.effect.line)
+        lambda entry: entry.effect.role in RECURRING and not (entry.effect.event or entry.effect.tonal)
     )
 
 

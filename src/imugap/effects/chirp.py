@@ -39,6 +39,7 @@ class Chirp(SystematicEffect):
 
     name: ClassVar[str] = "chirp"
     most: ClassVar[int] = 3
+    tonal: ClassVar[bool] = True
     memoryless: ClassVar[bool] = True
     frequency: float = parameter("Hz", "f, frequency at power-on", low=TINY)
     chirp_rate: float = parameter("Hz/s", "c, change of the frequency per time", low=-np.inf)
@@ -52,6 +53,11 @@ class Chirp(SystematicEffect):
     def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
         """Return the chirp at the sample times."""
         return self.amplitude * np.cos(self.angle(conditions.time))
+
+    def reach(self, duration: float) -> tuple[float, float]:
+        """Return the frequencies at both ends of a log, the lower one first."""
+        low, high = sorted((self.frequency, self.frequency + self.chirp_rate * duration))
+        return low, high
 
     def block(self, interval: float, axis: str) -> Block:
         """Return the effect as a step from sample to sample."""

@@ -177,6 +177,8 @@ class Effect:
     """Whether it is a change of the mean by a ``step`` at one ``time``, which a matched filter over all times finds."""
     line: ClassVar[bool] = False
     """Whether it is a line of the spectrum, of one ``frequency``."""
+    tonal: ClassVar[bool] = False
+    """Whether it is a tone, steady or not, whose phase differs from run to run."""
     replaced: ClassVar[bool] = False
     """Whether discovery replaces the samples that it spoils."""
     memoryless: ClassVar[bool] = False
@@ -258,6 +260,10 @@ class Effect:
     def in_parts(self, run: Run, rng: np.random.Generator) -> Transform | None:
         """Return :meth:`apply` as a function of one part of a run after the other, or None where there is none such."""
         return partial(self.apply, rng=rng) if self.memoryless else None
+
+    def reach(self, duration: float) -> tuple[float, float]:
+        """Return the lowest and the highest frequency [Hz] of a tone over a log of a duration [s]."""
+        raise NotImplementedError
 
     def block(self, interval: float, axis: str) -> Block | None:
         """Return the effect as a step from sample to sample at an interval [s]; None where it has no such form."""

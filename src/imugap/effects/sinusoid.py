@@ -29,6 +29,7 @@ class Sinusoid(SystematicEffect, AllanEffect):
     name: ClassVar[str] = "sinusoid"
     most: ClassVar[int] = 5
     line: ClassVar[bool] = True
+    tonal: ClassVar[bool] = True
     memoryless: ClassVar[bool] = True
     frequency: float = parameter("Hz", "f", low=TINY)
     amplitude: float = parameter("{u}", "amplitude")
@@ -42,6 +43,10 @@ class Sinusoid(SystematicEffect, AllanEffect):
     def sample(self, conditions: Conditions, rng: np.random.Generator) -> np.ndarray:
         """Return the sinusoid at the sample times."""
         return self.amplitude * np.cos(2 * np.pi * self.frequency * conditions.time + self.phase)
+
+    def reach(self, duration: float) -> tuple[float, float]:
+        """Return its one frequency twice."""
+        return self.frequency, self.frequency
 
     def block(self, interval: float, axis: str) -> Block:
         """Return the effect as a step from sample to sample."""

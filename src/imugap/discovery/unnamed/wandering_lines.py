@@ -51,9 +51,7 @@ def find_bands(found: AxisFit) -> tuple[Band, ...]:
     """Return the narrow bands in which several lines of a fit describe one wandering line."""
     resolution = 1 / (2 * found.sequence.conditions.interval * len(found.sequence.values))
     lowest = 2 * STRIDE / (MAX_BAND_RATIO - 1) * resolution
-    grown = (
-        _widened_band(found.sequence, group) for group in _line_groups(found) if len(group) > 1 and group[0] > lowest
-    )
+    grown = (_widened_band(found.sequence, *ends) for ends in _line_groups(found) if ends[0] > lowest)
     narrow = tuple(band for band in grown if band.narrow)
     span = sum(band.high - band.low for band in narrow)
     return narrow if span < MAX_SHARE * 0.5 / found.sequence.conditions.interval else ()
@@ -70,12 +68,16 @@ def without_bands(sequence: AxisSequence, bands: tuple[Band, ...]) -> AxisSequen
     return sequence.with_values(dct(coefficients, type=3, norm="ortho")) if bands else sequence
 
 
-def _line_groups(found: AxisFit) -> Iterator[list[float]]:
-    """Yield the frequencies [Hz] of close lines, in groups."""
-    lines = sorted(one.frequency for one in found.description.effects() if one.line)
-    near = MAX_DISTANCE / (found.sequence.conditions.interval * len(found.sequence.values))
-    breaks = np.flatnonzero(np.diff(lines) > near) + 1
-    yield from (group.tolist() for group in np.split(np.array(lines), breaks))
+def _line_groups(found: AxisFit) -> Iterator[tuple[float, float]]:
+    """Yield the lowest and the highest frequency [Hz] of each group of close tones, of two or more."""
+    duration = found.sequence.conditions.interval * len(found.sequence.values)
+    tones = sorted(one.reach(duration) for one in found.description.effects() if one.tonal)
+    low, high = np.array(tones).reshape(-1, 2).T
+    high = np.maximum.accumulate(high)
+    breaks = 1 + np.flatnonzero(low[1:] > high[:-1] + MAX_DISTANCE / duration)
+    for group in np.split(np.arange(len(tones)), breaks):
+        if len(group) > 1:
+            yield float(low[group[0]]), float(high[group[-1]])
 
 
 def _coefficient_range(sequence: AxisSequence, low: float, high: float) -> tuple[int, int]:
@@ -84,10 +86,10 @@ def _coefficient_range(sequence: AxisSequence, low: float, high: float) -> tuple
     return max(int(low * scale), 1), min(int(np.ceil(high * scale)) + 1, len(sequence.values))
 
 
-def _widened_band(sequence: AxisSequence, lines: list[float]) -> Band:
-    """Return the band of lines, widened until its power falls to the level, and by the same amount again."""
+def _widened_band(sequence: AxisSequence, low: float, high: float) -> Band:
+    """Return the band about frequencies [Hz], widened until its power falls to the level, and by as much again."""
     power = dct(sequence.values, norm="ortho") ** 2
-    first, last = _coefficient_range(sequence, lines[0], lines[-1])
+    first, last = _coefficient_range(sequence, low, high)
     scale, ends = 2 * len(power) * sequence.conditions.interval, []
     for end, step in ((first, -STRIDE), (last, STRIDE)):
         start = end
