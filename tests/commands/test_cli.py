@@ -3,6 +3,7 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+import pyarrow.parquet
 import pytest
 import yaml
 from hypothesis import HealthCheck, given, settings
@@ -375,12 +376,12 @@ def test_an_export_without_comments_has_notes_beside_it_and_says_what_it_leaves_
 
 def test_a_program_holds_the_effects_of_a_plug_in_and_says_what_it_leaves_out(here, capsys, monkeypatch):
     monkeypatch.syspath_prepend(str(Path(__file__).parents[2]))
-    effects = "{white_noise: {density: 1}}, {stability_restoration: {stability: 1, period: 1}}, {dead_zone: {width: 2}}"
+    effects = "{white_noise: {density: 1}}, {stability_restoration: {stability: 1, period: 1}}, {dead_band: {width: 2}}"
     Path("mine.yaml").write_text(f"gyro_x: [{effects}]")
-    options = ["mine.yaml", "--effects", "tests.plugins.dead_zone", "--rate", "100"]
+    options = ["mine.yaml", "--effects", "tests.plugins.renamed", "--rate", "100"]
     for target in ("python", "cpp", "gazebo-plugin"):
         assert cli.main(["export", *options, "--to", target, "--out", f"imu.{target}"]) == 0
-        assert "struct DeadZone" in (text := Path(f"imu.{target}").read_text()) or "class DeadZone" in text
+        assert "struct DeadBand" in (text := Path(f"imu.{target}").read_text()) or "class DeadBand" in text
         err = capsys.readouterr().err
         assert "imugap: left out: gyro_x stability_restoration (stability 1, period 1), which has no form" in err
 
@@ -391,13 +392,12 @@ def test_an_ending_that_is_not_read_is_not_written(here):
 
 @pytest.mark.parametrize("name", ["out.csv", "out.parquet"])
 def test_an_interrupted_write_leaves_the_old_file_and_no_other(here, capsys, monkeypatch, name):
-    def broken(self, *_, **__):
-        self.write_bytes(b"half")
+    def broken(*_, **__):
         raise OSError("disk full")
 
     Path(name).write_text("old")
-    monkeypatch.setattr(pd.DataFrame, "to_csv", lambda _, path: broken(path))
-    monkeypatch.setattr(pd.DataFrame, "to_parquet", lambda _, path: broken(path))
+    monkeypatch.setattr(pd.DataFrame, "to_csv", broken)
+    monkeypatch.setattr(pyarrow.parquet.ParquetWriter, "write_table", broken)
     assert simulate(name) == 1
     assert capsys.readouterr().err == f"imugap: {name}: expected a file or folder that can be used; found 'disk full'\n"
     assert Path(name).read_text() == "old"
