@@ -6,7 +6,7 @@ from pathlib import Path
 
 import yaml
 from imugap.io.datasets import available, load, locate
-from imugap.io.configuration import ConfigurationError, configure
+from imugap.io.configuration import ConfigurationError, configure, read
 from imugap.interchange.from_indices import CONTENDERS
 from imugap.interchange.datasheet import TRUTHS
 from imugap.workflow import restart
@@ -97,6 +97,19 @@ DISCOVERIES |= {
     }
     for run in SIGHTED
 }
+# Recordings of devices that took no part in building the method, searched like any other log.
+RECIPES = read("data/recordings.yaml", "workflow/schemas/recordings.schema.yaml")
+RECORDINGS = [
+    name
+    for name in config["discovery"]["recordings"]
+    if RECIPES[name]["dataset"] in PRESENT and "discovery" in CHAPTERS
+]
+REFERENCED = [name for name in RECORDINGS if "reference" in RECIPES[name]]
+
+for name in RECORDINGS:
+    DISCOVERIES[f"recordings/{name}"] = {"log": [f"results/recordings/{name}/log.parquet"]}
+    if name in REFERENCED:
+        DISCOVERIES[f"recordings/{name}"]["reference"] = [f"results/recordings/{name}/reference.parquet"]
 # The folder of one's own discovery has the name of the log, with _ for what a wildcard cannot hold.
 OWN_DISCOVERY = None
 if OPTIONS["log"]:
@@ -202,6 +215,16 @@ def assumptions(site, motion):
 def states(paths):
     """Give the size and the time of change of files of the user, which rerun the rules that read them."""
     return [(status.st_size, status.st_mtime_ns) for status in map(os.stat, paths)]
+
+
+def recording_file(content):
+    """Name the raw file with ``content`` of the recording."""
+
+    def path(wildcards):
+        recipe = RECIPES[wildcards.recording]
+        return str(locate(CATALOGUE[recipe["dataset"]].file(recipe["run"], content), RAW, MIRROR))
+
+    return path
 
 
 def discovery_files(wildcards):

@@ -1,30 +1,3 @@
-from imugap.io import configuration
-
-# Recordings of devices that took no part in building the method, searched like any other log.
-RECIPES = configuration.read("data/recordings.yaml", "workflow/schemas/recordings.schema.yaml")
-RECORDINGS = [
-    name
-    for name in config["discovery"]["recordings"]
-    if RECIPES[name]["dataset"] in PRESENT and "discovery" in CHAPTERS
-]
-REFERENCED = [name for name in RECORDINGS if "reference" in RECIPES[name]]
-
-for name in RECORDINGS:
-    DISCOVERIES[f"recordings/{name}"] = {"log": [f"results/recordings/{name}/log.parquet"]}
-    if name in REFERENCED:
-        DISCOVERIES[f"recordings/{name}"]["reference"] = [f"results/recordings/{name}/reference.parquet"]
-
-
-def recording_file(content):
-    """Name the raw file with ``content`` of the recording."""
-
-    def path(wildcards):
-        recipe = RECIPES[wildcards.recording]
-        return str(locate(CATALOGUE[recipe["dataset"]].file(recipe["run"], content), RAW, MIRROR))
-
-    return path
-
-
 rule recording_log:
     """Read a recording as the file of a user, cut it to its stretch, and say what is wrong with it."""
     input:
