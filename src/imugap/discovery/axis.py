@@ -383,10 +383,11 @@ def _finding(searched: AxisSearch, candidate: Candidate, settled: Candidate) -> 
     search, found, effect, final = candidate.search, candidate.fit, settled.effect, settled.fit
     axis, without = found.sequence.conditions.axis, candidate.without
     near = found.log_likelihood + search.log_alpha / 2
+    duration = found.sequence.conditions.interval * len(found.sequence.values)
     alternatives = {}
     bar = min(log_p_of_gain(near - without.log_likelihood, 1) + MAX_LOG_PLACES, search.log_alpha)
     for rival in candidate.alternatives(bar):
-        if rival.fit.log_likelihood > near:
+        if rival.fit.log_likelihood > near and not _same_tone(rival.effect, effect, duration):
             gain = rival.fit.log_likelihood - found.log_likelihood
             alternatives[rival.name] = max(gain, alternatives.get(rival.name, -np.inf))
     if effect.two_valued:
@@ -405,6 +406,14 @@ def _finding(searched: AxisSearch, candidate: Candidate, settled: Candidate) -> 
     return Finding(
         {axis: effect}, parameters, max(candidate.trial.log_p, MIN_LOG_P), float(gain), tuple(alternatives.items())
     )
+
+
+def _same_tone(one: Effect, other: Effect, duration: float) -> bool:
+    """Return whether two tones are one: together they cover less than the width of a line, as a chirp of no drift."""
+    if not (one.tonal and other.tonal):
+        return False
+    ends = (*one.reach(duration), *other.reach(duration))
+    return max(ends) - min(ends) < 1 / duration
 
 
 def _gain(searched: AxisSearch, candidate: Candidate) -> float:
