@@ -10,7 +10,7 @@ SHORT = 3
 
 
 def nearest(name: str, known: Iterable[str]) -> str | None:
-    """Return the known name that is nearest to a misspelt one, whatever the case of letters; None if none is near."""
+    """Return the known name that is nearest to a misspelt one, letters of both cases alike; None if none is near."""
     by_plain = {one.lower(): one for one in known}
     plain = name.lower()
     begun = [one for one in by_plain if len(plain) > SHORT and one.startswith(plain)]

@@ -392,12 +392,13 @@ def test_an_ending_that_is_not_read_is_not_written(here):
 
 @pytest.mark.parametrize("name", ["out.csv", "out.parquet"])
 def test_an_interrupted_write_leaves_the_old_file_and_no_other(here, capsys, monkeypatch, name):
-    def broken(*_, **__):
+    def broken(file):
+        Path(getattr(file, "name", file)).write_text("half")
         raise OSError("disk full")
 
     Path(name).write_text("old")
-    monkeypatch.setattr(pd.DataFrame, "to_csv", broken)
-    monkeypatch.setattr(pyarrow.parquet.ParquetWriter, "write_table", broken)
+    monkeypatch.setattr(pd.DataFrame, "to_csv", lambda _, file, **__: broken(file))
+    monkeypatch.setattr(pyarrow.parquet.ParquetWriter, "write_table", lambda one, _: broken(one.where))
     assert simulate(name) == 1
     assert capsys.readouterr().err == f"imugap: {name}: expected a file or folder that can be used; found 'disk full'\n"
     assert Path(name).read_text() == "old"

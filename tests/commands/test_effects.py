@@ -5,9 +5,9 @@ from pathlib import Path
 import pytest
 
 from imugap import cli
-from imugap.commands.effects import describe, example
+from imugap.analysis.effect_description import axis_of
+from imugap.commands.effects import describe, given_effect
 from imugap.effects import CATALOGUE, GaussMarkov
-from imugap.effects.description import axis_of
 from imugap.effects.effect import Stage
 from imugap.figures.effects import picture
 from imugap.io import strict_yaml
@@ -22,7 +22,7 @@ def test_all_effects_are_listed(capsys):
 
 @pytest.mark.parametrize("name", CATALOGUE)
 def test_an_effect_is_described_by_parameters_and_a_line_that_a_model_takes(name):
-    effect = example(CATALOGUE[name])
+    effect = given_effect(CATALOGUE[name])
     text = describe(effect)
     assert text.startswith(f"{name}: ")
     assert all(parameter in text for parameter in effect.parameters())
@@ -33,7 +33,7 @@ def test_an_effect_is_described_by_parameters_and_a_line_that_a_model_takes(name
 
 @pytest.mark.parametrize("name", [name for name, kind in CATALOGUE.items() if kind.stage is not Stage.STANCE])
 def test_an_effect_is_drawn(name):
-    effect = example(CATALOGUE[name])
+    effect = given_effect(CATALOGUE[name])
     assert len(picture(effect, axis_of(effect)).axes) == 2
 
 
@@ -43,4 +43,4 @@ def test_the_picture_has_the_format_of_its_name_and_the_given_values(tmp_path, m
     assert cli.main(["effects", "gauss_markov", "std=1e-3", "--out", name]) == 0
     assert Path(name).read_bytes().startswith(begin)
     assert "{gauss_markov: {std: 0.001, correlation_time: 10}}" in capsys.readouterr().out
-    assert example(GaussMarkov, ["std=1e-3"]) == GaussMarkov(1e-3, 10.0)
+    assert given_effect(GaussMarkov, ["std=1e-3"]) == GaussMarkov(1e-3, 10.0)

@@ -17,9 +17,8 @@ NAMED = {
     "search/telegraph_in_noise.py": {"RandomTelegraph"},
     "common_noise.py": {"CommonMode", "WhiteNoise"},
     "checks/spectrum.py": {"PowerLaw"},
-    "start_comparison/parameters.py": {"Bias"},
 }
-"""Modules that have the likelihood of one effect as their subject, the noise without a name, and the level of a log."""
+"""Modules that have the likelihood of one effect as their subject, and the noise without a name."""
 
 
 def effects_named(path):

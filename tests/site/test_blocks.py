@@ -27,7 +27,7 @@ def logs(tmp_path_factory):
     return folder
 
 
-@pytest.mark.parametrize("page", map(marked, PAGES))
+@pytest.mark.parametrize("page", [*map(marked, PAGES)])
 def test_the_blocks_of_a_page_run(page, request, tmp_path, monkeypatch):
     if not any(one.language in {"bash", "python"} for one in blocks(page)):
         pytest.skip("the page has no code to run")

@@ -6,7 +6,7 @@ import pandas as pd
 
 from imugap import log
 from imugap.interchange.conventions import CONVENTIONS, HOUR, Rule, combined, reduced
-from imugap.interchange.export import TRIADS
+from imugap.interchange.simulator_files import TRIADS
 from imugap.model import ErrorModel
 from imugap.units import from_si
 from imugap.workflow import tables

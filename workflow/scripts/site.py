@@ -7,7 +7,7 @@ from tempfile import TemporaryDirectory
 import pandas as pd
 from sphinx.cmd.build import build_main
 
-from imugap.effects.description import axis_of
+from imugap.analysis.effect_description import axis_of
 from imugap.figures.effects import picture
 from imugap.site import effects, formats, limits, reference, reproduce
 from imugap.workflow import run_records

@@ -1,6 +1,6 @@
 """Check a recording: a verdict in words, and each finding with its place and its consequence for each command."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass
 
 import numpy as np
@@ -9,7 +9,7 @@ from imugap.discovery.preparation.shocks import common_shocks
 from imugap.estimation.indices import INDICES, shortest
 from imugap.integrity import rest
 from imugap.integrity.regular import Fault, Regular, Remark, powered, without_power
-from imugap.integrity.report import Axis, Report, report
+from imugap.integrity.report import Axis, Report, Shock, report
 from imugap.io.recording import Recording
 from imugap.log import ACCEL, axes
 from imugap.numerics.runs import runs_of
@@ -169,33 +169,37 @@ def _of_gravity(regular: Regular, motion: rest.Motion) -> Iterable[CheckedFault]
         yield CheckedFault("another gravity", text)
 
 
-def _common_shocks(regular: Regular) -> np.ndarray:
-    """Return the times [s] of samples of shocks of the device, on several axes at once, which discovery leaves out."""
-    outputs = {axis: regular.log[axis].to_numpy(float) for axis in axes(regular.log) if axis not in regular.unusable}
-    return regular.log.index.to_numpy(float)[common_shocks(outputs, regular.interval)]
-
-
 def _of_samples(regular: Regular, raw: Report, motion: rest.Motion) -> Iterable[CheckedFault]:
     """Yield shocks of a device at rest, stuck and clipped axes, and noise below the resolution."""
     held = {name for name, one in regular.samples.items() if one.interval > regular.interval}
     coarse = {axis.axis for axis in raw.axes if axis.axis in regular.samples and _is_coarse(axis, regular)}
-    shocks = [event for event in raw.events if not motion.mostly and event.axis not in coarse]
-    common = _common_shocks(regular) if shocks else np.array([])
-    for event in sorted(shocks, key=lambda one: -one.size)[:LISTED]:
-        more = f" ({len(shocks)} in all)" if len(shocks) > LISTED else ""
-        text = f"shock at {event.start_s:.6g} s, {event.size:.3g} standard deviations on {event.axis}{more}"
-        together = np.any((event.start_s - regular.interval < common) & (common < event.end_s + regular.interval))
-        yield CheckedFault("shocks", text, ("kept", NOTED, NOTED if together else "an effect", FINE, FINE))
+    yield from _of_shocks([event for event in raw.events if not motion.mostly and event.axis not in coarse], regular)
     for axis in (axis for axis in raw.axes if axis.axis in regular.samples and axis.axis not in held):
         if axis.stuck:
             text = f"{axis.axis}: {axis.longest_repeat} equal values in a row at {axis.repeat_s:.6g} s"
-            yield CheckedFault("stuck values", text, ("kept", NOTED, NOTED, FINE, FINE))
+            yield CheckedFault("stuck values", text, (NOTED, NOTED, NOTED, FINE, FINE))
         if axis.saturated and axis.axis not in coarse:
             text = f"{axis.axis}: clipped at {axis.minimum:.6g} or {axis.maximum:.6g}"
             yield CheckedFault("clipped values", text, ("kept", "kept", NOTED, FINE, FINE))
         if axis.axis in coarse and not motion.mostly:
             text = f"{axis.axis}: noise below one count, {axis.lattice:.4g}; N is that of the rounded values"
             yield CheckedFault("coarse values", text)
+
+
+def _of_shocks(shocks: Sequence[Shock], regular: Regular) -> Iterable[CheckedFault]:
+    """Yield the largest shocks; discovery leaves out those of several axes at once, and takes others for an effect."""
+    common = _common_shocks(regular) if shocks else np.array([])
+    for event in sorted(shocks, key=lambda one: -one.size)[:LISTED]:
+        more = f" ({len(shocks)} in all)" if len(shocks) > LISTED else ""
+        text = f"shock at {event.start_s:.6g} s, {event.size:.3g} standard deviations on {event.axis}{more}"
+        together = np.any((event.start_s - regular.interval < common) & (common < event.end_s + regular.interval))
+        yield CheckedFault("shocks", text, (NOTED, NOTED, NOTED if together else "an effect", FINE, FINE))
+
+
+def _common_shocks(regular: Regular) -> np.ndarray:
+    """Return the times [s] of the samples of shocks of several axes at once."""
+    outputs = {axis: regular.log[axis].to_numpy(float) for axis in axes(regular.log) if axis not in regular.unusable}
+    return regular.log.index.to_numpy(float)[common_shocks(outputs, regular.interval)]
 
 
 def _is_coarse(axis: Axis, regular: Regular) -> bool:

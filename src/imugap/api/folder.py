@@ -10,7 +10,7 @@ from imugap import atomic
 from imugap.workflow.products import METADATA, write_figure
 
 FIGURE = ".svg"
-"""Ending of the name of a figure, whatever its format."""
+"""Ending of the name of a figure of any format."""
 
 
 def _write_json(data: object, path: Path) -> None:

@@ -9,12 +9,12 @@ from dataclasses import fields
 from math import inf
 
 from imugap import spelling
+from imugap.analysis.effect_description import EffectDescription, axis_of, example, summary
 from imugap.atomic import atomic
 from imugap.commands.arguments import add_effects, add_examples
 from imugap.commands.outputs import format_of, require_files
 from imugap.commands.shown import number, table_text
-from imugap.effects import CATALOGUE, description
-from imugap.effects.description import EffectDescription, axis_of, summary
+from imugap.effects import CATALOGUE
 from imugap.effects.effect import TINY, Effect, Stage
 from imugap.interchange.plugins import catalogue
 from imugap.io.strict_yaml import number_in
@@ -47,13 +47,13 @@ def run(options: argparse.Namespace) -> None:
         return
     if options.name not in kinds:
         raise ValueError(f"effect: expected {spelling.expected(options.name, kinds)}; found {options.name!r}")
-    effect = example(kinds[options.name], options.values)
+    effect = given_effect(kinds[options.name], options.values)
     if options.out:
         _draw(effect, options.out)
     print(describe(effect))
 
 
-def example(kind: type[Effect], values: Sequence[str] = ()) -> Effect:
+def given_effect(kind: type[Effect], values: Sequence[str] = ()) -> Effect:
     """Return an effect with values given as ``name=value``, and with example values for all other parameters."""
     names, found = [item.name for item in fields(kind)], {}
     for text in values:
@@ -63,7 +63,7 @@ def example(kind: type[Effect], values: Sequence[str] = ()) -> Effect:
         if number_in(value) is None:
             raise ValueError(f"{kind.name}: {name}: expected a number; found {value!r}")
         found[name] = float(number_in(value))
-    return description.example(kind, found)
+    return example(kind, found)
 
 
 def describe(effect: Effect) -> str:

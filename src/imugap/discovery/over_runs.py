@@ -73,8 +73,8 @@ class OverRuns:
         added = tuple(trial for place, trial in enumerate(self.added) if first + place != number)
         return OverRuns(runs, fit_over_runs(runs), added)
 
-    def cost(self, number: int) -> float:
-        """Return the log p-value of what the likelihood loses without the process of a number."""
+    def log_p_without(self, number: int) -> float:
+        """Return the log p-value of the likelihood ratio of all processes and those without the one of a number."""
         loss = self.fit.noise.log_likelihood - self.without(number).fit.noise.log_likelihood
         effect = self.fit.description.entries[_processes(self.fit.description)[number]].effect
         return log_p_of_gain(loss, len(effect.free()))
@@ -111,7 +111,7 @@ def _pruned(found: OverRuns, log_alpha: float) -> OverRuns:
     """Return the noise without the added processes that later ones explain."""
     count = len(_processes(found.fit.description))
     earlier = range(count - len(found.added), count - 1)
-    number = next((one for one in earlier if found.cost(one) > log_alpha), None)
+    number = next((one for one in earlier if found.log_p_without(one) > log_alpha), None)
     return found if number is None else _pruned(found.without(number), log_alpha)
 
 
@@ -143,10 +143,10 @@ def _noise_scores(runs: Sequence[AxisFit]) -> np.ndarray:
 
 
 def not_needed(found: OverRuns, log_alpha: float) -> Effect | None:
-    """Return the process of the first run that is not significant beside those of all runs together, or None."""
+    """Return the process of the first run that is not significant given those of all runs together, or None."""
     entries = [found.fit.description.entries[index] for index in _processes(found.fit.description)]
     first = entries[: len(entries) - len(found.added)] if found.added else []
-    numbers = (i for i, entry in enumerate(first) if not entry.known and found.cost(i) > log_alpha)
+    numbers = (i for i, entry in enumerate(first) if not entry.known and found.log_p_without(i) > log_alpha)
     return next((first[number].effect for number in numbers), None)
 
 

@@ -80,7 +80,7 @@ class TimestampJitter(ClockEffect):
 
 
 def _increasing(stamps: np.ndarray) -> np.ndarray:
-    """Return sorted stamps of which equal ones are moved up, to the next number."""
+    """Return sorted stamps; equal ones are moved up to the next number."""
     for row in np.flatnonzero(np.diff(stamps) <= 0) + 1:
         stamps[row] = np.nextafter(stamps[row - 1], np.inf)
     return stamps

@@ -12,7 +12,7 @@ from imugap.figures.style import card, panels_of
 from imugap.log import ACCEL, AXES, GYRO, TEMPERATURE
 
 STRETCHES = 600
-"""Stretches of a long log, of each of which the extremes are drawn."""
+"""Stretches of a long log; the extremes of each are drawn."""
 COLOUR = "#0072B2"
 QUANTITIES = (
     (GYRO, "angular rate [°/s]", float(np.degrees(1.0))),

@@ -458,7 +458,7 @@ def _genesis(prefix: str, unit: str) -> tuple[Parameter, ...]:
 GENESIS = Convention(
     "Genesis",
     "Genesis-Embodied-AI/Genesis: genesis/options/sensors (IMU: keys), genesis/engine/sensors/imu.py, base_sensor.py "
-    "(_add_noise_drift_bias: both deviations are those of one step, whatever it is; then _quantize_to_resolution)",
+    "(_add_noise_drift_bias: both deviations are those of one step of any length; then _quantize_to_resolution)",
     _genesis("gyro", "rad/s"),
     _genesis("acc", "m/s^2"),
 )

@@ -14,13 +14,6 @@ import yaml
 
 from imugap import log, spelling
 from imugap.effects import (
-    GaussMarkov,
-    Misalignment,
-    RandomWalk,
-    Resolution,
-    Saturation,
-    ScaleFactor,
-    Temperature,
     WhiteNoise,
 )
 from imugap.effects.effect import AxisModel, Effect
@@ -29,16 +22,9 @@ from imugap.interchange.augmentation import augmentation
 from imugap.interchange.code.program import Language, program
 from imugap.interchange.code.program import left_out as without_form
 from imugap.interchange.conventions import (
-    AIRSIM,
-    GAZEBO,
-    GENESIS,
-    GNSS_INS_SIM,
     HOUR,
-    ISAAC_LAB,
     KALIBR,
     KF_GINS,
-    MATLAB,
-    PEGASUS,
     ROS,
     VINS,
     Convention,
@@ -46,18 +32,22 @@ from imugap.interchange.conventions import (
     Reduced,
     Rule,
     Triad,
-    combined,
     left_out,
     reduced,
 )
 from imugap.interchange.omissions import Omission, costs
-from imugap.interchange.simulator_files import Written
+from imugap.interchange.simulator_files import (
+    TRIADS,
+    Simulator,
+    Written,
+    by_triad,
+    markovian,
+    number,
+    parameters,
+    walking,
+)
 from imugap.model import ErrorModel
 from imugap.units import from_si
-
-TRIADS = {"gyro": log.GYRO, "accel": log.ACCEL}
-FINEST = 1e-6
-"""Precision below which Gazebo does not round."""
 
 
 class Target(StrEnum):
@@ -108,7 +98,7 @@ def export(
     if target is Target.IMUGAP:
         return _own(model, rule)
     notes, lines = _written(model, target, rule, bounds)
-    comment = COMMENTS.get(target, "# {}")
+    comment = _comment(target)
     shown = [] if comment is None else [comment.format(note.replace("--", "-")) for note in notes]
     return "\n".join([*shown, *lines]) + "\n"
 
@@ -117,16 +107,24 @@ def notes(
     model: ErrorModel, target: Target, rule: Rule, bounds: Mapping[str, Sequence[Effect]] = MappingProxyType({})
 ) -> list[str]:
     """Return the notes of a file whose format has no comments; none for any other, which begins with them."""
-    if COMMENTS.get(target, "") is not None:
-        return []
-    return _written(model, target, rule, bounds)[0]
+    return [] if _comment(target) is not None else _written(model, target, rule, bounds)[0]
+
+
+def _comment(target: Target) -> str | None:
+    """Return the form of a comment in the file for a target; None for a format without comments."""
+    return SIMULATORS[target].comment if target in SIMULATORS else "# {}"
+
+
+def held(target: Target) -> tuple[type[Effect], ...]:
+    """Return the effects that a target holds apart from those that all do."""
+    return SIMULATORS[target].held if target in SIMULATORS else ()
 
 
 def omitted(model: ErrorModel, target: Target, rule: Rule) -> list[str]:
     """Return what the file for a target leaves out, with the size of each effect and what it costs."""
     if target in PROGRAMS:
         return [f"{effect}, which has no form sample by sample" for effect in without_form(model, 1 / rule.rate)]
-    return [] if target is Target.IMUGAP else [one.sentence() for one in _left_out(model, HELD.get(target, ()), rule)]
+    return [] if target is Target.IMUGAP else [one.sentence() for one in _left_out(model, held(target), rule)]
 
 
 def _written(
@@ -138,10 +136,9 @@ def _written(
     if target in WRITERS:
         notes, lines = WRITERS[target](model, rule)
     else:
-        convention, write, taken = SIMULATORS[target]
-        axes = _reduced(model, rule)
-        own, lines = write(model, axes, rule)
-        notes = [*_head(model, convention, rule, taken(axes, rule), HELD.get(target, ())), *own]
+        simulator, axes = SIMULATORS[target], _reduced(model, rule)
+        own, lines = simulator.write(model, axes, rule)
+        notes = [*_head(model, simulator.convention, rule, simulator.taken(axes, rule), simulator.held), *own]
     return [*_of_bounds(bounds), *notes], lines
 
 
@@ -164,27 +161,22 @@ def _vins(model: ErrorModel, rule: Rule) -> Written:
 def _per_triad(model: ErrorModel, convention: Convention, rule: Rule, reason: str) -> tuple[list[str], list[str]]:
     """Return notes and lines for a tool with one white noise and one random walk for each triad."""
     axes = _reduced(model, rule)
-    triads = {kind: combined((axes[axis] for axis in own), rule.triad) for kind, own in TRIADS.items()}
+    triads = by_triad(axes, rule)
     for kind, one in triads.items():
         if not one.walk:
             raise ValueError(
                 f"{kind}: expected a slow process; found white noise alone ({reason}; `imugap estimate LOG --to` "
                 "gives the largest random walk that the log allows)"
             )
-    taken = {
-        axis: (WhiteNoise(triads[kind].white), RandomWalk(triads[kind].walk))
-        for kind, own in TRIADS.items()
-        for axis in own
-    }
     lines = [
-        f"{one.name}: {_number(_shown(one, triads[kind], rule))}  # {one.unit}, {one.meaning}"
-        for kind, parameters in _by_kind(convention).items()
-        for one in parameters
+        f"{one.name}: {number(_shown(one, triads[kind], rule))}  # {one.unit}, {one.meaning}"
+        for kind, some in parameters(convention).items()
+        for one in some
     ]
     notes = [
-        *_head(model, convention, rule, taken),
+        *_head(model, convention, rule, walking(axes, rule)),
         f"Each number stands for three axes: {RULES[rule.triad]}.",
-        *(f"  {axis}: N = {_number(one.white)}, K = {_number(one.walk)}" for axis, one in axes.items()),
+        *(f"  {axis}: N = {number(one.white)}, K = {number(one.walk)}" for axis, one in axes.items()),
         "Bias and turn-on bias have no place here: the tool estimates the bias.",
         *AT_REST,
     ]
@@ -194,9 +186,9 @@ def _per_triad(model: ErrorModel, convention: Convention, rule: Rule, reason: st
 def _ros(model: ErrorModel, rule: Rule) -> Written:
     axes = _reduced(model, rule)
     lines = [f"orientation_covariance: [-1.0, {', '.join(8 * ['0.0'])}]  # no estimate of the orientation"]
-    for kind, (parameter,) in _by_kind(ROS).items():
+    for kind, (parameter,) in parameters(ROS).items():
         diagonal = np.diag([parameter.value(axes[axis], rule) for axis in TRIADS[kind]]).ravel()
-        lines.append(f"{parameter.name}: [{', '.join(map(_number, diagonal))}]  # {parameter.unit}")
+        lines.append(f"{parameter.name}: [{', '.join(map(number, diagonal))}]  # {parameter.unit}")
     notes = [
         *_head(model, ROS, rule, {axis: (WhiteNoise(one.white),) for axis, one in axes.items()}),
         f"Valid at {rule.rate:g} Hz only: the message holds the variance of a sample.",
@@ -205,48 +197,21 @@ def _ros(model: ErrorModel, rule: Rule) -> Written:
     return notes, lines
 
 
-def _gazebo(model: ErrorModel, rule: Rule) -> Written:
-    axes = _reduced(model, rule)
-    lines = ["<imu>"]
-    for kind, parameters in _by_kind(GAZEBO).items():
-        element = parameters[0].name.split()[0]
-        lines.append(f"  <{element}>")
-        for axis in TRIADS[kind]:
-            values = ((one.name.split()[1], _number(one.value(axes[axis], rule))) for one in parameters)
-            noise = "".join(f"<{name}>{value}</{name}>" for name, value in (*values, *_precision(model[axis])))
-            kind = "gaussian_quantized" if "precision" in noise else "gaussian"
-            lines.append(f'    <{axis[-1]}><noise type="{kind}">{noise}</noise></{axis[-1]}>')
-        lines.append(f"  </{element}>")
-    notes = [
-        *_head(model, GAZEBO, rule, _markovian(axes), HELD[Target.GAZEBO]),
-        f"Valid at {rule.rate:g} Hz only: stddev is that of a sample.",
-        "dynamic_bias_stddev is the density of the driving noise, not the standard deviation of the bias.",
-        "Gazebo draws the sign of the bias, and lets it decay with the correlation time.",
-    ]
-    return notes, [*lines, "</imu>"]
-
-
-def _precision(model: AxisModel) -> list[tuple[str, str]]:
-    """Return the precision of an axis with a resolution that Gazebo applies."""
-    steps = [one.step for one in model if isinstance(one, Resolution) and one.step >= FINEST]
-    return [("precision", _number(max(steps)))] if steps else []
-
-
 def _kf_gins(model: ErrorModel, rule: Rule) -> Written:
     rule = replace(rule, correlation_time=rule.correlation_time or HOUR)
     axes = _reduced(model, rule)
     rows = {}
-    for kind, parameters in _by_kind(KF_GINS).items():
-        for one in parameters:
-            values = [_number(_shown(one, axes[axis], rule)) for axis in TRIADS[kind]]
+    for kind, some in parameters(KF_GINS).items():
+        for one in some:
+            values = [number(_shown(one, axes[axis], rule)) for axis in TRIADS[kind]]
             rows[one.name] = f"{one.name}: [{', '.join(values)}]  # {one.unit}"
     common = KF_GINS.accel[-1]
-    rows[common.name] = f"{common.name}: {_number(_shown(common, axes['accel_x'], rule))}  # {common.unit}"
+    rows[common.name] = f"{common.name}: {number(_shown(common, axes['accel_x'], rule))}  # {common.unit}"
     lines = [rows[name] for name in ("initgyrbias", "initaccbias", "initbgstd", "initbastd")]
     lines += ["imunoise:", *(f"  {rows[name]}" for name in ("arw", "vrw", "gbstd", "abstd"))]
     lines += [f"  {name}: [0.0, 0.0, 0.0]  # ppm" for name in ("gsstd", "asstd")] + [f"  {rows['corrtime']}"]
     notes = [
-        *_head(model, KF_GINS, rule, _markovian(axes)),
+        *_head(model, KF_GINS, rule, markovian(axes, rule)),
         "Axes: forward, right, down, as those of the model. One correlation time for all biases.",
         "The model holds no scale factor errors: set gsstd and asstd from the data sheet.",
         "KF-GINS holds a bias for good whose initial standard deviation and gbstd or abstd are zero: neither is here.",
@@ -294,28 +259,19 @@ PROGRAMS: Mapping[Target, Language] = {
     Target.GAZEBO_PLUGIN: Language.GAZEBO_PLUGIN,
 }
 """Targets that are source code."""
-HELD: Mapping[Target, tuple[type[Effect], ...]] = {
-    Target.GAZEBO: (Resolution,),
-    Target.GENESIS: (Resolution,),
-    Target.MATLAB: (Resolution, Saturation, Temperature, ScaleFactor, Misalignment),
+SIMULATORS: Mapping[Target, Simulator] = {
+    Target.AIRSIM: simulator_files.AIRSIM_FILE,
+    Target.GAZEBO: simulator_files.GAZEBO_FILE,
+    Target.GENESIS: simulator_files.GENESIS_FILE,
+    Target.GNSS_INS_SIM: simulator_files.GNSS_INS_SIM_FILE,
+    Target.ISAAC_LAB: simulator_files.ISAAC_LAB_FILE,
+    Target.MATLAB: simulator_files.MATLAB_FILE,
+    Target.PEGASUS: simulator_files.PEGASUS_FILE,
 }
-"""Effects that a target holds beside those that all do."""
-COMMENTS: Mapping[Target, str | None] = {Target.GAZEBO: "<!-- {} -->", Target.AIRSIM: None, Target.MATLAB: None}
-"""Form of a comment; None for a format without comments."""
-SIMULATORS: Mapping[Target, tuple[Convention, Callable, Callable]] = {
-    Target.AIRSIM: (AIRSIM, simulator_files.airsim, simulator_files.walking),
-    Target.GENESIS: (GENESIS, simulator_files.genesis, simulator_files.each_walking),
-    Target.GNSS_INS_SIM: (GNSS_INS_SIM, simulator_files.gnss_ins_sim, lambda axes, rule: _markovian(axes)),
-    Target.ISAAC_LAB: (ISAAC_LAB, simulator_files.isaac_lab, simulator_files.each_white),
-    Target.MATLAB: (MATLAB, simulator_files.matlab, simulator_files.each_walking),
-    Target.PEGASUS: (PEGASUS, simulator_files.pegasus, simulator_files.drifting),
-}
-"""Convention of a simulator, what writes its file, and the processes that stand for those of the model."""
 WRITERS: Mapping[Target, Callable[[ErrorModel, Rule], Written]] = {
     Target.KALIBR: _kalibr,
     Target.VINS: _vins,
     Target.ROS: _ros,
-    Target.GAZEBO: _gazebo,
     Target.KF_GINS: _kf_gins,
 }
 
@@ -331,15 +287,6 @@ def _of_bounds(bounds: Mapping[str, Sequence[Effect]]) -> list[str]:
 
 def _reduced(model: ErrorModel, rule: Rule) -> dict[str, Reduced]:
     return {axis: reduced(axis, model[axis], rule) for axis in log.AXES}
-
-
-def _by_kind(convention: Convention) -> dict[str, tuple[Parameter, ...]]:
-    return {"gyro": convention.gyro, "accel": convention.accel}
-
-
-def _markovian(axes: Mapping[str, Reduced]) -> dict[str, Sequence[Effect]]:
-    """Return white noise and Gauss-Markov process of each axis."""
-    return {axis: (WhiteNoise(one.white), GaussMarkov(one.markov, one.correlation_time)) for axis, one in axes.items()}
 
 
 def _left_out(model: ErrorModel, held: tuple[type[Effect], ...], rule: Rule) -> list[Omission]:
@@ -371,16 +318,11 @@ def _head(
 
 
 def _described(effect: Effect) -> str:
-    return f"{effect.name} ({', '.join(f'{name} {_number(value)}' for name, value in effect.parameters().items())})"
+    return f"{effect.name} ({', '.join(f'{name} {number(value)}' for name, value in effect.parameters().items())})"
 
 
 def _shown(parameter: Parameter, of: Reduced, rule: Rule) -> float:
     return from_si(parameter.value(of, rule), parameter.unit)
-
-
-def _number(value: float) -> str:
-    """Format a number for YAML 1.1: with a decimal point also where it has an exponent."""
-    return "0.0" if value == 0 else f"{value:.6e}"
 
 
 def _commented(notes: Iterable[str], lines: Iterable[str]) -> str:

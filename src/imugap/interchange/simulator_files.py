@@ -1,11 +1,12 @@
-"""Files of simulators: AirSim, Genesis, gnss-ins-sim, Isaac Lab, Pegasus, and MATLAB's ``imuSensor``.
+"""Files of simulators: AirSim, Gazebo, Genesis, gnss-ins-sim, Isaac Lab, Pegasus, and MATLAB's ``imuSensor``.
 
-Each function returns notes on the file, and the lines of it. The conventions are those of
+Each function that writes one returns notes on the file, and its lines. The conventions are those of
 :mod:`imugap.interchange.conventions`.
 """
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 
 from imugap import log
 from imugap.effects import (
@@ -22,6 +23,7 @@ from imugap.effects import (
 from imugap.effects.effect import AxisModel
 from imugap.interchange.conventions import (
     AIRSIM,
+    GAZEBO,
     GENESIS,
     GNSS_INS_SIM,
     ISAAC_LAB,
@@ -41,8 +43,35 @@ Axes = Mapping[str, Reduced]
 """Reduced model of each axis."""
 Written = tuple[list[str], list[str]]
 """Notes, and lines."""
+FINEST = 1e-6
+"""Precision below which Gazebo does not round."""
 NO_BIAS = "Bias and turn-on bias have no place here."
 PER_STEP = "Valid at {rate:g} Hz only: the numbers are those of a step."
+
+
+@dataclass(frozen=True)
+class Simulator:
+    """File of a simulator.
+
+    Attributes
+    ----------
+    convention
+        Its parameters, with the source in which they were read.
+    write
+        Function (model, reduced axes, rule) that returns notes and lines.
+    taken
+        Function (reduced axes, rule) that returns the processes of each axis that stand for those of the model.
+    held
+        Effects that it holds apart from these.
+    comment
+        Form of a comment; None for a format without comments.
+    """
+
+    convention: Convention
+    write: Callable[[ErrorModel, Axes, Rule], Written]
+    taken: Callable[[Axes, Rule], Mapping[str, Sequence[Effect]]]
+    held: tuple[type[Effect], ...] = ()
+    comment: str | None = "# {}"
 
 
 def parameters(convention: Convention) -> dict[str, tuple[Parameter, ...]]:
@@ -50,9 +79,19 @@ def parameters(convention: Convention) -> dict[str, tuple[Parameter, ...]]:
     return {"gyro": convention.gyro, "accel": convention.accel}
 
 
+def by_triad(axes: Axes, rule: Rule) -> dict[str, Reduced]:
+    """Return one reduced model for the three axes of each sensor."""
+    return {kind: combined((axes[axis] for axis in own), rule.triad) for kind, own in TRIADS.items()}
+
+
+def number(value: float) -> str:
+    """Format a number for YAML 1.1: with a decimal point also where it has an exponent."""
+    return "0.0" if value == 0 else f"{value:.6e}"
+
+
 def walking(axes: Axes, rule: Rule) -> dict[str, Sequence[Effect]]:
     """Return white noise and random walk of each axis, those of its triad."""
-    triads = _combined(axes, rule)
+    triads = by_triad(axes, rule)
     return {
         axis: (WhiteNoise(triads[kind].white), RandomWalk(triads[kind].walk))
         for kind, own in TRIADS.items() for axis in own
@@ -66,11 +105,16 @@ def each_walking(axes: Axes, rule: Rule) -> dict[str, Sequence[Effect]]:
 
 def drifting(axes: Axes, rule: Rule) -> dict[str, Sequence[Effect]]:
     """Return white noise and Gauss-Markov process of each axis, those of its triad."""
-    triads = _combined(axes, rule)
+    triads = by_triad(axes, rule)
     return {
         axis: (WhiteNoise(triads[kind].white), GaussMarkov(triads[kind].markov, triads[kind].correlation_time))
         for kind, own in TRIADS.items() for axis in own
     }  # fmt: skip
+
+
+def markovian(axes: Axes, rule: Rule) -> dict[str, Sequence[Effect]]:
+    """Return white noise and Gauss-Markov process of each axis."""
+    return {axis: (WhiteNoise(one.white), GaussMarkov(one.markov, one.correlation_time)) for axis, one in axes.items()}
 
 
 def each_white(axes: Axes, rule: Rule) -> dict[str, Sequence[Effect]]:
@@ -80,7 +124,7 @@ def each_white(axes: Axes, rule: Rule) -> dict[str, Sequence[Effect]]:
 
 def airsim(model: ErrorModel, axes: Axes, rule: Rule) -> Written:
     """Return the settings of AirSim."""
-    triads = _combined(axes, rule)
+    triads = by_triad(axes, rule)
     imu = {"SensorType": 2, "Enabled": True}
     for kind, some in parameters(AIRSIM).items():
         imu |= {one.name: _rounded(from_si(one.value(triads[kind], rule), one.unit)) for one in some}
@@ -88,6 +132,33 @@ def airsim(model: ErrorModel, axes: Axes, rule: Rule) -> Written:
     settings = {"SettingsVersion": 1.2, "SimMode": "Multirotor", "Vehicles": {"Drone1": vehicle}}
     notes = [NO_BIAS, "The bias begins at zero, and is a random walk.", "Merge the Sensors into your settings.json."]
     return notes, json.dumps(settings, indent=2).splitlines()
+
+
+def gazebo(model: ErrorModel, axes: Axes, rule: Rule) -> Written:
+    """Return the ``imu`` element of the SDF of Gazebo."""
+    lines = ["<imu>"]
+    for kind, some in parameters(GAZEBO).items():
+        element = some[0].name.split()[0]
+        lines.append(f"  <{element}>")
+        for axis in TRIADS[kind]:
+            values = [(one.name.split()[1], number(one.value(axes[axis], rule))) for one in some]
+            precision = _precision(model[axis])
+            noise = "".join(f"<{name}>{value}</{name}>" for name, value in (*values, *precision))
+            form = "gaussian_quantized" if precision else "gaussian"
+            lines.append(f'    <{axis[-1]}><noise type="{form}">{noise}</noise></{axis[-1]}>')
+        lines.append(f"  </{element}>")
+    notes = [
+        f"Valid at {rule.rate:g} Hz only: stddev is that of a sample.",
+        "dynamic_bias_stddev is the density of the driving noise, not the standard deviation of the bias.",
+        "Gazebo draws the sign of the bias, and lets it decay with the correlation time.",
+    ]
+    return notes, [*lines, "</imu>"]
+
+
+def _precision(model: AxisModel) -> list[tuple[str, str]]:
+    """Return the precision of an axis with a resolution that Gazebo applies."""
+    steps = [one.step for one in model if isinstance(one, Resolution) and one.step >= FINEST]
+    return [("precision", number(max(steps)))] if steps else []
 
 
 def gnss_ins_sim(model: ErrorModel, axes: Axes, rule: Rule) -> Written:
@@ -104,7 +175,7 @@ def gnss_ins_sim(model: ErrorModel, axes: Axes, rule: Rule) -> Written:
 
 def pegasus(model: ErrorModel, axes: Axes, rule: Rule) -> Written:
     """Return the configuration of the IMU of Pegasus."""
-    triads, lines = _combined(axes, rule), ["imu_config = {"]
+    triads, lines = by_triad(axes, rule), ["imu_config = {"]
     for kind, some in parameters(PEGASUS).items():
         sensor = some[0].name.split()[0]
         lines.append(f'    "{sensor}": {{')
@@ -138,7 +209,7 @@ def isaac_lab(model: ErrorModel, axes: Axes, rule: Rule) -> Written:
     """Return the configuration of the noise of observations in Isaac Lab."""
     names = {"gyro": "angular_velocity", "accel": "linear_acceleration"}
     lines = ["from isaaclab.utils.noise import GaussianNoiseCfg, NoiseModelWithAdditiveBiasCfg", ""]
-    triads = _combined(axes, rule)
+    triads = by_triad(axes, rule)
     for kind, (white, mean, spread) in parameters(ISAAC_LAB).items():
         values = [_text(one.value(triads[kind], rule)) for one in (white, mean, spread)]
         lines += [
@@ -191,13 +262,20 @@ def _only(model: AxisModel, kind: type[Effect], name: str) -> float:
     return float(sum(getattr(one, name) for one in model if isinstance(one, kind)))
 
 
-def _combined(axes: Axes, rule: Rule) -> dict[str, Reduced]:
-    return {kind: combined((axes[axis] for axis in own), rule.triad) for kind, own in TRIADS.items()}
-
-
 def _rounded(value: float) -> float:
     return float(f"{value:.7g}")
 
 
 def _text(value: float) -> str:
     return repr(_rounded(value))
+
+
+AIRSIM_FILE = Simulator(AIRSIM, airsim, walking, comment=None)
+GAZEBO_FILE = Simulator(GAZEBO, gazebo, markovian, (Resolution,), "<!-- {} -->")
+GENESIS_FILE = Simulator(GENESIS, genesis, each_walking, (Resolution,))
+GNSS_INS_SIM_FILE = Simulator(GNSS_INS_SIM, gnss_ins_sim, markovian)
+ISAAC_LAB_FILE = Simulator(ISAAC_LAB, isaac_lab, each_white)
+MATLAB_FILE = Simulator(
+    MATLAB, matlab, each_walking, (Resolution, Saturation, Temperature, ScaleFactor, Misalignment), comment=None
+)
+PEGASUS_FILE = Simulator(PEGASUS, pegasus, drifting)

@@ -53,7 +53,7 @@ def _effects(result: FileDiscovery) -> pd.DataFrame:
         )
         for one in result.found.findings
     ]
-    return pd.DataFrame(rows, columns=["axes", "name", "parameters (95 %)", "not to be told from it"])
+    return pd.DataFrame(rows, columns=["axes", "name", "parameters (95 %)", "not distinguished from it"])
 
 
 def _places(discrepancies) -> pd.DataFrame:

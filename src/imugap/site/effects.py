@@ -3,8 +3,8 @@
 from collections.abc import Iterable, Mapping
 from math import inf
 
+from imugap.analysis.effect_description import EffectDescription, ParameterDescription, axis_of, example, summary
 from imugap.effects import CATALOGUE
-from imugap.effects.description import EffectDescription, ParameterDescription, axis_of, example, summary
 from imugap.effects.effect import TINY, Effect, Role, Stage
 from imugap.site.markdown import code, plain, table
 

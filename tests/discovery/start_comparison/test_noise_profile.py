@@ -1,4 +1,4 @@
-"""Values of a process that are right are as far from the log as chance has it, whatever the log determines."""
+"""The true values of a process are as far from the log as chance has it, however little the log determines."""
 
 import numpy as np
 import pytest

@@ -131,8 +131,8 @@ def prepare(
         if elsewhere.any() and not np.isnan(values).all():
             news.missing(axis, elsewhere, at[axis].time, kinds)
         news.seen(axis, seen[axis], values)
-    shocks = common_shocks(outputs, clock.interval) if reference is None else np.zeros(clock.count, bool)
-    blind = shocks if reference is None else in_reference_gap(reference, clock.course)
+    at_rest = reference is None
+    blind = common_shocks(outputs, clock.interval) if at_rest else in_reference_gap(reference, clock.course)
     flawed = {axis: np.isnan(values) | _flawed(seen[axis], len(values)) | blind for axis, values in outputs.items()}
     for kind in (kind for kind in catalogue if kind.stage is Stage.TRANSFER):
         _transferred(kind, news, outputs, at, flawed)
@@ -142,9 +142,10 @@ def prepare(
         for axis, values in outputs.items()
     }
     whole = {axis: _filled_output(np.where(blind, np.nan, one), sequences[axis]) for axis, one in outputs.items()}
-    struck = tuple((float(first), float(end)) for first, end in runs_of(shocks) * clock.interval)
+    struck = [tuple(map(float, ends)) for ends in runs_of(blind) * clock.interval] if at_rest else []
     places = (*unusable, *news.discrepancies)
-    return PreparedLog(sequences, whole, news.findings(), places, float(time[0]), unusable, struck, news.confirmed)
+    begin = float(time[0])
+    return PreparedLog(sequences, whole, news.findings(), places, begin, unusable, tuple(struck), news.confirmed)
 
 
 class _News:

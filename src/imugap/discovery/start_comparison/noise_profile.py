@@ -114,7 +114,7 @@ class NoiseProfile:
         return 1.0 + max(ratios, default=0.0)
 
     def sized(self, index: int, effect: Effect, size: str, deviance: float, none: bool) -> "Size":
-        """Return the size of a process of which the other parameters are those of ``effect``.
+        """Return the size of a process whose other parameters are those of ``effect``.
 
         Its interval is that within a deviance, from zero where ``none`` of the process may be there; the deviance of
         the result is that of the size of ``effect``.

@@ -24,13 +24,15 @@ from imugap.discovery.fit.start_model import noisy, undetermined
 from imugap.discovery.preparation.rounding import unrounded
 from imugap.discovery.search.intervals import axis_unit
 from imugap.discovery.start_comparison.noise_profile import NoiseProfile
-from imugap.effects import Bias
+from imugap.effects import CATALOGUE
 from imugap.effects.effect import Effect, Evidence, Role, Stage
 from imugap.interchange.start_models.reading import Key, Keys
 from imugap.kinematics.earth import ROTATION_RATE
 from imugap.log import ACCEL, GYRO, TIME
 from imugap.model import ErrorModel, offset_of
 
+OFFSET = next(kind for kind in CATALOGUE.values() if kind.role is Role.OFFSET)
+"""Kind of the constant level of an axis."""
 UNTOUCHED = 1e-6
 """Largest change of a sample, over the range of the samples, that is none."""
 LATTICE_TOLERANCE = 1e-3
@@ -343,19 +345,19 @@ class _Axis:
     def _level(self, level: float) -> Iterator[StartParameter]:
         """Yield the constant bias."""
         biases = [one for one in self.effects if one.role is Role.OFFSET]
-        given = Bias(sum(one.value for one in biases))
-        if not biases and self.keys is not None and not any(key.kind is Bias for key in self.keys):
+        given = OFFSET(sum(one.value for one in biases))
+        if not biases and self.keys is not None and not any(key.kind.role is Role.OFFSET for key in self.keys):
             return
         (number,) = self.numbers(given)
         if self.resting and self.name in ACCEL and self.found.gravity is not None:
             if biases:
-                reason = "at rest it is not to be told from gravity and tilt"
+                reason = "at rest it cannot be distinguished from gravity and tilt"
                 yield self._row(given, number, None, 0.0, Comparison.OPEN, reason)
             return
         level_of, error = self._mean_level()
         unknown = ROTATION_RATE if self.resting and self.name in GYRO else 0.0
-        scale = abs(number.of(Bias(1.0)))
-        row = self._normal(given, number, number.of(Bias(level_of)), scale * error, scale * unknown, level)
+        scale = abs(number.of(OFFSET(1.0)))
+        row = self._normal(given, number, number.of(OFFSET(level_of)), scale * error, scale * unknown, level)
         if not biases:
             missing = row.agreement is Comparison.DIFFERS
             if missing:

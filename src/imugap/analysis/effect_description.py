@@ -43,7 +43,7 @@ class EffectDescription:
     Attributes
     ----------
     name, text
-        Name in a model; what it is, of which the first line is a summary.
+        Name in a model; what it is; its first line is a summary.
     formulas
         Spectrum and Allan variance of a random effect, by title.
     parameters
