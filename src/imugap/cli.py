@@ -12,9 +12,15 @@ from collections.abc import Iterator
 from concurrent.futures import BrokenExecutor
 from contextlib import contextmanager, suppress
 from importlib import import_module
+from math import inf
 from typing import NoReturn
 
 from imugap import __version__, spelling
+
+try:
+    import resource
+except ImportError:  # no limits of a process on this system
+    resource = None
 
 COMMANDS = {
     "check": "verdict on a recording: usable for which command, what was found where, the next step",
@@ -39,6 +45,8 @@ CLOSING = f"""examples:
 
 Completion in bash: eval "$(register-python-argcomplete imugap)"
 With the environment variable {DEBUG}=1 an error shows its traceback."""
+LEAST_MEMORY = 3 << 29
+"""Bytes of address space that a command needs at least; with less, a library may end the process or wait for ever."""
 LONGEST = 1000
 """Largest number of characters of a message."""
 PACKAGE = __name__.partition(".")[0]
@@ -110,6 +118,9 @@ def _options(arguments: list[str]) -> argparse.Namespace:
         import argcomplete
 
         argcomplete.autocomplete(_parser(os.environ["COMP_LINE"].split())[0])
+    if _limit() < LEAST_MEMORY:
+        least = f"{LEAST_MEMORY >> 20} MB (ulimit -v {LEAST_MEMORY >> 10})"
+        raise ValueError(f"memory: expected a limit of at least {least}; found one of {_limit() >> 20} MB")
     parser, chosen = _parser(arguments[:1])
     if chosen is not None:
         chosen.require_known(arguments[1:])
@@ -193,16 +204,15 @@ def _lacks_memory(error: Exception) -> bool:
     if isinstance(error, MemoryError) or getattr(error, "errno", None) == errno.ENOMEM:
         return True
     unnamed = isinstance(error, OSError) and error.errno is None  # as of a library that ctypes loads
-    return (isinstance(error, ImportError) or unnamed or "start new thread" in str(error)) and _limited()
+    return (isinstance(error, ImportError) or unnamed or "start new thread" in str(error)) and _limit() < inf
 
 
-def _limited() -> bool:
-    """Return whether the memory of the process is limited (``ulimit -v``)."""
-    try:
-        import resource
-    except ImportError:  # no such limits on this system
-        return False
-    return resource.getrlimit(resource.RLIMIT_AS)[0] != resource.RLIM_INFINITY
+def _limit() -> float:
+    """Return the largest address space of the process [B] (``ulimit -v``)."""
+    if resource is None:
+        return inf
+    limit = resource.getrlimit(resource.RLIMIT_AS)[0]
+    return inf if limit == resource.RLIM_INFINITY else limit
 
 
 def _say(message: str) -> None:

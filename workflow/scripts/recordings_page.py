@@ -117,12 +117,14 @@ def biases(reports, published):
 
 def biases_page(data, titles):
     """Lay out the biases."""
-    return pd.DataFrame([
+    rows = [
         {"recording": titles[one["recording"]], "axis": AXIS_TITLES[one["axis"]]}
         | {key: tables.number(one[key]) for key in ("found", "published", "difference")}
         | {"unit": "rad/s" if one["axis"].startswith("gyro") else "m/s²"}
         for one in data.to_dict("records")
-    ], columns=["recording", "axis", "found", "published", "difference", "unit"])  # fmt: skip
+    ]  # fmt: skip
+    heads = ["recording", "axis", "found", "published", "difference", "unit"]
+    return pd.DataFrame(rows or [[NONE] * len(heads)], columns=heads)
 
 
 def distances(report):

@@ -10,7 +10,7 @@ from scipy.fft import fft, next_fast_len
 
 from imugap.effects.block import Block
 from imugap.effects.conditions import Conditions
-from imugap.effects.effect import TINY, Start, SystematicEffect, parameter
+from imugap.effects.effect import Start, SystematicEffect, parameter
 from imugap.effects.residual import Residual
 from imugap.numerics.stack_slide import highest_track
 
@@ -41,7 +41,7 @@ class Chirp(SystematicEffect):
     most: ClassVar[int] = 3
     tonal: ClassVar[bool] = True
     memoryless: ClassVar[bool] = True
-    frequency: float = parameter("Hz", "f, frequency at power-on", low=TINY)
+    frequency: float = parameter("Hz", "f, frequency at power-on")
     chirp_rate: float = parameter("Hz/s", "c, change of the frequency per time", low=-np.inf)
     amplitude: float = parameter("{u}", "amplitude")
     phase: float = parameter("rad", "phase at power-on", low=-np.inf, default=0.0)
@@ -114,7 +114,7 @@ def _highest(fit: Residual) -> tuple[float, float, float, float]:
     frequency = begin / (count * interval) - rate * float(conditions.time[0])
     if frequency < 0:
         frequency, rate = -frequency, -rate
-    return max(frequency, TINY), rate, count**2 / 8, level
+    return frequency, rate, count**2 / 8, level
 
 
 def _slow(whitened: np.ndarray) -> tuple[float, float]:

@@ -341,7 +341,10 @@ def _outlying(residual: np.ndarray, known: np.ndarray) -> np.ndarray:
     their law is too large at the flanks of the narrow one; there the excess of the samples over the narrow law limits
     the probability (local false discovery rate: Efron 2004, doi:10.1198/016214504000000089).
     """
-    found, posterior = tails(residual[known]), np.zeros(len(residual))
+    posterior = np.zeros(len(residual))
+    if not np.median(np.abs(residual[known])):  # most samples are one value, and no law is normal
+        return posterior
+    found = tails(residual[known])
     if found.gain < GAIN or found.wide < FAR * found.narrow:
         return posterior
     if found.probability > COMMON:

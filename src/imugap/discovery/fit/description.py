@@ -43,7 +43,7 @@ class Entry:
         """Return a parameter after a change; a positive one changes by a factor of at most e."""
         value, (low, high) = getattr(self.effect, name), self.effect.limits()[name]
         if low > 0:
-            return min(value * exp(min(max(change / value, -1.0), 1.0)), high)
+            return min(max(value * exp(min(max(change / value, -1.0), 1.0)), low), high)
         return min(max(value + change, low), high)
 
 
