@@ -101,6 +101,16 @@ def check(rng):
     return Case("check", (name,), {name: content})
 
 
+def formats(rng):
+    """Draw a case of ``check`` on arrays or a PX4 log, or of ``drive`` on fixes of a receiver, most of them refused."""
+    if rng.uniform() < 0.3:
+        record, fixes = driven()
+        name, content = mutations.fix_file(fixes, rng)
+        return Case("drive", ("log.csv", name, "--out", "out"), {"log.csv": _csv(record.iloc[:3]), name: content})
+    name, content = mutations.array_file(mutations.table_values(static(), rng).select_dtypes("number"), rng)
+    return Case("check", (name, *(("--topic", "0") if rng.uniform() < 0.1 else ())), {name: content})
+
+
 def indices(rng):
     """Draw a case of ``indices``."""
     name, content = _log(static(), rng)
@@ -173,7 +183,8 @@ def export(rng):
 
 
 CASES: dict[str, Callable[[np.random.Generator], Case]] = {
-    "check": check, "indices": indices, "estimate": estimate, "discover": discover, "walk": walked, "drive": drove,
+    "check": check, "formats": formats, "indices": indices, "estimate": estimate, "discover": discover, "walk": walked,
+    "drive": drove,
     "simulate": simulate, "export": export,
 }  # fmt: skip
 

@@ -6,10 +6,14 @@ Each takes a named random stream, so that a case is known by its number alone.
 from collections.abc import Callable
 from dataclasses import fields
 from io import BytesIO
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 import pandas as pd
 import yaml
+from scipy.io import savemat
+from tests.io.devices import write_ulog
 
 from imugap.effects import CATALOGUE
 from imugap.log import AXES
@@ -255,6 +259,116 @@ def parquet_bytes(table: pd.DataFrame, rng: Rng) -> bytes:
     table.to_parquet(buffer)
     content = buffer.getvalue()
     return _flip(_cut(content, rng), rng) if kind == 3 else _flip(content, rng) if kind == 4 else content
+
+
+def array_file(table: pd.DataFrame, rng: Rng) -> tuple[str, bytes]:
+    """Write a table as arrays of NumPy or MATLAB or as a PX4 log, some of odd types or shapes, some damaged."""
+    name, content = ARRAY_FILES[rng.integers(len(ARRAY_FILES))](table, rng)
+    kind = rng.integers(4)
+    return name, _cut(content, rng) if kind == 0 else _flip(content, rng) if kind == 1 else content
+
+
+def _saved(values: np.ndarray, pickled: bool = False) -> tuple[str, bytes]:
+    buffer = BytesIO()
+    np.save(buffer, values, allow_pickle=pickled)
+    return "log.npy", buffer.getvalue()
+
+
+def _plain(table, rng):
+    return _saved(table.to_numpy(float).astype(str(rng.choice(["f8", "f2", "c16", "i8", "?", ">f4", "S8"]))))
+
+
+def _structured(table, rng):
+    return _saved(
+        np.array(list(table.itertuples(index=False)), [(f"{name}_{k}", "f8") for k, name in enumerate(table)])
+    )
+
+
+def _shaped(table, rng):
+    values = table.to_numpy(float)
+    shapes = [values.T, values[None], values.reshape(-1), values[:0], values[:, :1], values[0], np.float64(1.0)]
+    return _saved(shapes[rng.integers(len(shapes))])
+
+
+def _objects(table, rng):
+    return _saved(np.array([{"a": 1}, None, "text"], dtype=object), pickled=True)
+
+
+def _matlab(table, rng):
+    values = table.to_numpy(float)
+    contents = [
+        {}, {"text": "no samples"}, {"imu": values, "fs": float(rng.choice([0.0, -1.0, 25.0, 1e300, np.nan]))},
+        {"imu": {"time": values[:, 0], "gyro": values[:, 1:]}}, {"imu": np.array([values, 1.0], dtype=object)},
+        {"imu": np.stack([values, values])}, {name: values[:k] for k, name in enumerate("abc")},
+    ]  # fmt: skip
+    buffer = BytesIO()
+    savemat(buffer, contents[rng.integers(len(contents))])
+    return "log.mat", buffer.getvalue()
+
+
+def _flown(table, rng):
+    values = table.to_numpy(float)
+    rows = np.zeros(len(values), [("timestamp", "<u8"), *((f"gyro_rad_{k}", "<f4") for k in range(values.shape[1]))])
+    stamps = [np.arange(len(values)) * 40_000, np.zeros(len(values)), rng.permutation(len(values))]
+    rows["timestamp"] = stamps[rng.integers(3)]
+    with np.errstate(all="ignore"):
+        for k, column in enumerate(values.T):
+            rows[f"gyro_rad_{k}"] = column
+    message = str(rng.choice(["sensor_combined", "sensor_gyro:1", "other"]))
+    with TemporaryDirectory() as folder:
+        return "log.ulg", write_ulog(Path(folder) / "log.ulg", {message: rows}).read_bytes()
+
+
+ARRAY_FILES: tuple[Callable[[pd.DataFrame, Rng], tuple[str, bytes]], ...] = (
+    _plain, _structured, _shaped, _objects, _matlab, _matlab, _flown,
+)  # fmt: skip
+
+
+def fix_file(fixes: pd.DataFrame, rng: Rng) -> tuple[str, bytes]:
+    """Write fixes, in degrees, as NMEA, GPX or RTKLIB has them, with cells, lines or bytes damaged."""
+    name, lines = FIX_FILES[rng.integers(len(FIX_FILES))](fixes)
+    return name, text_bytes("\n".join(lines).encode(), rng)
+
+
+def _nmea(fixes):
+    lines = []
+    for time, one in fixes.iterrows():
+        clock = f"{int(time // 3600):02d}{int(time // 60 % 60):02d}{time % 60:05.2f}"
+        places = (
+            f"{int(abs(x)):0{wide}d}{abs(x) % 1 * 60:07.4f}" for x, wide in ((one.latitude, 2), (one.longitude, 3))
+        )
+        text = (
+            f"GPGGA,{clock},{','.join(f'{place},{side}' for place, side in zip(places, 'NE', strict=True))},4,12,0.8,"
+        )
+        text += f"{one.height:.2f},M,0,M,,"
+        checksum = 0
+        for letter in text.encode():
+            checksum ^= letter
+        lines.append(f"${text}*{checksum:02X}")
+    return "fixes.nmea", lines
+
+
+def _gpx(fixes):
+    points = [
+        f'<trkpt lat="{one.latitude:.8f}" lon="{one.longitude:.8f}"><ele>{one.height:.2f}</ele>'
+        f"<time>2024-05-01T10:00:{time:05.2f}Z</time></trkpt>"
+        for time, one in fixes.loc[:59].iterrows()
+    ]
+    head = '<?xml version="1.0"?><gpx version="1.1" xmlns="http://www.topografix.com/GPX/1/1"><trk><trkseg>'
+    return "fixes.gpx", [head, *points, "</trkseg></trk></gpx>"]
+
+
+def _rtklib(fixes):
+    head = "%  GPST          latitude(deg) longitude(deg)  height(m)   Q  ns   sdn(m)   sde(m)   sdu(m)"
+    rows = [
+        f"2024/05/01 10:{int(time // 60):02d}:{time % 60:06.3f} {one.latitude:.9f} {one.longitude:.9f} "
+        f"{one.height:.4f} 1 9 0.01 0.01 0.02"
+        for time, one in fixes.iterrows()
+    ]
+    return "fixes.pos", [head, *rows]
+
+
+FIX_FILES: tuple[Callable[[pd.DataFrame], tuple[str, list[str]]], ...] = (_nmea, _gpx, _rtklib)
 
 
 def model_text(rng: Rng) -> str:

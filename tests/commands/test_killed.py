@@ -1,0 +1,87 @@
+"""A command that is killed leaves the older output or the new one, never a mixture."""
+
+import multiprocessing
+import os
+import shlex
+import time
+
+import numpy as np
+import pytest
+from tests.hostile.harness import driven, walk
+
+from imugap import cli, log
+from imugap.effects import Bias, WhiteNoise
+from imugap.model import ErrorModel
+from imugap.stream import stream
+
+pytestmark = pytest.mark.slow
+LINES = {
+    "estimate": "estimate {}.csv --terms white_noise --out found",
+    "discover": "discover {}.csv --workers 2 --out found",
+    "walk": "walk {}_walk.csv --out found",
+    "drive": "drive {}_imu.csv fixes.csv --out found",
+}
+
+
+@pytest.fixture(scope="module")
+def inputs(tmp_path_factory):
+    """Two inputs of each command: ``one`` and ``two``."""
+    folder = tmp_path_factory.mktemp("killed")
+    model = ErrorModel({"gyro_x": WhiteNoise(1e-4) + Bias(1e-3)})
+    still = log.from_samples({"gyro_x": np.zeros(1500)}, 0.04)
+    record, fixes = driven()
+    for seed, name in enumerate(("one", "two")):
+        log.write(model.simulate(still, seed, "killed"), folder / f"{name}.csv")
+        other = {"gyro_z": lambda table, seed=seed: table["gyro_z"] + 1e-4 * seed}
+        log.write(walk().assign(**other), folder / f"{name}_walk.csv")
+        log.write(record.assign(**other), folder / f"{name}_imu.csv")
+    fixes.to_csv(folder / "fixes.csv")
+    return folder
+
+
+def begun(folder, line):
+    """Start a command line in a process of its own, of which all that it needs is already imported."""
+
+    def run():
+        os.chdir(folder)
+        os.setsid()
+        for descriptor in (1, 2):
+            os.dup2(os.open(os.devnull, os.O_WRONLY), descriptor)
+        os._exit(cli.main(shlex.split(line)))
+
+    process = multiprocessing.get_context("fork").Process(target=run)
+    process.start()
+    return process
+
+
+def contents(folder):
+    return {path.relative_to(folder): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+@pytest.mark.parametrize("kills", [25])
+@pytest.mark.parametrize("command", LINES)
+def test_a_killed_command_leaves_the_old_or_the_new_output(inputs, tmp_path, command, kills):
+    whole, longest = {}, 0.0
+    for name in ("one", "two"):
+        folder = tmp_path / name
+        folder.mkdir()
+        for path in inputs.iterdir():
+            (folder / path.name).symlink_to(path)
+        began = time.monotonic()
+        process = begun(folder, LINES[command].format(name))
+        process.join()
+        assert process.exitcode == 0
+        longest = max(longest, time.monotonic() - began)
+        whole[name] = contents(folder / "found")
+    assert whole["one"].keys() == whole["two"].keys()
+    rng = stream(1, "killed", command)
+    for kill in range(kills):
+        process = begun(tmp_path / "one", LINES[command].format(("two", "one")[kill % 2]))
+        process.join(rng.uniform(0, 1.1) * longest)
+        process.kill()
+        process.join()
+        found = contents(tmp_path / "one" / "found")
+        assert found in whole.values()
+    process = begun(tmp_path / "one", LINES[command].format("two"))
+    process.join()
+    assert contents(tmp_path / "one" / "found") == whole["two"]
