@@ -90,7 +90,8 @@ def _named(path: Path) -> Iterator[None]:
     except OSError as error:
         if error.filename is not None and PARTIAL not in str(error.filename):
             raise
-        raise OSError(error.errno or errno.EIO, error.strerror or str(error), str(path)) from error
+        reason = os.strerror(error.errno) if error.errno else str(error)  # without what a library adds
+        raise OSError(error.errno or errno.EIO, reason, str(path)) from error
 
 
 @contextmanager

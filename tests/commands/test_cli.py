@@ -136,9 +136,9 @@ FAULTS = {
     "simulate clock.yaml --duration 1 --rate 9": "clock.yaml: expected a model of at least one sensor axis; found none",
     "simulate model.yaml --duration 0.1 --rate 9": "at least 2 samples",
     "simulate model.yaml --duration 1e15 --rate 1e3": r"simulate: expected a duration and rate of at most \S+ "
-    r"samples; found 1e\+18",
+    r"samples, for which there is room; found 1e\+18",
     "simulate model.yaml --duration 1e200 --rate 1e6": r"simulate: expected a duration and rate of at most \S+ "
-    r"samples; found 1e\+206",
+    r"samples, for which there is room; found 1e\+206",
     "export model.yaml --to kaliber --rate 100": "target: " + NEAREST("kalibr", "kaliber"),
     "export model.yaml --to kalibr --rate 100": "model: expected a model of all of .*; "
     "found none of gyro_y, accel_x, accel_y",

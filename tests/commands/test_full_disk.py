@@ -57,7 +57,7 @@ def test_a_full_disk_is_one_message_and_the_older_output_stays(small, capsys, li
     said = [one for one in capsys.readouterr().err.splitlines() if "expected" in one]
     assert len(said) == 1
     assert said[0].startswith("imugap: small/")
-    assert "found 'No space left on device'" in said[0] or "samples; found" in said[0]
+    assert "found 'No space left on device'" in said[0] or "for which there is room; found" in said[0]
     assert contents(small) == before
 
 

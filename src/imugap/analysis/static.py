@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Iterator
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -27,7 +28,8 @@ def simulate(
         Gravity of the site [m/s^2].
     """
     memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
-    require_count(duration * rate, memory // (2 * 8 * (len(model.sensors) + 1)))  # its columns, and as many random ones
+    most = memory // (2 * 8 * (len(model.sensors) + 1))  # its columns, and as many random ones
+    require_count(duration * rate, most, "memory")
     return model.simulate(_at_rest(model, 0, round(duration * rate), rate, gravity), seed, "simulate")
 
 
@@ -56,10 +58,13 @@ def simulate_parts(
     return iter([simulate(model, duration, rate, gravity, seed)]) if parts is None else parts
 
 
-def require_count(count: float, most: float) -> None:
-    """Raise a ValueError for more samples than there is room for."""
+def require_count(count: float, most: float, room: str | Path) -> None:
+    """Raise a ValueError for more samples than there is room for; ``room`` is the memory, or the file on its disk."""
     if count > most:
-        raise ValueError(f"simulate: expected a duration and rate of at most {most:.3g} samples; found {count:.3g}")
+        raise ValueError(
+            f"{room}: simulate: expected a duration and rate of at most {most:.3g} samples, for which there is room; "
+            f"found {count:.3g}"
+        )
 
 
 def _at_rest(model: ErrorModel, first: int, last: int, rate: float, gravity: float) -> pd.DataFrame:

@@ -36,6 +36,6 @@ def run(options: argparse.Namespace) -> None:
     model = model_at(open_model(options.model, options.effects), options.rate)
     if not model.sensors:
         raise ValueError(f"{options.model}: expected a model of at least one sensor axis; found none")
-    static.require_count(options.duration * options.rate, room(options.out) / STAMP_BYTES)
+    static.require_count(options.duration * options.rate, room(options.out) / STAMP_BYTES, options.out)
     parts = static.simulate_parts(model, options.duration, options.rate, options.gravity, options.seed)
     log.write_parts(parts, options.out)
