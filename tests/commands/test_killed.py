@@ -4,6 +4,7 @@ import multiprocessing
 import os
 import shlex
 import time
+from importlib import import_module
 
 import numpy as np
 import pytest
@@ -14,7 +15,6 @@ from imugap.effects import Bias, WhiteNoise
 from imugap.model import ErrorModel
 from imugap.stream import stream
 
-pytestmark = pytest.mark.slow
 LINES = {
     "estimate": "estimate {}.csv --terms white_noise --out found",
     "discover": "discover {}.csv --workers 2 --out found",
@@ -23,9 +23,21 @@ LINES = {
 }
 
 
+KILLS = [
+    ("estimate", 3),
+    *(
+        pytest.param(*one, marks=pytest.mark.slow)
+        for one in (("estimate", 50), ("discover", 30), ("walk", 14), ("drive", 6))
+    ),
+]
+"""Commands and the number of times that each is killed: fewer, the longer the command takes."""
+
+
 @pytest.fixture(scope="module")
 def inputs(tmp_path_factory):
-    """Two inputs of each command: ``one`` and ``two``."""
+    """Two inputs of each command: ``one`` and ``two``; what the commands import is imported once for all."""
+    for command in LINES:
+        import_module(f"imugap.commands.{command}")
     folder = tmp_path_factory.mktemp("killed")
     model = ErrorModel({"gyro_x": WhiteNoise(1e-4) + Bias(1e-3)})
     still = log.from_samples({"gyro_x": np.zeros(1500)}, 0.04)
@@ -40,7 +52,7 @@ def inputs(tmp_path_factory):
 
 
 def begun(folder, line):
-    """Start a command line in a process of its own, of which all that it needs is already imported."""
+    """Start a command line in a process and a session of its own."""
 
     def run():
         os.chdir(folder)
@@ -58,8 +70,7 @@ def contents(folder):
     return {path.relative_to(folder): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
-@pytest.mark.parametrize("kills", [25])
-@pytest.mark.parametrize("command", LINES)
+@pytest.mark.parametrize(("command", "kills"), KILLS)
 def test_a_killed_command_leaves_the_old_or_the_new_output(inputs, tmp_path, command, kills):
     whole, longest = {}, 0.0
     for name in ("one", "two"):

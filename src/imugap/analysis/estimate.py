@@ -8,7 +8,7 @@ Stages::
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -85,6 +85,7 @@ def require_axes(recording: Recording, asked: Sequence[str] = ()) -> list[str]:
 
 def estimate(recording: Recording, axes: Sequence[str], settings: EstimatorSettings) -> LogEstimate:
     """Estimate each of the axes (:func:`require_axes`); ValueError where none has an estimate."""
+    settings = replace(settings, axes=len(axes))
     regular, estimates, errors = recording.regular, [], []
     for axis in axes:
         one = regular.samples[axis]

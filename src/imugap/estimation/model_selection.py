@@ -103,6 +103,11 @@ def penalty(level: float) -> float:
     return float(chdtri(1, 2 * p)) / 2
 
 
+def joint_level(level: float, axes: int) -> float:
+    """Return the confidence level of the decisions on one axis, of which those on all axes together have ``level``."""
+    return 1 - (1 - level) / axes
+
+
 def choose(
     sequence: np.ndarray,
     interval: float,
@@ -110,6 +115,7 @@ def choose(
     level: float = 0.95,
     share: float = 1.0,
     terms: Kinds = TERMS,
+    axes: int = 1,
 ) -> Choice:
     """Select the effects of an error sequence of unknown mean.
 
@@ -120,17 +126,19 @@ def choose(
     highest
         Highest frequency [Hz] that is used (e.g. below the cutoff of the filter of the device).
     level
-        Confidence level of every decision and of the intervals.
+        Confidence level of the intervals, and of the decisions on all axes together.
     share
         Share of the samples that were measured; the others are drawn given these.
     terms
         Kinds of effects to select from, of :data:`TERMS`.
+    axes
+        Number of axes for which effects are selected, this one included (Bonferroni's inequality).
     """
     if len(sequence) < SHORTEST:
         raise ValueError(f"choice: expected at least {SHORTEST} samples; found {len(sequence)}")
-    search = _Search(np.asarray(sequence, float), interval, highest, level, share, terms)
+    search = _Search(np.asarray(sequence, float), interval, highest, joint_level(level, axes), share, terms)
     search.search()
-    return search.select()
+    return search.select(level)
 
 
 @dataclass(frozen=True, eq=False)
@@ -200,8 +208,8 @@ class _Search:
             scores.append(value_and_gradient(theta, problem.shapes, block)[0])
         return np.array(scores)
 
-    def select(self) -> Choice:
-        """Return the selection by the criterion and the held-out score."""
+    def select(self, level: float) -> Choice:
+        """Return the selection by the criterion and the held-out score, with intervals of a confidence level."""
         fits = sorted(self.fits.values(), key=lambda fitted: -fitted.criterion)
         scores = np.array([self._scores(fitted) for fitted in fits])
         number = np.array([parameters(fitted.kinds) for fitted in fits])
@@ -224,7 +232,7 @@ class _Search:
         }
         index = pd.Index([title(fitted.kinds) for fitted in fits], name="composition")
         alternatives = tuple(fitted.kinds for fitted, is_one in zip(fits, alternative, strict=True) if is_one)
-        fit = chosen.problem.estimate(chosen.theta, self.level)
+        fit = chosen.problem.estimate(chosen.theta, level)
         return Choice(chosen.kinds, fit, pd.DataFrame(columns, index=index), alternatives)
 
     def _is_local_best(self, fitted: _Fitted) -> bool:

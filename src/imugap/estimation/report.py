@@ -16,7 +16,7 @@ from imugap.estimation import allan, allan_slopes, goodness_of_fit, maximum_like
 from imugap.estimation.gap_draws import with_gaps_drawn
 from imugap.estimation.gmwm import estimator
 from imugap.estimation.gmwm.estimator import GmwmOptions
-from imugap.estimation.model_selection import TERMS, Choice, Kinds, choose, title
+from imugap.estimation.model_selection import TERMS, Choice, Kinds, choose, joint_level, title
 from imugap.estimation.result import Fit, Identifiability, ParameterEstimate
 from imugap.estimation.screening import screen
 from imugap.estimation.temperature_term import TemperatureTerm, temperature_term
@@ -64,7 +64,9 @@ class EstimatorSettings:
     robust
         Whether to use the robust wavelet variance, on which outliers have a bounded effect.
     level
-        Confidence level.
+        Confidence level of the intervals, and of the selections on all axes together.
+    axes
+        Number of axes for which effects are selected.
     """
 
     kinds: Kinds | None = None
@@ -72,6 +74,7 @@ class EstimatorSettings:
     highest: float = np.inf
     robust: bool = False
     level: float = 0.95
+    axes: int = 1
 
     def __post_init__(self) -> None:
         """Check that the method supports the settings; ValueError otherwise."""
@@ -286,7 +289,7 @@ def selected(values: np.ndarray, interval: float, settings: EstimatorSettings, s
     """
     highest, terms = settings.highest, TERMS
     for _ in range(NARROWINGS):
-        choice = choose(values, interval, highest, settings.level, share, terms)
+        choice = choose(values, interval, highest, settings.level, share, terms, settings.axes)
         fast = [
             one.correlation_time / interval
             for one in choice.fit.model
@@ -328,9 +331,10 @@ def _temperature_term(
         return None
 
     def select(rest: np.ndarray) -> Choice:
-        return choose(rest, interval, found.highest, settings.level, share, found.terms)
+        return choose(rest, interval, found.highest, settings.level, share, found.terms, settings.axes)
 
-    return temperature_term(values, temperature, interval, found.choice, select, settings.level)
+    level = joint_level(settings.level, settings.axes)
+    return temperature_term(values, temperature, interval, found.choice, select, level)
 
 
 def bounds(estimate: AxisEstimate) -> tuple[WhiteNoise | RandomWalk, ...]:

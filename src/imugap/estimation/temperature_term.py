@@ -57,7 +57,7 @@ def temperature_term(
     select
         Function that selects the random processes of samples.
     level
-        Confidence level.
+        Confidence level of the decision.
     """
     readings = smoothed(temperature)
     if np.ptp(readings) < SPAN or len(values) < len(LAWS):
