@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from imugap.study import statements, verdicts
 from imugap.units import to_si
 
 ROOT = Path(__file__).parents[1]
@@ -30,6 +31,33 @@ def read_of_walks(name):
     if not (TABLES / f"{name}.csv").exists():
         pytest.skip("the walking sets are not here")
     return read(name)
+
+
+def test_the_statements_of_the_paper_rest_on_its_tables():
+    found, faults = statements.collect(ROOT / "paper" / "main.typ")
+    assert not faults
+    assert found.astype(str).equals(pd.read_csv(TABLES / "statements.csv", dtype=str, keep_default_na=False))
+
+
+def test_verdicts_follow_the_intervals_of_their_tables():
+    number = {path.stem: json.loads(path.read_text()) for path in (ROOT / "paper/numbers").glob("*.json")}
+    if "compensation" in number:
+        ends = read("compensation").set_index("contender")
+        for quantity, gaps in number["compensation"]["gap"].items():
+            for name, gap in gaps.items():
+                interval = tuple(ends.loc[name, [f"{quantity}_excess_low", f"{quantity}_excess_high"]])
+                assert gap["verdict"] == verdicts.difference(interval)
+    for device in devices("unseen_of"):
+        for one in read(f"unseen_{device}").dropna(subset="verdict").itertuples():
+            assert one.verdict == verdicts.difference((one.low, one.high), "level")
+    for device in devices("missing_of"):
+        ends = ("value", "low", "high")
+        for one in read(f"missing_distances_{device}").to_dict("records"):
+            found = verdicts.distance(
+                *({end: one[f"{of}_{end}"] for end in ends} for of in ("before", "after", "floor"))
+            )
+            key = "navigation" if one["distance"] == "navigation drift" else one["distance"]
+            assert number[f"missing_{device}"]["starts"][one["start"]][key]["verdict"] == found["verdict"]
 
 
 def test_every_table_has_its_three_forms_and_rows():

@@ -75,6 +75,7 @@ rule integrity_table:
         reports=of_runs("integrity.json"),
     output:
         table=table("integrity_{device}", "Data", "integrity (table), {device}"),
+        numbers="paper/numbers/integrity_{device}.json",
     log:
         "logs/integrity_table/{device}.log",
     params:

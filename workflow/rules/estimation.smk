@@ -151,6 +151,7 @@ rule choice_table:
     output:
         figure=figure("goodness_{device}", "Estimation", "goodness of fit (figure), {device}"),
         table=table("choice_{device}", "Estimation", "chosen effects (table), {device}"),
+        numbers="paper/numbers/choice_{device}.json",
     log:
         "logs/choice_table/{device}.log",
     params:

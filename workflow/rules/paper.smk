@@ -23,7 +23,7 @@ rule study_numbers:
 
 
 rule paper:
-    """Compile the paper; it types no number."""
+    """Compile the paper, and list its statements with the cells that they rest on; it types no number."""
     input:
         [path for chapter in CHAPTERS for path in PAPER[chapter]],
         rules.study_numbers.output,
@@ -33,8 +33,11 @@ rule paper:
         bibliography="paper/references.bib",
     output:
         report("paper/paper.pdf", caption="../report/paper.rst", category="Paper"),
+        statements=table("statements", "Paper", "statements (table)"),
     log:
         "logs/paper.log",
+    params:
+        code=library("paper"),
     script:
         "../scripts/paper.py"
 

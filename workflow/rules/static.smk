@@ -45,6 +45,7 @@ rule indices_table:
         indices="results/{device}/indices.csv",
     output:
         table=table("indices_{device}", "Performance indices", "indices (table), {device}"),
+        numbers="paper/numbers/indices_{device}.json",
     log:
         "logs/indices_table/{device}.log",
     params:

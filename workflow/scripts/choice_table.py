@@ -42,7 +42,12 @@ def shown(one):
     return f"{symbol} {one['value']:.3g}"
 
 
+def numbers(choice):
+    """Count the axes, and those whose chosen model passes its test of fit."""
+    return {"axes": len(choice), "fits": sum(of["verdict"] == "fits" for of in choice.values())}
+
+
 with job(snakemake) as (source, _, output):
     choice = read_json(source.choice)
     figure = estimation.goodness(pd.read_csv(source.goodness))
-    save(output, figure=figure, table=(pd.DataFrame(rows(choice)), page(choice)))
+    save(output, figure=figure, table=(pd.DataFrame(rows(choice)), page(choice)), numbers=numbers(choice))

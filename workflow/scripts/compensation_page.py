@@ -7,7 +7,7 @@ from imugap.figures import pedestrian
 from imugap.numerics import block_bootstrap as bootstrap
 from imugap.simulation.walk import Walk
 from imugap.stream import stream
-from imugap.study import he2023
+from imugap.study import he2023, verdicts
 from imugap.workflow import tables
 from imugap.workflow.job_log import job
 from imugap.workflow.products import save
@@ -102,8 +102,9 @@ def numbers(trials, devices, inside, walk, table3):
         quantity: {
             name: {
                 "value": tables.interval(*devices.loc[name, [f"{quantity}_excess{end}" for end in ENDS]]),
-                "better": bool(devices.loc[name, f"{quantity}_excess_high"] < 0),
-                "worse": bool(devices.loc[name, f"{quantity}_excess_low"] > 0),
+                "verdict": verdicts.difference(
+                    tuple(devices.loc[name, [f"{quantity}_excess{end}" for end in ENDS[1:]]])
+                ),
             }
             for name in devices.index
             if name != "bias_only"

@@ -120,6 +120,7 @@ def crps_ratio(scores, of, over):
 def numbers(scores, at_table, probabilities, firsts, titles, params):
     """Collect what the text of the paper quotes."""
     inside = at_table.groupby(["start", "contender"], sort=False)["inside_90"].mean()
+    cases = scores["horizon"].nunique() * scores["quantity"].nunique()
     at = probabilities[(probabilities["start"] == "raw") & (probabilities["horizon"] == params.table_horizon_s)]
     return {
         "table_horizon_s": params.table_horizon_s,
@@ -129,7 +130,8 @@ def numbers(scores, at_table, probabilities, firsts, titles, params):
             start: [f"{100 * end:.0f}" for end in (share.min(), share.max())]
             for start, share in probabilities.groupby("start", sort=False)["restoration"]
         },
-        "cases": scores["horizon"].nunique() * scores["quantity"].nunique(),
+        "cases": cases,
+        "places": cases * scores["start"].nunique(),
         "spreadless": spreadless(firsts),
         "restoration_over_turn_on": crps_ratio(scores, "restoration", "white_turn_on"),
         "nbk_over_restoration": crps_ratio(scores, "nbk", "restoration"),

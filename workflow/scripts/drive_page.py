@@ -12,6 +12,7 @@ from imugap.filters.innovation_gate import SCHEMES
 from imugap.numerics import block_bootstrap as bootstrap
 from imugap.simulation.gnss_faults import OUTAGE, OUTLIER, RAMP, STRETCH
 from imugap.stream import stream
+from imugap.study import verdicts
 from imugap.study.fault_ablation import (
     ALONE,
     CLEAN,
@@ -99,7 +100,7 @@ def ratio(scores, scheme, seed, score="horizontal_95", case=CONTAMINATED):
     low, high = np.quantile(both[:, which.index(case)] / both[:, which.index(CLEAN)], [0.025, 0.975])
     held = int((of[case] <= BAR * of[CLEAN]).sum())
     return {"ratio": tables.number(middle), "low": tables.number(low), "high": tables.number(high),
-            "runs_within": held, "holds": bool(high <= BAR), "fails": bool(low > BAR)}  # fmt: skip
+            "runs_within": held, "verdict": verdicts.aim((low, high), BAR)}  # fmt: skip
 
 
 def lost(scores, recovery):
@@ -131,8 +132,7 @@ def claim(scores, better, worse, name):
         "runs": found.k, "percent": f"{100 * found.statistic:.0f}",
         "interval_percent": [f"{100 * end:.0f}" for end in (interval.low, interval.high)],
         "factor": tables.number(factor[0.5], 3), "factor_range": [tables.number(factor[q]) for q in (0.05, 0.95)],
-        "holds": bool(interval.low >= SHARE), "fails": bool(interval.high < SHARE),
-        "helps": bool(interval.low > 0.5), "harms": bool(interval.high < 0.5),
+        "verdict": verdicts.gate((interval.low, interval.high), SHARE),
     }  # fmt: skip
 
 

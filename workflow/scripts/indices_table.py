@@ -35,6 +35,12 @@ def cell(row):
     return tables.interval(value, low, high) if row.holds else f"≤ {tables.number(high)}"
 
 
+def numbers(data):
+    """Count the values of N, B and K of all axes, and those of them that can be read."""
+    laws = data[data["symbol"].isin(["N", "B", "K"])]
+    return {"laws": len(laws), "read": int(laws["holds"].sum())}
+
+
 with job(snakemake) as (source, _, output):
     data = in_datasheet_units(pd.read_csv(source.indices))
-    save(output, table=(data, page(data)))
+    save(output, table=(data, page(data)), numbers=numbers(data))

@@ -36,10 +36,18 @@ def step(lattices, unit):
     return tables.number(from_si(max(known), unit)) if known else "none"
 
 
+def sound(facts):
+    """Return whether a run has no gap, no repeated or reversed stamp, no missing value, no stuck or saturated axis."""
+    timing, axes = facts["timing"], facts["axes"]
+    faults = [timing[name] for name in ("gaps", "duplicated", "reversed")]
+    return not any([*faults, *(one[name] for one in axes for name in ("nan", "stuck", "saturated"))])
+
+
 with job(snakemake) as (source, params, output):
     runs = dict(zip(params.runs, map(read_json, source.reports), strict=True))
     data = pd.concat(
         pd.DataFrame(facts["axes"]).assign(run=run, **facts["timing"], knocks=len(facts["events"]))
         for run, facts in runs.items()
     )
-    save(output, table=(data, pd.DataFrame([page_row(run, facts) for run, facts in runs.items()])))
+    numbers = {"runs": len(runs), "sound": sum(map(sound, runs.values()))}
+    save(output, table=(data, [page_row(run, facts) for run, facts in runs.items()]), numbers=numbers)

@@ -11,7 +11,7 @@ from imugap.discovery.report import describe_range
 from imugap.figures import discovery
 from imugap.figures.static import TITLES
 from imugap.figures.style import AXIS_TITLES
-from imugap.study.distances import change
+from imugap.study import verdicts
 from imugap.workflow import tables
 from imugap.workflow.job_log import job
 from imugap.workflow.products import read_json, save
@@ -175,13 +175,11 @@ def numbers(reports, data):
             "described_axes": axes_of(dict.fromkeys(one["axis"] for one in report["described"])),
         } | {
             key: {
-                "within": bool(rows.loc[name, "before_value"] <= rows.loc[name, "floor_high"]),
-                "change": change(*({end: rows.loc[name, f"{state}_{end}"] for end in ENDS} for state in STATES[:2])),
                 "before": tables.number(rows.loc[name, "before_value"]),
                 "after": tables.number(rows.loc[name, "after_value"]),
                 "floor_high": tables.number(rows.loc[name, "floor_high"]),
-                "reached": bool(rows.loc[name, "reached"]),
             }
+            | verdicts.distance(*({end: rows.loc[name, f"{state}_{end}"] for end in ENDS} for state in STATES))
             for key, name in (("distribution", "distribution"), ("navigation", "navigation drift"))
         }  # fmt: skip
     return said

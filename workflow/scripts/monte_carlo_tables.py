@@ -98,5 +98,6 @@ with job(snakemake) as (source, params, output):
     times = {time: one[TIME] for time, one in truths.items()}
     said = numbers(estimates, times, pd.read_csv(source.published), params.printed)
     figure = estimation.distributions(estimates, truths, limits)
-    save(output, five=(five, five_page(five)), summary=(found, summary_page(found)), figure=figure,
-         numbers=said | {"middle": middle})  # fmt: skip
+    one = experiments[middle]
+    said |= {"middle": middle, "duration_h": f"{one.interval * one.count / 3600:g}"}
+    save(output, five=(five, five_page(five)), summary=(found, summary_page(found)), figure=figure, numbers=said)

@@ -11,7 +11,7 @@ from imugap.figures import discovery
 from imugap.figures.style import AXIS_TITLES
 from imugap.model import ErrorModel
 from imugap.stream import stream
-from imugap.study.distances import NEARER, change
+from imugap.study import verdicts
 from imugap.workflow import tables
 from imugap.workflow.job_log import job
 from imugap.workflow.products import read_json, save
@@ -98,7 +98,7 @@ def distances_page(reports):
     """Lay out the distances, how many effects were named, and how many places are left."""
     return pd.DataFrame([
         {"trial": trial} | {state: tables.interval(**one) for state, one in report["distance"].items()}
-        | {"change": change(report["distance"]["before"], report["distance"]["after"])}
+        | {"change": verdicts.change(report["distance"]["before"], report["distance"]["after"])}
         | {"effects of motion": sum(one["name"] in NAMES for one in report["effects"]),
            "other effects": sum(one["name"] not in NAMES for one in report["effects"]),
            "withheld": len(report["withheld"]), "places before": len(report["gaps"]),
@@ -127,7 +127,7 @@ def numbers(reports, agreed, share, noise):
             for kind, of in kinds.items()
         },
         "smaller": sum(one["after"]["value"] < one["before"]["value"] for one in apart),
-        "nearer": sum(change(one["before"], one["after"]) == NEARER for one in apart),
+        "nearer": sum(verdicts.change(one["before"], one["after"]) == verdicts.NEARER for one in apart),
         "within_before": sum(one["before"]["value"] <= one["floor"]["high"] for one in apart),
         "reached": sum(one["after"]["value"] <= one["floor"]["high"] for one in apart),
     }

@@ -5,7 +5,7 @@ import pandas as pd
 from imugap.figures.style import AXIS_TITLES
 from imugap.log import GYRO
 from imugap.model import ErrorModel
-from imugap.study.distances import change
+from imugap.study import verdicts
 from imugap.workflow import tables
 from imugap.workflow.job_log import job
 from imugap.workflow.products import read_json, save
@@ -132,12 +132,9 @@ def distances(report):
     said = {}
     for key, title in DISTANCES.items():
         if one := report[key]:
-            said[title.split()[0]] = {state: tables.number(one[state]["value"]) for state in STATES} | {
-                "floor_high": tables.number(one["floor"]["high"]),
-                "change": change(one["before"], one["after"]),
-                "within": one["before"]["value"] <= one["floor"]["high"],
-                "reached": one["after"]["value"] <= one["floor"]["high"],
-            }
+            shown = {state: tables.number(one[state]["value"]) for state in STATES}
+            shown["floor_high"] = tables.number(one["floor"]["high"])
+            said[title.split()[0]] = shown | verdicts.distance(*(one[state] for state in STATES))
     return said
 
 

@@ -5,6 +5,7 @@ from shutil import copyfile
 import pandas as pd
 
 from imugap.figures.style import AXIS_TITLES
+from imugap.study import verdicts
 from imugap.workflow import tables
 from imugap.workflow.job_log import job
 from imugap.workflow.products import read_json, save
@@ -47,7 +48,7 @@ def numbers(key, report, data):
     apart = {
         name: {end: tables.number(report[of][end]["value"]) for end in ("before", "after")}
         | {"floor_high": tables.number(report[of]["floor"]["high"]),
-           "reached": report[of]["after"]["value"] <= report[of]["floor"]["high"]}
+           **verdicts.distance(*(report[of][state] for state in ("before", "after", "floor")))}
         for of, name in DISTANCES.items()
     }  # fmt: skip
     return {

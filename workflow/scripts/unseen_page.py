@@ -6,6 +6,7 @@ from scipy.stats import ttest_1samp
 
 from imugap.figures.unseen_runs import TITLES, unseen_runs
 from imugap.log import ACCEL, GYRO
+from imugap.study import verdicts
 from imugap.workflow import tables
 from imugap.workflow.job_log import job
 from imugap.workflow.products import save
@@ -21,11 +22,6 @@ def paired(values):
     """Return mean and 95 % Student interval of differences, shape (runs,)."""
     low, high = ttest_1samp(values, 0.0).confidence_interval(0.95)
     return float(values.mean()), float(low), float(high)
-
-
-def verdict(low, high):
-    """Say how a contender compares: worse where the interval of its loss lies above zero, better where below."""
-    return "worse" if low > 0 else "better" if high < 0 else "level"
 
 
 def losses(data):
@@ -45,7 +41,7 @@ def losses(data):
                 value, low, high = paired((one[contender] - one[REFERENCE]).to_numpy())
                 yield {
                     "contender": contender, "score": score, "loss": value, "low": low, "high": high,
-                    "verdict": verdict(low, high),
+                    "verdict": verdicts.difference((low, high), "level"),
                 }  # fmt: skip
 
 
@@ -79,7 +75,12 @@ def numbers(found, band, runs):
     }  # fmt: skip
     within = band["distance"] <= band["floor"]
     titles = {said: [TITLES[name] for name in band.index[mask]] for said, mask in (("in", within), ("out", ~within))}
-    return {"runs": runs, "verdicts": counts, "floor": titles}
+    others = len(found["contender"].unique())
+    summary = [
+        {"score": score, "said": ", ".join(f"{len(names)} {said}" for said, names in of.items())}
+        for score, of in counts.items()
+    ]
+    return {"runs": runs, "others": others, "verdicts": counts, "summary": summary, "floor": titles}
 
 
 with job(snakemake) as (source, _, output):

@@ -7,6 +7,7 @@ from imugap.figures import pedestrian
 from imugap.figures.pedestrian import SETS
 from imugap.numerics import block_bootstrap as bootstrap
 from imugap.stream import stream
+from imugap.study import verdicts
 from imugap.study.proper_scores import central_rank, energy_score
 from imugap.workflow import tables
 from imugap.workflow.job_log import job
@@ -153,7 +154,7 @@ def verdict(values):
     """Return a difference with its interval [cm], and what it says."""
     value, low, high = values
     said = tables.interval(*(100 * one for one in values))
-    return {"value": said, "less": bool(value < 0), "better": bool(high < 0), "worse": bool(low > 0)}
+    return {"value": said, "mean": "better" if value < 0 else "worse", "verdict": verdicts.difference((low, high))}
 
 
 with job(snakemake) as (source, params, output):
