@@ -6,7 +6,9 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+import yaml
 
+from imugap.interchange.devices import catalogue as device_models
 from imugap.study import statements, verdicts
 from imugap.units import to_si
 
@@ -316,3 +318,31 @@ def test_hidden_effects_are_named_with_the_exact_reference_and_nothing_is_not():
     found = read("walk_hidden").set_index("case")
     assert found.loc["nothing", "exact_right"]
     assert found.loc[found["there"], "exact_right"].mean() > 0.7
+
+
+@pytest.mark.parametrize("name", device_models.names())
+def test_a_device_model_that_is_shipped_is_what_the_workflow_makes(name):
+    made = ROOT / f"results/devices/{name}/card.yaml"
+    if not made.exists():
+        pytest.skip("the rule device_models has not been run here")
+    fresh, kept = yaml.safe_load(made.read_text()), dict(device_models.read(name).content)
+    if fresh["made_by"] != kept["made_by"]:
+        pytest.skip("made with other settings, such as those of a quick pass")
+    assert numbers_of(fresh) == pytest.approx(numbers_of(kept), rel=1e-4)
+    assert texts_of(fresh) == texts_of(kept)
+
+
+def numbers_of(value):
+    """Return all numbers of plain data, in order."""
+    if isinstance(value, dict | list):
+        return [number for one in (value.values() if isinstance(value, dict) else value) for number in numbers_of(one)]
+    return [value] if isinstance(value, int | float) else []
+
+
+def texts_of(value):
+    """Return plain data with every number as none."""
+    if isinstance(value, dict):
+        return {key: texts_of(one) for key, one in value.items()}
+    if isinstance(value, list):
+        return [texts_of(one) for one in value]
+    return None if isinstance(value, int | float) else value

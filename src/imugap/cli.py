@@ -33,6 +33,7 @@ COMMANDS = {
     "drive": "path of a vehicle with the device and a GNSS receiver aboard, with quality control of the fixes",
     "simulate": "static log of a device with an error model",
     "export": "error model as a filter or a simulator takes it",
+    "models": "models of real devices by name, with what each was found on and what is not known",
     "effects": "what an effect of an error model is: formula, source, parameters with their units, a picture",
 }
 """Name of each module of :mod:`imugap.commands`, and its line of help."""

@@ -146,6 +146,13 @@ def test_the_folder_is_whole_and_tells_the_line(here, capsys):
     assert report["distance"]["before"]["value"] > report["distance"]["after"]["value"]
     final = ErrorModel.read("found/model.yaml")
     assert final.to_mapping() == report["final_model"]
+    parameters = pd.read_csv("found/parameters.csv").set_index(["axis", "effect", "parameter"])
+    held = {(axis, one.name, key) for axis, some in final.axes.items() for one in some for key in one.parameters()}
+    assert set(parameters.index) == held
+    assert ((parameters["low"] <= parameters["value"]) & (parameters["value"] <= parameters["high"])).all()
+    for axis in ("gyro_x", "gyro_y"):
+        white = parameters.loc[axis, "white_noise", "density"]
+        assert white["low"] < 1e-4 < white["high"] < 1.1 * white["low"]
     table = pd.read_csv("found/gaps.csv")
     assert {("gyro_y", "line", "start")} <= set(zip(table["axis"], table["view"], table["model"], strict=True))
     page = Path("found/report.md").read_text()

@@ -34,9 +34,12 @@ def at_rest(count=6000, rate=100.0):
 def test_every_recipe_has_its_file_and_can_be_chosen(recipes, sets):
     schema = yaml.safe_load((SCHEMAS / "study.schema.yaml").read_text())
     chosen = schema["properties"]["discovery"]["properties"]["recordings"]
-    assert chosen["items"]["enum"] == chosen["default"] == list(recipes)
+    devices = configuration.read(ROOT / "data" / "devices.yaml", SCHEMAS / "devices.schema.yaml")
+    of_devices = {one["recording"] for one in devices.values() if "recording" in one}
+    of_study = [name for name, one in recipes.items() if sets[one["dataset"]].kind == "recording"]
+    assert chosen["items"]["enum"] == chosen["default"] == of_study
+    assert of_devices | set(of_study) == set(recipes)
     for one in map(RecordingRecipe.from_mapping, recipes.values()):
-        assert sets[one.dataset].kind == "recording"
         assert all(sets[one.dataset].file(one.run, content) for content in (LOG, *([POSES] if one.moving else [])))
 
 

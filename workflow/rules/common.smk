@@ -106,10 +106,24 @@ RECORDINGS = [
 ]
 REFERENCED = [name for name in RECORDINGS if "reference" in RECIPES[name]]
 
-for name in RECORDINGS:
+for name, recipe in RECIPES.items():
     DISCOVERIES[f"recordings/{name}"] = {"log": [f"results/recordings/{name}/log.parquet"]}
-    if name in REFERENCED:
+    if "reference" in recipe:
         DISCOVERIES[f"recordings/{name}"]["reference"] = [f"results/recordings/{name}/reference.parquet"]
+
+# Devices of which a model is shipped with the library: those that have their logs here.
+DEVICE_RECIPES = read("data/devices.yaml", "workflow/schemas/devices.schema.yaml")
+DEVICE_MODELS = {
+    name: recipe
+    for name, recipe in DEVICE_RECIPES.items()
+    if (RECIPES[recipe["recording"]]["dataset"] in PRESENT if "recording" in recipe else recipe["dataset"] in LOGS)
+}
+
+for name, recipe in DEVICE_MODELS.items():
+    if "dataset" in recipe:
+        logs = [f"results/{recipe['dataset']}/{run}/log.parquet" for run in LOGS[recipe["dataset"]]]
+        DISCOVERIES[f"devices/{name}"] = {"log": logs}
+
 # The folder of one's own discovery has the name of the log, with _ for what a wildcard cannot hold.
 OWN_DISCOVERY = None
 if OPTIONS["log"]:
@@ -225,6 +239,21 @@ def recording_file(content):
         return str(locate(CATALOGUE[recipe["dataset"]].file(recipe["run"], content), RAW, MIRROR))
 
     return path
+
+
+def device_discovery(name):
+    """Name the discovery that the model of a device is made of."""
+    recipe = DEVICE_MODELS[name]
+    return f"recordings/{recipe['recording']}" if "recording" in recipe else f"devices/{name}"
+
+
+def device_data(name):
+    """Give the data set and the runs that the model of a device is found on."""
+    recipe = DEVICE_MODELS[name]
+    if "recording" in recipe:
+        own = RECIPES[recipe["recording"]]
+        return own["dataset"], [own["run"]]
+    return recipe["dataset"], LOGS[recipe["dataset"]]
 
 
 def discovery_files(wildcards):

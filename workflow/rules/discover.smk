@@ -112,6 +112,7 @@ rule dossier:
         "results/{discovery}/model.yaml",
         "results/{discovery}/gaps.csv",
         "results/{discovery}/candidates.csv",
+        "results/{discovery}/parameters.csv",
         "results/{discovery}/report.md",
         report(
             "results/{discovery}/report.html",
@@ -131,9 +132,9 @@ rule dossier:
     log:
         "logs/dossier/{discovery}.log",
     wildcard_constraints:
-        discovery="(discover|story|missing|motion|recordings)/[^/]+",
+        discovery="(discover|story|missing|motion|recordings|devices)/[^/]+",
     priority: 1
-    threads: lambda wildcards: 1 if wildcards.discovery.startswith(("story/", "motion/", "recordings/")) else 2
+    threads: lambda wildcards: 1 if wildcards.discovery.startswith(("story/", "motion/", "recordings/", "devices/")) else 2
     resources:
         mem_mb=3000,
         runtime=lambda wildcards: 120 if wildcards.discovery.startswith("missing/") else 30,

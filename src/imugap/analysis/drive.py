@@ -25,6 +25,7 @@ from imugap.filters.innovation_gate import (
     QualityControl,
 )
 from imugap.integrity.timestamps import filled
+from imugap.interchange.devices import catalogue as devices
 from imugap.interchange.plugins import catalogue
 from imugap.interchange.start_models.catalogue import ModelFile
 from imugap.io import configuration
@@ -104,7 +105,9 @@ class DriveSettings:
         values = configuration.configure({}, SCHEMA) if path is None else configuration.read(path, SCHEMA)
         if values["model"] is None:
             return cls.of(values, DEFAULT_MODEL)
-        model = Path(path).parent / values["model"]
+        given = values["model"]
+        own = Path(path).parent / given
+        model = given if given in devices.names() and not own.is_file() else own
         found = ModelFile.open(model, catalogue(effects)).at(None)
         return replace(cls.of(values, found.model.require_axes(model)), recognised=found.remarks)
 

@@ -3,12 +3,11 @@
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from os import PathLike
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pandas as pd
 
-from imugap.api.logs import DeviceLog, LogSource, ModelSource, open_model, read
+from imugap.api.logs import DeviceLog, LogSource, ModelSource, input_of, open_model, read
 from imugap.api.result import Result, call
 from imugap.discovery.device import Settings
 from imugap.discovery.evaluation.distance import Distances
@@ -108,6 +107,15 @@ class Discovered(Result):
         """
         return comparison_table(self.found.against)
 
+    @property
+    def parameters(self) -> pd.DataFrame:
+        """Each parameter of the final model, SI, with its own 95 % interval where the log gives one.
+
+        Columns: axis, effect, number (of the effects of one name on the axis), parameter, unit, value, low, high,
+        remark.
+        """
+        return self.found.parameters
+
     def plot(self) -> "Figure":
         """Draw the surest place of each view, before and after."""
         from imugap.figures import discovery
@@ -126,6 +134,7 @@ class Discovered(Result):
             "gaps.csv": discrepancy_table(found.discrepancies, found.unexplained),
             "candidates.csv": self.table,
             "against_start.csv": self.against_start,
+            "parameters.csv": self.parameters,
             "report.md": text(self.found, kind),
             "places.svg": discovery.places(found, alpha),
             "surest.svg": discovery.surest(found, alpha),
@@ -184,18 +193,17 @@ def discover(
     runs = [log] if isinstance(log, DeviceLog | pd.DataFrame | str | PathLike) else list(log)
     logs, tests = (tuple(read(one).in_own_axes() for one in some) for some in (runs, test))
     ideal = None if reference is None else _turned_like(logs[0], reference)
-    path = Path(model) if isinstance(model, str | Path) else None
     inputs = DiscoveryInputs(
         tuple(one.recording for one in logs), tuple(one.recording for one in tests),
         None if ideal is None else ideal.recording, opened,
     )  # fmt: skip
     settings = Settings(alpha=alpha, seed=seed, catalogue=tuple(kinds.values()), workers=workers, gravity=gravity)
     found = discover_recordings(inputs, settings, progress)
-    given = {"test": [one.source for one in tests], "reference": ideal and ideal.source, "model": path or model}
+    given = {"test": [one.source for one in tests], "reference": ideal and ideal.source, "model": model}
     sources = [logs[0].source if len(logs) == 1 else [one.source for one in logs]]
     files = [*(one.as_input("log") for one in logs), *(one.as_input("test log") for one in tests)]
     files += [] if ideal is None else [ideal.as_input("reference")]
-    files += [] if path is None else [InputFile.of("model", path, found.remarks)]
+    files += input_of(opened, found.remarks)
     provenance = Provenance(call("discover", sources, **given, effects=effects), tuple(files), _shown(settings))
     return Discovered(found=found, provenance=provenance)
 

@@ -14,6 +14,7 @@ from imugap.api.result import SourcePath
 from imugap.interchange.plugins import catalogue
 from imugap.interchange.start_models.catalogue import ModelFile
 from imugap.io import recording as recordings
+from imugap.io.formats.source import sha256_of
 from imugap.io.recognition.frame import AS_IS
 from imugap.io.recognition.settings import DEFAULTS, RecordingSettings
 from imugap.io.recording import Recording
@@ -111,7 +112,8 @@ class DeviceLog:
 LogSource: TypeAlias = DeviceLog | pd.DataFrame | SourcePath
 """A log, a table, or the path of a recording."""
 ModelSource: TypeAlias = ErrorModel | Mapping | SourcePath
-"""An error model, one as plain data, or the path of one (YAML, or a file of a simulator or filter)."""
+"""An error model, one as plain data, the path of one (YAML, or a file of a simulator or filter), or the name of a
+device of which a model is shipped (``imugap models``)."""
 
 
 def read(
@@ -196,7 +198,8 @@ def simulate(
 def open_model(model: ModelSource, effects: str | None = None) -> ModelFile:
     """Open an error model, with the effects of a module in the catalogue.
 
-    A file may be one of this library or of a simulator or filter, recognised by its content.
+    A file may be one of this library or of a simulator or filter, recognised by its content; the name of a device
+    stands for its model that is shipped.
     """
     if isinstance(model, ErrorModel):
         return ModelFile(Path(MODEL), model)
@@ -204,3 +207,10 @@ def open_model(model: ModelSource, effects: str | None = None) -> ModelFile:
     if isinstance(model, Mapping):
         return ModelFile(Path(MODEL), ErrorModel.from_mapping(model, kinds))
     return ModelFile.open(Path(model), kinds)
+
+
+def input_of(opened: ModelFile | None, remarks: tuple[str, ...]) -> tuple[InputFile, ...]:
+    """Return path, digest and remarks of a model that is a file, for the provenance of a result."""
+    if opened is None or opened.file is None:
+        return ()
+    return (InputFile("model", str(opened.path), sha256_of(opened.file), remarks),)

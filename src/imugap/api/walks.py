@@ -3,18 +3,17 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from math import inf
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pandas as pd
 
 from imugap.analysis.walk import DEFAULT_MODEL, INDOORS, NavigatedWalk, WalkInputs, navigate_walk
-from imugap.api.logs import LogSource, ModelSource, open_model, read
+from imugap.api.logs import LogSource, ModelSource, input_of, open_model, read
 from imugap.api.result import Result, call
 from imugap.interchange.start_models.reading import Reading
 from imugap.log import rate as rate_of
 from imugap.navigation.pedestrian import WalkAssumptions
-from imugap.pages.provenance import InputFile, Provenance
+from imugap.pages.provenance import Provenance
 from imugap.units import STANDARD_GRAVITY, to_si
 
 if TYPE_CHECKING:
@@ -114,8 +113,7 @@ def walk(
         navigated = navigate_walk(inputs)
     except ValueError as error:
         raise ValueError(f"{found.source}: {error}") from error
-    path = Path(model) if isinstance(model, str | Path) else None
-    files = (found.as_input("log"), *([InputFile.of("model", path, given.remarks)] if path else ()))
-    made = call("walk", [found.source], model=path or model, effects=effects, outdoors=outdoors)
+    files = (found.as_input("log"), *input_of(opened, given.remarks))
+    made = call("walk", [found.source], model=model, effects=effects, outdoors=outdoors)
     settings = {"gravity [m/s²]": gravity, "floors": "any" if outdoors else "level but for stairs and ramps"}
     return Walked(found=navigated, provenance=Provenance(made, files, settings))

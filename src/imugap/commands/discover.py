@@ -14,7 +14,7 @@ from imugap.io.recognition.frame import AS_IS
 
 FILES = (
     "report.html", "inputs.json", "report.json", "model.yaml", "gaps.csv", "candidates.csv", "against_start.csv",
-    "report.md",
+    "parameters.csv", "report.md",
     "places.svg", "surest.svg", "distance.svg", "drift.svg",
 )  # fmt: skip
 """Files of the folder."""

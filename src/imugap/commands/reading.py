@@ -20,7 +20,7 @@ from imugap.model import ErrorModel
 SCHEMA = Path(__file__).with_name("reading.schema.yaml")
 MODEL_HELP = (
     "error model: YAML, or a file of Gazebo (SDF), Kalibr, OpenVINS, VINS, KF-GINS, AirSim, gnss-ins-sim, Pegasus, "
-    "Genesis or MATLAB (JSON of imuSensor), recognised by its content"
+    "Genesis or MATLAB (JSON of imuSensor), recognised by its content; or the name of a device (`imugap models`)"
 )
 LOG_HELP = "recording of the device: CSV of any dialect, Parquet, or another format that is recognised by its content"
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ from imugap import log
 from imugap.discovery import report
 from imugap.discovery.device import Discovery, Settings, discover
 from imugap.discovery.preparation.prepare import MARGIN, in_reference_gap, outside, without_noise
+from imugap.discovery.start_comparison import final_parameters
 from imugap.discovery.start_comparison.parameters import StartParameter, against_start
 from imugap.discovery.steps import Progress
 from imugap.effects.effect import Role
@@ -95,6 +97,11 @@ class FileDiscovery:
         recordings = (*self.inputs.logs, *self.inputs.tests)
         said = {str(one.source): one.recognised for one in recordings if one.recognised}
         return said | ({str(self.inputs.model.path): self.remarks} if self.inputs.model and self.remarks else {})
+
+    @cached_property
+    def parameters(self) -> pd.DataFrame:
+        """Return the parameters of the final model, each with its interval (:func:`final_parameters.table`)."""
+        return final_parameters.table(self.found)
 
     def report(self) -> dict:
         """Return the report as plain data, schema ``imugap/discovery/1``."""

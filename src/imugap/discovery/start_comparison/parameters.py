@@ -109,6 +109,18 @@ def against_start(found: Discovery, known: ErrorModel, keys: Keys | None, alpha:
     return (*rows, *(row for one in axes for row in one.missing(level)))
 
 
+def kept_parameters(found: Discovery, level: float) -> tuple[StartParameter, ...]:
+    """Return what the start model has, as the log has it, each parameter with an interval of its own.
+
+    Parameters
+    ----------
+    level
+        Probability that an interval misses its parameter.
+    """
+    axes = (_Axis(axis, found, tuple(found.start.axes.get(axis, ())), None) for axis in found.results)
+    return tuple(row for one in axes for row in one.rows(level))
+
+
 def _of_sensor(axis: str, keys: Keys | None) -> tuple[Key, ...] | None:
     return None if keys is None else keys.get("gyro" if axis in GYRO else "accel", ())
 

@@ -1,4 +1,7 @@
-"""Readers of start models: one line per tool; a file that none recognises is a model of this library."""
+"""Readers of start models: one line per tool; a file that none recognises is a model of this library.
+
+A model is taken by the path of its file, or by the name of a device of which one is shipped.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -6,6 +9,8 @@ from pathlib import Path
 from xml.etree.ElementTree import Element
 
 from imugap.effects.effect import Effect
+from imugap.interchange.devices.card import DeviceCard, is_card
+from imugap.interchange.devices.catalogue import located
 from imugap.interchange.start_models import (
     airsim,
     document,
@@ -34,32 +39,46 @@ class ModelFile:
     Attributes
     ----------
     path
-        The file.
+        The file, or the name of a device model, as it was given.
     model
         Its model, where it is a file of this library.
     reader, content
         Reader of the tool that the file is of, and its content, for another one.
+    device
+        Device model, for a file with a card.
+    file
+        The file that was read; None for a model that is no file.
     """
 
     path: Path
     model: ErrorModel | None = None
     reader: Reader | None = None
     content: document.Document | None = None
+    device: DeviceCard | None = None
+    file: Path | None = None
 
     @classmethod
     def open(cls, path: str | Path, catalogue: Mapping[str, type[Effect]]) -> "ModelFile":
-        """Open and recognise a file; ValueError with its path for one that is no model."""
-        content = document.read(path)
+        """Open and recognise a file, or the model of a device by its name; ValueError for one that is no model."""
+        file = located(path)
+        content = document.read(file)
         reader = next((one for one in READERS if content is not None and one.recognises(content)), None)
         if reader is not None:
-            return cls(Path(path), reader=reader, content=content)
+            return cls(Path(path), reader=reader, content=content, file=file)
+        if is_card(content):
+            try:
+                return cls(Path(path), device=DeviceCard.of(content, catalogue), file=file)
+            except ValueError as error:
+                raise ValueError(f"{path}: {error}") from error
         if isinstance(content, Element | tuple):
             tools = ", ".join(one.tool for one in READERS)
             raise ValueError(f"{path}: expected a model, or a file of {tools}; found none of them")
-        return cls(Path(path), ErrorModel.read(path, catalogue))
+        return cls(Path(path), ErrorModel.read(file, catalogue), file=file)
 
     def at(self, rate: float | None) -> Reading:
         """Return the model at a sampling rate [Hz], and what was recognised; ValueError with the path for a fault."""
+        if self.device is not None:
+            return Reading(self.device.model, self.device.remarks(rate))
         if self.reader is None:
             return Reading(self.model)
         try:
