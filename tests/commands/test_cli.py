@@ -31,6 +31,8 @@ TEXTS = {
     "holed.csv": "time,gyro_x\n0.0,0.1\n0.1,nan\n0.2,0.1\n",
     "bad.yaml": "gyro_x: [{white_nois: {density: 1}}]",
     "clock.yaml": "time: [{clock_scale: {ratio: 1.1}}]",
+    "empty.yaml": "",
+    "huge.yaml": "gyro_x: [{bias: {value: 1.0e+160}}]",
     "no.yaml": "gyro_x: [{white_noise: {density: 1e-4}\n",
 }
 
@@ -139,6 +141,9 @@ FAULTS = {
     r"samples, for which there is room; found 1e\+18",
     "simulate model.yaml --duration 1e200 --rate 1e6": r"simulate: expected a duration and rate of at most \S+ "
     r"samples, for which there is room; found 1e\+206",
+    "simulate empty.yaml --duration 1 --rate 9": "empty.yaml: expected a model of at least one axis; found none",
+    "simulate huge.yaml --duration 1 --rate 9": r"huge.yaml: gyro_x: .* in \[1e-30, 1e\+30\]; found 1e\+160",
+    "export empty.yaml --to python --rate 100": "empty.yaml: expected a model of at least one axis; found none",
     "export model.yaml --to kaliber --rate 100": "target: " + NEAREST("kalibr", "kaliber"),
     "export model.yaml --to kalibr --rate 100": "model: expected a model of all of .*; "
     "found none of gyro_y, accel_x, accel_y",
@@ -193,6 +198,22 @@ def test_an_option_that_has_to_be_positive_is_refused(here, capsys, line, option
     with pytest.raises(SystemExit, match="2"):
         cli.main([*line.split(), f"{option}={value}", "--out", "out.csv"])
     assert f"argument {option}: expected a finite number > 0; found {value}" in capsys.readouterr().err
+    assert not names(here)
+
+
+@pytest.mark.parametrize(
+    ("line", "option", "expected"),
+    [
+        (DUE, "--rate=5e7", "expected a rate of 1e-06 to 1e+06 Hz; found 5e7"),
+        (DUE, "--gravity=1e160", "expected a gravity of 0.1 to 100 m/s^2; found 1e160"),
+        ("export model.yaml --to python", "--rate=5e7", "expected a rate of 1e-06 to 1e+06 Hz; found 5e7"),
+        ("estimate noisy.csv", "--rate=5e7", "expected a rate of 1e-06 to 1e+06 Hz; found 5e7"),
+    ],
+)
+def test_an_option_beyond_its_range_is_refused(here, capsys, line, option, expected):
+    with pytest.raises(SystemExit, match="2"):
+        cli.main([*line.split(), option, "--out", "out.csv"])
+    assert f"argument {option.partition('=')[0]}: {expected}" in capsys.readouterr().err
     assert not names(here)
 
 

@@ -51,6 +51,8 @@ def files(tmp_path_factory, lap):
     fixes.drop(columns=[name for name in fixes if name not in GEODETIC]).to_parquet(folder / "places.parquet")
     fixes.loc[:14].to_csv(folder / "still.csv")
     fixes.set_index(fixes.index + 1e5).to_csv(folder / "later.csv")
+    fixes.set_index(fixes.index * 1e-12).to_csv(folder / "tiny.csv")
+    fixes.set_index(fixes.index + 298.5).to_csv(folder / "brief.csv")
     lap.model.write(folder / "device.yaml")
     own = {"model": "device.yaml", "lever_arm": LEVER, "scale_factor": {"gyro_std": 1e-3, "accel_std": 1e-3}}
     (folder / "own.yaml").write_text(yaml.safe_dump(own))
@@ -130,6 +132,8 @@ FAULTS = {
     "gap.csv gnss.csv": "drive: expected gaps of at most 0.5 s; found 1.01 s after 90",
     "imu.csv still.csv": "start: expected a fix that tells the course",
     "imu.csv later.csv": "the time of the log, 0 s to 300 s; found fixes from 100001 s",
+    "imu.csv tiny.csv": r"tiny.csv: column time: expected stamps in seconds, at most 1000 Hz; found 1e\+12 Hz",
+    "imu.csv brief.csv": "drive: expected at least 2 fixes within the time of the log; found 1 of",
     "turned.parquet gnss.csv": "expected a mean specific force that points up, accel_z near -9.8",
     "imu.csv none.csv": "none.csv: file: expected a log of fixes",
     "none.csv gnss.csv": "none.csv: file: expected a log",

@@ -40,6 +40,9 @@ def files(tmp_path_factory, recipe):
     log.write(record.loc[4.3:], folder / "late.parquet")
     log.write(record[(record.index < 7.001) | (record.index > 7.501)], folder / "gap.csv")
     recipe.model.write(folder / "device.yaml")
+    (folder / "empty.yaml").write_text("{}")
+    (folder / "one.yaml").write_text("gyro_x: [{white_noise: {density: 1e-4}}]")
+    (folder / "huge.yaml").write_text("gyro_x: [{white_noise: {density: 1.0e+160}}]")
     return folder
 
 
@@ -130,6 +133,9 @@ FAULTS = {
     "gap.csv": "gap.csv: walk: expected gaps of at most 0.1 s; found 0.505 s after 7",
     "none.csv": "none.csv",
     "walk.csv --model none.yaml": "none.yaml",
+    "walk.csv --model empty.yaml": "empty.yaml: expected a model of at least one axis; found none",
+    "walk.csv --model one.yaml": "one.yaml: expected a model of all of gyro_x, .*; found none of gyro_y, .*, accel_z",
+    "walk.csv --model huge.yaml": r"huge.yaml: gyro_x: .* in \[1e-30, 1e\+30\]; found 1e\+160",
 }
 
 

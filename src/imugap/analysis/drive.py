@@ -62,6 +62,8 @@ STD = "_std"
 SCHEMA = Path(__file__).with_name("drive.schema.yaml")
 LONGEST_GAP_S = 0.5
 """Longest gap that is filled [s]."""
+FEWEST_FIXES = 2
+"""Fewest fixes within the time of a log."""
 STEEPEST = 0.5
 """Cosine of the largest angle between up and the mean specific force."""
 COUNTED = (FAILED, WEIGHED, REMOVED, RESET, SET_ASIDE, OPENED, SEPARATED, CLOSED)
@@ -294,6 +296,11 @@ def check(recorded: RecordedDrive) -> RecordedDrive:
     if due[0] >= log.index[-1] or due[-1] <= log.index[0]:
         spans = f"{log.index[0]:g} s to {log.index[-1]:g} s; found fixes from {due[0]:g} s to {due[-1]:g} s"
         raise ValueError(f"drive: expected fixes within the time of the log, {spans}")
+    inside = int(((due >= log.index[0]) & (due <= log.index[-1])).sum())
+    if inside < FEWEST_FIXES:
+        raise ValueError(
+            f"drive: expected at least {FEWEST_FIXES} fixes within the time of the log; found {inside} of {len(due)}"
+        )
     return recorded
 
 
@@ -335,6 +342,8 @@ def smooth(aligned: AlignedDrive) -> NavigatedDrive:
     """Filter, smooth and judge."""
     inputs, mends, start = aligned
     filtered, smoothed = (vehicle.navigate(inputs, start, smooth=one) for one in (False, True))
+    if not filtered.record.freedom.sum():
+        raise ValueError(f"drive: expected fixes after the alignment at {start.time:g} s; found none of use")
     verdict = drive_verdict.judge(inputs, mends, filtered, smoothed)
     return NavigatedDrive(filtered, smoothed, inputs.fixes, verdict, inputs)
 

@@ -7,6 +7,8 @@ from imugap.units import STANDARD_GRAVITY
 
 SLOWEST_HZ, FASTEST_HZ = 1e-6, 1e6
 """Range of sampling rates, wider than that of any inertial sensor [Hz]."""
+GRAVITIES = 0.1, 100.0
+"""Range of local gravity, wider than that of the planets [m/s^2]."""
 MOST = 1000
 """Largest number of processes."""
 
@@ -27,6 +29,14 @@ def rate(text: str) -> float:
     value = positive(text)
     if not SLOWEST_HZ <= value <= FASTEST_HZ:
         raise argparse.ArgumentTypeError(f"expected a rate of {SLOWEST_HZ:g} to {FASTEST_HZ:g} Hz; found {text}")
+    return value
+
+
+def gravity(text: str) -> float:
+    """Convert to a local gravity [m/s^2]."""
+    value, (low, high) = positive(text), GRAVITIES
+    if not low <= value <= high:
+        raise argparse.ArgumentTypeError(f"expected a gravity of {low:g} to {high:g} m/s^2; found {text}")
     return value
 
 
@@ -60,7 +70,7 @@ def add_seed(parser: argparse.ArgumentParser) -> None:
 def add_gravity(parser: argparse.ArgumentParser) -> None:
     """Add ``--gravity``: the local gravity [m/s^2]."""
     parser.add_argument(
-        "--gravity", type=positive, default=STANDARD_GRAVITY, help="local gravity [m/s^2] (default %(default)s)"
+        "--gravity", type=gravity, default=STANDARD_GRAVITY, help="local gravity [m/s^2] (default %(default)s)"
     )
 
 

@@ -4,7 +4,7 @@ import argparse
 import sys
 
 from imugap.atomic import atomic
-from imugap.commands.arguments import add_effects, add_examples, positive
+from imugap.commands.arguments import add_effects, add_examples, rate
 from imugap.commands.outputs import require_files
 from imugap.commands.reading import MODEL_HELP, model_at, open_model
 from imugap.commands.reduction import add_rule, rule_of
@@ -30,7 +30,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         f"of JSON, which has no comments, in a file beside it, *{NOTES}",
     )  # fmt: skip
     target.completer = lambda **_: list(Target)
-    parser.add_argument("--rate", type=positive, required=True, help="sampling rate [Hz]")
+    parser.add_argument("--rate", type=rate, required=True, help="sampling rate [Hz]")
     add_rule(parser)
     parser.add_argument("--out", required=True, help="file to write")
 

@@ -16,6 +16,8 @@ LEAST = 1e-6
 """Smallest ratio of variances of a search."""
 SWINGS = 1e3
 """Upper limit of the number of independent frequencies of a periodic change."""
+DEEPEST = 60.0
+"""Largest swing of the logarithm of the variance: beyond it numbers overflow."""
 STRETCH, SWING = ("ratio",), ("depth", "frequency", "phase")
 """Parameters that are fitted: of an interval of another variance, and of a periodic change over the whole log."""
 
@@ -33,7 +35,7 @@ class VarianceChange(VarianceEffect):
     start: float = parameter("s", "begin of the change since power-on")
     stop: float = parameter("s", "end of the change since power-on")
     ratio: float = parameter("1", "variance during the change over that outside", low=TINY, default=1.0)
-    depth: float = parameter("1", "swing of the logarithm of the variance during the change", default=0.0)
+    depth: float = parameter("1", "swing of the logarithm of the variance during the change", high=DEEPEST, default=0.0)
     frequency: float = parameter("Hz", "frequency of the swing", default=0.0)
     phase: float = parameter("rad", "phase of the swing at power-on", low=-np.inf, default=0.0)
 

@@ -22,6 +22,8 @@ COMPONENTS = ("north", "east", "down", *VELOCITY)
 """Measured components of a fix."""
 FASTEST = 1e4
 HIGHEST = 1e6
+FASTEST_HZ = 1e3
+"""Rate of fixes that no receiver exceeds [Hz]."""
 SENSE = {
     "latitude": ("less than pi/2 rad (90 deg) either way", lambda values: np.abs(values) < np.pi / 2),
     "longitude": ("at most 2 pi rad (360 deg) either way", lambda values: np.abs(values) <= 2 * np.pi),
@@ -49,6 +51,9 @@ def check(
     if len(backward):
         row = int(backward[0]) + 1
         raise LogError(source, f"{place(row)}, column {TIME}", "a time that increases", str(fixes.index[row]))
+    rate = 1 / float(np.median(np.diff(fixes.index.to_numpy())))
+    if rate > FASTEST_HZ:
+        raise LogError(source, f"column {TIME}", f"stamps in seconds, at most {FASTEST_HZ:g} Hz", f"{rate:.3g} Hz")
     for name in fixes.columns:
         values, (sense, rule) = fixes[name].to_numpy(), SENSE.get(name, _of_group(name))
         wrong = np.flatnonzero(~rule(values))

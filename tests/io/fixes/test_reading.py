@@ -159,6 +159,24 @@ def test_every_format_gives_the_same_fixes(tmp_path, name):
         assert fixes["vel_d"].isna().all() if velocities is None else np.allclose(fixes["vel_d"], -UP)
 
 
+@pytest.mark.parametrize("begin_s", [0.0, 5000.0, 1.7e9])
+@pytest.mark.parametrize(("unit", "per_second"), [("s", 1), ("ms", 1e3), ("us", 1e6), ("ns", 1e9)])
+def test_stamps_of_fixes_in_any_unit_are_converted_and_said(tmp_path, unit, per_second, begin_s):
+    time = begin_s + np.arange(COUNT)
+    stamps = time.astype(np.int64) * int(per_second)
+    rows = (f"{stamp},{48 + k * 1e-5},11.5,500" for k, stamp in enumerate(stamps))
+    found = read(text(tmp_path / "fixes.csv", "time,latitude,longitude,height", *rows))
+    np.testing.assert_allclose(found.fixes.index, time)
+    assert found.recognised[1:] == (() if unit == "s" else (f"stamps {unit} -> s from the rate",))
+
+
+@pytest.mark.parametrize("interval", [1e-12, 1e-15, 1e-4])
+def test_fixes_at_a_rate_of_no_receiver_are_refused(tmp_path, interval):
+    rows = (f"{k * interval!r},{48 + k * 1e-5},11.5,500" for k in range(COUNT))
+    with pytest.raises(LogError, match=r"column time: expected stamps in seconds, at most 1000 Hz; found .* Hz"):
+        read(text(tmp_path / "fixes.csv", "time,latitude,longitude,height", *rows))
+
+
 @pytest.mark.parametrize("fields", [DEGREES, INTEGERS], ids=["degrees", "integers"])
 def test_messages_of_a_receiver_in_a_px4_log_are_fixes_on_its_clock(tmp_path, fields):
     pytest.importorskip("pyulog")

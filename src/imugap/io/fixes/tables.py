@@ -24,6 +24,8 @@ SPELLINGS = {
     "sd_n": "sdn stdn sn", "sd_e": "sde stde se", "sd_d": "sdd stdd sdu stdu su sd",
     "sd_vel_n": "sdveln sdvn", "sd_vel_e": "sdvele sdve", "sd_vel_d": "sdveld sdvd sdvu",
 }  # fmt: skip
+INTERVALS = 0.02, 20.0
+"""Usual times between fixes of a vehicle [s]: three decades, so that one unit alone gives such a time."""
 COLUMN = {spelling: column for column, spellings in SPELLINGS.items() for spelling in spellings.split()}
 KF_GINS = {
     7: (TIME, *gnss.PLACE, *gnss.PLACE_STD),
@@ -51,10 +53,14 @@ def decode(path: Path, topic: str | None) -> Decoded:
     table = pd.DataFrame(dict(zip(known.values(), block, strict=True)))
     if "vel_u" in table:
         table["vel_d"] = -table.pop("vel_u")
-    table.index = pd.Index(stamps.seconds(raw, factor(column_names.stated_unit(time) or _unit(raw))), name=TIME)
+    stated = column_names.stated_unit(time)
+    unit = stated or _unit(raw)
+    table.index = pd.Index(stamps.seconds(raw, factor(unit)), name=TIME)
     others = [name for name in names if name and name not in known and name != time]
-    notes = (f"left out {', '.join(others)[:120]}",) if others else ()
-    return Decoded(table, notes, source.place)
+    notes = [f"left out {', '.join(others)[:120]}"] if others else []
+    if unit != "s":
+        notes.append(f"stamps {unit} -> s from the {'header' if stated else 'rate'}")
+    return Decoded(table, tuple(notes), source.place)
 
 
 def _column(name: str) -> str | None:
@@ -70,9 +76,12 @@ def _time(names: tuple[str, ...], known: dict[str, str]) -> str | None:
 
 
 def _unit(raw: np.ndarray) -> str:
-    """Return the unit of stamps of fixes: seconds, unless they would lie beyond the year 2099."""
-    first = float(raw[0]) if len(raw) else 0.0
-    return next((unit for unit in ("s", "ms", "us", "ns") if first * factor(unit) < stamps.YEARS[1]), "s")
+    """Return the unit of stamps of fixes: that of a usual interval before the year 2099, else the largest before it."""
+    first, steps = (float(raw[0]), np.diff(raw)) if len(raw) else (0.0, np.empty(0))
+    units = [unit for unit in ("s", "ms", "us", "ns") if first * factor(unit) < stamps.YEARS[1]] or ["s"]
+    interval = float(np.median(steps[steps > 0])) if (steps > 0).any() else 0.0
+    low, high = INTERVALS
+    return next((unit for unit in units if low <= interval * factor(unit) < high), units[0])
 
 
 def _nameless(source: Source) -> tuple[str, ...]:
