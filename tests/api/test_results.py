@@ -85,6 +85,16 @@ def test_an_estimate_exports_what_its_model_has(tmp_path, fit):
     assert "gyroscope_noise_density" in ig.export(ig.ErrorModel.from_mapping(MODEL), "kalibr", 20)
 
 
+def test_an_export_warns_of_what_it_leaves_out_and_writes_notes_that_the_file_cannot_hold(tmp_path):
+    line = {axis: [*effects, {"sinusoid": {"frequency": 5.0, "amplitude": 0.01}}] for axis, effects in MODEL.items()}
+    with pytest.warns(
+        UserWarning, match=r"left out: gyro_x sinusoid .*: without it the Allan deviation is 0\.\d+ times"
+    ):
+        text = ig.export(line, "matlab", 20, tmp_path / "imu.json")
+    assert (tmp_path / "imu.json").read_text() == text
+    assert "Left out: gyro_x sinusoid" in (tmp_path / "imu.json.notes.txt").read_text()
+
+
 def test_a_result_draws_itself_and_shows_itself_in_a_notebook(fit, log):
     for one in (fit, ig.check(log)):
         assert isinstance(one.plot(), Figure)

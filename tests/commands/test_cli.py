@@ -395,6 +395,22 @@ def test_an_export_without_comments_has_notes_beside_it_and_says_what_it_leaves_
     assert re.search(r"imugap: left out: gyro_x sinusoid .*: without it the Allan deviation is 0\.\d+ times", err)
 
 
+def test_an_estimate_says_what_its_export_leaves_out(here, capsys):
+    Path("coarse.yaml").write_text(
+        "\n".join(
+            f"{axis}: [{{white_noise: {{density: 1.0e-3}}}}, {{quantization: {{q: 1.0e-3}}}}]" for axis in log.AXES
+        )
+    )
+    assert cli.main(["simulate", "coarse.yaml", "--duration", "200", "--rate", "20", "--out", "coarse.csv"]) == 0
+    options = ["--terms", "white_noise,random_walk,quantization", "--to", "matlab", "imu.json"]
+    assert cli.main(["estimate", "coarse.csv", *options]) == 0
+    assert names(here) == {"coarse.yaml", "coarse.csv", "imu.json", "imu.json.notes.txt"}
+    notes = Path("imu.json.notes.txt").read_text()
+    said = re.findall(r"imugap: left out: (gyro_x quantization \(q .*)", capsys.readouterr().err)
+    assert len(said) == 1
+    assert f"Left out: {said[0]}" in notes
+
+
 def test_a_program_holds_the_effects_of_a_plug_in_and_says_what_it_leaves_out(here, capsys, monkeypatch):
     monkeypatch.syspath_prepend(str(Path(__file__).parents[2]))
     effects = "{white_noise: {density: 1}}, {stability_restoration: {stability: 1, period: 1}}, {dead_band: {width: 2}}"

@@ -17,7 +17,7 @@ from imugap.estimation import report
 from imugap.estimation.report import AxisEstimate, EstimatorSettings
 from imugap.integrity.regular import Regular
 from imugap.interchange.conventions import Rule
-from imugap.interchange.export import PROGRAMS, Target, export
+from imugap.interchange.export import PROGRAMS, ExportedFile, Target, exported
 from imugap.interchange.start_bias import start_bias
 from imugap.io.recording import Recording
 from imugap.log import TEMPERATURE
@@ -52,8 +52,8 @@ class LogEstimate:
         """Return the sampling rate to nine digits, without the round-off of the stamps [Hz]."""
         return float(f"{1 / self.regular.interval:.9g}")
 
-    def export(self, target: Target, rule: Rule, gravity: float) -> str:
-        """Return the text of a file for a filter: estimates, bounds for what the log hides, and its bias at rest.
+    def export(self, target: Target, rule: Rule, gravity: float) -> ExportedFile:
+        """Return the file for a filter: estimates, bounds for what the log hides, and its bias at rest.
 
         Parameters
         ----------
@@ -67,7 +67,7 @@ class LogEstimate:
         bounds: dict[str, tuple[Effect, ...]] = {}
         if target is not Target.IMUGAP and target not in PROGRAMS:
             bounds = {one.axis: limits for one in self.axes if (limits := report.bounds(one))}
-        return export(ErrorModel(axes), target, rule, bounds)
+        return exported(ErrorModel(axes), target, rule, bounds)
 
 
 def require_axes(recording: Recording, asked: Sequence[str] = ()) -> list[str]:

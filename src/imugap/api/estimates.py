@@ -1,7 +1,9 @@
 """Estimate the stochastic effects of a device at rest, and export them for a filter or a simulator."""
 
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -10,14 +12,14 @@ import pandas as pd
 
 from imugap.analysis import estimate as analysis
 from imugap.analysis.estimate import LogEstimate
-from imugap.api.logs import LogSource, read
+from imugap.api.logs import LogSource, ModelSource, open_model, read
 from imugap.api.result import Result, SourcePath, call
-from imugap.atomic import atomic
+from imugap.atomic import write_together
 from imugap.estimation import report
 from imugap.estimation.report import AxisEstimate, EstimatorSettings, Method
 from imugap.interchange import export as conversion
 from imugap.interchange.conventions import Rule, Triad
-from imugap.interchange.export import Target
+from imugap.interchange.export import ExportedFile, Target
 from imugap.model import ErrorModel
 from imugap.pages.provenance import Provenance
 from imugap.units import STANDARD_GRAVITY
@@ -93,7 +95,9 @@ class Estimated(Result):
     ) -> str:
         """Return the parameters as a filter or simulator takes them, and write them to ``path`` if it is given.
 
-        What a tool requires and the log does not show is at its upper limit, and the file says so.
+        What a tool requires and the log does not show is at its upper limit, and the file says so. What the tool
+        cannot hold is a warning, with the size of each effect and what leaving it out costs; notes on a file whose
+        format has no comments are written beside it.
 
         Parameters
         ----------
@@ -106,9 +110,18 @@ class Estimated(Result):
         triad
             How three axes become one number, ``rms`` or ``worst``.
         """
+        return _given(self.exported(target, horizon, correlation_time, triad), path)
+
+    def exported(
+        self,
+        target: str,
+        horizon: float = HORIZON,
+        correlation_time: float | None = None,
+        triad: str = Triad.MEAN_SQUARE,
+    ) -> ExportedFile:
+        """Return the file of :meth:`export` as a value, with what it leaves out; nothing is written, nothing warns."""
         rule = Rule(self.rate_hz, horizon, correlation_time, Triad(triad))
-        text = self.estimate.export(Target.of(target), rule, self.gravity)
-        return text if path is None else _written(text, path)
+        return self.estimate.export(Target.of(target), rule, self.gravity)
 
     def plot(self) -> "Figure":
         """Draw the Allan deviation of each axis against that of its model."""
@@ -171,7 +184,7 @@ def estimate(
 
 
 def export(
-    model: ErrorModel,
+    model: ModelSource,
     target: str,
     rate: float,
     path: SourcePath | None = None,
@@ -182,13 +195,17 @@ def export(
 ) -> str:
     """Return an error model as a filter or simulator takes it, and write it to ``path`` if it is given.
 
-    Parameters as :meth:`Estimated.export`, and ``rate``, the sampling rate [Hz].
+    Parameters as :meth:`Estimated.export`, and ``rate``, the sampling rate [Hz]. What the tool cannot hold is a
+    warning.
     """
-    text = conversion.export(model, Target.of(target), Rule(rate, horizon, correlation_time, Triad(triad)))
-    return text if path is None else _written(text, path)
+    rule = Rule(rate, horizon, correlation_time, Triad(triad))
+    return _given(conversion.exported(open_model(model).at(rate).model, Target.of(target), rule), path)
 
 
-def _written(text: str, path: SourcePath) -> str:
-    with atomic(Path(path)) as partial:
-        partial.write_text(text)
-    return text
+def _given(file: ExportedFile, path: SourcePath | None) -> str:
+    """Return the text, warn of what is left out, and write the file with its notes."""
+    for one in file.left_out:
+        warnings.warn(f"left out: {one}", stacklevel=3)
+    if path is not None:
+        write_together({to: partial(Path.write_text, data=text) for to, text in file.texts(path).items()})
+    return file.text

@@ -12,7 +12,15 @@ from pathlib import Path
 from imugap.api.estimates import Estimated, estimate
 from imugap.atomic import is_stream, write_together
 from imugap.commands.arguments import add_examples, add_gravity, positive
-from imugap.commands.outputs import FOLDER_HELP, add_format, format_of, require_files, require_folder
+from imugap.commands.outputs import (
+    FOLDER_HELP,
+    add_format,
+    format_of,
+    require_files,
+    require_folder,
+    say_left_out,
+    text_writers,
+)
 from imugap.commands.reading import LOG_HELP, add_reading, read, settings_of
 from imugap.commands.reduction import add_rule
 from imugap.commands.shown import habit, interval_text, number, table_text
@@ -68,7 +76,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", help=f"{folder}; or a file {RECORDS} for the estimates alone")
     parser.add_argument(
         "--to", nargs=2, action="append", default=[], metavar=("TARGET", "FILE"),
-        help=f"parameters for a filter or simulator ({', '.join(Target)}), and the file for them; may be repeated",
+        help=f"parameters for a filter or simulator ({', '.join(Target)}), and the file for them; may be "
+        "repeated. What a target cannot hold is named as `export` does",
     )  # fmt: skip
     add_rule(parser)
     add_gravity(parser)
@@ -92,7 +101,10 @@ def run(options: argparse.Namespace) -> None:
     for remark in found.remarks:
         print(f"imugap: {remark}", file=sys.stderr)
     rule = {"horizon": options.horizon, "correlation_time": options.correlation_time, "triad": options.triad}
-    texts = {path: found.export(name, **rule) for name, path in options.to}
+    files = {path: found.exported(name, **rule) for name, path in options.to}
+    for file in files.values():
+        say_left_out(file)
+    texts = {place: text for path, file in files.items() for place, text in file.texts(path).items()}
     write_together(_writers(found, texts, options, whole))
     if folder is not None:
         found.made_by(options.command_line).report(folder, options.format)
@@ -105,12 +117,10 @@ def _is_file(path: str) -> bool:
 
 
 def _writers(
-    found: Estimated, texts: dict[str, str], options: argparse.Namespace, whole: bool
+    found: Estimated, texts: dict[str | Path, str], options: argparse.Namespace, whole: bool
 ) -> dict[str | Path, Callable[[Path], object]]:
     """Return the writer of each single file that is asked for."""
-    writers: dict[str | Path, Callable[[Path], object]] = {
-        path: lambda to, text=text: to.write_text(text) for path, text in texts.items()
-    }
+    writers = text_writers(texts)
     if options.out and not whole:
         writers[options.out] = lambda path: path.write_text(report.to_json(found.axes))
     if options.table:

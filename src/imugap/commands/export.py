@@ -1,17 +1,13 @@
 """Write an error model in the form that a filter or a simulator reads, or as a program that applies it."""
 
 import argparse
-import sys
 
-from imugap.atomic import atomic
+from imugap.atomic import write_together
 from imugap.commands.arguments import add_effects, add_examples, rate
-from imugap.commands.outputs import require_files
+from imugap.commands.outputs import require_files, say_left_out, text_writers
 from imugap.commands.reading import MODEL_HELP, model_at, open_model
 from imugap.commands.reduction import add_rule, rule_of
-from imugap.interchange.export import Target, export, notes, omitted
-
-NOTES = ".notes.txt"
-"""End of the name of the file beside one whose format has no comments."""
+from imugap.interchange.export import NOTES, Target, exported
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -39,12 +35,6 @@ def run(options: argparse.Namespace) -> None:
     """Export the model to ``--out``."""
     require_files({"--out": options.out}, [options.model])
     model, target = model_at(open_model(options.model, options.effects), options.rate), Target.of(options.to)
-    rule = rule_of(options, options.rate)
-    text, beside = export(model, target, rule), notes(model, target, rule)
-    for one in omitted(model, target, rule):
-        print(f"imugap: left out: {one}", file=sys.stderr)
-    with atomic(options.out) as partial:
-        partial.write_text(text)
-    if beside:
-        with atomic(f"{options.out}{NOTES}") as partial:
-            partial.write_text("\n".join(beside) + "\n")
+    file = exported(model, target, rule_of(options, options.rate))
+    say_left_out(file)
+    write_together(text_writers(file.texts(options.out)))

@@ -3,11 +3,14 @@
 import argparse
 import os
 import shutil
-from collections.abc import Iterable, Mapping
+import sys
+from collections.abc import Callable, Iterable, Mapping
+from functools import partial
 from pathlib import Path
 from tempfile import gettempdir
 
 from imugap import atomic, spelling
+from imugap.interchange.export import ExportedFile
 from imugap.io.formats.gnss_ins_sim import files as files_of
 from imugap.workflow.products import METADATA
 
@@ -118,3 +121,14 @@ def _require_writable(path: str | Path, what: str) -> None:
         raise ValueError(f"{path}: {what}: expected a folder at {folder}; found a file")
     if not os.access(folder, os.W_OK | os.X_OK):
         raise ValueError(f"{path}: {what}: expected a folder that can be written; found {folder} to be read-only")
+
+
+def say_left_out(file: ExportedFile) -> None:
+    """Print what an exported file leaves out on the standard error, a line for each effect."""
+    for one in file.left_out:
+        print(f"imugap: left out: {one}", file=sys.stderr)
+
+
+def text_writers(texts: Mapping[str | Path, str]) -> dict[str | Path, Callable[[Path], object]]:
+    """Return the writer of each of some texts."""
+    return {path: partial(Path.write_text, data=text) for path, text in texts.items()}

@@ -5,17 +5,18 @@ approximated (and how well), and omitted. A program (:mod:`imugap.interchange.co
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from enum import StrEnum
+from os import PathLike
+from pathlib import Path
 from types import MappingProxyType
 
 import numpy as np
 import yaml
 
 from imugap import log, spelling
-from imugap.effects import (
-    WhiteNoise,
-)
+from imugap.atomic import is_stream
+from imugap.effects import WhiteNoise
 from imugap.effects.effect import AxisModel, Effect
 from imugap.interchange import simulator_files
 from imugap.interchange.augmentation import augmentation
@@ -78,6 +79,42 @@ class Target(StrEnum):
         if name not in list(cls):
             raise ValueError(f"target: expected {spelling.expected(name, cls)}; found {name!r}")
         return cls(name)
+
+
+NOTES = ".notes.txt"
+"""End of the name of the file beside one whose format has no comments."""
+
+
+@dataclass(frozen=True)
+class ExportedFile:
+    """File for a target.
+
+    Attributes
+    ----------
+    text
+        The file.
+    left_out
+        What it leaves out, with the size of each effect and what it costs.
+    notes
+        Notes that its format has no comments for; none where it begins with them.
+    """
+
+    text: str
+    left_out: tuple[str, ...]
+    notes: tuple[str, ...] = ()
+
+    def texts(self, path: str | PathLike[str]) -> dict[str | Path, str]:
+        """Return the text of each file to write: the file, and its notes beside it, unless it is a stream."""
+        beside = bool(self.notes) and not is_stream(path)
+        return {Path(path): self.text} | ({f"{path}{NOTES}": "\n".join(self.notes) + "\n"} if beside else {})
+
+
+def exported(
+    model: ErrorModel, target: Target, rule: Rule, bounds: Mapping[str, Sequence[Effect]] = MappingProxyType({})
+) -> ExportedFile:
+    """Return the file for a target with what it leaves out; parameters as :func:`export`."""
+    text = export(model, target, rule, bounds)
+    return ExportedFile(text, tuple(omitted(model, target, rule)), tuple(notes(model, target, rule, bounds)))
 
 
 def export(

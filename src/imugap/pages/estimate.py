@@ -29,7 +29,7 @@ def page(found: LogEstimate, gravity: float) -> Page:
             Part("Allan deviations", (Text(ALLAN), _curves(found))),
             Part("Parameters", (_parameters(found),)),
             simulator_part(found.model, rule),
-            filter_part(lambda target: found.export(target, rule, gravity)),
+            filter_part(lambda target: found.export(target, rule, gravity).text),
             Part("What was undone or left out", (Points(remarks),) if remarks else ()),
             Part("The log", (log_gallery(found.regular),)),
         ),
