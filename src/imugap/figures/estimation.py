@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator, StrMethodFormatter
 
 from imugap.figures.style import AXIS_TITLES, allan_label, allan_unit, card, legend_below, panels_of
 from imugap.units import from_si
@@ -22,7 +23,7 @@ TITLES = {
 }
 COLOURS = {
     "allan": "#D55E00",
-    "allan_separated": "#F0E442",
+    "allan_separated": "#999933",
     "indirect_interval": "#56B4E9",
     "indirect_diagonal": "#0072B2",
     "indirect_full": "#009E73",
@@ -41,6 +42,9 @@ SYMBOLS = {
     ("rate_ramp", "slope"): "R",
 }
 """Symbol of each parameter, by effect and name."""
+MARKERS = {"indirect_interval": "o", "indirect_diagonal": "s", "indirect_full": "^", "indirect_simulated": "x"}
+TIMES = {"ls": ("-", "--", ":"), "marker": ("o", "s", "^")}
+"""Looks of the correlation times, from the shortest."""
 LARGEST = 3.0
 """Ratio to the truth beyond which an estimate is drawn at the edge."""
 
@@ -78,7 +82,9 @@ def distributions(estimates: pd.DataFrame, truth: dict[int, pd.Series], bounds: 
         column[0].set_title(f"T = {time} s")
     grid[0, 0].invert_yaxis()
     for row, (effect, parameter) in zip(grid, rows, strict=True):
-        row[len(row) // 2].set_xlabel(f"{SYMBOLS[effect, parameter]} estimated / true")
+        for panel in row:
+            panel.set_xlabel(f"{_symbol(effect, parameter)} estimated / true")
+            panel.xaxis.set_major_locator(MaxNLocator(4, steps=[1, 2, 5, 10]))
     return figure
 
 
@@ -93,15 +99,17 @@ def iterations(histories: dict[str, pd.DataFrame], truth: pd.Series) -> Figure:
         Values, index ``effect``, ``ordinal``, ``parameter``.
     """
     keys = [key for key in truth.index if (key[0], key[2]) in SYMBOLS and key[2] != "driving_psd"]
-    figure, grid = panels_of(1, len(keys), 1.9, sharex=True)
+    figure, grid = panels_of(1, len(keys), 2.1, sharex=True)
     for key, panel in zip(keys, grid[0], strict=True):
         for name, history in histories.items():
             ratio = history[" ".join(map(str, key))] / truth[key]
-            panel.plot(history.index, ratio, marker=".", color=COLOURS[name], label=TITLES[name])
+            panel.plot(history.index, ratio, marker=MARKERS[name], ms=4, mfc="none", color=COLOURS[name],
+                       label=TITLES[name])  # fmt: skip
         panel.axhline(1, color="black", lw=0.6)
-        panel.set(title=SYMBOLS[key[0], key[2]], xlabel="iteration")
+        panel.set(title=_symbol(key[0], key[2]), xlabel="iteration")
+        panel.xaxis.set_major_locator(MaxNLocator(4, integer=True))
     grid[0, 0].set_ylabel("estimate / truth")
-    legend_below(figure, 3)
+    legend_below(figure, 4)
     return figure
 
 
@@ -115,18 +123,27 @@ def bounds(table: pd.DataFrame) -> Figure:
         ``bound`` (relative).
     """
     keys = [key for key in SYMBOLS if key in set(zip(table["effect"], table["parameter"], strict=True))]
-    figure, grid = panels_of(1, len(keys), 2.4, sharex=True, sharey=True)
-    models = list(table["model"].unique())
+    figure, grid = panels_of(1, len(keys), 2.6, sharex=True, sharey=True)
+    colours = dict(zip(table["model"].unique(), ("black", "#999999", "#56B4E9", "#0072B2"), strict=False))
+    times = sorted(table["time"].dropna().unique())
     for (effect, parameter), panel in zip(keys, grid[0], strict=True):
         of = table[(table["effect"] == effect) & (table["parameter"] == parameter)]
         for (model, time), line in of.groupby(["model", "time"], dropna=False, sort=False):
-            label = model if np.isnan(time) else f"{model}, T = {time:g} s"
-            shade = 1.0 if np.isnan(time) else 1.0 - 0.3 * sorted(table["time"].dropna().unique()).index(time)
-            colour = list(COLOURS.values())[models.index(model)]
-            panel.plot(line["length"] / 3600, 100 * line["bound"], color=colour, alpha=shade, marker=".", label=label)
-        panel.axhline(20, color="black", lw=0.5, ls=":")
-        panel.set(title=SYMBOLS[effect, parameter], xscale="log", yscale="log", xlabel="length [h]")
+            place = 0 if np.isnan(time) else times.index(time)
+            panel.plot(
+                line["length"] / 3600,
+                100 * line["bound"],
+                color=colours[model],
+                ms=3,
+                label=model if np.isnan(time) else f"{model}, T = {time:g} s",
+                **{key: looks[place] for key, looks in TIMES.items()},
+            )
+        panel.axhline(20, color="black", lw=1, ls=":")
+        panel.set(title=_symbol(effect, parameter), xscale="log", yscale="log", xlabel="length [h]")
+        panel.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+        panel.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
     grid[0, 0].set_ylabel("bound [%]")
+    grid[0, 0].text(0.03, 22, "20 %", transform=grid[0, 0].get_yaxis_transform(), fontsize=7)
     legend_below(figure, 4)
     return figure
 
@@ -151,10 +168,15 @@ def contamination(summary: pd.DataFrame) -> Figure:
             panel.bar(place, 100 * one["rmse"], 0.8 / len(methods), color=COLOURS[name], label=TITLES[name])
             ends = 100 * np.abs(one[["rmse_low", "rmse_high"]].to_numpy().T - one["rmse"].to_numpy())
             panel.errorbar(place, 100 * one["rmse"], ends, fmt="none", color="black", lw=0.8)
-        panel.set(title=SYMBOLS[effect, parameter], yscale="log", xticks=range(len(logs)), xticklabels=logs)
+        panel.set(title=_symbol(effect, parameter), yscale="log", xticks=range(len(logs)), xticklabels=logs)
     grid[0, 0].set_ylabel("error (RMS) [%]")
     legend_below(figure, 4)
     return figure
+
+
+def _symbol(effect: str, parameter: str) -> str:
+    """Return the symbol of a parameter as a formula."""
+    return f"${SYMBOLS[effect, parameter]}$"
 
 
 def goodness(table: pd.DataFrame) -> Figure:

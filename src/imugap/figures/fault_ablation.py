@@ -5,6 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
 from imugap.figures.style import WIDTH, NotebookFigure, decades, legend_below, panels_of
 from imugap.io import gnss
@@ -71,29 +72,33 @@ def sensors(runs: Mapping[str, AblationRun]) -> Figure:
 
 def schemes(scores: pd.DataFrame) -> Figure:
     """Draw the 95th percentile of the horizontal error of all runs, and the effect of the gate on bias estimates."""
-    figure = NotebookFigure(figsize=(WIDTH, 3.2), layout="constrained")
-    left, *others = figure.subplots(1, 3, width_ratios=[1.6, 1, 1])
+    figure = NotebookFigure(figsize=(WIDTH, 4.4), layout="constrained")
+    left, *others = figure.subplot_mosaic([["left", "gyro"], ["left", "accel"]], width_ratios=[1.7, 1]).values()
     spread = np.linspace(-0.12, 0.12, scores["run"].nunique())
     for k, name in enumerate(TITLES):
         for case, shift, colour in ((CLEAN, -0.2, "#999999"), (CONTAMINATED, 0.2, COLOURS[name])):
             values = scores[(scores["scheme"] == name) & (scores["case"] == case)]["horizontal_95"].to_numpy()
             if not len(values):
                 continue
-            left.plot(k + shift + spread, values, ".", color=colour, ms=2.5)
-            left.plot([k + shift - 0.16, k + shift + 0.16], [np.median(values)] * 2, color="black", lw=1.2)
-    left.set_xticks(range(len(TITLES)), TITLES.values(), rotation=35, ha="right", fontsize=6.5)
-    left.set_ylabel("95th percentile, horizontal [m]")
-    decades(left)
+            left.plot(values, k + shift + spread, ".", color=colour, ms=3.5)
+            left.plot([np.median(values)] * 2, [k + shift - 0.2, k + shift + 0.2], color="black", lw=1.2)
+    left.set_yticks(range(len(TITLES)), TITLES.values())
+    left.set_xlabel("95th percentile of the horizontal error [m]")
+    left.invert_yaxis()
+    left.set_xscale("log")
+    left.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    left.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+    left.xaxis.set_minor_formatter(NullFormatter())
     bad = scores[scores["case"] == CONTAMINATED]
-    for panel, name, title, unit in ((others[0], "gyro_bad", "gyro bias [°/h]", "deg/h"),
-                                     (others[1], "accel_bad", "accel bias [mg]", "mg")):  # fmt: skip
+    for panel, name, title, unit in ((others[0], "gyro_bad", "Gyroscope bias [°/h]", "deg/h"),
+                                     (others[1], "accel_bad", "Accelerometer bias [mg]", "mg")):  # fmt: skip
         of = from_si(bad.pivot(index="run", columns="scheme", values=name), unit)
-        panel.plot(of["none"], of["gate"], ".", color=COLOURS["gate"], ms=4, label="no other control")
-        panel.plot(of["robust"], of["gated"], ".", color=COLOURS["gated"], ms=4, label="weighed down")
+        panel.plot(of["none"], of["gate"], "o", color=COLOURS["gate"], ms=3.5, label="gate alone")
+        panel.plot(of["robust"], of["gated"], "^", color=COLOURS["gated"], ms=3.5, label="beside down-weighting")
         end = 1.05 * of[["none", "gate", "robust", "gated"]].max().max()
         panel.plot([0, end], [0, end], color="black", lw=0.6)
-        panel.set(xlabel="without gate", ylabel="with gate", title=f"error of {title}", xlim=(0, end), ylim=(0, end))
-    others[0].legend(fontsize=6.5, loc="upper left")
+        panel.set(xlabel="error without gate", ylabel="error with gate", title=title, xlim=(0, end), ylim=(0, end))
+    figure.legend(*others[0].get_legend_handles_labels(), loc="outside lower right", ncols=2)
     return figure
 
 

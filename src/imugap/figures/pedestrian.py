@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator, NullLocator, StrMethodFormatter
+from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator, StrMethodFormatter
 from mpl_toolkits.axes_grid1.anchored_artists import AnchoredSizeBar
 
 from imugap.figures import static
@@ -203,20 +203,22 @@ def sensitivity(table: pd.DataFrame, sets: Mapping[str, str], detectors: Sequenc
     for panel, (varied, quantity) in zip(grid[0], quantities.items(), strict=True):
         chosen = table[table["varied"] == varied]
         for (name, _), one in chosen.groupby(["dataset", "run"]):
-            style = {"ls": "", "marker": "."} if varied == "detector" else {"lw": 0.7}
+            style = {"ls": "", "marker": ".", "ms": 4} if varied == "detector" else {"lw": 0.6, "alpha": 0.6}
             shift = 0.06 * (list(sets).index(name) - 1.5) if varied == "detector" else 0
             panel.plot(one["value"] + shift, one[quantity], color=colours[name], label=sets[name], **style)
         middle = chosen.groupby("value")[quantity].median()
-        panel.plot(middle.index, middle, "k_" if varied == "detector" else "k-", ms=22, lw=2, label="median of all")
+        panel.plot(
+            middle.index, middle, "k_" if varied == "detector" else "k-", ms=22, lw=2, zorder=3, label="median of all"
+        )
     grid[0, 0].set(xscale="log", yscale="log", xlabel="threshold / usual one", ylabel="end error [% of distance]")
     grid[0, 1].set(yscale="log", ylabel="end error [% of distance]", xlabel="detector")
-    grid[0, 1].set_xticks(range(len(detectors)), detectors, fontsize=6.5)
+    grid[0, 1].set_xticks(range(len(detectors)), detectors)
     grid[0, 2].set(xlabel="accelerometers later by [ms]", ylabel="height too much [m]")
     for panel in grid[0, :2]:
         panel.axhline(1, color="#888888", lw=0.5)
         panel.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
-    factors = table.loc[table["varied"] == "threshold", "value"].unique()
-    grid[0, 0].set_xticks(factors, [f"{factor:g}" for factor in factors], fontsize=6.5)
+    grid[0, 0].xaxis.set_major_locator(LogLocator(base=2))
+    grid[0, 0].xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
     grid[0, 0].xaxis.set_minor_locator(NullLocator())
     legend_below(figure, 5)
     return figure
@@ -251,14 +253,14 @@ def predictions(ends: pd.DataFrame, titles: Mapping[tuple[str, int], str], score
                 row[0].plot(number + shift, middle, "_", color="black", ms=4, mew=0.8)
             row[0].plot(number, one.loc["measured"], "D", color="black", ms=3.5, label="measured", zorder=5)
         row[0].set_xticks(range(len(titles)), titles.values() if quantity == "horizontal" else [], rotation=90)
-        row[0].tick_params(axis="x", labelsize=6.5)
+        row[0].tick_params(axis="x", labelsize=7)
         row[0].grid(axis="x", visible=False)
         bins = np.linspace(0, 1, 6)
         for name, shift in zip(names, np.linspace(-0.06, 0.06, len(names)), strict=True):
             counts, _ = np.histogram(scores.loc[scores["by"] == name, f"place_{quantity}"], bins)
             row[1].bar((bins[1:] + bins[:-1]) / 2 + shift, counts, width=0.04, color=PREDICTED[name])
         row[1].axhline(len(titles) / 5, color="black", lw=0.8, ls="--")
-        row[1].set(xlabel="place: 0 in the middle, 1 beyond" if quantity == "horizontal" else "", ylabel="walks")
+        row[1].set(xlabel="place (1: beyond)" if quantity == "horizontal" else "", ylabel="walks")
         row[1].yaxis.set_major_locator(MaxNLocator(integer=True))
     grid[0, 0].set_ylabel("height too much [m]")
     grid[1, 0].set_ylabel("horizontal end error [m]")

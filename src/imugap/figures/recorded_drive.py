@@ -5,10 +5,14 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from imugap.figures.fault_ablation import COLOURS, TITLES
-from imugap.figures.style import WIDTH, NotebookFigure, decades, legend_below, panels_of
+from imugap.figures.style import decades, legend_below, panels_of
 from imugap.kinematics.strapdown import ATTITUDE
 from imugap.navigation.vehicle import DriveSolution
+from imugap.study.fault_ablation import SMOOTHED, WHEELS, WHOLE
 
+GROUPS = (("none", "gate", "remove"), ("robust", "gated", "reset", "hindsight"),
+          (WHEELS[WHOLE], SMOOTHED, WHEELS[SMOOTHED]))  # fmt: skip
+"""Schemes that share a panel."""
 MODELS = {"rest": ("model of the rest", "#D55E00"), "tuned": ("tuned model", "#0072B2"),
           "wheels": ("tuned model, wheels", "#882255")}  # fmt: skip
 
@@ -52,23 +56,22 @@ def track(table: pd.DataFrame) -> Figure:
     table
         Columns ``time``, ``north``, ``east``, ``scheme``: positions of ``fixes`` and ``truth``, errors of the others.
     """
-    figure = NotebookFigure(figsize=(WIDTH, 3.4), layout="constrained")
-    left, right = figure.subplots(1, 2, width_ratios=[1, 1.5])
+    figure, grid = panels_of(2, 2, 5.4)
+    above = {"loc": "lower left", "bbox_to_anchor": (0, 1), "ncols": 2, "borderaxespad": 0.1}
+    first, *others = grid.flat
     of = dict(list(table.groupby("scheme")))
-    left.plot(
-        of["fixes"]["east"], of["fixes"]["north"], ".", color="#D55E00", ms=2.5, label="fixes, degraded and spoilt"
-    )
-    left.plot(of["truth"]["east"], of["truth"]["north"], color="black", lw=0.8, label="truth (RTK)")
-    left.set(xlabel="east [m]", ylabel="north [m]", aspect="equal")
-    left.legend(fontsize=6)
-    handles = []
-    for name, title in ((name, title) for name, title in TITLES.items() if name in of):
-        one = of[name]
-        error = np.hypot(one["north"], one["east"])
-        handles += right.plot(one["time"], error, color=COLOURS[name], lw=0.8, label=title)
-    decades(right)
-    right.set(xlabel="time [s]", ylabel="horizontal error [m]", ylim=(0.05, None))
-    figure.legend(handles=handles, loc="outside lower center", ncols=4)
+    first.plot(of["fixes"]["east"], of["fixes"]["north"], ".", color="#D55E00", ms=2.5, label="fixes, degraded and bad")
+    first.plot(of["truth"]["east"], of["truth"]["north"], color="black", lw=0.8, label="truth (RTK)")
+    first.set(xlabel="east [m]", ylabel="north [m]")
+    first.set_aspect("equal", adjustable="datalim")
+    first.legend(**above)
+    for panel, group in zip(others, GROUPS, strict=True):
+        for name, look in zip((name for name in group if name in of), ("-", "--", ":", "-."), strict=False):
+            error = np.hypot(of[name]["north"], of[name]["east"])
+            panel.plot(of[name]["time"], error, look, color=COLOURS[name], lw=0.9, label=TITLES[name])
+        decades(panel)
+        panel.set(xlabel="time [s]", ylabel="horizontal error [m]", ylim=(0.05, 30))
+        panel.legend(**above)
     return figure
 
 

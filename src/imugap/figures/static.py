@@ -27,7 +27,7 @@ TITLES = {
 COLOURS = {
     "bias_only": "#999999",
     "white": "#56B4E9",
-    "white_turn_on": "#F0E442",
+    "white_turn_on": "#999933",
     "rate_random_walk": "#E69F00",
     "method_a": "#D55E00",
     "method_b": "#CC79A7",
@@ -155,10 +155,10 @@ def differences(time: np.ndarray, differences: Mapping[str, np.ndarray], drawn: 
     rows = {"east [m]": np.asarray, "north [m]": np.asarray, "heading [°]": np.rad2deg}
     figure, grid = panels_of(3, len(differences), 4.6, sharex=True, sharey="row")
     for k, (row, (label, convert)) in enumerate(zip(grid, rows.items(), strict=True)):
-        row[0].set_ylabel(f"d {label}")
+        row[0].set_ylabel(f"measured − simulated,\n{label}")
         usual = convert(np.median([np.abs(difference[:, -1, k]).max() for difference in differences.values()]))
         for panel in row:
-            panel.set_yscale("symlog", linthresh=10.0 ** np.floor(np.log10(usual)))
+            panel.set_yscale("symlog", linthresh=10.0 ** np.floor(np.log10(usual)), linscale=0.7)
     for column, (name, difference) in zip(grid.T, differences.items(), strict=True):
         for k, (panel, convert) in enumerate(zip(column, rows.values(), strict=True)):
             shown = convert(difference[:, :, k])
@@ -166,8 +166,8 @@ def differences(time: np.ndarray, differences: Mapping[str, np.ndarray], drawn: 
             panel.fill_between(time, low, high, color=COLOURS[name], alpha=0.3, lw=0)
             panel.plot(time, shown[:drawn].T, color=COLOURS[name], lw=0.6)
             panel.axhline(0, color="black", lw=0.5)
-        column[0].set_title(TITLES[name].replace(" + white", "\n+ white"))
-        column[-1].set(xlabel="time [s]", xlim=(0, time[-1]))
+        column[0].set_title(TITLES[name])
+        column[-1].set(xlabel="time [s]", xlim=(0, time[-1]), xticks=[0, time[-1] / 2])
     return figure
 
 

@@ -24,10 +24,11 @@ STYLE = {
     "legend.fontsize": 7,
     "svg.hashsalt": "imugap",
     "savefig.bbox": "tight",
+    "savefig.pad_inches": 0.04,
     "figure.dpi": 120,
 }
-WIDTH = 7.2
-"""Width of a full-width figure [inch]."""
+WIDTH = 6.65
+"""Width of a full-width figure [inch]: that of the text on the page, so that a point is a point there."""
 CARD = 3.6
 """Width of a figure that a phone shows as it is [inch]."""
 

@@ -54,7 +54,7 @@ def unseen_runs(found: pd.DataFrame, bands: pd.DataFrame) -> Figure:
     last.plot(bands.loc[names, "distance"], rows, "o", ms=4, color="black", label="distance")
     last.plot(bands.loc[names, "floor"], rows, "|", ms=9, color="#0072B2", label="upper end of its floor")
     last.set(title="distance in\ndistribution", xscale="log")
-    last.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5), numticks=8))
+    last.xaxis.set_major_locator(LogLocator(subs=(1, 1.5, 2, 3, 5, 7)))
     last.xaxis.set_major_formatter("{x:g}")
     last.xaxis.set_minor_formatter(NullFormatter())
     grid[0, 0].set_yticks(rows, [TITLES[name] for name in names])
