@@ -64,9 +64,9 @@ class EstimatorSettings:
     robust
         Whether to use the robust wavelet variance, on which outliers have a bounded effect.
     level
-        Confidence level of the intervals, and of the selections on all axes together.
+        Confidence level of the intervals, and of the selections and tests of fit on all axes together.
     axes
-        Number of axes for which effects are selected.
+        Number of axes that are estimated.
     """
 
     kinds: Kinds | None = None
@@ -75,6 +75,11 @@ class EstimatorSettings:
     robust: bool = False
     level: float = 0.95
     axes: int = 1
+
+    @property
+    def decision_level(self) -> float:
+        """Return the confidence level of the decisions on one axis."""
+        return joint_level(self.level, self.axes)
 
     def __post_init__(self) -> None:
         """Check that the method supports the settings; ValueError otherwise."""
@@ -247,7 +252,9 @@ def estimate_axis(
             values, found = values - term.values, replace(found, choice=term.choice)
         fit, highest = _fitted(values, interval, settings, found, share)
         width = SEPARATING if highest < 0.5 / interval else 2
-        checked = goodness_of_fit.of(fit.model, values, interval, width=width, highest=highest, share=share)
+        checked = goodness_of_fit.of(
+            fit.model, values, interval, settings.decision_level, width, highest=highest, share=share
+        )
     except ValueError as error:
         raise ValueError(f"{axis}: {error}") from error
     remarks = screened.sentences(interval, start)
@@ -333,8 +340,7 @@ def _temperature_term(
     def select(rest: np.ndarray) -> Choice:
         return choose(rest, interval, found.highest, settings.level, share, found.terms, settings.axes)
 
-    level = joint_level(settings.level, settings.axes)
-    return temperature_term(values, temperature, interval, found.choice, select, level)
+    return temperature_term(values, temperature, interval, found.choice, select, settings.decision_level)
 
 
 def bounds(estimate: AxisEstimate) -> tuple[WhiteNoise | RandomWalk, ...]:

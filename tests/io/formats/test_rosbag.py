@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from tests.io.devices import RATE, at_rest, times
 
+from imugap.io.fixes import reading
 from imugap.io.recording import RecordingSettings, read
 from imugap.log import LogError
 
@@ -16,8 +17,11 @@ START_S = 1_700_000_000
 ENDINGS = {"bag": ".bag", "db3": "", "mcap": ""}
 
 
-def write_bag(path, kind, topics, stamped=True):
-    """Write samples, shape (n, 6), of each topic as messages sensor_msgs/Imu."""
+def write_bag(path, kind, topics, stamped=True, others=()):
+    """Write samples, shape (n, 6), of each topic as messages sensor_msgs/Imu, and other messages.
+
+    ``others`` are topic, type, and a function from the types to pairs of a time [s] and the fields of a message.
+    """
     store = get_typestore(Stores.ROS1_NOETIC if kind == "bag" else Stores.ROS2_HUMBLE)
     known = store.types
     vector, header = known["geometry_msgs/msg/Vector3"], known["std_msgs/msg/Header"]
@@ -29,17 +33,25 @@ def write_bag(path, kind, topics, stamped=True):
         plugin = rosbag2.StoragePlugin.MCAP if kind == "mcap" else rosbag2.StoragePlugin.SQLITE3
         writer, serialize = rosbag2.Writer(path, version=9, storage_plugin=plugin), store.serialize_cdr
     none = np.zeros(9)
+
+    def head(time, k):
+        second, rest = divmod(time if stamped else 0, 10**9)
+        extra = {"seq": k} if kind == "bag" else {}
+        return header(stamp=stamp(sec=second, nanosec=rest), frame_id="imu", **extra)
+
     with writer:
         for topic, samples in topics.items():
             connection = writer.add_connection(topic, imu.__msgtype__, typestore=store)
             for k, row in enumerate(samples):
                 time = START_S * 10**9 + round(k / RATE * 1e9)
-                second, rest = divmod(time if stamped else 0, 10**9)
-                extra = {"seq": k} if kind == "bag" else {}
                 rate, force = (vector(*map(float, part)) for part in (row[:3], row[3:]))
-                head = header(stamp=stamp(sec=second, nanosec=rest), frame_id="imu", **extra)
-                message = imu(head, level, none, rate, none, force, none)
+                message = imu(head(time, k), level, none, rate, none, force, none)
                 writer.write(connection, time + 1_000_000, serialize(message, imu.__msgtype__))
+        for topic, name, made in others:
+            connection = writer.add_connection(topic, name, typestore=store)
+            for k, (second, fields) in enumerate(made(known)):
+                time = START_S * 10**9 + round(second * 1e9)
+                writer.write(connection, time, serialize(known[name](header=head(time, k), **fields), name))
     return path
 
 
@@ -75,6 +87,58 @@ def test_of_two_topics_one_is_asked_for(tmp_path, kind):
 def test_without_stamps_in_the_headers_those_of_the_recorder_are_taken(tmp_path, kind):
     path = write_bag(tmp_path / f"run{ENDINGS[kind]}", kind, {"/imu": at_rest(COUNT)}, stamped=False)
     assert read(path).log.index[0] == pytest.approx(START_S + 0.001, abs=3e-7)
+
+
+def thermometer(begin, per_second):
+    """Return messages of a thermometer, one each half second."""
+    return lambda known: [
+        (0.5 * k, {"temperature": begin + per_second * 0.5 * k, "variance": 0.0})
+        for k in range(int(2 * COUNT / RATE) + 2)
+    ]
+
+
+def test_the_temperature_of_a_bag_is_interpolated_at_the_samples(tmp_path, kind):
+    others = [
+        ("/imu/temperature", "sensor_msgs/msg/Temperature", thermometer(25.0, 0.4)),
+        ("/room/temperature", "sensor_msgs/msg/Temperature", thermometer(20.0, 0.0)),
+    ]
+    path = write_bag(tmp_path / f"run{ENDINGS[kind]}", kind, {"/imu/data": at_rest(COUNT)}, others=others)
+    found = read(path)
+    np.testing.assert_allclose(found.log["temperature"], 25 + 0.4 * times(COUNT), atol=1e-6)
+    assert "temperature of /imu/temperature" in found.recognised
+
+
+def fixes(known):
+    """Return fixes of a receiver that goes east at 10 m/s, one a second."""
+    status = known["sensor_msgs/msg/NavSatStatus"](status=0, service=1)
+    east = 10 / (np.radians(1) * 6378137 * np.cos(np.radians(48)))
+    place = {"status": status, "latitude": 48.0, "altitude": 500.0, "position_covariance": np.diag([4.0, 1, 9]).ravel()}
+    return [(k, place | {"longitude": 11.5 + k * east, "position_covariance_type": 2}) for k in range(8)]
+
+
+def twists(east, north):
+    """Return velocities a hundredth of a second behind the fixes."""
+
+    def made(known):
+        vector = known["geometry_msgs/msg/Vector3"]
+        twist = known["geometry_msgs/msg/Twist"](linear=vector(east, north, 0.5), angular=vector(0.0, 0.0, 0.0))
+        return [(k + 0.01, {"twist": twist}) for k in range(7)]
+
+    return made
+
+
+def test_the_velocity_of_the_receiver_belongs_to_its_fixes_and_a_command_does_not(tmp_path, kind):
+    others = [
+        ("/fix", "sensor_msgs/msg/NavSatFix", fixes),
+        ("/cmd_vel", "geometry_msgs/msg/TwistStamped", twists(0.0, 10.0)),
+        ("/vel", "geometry_msgs/msg/TwistStamped", twists(10.0, 0.0)),
+    ]
+    found = reading.read(write_bag(tmp_path / f"run{ENDINGS[kind]}", kind, {}, others=others))
+    np.testing.assert_array_equal(found.fixes[["vel_n", "vel_e", "vel_d"]][:7], [[0.0, 10.0, -0.5]] * 7)
+    assert found.fixes["vel_e"].isna().tolist() == [False] * 7 + [True]
+    np.testing.assert_allclose(found.fixes[["sd_n", "sd_e", "sd_d"]], [[1.0, 2.0, 3.0]] * 8)
+    assert "velocity of /vel in east, north, up" in found.recognised
+    assert "left out /cmd_vel" in found.recognised
 
 
 def test_rates_in_degrees_against_the_definition_of_the_message_are_refused(tmp_path):

@@ -9,14 +9,14 @@ import numpy as np
 import pandas as pd
 
 from imugap.io import gnss
-from imugap.io.fixes import bags, gnss_ins_sim, gpx, nmea, px4, rtklib, tables
+from imugap.io.fixes import bags, gnss_ins_sim, gpx, nmea, phones, px4, rtklib, tables
 from imugap.io.fixes.decoded import Decoded
 from imugap.io.formats.source import require_file, sha256_of, whole_file
 from imugap.io.rows import require_numbers, require_order, require_range
 from imugap.log import TIME
 from imugap.units import to_si
 
-FORMATS = (bags, px4, gnss_ins_sim, rtklib, gpx, nmea, tables)
+FORMATS = (bags, px4, gnss_ins_sim, phones, rtklib, gpx, nmea, tables)
 HEAD_BYTES = 4096
 
 

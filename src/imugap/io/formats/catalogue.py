@@ -2,11 +2,11 @@
 
 from pathlib import Path
 
-from imugap.io.formats import arrays, dataflash, gnss_ins_sim, parquet, rosbag, text, ulog
+from imugap.io.formats import arrays, dataflash, gnss_ins_sim, parquet, rosbag, sensor_files, text, ulog
 from imugap.io.formats.source import Source, require_file, whole_file
 from imugap.log import LogError
 
-FORMATS = (parquet, rosbag, ulog, dataflash, arrays, gnss_ins_sim, text)
+FORMATS = (parquet, rosbag, ulog, dataflash, arrays, gnss_ins_sim, sensor_files, text)
 HEAD_BYTES = 512
 
 

@@ -1,10 +1,11 @@
 """ROS bags: version 1 (``.bag``) and version 2 (a folder, ``.db3`` or ``.mcap``), messages sensor_msgs/Imu.
 
-The units are those of the definition of the message: rad/s and m/s^2.
+The units are those of the definition of the message: rad/s and m/s^2. Messages sensor_msgs/Temperature [degC] are
+interpolated at the samples.
 """
 
 from collections.abc import Iterator, Sequence
-from itertools import islice
+from itertools import islice, takewhile
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +16,7 @@ from imugap.log import LogError
 MAGIC = (b"#ROSBAG V2.0", b"\x89MCAP0\r\n", b"SQLite format 3\x00")
 INDEX = "metadata.yaml"
 IMU = "sensor_msgs/msg/Imu"
+TEMPERATURE = "sensor_msgs/msg/Temperature"
 BATCH = 20_000
 """Messages in a batch."""
 NAMES = (
@@ -23,6 +25,7 @@ NAMES = (
     "header.stamp [ns]",
     "log.stamp [ns]",
 )
+THERMOMETER = "temperature [degC]"
 
 
 def recognises(path: Path, head: bytes) -> bool:
@@ -34,16 +37,44 @@ def open_source(path: Path, settings) -> Source:
     """Return the columns of the messages of one topic; LogError where there is none, or one of several is meant."""
     with reader_of(path) as reader:
         topic, count = topic_of(reader, path, (IMU,), settings.topic)
+        thermometer, stamps, readings = _temperatures(reader, topic)
 
     def batches(columns: Sequence[int]) -> Iterator[list[np.ndarray]]:
         with reader_of(path) as reader:
             rest = (_row(message, time) for message, time in messages(reader, topic))
             while rows := list(islice(rest, BATCH)):
-                yield [_numbers([row[k] for row in rows], k) for k in columns]
+                at = np.array([row[-2] or row[-1] for row in rows], np.int64)
+                yield [
+                    np.interp(at - stamps[0], stamps - stamps[0], readings)
+                    if k == len(NAMES)
+                    else _numbers([row[k] for row in rows], k)
+                    for k in columns
+                ]
 
-    return Source(
-        path, NAMES, count, batches, "message {}".format, notes=(f"topic {topic}",), heading="messages", topic=topic
-    )
+    names = NAMES if thermometer is None else (*NAMES, THERMOMETER)
+    notes = (f"topic {topic}", *([] if thermometer is None else [f"temperature of {thermometer}"]))
+    return Source(path, names, count, batches, "message {}".format, notes=notes, heading="messages", topic=topic)
+
+
+def _temperatures(reader, topic: str) -> tuple[str | None, np.ndarray, np.ndarray]:
+    """Return the topic of the thermometer, its stamps [ns] and readings; None where no topic or several may be it.
+
+    Of several it is the one whose name shares more with the topic of the samples than the others.
+    """
+    known = {one.topic for one in reader.connections if one.msgtype == TEMPERATURE and one.msgcount}
+    shared = {one: sum(1 for _ in takewhile(lambda parts: parts[0] == parts[1], _levels(one, topic))) for one in known}
+    nearest = [one for one in known if shared[one] == max(shared.values())]
+    if len(nearest) != 1:
+        return None, np.empty(0, np.int64), np.empty(0)
+    found = [(stamp_of(message) or time, message.temperature) for message, time in messages(reader, nearest[0])]
+    found = sorted(one for one in found if np.isfinite(one[1]))
+    if not found:
+        return None, np.empty(0, np.int64), np.empty(0)
+    return nearest[0], np.array([one[0] for one in found], np.int64), np.array([one[1] for one in found])
+
+
+def _levels(one: str, other: str) -> Iterator[tuple[str, str]]:
+    return zip(one.strip("/").split("/"), other.strip("/").split("/"), strict=False)
 
 
 def reader_of(path: Path):
