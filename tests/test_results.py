@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+import typst
 import yaml
 
 from imugap.interchange.devices import catalogue as device_models
@@ -35,10 +36,17 @@ def read_of_walks(name):
     return read(name)
 
 
-def test_the_statements_of_the_paper_rest_on_its_tables():
-    found, faults = statements.collect(ROOT / "paper" / "main.typ")
+@pytest.mark.parametrize(("text", "source"), [("paper", "main"), ("summary", "summary")])
+def test_statements_rest_on_the_tables(text, source):
+    found, faults = statements.collect(ROOT / "paper" / f"{source}.typ")
+    listed = pd.read_csv(TABLES / "statements.csv", dtype=str, keep_default_na=False)
     assert not faults
-    assert found.astype(str).equals(pd.read_csv(TABLES / "statements.csv", dtype=str, keep_default_na=False))
+    assert found.astype(str).equals(listed.loc[listed["text"] == text, list(found)].reset_index(drop=True))
+
+
+def test_the_summary_has_two_pages():
+    pages = typst.compile(str(ROOT / "paper" / "summary.typ"), root=str(ROOT / "paper"), format="png", ppi=20.0)
+    assert len(pages) == 2
 
 
 def test_verdicts_follow_the_intervals_of_their_tables():

@@ -40,9 +40,9 @@ def test_each_value_is_listed_with_its_cell_and_what_is_cited_beside_it(collect)
     found, faults = collect(TEXT)
     assert not faults
     assert found[["section", "file", "cell", "value", "cited"]].to_numpy().tolist() == [
-        ["Abstract", "numbers/a", "counts / 0", "12", ""],
-        ["Abstract", "numbers/a", "share", "25", ""],
-        ["Abstract", "numbers/a", "ends", "9, 53", ""],
+        [statements.ABSTRACT, "numbers/a", "counts / 0", "12", ""],
+        [statements.ABSTRACT, "numbers/a", "share", "25", ""],
+        [statements.ABSTRACT, "numbers/a", "ends", "9, 53", ""],
         ["Result", "numbers/a", "verdict", "worse", "tab-ends"],
         ["Result", "tables/ends", "white / end [m]", "2.7", "tab-ends"],
     ]
@@ -67,4 +67,4 @@ def test_what_is_typed_or_rests_on_nothing_is_a_fault(collect, old, new, fault):
 def test_a_value_that_is_not_the_one_of_its_cell_is_a_fault(collect):
     claim = '[#metadata((file: "numbers/a", path: ("share",), value: "26", page: 1)) <claim>]'
     _, faults = collect(TEXT.replace('#of("share")', f"#context {claim}"))
-    assert faults == ["Abstract: share in numbers/a is 25, the text has 26"]
+    assert faults == [f"{statements.ABSTRACT}: share in numbers/a is 25, the text has 26"]

@@ -23,16 +23,18 @@ rule study_numbers:
 
 
 rule paper:
-    """Compile the paper, and list its statements with the cells that they rest on; it types no number."""
+    """Compile the paper and its summary, and list the statements with the cells that they rest on; they type no number."""
     input:
         [path for chapter in CHAPTERS for path in PAPER[chapter]],
         rules.study_numbers.output,
         main="paper/main.typ",
         chapters=sorted(map(str, Path("paper").glob("*/*.typ"))),
+        summary="paper/summary.typ",
         style="paper/style.typ",
         bibliography="paper/references.bib",
     output:
         report("paper/paper.pdf", caption="../report/paper.rst", category="Paper"),
+        summary=report("paper/summary.pdf", caption="../report/summary.rst", category="Paper"),
         statements=table("statements", "Paper", "statements (table)"),
     log:
         "logs/paper.log",

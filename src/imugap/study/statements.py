@@ -27,7 +27,7 @@ DIRECTION = re.compile(
 )
 CITED = re.compile(r"<((?:fig|tab|sec|app)-.*)>")
 SELECTOR = "selector.or(<claim>, <statement>, <statement-end>, heading.where(level: 1), ref)"
-ABSTRACT = "Abstract"
+ABSTRACT = "abstract or summary"
 COLUMNS = ["section", "page", "file", "cell", "value", "cited"]
 
 
