@@ -7,9 +7,10 @@ import pytest
 
 import imugap
 from imugap.effects import CATALOGUE
+from imugap.interchange.devices import catalogue
 from imugap.interchange.export import Target
 from imugap.interchange.start_models.catalogue import READERS
-from imugap.site import effects, formats, limits, reference, reproduce
+from imugap.site import devices, effects, formats, limits, reference, reproduce
 from imugap.site.markdown import code, plain, prose, table
 from imugap.workflow.run_records import RunRecord
 
@@ -30,6 +31,15 @@ def test_every_effect_is_in_the_catalogue_with_its_parameters_and_its_picture():
         assert all(f"`{one}`" in section for one in effect.parameters())
         assert (f"(pictures/{name}.png)" in section) == (name in effects.drawn())
     assert set(effects.examples()) == set(CATALOGUE)
+
+
+def test_every_device_is_shown_with_its_licence_and_what_is_not_known():
+    page = devices.page()
+    for name in catalogue.names():
+        section, content = page.split(f"## {plain(name)}\n")[1].split("\n## ")[0], catalogue.read(name).content
+        assert plain(content["data"]["licence"]) in section
+        assert all(plain(one) in section for one in content["not_known"])
+        assert section.count("\n| ") == len(content["parameters"]) + 2
 
 
 def test_every_reader_and_target_is_named():

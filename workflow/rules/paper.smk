@@ -23,7 +23,7 @@ rule study_numbers:
 
 
 rule paper:
-    """Compile the paper and its summary, and list the statements with the cells that they rest on; they type no number."""
+    """Compile the paper, also as a web page, and its summary; list the statements with their cells. No number is typed."""
     input:
         [path for chapter in CHAPTERS for path in PAPER[chapter]],
         rules.study_numbers.output,
@@ -33,7 +33,8 @@ rule paper:
         style="paper/style.typ",
         bibliography="paper/references.bib",
     output:
-        report("paper/paper.pdf", caption="../report/paper.rst", category="Paper"),
+        pdf=report("paper/paper.pdf", caption="../report/paper.rst", category="Paper"),
+        page=directory("results/paper"),
         summary=report("paper/summary.pdf", caption="../report/summary.rst", category="Paper"),
         statements=table("statements", "Paper", "statements (table)"),
     log:

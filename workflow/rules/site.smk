@@ -18,6 +18,7 @@ rule site:
             for path in one.output
             if str(path).startswith(("paper/figures/", "paper/tables/")) and str(path).endswith((".svg", ".csv"))
         ],
+        paper=lambda wildcards: states(Path("results").glob("paper/index.html")),
         code=digest(),
     script:
         "../scripts/site.py"

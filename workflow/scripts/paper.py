@@ -1,8 +1,12 @@
-"""Compile the paper and its summary, and list what they state, each value with the cell that it rests on."""
+"""Compile the paper, also as a web page, and its summary, and list what they state, each value with its cell."""
+
+from pathlib import Path
+from shutil import copy
 
 import pandas as pd
 import typst
 
+from imugap.site import paper
 from imugap.study import statements
 from imugap.workflow.job_log import job
 from imugap.workflow.products import save
@@ -11,10 +15,21 @@ HEADS = {"text": "text", "section": "section", "page": "page", "value": "value i
          "cell": "cell", "cited": "cited beside it"}  # fmt: skip
 
 
+def write_page(exported, pdf, folder):
+    """Write the folder of the web page: page, figures, and the PDF beside them."""
+    text, pictures = paper.web_page(exported)
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "index.html").write_text(text)
+    for name, content in pictures.items():
+        (folder / name).write_bytes(content)
+    copy(pdf, folder / paper.PDF)
+
+
 with job(snakemake) as (source, _, output):
-    texts = {"paper": (source.main, output[0]), "summary": (source.summary, output.summary)}
+    texts = {"paper": (source.main, output.pdf), "summary": (source.summary, output.summary)}
     for path, product in texts.values():
         typst.compile(path, output=product, root="paper")
+    write_page(typst.compile(source.main, root="paper", format="html").decode(), output.pdf, Path(output.page))
     found = {name: statements.collect(path) for name, (path, _) in texts.items()}
     faults = [f"{name}: {fault}" for name, (_, some) in found.items() for fault in some]
     if faults:

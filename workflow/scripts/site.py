@@ -9,10 +9,13 @@ from sphinx.cmd.build import build_main
 
 from imugap.analysis.effect_description import axis_of
 from imugap.figures.effects import picture
-from imugap.site import effects, formats, limits, reference, reproduce
+from imugap.site import devices, effects, formats, limits, paper, reference, reproduce
 from imugap.workflow import run_records
 from imugap.workflow.job_log import job
 from imugap.workflow.products import write_figure
+
+PAPER = Path("results/paper")
+"""Folder of the paper as a web page, where it has been made."""
 
 
 def generated(scores, outputs):
@@ -24,6 +27,8 @@ def generated(scores, outputs):
         "start_models": formats.start_models(),
         "targets": formats.targets(),
         "conventions": formats.conventions(),
+        "devices": devices.page(),
+        "paper": paper.link(PAPER.is_dir()),
         "limits": limits.page(*map(pd.read_csv, scores)),
         "reproduce": reproduce.page([reproduce.RuleOutput(*one) for one in outputs], run_records.read(".")),
         "api": reference.page(),
@@ -54,3 +59,5 @@ with job(snakemake) as (source, params, output), TemporaryDirectory() as tempora
     faults = build_main(["--builder", "html", "--fail-on-warning", "--quiet", str(folder), output.site])
     if faults:
         raise RuntimeError(f"site: expected pages without a warning of Sphinx; found {faults}")
+    if PAPER.is_dir():
+        copytree(PAPER, Path(output.site) / "paper")
