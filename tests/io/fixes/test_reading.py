@@ -6,6 +6,7 @@ from operator import xor
 
 import numpy as np
 import pytest
+from scipy.io import savemat
 from tests.io.devices import write_ulog
 
 from imugap.io.fixes.reading import read
@@ -168,6 +169,66 @@ def test_stamps_of_fixes_in_any_unit_are_converted_and_said(tmp_path, unit, per_
     found = read(text(tmp_path / "fixes.csv", "time,latitude,longitude,height", *rows))
     np.testing.assert_allclose(found.fixes.index, time)
     assert found.recognised[1:] == (() if unit == "s" else (f"stamps {unit} -> s from the rate",))
+
+
+RADIAN = np.radians(1.0)
+PLACES = np.column_stack([48 + np.arange(COUNT) * 1e-5, 11.5 + np.arange(COUNT) * 1e-5, 500 + np.arange(COUNT)])
+
+
+@pytest.mark.parametrize(
+    ("names", "scale", "said"),
+    [
+        ("latitude,longitude,height", np.radians([1, 1, 57.29577951308232]), {"latitude rad -> deg from the places"}),
+        (
+            "lat (rad),lon (rad),alt (ft)",
+            [np.radians(1), np.radians(1), 1 / 0.3048],
+            {"height ft -> m from the header"},
+        ),
+        (
+            "lat,lon,alt",
+            [1e7, 1e7, 1e3],
+            {"latitude 1e-7 deg -> deg from the places", "height mm -> m from the places"},
+        ),
+        ("Latitude (deg),Longitude [deg],Height [km]", [1, 1, 1e-3], {"height km -> m from the header"}),
+    ],
+)
+def test_units_of_places_are_converted_and_said(tmp_path, names, scale, said):
+    values = PLACES * scale
+    values = np.rint(values).astype(int) if max(scale) == 1e7 else values
+    rows = [f"{k}," + ",".join(map(repr, row)) for k, row in enumerate(values.tolist())]
+    found = read(text(tmp_path / "fixes.csv", f"time,{names}", *rows))
+    degrees = np.degrees(found.fixes[["latitude", "longitude"]])
+    np.testing.assert_allclose(degrees, PLACES[:, :2], atol=2e-7, rtol=0)
+    np.testing.assert_allclose(found.fixes["height"], PLACES[:, 2], atol=1e-3)
+    assert said <= set(found.recognised)
+
+
+def test_places_at_sea_in_degrees_stay_degrees(tmp_path):
+    rows = [f"{k},{1e-3 + k * 1e-5},{2e-3},0" for k in range(COUNT)]
+    found = read(text(tmp_path / "fixes.csv", "time,latitude,longitude,height", *rows))
+    np.testing.assert_allclose(np.degrees(found.fixes["longitude"]), 2e-3)
+
+
+def test_velocities_in_other_units_are_converted(tmp_path):
+    names = "time,latitude,longitude,height,Vn (km/h),Ve (kn),Vd (cm/s)"
+    found = read(text(tmp_path / "fixes.csv", names, *(f"{k},48,11,0,36,{3600 / 1852!r},100" for k in range(COUNT))))
+    np.testing.assert_allclose(found.fixes[["vel_n", "vel_e", "vel_d"]], [[10.0, 1.0, 1.0]] * COUNT)
+
+
+def matlab(path, contents):
+    savemat(path, contents)
+    return path
+
+
+def test_fixes_in_arrays_of_matlab_are_read_from_the_structure_that_has_them(tmp_path):
+    angles = np.radians(PLACES)
+    gnss = {"t": np.arange(COUNT) * 1.0, "lat": angles[:, 0], "lon": angles[:, 1], "h": PLACES[:, 2], "freq": 1.0}
+    found = read(matlab(tmp_path / "one.mat", {"gnss": gnss}))
+    np.testing.assert_allclose(np.degrees(found.fixes["latitude"]), PLACES[:, 0])
+    two = matlab(tmp_path / "two.mat", {"gnss": gnss, "rtk": gnss | {"h": PLACES[:, 2] + 1}})
+    with pytest.raises(LogError, match=r"one column of latitude \(--topic .*\); found gnss.lat, rtk.lat"):
+        read(two)
+    np.testing.assert_allclose(read(two, "rtk").fixes["height"], PLACES[:, 2] + 1)
 
 
 @pytest.mark.parametrize("interval", [1e-12, 1e-15, 1e-4])

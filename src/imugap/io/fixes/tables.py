@@ -7,6 +7,7 @@ import pandas as pd
 
 from imugap import spelling
 from imugap.io import gnss
+from imugap.io.fixes import fix_units
 from imugap.io.fixes.decoded import Decoded
 from imugap.io.formats import catalogue
 from imugap.io.formats.source import Source
@@ -42,8 +43,10 @@ def recognises(path: Path, head: bytes) -> bool:
 def decode(path: Path, topic: str | None) -> Decoded:
     """Return the fixes of a table; LogError where a column is missing."""
     source = catalogue.open_source(path, RecordingSettings(topic=topic))
+    if topic is not None and source.topic is None:
+        source = source.group(topic)
     names = source.names if any(source.names) else _nameless(source)
-    known = {name: column for name in names if (column := _column(name))}
+    known = _known(source, names)
     time = _time(names, known)
     missing = [column for column in (TIME, *gnss.PLACE) if column not in (*known.values(), time and TIME)]
     if missing:
@@ -51,21 +54,61 @@ def decode(path: Path, topic: str | None) -> Decoded:
         raise LogError(path, source.heading, expected, _nearest(names, known))
     block, raw = source.load([names.index(name) for name in known], names.index(time))
     table = pd.DataFrame(dict(zip(known.values(), block, strict=True)))
+    notes = _convert(table, {column: name for name, column in known.items()})
     if "vel_u" in table:
         table["vel_d"] = -table.pop("vel_u")
     stated = column_names.stated_unit(time)
     unit = stated or _unit(raw)
     table.index = pd.Index(stamps.seconds(raw, factor(unit)), name=TIME)
-    others = [name for name in names if name and name not in known and name != time]
-    notes = [f"left out {', '.join(others)[:120]}"] if others else []
     if unit != "s":
         notes.append(f"stamps {unit} -> s from the {'header' if stated else 'rate'}")
+    others = [name for name in names if name and name not in known and name != time]
+    notes += [f"left out {', '.join(others)[:120]}"] if others else []
     return Decoded(table, tuple(notes), source.place)
 
 
+def _convert(table: pd.DataFrame, names: dict[str, str]) -> list[str]:
+    """Convert the columns of a table to degrees, metres and metres per second; return what was converted."""
+    stated = {column: fix_units.scale(column, name) for column, name in names.items()}
+    notes = fix_units.said([(column, unit) for column, (_, unit) in stated.items() if unit], "header")
+    guessed = {}
+    if stated["latitude"][1] is None and stated["longitude"][1] is None:
+        unit = fix_units.of_places(table["latitude"].to_numpy(), table["longitude"].to_numpy())
+        guessed = dict.fromkeys(("latitude", "longitude"), unit)
+        if unit == fix_units.INTEGERS and stated["height"][1] is None:
+            guessed["height"] = "mm" if table["height"].abs().median() > fix_units.HIGHEST_M else "m"
+    notes += fix_units.said(guessed.items(), "places")
+    for column, (scale, _) in stated.items():
+        scale = fix_units.FACTORS[guessed[column]] if column in guessed else scale
+        if scale != 1.0:
+            table[column] = table[column] * scale
+    return notes
+
+
+def _known(source: Source, names: tuple[str, ...]) -> dict[str, str]:
+    """Return the columns that are read, the plainest of each kind; LogError where two groups have one."""
+    found: dict[str, list[str]] = {}
+    for name in names:
+        if column := _column(name):
+            found.setdefault(column, []).append(name)
+    known = {}
+    for column, rivals in found.items():
+        rivals = sorted(rivals, key=lambda name: SPELLINGS[column].split().index(_plain(name)))
+        if len(rivals) > 1 and _plain(rivals[0]) == _plain(rivals[1]):
+            expected = f"one column of {column} (--topic takes what stands before the dot)"
+            raise LogError(source.path, source.heading, expected, ", ".join(rivals)[:120])
+        known[rivals[0]] = column
+    return {name: known[name] for name in names if name in known}
+
+
 def _column(name: str) -> str | None:
-    plain = "".join(one for one in name.partition("(")[0].partition("[")[0].lower() if one.isalpha())
-    return COLUMN.get(plain)
+    return COLUMN.get(_plain(name))
+
+
+def _plain(name: str) -> str:
+    """Return the letters of a name, without its group and its unit."""
+    base = name.partition("(")[0].partition("[")[0].rpartition(".")[2]
+    return "".join(one for one in base.lower() if one.isalpha())
 
 
 def _time(names: tuple[str, ...], known: dict[str, str]) -> str | None:
