@@ -10,12 +10,12 @@ import sys
 import traceback
 from collections.abc import Iterator
 from concurrent.futures import BrokenExecutor
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager, nullcontext, suppress
 from importlib import import_module
 from math import inf
 from typing import NoReturn
 
-from imugap import __version__, spelling
+from imugap import __version__, elapsed, spelling
 
 try:
     import resource
@@ -98,7 +98,8 @@ def main(arguments: list[str] | None = None) -> int:
         with _interruptible():
             options = _options(arguments)
             options.command_line = shlex.join([PACKAGE, *arguments])
-            code = options.run(options) or 0
+            with nullcontext() if options.own_progress else elapsed.shown(options.title):
+                code = options.run(options) or 0
             sys.stdout.flush()
     except BrokenPipeError as error:
         if error.filename is not None:
@@ -139,8 +140,8 @@ def _parser(chosen: list[str]) -> tuple[CommandParser, CommandParser | None]:
         command = commands.add_parser(name, help=title)
         if name in chosen:
             module = import_module(f"imugap.commands.{name}")
+            command.set_defaults(run=module.run, title=command.prog, own_progress=False)
             module.add_arguments(command)
-            command.set_defaults(run=module.run)
             used = command
     return parser, used
 

@@ -22,6 +22,7 @@ FILES = (
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
+    parser.set_defaults(own_progress=True)
     add_examples(parser, "imugap discover run1.csv --test run2.csv --model simulator.yaml --out found")
     parser.description = (
         "Find where logs of a device and simulations of its error model disagree, name the effects that are missing, "
