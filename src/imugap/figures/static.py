@@ -184,7 +184,7 @@ def ranking(scores: pd.DataFrame, column: str, label: str) -> Figure:
         The score and its name.
     """
     starts, quantities = scores["start"].unique(), scores["quantity"].unique()
-    figure, grid = panels_of(len(starts), len(quantities), 2.3 * len(starts), sharex=True)
+    figure, grid = panels_of(len(starts), len(quantities), 2.1 * len(starts), sharex=True)
     for row, start in zip(grid, starts, strict=True):
         for panel, quantity in zip(row, quantities, strict=True):
             one = scores[(scores["start"] == start) & (scores["quantity"] == quantity)]
