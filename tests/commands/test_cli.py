@@ -393,6 +393,8 @@ def test_an_export_without_comments_has_notes_beside_it_and_says_what_it_leaves_
     assert "Left out: gyro_x sinusoid" in Path("imu.json.notes.txt").read_text()
     err = capsys.readouterr().err
     assert re.search(r"imugap: left out: gyro_x sinusoid .*: without it the Allan deviation is 0\.\d+ times", err)
+    assert re.search(r"imugap: left out: gyro_x sinusoid .*; distance \d", err)
+    assert "; distance " in Path("imu.json.notes.txt").read_text()
 
 
 def test_an_estimate_says_what_its_export_leaves_out(here, capsys):

@@ -23,7 +23,7 @@ rule study_numbers:
 
 
 rule paper:
-    """Compile the paper, also as a web page, and its summary; list the statements with their cells. No number is typed."""
+    """Compile the paper, also as a web page, and its summary; list the statements with their cells; type no number."""
     input:
         [path for chapter in CHAPTERS for path in PAPER[chapter]],
         rules.study_numbers.output,

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from imugap.analysis.omission_distance import distance
 from imugap.effects.effect import AxisModel, Effect
 from imugap.estimation import report
 from imugap.estimation.report import AxisEstimate, EstimatorSettings
@@ -67,7 +68,7 @@ class LogEstimate:
         bounds: dict[str, tuple[Effect, ...]] = {}
         if target is not Target.IMUGAP and target not in PROGRAMS:
             bounds = {one.axis: limits for one in self.axes if (limits := report.bounds(one))}
-        return exported(ErrorModel(axes), target, rule, bounds)
+        return exported(ErrorModel(axes), target, rule, bounds, distance)
 
 
 def require_axes(recording: Recording, asked: Sequence[str] = ()) -> list[str]:

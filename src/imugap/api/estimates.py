@@ -12,6 +12,7 @@ import pandas as pd
 
 from imugap.analysis import estimate as analysis
 from imugap.analysis.estimate import LogEstimate
+from imugap.analysis.omission_distance import distance
 from imugap.api.logs import LogSource, ModelSource, open_model, read
 from imugap.api.result import Result, SourcePath, call
 from imugap.atomic import write_together
@@ -199,7 +200,9 @@ def export(
     warning.
     """
     rule = Rule(rate, horizon, correlation_time, Triad(triad))
-    return _given(conversion.exported(open_model(model).at(rate).model, Target.of(target), rule), path)
+    return _given(
+        conversion.exported(open_model(model).at(rate).model, Target.of(target), rule, distance=distance), path
+    )
 
 
 def _given(file: ExportedFile, path: SourcePath | None) -> str:

@@ -2,6 +2,7 @@
 
 import argparse
 
+from imugap.analysis.omission_distance import distance
 from imugap.atomic import write_together
 from imugap.commands.arguments import add_effects, add_examples, rate
 from imugap.commands.outputs import require_files, say_left_out, text_writers
@@ -35,6 +36,6 @@ def run(options: argparse.Namespace) -> None:
     """Export the model to ``--out``."""
     require_files({"--out": options.out}, [options.model])
     model, target = model_at(open_model(options.model, options.effects), options.rate), Target.of(options.to)
-    file = exported(model, target, rule_of(options, options.rate))
+    file = exported(model, target, rule_of(options, options.rate), distance=distance)
     say_left_out(file)
     write_together(text_writers(file.texts(options.out)))

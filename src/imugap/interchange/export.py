@@ -36,7 +36,7 @@ from imugap.interchange.conventions import (
     left_out,
     reduced,
 )
-from imugap.interchange.omissions import Omission, costs
+from imugap.interchange.omissions import Distance, Omission, costs
 from imugap.interchange.simulator_files import (
     TRIADS,
     Simulator,
@@ -110,17 +110,13 @@ class ExportedFile:
 
 
 def exported(
-    model: ErrorModel, target: Target, rule: Rule, bounds: Mapping[str, Sequence[Effect]] = MappingProxyType({})
+    model: ErrorModel,
+    target: Target,
+    rule: Rule,
+    bounds: Mapping[str, Sequence[Effect]] = MappingProxyType({}),
+    distance: Distance | None = None,
 ) -> ExportedFile:
-    """Return the file for a target with what it leaves out; parameters as :func:`export`."""
-    text = export(model, target, rule, bounds)
-    return ExportedFile(text, tuple(omitted(model, target, rule)), tuple(notes(model, target, rule, bounds)))
-
-
-def export(
-    model: ErrorModel, target: Target, rule: Rule, bounds: Mapping[str, Sequence[Effect]] = MappingProxyType({})
-) -> str:
-    """Return the text of the file for ``target``.
+    """Return the file for a target with what it leaves out.
 
     A model without an axis, white noise, or a process that the target requires is a ValueError.
 
@@ -129,22 +125,35 @@ def export(
     bounds
         White noise and random walk where the log of an axis shows none, at the upper limits that it sets. They stand
         for what the tool requires, and the file states that they are limits.
+    distance
+        Distance of a log from simulations without an effect, which is stated of each that is left out; None for none.
     """
     if target in PROGRAMS:
-        return program(model, PROGRAMS[target], rule.rate)
+        return ExportedFile(program(model, PROGRAMS[target], rule.rate), tuple(omitted(model, target, rule)))
     if target is Target.IMUGAP:
-        return _own(model, rule)
-    notes, lines = _written(model, target, rule, bounds)
+        return ExportedFile(_own(model, rule), ())
+    own, lines = _written(model, target, rule, bounds)
+    lacking = tuple(omitted(model, target, rule, distance))
+    said = (*own, *(f"Left out: {one}" for one in lacking))
     comment = _comment(target)
-    shown = [] if comment is None else [comment.format(note.replace("--", "-")) for note in notes]
-    return "\n".join([*shown, *lines]) + "\n"
+    if comment is None:
+        return ExportedFile("\n".join(lines) + "\n", lacking, said)
+    shown = (comment.format(note.replace("--", "-")) for note in said)
+    return ExportedFile("\n".join([*shown, *lines]) + "\n", lacking)
+
+
+def export(
+    model: ErrorModel, target: Target, rule: Rule, bounds: Mapping[str, Sequence[Effect]] = MappingProxyType({})
+) -> str:
+    """Return the text of the file for ``target``; parameters as :func:`exported`."""
+    return exported(model, target, rule, bounds).text
 
 
 def notes(
     model: ErrorModel, target: Target, rule: Rule, bounds: Mapping[str, Sequence[Effect]] = MappingProxyType({})
 ) -> list[str]:
     """Return the notes of a file whose format has no comments; none for any other, which begins with them."""
-    return [] if _comment(target) is not None else _written(model, target, rule, bounds)[0]
+    return list(exported(model, target, rule, bounds).notes)
 
 
 def _comment(target: Target) -> str | None:
@@ -157,11 +166,11 @@ def held(target: Target) -> tuple[type[Effect], ...]:
     return SIMULATORS[target].held if target in SIMULATORS else ()
 
 
-def omitted(model: ErrorModel, target: Target, rule: Rule) -> list[str]:
+def omitted(model: ErrorModel, target: Target, rule: Rule, distance: Distance | None = None) -> list[str]:
     """Return what the file for a target leaves out, with the size of each effect and what it costs."""
     if target in PROGRAMS:
         return [f"{effect}, which has no form sample by sample" for effect in without_form(model, 1 / rule.rate)]
-    return [] if target is Target.IMUGAP else [one.sentence() for one in _left_out(model, held(target), rule)]
+    return [] if target is Target.IMUGAP else [one.sentence() for one in _left_out(model, held(target), rule, distance)]
 
 
 def _written(
@@ -175,7 +184,7 @@ def _written(
     else:
         simulator, axes = SIMULATORS[target], _reduced(model, rule)
         own, lines = simulator.write(model, axes, rule)
-        notes = [*_head(model, simulator.convention, rule, simulator.taken(axes, rule), simulator.held), *own]
+        notes = [*_head(model, simulator.convention, rule, simulator.taken(axes, rule)), *own]
     return [*_of_bounds(bounds), *notes], lines
 
 
@@ -326,19 +335,19 @@ def _reduced(model: ErrorModel, rule: Rule) -> dict[str, Reduced]:
     return {axis: reduced(axis, model[axis], rule) for axis in log.AXES}
 
 
-def _left_out(model: ErrorModel, held: tuple[type[Effect], ...], rule: Rule) -> list[Omission]:
+def _left_out(
+    model: ErrorModel, held: tuple[type[Effect], ...], rule: Rule, distance: Distance | None
+) -> list[Omission]:
     """Return what a tool leaves out, with its cost, of each axis."""
+    longest = 10 * rule.horizon
     return [
         one for axis in log.AXES if axis in model.axes
-        for one in costs(axis, model[axis], left_out(model[axis], held), 1 / rule.rate, 10 * rule.horizon)
+        for one in costs(axis, model[axis], left_out(model[axis], held), 1 / rule.rate, longest, distance)
     ]  # fmt: skip
 
 
-def _head(
-    model: ErrorModel, convention: Convention, rule: Rule, taken: Mapping[str, Sequence[Effect]],
-    held: tuple[type[Effect], ...] = (),
-) -> list[str]:  # fmt: skip
-    """Return the head of a file: target, sources, Allan deviation of the exported effects over the model, omissions."""
+def _head(model: ErrorModel, convention: Convention, rule: Rule, taken: Mapping[str, Sequence[Effect]]) -> list[str]:
+    """Return the head of a file: target, sources, Allan deviation of the exported effects over the model."""
     tau = np.geomspace(1 / rule.rate, 10 * rule.horizon, 200)
     ratios = {
         axis: np.sqrt(AxisModel(tuple(effects)).allan_variance(tau) / model[axis].allan_variance(tau))
@@ -350,7 +359,6 @@ def _head(
         f"A slow process here has the Allan variance of all slow processes of the model at {rule.horizon:g} s.",
         f"Allan deviation here over that of the model, {tau[0]:g} to {tau[-1]:g} s:",
         *(f"  {axis}: {ratio.min():.2f} to {ratio.max():.2f}" for axis, ratio in ratios.items()),
-        *(f"Left out: {one.sentence()}" for one in _left_out(model, held, rule)),
     ]
 
 

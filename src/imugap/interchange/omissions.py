@@ -1,7 +1,7 @@
 """What an exported file leaves out of an error model: each effect with its size, and what the log of a device lacks."""
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -13,6 +13,8 @@ SAMPLES = 2**14
 SEED = 0
 SAME = 0.01
 """Relative difference of Allan deviations that is none."""
+Distance = Callable[[AxisModel, AxisModel, Conditions], float]
+"""Distance of a log at rest of the first model from simulations of the second, under conditions."""
 
 
 @dataclass(frozen=True)
@@ -26,17 +28,22 @@ class Omission:
     ratio, time
         Allan deviation without it over that with it, at the averaging time [s] at which they differ most; None where
         it takes a motion, a temperature or several runs to show.
+    distance
+        Distance of a log at rest from simulations without it, as discovery measures it; 1 if they are as alike as two
+        logs of the device. None where it is not asked for, or the effect does not show at rest.
     """
 
     axis: str
     effect: Effect
     ratio: float | None
     time: float | None
+    distance: float | None = None
 
     def sentence(self) -> str:
         """Return what is left out, how large it is, and what that costs, as text."""
         size = ", ".join(f"{name} {value:.6e}" for name, value in self.effect.parameters().items())
-        return f"{self.axis} {self.effect.name} ({size}): {self._cost()}"
+        far = "" if self.distance is None else f"; distance {self.distance:.3g} (1: as alike as two logs of the device)"
+        return f"{self.axis} {self.effect.name} ({size}): {self._cost()}{far}"
 
     def _cost(self) -> str:
         if self.ratio is None:
@@ -46,13 +53,27 @@ class Omission:
         return f"without it the Allan deviation is {self.ratio:.2g} times what it should be at {self.time:.3g} s"
 
 
-def cost(axis: str, model: AxisModel, effect: Effect, interval: float, longest: float) -> Omission:
+def cost(
+    axis: str, model: AxisModel, effect: Effect, interval: float, longest: float, distance: Distance | None = None
+) -> Omission:
     """Return an effect of a model with what leaving it out changes, up to an averaging time [s].
 
     The Allan variance of an effect that has one is exact; that of any other is of a simulated log at rest with and
     without it, drawn from the same random numbers.
     """
-    rest = AxisModel(tuple(one for one in model if one is not effect))
+    found = _in_allan(axis, model, effect, interval, longest)
+    if distance is None or found.ratio is None:
+        return found
+    at = Conditions(interval * np.arange(SAMPLES), interval, None, axis)
+    return replace(found, distance=distance(*(_at_rest(one, at) for one in (model, _without(model, effect))), at))
+
+
+def _without(model: AxisModel, effect: Effect) -> AxisModel:
+    return AxisModel(tuple(one for one in model if one is not effect))
+
+
+def _in_allan(axis: str, model: AxisModel, effect: Effect, interval: float, longest: float) -> Omission:
+    rest = _without(model, effect)
     if isinstance(effect, AllanEffect):
         tau = np.geomspace(interval, longest, 200)
         return _largest(axis, effect, tau, rest.allan_variance(tau), model.allan_variance(tau))
@@ -65,9 +86,12 @@ def cost(axis: str, model: AxisModel, effect: Effect, interval: float, longest: 
     return _largest(axis, effect, factors * interval, before, after)
 
 
-def costs(axis: str, model: AxisModel, effects: Iterable[Effect], interval: float, longest: float) -> list[Omission]:
+def costs(
+    axis: str, model: AxisModel, effects: Iterable[Effect], interval: float, longest: float,
+    distance: Distance | None = None,
+) -> list[Omission]:  # fmt: skip
     """Return the cost of each of some effects of a model."""
-    return [cost(axis, model, one, interval, longest) for one in effects]
+    return [cost(axis, model, one, interval, longest, distance) for one in effects]
 
 
 def _largest(axis: str, effect: Effect, tau: np.ndarray, without: np.ndarray, full: np.ndarray) -> Omission:
@@ -86,10 +110,14 @@ def _acts(effect: Effect, conditions: Conditions) -> bool:
     return True
 
 
+def _at_rest(model: AxisModel, conditions: Conditions) -> AxisModel:
+    """Return a model without the effects that need a motion or a temperature."""
+    return AxisModel(tuple(effect for effect in model if _acts(effect, conditions)))
+
+
 def _simulated(model: AxisModel, conditions: Conditions) -> np.ndarray:
-    """Return the output at rest; effects that need a motion or a temperature are left out."""
-    kept = AxisModel(tuple(effect for effect in model if _acts(effect, conditions)))
-    return kept.simulate(np.zeros(len(conditions)), conditions, SEED, "left out")
+    """Return the output at rest."""
+    return _at_rest(model, conditions).simulate(np.zeros(len(conditions)), conditions, SEED, "left out")
 
 
 def _allan_variance(values: np.ndarray, factor: int) -> float:
