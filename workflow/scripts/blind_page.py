@@ -151,7 +151,12 @@ def peer_page(peer):
     })  # fmt: skip
 
 
-def numbers(scores, beside, seconds, clear_size):
+def by_kind(cases):
+    """Count cases by what they hide."""
+    return cases["kind"].value_counts().reindex(["single", "pair", "nothing", "unknown"], fill_value=0).to_dict()
+
+
+def numbers(scores, beside, misses, seconds, clear_size):
     """Return what the text says."""
     cases = scores.cases
     naming = blind.naming(scores.effects, clear_size).set_index(["group", "score"])
@@ -168,7 +173,8 @@ def numbers(scores, beside, seconds, clear_size):
     factors = beyond["distance_before"] / beyond["distance_after"]
     return {
         "cases": len(cases),
-        "kinds": cases["kind"].value_counts().reindex(["single", "pair", "nothing", "unknown"], fill_value=0).to_dict(),
+        "kinds": by_kind(cases),
+        "wrong": by_kind(misses.drop_duplicates("case")),
         "motion": int(cases["motion"].sum()),
         "clear": f"{clear_size:g}",
         "false_names": f"{100 * alarm['rate']:.1f}",
@@ -216,5 +222,5 @@ with job(snakemake) as (source, params, output):
         calibration=(calibration, calibration_page(calibration)),
         beside=(beside, beside_page(beside)),
         peer=(peer, peer_page(peer)),
-        numbers=numbers(scores, beside, seconds, clear) | record,
+        numbers=numbers(scores, beside, misses, seconds, clear) | record,
     )
