@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 import yaml
 
+from imugap.analysis.drive import DriveSettings
 from imugap.api.logs import open_model, simulate
 from imugap.effects import CATALOGUE, WhiteNoise
 from imugap.effects.effect import AxisModel
@@ -79,6 +80,14 @@ def test_a_file_of_the_name_of_a_device_goes_first(tmp_path, monkeypatch):
     own = ErrorModel({"gyro_x": AxisModel((WhiteNoise(1.0),))})
     own.write(NAMES[0])
     assert ModelFile.open(NAMES[0], CATALOGUE).model == own
+
+
+def test_a_configuration_of_a_drive_names_a_device(tmp_path):
+    path = tmp_path / "car.yaml"
+    path.write_text("model: xsens_dot\n")
+    settings = DriveSettings.read(path)
+    assert settings.model == catalogue.read("xsens_dot").model
+    assert "Xsens DOT" in settings.recognised[0]
 
 
 def test_a_copy_of_the_file_is_taken_with_its_card(tmp_path):

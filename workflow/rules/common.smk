@@ -9,6 +9,7 @@ from imugap.io.datasets import available, load, locate
 from imugap.io.configuration import ConfigurationError, configure, read
 from imugap.interchange.from_indices import CONTENDERS
 from imugap.interchange.datasheet import TRUTHS
+from imugap.interchange.devices.catalogue import model_file
 from imugap.workflow import restart
 from imugap.workflow.dependencies import digest, modules_of
 
@@ -32,6 +33,7 @@ OWN_FILES = {
     for option, value in config.items()
     if option in ("own_logs", "log", "test", "reference", "model")
 }
+OWN_FILES["model"] = [str(model_file(one)) for one in OWN_FILES["model"]]
 
 for option, paths in OWN_FILES.items():
     for path in paths:

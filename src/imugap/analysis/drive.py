@@ -25,7 +25,7 @@ from imugap.filters.innovation_gate import (
     QualityControl,
 )
 from imugap.integrity.timestamps import filled
-from imugap.interchange.devices import catalogue as devices
+from imugap.interchange.devices.catalogue import model_file
 from imugap.interchange.plugins import catalogue
 from imugap.interchange.start_models.catalogue import ModelFile
 from imugap.io import configuration
@@ -107,9 +107,7 @@ class DriveSettings:
         values = configuration.configure({}, SCHEMA) if path is None else configuration.read(path, SCHEMA)
         if values["model"] is None:
             return cls.of(values, DEFAULT_MODEL)
-        given = values["model"]
-        own = Path(path).parent / given
-        model = given if given in devices.names() and not own.is_file() else own
+        model = model_file(values["model"], Path(path).parent)
         found = ModelFile.open(model, catalogue(effects)).at(None)
         return replace(cls.of(values, found.model.require_axes(model)), recognised=found.remarks)
 

@@ -22,17 +22,20 @@ def read(name: str) -> DeviceCard:
     return DeviceCard.of(strict_yaml.read(FOLDER / f"{name}.yaml"), CATALOGUE)
 
 
+def model_file(path: str | Path, folder: Path = Path()) -> Path:
+    """Return the file of a device model for its name, unless a folder has a file of that name; else the path there."""
+    own = folder / path
+    return FOLDER / f"{path}.yaml" if str(path) in names() and not own.is_file() else own
+
+
 def located(path: str | Path) -> Path:
     """Return the file that a path or the name of a device model stands for; a file of that name goes first.
 
     A bare name that is neither is a ValueError with the nearest device; any other path is returned as it is.
     """
     path = Path(path)
-    if path.is_file() or path.name != str(path) or path.suffix:
-        return path
-    if path.name in names():
-        return FOLDER / f"{path.name}.yaml"
-    if path.exists():
-        return path
+    file = model_file(path)
+    if file.exists() or path.name != str(path) or path.suffix:
+        return file
     hint = spelling.hint(path.name, names()) or " (`imugap models` lists them)"
     raise ValueError(f"{path}: model: expected a file or the name of a device{hint}; found neither")
