@@ -267,10 +267,21 @@ MIXED = [
 QUIET = [(key("a", "nothing"), report())]
 
 
-@pytest.mark.parametrize(("cases", "names"), [(MIXED, ["all effects", "rate ramp", "sinusoid"]), (QUIET, [""])])
-def test_a_panel_of_detection_for_each_hidden_name_and_one_for_all(cases, names):
-    figure = drawn.detection(blind.detection(scored(*cases).effects), clear=10)
-    assert [panel.get_title() for panel in figure.axes] == names
+def test_detection_has_a_row_for_each_hidden_name_and_a_panel_for_all():
+    rates = blind.detection(scored(*MIXED).effects)
+    together, each = drawn.detection(rates, clear=10).axes
+    assert (together.get_title(), each.get_title()) == ("all effects", "each effect")
+    assert [label.get_text() for label in each.get_yticklabels()] == ["rate ramp", "sinusoid"]
+    by_name = rates[rates["name"] != blind.ALL]
+    assert [len(discs.get_offsets()) for discs in each.collections] == [
+        sum(by_name["score"] == score) for score in ("detected", "named")
+    ]
+
+
+def test_without_a_case_of_one_effect_detection_is_a_sentence():
+    (panel,) = drawn.detection(blind.detection(scored(*QUIET).effects), clear=10).axes
+    assert panel.get_title() == ""
+    assert panel.texts
 
 
 def test_the_counts_of_the_confusion_figure_are_those_of_the_cases():

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import NullFormatter, PercentFormatter
+from matplotlib.ticker import NullFormatter, NullLocator, PercentFormatter
 from scipy.stats import binom
 
 from imugap.benchmark.scores import ALL, DISTANCES, LEVEL, NONE, UNKNOWN
@@ -26,7 +26,9 @@ LOWEST = 1e-3
 
 
 def detection(rates: pd.DataFrame, clear: float) -> Figure:
-    """Draw how often effects hidden singly are found and rightly named over their size, a panel for each name.
+    """Draw how often effects hidden singly are found and rightly named over their size: all together, and by name.
+
+    The area of a disc is the share of the cases that are rightly named, that of its ring the share that is found.
 
     Parameters
     ----------
@@ -38,29 +40,27 @@ def detection(rates: pd.DataFrame, clear: float) -> Figure:
     """
     if rates.empty:
         return text_figure("No case hides one effect alone.")
-    names = [ALL, *sorted(set(rates["name"]) - {ALL})]
-    columns = 5
-    rows = ceil(len(names) / columns)
-    figure, grid = panels_of(rows, columns, 1.15 * rows + 0.7, sharex=True, sharey=True)
-    for name, panel in zip(names, grid.flat, strict=False):
-        panel.axvspan(clear, 10 * rates["size"].max(), color="#f2f2f2", lw=0)
-        for score, (title, colour, aside) in SCORES.items():
-            one = rates[(rates["name"] == name) & (rates["score"] == score)].sort_values("size")
-            ends = one["rate"] - one["low"], one["high"] - one["rate"]
-            panel.errorbar(aside * one["size"], one["rate"], ends, fmt="o-", ms=2.5, lw=0.7, elinewidth=0.6,
-                           color=colour, label=title)  # fmt: skip
-        title = "all effects" if name == ALL else _words(name)
-        panel.set(
-            title=title, xscale="log", ylim=(-0.05, 1.05), xlim=(rates["size"].min() / 2, rates["size"].max() * 2)
-        )
+    names = sorted(set(rates["name"]) - {ALL})
+    figure, grid = panels_of(1, 2, max(0.17 * len(names) + 1.0, 2.8), width_ratios=[1, 1.1])
+    left, right = grid[0]
+    for panel in (left, right):
+        panel.axvspan(clear / 1.5, 10 * rates["size"].max(), color="#f2f2f2", lw=0)
+        panel.set(xscale="log", xlim=(rates["size"].min() / 2, rates["size"].max() * 2), xlabel="size [limits]")
+        panel.set_xticks(sorted(set(rates["size"])))
         panel.xaxis.set_major_formatter(PLAIN)
-        panel.xaxis.set_minor_formatter(NullFormatter())
-        panel.yaxis.set_major_formatter(PercentFormatter(1.0, 0))
-    for panel in grid.flat[len(names) :]:
-        panel.remove()
-    for panel in grid.flat[max(len(names) - columns, 0) : len(names)]:
-        panel.tick_params(labelbottom=True)
-        panel.set_xlabel("size [limits]")
+        panel.xaxis.set_minor_locator(NullLocator())
+    for score, (title, colour, aside) in SCORES.items():
+        one = rates[(rates["name"] == ALL) & (rates["score"] == score)].sort_values("size")
+        ends = one["rate"] - one["low"], one["high"] - one["rate"]
+        left.errorbar(aside * one["size"], one["rate"], ends, fmt="o-", ms=4, color=colour, label=title)
+        by_name = rates[(rates["name"] != ALL) & (rates["score"] == score)]
+        rows = [names.index(name) for name in by_name["name"]]
+        look = {"facecolors": "none", "edgecolors": colour} if score == "detected" else {"color": colour, "lw": 0}
+        right.scatter(by_name["size"], rows, 55 * by_name["rate"], zorder=3, **look)
+    left.set(title="all effects", ylim=(-0.05, 1.05))
+    left.yaxis.set_major_formatter(PercentFormatter(1.0, 0))
+    right.set_yticks(range(len(names)), map(_words, names))
+    right.set(title="each effect", ylim=(len(names) - 0.3, -0.7))
     legend_below(figure, 2)
     return figure
 
