@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
+from scipy.signal import lfilter
 from tests.navigation.test_vehicle_alignment import LEVEL, LEVER
 
 from imugap import cli, log
@@ -12,6 +13,7 @@ from imugap.analysis.drive import DriveSettings, RecordedDrive, navigate_drive
 from imugap.commands.drive import DISAGREES
 from imugap.log import GYRO
 from imugap.numerics.rotation import from_euler
+from imugap.stream import stream
 
 SEED = 60
 PLAIN = (0.0, 0.0, 0.0)
@@ -114,6 +116,13 @@ def test_places_alone_show_an_exchange(level):
         verdict(level, fixes.assign(latitude=fixes["longitude"], longitude=fixes["latitude"]))
 
 
+def test_places_alone_in_noise_show_no_exchange(surveyed):
+    """With the noise of a receiver that states none, only an exchange would make the motion stand out."""
+    fixes = surveyed.fixes(0, SEED)
+    places = fixes[[name for name in fixes if not name.startswith(("sd", "vel"))]]
+    assert verdict(surveyed, places, surveyed.record(0, SEED), LEVER).verdict.agrees
+
+
 def test_strict_ends_with_a_code_of_its_own(level, tmp_path, capsys):
     fixes = later(level.fixes(1, SEED), 0.2)
     places = {name: np.degrees(fixes[name]) for name in ("latitude", "longitude")}
@@ -122,3 +131,31 @@ def test_strict_ends_with_a_code_of_its_own(level, tmp_path, capsys):
     line = ["drive", f"{tmp_path}/imu.csv", f"{tmp_path}/gnss.csv", "--strict", "--out", f"{tmp_path}/found"]
     assert cli.main(line) == DISAGREES
     assert "time_offset: {offset_s: -0." in capsys.readouterr().err
+
+
+def slow(fixes, seed, std, correlation_s):
+    """Fixes with Gauss-Markov errors of their position besides, without stated deviations."""
+    rng, step = stream(SEED, "slow", seed), float(np.median(np.diff(fixes.index)))
+    keep = np.exp(-step / correlation_s)
+    driving = rng.normal(0.0, 1.0, (len(fixes), 3)) * np.array(std)
+    driving[1:] *= np.sqrt(1 - keep**2)
+    errors = lfilter([1.0], [1.0, -keep], driving, axis=0)
+    place = {"latitude": errors[:, 0] / 6.37e6, "longitude": errors[:, 1] / 6.37e6 / np.cos(fixes["latitude"].iloc[0]),
+             "height": -errors[:, 2]}  # fmt: skip
+    names = [name for name in fixes if not name.startswith("sd")]
+    return fixes[names].assign(**{name: fixes[name] + one for name, one in place.items()})
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("run", range(2))
+def test_slow_errors_of_a_receiver_are_states_and_leave_the_time_offset_right(surveyed, run):
+    """Errors of 2 m over 60 s and 3 cm from fix to fix; the stated interval of the time offset holds it."""
+    level = replace(surveyed, receiver=replace(surveyed.receiver, lever_m=PLAIN))
+    fixes = slow(later(level.fixes(run, SEED), 0.2), run, (2.0, 2.0, 4.0), 60.0)
+    found = verdict(level, fixes, level.record(run, SEED))
+    said = found.summary()
+    assert [one.suspect for one in found.verdict.mends] == ["time offset"]
+    assert not found.verdict.reasons
+    assert abs(said["time_offset_s"]["value"] + 0.2) < 4 * said["time_offset_s"]["std"] + 1e-3
+    assert 0.5 < said["receiver_slow_std"]["north"] * np.sqrt(60.0 / said["receiver_slow_s"]) / 2.0 < 2.0
+    assert said["receiver_std"]["north"] < 0.2

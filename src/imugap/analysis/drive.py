@@ -99,7 +99,8 @@ class DriveSettings:
         """Whether the noise of the receiver is stated, and not that by default."""
         plain = DriveAssumptions()
         own = self.assumptions
-        return (own.position_std, own.velocity_std) != (plain.position_std, plain.velocity_std)
+        stated, default = ((one.position_std, one.velocity_std, one.slow_std) for one in (own, plain))
+        return stated != default
 
     @classmethod
     def read(cls, path: str | Path | None, effects: str | None = None) -> "DriveSettings":
@@ -124,6 +125,8 @@ class DriveSettings:
             scale_std=(scale["gyro_std"], scale["accel_std"]),
             scale_s=np.inf if scale["correlation_s"] is None else scale["correlation_s"],
             position_std=(fix["horizontal_m"], fix["horizontal_m"], fix["vertical_m"]),
+            slow_std=(fix["slow_horizontal_m"], fix["slow_horizontal_m"], fix["slow_vertical_m"]),
+            slow_s=fix["slow_s"],
             velocity_std=(fix["horizontal_m_per_s"], fix["horizontal_m_per_s"], fix["vertical_m_per_s"]),
             epoch_s=values["epoch_s"],
             wheels_std=wheels["std_m_per_s"],
@@ -255,6 +258,8 @@ class NavigatedDrive:
                 for axis, name, given, error in zip("xyz", LEVER_ARM, used.lever_m, arm, strict=True)
             },
             "receiver_std": dict(zip(COMPONENTS, map(float, noise), strict=True)),
+            "receiver_slow_std": dict(zip(COMPONENTS[:3], map(float, used.slow_std), strict=True)),
+            "receiver_slow_s": float(used.slow_s),
         }
 
     def table(self, one: DriveSolution) -> pd.DataFrame:

@@ -3,7 +3,7 @@
 import numpy as np
 
 from imugap.filters.sensor_states import SensorStates
-from imugap.log import GYRO
+from imugap.log import AXES, GYRO
 
 
 def level_sensitivity(force: np.ndarray, mat_nb: np.ndarray, states: SensorStates, gravity: float) -> np.ndarray:
@@ -13,7 +13,7 @@ def level_sensitivity(force: np.ndarray, mat_nb: np.ndarray, states: SensorState
     about north and east [rad], columns those of the states, *estimated - true*.
     """
     error = np.zeros((3, len(states)))
-    for s in np.flatnonzero(states.axis >= len(GYRO)):
+    for s in np.flatnonzero((states.axis >= len(GYRO)) & (states.axis < len(AXES))):
         error[states.axis[s] - len(GYRO), s] = force[states.axis[s] - len(GYRO)] if states.scale[s] else 1.0
     across = mat_nb @ error / gravity
     return np.stack([across[1], -across[0]])

@@ -38,13 +38,13 @@ def propagate_navigation(source, target, columns, mat_nb, force_n, dt, axis, gai
     dt
         Length of the epoch [s].
     axis
-        Axis of each sensor state, 0 to 5, shape (sensor states,).
+        Axis of each sensor state, 0 to 5, shape (sensor states,); those from 6 on do not act on the navigation.
     gain
         Error of the axis per unit of each state: 1 for a bias, the input for a scale factor.
     shift
-        Workspace for the sums over the states of each axis, shape (6, states).
+        Workspace for the sums over the states of each axis, shape (axes, states).
     """
-    for a in range(6):
+    for a in range(len(shift)):
         for j in range(columns):
             shift[a, j] = 0.0
     for s in range(len(axis)):

@@ -8,7 +8,7 @@ A fixed bias is compensated. Quantisation is left out, since its integral does n
 chain only the scale factor can be a state: a Gauss-Markov process, or a constant.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -23,6 +23,8 @@ FLICKER_S = (1.0, 1000.0)
 """Range of averaging times over which flicker noise is approximated [s]."""
 FLICKER_STATES = 3
 """Number of Gauss-Markov processes that replace flicker noise; the Allan deviation of the bank errs by at most 4 %."""
+RECEIVER = ("fix_north", "fix_east", "fix_down")
+"""Errors of the position of a receiver, which count on from the axes of the device."""
 RANDOM_WALK_EXPONENT = 1.5
 """Exponent of power-law noise from which on it is approximated by a random walk."""
 
@@ -34,7 +36,7 @@ class SensorStates:
     Attributes
     ----------
     axis
-        Index of the axis of each state in :data:`imugap.log.AXES`, shape (states,).
+        Index of the axis of each state in :data:`imugap.log.AXES`, then in :data:`RECEIVER`; shape (states,).
     scale
         Whether the state is a scale-factor error and not an additive error, shape (states,).
     decay
@@ -90,12 +92,34 @@ class SensorStates:
         columns = zip(*rows, strict=True) if rows else ((),) * len(kinds)
         return cls(*(np.array(column, kind) for column, kind in zip(columns, kinds, strict=True)), white, fixed)
 
+    def with_receiver(self, std: tuple[float, float, float], correlation_s: float) -> "SensorStates":
+        """Return the states with slow errors of the position of a receiver, Gauss-Markov processes.
+
+        Parameters
+        ----------
+        std
+            Standard deviations north, east, down [m]; 0: not a state.
+        correlation_s
+            Correlation time [s].
+        """
+        added = [len(AXES) + number for number, one in enumerate(std) if one > 0]
+        variance = np.array([one**2 for one in std if one > 0])
+        return replace(
+            self,
+            axis=np.append(self.axis, added).astype(np.int64),
+            scale=np.append(self.scale, np.zeros(len(added), bool)),
+            decay=np.append(self.decay, np.full(len(added), 1 / correlation_s)),
+            driving_psd=np.append(self.driving_psd, 2 * variance / correlation_s),
+            variance=np.append(self.variance, variance),
+        )
+
     @property
     def names(self) -> list[str]:
-        """Names of the states, such as ``gyro_x``, ``gyro_x_2`` and ``gyro_x_scale``."""
+        """Names of the states, such as ``gyro_x``, ``gyro_x_2``, ``gyro_x_scale`` and ``fix_north``."""
         names = []
         for number, scale in zip(self.axis, self.scale, strict=True):
-            base = f"{AXES[number]}_scale" if scale else AXES[number]
+            own = (*AXES, *RECEIVER)[number]
+            base = f"{own}_scale" if scale else own
             names.append(base if base not in names else f"{base}_{sum(n.startswith(base) for n in names) + 1}")
         return names
 

@@ -86,6 +86,11 @@ class _Suspect:
         windows = windows_of(pair)
         return np.inf if windows is None else windows.unexplained(pair)
 
+    def is_needed(self, pair: VelocityPair) -> bool:
+        """Return whether the samples leave changes of ``pair`` unexplained where the mended one shows motion."""
+        windows = windows_of(self.change())
+        return windows is not None and windows.unexplained(pair) >= UNEXPLAINED
+
 
 def windows_of(pair: VelocityPair) -> DriveWindows | None:
     """Return the windows with the largest changes of velocity; None where nothing stands out of the noise."""
@@ -113,10 +118,10 @@ def check_physics(inputs: DriveInputs) -> tuple[DriveInputs, tuple[Mend, ...]]:
     if plain < UNEXPLAINED:
         return inputs, ()
     limit = min(EXPLAINED, BETTER * plain)
-    suspects = {one: one.unexplained() for one in _suspects(inputs, pair)}
-    best = min(suspects, key=suspects.get)
+    suspects = {one: one.unexplained() for one in _suspects(inputs, pair) if windows or one.is_needed(pair)}
+    best = min(suspects, key=suspects.get, default=None)
     offset, rest = (0.0, np.inf) if windows is None else _time_offset(pair, windows)
-    if suspects[best] < min(limit, rest):
+    if best is not None and suspects[best] < min(limit, rest):
         raise ValueError(best.message)
     return _with_offset(inputs, offset, plain, rest) if rest < limit else (inputs, ())
 

@@ -4,13 +4,14 @@ Each suspect is added to the filter: a time offset, a lever arm (also the given 
 factors as states, a receiver or a device with more noise than stated. The logarithm of the likelihood of the
 innovations, with heavy tails so that no gross error decides, integrates over the state: its gain is a Bayes factor.
 The suspect with the largest gain is mended, if it is significant and large enough to matter, and the others are tried
-again.
+again. A receiver that does not state its noise gets it by the same likelihood, with slow errors of its position where
+the fixes show them.
 
 Source: R. K. Mehra, On the identification of variances and adaptive Kalman filtering, IEEE Trans. Autom. Control 15
 (1970) 175-184 (noise of the receiver by the likelihood of the innovations).
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from itertools import product
 
@@ -48,6 +49,8 @@ NOISE_STEPS, NOISE_GAIN = (4.0, 2.0, 2**0.5), 3.0
 """Steps of a factor, and smallest gain of the log-likelihood of a step."""
 SMALLEST_FACTOR, LARGEST_FACTOR = 0.05, 100.0
 """Limits of the factor on a standard deviation of a receiver."""
+SLOW_STD, SLOW_STEPS = (1.5, 1.5, 3.0), (4.0, 2.0)
+"""Standard deviations of slow errors of a position from which their fit starts [m], and steps of its factors."""
 SLOW_S, SLOW_CORRELATION = 1.0, 0.3
 """Lag [s], and correlation of the fixes off the smoothed path from which on their errors are slow."""
 CLIP_SIGMA = 4.0
@@ -246,31 +249,61 @@ def with_noise(inputs: DriveInputs, factors: tuple[float, ...]) -> DriveInputs:
 
 
 def noise_factors(inputs: DriveInputs) -> tuple[float, ...]:
-    """Return the noise of the receiver over the stated one, for each of :data:`GROUPS`, by maximum likelihood.
+    """Return the noise of the receiver over the stated one, for each of :data:`GROUPS`, by maximum likelihood."""
+    return _most_likely(inputs, with_noise, _seen_groups(inputs), NOISE_STEPS)
 
-    Each factor in turn is doubled or halved while the likelihood of the innovations increases, then by smaller steps.
+
+def with_receiver(inputs: DriveInputs, factors: tuple[float, ...]) -> DriveInputs:
+    """Return the inputs with noise and slow errors of the receiver multiplied.
+
+    Parameters
+    ----------
+    factors
+        Those of :func:`with_noise`, then those on the slow errors across and down, and on their correlation time.
     """
+    known = inputs.assumptions
+    *noise, across, down, longer = factors
+    slow = tuple(float(one) for one in np.array(known.slow_std) * (across, across, down))
+    assumptions = replace(known, slow_std=slow, slow_s=known.slow_s * longer)
+    return with_noise(replace(inputs, assumptions=assumptions), tuple(noise))
+
+
+def _seen_groups(inputs: DriveInputs) -> list[int]:
+    """Return the numbers of the :data:`GROUPS` that the fixes have."""
     seen = np.isfinite(gnss.local(inputs.fixes, inputs.ellipsoid)).any(axis=0)
-    groups = [k for k, group in enumerate(GROUPS) if seen[list(group)].any()]
-    factors, best = np.ones(len(GROUPS)), InnovationFit.of(solve(inputs)).likelihood
-    for step in NOISE_STEPS:
+    return [k for k, group in enumerate(GROUPS) if seen[list(group)].any()]
+
+
+def _most_likely(
+    inputs: DriveInputs,
+    change: Callable[[DriveInputs, tuple[float, ...]], DriveInputs],
+    free: list[int],
+    steps: tuple[float, ...],
+) -> tuple[float, ...]:
+    """Return the factors by which ``change`` makes the innovations most likely; those that are not ``free`` are 1.
+
+    Each factor in turn is multiplied or divided while the likelihood increases, then by smaller steps.
+    """
+    factors = np.ones(max(len(GROUPS), max(free) + 1))
+    best = _likelihood(change(inputs, tuple(factors)))
+    for step in steps:
         moved = True
         while moved:
             moved = False
-            for k, ratio in product(groups, (step, 1 / step)):
+            for k, ratio in product(free, (step, 1 / step)):
                 while SMALLEST_FACTOR <= factors[k] * ratio <= LARGEST_FACTOR:
                     tried = factors * np.where(np.arange(len(factors)) == k, ratio, 1.0)
-                    found = _likelihood(inputs, tried)
+                    found = _likelihood(change(inputs, tuple(tried)))
                     if found <= best + NOISE_GAIN:
                         break
                     factors, best, moved = tried, found, True
     return tuple(map(float, factors))
 
 
-def _likelihood(inputs: DriveInputs, factors: np.ndarray) -> float:
-    """Return the likelihood with a noise of the receiver; -inf where no drive starts with it."""
+def _likelihood(inputs: DriveInputs) -> float:
+    """Return the likelihood of the innovations; -inf where no drive starts with these inputs."""
     try:
-        return InnovationFit.of(solve(with_noise(inputs, tuple(factors)))).likelihood
+        return InnovationFit.of(solve(inputs)).likelihood
     except ValueError:
         return -np.inf
 
@@ -278,14 +311,16 @@ def _likelihood(inputs: DriveInputs, factors: np.ndarray) -> float:
 def with_estimated_noise(inputs: DriveInputs) -> DriveInputs:
     """Return the inputs with the noise of the receiver by the innovations.
 
-    Slow errors do not show in innovations: where the fixes stay to one side of the smoothed path for seconds, the noise
-    is not taken for smaller than it is by default, and solution separation, which takes them for faults, is left out.
+    Where the fixes stay to one side of the smoothed path for seconds, their position has slow errors besides, which are
+    states of the filter; solution separation, which takes them for faults, is left out then.
     """
-    factors = np.array(noise_factors(inputs))
-    if _slow_errors(inputs):
-        factors = np.maximum(factors, 1.0)
-        inputs = replace(inputs, quality=replace(inputs.quality, separation_s=None))
-    return with_noise(inputs, tuple(map(float, factors)))
+    if not _slow_errors(inputs):
+        return with_noise(inputs, noise_factors(inputs))
+    if not any(inputs.assumptions.slow_std):
+        inputs = replace(inputs, assumptions=replace(inputs.assumptions, slow_std=SLOW_STD))
+    inputs = replace(inputs, quality=replace(inputs.quality, separation_s=None))
+    free = [*_seen_groups(inputs), *range(len(GROUPS), len(GROUPS) + 3)]
+    return with_receiver(inputs, _most_likely(inputs, with_receiver, free, SLOW_STEPS))
 
 
 def _slow_errors(inputs: DriveInputs) -> bool:

@@ -16,16 +16,17 @@ Source: Y. Bar-Shalom, X. R. Li, T. Kirubarajan, Estimation with Applications to
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 from scipy.special import chdtri
 
-from imugap.io import gnss
+from imugap.io.gnss import PLACE_STD, VELOCITY_STD
 from imugap.navigation.drive_suspects import FAILING, LARGEST_NIS, InnovationFit, deviations, solve
 from imugap.navigation.mend import Mend
 from imugap.navigation.vehicle import DriveInputs, DriveSolution
 
 OUTAGE_S, OUTAGES, SETTLING_S = 15.0, 4, 45.0
 """Length of a withheld stretch, largest number of them, and time before the first and between them [s]."""
+WITHHELD_STD = 1e3
+"""Standard deviation that withholds a fix, whose innovation is recorded all the same [m], [m/s]."""
 FALSE_ALARM = 1e-6
 """Probability that the outage test of a consistent filter fails."""
 LARGEST_SMOOTHER = 6.0
@@ -124,21 +125,18 @@ def outage_test(inputs: DriveInputs) -> tuple[float, float]:
     withheld = np.zeros(len(time), bool)
     for start in starts:
         withheld |= (time > start) & (time <= start + OUTAGE_S)
-    one = solve(replace(inputs, fixes=inputs.fixes[~withheld]))
-    seen, std = gnss.local(inputs.fixes, inputs.ellipsoid)[:, :2], deviations(inputs)[:, :2]
-    lever, squares = np.array(inputs.assumptions.lever_m), []
+    std = deviations(inputs)
+    hidden = np.where(withheld[:, None], WITHHELD_STD, std)
+    columns = dict(zip((*PLACE_STD, *VELOCITY_STD), hidden.T, strict=True))
+    record = (one := solve(replace(inputs, fixes=inputs.fixes.assign(**columns)))).record
+    squares = []
     for start in starts:
         number = int(np.searchsorted(time, start + OUTAGE_S, "right")) - 1
-        if not (withheld[number] and time[number] > start + OUTAGE_S / 2):
+        row = np.searchsorted(one.fix_time, time[number])
+        if not (withheld[number] and time[number] > start + OUTAGE_S / 2) or row == len(one.fix_time):
             continue
-        row = int(np.clip(np.searchsorted(one.time, time[number] + inputs.assumptions.offset_s), 0, len(one.time) - 1))
-        navigation = one.history.navigation[row]
-        ahead = time[number] + inputs.assumptions.offset_s - one.time[row]
-        antenna = navigation[:2] + ahead * navigation[3:5] + Rotation.from_quat(navigation[6:]).apply(lever)[:2]
-        arm = inputs.assumptions.lever_std**2 + (inputs.assumptions.offset_std**2) * np.sum(navigation[3:5] ** 2)
-        spread = one.horizontal[row] + np.diag(std[number] ** 2) + arm * np.eye(2)
-        off = antenna - seen[number]
-        squares.append(off @ np.linalg.solve(spread, off) / 2)
+        variance = record.variance[row, :2] - WITHHELD_STD**2 + std[number, :2] ** 2
+        squares.append(float(np.mean(record.innovation[row, :2] ** 2 / variance)))
     if not squares:
         return float("nan"), float("inf")
     return float(np.mean(squares)), float(chdtri(2 * len(squares), FALSE_ALARM) / (2 * len(squares)))

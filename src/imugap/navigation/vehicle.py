@@ -1,8 +1,8 @@
 """GNSS/INS: strapdown navigation on the WGS-84 ellipsoid with an error-state filter, loosely coupled.
 
 A fix measures position and, if the receiver provides it, velocity of its antenna. The states are position, velocity,
-attitude, those of the sensors (21 in all for a Gauss-Markov bias and a scale factor of each axis) and, optionally, the
-lever arm and the time offset of the fixes. :mod:`imugap.filters.innovation_gate` tests the fixes.
+attitude, those of the sensors (21 in all for a Gauss-Markov bias and a scale factor of each axis) and, optionally, slow
+errors of the receiver's position, the lever arm and the time offset of the fixes. :mod:`imugap.filters.innovation_gate` tests the fixes.
 
 An epoch ends after a fixed number of samples and at every fix (:mod:`imugap.filters.epochs`); nonholonomic constraints
 are applied at its end (:mod:`imugap.filters.nonholonomic`). The navigation equations are integrated sample by sample in
@@ -40,7 +40,7 @@ from imugap.filters.innovation_gate import (
     noise_after_test,
 )
 from imugap.filters.nonholonomic import CONSTRAINTS, WheelConstraint, apply_wheel_constraint, quiet_epochs
-from imugap.filters.sensor_states import SensorStates
+from imugap.filters.sensor_states import RECEIVER, SensorStates
 from imugap.filters.smoother import (
     History,
     NavigationSolution,
@@ -87,6 +87,10 @@ TIME_OFFSET = "offset"
 """Delay of the fixes beyond the assumed time offset [s]."""
 FIX = len(COMPONENTS)
 """Number of measurements of a fix."""
+FIRST_RECEIVER = len(AXES)
+"""Number of the first axis of the receiver."""
+SOURCES = len(AXES) + len(RECEIVER)
+"""Number of the axes of the device and of the receiver that may have states."""
 NOISE_SIGMA = 4.0
 """Rates up to this number of standard deviations of the noise of a sample do not observe the lever arm."""
 
@@ -111,6 +115,10 @@ class DriveAssumptions:
         Correlation time of the scale factors [s].
     position_std, velocity_std
         Standard deviations of a fix, north, east, down [m] and [m/s], where the log gives none.
+    slow_std
+        Standard deviations of slow errors of its position besides, north, east, down [m]; 0: not a state.
+    slow_s
+        Their correlation time [s].
     epoch_s
         Longest epoch of the covariance [s].
     wheels_std
@@ -129,6 +137,8 @@ class DriveAssumptions:
     scale_std: tuple[float, float] = (2e-3, 2e-3)
     scale_s: float = np.inf
     position_std: tuple[float, float, float] = (1.5, 1.5, 3.0)
+    slow_std: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    slow_s: float = 60.0
     velocity_std: tuple[float, float, float] = (0.1, 0.1, 0.2)
     epoch_s: float = 0.05
     wheels_std: float = 0.0
@@ -136,8 +146,8 @@ class DriveAssumptions:
     axle_m: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     def states(self, model: ErrorModel) -> SensorStates:
-        """Return the states of the sensors under ``model``."""
-        return SensorStates.of(model, self.scale_std, self.scale_s)
+        """Return the states of the sensors under ``model``, and those of the receiver."""
+        return SensorStates.of(model, self.scale_std, self.scale_s).with_receiver(self.slow_std, self.slow_s)
 
     def constants(self) -> list[tuple[str, float]]:
         """Return names and standard deviations of the states behind those of the sensors."""
@@ -316,9 +326,9 @@ class _Room(NamedTuple):
     def of(cls, size: int, states: int) -> "_Room":
         """Allocate workspaces for ``size`` states, of which ``states`` are of the sensors."""
         vectors = (np.ones(states) for _ in range(4))
-        axes, components = (np.empty(6) for _ in range(2)), (np.empty(6) for _ in range(2))
+        axes, components = (np.empty(SOURCES) for _ in range(2)), (np.empty(6) for _ in range(2))
         return cls(
-            np.empty((size, size)), np.empty((6, size)), *vectors, *axes, np.empty((6, size)), np.empty(size),
+            np.empty((size, size)), np.empty((SOURCES, size)), *vectors, *axes, np.empty((6, size)), np.empty(size),
             np.empty(size), np.zeros(size), np.empty(6, np.int64), *components, np.empty((6, 6)), np.empty((6, 6)),
             np.empty(6), np.empty((0, 0)),
         )  # fmt: skip
@@ -365,6 +375,11 @@ def _predicted(i, nav, rate, acceleration, errors, sensors, gain, frame, row):
     if frame.time_offset_state:
         row[last] = moving[a]
     own = nav[0][a] if i < 3 else nav[1][a]
+    if i < 3:
+        for s in range(len(sensors.axis)):
+            if sensors.axis[s] == FIRST_RECEIVER + i:
+                row[NAVIGATION + s] = 1.0
+                own += errors[s]
     if frame.position_offset_state and i < 3:
         row[last + 1 + i] = 1.0
         own += errors[last + 1 + i - NAVIGATION]

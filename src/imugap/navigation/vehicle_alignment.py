@@ -93,7 +93,8 @@ def align(inputs: DriveInputs) -> InitialState:
     place = seen[number, :3] - rotation.apply(lever)
     moving = velocity[number] - rotation.apply(np.cross(turning, lever))
     pull, by_course = _pull(time, velocity, number), matched is None
-    _correlate(covariance, rotation.as_matrix(), turning, moving, pull, assumptions, by_course)
+    inherited = _slow_errors(states, size)
+    _correlate(covariance, rotation.as_matrix(), turning, moving, pull, assumptions, by_course, inherited)
     return InitialState(time[number], np.concatenate([place, moving, rotation.as_quat()]), errors, covariance)
 
 
@@ -246,16 +247,17 @@ def _pull(time: np.ndarray, velocity: np.ndarray, number: int) -> np.ndarray:
 
 def _correlate(
     covariance: np.ndarray, mat_nb: np.ndarray, rate: np.ndarray, velocity: np.ndarray, pull: np.ndarray,
-    assumptions: DriveAssumptions, by_course: bool,
+    assumptions: DriveAssumptions, by_course: bool, inherited: np.ndarray,
 ) -> None:  # fmt: skip
     """Add to the covariance what position and velocity inherit from the attitude, the lever arm and the time offset.
 
     The start takes them from the antenna at the time of a fix, so that their errors are those of the fix, less the
     errors of the lever arm (turned by that of the attitude), and less the motion over that of the time offset. A
-    heading ``by_course`` inherits the velocity of the antenna around the device.
+    heading ``by_course`` inherits the velocity of the antenna around the device. ``inherited`` holds what position
+    inherits from the receiver, shape (states, states).
     """
     size, lever = len(covariance), np.array(assumptions.lever_m)
-    inherited, states = np.eye(size), [name for name, _ in assumptions.constants()]
+    states = [name for name, _ in assumptions.constants()]
     first = size - len(states)
     for block, arm, reach in (
         (slice(0, VELOCITY), lever, np.eye(3)),
@@ -272,6 +274,14 @@ def _correlate(
         turned[NAVIGATION - 1, first : first + len(LEVER_ARM)] = -swing @ mat_nb @ cross_matrix(rate)
         inherited = inherited @ turned
     covariance[:] = inherited @ covariance @ inherited.T
+
+
+def _slow_errors(states: SensorStates, size: int) -> np.ndarray:
+    """Return what the position inherits from the slow errors of the receiver, which its fix has; shape (size, size)."""
+    inherited = np.eye(size)
+    for number in np.flatnonzero(states.axis >= len(AXES)):
+        inherited[states.axis[number] - len(AXES), NAVIGATION + number] = -1.0
+    return inherited
 
 
 def cross_matrix(vector: np.ndarray) -> np.ndarray:
