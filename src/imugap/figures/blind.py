@@ -1,6 +1,7 @@
 """Figures of the blind benchmark: each function draws one figure from the tables of the scores and returns it."""
 
 from math import ceil
+from textwrap import fill
 
 import numpy as np
 import pandas as pd
@@ -21,6 +22,8 @@ FARTHEST = 3.0
 DRAWN = ("before", "after", "floor_low", "floor_high")
 HIGHEST = 1e3
 """Largest distance over the floor drawn; from a model that does not scatter it has no bound."""
+TITLE_WIDTH = 22
+"""Characters in a line of the title of a small panel."""
 LOWEST = 1e-3
 """Smallest p-value drawn."""
 
@@ -41,7 +44,7 @@ def detection(rates: pd.DataFrame, clear: float) -> Figure:
     if rates.empty:
         return text_figure("No case hides one effect alone.")
     names = sorted(set(rates["name"]) - {ALL})
-    figure, grid = panels_of(1, 2, max(0.17 * len(names) + 1.0, 2.8), width_ratios=[1, 1.1])
+    figure, grid = panels_of(1, 2, max(0.155 * len(names) + 1.0, 2.8), width_ratios=[1, 1.1])
     left, right = grid[0]
     for panel in (left, right):
         panel.axvspan(clear / 1.5, 10 * rates["size"].max(), color="#f2f2f2", lw=0)
@@ -178,7 +181,8 @@ def calibration(p_values: pd.DataFrame) -> Figure:
         panel.step(np.concatenate([[LOWEST], ordered, [1.0]]), np.append(np.arange(count + 1), count) / count,
                    where="post", color=FOUND, label="p-values of logs that hide nothing")  # fmt: skip
         panel.text(0.95, 0.05, f"{count} p-values", ha="right", transform=panel.transAxes, fontsize=7)
-        panel.set(title=TITLES[view], xscale="log", yscale="log", xlim=(LOWEST, 1), ylim=(LOWEST, 1.2))
+        title = fill(TITLES[view], TITLE_WIDTH)
+        panel.set(title=title, xscale="log", yscale="log", xlim=(LOWEST, 1), ylim=(LOWEST, 1.2))
     for panel in grid.flat[len(groups) :]:
         panel.remove()
     for panel in grid.flat[max(len(groups) - columns, 0) : len(groups)]:
