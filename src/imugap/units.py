@@ -14,6 +14,7 @@ FACTORS: dict[str, float] = {
     "s": 1.0,
     "ms": 1e-3,
     "us": 1e-6,
+    "min": 60.0,
     "100us": 1e-4,
     "ns": 1e-9,
     "m": 1.0,

@@ -98,3 +98,11 @@ def test_windows_that_deviate_most_do_not_overlap():
     statistic = (total[last] - total[first]) / np.sqrt(last - first)
     nested = Curve("view", "gyro_x", first.astype(float), last.astype(float), "s", statistic, windows=(first, last))
     assert [place[:2] for place in envelope.places(nested, 1e-3)] == [(8, 16), (26, 28)]
+
+
+@pytest.mark.parametrize("signed", [True, False])
+def test_where_no_replicate_differs_a_curve_that_does_not_either_deviates_by_nothing(signed):
+    replicates = stream(1, "still").standard_normal((20, 5)) * (np.arange(5) > 3)
+    envelope = Envelope(replicates, signed)
+    assert not envelope.deviation(replicates[0])[:4].any()
+    assert np.isfinite(envelope.maxima).all() or not signed

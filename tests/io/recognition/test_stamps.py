@@ -1,7 +1,10 @@
 import numpy as np
 import pytest
+from tests.io.devices import at_rest, times, write_text
 
 from imugap.io.recognition.stamps import seconds, unit_of_fine, unit_of_stamps
+from imugap.io.recording import read
+from imugap.log import AXES
 from imugap.units import factor
 
 UNITS = ["s", "ms", "us", "ns"]
@@ -49,3 +52,27 @@ def test_nanoseconds_keep_a_regular_step():
 def test_the_tick_of_a_fine_counter_follows_from_the_rate(tick, rate):
     time = np.round(np.arange(1000) / (rate * factor(tick))).astype(np.int64)
     assert unit_of_fine(time)[0] == tick
+
+
+@pytest.mark.parametrize(
+    ("name", "per_second"), [("Time [min]", 1 / 60), ("t (h)", 1 / 3600), ("millis", 1e3), ("micros", 1e6), ("ms", 1e3)]
+)
+def test_the_unit_in_the_name_of_the_stamps_decides(tmp_path, name, per_second):
+    columns = np.column_stack([times(400) * per_second, at_rest(400, up=(0, 0, -1))])
+    header = [name, *(f"{one} [{unit}]" for one, unit in zip(AXES, ["rad/s"] * 3 + ["m/s^2"] * 3, strict=True))]
+    found = read(write_text(tmp_path / "run.csv", header, columns, form="{:.15g}"))
+    np.testing.assert_allclose(found.log.index, times(400), atol=1e-9)
+
+
+def test_whole_minutes_are_no_division_by_zero():
+    np.testing.assert_array_equal(seconds(np.arange(3), 60.0), [0.0, 60.0, 120.0])
+
+
+@pytest.mark.parametrize("zone", ["", "Z", "+00:00"])
+def test_stamps_as_a_date_may_have_a_zone(tmp_path, zone):
+    lines = [",".join(["time", *AXES])]
+    for k, row in enumerate(at_rest(400, up=(0, 0, -1)).tolist()):
+        lines.append(f"2024-05-01T10:00:{k // 100:02d}.{k % 100:02d}0{zone}," + ",".join(map(repr, row)))
+    (tmp_path / "run.csv").write_text("\n".join([*lines, ""]))
+    found = read(tmp_path / "run.csv").log
+    np.testing.assert_allclose(found.index - found.index[0], times(400), atol=1e-6)

@@ -59,7 +59,7 @@ class Envelope:
 
     def deviation(self, statistic: np.ndarray) -> np.ndarray:
         """Return the deviation of a curve from the replicates at each location, on a scale with an exponential tail."""
-        return self._evidence((statistic - self.mean) / self.spread, len(self.replicates) - 1)
+        return self._evidence(_studentised(statistic - self.mean, self.spread), len(self.replicates) - 1)
 
     @cached_property
     def maxima(self) -> np.ndarray:
@@ -67,7 +67,7 @@ class Envelope:
         b, x = len(self.replicates), self.replicates
         mean = (b * self.mean - x) / (b - 1)
         variance = (b * (x**2).mean(axis=0) - x**2 - (b - 1) * mean**2) / (b - 2)
-        deviation = (x - mean) / self._limited(variance)
+        deviation = _studentised(x - mean, self._limited(variance))
         return np.sort(self._evidence(deviation, b - 2).max(axis=1))
 
     @cached_property
@@ -137,3 +137,9 @@ def _apart(beyond: np.ndarray, deviation: np.ndarray, curve: Curve) -> list[np.n
     ordered = taken[np.argsort(first[taken])]
     between = first[ordered[1:]] - last[ordered[:-1]]
     return np.split(ordered, np.flatnonzero(between > MAX_SEPARATION) + 1) if len(ordered) else []
+
+
+def _studentised(difference: np.ndarray, spread: np.ndarray) -> np.ndarray:
+    """Return differences over their spread; 0 where there is no difference, at a location without spread too."""
+    with np.errstate(divide="ignore"):
+        return np.divide(difference, spread, out=np.zeros(np.shape(difference)), where=difference != 0)

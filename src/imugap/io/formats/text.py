@@ -31,6 +31,7 @@ NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?|[-+]?(nan|inf|infini
 COMMA_NUMBER = re.compile(r"[-+]?\d*,\d+([eE][-+]?\d+)?")
 INTEGER = re.compile(r"[-+]?\d{1,18}")
 STAMP = re.compile(r"\d{4}-\d\d-\d\d[ T]\d\d:\d\d:\d\d")
+ZONE = re.compile(r"(Z|[+-]\d\d:?\d\d)$")
 ENCODINGS = {codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16", codecs.BOM_UTF8: "utf-8-sig"}
 MISSING = ["", "nan", "NaN", "NAN", "NA", "N/A", "null", "NULL", "None", "#N/A", "-nan"]
 EXCERPT = 60
@@ -252,7 +253,7 @@ def _kind(dialect: Dialect, column: int) -> pa.DataType:
     if cells and all(INTEGER.fullmatch(cell) for cell in cells) and max(map(len, cells)) > LONG:
         return pa.int64()
     if cells and all(STAMP.match(cell) for cell in cells):
-        return pa.timestamp("ns")
+        return pa.timestamp("ns", tz="UTC" if all(ZONE.search(cell) for cell in cells) else None)
     return pa.float64()
 
 

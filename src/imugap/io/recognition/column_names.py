@@ -140,6 +140,8 @@ def meaning(name: str) -> Meaning | None:
         words = words[:place] + words[place + 1 :]
     words = [word for word in words if word != "axis"]
     quantity = _quantity(words) or _quantity(_words(base.rpartition(".")[2])) or _by_unit(words, axis, unit)
+    if quantity is None and len(base) > 1 and unit is None and unit_of(base) in QUANTITIES[TIME]:
+        return Meaning(TIME, None, unit_of(base), ())
     if quantity is None:
         return None
     if unit is None:
@@ -173,6 +175,8 @@ def assign(names: Sequence[str]) -> Assignment:
     thermometers = _least([name for name, found in known.items() if found.quantity == TEMPERATURE], known)
     if len(thermometers) == 1:
         columns[TEMPERATURE] = thermometers[0]
+        unit = known[thermometers[0]].unit
+        units |= {TEMPERATURE: unit} if unit else {}
     times = sorted((name for name, found in known.items() if found.quantity == TIME), key=lambda name: known[name].rank)
     counters = tuple(name for name, found in known.items() if found.quantity == "counter")
     ordered = {name: columns[name] for name in COLUMNS if name in columns}

@@ -4,14 +4,14 @@ It is recognised on an excerpt, and applied to any rows.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from imugap.io.recognition import column_names, frame, samples, stamps, units
 from imugap.io.recognition.column_names import Assignment
 from imugap.io.recognition.settings import RecordingSettings
-from imugap.log import ACCEL, GYRO, TIME, LogError
+from imugap.log import ACCEL, GYRO, TEMPERATURE, TIME, LogError
 from imugap.units import factor
 
 
@@ -27,6 +27,8 @@ class Conversion:
         Unit of the stamps; None where there are none, and the rate is exact.
     factors
         Factor to SI of each column.
+    offsets
+        What is added to a column afterwards.
     frame
         Where the axes of the file point; ``as-is`` where they are not turned.
     recognised
@@ -41,12 +43,15 @@ class Conversion:
     frame: str
     recognised: tuple[str, ...]
     weightless: bool
+    offsets: Mapping[str, float] = field(default_factory=dict)
 
     def apply(self, values: Mapping[str, np.ndarray], raw: np.ndarray | None, first: int = 0) -> np.ndarray:
         """Convert columns in place, and return the time of their rows [s]; the first is row ``first``."""
         for name, column in values.items():
             if self.factors.get(name, 1.0) != 1.0:
                 column *= self.factors[name]
+            if self.offsets.get(name, 0.0) != 0.0:
+                column += self.offsets[name]
         if self.frame not in (frame.AS_IS, frame.CANONICAL):
             _turn(values, frame.rotation_of(self.frame))
         if self.time_unit is None:
@@ -90,8 +95,14 @@ def conversion(
     if assignment.free or (force is not None and units.without_gravity(force, 1.0)):
         weightless = True
         sentences += ["no gravity in the specific force: it was removed"]
+    offsets = {}
+    if TEMPERATURE in values:
+        stated = assignment.units.get(TEMPERATURE)
+        unit = units.temperature_unit(values[TEMPERATURE], settings.units.get(TEMPERATURE), stated)
+        sizes[TEMPERATURE], offsets[TEMPERATURE] = units.to_celsius(unit)
+        sentences += [] if unit.name == units.SI[TEMPERATURE] else [unit.sentence(TEMPERATURE)]
     axes, words = _frame(force, settings)
-    return Conversion(rate, time_unit, sizes, axes, (*said, *sentences, *words), weightless)
+    return Conversion(rate, time_unit, sizes, axes, (*said, *sentences, *words), weightless, offsets)
 
 
 def asked(function, place: str, *arguments):

@@ -6,9 +6,10 @@ inertial sensor and leave one unit for most.
 
 import numpy as np
 
-from imugap.io.recognition.unit_text import QUANTITIES
 from imugap.units import factor
 
+TICKS = ("s", "ms", "us", "ns")
+"""Units of stamps that name none."""
 LAG = 16
 """Rows over which the mean interval is taken: stamps may come in bursts."""
 ROWS = 200_000
@@ -39,7 +40,7 @@ def step_of(time: np.ndarray) -> float:
 
 def seconds(time: np.ndarray, unit_s: float) -> np.ndarray:
     """Return stamps, shape (n,), in seconds; whole numbers keep the digits that a double can hold."""
-    if time.dtype.kind != "i":
+    if time.dtype.kind != "i" or unit_s >= 1:
         return time * unit_s if unit_s != 1 else time
     per_second = round(1 / unit_s)
     whole, rest = np.divmod(time, per_second)
@@ -60,10 +61,10 @@ def unit_of_stamps(time: np.ndarray, contract: bool) -> tuple[str, str]:
     if len(time) < FEWEST or not np.isfinite(step):
         return "s", "too few stamps"
     first = float(time[0] if time.dtype.kind == "i" else time[np.isfinite(time)][0])
-    by_year = [unit for unit in QUANTITIES["time"] if YEARS[0] < first * factor(unit) < YEARS[1]]
+    by_year = [unit for unit in TICKS if YEARS[0] < first * factor(unit) < YEARS[1]]
     if by_year:
         return by_year[0], "the year"
-    rates = {unit: 1 / (step * factor(unit)) for unit in QUANTITIES["time"]}
+    rates = {unit: 1 / (step * factor(unit)) for unit in TICKS}
     slowest = SLOWEST_CONTRACT_HZ if contract else SLOWEST_HZ
     if slowest <= rates["s"] <= FASTEST_HZ:
         return "s", "the rate"

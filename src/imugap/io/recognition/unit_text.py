@@ -8,6 +8,7 @@ SPELLINGS = {
     "ms": "ms msec msecs millis millisecond milliseconds",
     "us": "us usec usecs micros microsecond microseconds",
     "ns": "ns nsec nsecs nanos nanosec nanosecond nanoseconds",
+    "min": "min mins minute minutes",
     "h": "h hr hour hours",
     "rad": "rad rads radian radians",
     "mrad": "mrad",
@@ -19,6 +20,8 @@ SPELLINGS = {
     "mg": "mg milligs",
     "ug": "ug",
     "degC": "c degc celsius degcelsius",
+    "degF": "f degf fahrenheit degfahrenheit",
+    "K": "k kelvin kelvins",
 }
 BASES = {spelling: base for base, spellings in SPELLINGS.items() for spelling in spellings.split()}
 SHORT = {"dps": "deg/s", "mdps": "mdeg/s"}
@@ -26,10 +29,10 @@ SHORT = {"dps": "deg/s", "mdps": "mdeg/s"}
 SIGNS = str.maketrans({"²": "^2", "³": "^3", "µ": "u", "μ": "u", "°": "deg", "⁻": "-", "¹": "1", "·": " ", "*": " "})
 TIMES = ("s", "h")
 QUANTITIES = {
-    "time": ("s", "ms", "us", "ns"),
+    "time": ("s", "ms", "us", "ns", "min", "h"),
     "gyro": ("rad/s", "deg/s", "mrad/s", "mdeg/s", "deg/h", "rad", "deg"),
     "accel": ("m/s^2", "g", "mg", "ug", "ft/s^2", "m/s"),
-    "temperature": ("degC",),
+    "temperature": ("degC", "degF", "K"),
 }
 """Units of each quantity; those without the last time in them are of increments over the sampling interval."""
 INCREMENTS = ("rad", "deg", "m/s")

@@ -13,6 +13,10 @@ from imugap.io.recognition.unit_text import INCREMENTS, QUANTITIES, quantity_of,
 from imugap.log import ACCEL, GYRO, LogError
 from imugap.units import STANDARD_GRAVITY, factor
 
+TEMPERATURES = {"degC": (1.0, 0.0), "degF": (5 / 9, -160 / 9), "K": (1.0, -273.15)}
+"""Factor and offset to degC of each unit."""
+KELVINS = 200.0, 400.0
+"""Temperatures of devices [K]; those of none in degC."""
 SI = {"gyro": "rad/s", "accel": "m/s^2", "temperature": "degC"}
 PLACES = {"gyro": "columns gyro_x to gyro_z", "accel": "columns accel_x to accel_z"}
 TRIADS = {"gyro": GYRO, "accel": ACCEL}
@@ -132,3 +136,20 @@ def gyro_unit(
 def _undecided(quantity: str, found: str) -> LogError:
     units = " or ".join(f"{quantity}={unit}" for unit in QUANTITIES[quantity][:2])
     return LogError("log", PLACES[quantity], f"a unit in the header (--units {units} decides)", found)
+
+
+def temperature_unit(readings: np.ndarray, given: str | None, stated: str | None) -> Unit:
+    """Return the unit of readings, shape (n,): of the option, of the header, or that of a device at such readings."""
+    if given or stated:
+        return Unit(given or stated, "the option" if given else "the header")
+    known = readings[np.isfinite(readings)]
+    low, high = KELVINS
+    kelvins = len(known) > 0 and low < np.median(known) < high
+    return Unit("K", "its size") if kelvins else Unit(SI["temperature"])
+
+
+def to_celsius(unit: Unit) -> tuple[float, float]:
+    """Return the factor of a unit of temperature to degC, and what is added afterwards."""
+    base, _, counts = unit.name.partition("//")
+    scale, offset = TEMPERATURES[base]
+    return scale / (float(counts) if counts else 1.0), offset
