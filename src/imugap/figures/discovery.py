@@ -203,7 +203,7 @@ def drift_of(path: Drifts, direction: str) -> Figure:
 
 def distance(found: Discovery) -> Figure:
     """Draw the distances of the held-out data to both models beside the floor, the band."""
-    figure, grid = panels_of(1, len(found.distances), 2.4)
+    figure, grid = panels_of(1, len(found.distances), 2.0)
     for (name, apart), panel in zip(found.distances.items(), grid[0], strict=True):
         _distance(panel, apart)
         panel.set_title(NAMES[name])
