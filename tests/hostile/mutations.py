@@ -3,6 +3,7 @@
 Each takes a named random stream, so that a case is known by its number alone.
 """
 
+import zipfile
 from collections.abc import Callable
 from dataclasses import fields
 from io import BytesIO
@@ -320,8 +321,18 @@ def _flown(table, rng):
         return "log.ulg", write_ulog(Path(folder) / "log.ulg", {message: rows}).read_bytes()
 
 
+def _archived(table, rng):
+    content = BytesIO()
+    names = ["Gyroscope.csv", "Accelerometer.csv", "Location.csv", "../Gravity.csv", "meta/time.csv", "x.csv"]
+    with zipfile.ZipFile(content, "w") as archive:
+        for name in rng.choice(names, size=rng.integers(0, 4), replace=False):
+            kept = table.rename(columns=dict(zip(table.columns[1:4], rng.permutation(list("xyz")), strict=False)))
+            archive.writestr(str(name), text_bytes(kept.to_csv(index=False).encode(), rng))
+    return "log.zip", content.getvalue()
+
+
 ARRAY_FILES: tuple[Callable[[pd.DataFrame, Rng], tuple[str, bytes]], ...] = (
-    _plain, _structured, _shaped, _objects, _matlab, _matlab, _flown,
+    _plain, _structured, _shaped, _objects, _matlab, _matlab, _flown, _archived,
 )  # fmt: skip
 
 
