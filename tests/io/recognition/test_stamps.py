@@ -4,7 +4,7 @@ from tests.io.devices import at_rest, times, write_text
 
 from imugap.io.recognition.stamps import seconds, unit_of_fine, unit_of_stamps
 from imugap.io.recording import read
-from imugap.log import AXES
+from imugap.log import AXES, LogError
 from imugap.units import factor
 
 UNITS = ["s", "ms", "us", "ns"]
@@ -76,3 +76,21 @@ def test_stamps_as_a_date_may_have_a_zone(tmp_path, zone):
     (tmp_path / "run.csv").write_text("\n".join([*lines, ""]))
     found = read(tmp_path / "run.csv").log
     np.testing.assert_allclose(found.index - found.index[0], times(400), atol=1e-6)
+
+
+@pytest.mark.parametrize("mark", [".", ":", ","])
+def test_times_of_day_are_stamps(tmp_path, mark):
+    lines = [";".join(["time", *AXES])]
+    for k, row in enumerate(at_rest(400, up=(0, 0, -1)).tolist()):
+        lines.append(f"9:59:{56 + k // 100:02d}{mark}{k % 100:02d}0;" + ";".join(map(repr, row)))
+    path = tmp_path / "run.csv"
+    path.write_text("\n".join([*lines, ""]))
+    found = read(path).log
+    np.testing.assert_allclose(found.index - found.index[0], times(400), atol=1e-9)
+    assert found.index[0] == pytest.approx(9 * 3600 + 59 * 60 + 56)
+    path.write_text("\n".join([*lines[:200], lines[200].replace(";", ";x", 1), *lines[201:], ""]))
+    with pytest.raises(LogError, match="line 201, column gyro_x: expected a number; found 'x"):
+        read(path)
+    path.write_text("\n".join([*lines[:300], "noon" + lines[300][lines[300].index(";") :], *lines[301:], ""]))
+    with pytest.raises(LogError, match="line 301, column time: expected a value as in the rows above; found 'noon'"):
+        read(path)

@@ -31,6 +31,8 @@ NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?|[-+]?(nan|inf|infini
 COMMA_NUMBER = re.compile(r"[-+]?\d*,\d+([eE][-+]?\d+)?")
 INTEGER = re.compile(r"[-+]?\d{1,18}")
 STAMP = re.compile(r"\d{4}-\d\d-\d\d[ T]\d\d:\d\d:\d\d")
+CLOCK = re.compile(r"(\d{1,2}):(\d\d):(\d\d)(?:[.,:](\d{1,9}))?")
+"""Time of day, as loggers of phones write it; milliseconds may stand behind a colon."""
 ZONE = re.compile(r"(Z|[+-]\d\d:?\d\d)$")
 ENCODINGS = {codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16", codecs.BOM_UTF8: "utf-8-sig"}
 MISSING = ["", "nan", "NaN", "NAN", "NA", "N/A", "null", "NULL", "None", "#N/A", "-nan"]
@@ -220,7 +222,7 @@ def _are_units(cells: list[str]) -> bool:
 
 
 def _batches(path: Path, dialect: Dialect, columns: Sequence[int]) -> Iterator[list[np.ndarray]]:
-    """Yield the numbers of columns, shape (n,); a time of day is nanoseconds of 1970."""
+    """Yield the numbers of columns, shape (n,); dates are nanoseconds since 1970, times of day since midnight."""
     names = [str(k) for k in range(max(len(dialect.names), dialect.width))]
     kinds = {str(k): _kind(dialect, k) for k in columns}
     converting = pa.csv.ConvertOptions(
@@ -248,18 +250,40 @@ def _is_whole(dialect: Dialect, column: int) -> bool:
 
 
 def _kind(dialect: Dialect, column: int) -> pa.DataType:
-    """Return the type of a column: integers where doubles would lose digits, times of day, else doubles."""
+    """Return the type of a column: integers where doubles would lose digits, dates, times of day, else doubles."""
     cells = [row[column] for row in dialect.sample if column < len(row) and row[column]]
     if cells and all(INTEGER.fullmatch(cell) for cell in cells) and max(map(len, cells)) > LONG:
         return pa.int64()
     if cells and all(STAMP.match(cell) for cell in cells):
         return pa.timestamp("ns", tz="UTC" if all(ZONE.search(cell) for cell in cells) else None)
+    if cells and all(CLOCK.fullmatch(cell) for cell in cells):
+        return pa.string()
     return pa.float64()
+
+
+def _is_readable(cell: str, kind: pa.DataType, separator: str) -> bool:
+    """Return whether a cell is a value of the kind of its column."""
+    if pa.types.is_string(kind):
+        return bool(CLOCK.fullmatch(cell))
+    if pa.types.is_timestamp(kind):
+        return bool(STAMP.match(cell))
+    return _is_number(cell, separator)
+
+
+def _since_midnight(cell: str | None) -> int:
+    """Return a time of day in nanoseconds."""
+    found = CLOCK.fullmatch(cell or "")
+    if found is None:
+        raise pa.ArrowInvalid(f"{cell!r} is no time of day")
+    hour, minute, second, rest = found.groups()
+    return ((int(hour) * 60 + int(minute)) * 60 + int(second)) * 10**9 + int((rest or "").ljust(9, "0"))
 
 
 def _numbers(values: pa.Array) -> np.ndarray:
     if pa.types.is_timestamp(values.type):
         values = values.cast(pa.int64())
+    if pa.types.is_string(values.type):
+        return np.array([_since_midnight(cell) for cell in values.to_pylist()], np.int64)
     return values.to_numpy(zero_copy_only=False)
 
 
@@ -335,6 +359,7 @@ def _diagnosis(path: Path, dialect: Dialect, columns: Sequence[int], cause: str)
     """Return the first error in a text, line by line, after the fast reader failed with ``cause``."""
     width = max(len(dialect.names), dialect.width)
     names = [name or f"{k + 1}" for k, name in enumerate([*dialect.names, *[""] * (width - len(dialect.names))])]
+    kinds = {column: _kind(dialect, column) for column in columns}
     with path.open(encoding=dialect.encoding, errors="replace") as handle:
         for number, line in enumerate(handle, 1):
             if number <= dialect.first or not line.strip() or line.lstrip().startswith(COMMENT):
@@ -346,7 +371,9 @@ def _diagnosis(path: Path, dialect: Dialect, columns: Sequence[int], cause: str)
                 expected = f"{width} values ({', '.join(filter(None, dialect.names))})"
                 return LogError(path, f"line {number}", expected, f"{len(cells)}: {line.strip()[:EXCERPT]!r}")
             for column in columns:
-                if cells[column] not in MISSING and not _is_number(cells[column], dialect.separator):
+                if cells[column] not in MISSING and not _is_readable(cells[column], kinds[column], dialect.separator):
                     where = f"line {number}, column {names[column]}"
-                    return LogError(path, where, "a number", repr(cells[column][:EXCERPT]))
+                    alike = pa.types.is_string(kinds[column]) or pa.types.is_timestamp(kinds[column])
+                    expected = "a value as in the rows above" if alike else "a number"
+                    return LogError(path, where, expected, repr(cells[column][:EXCERPT]))
     return LogError(path, "text", "rows of numbers", cause.splitlines()[0][: 4 * EXCERPT])
