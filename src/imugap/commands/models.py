@@ -123,7 +123,7 @@ def _interval(one: Mapping[str, Any]) -> str:
     if low is None and high is None:
         return "not known"
     if low == high:
-        return "chosen"
+        return "fixed"
     ends = (-float("inf") if low is None else low, float("inf") if high is None else high)
     return interval_text(*ends)
 

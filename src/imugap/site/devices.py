@@ -40,7 +40,7 @@ def _interval(one: Mapping[str, Any]) -> str:
     low, high = one["low"], one["high"]
     if low is None or high is None:
         return "not known" if low is high else f"from {low:.3g}" if high is None else f"to {high:.3g}"
-    return "chosen" if low == high else f"{low:.3g} to {high:.3g}"
+    return "fixed" if low == high else f"{low:.3g} to {high:.3g}"
 
 
 def _distance(kind: str, one: Mapping[str, Any]) -> str:

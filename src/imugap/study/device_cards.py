@@ -76,7 +76,7 @@ class DeviceFound:
                 for one in self.report["effects"] if one["alternatives"]
             ],
             "once": self._once(final),
-            "not_known": list(self._not_known()),
+            "not_known": list(dict.fromkeys(self._not_known())),
             "unexplained": self._unexplained(),
             "distances": {
                 name: self.report[key]
