@@ -64,7 +64,10 @@ def said(result):
 
 @pytest.mark.parametrize(
     "target",
-    [one if one in (Target.GAZEBO, Target.AIRSIM) else pytest.param(one, marks=pytest.mark.slow) for one in LOOPS],
+    [
+        one if one in (Target.GAZEBO, Target.AIRSIM) else pytest.param(one, marks=(pytest.mark.slow, pytest.mark.each))
+        for one in LOOPS
+    ],
 )
 def test_nothing_is_missing_of_what_the_target_holds(tmp_path, target):
     simulate, effects = LOOPS[target]

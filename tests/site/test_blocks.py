@@ -14,7 +14,7 @@ LANGUAGES = {"bash", "python", INSTALL, ""}
 
 
 def marked(page):
-    return pytest.param(page, id=page.stem, marks=() if page.stem in QUICK else pytest.mark.slow)
+    return pytest.param(page, id=page.stem, marks=() if page.stem in QUICK else (pytest.mark.slow, pytest.mark.each))
 
 
 @pytest.fixture(scope="module")

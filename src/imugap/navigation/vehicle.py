@@ -2,7 +2,7 @@
 
 A fix measures position and, if the receiver provides it, velocity of its antenna. The states are position, velocity,
 attitude, those of the sensors (21 in all for a Gauss-Markov bias and a scale factor of each axis) and, optionally, slow
-errors of the receiver's position, the lever arm and the time offset of the fixes.
+errors of the position of the receiver, the lever arm and the time offset of the fixes.
 :mod:`imugap.filters.innovation_gate` tests the fixes.
 
 An epoch ends after a fixed number of samples and at every fix (:mod:`imugap.filters.epochs`); nonholonomic constraints
