@@ -76,7 +76,7 @@ class DeviceFound:
                 for one in self.report["effects"] if one["alternatives"]
             ],
             "once": self._once(final),
-            "not_known": list(dict.fromkeys(self._not_known())),
+            "not_known": list(dict.fromkeys(self._not_known(model))),
             "unexplained": self._unexplained(),
             "distances": {
                 name: self.report[key]
@@ -114,7 +114,7 @@ class DeviceFound:
             for axis, model in final.axes.items() for one in model if one.once
         ]  # fmt: skip
 
-    def _not_known(self) -> Iterable[str]:
+    def _not_known(self, model: ErrorModel) -> Iterable[str]:
         first = self.report["log"][0]
         longest = first["duration_s"] / LONGEST_SHARE
         yield f"processes slower than some {longest:.3g} s: the log lasts {first['duration_s']:.4g} s"
@@ -126,6 +126,10 @@ class DeviceFound:
         lacking = [axis for axis in AXES if axis not in self.report["final_model"]]
         if lacking:
             yield f"{', '.join(lacking)}: not in the log, or without noise there"
+        for axis, effects in model.axes.items():
+            for one in effects:
+                if one.of_time or one.tonal:
+                    yield f"{axis}: how {one.name}, a function of the time, goes on beyond the log"
         for one in self.report["withheld"]:
             yield f"{one['axis']}: something like {one['name']}, but {one['reason']}"
 
