@@ -133,6 +133,17 @@ def test_strict_ends_with_a_code_of_its_own(level, tmp_path, capsys):
     assert "time_offset: {offset_s: -0." in capsys.readouterr().err
 
 
+@pytest.mark.slow
+def test_the_noise_of_places_that_state_none_is_estimated(level):
+    """Three metres at 1 Hz, of which neighbours do not tell the course."""
+    receiver = replace(level.receiver, rate_hz=1, position_std=(3.0, 3.0, 5.0))
+    drive = replace(level, legs=3 * LEVEL, receiver=receiver)
+    fixes = drive.fixes(1, SEED)
+    found = verdict(drive, fixes[["latitude", "longitude", "height"]], drive.record(1, SEED))
+    assert found.verdict.agrees
+    assert found.summary()["receiver_std"]["north"] == pytest.approx(3.0, rel=0.3)
+
+
 def slow(fixes, seed, std, correlation_s):
     """Fixes with Gauss-Markov errors of their position besides, without stated deviations."""
     rng, step = stream(SEED, "slow", seed), float(np.median(np.diff(fixes.index)))

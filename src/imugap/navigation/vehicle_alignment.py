@@ -28,10 +28,12 @@ from imugap.navigation.vehicle import LEVER_ARM, AlignmentSettings, DriveAssumpt
 from imugap.navigation.velocity_matching import MatchedAttitude, VelocityPair
 from imugap.numerics.rotation import from_euler
 
-WAY_S = 3.0
-"""Longest time between the fixes before and after one whose displacement gives its velocity [s]."""
+WAYS_S = 3.0, 6.0, 12.0
+"""Longest times between the fixes before and after one whose displacement gives its velocity [s]; a longer one is taken
+where a shorter one does not give the course of any fix."""
 UNEVEN_M_PER_S = 0.2
-"""Standard deviation of such a velocity besides the noise of the fixes, since the motion is not even [m/s]."""
+"""Standard deviation of such a velocity besides the noise of the fixes, since the motion is not even [m/s]; in
+proportion to the time, here for the first one."""
 SPAN_S = 1.0
 """Time before and after the start over which a moving vehicle is levelled [s]."""
 RETRY_S = 1.0
@@ -57,12 +59,18 @@ def align(inputs: DriveInputs) -> InitialState:
     time = fixes.index.to_numpy(dtype=float) + assumptions.offset_s
     seen = gnss.local(fixes, ellipsoid)
     std = gnss.deviations(fixes, assumptions.position_std, assumptions.velocity_std)
-    velocity, spread = velocities(time, seen, std)
     stamp = log.index.to_numpy(dtype=float)
     near = np.minimum(np.searchsorted(stamp, time), len(log) - 1)
     gyro, lever = log[list(GYRO)].to_numpy()[near], np.array(assumptions.lever_m)
-    blurred = np.hypot(spread, assumptions.lever_std * np.linalg.norm(gyro, axis=1)[:, None])
-    number, matched = _start(velocity_pair(inputs), time, _courses(time, velocity, blurred, stamp, settings), settings)
+    swing = assumptions.lever_std * np.linalg.norm(gyro, axis=1)[:, None]
+    for way in WAYS_S:
+        velocity, spread = velocities(time, seen, std, way)
+        able = _with_course(time, velocity, np.hypot(spread, swing), stamp, settings)
+        if len(able):
+            break
+    else:
+        raise ValueError(_without_course(time, velocity, stamp, settings))
+    number, matched = _start(velocity_pair(inputs), time, able, settings)
     heading = _heading(gyro[number], lever, velocity[number])
     heading_std = float(spread[number, :2].max() / np.hypot(*velocity[number, :2]))
     rest = _rest(time, velocity, spread, stamp, number, settings)
@@ -131,37 +139,50 @@ def errors_of(triad: tuple[str, ...], errors: np.ndarray, states: SensorStates) 
     ])  # fmt: skip
 
 
-def velocities(time: np.ndarray, seen: np.ndarray, std: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return velocities at the fixes [m/s], from the receiver or from differences, and standard deviations."""
+def velocities(
+    time: np.ndarray, seen: np.ndarray, std: np.ndarray, way: float = WAYS_S[0]
+) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
+    """Return velocities at the fixes [m/s], from the receiver or from differences, and standard deviations.
+
+    A difference is over at most the time ``way`` [s].
+    """
     velocity, spread = seen[:, 3:].copy(), std[:, 3:].copy()
-    first, last = np.searchsorted(time, time - WAY_S / 2), np.searchsorted(time, time + WAY_S / 2, "right") - 1
+    first, last = np.searchsorted(time, time - way / 2), np.searchsorted(time, time + way / 2, "right") - 1
     for k in np.flatnonzero(np.isnan(velocity).any(axis=1)):
         before, after = first[k], last[k]
         spread[k] = np.inf
         if before < k < after:
             velocity[k] = (seen[after, :3] - seen[before, :3]) / (time[after] - time[before])
             spread[k] = np.hypot(std[after, :3], std[before, :3]) / (time[after] - time[before])
-            spread[k] = np.hypot(spread[k], UNEVEN_M_PER_S)
+            spread[k] = np.hypot(spread[k], UNEVEN_M_PER_S * way / WAYS_S[0])
     return velocity, spread
 
 
-def _courses(
+def _with_course(
     time: np.ndarray, velocity: np.ndarray, spread: np.ndarray, stamp: np.ndarray, settings: AlignmentSettings
 ) -> np.ndarray:
-    """Return the numbers of the fixes within the log with a known course; a ValueError without one."""
+    """Return the numbers of the fixes within the log with a known course."""
     speed = np.hypot(velocity[:, 0], velocity[:, 1])
     with np.errstate(invalid="ignore", divide="ignore"):
         course_std = spread[:, :2].max(axis=1) / speed
         able = (course_std < settings.course_std) & (speed > settings.speed)
-    able &= (time >= stamp[0]) & (time < stamp[-1])
-    if not able.any():
-        inside = int(np.count_nonzero((time >= stamp[0]) & (time < stamp[-1])))
-        fastest = np.nanmax(speed, initial=0.0)
-        raise ValueError(
-            f"start: expected a fix that tells the course within {settings.course_std:g} rad; found none among the "
-            f"{inside} fixes within the log, the fastest with {fastest:.2g} m/s"
-        )
-    return np.flatnonzero(able)
+    return np.flatnonzero(able & _inside(time, stamp))
+
+
+def _inside(time: np.ndarray, stamp: np.ndarray) -> np.ndarray:
+    """Return which fixes are within the log."""
+    return (time >= stamp[0]) & (time < stamp[-1])
+
+
+def _without_course(
+    time: np.ndarray, velocity: np.ndarray, stamp: np.ndarray, settings: AlignmentSettings
+) -> str:  # fmt: skip
+    """Return the message on a drive of which no fix has a known course."""
+    fastest = np.nanmax(np.hypot(velocity[:, 0], velocity[:, 1]), initial=0.0)
+    return (
+        f"start: expected a fix that tells the course within {settings.course_std:g} rad; found none among the "
+        f"{np.count_nonzero(_inside(time, stamp))} fixes within the log, the fastest with {fastest:.2g} m/s"
+    )
 
 
 def _start(
