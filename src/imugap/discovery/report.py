@@ -7,7 +7,6 @@ from math import exp, isfinite
 import pandas as pd
 
 from imugap.discovery.device import Discovery
-from imugap.discovery.evaluation.distance import Distances
 from imugap.discovery.finding import MIN_LOG_P, Discrepancy, Finding, Interval
 from imugap.integrity.regular import counted
 
@@ -125,17 +124,8 @@ def verdict(found: Discovery) -> str:
     for name, apart in found.distances.items():
         numbers = f"{apart.before.value:.3g} before, {apart.after.value:.3g} after"
         text = f"Distance in {name}: {numbers}; floor {apart.floor.low:.3g} to {apart.floor.high:.3g}"
-        lines.append(f"{text}{_judgement(apart)}.")
+        lines.append(f"{text}: {apart.judgement}.")
     return "\n".join(lines)
-
-
-def _judgement(apart: Distances) -> str:
-    """Return what a distance says beside its floor, as the end of a sentence."""
-    if apart.after.value > apart.floor.high:
-        return ": the model does not yet describe the device"
-    if apart.before.value <= apart.floor.high:
-        return ": within the floor before and after, nothing to gain"
-    return ": the model is within the floor"
 
 
 def _sentence(finding: Finding) -> str:

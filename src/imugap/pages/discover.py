@@ -111,13 +111,7 @@ def _gain(apart: Distances) -> str:
     """Return in words what a distance was, is, and could be."""
     before, after = (f"{one.value:.3g}" for one in (apart.before, apart.after))
     floor = f"{apart.floor.low:.3g} to {apart.floor.high:.3g}"
-    if apart.after.value > apart.floor.high:
-        what = "the model does not yet describe the device"
-    elif apart.before.value <= apart.floor.high:
-        what = "nothing to gain"
-    else:
-        what = "as like as two runs of the same model"
-    return f"distance {before} before, {after} now; two runs of one model are {floor} apart ({what})."
+    return f"distance {before} before, {after} now; two runs of one model are {floor} apart ({apart.judgement})."
 
 
 def _missing(findings: Sequence[Finding]) -> Iterable[Block]:

@@ -72,6 +72,15 @@ class Distances:
         """Return whether the final model is farther than the start model, and not within the floor."""
         return self.after.value > max(self.before.high, self.floor.high)
 
+    @property
+    def judgement(self) -> str:
+        """Return in words what the distances say of the final model."""
+        if self.after.value > self.floor.high:
+            return "the model does not yet describe the device"
+        if self.before.value <= self.floor.high:
+            return "within the floor before and after, nothing to gain"
+        return "the model is within the floor"
+
 
 @dataclass(frozen=True, eq=False)
 class Evaluation:
