@@ -20,9 +20,3 @@ rule device_model:
         code=library("device_model"),
     script:
         "../scripts/device_model.py"
-
-
-rule device_models:
-    """The models of devices that `imugap models` lists: results/devices/*/card.yaml."""
-    input:
-        expand("results/devices/{name}/card.yaml", name=DEVICE_MODELS),
