@@ -24,7 +24,7 @@ FLICKER_S = (1.0, 1000.0)
 FLICKER_STATES = 3
 """Number of Gauss-Markov processes that replace flicker noise; the Allan deviation of the bank errs by at most 4 %."""
 RECEIVER = ("fix_north", "fix_east", "fix_down")
-"""Errors of the position of a receiver, which count on from the axes of the device."""
+"""Slow errors of the position of a receiver [m]; their numbers follow those of the axes of the device."""
 RANDOM_WALK_EXPONENT = 1.5
 """Exponent of power-law noise from which on it is approximated by a random walk."""
 

@@ -26,7 +26,7 @@ from imugap.navigation.vehicle import DriveInputs, DriveSolution
 OUTAGE_S, OUTAGES, SETTLING_S = 15.0, 4, 45.0
 """Length of a withheld stretch, largest number of them, and time before the first and between them [s]."""
 WITHHELD_STD = 1e3
-"""Standard deviation that withholds a fix, whose innovation is recorded all the same [m], [m/s]."""
+"""Standard deviation given to a withheld fix [m], [m/s]: it has next to no weight, and its innovation is recorded."""
 FALSE_ALARM = 1e-6
 """Probability that the outage test of a consistent filter fails."""
 LARGEST_SMOOTHER = 6.0

@@ -28,7 +28,7 @@ from imugap.navigation.vehicle import LEVER_ARM, AlignmentSettings, DriveAssumpt
 from imugap.navigation.velocity_matching import MatchedAttitude, VelocityPair
 from imugap.numerics.rotation import from_euler
 
-WAYS_S = 3.0, 6.0, 12.0
+BASELINES_S = 3.0, 6.0, 12.0
 """Longest times between the fixes before and after one whose displacement gives its velocity [s]; a longer one is taken
 where a shorter one does not give the course of any fix."""
 UNEVEN_M_PER_S = 0.2
@@ -63,8 +63,8 @@ def align(inputs: DriveInputs) -> InitialState:
     near = np.minimum(np.searchsorted(stamp, time), len(log) - 1)
     gyro, lever = log[list(GYRO)].to_numpy()[near], np.array(assumptions.lever_m)
     swing = assumptions.lever_std * np.linalg.norm(gyro, axis=1)[:, None]
-    for way in WAYS_S:
-        velocity, spread = velocities(time, seen, std, way)
+    for baseline_s in BASELINES_S:
+        velocity, spread = velocities(time, seen, std, baseline_s)
         able = _with_course(time, velocity, np.hypot(spread, swing), stamp, settings)
         if len(able):
             break
@@ -140,21 +140,24 @@ def errors_of(triad: tuple[str, ...], errors: np.ndarray, states: SensorStates) 
 
 
 def velocities(
-    time: np.ndarray, seen: np.ndarray, std: np.ndarray, way: float = WAYS_S[0]
+    time: np.ndarray, seen: np.ndarray, std: np.ndarray, baseline_s: float = BASELINES_S[0]
 ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
     """Return velocities at the fixes [m/s], from the receiver or from differences, and standard deviations.
 
-    A difference is over at most the time ``way`` [s].
+    A difference is over at most the time ``baseline_s`` [s].
     """
     velocity, spread = seen[:, 3:].copy(), std[:, 3:].copy()
-    first, last = np.searchsorted(time, time - way / 2), np.searchsorted(time, time + way / 2, "right") - 1
+    first, last = (
+        np.searchsorted(time, time - baseline_s / 2),
+        np.searchsorted(time, time + baseline_s / 2, "right") - 1,
+    )
     for k in np.flatnonzero(np.isnan(velocity).any(axis=1)):
         before, after = first[k], last[k]
         spread[k] = np.inf
         if before < k < after:
             velocity[k] = (seen[after, :3] - seen[before, :3]) / (time[after] - time[before])
             spread[k] = np.hypot(std[after, :3], std[before, :3]) / (time[after] - time[before])
-            spread[k] = np.hypot(spread[k], UNEVEN_M_PER_S * way / WAYS_S[0])
+            spread[k] = np.hypot(spread[k], UNEVEN_M_PER_S * baseline_s / BASELINES_S[0])
     return velocity, spread
 
 
