@@ -7,8 +7,8 @@ import pytest
 import yaml
 from scipy.stats import beta, binom
 
-from imugap.benchmark import scores as blind
-from imugap.benchmark.sealing import plan
+from imu_benchmark import scores as blind
+from imu_benchmark.sealing import plan
 from imugap.figures import blind as drawn
 from imugap.io.configuration import configure
 from imugap.stream import stream

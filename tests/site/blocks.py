@@ -12,7 +12,7 @@ from imugap import cli
 ROOT = Path(__file__).parents[2]
 BLOCK = re.compile(r"^(`{3,}|:{3,})(?:\{([\w-]+)\} ?)?([\w./]*)\n(.*?)^\1$", re.MULTILINE | re.DOTALL)
 CAPTION = re.compile(r"\A(?::\w+:.*\n)*?:caption: (\S+)\n(?::\w+:.*\n)*\n?")
-SOURCES = ("Snakefile", "data", "notebooks", "paper", "src", "workflow")
+SOURCES = ("Snakefile", "benchmark", "data", "notebooks", "paper", "src", "workflow")
 """What the commands of a page find beside them, as at the top of a clone."""
 
 

@@ -124,7 +124,7 @@ def sources(folder):
     for name in ("data", "paper"):
         (folder / name).mkdir(parents=True)
     own = [path for path in (ROOT / "data").iterdir() if path.name != "raw"]
-    for path in (*own, *(ROOT / name for name in ("Snakefile", "workflow", "src", "notebooks"))):
+    for path in (*own, *(ROOT / name for name in ("Snakefile", "workflow", "src", "benchmark", "notebooks"))):
         (folder / path.relative_to(ROOT)).symlink_to(path)
     return folder
 

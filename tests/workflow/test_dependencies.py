@@ -6,6 +6,7 @@ import pytest
 from imugap.workflow.dependencies import PACKAGE, digest, modules_of
 
 SCRIPTS = Path(__file__).parents[2] / "workflow" / "scripts"
+BENCHMARK = Path(__file__).parents[2] / "benchmark" / "src" / "imu_benchmark"
 SOURCES = {
     "__init__.py": "",
     "alone.py": "import os\n",
@@ -99,9 +100,22 @@ def test_the_digest_is_that_of_the_sources_wherever_they_are(package, tmp_path):
     assert digest() == digest(PACKAGE.rglob("*.py")) != digest(package.rglob("*.py"))
 
 
+def test_a_script_depends_on_the_modules_of_several_packages(package):
+    other = package.parent / "more"
+    other.mkdir()
+    (other / "__init__.py").write_text("from lib import alone\n")
+    script = package.parent / "script.py"
+    script.write_text("import more\n")
+    expected = [package / "__init__.py", package / "alone.py", other / "__init__.py"]
+    assert modules_of(script, package, other) == expected
+    assert modules_of(script, package) == []
+    assert BENCHMARK / "sealing/case.py" in modules_of(SCRIPTS / "blind_seal.py", PACKAGE, BENCHMARK)
+
+
 def test_no_module_uses_relative_imports():
     """What modules_of does not see must not be there."""
-    assert not [path for path in PACKAGE.rglob("*.py") if "\nfrom ." in path.read_text()]
+    paths = [*PACKAGE.rglob("*.py"), *BENCHMARK.rglob("*.py")]
+    assert not [path for path in paths if "\nfrom ." in path.read_text()]
 
 
 def test_the_answer_is_relative_where_the_package_is(monkeypatch):

@@ -147,11 +147,11 @@ os.environ.setdefault("NUMBA_CACHE_DIR", f".snakemake/numba/{digest()}")
 
 
 def library(script):
-    """Give a digest of the modules of the library that a script runs, so that their change reruns its rule.
+    """Give a digest of the modules of the library and of the benchmark that a script runs, so that their change reruns its rule.
 
     As inputs, the files would be looked up for every waiting job whenever a job starts or ends.
     """
-    return digest(modules_of(f"workflow/scripts/{script}.py", "src/imugap"))
+    return digest(modules_of(f"workflow/scripts/{script}.py", "src/imugap", "benchmark/src/imu_benchmark"))
 
 
 def figure(name, category, result, caption=None, **labels):

@@ -5,7 +5,7 @@ from pathlib import Path
 import pandas as pd
 import yaml
 
-from imugap.benchmark import scores as blind
+from imu_benchmark import scores as blind
 from imugap.figures import blind as drawn
 from imugap.figures.style import AXIS_TITLES
 from imugap.workflow import tables

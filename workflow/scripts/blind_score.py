@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from imugap.benchmark import scores as blind
+from imu_benchmark import scores as blind
 from imugap.workflow.job_log import job
 from imugap.workflow.products import read_json, save
 

@@ -2,7 +2,8 @@
 
 from pathlib import Path
 
-from imugap.benchmark.sealing import BlindCase, CaseKind, PlannedEffect, seal, write
+from imu_benchmark.sealing import BlindCase, CaseKind, PlannedEffect, seal, write
+from imugap import log
 from imugap.io import configuration
 from imugap.workflow.job_log import job
 
@@ -14,4 +15,4 @@ with job(snakemake) as (source, params, output):
         base="white", motion="rest", rate_hz=params.rate_hz, duration_s=params.duration_s, runs=1, temperature=True,
     )  # fmt: skip
     recipe = configuration.read(source.recipe, source.schema)
-    write(seal(case, recipe), folder.parent, Path(output.key).parent)
+    write(seal(case, recipe), folder.parent, Path(output.key).parent, log.write, ".parquet")

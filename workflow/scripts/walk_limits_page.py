@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from imugap.benchmark.scores import rate
+from imu_benchmark.scores import rate
 from imugap.figures import pedestrian, style
 from imugap.workflow import tables
 from imugap.workflow.job_log import job

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter, NullLocator, PercentFormatter
 from scipy.stats import binom
 
-from imugap.benchmark.scores import ALL, DISTANCES, LEVEL, NONE, UNKNOWN
+from imu_benchmark.scores import ALL, DISTANCES, LEVEL, NONE, UNKNOWN
 from imugap.figures.discovery import AFTER, BEFORE, NAMES, PLAIN, TITLES
 from imugap.figures.style import legend_below, panels_of, text_figure
 
@@ -139,7 +139,7 @@ def distances(cases: pd.DataFrame) -> Figure:
 
     What is beyond :data:`HIGHEST` is at the edge.
 
-    ``cases`` has the columns of :attr:`imugap.benchmark.scores.Scores.cases`.
+    ``cases`` has the columns of :attr:`imu_benchmark.scores.Scores.cases`.
     """
     figure, grid = panels_of(1, len(DISTANCES), 2.6)
     for name, title, panel in zip(DISTANCES, NAMES.values(), grid[0], strict=True):

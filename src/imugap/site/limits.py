@@ -2,7 +2,7 @@
 
 import pandas as pd
 
-from imugap.benchmark.scores import ALL, detection, false_alarms
+from imu_benchmark.scores import ALL, detection, false_alarms
 from imugap.site.markdown import code, table
 
 

@@ -1,4 +1,4 @@
-"""Which modules of this package a script runs: what a workflow has to watch besides the script itself."""
+"""Which modules of this package, or of others, a script runs: what a workflow watches besides the script itself."""
 
 import ast
 from collections.abc import Iterable
@@ -9,13 +9,13 @@ from pathlib import Path
 PACKAGE = Path(__file__).parents[1]
 
 
-def modules_of(script: str | Path, package: str | Path = PACKAGE) -> list[Path]:
-    """Return the files of ``package`` that ``script`` imports, directly or through one another, sorted."""
-    package = Path(package)
+def modules_of(script: str | Path, *packages: str | Path) -> list[Path]:
+    """Return the files of ``packages`` (by default this one) that a script imports, directly or not, sorted."""
+    roots = tuple(map(Path, packages)) or (PACKAGE,)
     found: set[Path] = set()
     pending = [Path(script)]
     while pending:
-        new = _imported(pending.pop(), package) - found
+        new = _imported(pending.pop(), roots) - found
         found |= new
         pending += new
     return sorted(found)
@@ -32,7 +32,7 @@ def digest(modules: Iterable[Path] | None = None) -> str:
 
 
 @cache
-def _imported(source: Path, package: Path) -> frozenset[Path]:
+def _imported(source: Path, packages: tuple[Path, ...]) -> frozenset[Path]:
     names: set[str] = set()
     for node in ast.walk(ast.parse(source.read_text())):
         if isinstance(node, ast.Import):
@@ -41,12 +41,13 @@ def _imported(source: Path, package: Path) -> frozenset[Path]:
             raise ValueError(f"{source}, line {node.lineno}: expected an absolute import; found a relative one")
         elif isinstance(node, ast.ImportFrom):
             names |= {node.module} | {f"{node.module}.{alias.name}" for alias in node.names}
-    return frozenset(file for name in names if name.split(".")[0] == package.name for file in _files(name, package))
+    roots = {package.name: package for package in packages}
+    parts = (name.split(".") for name in names)
+    return frozenset(file for root, *rest in parts if root in roots for file in _files(rest, roots[root]))
 
 
-def _files(name: str, package: Path) -> list[Path]:
-    """Return the files that importing the dotted ``name`` runs: each package on the way, and the module."""
-    parts = name.split(".")[1:]
+def _files(parts: list[str], package: Path) -> list[Path]:
+    """Return the files that importing ``parts`` below ``package`` runs: each package on the way, and the module."""
     packages = [package.joinpath(*parts[:depth], "__init__.py") for depth in range(len(parts) + 1)]
     module = package.joinpath(*parts).with_suffix(".py")
     return [file for file in (*packages, module) if file.is_file()]

@@ -10,11 +10,11 @@ from scipy.spatial.transform import Rotation
 from scipy.stats import norm, poisson
 from tests.chance import as_often_as, mean_is
 
-from imugap.benchmark.sealing import additive, inertial, output, unnamed
-from imugap.benchmark.sealing import detection_limits as limits
-from imugap.benchmark.sealing.hidden_effect import AxisRun, ParameterSource
-from imugap.benchmark.sealing.motion import MOTIONS, rest
-from imugap.benchmark.sealing.noise import BaseNoise, fractional, rounded, summed
+from imu_benchmark.sealing import additive, inertial, output, unnamed
+from imu_benchmark.sealing import detection_limits as limits
+from imu_benchmark.sealing.hidden_effect import AxisRun, ParameterSource
+from imu_benchmark.sealing.motion import MOTIONS, rest
+from imu_benchmark.sealing.noise import BaseNoise, fractional, rounded, summed
 from imugap.estimation import allan
 from imugap.log import ACCEL, AXES, GYRO, from_samples
 from imugap.stream import stream

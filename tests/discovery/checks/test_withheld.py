@@ -20,7 +20,7 @@ from tests.discovery.simulated import (
     simulated,
 )
 
-from imugap.benchmark.sealing.noise import fractional
+from imu_benchmark.sealing.noise import fractional
 from imugap.discovery.checks import Misfit, misfits
 from imugap.discovery.checks.all_checks import ambiguous_spectrum, ambiguous_terms
 from imugap.discovery.checks.hysteresis import HYSTERESIS, terms_against_hysteresis

@@ -1,7 +1,7 @@
 """Names of all hidden effects: those of the controlled vocabulary, and those outside of it."""
 
-from imugap.benchmark.sealing import additive, inertial, output, unnamed
-from imugap.benchmark.sealing.hidden_effect import HiddenEffect
+from imu_benchmark.sealing import additive, inertial, output, unnamed
+from imu_benchmark.sealing.hidden_effect import HiddenEffect
 
 NAMED: dict[str, type[HiddenEffect]] = {
     kind.name: kind

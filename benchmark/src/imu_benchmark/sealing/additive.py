@@ -7,8 +7,9 @@ from typing import Self
 import numpy as np
 from scipy.fft import irfft, next_fast_len, rfft
 
-from imugap.benchmark.sealing import detection_limits as limits
-from imugap.benchmark.sealing.hidden_effect import (
+from imu_benchmark.log import ACCEL, GYRO
+from imu_benchmark.sealing import detection_limits as limits
+from imu_benchmark.sealing.hidden_effect import (
     AxisRun,
     HiddenSignal,
     KnownWaveform,
@@ -19,8 +20,7 @@ from imugap.benchmark.sealing.hidden_effect import (
     sign,
     signed,
 )
-from imugap.benchmark.sealing.noise import fractional, rounded, summed
-from imugap.log import ACCEL, GYRO
+from imu_benchmark.sealing.noise import fractional, rounded, summed
 
 
 @dataclass(frozen=True)

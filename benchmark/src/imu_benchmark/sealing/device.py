@@ -7,10 +7,10 @@ from typing import Self
 import numpy as np
 import pandas as pd
 
-from imugap.benchmark.sealing.hidden_effect import log_uniform, sign
-from imugap.benchmark.sealing.motion import GRAVITY, MOTIONS, AnalyticMotion
-from imugap.benchmark.sealing.noise import BaseNoise
-from imugap.log import ACCEL, AXES, GYRO
+from imu_benchmark.log import ACCEL, AXES, GYRO
+from imu_benchmark.sealing.hidden_effect import log_uniform, sign
+from imu_benchmark.sealing.motion import GRAVITY, MOTIONS, AnalyticMotion
+from imu_benchmark.sealing.noise import BaseNoise
 
 CROSSING = 2 * np.log(2) / np.pi
 """Allan variance of flicker noise over B^2."""

@@ -1,6 +1,6 @@
 """Score the blind benchmark: compare the report of each case with its key.
 
-A key (:mod:`imugap.benchmark.sealing`) holds ``case``, ``kind``, ``motion``, ``base``, ``rate_hz``, ``duration_s`` and
+A key (:mod:`imu_benchmark.sealing`) holds ``case``, ``kind``, ``motion``, ``base``, ``rate_hz``, ``duration_s`` and
 ``effects`` (``name``, ``axes``, ``parameters``, ``size``); a report has the schema ``imugap/discovery/1``. Answers are
 names of the vocabulary, :data:`NONE` where nothing was found, and :data:`UNKNOWN` for a place without a name.
 """

@@ -6,7 +6,7 @@ from typing import Self
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from imugap.benchmark.sealing.hidden_effect import (
+from imu_benchmark.sealing.hidden_effect import (
     AxisRun,
     KnownWaveform,
     ParameterSource,
@@ -15,7 +15,7 @@ from imugap.benchmark.sealing.hidden_effect import (
     scaled,
     signed,
 )
-from imugap.benchmark.sealing.noise import fractional
+from imu_benchmark.sealing.noise import fractional
 
 
 @dataclass(frozen=True)

@@ -1,18 +1,16 @@
 """Seal a case: draw its device and hidden effects, generate its logs, and write the truth into a key."""
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
-import yaml
 
-from imugap import log
-from imugap.atomic import atomic
-from imugap.benchmark.sealing.device import BaseDevice, temperature
-from imugap.benchmark.sealing.hidden_effect import (
+from imu_benchmark import log
+from imu_benchmark.sealing.device import BaseDevice, temperature
+from imu_benchmark.sealing.hidden_effect import (
     AxisRun,
     HiddenEffect,
     HiddenSignal,
@@ -20,10 +18,10 @@ from imugap.benchmark.sealing.hidden_effect import (
     ParameterSource,
     TimestampEffect,
 )
-from imugap.benchmark.sealing.output import HiddenClockScale, HiddenVarianceChange
-from imugap.benchmark.sealing.plan import BlindCase
-from imugap.benchmark.sealing.vocabulary import ALL
-from imugap.stream import stream
+from imu_benchmark.sealing.output import HiddenClockScale, HiddenVarianceChange
+from imu_benchmark.sealing.plan import BlindCase
+from imu_benchmark.sealing.vocabulary import ALL
+from imu_benchmark.stream import stream
 
 SCALED_RUN = 1
 """Run (from zero) with the scaled sampling clock."""
@@ -62,20 +60,46 @@ def seal(case: BlindCase, recipe: Mapping) -> SealedCase:
     return SealedCase(logs, reference, device.model(), _key(case, hidden))
 
 
-def write(sealed: SealedCase, cases: str | Path, keys: str | Path) -> None:
-    """Write the logs to ``cases``/CASE and the key, for the scorer only, to ``keys``/CASE.json."""
+def write(
+    sealed: SealedCase,
+    cases: str | Path,
+    keys: str | Path,
+    write_log: Callable[[pd.DataFrame, Path], None] = log.write,
+    suffix: str = ".csv",
+) -> None:
+    """Write the logs to ``cases``/CASE and the key, for the scorer only, to ``keys``/CASE.json.
+
+    ``write_log`` writes a log in the format of ``suffix``.
+    """
     name = sealed.key["case"]
     folder = Path(cases) / name
+    for place in (folder, Path(keys)):
+        place.mkdir(parents=True, exist_ok=True)
     several = len(sealed.logs) > 1
     for run, table in enumerate(sealed.logs, start=1):
-        log.write(table, folder / (f"run{run}.parquet" if several else "log.parquet"))
+        write_log(table, folder / (f"run{run}{suffix}" if several else f"log{suffix}"))
     if sealed.reference is not None:
-        log.write(sealed.reference, folder / "reference.parquet")
+        write_log(sealed.reference, folder / f"reference{suffix}")
     if sealed.model is not None:
-        with atomic(folder / "model.yaml") as partial:
-            partial.write_text(yaml.safe_dump(sealed.model, sort_keys=False))
-    with atomic(Path(keys) / f"{name}.json") as partial:
-        partial.write_text(json.dumps(sealed.key, indent=1) + "\n")
+        (folder / "model.yaml").write_text(yaml_text(sealed.model))
+    (Path(keys) / f"{name}.json").write_text(json.dumps(sealed.key, indent=1) + "\n")
+
+
+def yaml_text(model: Mapping[str, Sequence[Mapping[str, Mapping[str, float]]]]) -> str:
+    """Return a start model as YAML: for each axis a list of effects, each with its parameters."""
+    lines = []
+    for axis, effects in model.items():
+        lines.append(f"{axis}:")
+        for name, parameters in (item for effect in effects for item in effect.items()):
+            lines.append(f"- {name}:")
+            lines += [f"    {key}: {_yaml_number(value)}" for key, value in parameters.items()]
+    return "\n".join(lines) + "\n"
+
+
+def _yaml_number(value: float) -> str:
+    """Return a number with all its digits; without a point, 1e-05 would be a text in YAML 1.1."""
+    text = repr(value)
+    return text if "." in text else text.replace("e", ".0e")
 
 
 def _stream(case: BlindCase, *labels: object) -> np.random.Generator:
@@ -121,7 +145,7 @@ def _record(
     for item in hidden:
         if isinstance(item.effect, TimestampEffect):
             table = item.effect.act(table, _stream(case, "stamp", item.number, run))
-    return log.check(table, case.name)
+    return table
 
 
 def _axis(case: BlindCase, hidden: Sequence[PlacedEffect], axis_run: AxisRun, run: int) -> np.ndarray:

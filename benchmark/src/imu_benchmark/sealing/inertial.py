@@ -5,9 +5,9 @@ from typing import Self
 
 import numpy as np
 
-from imugap.benchmark.sealing.hidden_effect import AxisRun, KnownWaveform, ParameterSource, scaled, signed
-from imugap.benchmark.sealing.motion import AXIS_NUMBER
-from imugap.log import ACCEL, AXES, GYRO
+from imu_benchmark.log import ACCEL, AXES, GYRO
+from imu_benchmark.sealing.hidden_effect import AxisRun, KnownWaveform, ParameterSource, scaled, signed
+from imu_benchmark.sealing.motion import AXIS_NUMBER
 
 HALF_STEP_S = 1e-3
 """Half the step of the central differences of the input [s]."""

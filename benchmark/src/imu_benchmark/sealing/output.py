@@ -9,8 +9,8 @@ import pandas as pd
 from scipy.fft import irfft, next_fast_len, rfft, rfftfreq
 from scipy.stats import norm
 
-from imugap.benchmark.sealing import detection_limits as limits
-from imugap.benchmark.sealing.hidden_effect import (
+from imu_benchmark.sealing import detection_limits as limits
+from imu_benchmark.sealing.hidden_effect import (
     AxisRun,
     HiddenEffect,
     OutputEffect,

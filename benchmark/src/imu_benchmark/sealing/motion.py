@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 from scipy.spatial.transform import Rotation
 
-from imugap.log import ACCEL, AXES, GYRO
+from imu_benchmark.log import ACCEL, AXES, GYRO
 
 GRAVITY = 9.81
 

@@ -6,10 +6,10 @@ from enum import StrEnum
 
 import numpy as np
 
-from imugap.benchmark.sealing.hidden_effect import log_uniform
-from imugap.benchmark.sealing.motion import MOTIONS
-from imugap.benchmark.sealing.vocabulary import ALL, NAMED, UNNAMED
-from imugap.stream import stream
+from imu_benchmark.sealing.hidden_effect import log_uniform
+from imu_benchmark.sealing.motion import MOTIONS
+from imu_benchmark.sealing.vocabulary import ALL, NAMED, UNNAMED
+from imu_benchmark.stream import stream
 
 BASES = ("white", "flicker", "walk")
 

@@ -8,10 +8,10 @@ from typing import Any, ClassVar, Self
 import numpy as np
 import pandas as pd
 
-from imugap.benchmark.sealing import detection_limits as limits
-from imugap.benchmark.sealing.motion import AnalyticMotion
-from imugap.benchmark.sealing.noise import BaseNoise, modes
-from imugap.log import AXES
+from imu_benchmark.log import AXES
+from imu_benchmark.sealing import detection_limits as limits
+from imu_benchmark.sealing.motion import AnalyticMotion
+from imu_benchmark.sealing.noise import BaseNoise, modes
 
 Ranges = Mapping[str, Sequence[float]]
 
