@@ -237,7 +237,7 @@ def test_keys_and_reports_that_are_not_what_they_should_be_are_refused(tmp_path)
     with pytest.raises(ValueError, match="found no kind"):
         blind.read_key(path)
     path.write_text(json.dumps(report() | {"schema": "imugap/discovery/0"}))
-    with pytest.raises(ValueError, match=r"expected imugap/discovery/1; found imugap/discovery/0"):
+    with pytest.raises(ValueError, match=r"expected imugap/discovery/2; found imugap/discovery/0"):
         blind.read_report(path)
     path.write_text(json.dumps(report()))
     assert blind.read_report(path)["effects"] == []

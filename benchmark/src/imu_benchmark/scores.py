@@ -1,7 +1,7 @@
 """Score the blind benchmark: compare the report of each case with its key.
 
 A key (:mod:`imu_benchmark.sealing`) holds ``case``, ``kind``, ``motion``, ``base``, ``rate_hz``, ``duration_s`` and
-``effects`` (``name``, ``axes``, ``parameters``, ``size``); a report has the schema ``imugap/discovery/1``. Answers are
+``effects`` (``name``, ``axes``, ``parameters``, ``size``); a report has the schema ``imugap/discovery/2``. Answers are
 names of the vocabulary, :data:`NONE` where nothing was found, and :data:`UNKNOWN` for a place without a name.
 """
 
@@ -13,7 +13,7 @@ from pathlib import Path
 import pandas as pd
 from scipy.stats import binomtest
 
-SCHEMA = "imugap/discovery/1"
+SCHEMA = "imugap/discovery/2"
 NONE = "none"
 UNKNOWN = "unknown"
 ALL = "all"

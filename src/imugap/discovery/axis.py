@@ -18,13 +18,15 @@ from imugap.discovery.checks import (
     add_power_law,
     explained_by_bands,
     misfits,
+    tested,
 )
 from imugap.discovery.checks.motion import all_against_motion, motion_gain
 from imugap.discovery.checks.withheld import Withheld, withheld
-from imugap.discovery.finding import MIN_LOG_P, Discrepancy, Finding, Interval
+from imugap.discovery.finding import MIN_LOG_P, Discrepancy, Finding, Interval, Unnamed
 from imugap.discovery.fit.axis_fit import AxisFit, fit, log_score, offset
 from imugap.discovery.fit.start_model import described
 from imugap.discovery.fit.telegraph_likelihood import compare
+from imugap.discovery.posterior import posterior
 from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.search.intervals import axis_unit, intervals
 from imugap.discovery.search.search import Candidate, Search, coloured, log_p_of_gain, stepping, without
@@ -105,10 +107,17 @@ class AxisResult:
     switching: Effect | None = None
     power_law: Finding | None = None
 
-    def unnamed(self) -> tuple[tuple[str, str], ...]:
-        """Return the nearest name of each withheld effect and unsteady line, and why it is withheld."""
-        lines = ((band.name, f"it is not steady, {band.low:.4g} to {band.high:.4g} Hz") for band in self.bands)
-        return (*((one.name, one.reason) for one in self.withheld), *lines)
+    def unnamed(self, axis: str, proposals: int) -> tuple[Unnamed, ...]:
+        """Return what has no name, withheld effects and unsteady lines, chosen among a number of proposals."""
+        lines = (
+            (band.name, f"it is not steady, {band.low:.4g} to {band.high:.4g} Hz", band.log_p, -np.inf)
+            for band in self.bands
+        )
+        withheld = ((one.name, one.reason, one.log_p, one.misfit_log_p) for one in self.withheld)
+        return tuple(
+            Unnamed(axis, name, reason, posterior(name, log_p, misfit_log_p, (), proposals))
+            for name, reason, log_p, misfit_log_p in (*withheld, *lines)
+        )
 
     @property
     def changed(self) -> bool:
@@ -309,7 +318,7 @@ def conclude(searched: AxisSearch, withdrawn: Mapping[type[Effect], str] = Mappi
 def _rejected(search: Search, found: AxisFit, withdrawn: Mapping[type[Effect], str]) -> dict[Candidate, Misfit]:
     """Return the added effects whose names the checks reject or that are withdrawn, with the reason."""
     added = (one for one in search.added(found) if type(one.effect) in withdrawn)
-    return {one: Misfit(withdrawn[type(one.effect)], 0.0) for one in added} | misfits(search, found)
+    return {one: Misfit(withdrawn[type(one.effect)], -np.inf) for one in added} | misfits(search, found)
 
 
 def without_unnamed(search: Search, found: AxisFit, rejected: Mapping[Candidate, Misfit]) -> AxisFit:
@@ -363,7 +372,11 @@ def _telegraph_finding(
         ends = map(float, conditions.time[[0, -1]])
         return (), (
             Withheld(
-                effect.name, odd[0], Discrepancy("change", axis, *ends, "s", float(np.exp(max(log_p, MIN_LOG_P))))
+                effect.name,
+                odd[0],
+                Discrepancy("change", axis, *ends, "s", float(np.exp(max(log_p, MIN_LOG_P)))),
+                log_p,
+                -np.inf,
             ),
         )
     units = effect.units(axis_unit(axis))
@@ -384,10 +397,13 @@ def _finding(searched: AxisSearch, candidate: Candidate, settled: Candidate) -> 
     axis, without = found.sequence.conditions.axis, candidate.without
     near = found.log_likelihood + search.log_alpha / 2
     duration = found.sequence.conditions.interval * len(found.sequence.values)
-    alternatives = {}
+    alternatives, rivals = {}, {}
     bar = min(log_p_of_gain(near - without.log_likelihood, 1) + MAX_LOG_PLACES, search.log_alpha)
     for rival in candidate.alternatives(bar):
-        if rival.fit.log_likelihood > near and not _same_tone(rival.effect, effect, duration):
+        if _same_tone(rival.effect, effect, duration):
+            continue
+        rivals[rival.name] = max(rival.worth - candidate.trial.worth, rivals.get(rival.name, -np.inf))
+        if rival.fit.log_likelihood > near:
             gain = rival.fit.log_likelihood - found.log_likelihood
             alternatives[rival.name] = max(gain, alternatives.get(rival.name, -np.inf))
     if effect.two_valued:
@@ -398,13 +414,20 @@ def _finding(searched: AxisSearch, candidate: Candidate, settled: Candidate) -> 
             for (name, value), ends in zip(effect.parameters().items(), comparison.intervals, strict=True)
         }
         gain = comparison.gain
+        rivals[effect.equivalent.name] = -gain
     elif effect.role is Role.OUTLIERS:
         parameters, gain = _outlier_parameters(search, final), search.tails[effect].gain
     else:
         parameters = intervals(final, settled.index)
         gain = _gain(searched, candidate)
     return Finding(
-        {axis: effect}, parameters, max(candidate.trial.log_p, MIN_LOG_P), float(gain), tuple(alternatives.items())
+        {axis: effect},
+        parameters,
+        max(candidate.trial.log_p, MIN_LOG_P),
+        float(gain),
+        tuple(alternatives.items()),
+        tuple(rivals.items()),
+        tested(candidate).log_p,
     )
 
 

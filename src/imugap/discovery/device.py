@@ -21,12 +21,13 @@ from imugap.discovery.checks.distribution import NoiseShape, noise_shape
 from imugap.discovery.common_noise import find_common_noise
 from imugap.discovery.evaluation.distance import Distances, Drifts, Evaluation, HeldOutComparison
 from imugap.discovery.evaluation.held_out import HELD_IN_SHARE, compare_held_out, compare_test_run, evaluate
-from imugap.discovery.finding import MIN_LOG_P, Discrepancy, Finding
+from imugap.discovery.finding import MIN_LOG_P, Discrepancy, Finding, Unnamed
 from imugap.discovery.fit.axis_fit import AxisFit
 from imugap.discovery.fit.start_model import described, noisy
 from imugap.discovery.gravity import SensedGravity
 from imugap.discovery.over_runs import OverRuns, not_needed, not_recurring, search_over_runs
 from imugap.discovery.pooling import agree_on_noise, name_pooled, pooled_finding, search_each
+from imugap.discovery.posterior import posterior
 from imugap.discovery.preparation.prepare import PreparedLog, prepare
 from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.reference_band import ReferenceBand, reference_band
@@ -65,7 +66,7 @@ class Discovery:
     unexplained
         Where the final model and the log still disagree.
     withheld
-        (axis, name, reason) of what was seen but not named.
+        What was seen but not named.
     described
         Noise that fits no name, as the final model has it: a power law, or what only all runs together show.
     undetermined
@@ -96,7 +97,7 @@ class Discovery:
     discrepancies: tuple[Discrepancy, ...]
     findings: tuple[Finding, ...]
     unexplained: tuple[Discrepancy, ...]
-    withheld: tuple[tuple[str, str, str], ...]
+    withheld: tuple[Unnamed, ...]
     described: tuple[Finding, ...]
     undetermined: tuple[tuple[str, str], ...]
     distances: Mapping[str, Distances]
@@ -508,6 +509,7 @@ def _conclude(stage: _Tested) -> Discovery:
     """Put together the result."""
     stage.steps.begin("done")
     results, alpha = stage.results, stage.settings.alpha
+    proposals = len(results) * len(stage.settings.catalogue)
     located = (*stage.discrepancies, *_line_discrepancies(results))
     kept = keep_undetermined(stage.known, stage.record, stage.whole)
     start, final = (with_effects(model, kept) for model in (stage.start, stage.model(stage.device)))
@@ -521,13 +523,13 @@ def _conclude(stage: _Tested) -> Discovery:
             *located,
             *nameless_places(results, located, alpha),
         ),
-        findings=stage.findings,
+        findings=tuple(_with_probabilities(one, proposals) for one in stage.findings),
         unexplained=(
             *stage.record.unusable,
             *stage.discrepancies_after,
             *nameless_places(results, stage.discrepancies_after, alpha),
         ),
-        withheld=tuple((axis, *one) for axis, result in results.items() for one in result.unnamed()),
+        withheld=tuple(one for axis, result in results.items() for one in result.unnamed(axis, proposals)),
         described=(
             *(_of_device(one.power_law, stage) for one in results.values() if one.power_law is not None),
             *(one for of_axis in stage.over_runs.values() for one in of_axis.findings()),
@@ -545,6 +547,12 @@ def _conclude(stage: _Tested) -> Discovery:
         band=stage.band,
         runs=1 + len(stage.others),
     )
+
+
+def _with_probabilities(finding: Finding, proposals: int) -> Finding:
+    """Return a finding with the probability of each explanation."""
+    shares = posterior(finding.name, finding.log_p, finding.misfit_log_p, finding.rivals, proposals)
+    return replace(finding, probabilities=shares)
 
 
 def _split(sequence: AxisSequence) -> int:

@@ -1,5 +1,6 @@
 """Results of discovery: locations where simulation and measurement disagree, and effects that explain them."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from imugap.effects.effect import Effect, Evidence
@@ -60,6 +61,12 @@ class Finding:
         for effects that were not found by likelihood.
     alternatives
         (name, gain) of effects that the data cannot distinguish from it.
+    rivals
+        (name, log Bayes factor over this effect) of the effects that were fitted in its place.
+    misfit_log_p
+        Smallest log p-value of the tests of its shape; 0 for an effect without such tests.
+    probabilities
+        Probability of each explanation of what was seen (:mod:`imugap.discovery.posterior`), the likeliest first.
     """
 
     effects: dict[str, Effect]
@@ -67,6 +74,9 @@ class Finding:
     log_p: float
     log_score_gain: float = 0.0
     alternatives: tuple[tuple[str, float], ...] = field(default=())
+    rivals: tuple[tuple[str, float], ...] = field(default=())
+    misfit_log_p: float = 0.0
+    probabilities: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def name(self) -> str:
@@ -77,6 +87,30 @@ class Finding:
     def axes(self) -> tuple[str, ...]:
         """Return the axes that have it."""
         return tuple(self.effects)
+
+
+@dataclass(frozen=True)
+class Unnamed:
+    """What was seen on an axis but is not named.
+
+    Attributes
+    ----------
+    axis
+        Name of the axis.
+    name, reason
+        Nearest name, and why it is withheld.
+    probabilities
+        Probability of each explanation of what was seen (:mod:`imugap.discovery.posterior`), the likeliest first.
+    """
+
+    axis: str
+    name: str
+    reason: str
+    probabilities: Mapping[str, float]
+
+    def sentence(self) -> str:
+        """Return it as a sentence."""
+        return f"{self.axis}: something like {self.name.replace('_', ' ')}, but {self.reason}; not named."
 
 
 def finding(effects: dict[str, Effect], evidence: Evidence, unit: str) -> Finding:

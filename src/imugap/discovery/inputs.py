@@ -104,7 +104,7 @@ class FileDiscovery:
         return final_parameters.table(self.found)
 
     def report(self) -> dict:
-        """Return the report as plain data, schema ``imugap/discovery/1``."""
+        """Return the report as plain data, schema ``imugap/discovery/2``."""
         return report.to_mapping(self.found, self.logs, self.tests)
 
 

@@ -7,12 +7,13 @@ from math import exp, isfinite
 import pandas as pd
 
 from imugap.discovery.device import Discovery
-from imugap.discovery.finding import MIN_LOG_P, Discrepancy, Finding, Interval
+from imugap.discovery.finding import MIN_LOG_P, Discrepancy, Finding, Interval, Unnamed
+from imugap.discovery.posterior import ambiguity_set, in_words, percent
 from imugap.integrity.regular import counted
 
 MAX_LOCATIONS = 12
 """Largest number of groups of locations in one sentence."""
-SCHEMA = "imugap/discovery/1"
+SCHEMA = "imugap/discovery/2"
 
 
 def to_mapping(found: Discovery, logs: Sequence[dict], tests: Sequence[dict] = ()) -> dict:
@@ -26,7 +27,9 @@ def to_mapping(found: Discovery, logs: Sequence[dict], tests: Sequence[dict] = (
         "gaps": [_place(place) for place in found.discrepancies],
         "effects": [_effect(finding) for finding in found.findings],
         "unexplained": [_place(place) for place in found.unexplained],
-        "withheld": [dict(zip(("axis", "name", "reason"), one, strict=True)) for one in found.withheld],
+        "withheld": [
+            {"axis": one.axis, "name": one.name, "reason": one.reason} | _explanations(one) for one in found.withheld
+        ],
         "described": [
             {"axis": one.axes[0], "name": one.name, "parameters": _parameters(one)} for one in found.described
         ],
@@ -46,7 +49,11 @@ def _effect(finding: Finding) -> dict:
         "p_value": exp(max(finding.log_p, MIN_LOG_P)),
         "log_score_gain": _number(finding.log_score_gain),
         "alternatives": [{"name": name, "log_score_gain": _number(gain)} for name, gain in finding.alternatives],
-    }
+    } | _explanations(finding)
+
+
+def _explanations(one: Finding | Unnamed) -> dict:
+    return {"probabilities": dict(one.probabilities), "ambiguity_set": list(ambiguity_set(one.probabilities))}
 
 
 def _parameters(finding: Finding) -> dict[str, dict]:
@@ -90,13 +97,19 @@ def view_table(found: Discovery) -> pd.DataFrame:
 
 def candidate_table(found: Discovery) -> pd.DataFrame:
     """Return named effects, their alternatives that the data cannot distinguish, and withheld ones with the reason."""
-    columns = ["axes", "name", "status", "log_p", "log_score_gain", "reason"]
+    columns = ["axes", "name", "status", "probability", "log_p", "log_score_gain", "reason"]
     rows = []
     for one in found.findings:
-        axes = " ".join(one.axes)
-        rows.append((axes, one.name, "named", one.log_p, one.log_score_gain, ""))
-        rows += [(axes, name, f"alternative to {one.name}", None, gain, "") for name, gain in one.alternatives]
-    rows += [(axis, name, "withheld", None, None, reason) for axis, name, reason in found.withheld]
+        axes, share = " ".join(one.axes), one.probabilities
+        rows.append((axes, one.name, "named", share.get(one.name), one.log_p, one.log_score_gain, ""))
+        rows += [
+            (axes, name, f"alternative to {one.name}", share.get(name), None, gain, "")
+            for name, gain in one.alternatives
+        ]
+    rows += [
+        (one.axis, one.name, "withheld", one.probabilities.get(one.name), None, None, one.reason)
+        for one in found.withheld
+    ]
     return pd.DataFrame(rows, columns=columns)
 
 
@@ -109,7 +122,7 @@ def verdict(found: Discovery) -> str:
         number = counted(len(found.record.shocks), "shock")
         lines.append(f"Left out: {number} of the device, on several axes at once, {times}; no error of a sensor.")
     lines += [_sentence(finding) for finding in found.findings] or [f"Nothing is missing that {known}."]
-    lines += [f"{axis}: something like {name}, but {reason}; not named." for axis, name, reason in found.withheld]
+    lines += [one.sentence() for one in found.withheld]
     lines += described_sentences(found)
     lines += [one.sentence() for one in found.shapes]
     if found.undetermined:
@@ -131,9 +144,16 @@ def verdict(found: Discovery) -> str:
 def _sentence(finding: Finding) -> str:
     values = (f"{name} {one.value:.4g} {one.unit}".removesuffix(" 1") for name, one in finding.parameters.items())
     text = f"{', '.join(finding.axes)}: {finding.name} ({', '.join(values)})"
-    if finding.alternatives:
-        text += f"; the log cannot tell it from {', '.join(name for name, _ in finding.alternatives)}"
-    return text + "."
+    return f"{text}; {certainty(finding)}."
+
+
+def certainty(finding: Finding) -> str:
+    """Return how probable the name is, and what the log cannot tell from it."""
+    share = finding.probabilities
+    others = [name for name, _ in finding.alternatives]
+    others += [name for name in ambiguity_set(share) if name not in (finding.name, *others)]
+    text = f"probability of the name {percent(share[finding.name])}"
+    return f"{text}; the log cannot tell it from {', '.join(map(in_words, others))}" if others else text
 
 
 def described_sentences(found: Discovery) -> list[str]:

@@ -8,7 +8,7 @@ import numpy as np
 from imugap.discovery.evaluation.distance import Distances
 from imugap.discovery.finding import Discrepancy, Finding, Interval
 from imugap.discovery.inputs import FileDiscovery
-from imugap.discovery.report import describe_locations, describe_range, described_sentences
+from imugap.discovery.report import certainty, describe_locations, describe_range, described_sentences
 from imugap.discovery.start_comparison.parameters import StartParameter
 from imugap.discovery.start_comparison.wording import sentences
 from imugap.effects.effect import AxisModel, Effect, Role
@@ -125,9 +125,7 @@ def _finding(one: Finding) -> Iterable[Block]:
     yield Text(_meaning(effect))
     rows = tuple(_parameter(name, interval) for name, interval in one.parameters.items())
     yield DataTable("Parameters with 95 % intervals, SI.", ("parameter", "value", "95 % interval", "unit"), rows)
-    if one.alternatives:
-        names = ", ".join(name.replace("_", " ") for name, _ in one.alternatives)
-        yield Text(f"The log cannot tell it from: {names}.")
+    yield Text(f"{certainty(one).capitalize()}.")
     yield Text("In the simulator: add to the model")
     yield Snippet(text(ErrorModel({axis: AxisModel((own,)) for axis, own in one.effects.items()})))
     if effect.role in FILTER_SIDE:
@@ -177,8 +175,7 @@ def _remarks(result: FileDiscovery) -> Iterable[str]:
     found = result.found
     if found.band is not None:
         yield found.band.sentence()
-    for axis, name, reason in found.withheld:
-        yield f"{axis}: something like {name.replace('_', ' ')}, but {reason}; not named."
+    yield from (one.sentence() for one in found.withheld)
     yield from described_sentences(found)
     for axis, name in found.undetermined:
         yield f"{axis}: the log does not show {name.replace('_', ' ')}; kept as the start model has it."

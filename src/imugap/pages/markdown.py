@@ -3,6 +3,7 @@
 import pandas as pd
 
 from imugap.discovery.inputs import FileDiscovery
+from imugap.discovery.posterior import percent
 from imugap.discovery.report import describe_range, verdict
 from imugap.discovery.start_comparison.wording import sentences
 
@@ -49,11 +50,12 @@ def _effects(result: FileDiscovery) -> pd.DataFrame:
             ", ".join(one.axes),
             one.name,
             "; ".join(f"{name} {_interval(end)} {end.unit}".removesuffix(" 1") for name, end in one.parameters.items()),
+            percent(one.probabilities[one.name]),
             ", ".join(name for name, _ in one.alternatives) or "-",
         )
         for one in result.found.findings
     ]
-    return pd.DataFrame(rows, columns=["axes", "name", "parameters (95 %)", "not distinguished from it"])
+    return pd.DataFrame(rows, columns=["axes", "name", "parameters (95 %)", "probability", "not distinguished from it"])
 
 
 def _places(discrepancies) -> pd.DataFrame:

@@ -6,11 +6,11 @@ by likelihood ratios. Where the misfit is significant, the name is withheld and 
 unexplained. May import unnamed, search, views, fit and preparation.
 """
 
-from imugap.discovery.checks.all_checks import MIN_EXTRA_VALUES, explained_by_bands, misfits
+from imugap.discovery.checks.all_checks import MIN_EXTRA_VALUES, explained_by_bands, misfits, tested
 from imugap.discovery.checks.gaussianity import MIN_SHARE
 from imugap.discovery.checks.mean import shape_log_p
 from imugap.discovery.checks.misfit import MAX_LOG_P, Misfit
 from imugap.discovery.checks.spectrum import NOISE_REASONS, SLOPE_REASONS, add_power_law, power_share
 
 __all__ = ["MAX_LOG_P", "MIN_EXTRA_VALUES", "MIN_SHARE", "NOISE_REASONS", "SLOPE_REASONS", "Misfit"]
-__all__ += ["add_power_law", "explained_by_bands", "misfits", "power_share", "shape_log_p"]
+__all__ += ["add_power_law", "explained_by_bands", "misfits", "power_share", "shape_log_p", "tested"]

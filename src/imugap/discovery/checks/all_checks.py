@@ -259,6 +259,11 @@ def _gain_below(candidate: Candidate, frequency: float) -> float:
     return full - without
 
 
+def tested(candidate: Candidate) -> Misfit:
+    """Test an added effect against departures from its form; return the worst one, significant or not."""
+    return TESTS[candidate.role](candidate)
+
+
 def _misfit(candidate: Candidate) -> Misfit | None:
-    misfit = TESTS[candidate.role](candidate)
-    return misfit if misfit is not None and misfit.log_p < MAX_LOG_P else None
+    misfit = tested(candidate)
+    return misfit if misfit.log_p < MAX_LOG_P else None

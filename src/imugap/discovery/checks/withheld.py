@@ -13,17 +13,20 @@ from imugap.effects.effect import Role
 
 @dataclass(frozen=True)
 class Withheld:
-    """Nearest name of an effect that is not named, the reason, and its location."""
+    """Nearest name of an effect that is not named, why, where, and the log p-values of the effect and of the reason."""
 
     name: str
     reason: str
     location: Discrepancy
+    log_p: float
+    misfit_log_p: float
 
 
 def withheld(candidate: Candidate, misfit: Misfit) -> Withheld:
     """Return name, reason and location of an effect of a fit that has a misfit."""
     p_value = float(np.exp(np.clip(candidate.trial.log_p, MIN_LOG_P, 0.0)))
-    return Withheld(candidate.effect.name, misfit.reason, Discrepancy(*_location(candidate), p_value))
+    place = Discrepancy(*_location(candidate), p_value)
+    return Withheld(candidate.effect.name, misfit.reason, place, candidate.trial.log_p, misfit.log_p)
 
 
 def _location(candidate: Candidate) -> tuple[str, str, float, float, str]:
