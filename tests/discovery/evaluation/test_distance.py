@@ -169,3 +169,11 @@ def test_the_right_model_lands_in_the_floor_in_95_percent_of_cases(kind):
         found = combined([seen])
         inside += found.floor.low <= found.after.value <= found.floor.high
     assert binomtest(inside, logs, 0.95).pvalue > 0.002
+
+
+def test_a_model_is_as_far_as_its_equal_however_far_it_is():
+    """Both models are simulated with the same random numbers: where nothing was added, nothing changes."""
+    poor, _ = gyro()
+    _, measured = gyro(Sinusoid(3.0, 6e-3))
+    found = distances(measured, 50.0, poor, poor)
+    assert found.before == found.after

@@ -239,10 +239,13 @@ class HeldOutComparison:
         return {axis: values[: self.held_in].std() for axis, values in self._errors(self.measured).items()}
 
     def _simulations(self, name: str, seed: int, numbers: Iterable[int]) -> Iterator[pd.DataFrame]:
-        """Simulate the whole log, of which the held-out part is the continuation of the held-in one."""
+        """Simulate the whole log, of which the held-out part is the continuation of the held-in one.
+
+        Both models get the same random numbers, so that models that are alike are at the same distance.
+        """
         model = getattr(self, name)
         for number in numbers:
-            labels = ("distance", name, number)
+            labels = ("distance", number)
             rng = stream(seed, *labels, "parameters")
             drawn = model.draw(rng) if isinstance(model, UncertainModel) else model
             sensors = ErrorModel({axis: drawn.axes.get(axis, AxisModel()) for axis in log.axes(self.measured)})
