@@ -17,6 +17,8 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 from scipy.special import logsumexp
 
+from imugap.discovery.finding import MIN_LOG_P
+
 NONE, OTHER, UNKNOWN = "none", "other", "unknown"
 IN_WORDS = {NONE: "nothing at all", OTHER: "another name of the catalogue", UNKNOWN: "an effect that has no name"}
 POWER = 0.5
@@ -27,6 +29,9 @@ UNKNOWN_SHARE = 0.8
 """Share of the effects in no catalogue in anything else."""
 MAX_LOG_ODDS_ELSE = 4.0
 """Largest log-odds of anything else against the chosen name, however small the p-value of a test is."""
+NOTHING_SEEN = {NONE: 0.5, OTHER: 0.35, UNKNOWN: 0.15}
+"""Probabilities where nothing was seen: the share of logs that hide an effect too small for it, in the cases by which the
+constants above were fitted (sizes from 0.3 to 30 detection limits)."""
 LEVEL = 0.95
 """Probability that an ambiguity set has at least."""
 MIN_SHARE = 0.01
@@ -84,4 +89,5 @@ def percent(share: float) -> str:
 
 def _log_least_bayes_factor(log_p: float) -> float:
     """Return the logarithm of the least Bayes factor for a null hypothesis with this log p-value."""
-    return 1 + log_p + np.log(-log_p) if log_p < -1 else 0.0
+    bounded = max(log_p, MIN_LOG_P)
+    return 1 + bounded + np.log(-bounded) if bounded < -1 else 0.0

@@ -8,7 +8,7 @@ import pandas as pd
 
 from imugap.discovery.device import Discovery
 from imugap.discovery.finding import MIN_LOG_P, Discrepancy, Finding, Interval, Unnamed
-from imugap.discovery.posterior import ambiguity_set, in_words, percent
+from imugap.discovery.posterior import NOTHING_SEEN, ambiguity_set, in_words, percent
 from imugap.integrity.regular import counted
 
 MAX_LOCATIONS = 12
@@ -34,6 +34,8 @@ def to_mapping(found: Discovery, logs: Sequence[dict], tests: Sequence[dict] = (
             {"axis": one.axes[0], "name": one.name, "parameters": _parameters(one)} for one in found.described
         ],
     }
+    if not (found.findings or found.withheld):
+        report["probabilities"] = dict(NOTHING_SEEN)
     for key, name in (("distance", "distribution"), ("navigation_distance", "navigation")):
         apart = found.distances.get(name)
         triple = ("before", "after", "floor")

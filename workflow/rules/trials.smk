@@ -1,0 +1,85 @@
+# Sealed cases of few axes: how sure a name is, and what a search loses against the test that knows what it looks for.
+TRIAL_CASES = {name: config["trials"][name]["cases"] for name in ("forecasts", "curves")}
+
+
+def trial_batches(trial):
+    """Name the batches of the cases of a trial: the numbers of their first ones."""
+    return [str(first) for first in range(0, TRIAL_CASES[trial], config["trials"]["cases_per_job"])]
+
+
+def trial_tables(wildcards):
+    """Name the tables of the trials: of their run here, or of the recorded one with its record."""
+    folder = "results/trials" if wildcards.trials == "trials" else "data/trials_recorded"
+    record = {} if wildcards.trials == "trials" else {"record": f"{folder}/record.yaml"}
+    return {name: f"{folder}/{name}.csv" for name in TRIAL_CASES} | record
+
+
+localrules:
+    trials_joined,
+    trials_page,
+
+
+rule sealed_trials:
+    """Seal a batch of cases, and discover on the axes of each that hide something."""
+    input:
+        recipe="data/blind.yaml",
+        schema="workflow/schemas/blind.schema.yaml",
+    output:
+        forecasts="results/trials/{trial}/{batch}_forecasts.csv",
+        curves="results/trials/{trial}/{batch}_curves.csv",
+    log:
+        "logs/sealed_trials/{trial}_{batch}.log",
+    wildcard_constraints:
+        trial="forecasts|curves",
+        batch=r"\d+",
+    resources:
+        mem_mb=2000,
+        runtime=60,
+    params:
+        trial=lambda wildcards: config["trials"][wildcards.trial],
+        ranges=config["trials"]["ranges"],
+        cases=config["trials"]["cases_per_job"],
+        settings=DISCOVERY_SETTINGS,
+        seed=config["seed"],
+        code=library("sealed_trials"),
+    script:
+        "../scripts/sealed_trials.py"
+
+
+rule trials_joined:
+    """Join the batches of a trial."""
+    input:
+        lambda wildcards: expand(
+            "results/trials/{{trial}}/{batch}_{{trial}}.csv", batch=trial_batches(wildcards.trial)
+        ),
+    output:
+        "results/trials/{trial}.csv",
+    log:
+        "logs/trials_joined/{trial}.log",
+    wildcard_constraints:
+        trial="forecasts|curves",
+    script:
+        "../scripts/joined.py"
+
+
+rule trials_page:
+    """Draw and tabulate how sure the names are, and the loss of the search, of a run here or of the recorded one."""
+    input:
+        unpack(trial_tables),
+    output:
+        reliability_figure=figure("{trials}_reliability", "Discovery", "reliability (figure)", caption="trials"),
+        curves_figure=figure("{trials}_curves", "Discovery", "loss of the search (figure)", caption="trials"),
+        reliability=table("{trials}_reliability", "Discovery", "reliability (table)", caption="trials"),
+        losses=table("{trials}_losses", "Discovery", "loss of the search (table)", caption="trials"),
+        numbers="paper/numbers/{trials}.json",
+    log:
+        "logs/{trials}_page.log",
+    wildcard_constraints:
+        trials="trials|trials_recorded",
+    params:
+        code=library("trials_page"),
+    script:
+        "../scripts/trials_page.py"
+
+
+PAPER["discovery"] += ["paper/numbers/trials_recorded.json"] if config["trials"]["recorded"] else []

@@ -1,0 +1,110 @@
+"""Draw and tabulate how often a probable name is right, and what a search loses; write what the text says of both."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import yaml
+
+from imu_benchmark.forecasts import ambiguity_sets, brier_score, calibration_error, log_score, reliability
+from imu_benchmark.scores import rate
+from imugap.effects import CATALOGUE
+from imugap.figures import sealed_trials as drawn
+from imugap.log import AXES
+from imugap.study.detection_loss import bonferroni_half_size, half_size
+from imugap.workflow import tables
+from imugap.workflow.job_log import job
+from imugap.workflow.products import save
+
+CHOICES = len(CATALOGUE) * len(AXES)
+RESAMPLES = 400
+"""Resamples of the cases for the interval of the calibration error."""
+MAX_LOSS = 2.0
+
+
+def loss_table(curves):
+    """Return the size at which one half of each effect is found, its loss over the test that knows it, and shares."""
+    rows = []
+    for name, group in curves.groupby("name"):
+        one = half_size(group["size"], group["seen"])
+        right = group.loc[group["seen"], "right"]
+        rows.append({"name": name, "count": len(group), "half": one.value, "low": one.low, "high": one.high,
+                     "loss": one.value - 1, "seen": len(right), "right": int(right.sum())})  # fmt: skip
+    return pd.DataFrame(rows)
+
+
+def loss_page(losses):
+    """Lay the losses out, a row for each effect."""
+    return pd.DataFrame({
+        "hidden": losses["name"].str.replace("_", " "),
+        "cases": losses["count"],
+        "one half found at [limits]": [f"{one.half:.2f} [{one.low:.2f}, {one.high:.2f}]" for one in losses.itertuples()],
+        "loss [limits]": losses["loss"].map("{:.2f}".format),
+        "rightly named of those found": [f"{one.right} of {one.seen}" for one in losses.itertuples()],
+    })  # fmt: skip
+
+
+def calibration_interval(table):
+    """Return the 95 % bootstrap interval of the calibration error over the cases."""
+    rng, groups = np.random.default_rng(1), dict(list(table.groupby("case")))
+    cases = list(groups)
+    errors = []
+    for _ in range(RESAMPLES):
+        drawn_cases = rng.choice(len(cases), len(cases))
+        again = [groups[cases[number]].assign(case=place) for place, number in enumerate(drawn_cases)]
+        errors.append(calibration_error(pd.concat(again, ignore_index=True)))
+    return np.quantile(errors, [0.025, 0.975])
+
+
+def reliability_page(bins):
+    """Lay the bins out, a row each."""
+    return pd.DataFrame({
+        "probability": [f"{10 * one.bin} to {10 * one.bin + 10} %" for one in bins.itertuples()],
+        "mean": [f"{100 * one.confidence:.1f} %" for one in bins.itertuples()],
+        "answers": bins["count"],
+        "right": [f"{100 * one.rate:.0f} % [{100 * one.low:.0f}, {100 * one.high:.0f}]" for one in bins.itertuples()],
+    })  # fmt: skip
+
+
+def numbers(table, losses):
+    """Return what the text says."""
+    sets, found = ambiguity_sets(table), losses[np.isfinite(losses["loss"])]
+    held = rate(sets["holds"])
+    low, high = calibration_interval(table)
+    return {
+        "cases": int(table["case"].nunique()),
+        "answers": len(sets),
+        "calibration_error": f"{calibration_error(table):.3f}",
+        "calibration_low": f"{low:.3f}",
+        "calibration_high": f"{high:.3f}",
+        "brier": f"{brier_score(table):.3f}",
+        "log_score": f"{log_score(table):.3f}",
+        "set_holds": f"{100 * held['rate']:.1f}",
+        "set_low": f"{100 * held['low']:.1f}",
+        "set_high": f"{100 * held['high']:.1f}",
+        "set_size": f"{sets['size'].mean():.2f}",
+        "singles": int(losses["count"].sum()),
+        "effects": len(losses),
+        "median_loss": tables.number(float(losses["loss"].median()), 2),
+        "largest_loss": tables.number(float(found["loss"].max()), 2),
+        "largest_name": str(found.loc[found["loss"].idxmax(), "name"]).replace("_", " "),
+        "beyond": int((losses["loss"] > MAX_LOSS).sum()),
+        "choices": CHOICES,
+        "bound": f"{bonferroni_half_size(CHOICES):.2f}",
+    }
+
+
+with job(snakemake) as (source, _, output):
+    files = dict(source.items())
+    table, curves = pd.read_csv(files["forecasts"]), pd.read_csv(files["curves"])
+    record = yaml.safe_load(Path(files["record"]).read_text()) if "record" in files else {}
+    bins, losses = reliability(table), loss_table(curves)
+    curve = pd.DataFrame([{"size": size} | rate(group["seen"]) for size, group in curves.groupby("size")])
+    save(
+        output,
+        reliability_figure=drawn.reliability(bins),
+        curves_figure=drawn.losses(curve, losses, CHOICES),
+        reliability=(bins, reliability_page(bins)),
+        losses=(losses, loss_page(losses)),
+        numbers=numbers(table, losses) | record,
+    )
