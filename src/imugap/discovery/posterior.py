@@ -30,8 +30,8 @@ UNKNOWN_SHARE = 0.8
 MAX_LOG_ODDS_ELSE = 4.0
 """Largest log-odds of anything else against the chosen name, however small the p-value of a test is."""
 NOTHING_SEEN = {NONE: 0.5, OTHER: 0.35, UNKNOWN: 0.15}
-"""Probabilities where nothing was seen: the share of logs that hide an effect too small for it, in the cases by which the
-constants above were fitted (sizes from 0.3 to 30 detection limits)."""
+"""Probabilities where nothing was seen: how many of such logs hide an effect too small for it, among the cases by which
+the constants above were fitted (sizes from 0.3 to 30 detection limits)."""
 LEVEL = 0.95
 """Probability that an ambiguity set has at least."""
 MIN_SHARE = 0.01

@@ -1,7 +1,8 @@
 """Loss of a search against the test that knows what it looks for.
 
-Size 1 is the detection limit: the most powerful test of a known effect on a known axis, of known shape, at a false-alarm
-probability of 1 %, has a power of one half there (Neyman & Pearson 1933; :mod:`imu_benchmark.sealing.detection_limits`).
+Size 1 is the detection limit: the most powerful test of a known effect on a known axis, of known shape, at a
+false-alarm probability of 1 %, has a power of one half there (Neyman & Pearson 1933, Phil. Trans. R. Soc. A 231;
+:mod:`imu_benchmark.sealing.detection_limits`).
 A search knows neither; its loss is the size at which it finds one half, less one.
 """
 

@@ -1,7 +1,7 @@
 """Sealed cases of few axes: the answer of discovery to each, at a cost that allows a thousand.
 
-A sealed case has six axes, of which most hide nothing. Here only those with an effect are searched, each proposal at the
-level that it has in a search of all six.
+A sealed case has six axes, of which most hide nothing. Here only those with an effect are searched, each proposal at
+the level that it has in a search of all six.
 """
 
 from collections.abc import Mapping, Sequence
