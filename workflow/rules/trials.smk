@@ -49,9 +49,7 @@ rule sealed_trials:
 rule trials_joined:
     """Join the batches of a trial."""
     input:
-        lambda wildcards: expand(
-            "results/trials/{{trial}}/{batch}_{{trial}}.csv", batch=trial_batches(wildcards.trial)
-        ),
+        lambda wildcards: expand("results/trials/{{trial}}/{batch}_{{trial}}.csv", batch=trial_batches(wildcards.trial)),
     output:
         "results/trials/{trial}.csv",
     log:
