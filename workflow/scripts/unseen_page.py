@@ -15,13 +15,22 @@ REFERENCE = "discovered_white"
 """Contender with which the others are compared, run by run."""
 PER = 1000
 """Samples for which differences of the log score are shown."""
+CLAIMED, RIVALS = "restoration", ("white", "method_a", "method_b", "nbk")
+"""Model that the published trials put first, and the others that are built from indices."""
 SENSORS = {"gyroscopes": GYRO, "accelerometers": ACCEL}
 
 
-def paired(values):
-    """Return mean and 95 % Student interval of differences, shape (runs,)."""
-    low, high = ttest_1samp(values, 0.0).confidence_interval(0.95)
+def paired(values, comparisons=1):
+    """Return mean and Student interval of differences, shape (runs,); 95 % for all ``comparisons`` together."""
+    low, high = ttest_1samp(values, 0.0).confidence_interval(1 - 0.05 / comparisons)
     return float(values.mean()), float(low), float(high)
+
+
+def drift_scores(data):
+    """Return the name of the drift score, and its logarithm for each contender, over the runs."""
+    name = next(name for name in data["quantity"].unique() if name.startswith("drift_"))
+    wide = data[data["quantity"] == name].pivot_table(index="run", columns="contender", values="value", sort=False)
+    return name.removeprefix("drift_").replace("_", " "), np.log(wide)
 
 
 def losses(data):
@@ -32,9 +41,8 @@ def losses(data):
         f"log score, {sensor}": -PER * by_axis.loc[(slice(None), list(axes)), :].groupby("run").mean()
         for sensor, axes in SENSORS.items()
     }
-    drift = next(name for name in data["quantity"].unique() if name.startswith("drift_"))
-    horizon = drift.removeprefix("drift_").replace("_", " ")
-    scores[f"log drift score, {horizon}"] = np.log(wide.xs(drift, level="quantity").groupby("run").mean())
+    horizon, drift = drift_scores(data)
+    scores[f"log drift score, {horizon}"] = drift
     for score, one in scores.items():
         for contender in one:
             if contender != REFERENCE:
@@ -43,6 +51,18 @@ def losses(data):
                     "contender": contender, "score": score, "loss": value, "low": low, "high": high,
                     "verdict": verdicts.difference((low, high), "level"),
                 }  # fmt: skip
+
+
+def trials(data):
+    """Return the drift score of the model that trials put first over that of each rival, and the verdict."""
+    horizon, drift = drift_scores(data)
+    rows = []
+    for rival in RIVALS:
+        value, low, high = paired((drift[CLAIMED] - drift[rival]).to_numpy(), len(RIVALS))
+        ratio, *ends = (tables.number(float(np.exp(one))) for one in (value, low, high))
+        said = verdicts.difference((low, high), "level")
+        rows.append({"rival": TITLES[rival], "ratio": ratio, "low": ends[0], "high": ends[1], "verdict": said})
+    return {"horizon": horizon, "comparisons": len(RIVALS), "rows": rows}
 
 
 def bands(data):
@@ -90,5 +110,5 @@ with job(snakemake) as (source, _, output):
         output,
         table=(found.merge(band.reset_index(), on="contender"), page(found, band)),
         figure=unseen_runs(found, band),
-        numbers=numbers(found, band, int(data["run"].nunique())),
+        numbers=numbers(found, band, int(data["run"].nunique())) | {"trials": trials(data)},
     )
