@@ -13,6 +13,7 @@ from imugap.discovery.device import Settings
 from imugap.discovery.evaluation.distance import Distances
 from imugap.discovery.finding import Discrepancy, Finding
 from imugap.discovery.inputs import DiscoveryInputs, FileDiscovery, Files, discover_files, discover_recordings
+from imugap.discovery.next_log import Advice
 from imugap.discovery.report import candidate_table, discrepancy_table, verdict
 from imugap.discovery.start_comparison.wording import sentences
 from imugap.discovery.start_comparison.wording import table as comparison_table
@@ -95,7 +96,8 @@ class Discovered(Result):
     @property
     def verdict(self) -> str:
         """What is missing, which start parameters differ, what is left, and how far the model is from held-out data."""
-        return "\n".join((verdict(self.found.found), *sentences(self.found.against)))
+        advice = (one.sentence() for one in self.advice)
+        return "\n".join((verdict(self.found.found), *sentences(self.found.against), *advice))
 
     @property
     def against_start(self) -> pd.DataFrame:
@@ -115,6 +117,11 @@ class Discovered(Result):
         remark.
         """
         return self.found.parameters
+
+    @property
+    def advice(self) -> tuple[Advice, ...]:
+        """What to record next, for each finding whose name the log leaves open."""
+        return self.found.advice
 
     def plot(self) -> "Figure":
         """Draw the surest place of each view, before and after."""

@@ -22,7 +22,7 @@ from imugap.discovery.checks import (
 )
 from imugap.discovery.checks.motion import all_against_motion, motion_gain
 from imugap.discovery.checks.withheld import Withheld, withheld
-from imugap.discovery.finding import MIN_LOG_P, Discrepancy, Finding, Interval, Unnamed
+from imugap.discovery.finding import MIN_LOG_P, Discrepancy, Finding, Interval, Rival, Unnamed
 from imugap.discovery.fit.axis_fit import AxisFit, fit, log_score, offset
 from imugap.discovery.fit.start_model import described
 from imugap.discovery.fit.telegraph_likelihood import compare
@@ -402,7 +402,9 @@ def _finding(searched: AxisSearch, candidate: Candidate, settled: Candidate) -> 
     for rival in candidate.alternatives(bar):
         if _same_tone(rival.effect, effect, duration):
             continue
-        rivals[rival.name] = max(rival.worth - candidate.trial.worth, rivals.get(rival.name, -np.inf))
+        factor = rival.worth - candidate.trial.worth
+        if rival.name not in rivals or factor > rivals[rival.name].log_bayes_factor:
+            rivals[rival.name] = Rival(rival.name, factor, rival.fit.description.effects())
         if rival.fit.log_likelihood > near:
             gain = rival.fit.log_likelihood - found.log_likelihood
             alternatives[rival.name] = max(gain, alternatives.get(rival.name, -np.inf))
@@ -414,7 +416,9 @@ def _finding(searched: AxisSearch, candidate: Candidate, settled: Candidate) -> 
             for (name, value), ends in zip(effect.parameters().items(), comparison.intervals, strict=True)
         }
         gain = comparison.gain
-        rivals[effect.equivalent.name] = -gain
+        smooth = effect.equivalent
+        exchanged = found.description.with_effect(candidate.index, smooth)
+        rivals[smooth.name] = Rival(smooth.name, -gain, exchanged.effects())
     elif effect.role is Role.OUTLIERS:
         parameters, gain = _outlier_parameters(search, final), search.tails[effect].gain
     else:
@@ -426,7 +430,8 @@ def _finding(searched: AxisSearch, candidate: Candidate, settled: Candidate) -> 
         max(candidate.trial.log_p, MIN_LOG_P),
         float(gain),
         tuple(alternatives.items()),
-        tuple(rivals.items()),
+        found.description.effects(),
+        tuple(rivals.values()),
         tested(candidate).log_p,
     )
 

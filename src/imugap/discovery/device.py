@@ -551,7 +551,8 @@ def _conclude(stage: _Tested) -> Discovery:
 
 def _with_probabilities(finding: Finding, proposals: int) -> Finding:
     """Return a finding with the probability of each explanation."""
-    shares = posterior(finding.name, finding.log_p, finding.misfit_log_p, finding.rivals, proposals)
+    rivals = [(one.name, one.log_bayes_factor) for one in finding.rivals]
+    shares = posterior(finding.name, finding.log_p, finding.misfit_log_p, rivals, proposals)
     return replace(finding, probabilities=shares)
 
 

@@ -44,6 +44,25 @@ class Interval:
 
 
 @dataclass(frozen=True)
+class Rival:
+    """Another name for what a log shows.
+
+    Attributes
+    ----------
+    name
+        The name.
+    log_bayes_factor
+        Logarithm of its Bayes factor over the chosen name.
+    effects
+        All effects of the axis with it in the place of the chosen one, fitted.
+    """
+
+    name: str
+    log_bayes_factor: float
+    effects: tuple[Effect, ...]
+
+
+@dataclass(frozen=True)
 class Finding:
     """Named effect on one or several axes, with the evidence for it.
 
@@ -61,8 +80,10 @@ class Finding:
         for effects that were not found by likelihood.
     alternatives
         (name, gain) of effects that the data cannot distinguish from it.
+    beside
+        All effects of its axis, fitted, itself among them; none for one that no fit adjusts or that axes share.
     rivals
-        (name, log Bayes factor over this effect) of the effects that were fitted in its place.
+        Effects that were fitted in its place.
     misfit_log_p
         Smallest log p-value of the tests of its shape; 0 for an effect without such tests.
     probabilities
@@ -74,7 +95,8 @@ class Finding:
     log_p: float
     log_score_gain: float = 0.0
     alternatives: tuple[tuple[str, float], ...] = field(default=())
-    rivals: tuple[tuple[str, float], ...] = field(default=())
+    beside: tuple[Effect, ...] = ()
+    rivals: tuple[Rival, ...] = ()
     misfit_log_p: float = 0.0
     probabilities: Mapping[str, float] = field(default_factory=dict)
 

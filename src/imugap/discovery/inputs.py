@@ -11,6 +11,7 @@ import pandas as pd
 from imugap import log
 from imugap.discovery import report
 from imugap.discovery.device import Discovery, Settings, discover
+from imugap.discovery.next_log import Advice, advise
 from imugap.discovery.preparation.prepare import MARGIN, in_reference_gap, outside, without_noise
 from imugap.discovery.start_comparison import final_parameters
 from imugap.discovery.start_comparison.parameters import StartParameter, against_start
@@ -102,6 +103,11 @@ class FileDiscovery:
     def parameters(self) -> pd.DataFrame:
         """Return the parameters of the final model, each with its interval (:func:`final_parameters.table`)."""
         return final_parameters.table(self.found)
+
+    @cached_property
+    def advice(self) -> tuple[Advice, ...]:
+        """Return what to record next for each finding with an ambiguous name."""
+        return advise(self.found.findings, lambda axis: self.found.results[axis].whole_fit.sequence.conditions)
 
     def report(self) -> dict:
         """Return the report as plain data, schema ``imugap/discovery/2``."""

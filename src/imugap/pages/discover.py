@@ -79,6 +79,10 @@ def page(result: FileDiscovery) -> Page:
         not (found.findings or found.withheld or found.unexplained or found.shapes),
         (
             Part("What is missing, and what to do", tuple(_missing(found.findings))),
+            Part(
+                "What to record next",
+                (Points(tuple(one.sentence() for one in result.advice)),) if result.advice else (),
+            ),
             Part("Your start model, parameter by parameter", tuple(_against(result.against))),
             Part("What else the log shows", (Points(tuple(_remarks(result))),) if list(_remarks(result)) else ()),
             Part("Where log and simulator disagree", tuple(_places(result))),

@@ -18,12 +18,13 @@ def text(result: FileDiscovery, kind: str = "svg") -> str:
             f"{one['begin_s']:.10g} s, is time zero here"
             + "".join(f"; {sentence}" for sentence in result.recognised.get(one["path"], ()))
             for role, some in (("log", result.logs), ("test", result.tests)) for one in some]  # fmt: skip
+    advice = (one.sentence() for one in result.advice)
     held_out = "the test logs" if result.tests else "the last part of the log"
     parts = [
         "# Where simulation and measurement disagree, and what is missing",
         "\n".join(logs),
         "## Verdict",
-        "\n".join(f"- {line}" for line in (*verdict(found).splitlines(), *sentences(result.against))),
+        "\n".join(f"- {line}" for line in (*verdict(found).splitlines(), *sentences(result.against), *advice)),
         "## Effects",
         _table(_effects(result)),
         "## Places",
