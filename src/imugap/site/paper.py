@@ -20,7 +20,7 @@ figure{margin:1.75rem 0}figcaption{font-size:.9rem;margin:.5rem 0}img{width:100%
 .wide{overflow-x:auto;overflow-wrap:normal}
 table{border-collapse:collapse;font-size:.85rem;border-block:2px solid;font-variant-numeric:tabular-nums}
 th{border-bottom:1px solid}th,td{text-align:left;vertical-align:top;padding:.2rem .5rem}
-pre{overflow-x:auto;font-size:.85rem}
+pre{overflow-x:auto;font-size:.85rem}.equation-number{text-align:right;margin:-2.2rem 0 1.2rem}
 """
 
 
