@@ -16,7 +16,7 @@ from threadpoolctl import threadpool_limits
 from imugap.discovery.finding import Finding, Rival
 from imugap.discovery.fit.axis_fit import fit
 from imugap.discovery.fit.start_model import described
-from imugap.discovery.posterior import LEVEL, POWER, ambiguity_set
+from imugap.discovery.posterior import LEVEL, ambiguity_set
 from imugap.discovery.preparation.sequence import AxisSequence
 from imugap.discovery.search.search import PARAMETER_COST
 from imugap.effects.conditions import Conditions
@@ -191,4 +191,4 @@ def _log_odds(true: Effects, false: Effects, proposal: Proposal, seed: int, draw
     sequence = AxisSequence(values, conditions)
     right, wrong = (fit(sequence, described(one, sequence)) for one in (true, false))
     cost = PARAMETER_COST * (right.description.size() - wrong.description.size())
-    return POWER * (right.log_likelihood - wrong.log_likelihood - cost)
+    return right.log_likelihood - wrong.log_likelihood - cost
