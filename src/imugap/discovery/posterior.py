@@ -30,8 +30,8 @@ UNKNOWN_SHARE = 0.86
 MAX_LOG_ODDS_ELSE = 3.0
 """Largest log-odds of anything else against the chosen name, however small the p-value of a test is."""
 NOTHING_SEEN = {NONE: 0.5, OTHER: 0.37, UNKNOWN: 0.13}
-"""Probabilities where nothing was seen: how many of such logs hide an effect too small for it, among those cases and the
-400 of the recorded benchmark (sizes from 0.3 to 30 detection limits)."""
+"""Probabilities where nothing was seen: how many of such logs hide an effect too small for it, among those cases and
+the 400 of the recorded benchmark (sizes from 0.3 to 30 detection limits)."""
 LEVEL = 0.95
 """Probability that an ambiguity set has at least."""
 MIN_SHARE = 0.01
