@@ -56,4 +56,21 @@ rule recordings_page:
         "../scripts/recordings_page.py"
 
 
-PAPER["discovery"] += rules.recordings_page.output if RECORDINGS else []
+rule facts_page:
+    """Tabulate which facts that publishers and makers state of the recordings were found, with the misses."""
+    input:
+        facts="data/facts.csv",
+        parameters=expand("results/recordings/{recording}/parameters.csv", recording=RECORDINGS),
+    output:
+        table=table("facts", "Discovery", "stated facts (table)", caption="recordings"),
+        numbers="paper/numbers/facts.json",
+    log:
+        "logs/facts_page.log",
+    params:
+        titles={name: RECIPES[name]["title"] for name in RECORDINGS},
+        code=library("facts_page"),
+    script:
+        "../scripts/facts_page.py"
+
+
+PAPER["discovery"] += [*rules.recordings_page.output, *rules.facts_page.output] if RECORDINGS else []
