@@ -11,24 +11,28 @@ from imugap.workflow.products import save
 MISSED, OTHER, FOUND = "not found", "found with another value", "found"
 
 
+def own(fact, parameters):
+    """Return the parameter of a fact on its axes."""
+    same = (parameters["effect"] == fact.effect) & (parameters["parameter"] == fact.parameter)
+    return parameters[same & parameters["axis"].isin(fact.axes.split())]
+
+
 def outcome(fact, parameters):
     """Judge one fact: found on every axis, with an interval that reaches the stated range; else what lacks."""
-    same = parameters[(parameters["effect"] == fact.effect) & (parameters["parameter"] == fact.parameter)]
-    own = same[same["axis"].isin(fact.axes.split())]
-    if set(fact.axes.split()) - set(own["axis"]):
+    rows = own(fact, parameters)
+    if set(fact.axes.split()) - set(rows["axis"]):
         return MISSED
-    inside = (own["low"].fillna(own["value"]) <= fact.high) & (own["high"].fillna(own["value"]) >= fact.low)
-    return FOUND if inside.groupby(own["axis"]).any().all() else OTHER
+    inside = (rows["low"].fillna(rows["value"]) <= fact.high) & (rows["high"].fillna(rows["value"]) >= fact.low)
+    return FOUND if inside.groupby(rows["axis"]).any().all() else OTHER
 
 
 def seen(fact, parameters):
     """Return the values that were found, smallest to largest."""
-    same = parameters[(parameters["effect"] == fact.effect) & (parameters["parameter"] == fact.parameter)]
-    values = sorted(same.loc[same["axis"].isin(fact.axes.split()), "value"])
-    if not values:
+    rows = own(fact, parameters).sort_values("value")
+    if rows.empty:
         return "—"
-    ends = dict.fromkeys(map(tables.number, (values[0], values[-1])))
-    return f"{' to '.join(ends)} {same['unit'].iloc[0]}"
+    ends = dict.fromkeys(map(tables.number, rows["value"].iloc[[0, -1]]))
+    return f"{' to '.join(ends)} {rows['unit'].iloc[0]}"
 
 
 with job(snakemake) as (source, params, output):
