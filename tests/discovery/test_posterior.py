@@ -6,7 +6,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.stats import norm
 
-from imugap.discovery.posterior import NONE, OTHER, UNKNOWN, ambiguity_set, in_words, percent, posterior
+from imugap.discovery.finding import Finding
+from imugap.discovery.posterior import NONE, OTHER, UNKNOWN, ambiguity_set, percent, posterior
+from imugap.discovery.report import certainty
+from imugap.effects import RateRamp
 
 LOG_PS = st.floats(-1000.0, 0.0) | st.just(-np.inf)
 RIVALS = st.dictionaries(st.sampled_from(["sinusoid", "warm_up", "rate_ramp"]), st.floats(-50.0, 20.0))
@@ -60,5 +63,11 @@ def test_no_smaller_set_of_explanations_has_the_level(shares, level):
 
 def test_a_probability_near_an_end_is_said_as_a_bound():
     assert [percent(share) for share in (0.0001, 0.314, 0.9999)] == ["below 1 %", "31 %", "above 99 %"]
-    assert in_words(UNKNOWN) == "an effect that has no name"
-    assert in_words("rate_ramp") == "rate ramp"
+
+
+def test_the_verdict_says_what_is_likely_beside_the_name_and_which_names_remain():
+    shares = {"rate_ramp": 0.6, "temperature": 0.3, UNKNOWN: 0.07, OTHER: 0.02, NONE: 0.01}
+    finding = Finding({"gyro_x": RateRamp(1e-6)}, {}, -40.0, alternatives=(("warm_up", -1.0),), probabilities=shares)
+    assert certainty(finding) == (
+        "probability of the name 60 %, of an effect that has no name 7 %; the log cannot tell it from warm up, temperature"
+    )

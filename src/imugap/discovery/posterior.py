@@ -20,6 +20,7 @@ from imugap.discovery.finding import MIN_LOG_P
 
 NONE, OTHER, UNKNOWN = "none", "other", "unknown"
 IN_WORDS = {NONE: "nothing at all", OTHER: "another name of the catalogue", UNKNOWN: "an effect that has no name"}
+"""The explanations that are no name, as text."""
 LOG_ODDS_ELSE = -4.2
 """Prior log-odds of anything else against the chosen name.
 
@@ -73,11 +74,6 @@ def ambiguity_set(probabilities: Mapping[str, float], level: float = LEVEL) -> t
     ordered = sorted(probabilities.items(), key=lambda item: -item[1])
     before = np.cumsum([0.0, *(share for _, share in ordered)])
     return tuple(name for (name, _), less in zip(ordered, before, strict=False) if less < level)
-
-
-def in_words(explanation: str) -> str:
-    """Return an explanation as text."""
-    return IN_WORDS.get(explanation, explanation.replace("_", " "))
 
 
 def percent(share: float) -> str:

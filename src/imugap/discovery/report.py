@@ -8,7 +8,7 @@ import pandas as pd
 
 from imugap.discovery.device import Discovery
 from imugap.discovery.finding import MIN_LOG_P, Discrepancy, Finding, Interval, Unnamed
-from imugap.discovery.posterior import NOTHING_SEEN, ambiguity_set, in_words, percent
+from imugap.discovery.posterior import IN_WORDS, NOTHING_SEEN, ambiguity_set, percent
 from imugap.integrity.regular import counted
 
 MAX_LOCATIONS = 12
@@ -150,12 +150,20 @@ def _sentence(finding: Finding) -> str:
 
 
 def certainty(finding: Finding) -> str:
-    """Return how probable the name is, and what the log cannot tell from it."""
+    """Return how probable the name is, what else is likely, and which names the log cannot tell from it."""
     share = finding.probabilities
-    others = [name for name, _ in finding.alternatives]
-    others += [name for name in ambiguity_set(share) if name not in (finding.name, *others)]
-    text = f"probability of the name {percent(share[finding.name])}"
-    return f"{text}; the log cannot tell it from {', '.join(map(in_words, others))}" if others else text
+    others = [name for name in ambiguity_set(share) if name != finding.name]
+    names = dict.fromkeys(
+        (*(name for name, _ in finding.alternatives), *(one for one in others if one not in IN_WORDS))
+    )
+    parts = [f"of the name {percent(share[finding.name])}"]
+    parts += [f"of {IN_WORDS[one]} {percent(share[one])}" for one in others if one in IN_WORDS]
+    text = f"probability {', '.join(parts)}"
+    return f"{text}; the log cannot tell it from {', '.join(_words(one) for one in names)}" if names else text
+
+
+def _words(name: str) -> str:
+    return name.replace("_", " ")
 
 
 def described_sentences(found: Discovery) -> list[str]:
