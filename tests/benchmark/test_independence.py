@@ -7,7 +7,7 @@ from pathlib import Path
 
 import yaml
 
-from imu_benchmark.sealing.case import yaml_text
+from imu_benchmark import start_model
 from imu_benchmark.stream import stream as stream_of_benchmark
 from imugap.stream import stream
 
@@ -39,11 +39,13 @@ def test_both_have_the_same_random_streams():
         assert stream(7, *labels).random(3).tolist() == stream_of_benchmark(7, *labels).random(3).tolist()
 
 
-def test_a_start_model_is_written_as_yaml_that_has_the_same_numbers():
+def test_a_start_model_is_written_as_yaml_that_has_the_same_numbers(tmp_path):
     model = {
         "gyro_x": [{"bias": {"value": -1e-05}}, {"sinusoid": {"amplitude": 1.5e-7, "frequency": 12.0}}],
         "accel_z": [{"white_noise": {"density": 1e22}}],
     }
-    text = yaml_text(model)
+    text = start_model.text(model)
+    (tmp_path / "model.yaml").write_text(text)
+    assert start_model.read(tmp_path / "model.yaml") == model
     assert yaml.safe_load(text) == model
     assert text == yaml.safe_dump(model, sort_keys=False)

@@ -11,7 +11,6 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-import yaml
 
 from imugap import log
 from imugap.commands.discover import FILES
@@ -244,10 +243,11 @@ def test_a_missing_file_is_told_by_its_option(options, message):
 def blind_project(folder):
     """Lay out the project with a blind benchmark of short logs."""
     sources(folder)
-    recipe = yaml.safe_load((folder / "data/blind.yaml").read_text())
-    (folder / "data/blind.yaml").unlink()
-    short = {"rates_hz": [25], "duration_s": [60, 90], "motion_duration_s": [60, 90]}
-    (folder / "data/blind.yaml").write_text(yaml.safe_dump(recipe | short))
+    (folder / "benchmark").unlink()
+    shutil.copytree(ROOT / "benchmark/src", folder / "benchmark/src")
+    path = folder / "benchmark/src/imu_benchmark/recipe.toml"
+    shorter = re.sub(r"(duration_s) = .*", r"\1 = [60, 90]", path.read_text())
+    path.write_text(re.sub(r"rates_hz = .*", "rates_hz = [25]", shorter))
     return folder
 
 

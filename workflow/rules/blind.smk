@@ -14,8 +14,7 @@ localrules:
 rule blind_seal:
     """Generate the cases of the blind benchmark: logs with hidden effects, and their keys in another folder."""
     input:
-        recipe="data/blind.yaml",
-        schema="workflow/schemas/blind.schema.yaml",
+        recipe="benchmark/src/imu_benchmark/recipe.toml",
     output:
         cases=directory(expand("results/blind/cases/{case}", case=BLIND_CASES)),
         key=expand("results/blind/keys/{case}.json", case=BLIND_CASES),

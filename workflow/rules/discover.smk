@@ -1,8 +1,7 @@
 rule story_hidden:
     """Seal a log in which two effects are hidden, the example of the chapter on discovery."""
     input:
-        recipe="data/blind.yaml",
-        schema="workflow/schemas/blind.schema.yaml",
+        recipe="benchmark/src/imu_benchmark/recipe.toml",
     output:
         log="results/story/cases/hidden/log.parquet",
         key="results/story/keys/hidden.json",

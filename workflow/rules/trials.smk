@@ -22,8 +22,7 @@ localrules:
 rule sealed_trials:
     """Seal a batch of cases, and discover on the axes of each that hide something."""
     input:
-        recipe="data/blind.yaml",
-        schema="workflow/schemas/blind.schema.yaml",
+        recipe="benchmark/src/imu_benchmark/recipe.toml",
     output:
         forecasts="results/trials/{trial}/{batch}_forecasts.csv",
         curves="results/trials/{trial}/{batch}_curves.csv",

@@ -5,6 +5,7 @@ from pathlib import Path
 import pandas as pd
 
 from imu_benchmark import scores as blind
+from imu_benchmark.answers import read_report
 from imugap.workflow.job_log import job
 from imugap.workflow.products import read_json, save
 
@@ -25,7 +26,7 @@ with job(snakemake) as (source, _, output):
     keys = [blind.read_key(path) for path in source.key]
     found = {case.name: case for batch in source.found for case in Path(batch).iterdir()}
     answers = [found[key["case"]] for key in keys]
-    reports = [blind.read_report(answer / "report.json") for answer in answers]
+    reports = [read_report(answer / "report.json") for answer in answers]
     seconds = [read_json(answer / "seconds.json")["seconds"] for answer in answers]
     scores = blind.score(keys, reports, seconds)
     # run times differ from run to run: apart from them, the tables are the same on every machine

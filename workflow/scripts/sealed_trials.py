@@ -3,9 +3,9 @@
 import pandas as pd
 
 from imu_benchmark.forecasts import forecasts
+from imu_benchmark.recipe import read
 from imu_benchmark.sealing import plan
 from imugap.discovery.device import Settings
-from imugap.io import configuration
 from imugap.study.sealed_trials import answer
 from imugap.workflow.job_log import job
 from imugap.workflow.products import save
@@ -14,11 +14,11 @@ from imugap.workflow.products import save
 def cases(trial, recipe):
     """Return all cases of a trial: drawn from the recipe, or each of one effect, every name at every size in turn."""
     drawn = recipe | {key: trial[key] for key in ("sizes", "shares") if key in trial}
-    return plan(trial["seed"], trial["cases"], drawn["shares"], drawn)
+    return plan(trial["seed"], trial["cases"], drawn)
 
 
 with job(snakemake) as (source, params, output):
-    recipe = configuration.read(source.recipe, source.schema) | params.ranges
+    recipe = read(source.recipe) | params.ranges
     first = int(snakemake.wildcards.batch)
     settings = Settings(**params.settings, seed=params.seed)
     chosen = cases(params.trial, recipe)[first : first + params.cases]

@@ -2,9 +2,9 @@
 
 from pathlib import Path
 
+from imu_benchmark.recipe import read
 from imu_benchmark.sealing import BlindCase, CaseKind, PlannedEffect, seal, write
 from imugap import log
-from imugap.io import configuration
 from imugap.workflow.job_log import job
 
 with job(snakemake) as (source, params, output):
@@ -14,5 +14,4 @@ with job(snakemake) as (source, params, output):
         effects=tuple(PlannedEffect(name, size) for name, size in params.effects.items()), same_axis=False,
         base="white", motion="rest", rate_hz=params.rate_hz, duration_s=params.duration_s, runs=1, temperature=True,
     )  # fmt: skip
-    recipe = configuration.read(source.recipe, source.schema)
-    write(seal(case, recipe), folder.parent, Path(output.key).parent, log.write, ".parquet")
+    write(seal(case, read(source.recipe)), folder.parent, Path(output.key).parent, log.write, ".parquet")

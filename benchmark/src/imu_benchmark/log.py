@@ -31,5 +31,5 @@ def write(log: pd.DataFrame, path: str | Path) -> None:
 
 
 def read(path: str | Path) -> pd.DataFrame:
-    """Read a log that :func:`write` wrote, with the same numbers."""
-    return pd.read_csv(path, index_col=TIME, float_precision="round_trip")
+    """Read a log that :func:`write` wrote."""
+    return pd.read_csv(path, index_col=TIME)

@@ -1,19 +1,19 @@
 """Score the blind benchmark: compare the report of each case with its key.
 
 A key (:mod:`imu_benchmark.sealing`) holds ``case``, ``kind``, ``motion``, ``base``, ``rate_hz``, ``duration_s`` and
-``effects`` (``name``, ``axes``, ``parameters``, ``size``); a report has the schema ``imugap/discovery/2``. Answers are
-names of the vocabulary, :data:`NONE` where nothing was found, and :data:`UNKNOWN` for a place without a name.
+``effects`` (``name``, ``axes``, ``parameters``, ``size``); reports are those of :mod:`imu_benchmark.answers`. Answers
+are names of the vocabulary, :data:`NONE` where nothing was found, and :data:`UNKNOWN` for a place without a name.
 """
 
-import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import pandas as pd
 from scipy.stats import binomtest
 
-SCHEMA = "imugap/discovery/2"
+from imu_benchmark.schema import check, load, read_json
+
 NONE = "none"
 UNKNOWN = "unknown"
 ALL = "all"
@@ -63,22 +63,9 @@ class Scores:
 
 def read_key(path: str | Path) -> dict:
     """Read the key of a case."""
-    return _with(json.loads(Path(path).read_text()), (*CASE, "effects"), path)
-
-
-def read_report(path: str | Path) -> dict:
-    """Read the report of a case."""
-    report = json.loads(Path(path).read_text())
-    if report.get("schema") != SCHEMA:
-        raise ValueError(f"{path}: schema: expected {SCHEMA}; found {report.get('schema')}")
-    return _with(report, ("gaps", "effects", "unexplained", "distance"), path)
-
-
-def _with(record: dict, keys: Iterable[str], path: str | Path) -> dict:
-    missing = [key for key in keys if key not in record]
-    if missing:
-        raise ValueError(f"{path}: expected the keys {', '.join(keys)}; found no {', '.join(missing)}")
-    return record
+    key = read_json(path)
+    check(key, load("key"), path)
+    return key
 
 
 def score(keys: Sequence[Mapping], reports: Sequence[Mapping], seconds: Sequence[float]) -> Scores:
@@ -125,7 +112,7 @@ def _case(key: Mapping, report: Mapping, seconds: float, matches: Sequence[Mappi
     row = {name: key[name] for name in CASE} | {
         "named": len(report["effects"]),
         "superfluous": len(report["effects"]) - right,
-        "unexplained": _unexplained(report),
+        "unexplained": unexplained(report),
         "seconds": seconds,
     }
     for distance in DISTANCES:
@@ -139,7 +126,7 @@ def _case(key: Mapping, report: Mapping, seconds: float, matches: Sequence[Mappi
     return row
 
 
-def _unexplained(report: Mapping) -> bool:
+def unexplained(report: Mapping) -> bool:
     """Return whether the report has a place that no name explains."""
     return bool(report["unexplained"]) or (bool(report["gaps"]) and not report["effects"])
 
@@ -147,7 +134,7 @@ def _unexplained(report: Mapping) -> bool:
 def _effects(key: Mapping, report: Mapping, matches: Sequence[Mapping | None]) -> list[dict]:
     """Return a row for each hidden effect of the vocabulary, or one for the case if there is none."""
     same = {name: key[name] for name in ("case", "kind", "motion", "base")}
-    silent = UNKNOWN if _unexplained(report) else NONE
+    silent = UNKNOWN if unexplained(report) else NONE
     if key["kind"] in ("nothing", "unknown"):
         right = NONE if key["kind"] == "nothing" else UNKNOWN
         size = key["effects"][0]["size"] if key["effects"] else 0.0
@@ -182,8 +169,8 @@ def _parameters(key: Mapping, matches: Sequence[Mapping | None]) -> list[dict]:
             found = answer["parameters"].get(name)
             if found is None:
                 continue
-            value, low, high = (found[part] for part in ("value", "low", "high"))
-            width = None if None in (low, high) or high <= low else (high - low) / 2
+            value, low, high = (found.get(part) for part in ("value", "low", "high"))
+            width = None if None in (value, low, high) or high <= low else (high - low) / 2
             rows.append({
                 "case": key["case"], "motion": key["motion"], "name": effect["name"], "size": effect["size"],
                 "parameter": name, "truth": truth, "value": value, "low": low, "high": high,
@@ -228,9 +215,10 @@ def false_alarms(cases: pd.DataFrame) -> pd.DataFrame:
 def confusion(effects: pd.DataFrame, smallest: float = 0.0) -> pd.DataFrame:
     """Return how often each hidden name (rows) gets each answer (columns), from the size ``smallest`` upward.
 
-    Both end with ``none`` and ``unknown``; pairs are excluded, since their answers may be exchanged.
+    Both end with ``none`` and ``unknown``; pairs and triples are excluded, since their answers may be exchanged.
     """
-    chosen = effects[(effects["kind"] != "pair") & ((effects["size"] >= smallest) | (effects["name"] == NONE))]
+    alone = effects[~effects["kind"].isin(["pair", "triple"])]
+    chosen = alone[(alone["size"] >= smallest) | (alone["name"] == NONE)]
     names = [*sorted((set(chosen["name"]) | set(chosen["answer"])) - {NONE, UNKNOWN}), NONE, UNKNOWN]
     counts = pd.crosstab(chosen["name"], chosen["answer"])
     return counts.reindex(index=names, columns=names, fill_value=0).rename_axis(index="hidden", columns="answer")
@@ -250,14 +238,18 @@ def naming(effects: pd.DataFrame, smallest: float) -> pd.DataFrame:
         top1 = of["top1"].astype(bool)
         hits = {"top1": top1, "top3": of["top3"].astype(bool), "axes": top1 & of["axes"].astype(bool)}
         rows += [{"group": group, "score": name} | rate(hit) for name, hit in hits.items()]
-    of = clear[clear["kind"] == "pair"]
-    pairs = (of["top1"].astype(bool) & of["axes"].astype(bool)).groupby(of["case"])
-    whole = pairs.all()[pairs.size() == 2]
-    rows.append({"group": "pair", "score": "both"} | rate(whole))
+    rows.append({"group": "pair", "score": "both"} | rate(whole(effects, "pair", 2, smallest)))
     answers = clear.loc[clear["kind"] == "unknown", "answer"]
     rows.append({"group": "unknown", "score": "abstained"} | rate(answers == UNKNOWN))
     rows.append({"group": "unknown", "score": "no_name"} | rate(answers.isin([UNKNOWN, NONE])))
     return pd.DataFrame(rows)
+
+
+def whole(effects: pd.DataFrame, kind: str, count: int, smallest: float) -> pd.Series:
+    """Return by case whether all names and axes are right, of the cases of a kind with ``count`` clear effects."""
+    of = effects[(effects["kind"] == kind) & (effects["size"] >= smallest)]
+    right = (of["top1"].astype(bool) & of["axes"].astype(bool)).groupby(of["case"])
+    return right.all()[right.size() == count]
 
 
 def stochastic_names(effects: pd.DataFrame, terms: Mapping[str, str], smallest: float) -> pd.DataFrame:

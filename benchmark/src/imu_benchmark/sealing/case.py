@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from imu_benchmark import log
+from imu_benchmark import log, start_model
 from imu_benchmark.sealing.device import BaseDevice, temperature
 from imu_benchmark.sealing.hidden_effect import (
     AxisRun,
@@ -81,25 +81,8 @@ def write(
     if sealed.reference is not None:
         write_log(sealed.reference, folder / f"reference{suffix}")
     if sealed.model is not None:
-        (folder / "model.yaml").write_text(yaml_text(sealed.model))
+        (folder / "model.yaml").write_text(start_model.text(sealed.model))
     (Path(keys) / f"{name}.json").write_text(json.dumps(sealed.key, indent=1) + "\n")
-
-
-def yaml_text(model: Mapping[str, Sequence[Mapping[str, Mapping[str, float]]]]) -> str:
-    """Return a start model as YAML: for each axis a list of effects, each with its parameters."""
-    lines = []
-    for axis, effects in model.items():
-        lines.append(f"{axis}:")
-        for name, parameters in (item for effect in effects for item in effect.items()):
-            lines.append(f"- {name}:")
-            lines += [f"    {key}: {_yaml_number(value)}" for key, value in parameters.items()]
-    return "\n".join(lines) + "\n"
-
-
-def _yaml_number(value: float) -> str:
-    """Return a number with all its digits; without a point, 1e-05 would be a text in YAML 1.1."""
-    text = repr(value)
-    return text if "." in text else text.replace("e", ".0e")
 
 
 def _stream(case: BlindCase, *labels: object) -> np.random.Generator:

@@ -1,6 +1,6 @@
 """Plan the cases of a benchmark: bases, lengths, effects and sizes drawn from a seed, in random order."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 
@@ -19,6 +19,7 @@ class CaseKind(StrEnum):
 
     SINGLE = "single"
     PAIR = "pair"
+    TRIPLE = "triple"
     NOTHING = "nothing"
     UNKNOWN = "unknown"
 
@@ -62,12 +63,12 @@ class BlindCase:
     temperature: bool
 
 
-def plan(seed: int, cases: int, shares: Mapping[str, float], recipe: Mapping) -> list[BlindCase]:
-    """Return ``cases`` cases whose kinds have the ``shares`` (of :class:`CaseKind`, together one)."""
+def plan(seed: int, cases: int, recipe: Mapping) -> list[BlindCase]:
+    """Return ``cases`` cases whose kinds have the shares of the recipe."""
     rng = stream(seed, "seal", "plan")
     drawn = [
         _case(seed, CaseKind(kind), effects, recipe, stream(seed, "seal", "plan", kind, number))
-        for kind, count in _counts(cases, shares).items()
+        for kind, count in _counts(cases, recipe["shares"]).items()
         for number, effects in zip(range(count), _effects(CaseKind(kind), recipe, seed), strict=False)
     ]
     return [replace(drawn[old], name=f"c{new:04}") for new, old in enumerate(rng.permutation(cases), start=1)]
@@ -87,6 +88,9 @@ def _effects(kind: CaseKind, recipe: Mapping, seed: int) -> Iterator[tuple[Plann
             yield ()
     if kind is CaseKind.PAIR:
         yield from _pairs(recipe, rng)
+    if kind is CaseKind.TRIPLE:
+        while True:
+            yield _clear(_any_names(rng, 3), recipe, rng)
     yield from _singles(list(NAMED if kind is CaseKind.SINGLE else UNNAMED), recipe["sizes"], rng)
 
 
@@ -104,22 +108,21 @@ def _pairs(recipe: Mapping, rng: np.random.Generator) -> Iterator[tuple[PlannedE
     """Yield alternately a confusable pair and a pair of any two names."""
     while True:
         for number in rng.permutation(len(recipe["confusable"])):
-            yield tuple(
-                PlannedEffect(name, float(rng.choice(recipe["pair_sizes"]))) for name in recipe["confusable"][number]
-            )
-            yield tuple(PlannedEffect(name, float(rng.choice(recipe["pair_sizes"]))) for name in _any_two(rng))
+            yield _clear(recipe["confusable"][number], recipe, rng)
+            yield _clear(_any_names(rng, 2), recipe, rng)
 
 
-def _any_two(rng: np.random.Generator) -> tuple[str, str]:
-    """Draw two names of effects that one device can have."""
+def _clear(names: Sequence[str], recipe: Mapping, rng: np.random.Generator) -> tuple[PlannedEffect, ...]:
+    """Draw a size for each effect of a pair or a triple."""
+    return tuple(PlannedEffect(name, float(rng.choice(recipe["pair_sizes"]))) for name in names)
+
+
+def _any_names(rng: np.random.Generator, count: int) -> tuple[str, ...]:
+    """Draw ``count`` names of effects that one device can have."""
     while True:
-        one, other = map(str, rng.choice(list(NAMED), 2, replace=False))
-        if (
-            _bases((one, other))
-            and NAMED[one].needs_motion == NAMED[other].needs_motion
-            and NAMED[one].runs == NAMED[other].runs
-        ):
-            return one, other
+        names = tuple(map(str, rng.choice(list(NAMED), count, replace=False)))
+        if _bases(names) and len({(NAMED[name].needs_motion, NAMED[name].runs) for name in names}) == 1:
+            return names
 
 
 def _bases(names: tuple[str, ...]) -> list[str]:

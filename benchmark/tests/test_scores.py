@@ -1,19 +1,13 @@
 import json
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
-import yaml
 from scipy.stats import beta, binom
 
 from imu_benchmark import scores as blind
-from imu_benchmark.sealing import plan
-from imugap.figures import blind as drawn
-from imugap.io.configuration import configure
-from imugap.stream import stream
-
-ROOT = Path(__file__).parents[2]
+from imu_benchmark.schema import FormatError
+from imu_benchmark.stream import stream
 
 
 def key(case, kind="single", effects=(), motion=False):
@@ -42,7 +36,7 @@ CLOSED = {
 
 def report(*effects, unexplained=(), distance=CLOSED):
     places = {"gaps": [PLACE] if effects or unexplained else [], "unexplained": list(unexplained)}
-    return {"schema": blind.SCHEMA, "effects": list(effects), "distance": distance} | places
+    return {"schema": "imugap/discovery/1", "effects": list(effects), "distance": distance} | places
 
 
 def scored(*pairs):
@@ -231,16 +225,26 @@ def test_the_distance_is_closed_below_the_upper_end_of_the_floor():
         assert table.loc[("navigation_distance", scope), "count"] == 0
 
 
-def test_keys_and_reports_that_are_not_what_they_should_be_are_refused(tmp_path):
+def test_keys_that_are_not_what_they_should_be_are_refused(tmp_path):
     path = tmp_path / "a.json"
     path.write_text(json.dumps({"case": "a"}))
-    with pytest.raises(ValueError, match="found no kind"):
+    with pytest.raises(FormatError, match=r"a\.json: expected the key kind; found an object with 'case'"):
         blind.read_key(path)
-    path.write_text(json.dumps(report() | {"schema": "imugap/discovery/0"}))
-    with pytest.raises(ValueError, match=r"expected imugap/discovery/2; found imugap/discovery/0"):
-        blind.read_report(path)
-    path.write_text(json.dumps(report()))
-    assert blind.read_report(path)["effects"] == []
+    one = key("a", effects=[hidden("sinusoid", amplitude=1.0)])
+    path.write_text(json.dumps(one))
+    assert blind.read_key(path) == one
+
+
+def test_names_and_axes_of_all_effects_of_a_triple_have_to_be_right():
+    three = [hidden("rate_ramp"), hidden("outliers", ["gyro_y"]), hidden("sinusoid", ["gyro_z"])]
+    cases = [
+        (key("a", "triple", three), report(*(found(one["name"], one["axes"]) for one in three))),
+        (key("b", "triple", three), report(*(found(one["name"], one["axes"]) for one in three[:2]))),
+        (key("c", "triple", [three[0] | {"size": 1.0}, *three[1:]]), report()),
+    ]
+    effects = scored(*cases).effects
+    assert blind.whole(effects, "triple", 3, 10).to_dict() == {"a": True, "b": False}
+    assert blind.confusion(effects).to_numpy().sum() == 0
 
 
 def test_p_values_are_counted_up_to_each_level_by_view_and_over_all():
@@ -255,59 +259,6 @@ def test_uniform_p_values_are_covered_at_every_level():
     p_values = pd.DataFrame({"view": "mean", "p_value": stream(3, "uniform").random(2000)})
     table = blind.calibration(p_values)
     assert ((table["low"] < table["level"]) & (table["level"] < table["high"])).all()
-
-
-MIXED = [
-    (key("a", effects=[hidden("sinusoid", amplitude=2.0)]), report(found("sinusoid", amplitude=(2.5, 1.5, 3.5)))),
-    (key("b", effects=[hidden("rate_ramp")]), report(found("sinusoid"))),
-    (key("c", effects=[hidden("rate_ramp", size=1)]), report()),
-    (key("d", "nothing"), report()),
-    (key("e", "unknown", [hidden("sweep")]), report(unexplained=[PLACE])),
-]
-QUIET = [(key("a", "nothing"), report())]
-
-
-def test_detection_has_a_row_for_each_hidden_name_and_a_panel_for_all():
-    rates = blind.detection(scored(*MIXED).effects)
-    together, each = drawn.detection(rates, clear=10).axes
-    assert (together.get_title(), each.get_title()) == ("all effects", "each effect")
-    assert [label.get_text() for label in each.get_yticklabels()] == ["rate ramp", "sinusoid"]
-    by_name = rates[rates["name"] != blind.ALL]
-    assert [len(discs.get_offsets()) for discs in each.collections] == [
-        sum(by_name["score"] == score) for score in ("detected", "named")
-    ]
-
-
-def test_without_a_case_of_one_effect_detection_is_a_sentence():
-    (panel,) = drawn.detection(blind.detection(scored(*QUIET).effects), clear=10).axes
-    assert panel.get_title() == ""
-    assert panel.texts
-
-
-def test_the_counts_of_the_confusion_figure_are_those_of_the_cases():
-    figure = drawn.confusion(blind.confusion(scored(*MIXED).effects, smallest=10))
-    (panel,) = figure.axes
-    assert sorted(int(text.get_text()) for text in panel.texts) == [1, 1, 1, 1]
-    assert [tick.get_text() for tick in panel.get_yticklabels()] == ["rate ramp", "sinusoid", "none", "unknown"]
-
-
-@pytest.mark.parametrize("cases", [MIXED, QUIET])
-def test_distances_and_errors_of_as_many_cases_as_there_are(cases):
-    scores = scored(*cases)
-    figure = drawn.distances(scores.cases)
-    assert [len(line.get_xdata()) for line in figure.axes[0].lines] == [len(cases)] * 2
-    assert [len(line.get_xdata()) for line in figure.axes[1].lines] == [0] * 2
-    covered = blind.coverage(scores.parameters)
-    figure = drawn.coverage(scores.parameters, covered)
-    assert [len(line.get_xdata()) for line in figure.axes[0].lines] == covered["count"].tolist()
-
-
-def test_p_values_rise_in_steps_to_one():
-    figure = drawn.calibration(pd.DataFrame({"view": ["line", "line", "mean"], "p_value": [0.5, 0.1, 0.2]}))
-    lines, mean = (panel.lines[1].get_xydata() for panel in figure.axes)
-    assert lines[:, 0].tolist() == [drawn.LOWEST, 0.1, 0.5, 1.0]
-    assert lines[:, 1].tolist() == [0, 0.5, 1, 1]
-    assert mean[:, 1].tolist() == [0, 1, 1]
 
 
 def test_the_stochastic_subset_is_counted_by_name_and_by_whether_another_program_has_the_name():
@@ -325,20 +276,3 @@ def test_the_stochastic_subset_is_counted_by_name_and_by_whether_another_program
     }  # fmt: skip
     assert table.loc[["random_walk", "sinusoid"], "rate"].tolist() == [0.5, 1.0]
     assert table.loc[["random_walk", "sinusoid"], "term"].tolist() == ["RW", ""]
-
-
-@pytest.mark.skipif(not (ROOT / "data/blind_recorded").exists(), reason="no run of the benchmark is recorded")
-def test_the_recorded_run_is_of_the_cases_that_recipe_and_seed_give():
-    recipe = yaml.safe_load((ROOT / "data/blind.yaml").read_text())
-    asked = yaml.safe_load((ROOT / "workflow/config/study.yaml").read_text())["blind"]
-    whole = configure(recipe, ROOT / "workflow/schemas/blind.schema.yaml")
-    planned = plan(asked["seed"], asked["cases"], whole["shares"], whole)
-    cases, effects = (pd.read_csv(ROOT / f"data/blind_recorded/{name}.csv") for name in ("cases", "effects"))
-    columns = ["case", "kind", "motion", "base", "rate_hz", "duration_s"]
-    assert cases[columns].to_numpy().tolist() == [
-        [one.name, str(one.kind), one.motion != "rest", one.base, one.rate_hz, one.duration_s] for one in planned
-    ]
-    named = ["single", "pair"]
-    hidden = [(one.name, each.name, each.size) for one in planned if one.kind in named for each in one.effects]
-    found = effects.loc[effects["kind"].isin(named), ["case", "name", "size"]]
-    assert list(found.itertuples(index=False, name=None)) == hidden
