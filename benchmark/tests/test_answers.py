@@ -117,7 +117,7 @@ def with_effect(**changes):
         ([], "a.json: expected a value of type object; found a list of 0"),
         (
             EMPTY | {"schema": "other/1"},
-            "a.json: .schema: expected one of imugap/discovery/1, imugap/discovery/2; found 'other/1'",
+            r"\.schema: expected one of imugap/discovery/1, imugap/discovery/2; found 'other/1'",
         ),
         ({"schema": "imugap/discovery/1", "effects": []}, "expected the key unexplained"),
         (with_effect(name=""), r"\.effects\[0\]\.name: expected 1 or more characters"),
