@@ -6,8 +6,8 @@ import numpy as np
 import pandas as pd
 import yaml
 
-from imu_benchmark.forecasts import ambiguity_sets, brier_score, calibration_error, log_score, reliability
-from imu_benchmark.scores import rate
+from imu_benchmark.forecasts import OTHER, ambiguity_sets, brier_score, calibration_error, log_score, reliability
+from imu_benchmark.scores import NONE, UNKNOWN, rate
 from imugap.effects import CATALOGUE
 from imugap.figures import sealed_trials as drawn
 from imugap.log import AXES
@@ -68,10 +68,17 @@ def reliability_page(bins):
     })  # fmt: skip
 
 
+def placed(table):
+    """Return the forecasts of the questions that a place answers: those that list a name."""
+    names = ~table["name"].isin([NONE, OTHER, UNKNOWN])
+    return table[names.groupby([table["case"], table["question"]]).transform("any")]
+
+
 def numbers(table, losses):
     """Return what the text says."""
     sets, found = ambiguity_sets(table), losses[np.isfinite(losses["loss"])]
-    held = rate(sets["holds"])
+    seen = ambiguity_sets(placed(table))
+    held, held_seen = rate(sets["holds"]), rate(seen["holds"])
     low, high = calibration_interval(table)
     return {
         "cases": int(table["case"].nunique()),
@@ -85,6 +92,10 @@ def numbers(table, losses):
         "set_low": f"{100 * held['low']:.1f}",
         "set_high": f"{100 * held['high']:.1f}",
         "set_size": f"{sets['size'].mean():.2f}",
+        "seen": len(seen),
+        "seen_holds": f"{100 * held_seen['rate']:.1f}",
+        "seen_low": f"{100 * held_seen['low']:.1f}",
+        "seen_size": f"{seen['size'].mean():.2f}",
         "singles": int(losses["count"].sum()),
         "effects": len(losses),
         "median_loss": tables.number(float(losses["loss"].median()), 2),

@@ -13,6 +13,8 @@ import pandas as pd
 
 from imu_benchmark.scores import NONE, UNKNOWN, match, rate, unexplained
 
+OTHER = "other"
+"""Any name of the vocabulary that an answer does not list."""
 COLUMNS = ("case", "question", "truth", "name", "probability")
 BINS = 10
 """Bins of the confidence in the calibration error."""
@@ -27,7 +29,8 @@ def forecasts(keys: Sequence[Mapping], reports: Sequence[Mapping]) -> pd.DataFra
     rows = [
         (key["case"], number, truth, name, weight / sum(weights.values()))
         for key, report in zip(keys, reports, strict=True)
-        for number, (truth, weights) in enumerate(_questions(key, report))
+        for number, (hidden, weights) in enumerate(_questions(key, report))
+        for truth in [_among(hidden, weights)]
         for name, weight in weights.items()
     ]
     return pd.DataFrame(rows, columns=list(COLUMNS))
@@ -92,6 +95,11 @@ def _questions(key: Mapping, report: Mapping) -> Iterator[tuple[str, Mapping[str
         return
     for effect, answer in zip(key["effects"], match(key["effects"], report["effects"]), strict=True):
         yield effect["name"], _distribution(answer, set(effect["axes"]), report)
+
+
+def _among(truth: str, weights: Mapping[str, float]) -> str:
+    """Return the truth; :data:`OTHER` for a name that an answer does not list but allows for."""
+    return truth if truth in weights or truth in (NONE, UNKNOWN) or OTHER not in weights else OTHER
 
 
 def _distribution(answer: Mapping | None, axes: Set[str], report: Mapping) -> Mapping[str, float]:

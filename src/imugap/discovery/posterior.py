@@ -30,9 +30,9 @@ UNKNOWN_SHARE = 0.86
 """Share of the effects in no catalogue in anything else."""
 MAX_LOG_ODDS_ELSE = 3.0
 """Largest log-odds of anything else against the chosen name, however small the p-value of a test is."""
-NOTHING_SEEN = {NONE: 0.5, OTHER: 0.37, UNKNOWN: 0.13}
-"""Probabilities where nothing was seen: how many of such logs hide an effect too small for it, among those cases and
-the 400 of the recorded benchmark (sizes from 0.3 to 30 detection limits)."""
+NOT_SEEN = {NONE: 0.5, OTHER: 0.37, UNKNOWN: 0.13}
+"""Probabilities of what a report does not show: how many logs in which nothing was seen hide an effect too small for
+it, among those cases and the 400 of the recorded benchmark (sizes from 0.3 to 30 detection limits)."""
 LEVEL = 0.95
 """Probability that an ambiguity set has at least."""
 MIN_SHARE = 0.01

@@ -8,7 +8,7 @@ import pandas as pd
 
 from imugap.discovery.device import Discovery
 from imugap.discovery.finding import MIN_LOG_P, Discrepancy, Finding, Interval, Unnamed
-from imugap.discovery.posterior import IN_WORDS, NOTHING_SEEN, ambiguity_set, percent
+from imugap.discovery.posterior import IN_WORDS, NOT_SEEN, ambiguity_set, percent
 from imugap.integrity.regular import counted
 
 MAX_LOCATIONS = 12
@@ -27,6 +27,7 @@ def to_mapping(found: Discovery, logs: Sequence[dict], tests: Sequence[dict] = (
         "gaps": [_place(place) for place in found.discrepancies],
         "effects": [_effect(finding) for finding in found.findings],
         "unexplained": [_place(place) for place in found.unexplained],
+        "probabilities": dict(NOT_SEEN),
         "withheld": [
             {"axis": one.axis, "name": one.name, "reason": one.reason} | _explanations(one) for one in found.withheld
         ],
@@ -34,8 +35,6 @@ def to_mapping(found: Discovery, logs: Sequence[dict], tests: Sequence[dict] = (
             {"axis": one.axes[0], "name": one.name, "parameters": _parameters(one)} for one in found.described
         ],
     }
-    if not (found.findings or found.withheld):
-        report["probabilities"] = dict(NOTHING_SEEN)
     for key, name in (("distance", "distribution"), ("navigation_distance", "navigation")):
         apart = found.distances.get(name)
         triple = ("before", "after", "floor")
