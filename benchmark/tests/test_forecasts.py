@@ -48,6 +48,14 @@ def test_a_question_has_the_probabilities_of_its_answer_or_its_certainty(one, ot
     assert of(one, other) == expected
 
 
+def test_another_name_stands_for_every_name_that_is_not_listed():
+    weights = {NONE: 0.5, probabilities.OTHER: 0.4, UNKNOWN: 0.1}
+    assert of(key("a", "single", "sinusoid"), report(case=weights)) == (weights, probabilities.OTHER)
+    assert of(key("a", "nothing"), report(case=weights)) == (weights, NONE)
+    listed = {"sinusoid": 0.9, probabilities.OTHER: 0.1}
+    assert of(key("a", "single", "sinusoid"), report(case=listed)) == (listed, "sinusoid")
+
+
 def test_a_place_on_the_axis_of_the_effect_goes_ahead_of_others():
     places = [{"axis": axis, "probabilities": {name: 1.0}} for axis, name in (("gyro_y", "a"), ("gyro_x", "b"))]
     other = report() | {"withheld": places}
