@@ -26,7 +26,15 @@ from imugap.stream import stream
 
 def test_catalogue_has_one_effect_per_file():
     files = {path.stem for path in Path(imugap.effects.__file__).parent.glob("*.py")}
-    assert set(CATALOGUE) == files - {"__init__", "effect", "conditions", "residual", "block", "coloured_block"}
+    assert set(CATALOGUE) == files - {
+        "__init__",
+        "effect",
+        "conditions",
+        "residual",
+        "block",
+        "coloured_block",
+        "cross_axis",
+    }
     assert all(name == effect.name for name, effect in CATALOGUE.items())
     assert set(EXAMPLES) == set(CATALOGUE)
 
