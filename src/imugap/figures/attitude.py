@@ -7,7 +7,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
-from imugap.figures.style import legend_below, panels_of
+from imugap.figures.style import label_lowest, legend_below, panels_of
 
 TITLES = {
     "allan": "scheme 1 (Allan)",
@@ -117,8 +117,7 @@ def trials(errors: pd.DataFrame, titles: dict[int, str], models: Sequence[str]) 
     for k, model in enumerate(models):
         for j, head in enumerate(heads.values()):
             grid[0, 2 * k + j].set_title(f"{head},\n{labels[model]}")
-    for panel in grid[-1]:
-        panel.set_xlabel("time [s]")
+    label_lowest(grid, "time [s]")
     legend_below(figure, 3)
     return figure
 

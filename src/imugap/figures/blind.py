@@ -11,8 +11,9 @@ from matplotlib.ticker import NullFormatter, NullLocator, PercentFormatter
 from scipy.stats import binom
 
 from imu_benchmark.scores import ALL, DISTANCES, LEVEL, NONE, UNKNOWN
-from imugap.figures.discovery import AFTER, BEFORE, NAMES, PLAIN, TITLES
+from imugap.figures.discovery import AFTER, BEFORE, NAMES, PLAIN
 from imugap.figures.style import legend_below, panels_of, text_figure
+from imugap.figures.views import VIEWS
 
 FOUND, NAMED, BAND = "#0072B2", "#D55E00", "#cccccc"
 SCORES = {"detected": ("found", FOUND, 0.94), "named": ("rightly named", NAMED, 1.06)}
@@ -181,7 +182,7 @@ def calibration(p_values: pd.DataFrame) -> Figure:
         panel.step(np.concatenate([[LOWEST], ordered, [1.0]]), np.append(np.arange(count + 1), count) / count,
                    where="post", color=FOUND, label="p-values of logs that hide nothing")  # fmt: skip
         panel.text(0.95, 0.05, f"{count} p-values", ha="right", transform=panel.transAxes, fontsize=7)
-        title = fill(TITLES[view], TITLE_WIDTH)
+        title = fill(VIEWS[view].title, TITLE_WIDTH)
         panel.set(title=title, xscale="log", yscale="log", xlim=(LOWEST, 1), ylim=(LOWEST, 1.2))
     for panel in grid.flat[len(groups) :]:
         panel.remove()

@@ -15,6 +15,7 @@ from imugap.discovery.finding import Discrepancy
 from imugap.discovery.views import Curve
 from imugap.discovery.views.discrepancies import ViewTest
 from imugap.figures.style import AXIS_TITLES, card, legend_below, panels_of, text_figure
+from imugap.figures.views import VIEWS
 from imugap.workflow.tables import unit
 
 MOST, FEW = 20, 4
@@ -24,38 +25,6 @@ TALL, LOW, MANY = 1.6, 0.85, 6
 LEVEL = 0.95
 LOG, BEFORE, AFTER, PLACE = "black", "#D55E00", "#0072B2", "#CC79A7"
 STATES = {"before": ("start model", BEFORE), "after": ("final model", AFTER)}
-TITLES = {
-    "allan": "Allan variance",
-    "spectrum": "spectrum",
-    "line": "lines",
-    "mean": "mean over time",
-    "variance": "variance over time",
-    "marginal": "distribution of values",
-    "extremes": "extremes",
-    "change": "steps of the mean",
-    "coherence": "coherence",
-    "temperature": "mean over temperature",
-    "temperature_rate": "mean over temperature rate",
-    "rate": "mean over rate",
-    "specific_force": "mean over specific force",
-    "time_shift": "mean over the input's derivative",
-    "full_scale": "mean towards full scale",
-    "angular_acceleration": "mean over angular acceleration",
-    "jerk": "mean over jerk",
-    "rate_product": "mean over rate products",
-    "force_product": "mean over force products",
-}
-LOCATIONS = {
-    "allan": "averaging time",
-    "spectrum": "frequency",
-    "line": "frequency",
-    "coherence": "frequency",
-    "mean": "time",
-    "variance": "time",
-    "change": "time",
-    "extremes": "time",
-    "marginal": "value in standard deviations",
-}
 LINEAR = 20.0
 """Gain up to which a panel is linear; beyond, logarithmic."""
 ASIDE = 0.18
@@ -104,7 +73,7 @@ def _compared(found: Discovery, alpha: float, drawn: Sequence[tuple[str, str]]) 
     for key, row in zip(drawn, grid, strict=True):
         pairs = ((before[key], found.discrepancies), (after.get(key), found.unexplained))
         for panel, (title, colour), (test, places) in zip(row, STATES.values(), pairs, strict=True):
-            panel.set_title(f"{_titled(key[1])}, {TITLES[key[0]]}: {title}")
+            panel.set_title(f"{_titled(key[1])}, {VIEWS[key[0]].title}: {title}")
             if test is None:
                 panel.text(0.5, 0.5, "explained by what the axes share", ha="center", transform=panel.transAxes)
             else:
@@ -140,7 +109,7 @@ def _marked(panel: Axes, places: Sequence[Discrepancy]) -> None:
 
 def _scaled(row: Sequence[Axes], curve: Curve) -> None:
     """Label the panels of one view, and give its curve room below the marks."""
-    name = LOCATIONS.get(curve.view, TITLES[curve.view].removeprefix("mean over "))
+    name = VIEWS[curve.view].along
     row[0].set_ylabel("deviation [σ]" if curve.signed else "gain")
     row[0].margins(y=0.15)
     for panel in row:

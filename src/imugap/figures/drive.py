@@ -7,7 +7,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from imugap.figures.style import WIDTH, NotebookFigure, card, decades, legend_below, panels_of
+from imugap.figures.style import WIDTH, NotebookFigure, card, decades, label_lowest, legend_below, panels_of
 from imugap.filters.innovation_gate import ACCEPTED, InnovationRecord
 from imugap.io import gnss
 from imugap.log import AXES
@@ -59,8 +59,7 @@ def motion(filtered: DriveSolution, smoothed: DriveSolution) -> Figure:
         for panel, title in zip(panels, titles, strict=True):
             panel.set_title(title)
         _over_time(panels, filtered, smoothed, name)
-    for panel in grid[-1]:
-        panel.set_xlabel("time [s]")
+    label_lowest(grid, "time [s]")
     legend_below(figure, 2)
     return figure
 
@@ -100,8 +99,7 @@ def sensors(filtered: DriveSolution, smoothed: DriveSolution) -> Figure:
     for axis, panel in zip(AXES, grid.flat, strict=True):
         panel.set_title(_error_title(axis))
         _sensor(panel, filtered, smoothed, axis)
-    for panel in grid[-1]:
-        panel.set_xlabel("time [s]")
+    label_lowest(grid, "time [s]")
     legend_below(figure, 2)
     return figure
 

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator, StrMethodFormatter
 
-from imugap.figures.style import AXIS_TITLES, allan_label, allan_unit, card, legend_below, panels_of
+from imugap.figures.style import AXIS_TITLES, allan_label, allan_unit, card, label_lowest, legend_below, panels_of
 from imugap.units import from_si
 
 TITLES = {
@@ -196,8 +196,7 @@ def goodness(table: pd.DataFrame) -> Figure:
         panel.plot(one["tau"], one["ratio"], color="#D55E00", marker=".", label="device / model")
         panel.axhline(1, color="black", lw=0.6)
         panel.set(title=AXIS_TITLES[axis], xscale="log", yscale="log")
-    for panel in grid[-1]:
-        panel.set_xlabel("averaging time τ [s]")
+    label_lowest(grid, "averaging time τ [s]")
     for panel in grid[:, 0]:
         panel.set_ylabel("wavelet variance ratio")
     legend_below(figure, 2)

@@ -7,7 +7,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
-from imugap.figures.style import WIDTH, NotebookFigure, decades, legend_below, panels_of
+from imugap.figures.style import WIDTH, NotebookFigure, decades, label_lowest, legend_below, panels_of
 from imugap.io import gnss
 from imugap.simulation.gnss_faults import OUTAGE, OUTLIER, RAMP, STRETCH, FaultEvent, event_kinds
 from imugap.study.fault_ablation import CLEAN, CONTAMINATED, ORACLE, SMOOTHED, WHEELS, WHOLE, Ablation, AblationRun
@@ -64,8 +64,7 @@ def sensors(runs: Mapping[str, AblationRun]) -> Figure:
             panel.plot(table.index[::EVERY], from_si(table.to_numpy()[::EVERY], unit), color=COLOURS[name], lw=0.9,
                        label=TITLES[name])  # fmt: skip
         panel.set(title=title, xlim=(0, true.index[-1]))
-    for panel in grid[-1]:
-        panel.set_xlabel("time [s]")
+    label_lowest(grid, "time [s]")
     legend_below(figure, 4)
     return figure
 

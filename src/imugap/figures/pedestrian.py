@@ -9,7 +9,7 @@ from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator, StrMethodFor
 from mpl_toolkits.axes_grid1.anchored_artists import AnchoredSizeBar
 
 from imugap.figures import static
-from imugap.figures.style import legend_below, panels_of
+from imugap.figures.style import label_lowest, legend_below, panels_of
 
 TITLES = {"none": "None", "stand": "Mean at the stand"} | static.TITLES
 TITLES |= {"fitted": "Fitted composite", "truth": "True model"}
@@ -272,7 +272,6 @@ def _outer_labels(grid: np.ndarray, used: int, x: str, y: str) -> None:
     """Label the panels at the left and at the bottom, and blank those that are not used."""
     for panel in grid.flat[used:]:
         panel.set_axis_off()
-    for panel in grid[-1]:
-        panel.set_xlabel(x)
+    label_lowest(grid, x)
     for row in grid:
         row[0].set_ylabel(y)

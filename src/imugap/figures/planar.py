@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from imugap.figures.style import WIDTH, NotebookFigure, decades, legend_below, panels_of
+from imugap.figures.style import WIDTH, NotebookFigure, decades, label_lowest, legend_below, panels_of
 from imugap.navigation.planar import SCOPES, PlanarDrive
 from imugap.units import from_si
 
@@ -48,8 +48,7 @@ def spread(table: pd.DataFrame, outages: Sequence[tuple[float, float]]) -> Figur
     for panel, (quantity, unit) in zip(grid[0], UNITS.items(), strict=True):
         panel.set_title(f"{quantity} [{unit.replace('deg', '°')}]")
         decades(panel)
-    for panel in grid[-1]:
-        panel.set_xlabel("time [s]")
+    label_lowest(grid, "time [s]")
     legend_below(figure, 4)
     return figure
 

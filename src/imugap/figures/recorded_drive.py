@@ -5,7 +5,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from imugap.figures.fault_ablation import COLOURS, TITLES
-from imugap.figures.style import decades, legend_below, panels_of
+from imugap.figures.style import decades, label_lowest, legend_below, panels_of
 from imugap.kinematics.strapdown import ATTITUDE
 from imugap.navigation.vehicle import DriveSolution
 from imugap.study.fault_ablation import SMOOTHED, WHEELS, WHOLE
@@ -89,7 +89,6 @@ def attitude(solution: DriveSolution, aboard: pd.DataFrame) -> Figure:
         right.plot(table.index, np.degrees(difference), color="black", lw=0.7, label="filter here less filter aboard")
         limit = max(3 * float(np.median(np.abs(np.degrees(difference)))), 3 * float(np.median(spread)))
         right.set(ylim=(-2 * limit, 2 * limit))
-    for panel in grid[-1]:
-        panel.set_xlabel("time [s]")
+    label_lowest(grid, "time [s]")
     legend_below(figure, 3)
     return figure

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from imugap.estimation.allan import LAWS
 from imugap.estimation.indices import INDICES
-from imugap.figures.style import AXIS_TITLES, allan_panels, allan_unit, legend_below, panels_of
+from imugap.figures.style import AXIS_TITLES, allan_panels, allan_unit, label_lowest, legend_below, panels_of
 from imugap.units import from_si
 
 TITLES = {
@@ -135,8 +135,7 @@ def drift(time: np.ndarray, paths: Mapping[str, np.ndarray]) -> Figure:
                 panel.plot(time, shown[1:].T, color=colour, lw=0.4, alpha=0.6)
             panel.set(title=f"{start}: {title}", xlim=(0, time[-1]))
             panel.legend(loc="best")
-    for panel in grid[-1]:
-        panel.set_xlabel("time [s]")
+    label_lowest(grid, "time [s]")
     return figure
 
 
@@ -195,8 +194,7 @@ def ranking(scores: pd.DataFrame, column: str, label: str) -> Figure:
             panel.set(title=f"{start}: {quantity}", xscale="log", yscale="log")
     for panel in grid[:, 0]:
         panel.set_ylabel(f"{label} / that of bias only")
-    for panel in grid[-1]:
-        panel.set_xlabel("navigation length [s]")
+    label_lowest(grid, "navigation length [s]")
     legend_below(figure, 4)
     return figure
 

@@ -65,6 +65,12 @@ def legend_below(figure: Figure, columns: int) -> None:
     figure.legend(found.values(), found.keys(), loc="outside lower center", ncols=columns)
 
 
+def label_lowest(grid: np.ndarray, text: str) -> None:
+    """Label the horizontal axes of the lowest row of panels, shape (rows, columns)."""
+    for panel in grid[-1]:
+        panel.set_xlabel(text)
+
+
 def decades(panel: mpl.axes.Axes) -> None:
     """Set a logarithmic vertical axis with plain numbers at 1, 2 and 5 of a decade."""
     panel.set_yscale("log")
@@ -89,8 +95,7 @@ def allan_panels() -> tuple[Figure, dict[str, mpl.axes.Axes]]:
         panel.set(title=AXIS_TITLES[axis], xscale="log", yscale="log")
     for row, kind in zip(grid, ALLAN_UNITS, strict=True):
         row[0].set_ylabel(f"Allan deviation [{ALLAN_UNITS[kind][1]}]")
-    for panel in grid[-1]:
-        panel.set_xlabel("averaging time τ [s]")
+    label_lowest(grid, "averaging time τ [s]")
     return figure, panels
 
 

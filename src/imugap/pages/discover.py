@@ -15,6 +15,7 @@ from imugap.effects.effect import AxisModel, Effect, Role
 from imugap.figures import discovery as figures
 from imugap.figures.log import quantities
 from imugap.figures.style import AXIS_TITLES
+from imugap.figures.views import VIEWS
 from imugap.interchange.conventions import Rule
 from imugap.interchange.export import export
 from imugap.model import ErrorModel
@@ -27,35 +28,13 @@ SHOWN = 6
 """Pictures of places that are shown; the others are in a fold."""
 FEW = 3
 """Places of one view and axis that are listed; of more, the span."""
-VIEWS: Mapping[str, str] = {
-    "allan": "Allan variance: how the scatter of means changes with the averaging time.",
-    "spectrum": "Spectrum: how the power of the error is spread over frequency.",
-    "line": "Lines: power at single frequencies, as of vibration or of electronics.",
-    "mean": "Mean over time: drifts and slow changes of the bias.",
-    "variance": "Variance over time: stretches with more or with less noise.",
-    "marginal": "Distribution: how often each value occurs, over that of the model.",
-    "extremes": "Extremes: single values that are too large.",
-    "change": "Steps: sudden changes of the mean.",
-    "coherence": "Coherence: noise that two axes share.",
-    "temperature": "Mean over temperature: a bias that follows the thermometer.",
-    "temperature_rate": "Mean over the rate of temperature: a bias that follows warming and cooling.",
-    "rate": "Mean over the angular rate: errors of scale and alignment.",
-    "specific_force": "Mean over specific force: errors of scale and alignment, or a gyroscope that senses force.",
-    "time_shift": "Mean over the derivative of the input: a delay, or a filter.",
-    "full_scale": "Mean towards full scale: values that are clipped.",
-    "angular_acceleration": "Mean over angular acceleration: a lever arm.",
-    "jerk": "Mean over jerk: an answer to changing force.",
-    "rate_product": "Mean over products of rates: a lever arm.",
-    "force_product": "Mean over products of forces: vibration that is rectified.",
-}
-"""What each view shows."""
 FILTER_SIDE: Mapping[Role, str] = {
     Role.MEAN: "correct it before the filter, or give the filter a state for its size; it is no noise.",
     Role.NOISE: "it is process noise; white noise enters the density of the filter, slow noise a state of its own.",
     Role.FILTER: "set the noise of the filter by the density below the cutoff, and take its delay off the stamps.",
     Role.OUTLIERS: "reject or weigh down single samples.",
     Role.VARIANCE: "let the noise of the filter follow it, or take the larger level.",
-    Role.OFFSET: "give the filter a bias state.",
+    Role.BIAS: "give the filter a bias state.",
     Role.RUN: "it is the initial standard deviation of the bias state.",
     Role.OUTPUT: "leave out the samples that it spoils; rounding is noise of the variance step squared / 12.",
     Role.CLOCK: "correct the stamps before the filter.",
@@ -226,7 +205,7 @@ def _places(result: FileDiscovery) -> Iterable[Block]:
     pictures = [
         Picture(
             figures.place(found, result.alpha, key),
-            f"{_axes(key[1])}. {VIEWS.get(key[0], key[0])}",
+            f"{_axes(key[1])}. {VIEWS[key[0]].caption}",
             f"View {key[0]} of {key[1]} with the start model and with the final model",
         )
         for key in drawn
@@ -247,7 +226,7 @@ def _grouped(result: FileDiscovery) -> Iterable[tuple[str, ...]]:
             [one for one in some if (one.view, one.axis) == (view, axis)]
             for some in (found.discrepancies, found.unexplained)
         )
-        yield figures.TITLES.get(view, view), axis, _ranges(before), _ranges(after)
+        yield VIEWS[view].title if view in VIEWS else view, axis, _ranges(before), _ranges(after)
 
 
 def _ranges(places: Sequence[Discrepancy]) -> str:
