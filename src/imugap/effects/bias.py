@@ -15,7 +15,7 @@ class Bias(AdditiveEffect):
     """A constant offset (IEEE 1554: fixed bias)."""
 
     name: ClassVar[str] = "bias"
-    role: ClassVar[Role] = Role.OFFSET
+    role: ClassVar[Role] = Role.BIAS
     memoryless: ClassVar[bool] = True
     value: float = parameter("{u}", "offset of the output", low=-np.inf)
 

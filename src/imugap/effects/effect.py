@@ -70,7 +70,7 @@ class Role(IntEnum):
     """Rare samples of another distribution."""
     VARIANCE = 5
     """Scales the noise over time."""
-    OFFSET = 6
+    BIAS = 6
     """The constant bias, which every fit leaves free."""
     RUN = 7
     """Differs from run to run only: the levels of several runs show it."""

@@ -14,7 +14,7 @@ ROLES: Mapping[Role, str] = {
     Role.FILTER: "filter",
     Role.OUTLIERS: "outliers",
     Role.VARIANCE: "noise that changes",
-    Role.OFFSET: "bias, free in every fit",
+    Role.BIAS: "bias, free in every fit",
     Role.RUN: "seen over several runs",
     Role.OUTPUT: "seen in the samples themselves",
     Role.CLOCK: "seen in the stamps themselves",

@@ -35,7 +35,7 @@ def undetermined(effects: Sequence[Effect], sequence: AxisSequence) -> tuple[Eff
 
     What takes a motion or a temperature that is not known, and what differs between runs only.
     """
-    fitted = (Role.OFFSET, Role.NOISE, Role.FILTER, Role.VARIANCE, Role.OUTLIERS)
+    fitted = (Role.BIAS, Role.NOISE, Role.FILTER, Role.VARIANCE, Role.OUTLIERS)
     return tuple(
         effect
         for effect in effects

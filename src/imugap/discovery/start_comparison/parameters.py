@@ -31,7 +31,7 @@ from imugap.kinematics.earth import ROTATION_RATE
 from imugap.log import ACCEL, GYRO, TIME
 from imugap.model import ErrorModel, offset_of
 
-OFFSET = next(kind for kind in CATALOGUE.values() if kind.role is Role.OFFSET)
+OFFSET = next(kind for kind in CATALOGUE.values() if kind.role is Role.BIAS)
 """Kind of the constant level of an axis."""
 UNTOUCHED = 1e-6
 """Largest change of a sample, over the range of the samples, that is none."""
@@ -184,7 +184,7 @@ class _Axis:
         matched = self._matched()
         yield from self._level(level)
         for place, effect in enumerate(self.effects):
-            if effect.role is Role.OFFSET:
+            if effect.role is Role.BIAS:
                 continue
             if effect.role in (Role.NOISE, Role.FILTER) and place in matched:
                 yield from self._noise(effect, matched[place], level)
@@ -356,9 +356,9 @@ class _Axis:
 
     def _level(self, level: float) -> Iterator[StartParameter]:
         """Yield the constant bias."""
-        biases = [one for one in self.effects if one.role is Role.OFFSET]
+        biases = [one for one in self.effects if one.role is Role.BIAS]
         given = OFFSET(sum(one.value for one in biases))
-        if not biases and self.keys is not None and not any(key.kind.role is Role.OFFSET for key in self.keys):
+        if not biases and self.keys is not None and not any(key.kind.role is Role.BIAS for key in self.keys):
             return
         (number,) = self.numbers(given)
         if self.resting and self.name in ACCEL and self.found.gravity is not None:
