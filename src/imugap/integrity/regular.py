@@ -13,9 +13,9 @@ import pandas as pd
 from scipy.special import bdtrc
 
 from imugap.integrity.clock_reset import row_number
-from imugap.integrity.refresh import KNOTS, REPEATED, Refresh, held, interpolated
 from imugap.integrity.row_clock import rate_change
 from imugap.integrity.timestamps import Stamps, stamps
+from imugap.integrity.true_sampling import KNOTS, REPEATED, TrueSampling, held, interpolated
 from imugap.log import ACCEL, GYRO, TIME, LogError, axes
 from imugap.numerics.runs import runs_of
 
@@ -341,19 +341,21 @@ def _true_samples(log: pd.DataFrame, interval: float) -> tuple[dict[str, AxisSam
             remarks.append(_slower(names, slow, interval, "repeat"))
         between: dict[float, list[str]] = {}
         for name, values in zip(names, columns.T, strict=True):
-            refresh = slow or interpolated(values)
-            if refresh is not None and slow is None:
-                between.setdefault(round(refresh.rows, 3), []).append(name)
-            one = (values, interval) if refresh is None else refresh.samples(values, interval)
+            sampling = slow or interpolated(values)
+            if sampling is not None and slow is None:
+                between.setdefault(round(sampling.rows, 3), []).append(name)
+            one = (values, interval) if sampling is None else sampling.samples(values, interval)
             found[name] = AxisSamples(*one, begin)
-        remarks += [_slower(some, Refresh(rows, True), interval, "are interpolated") for rows, some in between.items()]
+        remarks += [
+            _slower(some, TrueSampling(rows, True), interval, "are interpolated") for rows, some in between.items()
+        ]
     return found, remarks
 
 
-def _slower(names: list[str], refresh: Refresh, interval: float, how: str) -> Remark:
-    rate = f"{1 / (refresh.rows * interval):.4g} Hz"
-    used = "means over longer times are used" if refresh.interpolated else "one of each is used"
-    fault = Fault.INTERPOLATED if refresh.interpolated else Fault.HELD
+def _slower(names: list[str], sampling: TrueSampling, interval: float, how: str) -> Remark:
+    rate = f"{1 / (sampling.rows * interval):.4g} Hz"
+    used = "means over longer times are used" if sampling.interpolated else "one of each is used"
+    fault = Fault.INTERPOLATED if sampling.interpolated else Fault.HELD
     return Remark(fault, f"{', '.join(names)}: values {how} between samples at {rate}, {used}")
 
 

@@ -1,4 +1,4 @@
-"""Refresh of a sensor slower than the rows of a log: held values, and values interpolated between true samples."""
+"""True sampling of a sensor slower than the rows of a log: held values, and values interpolated between samples."""
 
 from dataclasses import dataclass
 
@@ -8,9 +8,9 @@ from imugap.integrity.lattice_clock import lattice_interval
 from imugap.integrity.row_clock import every_row_is_a_sample
 
 REPEATED = 1.05
-"""Rows per new value from which a slower refresh is possible."""
+"""Rows per new value from which slower sampling is possible."""
 STUCK = 20
-"""Rows of one value, over the usual number, from which the output was stuck and not refreshed slowly."""
+"""Rows of one value, over the usual number, from which the output was stuck and not sampled slowly."""
 FEWEST = 256
 """Fewest new values."""
 SEVERAL = 1.9
@@ -34,7 +34,7 @@ EXPLAINED = 0.1
 
 
 @dataclass(frozen=True)
-class Refresh:
+class TrueSampling:
     """True sampling of a triad or an axis: rows per true sample, and whether the values between are interpolated."""
 
     rows: float
@@ -53,11 +53,11 @@ class Refresh:
         return whole.mean(axis=1), width * interval
 
 
-def held(columns: np.ndarray) -> Refresh | None:
-    """Return the refresh of ``columns``, shape (n, axes), NaN where lost, whose rows repeat in a regular pattern.
+def held(columns: np.ndarray) -> TrueSampling | None:
+    """Return the true sampling of ``columns``, shape (n, axes), NaN where lost, whose rows repeat in a regular pattern.
 
-    Random repeats, as of noise below one count, displace the rows of new values without bound; those of a slower
-    refresh stay near an even clock.
+    Random repeats, as of noise below one count, displace the rows of new values without bound; those of slower
+    sampling stay near an even clock.
     """
     fresh = np.flatnonzero(np.r_[True, np.any(columns[1:] != columns[:-1], axis=1)])
     if len(fresh) < FEWEST:
@@ -69,13 +69,13 @@ def held(columns: np.ndarray) -> Refresh | None:
     position = fresh.astype(float)
     if every_row_is_a_sample(position, 0.0):
         rows = float(np.polyfit(np.arange(len(position)), position, 1)[0])
-        return Refresh(rows)
+        return TrueSampling(rows)
     rows = lattice_interval(position, 0.0)
-    return Refresh(rows) if rows is not None and rows > SEVERAL else None
+    return TrueSampling(rows) if rows is not None and rows > SEVERAL else None
 
 
-def interpolated(values: np.ndarray) -> Refresh | None:
-    """Return the refresh of an axis, shape (n,), whose values lie on straight lines between slower true samples.
+def interpolated(values: np.ndarray) -> TrueSampling | None:
+    """Return the true sampling of an axis, shape (n,), whose values lie on straight lines between slower true samples.
 
     The bends of such lines vary in size with the place between two true samples, so that their squares have a line at
     the true rate or its alias. Knots at that rate then explain the values exactly, more values than knots.
@@ -95,7 +95,7 @@ def interpolated(values: np.ndarray) -> Refresh | None:
         return None
     alias = at / len(bends)
     knots = next((share for share in (alias, 1 - alias) if _is_explained(finite, share)), None)
-    return None if knots is None else Refresh(1 / knots, interpolated=True)
+    return None if knots is None else TrueSampling(1 / knots, interpolated=True)
 
 
 def _has_tone(bends: np.ndarray, at: float) -> bool:
