@@ -480,6 +480,4 @@ ISAAC_LAB = Convention(
     _isaac_lab("linear_acceleration", "m/s^2"),
 )
 
-SIMULATORS = (AIRSIM, GNSS_INS_SIM, PEGASUS, MATLAB, GENESIS, ISAAC_LAB)
-"""Conventions of further simulators, which the table of the paper does not list."""
 CONVENTIONS = (KALIBR, ORB_SLAM3, VINS, IMU_UTILS, ROS, GAZEBO, HECTOR, KF_GINS)

@@ -42,10 +42,10 @@ from imugap.interchange.simulator_files import (
     Simulator,
     Written,
     by_triad,
-    markovian,
+    gauss_markov_of_axis,
     number,
     parameters,
-    walking,
+    random_walk_of_triad,
 )
 from imugap.model import ErrorModel
 from imugap.units import from_si
@@ -184,7 +184,7 @@ def _written(
     else:
         simulator, axes = SIMULATORS[target], _reduced(model, rule)
         own, lines = simulator.write(model, axes, rule)
-        notes = [*_head(model, simulator.convention, rule, simulator.taken(axes, rule)), *own]
+        notes = [*_head(model, simulator.convention, rule, simulator.processes(axes, rule)), *own]
     return [*_of_bounds(bounds), *notes], lines
 
 
@@ -220,7 +220,7 @@ def _per_triad(model: ErrorModel, convention: Convention, rule: Rule, reason: st
         for one in some
     ]
     notes = [
-        *_head(model, convention, rule, walking(axes, rule)),
+        *_head(model, convention, rule, random_walk_of_triad(axes, rule)),
         f"Each number stands for three axes: {RULES[rule.triad]}.",
         *(f"  {axis}: N = {number(one.white)}, K = {number(one.walk)}" for axis, one in axes.items()),
         "Bias and turn-on bias have no place here: the tool estimates the bias.",
@@ -257,7 +257,7 @@ def _kf_gins(model: ErrorModel, rule: Rule) -> Written:
     lines += ["imunoise:", *(f"  {rows[name]}" for name in ("arw", "vrw", "gbstd", "abstd"))]
     lines += [f"  {name}: [0.0, 0.0, 0.0]  # ppm" for name in ("gsstd", "asstd")] + [f"  {rows['corrtime']}"]
     notes = [
-        *_head(model, KF_GINS, rule, markovian(axes, rule)),
+        *_head(model, KF_GINS, rule, gauss_markov_of_axis(axes, rule)),
         "Axes: forward, right, down, as those of the model. One correlation time for all biases.",
         "The model holds no scale factor errors: set gsstd and asstd from the data sheet.",
         "KF-GINS holds a bias for good whose initial standard deviation and gbstd or abstd are zero: neither is here.",

@@ -59,7 +59,7 @@ class Simulator:
         Its parameters, with the source in which they were read.
     write
         Function (model, reduced axes, rule) that returns notes and lines.
-    taken
+    processes
         Function (reduced axes, rule) that returns the processes of each axis that stand for those of the model.
     held
         Effects that it holds apart from these.
@@ -69,7 +69,7 @@ class Simulator:
 
     convention: Convention
     write: Callable[[ErrorModel, Axes, Rule], Written]
-    taken: Callable[[Axes, Rule], Mapping[str, Sequence[Effect]]]
+    processes: Callable[[Axes, Rule], Mapping[str, Sequence[Effect]]]
     held: tuple[type[Effect], ...] = ()
     comment: str | None = "# {}"
 
@@ -89,7 +89,7 @@ def number(value: float) -> str:
     return "0.0" if value == 0 else f"{value:.6e}"
 
 
-def walking(axes: Axes, rule: Rule) -> dict[str, Sequence[Effect]]:
+def random_walk_of_triad(axes: Axes, rule: Rule) -> dict[str, Sequence[Effect]]:
     """Return white noise and random walk of each axis, those of its triad."""
     triads = by_triad(axes, rule)
     return {
@@ -98,12 +98,12 @@ def walking(axes: Axes, rule: Rule) -> dict[str, Sequence[Effect]]:
     }  # fmt: skip
 
 
-def each_walking(axes: Axes, rule: Rule) -> dict[str, Sequence[Effect]]:
+def random_walk_of_axis(axes: Axes, rule: Rule) -> dict[str, Sequence[Effect]]:
     """Return white noise and random walk of each axis."""
     return {axis: (WhiteNoise(one.white), RandomWalk(one.walk)) for axis, one in axes.items()}
 
 
-def drifting(axes: Axes, rule: Rule) -> dict[str, Sequence[Effect]]:
+def gauss_markov_of_triad(axes: Axes, rule: Rule) -> dict[str, Sequence[Effect]]:
     """Return white noise and Gauss-Markov process of each axis, those of its triad."""
     triads = by_triad(axes, rule)
     return {
@@ -112,12 +112,12 @@ def drifting(axes: Axes, rule: Rule) -> dict[str, Sequence[Effect]]:
     }  # fmt: skip
 
 
-def markovian(axes: Axes, rule: Rule) -> dict[str, Sequence[Effect]]:
+def gauss_markov_of_axis(axes: Axes, rule: Rule) -> dict[str, Sequence[Effect]]:
     """Return white noise and Gauss-Markov process of each axis."""
     return {axis: (WhiteNoise(one.white), GaussMarkov(one.markov, one.correlation_time)) for axis, one in axes.items()}
 
 
-def each_white(axes: Axes, rule: Rule) -> dict[str, Sequence[Effect]]:
+def white_of_axis(axes: Axes, rule: Rule) -> dict[str, Sequence[Effect]]:
     """Return the white noise of each axis."""
     return {axis: (WhiteNoise(one.white),) for axis, one in axes.items()}
 
@@ -270,12 +270,12 @@ def _text(value: float) -> str:
     return repr(_rounded(value))
 
 
-AIRSIM_FILE = Simulator(AIRSIM, airsim, walking, comment=None)
-GAZEBO_FILE = Simulator(GAZEBO, gazebo, markovian, (Resolution,), "<!-- {} -->")
-GENESIS_FILE = Simulator(GENESIS, genesis, each_walking, (Resolution,))
-GNSS_INS_SIM_FILE = Simulator(GNSS_INS_SIM, gnss_ins_sim, markovian)
-ISAAC_LAB_FILE = Simulator(ISAAC_LAB, isaac_lab, each_white)
+AIRSIM_FILE = Simulator(AIRSIM, airsim, random_walk_of_triad, comment=None)
+GAZEBO_FILE = Simulator(GAZEBO, gazebo, gauss_markov_of_axis, (Resolution,), "<!-- {} -->")
+GENESIS_FILE = Simulator(GENESIS, genesis, random_walk_of_axis, (Resolution,))
+GNSS_INS_SIM_FILE = Simulator(GNSS_INS_SIM, gnss_ins_sim, gauss_markov_of_axis)
+ISAAC_LAB_FILE = Simulator(ISAAC_LAB, isaac_lab, white_of_axis)
 MATLAB_FILE = Simulator(
-    MATLAB, matlab, each_walking, (Resolution, Saturation, Temperature, ScaleFactor, Misalignment), comment=None
+    MATLAB, matlab, random_walk_of_axis, (Resolution, Saturation, Temperature, ScaleFactor, Misalignment), comment=None
 )
-PEGASUS_FILE = Simulator(PEGASUS, pegasus, drifting)
+PEGASUS_FILE = Simulator(PEGASUS, pegasus, gauss_markov_of_triad)
