@@ -34,7 +34,7 @@ AXLE = (-1.3, 0.2, 0.4)
 @pytest.fixture(scope="module")
 def rolling(lap, assumptions):
     axle = lap.axle
-    return replace(assumptions, wheels_std=axle.std_m_per_s, wheels_s=axle.correlation_s, axle_m=axle.arm_m)
+    return replace(assumptions, nonholonomic_std=axle.std_m_per_s, nonholonomic_s=axle.correlation_s, axle_m=axle.arm_m)
 
 
 def drive(lap, assumptions, run, quality=NO_CONTROL, outage=OUTAGE, smooth=False):
@@ -78,7 +78,7 @@ def rolled(model, speed, sigma, still, interval=0.05, std=0.1):
 def test_without_wheels_nothing_changes(lap, assumptions):
     """To the bit, whatever arm and correlation time are."""
     one = drive(lap, assumptions, 1, QualityControl())
-    other = drive(lap, replace(assumptions, wheels_s=7.0, axle_m=AXLE), 1, QualityControl())
+    other = drive(lap, replace(assumptions, nonholonomic_s=7.0, axle_m=AXLE), 1, QualityControl())
     for name in ("navigation", "errors", "variances", "cross"):
         np.testing.assert_array_equal(getattr(one.history, name), getattr(other.history, name))
     np.testing.assert_array_equal(one.covariances, other.covariances)

@@ -18,7 +18,7 @@ from imugap.filters.innovation_gate import (  # fmt: skip
     SET_ASIDE,
     QualityControl,
 )
-from imugap.filters.solution_separation import OFFSETS, FilterState, restart_offset
+from imugap.filters.solution_separation import POSITION_OFFSETS, FilterState, restart_offset
 from imugap.io.gnss import PLACE_STD
 from imugap.kinematics.strapdown import POSITION, VELOCITY
 from imugap.navigation.vehicle import DriveInputs, navigate
@@ -67,7 +67,7 @@ def test_a_filter_that_never_doubts_is_the_plain_one(lap, assumptions):
     never = replace(ONLY, false_alarm=1e-150)
     plain, one = drive(lap, assumptions, 1, NO_CONTROL), drive(lap, assumptions, 1, never)
     states = len(plain.names)
-    assert one.names == [*plain.names, *OFFSETS]
+    assert one.names == [*plain.names, *POSITION_OFFSETS]
     np.testing.assert_allclose(one.history.navigation, plain.history.navigation, rtol=1e-9, atol=1e-9)
     np.testing.assert_allclose(one.history.errors[:, :states], plain.history.errors, rtol=1e-7, atol=1e-12)
     np.testing.assert_allclose(one.history.variances[:, : states + 9], plain.history.variances, rtol=1e-7)
@@ -112,8 +112,8 @@ def test_a_stretch_leaves_the_position_within_what_it_says(lap, assumptions, len
         after.append(off(lap, one, BEGIN + length + 10))
         thrown.append(off(lap, drive(lap, assumptions, run, SCHEMES["reset"], fixes), BEGIN + length))
         row = int(np.searchsorted(one.time, BEGIN + length - 1e-6))
-        offset = one.sensors[list(OFFSETS[:2])].iloc[row] - list(event.shift[:2])
-        told.append(np.square(offset / one.sensors_std[list(OFFSETS[:2])].iloc[row]).mean())
+        offset = one.sensors[list(POSITION_OFFSETS[:2])].iloc[row] - list(event.shift[:2])
+        told.append(np.square(offset / one.sensors_std[list(POSITION_OFFSETS[:2])].iloc[row]).mean())
     low, high = nees_band(2, RUNS, 0.9999)
     assert low < squared(during) < high
     assert low < squared(after) < high

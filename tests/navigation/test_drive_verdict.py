@@ -1,4 +1,4 @@
-"""Device and fixes that contradict each other: the suspect is named and mended or refused; sound drives pass."""
+"""Device and fixes that contradict each other: the error is named and corrected or refused; sound drives pass."""
 
 from dataclasses import replace
 
@@ -57,9 +57,9 @@ def test_a_sound_drive_passes_without_a_word(level, run, dropped):
 
 
 @pytest.mark.parametrize("seconds", [18.0, -7.3, 0.2])
-def test_a_time_offset_is_named_and_mended(level, seconds):
+def test_a_time_offset_is_named_and_corrected(level, seconds):
     found = verdict(level, later(level.fixes(1, SEED), seconds))
-    assert found.verdict.mends[0].suspect == "time offset"
+    assert found.verdict.corrections[0].error == "time offset"
     assert not found.verdict.reasons
     assert found.summary()["time_offset_s"]["value"] == pytest.approx(-seconds, abs=0.02)
     assert ("as of GPS time" in str(found.verdict)) == (seconds == 18)
@@ -68,10 +68,10 @@ def test_a_time_offset_is_named_and_mended(level, seconds):
 @pytest.mark.parametrize(("lever", "words"), [
     (tuple(-one for one in LEVER), "opposite sign"), (PLAIN, "m away from where the lever arm has it"),
 ])  # fmt: skip
-def test_a_wrong_lever_arm_is_named_and_mended(surveyed, lever, words):
+def test_a_wrong_lever_arm_is_named_and_corrected(surveyed, lever, words):
     found = verdict(surveyed, lever=lever)
-    (mend,) = found.verdict.mends
-    assert words in mend.found
+    (correction,) = found.verdict.corrections
+    assert words in correction.found
     arm = found.summary()["lever_arm_m"]
     assert [arm[axis]["value"] for axis in "xy"] == pytest.approx(LEVER[:2], abs=0.1)
     assert found.summary()["nis"] < 1.3
@@ -80,7 +80,7 @@ def test_a_wrong_lever_arm_is_named_and_mended(surveyed, lever, words):
 def test_a_receiver_with_more_noise_than_stated_is_named(level):
     fixes = level.fixes(1, SEED)
     found = verdict(level, fixes.assign(**{name: fixes[name] / 4 for name in fixes if name.startswith("sd")}))
-    assert [one.suspect for one in found.verdict.mends] == ["receiver noise"]
+    assert [one.error for one in found.verdict.corrections] == ["receiver noise"]
     assert found.summary()["receiver_std"]["north"] == pytest.approx(0.5, rel=0.3)
 
 
@@ -88,9 +88,9 @@ def test_a_device_that_points_aside_is_named(level):
     record, turn = level.record(1, SEED), from_euler(np.array([0.0, 0.0, -np.pi / 2]))
     for triad in (GYRO, ("accel_x", "accel_y", "accel_z")):
         record = record.assign(**dict(zip(triad, turn.apply(record[list(triad)].to_numpy(copy=True)).T, strict=True)))
-    (mend,) = verdict(level, record=record).verdict.mends
-    assert mend.suspect == "mounting"
-    assert "90 deg to the left" in mend.found or "90 deg to the right" in mend.found
+    (correction,) = verdict(level, record=record).verdict.corrections
+    assert correction.error == "mounting"
+    assert "90 deg to the left" in correction.found or "90 deg to the right" in correction.found
 
 
 SAMPLES = {
@@ -165,7 +165,7 @@ def test_slow_errors_of_a_receiver_are_states_and_leave_the_time_offset_right(su
     fixes = slow(later(level.fixes(run, SEED), 0.2), run, (2.0, 2.0, 4.0), 60.0)
     found = verdict(level, fixes, level.record(run, SEED))
     said = found.summary()
-    assert [one.suspect for one in found.verdict.mends] == ["time offset"]
+    assert [one.error for one in found.verdict.corrections] == ["time offset"]
     assert not found.verdict.reasons
     assert abs(said["time_offset_s"]["value"] + 0.2) < 4 * said["time_offset_s"]["std"] + 1e-3
     assert 0.5 < said["receiver_slow_std"]["north"] * np.sqrt(60.0 / said["receiver_slow_s"]) / 2.0 < 2.0

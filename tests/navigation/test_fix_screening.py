@@ -28,9 +28,9 @@ def test_sound_fixes_pass_with_outages_and_outliers(fixes):
     spoilt = fixes[(fixes.index < 150) | (fixes.index > 190)].copy()
     spoilt.iloc[60, 0] += 80 / 6.4e6
     for one in (fixes, spoilt, fixes.drop(columns=[name for name in fixes if "vel" in name])):
-        found, mends = screen(one, STD)
+        found, corrections = screen(one, STD)
         assert found is one or found.equals(one)
-        assert not mends
+        assert not corrections
 
 
 @pytest.mark.parametrize("shift", [(3e-3, 0.0), (0.0, 3e-5), (-0.4, 2.0)])
@@ -38,18 +38,18 @@ def test_first_fixes_from_elsewhere_are_left_out(fixes, shift):
     wrong = fixes.copy()
     wrong.iloc[:8, 0] += shift[0]
     wrong.iloc[:8, 1] += shift[1]
-    found, (mend,) = screen(wrong, STD)
+    found, (correction,) = screen(wrong, STD)
     assert found.equals(wrong.iloc[8:])
-    assert mend.suspect == "fixes from elsewhere"
+    assert correction.error == "fixes from elsewhere"
 
 
 @pytest.mark.parametrize("rows", [slice(0, 9), slice(100, 103)])
 def test_fixes_at_zero_are_left_out(fixes, rows):
     wrong = fixes.copy()
     wrong.iloc[rows, :3] = 0
-    found, (mend,) = screen(wrong, STD)
+    found, (correction,) = screen(wrong, STD)
     assert len(found) == len(fixes) - (rows.stop - rows.start)
-    assert mend.suspect == "fixes before lock"
+    assert correction.error == "fixes before lock"
 
 
 @pytest.mark.parametrize("times", [2, 5, 10])
@@ -58,8 +58,8 @@ def test_held_fixes_are_kept_once(sound, times):
     held = own.loc[own.index.repeat(times)]
     held.index = held.index + np.tile(np.arange(times), len(own)) / times
     held.index.name = sound.index.name
-    found, (mend,) = screen(held, STD)
-    assert mend.suspect == "held fixes"
+    found, (correction,) = screen(held, STD)
+    assert correction.error == "held fixes"
     assert np.isin(own.index, found.index).mean() > 0.99
     assert len(found) < 1.01 * len(own)
 
@@ -96,6 +96,6 @@ def test_a_wrong_unit_or_order_is_named(sound, message, spoil):
 def test_velocities_that_contradict_positions_are_left_out(sound):
     rng = stream(SEED, "contradiction")
     wrong = sound.assign(**{name: rng.normal(0, 10, len(sound)) for name in SPEEDS})
-    found, (mend,) = screen(wrong, STD)
-    assert mend.suspect == "velocities that contradict positions"
+    found, (correction,) = screen(wrong, STD)
+    assert correction.error == "velocities that contradict positions"
     assert not set(SPEEDS) & set(found.columns)

@@ -228,10 +228,10 @@ def test_fixes_between_samples_are_taken_where_they_are(lap, assumptions):
 @pytest.mark.parametrize("delay", [0.0, 0.137])
 def test_the_time_offset_is_taken_off_or_estimated(lap, assumptions, delay):
     late = replace(lap, receiver=replace(lap.receiver, delay_s=delay))
-    told = drive(late, replace(assumptions, offset_s=delay), 7)
+    told = drive(late, replace(assumptions, time_offset_s=delay), 7)
     plain = drive(lap, assumptions, 7)
     np.testing.assert_allclose(told.history.navigation[-1], plain.history.navigation[-1], atol=1e-6)
-    aware = replace(assumptions, offset_std=0.2)
+    aware = replace(assumptions, time_offset_std=0.2)
     errors = []
     for run in range(30):
         one = drive(late, aware, run, begin=start(lap, aware, run))
@@ -255,7 +255,7 @@ def test_the_lever_arm_is_estimated_as_exactly_as_it_says(lap, assumptions):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("constants", [{}, {"lever_std": 0.1, "offset_std": 0.01}])
+@pytest.mark.parametrize("constants", [{}, {"lever_std": 0.1, "time_offset_std": 0.01}])
 @pytest.mark.parametrize("rest", [True, False])
 def test_the_start_is_as_right_as_it_says(lap, assumptions, rest, constants):
     """Levelled at rest, or in motion where the log begins there; position, velocity and attitude against the truth."""

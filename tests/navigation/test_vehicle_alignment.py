@@ -58,7 +58,7 @@ def test_a_lever_arm_is_found_with_the_uncertainty_of_the_start(level, assumptio
 @pytest.mark.parametrize("delay", [0.3, -0.1])
 def test_a_time_offset_is_followed_from_the_start(level, assumptions, delay):
     receiver = replace(level.receiver, delay_s=delay, lever_m=(0.0, 0.0, 0.0))
-    assumptions = replace(assumptions, lever_m=(0.0, 0.0, 0.0), offset_std=0.3)
+    assumptions = replace(assumptions, lever_m=(0.0, 0.0, 0.0), time_offset_std=0.3)
     runs = 6
     found, variance = estimates(replace(level, receiver=receiver), assumptions, runs)
     low, high = nees_band(1, runs, 0.9999)

@@ -1,7 +1,7 @@
 """Navigate a drive by device and receiver.
 
 Stages, each a function of the value that the one before returns: check columns, gaps and times; screen the fixes;
-prepare (fill lost samples, rotate to the axes of the vehicle); mend what device and fixes contradict each other in;
+prepare (fill lost samples, rotate to the axes of the vehicle); correct what device and fixes contradict each other in;
 align; filter; smooth; judge.
 """
 
@@ -36,16 +36,16 @@ from imugap.io.recording import Recording
 from imugap.log import ACCEL, AXES, GYRO, LogError, axes
 from imugap.model import ErrorModel
 from imugap.navigation import (
+    drive_error_search,
     drive_physics,
-    drive_suspects,
     drive_verdict,
     fix_screening,
     vehicle,
     vehicle_alignment,
 )
-from imugap.navigation.drive_suspects import deviations
+from imugap.navigation.correction import Correction
+from imugap.navigation.drive_error_search import deviations
 from imugap.navigation.drive_verdict import DriveVerdict
-from imugap.navigation.mend import Mend
 from imugap.navigation.vehicle import (
     LEVER_ARM,
     TIME_OFFSET,
@@ -99,7 +99,7 @@ class DriveSettings:
         """Whether the noise of the receiver is stated, and not that by default."""
         plain = DriveAssumptions()
         own = self.assumptions
-        stated, default = ((one.position_std, one.velocity_std, one.slow_std) for one in (own, plain))
+        stated, default = ((one.position_std, one.velocity_std, one.slow_position_std) for one in (own, plain))
         return stated != default
 
     @classmethod
@@ -120,17 +120,17 @@ class DriveSettings:
         assumptions = DriveAssumptions(
             lever_m=(arm["x_m"], arm["y_m"], arm["z_m"]),
             lever_std=arm["std_m"],
-            offset_s=offset["offset_s"],
-            offset_std=offset["std_s"],
+            time_offset_s=offset["offset_s"],
+            time_offset_std=offset["std_s"],
             scale_std=(scale["gyro_std"], scale["accel_std"]),
             scale_s=np.inf if scale["correlation_s"] is None else scale["correlation_s"],
             position_std=(fix["horizontal_m"], fix["horizontal_m"], fix["vertical_m"]),
-            slow_std=(fix["slow_horizontal_m"], fix["slow_horizontal_m"], fix["slow_vertical_m"]),
-            slow_s=fix["slow_s"],
+            slow_position_std=(fix["slow_horizontal_m"], fix["slow_horizontal_m"], fix["slow_vertical_m"]),
+            slow_position_s=fix["slow_s"],
             velocity_std=(fix["horizontal_m_per_s"], fix["horizontal_m_per_s"], fix["vertical_m_per_s"]),
             epoch_s=values["epoch_s"],
-            wheels_std=wheels["std_m_per_s"],
-            wheels_s=wheels["correlation_s"],
+            nonholonomic_std=wheels["std_m_per_s"],
+            nonholonomic_s=wheels["correlation_s"],
             axle_m=(wheels["x_m"], wheels["y_m"], wheels["z_m"]),
         )
         control = QualityControl(
@@ -148,13 +148,13 @@ class DriveSettings:
 
 @dataclass(frozen=True, eq=False)
 class RecordedDrive:
-    """Logs of a drive, and its configuration; ``as_given``: without mends; ``mends``: of the fixes."""
+    """Logs of a drive, and its configuration; ``as_given``: without corrections; ``corrections``: of the fixes."""
 
     log: pd.DataFrame
     fixes: pd.DataFrame
     settings: DriveSettings = field(default_factory=DriveSettings)
     as_given: bool = False
-    mends: tuple[Mend, ...] = ()
+    corrections: tuple[Correction, ...] = ()
 
     @classmethod
     def of(
@@ -178,19 +178,19 @@ class RecordedDrive:
 
 
 class PreparedDrive(NamedTuple):
-    """Inputs of the filter, what was mended in them, and whether the noise of the receiver is stated."""
+    """Inputs of the filter, what was corrected in them, and whether the noise of the receiver is stated."""
 
     inputs: DriveInputs
-    mends: tuple[Mend, ...]
+    corrections: tuple[Correction, ...]
     stated: bool
     as_given: bool
 
 
 class AlignedDrive(NamedTuple):
-    """Inputs of the filter, what was mended in them, and the initial state."""
+    """Inputs of the filter, what was corrected in them, and the initial state."""
 
     inputs: DriveInputs
-    mends: tuple[Mend, ...]
+    corrections: tuple[Correction, ...]
     start: InitialState
 
 
@@ -240,7 +240,7 @@ class NavigatedDrive:
         return self._words() | plain | {"sensors": sensors}
 
     def _words(self) -> dict:
-        """Return the verdict, what was mended, the tests behind it, and the settings in use."""
+        """Return the verdict, what was corrected, the tests behind it, and the settings in use."""
         verdict, used = self.verdict, self.inputs.assumptions
         last, std = self.filtered.sensors.iloc[-1], self.filtered.sensors_std.iloc[-1]
         offset, arm = last.get(TIME_OFFSET, 0.0), [last.get(name, 0.0) for name in LEVER_ARM]
@@ -248,18 +248,20 @@ class NavigatedDrive:
         return {
             "verdict": str(verdict),
             "agrees": verdict.agrees,
-            "mends": [{"suspect": one.suspect, "found": one.found, "setting": one.setting} for one in verdict.mends],
+            "mends": [
+                {"suspect": one.error, "found": one.found, "setting": one.setting} for one in verdict.corrections
+            ],
             "outage_test": None if np.isnan(verdict.outage) else verdict.outage,
             "smoother_test": None if np.isnan(verdict.smoother) else verdict.smoother,
             "std_factor": verdict.factor,
-            "time_offset_s": {"value": float(used.offset_s + offset), "std": float(std.get(TIME_OFFSET, 0.0))},
+            "time_offset_s": {"value": float(used.time_offset_s + offset), "std": float(std.get(TIME_OFFSET, 0.0))},
             "lever_arm_m": {
                 axis: {"value": float(given + error), "std": float(std.get(name, 0.0))}
                 for axis, name, given, error in zip("xyz", LEVER_ARM, used.lever_m, arm, strict=True)
             },
             "receiver_std": dict(zip(COMPONENTS, map(float, noise), strict=True)),
-            "receiver_slow_std": dict(zip(COMPONENTS[:3], map(float, used.slow_std), strict=True)),
-            "receiver_slow_s": float(used.slow_s),
+            "receiver_slow_std": dict(zip(COMPONENTS[:3], map(float, used.slow_position_std), strict=True)),
+            "receiver_slow_s": float(used.slow_position_s),
         }
 
     def table(self, one: DriveSolution) -> pd.DataFrame:
@@ -271,8 +273,8 @@ class NavigatedDrive:
 
 
 def navigate_drive(recorded: RecordedDrive) -> NavigatedDrive:
-    """Screen, check, prepare, mend, align, filter, smooth and judge a drive."""
-    return smooth(align(mend(prepare(check(screen(recorded))))))
+    """Screen, check, prepare, correct, align, filter, smooth and judge a drive."""
+    return smooth(align(correct(prepare(check(screen(recorded))))))
 
 
 def _require_radians(log: pd.DataFrame, fixes: pd.DataFrame, path: Path) -> None:
@@ -289,7 +291,7 @@ def _require_radians(log: pd.DataFrame, fixes: pd.DataFrame, path: Path) -> None
 
 def check(recorded: RecordedDrive) -> RecordedDrive:
     """Check the columns and gaps of the log, and that the fixes lie within its time."""
-    log, due = recorded.log, recorded.fixes.index.to_numpy() + recorded.settings.assumptions.offset_s
+    log, due = recorded.log, recorded.fixes.index.to_numpy() + recorded.settings.assumptions.time_offset_s
     if axes(log) != AXES:
         raise LogError("drive", "columns", f"all of {', '.join(AXES)}", ", ".join(log.columns))
     steps = np.diff(log.index.to_numpy())
@@ -311,8 +313,8 @@ def screen(recorded: RecordedDrive) -> RecordedDrive:
     """Leave out fixes that no filter can use."""
     if recorded.as_given:
         return recorded
-    fixes, mends = fix_screening.screen(recorded.fixes, recorded.settings.assumptions.position_std)
-    return replace(recorded, fixes=fixes, mends=mends)
+    fixes, corrections = fix_screening.screen(recorded.fixes, recorded.settings.assumptions.position_std)
+    return replace(recorded, fixes=fixes, corrections=corrections)
 
 
 def prepare(recorded: RecordedDrive) -> PreparedDrive:
@@ -323,31 +325,31 @@ def prepare(recorded: RecordedDrive) -> PreparedDrive:
         settings.assumptions, settings.quality, settings.alignment,
     )  # fmt: skip
     stated = PLACE_STD[0] in fixes or settings.states_receiver
-    return PreparedDrive(inputs, recorded.mends, stated, recorded.as_given)
+    return PreparedDrive(inputs, recorded.corrections, stated, recorded.as_given)
 
 
-def mend(prepared: PreparedDrive) -> PreparedDrive:
-    """Check the physics, and mend what the innovations show."""
+def correct(prepared: PreparedDrive) -> PreparedDrive:
+    """Check the physics, and correct what the innovations show."""
     if prepared.as_given:
         return prepared
     inputs, gross = drive_physics.check_physics(prepared.inputs)
     inputs, turned = drive_physics.with_mounting(inputs)
-    inputs, fine = drive_suspects.mend(inputs, prepared.stated)
-    return prepared._replace(inputs=inputs, mends=(*prepared.mends, *gross, *turned, *fine))
+    inputs, fine = drive_error_search.correct(inputs, prepared.stated)
+    return prepared._replace(inputs=inputs, corrections=(*prepared.corrections, *gross, *turned, *fine))
 
 
 def align(prepared: PreparedDrive) -> AlignedDrive:
     """Align at the first fixes."""
-    return AlignedDrive(prepared.inputs, prepared.mends, vehicle_alignment.align(prepared.inputs))
+    return AlignedDrive(prepared.inputs, prepared.corrections, vehicle_alignment.align(prepared.inputs))
 
 
 def smooth(aligned: AlignedDrive) -> NavigatedDrive:
     """Filter, smooth and judge."""
-    inputs, mends, start = aligned
+    inputs, corrections, start = aligned
     filtered, smoothed = (vehicle.navigate(inputs, start, smooth=one) for one in (False, True))
     if not filtered.record.freedom.sum():
         raise ValueError(f"drive: expected fixes after the alignment at {start.time:g} s; found none of use")
-    verdict = drive_verdict.judge(inputs, mends, filtered, smoothed)
+    verdict = drive_verdict.judge(inputs, corrections, filtered, smoothed)
     return NavigatedDrive(filtered, smoothed, inputs.fixes, verdict, inputs)
 
 

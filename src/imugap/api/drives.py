@@ -55,7 +55,7 @@ class Driven(Result):
 
     @property
     def verdict(self) -> str:
-        """Whether device and fixes agree, and what was mended."""
+        """Whether device and fixes agree, and what was corrected."""
         return str(self.found.verdict)
 
     def plot(self) -> "Figure":

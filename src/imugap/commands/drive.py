@@ -30,7 +30,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "latitude and longitude in degrees, the height in metres above the ellipsoid and, if known, vel_n vel_e vel_d "
         "[m/s] and standard deviations sd_n sd_e sd_d [m], sd_vel_n sd_vel_e sd_vel_d [m/s]. What device and fixes "
         "contradict each other in (a time offset, a lever arm, held fixes, the noise of the receiver ...) is named on "
-        "the standard error, with the setting that mends it, and mended."
+        "the standard error, with the setting that corrects it, and corrected."
     )
     parser.add_argument("log", help=f"{LOG_HELP}; six axes")
     parser.add_argument(

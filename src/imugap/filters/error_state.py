@@ -26,7 +26,7 @@ POSITION, VELOCITY, ATTITUDE = 0, 3, 6
 
 
 @kernel
-def propagate_navigation(source, target, columns, mat_nb, force_n, dt, axis, gain, shift):
+def propagate_navigation(source, target, columns, mat_nb, force_n, dt, axis, sensitivity, shift):
     """Multiply ``source`` by the navigation rows of the transition, and store the product transposed in ``target``.
 
     Parameters
@@ -39,7 +39,7 @@ def propagate_navigation(source, target, columns, mat_nb, force_n, dt, axis, gai
         Length of the epoch [s].
     axis
         Axis of each sensor state, 0 to 5, shape (sensor states,); those from 6 on do not act on the navigation.
-    gain
+    sensitivity
         Error of the axis per unit of each state: 1 for a bias, the input for a scale factor.
     shift
         Workspace for the sums over the states of each axis, shape (axes, states).
@@ -48,7 +48,7 @@ def propagate_navigation(source, target, columns, mat_nb, force_n, dt, axis, gai
         for j in range(columns):
             shift[a, j] = 0.0
     for s in range(len(axis)):
-        a, factor = axis[s], dt * gain[s]
+        a, factor = axis[s], dt * sensitivity[s]
         for j in range(columns):
             shift[a, j] += factor * source[NAVIGATION + s, j]
     half = 0.5 * dt
@@ -72,56 +72,56 @@ def propagate_navigation(source, target, columns, mat_nb, force_n, dt, axis, gai
 
 
 @kernel
-def propagate(source, target, columns, mat_nb, force_n, dt, axis, gain, hold, shift):
+def propagate(source, target, columns, mat_nb, force_n, dt, axis, sensitivity, decay_factor, shift):
     """Multiply ``source`` by the transition, and store the product transposed in ``target``, both (states, states).
 
     Parameters
     ----------
-    columns, mat_nb, force_n, dt, axis, gain, shift
+    columns, mat_nb, force_n, dt, axis, sensitivity, shift
         As in :func:`propagate_navigation`.
-    hold
+    decay_factor
         Factor by which each sensor state decays over the epoch.
     """
-    propagate_navigation(source, target, columns, mat_nb, force_n, dt, axis, gain, shift)
+    propagate_navigation(source, target, columns, mat_nb, force_n, dt, axis, sensitivity, shift)
     for j in range(columns):
         for s in range(len(axis)):
-            target[j, NAVIGATION + s] = hold[s] * source[NAVIGATION + s, j]
+            target[j, NAVIGATION + s] = decay_factor[s] * source[NAVIGATION + s, j]
         for i in range(NAVIGATION + len(axis), len(source)):
             target[j, i] = source[i, j]
 
 
 @kernel
-def predict(covariance, work, mat_nb, force_n, dt, axis, gain, hold, drive, white, shift):
+def predict(covariance, work, mat_nb, force_n, dt, axis, sensitivity, decay_factor, driving_variance, white, shift):
     """Predict the covariance over an epoch; ``work`` is a workspace of its shape.
 
     Only the navigation rows and columns need the full transition; sensor states decay, constants stay.
 
     Parameters
     ----------
-    mat_nb, force_n, dt, axis, gain, hold, shift
+    mat_nb, force_n, dt, axis, sensitivity, decay_factor, shift
         As in :func:`propagate`.
-    drive
+    driving_variance
         Variance added to each sensor state over the epoch by its driving noise.
     white
         Two-sided PSD of the white noise of the six axes [unit^2/Hz].
     """
     size, sensors, half = len(covariance), len(axis), 0.5 * dt
-    propagate_navigation(covariance, work, size, mat_nb, force_n, dt, axis, gain, shift)
-    propagate_navigation(work, covariance, NAVIGATION, mat_nb, force_n, dt, axis, gain, shift)
+    propagate_navigation(covariance, work, size, mat_nb, force_n, dt, axis, sensitivity, shift)
+    propagate_navigation(work, covariance, NAVIGATION, mat_nb, force_n, dt, axis, sensitivity, shift)
     for row in range(NAVIGATION, size):
-        left = hold[row - NAVIGATION] if row < NAVIGATION + sensors else 1.0
+        left = decay_factor[row - NAVIGATION] if row < NAVIGATION + sensors else 1.0
         for i in range(NAVIGATION):
             covariance[row, i] = left * work[row, i]
         for i in range(NAVIGATION):
             covariance[i, row] = covariance[row, i]
     for s in range(sensors):
-        row, left = NAVIGATION + s, hold[s]
+        row, left = NAVIGATION + s, decay_factor[s]
         if left != 1.0:
             for j in range(NAVIGATION, size):
                 covariance[row, j] *= left
             for j in range(NAVIGATION, size):
                 covariance[j, row] *= left
-        covariance[row, row] += drive[s]
+        covariance[row, row] += driving_variance[s]
     for i in range(3):
         row = mat_nb[i]
         for j in range(3):
@@ -136,33 +136,33 @@ def predict(covariance, work, mat_nb, force_n, dt, axis, gain, hold, drive, whit
 
 
 @kernel
-def transposed_transition(target, work, mat_nb, force_n, dt, axis, gain, hold, shift):
+def transposed_transition(target, work, mat_nb, force_n, dt, axis, sensitivity, decay_factor, shift):
     """Store the transposed transition in ``target``; arguments as in :func:`propagate` and :func:`predict`."""
     size = len(work)
     for i in range(size):
         for j in range(size):
             work[i, j] = 1.0 if i == j else 0.0
-    propagate(work, target, size, mat_nb, force_n, dt, axis, gain, hold, shift)
+    propagate(work, target, size, mat_nb, force_n, dt, axis, sensitivity, decay_factor, shift)
 
 
 @kernel
-def innovation_variance(covariance, row, noise, spread):
-    """Store ``P h'`` in ``spread``; return the innovation variance ``h P h' + noise`` of the measurement row ``h``."""
+def innovation_variance(covariance, row, noise, cross_covariance):
+    """Store ``P h'`` in ``cross_covariance``; return ``h P h' + noise``, the innovation variance of the row ``h``."""
     size = len(row)
     for j in range(size):
-        spread[j] = 0.0
+        cross_covariance[j] = 0.0
     for i in range(size):
         if row[i] != 0.0:
             for j in range(size):
-                spread[j] += row[i] * covariance[i, j]
+                cross_covariance[j] += row[i] * covariance[i, j]
     variance = noise
     for j in range(size):
-        variance += row[j] * spread[j]
+        variance += row[j] * cross_covariance[j]
     return variance
 
 
 @kernel
-def joseph_update(covariance, spread, weight, variance):
+def joseph_update(covariance, cross_covariance, gain, variance):
     """Update the covariance with a scalar measurement of any gain (Joseph form, Maybeck 1979, eq. 5-84).
 
     With h the measurement row, R its noise variance and k the gain, ``(I - k h) P (I - k h)' + k R k'``.
@@ -171,17 +171,17 @@ def joseph_update(covariance, spread, weight, variance):
     ----------
     covariance
         P, shape (states, states).
-    spread
+    cross_covariance
         P h', shape (states,).
-    weight
-        Gain k, shape (states,); the optimal one is ``spread / variance``.
+    gain
+        Gain k, shape (states,); the optimal one is ``cross_covariance / variance``.
     variance
         Innovation variance h P h' + R.
     """
-    for i in range(len(spread)):
-        left = variance * weight[i] - spread[i]
-        for j in range(len(spread)):
-            covariance[i, j] += left * weight[j] - weight[i] * spread[j]
+    for i in range(len(cross_covariance)):
+        left = variance * gain[i] - cross_covariance[i]
+        for j in range(len(cross_covariance)):
+            covariance[i, j] += left * gain[j] - gain[i] * cross_covariance[j]
 
 
 @kernel
@@ -196,7 +196,7 @@ def correct_navigation(position, velocity, quat_nb, error):
 
 
 @kernel
-def scalar_update(covariance, errors, row, residual, noise, spread, weight, nav, fed):
+def scalar_update(covariance, errors, row, residual, noise, cross_covariance, gain, nav, fed):
     """Update covariance and estimates with a scalar measurement, and feed the correction back.
 
     Without feedback of the states behind the navigation their gain is zero: they are consider states (Schmidt 1966).
@@ -208,8 +208,8 @@ def scalar_update(covariance, errors, row, residual, noise, spread, weight, nav,
         P, and the estimates of the states behind the navigation, shape (states - 9,); both are updated in place.
     row, residual, noise
         Measurement row h, innovation (estimated - measured), and noise variance.
-    spread, weight
-        Workspaces, shape (states,); ``weight`` holds the gain afterwards.
+    cross_covariance, gain
+        Workspaces, shape (states,); ``gain`` holds the gain afterwards.
     nav
         Position, velocity and quaternion.
     fed
@@ -221,20 +221,34 @@ def scalar_update(covariance, errors, row, residual, noise, spread, weight, nav,
         Corrected navigation, and innovation variance. The squared residual over it is chi-square with one degree of
         freedom; the sum over successive rows has one degree of freedom per row.
     """
-    variance = innovation_variance(covariance, row, noise, spread)
+    variance = innovation_variance(covariance, row, noise, cross_covariance)
     scale = 1.0 / variance
     for j in range(len(row)):
-        weight[j] = scale * spread[j] if fed or j < NAVIGATION else 0.0
-    joseph_update(covariance, spread, weight, variance)
+        gain[j] = scale * cross_covariance[j] if fed or j < NAVIGATION else 0.0
+    joseph_update(covariance, cross_covariance, gain, variance)
     for s in range(len(errors)):
-        errors[s] -= residual * weight[NAVIGATION + s]
+        errors[s] -= residual * gain[NAVIGATION + s]
     for j in range(NAVIGATION):
-        spread[j] = residual * weight[j]
-    return correct_navigation(nav[0], nav[1], nav[2], spread), variance
+        cross_covariance[j] = residual * gain[j]
+    return correct_navigation(nav[0], nav[1], nav[2], cross_covariance), variance
 
 
 @kernel
-def adjoint_measurement(adjoint, information, row, weight, residual, variance, work):
+def multiply_matrices(left, right, product):
+    """Store the product of two square matrices in ``product``; zeros of ``left``, many in a transition, are skipped."""
+    size = len(left)
+    for i in range(size):
+        for j in range(size):
+            product[i, j] = 0.0
+        for m in range(size):
+            factor = left[i, m]
+            if factor != 0.0:
+                for j in range(size):
+                    product[i, j] += factor * right[m, j]
+
+
+@kernel
+def adjoint_measurement(adjoint, information, row, gain, residual, variance, work):
     """Apply a scalar measurement to the adjoint of the smoother, backward in time (Bierman 1973).
 
     With h the row, k the gain, y the innovation and S its variance, ``l - h'(k'l + y/S)`` and
@@ -250,11 +264,11 @@ def adjoint_measurement(adjoint, information, row, weight, residual, variance, w
     size = len(row)
     along, inner = residual / variance, 1.0 / variance
     for i in range(size):
-        along += weight[i] * adjoint[i]
+        along += gain[i] * adjoint[i]
         work[i] = 0.0
         for j in range(size):
-            work[i] += information[i, j] * weight[j]
-        inner += weight[i] * work[i]
+            work[i] += information[i, j] * gain[j]
+        inner += gain[i] * work[i]
     for i in range(size):
         adjoint[i] -= row[i] * along
         for j in range(size):
@@ -265,14 +279,7 @@ def adjoint_measurement(adjoint, information, row, weight, residual, variance, w
 def adjoint_transition(adjoint, information, transposed, work):
     """Propagate the adjoint of the smoother back over an epoch; ``transposed`` is the transposed transition."""
     size = len(adjoint)
-    for i in range(size):
-        for j in range(size):
-            work[i, j] = 0.0
-        for m in range(size):
-            factor = transposed[i, m]
-            if factor != 0.0:
-                for j in range(size):
-                    work[i, j] += factor * information[m, j]
+    multiply_matrices(transposed, information, work)
     for i in range(size):
         for j in range(size):
             information[i, j] = 0.0

@@ -80,7 +80,7 @@ def quiet_epochs(samples: np.ndarray, stamp: np.ndarray, time: np.ndarray) -> np
 
 
 @kernel
-def axle_velocity(i, nav, mat, rate, sensors, gain, axle, row):
+def axle_velocity(i, nav, mat, rate, sensors, sensitivity, axle, row):
     """Return component ``i`` of the axle velocity in ``b``; store its derivative by the states in ``row``."""
     axis = mat[0][i], mat[1][i], mat[2][i]
     turned, swing = cross(axis, nav[1]), cross(rate, axle)
@@ -90,14 +90,15 @@ def axle_velocity(i, nav, mat, rate, sensors, gain, axle, row):
         row[VELOCITY + m], row[ATTITUDE + m] = axis[m], turned[m]
     for s in range(len(sensors.axis)):
         if sensors.axis[s] < 3:
-            row[NAVIGATION + s] = gain[s] * shift[sensors.axis[s]]
+            row[NAVIGATION + s] = sensitivity[s] * shift[sensors.axis[s]]
     return dot(axis, nav[1]) + swing[i]
 
 
 @kernel
 def apply_wheel_constraint(
-    wheels, still, interval, nav, rate, covariance, errors, sensors, gain, row, spread, weight, block, slot, first
-):
+    wheels, still, interval, nav, rate, covariance, errors, sensors, sensitivity, row, cross_covariance, gain, block,
+    slot, first,
+):  # fmt: skip
     """Apply the constraints at the end of an epoch of length ``interval`` [s]; return the corrected navigation.
 
     Parameters
@@ -106,7 +107,7 @@ def apply_wheel_constraint(
         Whether the device is quiet.
     nav, rate
         Position, velocity and quaternion at its end, and the angular rate there, less its estimated error.
-    sensors, gain
+    sensors, sensitivity
         Sensor states, and error of the axis per unit of each.
     row
         Workspace, shape (states,), all zero before and after.
@@ -117,12 +118,12 @@ def apply_wheel_constraint(
     noise = square * max(2 * wheels.correlation_s / interval, 1.0)
     for number in range(CONSTRAINTS if still else CONSTRAINTS - 1):
         mat, component = mat_from_quat(nav[2]), (ACROSS + number) % CONSTRAINTS
-        residual = axle_velocity(component, nav, mat, rate, sensors, gain, wheels.axle, row)
-        variance = innovation_variance(covariance, row, square, spread)
+        residual = axle_velocity(component, nav, mat, rate, sensors, sensitivity, wheels.axle, row)
+        variance = innovation_variance(covariance, row, square, cross_covariance)
         fits = residual * residual <= SKID_SIGMA * SKID_SIGMA * variance
         if fits and (component != AHEAD or abs(residual) + SLOW_SIGMA * np.sqrt(variance) < SLOW_M_PER_S):
-            nav, _ = apply_measurement(covariance, errors, row, residual, noise, spread, weight, nav, block, slot,
-                             first + number, True)  # fmt: skip
+            nav, _ = apply_measurement(covariance, errors, row, residual, noise, cross_covariance, gain, nav, block,
+                             slot, first + number, True)  # fmt: skip
         else:
             for j in range(len(row)):
                 row[j] = 0.0

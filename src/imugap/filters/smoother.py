@@ -22,6 +22,7 @@ from imugap.filters.error_state import (
     adjoint_measurement,
     adjoint_transition,
     correct_navigation,
+    multiply_matrices,
     scalar_update,
 )
 from imugap.filters.sensor_states import SensorStates
@@ -67,7 +68,7 @@ class SmootherBlock(NamedTuple):
     transposed: np.ndarray
     covariance: np.ndarray
     rows: np.ndarray
-    weights: np.ndarray
+    gains: np.ndarray
     residuals: np.ndarray
     variances: np.ndarray
 
@@ -153,37 +154,39 @@ class NavigationSolution:
 
 
 @kernel
-def compensate(samples, k, axis, scale, fixed, errors, gain, now, before):
-    """Store the samples k and k - 1, less their estimated errors, in ``now`` and ``before``, and the gains."""
+def compensate(samples, k, axis, scale, fixed, errors, sensitivity, now, before):
+    """Store the samples k and k - 1, less their estimated errors, in ``now`` and ``before``, and the sensitivities."""
     for a in range(6):
         now[a], before[a] = samples[k, a] - fixed[a], samples[k - 1, a] - fixed[a]
     for s in range(len(axis)):
         a = axis[s]
         if scale[s]:
-            gain[s] = samples[k, a]
+            sensitivity[s] = samples[k, a]
             before[a] -= samples[k - 1, a] * errors[s]
         else:
             before[a] -= errors[s]
-        now[a] -= gain[s] * errors[s]
+        now[a] -= sensitivity[s] * errors[s]
 
 
 @kernel
-def discretise_states(decay, driving, interval, hold, drive):
+def discretise_states(decay, driving, interval, decay_factor, driving_variance):
     """Store the decay factor and the driving variance of each sensor state over an interval."""
     for s in range(len(decay)):
-        hold[s] = np.exp(-decay[s] * interval)
-        drive[s] = driving[s] * (interval if decay[s] == 0.0 else (1 - hold[s] * hold[s]) / (2 * decay[s]))
+        decay_factor[s] = np.exp(-decay[s] * interval)
+        driving_variance[s] = driving[s] * (
+            interval if decay[s] == 0.0 else (1 - decay_factor[s] * decay_factor[s]) / (2 * decay[s])
+        )
 
 
 @kernel
-def apply_measurement(covariance, errors, row, residual, noise, spread, weight, nav, block, slot, number, fed):
+def apply_measurement(covariance, errors, row, residual, noise, cross_covariance, gain, nav, block, slot, number, fed):
     """Apply a scalar measurement and store it; return the corrected navigation and the NIS, and clear ``row``."""
-    nav, variance = scalar_update(covariance, errors, row, residual, noise, spread, weight, nav, fed)
+    nav, variance = scalar_update(covariance, errors, row, residual, noise, cross_covariance, gain, nav, fed)
     if len(block.residuals):
         block.residuals[slot, number], block.variances[slot, number] = residual, variance
     if len(block.rows):
         for j in range(len(row)):
-            block.rows[slot, number, j], block.weights[slot, number, j] = row[j], weight[j]
+            block.rows[slot, number, j], block.gains[slot, number, j] = row[j], gain[j]
     for j in range(len(row)):
         row[j] = 0.0
     return nav, residual * residual / variance
@@ -225,13 +228,7 @@ def smooth_block(history, first, last, block, adjoint, information):
             nav[6 + i] = quat[i]
         for s in range(size - NAVIGATION):
             history.errors[k, s] -= error[NAVIGATION + s]
-        for i in range(size):
-            for j in range(size):
-                work[i, j] = 0.0
-            for m in range(size):
-                factor = covariance[i, m]
-                for j in range(size):
-                    work[i, j] += factor * information[m, j]
+        multiply_matrices(covariance, information, work)
         for i in range(size):
             history.variances[k, i] = covariance[i, i]
             for m in range(size):
@@ -244,7 +241,7 @@ def smooth_block(history, first, last, block, adjoint, information):
         for number in range(block.variances.shape[1] - 1, -1, -1):
             if block.variances[slot, number] > 0.0:
                 adjoint_measurement(
-                    adjoint, information, block.rows[slot, number], block.weights[slot, number],
+                    adjoint, information, block.rows[slot, number], block.gains[slot, number],
                     block.residuals[slot, number], block.variances[slot, number], work[0],
                 )  # fmt: skip
         adjoint_transition(adjoint, information, block.transposed[slot], work)

@@ -40,7 +40,7 @@ from imugap.filters.error_state import NAVIGATION, scalar_update
 from imugap.filters.innovation_gate import ACCEPTED, EXCLUDED, HELD, OFFSET_STATES, RESTARTED, chi_square
 from imugap.numerics.rotation import kernel
 
-OFFSETS = ("offset_n", "offset_e", "offset_d")
+POSITION_OFFSETS = ("offset_n", "offset_e", "offset_d")
 """Names of the states [m]."""
 UNKNOWN_VARIANCE = 1e6
 """Variance of an unknown offset [m^2]."""
@@ -248,7 +248,9 @@ def _close_offset(state, room):
     nav, row, size = unpack_navigation(state.navigation), room.rows[0], len(state.covariance)
     for i in range(size - OFFSET_STATES, size):
         row[i], off = 1.0, state.errors[i - NAVIGATION]
-        nav, _ = scalar_update(state.covariance, state.errors, row, off, 0.0, room.spread, room.weight, nav, True)
+        nav, _ = scalar_update(
+            state.covariance, state.errors, row, off, 0.0, room.cross_covariance, room.gain, nav, True
+        )
         row[i] = 0.0
     restart_offset(state.covariance, state.errors, 0.0, room.nothing)
     for i in range(3):

@@ -2,10 +2,10 @@
 
 Over windows with much motion the velocities of the fixes are matched with the samples
 (:mod:`imugap.navigation.velocity_matching`). What the samples leave unexplained of the changes of velocity is small
-where both belong together, for any vehicle. If it is not, each suspect is tried: units and signs of the samples,
-an order of the columns of the fixes, and a time offset between the clocks. The suspect that explains the changes is
-named: a unit, a sign or an order is refused, a time offset is compensated. Where the device points to the same side of
-the course in all windows, so does its mounting.
+where both belong together, for any vehicle. If it is not, each candidate error is tried: units and signs of the
+samples, an order of the columns of the fixes, and a time offset between the clocks. The candidate that explains the
+changes is named: a unit, a sign or an order is refused, a time offset is compensated. Where the device points to the
+same side of the course in all windows, so does its mounting.
 """
 
 from collections.abc import Callable
@@ -15,8 +15,8 @@ import numpy as np
 import pandas as pd
 
 from imugap.log import ACCEL, GYRO
+from imugap.navigation.correction import Correction
 from imugap.navigation.fix_screening import middle
-from imugap.navigation.mend import Mend
 from imugap.navigation.vehicle import DriveInputs
 from imugap.navigation.vehicle_alignment import velocity_pair
 from imugap.navigation.velocity_matching import AFTER_S, BEFORE_S, SPAN_S, MatchedAttitude, VelocityPair
@@ -28,9 +28,9 @@ WINDOWS = 6
 EVERY_S = 10.0
 """Time between the windows to choose from [s]."""
 UNEXPLAINED, EXPLAINED = 0.08, 0.15
-"""Unexplained share from which on a drive is suspect, and below which a suspect is named."""
+"""Unexplained share from which on a drive is doubtful, and below which an error is named."""
 BETTER = 0.4
-"""Largest unexplained share of a named suspect, as a multiple of that without it."""
+"""Largest unexplained share with a named error corrected, as a multiple of that without it."""
 SMALLEST_SIGNAL = 1.5
 """Root mean square of the changes of velocity that a comparison needs, as a multiple of their noise."""
 SPANS_S = SPAN_S, 2.5
@@ -74,20 +74,20 @@ class DriveWindows:
 
 
 @dataclass(frozen=True)
-class _Suspect:
-    """What may be wrong with the inputs: a change of the pair that mends it, and the message that refuses them."""
+class _Candidate:
+    """What may be wrong with the inputs: a change of the pair that corrects it, and the message that refuses them."""
 
     change: Callable[[], VelocityPair]
     message: str
 
     def unexplained(self) -> float:
-        """Return the unexplained share of the mended pair."""
+        """Return the unexplained share of the corrected pair."""
         pair = self.change()
         windows = windows_of(pair)
         return np.inf if windows is None else windows.unexplained(pair)
 
     def is_needed(self, pair: VelocityPair) -> bool:
-        """Return whether the samples leave changes of ``pair`` unexplained where the mended one shows motion."""
+        """Return whether the samples leave changes of ``pair`` unexplained where the corrected one shows motion."""
         windows = windows_of(self.change())
         return windows is not None and windows.unexplained(pair) >= UNEXPLAINED
 
@@ -109,7 +109,7 @@ def windows_of(pair: VelocityPair) -> DriveWindows | None:
     return None
 
 
-def check_physics(inputs: DriveInputs) -> tuple[DriveInputs, tuple[Mend, ...]]:
+def check_physics(inputs: DriveInputs) -> tuple[DriveInputs, tuple[Correction, ...]]:
     """Return the inputs with a gross time offset compensated, and that; a ValueError names any other gross error."""
     _check_gravity(inputs)
     pair = velocity_pair(inputs)
@@ -118,15 +118,15 @@ def check_physics(inputs: DriveInputs) -> tuple[DriveInputs, tuple[Mend, ...]]:
     if plain < UNEXPLAINED:
         return inputs, ()
     limit = min(EXPLAINED, BETTER * plain)
-    suspects = {one: one.unexplained() for one in _suspects(inputs, pair) if windows or one.is_needed(pair)}
-    best = min(suspects, key=suspects.get, default=None)
+    candidates = {one: one.unexplained() for one in _candidates(inputs, pair) if windows or one.is_needed(pair)}
+    best = min(candidates, key=candidates.get, default=None)
     offset, rest = (0.0, np.inf) if windows is None else _time_offset(pair, windows)
-    if best is not None and suspects[best] < min(limit, rest):
+    if best is not None and candidates[best] < min(limit, rest):
         raise ValueError(best.message)
     return _with_offset(inputs, offset, plain, rest) if rest < limit else (inputs, ())
 
 
-def with_mounting(inputs: DriveInputs) -> tuple[DriveInputs, tuple[Mend, ...]]:
+def with_mounting(inputs: DriveInputs) -> tuple[DriveInputs, tuple[Correction, ...]]:
     """Return the inputs with the device turned to the course, if it points to one side of it, and that."""
     angle = mounting_of(inputs)
     if angle is None:
@@ -138,7 +138,7 @@ def with_mounting(inputs: DriveInputs) -> tuple[DriveInputs, tuple[Mend, ...]]:
     degrees = np.degrees(angle)
     found = f"the device points {abs(degrees):.0f} deg to the {'right' if angle > 0 else 'left'} of the course"
     setting = f"mounting: {{heading_deg: {degrees:.0f}}}, added to the given one"
-    return replace(inputs, log=inputs.log.assign(**columns)), (Mend("mounting", found, setting),)
+    return replace(inputs, log=inputs.log.assign(**columns)), (Correction("mounting", found, setting),)
 
 
 def mounting_of(inputs: DriveInputs) -> float | None:
@@ -173,7 +173,7 @@ def _check_gravity(inputs: DriveInputs) -> None:
         )
 
 
-def _suspects(inputs: DriveInputs, pair: VelocityPair) -> list[_Suspect]:
+def _candidates(inputs: DriveInputs, pair: VelocityPair) -> list[_Candidate]:
     """Return the errors of units, signs and orders that are tried."""
 
     def samples(rates: float | np.ndarray = 1.0, forces: float | np.ndarray = 1.0) -> Callable[[], VelocityPair]:
@@ -189,25 +189,25 @@ def _suspects(inputs: DriveInputs, pair: VelocityPair) -> list[_Suspect]:
 
     names, flip = ", ".join(GYRO), 1 - 2 * np.eye(3)
     found = [
-        _Suspect(samples(rates=np.radians(1)), f"drive: expected {names} in rad/s; found rates 57.3 times those of the "
-                 "turns of the fixes, as in deg/s (convert them)"),
-        _Suspect(samples(rates=np.degrees(1)), f"drive: expected {names} in rad/s; found rates 57.3 times too small "
-                 "for the turns of the fixes (converted twice?)"),
-        _Suspect(samples(rates=-1.0), f"drive: expected {names} right-handed about the axes of the accelerometers; "
-                 "found the opposite sign of the turns of the fixes"),
-        *(_Suspect(samples(rates=flip[k]), f"drive: expected a right-handed {name}; found the opposite sign of the "
-                   "turns of the fixes") for k, name in enumerate(GYRO)),
-        *(_Suspect(samples(forces=flip[k]), f"drive: expected {ACCEL[k]} along the axis of {GYRO[k]}; found the "
-                   "opposite sign of the changes of velocity of the fixes") for k in range(2)),
+        _Candidate(samples(rates=np.radians(1)), f"drive: expected {names} in rad/s; found rates 57.3 times those of "
+                   "the turns of the fixes, as in deg/s (convert them)"),
+        _Candidate(samples(rates=np.degrees(1)), f"drive: expected {names} in rad/s; found rates 57.3 times too small "
+                   "for the turns of the fixes (converted twice?)"),
+        _Candidate(samples(rates=-1.0), f"drive: expected {names} right-handed about the axes of the accelerometers; "
+                   "found the opposite sign of the turns of the fixes"),
+        *(_Candidate(samples(rates=flip[k]), f"drive: expected a right-handed {name}; found the opposite sign of the "
+                     "turns of the fixes") for k, name in enumerate(GYRO)),
+        *(_Candidate(samples(forces=flip[k]), f"drive: expected {ACCEL[k]} along the axis of {GYRO[k]}; found the "
+                     "opposite sign of the changes of velocity of the fixes") for k in range(2)),
     ]  # fmt: skip
     order = "in this order; found a motion that turns against the device: the two are exchanged"
     if "vel_n" in inputs.fixes:
-        return [*found, _Suspect(exchanged, f"fixes: expected vel_n, vel_e {order}")]
+        return [*found, _Candidate(exchanged, f"fixes: expected vel_n, vel_e {order}")]
     latitude, longitude = inputs.fixes["latitude"], inputs.fixes["longitude"]
     if longitude.abs().max() < np.pi / 2:
-        found.append(_Suspect(places(longitude, latitude), f"fixes: expected latitude, longitude {order}"))
+        found.append(_Candidate(places(longitude, latitude), f"fixes: expected latitude, longitude {order}"))
     if latitude.abs().max() < np.radians(np.pi / 2):
-        found.append(_Suspect(places(np.degrees(latitude), np.degrees(longitude)), "fixes: expected latitude and "
+        found.append(_Candidate(places(np.degrees(latitude), np.degrees(longitude)), "fixes: expected latitude and "
                               "longitude in degrees; found a motion 57.3 times smaller than that of the device, as in "
                               "radians"))  # fmt: skip
     return found
@@ -231,13 +231,13 @@ def _time_offset(pair: VelocityPair, windows: DriveWindows) -> tuple[float, floa
 
 def _with_offset(
     inputs: DriveInputs, offset: float, plain: float, rest: float
-) -> tuple[DriveInputs, tuple[Mend, ...]]:  # fmt: skip
+) -> tuple[DriveInputs, tuple[Correction, ...]]:  # fmt: skip
     """Compensate a gross time offset."""
-    whole = inputs.assumptions.offset_s + offset
+    whole = inputs.assumptions.time_offset_s + offset
     scales = (f", as of {name}" for leap, name in LEAP_S.items() if abs(abs(offset) - leap) < NEAR_LEAP_S)
     found = (
         f"the stamps of the fixes are {abs(offset):.2f} s {'late' if offset < 0 else 'early'}{next(scales, '')}: "
         f"the samples leave {plain:.0%} of their changes of velocity unexplained, and {rest:.0%} with the offset"
     )
-    mended = replace(inputs, assumptions=replace(inputs.assumptions, offset_s=whole))
-    return mended, (Mend("time offset", found, f"time_offset: {{offset_s: {whole:.3g}}}"),)
+    corrected = replace(inputs, assumptions=replace(inputs.assumptions, time_offset_s=whole))
+    return corrected, (Correction("time offset", found, f"time_offset: {{offset_s: {whole:.3g}}}"),)

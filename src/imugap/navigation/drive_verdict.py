@@ -19,8 +19,8 @@ import numpy as np
 from scipy.special import chdtri
 
 from imugap.io.gnss import PLACE_STD, VELOCITY_STD
-from imugap.navigation.drive_suspects import FAILING, LARGEST_NIS, InnovationFit, deviations, solve
-from imugap.navigation.mend import Mend
+from imugap.navigation.correction import Correction
+from imugap.navigation.drive_error_search import FAILING, LARGEST_NIS, InnovationFit, deviations, solve
 from imugap.navigation.vehicle import DriveInputs, DriveSolution
 
 OUTAGE_S, OUTAGES, SETTLING_S = 15.0, 4, 45.0
@@ -41,7 +41,7 @@ class DriveVerdict:
 
     Attributes
     ----------
-    mends
+    corrections
         What was wrong with the inputs, and what was done.
     fit
         Fit of the innovations.
@@ -52,7 +52,7 @@ class DriveVerdict:
         Limit of the outage test.
     """
 
-    mends: tuple[Mend, ...]
+    corrections: tuple[Correction, ...]
     fit: InnovationFit
     smoother: float
     outage: float
@@ -75,7 +75,7 @@ class DriveVerdict:
     @property
     def agrees(self) -> bool:
         """Whether everything agrees as it was given."""
-        return not self.mends and not self.reasons
+        return not self.corrections and not self.reasons
 
     @property
     def factor(self) -> float:
@@ -86,21 +86,21 @@ class DriveVerdict:
 
     def __str__(self) -> str:
         """Return the verdict in words."""
-        parts = [str(one) for one in self.mends]
+        parts = [str(one) for one in self.corrections]
         if self.reasons:
-            parts.append(f"device and fixes do not agree: {'; '.join(self.reasons)}; nothing that was tried mends it, "
-                         f"and the stated deviations are multiplied by {self.factor:.2g}")  # fmt: skip
+            parts.append(f"device and fixes do not agree: {'; '.join(self.reasons)}; nothing that was tried corrects "
+                         f"it, and the stated deviations are multiplied by {self.factor:.2g}")  # fmt: skip
         else:
-            parts.append("device and fixes agree" + (" then" if self.mends else ""))
+            parts.append("device and fixes agree" + (" then" if self.corrections else ""))
         return ". ".join(one[0].upper() + one[1:] for one in parts) + "."
 
 
 def judge(
-    inputs: DriveInputs, mends: tuple[Mend, ...], filtered: DriveSolution, smoothed: DriveSolution
+    inputs: DriveInputs, corrections: tuple[Correction, ...], filtered: DriveSolution, smoothed: DriveSolution
 ) -> DriveVerdict:
     """Judge the solutions of a drive."""
     outage, limit = outage_test(inputs)
-    return DriveVerdict(mends, InnovationFit.of(filtered), smoother_test(filtered, smoothed), outage, limit)
+    return DriveVerdict(corrections, InnovationFit.of(filtered), smoother_test(filtered, smoothed), outage, limit)
 
 
 def smoother_test(filtered: DriveSolution, smoothed: DriveSolution) -> float:
@@ -116,8 +116,8 @@ def smoother_test(filtered: DriveSolution, smoothed: DriveSolution) -> float:
 def outage_test(inputs: DriveInputs) -> tuple[float, float]:
     """Return the mean normalised square of the prediction at the end of withheld stretches, and its limit."""
     time = inputs.fixes.index.to_numpy(dtype=float)
-    begin = solve(inputs).time[0] - inputs.assumptions.offset_s + SETTLING_S
-    last = min(time[-1], inputs.log.index[-1] - inputs.assumptions.offset_s)
+    begin = solve(inputs).time[0] - inputs.assumptions.time_offset_s + SETTLING_S
+    last = min(time[-1], inputs.log.index[-1] - inputs.assumptions.time_offset_s)
     count = int(min((last - begin) // (SETTLING_S + OUTAGE_S), OUTAGES))
     if count < 1:
         return float("nan"), float("inf")

@@ -16,7 +16,7 @@ import pandas as pd
 from imugap.io import gnss
 from imugap.io.gnss import PLACE, VELOCITY_STD
 from imugap.kinematics.strapdown import VELOCITY, Ellipsoid
-from imugap.navigation.mend import Mend
+from imugap.navigation.correction import Correction
 
 ORIGIN_FIXES = 5
 """Number of fixes whose median is the origin."""
@@ -56,17 +56,19 @@ class _Explanation(NamedTuple):
     found: str
 
 
-def screen(fixes: pd.DataFrame, position_std: tuple[float, float, float]) -> tuple[pd.DataFrame, tuple[Mend, ...]]:
+def screen(
+    fixes: pd.DataFrame, position_std: tuple[float, float, float]
+) -> tuple[pd.DataFrame, tuple[Correction, ...]]:
     """Return the fixes that a filter can use, and what was left out; a ValueError for a unit or an order of columns.
 
     ``position_std`` are standard deviations of a position where the log gives none [m].
     """
-    mends = []
+    corrections = []
     for step in (_without_null_island, _without_unreachable, _without_repeats):
         fixes, found = step(fixes)
-        mends += found
+        corrections += found
     fixes, found = _with_fitting_velocities(fixes, position_std)
-    return fixes, (*mends, *found)
+    return fixes, (*corrections, *found)
 
 
 def middle(fixes: pd.DataFrame) -> Ellipsoid:
@@ -80,7 +82,7 @@ def first_place(fixes: pd.DataFrame) -> Ellipsoid:
     return middle(fixes.iloc[:ORIGIN_FIXES])
 
 
-def _without_null_island(fixes: pd.DataFrame) -> tuple[pd.DataFrame, list[Mend]]:
+def _without_null_island(fixes: pd.DataFrame) -> tuple[pd.DataFrame, list[Correction]]:
     """Leave out fixes at latitude and longitude zero where others are elsewhere."""
     null = ((fixes["latitude"] == 0) & (fixes["longitude"] == 0)).to_numpy()
     if not null.any() or null.sum() > len(fixes) - 2:
@@ -88,7 +90,7 @@ def _without_null_island(fixes: pd.DataFrame) -> tuple[pd.DataFrame, list[Mend]]
     found = (
         f"{null.sum()} of {len(fixes)} fixes, the first at {fixes.index[null][0]:g} s, are at latitude 0, longitude 0"
     )
-    return fixes[~null], [Mend("fixes before lock", found, "left out")]
+    return fixes[~null], [Correction("fixes before lock", found, "left out")]
 
 
 def _speeds(fixes: pd.DataFrame, place: np.ndarray) -> np.ndarray:
@@ -103,7 +105,7 @@ def _speeds(fixes: pd.DataFrame, place: np.ndarray) -> np.ndarray:
     return np.hypot(*(place[after] - place[before])[:, :2].T) / np.maximum(time[after] - time[before], 1e-3)
 
 
-def _without_unreachable(fixes: pd.DataFrame) -> tuple[pd.DataFrame, list[Mend]]:
+def _without_unreachable(fixes: pd.DataFrame) -> tuple[pd.DataFrame, list[Correction]]:
     """Leave out fixes from which the rest of the drive is out of reach: those at the start, and those far away."""
     place, time = gnss.local(fixes, middle(fixes))[:, :3], fixes.index.to_numpy(dtype=float)
     steps = np.hypot(*np.diff(place, axis=0)[:, :2].T) / np.diff(time)
@@ -135,10 +137,10 @@ def _without_unreachable(fixes: pd.DataFrame) -> tuple[pd.DataFrame, list[Mend]]
         return fixes, []
     when = f"from {time[gone][0]:g} s to {time[gone][-1]:g} s"
     found = f"{gone.sum()} of {len(time)} fixes, {when}, lie up to {away[gone].max():.3g} m away from the others"
-    return fixes[~gone], [Mend("fixes from elsewhere", found, "left out")]
+    return fixes[~gone], [Correction("fixes from elsewhere", found, "left out")]
 
 
-def _without_repeats(fixes: pd.DataFrame) -> tuple[pd.DataFrame, list[Mend]]:
+def _without_repeats(fixes: pd.DataFrame) -> tuple[pd.DataFrame, list[Correction]]:
     """Leave out fixes that repeat the place of the one before, digit by digit, in motion."""
     time, speed = fixes.index.to_numpy(dtype=float), _speeds(fixes, gnss.local(fixes, middle(fixes))[:, :3])
     columns = [name for name in (*PLACE, *VELOCITY) if name in fixes]
@@ -152,12 +154,12 @@ def _without_repeats(fixes: pd.DataFrame) -> tuple[pd.DataFrame, list[Mend]]:
     own = 1 / np.median(np.diff(time[~gone])) if (~gone).sum() > 1 else 0.0
     rates = f"a receiver at {own:.3g} Hz in a log at {1 / np.median(np.diff(time)):.3g} Hz"
     found = f"{gone.sum()} of {len(time)} fixes repeat the one before, digit by digit, in motion: {rates}"
-    return fixes[~gone], [Mend("held fixes", found, "left out")]
+    return fixes[~gone], [Correction("held fixes", found, "left out")]
 
 
 def _with_fitting_velocities(
     fixes: pd.DataFrame, position_std: tuple[float, float, float]
-) -> tuple[pd.DataFrame, list[Mend]]:
+) -> tuple[pd.DataFrame, list[Correction]]:
     """Compare velocities with displacements: refuse a unit or an order of columns, leave out what contradicts."""
     if VELOCITY[0] not in fixes:
         return fixes, []
@@ -180,7 +182,9 @@ def _with_fitting_velocities(
             raise ValueError(f"fixes: expected {best.expected}; found {best.found}")
         found = f"the velocities of the fixes explain only {max(1 - plain, 0):.0%} of the displacements"
         names = [name for name in (*VELOCITY, *VELOCITY_STD) if name in fixes]
-        return fixes.drop(columns=names), [Mend("velocities that contradict positions", found, "velocities left out")]
+        return fixes.drop(columns=names), [
+            Correction("velocities that contradict positions", found, "velocities left out")
+        ]
     _check_down(place[moving, 2], integral[moving, 2])
     return fixes, []
 

@@ -58,8 +58,8 @@ from imugap.filters.solution_separation import (
     EVENT_OPENED,
     EVENT_SEPARATED,
     OFFSET_STATES,
-    OFFSETS,
     OPEN,
+    POSITION_OFFSETS,
     REJECTIONS,
     SUB_FILTERS,
     UNKNOWN_VARIANCE,
@@ -106,9 +106,9 @@ class DriveAssumptions:
         Lever arm from the device to the antenna, in ``b`` [m].
     lever_std
         Its standard deviation, each axis [m]; 0: not a state.
-    offset_s
+    time_offset_s
         Time of the log minus stamp of the fix [s].
-    offset_std
+    time_offset_std
         Its standard deviation [s]; 0: not a state.
     scale_std
         Standard deviations of the scale factors of gyroscopes and accelerometers; 0: not a state.
@@ -116,16 +116,16 @@ class DriveAssumptions:
         Correlation time of the scale factors [s].
     position_std, velocity_std
         Standard deviations of a fix, north, east, down [m] and [m/s], where the log gives none.
-    slow_std
+    slow_position_std
         Standard deviations of slow errors of its position besides, north, east, down [m]; 0: not a state.
-    slow_s
+    slow_position_s
         Their correlation time [s].
     epoch_s
         Longest epoch of the covariance [s].
-    wheels_std
+    nonholonomic_std
         Standard deviation of the velocity of the rear axle across and up [m/s] (:mod:`imugap.filters.nonholonomic`); 0
         for no constraint.
-    wheels_s
+    nonholonomic_s
         Its correlation time [s].
     axle_m
         From the device to the middle of the rear axle, in ``b`` [m].
@@ -133,27 +133,33 @@ class DriveAssumptions:
 
     lever_m: tuple[float, float, float] = (0.0, 0.0, 0.0)
     lever_std: float = 0.0
-    offset_s: float = 0.0
-    offset_std: float = 0.0
+    time_offset_s: float = 0.0
+    time_offset_std: float = 0.0
     scale_std: tuple[float, float] = (2e-3, 2e-3)
     scale_s: float = np.inf
     position_std: tuple[float, float, float] = (1.5, 1.5, 3.0)
-    slow_std: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    slow_s: float = 60.0
+    slow_position_std: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    slow_position_s: float = 60.0
     velocity_std: tuple[float, float, float] = (0.1, 0.1, 0.2)
     epoch_s: float = 0.05
-    wheels_std: float = 0.0
-    wheels_s: float = 2.0
+    nonholonomic_std: float = 0.0
+    nonholonomic_s: float = 2.0
     axle_m: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     def states(self, model: ErrorModel) -> SensorStates:
         """Return the states of the sensors under ``model``, and those of the receiver."""
-        return SensorStates.of(model, self.scale_std, self.scale_s).with_receiver(self.slow_std, self.slow_s)
+        return SensorStates.of(model, self.scale_std, self.scale_s).with_receiver(
+            self.slow_position_std, self.slow_position_s
+        )
 
     def constants(self) -> list[tuple[str, float]]:
         """Return names and standard deviations of the states behind those of the sensors."""
         lever = [(name, self.lever_std) for name in LEVER_ARM if self.lever_std > 0]
-        return lever + ([(TIME_OFFSET, self.offset_std)] if self.offset_std > 0 else [])
+        return lever + ([(TIME_OFFSET, self.time_offset_std)] if self.time_offset_std > 0 else [])
+
+    def rows(self, sensors: int) -> dict[str, int]:
+        """Return the row of each of :meth:`constants`, by name, behind ``sensors`` states of the sensors."""
+        return {name: NAVIGATION + sensors + number for number, (name, _) in enumerate(self.constants())}
 
 
 @dataclass(frozen=True)
@@ -283,16 +289,17 @@ class _Measurements(NamedTuple):
 
 
 class _Frame(NamedTuple):
-    """Constants: origin of the ellipsoid, lever arm, which optional states there are, initial variances, constraint.
+    """Constants: origin of the ellipsoid, lever arm, rows of the optional states, initial variances, constraint.
 
-    ``known``: the use of each position is known from an earlier pass. ``rate_noise``: limit of the noise of a sample of
-    each gyroscope [rad/s].
+    ``lever_arm_row``, ``time_offset_row``: row of its first state, 0 where it is not a state. ``known``: the use of
+    each position is known from an earlier pass. ``rate_noise``: limit of the noise of a sample of each gyroscope
+    [rad/s].
     """
 
     origin: tuple[float, float, float, float]
     lever: tuple[float, float, float]
-    lever_arm_state: bool
-    time_offset_state: bool
+    lever_arm_row: int
+    time_offset_row: int
     position_offset_state: bool
     known: bool
     variance: np.ndarray
@@ -305,15 +312,15 @@ class _Room(NamedTuple):
 
     work: np.ndarray
     shift: np.ndarray
-    gain: np.ndarray
+    sensitivity: np.ndarray
     mean: np.ndarray
-    hold: np.ndarray
-    drive: np.ndarray
+    decay_factor: np.ndarray
+    driving_variance: np.ndarray
     now: np.ndarray
     before: np.ndarray
     rows: np.ndarray
-    spread: np.ndarray
-    weight: np.ndarray
+    cross_covariance: np.ndarray
+    gain: np.ndarray
     row: np.ndarray
     present: np.ndarray
     innovation: np.ndarray
@@ -346,17 +353,15 @@ def _beyond_noise(rate, limit):
 
 
 @kernel
-def _predicted(i, nav, rate, acceleration, errors, sensors, gain, frame, row):
+def _predicted(i, nav, rate, acceleration, errors, sensors, sensitivity, frame, row):
     """Return the predicted component ``i`` of a fix, and store its derivative by the states in ``row``."""
     mat = mat_from_quat(nav[2])
-    axes, first = mat[i % 3], NAVIGATION + len(sensors.axis)
-    lever, delay = frame.lever, 0.0
-    last = len(row) - 1 - OFFSET_STATES if frame.position_offset_state else len(row) - 1
-    if frame.lever_arm_state:
-        e = errors[first - NAVIGATION], errors[first - NAVIGATION + 1], errors[first - NAVIGATION + 2]
-        lever = add_scaled(lever, 1.0, e)
-    if frame.time_offset_state:
-        delay = errors[last - NAVIGATION]
+    axes, lever, delay = mat[i % 3], frame.lever, 0.0
+    if frame.lever_arm_row:
+        first = frame.lever_arm_row - NAVIGATION
+        lever = add_scaled(lever, 1.0, (errors[first], errors[first + 1], errors[first + 2]))
+    if frame.time_offset_row:
+        delay = errors[frame.time_offset_row - NAVIGATION]
     for j in range(len(row)):
         row[j] = 0.0
     row[i] = 1.0
@@ -368,13 +373,13 @@ def _predicted(i, nav, rate, acceleration, errors, sensors, gain, frame, row):
         shift = cross(axes, lever)
         for s in range(len(sensors.axis)):
             if sensors.axis[s] < 3:
-                row[NAVIGATION + s] = gain[s] * shift[sensors.axis[s]]
-    if frame.lever_arm_state:
+                row[NAVIGATION + s] = sensitivity[s] * shift[sensors.axis[s]]
+    if frame.lever_arm_row:
         reach = axes if i < 3 else cross(axes, _beyond_noise(rate, frame.rate_noise))
         for m in range(3):
-            row[first + m] = reach[m]
-    if frame.time_offset_state:
-        row[last] = moving[a]
+            row[frame.lever_arm_row + m] = reach[m]
+    if frame.time_offset_row:
+        row[frame.time_offset_row] = moving[a]
     own = nav[0][a] if i < 3 else nav[1][a]
     if i < 3:
         for s in range(len(sensors.axis)):
@@ -382,8 +387,8 @@ def _predicted(i, nav, rate, acceleration, errors, sensors, gain, frame, row):
                 row[NAVIGATION + s] = 1.0
                 own += errors[s]
     if frame.position_offset_state and i < 3:
-        row[last + 1 + i] = 1.0
-        own += errors[last + 1 + i - NAVIGATION]
+        row[len(row) - OFFSET_STATES + i] = 1.0
+        own += errors[len(errors) - OFFSET_STATES + i]
     return own + u[a] + delay * moving[a]
 
 
@@ -432,7 +437,7 @@ def _soft_reset(covariance, errors, control, seen, variance, transposed):
 
 
 @kernel
-def _innovations(inputs, fix, nav, rate, acceleration, covariance, errors, sensors, gain, frame, room, multiple):
+def _innovations(inputs, fix, nav, rate, acceleration, covariance, errors, sensors, sensitivity, frame, room, multiple):
     """Store the innovations of the components of a fix, and their covariance; return the number of components.
 
     The variances of the velocities are multiplied by ``multiple``.
@@ -440,16 +445,16 @@ def _innovations(inputs, fix, nav, rate, acceleration, covariance, errors, senso
     count = 0
     for i in range(6):
         if not np.isnan(inputs.seen[fix, i]):
-            expected = _predicted(i, nav, rate, acceleration, errors, sensors, gain, frame, room.rows[count])
+            expected = _predicted(i, nav, rate, acceleration, errors, sensors, sensitivity, frame, room.rows[count])
             room.present[count], room.innovation[count] = i, expected - inputs.seen[fix, i]
             room.noise[count] = inputs.std[fix, i] * inputs.std[fix, i] * (1.0 if i < 3 else multiple)
             count += 1
     for i in range(count):
-        innovation_variance(covariance, room.rows[i], 0.0, room.spread)
+        innovation_variance(covariance, room.rows[i], 0.0, room.cross_covariance)
         for j in range(count):
             room.variance[i, j] = room.noise[i] if i == j else 0.0
             for m in range(len(covariance)):
-                room.variance[i, j] += room.rows[j, m] * room.spread[m]
+                room.variance[i, j] += room.rows[j, m] * room.cross_covariance[m]
     return count
 
 
@@ -482,11 +487,11 @@ def _update_by_fix(fix, count, use, fed, nav, covariance, errors, control, room,
     for i in range(count):
         if room.noise[i] < np.inf:
             residual = room.innovation[i]
-            nav, _ = apply_measurement(covariance, errors, room.rows[i], residual, room.noise[i], room.spread,
-                                       room.weight, nav, block, slot, i, fed)  # fmt: skip
+            nav, _ = apply_measurement(covariance, errors, room.rows[i], residual, room.noise[i], room.cross_covariance,
+                                       room.gain, nav, block, slot, i, fed)  # fmt: skip
             for j in range(i + 1, count):
-                for m in range(len(room.weight)):
-                    room.innovation[j] -= room.rows[j, m] * room.weight[m] * residual
+                for m in range(len(room.gain)):
+                    room.innovation[j] -= room.rows[j, m] * room.gain[m] * residual
     return nav
 
 
@@ -502,7 +507,7 @@ def _propagate(inputs, k, time, target, nav, errors, sensors, frame, room):
     for s in range(states):
         room.mean[s] = 0.0
     while time < target:
-        compensate(inputs.samples, k, sensors.axis, sensors.scale, sensors.fixed, errors, room.gain, room.now,
+        compensate(inputs.samples, k, sensors.axis, sensors.scale, sensors.fixed, errors, room.sensitivity, room.now,
                    room.before)  # fmt: skip
         end, now, before = min(stamp[k], target), room.now, room.before
         gyro, accel, dt = (now[0], now[1], now[2]), (now[3], now[4], now[5]), end - time
@@ -515,7 +520,7 @@ def _propagate(inputs, k, time, target, nav, errors, sensors, frame, room):
         c0, c1, c2 = add_scaled(c0, share, mat[0]), add_scaled(c1, share, mat[1]), add_scaled(c2, share, mat[2])
         force = add_scaled(force, part, rotate(nav[2], delta_v))
         for s in range(states):
-            room.mean[s] += share * room.gain[s]
+            room.mean[s] += share * room.sensitivity[s]
         nav = ellipsoid_step(nav[0], nav[1], nav[2], rotvec, delta_v, dt, frame.origin)
         time = end
         if end == stamp[k]:
@@ -530,7 +535,7 @@ def _process_fix(
     """Test a fix and update by it; return the corrected navigation."""
     errors, covariance, counters, multiple = state.errors, state.covariance, state.counters, velocity_inflation(state)
     count = _innovations(
-        inputs, fix, nav, rate, acceleration, covariance, errors, sensors, room.gain, frame, room, multiple
+        inputs, fix, nav, rate, acceleration, covariance, errors, sensors, room.sensitivity, frame, room, multiple
     )
     passed = _global_test(fix, count, control.limits[count], room, record)
     use, over = ACCEPTED, False
@@ -557,7 +562,7 @@ def _process_fix(
             state.offset[WALK_RATE] = 0.0
         multiple = 1.0
         count = _innovations(
-            inputs, fix, nav, rate, acceleration, covariance, errors, sensors, room.gain, frame, room, multiple
+            inputs, fix, nav, rate, acceleration, covariance, errors, sensors, room.sensitivity, frame, room, multiple
         )
     record.position_use[fix] = RESTARTED if use == HELD and state.offset[WALK_RATE] > 0.0 else use
     update_velocity_statistics(count, use == RESTARTED, multiple, room, state)
@@ -578,20 +583,19 @@ def _filter_member(
         nav, mat, force, k, rate = _propagate(inputs, k, time, epochs.end[e], nav, errors, sensors, frame, room)
         time = epochs.end[e]
         if interval != step:
-            discretise_states(sensors.decay, sensors.driving, interval, room.hold, room.drive)
+            discretise_states(sensors.decay, sensors.driving, interval, room.decay_factor, room.driving_variance)
             step = interval
         if stored:
-            transposed_transition(
-                block.transposed[slot], room.work, mat, force, interval, sensors.axis, room.mean, room.hold, room.shift
-            )
-        if frame.lever_arm_state:
+            transposed_transition(block.transposed[slot], room.work, mat, force, interval, sensors.axis, room.mean,
+                                  room.decay_factor, room.shift)  # fmt: skip
+        if frame.lever_arm_row:
             dropped = block.transposed[slot] if stored else room.nothing
-            _hold_antenna(covariance, state.turn, NAVIGATION + len(sensors.axis), dropped)
-        predict(covariance, room.work, mat, force, interval, sensors.axis, room.mean, room.hold, room.drive,
-                sensors.white, room.shift)  # fmt: skip
+            _hold_antenna(covariance, state.turn, frame.lever_arm_row, dropped)
+        predict(covariance, room.work, mat, force, interval, sensors.axis, room.mean, room.decay_factor,
+                room.driving_variance, sensors.white, room.shift)  # fmt: skip
         before = mat_from_quat(nav[2])
         for s in range(len(sensors.axis)):
-            errors[s] *= room.hold[s]
+            errors[s] *= room.decay_factor[s]
         if state.offset[WALK_RATE] > 0.0:
             for i in range(len(covariance) - OFFSET_STATES, len(covariance)):
                 covariance[i, i] += state.offset[WALK_RATE] * interval
@@ -604,8 +608,8 @@ def _filter_member(
             history.nis[e] = record.statistic[fix]
         if frame.wheels.std > 0.0:
             nav = apply_wheel_constraint(
-                frame.wheels, epochs.quiet[e], interval, nav, rate, covariance, errors, sensors, room.gain, room.row,
-                room.spread, room.weight, block, slot, FIX,
+                frame.wheels, epochs.quiet[e], interval, nav, rate, covariance, errors, sensors, room.sensitivity,
+                room.row, room.cross_covariance, room.gain, block, slot, FIX,
             )  # fmt: skip
         after = mat_from_quat(nav[2])
         for i in range(3):
@@ -659,7 +663,7 @@ def navigate(inputs: DriveInputs, start: InitialState, smooth: bool = False) -> 
     stamp = _checked_stamps(log, start)
     states = assumptions.states(inputs.model)
     control = replace(inputs.quality, gated=False) if smooth else inputs.quality
-    due = fixes.index.to_numpy(dtype=float) + assumptions.offset_s
+    due = fixes.index.to_numpy(dtype=float) + assumptions.time_offset_s
     offered = np.flatnonzero((due > start.time + STAMP_TOLERANCE_S) & (due <= stamp[-1] + STAMP_TOLERANCE_S))
     measured = _Measurements(
         np.ascontiguousarray(log[list(AXES)].to_numpy(dtype=float)),
@@ -668,7 +672,7 @@ def navigate(inputs: DriveInputs, start: InitialState, smooth: bool = False) -> 
         gnss.deviations(fixes, assumptions.position_std, assumptions.velocity_std)[offered],
     )
     epochs = Epochs.of(stamp, due[offered], start.time, assumptions.epoch_s)
-    if assumptions.wheels_std > 0:
+    if assumptions.nonholonomic_std > 0:
         epochs = epochs._replace(quiet=quiet_epochs(measured.samples, stamp, epochs.end))
     separating = control.separation_s is not None
     step_s = float(np.median(np.diff(stamp)))
@@ -690,7 +694,7 @@ def navigate(inputs: DriveInputs, start: InitialState, smooth: bool = False) -> 
     if smooth:
         run_smoother(partial(step, separating), state, history, FIX + CONSTRAINTS)
     time, rows = pd.Index(epochs.end, name=TIME), np.flatnonzero(epochs.fix >= 0)
-    names = [*states.names, *(name for name, _ in assumptions.constants()), *(OFFSETS if separating else ())]
+    names = [*states.names, *(name for name, _ in assumptions.constants()), *(POSITION_OFFSETS if separating else ())]
     fix_time = fixes.index.to_numpy()[offered]
     return DriveSolution(time, names, history, ellipsoid, fix_time, rows, record, kept, control)
 
@@ -709,12 +713,13 @@ def _frame(
     assumptions: DriveAssumptions, states: SensorStates, ellipsoid: Ellipsoid, separating: bool, step_s: float
 ) -> _Frame:  # fmt: skip
     """Return the constants of the compiled filter; ``separating``: with states of the position offset."""
-    variance = [*states.variance, *(std**2 for _, std in assumptions.constants())]
+    variance, rows = [*states.variance, *(std**2 for _, std in assumptions.constants())], assumptions.rows(len(states))
     lever, axle = (tuple(map(float, arm)) for arm in (assumptions.lever_m, assumptions.axle_m))
     return _Frame(
-        ellipsoid.origin, lever, assumptions.lever_std > 0, assumptions.offset_std > 0, separating, False,
+        ellipsoid.origin, lever, rows.get(LEVER_ARM[0], 0), rows.get(TIME_OFFSET, 0), separating, False,
         np.append(variance, np.zeros(OFFSET_STATES * separating)),
-        WheelConstraint(float(assumptions.wheels_std), float(assumptions.wheels_s), axle),  # int: another compilation
+        # an int would be another compilation
+        WheelConstraint(float(assumptions.nonholonomic_std), float(assumptions.nonholonomic_s), axle),
         tuple(NOISE_SIGMA * float(std) for std in np.sqrt(states.white[:3] / step_s)),
     )  # fmt: skip
 

@@ -24,7 +24,14 @@ from imugap.io import gnss
 from imugap.kinematics import earth
 from imugap.kinematics.strapdown import Ellipsoid, Local, NavigationState, level, navigate
 from imugap.log import ACCEL, AXES, GYRO
-from imugap.navigation.vehicle import LEVER_ARM, AlignmentSettings, DriveAssumptions, DriveInputs, InitialState
+from imugap.navigation.vehicle import (
+    LEVER_ARM,
+    TIME_OFFSET,
+    AlignmentSettings,
+    DriveAssumptions,
+    DriveInputs,
+    InitialState,
+)
 from imugap.navigation.velocity_matching import MatchedAttitude, VelocityPair
 from imugap.numerics.rotation import from_euler
 
@@ -56,7 +63,7 @@ def align(inputs: DriveInputs) -> InitialState:
     """Return the initial state at the first fix with a known course; raise ValueError without one."""
     log, fixes, assumptions, ellipsoid = inputs.log, inputs.fixes, inputs.assumptions, inputs.ellipsoid
     states, settings = assumptions.states(inputs.model), inputs.alignment
-    time = fixes.index.to_numpy(dtype=float) + assumptions.offset_s
+    time = fixes.index.to_numpy(dtype=float) + assumptions.time_offset_s
     seen = gnss.local(fixes, ellipsoid)
     std = gnss.deviations(fixes, assumptions.position_std, assumptions.velocity_std)
     stamp = log.index.to_numpy(dtype=float)
@@ -119,7 +126,7 @@ def velocity_pair(inputs: DriveInputs) -> VelocityPair:
     """Return the samples, and the velocities of the fixes on the clock of the device."""
     log, fixes, assumptions = inputs.log, inputs.fixes, inputs.assumptions
     states = assumptions.states(inputs.model)
-    time = fixes.index.to_numpy(dtype=float) + assumptions.offset_s
+    time = fixes.index.to_numpy(dtype=float) + assumptions.time_offset_s
     std = gnss.deviations(fixes, assumptions.position_std, assumptions.velocity_std)
     seen = gnss.local(fixes, inputs.ellipsoid)
     velocity, spread = velocities(time, seen, std)
@@ -281,21 +288,22 @@ def _correlate(
     inherits from the receiver, shape (states, states).
     """
     size, lever = len(covariance), np.array(assumptions.lever_m)
-    states = [name for name, _ in assumptions.constants()]
-    first = size - len(states)
+    rows = assumptions.rows(size - NAVIGATION - len(assumptions.constants()))
+    arms = [rows[name] for name in LEVER_ARM if name in rows]
     for block, arm, reach in (
         (slice(0, VELOCITY), lever, np.eye(3)),
         (slice(VELOCITY, ATTITUDE), np.cross(rate, lever), cross_matrix(rate)),
     ):
         inherited[block, ATTITUDE:NAVIGATION] = cross_matrix(mat_nb @ arm)
-        if assumptions.lever_std > 0:
-            inherited[block, first : first + len(LEVER_ARM)] = -mat_nb @ reach
-    if assumptions.offset_std > 0:
-        inherited[:VELOCITY, -1], inherited[VELOCITY:ATTITUDE, -1] = -velocity, -pull
-    if assumptions.lever_std > 0 and by_course:
+        if arms:
+            inherited[block, arms] = -mat_nb @ reach
+    if TIME_OFFSET in rows:
+        delay = rows[TIME_OFFSET]
+        inherited[:VELOCITY, delay], inherited[VELOCITY:ATTITUDE, delay] = -velocity, -pull
+    if arms and by_course:
         turned = np.eye(size)
         swing = np.array([-velocity[1], velocity[0], 0.0]) / np.hypot(velocity[0], velocity[1]) ** 2
-        turned[NAVIGATION - 1, first : first + len(LEVER_ARM)] = -swing @ mat_nb @ cross_matrix(rate)
+        turned[NAVIGATION - 1, arms] = -swing @ mat_nb @ cross_matrix(rate)
         inherited = inherited @ turned
     covariance[:] = inherited @ covariance @ inherited.T
 

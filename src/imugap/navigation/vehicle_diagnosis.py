@@ -29,7 +29,7 @@ LEARNING = 0.5
 """Share of the fixes, from the first, that estimate a candidate."""
 CANDIDATES = ("time offset", "lever arm", "scale factor")
 PRIOR_STD = {
-    "time offset": {"offset_std": 0.3},
+    "time offset": {"time_offset_std": 0.3},
     "lever arm": {"lever_std": 1.0},
     "scale factor": {"scale_std": (0.02, 0.02)},
 }
@@ -49,8 +49,8 @@ def compensated(inputs: DriveInputs, candidate: str) -> tuple[DriveInputs, dict[
     row = solution.fix_row[int(LEARNING * len(solution.fix_row)) - 1]
     found = solution.sensors.iloc[row].to_dict()
     if candidate == "time offset":
-        offset = known.offset_s + found[TIME_OFFSET]
-        return replace(inputs, assumptions=replace(known, offset_s=offset)), {TIME_OFFSET: offset}
+        offset = known.time_offset_s + found[TIME_OFFSET]
+        return replace(inputs, assumptions=replace(known, time_offset_s=offset)), {TIME_OFFSET: offset}
     if candidate == "lever arm":
         arm = tuple(assumed + found[name] for assumed, name in zip(known.lever_m, LEVER_ARM, strict=True))
         return replace(inputs, assumptions=replace(known, lever_m=arm)), dict(zip(LEVER_ARM, arm, strict=True))

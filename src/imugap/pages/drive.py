@@ -25,7 +25,7 @@ CONSISTENCY = (
 def page(found: NavigatedDrive) -> Page:
     """Compose the page of a drive."""
     summary, verdict = found.summary(), found.verdict
-    mended = tuple(f"{one.found}: {one.setting}." for one in verdict.mends)
+    corrected = tuple(f"{one.found}: {one.setting}." for one in verdict.corrections)
     band = f"{summary['nis_low']:.3g} to {summary['nis_high']:.3g}"
     nis = f"NIS {summary['nis']:.3g}; 95 % of consistent filters lie in {band}."
     extent = tuple((title, f"{summary[key]:.5g}") for key, title in EXTENT.items())
@@ -35,7 +35,7 @@ def page(found: NavigatedDrive) -> Page:
         (str(verdict), f"The drive is {summary['distance_m']:.5g} m and {summary['duration_s']:.4g} s long."),
         verdict.agrees,
         (
-            Part("What to write into the configuration", (Text(MENDS), Points(mended)) if mended else ()),
+            Part("What to write into the configuration", (Text(CORRECTIONS), Points(corrected)) if corrected else ()),
             Part("Path", (Gallery((_track(found),)), Text(MAPS), DataTable("Extent.", ("", "value"), extent))),
             Part("Over time", (_over_time(found),)),
             Part("Errors of the sensors", (Text(ERRORS), _sensors(found), _settings(summary))),
@@ -47,7 +47,7 @@ def page(found: NavigatedDrive) -> Page:
     )
 
 
-MENDS = "Each contradiction of device and fixes was mended; with the setting beside it, it does not arise."
+CORRECTIONS = "Each contradiction of device and fixes was corrected; with the setting beside it, it does not arise."
 MAPS = (
     "path.geojson (WGS-84, heights above the ellipsoid) and path.kml (on the ground) beside this page open in maps and "
     "geographic information systems."

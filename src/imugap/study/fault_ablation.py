@@ -67,7 +67,7 @@ class Ablation:
         receiver = self.drive.receiver
         return DriveAssumptions(
             lever_m=receiver.lever_m,
-            offset_s=receiver.delay_s,
+            time_offset_s=receiver.delay_s,
             scale_std=self.drive.scale_std,
             position_std=receiver.position_std,
             velocity_std=receiver.velocity_std,
@@ -78,7 +78,7 @@ class Ablation:
         """Assumptions with the constraint of the rear axle."""
         axle = self.drive.axle
         return replace(
-            self.assumptions, wheels_std=axle.std_m_per_s, wheels_s=axle.correlation_s, axle_m=axle.arm_m
+            self.assumptions, nonholonomic_std=axle.std_m_per_s, nonholonomic_s=axle.correlation_s, axle_m=axle.arm_m
         )  # fmt: skip
 
     def runs(

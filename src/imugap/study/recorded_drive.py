@@ -85,7 +85,7 @@ class DriveTest:
     @property
     def rolling(self) -> "DriveTest":
         """The test with the constraint of the rear axle, which is taken to be at the device."""
-        return replace(self, assumptions=replace(self.assumptions, wheels_std=WHEELS_STD))
+        return replace(self, assumptions=replace(self.assumptions, nonholonomic_std=WHEELS_STD))
 
     def navigate(
         self, fixes: pd.DataFrame, model: ErrorModel, quality: QualityControl = NO_CONTROL, smooth: bool = False

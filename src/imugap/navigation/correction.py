@@ -1,15 +1,15 @@
-"""Mend of a drive: what was wrong with device or receiver, in words, and what was done about it."""
+"""Correction of a drive: what was wrong with device or receiver, in words, and what was done about it."""
 
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
-class Mend:
-    """Mend of the inputs of a drive.
+class Correction:
+    """Correction of the inputs of a drive.
 
     Attributes
     ----------
-    suspect
+    error
         Short name of the error.
     found
         What was found, in words.
@@ -17,7 +17,7 @@ class Mend:
         What was done: the setting of the configuration that does the same, or what was left out.
     """
 
-    suspect: str
+    error: str
     found: str
     setting: str
 

@@ -1,9 +1,9 @@
-"""Suspects of a drive that the filter tries: the error that makes the innovations likely is named and mended.
+"""Errors of a drive that the filter tries: the one that makes the innovations likely is named and corrected.
 
-Each suspect is added to the filter: a time offset, a lever arm (also the given one with the opposite sign) and scale
+Each candidate is added to the filter: a time offset, a lever arm (also the given one with the opposite sign) and scale
 factors as states, a receiver or a device with more noise than stated. The logarithm of the likelihood of the
 innovations, with heavy tails so that no gross error decides, integrates over the state: its gain is a Bayes factor.
-The suspect with the largest gain is mended, if it is significant and large enough to matter, and the others are tried
+The error with the largest gain is corrected, if it is significant and large enough to matter, and the others are tried
 again. A receiver that does not state its noise gets it by the same likelihood, with slow errors of its position where
 the fixes show them.
 
@@ -25,7 +25,7 @@ from imugap.filters.innovation_gate import QualityControl
 from imugap.io import gnss
 from imugap.io.gnss import PLACE_STD, VELOCITY_STD
 from imugap.model import ErrorModel
-from imugap.navigation.mend import Mend
+from imugap.navigation.correction import Correction
 from imugap.navigation.vehicle import LEVER_ARM, TIME_OFFSET, DriveInputs, DriveSolution, navigate
 from imugap.navigation.vehicle_alignment import align
 
@@ -34,15 +34,15 @@ CONTROL = QualityControl(component=6.0, gated=False, reset_s=None, separation_s=
 CAP = 8.0
 """NIS of a fix, over its degrees of freedom, beyond which the likelihood has heavy tails."""
 GAIN, GAIN_SHARE = 20.0, 0.01
-"""Smallest gain of the log-likelihood of a mend, and the same per fix."""
+"""Smallest gain of the log-likelihood of a correction, and the same per fix."""
 ROUNDS = 6
-"""Largest number of mends."""
+"""Largest number of corrections."""
 OFFSET_STD, OFFSET_LEAST = 0.3, 0.01
-"""Standard deviation of a suspected time offset, and smallest that is named [s]."""
+"""Standard deviation of a candidate time offset, and smallest that is named [s]."""
 LEVER_STD, LEVER_LEAST, LEVER_SIGMA = 2.0, 0.05, 5.0
-"""Standard deviation of a suspected lever arm, smallest change that is named [m], and its significance."""
+"""Standard deviation of a candidate lever arm, smallest change that is named [m], and its significance."""
 SCALE_STD, SCALE_LEAST = 0.03, 0.01
-"""Standard deviation of suspected scale factors, and smallest that is named."""
+"""Standard deviation of candidate scale factors, and smallest that is named."""
 NOISE_LIMITS = 0.5, 2.0
 """Range of the noise of a receiver over the stated one that is not named."""
 NOISE_STEPS, NOISE_GAIN = (4.0, 2.0, 2**0.5), 3.0
@@ -108,38 +108,38 @@ def solve(inputs: DriveInputs, smooth: bool = False) -> DriveSolution:
     return navigate(inputs, align(inputs), smooth)
 
 
-def mend(inputs: DriveInputs, stated: bool) -> tuple[DriveInputs, tuple[Mend, ...]]:
-    """Return the inputs with the errors mended that the innovations show, and these.
+def correct(inputs: DriveInputs, stated: bool) -> tuple[DriveInputs, tuple[Correction, ...]]:
+    """Return the inputs with the errors corrected that the innovations show, and these.
 
     Parameters
     ----------
     stated
         Whether the noise of the receiver is stated; if not, it is estimated without a word.
     """
-    mends, fixes = [], inputs.fixes
+    corrections, fixes = [], inputs.fixes
     if not stated:
         inputs = with_estimated_noise(inputs)
-    while len(mends) < ROUNDS:
+    while len(corrections) < ROUNDS:
         base = InnovationFit.of(solve(inputs))
         least = max(GAIN, GAIN_SHARE * len(inputs.fixes))
         best, gained = None, least
-        for tried, found in _suspects(inputs, base, stated, [one.suspect for one in mends]):
+        for tried, found in _candidates(inputs, base, stated, [one.error for one in corrections]):
             gain = InnovationFit.of(solve(tried)).likelihood - base.likelihood
             if gain > gained:
                 best, gained = (tried, found), gain
         if best is None:
             break
         inputs = best[0] if stated else with_estimated_noise(replace(best[0], fixes=fixes))
-        mends.append(best[1])
-    return inputs, tuple(mends)
+        corrections.append(best[1])
+    return inputs, tuple(corrections)
 
 
-def _suspects(
+def _candidates(
     inputs: DriveInputs, base: InnovationFit, stated: bool, named: list[str]
-) -> Iterator[tuple[DriveInputs, Mend]]:  # fmt: skip
-    """Yield the inputs with each suspect mended that is large enough to matter, and the mend."""
+) -> Iterator[tuple[DriveInputs, Correction]]:  # fmt: skip
+    """Yield the inputs with each candidate corrected that is large enough to matter, and the correction."""
     assumptions = inputs.assumptions
-    if "time offset" not in named and assumptions.offset_std == 0:
+    if "time offset" not in named and assumptions.time_offset_std == 0:
         yield from _time_offset(inputs)
     if "lever arm" not in named and assumptions.lever_std == 0:
         yield from _lever_arm(inputs)
@@ -153,22 +153,22 @@ def _suspects(
         yield from _device_noise(inputs)
 
 
-def _time_offset(inputs: DriveInputs) -> Iterator[tuple[DriveInputs, Mend]]:
+def _time_offset(inputs: DriveInputs) -> Iterator[tuple[DriveInputs, Correction]]:
     """Estimate a time offset, twice, for the second estimate is nearer to where the equations are linear."""
-    tried = replace(inputs, assumptions=replace(inputs.assumptions, offset_std=OFFSET_STD))
+    tried = replace(inputs, assumptions=replace(inputs.assumptions, time_offset_std=OFFSET_STD))
     for _ in range(2):
         one = solve(tried)
-        moved = tried.assumptions.offset_s + float(one.sensors[TIME_OFFSET].iloc[-1])
-        tried = replace(tried, assumptions=replace(tried.assumptions, offset_s=moved))
+        moved = tried.assumptions.time_offset_s + float(one.sensors[TIME_OFFSET].iloc[-1])
+        tried = replace(tried, assumptions=replace(tried.assumptions, time_offset_s=moved))
     moved = float(np.round(moved, 4))
-    tried = replace(tried, assumptions=replace(tried.assumptions, offset_s=moved, offset_std=OFFSET_STD))
-    change = moved - inputs.assumptions.offset_s
+    tried = replace(tried, assumptions=replace(tried.assumptions, time_offset_s=moved, time_offset_std=OFFSET_STD))
+    change = moved - inputs.assumptions.time_offset_s
     if abs(change) > OFFSET_LEAST:
         found = f"the stamps of the fixes are {abs(change):.3f} s {'late' if change < 0 else 'early'}"
-        yield tried, Mend("time offset", found, f"time_offset: {{offset_s: {moved:.3f}}}")
+        yield tried, Correction("time offset", found, f"time_offset: {{offset_s: {moved:.3f}}}")
 
 
-def _lever_arm(inputs: DriveInputs) -> Iterator[tuple[DriveInputs, Mend]]:
+def _lever_arm(inputs: DriveInputs) -> Iterator[tuple[DriveInputs, Correction]]:
     """Estimate a lever arm."""
     assumptions = inputs.assumptions
     tried = replace(inputs, assumptions=replace(assumptions, lever_std=LEVER_STD))
@@ -187,10 +187,10 @@ def _lever_arm(inputs: DriveInputs) -> Iterator[tuple[DriveInputs, Mend]]:
     what = "the lever arm has the opposite sign (from the antenna to the device)" if turned else (
         f"the antenna is {np.linalg.norm(change[seen]):.2g} m away from where the lever arm has it"
     )  # fmt: skip
-    yield replace(inputs, assumptions=assumptions), Mend("lever arm", what, f"lever_arm: {{{shown}}}")
+    yield replace(inputs, assumptions=assumptions), Correction("lever arm", what, f"lever_arm: {{{shown}}}")
 
 
-def _receiver_noise(inputs: DriveInputs) -> Iterator[tuple[DriveInputs, Mend]]:
+def _receiver_noise(inputs: DriveInputs) -> Iterator[tuple[DriveInputs, Correction]]:
     """Estimate the noise of the receiver by the innovations."""
     factors = noise_factors(inputs)
     if min(factors) < NOISE_LIMITS[0] or max(factors) > NOISE_LIMITS[1]:
@@ -204,10 +204,10 @@ def _receiver_noise(inputs: DriveInputs) -> Iterator[tuple[DriveInputs, Mend]]:
             f"receiver: {{horizontal_m: {std[0]:.2g}, vertical_m: {std[2]:.2g}, horizontal_m_per_s: {std[3]:.2g}, "
             f"vertical_m_per_s: {std[5]:.2g}}}"
         )
-        yield tried, Mend("receiver noise", found, setting)
+        yield tried, Correction("receiver noise", found, setting)
 
 
-def _scale_factor(inputs: DriveInputs) -> Iterator[tuple[DriveInputs, Mend]]:
+def _scale_factor(inputs: DriveInputs) -> Iterator[tuple[DriveInputs, Correction]]:
     """Estimate scale factors."""
     tried = replace(inputs, assumptions=replace(inputs.assumptions, scale_std=(SCALE_STD, SCALE_STD)))
     one = solve(tried)
@@ -218,10 +218,13 @@ def _scale_factor(inputs: DriveInputs) -> Iterator[tuple[DriveInputs, Mend]]:
         found = "scale factors of " + ", ".join(
             f"{name.removesuffix('_scale')} {one:+.1%}" for name, one in seen.items()
         )
-        yield tried, Mend("scale factor", found, f"scale_factor: {{gyro_std: {SCALE_STD}, accel_std: {SCALE_STD}}}")
+        yield (
+            tried,
+            Correction("scale factor", found, f"scale_factor: {{gyro_std: {SCALE_STD}, accel_std: {SCALE_STD}}}"),
+        )
 
 
-def _device_noise(inputs: DriveInputs) -> Iterator[tuple[DriveInputs, Mend]]:
+def _device_noise(inputs: DriveInputs) -> Iterator[tuple[DriveInputs, Correction]]:
     """Multiply the white noise of the device, as of vibration."""
     for factor in DEVICE_FACTORS:
         model = ErrorModel({
@@ -231,7 +234,7 @@ def _device_noise(inputs: DriveInputs) -> Iterator[tuple[DriveInputs, Mend]]:
             for axis, own in inputs.model.axes.items()
         })  # fmt: skip
         found = f"the device has some {factor:g} times the white noise of its model, as under vibration"
-        yield replace(inputs, model=model), Mend("device noise", found, "model: a file with more white noise")
+        yield replace(inputs, model=model), Correction("device noise", found, "model: a file with more white noise")
 
 
 def deviations(inputs: DriveInputs) -> np.ndarray:
@@ -263,8 +266,8 @@ def with_receiver(inputs: DriveInputs, factors: tuple[float, ...]) -> DriveInput
     """
     known = inputs.assumptions
     *noise, across, down, longer = factors
-    slow = tuple(float(one) for one in np.array(known.slow_std) * (across, across, down))
-    assumptions = replace(known, slow_std=slow, slow_s=known.slow_s * longer)
+    slow = tuple(float(one) for one in np.array(known.slow_position_std) * (across, across, down))
+    assumptions = replace(known, slow_position_std=slow, slow_position_s=known.slow_position_s * longer)
     return with_noise(replace(inputs, assumptions=assumptions), tuple(noise))
 
 
@@ -316,8 +319,8 @@ def with_estimated_noise(inputs: DriveInputs) -> DriveInputs:
     """
     if not _slow_errors(inputs):
         return with_noise(inputs, noise_factors(inputs))
-    if not any(inputs.assumptions.slow_std):
-        inputs = replace(inputs, assumptions=replace(inputs.assumptions, slow_std=SLOW_STD))
+    if not any(inputs.assumptions.slow_position_std):
+        inputs = replace(inputs, assumptions=replace(inputs.assumptions, slow_position_std=SLOW_STD))
     inputs = replace(inputs, quality=replace(inputs.quality, separation_s=None))
     free = [*_seen_groups(inputs), *range(len(GROUPS), len(GROUPS) + 3)]
     return with_receiver(inputs, _most_likely(inputs, with_receiver, free, SLOW_STEPS))
