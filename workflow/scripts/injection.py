@@ -1,0 +1,35 @@
+"""Add known effects to the real logs of a device, alone and together, and discover on each."""
+
+import pandas as pd
+
+from imugap import log
+from imugap.discovery.device import Settings
+from imugap.discovery.steps import each_in_processes
+from imugap.log import ACCEL, GYRO
+from imugap.study.injection import SIZE, inject, untouched
+from imugap.workflow.job_log import job
+from imugap.workflow.products import save
+
+KINDS = tuple(SIZE)
+
+
+def trials(run, axis, path, sizes, together, settings):
+    """Return the rows of all trials on one axis of a run: each kind alone at each size, and several at the largest."""
+    base = untouched(run, axis, log.load(path), settings)
+    alone = [([kind], size) for kind in KINDS for size in sizes]
+    several = [(KINDS[:number], max(sizes)) for number in together]
+    return [row for kinds, size in (*alone, *several) for row in inject(base, kinds, size, settings).rows()]
+
+
+# started processes import this module again
+if __name__ == "__main__":
+    with job(snakemake) as (source, params, output):
+        settings = Settings(**params.settings, seed=params.seed)
+        tasks = [
+            (run, sensor[number % 3], path, params.sizes, params.together, settings)
+            for number, (run, path) in enumerate(zip(params.runs, source.logs, strict=True))
+            for sensor in (GYRO, ACCEL)
+        ]
+        with each_in_processes(snakemake.threads) as each:
+            rows = [row for some in each(trials, *zip(*tasks, strict=True)) for row in some]
+        save(output, trials=pd.DataFrame(rows))
