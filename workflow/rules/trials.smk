@@ -80,3 +80,45 @@ rule trials_page:
 
 
 PAPER["discovery"] += ["paper/numbers/trials_recorded.json"] if config["trials"]["recorded"] else []
+
+
+rule ablation:
+    """Compare the held-out gain of names with that of wrong names, on sealed cases and on further runs of devices."""
+    input:
+        recipe="benchmark/src/imu_benchmark/recipe.toml",
+        logs=[path for device in UNSEEN_OF for path in per_run(device, "means.parquet")],
+    output:
+        comparisons="results/ablation.csv",
+    log:
+        "logs/ablation.log",
+    resources:
+        mem_mb=3000,
+        runtime=120,
+    params:
+        devices=UNSEEN_OF,
+        cases=config["trials"]["ablation"]["cases"],
+        cases_seed=config["trials"]["ablation"]["seed"],
+        ranges=config["trials"]["ranges"] | {"sizes": [10, 30]},
+        settings=DISCOVERY_SETTINGS,
+        seed=config["seed"],
+        code=library("ablation"),
+    script:
+        "../scripts/ablation.py"
+
+
+rule ablation_page:
+    """Tabulate how much of the held-out gain of a name a wrong name has."""
+    input:
+        comparisons="results/ablation.csv",
+    output:
+        table=table("ablation", "Discovery", "names and wrong names (table)", caption="ablation"),
+        numbers="paper/numbers/ablation.json",
+    log:
+        "logs/ablation_page.log",
+    params:
+        code=library("ablation_page"),
+    script:
+        "../scripts/ablation_page.py"
+
+
+PAPER["discovery"] += rules.ablation_page.output if "discovery" in CHAPTERS else []

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import pandas as pd
 
 from imu_benchmark.sealing import BlindCase, SealedCase, seal
-from imugap.discovery.device import Settings, discover
+from imugap.discovery.device import Discovery, Settings, discover
 from imugap.discovery.report import to_mapping
 from imugap.log import AXES, TEMPERATURE, TIME
 from imugap.model import ErrorModel
@@ -44,14 +44,18 @@ def answer(case: BlindCase, recipe: Mapping, settings: Settings) -> Answer:
     The start model is that of the case; the level of ``settings`` is that of all axes together.
     """
     sealed = seal(case, recipe)
+    return Answer(sealed.key, to_mapping(search(sealed, settings), ()))
+
+
+def search(sealed: SealedCase, settings: Settings) -> Discovery:
+    """Discover on those axes of a sealed case that hide something, as :func:`answer` does."""
     used = _searched(sealed)
     own = replace(
         settings,
         alpha=settings.alpha * len(used) / len(AXES),
         start=None if sealed.model is None else ErrorModel.from_mapping(sealed.model),
     )
-    found = discover([_part(log, used) for log in sealed.logs], own, reference=sealed.reference)
-    return Answer(sealed.key, to_mapping(found, ()))
+    return discover([_part(log, used) for log in sealed.logs], own, reference=sealed.reference)
 
 
 def _searched(sealed: SealedCase) -> Sequence[str]:
