@@ -7,6 +7,7 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
+from imu_benchmark import cli as benchmark
 from imugap import cli
 
 ROOT = Path(__file__).parents[2]
@@ -55,6 +56,9 @@ def command(words, folder):
     """Run a command of a page."""
     if words[0] == "imugap":
         assert cli.main(words[1:]) == 0, words
+        return
+    if words[0] == "imu-benchmark":
+        assert benchmark.main(words[1:]) == 0, words
         return
     assert words[:2] == ["snakemake", "--dry-run"], words
     found = subprocess.run([sys.executable, "-m", *words], cwd=folder, capture_output=True, text=True)

@@ -6,11 +6,11 @@ import pytest
 from tests.site.blocks import ROOT, blocks, lay_out, run
 
 PAGES = sorted((ROOT / "docs").rglob("*.md"))
-QUICK = {"exports", "model"}
+QUICK = {"benchmark", "exports", "model"}
 """Pages whose blocks take a few seconds."""
 INSTALL = "sh"
 """Language of the commands that set up an environment, which the gate does."""
-LANGUAGES = {"bash", "python", INSTALL, ""}
+LANGUAGES = {"bash", "python", "json", INSTALL, ""}
 
 
 def marked(page):

@@ -275,6 +275,19 @@ def test_the_blind_benchmark_seals_discovers_scores_and_shows(benchmark):
         assert log_file.read_text().endswith("done\n")
 
 
+def test_baselines_and_discovery_answer_the_same_cases_in_one_table(copied):
+    pytest.importorskip("ruptures")
+    pytest.importorskip("allantools")
+    small = "baselines={cases: 2, cases_per_job: 1, entries: [nothing, allan_slopes, noise_id, change_points]}"
+    found = snakemake("baselines", "--cores", "2", "--configfile", QUICK, "--config", small, folder=copied)
+    assert found.returncode == 0, found.stderr
+    scores = pd.read_csv(copied / "results/baselines/summary.csv")
+    entries = ["nothing", "allan_slopes", "noise_id", "change_points", "discovery"]
+    assert list(dict.fromkeys(scores["entry"])) == entries
+    assert json.loads((copied / "paper/numbers/baselines.json").read_text())["cases"] == 2
+    assert len(json.loads((copied / "paper/tables/baselines.json").read_text())) > 0
+
+
 @pytest.fixture
 def cluster(tmp_path):
     """A SLURM cluster of two nodes on this machine."""

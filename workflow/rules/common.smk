@@ -291,6 +291,14 @@ def blind_scores(wildcards):
     return {name: f"{folder}/{name}.csv" for name in scores} | record
 
 
+def baseline_scores(wildcards):
+    """Name the scores of the baselines: of their run here, or of the recorded one with its record."""
+    recorded = wildcards.baselines == "baselines_recorded"
+    folder = "data/baselines_recorded" if recorded else "results/baselines"
+    record = {"record": f"{folder}/record.yaml"} if recorded else {}
+    return {name: f"{folder}/{name}.csv" for name in ("summary", "answers")} | record
+
+
 def dossier_of_log(wildcards):
     """Name the page of what is found on the log of the configuration."""
     if not OWN_DISCOVERY:

@@ -4,19 +4,16 @@ import argparse
 import json
 import secrets
 import sys
-import time
 from collections.abc import Callable, Sequence
-from importlib import import_module
 from pathlib import Path
 
 import pandas as pd
 
 from imu_benchmark import answers, commitments, recipe, schema, summary
-from imu_benchmark.case import read_case
+from imu_benchmark.baselines import BASELINES, answer_all, named
 from imu_benchmark.schema import FormatError
 from imu_benchmark.scores import confusion
 
-BASELINES = ("nothing", "allan_slopes", "noise_id", "gmwm_choice", "change_points", "classifier")
 CLEAR = 10.0
 """Size in detection limits from which an effect counts as clear."""
 
@@ -84,23 +81,7 @@ def _write_scores(one: summary.Scored, clear: float, folder: Path) -> None:
 
 
 def _baseline(given: argparse.Namespace) -> None:
-    report = import_module(f"imu_benchmark.baselines.{given.name}").report
-    answer_all(report, given.public, given.out)
-
-
-def answer_all(report: Callable, public: str | Path, out: str | Path) -> None:
-    """Write the report of every case and its run time [s] into the new folder ``out``."""
-    out = Path(out)
-    cases = commitments.read_cases(public)
-    if out.exists():
-        raise FormatError(out, "", "nothing, for it is made", "a file or a folder")
-    for name in cases:
-        begin = time.perf_counter()
-        found = report(read_case(Path(public) / commitments.CASES / name))
-        folder = out / name
-        folder.mkdir(parents=True)
-        (folder / answers.REPORT).write_text(json.dumps(found, indent=1, allow_nan=False) + "\n")
-        (folder / answers.SECONDS).write_text(json.dumps({"seconds": time.perf_counter() - begin}) + "\n")
+    answer_all(named(given.name), given.public, given.out)
 
 
 def _parser() -> argparse.ArgumentParser:

@@ -73,7 +73,12 @@ def reveal(secret: str | Path, public: str | Path) -> None:
 
 def read_keys(public: str | Path) -> list[dict]:
     """Return the revealed keys in the order of the cases, if they have the digests of the manifest."""
-    keys = _checked_keys(Path(public) / KEYS, public)["keys"]
+    return read_secret(Path(public) / KEYS, public)
+
+
+def read_secret(secret: str | Path, public: str | Path) -> list[dict]:
+    """Return the keys of a file in the order of the cases, if they have the digests of the manifest."""
+    keys = _checked_keys(secret, public)["keys"]
     return [keys[case]["record"] for case in _manifest(public)["cases"]]
 
 

@@ -20,7 +20,7 @@ from imu_benchmark.sealing import SealedCase, plan, seal
 
 SEED = 1
 CASES = 600
-LENGTHS = {"duration_s": [600, 1200], "rates_hz": [25, 50]}
+LENGTHS = {"duration_s": [300, 900], "rates_hz": [25]}
 """What the cases differ in from the recipe, to be made in minutes."""
 SHARES = {"single": 0.85, "nothing": 0.15}
 TREES = 500

@@ -1,0 +1,37 @@
+"""Tabulate the baselines beside discovery, and write what the text says of them."""
+
+from pathlib import Path
+
+import pandas as pd
+import yaml
+
+from imu_benchmark import summary
+from imugap.workflow.job_log import job
+from imugap.workflow.products import save
+
+KINDS = ("single", "pair", "triple", "nothing", "unknown")
+
+
+def numbers(scores, answers, clear_size):
+    """Return what the text says: numbers of cases, and the shares of each entry."""
+    kinds = answers.drop_duplicates("case")["kind"].value_counts().reindex(KINDS, fill_value=0).to_dict()
+    shares = scores[(scores["kind"] == summary.SHARE) & (scores["count"] > 0)]
+    entries = {
+        entry: {
+            one.score: {"right": round(one.rate * one.count), "count": int(one.count)}
+            for one in group.itertuples(index=False)
+        }
+        for entry, group in shares.groupby("entry", sort=False)
+    }
+    return {"cases": sum(kinds.values()), "kinds": kinds, "clear": f"{clear_size:g}", "entries": entries}
+
+
+with job(snakemake) as (source, params, output):
+    files = dict(source.items())
+    scores, answers = pd.read_csv(files["summary"]), pd.read_csv(files["answers"])
+    record = yaml.safe_load(Path(files["record"]).read_text()) if "record" in files else {}
+    save(
+        output,
+        table=(scores, summary.table(scores)),
+        numbers=numbers(scores, answers, params.clear_size) | record,
+    )
